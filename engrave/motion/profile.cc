@@ -1,0 +1,84 @@
+#include "engrave/motion/profile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::motion {
+
+void RequireUsable(const Limits& limits) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double speed = limits.max_speed_mm_s[axis];
+    const double acceleration = limits.max_acceleration_mm_s2[axis];
+    Require(speed > 0.0 && std::isfinite(speed),
+            "max_speed_mm_s of axis {} must be positive and finite, is {}", axis, speed);
+    Require(acceleration > 0.0 && std::isfinite(acceleration),
+            "max_acceleration_mm_s2 of axis {} must be positive and finite, is {}", axis,
+            acceleration);
+  }
+}
+
+double TriangleSeconds(double distance_mm, double acceleration_mm_s2) {
+  return 2.0 * std::sqrt(distance_mm / acceleration_mm_s2);
+}
+
+double TrapezoidSeconds(double distance_mm, const AxisLimits& limits) {
+  return distance_mm / limits.max_speed_mm_s +
+         limits.max_speed_mm_s / limits.max_acceleration_mm_s2;
+}
+
+double SwitchingSeconds(double duration_s, double distance_mm,
+                        double acceleration_mm_s2) {
+  // The lesser root of t (T - t) = s / a, as product over greater root: the printed
+  // difference loses its digits when the ramp is short.
+  const double half_s = 0.5 * duration_s;
+  const double product_s2 = distance_mm / acceleration_mm_s2;
+  const double root_s = std::sqrt(std::max(0.0, half_s * half_s - product_s2));
+  return product_s2 > 0.0 ? product_s2 / (half_s + root_s) : 0.0;
+}
+
+double CubicSeconds(double distance_mm, const AxisLimits& limits) {
+  return std::max(std::sqrt(6.0 * distance_mm / limits.max_acceleration_mm_s2),
+                  1.5 * distance_mm / limits.max_speed_mm_s);
+}
+
+double StopAndGoSeconds(double distance_mm, const AxisLimits& limits) {
+  const double peak_mm_s = std::sqrt(distance_mm * limits.max_acceleration_mm_s2);
+  return peak_mm_s <= limits.max_speed_mm_s
+             ? TriangleSeconds(distance_mm, limits.max_acceleration_mm_s2)
+             : TrapezoidSeconds(distance_mm, limits);
+}
+
+double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limits) {
+  switch (profile) {
+    case Profile::kTriangle:
+      return std::max(TriangleSeconds(distance_mm, limits.max_acceleration_mm_s2),
+                      2.0 * distance_mm / limits.max_speed_mm_s);
+    case Profile::kCubic:
+      return CubicSeconds(distance_mm, limits);
+    case Profile::kTrapezoid:
+    case Profile::kMix:
+      break;
+  }
+  return StopAndGoSeconds(distance_mm, limits);
+}
+
+AxisLimits UnitStepLimits(const Vec3& step_mm, const Limits& limits) {
+  const auto length = step_mm.cwiseAbs().array();
+  return {1.0 / (length / limits.max_speed_mm_s.array()).maxCoeff(),
+          1.0 / (length / limits.max_acceleration_mm_s2.array()).maxCoeff()};
+}
+
+double StopAndGoSeconds(const Vec3& step_mm, const Limits& limits) {
+  return step_mm.isZero(0.0) ? 0.0
+                             : StopAndGoSeconds(1.0, UnitStepLimits(step_mm, limits));
+}
+
+std::uint64_t WholeTicks(double seconds, double rate_hz) {
+  const double ticks = std::ceil(seconds * rate_hz * (1.0 - kTickSlackRatio));
+  Require(ticks < 9e15, "a time of {} s at {} Hz is no count of ticks", seconds, rate_hz);
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(ticks));
+}
+
+}  // namespace intaglio::motion

@@ -1,0 +1,54 @@
+#pragma once
+
+// Motion that comes to rest at every point: the published way (Trochimczuk 2008
+// ch. 6.2) and the plainest. Frame machine, mm.
+//
+// A pulse exists only at a tick, so a step takes n = WholeTicks(T) whole ticks, T the
+// profile's least time, and is then stretched to fill them: the stage never waits at
+// a point and never drives harder than it must.
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/motion/limits.h"
+#include "engrave/motion/profile.h"
+#include "engrave/motion/segment.h"
+
+namespace intaglio::motion {
+
+/// Streams: target in, the segments of that step out. Allocates nothing but the
+/// growth of `out`. Not for use by two threads at once.
+class StopAndGoPlanner {
+ public:
+  /// Starts at rest at `start_mm`. rate_hz > 0: the lamp's rate, 1 .. 4000.
+  StopAndGoPlanner(const Limits& limits, double rate_hz, Profile profile,
+                   const Vec3& start_mm);
+
+  /// Adds the 1 to 3 segments of the step to `target_mm` (more when it lasts longer
+  /// than kMaxSegmentTicks). Only the last one carries `point` and `pulse`. A step
+  /// of no length takes one tick, as the next pulse cannot come sooner.
+  void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
+              std::vector<Segment>& out);
+
+  /// Adds the end of the program: one tick at rest. (Whoever still has the last
+  /// segment in hand may set its program_end and save the tick.)
+  void Finish(std::vector<Segment>& out);
+
+  const Vec3& position_mm() const { return position_mm_; }
+  /// Ticks of everything appended so far.
+  std::uint64_t ticks() const { return ticks_; }
+
+ private:
+  Limits limits_;
+  double rate_hz_;
+  Profile profile_;
+  Vec3 position_mm_;
+  std::uint64_t ticks_ = 0;
+};
+
+/// Ticks that StopAndGoPlanner will take from rest at `start_mm` through all points.
+std::uint64_t EstimateTicks(const PointList& points_mm, const Vec3& start_mm,
+                            const Limits& limits, double rate_hz, Profile profile);
+
+}  // namespace intaglio::motion

@@ -1,0 +1,61 @@
+#pragma once
+
+// Independent check of a plan: it knows the segments and the limits, nothing of how
+// they were made, and shares no code with the planners. Frame machine, mm.
+//
+// Each segment is taken as a Bezier curve; its speed and acceleration are both
+// evaluated in closed form at their extremes and sampled densely by de Casteljau's
+// rule, so a mistake in one shows against the other.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/motion/limits.h"
+#include "engrave/motion/segment.h"
+
+namespace intaglio::motion {
+
+struct VerifyOptions {
+  /// Share by which a limit may be passed. 1e-6: planners round times to a relative
+  /// 1e-9, and no drive knows its limit to better than a per cent.
+  double limit_slack_ratio = 1e-6;
+  /// How far from its place a point's knot may lie. 1e-9 mm: rounding of doubles.
+  double position_tolerance_mm = 1e-9;
+  /// Samples inside each segment.
+  int samples = 8;
+  /// Whether every planned point has to be reached (false for a part of a plan).
+  bool all_points = true;
+};
+
+struct MotionReport {
+  std::uint64_t ticks = 0;   ///< Duration in ticks; a part of a tick counts as one.
+  std::uint64_t points = 0;  ///< Points reached at their whole tick.
+  Vec3 max_speed_mm_s = Vec3::Zero();
+  Vec3 max_acceleration_mm_s2 = Vec3::Zero();
+  double peak_acceleration_mm_s2 = 0.0;  ///< Of the vector's length.
+  double rms_acceleration_mm_s2 = 0.0;   ///< Over time, of the vector's length.
+  /// Total variation of the acceleration vector over time, jumps at knots and at the
+  /// start and end included: what shakes the machine.
+  double mean_jerk_mm_s3 = 0.0;
+  double path_mm = 0.0;  ///< Length of the way, from the samples.
+  std::uint64_t violation_count = 0;
+  /// The first 20 violations, a sentence each.
+  std::vector<std::string> violations;
+
+  bool ok() const { return violation_count == 0; }
+  /// Points per tick, the laser's pulse utilisation; at most 1.
+  double utilisation_ratio() const {
+    return ticks == 0 ? 0.0 : static_cast<double>(points) / static_cast<double>(ticks);
+  }
+};
+
+/// Checks that the motion starts and ends at rest, keeps to the limits of speed and
+/// acceleration of each axis, and passes every point of `planned_mm` once, at a whole
+/// tick, in its place; that the program ends only at rest, with the last segment.
+MotionReport VerifyMotion(const KnotState& start, const std::vector<Segment>& segments,
+                          const PointList& planned_mm, const Limits& limits,
+                          double rate_hz, const VerifyOptions& options = {});
+
+}  // namespace intaglio::motion
