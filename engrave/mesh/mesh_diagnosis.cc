@@ -1,0 +1,260 @@
+#include "engrave/mesh/mesh_diagnosis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+#include "engrave/core/check.h"
+
+// Orientation. Two triangles that share an edge and pass it in opposite ways face the
+// same side (relation 0); passing it the same way they face opposite sides (relation 1).
+// A union-find whose links carry the relation to the parent gives every triangle's
+// side relative to its part's root; the smaller side of a part is the flipped one. A
+// link between triangles already joined that contradicts their sides closes a
+// Moebius strip.
+//
+// Volume, by the divergence theorem: the sum over triangles of a . (b x c) / 6, taken
+// from the centre of the bounds so that a far-off model does not cancel digits away.
+
+namespace intaglio::mesh {
+namespace {
+
+constexpr double kMinSizeRatio = 0.02;
+constexpr double kDegenerateRatio = 1e-12;
+
+/// One triangle's use of an edge.
+struct EdgeUse {
+  std::uint32_t low;
+  std::uint32_t high;
+  std::uint32_t triangle;
+  bool upward;  // from the low vertex to the high one
+
+  bool SameEdge(const EdgeUse& other) const {
+    return low == other.low && high == other.high;
+  }
+};
+
+/// Parts of the mesh, and each triangle's side relative to the root of its part.
+class SideForest {
+ public:
+  explicit SideForest(std::size_t count)
+      : parent_(count), size_(count, 1), opposite_(count, 0) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+
+  struct Root {
+    std::uint32_t index;
+    bool opposite;
+  };
+
+  Root Find(std::uint32_t node) {
+    Root root{node, false};
+    while (parent_[root.index] != root.index) {
+      root.opposite ^= opposite_[root.index] != 0;
+      root.index = parent_[root.index];
+    }
+    bool opposite = root.opposite;
+    while (parent_[node] != root.index && node != root.index) {
+      const std::uint32_t next = parent_[node];
+      const bool next_opposite = opposite ^ (opposite_[node] != 0);
+      parent_[node] = root.index;
+      opposite_[node] = opposite;
+      node = next;
+      opposite = next_opposite;
+    }
+    return root;
+  }
+
+  /// Joins two triangles. False when their sides contradict `opposite`.
+  bool Join(std::uint32_t a, std::uint32_t b, bool opposite) {
+    Root root_a = Find(a);
+    Root root_b = Find(b);
+    const bool relation = root_a.opposite ^ root_b.opposite ^ opposite;
+    if (root_a.index == root_b.index) return !relation;
+    if (size_[root_a.index] < size_[root_b.index]) std::swap(root_a, root_b);
+    parent_[root_b.index] = root_a.index;
+    opposite_[root_b.index] = relation;
+    size_[root_a.index] += size_[root_b.index];
+    return true;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> size_;
+  std::vector<std::uint8_t> opposite_;  // to the parent
+};
+
+bool HasRepeatedCorner(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+std::vector<EdgeUse> SortedEdgeUses(const TriangleMesh& mesh) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(3 * mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& corners = mesh.triangles[t];
+    if (HasRepeatedCorner(corners)) continue;
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t from = corners[c];
+      const std::uint32_t to = corners[(c + 1) % 3];
+      uses.push_back({std::min(from, to), std::max(from, to), t, from < to});
+    }
+  }
+  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
+    const auto key = [](const EdgeUse& use) {
+      return std::uint64_t{use.low} << 32 | use.high;
+    };
+    return key(a) != key(b) ? key(a) < key(b) : a.triangle < b.triangle;
+  });
+  return uses;
+}
+
+void CountShapes(const TriangleMesh& mesh, MeshDiagnosis& diagnosis) {
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t corner : t) {
+      Require(corner < mesh.vertices.size(), "triangle corner {} of {} vertices", corner,
+              mesh.vertices.size());
+      used[corner] = true;
+    }
+  }
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!used[v]) continue;
+    ++diagnosis.vertex_count;
+    diagnosis.bounds_mm.Extend(mesh.vertices[v]);
+  }
+  const Vec3 center_mm =
+      diagnosis.bounds_mm.empty() ? Vec3(Vec3::Zero()) : diagnosis.bounds_mm.center_mm();
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 a = mesh.vertices[t[0]] - center_mm;
+    const Vec3 b = mesh.vertices[t[1]] - center_mm;
+    const Vec3 c = mesh.vertices[t[2]] - center_mm;
+    const double twice_area_mm2 = (b - a).cross(c - a).norm();
+    const double longest_sq_mm2 =
+        std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    if (HasRepeatedCorner(t) || twice_area_mm2 <= kDegenerateRatio * longest_sq_mm2) {
+      ++diagnosis.degenerate_triangle_count;
+    }
+    diagnosis.area_mm2 += twice_area_mm2 / 2;
+    diagnosis.signed_volume_mm3 += a.dot(b.cross(c)) / 6;
+  }
+}
+
+void CountDuplicates(const TriangleMesh& mesh, MeshDiagnosis& diagnosis) {
+  std::vector<Triangle> sorted = mesh.triangles;
+  for (Triangle& t : sorted) std::sort(t.begin(), t.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto last = std::unique(sorted.begin(), sorted.end());
+  diagnosis.duplicate_triangle_count =
+      static_cast<std::uint64_t>(std::distance(last, sorted.end()));
+}
+
+/// Counts the kinds of edges and joins the triangles along them.
+void CountEdges(const std::vector<EdgeUse>& uses, SideForest& parts, SideForest& sides,
+                MeshDiagnosis& diagnosis) {
+  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+    while (end < uses.size() && uses[end].SameEdge(uses[begin])) ++end;
+    ++diagnosis.edge_count;
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      parts.Join(uses[begin].triangle, uses[i].triangle, false);
+    }
+    if (end - begin == 1) {
+      ++diagnosis.open_edge_count;
+    } else if (end - begin > 2) {
+      ++diagnosis.non_manifold_edge_count;
+    } else {
+      const bool flipped = uses[begin].upward == uses[begin + 1].upward;
+      if (flipped) ++diagnosis.flipped_edge_count;
+      if (!sides.Join(uses[begin].triangle, uses[begin + 1].triangle, flipped)) {
+        diagnosis.orientable = false;
+      }
+    }
+  }
+}
+
+void CountParts(const TriangleMesh& mesh, SideForest& parts, SideForest& sides,
+                MeshDiagnosis& diagnosis) {
+  // Per root of `sides`: triangles on the root's side and on the other.
+  std::vector<std::array<std::uint32_t, 2>> side_counts(mesh.triangles.size(), {0, 0});
+  std::uint64_t edged_triangle_count = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (HasRepeatedCorner(mesh.triangles[t])) continue;
+    ++edged_triangle_count;
+    if (parts.Find(t).index == t) ++diagnosis.component_count;
+    const SideForest::Root root = sides.Find(t);
+    ++side_counts[root.index][root.opposite ? 1 : 0];
+  }
+  for (const auto& counts : side_counts) {
+    diagnosis.flipped_triangle_count += std::min(counts[0], counts[1]);
+  }
+  diagnosis.euler_characteristic = static_cast<std::int64_t>(diagnosis.vertex_count) -
+                                   static_cast<std::int64_t>(diagnosis.edge_count) +
+                                   static_cast<std::int64_t>(edged_triangle_count);
+}
+
+}  // namespace
+
+MeshDiagnosis Diagnose(const TriangleMesh& mesh) {
+  MeshDiagnosis diagnosis;
+  diagnosis.triangle_count = mesh.triangles.size();
+  CountShapes(mesh, diagnosis);
+  CountDuplicates(mesh, diagnosis);
+  SideForest parts(mesh.triangles.size());
+  SideForest sides(mesh.triangles.size());
+  CountEdges(SortedEdgeUses(mesh), parts, sides, diagnosis);
+  CountParts(mesh, parts, sides, diagnosis);
+  return diagnosis;
+}
+
+std::vector<std::string> Warnings(const MeshDiagnosis& d, std::string_view model_name) {
+  std::vector<std::string> warnings;
+  const auto warn_if = [&](std::uint64_t count, std::string_view sentence) {
+    if (count == 0) return;
+    warnings.push_back(
+        fmt::format("{}: {}", model_name, fmt::format(fmt::runtime(sentence), count)));
+  };
+  warn_if(d.open_edge_count,
+          "the surface is open along {} edges; points are made on it all the same, but "
+          "contours there do not close: fill the holes in a mesh editor if they are not "
+          "meant");
+  warn_if(
+      d.non_manifold_edge_count,
+      "{} edges belong to more than two triangles, as where walls meet inside; remove "
+      "inner walls in a mesh editor if points there are not wanted");
+  warn_if(d.flipped_triangle_count,
+          "{} triangles face the other way than their neighbours; make the normals agree "
+          "in a mesh editor if inside and outside matter");
+  warn_if(
+      d.orientable ? 0 : 1,
+      "inside and outside cannot be told apart ({} or more parts are one-sided like a "
+      "Moebius strip); points are made on the surface all the same");
+  warn_if(
+      d.closed() && d.flipped_edge_count == 0 && d.signed_volume_mm3 < 0 ? 1 : 0,
+      "the surface is turned inside out; points are made on it all the same, flip the "
+      "normals in a mesh editor if inside and outside matter");
+  warn_if(d.degenerate_triangle_count,
+          "{} triangles have no area; they get no points of their own");
+  warn_if(d.duplicate_triangle_count,
+          "{} triangles are there twice or more; remove doubles in a mesh editor");
+  return warnings;
+}
+
+std::optional<std::string> SizeWarning(const Vec3& size_mm, const Vec3& block_size_mm,
+                                       std::string_view model_name) {
+  const auto describe = [](const Vec3& v) {
+    return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", v.x(), v.y(), v.z());
+  };
+  const bool too_large = (size_mm.array() > block_size_mm.array()).any();
+  const bool too_small = size_mm.maxCoeff() < kMinSizeRatio * block_size_mm.minCoeff();
+  if (!too_large && !too_small) return std::nullopt;
+  return fmt::format(
+      "{}: the model is {}, {} the block of {}; is the file in inches or metres? Set its "
+      "unit, or fit it to a height or size",
+      model_name, describe(size_mm), too_large ? "larger than" : "less than 2 % of",
+      describe(block_size_mm));
+}
+
+}  // namespace intaglio::mesh

@@ -1,0 +1,284 @@
+#include "engrave/mesh/mesh_import.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <exception>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "engrave/mesh/weld_vertices.h"
+
+namespace intaglio::mesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 8> kExtensions = {"stl",  "obj", "ply", "3mf",
+                                                         "gltf", "glb", "dae", "3ds"};
+
+/// A model file as errors speak of it, and the bounds it must keep.
+struct Source {
+  std::string name;
+  std::string extension;
+  ImportOptions options;
+
+  tl::unexpected<Error> Refuse(ErrorCode code,
+                               std::string_view problem_and_remedy) const {
+    return Fail(code, fmt::format("{}: {}", name, problem_and_remedy), name);
+  }
+};
+
+std::string LowerCaseExtension(std::string_view text) {
+  if (!text.empty() && text.front() == '.') text.remove_prefix(1);
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return lower;
+}
+
+Status CheckExtension(const Source& source) {
+  if (std::find(kExtensions.begin(), kExtensions.end(), source.extension) !=
+      kExtensions.end()) {
+    return {};
+  }
+  return source.Refuse(
+      ErrorCode::kUnsupported,
+      fmt::format("models of the kind '{}' are not read; export it as one of {}",
+                  source.extension, fmt::join(kExtensions, ", ")));
+}
+
+Status CheckSize(const Source& source, std::uint64_t byte_count) {
+  if (byte_count == 0) {
+    return source.Refuse(ErrorCode::kUnreadable, "the file is empty; export it again");
+  }
+  if (byte_count > source.options.max_file_bytes) {
+    return source.Refuse(
+        ErrorCode::kTooLarge,
+        fmt::format("the file has {} bytes, more than the {} allowed; reduce the mesh or "
+                    "raise the limit",
+                    byte_count, source.options.max_file_bytes));
+  }
+  return {};
+}
+
+Status CheckFile(const Source& source, const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) {
+    return source.Refuse(ErrorCode::kNotFound,
+                         "there is no such file; check its name and folder");
+  }
+  if (!error && status.type() != fs::file_type::regular) {
+    return source.Refuse(ErrorCode::kIo, "this is not a file; name a model file");
+  }
+  const std::uint64_t byte_count = error ? 0 : fs::file_size(file, error);
+  if (error || !std::ifstream(file, std::ios::binary)) {
+    return source.Refuse(ErrorCode::kIo,
+                         "the file cannot be opened; check that you may read it");
+  }
+  return CheckSize(source, byte_count);
+}
+
+/// model_from_node: the linear part and the offset, in double from the file's floats.
+struct NodeTransform {
+  Mat3 linear = Mat3::Identity();
+  Vec3 offset = Vec3::Zero();
+
+  Vec3 Apply(const aiVector3D& v) const { return linear * Vec3(v.x, v.y, v.z) + offset; }
+  NodeTransform Child(const aiMatrix4x4& m) const {
+    Mat3 child;
+    child << m.a1, m.a2, m.a3, m.b1, m.b2, m.b3, m.c1, m.c2, m.c3;
+    return {linear * child, linear * Vec3(m.a4, m.b4, m.c4) + offset};
+  }
+};
+
+/// Calls `visit` for each mesh of each node, depth first and in file order, with its
+/// transform. A stack of our own: a file may nest nodes as deep as it likes. Stops at
+/// the first error.
+Status ForEachInstance(
+    const aiScene& scene,
+    const std::function<Status(const aiMesh&, const NodeTransform&)>& visit) {
+  if (scene.mRootNode == nullptr) return {};
+  std::vector<std::pair<const aiNode*, NodeTransform>> pending;
+  pending.emplace_back(scene.mRootNode,
+                       NodeTransform().Child(scene.mRootNode->mTransformation));
+  while (!pending.empty()) {
+    const auto [node, model_from_node] = pending.back();
+    pending.pop_back();
+    for (unsigned i = 0; i < node->mNumMeshes; ++i) {
+      if (node->mMeshes[i] >= scene.mNumMeshes) continue;
+      const Status status = visit(*scene.mMeshes[node->mMeshes[i]], model_from_node);
+      if (!status) return status;
+    }
+    for (unsigned i = node->mNumChildren; i-- > 0;) {
+      const aiNode* child = node->mChildren[i];
+      pending.emplace_back(child, model_from_node.Child(child->mTransformation));
+    }
+  }
+  return {};
+}
+
+/// Refuses indices that point nowhere, before the library's triangulation trusts them,
+/// and more triangles than allowed.
+Status CheckFaces(const Source& source, const aiScene& scene) {
+  std::vector<std::uint64_t> triangle_counts(scene.mNumMeshes, 0);
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[m];
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      for (unsigned c = 0; c < face.mNumIndices; ++c) {
+        if (face.mIndices[c] >= part.mNumVertices) {
+          return source.Refuse(
+              ErrorCode::kUnreadable,
+              fmt::format("face {} names vertex {} of {}; the file is damaged, export it "
+                          "again",
+                          f, face.mIndices[c], part.mNumVertices));
+        }
+      }
+      if (face.mNumIndices >= 3) triangle_counts[m] += face.mNumIndices - 2;
+    }
+  }
+  std::uint64_t total = 0;
+  return ForEachInstance(scene, [&](const aiMesh& part, const NodeTransform&) -> Status {
+    const auto index = static_cast<std::size_t>(
+        std::find(scene.mMeshes, scene.mMeshes + scene.mNumMeshes, &part) -
+        scene.mMeshes);
+    total += triangle_counts[index];
+    if (total <= source.options.max_triangles) return {};
+    return source.Refuse(
+        ErrorCode::kTooLarge,
+        fmt::format(
+            "the model has more than the {} triangles allowed; reduce the mesh or "
+            "raise the limit",
+            source.options.max_triangles));
+  });
+}
+
+/// Adds the triangles of one instance to the mesh.
+Status AddInstance(const Source& source, const aiMesh& part,
+                   const NodeTransform& model_from_node, VertexWelder& welder,
+                   std::vector<Triangle>& triangles) {
+  constexpr std::uint32_t kUnset = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> welded(part.mNumVertices, kUnset);
+  const bool mirrors = model_from_node.linear.determinant() < 0;
+  for (unsigned f = 0; f < part.mNumFaces; ++f) {
+    const aiFace& face = part.mFaces[f];
+    if (face.mNumIndices != 3) continue;
+    Triangle corners;
+    for (unsigned c = 0; c < 3; ++c) {
+      const unsigned index = face.mIndices[c];
+      if (welded[index] == kUnset) {
+        const Vec3 p = model_from_node.Apply(part.mVertices[index]);
+        if (!p.allFinite()) {
+          return source.Refuse(
+              ErrorCode::kInvalidValue,
+              fmt::format("a corner of triangle {} lies at ({}, {}, {}), which is not a "
+                          "place; export the model again",
+                          triangles.size(), p.x(), p.y(), p.z()));
+        }
+        welded[index] = welder.Add(p);
+      }
+      corners[c] = welded[index];
+    }
+    if (mirrors) std::swap(corners[1], corners[2]);
+    triangles.push_back(corners);
+  }
+  return {};
+}
+
+Result<TriangleMesh> MeshFromScene(const Source& source, Assimp::Importer& importer) {
+  const aiScene* scene = importer.GetScene();
+  if (scene == nullptr) {
+    return source.Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format("it cannot be read as {} ({}); check that it is complete and of that "
+                    "format, or export it again",
+                    source.extension, importer.GetErrorString()));
+  }
+  if (Status status = CheckFaces(source, *scene); !status) {
+    return tl::unexpected(status.error());
+  }
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr) {
+    return source.Refuse(ErrorCode::kUnreadable,
+                         fmt::format("its polygons cannot be cut into triangles ({}); "
+                                     "export it as triangles",
+                                     importer.GetErrorString()));
+  }
+  VertexWelder welder;
+  TriangleMesh mesh;
+  const Status status = ForEachInstance(
+      *scene, [&](const aiMesh& part, const NodeTransform& model_from_node) {
+        return AddInstance(source, part, model_from_node, welder, mesh.triangles);
+      });
+  if (!status) return tl::unexpected(status.error());
+  if (mesh.triangles.empty()) {
+    return source.Refuse(ErrorCode::kMissing,
+                         "it holds no triangles; export the model as a surface mesh, not "
+                         "as points or lines");
+  }
+  mesh.vertices = welder.TakePoints();
+  return mesh;
+}
+
+/// Runs `read`, which lets the importer read, and turns whatever is thrown into an error.
+Result<TriangleMesh> Import(const Source& source,
+                            const std::function<void(Assimp::Importer&)>& read) {
+  try {
+    Assimp::Importer importer;
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    read(importer);
+    return MeshFromScene(source, importer);
+  } catch (const std::bad_alloc&) {
+    return source.Refuse(ErrorCode::kTooLarge,
+                         "there is not enough memory to read it; reduce the mesh");
+  } catch (const std::exception& thrown) {
+    return source.Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format("it cannot be read ({}); export it again", thrown.what()));
+  }
+}
+
+}  // namespace
+
+Result<TriangleMesh> ImportMesh(const fs::path& file, const ImportOptions& options) {
+  const Source source{file.string(), LowerCaseExtension(file.extension().string()),
+                      options};
+  if (Status status = CheckFile(source, file); !status) {
+    return tl::unexpected(status.error());
+  }
+  if (Status status = CheckExtension(source); !status) {
+    return tl::unexpected(status.error());
+  }
+  return Import(source,
+                [&](Assimp::Importer& importer) { importer.ReadFile(file.string(), 0); });
+}
+
+Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
+                                          std::string_view extension,
+                                          const ImportOptions& options,
+                                          std::string_view name) {
+  const Source source{std::string(name), LowerCaseExtension(extension), options};
+  if (Status status = CheckExtension(source); !status) {
+    return tl::unexpected(status.error());
+  }
+  if (Status status = CheckSize(source, bytes.size()); !status) {
+    return tl::unexpected(status.error());
+  }
+  return Import(source, [&](Assimp::Importer& importer) {
+    importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, source.extension.c_str());
+  });
+}
+
+}  // namespace intaglio::mesh

@@ -1,0 +1,62 @@
+#pragma once
+
+// Reads a model file into a welded triangle mesh, in the model frame.
+//
+// What is read: STL (ascii, binary), OBJ, PLY, 3MF, glTF (.gltf, .glb), DAE and 3DS.
+// The kind is taken from the file name's extension, in any case.
+//
+// What is done with it:
+// - node transforms are applied and all nodes are put into one mesh; a transform that
+//   mirrors also reverses the corners, so that faces keep looking outward;
+// - polygons become triangles; points and lines are left out, and a file of nothing
+//   else is an error; vertices that no triangle uses are left out;
+// - vertices are welded by exact coordinates (weld_vertices.h), which also joins what
+//   the format splits by normal, texture or material. Disconnected parts are kept;
+// - coordinates are the 32-bit floats the import library keeps, converted exactly.
+//
+// Units and axes:
+// - STL, OBJ, PLY, 3DS carry no unit and are taken as they are;
+// - 3MF declares one (millimetre unless it says otherwise), which is not applied: a
+//   file in inches needs unit_mm = 25.4;
+// - glTF is in metres and y-up by its standard, and is taken as it is: unit_mm = 1000
+//   and a turn of +90 degrees about x (placement.h) show it in true size and upright;
+// - DAE is brought to metres (unit_mm = 1000) by the unit it declares, metre by default;
+//   its up axis is left as it is.
+// A forgotten unit is seen by SizeWarning() in mesh_diagnosis.h.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "engrave/core/result.h"
+#include "engrave/mesh/mesh.h"
+
+namespace intaglio::mesh {
+
+/// Bounds on what a file may cost. A limit exceeded is ErrorCode::kTooLarge.
+struct ImportOptions {
+  /// Largest file, bytes. Default 1 GiB: 21 million triangles of binary STL.
+  std::uint64_t max_file_bytes = std::uint64_t{1} << 30;
+  /// Most triangles after instancing and triangulation. Default 10 million: about
+  /// 2 GB while the library's copy and ours exist side by side, and far more than the
+  /// 2 million points that a machine engraves.
+  std::uint64_t max_triangles = 10'000'000;
+};
+
+/// Errors name the file, the problem and the remedy: kNotFound, kIo (cannot be opened),
+/// kUnsupported (extension), kUnreadable (empty, damaged, or not of its extension's
+/// format), kMissing (no triangles), kInvalidValue (a coordinate is not a finite
+/// number), kTooLarge. What the import library throws becomes kUnreadable.
+Result<TriangleMesh> ImportMesh(const std::filesystem::path& file,
+                                const ImportOptions& options = {});
+
+/// The same for a file held in memory. `extension` is "stl", ".STL" or the like; `name`
+/// is what errors call the model. A .gltf whose buffers are other files is kUnreadable.
+Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
+                                          std::string_view extension,
+                                          const ImportOptions& options = {},
+                                          std::string_view name = "model");
+
+}  // namespace intaglio::mesh

@@ -1,0 +1,144 @@
+#include "engrave/mesh/placement.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <utility>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::mesh {
+namespace {
+
+void CheckPlacement(const Placement& p) {
+  Require(p.unit_mm > 0 && std::isfinite(p.unit_mm), "unit_mm must be positive, is {}",
+          p.unit_mm);
+  Require((p.scale_ratio.array() > 0).all() && p.scale_ratio.allFinite(),
+          "scale_ratio must be positive, is ({}, {}, {})", p.scale_ratio.x(),
+          p.scale_ratio.y(), p.scale_ratio.z());
+  Require(p.rotation_rad.allFinite(), "rotation_rad must be finite, is ({}, {}, {})",
+          p.rotation_rad.x(), p.rotation_rad.y(), p.rotation_rad.z());
+  Require(p.move_mm.allFinite(), "move_mm must be finite, is ({}, {}, {})", p.move_mm.x(),
+          p.move_mm.y(), p.move_mm.z());
+}
+
+/// A turn by `angle_rad` about axis 0, 1 or 2 (x, y, z), counter-clockwise: exact where
+/// the angle is a multiple of a right angle, so that a box stays a box.
+Mat3 TurnAbout(int axis, double angle_rad) {
+  constexpr double kHalfPi = 1.5707963267948966;
+  double cosine = std::cos(angle_rad);
+  double sine = std::sin(angle_rad);
+  const double quarters = angle_rad / kHalfPi;
+  if (std::abs(quarters) < 1e6 && quarters == std::round(quarters)) {
+    cosine = std::round(cosine);
+    sine = std::round(sine);
+  }
+  const int u = (axis + 1) % 3;
+  const int v = (axis + 2) % 3;
+  Mat3 turn = Mat3::Identity();
+  turn(u, u) = cosine;
+  turn(u, v) = -sine;
+  turn(v, u) = sine;
+  turn(v, v) = cosine;
+  return turn;
+}
+
+/// Steps 1 to 4.
+Mat3 TurnedFromModel(const Placement& p) {
+  const Vec3 sign(p.mirror_x ? -1 : 1, p.mirror_y ? -1 : 1, p.mirror_z ? -1 : 1);
+  const Vec3 stretch = p.unit_mm * p.scale_ratio.cwiseProduct(sign);
+  return TurnAbout(2, p.rotation_rad.z()) * TurnAbout(1, p.rotation_rad.y()) *
+         TurnAbout(0, p.rotation_rad.x()) * Mat3(stretch.asDiagonal());
+}
+
+Box3 BoundsAfter(const Mat3& linear, const PointList& vertices) {
+  Box3 box;
+  for (const Vec3& v : vertices) box.Extend(linear * v);
+  return box;
+}
+
+Result<double> RatioTo(double wanted_mm, double extent_mm, const char* extent_name) {
+  Require(wanted_mm > 0 && std::isfinite(wanted_mm),
+          "a fit's size must be positive, is {}", wanted_mm);
+  if (!(extent_mm > 0)) {
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("the model has no {} that could be fitted to {} mm; rotate it "
+                    "or fit its largest size instead",
+                    extent_name, wanted_mm),
+        fmt::format("{}", extent_mm));
+  }
+  return wanted_mm / extent_mm;
+}
+
+/// Step 5: the common factor that brings `size_mm` to what the fit asks for.
+struct FitRatio {
+  const Vec3& size_mm;
+
+  Result<double> operator()(const NoFit&) const { return 1.0; }
+  Result<double> operator()(const FitHeight& fit) const {
+    return RatioTo(fit.height_mm, size_mm.z(), "height (z extent)");
+  }
+  Result<double> operator()(const FitLargest& fit) const {
+    return RatioTo(fit.size_mm, size_mm.maxCoeff(), "extent");
+  }
+  Result<double> operator()(const FitBox& fit) const {
+    Require((fit.size_mm.array() > 0).all() && fit.size_mm.allFinite(),
+            "a fit's size must be positive, is ({}, {}, {})", fit.size_mm.x(),
+            fit.size_mm.y(), fit.size_mm.z());
+    double largest_share = 0;
+    int tightest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double share = size_mm[axis] / fit.size_mm[axis];
+      if (share > largest_share) {
+        largest_share = share;
+        tightest = axis;
+      }
+    }
+    return RatioTo(fit.size_mm[tightest], size_mm[tightest], "extent");
+  }
+};
+
+}  // namespace
+
+Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
+                                        const Placement& placement,
+                                        const Vec3& block_size_mm) {
+  CheckPlacement(placement);
+  Require(!vertices.empty(), "a model to place must have vertices");
+  GlassFromModel transform;
+  transform.linear = TurnedFromModel(placement);
+  const Vec3 size_mm = BoundsAfter(transform.linear, vertices).size_mm();
+  const Result<double> ratio = std::visit(FitRatio{size_mm}, placement.fit);
+  if (!ratio) return tl::unexpected(ratio.error());
+  transform.linear *= *ratio;
+  transform.offset_mm = placement.move_mm;
+  if (placement.centre_in_block) {
+    const Box3 fitted = BoundsAfter(transform.linear, vertices);
+    transform.offset_mm += 0.5 * block_size_mm - fitted.center_mm();
+  }
+  if (!transform.linear.allFinite() || !transform.offset_mm.allFinite()) {
+    return Fail(
+        ErrorCode::kInvalidValue,
+        "the model's size after scaling is beyond all numbers; check its unit and "
+        "scale");
+  }
+  return transform;
+}
+
+Result<TriangleMesh> PlaceInBlock(const TriangleMesh& mesh, const Placement& placement,
+                                  const Vec3& block_size_mm) {
+  const Result<GlassFromModel> glass_from_model =
+      GlassFromModelOf(mesh.vertices, placement, block_size_mm);
+  if (!glass_from_model) return tl::unexpected(glass_from_model.error());
+  TriangleMesh placed = mesh;
+  for (Vec3& v : placed.vertices) v = glass_from_model->Apply(v);
+  const bool mirrored = (placement.mirror_x != placement.mirror_y) != placement.mirror_z;
+  if (mirrored) {
+    for (Triangle& t : placed.triangles) std::swap(t[1], t[2]);
+  }
+  return placed;
+}
+
+}  // namespace intaglio::mesh

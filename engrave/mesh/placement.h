@@ -1,0 +1,73 @@
+#pragma once
+
+// A model's way from its file (model frame, file units) into the block (glass frame, mm,
+// the block spans [0, size], z up). Applied in this order:
+//   1. unit      file units to mm
+//   2. mirror    across the planes x = 0, y = 0, z = 0 of the model frame
+//   3. scale     along each axis of the model frame
+//   4. rotate    about the fixed axes x, then y, then z: R = Rz Ry Rx
+//   5. fit       one factor for all axes, from the size that steps 1 to 4 gave
+//   6. centre    equal distance from the outermost points to opposite walls
+//   7. move      a shift in the glass frame, after centring if there is any
+// Without centring the model frame's origin lies at the block's origin before step 7.
+// A mirrored model's triangles get their corners reversed, so faces still look outward.
+
+#include <variant>
+
+#include "engrave/core/result.h"
+#include "engrave/mesh/mesh.h"
+
+namespace intaglio::mesh {
+
+struct NoFit {};
+/// The height, along z, becomes this.
+struct FitHeight {
+  double height_mm = 0;
+};
+/// The largest of the three extents becomes this.
+struct FitLargest {
+  double size_mm = 0;
+};
+/// The model becomes as large as it can be within a box of this size, e.g. the block
+/// minus its margin on both sides.
+struct FitBox {
+  Vec3 size_mm = Vec3::Zero();
+};
+using Fit = std::variant<NoFit, FitHeight, FitLargest, FitBox>;
+
+struct Placement {
+  /// mm that a file unit is long; positive. Default: the file is in mm. 25.4 for inches,
+  /// 1000 for metres.
+  double unit_mm = 1;
+  bool mirror_x = false;
+  bool mirror_y = false;
+  bool mirror_z = false;
+  Vec3 scale_ratio = Vec3::Ones();   ///< each positive
+  Vec3 rotation_rad = Vec3::Zero();  ///< angles about x, then y, then z, fixed axes
+  Fit fit = NoFit{};                 ///< sizes positive
+  Vec3 move_mm = Vec3::Zero();       ///< glass frame
+  bool centre_in_block = true;
+};
+
+/// p_glass = linear * p_model + offset_mm.
+struct GlassFromModel {
+  Mat3 linear = Mat3::Identity();
+  Vec3 offset_mm = Vec3::Zero();
+
+  Vec3 Apply(const Vec3& p_model) const { return linear * p_model + offset_mm; }
+};
+
+/// The transform of the placement for these vertices (their extent decides fit and
+/// centre). Errors, kInvalidValue: a fit to a height or size that the model does not
+/// have (a flat model fitted to a height), or a result that is not finite. Broken
+/// preconditions: no vertices, or option values outside the ranges above.
+Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
+                                        const Placement& placement,
+                                        const Vec3& block_size_mm);
+
+/// The mesh in the glass frame, mm. Errors as above. It may reach out of the block: that
+/// is for the check of the points to tell.
+Result<TriangleMesh> PlaceInBlock(const TriangleMesh& mesh, const Placement& placement,
+                                  const Vec3& block_size_mm);
+
+}  // namespace intaglio::mesh
