@@ -54,7 +54,7 @@ TEST_P(EveryRate, KeepsToTheLimitsAndPassesEveryPointAtItsTick) {
   std::uniform_real_distribution<double> speed(10.0, 1000.0);
   std::uniform_real_distribution<double> acceleration(500.0, 20000.0);
   for (const Profile profile : kAllProfiles) {
-    for (int round = 0; round < 10; ++round) {
+    for (int round = 0; round < 40; ++round) {
       Limits limits;
       for (int axis = 0; axis < 3; ++axis) {
         limits.max_speed_mm_s[axis] = speed(random);
