@@ -1,0 +1,18 @@
+#pragma once
+
+// Cracks as light: every point adds to the picture, and the sum is toned so that
+// 1 000 points show as well as 1 000 000.
+
+#include "engrave/core/geometry.h"
+#include "engrave/render/canvas.h"
+#include "engrave/render/projection.h"
+
+namespace intaglio::render {
+
+/// Adds the cloud (frame glass, mm) to the window of the canvas. Points of the side
+/// turned to the viewer outshine those behind them, and the relief of that side is
+/// shaded, so that a form can be read where a mere sum of light would be a silhouette.
+void DrawCloud(Canvas& canvas, const Rect& window, const Projection& projection,
+               const PointList& points_mm);
+
+}  // namespace intaglio::render

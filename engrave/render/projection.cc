@@ -1,0 +1,86 @@
+#include "engrave/render/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::render {
+namespace {
+
+/// a x b without Eigen's geometry module, which would be compiled for this alone.
+Vec3 Cross(const Vec3& a, const Vec3& b) {
+  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
+          a.x() * b.y() - a.y() * b.x()};
+}
+
+}  // namespace
+
+Projection Projection::Parallel(const Vec3& right, const Vec3& up, const Vec3& center_mm,
+                                const Vec2& center_px, double px_per_mm) {
+  Projection projection;
+  projection.right_ = right;
+  projection.up_ = up;
+  projection.forward_ = Cross(up, right);
+  projection.origin_mm_ = center_mm;
+  projection.place_px_ = center_px;
+  projection.scale_ = px_per_mm;
+  return projection;
+}
+
+Projection Projection::Perspective(const Vec3& block_size_mm, double azimuth_rad,
+                                   double elevation_rad, const Rect& into) {
+  const double ca = std::cos(azimuth_rad);
+  const double sa = std::sin(azimuth_rad);
+  const double ce = std::cos(elevation_rad);
+  const double se = std::sin(elevation_rad);
+  Projection projection;
+  projection.central_ = true;
+  projection.right_ = Vec3(ca, sa, 0.0);
+  projection.forward_ = Vec3(-sa * ce, ca * ce, -se);
+  projection.up_ = Cross(projection.right_, projection.forward_);
+  const double distance_mm = 3.0 * block_size_mm.norm();
+  projection.origin_mm_ = 0.5 * block_size_mm - distance_mm * projection.forward_;
+  projection.place_px_ = Vec2::Zero();
+
+  // With a focal length of 1 the corners span a rectangle; scale and move it into place.
+  Vec2 low = Vec2::Constant(1e300);
+  Vec2 high = -low;
+  for (const Vec3& corner : BlockCorners(block_size_mm)) {
+    const Vec2 at = projection(corner).at_px;
+    low = low.cwiseMin(at);
+    high = high.cwiseMax(at);
+  }
+  const Vec2 span = high - low;
+  projection.scale_ = std::min(into.width / span.x(), into.height / span.y());
+  projection.place_px_ = Vec2(into.x + 0.5 * into.width, into.y + 0.5 * into.height) -
+                         0.5 * projection.scale_ * (low + high);
+  return projection;
+}
+
+bool Projection::Sees(const Vec3& normal, const Vec3& place_mm) const {
+  const Vec3 sight = central_ ? Vec3(place_mm - origin_mm_) : forward_;
+  return normal.dot(sight) < 0.0;
+}
+
+std::vector<Vec3> BlockCorners(const Vec3& block_size_mm) {
+  std::vector<Vec3> corners;
+  for (unsigned i = 0; i < 8; ++i) {
+    corners.emplace_back((i & 1U) != 0 ? block_size_mm.x() : 0.0,
+                         (i & 2U) != 0 ? block_size_mm.y() : 0.0,
+                         (i & 4U) != 0 ? block_size_mm.z() : 0.0);
+  }
+  return corners;
+}
+
+double NiceStep(double range, int most) {
+  Require(range > 0.0 && most > 0, "no step for a range of {} in {}", range, most);
+  const double least = range / most;
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least * (1.0 - 1e-9)) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+}  // namespace intaglio::render

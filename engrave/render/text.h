@@ -1,0 +1,31 @@
+#pragma once
+
+// Text in an own stroke font: ASCII and the signs of figures (µ ° ± × · – ² ³). Strokes
+// scale to any size without a font file at run time; digits have equal widths, so that
+// columns of figures stand straight.
+
+#include <string_view>
+
+#include "engrave/render/canvas.h"
+
+namespace intaglio::render {
+
+enum class Align { kLeft, kCenter, kRight };
+
+struct TextStyle {
+  double cap_height_px = 11.0;  ///< Height of an H; 9 is the least that reads well.
+  Color color = {1.0F, 1.0F, 1.0F};
+  float alpha = 1.0F;
+  double weight = 1.0;  ///< Of the strokes; 1 is regular, 1.5 bold.
+  Align align = Align::kLeft;
+};
+
+/// Width of a UTF-8 text in pixels, from the first stroke to the last.
+double TextWidth(std::string_view text, double cap_height_px);
+
+/// Draws a line of UTF-8 text; `at_px` is on the baseline, at the side that `align`
+/// names. A sign that the font lacks shows as a box.
+void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
+              const TextStyle& style);
+
+}  // namespace intaglio::render

@@ -1,0 +1,78 @@
+#include "engrave/render/png_file.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace intaglio::render {
+namespace {
+
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+Picture Decode(const std::vector<std::uint8_t>& file) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  EXPECT_TRUE(png_image_begin_read_from_memory(&image, file.data(), file.size()));
+  image.format = PNG_FORMAT_RGB;
+  Picture picture{static_cast<int>(image.width), static_cast<int>(image.height), {}};
+  picture.rgb.resize(PNG_IMAGE_SIZE(image));
+  EXPECT_TRUE(png_image_finish_read(&image, nullptr, picture.rgb.data(), 0, nullptr));
+  return picture;
+}
+
+Canvas Sample() {
+  Canvas canvas(5, 3);
+  canvas.at(0, 0) = Srgb(0x123456);
+  canvas.at(4, 0) = Srgb(0xFFFFFF);
+  canvas.at(0, 2) = {9.0F, -1.0F, 0.0F};  // beyond what can be shown
+  return canvas;
+}
+
+TEST(PngFile, KeepsEveryPixel) {
+  const Picture picture = Decode(EncodePng(Sample()));
+  ASSERT_EQ(picture.width, 5);
+  ASSERT_EQ(picture.height, 3);
+  const auto pixel = [&](int x, int y) {
+    const auto* at = &picture.rgb[static_cast<std::size_t>(3 * (5 * y + x))];
+    return at[0] << 16 | at[1] << 8 | at[2];
+  };
+  EXPECT_EQ(pixel(0, 0), 0x123456);
+  EXPECT_EQ(pixel(4, 0), 0xFFFFFF);
+  EXPECT_EQ(pixel(0, 2), 0xFF0000);
+  EXPECT_EQ(pixel(2, 1), 0x000000);
+}
+
+TEST(PngFile, SrgbComesBackAsItWentIn) {
+  Canvas canvas(256, 1);
+  for (std::uint32_t i = 0; i < 256; ++i) canvas.at(static_cast<int>(i), 0) = Srgb(i);
+  const Picture picture = Decode(EncodePng(canvas));
+  for (std::size_t i = 0; i < 256; ++i) EXPECT_EQ(picture.rgb[3 * i + 2], i);
+}
+
+TEST(PngFile, TheFileHoldsTheBytes) {
+  std::filesystem::create_directories(INTAGLIO_TEST_DIR);
+  const std::filesystem::path path =
+      std::filesystem::path(INTAGLIO_TEST_DIR) / "png_file_test.png";
+  ASSERT_TRUE(WritePng(path, Sample()).has_value());
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
+  const auto expected = EncodePng(Sample());
+  EXPECT_EQ(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), expected);
+  std::filesystem::remove(path);
+}
+
+TEST(PngFile, AFolderThatIsNotThereIsAnError) {
+  const Status status = WritePng("/no/such/folder/views.png", Sample());
+  ASSERT_FALSE(status.has_value());
+  EXPECT_EQ(status.error().code, ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace intaglio::render

@@ -1,0 +1,105 @@
+#include "engrave/render/views.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "engrave/core/check.h"
+#include "engrave/render/png_file.h"
+
+namespace intaglio::render {
+namespace {
+
+const Vec3 kBlock(60, 60, 80);
+
+ViewsCaption Caption() {
+  ViewsCaption caption;
+  caption.title_lines = {"bunny", "N-BK7, 60 × 60 × 80 mm"};
+  caption.figures = {{"points", "20 000"}, {"error, rms", "0.4 µm", Tone::kGood}};
+  caption.verdict = "PROVED";
+  caption.verdict_tone = Tone::kGood;
+  return caption;
+}
+
+/// Points on a sphere of radius 15 mm in the middle of the block.
+PointList Sphere(int count) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> axis;
+  PointList points;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 way(axis(random), axis(random), axis(random));
+    points.push_back(0.5 * kBlock + 15.0 * way.normalized());
+  }
+  return points;
+}
+
+double Brightness(const Canvas& canvas, const Rect& rect) {
+  double sum = 0.0;
+  for (int y = rect.y; y < rect.bottom(); ++y) {
+    for (int x = rect.x; x < rect.right(); ++x) {
+      const Color& color = canvas.at(x, y);
+      sum += color.r + color.g + color.b;
+    }
+  }
+  return sum / (rect.width * rect.height);
+}
+
+TEST(Views, HasItsSizeAndIsTheSameBitForBit) {
+  const PointList cracks = Sphere(5000);
+  const auto first = EncodePng(RenderViews(cracks, kBlock, Caption()));
+  const auto second = EncodePng(RenderViews(cracks, kBlock, Caption()));
+  EXPECT_EQ(first, second);
+  const Canvas canvas = RenderViews(cracks, kBlock, Caption());
+  EXPECT_EQ(canvas.width(), kViewsWidth);
+  EXPECT_EQ(canvas.height(), kViewsHeight);
+}
+
+TEST(Views, EveryViewShowsTheCracks) {
+  const Canvas empty = RenderViews({}, kBlock, Caption());
+  const Canvas full = RenderViews(Sphere(20000), kBlock, Caption());
+  // Places near the middles of the block in the perspective view and the three others.
+  for (const Rect& rect : {Rect{380, 610, 100, 60}, Rect{1080, 340, 60, 60},
+                           Rect{1610, 340, 60, 60}, Rect{1080, 880, 60, 60}}) {
+    EXPECT_GT(Brightness(full, rect), 5 * Brightness(empty, rect))
+        << rect.x << " " << rect.y;
+  }
+  // The figures' corner does not change with the cracks.
+  const Rect figures{1390, 660, 500, 500};
+  EXPECT_EQ(Brightness(full, figures), Brightness(empty, figures));
+}
+
+TEST(Views, ASinglePointIsSeen) {
+  const Canvas empty = RenderViews({}, kBlock, {});
+  const Canvas one = RenderViews({0.5 * kBlock}, kBlock, {});
+  const Rect all{0, 0, kViewsWidth, kViewsHeight};
+  EXPECT_GT(Brightness(one, all), Brightness(empty, all));
+}
+
+TEST(Views, PointsOutsideTheBlockDoNoHarm) {
+  const PointList cracks = {Vec3(-1000, 0, 0), Vec3(1e9, 1e9, 1e9), Vec3(30, 30, 500),
+                            Vec3(0, 0, 0), kBlock};
+  EXPECT_NO_THROW(RenderViews(cracks, kBlock, Caption()));
+}
+
+TEST(Views, OddBlocksAndLongCaptionsFit) {
+  ViewsCaption caption = Caption();
+  caption.title_lines.assign(6, std::string(400, 'W'));
+  caption.figures.assign(60, {std::string(40, 'l'), std::string(200, '8')});
+  for (const Vec3& block : {Vec3(300, 5, 5), Vec3(1, 1, 300), Vec3(0.5, 0.5, 0.5)}) {
+    EXPECT_NO_THROW(RenderViews({0.5 * block}, block, caption));
+  }
+  EXPECT_THROW(RenderViews({}, Vec3(60, 0, 80), caption), PreconditionError);
+}
+
+TEST(Views, TheVerdictHasItsColour) {
+  ViewsCaption caption = Caption();
+  caption.verdict_tone = Tone::kBad;
+  const Canvas bad = RenderViews({}, kBlock, caption);
+  const Canvas good = RenderViews({}, kBlock, Caption());
+  const int x = kViewsWidth - 25;  // on the frame of the verdict
+  EXPECT_GT(bad.at(x, 50).r, bad.at(x, 50).g);
+  EXPECT_GT(good.at(x, 50).g, good.at(x, 50).r);
+}
+
+}  // namespace
+}  // namespace intaglio::render
