@@ -3,8 +3,10 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <assimp/version.h>
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
@@ -14,6 +16,7 @@
 #include <limits>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "engrave/mesh/weld_vertices.h"
@@ -231,6 +234,19 @@ Result<TriangleMesh> MeshFromScene(const Source& source, Assimp::Importer& impor
   return mesh;
 }
 
+/// Assimp before 5.4 frees the pictures of a 3MF package while the scene still points to
+/// them, and the scene's destructor frees them again (its issues 5307 and 5328). They
+/// are of no use here, so the scene is made to forget them.
+void ForgetFreedPictures(const Source& source, Assimp::Importer& importer) {
+  const bool fixed =
+      std::pair(aiGetVersionMajor(), aiGetVersionMinor()) >= std::pair(5u, 4u);
+  if (fixed || source.extension != "3mf" || importer.GetScene() == nullptr) return;
+  auto* scene = const_cast<aiScene*>(importer.GetScene());
+  delete[] scene->mTextures;  // the array of pointers only
+  scene->mTextures = nullptr;
+  scene->mNumTextures = 0;
+}
+
 /// Runs `read`, which lets the importer read, and turns whatever is thrown into an error.
 Result<TriangleMesh> Import(const Source& source,
                             const std::function<void(Assimp::Importer&)>& read) {
@@ -239,6 +255,7 @@ Result<TriangleMesh> Import(const Source& source,
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
     read(importer);
+    ForgetFreedPictures(source, importer);
     return MeshFromScene(source, importer);
   } catch (const std::bad_alloc&) {
     return source.Refuse(ErrorCode::kTooLarge,
