@@ -1,0 +1,297 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "engrave/formats/ply_header.h"
+#include "engrave/formats/point_file.h"
+#include "engrave/formats/point_table_rules.h"
+#include "engrave/formats/whole_file.h"
+
+namespace intaglio::formats {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "big-endian values are reversed for this machine");
+
+/// The values behind the header, one after another. Every PLY type fits in a double.
+class PlyValues {
+ public:
+  virtual ~PlyValues() = default;
+  /// Nothing at the end of the bytes or where there is no value of that type.
+  virtual std::optional<double> Next(PlyType type) = 0;
+};
+
+class BinaryValues final : public PlyValues {
+ public:
+  BinaryValues(std::string_view rest, bool big_endian)
+      : rest_(rest), big_endian_(big_endian) {}
+
+  std::optional<double> Next(PlyType type) override {
+    switch (type) {
+      case PlyType::kInt8:
+        return Take<std::int8_t>();
+      case PlyType::kUint8:
+        return Take<std::uint8_t>();
+      case PlyType::kInt16:
+        return Take<std::int16_t>();
+      case PlyType::kUint16:
+        return Take<std::uint16_t>();
+      case PlyType::kInt32:
+        return Take<std::int32_t>();
+      case PlyType::kUint32:
+        return Take<std::uint32_t>();
+      case PlyType::kFloat:
+        return Take<float>();
+      case PlyType::kDouble:
+        return Take<double>();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  template <typename T>
+  std::optional<double> Take() {
+    std::array<char, sizeof(T)> bytes;
+    if (rest_.size() < bytes.size()) return std::nullopt;
+    std::memcpy(bytes.data(), rest_.data(), bytes.size());
+    rest_.remove_prefix(bytes.size());
+    if (big_endian_) std::reverse(bytes.begin(), bytes.end());
+    return static_cast<double>(std::bit_cast<T>(bytes));
+  }
+
+  std::string_view rest_;
+  bool big_endian_;
+};
+
+class AsciiValues final : public PlyValues {
+ public:
+  explicit AsciiValues(std::string_view rest) : rest_(rest) {}
+
+  std::optional<double> Next(PlyType type) override {
+    switch (type) {
+      case PlyType::kInt8:
+        return TakeInteger<std::int8_t>();
+      case PlyType::kUint8:
+        return TakeInteger<std::uint8_t>();
+      case PlyType::kInt16:
+        return TakeInteger<std::int16_t>();
+      case PlyType::kUint16:
+        return TakeInteger<std::uint16_t>();
+      case PlyType::kInt32:
+        return TakeInteger<std::int32_t>();
+      case PlyType::kUint32:
+        return TakeInteger<std::uint32_t>();
+      case PlyType::kFloat:
+        return Take<float>();
+      case PlyType::kDouble:
+        return Take<double>();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  template <typename T>
+  std::optional<double> Take() {
+    static constexpr std::string_view kBlanks = " \t\r\n";
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
+    std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
+    rest_.remove_prefix(word.size());
+    if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+    T value{};
+    const char* end = word.data() + word.size();
+    const auto parsed = std::from_chars(word.data(), end, value);
+    if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+    return static_cast<double>(value);
+  }
+
+  // Some writers give integers a point ("255.0"); what is whole and in range is taken.
+  template <typename T>
+  std::optional<double> TakeInteger() {
+    const std::optional<double> value = Take<double>();
+    if (!value || *value != std::trunc(*value) ||
+        *value < std::numeric_limits<T>::min() ||
+        *value > std::numeric_limits<T>::max()) {
+      return std::nullopt;
+    }
+    return value;
+  }
+
+  std::string_view rest_;
+};
+
+std::unique_ptr<PlyValues> ValuesOf(PlyEncoding encoding, std::string_view rest) {
+  if (encoding == PlyEncoding::kAscii) return std::make_unique<AsciiValues>(rest);
+  return std::make_unique<BinaryValues>(rest, encoding == PlyEncoding::kBigEndian);
+}
+
+tl::unexpected<Error> CutOff(const PlyElement& element, std::uint64_t row) {
+  return Fail(
+      ErrorCode::kUnreadable,
+      fmt::format("the file ends, or is damaged, in row {} of the {} of element {}; "
+                  "write it again",
+                  row + 1, element.count, element.name));
+}
+
+/// Reads one row; gives each scalar value to `keep` with the property's index.
+template <typename Keep>
+bool ReadRow(const PlyElement& element, PlyValues& values, Keep keep) {
+  for (std::size_t p = 0; p < element.properties.size(); ++p) {
+    const PlyProperty& property = element.properties[p];
+    double passed_over_count = 0;
+    if (property.is_list) {
+      const std::optional<double> count = values.Next(property.count_type);
+      if (!count || *count < 0) return false;
+      passed_over_count = *count;
+    }
+    for (double i = 0; i < passed_over_count; ++i) {
+      if (!values.Next(property.type)) return false;
+    }
+    if (property.is_list) continue;
+    const std::optional<double> value = values.Next(property.type);
+    if (!value) return false;
+    keep(p, *value);
+  }
+  return true;
+}
+
+Status PassOver(const PlyElement& element, PlyValues& values) {
+  if (element.properties.empty()) return {};
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    if (!ReadRow(element, values, [](std::size_t, double) {}))
+      return CutOff(element, row);
+  }
+  return {};
+}
+
+template <typename T>
+NamedColumn::Values Converted(const std::vector<double>& values) {
+  return std::vector<T>(values.begin(), values.end());
+}
+
+NamedColumn ColumnOf(const PlyProperty& property, std::vector<double>& values) {
+  switch (property.type) {
+    case PlyType::kUint8:
+      return {property.name, Converted<std::uint8_t>(values)};
+    case PlyType::kUint32:
+      return {property.name, Converted<std::uint32_t>(values)};
+    case PlyType::kFloat:
+      return {property.name, Converted<float>(values)};
+    case PlyType::kDouble:
+      return {property.name, std::move(values)};
+    default:
+      return {property.name, Converted<std::int32_t>(values)};
+  }
+}
+
+/// Index of the one scalar property of that name.
+std::optional<std::size_t> ScalarNamed(const PlyElement& element, std::string_view name) {
+  std::optional<std::size_t> found;
+  for (std::size_t p = 0; p < element.properties.size(); ++p) {
+    if (element.properties[p].name != name) continue;
+    if (found || element.properties[p].is_list) return std::nullopt;
+    found = p;
+  }
+  return found;
+}
+
+Result<std::array<std::size_t, 3>> CoordinatesOf(const PlyElement& vertices) {
+  std::array<std::size_t, 3> coordinates{};
+  constexpr std::array<std::string_view, 3> kNames = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto index = ScalarNamed(vertices, kNames[axis]);
+    if (!index) {
+      return Fail(
+          ErrorCode::kMissing,
+          fmt::format("its vertices do not have one property {}; a point file has "
+                      "x, y and z",
+                      kNames[axis]));
+    }
+    coordinates[axis] = *index;
+  }
+  return coordinates;
+}
+
+Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_size,
+                                PlyValues& values, const PointFileLimits& limits) {
+  if (vertices.count > limits.max_points) {
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("it has {} points, more than the {} allowed; thin it out or "
+                            "raise the limit",
+                            vertices.count, limits.max_points));
+  }
+  const auto coordinates = CoordinatesOf(vertices);
+  if (!coordinates) return tl::unexpected(coordinates.error());
+  // A row has three values of a byte or more: what cannot be there is not allocated.
+  if (vertices.count > rest_size / 3) return CutOff(vertices, rest_size / 3);
+  std::vector<std::vector<double>> columns(vertices.properties.size());
+  for (std::size_t p = 0; p < columns.size(); ++p) {
+    if (!vertices.properties[p].is_list) columns[p].reserve(vertices.count);
+  }
+  for (std::uint64_t row = 0; row < vertices.count; ++row) {
+    const bool complete = ReadRow(vertices, values, [&](std::size_t p, double value) {
+      columns[p].push_back(value);
+    });
+    if (!complete) return CutOff(vertices, row);
+  }
+  PointTable table;
+  table.points_mm.reserve(vertices.count);
+  for (std::uint64_t row = 0; row < vertices.count; ++row) {
+    const Vec3 p(columns[(*coordinates)[0]][row], columns[(*coordinates)[1]][row],
+                 columns[(*coordinates)[2]][row]);
+    if (!p.allFinite()) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          fmt::format("point {} lies at ({}, {}, {}), which is not a place; remove "
+                      "it from the file",
+                      row + 1, p.x(), p.y(), p.z()));
+    }
+    table.points_mm.push_back(p);
+  }
+  for (std::size_t p = 0; p < columns.size(); ++p) {
+    const bool is_coordinate =
+        std::find(coordinates->begin(), coordinates->end(), p) != coordinates->end();
+    if (is_coordinate || vertices.properties[p].is_list) continue;
+    table.columns.push_back(ColumnOf(vertices.properties[p], columns[p]));
+  }
+  return table;
+}
+
+}  // namespace
+
+Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits) {
+  Result<PlyHeader> header = ParsePlyHeader(bytes);
+  if (!header) return tl::unexpected(header.error());
+  const std::string_view rest = bytes.substr(header->size);
+  const std::unique_ptr<PlyValues> values = ValuesOf(header->encoding, rest);
+  for (const PlyElement& element : header->elements) {
+    if (element.name == "vertex") {
+      Result<PointTable> table = ReadVertices(element, rest.size(), *values, limits);
+      if (table) table->comments = std::move(header->comments);
+      return table;
+    }
+    if (Status status = PassOver(element, *values); !status) {
+      return tl::unexpected(status.error());
+    }
+  }
+  return Fail(ErrorCode::kMissing,
+              "it has no element \"vertex\"; a point file has vertices with x, y and z");
+}
+
+Result<PointTable> ReadPly(const std::filesystem::path& file,
+                           const PointFileLimits& limits) {
+  const Result<std::string> bytes = ReadWholeFile(file, limits.max_file_bytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return ParsePly(*bytes, limits).map_error([&](const Error& error) {
+    return AboutFile(error, file);
+  });
+}
+
+}  // namespace intaglio::formats

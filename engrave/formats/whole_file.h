@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "engrave/core/result.h"
+
+namespace intaglio::formats {
+
+/// The bytes of a regular file. Errors name the file and the remedy: kNotFound, kIo (a
+/// folder, no permission, a failing disk), kTooLarge (more than `max_bytes`).
+Result<std::string> ReadWholeFile(const std::filesystem::path& file,
+                                  std::uint64_t max_bytes);
+
+}  // namespace intaglio::formats
