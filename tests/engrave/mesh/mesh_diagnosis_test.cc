@@ -164,12 +164,12 @@ TEST(MeshDiagnosis, AgreesWithAMapOfEdgesOnTriangleSoup) {
     const MeshDiagnosis d = Diagnose(mesh);
     const EdgeOracle oracle(mesh);
     EXPECT_EQ(d.edge_count, oracle.uses.size());
-    EXPECT_EQ(d.open_edge_count, oracle.Count([](const auto& u) { return u.size() == 1; }));
+    EXPECT_EQ(d.open_edge_count,
+              oracle.Count([](const auto& u) { return u.size() == 1; }));
     EXPECT_EQ(d.non_manifold_edge_count,
               oracle.Count([](const auto& u) { return u.size() > 2; }));
-    EXPECT_EQ(d.flipped_edge_count, oracle.Count([](const auto& u) {
-      return u.size() == 2 && u[0] == u[1];
-    }));
+    EXPECT_EQ(d.flipped_edge_count,
+              oracle.Count([](const auto& u) { return u.size() == 2 && u[0] == u[1]; }));
   }
 }
 

@@ -37,7 +37,9 @@ Vec3 PlaceBySteps(Vec3 p, const Placement& placement) {
 }
 
 double WallGapDifference_mm(const Box3& box, const Vec3& block_size_mm) {
-  return ((box.min_mm - Vec3::Zero()) - (block_size_mm - box.max_mm)).cwiseAbs().maxCoeff();
+  return ((box.min_mm - Vec3::Zero()) - (block_size_mm - box.max_mm))
+      .cwiseAbs()
+      .maxCoeff();
 }
 
 TEST(Placement, WithoutCentringAppliesTheStepsInTheirOrder) {
