@@ -19,8 +19,8 @@ struct Color {
   float b = 0.0F;
 
   friend Color operator*(float k, const Color& c) { return {k * c.r, k * c.g, k * c.b}; }
-  friend Color operator+(const Color& a, const Color& b) {
-    return {a.r + b.r, a.g + b.g, a.b + b.b};
+  friend Color operator+(const Color& p, const Color& q) {
+    return {p.r + q.r, p.g + q.g, p.b + q.b};
   }
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "engrave/render/plane.h"
 
@@ -65,6 +66,7 @@ Scene Look(const Rect& window, const Projection& projection, const PointList& po
   scene.spots.reserve(points_mm.size());
   for (const Vec3& point_mm : points_mm) {
     const Projected seen = projection(point_mm);
+    if (projection.px_per_mm(seen.depth_mm) <= 0.0) continue;  // behind the viewer
     const double x = seen.at_px.x() - window.x;
     const double y = seen.at_px.y() - window.y;
     if (!(x >= 0 && y >= 0 && x < window.width && y < window.height)) continue;
@@ -118,17 +120,15 @@ Plane LightOf(const Scene& scene, const Plane& front, float radius_px) {
     const float power = (kBehind + (1.0F - kBehind) * std::exp(-behind * behind)) *
                         (0.55F + 0.45F * nearness);
     for (int k = -reach; k <= reach; ++k) {
-      const auto at = static_cast<std::size_t>(k + reach);
       const float dx = (static_cast<float>(x + k) + 0.5F - spot.x) / sigma_px;
       const float dy = (static_cast<float>(y + k) + 0.5F - spot.y) / sigma_px;
-      across[at] = std::exp(-0.5F * dx * dx);
-      down[at] = power * std::exp(-0.5F * dy * dy);
+      across[k + reach] = std::exp(-0.5F * dx * dx);
+      down[k + reach] = power * std::exp(-0.5F * dy * dy);
     }
     for (int j = -reach; j <= reach; ++j) {
       for (int i = -reach; i <= reach; ++i) {
         if (!light.Has(x + i, y + j)) continue;
-        light.at(x + i, y + j) += across[static_cast<std::size_t>(i + reach)] *
-                                  down[static_cast<std::size_t>(j + reach)];
+        light.at(x + i, y + j) += across[i + reach] * down[j + reach];
       }
     }
   }
@@ -172,7 +172,7 @@ Plane ReliefOf(const Scene& scene, const Plane& front, float radius_px) {
               .normalized();
       const auto diffuse = static_cast<float>(std::max(0.0, normal.dot(light)));
       const float hollow = (here_mm - wide.at(x, y)) / (0.10F * scene.range_mm());
-      relief.at(x, y) = (0.16F + 1.15F * diffuse * diffuse) *
+      relief.at(x, y) = (0.12F + 1.25F * diffuse * diffuse) *
                         std::clamp(1.0F - 0.55F * hollow, 0.45F, 1.35F);
     }
   }
@@ -206,7 +206,7 @@ void DrawCloud(Canvas& canvas, const Rect& window, const Projection& projection,
                const PointList& points_mm) {
   const Scene scene = Look(window, projection, points_mm);
   if (scene.spots.empty()) return;
-  const float radius_px = std::clamp(1.1F * scene.spacing_px + 0.6F, 1.5F, 6.0F);
+  const float radius_px = std::clamp(1.6F * scene.spacing_px + 0.6F, 1.5F, 8.0F);
   const Plane front = FrontOf(scene, radius_px);
   const Plane light = LightOf(scene, front, radius_px);
   const Plane relief = ReliefOf(scene, front, radius_px);

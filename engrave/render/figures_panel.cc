@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "engrave/render/text.h"
 #include "engrave/render/view_parts.h"

@@ -16,7 +16,7 @@ constexpr double kNumberCapPx = 9.0;
 /// Room around the block's face for heading, numbers and axis names.
 constexpr int kLeftPx = 58;
 constexpr int kRightPx = 26;
-constexpr int kTopPx = 58;
+constexpr int kTopPx = 66;
 constexpr int kBottomPx = 52;
 
 Rect Inner(const Rect& cell) {

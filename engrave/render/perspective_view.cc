@@ -159,7 +159,7 @@ class BlockDrawing {
     }
     TextStyle title{.cap_height_px = 10.5, .color = palette_.text};
     title.align = Align::kCenter;
-    const Vec2 name_px = 0.5 * (a_px + b_px) + 44.0 * outward + drop;
+    const Vec2 name_px = 0.5 * (a_px + b_px) + (axis == 2 ? 58.0 : 44.0) * outward + drop;
     DrawText(canvas_, name_px, name, title);
   }
 

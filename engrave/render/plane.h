@@ -2,6 +2,7 @@
 
 // A picture of one number a pixel, for the steps between points and colours.
 
+#include <cstddef>
 #include <vector>
 
 namespace intaglio::render {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ namespace {
 
 constexpr double kUnitsPerCap = 9.0;
 constexpr double kGapUnits = 2.3;    ///< Between glyphs.
-constexpr double kSpaceUnits = 5.0;  ///< A blank, gaps not counted.
+constexpr double kSpaceUnits = 4.2;  ///< A blank, gaps not counted.
 constexpr int kCurveSteps = 5;       ///< Chords for each corner of a curve.
 
 constexpr std::array<const char*, 95> kAscii = {

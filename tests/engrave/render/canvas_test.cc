@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "engrave/core/check.h"
 
 namespace intaglio::render {

@@ -40,7 +40,7 @@ TEST(PngFile, KeepsEveryPixel) {
   ASSERT_EQ(picture.width, 5);
   ASSERT_EQ(picture.height, 3);
   const auto pixel = [&](int x, int y) {
-    const auto* at = &picture.rgb[static_cast<std::size_t>(3 * (5 * y + x))];
+    const auto* at = picture.rgb.data() + 3 * (5 * y + x);
     return at[0] << 16 | at[1] << 8 | at[2];
   };
   EXPECT_EQ(pixel(0, 0), 0x123456);
