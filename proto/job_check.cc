@@ -1,0 +1,272 @@
+#include "proto/job_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "engrave/core/check.h"
+#include "engrave/optics/machine_frame.h"
+#include "proto/field_ranges.h"
+#include "proto/job_defaults.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 8> kModelEndings = {
+    ".stl", ".obj", ".ply", ".3mf", ".glb", ".gltf", ".dae", ".3ds"};
+// A laser line is far narrower; a profile says 532 for 532.1.
+constexpr double kSameWavelengthNm = 0.5;
+
+class Findings {
+ public:
+  template <typename... Args>
+  void Missing(const std::string& path, fmt::format_string<Args...> remedy,
+               Args&&... args) {
+    errors_.push_back({ErrorCode::kMissing,
+                       fmt::format("{}: is missing; {}", path,
+                                   fmt::format(remedy, std::forward<Args>(args)...)),
+                       ""});
+  }
+
+  /// `path: value what`
+  template <typename Value, typename... Args>
+  void Wrong(const std::string& path, const Value& value,
+             fmt::format_string<Args...> what, Args&&... args) {
+    const std::string text = fmt::format("{}", value);
+    errors_.push_back({ErrorCode::kInvalidValue,
+                       fmt::format("{}: {} {}", path, text,
+                                   fmt::format(what, std::forward<Args>(args)...)),
+                       text});
+  }
+
+  std::vector<Error>& errors() { return errors_; }
+
+ private:
+  std::vector<Error> errors_;
+};
+
+void CheckModelFile(const std::string& file, const std::string& path,
+                    Findings& findings) {
+  if (file.empty()) return findings.Missing(path, "name the model's file");
+  std::error_code error;
+  const auto status = fs::status(file, error);
+  if (!fs::exists(status)) return findings.Wrong(path, file, "does not exist");
+  if (!fs::is_regular_file(status)) return findings.Wrong(path, file, "is not a file");
+  std::string ending = fs::path(file).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::find(kModelEndings.begin(), kModelEndings.end(), ending) ==
+      kModelEndings.end()) {
+    findings.Wrong(path, file, "is of no kind that is read: {}",
+                   fmt::join(kModelEndings, " "));
+  }
+}
+
+void CheckModels(const JobSpec& job, Findings& findings) {
+  if (job.models().empty()) findings.Missing("models", "name one model file or more");
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    CheckModelFile(model.file(), fmt::format("models[{}].file", i), findings);
+    if (model.placement().has_fit_block() && !model.placement().fit_block()) {
+      findings.Wrong(fmt::format("models[{}].placement.fit_block", i), false,
+                     "is no fit; say true or leave it out");
+    }
+  }
+}
+
+// Whether the models can fit between the margins at all.
+void CheckRoom(const JobSpec& job, Findings& findings) {
+  const Vector3& size = job.block().size_mm();
+  const double margin_mm = job.block().margin_mm();
+  const double least_mm = std::min({size.x(), size.y(), size.z()});
+  if (2 * margin_mm >= least_mm) {
+    return findings.Wrong(
+        "block.margin_mm", margin_mm,
+        "leaves no room in a block of {} x {} x {} mm; it has to be below {}", size.x(),
+        size.y(), size.z(), least_mm / 2);
+  }
+  if (job.block().clip()) return;
+  const double height_mm = size.z() - 2 * margin_mm;
+  const double largest_mm = std::max({size.x(), size.y(), size.z()}) - 2 * margin_mm;
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Placement& placement = job.models(i).placement();
+    const std::string path = fmt::format("models[{}].placement.", i);
+    if (placement.fit_height_mm() > height_mm) {
+      findings.Wrong(path + "fit_height_mm", placement.fit_height_mm(),
+                     "is more than the {} mm between the margins of the block",
+                     height_mm);
+    }
+    if (placement.fit_size_mm() > largest_mm) {
+      findings.Wrong(path + "fit_size_mm", placement.fit_size_mm(),
+                     "is more than the {} mm between the margins of the block",
+                     largest_mm);
+    }
+  }
+}
+
+// Sort by layers, Trochimczuk 2008 annex E: not thinner than the layers of the sections.
+void CheckLayers(const JobSpec& job, Findings& findings) {
+  if (!job.ordering().has_layers() || !job.discretization().has_sections()) return;
+  const double thickness_mm = job.ordering().layers().layer_thickness_mm();
+  const double distance_mm = job.discretization().sections().layer_distance_mm();
+  if (thickness_mm < distance_mm) {
+    findings.Wrong("ordering.layers.layer_thickness_mm", thickness_mm,
+                   "is less than the layer distance of the sections, {}", distance_mm);
+  }
+}
+
+void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
+                Findings& findings) {
+  const LaserHead& head = machine.laser();
+  const auto& rates = head.rates_hz();
+  if (std::find(rates.begin(), rates.end(), laser.rate_hz()) == rates.end()) {
+    findings.Wrong("laser.rate_hz", laser.rate_hz(), "is none of the rates of {}: {}",
+                   machine.name(), fmt::join(rates, " "));
+  }
+  if (!(std::abs(laser.wavelength_nm() - head.wavelength_nm()) < kSameWavelengthNm)) {
+    findings.Wrong("laser.wavelength_nm", laser.wavelength_nm(),
+                   "is not the wavelength of {}, {}", machine.name(),
+                   head.wavelength_nm());
+  }
+  if (laser.pulse_energy_mj() > head.pulse_energy_mj()) {
+    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
+                   "is above the pulse energy of {}, {}", machine.name(),
+                   head.pulse_energy_mj());
+  }
+  std::set<std::uint32_t> seen;
+  for (int i = 0; i < laser.channels_size(); ++i) {
+    const std::uint32_t channel = laser.channels(i);
+    const std::string path = fmt::format("laser.channels[{}]", i);
+    if (channel > head.channels()) {
+      findings.Wrong(path, channel, "is above the number of channels of {}, {}",
+                     machine.name(), head.channels());
+    } else if (!seen.insert(channel).second) {
+      findings.Wrong(path, channel, "is there twice");
+    }
+  }
+}
+
+void CheckLens(const Lens& lens, const MachineSpec& machine, Findings& findings) {
+  if (FindLens(machine, lens.focal_length_mm()) != nullptr) return;
+  std::vector<double> lengths_mm;
+  for (const MachineLens& l : machine.lenses()) lengths_mm.push_back(l.focal_length_mm());
+  findings.Wrong("lens.focal_length_mm", lens.focal_length_mm(),
+                 "is no lens of {}; it has {}", machine.name(),
+                 fmt::join(lengths_mm, " "));
+}
+
+void CheckMotion(const MotionOptions& motion, const MachineSpec& machine,
+                 Findings& findings) {
+  const MotionOptions most = WithDefaults(JobSpec(), machine).motion();
+  if (motion.max_speed_mm_s() > most.max_speed_mm_s()) {
+    findings.Wrong("motion.max_speed_mm_s", motion.max_speed_mm_s(),
+                   "is above the speed of {}, {}", machine.name(), most.max_speed_mm_s());
+  }
+  if (motion.max_acceleration_mm_s2() > most.max_acceleration_mm_s2()) {
+    findings.Wrong("motion.max_acceleration_mm_s2", motion.max_acceleration_mm_s2(),
+                   "is above the acceleration of {}, {}", machine.name(),
+                   most.max_acceleration_mm_s2());
+  }
+}
+
+// The stage has to reach every place between the margins.
+void CheckTravel(const JobSpec& job, const MachineSpec& machine,
+                 std::optional<double> stage_per_glass_ratio, Findings& findings) {
+  const auto vec = [](const Vector3& v) { return Vec3(v.x(), v.y(), v.z()); };
+  const Vec3 size_mm = vec(job.block().size_mm());
+  const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
+  const optics::MachineFromGlass frame{vec(machine.block_origin_mm()), size_mm,
+                                       stage_per_glass_ratio.value_or(1)};
+  Vec3 low_mm = frame.ToMachine(margin_mm);
+  const Vec3 high_mm = frame.ToMachine(size_mm - margin_mm);
+  if (!stage_per_glass_ratio) low_mm.z() = high_mm.z();
+  const std::array<const AxisLimits*, 3> axes = {&machine.x(), &machine.y(),
+                                                 &machine.z()};
+  for (int i = 0; i < 3; ++i) {
+    if (low_mm[i] >= axes[i]->travel_min_mm() && high_mm[i] <= axes[i]->travel_max_mm())
+      continue;
+    findings.Wrong(
+        fmt::format("block.size_mm.{}", "xyz"[i]), size_mm[i],
+        "does not fit in the travel of {}: the stage would have to go from {:.6g} to "
+        "{:.6g} mm, it can go from {} to {}",
+        machine.name(), low_mm[i], high_mm[i], axes[i]->travel_min_mm(),
+        axes[i]->travel_max_mm());
+  }
+}
+
+std::string PathOf(const Error& error) {
+  return error.message.substr(0, error.message.find(':'));
+}
+
+}  // namespace
+
+std::vector<Error> CheckJob(const JobSpec& job) {
+  Findings findings;
+  CheckRanges(job, "", findings.errors());
+  CheckModels(job, findings);
+  if (!job.block().has_size_mm()) {
+    findings.Missing("block.size_mm", "give the block's size, 1..1000 mm each way");
+  }
+  if (job.glass().empty()) {
+    findings.Missing("glass",
+                     "name a glass of the material base (intaglio materials list)");
+  }
+  if (!job.discretization().has_min_spacing_mm()) {
+    findings.Missing(
+        "discretization.min_spacing_mm",
+        "give the least distance of two points, 0.02..10 mm (0.09 with f = 43 mm, "
+        "0.13 with f = 70 mm)");
+  }
+  if (job.machine_file().empty()) {
+    findings.Missing("machine_file",
+                     "name a machine profile (deploy/machines holds some)");
+  }
+  return std::move(findings.errors());
+}
+
+std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
+                                     std::optional<double> stage_per_glass_ratio) {
+  const JobSpec whole = WithDefaults(job, machine);
+  Findings findings;
+  if (job.block().has_size_mm()) {
+    CheckRoom(whole, findings);
+    CheckTravel(whole, machine, stage_per_glass_ratio, findings);
+  }
+  CheckLens(whole.lens(), machine, findings);
+  CheckLayers(whole, findings);
+  CheckMotion(whole.motion(), machine, findings);
+  CheckLaser(whole.laser(), machine, findings);
+  return std::move(findings.errors());
+}
+
+std::vector<Error> CheckAll(const JobSpec& job, const MachineSpec& machine,
+                            std::optional<double> stage_per_glass_ratio) {
+  std::vector<Error> errors = CheckMachine(machine);
+  for (Error& error : errors) error.message = "machine: " + error.message;
+  std::set<std::string> paths;
+  for (const auto& found :
+       {CheckJob(job), CheckJobOnMachine(job, machine, stage_per_glass_ratio)}) {
+    for (const Error& error : found) {
+      if (paths.insert(PathOf(error)).second) errors.push_back(error);
+    }
+  }
+  return errors;
+}
+
+Error JoinErrors(const std::vector<Error>& errors) {
+  Require(!errors.empty(), "JoinErrors without an error");
+  Error joined = errors.front();
+  for (std::size_t i = 1; i < errors.size(); ++i)
+    joined.message += "\n" + errors[i].message;
+  return joined;
+}
+
+}  // namespace intaglio

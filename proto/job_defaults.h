@@ -1,0 +1,20 @@
+#pragma once
+
+// Fills in what was left open, as the comments in proto/job.proto and
+// proto/machine.proto say. What is there stays as it is, right or wrong.
+
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+
+namespace intaglio {
+
+/// Every default but one: the weight of a step up of the order Kdz follows from the
+/// beam's cone in the glass and is filled in by FreezeJob.
+JobSpec WithDefaults(JobSpec job, const MachineSpec& machine);
+
+MachineSpec WithMachineDefaults(MachineSpec machine);
+
+/// The machine's lens of this focal length; nullptr when it has none.
+const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm);
+
+}  // namespace intaglio

@@ -1,0 +1,15 @@
+#pragma once
+
+// Where in a JSON text protobuf's parser stumbled. The parser tells either an excerpt
+// with a caret (wrong syntax) or the path of a field (wrong value, unknown field).
+
+#include <string>
+#include <string_view>
+
+namespace intaglio {
+
+/// "line:column: what went wrong", both counted from 1; without position " what ..." when
+/// the place cannot be told.
+std::string LocateJsonError(std::string_view text, const std::string& parser_message);
+
+}  // namespace intaglio

@@ -1,0 +1,98 @@
+#include "proto/options.h"
+
+#include <numbers>
+
+#include "engrave/core/check.h"
+
+namespace intaglio {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+mesh::Fit FitOf(const Placement& placement, const Block& block) {
+  switch (placement.fit_case()) {
+    case Placement::kFitHeightMm:
+      return mesh::FitHeight{placement.fit_height_mm()};
+    case Placement::kFitSizeMm:
+      return mesh::FitLargest{placement.fit_size_mm()};
+    case Placement::kFitBlock:
+      return mesh::FitBox{Vec3Of(block.size_mm()) -
+                          Vec3::Constant(2 * block.margin_mm())};
+    case Placement::FIT_NOT_SET:
+      break;
+  }
+  return mesh::NoFit{};
+}
+
+motion::Profile ProfileOf(MotionProfile profile) {
+  switch (profile) {
+    case MOTION_PROFILE_TRIANGLE:
+      return motion::Profile::kTriangle;
+    case MOTION_PROFILE_TRAPEZOID:
+      return motion::Profile::kTrapezoid;
+    case MOTION_PROFILE_CUBIC:
+      return motion::Profile::kCubic;
+    default:
+      return motion::Profile::kMix;
+  }
+}
+
+}  // namespace
+
+Vec3 Vec3Of(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+Vec3 BlockSizeOf(const JobSpec& job) { return Vec3Of(job.block().size_mm()); }
+
+Box3 PermittedBoxOf(const JobSpec& job) {
+  Require(job.block().has_margin_mm(), "the job's defaults are not filled in");
+  const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
+  return {margin_mm, BlockSizeOf(job) - margin_mm};
+}
+
+mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
+  Require(placement.has_unit_mm() && placement.has_scale_ratio() && block.has_margin_mm(),
+          "the job's defaults are not filled in");
+  mesh::Placement result;
+  result.unit_mm = placement.unit_mm();
+  result.mirror_x = placement.mirror_x();
+  result.mirror_y = placement.mirror_y();
+  result.mirror_z = placement.mirror_z();
+  result.scale_ratio = Vec3Of(placement.scale_ratio());
+  result.rotation_rad = Vec3Of(placement.rotate_deg()) * kRadPerDeg;
+  result.fit = FitOf(placement, block);
+  result.move_mm = Vec3Of(placement.move_mm());
+  result.centre_in_block = placement.centre_in_block();
+  return result;
+}
+
+MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {
+  const MotionOptions& asked = job.job().motion();
+  Require(asked.has_max_speed_mm_s() && job.job().laser().has_rate_hz(),
+          "the job's defaults are not filled in");
+  const MachineSpec& machine = job.machine();
+  const Vec3 speed_mm_s(machine.x().max_speed_mm_s(), machine.y().max_speed_mm_s(),
+                        machine.z().max_speed_mm_s());
+  const Vec3 acceleration_mm_s2(machine.x().max_acceleration_mm_s2(),
+                                machine.y().max_acceleration_mm_s2(),
+                                machine.z().max_acceleration_mm_s2());
+  MotionOptionsOfJob result;
+  result.limits.max_speed_mm_s =
+      speed_mm_s.cwiseMin(Vec3::Constant(asked.max_speed_mm_s()));
+  result.limits.max_acceleration_mm_s2 =
+      acceleration_mm_s2.cwiseMin(Vec3::Constant(asked.max_acceleration_mm_s2()));
+  result.rate_hz = job.job().laser().rate_hz();
+  result.profile = ProfileOf(asked.profile());
+  for (const std::uint32_t channel : job.job().laser().channels()) {
+    Require(channel >= 1 && channel <= 4, "channel {} is outside 1..4", channel);
+    result.shutter_mask |= static_cast<std::uint8_t>(1u << (channel - 1));
+  }
+  return result;
+}
+
+optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job) {
+  const double ratio = job.optics().stage_per_glass_ratio();
+  Require(ratio > 0 && ratio <= 1, "stage_per_glass_ratio must be in 0..1, is {}", ratio);
+  return {Vec3Of(job.machine().block_origin_mm()), BlockSizeOf(job.job()), ratio};
+}
+
+}  // namespace intaglio

@@ -1,0 +1,43 @@
+#pragma once
+
+// The one place where jobs, written for people (degrees, defaults), become the plain
+// options of engrave/ (radians, nothing open). All take jobs with every default filled
+// in: proto/job_defaults.h, proto/freeze.h; a broken precondition throws.
+
+#include <cstdint>
+
+#include "engrave/core/geometry.h"
+#include "engrave/mesh/placement.h"
+#include "engrave/motion/limits.h"
+#include "engrave/motion/profile.h"
+#include "engrave/optics/machine_frame.h"
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+#include "proto/task.pb.h"
+
+namespace intaglio {
+
+Vec3 Vec3Of(const Vector3& v);
+
+/// Width, depth, height, mm.
+Vec3 BlockSizeOf(const JobSpec& job);
+
+/// Where points may lie: the block minus its margin. Frame glass, mm.
+Box3 PermittedBoxOf(const JobSpec& job);
+
+/// The way of a model into the job's block.
+mesh::Placement PlacementOf(const Placement& placement, const Block& block);
+
+/// How the stage and the laser of a job are driven.
+struct MotionOptionsOfJob {
+  motion::Limits limits;  ///< the machine's, capped by the job's
+  double rate_hz = 0;     ///< lamp sync
+  motion::Profile profile = motion::Profile::kMix;
+  std::uint8_t shutter_mask = 0;  ///< bit 0..3: channels 1..4
+};
+MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job);
+
+/// Glass frame to machine frame, focus depth included.
+optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job);
+
+}  // namespace intaglio
