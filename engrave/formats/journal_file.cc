@@ -1,0 +1,151 @@
+#include "engrave/formats/journal_file.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+
+namespace intaglio::formats {
+namespace {
+
+constexpr char kMagic[] = "INTJRNL1";
+constexpr std::uint32_t kVersion = 1;
+// A record's point may not make the reader allocate without bound.
+constexpr std::uint64_t kMaxPoints = 100'000'000;
+
+template <typename T>
+void Put(std::span<std::byte> bytes, std::size_t offset, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    bytes[offset + i] =
+        static_cast<std::byte>((static_cast<std::uint64_t>(value) >> (8 * i)) & 0xffu);
+  }
+}
+
+template <typename T>
+T Get(std::span<const std::byte> bytes, std::size_t offset) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    value |= static_cast<std::uint64_t>(bytes[offset + i]) << (8 * i);
+  }
+  return static_cast<T>(value);
+}
+
+std::uint32_t Crc(std::span<const std::byte> bytes) {
+  return static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()),
+                                          static_cast<uInt>(bytes.size())));
+}
+
+bool CrcHolds(std::span<const std::byte> bytes) {
+  const std::size_t end = bytes.size() - 4;
+  return Crc(bytes.first(end)) == Get<std::uint32_t>(bytes, end);
+}
+
+}  // namespace
+
+std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
+    const JournalHeader& header) {
+  std::array<std::byte, kJournalHeaderSize> bytes{};
+  std::memcpy(bytes.data(), kMagic, 8);
+  Put<std::uint32_t>(bytes, 8, kVersion);
+  Put<std::uint32_t>(bytes, 12, kJournalRecordSize);
+  Put<std::uint64_t>(bytes, 16, header.point_count);
+  Put<std::uint64_t>(bytes, 24, header.epoch);
+  Put<std::uint32_t>(bytes, 60, Crc(std::span(bytes).first(60)));
+  return bytes;
+}
+
+std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
+    const JournalRecord& record) {
+  std::array<std::byte, kJournalRecordSize> bytes{};
+  bytes[0] = static_cast<std::byte>(record.kind);
+  bytes[1] = static_cast<std::byte>(record.outcome);
+  bytes[2] = static_cast<std::byte>(record.reason);
+  Put<std::uint32_t>(bytes, 4, record.run);
+  Put<std::uint64_t>(bytes, 8, record.tick);
+  Put<std::uint32_t>(bytes, 16, record.point);
+  Put<std::uint32_t>(bytes, 24, record.pulse_count);
+  Put<std::uint32_t>(bytes, 28, Crc(std::span(bytes).first(28)));
+  return bytes;
+}
+
+Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
+  if (bytes.size() < kJournalHeaderSize || std::memcmp(bytes.data(), kMagic, 8) != 0 ||
+      !CrcHolds(bytes.first(kJournalHeaderSize))) {
+    return Fail(ErrorCode::kUnreadable,
+                "not an engraving journal: its header is missing or damaged");
+  }
+  if (const auto version = Get<std::uint32_t>(bytes, 8); version != kVersion) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("the journal is of version {}; this program reads version {}",
+                            version, kVersion),
+                fmt::format("{}", version));
+  }
+  Journal journal;
+  journal.header.point_count = Get<std::uint64_t>(bytes, 16);
+  journal.header.epoch = Get<std::uint64_t>(bytes, 24);
+  if (journal.header.point_count > kMaxPoints) {
+    return Fail(ErrorCode::kTooLarge, "the journal names too many points",
+                fmt::format("{}", journal.header.point_count));
+  }
+  std::size_t offset = kJournalHeaderSize;
+  for (; offset + kJournalRecordSize <= bytes.size(); offset += kJournalRecordSize) {
+    const auto record = bytes.subspan(offset, kJournalRecordSize);
+    const auto kind = static_cast<JournalKind>(record[0]);
+    const bool known = kind == JournalKind::kIntent || kind == JournalKind::kOutcome;
+    const auto point = Get<std::uint32_t>(record, 16);
+    if (!CrcHolds(record) || !known || point >= journal.header.point_count ||
+        record[1] > static_cast<std::byte>(PointOutcome::kUncertain)) {
+      break;
+    }
+    journal.records.push_back(
+        {kind, static_cast<PointOutcome>(record[1]), static_cast<std::uint8_t>(record[2]),
+         Get<std::uint32_t>(record, 4), Get<std::uint64_t>(record, 8), point,
+         Get<std::uint32_t>(record, 24)});
+  }
+  journal.torn_bytes = bytes.size() - offset;
+  return journal;
+}
+
+Result<Journal> ReadJournal(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("cannot open the journal {}", file.string()), file.string());
+  }
+  std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
+  in.seekg(0);
+  in.read(reinterpret_cast<char*>(bytes.data()),
+          static_cast<std::streamsize>(bytes.size()));
+  if (!in) {
+    return Fail(ErrorCode::kIo, fmt::format("cannot read the journal {}", file.string()),
+                file.string());
+  }
+  return ParseJournal(bytes).map_error([&](Error error) {
+    error.message = file.string() + ": " + error.message;
+    return error;
+  });
+}
+
+std::vector<PointHistory> HistoryOf(const Journal& journal) {
+  std::vector<PointHistory> history(journal.header.point_count);
+  for (const JournalRecord& record : journal.records) {
+    PointHistory& point = history[record.point];
+    point.tick = record.tick;
+    if (record.kind == JournalKind::kIntent) {
+      point.open_intent = true;
+      continue;
+    }
+    point.open_intent = false;
+    point.outcome = record.outcome;
+    point.reason = record.reason;
+    if (record.outcome == PointOutcome::kMade ||
+        record.outcome == PointOutcome::kMissed) {
+      ++point.fired_count;
+    }
+  }
+  return history;
+}
+
+}  // namespace intaglio::formats

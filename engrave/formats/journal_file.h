@@ -1,0 +1,90 @@
+#pragma once
+
+// The journal of an engraving: what was about to be fired, and what became of it. The
+// synchronizer appends; reports, resume and checks read. Fixed-size records with a
+// checksum each: a file cut anywhere is readable up to the cut.
+//
+//   offset  size  header (64 bytes)          offset  size  record (32 bytes)
+//        0     8  "INTJRNL1"                      0     1  kind (JournalKind)
+//        8     4  version, 1                      1     1  outcome (PointOutcome)
+//       12     4  record size, 32                 2     1  reason (see idl SkipReason)
+//       16     8  points of the job               3     1  zero
+//       24     8  epoch of the job                4     4  run
+//       32    28  zero                            8     8  tick
+//       60     4  CRC-32 of bytes 0..59          16     4  point: place in the order
+//                                                20     4  zero
+//                                                24     4  pulses counted by the
+//                                                controller 28     4  CRC-32 of bytes
+//                                                0..27
+// All numbers little endian.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "engrave/core/result.h"
+
+namespace intaglio::formats {
+
+enum class JournalKind : std::uint8_t {
+  kIntent = 1,   ///< the point may fire at this tick; on disk before it can
+  kOutcome = 2,  ///< what became of it
+};
+
+enum class PointOutcome : std::uint8_t {
+  kNone = 0,
+  kMade = 1,
+  kMissed = 2,     ///< fired, and no crack was seen
+  kSkipped = 3,    ///< not fired; may be tried again
+  kUncertain = 4,  ///< nobody knows; never fired again by itself
+};
+
+struct JournalRecord {
+  JournalKind kind = JournalKind::kIntent;
+  PointOutcome outcome = PointOutcome::kNone;
+  std::uint8_t reason = 0;
+  std::uint32_t run = 0;
+  std::uint64_t tick = 0;
+  std::uint32_t point = 0;
+  std::uint32_t pulse_count = 0;
+  bool operator==(const JournalRecord&) const = default;
+};
+
+struct JournalHeader {
+  std::uint64_t point_count = 0;
+  std::uint64_t epoch = 0;
+};
+
+inline constexpr std::size_t kJournalHeaderSize = 64;
+inline constexpr std::size_t kJournalRecordSize = 32;
+
+std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
+    const JournalHeader& header);
+std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
+    const JournalRecord& record);
+
+struct Journal {
+  JournalHeader header;
+  std::vector<JournalRecord> records;
+  /// Bytes after the last whole record with a right checksum: a cut, never an error.
+  std::uint64_t torn_bytes = 0;
+};
+
+/// kUnreadable when the header is not a journal's.
+Result<Journal> ParseJournal(std::span<const std::byte> bytes);
+Result<Journal> ReadJournal(const std::filesystem::path& file);
+
+/// What the journal says of each point, by place in the order.
+struct PointHistory {
+  PointOutcome outcome = PointOutcome::kNone;
+  std::uint8_t reason = 0;
+  std::uint64_t tick = 0;
+  std::uint32_t fired_count = 0;  ///< outcomes made or missed
+  bool open_intent = false;       ///< an intent without an outcome: uncertain
+};
+std::vector<PointHistory> HistoryOf(const Journal& journal);
+
+}  // namespace intaglio::formats

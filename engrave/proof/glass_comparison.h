@@ -1,0 +1,52 @@
+#pragma once
+
+// What the glass says of a job: every crack is matched to the plan. Frame glass, mm.
+//
+// A crack belongs to the planned point nearest to it, if that is nearer than the match
+// radius: half the least spacing of the plan, so that no crack can belong to two points.
+// A crack that belongs to none is stray. The comparison knows nothing of the journal or
+// of any service's bookkeeping.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+
+namespace intaglio::proof {
+
+/// One crack as the glass holds it.
+struct Crack {
+  Vec3 position_mm = Vec3::Zero();
+  std::uint64_t tick = 0;  ///< when it was made
+};
+
+struct AxisErrors {
+  double rms_um = 0;  ///< of the distance between crack and planned point
+  double max_um = 0;
+  Vec3 axis_rms_um = Vec3::Zero();
+};
+
+struct GlassComparison {
+  std::uint64_t planned_count = 0;
+  std::uint64_t made_count = 0;     ///< points with exactly one crack
+  std::uint64_t doubled_count = 0;  ///< points with more than one
+  std::uint64_t empty_count = 0;    ///< points without any
+  std::uint64_t stray_count = 0;    ///< cracks that belong to no point
+  AxisErrors errors;                ///< over the matched cracks
+  /// Cracks of each point, by its place in the plan.
+  std::vector<std::uint32_t> cracks_of_point;
+  /// Points that have a crack, in the order of their first cracks' ticks.
+  std::vector<std::uint32_t> made_order;
+  std::uint64_t first_tick = 0;
+  std::uint64_t last_tick = 0;
+};
+
+/// match_radius_mm > 0. `cracks` in any order; of equal ticks the given order counts.
+GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>& cracks,
+                             double match_radius_mm);
+
+/// Least distance between two of the points, mm; infinity for fewer than two.
+double LeastSpacing(const PointList& points_mm);
+
+}  // namespace intaglio::proof

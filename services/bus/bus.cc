@@ -1,0 +1,161 @@
+#include "services/bus/bus.h"
+
+#include <dds/dds.h>
+#include <fmt/format.h>
+
+#include "services/bus/bus_entities.h"
+#include "services/bus/qos.h"
+
+namespace intaglio::bus {
+namespace {
+
+constexpr int kMaxDomain = 100;
+
+// Only what differs from the library's defaults. Killed peers are noticed after the
+// lease; discovery repeats often enough that a cut network heals within a second.
+std::string ConfigurationOf(const BusOptions& options) {
+  const std::string multicast = options.interface == "lo" ? " multicast=\"true\"" : "";
+  const std::string tag =
+      options.tag.empty() ? "" : fmt::format("<Tag>{}</Tag>", options.tag);
+  return fmt::format(
+      "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface "
+      "name=\"{}\"{}/>"
+      "</Interfaces></General><Discovery>{}<ParticipantIndex>none</ParticipantIndex>"
+      "<SPDPInterval>500ms</SPDPInterval><LeaseDuration>2s</LeaseDuration></Discovery>"
+      "</Domain></CycloneDDS>",
+      options.interface, multicast, tag);
+}
+
+struct Domains {
+  struct Held {
+    dds_entity_t handle = 0;
+    int count = 0;
+    std::string configuration;
+  };
+  std::mutex mutex;
+  std::map<int, Held> held;
+};
+
+Domains& AllDomains() {
+  static Domains domains;
+  return domains;
+}
+
+dds_entity_t Must(dds_entity_t entity, const std::string& what) {
+  if (entity < 0) throw BusError(what + ": " + dds_strretcode(entity));
+  return entity;
+}
+
+dds_entity_t ParticipantIn(int domain, const BusOptions& options) {
+  return Must(
+      dds_create_participant(static_cast<dds_domainid_t>(domain), nullptr, nullptr),
+      fmt::format("cannot join DDS domain {} on interface {} (is the interface up?)",
+                  domain, options.interface));
+}
+
+}  // namespace
+
+DomainHold::DomainHold(int domain, const BusOptions& options) : domain_(domain) {
+  if (options.control_domain < 0 || options.control_domain >= kMaxDomain) {
+    throw BusError(fmt::format("control_domain is {}, allowed are 0..{}",
+                               options.control_domain, kMaxDomain - 1));
+  }
+  if (options.tag.find_first_of("<>&\"") != std::string::npos ||
+      options.interface.find_first_of("<>&\"") != std::string::npos) {
+    throw BusError("the DDS tag and interface may not contain < > & or \"");
+  }
+  Domains& domains = AllDomains();
+  const std::lock_guard lock(domains.mutex);
+  Domains::Held& held = domains.held[domain];
+  const std::string configuration = ConfigurationOf(options);
+  if (held.count > 0 && held.configuration != configuration) {
+    throw BusError(fmt::format(
+        "DDS domain {} is already used in this process with other settings", domain));
+  }
+  if (held.count == 0) {
+    held.configuration = configuration;
+    held.handle = Must(
+        dds_create_domain(static_cast<dds_domainid_t>(domain), configuration.c_str()),
+        fmt::format("cannot set up DDS domain {}", domain));
+  }
+  ++held.count;
+}
+
+DomainHold::~DomainHold() {
+  Domains& domains = AllDomains();
+  const std::lock_guard lock(domains.mutex);
+  Domains::Held& held = domains.held[domain_];
+  if (--held.count == 0) dds_delete(held.handle);
+}
+
+Bus::Entities::Entities(const BusOptions& bus_options)
+    : options(bus_options),
+      control_domain(bus_options.control_domain, bus_options),
+      bulk_domain(bus_options.control_domain + 1, bus_options),
+      control(ParticipantIn(bus_options.control_domain, bus_options)) {
+  try {
+    bulk = ParticipantIn(bus_options.control_domain + 1, bus_options);
+  } catch (...) {
+    dds_delete(control);
+    throw;
+  }
+}
+
+Bus::Entities::~Entities() {
+  dds_delete(bulk);
+  dds_delete(control);
+}
+
+std::int32_t Bus::Entities::TopicOf(const internal::TopicView& view) {
+  const std::lock_guard lock(mutex);
+  auto& topic = topics[view.name];
+  if (topic == 0) {
+    topic = Must(dds_create_topic(participant(view.domain), view.descriptor, view.name,
+                                  internal::QosOf(view.profile).get(), nullptr),
+                 fmt::format("cannot create topic {}", view.name));
+  }
+  return topic;
+}
+
+Bus::Bus(const BusOptions& options) : entities_(std::make_unique<Entities>(options)) {}
+Bus::~Bus() = default;
+const BusOptions& Bus::options() const { return entities_->options; }
+
+struct WaitSet::Impl {
+  dds_entity_t wait_set = 0;
+  dds_entity_t guard = 0;
+};
+
+// A wait set over both domains has to hang on the library itself.
+WaitSet::WaitSet(Bus&) : impl_(std::make_unique<Impl>()) {
+  impl_->wait_set =
+      Must(dds_create_waitset(DDS_CYCLONEDDS_HANDLE), "cannot create a wait set");
+  impl_->guard = Must(dds_create_guardcondition(DDS_CYCLONEDDS_HANDLE),
+                      "cannot create a guard condition");
+  Must(dds_waitset_attach(impl_->wait_set, impl_->guard, 0),
+       "cannot attach a guard condition");
+}
+
+WaitSet::~WaitSet() {
+  dds_delete(impl_->wait_set);
+  dds_delete(impl_->guard);
+}
+
+void WaitSet::AttachRaw(internal::RawReader& reader) {
+  Must(dds_waitset_attach(impl_->wait_set, reader.condition(), 0),
+       "cannot attach a reader");
+}
+
+bool WaitSet::Wait(std::chrono::milliseconds timeout) {
+  dds_attach_t triggered[1];
+  const auto count =
+      dds_waitset_wait(impl_->wait_set, triggered, 1,
+                       DDS_MSECS(std::max<std::int64_t>(0, timeout.count())));
+  bool woken = false;
+  dds_take_guardcondition(impl_->guard, &woken);
+  return count > 0 || woken;
+}
+
+void WaitSet::Wake() { dds_set_guardcondition(impl_->guard, true); }
+
+}  // namespace intaglio::bus

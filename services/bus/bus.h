@@ -1,0 +1,154 @@
+#pragma once
+
+// The thin layer over the DDS library's C interface: who takes part, in which domain,
+// reads and writes typed topics, and waits. Nothing of dds_ is seen outside this folder.
+//
+//   bus::Bus bus(options);                                  // both domains
+//   bus::Writer<intaglio_JobStatus> status(bus, bus::kJobStatus);
+//   bus::Reader<intaglio_StageTask> tasks(bus, bus::kSortTask);
+//   bus::WaitSet wait(bus);
+//   wait.Attach(tasks);
+//   while (wait.Wait(50ms)) tasks.Take([&](const intaglio_StageTask& t) { ... });
+//
+// Threads: a Writer may be used from any thread; a Reader and a WaitSet from one.
+// Errors: creating an entity throws BusError (a service cannot start without it);
+// writing returns a Status. Bulk, motion and event readers have no resource limits
+// (a full reader stops its process); their producers stay within Credit: flow.h.
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+#include "engrave/core/result.h"
+#include "services/bus/raw_entities.h"
+#include "services/bus/topics.h"
+
+namespace intaglio::bus {
+
+class BusError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct BusOptions {
+  int control_domain = 40;       ///< 0..100; bulk is the next one
+  std::string interface = "lo";  ///< network interface; "lo" stays on this machine
+  std::string tag;   ///< participants of another tag are not seen; empty: none
+  std::string cell;  ///< partition of the cell topics; empty: sees every cell
+};
+
+/// Both domains of a process. Lives longer than its readers and writers.
+class Bus {
+ public:
+  explicit Bus(const BusOptions& options);
+  ~Bus();
+  const BusOptions& options() const;
+
+  struct Entities;  // handles; services/bus only
+  Entities& entities() { return *entities_; }
+
+ private:
+  std::unique_ptr<Entities> entities_;
+};
+
+/// What happened to a reader besides samples, since the last look.
+struct ReaderEvents {
+  int alive_writers = 0;     ///< matched writers with a held lease
+  int lost_leases = 0;       ///< writers whose lease ran out
+  int missed_deadlines = 0;  ///< instances that were not written in time
+};
+
+/// Where a sample came from.
+struct SampleOrigin {
+  bool alive = true;           ///< false: the instance's writer is gone or disposed it;
+                               ///< only the key fields of the sample are set
+  std::int64_t source_ns = 0;  ///< writer's wall clock, for people only
+};
+
+namespace internal {
+template <typename T>
+TopicView ViewOf(const Topic<T>& topic) {
+  return {topic.name, topic.descriptor, topic.profile, topic.domain, topic.scope};
+}
+}  // namespace internal
+
+template <typename T>
+class Reader {
+ public:
+  /// `cell` overrides the options' cell for a cell topic.
+  Reader(Bus& bus, const Topic<T>& topic, const std::string& cell = {})
+      : raw_(std::make_unique<internal::RawReader>(bus, internal::ViewOf(topic), cell)) {}
+
+  /// Takes what is there and calls sink(sample) for each live sample; the sample is
+  /// valid during the call only. Returns how many were taken.
+  template <typename Sink>
+  int Take(Sink&& sink) {
+    return TakeAll([&sink](const T& sample, const SampleOrigin& origin) {
+      if (origin.alive) sink(sample);
+    });
+  }
+  /// The same with sink(sample, origin), also for instances that ended.
+  template <typename Sink>
+  int TakeAll(Sink&& sink) {
+    using Callable = std::remove_reference_t<Sink>;
+    return raw_->Take(
+        [](void* context, const void* sample, const SampleOrigin& origin) {
+          (*static_cast<Callable*>(context))(*static_cast<const T*>(sample), origin);
+        },
+        &sink);
+  }
+
+  ReaderEvents events() { return raw_->events(); }
+  int matched_count() const { return raw_->matched_count(); }
+  Guid guid() const { return raw_->guid(); }
+  internal::RawReader& raw() { return *raw_; }
+
+ private:
+  std::unique_ptr<internal::RawReader> raw_;
+};
+
+template <typename T>
+class Writer {
+ public:
+  Writer(Bus& bus, const Topic<T>& topic, const std::string& cell = {})
+      : raw_(std::make_unique<internal::RawWriter>(bus, internal::ViewOf(topic), cell)) {}
+
+  /// kTimedOut: not written, try again. Safety topics: also renews the lease.
+  Status Write(const T& sample) { return raw_->Write(&sample); }
+  /// Ends the instance with this sample's key.
+  Status Dispose(const T& sample) { return raw_->Dispose(&sample); }
+  int matched_count() const { return raw_->matched_count(); }
+  bool IsMatched(const Guid& reader) const { return raw_->IsMatched(reader); }
+  /// Until all matched reliable readers have it; kTimedOut otherwise.
+  Status WaitForAcknowledgements(std::chrono::milliseconds timeout) {
+    return raw_->WaitForAcknowledgements(timeout);
+  }
+
+ private:
+  std::unique_ptr<internal::RawWriter> raw_;
+};
+
+/// Wakes one thread for samples and events of its readers, or when told to.
+class WaitSet {
+ public:
+  explicit WaitSet(Bus& bus);
+  ~WaitSet();
+  template <typename T>
+  void Attach(Reader<T>& reader) {
+    AttachRaw(reader.raw());
+  }
+  /// True when something is there, false after the timeout.
+  bool Wait(std::chrono::milliseconds timeout);
+  /// From any thread: the next or current Wait returns true.
+  void Wake();
+
+ private:
+  void AttachRaw(internal::RawReader& reader);
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace intaglio::bus

@@ -1,0 +1,91 @@
+#include "services/bus/flow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::bus {
+
+std::string StreamName(const std::string& job_uid, std::uint32_t attempt,
+                       const char* topic) {
+  return fmt::format("{}/{}/{}", job_uid, attempt, topic);
+}
+
+CreditGrantor::CreditGrantor(Bus& bus, std::string instance)
+    : instance_(std::move(instance)), writer_(bus, kCredit) {}
+
+Status CreditGrantor::Publish(const std::string& name, const Stream& stream,
+                              bool cancelled) {
+  intaglio_Credit sample{};
+  sample.stream = Borrow(name);
+  sample.consumer = Borrow(instance_);
+  std::memcpy(sample.reader_guid, stream.reader.data(), stream.reader.size());
+  sample.consumed = stream.consumed;
+  sample.window = stream.window;
+  sample.cancelled = cancelled;
+  return writer_.Write(sample);
+}
+
+Status CreditGrantor::Open(const std::string& stream, const Guid& reader,
+                           std::uint32_t window) {
+  Stream& opened = streams_[stream] = {reader, window, 0, 0};
+  return Publish(stream, opened, false);
+}
+
+Status CreditGrantor::Consumed(const std::string& stream, std::uint64_t consumed,
+                               bool now) {
+  const auto found = streams_.find(stream);
+  if (found == streams_.end()) return {};
+  Stream& open = found->second;
+  open.consumed = std::max(open.consumed, consumed);
+  const std::uint64_t step = std::max<std::uint64_t>(1, open.window / 4);
+  if (open.consumed == open.published ||
+      (!now && open.consumed < open.published + step)) {
+    return {};
+  }
+  auto written = Publish(stream, open, false);
+  if (written) open.published = open.consumed;
+  return written;
+}
+
+Status CreditGrantor::Cancel(const std::string& stream) {
+  const auto found = streams_.find(stream);
+  return found == streams_.end() ? Status() : Publish(stream, found->second, true);
+}
+
+Status CreditGrantor::Close(const std::string& stream) {
+  if (streams_.erase(stream) == 0) return {};
+  intaglio_Credit sample{};
+  sample.stream = Borrow(stream);
+  sample.consumer = Borrow(instance_);
+  return writer_.Dispose(sample);
+}
+
+CreditBook::CreditBook(Bus& bus) : reader_(bus, kCredit) {}
+
+void CreditBook::Poll() {
+  reader_.TakeAll([this](const intaglio_Credit& sample, const SampleOrigin& origin) {
+    const std::string stream(View(sample.stream));
+    if (!origin.alive) {
+      const auto found = grants_.find(stream);
+      if (found != grants_.end()) found->second.cancelled = true;
+      return;
+    }
+    Grant& grant = grants_[stream];
+    grant.open = true;
+    grant.cancelled = sample.cancelled;
+    std::memcpy(grant.reader.data(), sample.reader_guid, grant.reader.size());
+    grant.consumed = sample.consumed;
+    grant.limit = sample.consumed + sample.window;
+  });
+}
+
+CreditBook::Grant CreditBook::Find(const std::string& stream) const {
+  const auto found = grants_.find(stream);
+  return found == grants_.end() ? Grant{} : found->second;
+}
+
+}  // namespace intaglio::bus

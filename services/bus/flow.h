@@ -1,0 +1,67 @@
+#pragma once
+
+// Flow under credit. The consumer of a bulk stream says how many batches it has done
+// with and how far the producer may be ahead; nothing is dropped and no reader fills.
+// Stream name: <job_uid>/<attempt>/<topic>.
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "services/bus/bus.h"
+
+namespace intaglio::bus {
+
+std::string StreamName(const std::string& job_uid, std::uint32_t attempt,
+                       const char* topic);
+
+/// Consumer's side: one for a process, any number of streams, one after another.
+class CreditGrantor {
+ public:
+  CreditGrantor(Bus& bus, std::string instance);
+  /// Opens a stream read by the reader with this GUID: window batches may come.
+  Status Open(const std::string& stream, const Guid& reader, std::uint32_t window);
+  /// Batches 0 .. consumed-1 are done with. Published at a quarter of the window, and
+  /// at once when `now` is set.
+  Status Consumed(const std::string& stream, std::uint64_t consumed, bool now = false);
+  /// No more of it, please.
+  Status Cancel(const std::string& stream);
+  /// The stream is over: its instance is disposed.
+  Status Close(const std::string& stream);
+
+ private:
+  struct Stream {
+    Guid reader;
+    std::uint32_t window = 0;
+    std::uint64_t consumed = 0, published = 0;
+  };
+  Status Publish(const std::string& name, const Stream& stream, bool cancelled);
+  std::string instance_;
+  Writer<intaglio_Credit> writer_;
+  std::map<std::string, Stream> streams_;
+};
+
+/// Producer's side: knows how far each stream's consumer has come.
+class CreditBook {
+ public:
+  explicit CreditBook(Bus& bus);
+  /// Takes what came in; call when the wait set woke.
+  void Poll();
+  Reader<intaglio_Credit>& reader() { return reader_; }
+
+  struct Grant {
+    bool open = false;       ///< the consumer has said it is ready
+    bool cancelled = false;  ///< it wants no more, or it died
+    Guid reader{};
+    std::uint64_t consumed = 0;
+    std::uint64_t limit = 0;  ///< batches with a number below this may be sent
+  };
+  Grant Find(const std::string& stream) const;
+
+ private:
+  Reader<intaglio_Credit> reader_;
+  std::map<std::string, Grant> grants_;
+};
+
+}  // namespace intaglio::bus

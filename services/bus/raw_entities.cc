@@ -1,0 +1,166 @@
+#include "services/bus/raw_entities.h"
+
+#include <dds/dds.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+
+#include "services/bus/bus.h"
+#include "services/bus/bus_entities.h"
+#include "services/bus/qos.h"
+
+namespace intaglio::bus::internal {
+namespace {
+
+constexpr std::size_t kTakeAtOnce = 64;
+
+dds_entity_t Must(dds_entity_t entity, const char* what, const char* topic) {
+  if (entity < 0) {
+    throw BusError(
+        fmt::format("cannot create a {} of {}: {}", what, topic, dds_strretcode(entity)));
+  }
+  return entity;
+}
+
+/// Cell topics travel in their cell's partition; without a cell a reader sees them all.
+QosPointer PartitionOf(const Bus::Entities& bus, const TopicView& topic,
+                       const std::string& cell) {
+  QosPointer qos(dds_create_qos());
+  if (topic.scope == Scope::kCell) {
+    const std::string& own = cell.empty() ? bus.options.cell : cell;
+    dds_qset_partition1(qos.get(), own.empty() ? "*" : own.c_str());
+  }
+  return qos;
+}
+
+}  // namespace
+
+RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell) {
+  auto& entities = bus.entities();
+  const dds_entity_t topic_entity = entities.TopicOf(topic);
+  subscriber_ =
+      Must(dds_create_subscriber(entities.participant(topic.domain),
+                                 PartitionOf(entities, topic, cell).get(), nullptr),
+           "subscriber", topic.name);
+  reader_ = Must(
+      dds_create_reader(subscriber_, topic_entity, QosOf(topic.profile).get(), nullptr),
+      "reader", topic.name);
+  condition_ =
+      Must(dds_create_readcondition(reader_, DDS_ANY_STATE), "condition", topic.name);
+}
+
+RawReader::~RawReader() { dds_delete(subscriber_); }
+
+int RawReader::Take(Sink sink, void* context) {
+  int total = 0;
+  for (;;) {
+    std::array<void*, kTakeAtOnce> samples{};
+    std::array<dds_sample_info_t, kTakeAtOnce> origins;
+    const auto count =
+        dds_take(reader_, samples.data(), origins.data(), kTakeAtOnce, kTakeAtOnce);
+    if (count <= 0) return total;
+    struct Loan {
+      dds_entity_t reader;
+      void** samples;
+      std::int32_t count;
+      ~Loan() { (void)dds_return_loan(reader, samples, count); }
+    } const loan{reader_, samples.data(), count};
+    for (std::int32_t i = 0; i < count; ++i) {
+      const dds_sample_info_t& origin = origins[static_cast<std::size_t>(i)];
+      sink(context, samples[static_cast<std::size_t>(i)],
+           {origin.valid_data && origin.instance_state == DDS_IST_ALIVE,
+            origin.source_timestamp});
+    }
+    total += count;
+    if (static_cast<std::size_t>(count) < kTakeAtOnce) return total;
+  }
+}
+
+ReaderEvents RawReader::events() {
+  ReaderEvents events;
+  dds_liveliness_changed_status_t liveliness{};
+  if (dds_get_liveliness_changed_status(reader_, &liveliness) == DDS_RETCODE_OK) {
+    events.alive_writers = static_cast<int>(liveliness.alive_count);
+    events.lost_leases = std::max(0, static_cast<int>(liveliness.not_alive_count_change));
+  }
+  dds_requested_deadline_missed_status_t deadline{};
+  if (dds_get_requested_deadline_missed_status(reader_, &deadline) == DDS_RETCODE_OK) {
+    events.missed_deadlines = static_cast<int>(deadline.total_count_change);
+  }
+  return events;
+}
+
+int RawReader::matched_count() const {
+  dds_subscription_matched_status_t status{};
+  (void)dds_get_subscription_matched_status(reader_, &status);
+  return static_cast<int>(status.current_count);
+}
+
+Guid RawReader::guid() const {
+  dds_guid_t guid{};
+  (void)dds_get_guid(reader_, &guid);
+  Guid bytes;
+  static_assert(sizeof guid.v == sizeof bytes);
+  std::memcpy(bytes.data(), guid.v, bytes.size());
+  return bytes;
+}
+
+RawWriter::RawWriter(Bus& bus, const TopicView& topic, const std::string& cell)
+    : topic_(topic.name) {
+  auto& entities = bus.entities();
+  const dds_entity_t topic_entity = entities.TopicOf(topic);
+  publisher_ =
+      Must(dds_create_publisher(entities.participant(topic.domain),
+                                PartitionOf(entities, topic, cell).get(), nullptr),
+           "publisher", topic.name);
+  writer_ = Must(
+      dds_create_writer(publisher_, topic_entity, QosOf(topic.profile).get(), nullptr),
+      "writer", topic.name);
+}
+
+RawWriter::~RawWriter() { dds_delete(publisher_); }
+
+Status RawWriter::Answer(std::int32_t code, const char* what) const {
+  if (code == DDS_RETCODE_OK) return {};
+  return Fail(code == DDS_RETCODE_TIMEOUT ? ErrorCode::kTimedOut : ErrorCode::kIo,
+              fmt::format("topic {}: {} failed: {}", topic_, what, dds_strretcode(code)),
+              topic_);
+}
+
+Status RawWriter::Write(const void* sample) {
+  return Answer(dds_write(writer_, sample), "a write");
+}
+
+Status RawWriter::Dispose(const void* sample) {
+  return Answer(dds_dispose(writer_, sample), "a dispose");
+}
+
+int RawWriter::matched_count() const {
+  dds_publication_matched_status_t status{};
+  (void)dds_get_publication_matched_status(writer_, &status);
+  return static_cast<int>(status.current_count);
+}
+
+bool RawWriter::IsMatched(const Guid& reader) const {
+  std::array<dds_instance_handle_t, 256> handles;
+  const auto count =
+      dds_get_matched_subscriptions(writer_, handles.data(), handles.size());
+  for (std::int32_t i = 0; i < count && i < static_cast<std::int32_t>(handles.size());
+       ++i) {
+    dds_builtintopic_endpoint_t* endpoint =
+        dds_get_matched_subscription_data(writer_, handles[static_cast<std::size_t>(i)]);
+    if (endpoint == nullptr) continue;
+    const bool same = std::memcmp(endpoint->key.v, reader.data(), reader.size()) == 0;
+    dds_builtintopic_free_endpoint(endpoint);
+    if (same) return true;
+  }
+  return false;
+}
+
+Status RawWriter::WaitForAcknowledgements(std::chrono::milliseconds timeout) {
+  return Answer(dds_wait_for_acks(writer_, DDS_MSECS(timeout.count())),
+                "an acknowledgement");
+}
+
+}  // namespace intaglio::bus::internal

@@ -1,0 +1,101 @@
+#pragma once
+
+// Every topic of the product: its name, type, QoS profile, domain and scope, in one
+// place. idl/ says what the fields mean.
+
+#include "idl/cloud.h"
+#include "idl/job.h"
+#include "idl/laser.h"
+#include "idl/motion.h"
+#include "idl/safety.h"
+#include "idl/service.h"
+
+struct dds_topic_descriptor;
+
+namespace intaglio::bus {
+
+/// Control carries status, safety, commands and motion; bulk carries models and points.
+/// They are separate DDS domains: a full bulk reader would hold up the control topics.
+enum class DomainKind { kControl, kBulk };
+
+/// What a topic promises; qos.h says how.
+enum class Profile { kCommand, kState, kMotion, kEvent, kStream, kSafety, kBulk };
+
+/// Shop topics are seen by everybody; cell topics travel in the partition of one machine.
+enum class Scope { kShop, kCell };
+
+template <typename T>
+struct Topic {
+  using Sample = T;
+  const char* name;
+  const dds_topic_descriptor* descriptor;
+  Profile profile;
+  DomainKind domain;
+  Scope scope;
+};
+
+inline constexpr Topic<intaglio_JobSubmission> kJobSubmission{
+    "JobSubmission", &intaglio_JobSubmission_desc, Profile::kCommand,
+    DomainKind::kControl, Scope::kShop};
+inline constexpr Topic<intaglio_JobCommand> kJobCommand{
+    "JobCommand", &intaglio_JobCommand_desc, Profile::kCommand, DomainKind::kControl,
+    Scope::kShop};
+inline constexpr Topic<intaglio_JobStatus> kJobStatus{
+    "JobStatus", &intaglio_JobStatus_desc, Profile::kState, DomainKind::kControl,
+    Scope::kShop};
+inline constexpr Topic<intaglio_StageTask> kDiscretizeTask{
+    "DiscretizeTask", &intaglio_StageTask_desc, Profile::kCommand, DomainKind::kControl,
+    Scope::kShop};
+inline constexpr Topic<intaglio_StageTask> kSortTask{"SortTask", &intaglio_StageTask_desc,
+                                                     Profile::kCommand,
+                                                     DomainKind::kControl, Scope::kShop};
+inline constexpr Topic<intaglio_StageTask> kEngraveTask{
+    "EngraveTask", &intaglio_StageTask_desc, Profile::kCommand, DomainKind::kControl,
+    Scope::kShop};
+inline constexpr Topic<intaglio_TaskStatus> kTaskStatus{
+    "TaskStatus", &intaglio_TaskStatus_desc, Profile::kState, DomainKind::kControl,
+    Scope::kShop};
+inline constexpr Topic<intaglio_ServiceHealth> kServiceHealth{
+    "ServiceHealth", &intaglio_ServiceHealth_desc, Profile::kState, DomainKind::kControl,
+    Scope::kShop};
+inline constexpr Topic<intaglio_Credit> kCredit{
+    "Credit", &intaglio_Credit_desc, Profile::kState, DomainKind::kControl, Scope::kShop};
+inline constexpr Topic<intaglio_Alarm> kAlarm{
+    "Alarm", &intaglio_Alarm_desc, Profile::kEvent, DomainKind::kControl, Scope::kShop};
+
+inline constexpr Topic<intaglio_ModelChunk> kModelChunk{
+    "ModelChunk", &intaglio_ModelChunk_desc, Profile::kBulk, DomainKind::kBulk,
+    Scope::kShop};
+inline constexpr Topic<intaglio_PointBatch> kPointBatch{
+    "PointBatch", &intaglio_PointBatch_desc, Profile::kBulk, DomainKind::kBulk,
+    Scope::kShop};
+inline constexpr Topic<intaglio_PathBatch> kPathBatch{
+    "PathBatch", &intaglio_PathBatch_desc, Profile::kBulk, DomainKind::kBulk,
+    Scope::kShop};
+
+inline constexpr Topic<intaglio_MotionSegmentBatch> kMotionSegmentBatch{
+    "MotionSegmentBatch", &intaglio_MotionSegmentBatch_desc, Profile::kMotion,
+    DomainKind::kControl, Scope::kCell};
+inline constexpr Topic<intaglio_MotionState> kMotionState{
+    "MotionState", &intaglio_MotionState_desc, Profile::kStream, DomainKind::kControl,
+    Scope::kCell};
+inline constexpr Topic<intaglio_PositionReport> kPositionReport{
+    "PositionReport", &intaglio_PositionReport_desc, Profile::kEvent,
+    DomainKind::kControl, Scope::kCell};
+inline constexpr Topic<intaglio_LampSync> kLampSync{"LampSync", &intaglio_LampSync_desc,
+                                                    Profile::kStream,
+                                                    DomainKind::kControl, Scope::kCell};
+inline constexpr Topic<intaglio_PulseEventBatch> kPulseEventBatch{
+    "PulseEventBatch", &intaglio_PulseEventBatch_desc, Profile::kEvent,
+    DomainKind::kControl, Scope::kCell};
+inline constexpr Topic<intaglio_Permission> kPermission{
+    "Permission", &intaglio_Permission_desc, Profile::kSafety, DomainKind::kControl,
+    Scope::kCell};
+inline constexpr Topic<intaglio_EmergencyStop> kEmergencyStop{
+    "EmergencyStop", &intaglio_EmergencyStop_desc, Profile::kSafety, DomainKind::kControl,
+    Scope::kCell};
+inline constexpr Topic<intaglio_Interlock> kInterlock{
+    "Interlock", &intaglio_Interlock_desc, Profile::kState, DomainKind::kControl,
+    Scope::kCell};
+
+}  // namespace intaglio::bus

@@ -1,0 +1,208 @@
+#include "services/host/service_host.h"
+
+#include <signal.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <iostream>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::host {
+namespace {
+
+using bus::Borrow;
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kHealthPeriod{200};
+
+std::string HostName() {
+  char name[256] = "localhost";
+  gethostname(name, sizeof name - 1);
+  return name;
+}
+
+// Set by the signal handler; everything else about a stop happens outside of it.
+std::atomic<bool> stop_asked{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
+
+void CatchSignals() {
+  struct sigaction action = {};
+  action.sa_handler = [](int) { stop_asked = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+struct CommonOptions {
+  bus::BusOptions bus;
+  std::string log_file;
+  std::string log_level = "info";
+  bool die_with_parent = false;
+};
+
+void AddCommonOptions(CLI::App& app, CommonOptions& options) {
+  app.add_option("--domain", options.bus.control_domain,
+                 "DDS domain of the control topics; the bulk topics take the next one")
+      ->check(CLI::Range(0, 99))
+      ->capture_default_str();
+  app.add_option("--interface", options.bus.interface,
+                 "network interface; lo stays on this machine")
+      ->capture_default_str();
+  app.add_option("--tag", options.bus.tag, "only participants of the same tag are seen");
+  app.add_option("--cell", options.bus.cell, "machine cell that is served");
+  app.add_option("--log-file", options.log_file, "log there besides to stderr");
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warning or error")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
+      ->capture_default_str();
+  app.add_flag("--die-with-parent", options.die_with_parent,
+               "end when the process that started this one does");
+}
+
+void SetUpLog(const ServiceDescription& description, const CommonOptions& options) {
+  std::vector<spdlog::sink_ptr> sinks = {std::make_shared<spdlog::sinks::stderr_sink_mt>()};
+  if (!options.log_file.empty()) {
+    sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.log_file));
+  }
+  auto log = std::make_shared<spdlog::logger>(description.name, sinks.begin(), sinks.end());
+  log->set_level(spdlog::level::from_str(options.log_level));
+  log->set_pattern("%Y-%m-%dT%H:%M:%S.%e %n %l: %v");
+  log->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(std::move(log));
+}
+
+}  // namespace
+
+const char* SoftwareVersion() { return INTAGLIO_VERSION; }
+
+struct ServiceHost::Impl {
+  Impl(const ServiceDescription& service, const bus::BusOptions& options)
+      : description(service),
+        bus(options),
+        health(bus, bus::kServiceHealth),
+        alarms(bus, bus::kAlarm),
+        host(HostName()),
+        instance(fmt::format("{}-{}-{}-{:x}", service.name, host, getpid(),
+                             Clock::now().time_since_epoch().count())) {}
+
+  void Publish() {
+    const std::string version = SoftwareVersion();
+    intaglio_ServiceHealth sample{};
+    sample.instance = Borrow(instance);
+    sample.role = description.role;
+    sample.state = state;
+    sample.host = Borrow(host);
+    sample.pid = getpid();
+    sample.cell = Borrow(bus.options().cell);
+    sample.job_uid = Borrow(job_uid);
+    sample.version = Borrow(version);
+    sample.message = Borrow(message);
+    sample.steady_ns = Clock::now().time_since_epoch().count();
+    if (auto written = health.Write(sample); !written) {
+      spdlog::warn("health: {}", written.error().message);
+    }
+    next_publication = Clock::now() + kHealthPeriod;
+  }
+
+  ServiceDescription description;
+  bus::Bus bus;
+  bus::Writer<intaglio_ServiceHealth> health;
+  bus::Writer<intaglio_Alarm> alarms;
+  std::string host, instance;
+  intaglio_HealthState state = intaglio_HEALTH_STARTING;
+  std::string job_uid, message;
+  Clock::time_point next_publication{};
+  std::uint64_t alarm_number = 0;
+  std::stop_source stop;
+};
+
+ServiceHost::ServiceHost(const ServiceDescription& description, const bus::BusOptions& options)
+    : impl_(std::make_unique<Impl>(description, options)) {
+  impl_->Publish();
+}
+
+ServiceHost::~ServiceHost() = default;
+
+bus::Bus& ServiceHost::bus() { return impl_->bus; }
+const std::string& ServiceHost::instance() const { return impl_->instance; }
+
+std::stop_token ServiceHost::stop() const {
+  if (stop_asked) impl_->stop.request_stop();
+  return impl_->stop.get_token();
+}
+
+void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_uid,
+                            const std::string& message) {
+  if (state == impl_->state && job_uid == impl_->job_uid && message == impl_->message) return;
+  impl_->state = state;
+  impl_->job_uid = job_uid;
+  impl_->message = message;
+  impl_->Publish();
+}
+
+void ServiceHost::KeepAlive() {
+  (void)stop();  // hands a signal on to whoever waits on the stop token
+  if (Clock::now() >= impl_->next_publication) impl_->Publish();
+}
+
+void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string& code,
+                             const std::string& message, const std::string& job_uid) {
+  const auto level = severity == intaglio_ALARM_FAULT     ? spdlog::level::err
+                     : severity == intaglio_ALARM_WARNING ? spdlog::level::warn
+                                                          : spdlog::level::info;
+  spdlog::log(level, "{}: {}", code, message);
+  intaglio_Alarm sample{};
+  sample.instance = Borrow(impl_->instance);
+  sample.sequence_number = impl_->alarm_number++;
+  sample.severity = severity;
+  sample.cell = Borrow(impl_->bus.options().cell);
+  sample.job_uid = Borrow(job_uid);
+  sample.code = Borrow(code);
+  sample.message = Borrow(message);
+  (void)impl_->alarms.Write(sample);
+}
+
+int RunService(const ServiceDescription& description, int argc, char** argv,
+               const std::function<int(ServiceHost&)>& body) {
+  CLI::App app(fmt::format("intaglio-{}: {}", description.name, description.purpose));
+  app.footer("Usually started by `intaglio run` or `intaglio up`; see docs/services.md.");
+  app.set_version_flag("--version", SoftwareVersion());
+  CommonOptions options;
+  AddCommonOptions(app, options);
+  if (description.add_options) description.add_options(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  CatchSignals();
+  if (options.die_with_parent) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() == 1) return 1;  // the parent was quicker
+  }
+  try {
+    SetUpLog(description, options);
+    ServiceHost host(description, options.bus);
+    spdlog::info("{} starts", host.instance());
+    try {
+      const int code = body(host);
+      host.SetHealth(intaglio_HEALTH_STOPPING);
+      spdlog::info("ends with exit code {}", code);
+      return code;
+    } catch (const std::exception& error) {
+      host.SetHealth(intaglio_HEALTH_FAULT, {}, error.what());
+      host.RaiseAlarm(intaglio_ALARM_FAULT, "internal", error.what());
+      return 1;
+    }
+  } catch (const std::exception& error) {
+    std::cerr << "intaglio-" << description.name << ": " << error.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace intaglio::host

@@ -1,0 +1,115 @@
+#pragma once
+
+// What is said on the motion line, between a motion bridge (host) and the virtual
+// engraver's stage controller (device). Framing and byte order as in laser_protocol.h.
+//
+// A run is a program of position-velocity-time segments from rest to rest. It starts at
+// an absolute tick; each segment is the cubic Hermite curve from the knot before it.
+// Positions travel in whole nm (int32: +-2.1 m), velocities in nm/s, durations in 1/65536
+// tick: sums are exact, and a point's knot falls on a whole tick.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engrave/core/result.h"
+
+namespace intaglio::link {
+
+enum class MotionFrame : std::uint8_t {
+  // host -> device
+  kBeginRun = 0x30,
+  kSegments = 0x31,
+  kAbortRun = 0x32,  ///< no payload: brake to rest, drop the queue, end the run
+  kMotionStatusRequest = 0x33,  ///< no payload
+  kMotionReset = 0x34,          ///< no payload: clears a fault when its cause is gone
+  // device -> host
+  kMotionIdentity = 0x40,  ///< once after every handshake
+  kMotionStatus = 0x41,    ///< on request, on every fault, every 20 ms
+  kPositions = 0x42,
+};
+
+/// Refused (status with fault kRunRefused) unless the stage is at rest without a fault.
+struct BeginRun {
+  std::uint32_t run = 0;
+  std::uint64_t start_tick = 0;  ///< in the future
+};
+
+struct WireSegment {
+  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;           ///< end position, machine frame
+  std::int32_t vx_nm_s = 0, vy_nm_s = 0, vz_nm_s = 0;  ///< end velocity
+  std::uint32_t duration_subticks = 0;                 ///< > 0
+  bool pulse = false;                                  ///< in-position output at its end
+  bool program_end = false;                            ///< at rest at its end, run over
+};
+
+struct Segments {
+  std::uint32_t run = 0;
+  std::uint64_t first_number = 0;     ///< of the first segment in its run, from 0
+  std::vector<WireSegment> segments;  ///< 1..kMaxSegments
+};
+inline constexpr std::size_t kMaxSegments = 32;
+
+struct MotionIdentity {
+  std::int32_t travel_min_nm[3] = {0, 0, 0};
+  std::int32_t travel_max_nm[3] = {0, 0, 0};
+  std::uint32_t queue_capacity = 0;  ///< segments
+};
+
+enum class StageFault : std::uint8_t {
+  kNone = 0,
+  kStarved = 1,         ///< the queue ran empty in mid-run (never in lockstep: it waits)
+  kLimit = 2,           ///< an end position outside the travel
+  kFollowingError = 3,  ///< the stage is not where it should be
+  kLate = 4,            ///< start tick in the past
+  kRunRefused = 5,
+  kSafeState = 6,    ///< no valid frame for 250 ms: the stage was stopped
+  kBadSequence = 7,  ///< segment numbers with a gap
+};
+
+struct MotionStatus {
+  std::uint64_t tick = 0;
+  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;           ///< actual position
+  std::int32_t vx_nm_s = 0, vy_nm_s = 0, vz_nm_s = 0;  ///< actual velocity
+  std::uint32_t run = 0;
+  std::uint64_t covered_through_tick = 0;  ///< last whole tick the queue reaches
+  std::uint32_t queue_free = 0;            ///< segments that still fit
+  std::uint64_t segments_taken = 0;        ///< of this run, since its begin
+  bool at_rest = true;                     ///< no run, standing still
+  StageFault fault = StageFault::kNone;
+  std::uint32_t following_error_max_nm = 0;  ///< since the last status
+};
+
+/// Actual positions latched at lamp sync, one a tick while a run is executed, in order.
+struct Positions {
+  std::uint32_t run = 0;
+  std::uint64_t first_tick = 0;
+  struct Position {
+    std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;
+  };
+  std::vector<Position> positions;  ///< 1..kMaxPositions
+};
+inline constexpr std::size_t kMaxPositions = 64;
+
+using Bytes = std::vector<std::byte>;
+Bytes Encode(const BeginRun& m);
+Bytes Encode(const Segments& m);
+Bytes Encode(const MotionIdentity& m);
+Bytes Encode(const MotionStatus& m);
+Bytes Encode(const Positions& m);
+
+template <typename T>
+Result<T> Decode(std::span<const std::byte> payload);
+template <>
+Result<BeginRun> Decode(std::span<const std::byte> payload);
+template <>
+Result<Segments> Decode(std::span<const std::byte> payload);
+template <>
+Result<MotionIdentity> Decode(std::span<const std::byte> payload);
+template <>
+Result<MotionStatus> Decode(std::span<const std::byte> payload);
+template <>
+Result<Positions> Decode(std::span<const std::byte> payload);
+
+}  // namespace intaglio::link
