@@ -14,12 +14,25 @@
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "engrave/mesh/weld_vertices.h"
+
+// Debian builds Assimp with its assertions on, and a failed one, which a damaged file can
+// cause (a wrong checksum in a 3MF), aborts the process. The library calls this function
+// of its own through the dynamic linker, which finds ours first: thrown, the violation
+// ends as the reader's error.
+namespace Assimp {
+__attribute__((visibility("default"))) void aiAssertViolation(const char* expression,
+                                                              const char* file, int line);
+void aiAssertViolation(const char* expression, const char* file, int line) {
+  throw std::runtime_error(fmt::format("{} at {}:{}", expression, file, line));
+}
+}  // namespace Assimp
 
 namespace intaglio::mesh {
 namespace {
@@ -105,16 +118,24 @@ struct NodeTransform {
   }
 };
 
+/// Assimp lays a 3DS down, z-up to y-up: (x, y, z) -> (x, z, -y). This stands it up
+/// again.
+NodeTransform ModelFromScene(const Source& source) {
+  NodeTransform transform;
+  if (source.extension == "3ds") transform.linear << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return transform;
+}
+
 /// Calls `visit` for each mesh of each node, depth first and in file order, with its
 /// transform. A stack of our own: a file may nest nodes as deep as it likes. Stops at
 /// the first error.
 Status ForEachInstance(
-    const aiScene& scene,
+    const aiScene& scene, const NodeTransform& model_from_scene,
     const std::function<Status(const aiMesh&, const NodeTransform&)>& visit) {
   if (scene.mRootNode == nullptr) return {};
   std::vector<std::pair<const aiNode*, NodeTransform>> pending;
   pending.emplace_back(scene.mRootNode,
-                       NodeTransform().Child(scene.mRootNode->mTransformation));
+                       model_from_scene.Child(scene.mRootNode->mTransformation));
   while (!pending.empty()) {
     const auto [node, model_from_node] = pending.back();
     pending.pop_back();
@@ -152,19 +173,20 @@ Status CheckFaces(const Source& source, const aiScene& scene) {
     }
   }
   std::uint64_t total = 0;
-  return ForEachInstance(scene, [&](const aiMesh& part, const NodeTransform&) -> Status {
-    const auto index = static_cast<std::size_t>(
-        std::find(scene.mMeshes, scene.mMeshes + scene.mNumMeshes, &part) -
-        scene.mMeshes);
-    total += triangle_counts[index];
-    if (total <= source.options.max_triangles) return {};
-    return source.Refuse(
-        ErrorCode::kTooLarge,
-        fmt::format(
-            "the model has more than the {} triangles allowed; reduce the mesh or "
-            "raise the limit",
-            source.options.max_triangles));
-  });
+  return ForEachInstance(
+      scene, {}, [&](const aiMesh& part, const NodeTransform&) -> Status {
+        const auto index = static_cast<std::size_t>(
+            std::find(scene.mMeshes, scene.mMeshes + scene.mNumMeshes, &part) -
+            scene.mMeshes);
+        total += triangle_counts[index];
+        if (total <= source.options.max_triangles) return {};
+        return source.Refuse(
+            ErrorCode::kTooLarge,
+            fmt::format(
+                "the model has more than the {} triangles allowed; reduce the mesh or "
+                "raise the limit",
+                source.options.max_triangles));
+      });
 }
 
 /// Adds the triangles of one instance to the mesh.
@@ -221,7 +243,8 @@ Result<TriangleMesh> MeshFromScene(const Source& source, Assimp::Importer& impor
   VertexWelder welder;
   TriangleMesh mesh;
   const Status status = ForEachInstance(
-      *scene, [&](const aiMesh& part, const NodeTransform& model_from_node) {
+      *scene, ModelFromScene(source),
+      [&](const aiMesh& part, const NodeTransform& model_from_node) {
         return AddInstance(source, part, model_from_node, welder, mesh.triangles);
       });
   if (!status) return tl::unexpected(status.error());

@@ -15,7 +15,7 @@
 // - coordinates are the 32-bit floats the import library keeps, converted exactly.
 //
 // Units and axes:
-// - STL, OBJ, PLY, 3DS carry no unit and are taken as they are;
+// - STL, OBJ, PLY, 3DS carry no unit and are taken as they are (a 3DS is z-up);
 // - 3MF declares one (millimetre unless it says otherwise), which is not applied: a
 //   file in inches needs unit_mm = 25.4;
 // - glTF is in metres and y-up by its standard, and is taken as it is: unit_mm = 1000

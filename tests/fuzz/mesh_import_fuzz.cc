@@ -1,0 +1,34 @@
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "engrave/core/check.h"
+#include "engrave/mesh/mesh_diagnosis.h"
+#include "engrave/mesh/mesh_import.h"
+
+// The first byte picks the format ('0' stl, '1' obj, ... in the order below), the rest is
+// the file. Whatever comes in comes out as a mesh of finite vertices or as an error with
+// a sentence. The import library itself is not instrumented.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using namespace intaglio;
+  static constexpr std::array<std::string_view, 8> kExtensions = {
+      "stl", "obj", "ply", "3mf", "gltf", "glb", "dae", "3ds"};
+  if (size == 0) return 0;
+  mesh::ImportOptions options;
+  options.max_triangles = 100'000;
+  const auto file = std::as_bytes(std::span(bytes, size)).subspan(1);
+  const auto imported = mesh::ImportMeshFromMemory(
+      file, kExtensions[bytes[0] % kExtensions.size()], options);
+  if (!imported) {
+    Require(!imported.error().message.empty(), "an error without a sentence");
+    return 0;
+  }
+  Require(!imported->triangles.empty(), "a mesh without triangles");
+  for (const Vec3& v : imported->vertices) {
+    Require(v.allFinite(), "a vertex that is not finite");
+  }
+  const mesh::MeshDiagnosis diagnosis = mesh::Diagnose(*imported);
+  Require(diagnosis.vertex_count == imported->vertices.size(), "an unused vertex");
+  return 0;
+}
