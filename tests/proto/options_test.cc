@@ -1,0 +1,83 @@
+#include "proto/options.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "engrave/core/check.h"
+#include "proto/job_defaults.h"
+#include "tests/proto/test_job.h"
+
+namespace intaglio {
+namespace {
+
+FrozenJob Frozen(JobSpec job) {
+  FrozenJob frozen;
+  *frozen.mutable_machine() = GoodMachine();
+  *frozen.mutable_job() = WithDefaults(std::move(job), GoodMachine());
+  frozen.mutable_optics()->set_stage_per_glass_ratio(0.65);
+  frozen.mutable_optics()->set_cone_tangent(0.13);
+  return frozen;
+}
+
+TEST(Options, PlacementTurnsDegreesIntoRadians) {
+  JobSpec job = GoodJob();
+  Placement& asked = *job.mutable_models(0)->mutable_placement();
+  asked.mutable_rotate_deg()->set_z(-90);
+  asked.set_mirror_y(true);
+  asked.mutable_move_mm()->set_x(4);
+  asked.set_unit_mm(25.4);
+  job = WithDefaults(job, GoodMachine());
+  const mesh::Placement placement = PlacementOf(job.models(0).placement(), job.block());
+  EXPECT_DOUBLE_EQ(placement.rotation_rad.z(), -std::numbers::pi / 2);
+  EXPECT_EQ(placement.unit_mm, 25.4);
+  EXPECT_TRUE(placement.mirror_y);
+  EXPECT_FALSE(placement.mirror_x);
+  EXPECT_EQ(placement.move_mm, Vec3(4, 0, 0));
+  EXPECT_TRUE(placement.centre_in_block);
+  ASSERT_TRUE(std::holds_alternative<mesh::FitHeight>(placement.fit));
+  EXPECT_EQ(std::get<mesh::FitHeight>(placement.fit).height_mm, 14);
+}
+
+TEST(Options, FitBlockLeavesTheMargin) {
+  JobSpec job = GoodJob();
+  job.mutable_models(0)->mutable_placement()->set_fit_block(true);
+  job = WithDefaults(job, GoodMachine());
+  const mesh::Placement placement = PlacementOf(job.models(0).placement(), job.block());
+  ASSERT_TRUE(std::holds_alternative<mesh::FitBox>(placement.fit));
+  EXPECT_EQ(std::get<mesh::FitBox>(placement.fit).size_mm, Vec3(44, 44, 24));
+  EXPECT_EQ(PermittedBoxOf(job).min_mm, Vec3(3, 3, 3));
+  EXPECT_EQ(PermittedBoxOf(job).max_mm, Vec3(47, 47, 27));
+}
+
+TEST(Options, MotionIsCappedAxisByAxis) {
+  JobSpec job = GoodJob();
+  job.mutable_motion()->set_max_speed_mm_s(50);
+  job.mutable_motion()->set_profile(MOTION_PROFILE_CUBIC);
+  job.mutable_laser()->add_channels(1);
+  job.mutable_laser()->add_channels(3);
+  FrozenJob frozen = Frozen(job);
+  frozen.mutable_machine()->mutable_z()->set_max_speed_mm_s(20);
+  const MotionOptionsOfJob motion = MotionOptionsOf(frozen);
+  EXPECT_EQ(motion.limits.max_speed_mm_s, Vec3(50, 50, 20));
+  EXPECT_EQ(motion.limits.max_acceleration_mm_s2, Vec3(7000, 7000, 7000));
+  EXPECT_EQ(motion.rate_hz, 200);
+  EXPECT_EQ(motion.profile, motion::Profile::kCubic);
+  EXPECT_EQ(motion.shutter_mask, 0b0101);
+}
+
+TEST(Options, FocusDepthGoesIntoTheMachineFrame) {
+  const auto frame = MachineFromGlassOf(Frozen(GoodJob()));
+  EXPECT_EQ(frame.ToMachine(Vec3(1, 2, 30)), Vec3(1, 2, 30));
+  EXPECT_NEAR(frame.ToMachine(Vec3(1, 2, 20)).z(), 30 - 6.5, 1e-12);  // rounding
+}
+
+TEST(Options, AJobWithoutItsDefaultsIsRefused) {
+  FrozenJob frozen;
+  *frozen.mutable_job() = GoodJob();
+  EXPECT_THROW(MotionOptionsOf(frozen), PreconditionError);
+  EXPECT_THROW(MachineFromGlassOf(frozen), PreconditionError);
+}
+
+}  // namespace
+}  // namespace intaglio
