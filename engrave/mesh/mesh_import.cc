@@ -141,7 +141,7 @@ Status ForEachInstance(
     pending.pop_back();
     for (unsigned i = 0; i < node->mNumMeshes; ++i) {
       if (node->mMeshes[i] >= scene.mNumMeshes) continue;
-      const Status status = visit(*scene.mMeshes[node->mMeshes[i]], model_from_node);
+      Status status = visit(*scene.mMeshes[node->mMeshes[i]], model_from_node);
       if (!status) return status;
     }
     for (unsigned i = node->mNumChildren; i-- > 0;) {

@@ -101,5 +101,20 @@ TEST(BrokenMeshes, EachGivesAClearComplaint) {
   EXPECT_THAT(Complaint("broken_pair.dxf"), HasSubstr("export it as one of"));
 }
 
+TEST(BrokenMeshes, StlWithoutNormalsIsASoundSurface) {
+  const fs::path file = Folder("broken") / "busted.STL";
+  if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+  // What is broken are the normals, all of them zero; they are not used. The surface
+  // itself is closed and a brute-force test of all pairs finds no triangle through
+  // another.
+  const auto mesh = ImportMesh(file);
+  ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
+  const MeshDiagnosis d = Diagnose(*mesh);
+  EXPECT_EQ(d.triangle_count, 3878u);
+  EXPECT_TRUE(d.closed());
+  EXPECT_EQ(d.euler_characteristic, 2);
+  EXPECT_GT(d.signed_volume_mm3, 0);
+}
+
 }  // namespace
 }  // namespace intaglio::mesh
