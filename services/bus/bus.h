@@ -54,7 +54,8 @@ class Bus {
   std::unique_ptr<Entities> entities_;
 };
 
-/// What happened to a reader besides samples, since the last look.
+/// What happened to a reader besides samples, since the last look. Wakes no wait set; a
+/// writer that is gone also ends its instances, and that does.
 struct ReaderEvents {
   int alive_writers = 0;     ///< matched writers with a held lease
   int lost_leases = 0;       ///< writers whose lease ran out
@@ -64,7 +65,7 @@ struct ReaderEvents {
 /// Where a sample came from.
 struct SampleOrigin {
   bool alive = true;           ///< false: the instance's writer is gone or disposed it;
-                               ///< only the key fields of the sample are set
+                               ///< look at the key fields of the sample alone
   std::int64_t source_ns = 0;  ///< writer's wall clock, for people only
 };
 
@@ -90,7 +91,8 @@ class Reader {
       if (origin.alive) sink(sample);
     });
   }
-  /// The same with sink(sample, origin), also for instances that ended.
+  /// The same with sink(sample, origin), also for instances that ended. The last sample
+  /// of an instance that ended before it was taken comes first, alive, and then its end.
   template <typename Sink>
   int TakeAll(Sink&& sink) {
     using Callable = std::remove_reference_t<Sink>;

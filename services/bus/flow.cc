@@ -8,6 +8,9 @@
 #include "services/bus/samples.h"
 
 namespace intaglio::bus {
+namespace {
+constexpr std::size_t kRememberedEnds = 256;
+}  // namespace
 
 std::string StreamName(const std::string& job_uid, std::uint32_t attempt,
                        const char* topic) {
@@ -70,8 +73,8 @@ void CreditBook::Poll() {
   reader_.TakeAll([this](const intaglio_Credit& sample, const SampleOrigin& origin) {
     const std::string stream(View(sample.stream));
     if (!origin.alive) {
-      const auto found = grants_.find(stream);
-      if (found != grants_.end()) found->second.cancelled = true;
+      grants_[stream].cancelled = true;
+      ended_.push_back(stream);
       return;
     }
     Grant& grant = grants_[stream];
@@ -81,6 +84,11 @@ void CreditBook::Poll() {
     grant.consumed = sample.consumed;
     grant.limit = sample.consumed + sample.window;
   });
+  while (ended_.size() > kRememberedEnds) {
+    const auto found = grants_.find(ended_.front());
+    if (found != grants_.end() && found->second.cancelled) grants_.erase(found);
+    ended_.pop_front();
+  }
 }
 
 CreditBook::Grant CreditBook::Find(const std::string& stream) const {

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
 
@@ -62,6 +63,9 @@ class CreditBook {
  private:
   Reader<intaglio_Credit> reader_;
   std::map<std::string, Grant> grants_;
+  // Streams that ended, oldest first. The newest are remembered as cancelled, so that a
+  // producer that looks a little late does not wait for a consumer that has died.
+  std::deque<std::string> ended_;
 };
 
 }  // namespace intaglio::bus

@@ -33,7 +33,7 @@ QosPointer QosOf(Profile profile) {
       break;
     case Profile::kState:
       Retained(qos.get());
-      dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_SECS(2));
+      dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(1500));
       break;
     case Profile::kMotion:
     case Profile::kEvent:

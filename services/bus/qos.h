@@ -2,21 +2,18 @@
 
 // The QoS profiles by name: the one place where they are said.
 //
-// | profile | reliable | durability      | history     | lease                 | deadline
-// |
-// |---------|----------|-----------------|-------------|-----------------------|----------|
-// | command | yes      | transient-local | keep last 1 | -                     | - | |
-// state   | yes      | transient-local | keep last 1 | automatic, 2 s        | -        |
-// | motion  | yes      | volatile        | keep all    | -                     | - | |
-// event   | yes      | volatile        | keep all    | -                     | -        |
-// | stream  | no       | volatile        | keep last 1 | -                     | 500 ms |
-// | safety  | yes      | transient-local | keep last 1 | manual by topic 250 ms| 200 ms |
-// | bulk    | yes      | volatile        | keep all    | -                     | - |
+// - command: reliable, transient-local, keep last 1;
+// - state: the same, with an automatic lease of 1.5 s;
+// - motion, event, bulk: reliable, volatile, keep all;
+// - stream: best effort, volatile, keep last 1, deadline 500 ms;
+// - safety: reliable, transient-local, keep last 1, lease by topic 250 ms, deadline 200
+// ms.
 //
-// The lease of state: a killed worker is noticed within 2 s; shorter ones flap when a
-// build runs beside the services. Safety samples are written every 50 ms: five may be
-// lost or late before the permission is gone. Keep-all readers have no resource limits,
-// because a full one would stop its process; their producers stay within Credit.
+// The lease of state: a killed worker is noticed within 1.5 s; the library renews it
+// every 1.2 s and health is written every 200 ms, so that it holds while a build runs
+// beside the services. Safety samples are written every 50 ms: five may be lost or late
+// before the permission is gone. Keep-all readers have no resource limits, because a full
+// one would stop its process; their producers stay within Credit.
 
 #include <memory>
 

@@ -36,7 +36,8 @@ QosPointer PartitionOf(const Bus::Entities& bus, const TopicView& topic,
 
 }  // namespace
 
-RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell) {
+RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell)
+    : keyed_(topic.descriptor->m_nkeys > 0) {
   auto& entities = bus.entities();
   const dds_entity_t topic_entity = entities.TopicOf(topic);
   subscriber_ =
@@ -68,9 +69,13 @@ int RawReader::Take(Sink sink, void* context) {
     } const loan{reader_, samples.data(), count};
     for (std::int32_t i = 0; i < count; ++i) {
       const dds_sample_info_t& origin = origins[static_cast<std::size_t>(i)];
-      sink(context, samples[static_cast<std::size_t>(i)],
-           {origin.valid_data && origin.instance_state == DDS_IST_ALIVE,
-            origin.source_timestamp});
+      void* sample = samples[static_cast<std::size_t>(i)];
+      // A sample that was still unread when its instance ended carries both.
+      if (origin.valid_data) sink(context, sample, {true, origin.source_timestamp});
+      const bool ended = keyed_ && origin.instance_state != DDS_IST_ALIVE;
+      if (ended || !origin.valid_data) {
+        sink(context, sample, {false, origin.source_timestamp});
+      }
     }
     total += count;
     if (static_cast<std::size_t>(count) < kTakeAtOnce) return total;

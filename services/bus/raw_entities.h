@@ -45,6 +45,7 @@ class RawReader {
   std::int32_t condition() const { return condition_; }
 
  private:
+  bool keyed_ = false;
   std::int32_t subscriber_ = 0;
   std::int32_t reader_ = 0;
   std::int32_t condition_ = 0;

@@ -65,11 +65,14 @@ void AddCommonOptions(CLI::App& app, CommonOptions& options) {
 }
 
 void SetUpLog(const ServiceDescription& description, const CommonOptions& options) {
-  std::vector<spdlog::sink_ptr> sinks = {std::make_shared<spdlog::sinks::stderr_sink_mt>()};
+  std::vector<spdlog::sink_ptr> sinks = {
+      std::make_shared<spdlog::sinks::stderr_sink_mt>()};
   if (!options.log_file.empty()) {
-    sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.log_file));
+    sinks.push_back(
+        std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.log_file));
   }
-  auto log = std::make_shared<spdlog::logger>(description.name, sinks.begin(), sinks.end());
+  auto log =
+      std::make_shared<spdlog::logger>(description.name, sinks.begin(), sinks.end());
   log->set_level(spdlog::level::from_str(options.log_level));
   log->set_pattern("%Y-%m-%dT%H:%M:%S.%e %n %l: %v");
   log->flush_on(spdlog::level::info);
@@ -121,7 +124,8 @@ struct ServiceHost::Impl {
   std::stop_source stop;
 };
 
-ServiceHost::ServiceHost(const ServiceDescription& description, const bus::BusOptions& options)
+ServiceHost::ServiceHost(const ServiceDescription& description,
+                         const bus::BusOptions& options)
     : impl_(std::make_unique<Impl>(description, options)) {
   impl_->Publish();
 }
@@ -138,7 +142,8 @@ std::stop_token ServiceHost::stop() const {
 
 void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_uid,
                             const std::string& message) {
-  if (state == impl_->state && job_uid == impl_->job_uid && message == impl_->message) return;
+  if (state == impl_->state && job_uid == impl_->job_uid && message == impl_->message)
+    return;
   impl_->state = state;
   impl_->job_uid = job_uid;
   impl_->message = message;
@@ -169,6 +174,7 @@ void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string&
 
 int RunService(const ServiceDescription& description, int argc, char** argv,
                const std::function<int(ServiceHost&)>& body) {
+  const pid_t parent = getppid();
   CLI::App app(fmt::format("intaglio-{}: {}", description.name, description.purpose));
   app.footer("Usually started by `intaglio run` or `intaglio up`; see docs/services.md.");
   app.set_version_flag("--version", SoftwareVersion());
@@ -183,7 +189,7 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
   CatchSignals();
   if (options.die_with_parent) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() == 1) return 1;  // the parent was quicker
+    if (getppid() != parent) return 1;  // the parent was quicker
   }
   try {
     SetUpLog(description, options);
