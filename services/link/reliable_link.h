@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "services/link/frame.h"
 
 namespace intaglio::link {
 
@@ -86,7 +87,5 @@ class ReliableLink {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-inline constexpr std::size_t kMaxPayload = 1024;
 
 }  // namespace intaglio::link

@@ -1,0 +1,61 @@
+#pragma once
+
+// One frame on a serial line.
+//
+//   offset  size  field
+//        0     2  0xA5 0x5A
+//        2     1  version, 1
+//        3     1  type
+//        4     4  session
+//        8     2  sequence number, from 1; 0: unsequenced
+//       10     2  acknowledged: the next sequence number that is expected
+//       12     2  credit: frames that the sender of this one can still take
+//       14     2  payload length, 0..1024
+//       16     n  payload
+//     16+n     4  CRC-32 (IEEE) of bytes 2 .. 15+n
+// All numbers little endian.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace intaglio::link {
+
+inline constexpr std::size_t kMaxPayload = 1024;
+inline constexpr std::size_t kFrameOverhead = 20;
+
+struct FrameHeader {
+  std::uint8_t type = 0;
+  std::uint32_t session = 0;
+  std::uint16_t sequence = 0;
+  std::uint16_t acknowledged = 0;
+  std::uint16_t credit = 0;
+};
+
+/// Appends the frame's bytes to `out`. payload.size() <= kMaxPayload.
+void AppendFrame(const FrameHeader& header, std::span<const std::byte> payload,
+                 std::vector<std::byte>& out);
+
+/// Finds frames in a stream of bytes. After garbage it goes on at the next sync bytes;
+/// it never holds more than one frame's worth of bytes and a half-read one.
+class FrameParser {
+ public:
+  using Sink = std::function<void(const FrameHeader&, std::span<const std::byte>)>;
+
+  /// Takes bytes; calls `sink` for every whole frame with a right CRC.
+  void Feed(std::span<const std::byte> bytes, const Sink& sink);
+
+  std::uint64_t dropped_bytes() const { return dropped_bytes_; }
+  std::uint64_t bad_crc_count() const { return bad_crc_count_; }
+
+ private:
+  bool ParseOne(const Sink& sink);
+  std::vector<std::byte> buffer_;
+  std::size_t start_ = 0;
+  std::uint64_t dropped_bytes_ = 0;
+  std::uint64_t bad_crc_count_ = 0;
+};
+
+}  // namespace intaglio::link

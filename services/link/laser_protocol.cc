@@ -1,0 +1,175 @@
+#include "services/link/laser_protocol.h"
+
+#include <cmath>
+
+#include "services/link/byte_codec.h"
+
+namespace intaglio::link {
+namespace {
+
+constexpr std::size_t kMaxModelText = 64;
+constexpr std::size_t kMaxRates = 32;
+
+tl::unexpected<Error> Unreadable(const char* frame) {
+  return Fail(ErrorCode::kUnreadable,
+              std::string("laser line: a frame ") + frame + " is malformed", frame);
+}
+
+}  // namespace
+
+Bytes Encode(const LampCommand& m) {
+  ByteWriter out;
+  out.Put(static_cast<std::uint8_t>(m.on));
+  out.Put(m.rate_hz);
+  return out.Take();
+}
+
+template <>
+Result<LampCommand> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  LampCommand m;
+  m.on = in.GetFlag();
+  m.rate_hz = in.Get<double>();
+  if (!in.finished() || !std::isfinite(m.rate_hz)) return Unreadable("LampCommand");
+  return m;
+}
+
+Bytes Encode(const ShutterCommand& m) {
+  ByteWriter out;
+  out.Put(m.open_mask);
+  return out.Take();
+}
+
+template <>
+Result<ShutterCommand> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  const ShutterCommand m{in.Get<std::uint8_t>()};
+  if (!in.finished() || m.open_mask > 0x0f) return Unreadable("ShutterCommand");
+  return m;
+}
+
+Bytes Encode(const ArmWindow& m) {
+  ByteWriter out;
+  out.Put(m.first_tick);
+  out.Put(static_cast<std::uint8_t>(m.gated));
+  out.Put(static_cast<std::uint16_t>(m.fire.size()));
+  for (std::size_t i = 0; i < m.fire.size(); i += 8) {
+    std::uint8_t bits = 0;
+    for (std::size_t j = 0; j < 8 && i + j < m.fire.size(); ++j) {
+      if (m.fire[i + j]) bits = static_cast<std::uint8_t>(bits | 1u << j);
+    }
+    out.Put(bits);
+  }
+  return out.Take();
+}
+
+template <>
+Result<ArmWindow> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  ArmWindow m;
+  m.first_tick = in.Get<std::uint64_t>();
+  m.gated = in.GetFlag();
+  const auto count = in.Get<std::uint16_t>();
+  if (!in.good() || count == 0 || count > kMaxArmTicks) return Unreadable("ArmWindow");
+  m.fire.resize(count);
+  for (std::size_t i = 0; i < count; i += 8) {
+    const auto bits = in.Get<std::uint8_t>();
+    for (std::size_t j = 0; j < 8 && i + j < count; ++j)
+      m.fire[i + j] = (bits >> j & 1) != 0;
+  }
+  if (!in.finished()) return Unreadable("ArmWindow");
+  return m;
+}
+
+Bytes Encode(const LaserIdentity& m) {
+  ByteWriter out;
+  out.Put(m.power_up);
+  out.Put(static_cast<std::uint8_t>(m.lockstep));
+  out.Put(m.channels);
+  out.Put(static_cast<std::uint8_t>(std::min(m.rates_hz.size(), kMaxRates)));
+  for (std::size_t i = 0; i < m.rates_hz.size() && i < kMaxRates; ++i)
+    out.Put(m.rates_hz[i]);
+  out.PutText(m.model, kMaxModelText);
+  return out.Take();
+}
+
+template <>
+Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  LaserIdentity m;
+  m.power_up = in.Get<std::uint32_t>();
+  m.lockstep = in.GetFlag();
+  m.channels = in.Get<std::uint8_t>();
+  const auto count = in.Get<std::uint8_t>();
+  if (!in.good() || count > kMaxRates || m.channels < 1 || m.channels > 4) {
+    return Unreadable("LaserIdentity");
+  }
+  for (int i = 0; i < count; ++i) m.rates_hz.push_back(in.Get<double>());
+  m.model = in.GetText(kMaxModelText);
+  if (!in.finished()) return Unreadable("LaserIdentity");
+  return m;
+}
+
+Bytes Encode(const LaserStatus& m) {
+  ByteWriter out;
+  out.Put(m.tick);
+  out.Put(m.machine_us);
+  out.Put(m.rate_hz);
+  out.Put(m.warm_ratio);
+  out.Put(m.interlocks);
+  out.Put(m.shutters_open);
+  out.Put(m.pulse_count);
+  out.Put(m.last_fired_tick);
+  out.Put(m.decided_through);
+  out.Put(m.disarms_taken);
+  return out.Take();
+}
+
+template <>
+Result<LaserStatus> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  LaserStatus m;
+  m.tick = in.Get<std::uint64_t>();
+  m.machine_us = in.Get<std::uint64_t>();
+  m.rate_hz = in.Get<double>();
+  m.warm_ratio = in.Get<double>();
+  m.interlocks = in.Get<std::uint8_t>();
+  m.shutters_open = in.Get<std::uint8_t>();
+  m.pulse_count = in.Get<std::uint64_t>();
+  m.last_fired_tick = in.Get<std::uint64_t>();
+  m.decided_through = in.Get<std::uint64_t>();
+  m.disarms_taken = in.Get<std::uint32_t>();
+  if (!in.finished() || !std::isfinite(m.rate_hz) || !std::isfinite(m.warm_ratio)) {
+    return Unreadable("LaserStatus");
+  }
+  return m;
+}
+
+Bytes Encode(const PulseReport& m) {
+  ByteWriter out;
+  out.Put(m.first_tick);
+  out.Put(static_cast<std::uint16_t>(m.outcome.size()));
+  for (const TickOutcome outcome : m.outcome) out.Put(static_cast<std::uint8_t>(outcome));
+  return out.Take();
+}
+
+template <>
+Result<PulseReport> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  PulseReport m;
+  m.first_tick = in.Get<std::uint64_t>();
+  const auto count = in.Get<std::uint16_t>();
+  if (!in.good() || count == 0 || count > kMaxReportTicks)
+    return Unreadable("PulseReport");
+  for (int i = 0; i < count; ++i) {
+    const auto outcome = in.Get<std::uint8_t>();
+    if (outcome > static_cast<std::uint8_t>(TickOutcome::kTooLate)) {
+      return Unreadable("PulseReport");
+    }
+    m.outcome.push_back(static_cast<TickOutcome>(outcome));
+  }
+  if (!in.finished()) return Unreadable("PulseReport");
+  return m;
+}
+
+}  // namespace intaglio::link

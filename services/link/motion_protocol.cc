@@ -1,0 +1,179 @@
+#include "services/link/motion_protocol.h"
+
+#include "services/link/byte_codec.h"
+
+namespace intaglio::link {
+namespace {
+
+constexpr std::uint8_t kPulseBit = 1, kEndBit = 2;
+
+tl::unexpected<Error> Unreadable(const char* frame) {
+  return Fail(ErrorCode::kUnreadable,
+              std::string("motion line: a frame ") + frame + " is malformed", frame);
+}
+
+template <typename M>
+void PutPosition(ByteWriter& out, const M& m) {
+  out.Put(m.x_nm);
+  out.Put(m.y_nm);
+  out.Put(m.z_nm);
+}
+
+template <typename M>
+void GetPosition(ByteReader& in, M& m) {
+  m.x_nm = in.Get<std::int32_t>();
+  m.y_nm = in.Get<std::int32_t>();
+  m.z_nm = in.Get<std::int32_t>();
+}
+
+template <typename M>
+void PutVelocity(ByteWriter& out, const M& m) {
+  out.Put(m.vx_nm_s);
+  out.Put(m.vy_nm_s);
+  out.Put(m.vz_nm_s);
+}
+
+template <typename M>
+void GetVelocity(ByteReader& in, M& m) {
+  m.vx_nm_s = in.Get<std::int32_t>();
+  m.vy_nm_s = in.Get<std::int32_t>();
+  m.vz_nm_s = in.Get<std::int32_t>();
+}
+
+}  // namespace
+
+Bytes Encode(const BeginRun& m) {
+  ByteWriter out;
+  out.Put(m.run);
+  out.Put(m.start_tick);
+  return out.Take();
+}
+
+template <>
+Result<BeginRun> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  BeginRun m;
+  m.run = in.Get<std::uint32_t>();
+  m.start_tick = in.Get<std::uint64_t>();
+  if (!in.finished()) return Unreadable("BeginRun");
+  return m;
+}
+
+Bytes Encode(const Segments& m) {
+  ByteWriter out;
+  out.Put(m.run);
+  out.Put(m.first_number);
+  out.Put(static_cast<std::uint8_t>(m.segments.size()));
+  for (const WireSegment& segment : m.segments) {
+    PutPosition(out, segment);
+    PutVelocity(out, segment);
+    out.Put(segment.duration_subticks);
+    out.Put(static_cast<std::uint8_t>((segment.pulse ? kPulseBit : 0) |
+                                      (segment.program_end ? kEndBit : 0)));
+  }
+  return out.Take();
+}
+
+template <>
+Result<Segments> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  Segments m;
+  m.run = in.Get<std::uint32_t>();
+  m.first_number = in.Get<std::uint64_t>();
+  const auto count = in.Get<std::uint8_t>();
+  if (!in.good() || count == 0 || count > kMaxSegments) return Unreadable("Segments");
+  m.segments.resize(count);
+  for (WireSegment& segment : m.segments) {
+    GetPosition(in, segment);
+    GetVelocity(in, segment);
+    segment.duration_subticks = in.Get<std::uint32_t>();
+    const auto flags = in.Get<std::uint8_t>();
+    if (segment.duration_subticks == 0 || flags > (kPulseBit | kEndBit)) {
+      return Unreadable("Segments");
+    }
+    segment.pulse = (flags & kPulseBit) != 0;
+    segment.program_end = (flags & kEndBit) != 0;
+  }
+  if (!in.finished()) return Unreadable("Segments");
+  return m;
+}
+
+Bytes Encode(const MotionIdentity& m) {
+  ByteWriter out;
+  for (const std::int32_t limit : m.travel_min_nm) out.Put(limit);
+  for (const std::int32_t limit : m.travel_max_nm) out.Put(limit);
+  out.Put(m.queue_capacity);
+  return out.Take();
+}
+
+template <>
+Result<MotionIdentity> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  MotionIdentity m;
+  for (std::int32_t& limit : m.travel_min_nm) limit = in.Get<std::int32_t>();
+  for (std::int32_t& limit : m.travel_max_nm) limit = in.Get<std::int32_t>();
+  m.queue_capacity = in.Get<std::uint32_t>();
+  if (!in.finished()) return Unreadable("MotionIdentity");
+  return m;
+}
+
+Bytes Encode(const MotionStatus& m) {
+  ByteWriter out;
+  out.Put(m.tick);
+  PutPosition(out, m);
+  PutVelocity(out, m);
+  out.Put(m.run);
+  out.Put(m.covered_through_tick);
+  out.Put(m.queue_free);
+  out.Put(m.segments_taken);
+  out.Put(static_cast<std::uint8_t>(m.at_rest));
+  out.Put(static_cast<std::uint8_t>(m.fault));
+  out.Put(m.following_error_max_nm);
+  return out.Take();
+}
+
+template <>
+Result<MotionStatus> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  MotionStatus m;
+  m.tick = in.Get<std::uint64_t>();
+  GetPosition(in, m);
+  GetVelocity(in, m);
+  m.run = in.Get<std::uint32_t>();
+  m.covered_through_tick = in.Get<std::uint64_t>();
+  m.queue_free = in.Get<std::uint32_t>();
+  m.segments_taken = in.Get<std::uint64_t>();
+  m.at_rest = in.GetFlag();
+  const auto fault = in.Get<std::uint8_t>();
+  m.following_error_max_nm = in.Get<std::uint32_t>();
+  if (!in.finished() || fault > static_cast<std::uint8_t>(StageFault::kBadSequence)) {
+    return Unreadable("MotionStatus");
+  }
+  m.fault = static_cast<StageFault>(fault);
+  return m;
+}
+
+Bytes Encode(const Positions& m) {
+  ByteWriter out;
+  out.Put(m.run);
+  out.Put(m.first_tick);
+  out.Put(static_cast<std::uint8_t>(m.positions.size()));
+  for (const Positions::Position& position : m.positions) PutPosition(out, position);
+  return out.Take();
+}
+
+template <>
+Result<Positions> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  Positions m;
+  m.run = in.Get<std::uint32_t>();
+  m.first_tick = in.Get<std::uint64_t>();
+  const auto count = in.Get<std::uint8_t>();
+  if (!in.good() || count == 0 || count > kMaxPositions) return Unreadable("Positions");
+  m.positions.resize(count);
+  for (Positions::Position& position : m.positions) GetPosition(in, position);
+  if (!in.finished()) return Unreadable("Positions");
+  return m;
+}
+
+}  // namespace intaglio::link

@@ -1,0 +1,269 @@
+#include "services/link/reliable_link.h"
+
+#include <array>
+#include <random>
+
+#include "engrave/core/check.h"
+
+// Go-back-N. The receiver takes only the frame it expects; anything else it answers with
+// a NACK that says what it expects, at most once per `resend_after`, and the sender
+// starts again from there. A lost NACK or a lost last frame is healed by the sender's
+// timer.
+
+namespace intaglio::link {
+namespace {
+
+using std::chrono::nanoseconds;
+
+enum ControlFrame : std::uint8_t {
+  kOpen = 0x01,       // host: payload is empty, the session is in the header
+  kOpened = 0x02,     // device's answer
+  kKeepAlive = 0x03,  // also a bare acknowledgement
+  kNack = 0x04,       // resend from `acknowledged`
+};
+
+constexpr std::uint16_t kCredit = 256;
+// Beyond this the line is slower than what is said on it: wait for it.
+constexpr std::size_t kMaxUnwritten = 64 * 1024;
+constexpr std::size_t kReadAtOnce = 16 * 1024;
+
+// 0 means unsequenced, so it is passed over.
+std::uint16_t Next(std::uint16_t sequence) {
+  return sequence == 0xffff ? std::uint16_t{1} : static_cast<std::uint16_t>(sequence + 1);
+}
+
+}  // namespace
+
+struct ReliableLink::State {
+  State(Side link_side, std::unique_ptr<ByteStream> byte_stream, SteadyClock steady_clock,
+        const LinkOptions& link_options)
+      : side(link_side),
+        stream(std::move(byte_stream)),
+        clock(std::move(steady_clock)),
+        options(link_options),
+        last_heard(clock()) {}
+
+  struct Frame {
+    std::uint16_t sequence;
+    std::uint8_t type;
+    std::vector<std::byte> payload;
+  };
+
+  void StartSession(std::uint32_t number);
+  void Receive(const FrameHeader& header, std::span<const std::byte> payload,
+               const Handler& handler);
+  bool ReceiveControl(const FrameHeader& header);
+  void TakeAcknowledgement(std::uint16_t expected, bool resend);
+  void Transmit(std::uint8_t type, std::uint16_t sequence,
+                std::span<const std::byte> payload);
+  void SendNew();
+  void KeepTime();
+  Status Write();
+
+  Side side;
+  std::unique_ptr<ByteStream> stream;
+  SteadyClock clock;
+  LinkOptions options;
+  FrameParser parser;
+  Counters counters;
+
+  std::uint32_t session = 0;
+  bool established = false;
+  nanoseconds last_heard;
+  nanoseconds last_sent{0};
+  nanoseconds last_open{0};
+  nanoseconds last_nack{0};
+  nanoseconds last_progress{0};
+  std::uint16_t next_sequence = 1;
+  std::uint16_t expected = 1;
+  std::uint16_t peer_credit = kCredit;
+  bool owes_acknowledgement = false;
+  std::deque<Frame> queue;     // sent and not acknowledged, then not sent yet
+  std::size_t sent_count = 0;  // of the queue, from its front
+  std::vector<std::byte> unwritten;
+  std::size_t written = 0;
+};
+
+void ReliableLink::State::StartSession(std::uint32_t number) {
+  session = number;
+  next_sequence = expected = 1;
+  queue.clear();
+  sent_count = 0;
+  unwritten.clear();
+  written = 0;
+  owes_acknowledgement = false;
+  peer_credit = kCredit;
+  last_progress = clock();
+}
+
+void ReliableLink::State::Transmit(std::uint8_t type, std::uint16_t sequence,
+                                   std::span<const std::byte> payload) {
+  AppendFrame({type, session, sequence, expected, kCredit}, payload, unwritten);
+  last_sent = clock();
+  owes_acknowledgement = false;
+}
+
+bool ReliableLink::State::ReceiveControl(const FrameHeader& header) {
+  if (header.type == kOpen) {
+    if (side != Side::kDevice || header.session == 0) return true;
+    if (header.session != session || !established) StartSession(header.session);
+    established = true;
+    last_heard = clock();
+    Transmit(kOpened, 0, {});
+    return true;
+  }
+  if (header.session != session || session == 0) return true;
+  if (header.type == kOpened && side == Side::kHost && !established) {
+    established = true;
+    last_progress = clock();
+  }
+  if (!established) return true;
+  last_heard = clock();
+  return header.type == kOpened;
+}
+
+void ReliableLink::State::Receive(const FrameHeader& header,
+                                  std::span<const std::byte> payload,
+                                  const Handler& handler) {
+  if (ReceiveControl(header)) return;
+  peer_credit = header.credit;
+  TakeAcknowledgement(header.acknowledged, header.type == kNack);
+  if (header.sequence == 0) return;
+  if (header.sequence == expected) {
+    expected = Next(expected);
+    owes_acknowledgement = true;
+    ++counters.received_frames;
+    handler(header.type, payload);
+    return;
+  }
+  ++counters.out_of_order;
+  // A frame of the past was sent again because its acknowledgement was lost.
+  const bool past = static_cast<std::uint16_t>(header.sequence - expected) > 0x8000;
+  if (!past && clock() - last_nack >= options.resend_after) {
+    last_nack = clock();
+    Transmit(kNack, 0, {});
+  } else {
+    owes_acknowledgement = true;
+  }
+}
+
+void ReliableLink::State::TakeAcknowledgement(std::uint16_t acknowledged, bool resend) {
+  std::size_t done = 0;
+  while (done < sent_count && queue[done].sequence != acknowledged) ++done;
+  // An old acknowledgement names a frame that is gone: nothing in the queue matches it.
+  const bool all_done = done == sent_count;
+  const std::uint16_t after_sent =
+      sent_count == 0 ? next_sequence : Next(queue[sent_count - 1].sequence);
+  if (all_done && sent_count > 0 && acknowledged != after_sent) return;
+  if (done > 0) last_progress = clock();
+  queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(done));
+  sent_count -= done;
+  if (resend) {
+    counters.resent_frames += sent_count;
+    sent_count = 0;
+  }
+}
+
+void ReliableLink::State::SendNew() {
+  const std::size_t window = std::min<std::size_t>(options.window_frames, peer_credit);
+  while (sent_count < queue.size() && sent_count < window &&
+         unwritten.size() - written < kMaxUnwritten) {
+    const Frame& frame = queue[sent_count];
+    if (sent_count == 0) last_progress = clock();
+    Transmit(frame.type, frame.sequence, frame.payload);
+    ++sent_count;
+    ++counters.sent_frames;
+  }
+}
+
+void ReliableLink::State::KeepTime() {
+  const nanoseconds now = clock();
+  const bool silent = now - last_heard > options.dead_after;
+  if (side == Side::kHost && (!established || silent)) {
+    if (established || session == 0) {
+      // A number no host of this line is likely to have used: a stale answer is nobody's.
+      StartSession(std::max<std::uint32_t>(1, std::random_device{}()));
+      established = false;
+      last_open = now - options.resend_after;
+    }
+    if (now - last_open >= options.resend_after) {
+      last_open = now;
+      Transmit(kOpen, 0, {});
+    }
+    return;
+  }
+  if (!established) return;
+  if (sent_count > 0 && now - last_progress > options.resend_after) {
+    last_progress = now;
+    counters.resent_frames += sent_count;
+    sent_count = 0;
+  }
+  SendNew();
+  if (owes_acknowledgement || now - last_sent >= options.keep_alive)
+    Transmit(kKeepAlive, 0, {});
+}
+
+Status ReliableLink::State::Write() {
+  while (written < unwritten.size()) {
+    const auto taken = stream->Write(std::span(unwritten).subspan(written));
+    if (!taken) return tl::unexpected(taken.error());
+    if (*taken == 0) return {};
+    written += *taken;
+  }
+  unwritten.clear();
+  written = 0;
+  return {};
+}
+
+ReliableLink::ReliableLink(Side side, std::unique_ptr<ByteStream> stream,
+                           SteadyClock clock, const LinkOptions& options)
+    : state_(
+          std::make_unique<State>(side, std::move(stream), std::move(clock), options)) {}
+
+ReliableLink::~ReliableLink() = default;
+
+Status ReliableLink::Poll(const Handler& handler) {
+  State& s = *state_;
+  std::array<std::byte, kReadAtOnce> buffer;
+  for (;;) {
+    const auto got = s.stream->Read(buffer);
+    if (!got) return tl::unexpected(got.error());
+    if (*got == 0) break;
+    s.parser.Feed(std::span(buffer).first(*got),
+                  [&](const FrameHeader& header, std::span<const std::byte> payload) {
+                    s.Receive(header, payload, handler);
+                  });
+    if (*got < buffer.size()) break;
+  }
+  s.counters.dropped_bytes = s.parser.dropped_bytes();
+  s.counters.bad_crc = s.parser.bad_crc_count();
+  s.KeepTime();
+  return s.Write();
+}
+
+bool ReliableLink::CanSend() const {
+  return up() && state_->queue.size() < state_->options.window_frames;
+}
+
+Status ReliableLink::Send(std::uint8_t type, std::span<const std::byte> payload) {
+  Require(payload.size() <= kMaxPayload, "payload of {} bytes, at most {} are allowed",
+          payload.size(), kMaxPayload);
+  if (!CanSend()) {
+    return Fail(ErrorCode::kRefused,
+                up() ? "the line's window is full" : "the line is down");
+  }
+  state_->queue.push_back({state_->next_sequence, type,
+                           std::vector<std::byte>(payload.begin(), payload.end())});
+  state_->next_sequence = Next(state_->next_sequence);
+  return {};
+}
+
+bool ReliableLink::up() const {
+  return state_->established && silence() <= state_->options.dead_after;
+}
+std::uint32_t ReliableLink::session() const { return state_->session; }
+nanoseconds ReliableLink::silence() const { return state_->clock() - state_->last_heard; }
+int ReliableLink::fd() const { return state_->stream->fd(); }
+const ReliableLink::Counters& ReliableLink::counters() const { return state_->counters; }
+
+}  // namespace intaglio::link

@@ -1,0 +1,202 @@
+#include "services/motion_bridge/bridge.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::motion_bridge {
+namespace {
+
+using bus::Borrow;
+using bus::View;
+
+constexpr std::uint32_t kWindowBatches = 16;
+// A state is worth a sample when it is new, and at least this often: readers take its
+// absence for a dead bridge.
+constexpr std::chrono::milliseconds kStatePeriod{50};
+// Between two attempts to bring the stage to rest or to clear its fault.
+constexpr std::chrono::milliseconds kPreparationPeriod{20};
+
+std::vector<motion::Segment> SegmentsOf(const intaglio_MotionSegmentBatch& sample) {
+  const auto x = View(sample.x_mm), y = View(sample.y_mm), z = View(sample.z_mm);
+  const auto vx = View(sample.vx_mm_s), vy = View(sample.vy_mm_s),
+             vz = View(sample.vz_mm_s);
+  const auto duration = View(sample.duration_subticks);
+  const auto pulse = View(sample.pulse);
+  const std::size_t count = duration.size();
+  for (const std::size_t size :
+       {x.size(), y.size(), z.size(), vx.size(), vy.size(), vz.size(), pulse.size()}) {
+    if (size != count) return {};
+  }
+  std::vector<motion::Segment> segments(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    segments[i].end_position_mm = Vec3(x[i], y[i], z[i]);
+    segments[i].end_velocity_mm_s = Vec3(vx[i], vy[i], vz[i]);
+    segments[i].duration_subticks = duration[i];
+    segments[i].pulse = pulse[i] != 0;
+  }
+  if (sample.last && !segments.empty()) segments.back().program_end = true;
+  return segments;
+}
+
+}  // namespace
+
+Bridge::Bridge(host::ServiceHost& host, std::string cell,
+               std::unique_ptr<MotionDriver> driver)
+    : host_(host),
+      cell_(std::move(cell)),
+      driver_(std::move(driver)),
+      batches_(host.bus(), bus::kMotionSegmentBatch, cell_),
+      stops_(host.bus(), bus::kEmergencyStop, cell_),
+      states_(host.bus(), bus::kMotionState, cell_),
+      positions_(host.bus(), bus::kPositionReport, cell_),
+      credit_(host.bus(), host.instance()) {}
+
+void Bridge::Turn(std::chrono::nanoseconds now) {
+  driver_->Poll();
+  TakeStops();
+  TakeBatches();
+  if (phase_ == Phase::kBeginning) Begin(now);
+  if (phase_ == Phase::kFeeding) Feed();
+  PublishPositions();
+  PublishState(now);
+}
+
+void Bridge::TakeBatches() {
+  batches_.Take([this](const intaglio_MotionSegmentBatch& sample) { Accept(sample); });
+}
+
+void Bridge::Accept(const intaglio_MotionSegmentBatch& sample) {
+  if (sample.abort) {
+    if (sample.run < run_) return;
+    run_ = sample.run;
+    EndRun();
+    if (auto aborted = driver_->AbortRun(); !aborted) {
+      spdlog::warn("run {} could not be aborted: {}", run_, aborted.error().message);
+    }
+    return;
+  }
+  if (sample.run > run_) StartRun(sample);
+  if (sample.run != run_ || phase_ == Phase::kIdle) return;
+  if (sample.sequence_number != expected_batch_) {
+    host_.RaiseAlarm(
+        intaglio_ALARM_FAULT, "link_lost",
+        fmt::format("motion batch {} of run {} is missing; the run is aborted",
+                    expected_batch_, run_));
+    EndRun();
+    (void)driver_->AbortRun();
+    return;
+  }
+  ++expected_batch_;
+  queue_.push_back({sample.sequence_number, SegmentsOf(sample), 0, sample.last});
+}
+
+void Bridge::StartRun(const intaglio_MotionSegmentBatch& sample) {
+  EndRun();
+  run_ = sample.run;
+  start_tick_ = sample.start_tick;
+  expected_batch_ = 0;
+  stream_ = bus::StreamName(std::string(View(sample.job_uid)), sample.run,
+                            bus::kMotionSegmentBatch.name);
+  if (auto opened = credit_.Open(stream_, batches_.guid(), kWindowBatches); !opened) {
+    spdlog::error("no credit for {}: {}", stream_, opened.error().message);
+  }
+  phase_ = Phase::kBeginning;
+  next_preparation_ = {};
+}
+
+void Bridge::EndRun() {
+  queue_.clear();
+  phase_ = Phase::kIdle;
+  if (!stream_.empty()) (void)credit_.Close(stream_);
+  stream_.clear();
+}
+
+void Bridge::TakeStops() {
+  bool pressed = stop_pressed_;
+  stops_.Take([&](const intaglio_EmergencyStop& stop) { pressed = stop.pressed; });
+  if (pressed && !stop_pressed_) {
+    EndRun();
+    (void)driver_->AbortRun();
+    spdlog::warn("emergency stop: the stage brakes");
+  }
+  stop_pressed_ = pressed;
+}
+
+void Bridge::Begin(std::chrono::nanoseconds now) {
+  const DriverState& state = driver_->state();
+  if (!state.link_up || stop_pressed_) return;
+  if (state.fault == intaglio_MOTION_OK && state.at_rest) {
+    if (driver_->BeginRun(run_, start_tick_)) phase_ = Phase::kFeeding;
+    return;
+  }
+  if (now < next_preparation_) return;
+  next_preparation_ = now + kPreparationPeriod;
+  (void)(state.fault != intaglio_MOTION_OK ? driver_->Reset() : driver_->AbortRun());
+}
+
+void Bridge::Feed() {
+  while (!queue_.empty()) {
+    Batch& batch = queue_.front();
+    const auto rest = std::span(batch.segments).subspan(batch.appended);
+    if (!rest.empty()) {
+      const auto part = rest.first(std::min(rest.size(), driver_->Room()));
+      if (part.empty() || !driver_->Append(part)) return;
+      batch.appended += part.size();
+      continue;
+    }
+    (void)credit_.Consumed(stream_, batch.number + 1);
+    const bool last = batch.last;
+    queue_.pop_front();
+    if (last) return EndRun();
+  }
+}
+
+void Bridge::PublishPositions() {
+  std::vector<double> x, y, z;
+  for (const LatchedPositions& latched : driver_->TakePositions()) {
+    x.clear(), y.clear(), z.clear();
+    for (const Vec3& p : latched.positions_mm) {
+      x.push_back(p.x());
+      y.push_back(p.y());
+      z.push_back(p.z());
+    }
+    intaglio_PositionReport report{};
+    report.cell = Borrow(cell_);
+    report.run = latched.run;
+    report.sequence_number = position_number_++;
+    report.first_tick = latched.first_tick;
+    Borrow(report.x_mm, x);
+    Borrow(report.y_mm, y);
+    Borrow(report.z_mm, z);
+    (void)positions_.Write(report);
+  }
+}
+
+void Bridge::PublishState(std::chrono::nanoseconds now) {
+  const DriverState& state = driver_->state();
+  if (state.number == published_number_ && now < next_state_) return;
+  published_number_ = state.number;
+  next_state_ = now + kStatePeriod;
+  intaglio_MotionState sample{};
+  sample.cell = Borrow(cell_);
+  sample.tick = state.tick;
+  sample.x_mm = state.position_mm.x();
+  sample.y_mm = state.position_mm.y();
+  sample.z_mm = state.position_mm.z();
+  sample.vx_mm_s = state.velocity_mm_s.x();
+  sample.vy_mm_s = state.velocity_mm_s.y();
+  sample.vz_mm_s = state.velocity_mm_s.z();
+  sample.run = state.run;
+  sample.highest_run = std::max(run_, state.run);
+  sample.covered_through_tick = state.covered_through_tick;
+  sample.at_rest = state.at_rest;
+  sample.following_error_max_um = state.following_error_max_um;
+  sample.fault = state.fault;
+  sample.message = Borrow(state.message);
+  (void)states_.Write(sample);
+}
+
+}  // namespace intaglio::motion_bridge

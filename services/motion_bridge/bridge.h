@@ -1,0 +1,80 @@
+#pragma once
+
+// Hands the motion of one cell to its controller and the controller's position back.
+//
+//            batch 0 of a newer run               at rest, no fault
+//   kIdle ------------------------> kBeginning ----------------------> kFeeding
+//     ^                                  | abort batch                    | abort batch,
+//     |                                  v                                | last segment
+//     +--------------------------------------------------------------- <-+  appended
+//
+// kBeginning clears a fault and brakes an old run first. A batch of an older run is
+// dropped. Flow: batch 0 opens the run's Credit stream (MotionStream in the header of
+// the synchronizer's side), a batch is consumed once the controller has all of it.
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "services/bus/flow.h"
+#include "services/host/service_host.h"
+#include "services/motion_bridge/motion_driver.h"
+
+namespace intaglio::motion_bridge {
+
+class Bridge {
+ public:
+  Bridge(host::ServiceHost& host, std::string cell, std::unique_ptr<MotionDriver> driver);
+
+  /// One turn: serial line, batches, controller, publications. Never blocks.
+  void Turn(std::chrono::nanoseconds now);
+
+  bus::Reader<intaglio_MotionSegmentBatch>& batches() { return batches_; }
+  bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
+  int fd() const { return driver_->fd(); }
+  const DriverState& state() const { return driver_->state(); }
+
+ private:
+  enum class Phase { kIdle, kBeginning, kFeeding };
+  struct Batch {
+    std::uint64_t number = 0;
+    std::vector<motion::Segment> segments;
+    std::size_t appended = 0;
+    bool last = false;
+  };
+
+  void TakeBatches();
+  void Accept(const intaglio_MotionSegmentBatch& sample);
+  void StartRun(const intaglio_MotionSegmentBatch& sample);
+  void EndRun();
+  void TakeStops();
+  void Begin(std::chrono::nanoseconds now);
+  void Feed();
+  void PublishState(std::chrono::nanoseconds now);
+  void PublishPositions();
+
+  host::ServiceHost& host_;
+  std::string cell_;
+  std::unique_ptr<MotionDriver> driver_;
+  bus::Reader<intaglio_MotionSegmentBatch> batches_;
+  bus::Reader<intaglio_EmergencyStop> stops_;
+  bus::Writer<intaglio_MotionState> states_;
+  bus::Writer<intaglio_PositionReport> positions_;
+  bus::CreditGrantor credit_;
+
+  Phase phase_ = Phase::kIdle;
+  std::uint32_t run_ = 0;
+  std::uint64_t start_tick_ = 0;
+  std::uint64_t expected_batch_ = 0;
+  std::string stream_;
+  std::deque<Batch> queue_;
+  std::chrono::nanoseconds next_preparation_{0};
+  std::chrono::nanoseconds next_state_{0};
+  std::uint64_t published_number_ = 0;
+  std::uint64_t position_number_ = 0;
+  bool stop_pressed_ = false;
+};
+
+}  // namespace intaglio::motion_bridge

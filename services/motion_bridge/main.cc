@@ -1,0 +1,59 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "proto/job_file.h"
+#include "services/host/poll_loop.h"
+#include "services/motion_bridge/bridge.h"
+
+namespace {
+
+using namespace intaglio;
+
+struct Options {
+  std::string machine_file;
+  std::string device;
+};
+
+int Serve(host::ServiceHost& host, const Options& options) {
+  auto machine = ReadMachineFile(options.machine_file);
+  if (!machine) {
+    std::cerr << machine.error().message << "\n";
+    return 2;
+  }
+  if (!options.device.empty()) machine->mutable_motion_line()->set_device(options.device);
+  auto driver = motion_bridge::MakeDriver(*machine);
+  if (!driver) {
+    std::cerr << options.machine_file << ": " << driver.error().message << "\n";
+    return 2;
+  }
+  motion_bridge::Bridge bridge(host, machine->name(), std::move(*driver));
+  host::PollLoop loop(host.bus());
+  loop.Attach(bridge.batches());
+  loop.Attach(bridge.stops());
+  while (!host.stopping()) {
+    bridge.Turn(std::chrono::steady_clock::now().time_since_epoch());
+    host.SetHealth(bridge.state().link_up ? intaglio_HEALTH_READY : intaglio_HEALTH_FAULT,
+                   {}, bridge.state().message);
+    host.KeepAlive();
+    loop.Wait(std::array{bridge.fd()}, std::chrono::milliseconds(10));
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  const host::ServiceDescription description{
+      intaglio_ROLE_MOTION_BRIDGE, "motion-bridge",
+      "hands motion to one machine's controller and its position back",
+      [&options](CLI::App& app) {
+        app.add_option("--machine", options.machine_file, "machine profile (.textproto)")
+            ->required();
+        app.add_option("--device", options.device,
+                       "serial device instead of the profile's motion_line.device");
+      }};
+  return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
+    return Serve(host, options);
+  });
+}

@@ -1,0 +1,201 @@
+#include "services/motion_bridge/virtual_stage_driver.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/link/motion_protocol.h"
+#include "services/link/serial_port.h"
+
+namespace intaglio::motion_bridge {
+namespace {
+
+using link::MotionFrame;
+constexpr double kNmPerMm = 1e6;
+
+std::int32_t ToNm(double mm) {
+  // Travel is checked to lie within +-2 m, so this only keeps a wild value defined.
+  return static_cast<std::int32_t>(
+      std::llround(std::clamp(mm * kNmPerMm, -2.1e9, 2.1e9)));
+}
+
+Vec3 ToMm(std::int32_t x_nm, std::int32_t y_nm, std::int32_t z_nm) {
+  return Vec3(x_nm, y_nm, z_nm) / kNmPerMm;
+}
+
+link::WireSegment ToWire(const motion::Segment& segment) {
+  const Vec3& p = segment.end_position_mm;
+  const Vec3& v = segment.end_velocity_mm_s;
+  return {ToNm(p.x()),
+          ToNm(p.y()),
+          ToNm(p.z()),
+          ToNm(v.x()),
+          ToNm(v.y()),
+          ToNm(v.z()),
+          segment.duration_subticks,
+          segment.pulse,
+          segment.program_end};
+}
+
+struct FaultText {
+  intaglio_MotionFault fault;
+  const char* message;
+};
+
+FaultText TextOf(link::StageFault fault) {
+  using link::StageFault;
+  switch (fault) {
+    case StageFault::kNone:
+      return {intaglio_MOTION_OK, ""};
+    case StageFault::kStarved:
+      return {
+          intaglio_MOTION_STARVED,
+          "the stage ran out of motion in mid-run: the host or the line was too slow"};
+    case StageFault::kLimit:
+      return {
+          intaglio_MOTION_LIMIT,
+          "a target lies outside the axes' travel: check block_origin_mm and the block"};
+    case StageFault::kFollowingError:
+      return {intaglio_MOTION_FOLLOWING_ERROR,
+              "the stage is not where it should be: free it and check the drive"};
+    case StageFault::kLate:
+      return {intaglio_MOTION_LATE, "the run reached the stage after its start tick"};
+    case StageFault::kRunRefused:
+      return {intaglio_MOTION_LATE,
+              "the stage was not at rest when the run was to begin"};
+    case StageFault::kSafeState:
+      return {intaglio_MOTION_SAFE_STATE,
+              "the stage heard nothing for 250 ms and stopped by itself"};
+    case StageFault::kBadSequence:
+      return {intaglio_MOTION_LINK_LOST, "segments were lost on the motion line"};
+  }
+  return {intaglio_MOTION_LINK_LOST, "the stage reports an unknown fault"};
+}
+
+class VirtualStageDriver final : public MotionDriver {
+ public:
+  VirtualStageDriver(link::StreamOpener open, link::SteadyClock clock)
+      : session_(std::move(open), std::move(clock)) {}
+
+  void Poll() override {
+    session_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
+      Handle(static_cast<MotionFrame>(type), payload);
+    });
+    if (session_.up()) {
+      state_.link_up = identified_;
+      return;
+    }
+    if (state_.link_up || state_.message != session_.message()) ++state_.number;
+    identified_ = false;
+    state_.link_up = false;
+    state_.fault = intaglio_MOTION_LINK_LOST;
+    state_.message = session_.message();
+  }
+
+  int fd() const override { return session_.fd(); }
+  const DriverState& state() const override { return state_; }
+  std::vector<LatchedPositions> TakePositions() override {
+    return std::exchange(positions_, {});
+  }
+
+  Status BeginRun(std::uint32_t run, std::uint64_t start_tick) override {
+    const auto sent =
+        SendFrame(MotionFrame::kBeginRun, Encode(link::BeginRun{run, start_tick}));
+    if (sent) {
+      begun_run_ = run;
+      appended_ = 0;
+    }
+    return sent;
+  }
+
+  std::size_t Room() const override {
+    if (!state_.link_up || !session_.CanSend()) return 0;
+    // The last status speaks of the run before, or of segments it has not seen yet.
+    const bool same_run = status_.run == begun_run_;
+    const std::uint64_t unseen = appended_ - (same_run ? status_.segments_taken : 0);
+    if (status_.queue_free <= unseen) return 0;
+    return std::min<std::size_t>(status_.queue_free - unseen, link::kMaxSegments);
+  }
+
+  Status Append(std::span<const motion::Segment> segments) override {
+    link::Segments frame{begun_run_, appended_, {}};
+    frame.segments.reserve(segments.size());
+    for (const motion::Segment& segment : segments)
+      frame.segments.push_back(ToWire(segment));
+    if (auto sent = SendFrame(MotionFrame::kSegments, Encode(frame)); !sent) return sent;
+    appended_ += segments.size();
+    // A fresh status frees the queue's room here and tells how far the motion reaches.
+    if (session_.CanSend()) (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
+    return {};
+  }
+
+  Status AbortRun() override { return SendFrame(MotionFrame::kAbortRun, {}); }
+  Status Reset() override { return SendFrame(MotionFrame::kMotionReset, {}); }
+
+ private:
+  Status SendFrame(MotionFrame type, const link::Bytes& payload) {
+    return session_.Send(static_cast<std::uint8_t>(type), payload);
+  }
+
+  void Handle(MotionFrame type, std::span<const std::byte> payload) {
+    if (type == MotionFrame::kMotionIdentity) {
+      if (const auto identity = link::Decode<link::MotionIdentity>(payload)) {
+        identified_ = true;
+        status_.queue_free = 0;  // until its first status
+        (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
+      }
+    } else if (type == MotionFrame::kMotionStatus) {
+      if (const auto status = link::Decode<link::MotionStatus>(payload)) Take(*status);
+    } else if (type == MotionFrame::kPositions) {
+      if (const auto latched = link::Decode<link::Positions>(payload)) {
+        LatchedPositions entry{latched->run, latched->first_tick, {}};
+        for (const auto& p : latched->positions) {
+          entry.positions_mm.push_back(ToMm(p.x_nm, p.y_nm, p.z_nm));
+        }
+        positions_.push_back(std::move(entry));
+      }
+    }
+  }
+
+  void Take(const link::MotionStatus& status) {
+    status_ = status;
+    state_.link_up = identified_;
+    state_.tick = status.tick;
+    state_.position_mm = ToMm(status.x_nm, status.y_nm, status.z_nm);
+    state_.velocity_mm_s = ToMm(status.vx_nm_s, status.vy_nm_s, status.vz_nm_s);
+    state_.run = status.run;
+    state_.covered_through_tick = status.covered_through_tick;
+    state_.at_rest = status.at_rest;
+    state_.following_error_max_um = status.following_error_max_nm / 1e3;
+    const FaultText text = TextOf(status.fault);
+    state_.fault = text.fault;
+    state_.message = text.message;
+    ++state_.number;
+  }
+
+  link::LineSession session_;
+  DriverState state_;
+  link::MotionStatus status_;
+  bool identified_ = false;
+  std::uint32_t begun_run_ = 0;
+  std::uint64_t appended_ = 0;
+  std::vector<LatchedPositions> positions_;
+};
+
+}  // namespace
+
+std::unique_ptr<MotionDriver> MakeVirtualStageDriver(link::StreamOpener open,
+                                                     link::SteadyClock clock) {
+  return std::make_unique<VirtualStageDriver>(std::move(open), std::move(clock));
+}
+
+std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine) {
+  return MakeVirtualStageDriver(
+      [line = machine.motion_line()]() -> Result<std::unique_ptr<link::ByteStream>> {
+        return link::OpenSerialPort(line.device(), line.baud());
+      },
+      link::MonotonicClock());
+}
+
+}  // namespace intaglio::motion_bridge

@@ -1,0 +1,163 @@
+#pragma once
+
+// Makes the points of one job: decides every tick ahead, and takes every result.
+//
+//             laser up, motion state        chain whole, points open
+//   kPreparing ------------------> kWaiting ------------------------> kRunning
+//       lamp on, warms up          ^  ^  | nothing left                  |  |
+//                                  |  |  +--> kDone                      |  | all sent,
+//                                  reported, |  +----------------------------------+  |
+//                                  at rest: next pass |                    (pass
+//                                  finished)     | | | a link of the chain lost
+//                                  +--- all armed settled, at rest --- kHalting
+//
+// A run is a pass over the open points from rest to rest. kHalting takes back what has
+// not fired (Disarm), brakes the stage and closes the shutters, then settles every armed
+// point: by report, by the controller's counters after a lost line, or as uncertain.
+// After a fault (anything but a withdrawn permission) a permission has to be withdrawn
+// and given anew: nothing restarts by itself.
+//
+// No pulse without: an intent on disk, the motion for its tick in the controller, and
+// the whole permission chain at the moment of arming. Used from one thread; no waits.
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+
+#include "idl/motion.h"
+#include "services/synchronizer/journal_writer.h"
+#include "services/synchronizer/laser_controller.h"
+#include "services/synchronizer/motion_feed.h"
+#include "services/synchronizer/permission_chain.h"
+#include "services/synchronizer/point_ledger.h"
+#include "services/synchronizer/pulse_schedule.h"
+
+namespace intaglio::synchronizer {
+
+/// The bridge's newest word, and whether it is young enough to act on.
+struct MotionView {
+  bool fresh = false;
+  std::uint64_t tick = 0;
+  Vec3 position_mm = Vec3::Zero();
+  std::uint32_t run = 0;
+  std::uint32_t highest_run = 0;
+  std::uint64_t covered_through_tick = 0;
+  bool at_rest = false;
+  intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
+  std::string message;
+};
+
+/// What the outside says at one turn.
+struct EngravingInputs {
+  std::chrono::nanoseconds now{0};  ///< monotonic
+  bool permission_fresh = false;
+  bool permission_granted = false;
+  bool stop_pressed = false;
+  MotionView motion;
+};
+
+struct EngravingJob {
+  std::string uid;
+  PointList machine_points_mm;  ///< in the order of engraving, machine frame
+  MotionPlan plan;
+  std::uint8_t shutter_mask = 1;
+};
+
+class Engraving {
+ public:
+  enum class Phase { kPreparing, kWaiting, kRunning, kHalting, kDone };
+
+  Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
+            JournalWriter& journal, PulseSchedule::ResultSink results);
+
+  void Turn(const EngravingInputs& inputs);
+  /// The controller's report, as LaserController::Poll hands it over.
+  void Take(const link::PulseReport& report);
+  /// Shutters closed, lamp off, motion braked; what is armed is settled over the next
+  /// turns. For cancelled jobs and the end of the process.
+  void Stop(const std::string& why);
+
+  Phase phase() const { return phase_; }
+  const PointLedger& ledger() const { return ledger_; }
+  /// What it waits for or why it halted; empty while all is well.
+  const std::string& message() const { return message_; }
+  /// Halted by a fault, not by a withdrawn permission.
+  bool faulted() const { return needs_new_grant_; }
+  bool started() const { return run_count_ > 0; }
+  std::uint32_t run_count() const { return run_count_; }
+  std::uint64_t first_fired_tick() const { return first_fired_tick_; }
+  std::uint64_t last_fired_tick() const { return last_fired_tick_; }
+  std::uint64_t settled_by_counter() const { return settled_by_counter_; }
+
+ private:
+  ChainLinks LinksOf(const EngravingInputs& inputs) const;
+  std::uint64_t TickNow(const EngravingInputs& inputs) const;
+  std::uint64_t AheadTicks() const;
+
+  void Prepare(const EngravingInputs& inputs);
+  void Await(const EngravingInputs& inputs);
+  void StartRun(const EngravingInputs& inputs);
+  void Run(const EngravingInputs& inputs);
+  void DecideTicks(const EngravingInputs& inputs);
+  void Prearm(std::uint64_t first, std::uint64_t last);
+  void SendDurableWindows();
+  void FinishRun();
+  void Halt(Missing missing, const std::string& text, bool fault);
+  void SettleHalted(const EngravingInputs& inputs);
+  bool AskToDisarm();
+  void SettleByCounter();
+  void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
+  void AwaitShutter(const EngravingInputs& inputs);
+  void KeepIdleTicksPassing();
+  void Record(const PulseResult& result);
+  void Finish();
+
+  struct Window {
+    std::uint64_t journal_number = 0;  // sent once this many records are durable
+    link::ArmWindow arm;
+  };
+
+  EngravingJob job_;
+  LaserController& laser_;
+  MotionFeed& feed_;
+  JournalWriter& journal_;
+  PulseSchedule::ResultSink results_;
+  PointLedger ledger_;
+  PulseSchedule schedule_;
+  std::deque<Window> windows_;
+
+  Phase phase_ = Phase::kPreparing;
+  std::string message_;
+  bool needs_new_grant_ = false;
+  bool stopping_ = false;
+  std::uint32_t run_ = 0;
+  std::uint32_t run_count_ = 0;
+  std::uint32_t cursor_ = 0;
+  std::uint64_t ended_before_run_ = 0;
+  int idle_runs_ = 0;
+  int late_starts_ = 0;
+  std::uint64_t decided_ = 0;  // by us, sent or about to be
+  std::uint64_t sent_through_ = 0;
+  std::uint64_t reported_through_ = 0;
+  std::uint64_t session_ = 0;
+  std::uint32_t power_up_ = 0;
+  std::uint64_t pulses_before_job_ = 0;
+  std::uint64_t fired_count_ = 0;
+  std::uint64_t settled_by_counter_ = 0;
+  std::uint64_t first_fired_tick_ = 0;
+  std::uint64_t last_fired_tick_ = 0;
+  std::chrono::nanoseconds now_{0};
+  std::chrono::nanoseconds run_began_at_{0};
+  std::chrono::nanoseconds halted_at_{0};
+  SkipReason skip_reason_ = SkipReason::kNone;
+  std::uint64_t disarm_session_ = 0;
+  bool disarm_asked_ = false;
+  std::chrono::nanoseconds status_at_{0};
+  std::uint64_t status_number_ = 0;
+  std::chrono::nanoseconds next_request_{0};
+  bool lamp_asked_ = false;
+};
+
+}  // namespace intaglio::synchronizer

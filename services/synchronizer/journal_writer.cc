@@ -1,0 +1,107 @@
+#include "services/synchronizer/journal_writer.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+bool WriteAll(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+std::string DiskError(const std::filesystem::path& path, int error_number) {
+  return fmt::format(
+      "cannot write the journal {}: {}; make room on the disk or choose "
+      "another result directory",
+      path.string(), std::strerror(error_number));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<JournalWriter>> JournalWriter::Create(
+    const std::filesystem::path& file, const formats::JournalHeader& header) {
+  const int handle = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (handle < 0) return Fail(ErrorCode::kIo, DiskError(file, errno), file.string());
+  const auto head = formats::EncodeJournalHeader(header);
+  if (!WriteAll(handle, head) || fdatasync(handle) != 0) {
+    const int error_number = errno;
+    close(handle);
+    return Fail(ErrorCode::kIo, DiskError(file, error_number), file.string());
+  }
+  const int event = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+  Require(event >= 0, "eventfd failed with errno {}", errno);
+  return std::unique_ptr<JournalWriter>(new JournalWriter(handle, event, file));
+}
+
+JournalWriter::JournalWriter(int file, int event, std::filesystem::path path)
+    : ring_(kRingSize), file_(file), event_fd_(event), path_(std::move(path)) {
+  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+}
+
+JournalWriter::~JournalWriter() {
+  thread_.request_stop();
+  work_.release();
+  thread_.join();
+  close(file_);
+  close(event_fd_);
+}
+
+bool JournalWriter::Append(const formats::JournalRecord& record) {
+  const std::uint64_t head = head_.load(std::memory_order_relaxed);
+  if (failed() || head - durable() >= kRingSize) return false;
+  ring_[head % kRingSize] = record;
+  head_.store(head + 1, std::memory_order_release);
+  return true;
+}
+
+void JournalWriter::ClearEvent() {
+  std::uint64_t count = 0;
+  [[maybe_unused]] const auto got = read(event_fd_, &count, sizeof count);
+}
+
+void JournalWriter::Run(const std::stop_token& stop) {
+  for (;;) {
+    work_.acquire();
+    const bool last_round = stop.stop_requested();
+    const std::uint64_t from = durable_.load(std::memory_order_relaxed);
+    const std::uint64_t to = head_.load(std::memory_order_acquire);
+    if (from != to && !failed()) {
+      if (!WriteOut(from, to)) FailWith(errno);
+      const std::uint64_t one = 1;
+      [[maybe_unused]] const auto signalled = write(event_fd_, &one, sizeof one);
+    }
+    if (last_round) return;
+  }
+}
+
+bool JournalWriter::WriteOut(std::uint64_t from, std::uint64_t to) {
+  block_.clear();
+  for (std::uint64_t i = from; i < to; ++i) {
+    const auto bytes = formats::EncodeJournalRecord(ring_[i % kRingSize]);
+    block_.insert(block_.end(), bytes.begin(), bytes.end());
+  }
+  if (!WriteAll(file_, block_) || fdatasync(file_) != 0) return false;
+  durable_.store(to, std::memory_order_release);
+  return true;
+}
+
+void JournalWriter::FailWith(int error_number) {
+  error_ = DiskError(path_, error_number);
+  failed_.store(true, std::memory_order_release);
+}
+
+}  // namespace intaglio::synchronizer

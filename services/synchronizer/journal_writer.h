@@ -1,0 +1,68 @@
+#pragma once
+
+// Puts journal records on disk from a thread of its own, so that the tick path does no
+// I/O: records go through a ring, and the tick path fires nothing whose intent is not
+// durable yet.
+//
+//   tick path: Append(intent) ... number = appended()   ring   writer: write, fdatasync
+//              fires once durable() >= number          <------ durable() = number
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <semaphore>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/formats/journal_file.h"
+
+namespace intaglio::synchronizer {
+
+class JournalWriter {
+ public:
+  /// Creates the file (which must not exist: a journal is never written over) with its
+  /// header on disk.
+  static Result<std::unique_ptr<JournalWriter>> Create(
+      const std::filesystem::path& file, const formats::JournalHeader& header);
+  ~JournalWriter();
+
+  /// From one thread; neither allocates, locks nor waits. False: the ring is full, or
+  /// the disk has failed.
+  bool Append(const formats::JournalRecord& record);
+  /// Lets the writer know that there is something to write.
+  void Flush() { work_.release(); }
+
+  /// Records appended, and how many of them are on disk.
+  std::uint64_t appended() const { return head_.load(std::memory_order_relaxed); }
+  std::uint64_t durable() const { return durable_.load(std::memory_order_acquire); }
+  bool failed() const { return failed_.load(std::memory_order_acquire); }
+  /// What the disk said; valid once failed().
+  const std::string& error() const { return error_; }
+  /// Readable when durable() has grown since the last ClearEvent.
+  int event_fd() const { return event_fd_; }
+  void ClearEvent();
+
+ private:
+  JournalWriter(int file, int event, std::filesystem::path path);
+  void Run(const std::stop_token& stop);
+  bool WriteOut(std::uint64_t from, std::uint64_t to);
+  void FailWith(int error_number);
+
+  static constexpr std::uint64_t kRingSize = 1u << 16;  ///< a power of two
+  std::vector<formats::JournalRecord> ring_;
+  std::vector<std::byte> block_;
+  std::atomic<std::uint64_t> head_{0};
+  std::atomic<std::uint64_t> durable_{0};
+  std::atomic<bool> failed_{false};
+  std::counting_semaphore<> work_{0};
+  int file_;
+  int event_fd_;
+  std::filesystem::path path_;
+  std::string error_;
+  std::jthread thread_;
+};
+
+}  // namespace intaglio::synchronizer

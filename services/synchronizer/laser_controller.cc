@@ -1,0 +1,64 @@
+#include "services/synchronizer/laser_controller.h"
+
+namespace intaglio::synchronizer {
+
+using link::LaserFrame;
+
+LaserController::LaserController(link::StreamOpener open, link::SteadyClock clock)
+    : session_(std::move(open), std::move(clock)) {}
+
+void LaserController::Poll(const ReportSink& sink) {
+  session_.Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
+    Handle(static_cast<LaserFrame>(type), payload, sink);
+  });
+  if (!session_.up()) identified_ = false;
+}
+
+void LaserController::Handle(LaserFrame type, std::span<const std::byte> payload,
+                             const ReportSink& sink) {
+  if (type == LaserFrame::kLaserIdentity) {
+    const auto identity = link::Decode<link::LaserIdentity>(payload);
+    if (!identity) return;
+    identity_ = *identity;
+    identified_ = true;
+    status_number_ = 0;
+    disarms_sent_ = 0;
+    ++sessions_;
+    (void)RequestStatus();
+  } else if (type == LaserFrame::kLaserStatus) {
+    const auto status = link::Decode<link::LaserStatus>(payload);
+    if (!status) return;
+    status_ = *status;
+    ++status_number_;
+  } else if (type == LaserFrame::kPulseReport) {
+    if (const auto report = link::Decode<link::PulseReport>(payload)) sink(*report);
+  }
+}
+
+Status LaserController::SendFrame(LaserFrame type, const link::Bytes& payload) {
+  return session_.Send(static_cast<std::uint8_t>(type), payload);
+}
+
+Status LaserController::Lamp(bool on, double rate_hz) {
+  return SendFrame(LaserFrame::kLampCommand, Encode(link::LampCommand{on, rate_hz}));
+}
+
+Status LaserController::OpenShutters(std::uint8_t mask) {
+  return SendFrame(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{mask}));
+}
+
+Status LaserController::Arm(const link::ArmWindow& window) {
+  return SendFrame(LaserFrame::kArmWindow, Encode(window));
+}
+
+Status LaserController::Disarm() {
+  auto sent = SendFrame(LaserFrame::kDisarm);
+  if (sent) ++disarms_sent_;
+  return sent;
+}
+Status LaserController::Reset() { return SendFrame(LaserFrame::kLaserReset); }
+Status LaserController::RequestStatus() {
+  return SendFrame(LaserFrame::kLaserStatusRequest);
+}
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,61 @@
+#pragma once
+
+// The laser controller at the end of the laser line, as the synchronizer sees it.
+// Not thread-safe; nothing blocks.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "services/link/laser_protocol.h"
+#include "services/link/line_session.h"
+
+namespace intaglio::synchronizer {
+
+class LaserController {
+ public:
+  using ReportSink = std::function<void(const link::PulseReport&)>;
+
+  LaserController(link::StreamOpener open, link::SteadyClock clock);
+
+  /// Moves bytes and takes what came; `sink` gets every pulse report once, in order.
+  void Poll(const ReportSink& sink);
+
+  /// Up, identified, and a status of this session has come.
+  bool up() const { return session_.up() && identified_ && status_number_ > 0; }
+  bool CanSend() const { return session_.CanSend(); }
+  const std::string& message() const { return session_.message(); }
+  int fd() const { return session_.fd(); }
+
+  const link::LaserIdentity& identity() const { return identity_; }
+  const link::LaserStatus& status() const { return status_; }
+  /// Statuses of this session; grows with each.
+  std::uint64_t status_number() const { return status_number_; }
+  /// Grows with every session, i.e. whenever what was sent may have been lost.
+  std::uint64_t session() const { return sessions_; }
+  /// A status that was made after the newest Disarm of this session has come.
+  bool disarmed() const { return up() && status_.disarms_taken == disarms_sent_; }
+  bool Has(link::InterlockBits bit) const { return (status_.interlocks & bit) != 0; }
+
+  Status Lamp(bool on, double rate_hz);
+  Status OpenShutters(std::uint8_t mask);
+  Status Arm(const link::ArmWindow& window);
+  Status Disarm();
+  Status Reset();
+  Status RequestStatus();
+
+ private:
+  void Handle(link::LaserFrame type, std::span<const std::byte> payload,
+              const ReportSink& sink);
+  Status SendFrame(link::LaserFrame type, const link::Bytes& payload = {});
+
+  link::LineSession session_;
+  link::LaserIdentity identity_;
+  link::LaserStatus status_;
+  bool identified_ = false;
+  std::uint64_t status_number_ = 0;
+  std::uint64_t sessions_ = 0;
+  std::uint32_t disarms_sent_ = 0;
+};
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,60 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "proto/job_file.h"
+#include "services/host/poll_loop.h"
+#include "services/synchronizer/synchronizer.h"
+
+namespace {
+
+using namespace intaglio;
+using namespace std::chrono_literals;
+
+struct Options {
+  std::string machine_file;
+  std::string device;
+};
+
+std::chrono::nanoseconds Now() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+int Serve(host::ServiceHost& host, const Options& options) {
+  auto machine = ReadMachineFile(options.machine_file);
+  if (!machine) {
+    std::cerr << machine.error().message << "\n";
+    return 2;
+  }
+  if (!options.device.empty()) machine->mutable_laser_line()->set_device(options.device);
+  synchronizer::Synchronizer cell(host, *machine);
+  host::PollLoop loop(host.bus());
+  cell.AttachTo(loop);
+  host.SetHealth(intaglio_HEALTH_READY);
+  const auto turn = [&] {
+    cell.Turn(Now());
+    host.KeepAlive();
+    loop.Wait(std::array{cell.laser_fd(), cell.journal_fd()}, 5ms);
+  };
+  while (!host.stopping()) turn();
+  cell.Stop();
+  for (const auto end = Now() + 3s; !cell.stopped() && Now() < end;) turn();
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  const host::ServiceDescription description{
+      intaglio_ROLE_SYNCHRONIZER, "synchronizer",
+      "fires the laser of one machine at the ticks at which the stage is in place",
+      [&options](CLI::App& app) {
+        app.add_option("--machine", options.machine_file, "machine profile (.textproto)")
+            ->required();
+        app.add_option("--device", options.device,
+                       "serial device instead of the profile's laser_line.device");
+      }};
+  return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
+    return Serve(host, options);
+  });
+}

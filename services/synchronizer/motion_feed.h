@@ -1,0 +1,68 @@
+#pragma once
+
+// Plans the motion of one run and streams it ahead to the motion bridge, within the
+// bridge's credit. Frame machine, mm; ticks of the lamp sync.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/motion/stop_and_go.h"
+#include "services/bus/flow.h"
+#include "services/synchronizer/pulse_schedule.h"
+
+namespace intaglio::synchronizer {
+
+struct MotionPlan {
+  motion::Limits limits;
+  double rate_hz = 0;
+  motion::Profile profile{};
+};
+
+class MotionFeed {
+ public:
+  struct Target {
+    std::uint32_t point = 0;
+    Vec3 position_mm = Vec3::Zero();  ///< machine frame
+  };
+  /// The next point of the run; nullopt when there are no more.
+  using NextTarget = std::function<std::optional<Target>()>;
+
+  MotionFeed(bus::Bus& bus, const std::string& cell, bus::CreditBook& credit);
+
+  /// A run from rest at `start_mm`, beginning at `start_tick`.
+  void Begin(const std::string& job_uid, std::uint32_t run, std::uint64_t start_tick,
+             const Vec3& start_mm, const MotionPlan& plan);
+  /// Plans up to `horizon_tick` and sends what the bridge has room for; every pulse
+  /// planned is added to the schedule.
+  void Advance(std::uint64_t horizon_tick, const NextTarget& next,
+               PulseSchedule& schedule);
+  /// Tells the bridge to brake to rest and forget the run.
+  Status Abort();
+
+  /// The whole run, to its end at rest, has been handed to the bridge.
+  bool sent_all() const { return sent_all_; }
+  std::uint32_t run() const { return run_; }
+  std::uint64_t start_tick() const { return start_tick_; }
+
+ private:
+  bool MaySend() const;
+  bool Send(bool last);
+
+  bus::Writer<intaglio_MotionSegmentBatch> writer_;
+  bus::CreditBook& credit_;
+  std::string job_uid_;
+  std::string stream_;
+  std::uint32_t run_ = 0;
+  std::uint64_t start_tick_ = 0;
+  double rate_hz_ = 0;
+  std::uint64_t next_batch_ = 0;
+  bool planned_all_ = false;
+  bool sent_all_ = true;
+  std::optional<motion::StopAndGoPlanner> planner_;
+  std::vector<motion::Segment> pending_;
+};
+
+}  // namespace intaglio::synchronizer

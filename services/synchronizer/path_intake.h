@@ -1,0 +1,46 @@
+#pragma once
+
+// Takes the ordered points of one job from the sorter, under credit.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+#include "services/bus/flow.h"
+
+namespace intaglio::synchronizer {
+
+class PathIntake {
+ public:
+  PathIntake(bus::Bus& bus, const std::string& instance);
+
+  /// Opens the stream of this job and attempt; forgets what came of another one.
+  Status Open(const std::string& job_uid, std::uint32_t attempt);
+  /// Takes what has come. kFault when a batch is missing or its columns disagree.
+  Status Poll();
+  /// Tells the sorter that no more is wanted.
+  void Close();
+
+  bool complete() const { return complete_; }
+  std::uint64_t total_count() const { return total_count_; }
+  /// In the order of engraving, glass frame, mm.
+  const PointCloud& path() const { return path_; }
+  bus::Reader<intaglio_PathBatch>& reader() { return reader_; }
+
+ private:
+  Status Accept(const intaglio_PathBatch& batch);
+
+  bus::Reader<intaglio_PathBatch> reader_;
+  bus::CreditGrantor credit_;
+  std::string job_uid_;
+  std::uint32_t attempt_ = 0;
+  std::string stream_;
+  std::uint64_t expected_ = 0;
+  std::uint64_t total_count_ = 0;
+  bool complete_ = false;
+  PointCloud path_;
+};
+
+}  // namespace intaglio::synchronizer

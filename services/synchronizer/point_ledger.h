@@ -1,0 +1,60 @@
+#pragma once
+
+// What is known of every point of a job, by its place in the order.
+//
+//   kPlanned --armed--> kArmed --fired, seen------> kMade
+//      ^                  |  \---fired, unseen----> kMissed
+//      |                  |   \--nobody knows-----> kUncertain
+//      +--new run-- kSkipped <--not fired
+//
+// kMade, kMissed and kUncertain are ends: such a point is never armed again.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "engrave/formats/journal_file.h"
+
+namespace intaglio::synchronizer {
+
+enum class PointState : std::uint8_t {
+  kPlanned,
+  kArmed,
+  kMade,
+  kMissed,
+  kSkipped,
+  kUncertain,
+};
+
+class PointLedger {
+ public:
+  explicit PointLedger(std::size_t count) : states_(count, PointState::kPlanned) {
+    counts_[static_cast<std::size_t>(PointState::kPlanned)] = count;
+  }
+
+  std::size_t size() const { return states_.size(); }
+  PointState state(std::uint32_t point) const { return states_[point]; }
+  std::uint64_t count(PointState state) const {
+    return counts_[static_cast<std::size_t>(state)];
+  }
+
+  /// First point at or after `from` that may be armed: planned, or skipped earlier.
+  std::optional<std::uint32_t> NextOpen(std::uint32_t from) const;
+  bool all_ended() const {
+    return count(PointState::kPlanned) + count(PointState::kSkipped) +
+               count(PointState::kArmed) ==
+           0;
+  }
+
+  /// Throws PreconditionError unless the point is planned or skipped.
+  void Arm(std::uint32_t point);
+  /// Throws PreconditionError unless the point is armed; `outcome` is not kNone.
+  void Resolve(std::uint32_t point, formats::PointOutcome outcome);
+
+ private:
+  void Move(std::uint32_t point, PointState to);
+  std::vector<PointState> states_;
+  std::uint64_t counts_[6] = {};
+};
+
+}  // namespace intaglio::synchronizer

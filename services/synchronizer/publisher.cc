@@ -1,0 +1,137 @@
+#include "services/synchronizer/publisher.h"
+
+#include "services/bus/samples.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using bus::Borrow;
+using formats::PointOutcome;
+using namespace std::chrono_literals;
+
+constexpr auto kTaskPeriod = 100ms;
+constexpr auto kPulsePeriod = 20ms;
+constexpr auto kInterlockPeriod = 1s;
+constexpr std::size_t kPulseBatch = 1024;
+
+intaglio_PulseOutcome WireOutcome(PointOutcome outcome) {
+  switch (outcome) {
+    case PointOutcome::kMade:
+      return intaglio_PULSE_MADE;
+    case PointOutcome::kMissed:
+      return intaglio_PULSE_MISSED;
+    case PointOutcome::kUncertain:
+      return intaglio_PULSE_UNCERTAIN;
+    case PointOutcome::kSkipped:
+    case PointOutcome::kNone:
+      break;
+  }
+  return intaglio_PULSE_SKIPPED;
+}
+
+}  // namespace
+
+Publisher::Publisher(bus::Bus& bus, std::string cell, std::string worker)
+    : cell_(std::move(cell)),
+      worker_(std::move(worker)),
+      tasks_(bus, bus::kTaskStatus),
+      pulses_(bus, bus::kPulseEventBatch, cell_),
+      lamp_(bus, bus::kLampSync, cell_),
+      interlocks_(bus, bus::kInterlock, cell_) {}
+
+void Publisher::Tell(const TaskReport& report, std::chrono::nanoseconds now) {
+  const bool changed = report.state != told_.state || report.message != told_.message ||
+                       report.job_uid != told_.job_uid || report.attempt != told_.attempt;
+  if (!changed && now < next_task_) return;
+  next_task_ = now + kTaskPeriod;
+  told_ = report;
+  intaglio_TaskStatus sample{};
+  sample.job_uid = Borrow(told_.job_uid);
+  sample.stage = intaglio_STAGE_ENGRAVE;
+  sample.attempt = told_.attempt;
+  sample.worker = Borrow(worker_);
+  sample.state = told_.state;
+  sample.done_count = told_.done_count;
+  sample.total_count = told_.total_count;
+  sample.elapsed_s = told_.elapsed_s;
+  sample.estimate_ticks = told_.estimate_ticks;
+  sample.error_code = Borrow(told_.error_code);
+  sample.message = Borrow(told_.message);
+  const std::vector<std::uint8_t> outcome(told_.outcome.begin(), told_.outcome.end());
+  Borrow(sample.outcome, outcome);
+  (void)tasks_.Write(sample);
+}
+
+void Publisher::BeginJob(const std::string& job_uid) {
+  job_uid_ = job_uid;
+  pulse_number_ = 0;
+  tick_.clear(), point_.clear(), outcome_.clear(), reason_.clear();
+}
+
+void Publisher::Add(const PulseResult& result) {
+  tick_.push_back(result.tick);
+  point_.push_back(result.point);
+  outcome_.push_back(static_cast<std::uint8_t>(WireOutcome(result.outcome)));
+  reason_.push_back(static_cast<std::uint8_t>(result.reason));
+}
+
+void Publisher::Flush(std::chrono::nanoseconds now, bool all) {
+  if (tick_.empty() || (!all && tick_.size() < kPulseBatch && now < next_pulses_)) return;
+  next_pulses_ = now + kPulsePeriod;
+  intaglio_PulseEventBatch batch{};
+  batch.job_uid = Borrow(job_uid_);
+  batch.sequence_number = pulse_number_++;
+  Borrow(batch.tick, tick_);
+  Borrow(batch.point, point_);
+  Borrow(batch.outcome, outcome_);
+  Borrow(batch.reason, reason_);
+  (void)pulses_.Write(batch);
+  tick_.clear(), point_.clear(), outcome_.clear(), reason_.clear();
+}
+
+void Publisher::TellLaser(const LaserController& laser, std::chrono::nanoseconds now) {
+  if (laser.up() && laser.status_number() != told_status_) {
+    told_status_ = laser.status_number();
+    TellLampSync(laser);
+  }
+  const std::uint32_t interlocks =
+      laser.up()
+          ? laser.status().interlocks | laser.status().shutters_open << 8 | 1u << 16
+          : 0;
+  if (interlocks == told_interlocks_ && now < next_interlock_) return;
+  told_interlocks_ = interlocks;
+  next_interlock_ = now + kInterlockPeriod;
+  TellInterlock(laser);
+}
+
+void Publisher::TellLampSync(const LaserController& laser) {
+  const link::LaserStatus& status = laser.status();
+  intaglio_LampSync sample{};
+  sample.cell = Borrow(cell_);
+  sample.tick = status.tick;
+  sample.machine_us = status.machine_us;
+  sample.rate_hz = status.rate_hz;
+  sample.warm_ratio = status.warm_ratio;
+  sample.pulse_count = status.pulse_count;
+  sample.last_fired_tick = status.last_fired_tick;
+  (void)lamp_.Write(sample);
+}
+
+void Publisher::TellInterlock(const LaserController& laser) {
+  intaglio_Interlock sample{};
+  sample.cell = Borrow(cell_);
+  sample.laser_link_up = laser.up();
+  sample.message = Borrow(laser.message());
+  if (laser.up()) {
+    sample.key_on = laser.Has(link::kKeyOn);
+    sample.door_closed = laser.Has(link::kDoorClosed);
+    sample.emergency_stop_released = laser.Has(link::kStopReleased);
+    sample.lamp_on = laser.Has(link::kLampOn);
+    sample.lamp_warm = laser.Has(link::kLampWarm);
+    sample.safe_state = laser.Has(link::kSafeState);
+    sample.shutters_open = laser.status().shutters_open;
+  }
+  (void)interlocks_.Write(sample);
+}
+
+}  // namespace intaglio::synchronizer

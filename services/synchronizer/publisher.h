@@ -1,0 +1,69 @@
+#pragma once
+
+// What a cell tells the bus: the lamp's clock, the interlocks, the pulses, the task.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "proto/task.pb.h"
+#include "services/bus/bus.h"
+#include "services/synchronizer/laser_controller.h"
+#include "services/synchronizer/pulse_schedule.h"
+
+namespace intaglio::synchronizer {
+
+/// TaskStatus of the task in hand, without the fields that Publisher knows by itself.
+struct TaskReport {
+  std::string job_uid = {};
+  std::uint32_t attempt = 0;
+  intaglio_TaskState state = intaglio_TASK_ACCEPTED;
+  std::uint64_t done_count = 0;
+  std::uint64_t total_count = 0;
+  double elapsed_s = 0;
+  std::uint64_t estimate_ticks = 0;
+  std::string error_code = {};
+  std::string message = {};
+  std::string outcome = {};  ///< serialized StageOutcome
+};
+
+class Publisher {
+ public:
+  Publisher(bus::Bus& bus, std::string cell, std::string worker);
+
+  /// At most ten times a second, unless the state or the message changed.
+  void Tell(const TaskReport& report, std::chrono::nanoseconds now);
+  /// Pulse results are gathered; a batch goes out when it is full or 20 ms old.
+  void BeginJob(const std::string& job_uid);
+  void Add(const PulseResult& result);
+  void Flush(std::chrono::nanoseconds now, bool all);
+  /// The lamp's clock with every status of the controller; interlocks when they change
+  /// and once a second.
+  void TellLaser(const LaserController& laser, std::chrono::nanoseconds now);
+
+ private:
+  void TellLampSync(const LaserController& laser);
+  void TellInterlock(const LaserController& laser);
+
+  std::string cell_;
+  std::string worker_;
+  bus::Writer<intaglio_TaskStatus> tasks_;
+  bus::Writer<intaglio_PulseEventBatch> pulses_;
+  bus::Writer<intaglio_LampSync> lamp_;
+  bus::Writer<intaglio_Interlock> interlocks_;
+
+  TaskReport told_;
+  std::chrono::nanoseconds next_task_{0};
+  std::string job_uid_;
+  std::uint64_t pulse_number_ = 0;
+  std::vector<std::uint64_t> tick_;
+  std::vector<std::uint32_t> point_;
+  std::vector<std::uint8_t> outcome_, reason_;
+  std::chrono::nanoseconds next_pulses_{0};
+  std::uint64_t told_status_ = 0;
+  std::uint32_t told_interlocks_ = 0xffffffff;
+  std::chrono::nanoseconds next_interlock_{0};
+};
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,85 @@
+#pragma once
+
+// Which tick fires which point, from the moment its motion is planned until the laser
+// controller has said what became of it. In the order of ticks; frame-free.
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "engrave/formats/journal_file.h"
+#include "services/link/laser_protocol.h"
+
+namespace intaglio::synchronizer {
+
+/// Why a point was not fired; the numbers of intaglio_SkipReason (idl/laser.idl).
+enum class SkipReason : std::uint8_t {
+  kNone,
+  kNoPermission,
+  kInterlock,
+  kLamp,
+  kShutter,
+  kPosition,
+  kLate,
+  kLink,
+};
+
+/// What became of one armed point.
+struct PulseResult {
+  std::uint64_t tick = 0;
+  std::uint32_t point = 0;
+  formats::PointOutcome outcome = formats::PointOutcome::kNone;
+  SkipReason reason = SkipReason::kNone;
+};
+
+class PulseSchedule {
+ public:
+  using ResultSink = std::function<void(const PulseResult&)>;
+
+  /// The stage is at `point` at `tick`; ticks grow.
+  void Add(std::uint64_t tick, std::uint32_t point);
+
+  /// Decides first..last: the window to send. `armed` gets every (tick, point) in it.
+  /// Points planned for ticks before `first` were missed by us: they go to `late` and
+  /// leave the schedule.
+  link::ArmWindow Decide(std::uint64_t first, std::uint64_t last,
+                         const std::function<void(std::uint64_t, std::uint32_t)>& armed,
+                         const std::function<void(std::uint32_t)>& late);
+
+  /// Takes the controller's word; ticks that were not armed by us are passed over.
+  void Apply(const link::PulseReport& report, const ResultSink& sink);
+
+  /// Armed points without a result whose tick is within first..last.
+  std::vector<PulseResult> ArmedWithin(std::uint64_t first, std::uint64_t last) const;
+  /// Gives them a result of the caller's.
+  void Settle(const std::vector<PulseResult>& results, const ResultSink& sink);
+
+  /// Forgets what is planned and not armed; the armed wait for their results.
+  void DropUnarmed();
+
+  bool empty() const { return entries_.empty(); }
+  std::size_t armed_count() const { return armed_count_; }
+  /// Tick of the first entry without a result; 0 when empty.
+  std::uint64_t front_tick() const {
+    return entries_.empty() ? 0 : entries_.front().tick;
+  }
+
+ private:
+  struct Entry {
+    std::uint64_t tick = 0;
+    std::uint32_t point = 0;
+    bool armed = false;
+    bool settled = false;
+  };
+  Entry* Find(std::uint64_t tick);
+  void SettleOne(Entry& entry, formats::PointOutcome outcome, SkipReason reason,
+                 const ResultSink& sink);
+  void PopSettled();
+
+  std::deque<Entry> entries_;
+  std::size_t decided_ = 0;  // entries from the front that were armed
+  std::size_t armed_count_ = 0;
+};
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,334 @@
+#include "services/synchronizer/synchronizer.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
+#include <spdlog/spdlog.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "engrave/formats/atomic_file.h"
+#include "engrave/formats/point_file.h"
+#include "proto/options.h"
+#include "services/bus/samples.h"
+#include "services/link/serial_port.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using bus::View;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+// Permission is written every 50 ms; a lost sample or a busy host is no withdrawal yet.
+constexpr auto kPermissionLease = 250ms;
+constexpr auto kMotionLease = 500ms;
+
+link::StreamOpener LaserLineOf(const MachineSpec& machine) {
+  return [line = machine.laser_line()]() -> Result<std::unique_ptr<link::ByteStream>> {
+    return link::OpenSerialPort(line.device(), line.baud());
+  };
+}
+
+template <typename T>
+void Mix(uLong& crc, const T& value) {
+  crc = crc32(crc, reinterpret_cast<const Bytef*>(&value), sizeof value);
+}
+
+// The plan as if nothing were ever paused: what two runs of one job are compared by.
+struct PlanSummary {
+  std::uint64_t ticks = 0;
+  std::string checksum;
+};
+
+PlanSummary Summarize(const PointList& machine_points_mm, const MotionPlan& plan) {
+  motion::StopAndGoPlanner planner(plan.limits, plan.rate_hz, plan.profile,
+                                   machine_points_mm.front());
+  uLong crc = crc32(0, nullptr, 0);
+  std::vector<motion::Segment> segments;
+  for (std::size_t i = 0; i < machine_points_mm.size(); ++i) {
+    segments.clear();
+    planner.Append(machine_points_mm[i], static_cast<std::int32_t>(i), true, segments);
+    for (const motion::Segment& segment : segments) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Mix(crc, segment.end_position_mm[axis]);
+        Mix(crc, segment.end_velocity_mm_s[axis]);
+      }
+      Mix(crc, segment.duration_subticks);
+    }
+  }
+  return {planner.ticks(), fmt::format("{:08x}", crc)};
+}
+
+}  // namespace
+
+Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine)
+    : host_(host),
+      machine_(machine),
+      cell_(machine.name()),
+      tasks_(host.bus(), bus::kEngraveTask),
+      permissions_(host.bus(), bus::kPermission, cell_),
+      stops_(host.bus(), bus::kEmergencyStop, cell_),
+      motion_(host.bus(), bus::kMotionState, cell_),
+      credit_(host.bus()),
+      intake_(host.bus(), host.instance()),
+      publisher_(host.bus(), cell_, host.instance()),
+      laser_(LaserLineOf(machine), link::MonotonicClock()),
+      feed_(host.bus(), cell_, credit_) {}
+
+Synchronizer::~Synchronizer() = default;
+
+void Synchronizer::Turn(std::chrono::nanoseconds now) {
+  now_ = now;
+  if (journal_) journal_->ClearEvent();
+  laser_.Poll([this](const link::PulseReport& report) {
+    if (engraving_) engraving_->Take(report);
+  });
+  credit_.Poll();
+  TakePermission(now);
+  TakeMotion(now);
+  TakeTasks();
+  if (job_ && !engraving_) TakePath();
+  if (engraving_) Engrave(now);
+  publisher_.TellLaser(laser_, now);
+  publisher_.Flush(now, false);
+}
+
+void Synchronizer::Stop() {
+  cancelled_ = true;
+  if (engraving_) {
+    engraving_->Stop("the synchronizer was stopped");
+  } else if (job_) {
+    EndTask(intaglio_TASK_FAILED, "cancelled", "the synchronizer was stopped");
+  }
+}
+
+void Synchronizer::TakeTasks() {
+  tasks_.Take([this](const intaglio_StageTask& task) {
+    if (View(task.worker) != host_.instance()) return;
+    const bool ours = job_ && View(task.job_uid) == job_->job_uid();
+    if (task.revoked) {
+      if (!ours || task.attempt != attempt_) return;
+      cancelled_ = true;
+      if (engraving_) {
+        engraving_->Stop("the job was cancelled");
+      } else {
+        EndTask(intaglio_TASK_FAILED, "cancelled", "the job was cancelled");
+      }
+      return;
+    }
+    if (ours && task.attempt == attempt_) return;
+    if (engraving_) {
+      spdlog::error("job {} is refused: {} is being engraved", View(task.job_uid),
+                    job_->job_uid());
+      return;
+    }
+    Begin(task);
+  });
+}
+
+void Synchronizer::Begin(const intaglio_StageTask& task) {
+  FrozenJob job;
+  const auto bytes = View(task.frozen_job);
+  if (!job.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    spdlog::error("task of job {} is not readable; it is ignored", View(task.job_uid));
+    return;
+  }
+  job_ = std::move(job);
+  attempt_ = task.attempt;
+  cancelled_ = false;
+  began_at_ = now_;
+  estimate_ticks_ = 0;
+  host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
+  if (auto opened = intake_.Open(job_->job_uid(), attempt_); !opened) {
+    return EndTask(intaglio_TASK_FAILED, ErrorCodeName(opened.error().code),
+                   opened.error().message);
+  }
+  publisher_.Tell({.job_uid = job_->job_uid(), .attempt = attempt_}, now_);
+}
+
+void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
+  permissions_.TakeAll(
+      [&](const intaglio_Permission& sample, const bus::SampleOrigin& o) {
+        if (!o.alive) {
+          permission_granted_ = false;
+          return;
+        }
+        permission_at_ = now;
+        permission_granted_ = sample.granted;
+        permission_epoch_ = sample.epoch;
+        permission_job_ = View(sample.job_uid);
+      });
+  stops_.Take(
+      [this](const intaglio_EmergencyStop& stop) { stop_pressed_ = stop.pressed; });
+}
+
+void Synchronizer::TakeMotion(std::chrono::nanoseconds now) {
+  motion_.Take([&](const intaglio_MotionState& sample) {
+    motion_at_ = now;
+    motion_view_.tick = sample.tick;
+    motion_view_.position_mm = Vec3(sample.x_mm, sample.y_mm, sample.z_mm);
+    motion_view_.run = sample.run;
+    motion_view_.highest_run = sample.highest_run;
+    motion_view_.covered_through_tick = sample.covered_through_tick;
+    motion_view_.at_rest = sample.at_rest;
+    motion_view_.fault = sample.fault;
+    motion_view_.message = View(sample.message);
+  });
+  motion_view_.fresh = motion_at_.count() >= 0 && now - motion_at_ < kMotionLease &&
+                       motion_view_.fault != intaglio_MOTION_LINK_LOST;
+}
+
+void Synchronizer::TakePath() {
+  if (auto taken = intake_.Poll(); !taken) {
+    return EndTask(intaglio_TASK_FAILED, ErrorCodeName(taken.error().code),
+                   taken.error().message);
+  }
+  if (!intake_.complete()) return;
+  if (auto started = StartEngraving(); !started) {
+    EndTask(intaglio_TASK_FAILED, ErrorCodeName(started.error().code),
+            started.error().message);
+  }
+}
+
+Status Synchronizer::StartEngraving() {
+  const PointCloud& path = intake_.path();
+  if (path.size() == 0) {
+    return Fail(ErrorCode::kInvalidValue, "the job has no points: nothing to engrave");
+  }
+  EngravingJob job;
+  job.uid = job_->job_uid();
+  const MotionOptionsOfJob motion = MotionOptionsOf(*job_);
+  job.plan = {motion.limits, motion.rate_hz, motion.profile};
+  job.shutter_mask = motion.shutter_mask;
+  const auto machine_from_glass = MachineFromGlassOf(*job_);
+  job.machine_points_mm.reserve(path.size());
+  for (const Vec3& p : path.points_mm) {
+    job.machine_points_mm.push_back(machine_from_glass.ToMachine(p));
+  }
+  const PlanSummary plan = Summarize(job.machine_points_mm, job.plan);
+  estimate_ticks_ = plan.ticks;
+  checksum_ = plan.checksum;
+  if (auto written = WritePlan(); !written) return written;
+  auto journal = JournalWriter::Create(
+      fs::path(job_->result_directory()) / fmt::format("journal-{}.bin", attempt_),
+      {path.size(), job_->epoch()});
+  if (!journal) return tl::unexpected(journal.error());
+  journal_ = std::move(*journal);
+  publisher_.BeginJob(job.uid);
+  engraving_ = std::make_unique<Engraving>(
+      std::move(job), laser_, feed_, *journal_,
+      [this](const PulseResult& result) { publisher_.Add(result); });
+  intake_.Close();
+  return {};
+}
+
+Status Synchronizer::WritePlan() const {
+  const fs::path folder = job_->result_directory();
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("cannot make the result directory {}: {}", folder.string(),
+                            error.message()),
+                folder.string());
+  }
+  formats::PointTable table;
+  table.points_mm = intake_.path().points_mm;
+  table.comments = {"path of job " + job_->job_uid() +
+                    ", glass frame, mm, in the order of engraving"};
+  table.columns.push_back({"source", intake_.path().source});
+  if (auto written = formats::WritePly(folder / "path.ply", table); !written)
+    return written;
+  std::string json;
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  (void)google::protobuf::util::MessageToJsonString(*job_, &json, options);
+  return formats::WriteFileAtomically(folder / "job.json", json);
+}
+
+EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
+  EngravingInputs inputs;
+  inputs.now = now;
+  inputs.permission_fresh =
+      permission_at_.count() >= 0 && now - permission_at_ < kPermissionLease;
+  inputs.permission_granted = permission_granted_ && permission_epoch_ == job_->epoch() &&
+                              permission_job_ == job_->job_uid();
+  inputs.stop_pressed = stop_pressed_;
+  inputs.motion = motion_view_;
+  return inputs;
+}
+
+void Synchronizer::Engrave(std::chrono::nanoseconds now) {
+  engraving_->Turn(InputsAt(now));
+  const PointLedger& ledger = engraving_->ledger();
+  if (engraving_->phase() == Engraving::Phase::kDone) {
+    publisher_.Flush(now, true);
+    if (cancelled_) {
+      return EndTask(intaglio_TASK_FAILED, "cancelled", engraving_->message());
+    }
+    return EndTask(intaglio_TASK_DONE, "", "");
+  }
+  const bool running = engraving_->phase() == Engraving::Phase::kRunning;
+  const bool waits = engraving_->started() && !running && !engraving_->message().empty();
+  TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_};
+  report.state = waits ? intaglio_TASK_PAUSED : intaglio_TASK_RUNNING;
+  report.done_count = ledger.count(PointState::kMade) + ledger.count(PointState::kMissed);
+  report.total_count = ledger.size();
+  report.elapsed_s = std::chrono::duration<double>(now - began_at_).count();
+  report.estimate_ticks = estimate_ticks_;
+  report.error_code = waits && engraving_->faulted() ? "fault" : "";
+  report.message = engraving_->message();
+  publisher_.Tell(report, now);
+}
+
+EngraveOutcome Synchronizer::Outcome() const {
+  EngraveOutcome outcome;
+  const PointLedger& ledger = engraving_->ledger();
+  outcome.set_planned_count(ledger.size());
+  outcome.set_made_count(ledger.count(PointState::kMade));
+  outcome.set_missed_count(ledger.count(PointState::kMissed));
+  outcome.set_skipped_count(ledger.count(PointState::kSkipped) +
+                            ledger.count(PointState::kPlanned));
+  outcome.set_uncertain_count(ledger.count(PointState::kUncertain));
+  outcome.set_estimate_ticks(estimate_ticks_);
+  outcome.set_first_tick(engraving_->first_fired_tick());
+  outcome.set_last_tick(engraving_->last_fired_tick());
+  if (engraving_->first_fired_tick() != 0) {
+    outcome.set_used_ticks(engraving_->last_fired_tick() -
+                           engraving_->first_fired_tick() + 1);
+  }
+  outcome.set_controller_pulse_count(laser_.status().pulse_count);
+  outcome.set_run_count(engraving_->run_count());
+  outcome.set_settled_by_counter_count(engraving_->settled_by_counter());
+  outcome.set_plan_checksum(checksum_);
+  return outcome;
+}
+
+void Synchronizer::EndTask(intaglio_TaskState state, const std::string& code,
+                           const std::string& message) {
+  TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_, .state = state};
+  report.elapsed_s = std::chrono::duration<double>(now_ - began_at_).count();
+  report.estimate_ticks = estimate_ticks_;
+  report.error_code = code;
+  report.message = message;
+  StageOutcome outcome;
+  outcome.set_elapsed_s(report.elapsed_s);
+  if (engraving_) {
+    *outcome.mutable_engrave() = Outcome();
+    report.total_count = engraving_->ledger().size();
+    report.done_count = outcome.engrave().made_count() + outcome.engrave().missed_count();
+  }
+  report.outcome = outcome.SerializeAsString();
+  engraving_.reset();
+  // The journal's last records are on disk before anybody hears that the job is over.
+  journal_.reset();
+  intake_.Close();
+  job_.reset();
+  publisher_.Tell(report, now_);
+  host_.SetHealth(intaglio_HEALTH_READY);
+}
+
+}  // namespace intaglio::synchronizer

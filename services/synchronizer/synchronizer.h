@@ -1,0 +1,88 @@
+#pragma once
+
+// The service of one cell: takes an EngraveTask, its path, and has it made; tells the
+// bus what is going on. Everything that decides about a pulse is in engraving.h.
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "proto/machine.pb.h"
+#include "proto/task.pb.h"
+#include "services/host/service_host.h"
+#include "services/synchronizer/engraving.h"
+#include "services/synchronizer/path_intake.h"
+#include "services/synchronizer/publisher.h"
+
+namespace intaglio::synchronizer {
+
+class Synchronizer {
+ public:
+  Synchronizer(host::ServiceHost& host, const MachineSpec& machine);
+  ~Synchronizer();
+
+  /// One turn of the loop; never blocks.
+  void Turn(std::chrono::nanoseconds now);
+  /// No more pulses: disarms, closes the shutters. Turn until stopped().
+  void Stop();
+  bool stopped() const { return !engraving_; }
+
+  int laser_fd() const { return laser_.fd(); }
+  int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }
+  template <typename Loop>
+  void AttachTo(Loop& loop) {
+    loop.Attach(tasks_);
+    loop.Attach(permissions_);
+    loop.Attach(stops_);
+    loop.Attach(motion_);
+    loop.Attach(intake_.reader());
+    loop.Attach(credit_.reader());
+  }
+
+ private:
+  void TakeTasks();
+  void Begin(const intaglio_StageTask& task);
+  void TakePermission(std::chrono::nanoseconds now);
+  void TakeMotion(std::chrono::nanoseconds now);
+  void TakePath();
+  Status StartEngraving();
+  Status WritePlan() const;
+  void Engrave(std::chrono::nanoseconds now);
+  void EndTask(intaglio_TaskState state, const std::string& code,
+               const std::string& message);
+  EngraveOutcome Outcome() const;
+  EngravingInputs InputsAt(std::chrono::nanoseconds now);
+
+  host::ServiceHost& host_;
+  MachineSpec machine_;
+  std::string cell_;
+  bus::Reader<intaglio_StageTask> tasks_;
+  bus::Reader<intaglio_Permission> permissions_;
+  bus::Reader<intaglio_EmergencyStop> stops_;
+  bus::Reader<intaglio_MotionState> motion_;
+  bus::CreditBook credit_;
+  PathIntake intake_;
+  Publisher publisher_;
+  LaserController laser_;
+  MotionFeed feed_;
+  std::unique_ptr<JournalWriter> journal_;
+  std::unique_ptr<Engraving> engraving_;
+
+  std::optional<FrozenJob> job_;
+  std::uint32_t attempt_ = 0;
+  std::string checksum_;
+  std::uint64_t estimate_ticks_ = 0;
+  bool cancelled_ = false;
+  std::chrono::nanoseconds now_{0};
+  std::chrono::nanoseconds began_at_{0};
+  MotionView motion_view_;
+  std::chrono::nanoseconds motion_at_{-1};
+  std::chrono::nanoseconds permission_at_{-1};
+  bool permission_granted_ = false;
+  std::uint64_t permission_epoch_ = 0;
+  std::string permission_job_;
+  bool stop_pressed_ = false;
+};
+
+}  // namespace intaglio::synchronizer

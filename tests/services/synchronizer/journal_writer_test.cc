@@ -1,0 +1,82 @@
+#include "services/synchronizer/journal_writer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace intaglio::synchronizer {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::JournalKind;
+using formats::PointOutcome;
+
+fs::path FreshFile(const std::string& name) {
+  const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "journal_writer";
+  fs::create_directories(folder);
+  fs::remove(folder / name);
+  return folder / name;
+}
+
+void AwaitDurable(JournalWriter& journal, std::uint64_t number) {
+  for (int i = 0; i < 500 && journal.durable() < number; ++i) {
+    pollfd event{journal.event_fd(), POLLIN, 0};
+    poll(&event, 1, 10);
+    journal.ClearEvent();
+  }
+  ASSERT_GE(journal.durable(), number);
+}
+
+TEST(JournalWriter, WhatIsDurableIsInTheFile) {
+  const fs::path file = FreshFile("durable.bin");
+  auto journal = JournalWriter::Create(file, {1000, 7});
+  ASSERT_TRUE(journal.has_value());
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(
+        (*journal)->Append({JournalKind::kIntent, PointOutcome::kNone, 0, 1, i, i, 0}));
+    if (i % 100 == 99) (*journal)->Flush();
+  }
+  AwaitDurable(**journal, 1000);
+  const auto read = formats::ReadJournal(file);
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->header.epoch, 7u);
+  ASSERT_EQ(read->records.size(), 1000u);
+  EXPECT_EQ(read->records[999].point, 999u);
+}
+
+TEST(JournalWriter, ClosingWritesTheRest) {
+  const fs::path file = FreshFile("closing.bin");
+  {
+    auto journal = JournalWriter::Create(file, {2, 1});
+    ASSERT_TRUE(journal.has_value());
+    ASSERT_TRUE(
+        (*journal)->Append({JournalKind::kIntent, PointOutcome::kNone, 0, 1, 5, 1, 0}));
+  }
+  const auto read = formats::ReadJournal(file);
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->records.size(), 1u);
+}
+
+TEST(JournalWriter, NeverWritesOverAJournal) {
+  const fs::path file = FreshFile("twice.bin");
+  ASSERT_TRUE(JournalWriter::Create(file, {1, 1}).has_value());
+  const auto again = JournalWriter::Create(file, {1, 1});
+  ASSERT_FALSE(again.has_value());
+  EXPECT_THAT(again.error().message, testing::HasSubstr("twice.bin"));
+}
+
+TEST(JournalWriter, FullDiskIsAFaultAndNothingIsDurable) {
+  if (access("/dev/full", W_OK) != 0) GTEST_SKIP() << "no /dev/full here";
+  const fs::path file = FreshFile("full.bin");
+  fs::create_symlink("/dev/full", file);
+  // O_EXCL refuses the link, which is how a journal in the way is refused, too.
+  const auto journal = JournalWriter::Create(file, {1, 1});
+  ASSERT_FALSE(journal.has_value());
+  EXPECT_EQ(journal.error().code, ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace intaglio::synchronizer
