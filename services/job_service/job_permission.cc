@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "services/job_service/job_queue.h"
+
+// The part of the queue that has to do with the operator: arm, pause, resume, cancel, and
+// the permission that follows from them.
+//
+// After a fault the synchronizer wants to see the permission withdrawn before it takes a
+// new one. Its lease is 250 ms and only the newest sample is kept, so a withdrawal stands
+// for kHold at least, and what the synchronizer says of a fault within kHold after a new
+// grant was still about the old one.
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kHold = 300ms;
+
+}  // namespace
+
+bool JobQueue::Take(const CommandView& command, Nanoseconds now) {
+  JobRecord* job = FindOpen(command.job_uid);
+  if (job == nullptr || command.epoch != job->epoch ||
+      command.number <= job->last_command) {
+    return false;
+  }
+  job->last_command = command.number;
+  switch (command.kind) {
+    case intaglio_COMMAND_ARM:
+    case intaglio_COMMAND_RESUME:
+      Arm(*job, command, now);
+      break;
+    case intaglio_COMMAND_PAUSE:
+      Pause(*job, command, now);
+      break;
+    case intaglio_COMMAND_CANCEL:
+      EndJob(*job, intaglio_JOB_CANCELLED, "cancelled by " + command.operator_name, now);
+      break;
+  }
+  return true;
+}
+
+void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
+  const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
+  const bool paused = job.state == intaglio_JOB_PAUSED;
+  if (paused && (!workers_.IsAlive(synchronizer) ||
+                 !workers_.IsAssigned(synchronizer, job.uid, job.attempt))) {
+    return Change(
+        job, job.state,
+        fmt::format("cannot go on: {} that engraved it is gone, and the glass may "
+                    "hold a part of the points already; take the block out and "
+                    "cancel the job",
+                    synchronizer));
+  }
+  job.operator_name = command.operator_name;
+  if (!job.armed) {
+    job.armed = true;
+    job.armed_at = std::max(now, job.withdrawn_at + kHold);
+  }
+  Change(job, job.state,
+         paused
+             ? fmt::format("resumed by {}; waits for the machine", command.operator_name)
+             : job.message);
+}
+
+void JobQueue::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) {
+  Disarm(job, now);
+  const bool engraving = job.state == intaglio_JOB_ENGRAVING;
+  const bool active = engraving || job.state == intaglio_JOB_PAUSED;
+  Change(job, engraving ? intaglio_JOB_PAUSED : job.state,
+         active ? fmt::format("paused by {}; resume it to go on", command.operator_name)
+                : job.message);
+}
+
+void JobQueue::Disarm(JobRecord& job, Nanoseconds now) {
+  if (!job.armed) return;
+  job.armed = false;
+  job.withdrawn_at = now;
+}
+
+void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  const bool fault = !task.error_code.empty();
+  const bool outdated = fault && job.armed && now < job.armed_at + kHold;
+  if (!outdated) {
+    if (fault) Disarm(job, now);
+    // Who is paused by an operator or a fault keeps that reason.
+    const bool keep = !fault && !job.armed && job.state == intaglio_JOB_PAUSED;
+    const std::string message = keep ? job.message : task.message;
+    if (job.state != intaglio_JOB_PAUSED || message != job.message) {
+      return Change(job, intaglio_JOB_PAUSED, message);
+    }
+  }
+  ++job.revision;
+  actions_.Progressed(job);
+}
+
+std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {
+  std::vector<PermissionView> permissions;
+  for (auto& [uid, job] : jobs_) {
+    if (!job.active()) continue;
+    const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
+    const bool ready = job.state == intaglio_JOB_WAITING_FOR_ARM ||
+                       job.state == intaglio_JOB_ENGRAVING ||
+                       job.state == intaglio_JOB_PAUSED;
+    const bool granted = ready && job.armed && now >= job.armed_at &&
+                         workers_.IsAssigned(synchronizer, job.uid, job.attempt);
+    if (granted && !job.ever_granted) {
+      job.ever_granted = true;
+      Change(job, job.state, job.message);
+    }
+    permissions.push_back({job.cell, uid, job.epoch, granted, job.operator_name});
+  }
+  return permissions;
+}
+
+}  // namespace intaglio::job_service

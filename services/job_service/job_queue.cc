@@ -1,0 +1,300 @@
+#include "services/job_service/job_queue.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A worker's loop turns many times a second; one that is silent so long never got the
+// task.
+constexpr Nanoseconds kAnswerWithin = 10s;
+
+constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
+  switch (stage) {
+    case intaglio_STAGE_DISCRETIZE:
+      return intaglio_ROLE_DISCRETIZER;
+    case intaglio_STAGE_SORT:
+      return intaglio_ROLE_SORTER;
+    case intaglio_STAGE_ENGRAVE:
+      break;
+  }
+  return intaglio_ROLE_SYNCHRONIZER;
+}
+
+// Failures that a neighbour's death causes as well: worth another attempt.
+bool MayBeANeighbours(const std::string& error_code) {
+  return error_code == "link_lost" || error_code == "timed_out" ||
+         error_code == "cancelled";
+}
+
+}  // namespace
+
+// ---- Jobs ---------------------------------------------------------------------------
+
+void JobQueue::Restore(std::vector<JobRecord> jobs, Nanoseconds now) {
+  for (JobRecord& restored : jobs) {
+    by_number_[restored.number] = restored.uid;
+    JobRecord& job = jobs_[restored.uid] = std::move(restored);
+    if (job.active()) {
+      RestoreOne(job, now);
+    } else {
+      actions_.Progressed(job);
+    }
+  }
+}
+
+void JobQueue::RestoreOne(JobRecord& job, Nanoseconds now) {
+  if (job.ever_granted) {
+    const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
+    workers_.Assign(synchronizer, job.uid, job.attempt, now);
+    workers_.Answered(synchronizer, job.uid, job.attempt);
+    return Change(
+        job, intaglio_JOB_PAUSED,
+        "the job service was restarted while this job was engraved; resume it if "
+        "the block was not touched, or cancel it");
+  }
+  job.last_loss = "the job service was restarted";
+  Change(job, intaglio_JOB_QUEUED, job.last_loss);
+  for (const intaglio_Stage stage : kStages) {
+    const std::string& worker = job.stage(stage).worker;
+    if (worker.empty()) continue;
+    workers_.Revoke(worker, job.uid, job.attempt, now);
+    actions_.Give({worker, stage, job.uid, job.attempt, {}, true}, job);
+  }
+}
+
+void JobQueue::Add(JobRecord job) {
+  by_number_[job.number] = job.uid;
+  JobRecord& added = jobs_[job.uid] = std::move(job);
+  Change(added, intaglio_JOB_QUEUED, "");
+}
+
+const JobRecord* JobQueue::Find(const std::string& job_uid) const {
+  const auto found = jobs_.find(job_uid);
+  return found == jobs_.end() ? nullptr : &found->second;
+}
+
+JobRecord* JobQueue::FindOpen(const std::string& job_uid) {
+  const auto found = jobs_.find(job_uid);
+  return found == jobs_.end() || found->second.ended() ? nullptr : &found->second;
+}
+
+void JobQueue::Change(JobRecord& job, intaglio_JobState state,
+                      const std::string& message) {
+  job.state = state;
+  job.message = message;
+  ++job.revision;
+  actions_.Changed(job);
+}
+
+void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
+                      Nanoseconds now) {
+  Disarm(job, now);
+  Change(job, state, message);
+  RevokeAll(job, now);
+}
+
+// ---- Handing out --------------------------------------------------------------------
+
+bool JobQueue::CellIsTaken(const std::string& cell) const {
+  for (const auto& [uid, job] : jobs_) {
+    if (job.active() && job.cell == cell) return true;
+  }
+  return false;
+}
+
+void JobQueue::Turn(Nanoseconds now) {
+  GiveUpSilent(now);
+  std::set<std::string> cells;  // whose first waiting job had its chance
+  for (const auto& [number, uid] : by_number_) {
+    JobRecord& job = jobs_.at(uid);
+    if (job.state != intaglio_JOB_QUEUED) continue;
+    if (!cells.insert(job.cell).second || CellIsTaken(job.cell)) {
+      WaitFor(job, "its turn on " + job.cell);
+    } else {
+      HandOut(job, now);
+    }
+  }
+}
+
+void JobQueue::HandOut(JobRecord& job, Nanoseconds now) {
+  std::array<std::string, 3> workers;
+  std::vector<std::string> missing;
+  for (const intaglio_Stage stage :
+       {intaglio_STAGE_ENGRAVE, intaglio_STAGE_SORT, intaglio_STAGE_DISCRETIZE}) {
+    workers[stage] = workers_.FindFree(RoleOf(stage), job.cell);
+    if (workers[stage].empty())
+      missing.push_back(workers_.WhyNone(RoleOf(stage), job.cell));
+  }
+  if (missing.empty()) return Begin(job, workers, now);
+  WaitFor(job, fmt::format("{}", fmt::join(missing, ", ")));
+}
+
+void JobQueue::WaitFor(JobRecord& job, const std::string& what) {
+  const std::string before = job.last_loss.empty() ? "" : job.last_loss + "; ";
+  const std::string message = fmt::format("{}waits for {}", before, what);
+  if (message != job.message) Change(job, intaglio_JOB_QUEUED, message);
+}
+
+// The consumer of a stream gets its task before the producer does.
+void JobQueue::Begin(JobRecord& job, const std::array<std::string, 3>& workers,
+                     Nanoseconds now) {
+  ++job.attempt;
+  job.estimate_ticks = 0;
+  for (const intaglio_Stage stage : kStages) {
+    job.stage(stage) = {};
+    job.stage(stage).worker = workers[stage];
+  }
+  Change(job, intaglio_JOB_DISCRETIZING,
+         job.last_loss.empty()
+             ? ""
+             : fmt::format("attempt {}: {}", job.attempt, job.last_loss));
+  std::string consumer;
+  for (const intaglio_Stage stage :
+       {intaglio_STAGE_ENGRAVE, intaglio_STAGE_SORT, intaglio_STAGE_DISCRETIZE}) {
+    workers_.Assign(workers[stage], job.uid, job.attempt, now);
+    actions_.Give({workers[stage], stage, job.uid, job.attempt, consumer, false}, job);
+    consumer = workers[stage];
+  }
+  actions_.StartFeed(job);
+}
+
+void JobQueue::RevokeAll(JobRecord& job, Nanoseconds now) {
+  actions_.StopFeed(job.uid);
+  for (const intaglio_Stage stage : kStages) {
+    const std::string& worker = job.stage(stage).worker;
+    if (!workers_.IsAssigned(worker, job.uid, job.attempt)) continue;
+    workers_.Revoke(worker, job.uid, job.attempt, now);
+    actions_.Give({worker, stage, job.uid, job.attempt, {}, true}, job);
+  }
+}
+
+// ---- Workers ------------------------------------------------------------------------
+
+void JobQueue::Take(const WorkerView& worker, Nanoseconds now) {
+  workers_.Update(worker, now);
+}
+
+void JobQueue::WorkerLost(const std::string& instance, Nanoseconds now) {
+  const WorkerBook::Assignment lost = workers_.Lose(instance);
+  JobRecord* job = FindOpen(lost.job_uid);
+  if (lost.revoked || job == nullptr || job->attempt != lost.attempt) return;
+  for (const intaglio_Stage stage : kStages) {
+    if (job->stage(stage).worker != instance) continue;
+    return LoseStage(*job, stage, instance + " was lost", now);
+  }
+}
+
+void JobQueue::GiveUpSilent(Nanoseconds now) {
+  for (const auto& [instance, assignment] : workers_.Silent(now, kAnswerWithin)) {
+    JobRecord* job = FindOpen(assignment.job_uid);
+    if (job == nullptr || job->attempt != assignment.attempt) continue;
+    for (const intaglio_Stage stage : kStages) {
+      if (job->stage(stage).worker != instance) continue;
+      LoseStage(*job, stage, instance + " does not answer to its task", now);
+      break;
+    }
+  }
+}
+
+void JobQueue::LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
+                         Nanoseconds now) {
+  if (job.stage(stage).done || !job.active()) return;
+  if (stage != intaglio_STAGE_ENGRAVE || !job.ever_granted)
+    return LoseAttempt(job, why, now);
+  Disarm(job, now);
+  Change(
+      job, intaglio_JOB_PAUSED,
+      why +
+          ": the glass may hold a part of the points already, so the job is not started "
+          "again by itself; take the block out and cancel the job");
+  RevokeAll(job, now);
+}
+
+void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now) {
+  ++job.lost_attempts;
+  job.last_loss = fmt::format("attempt {} broke: {}", job.attempt, why);
+  if (job.lost_attempts >= kMaxAttempts) {
+    return EndJob(
+        job, intaglio_JOB_FAILED,
+        fmt::format("given up after {} attempts; {}", job.lost_attempts, job.last_loss),
+        now);
+  }
+  Change(job, intaglio_JOB_QUEUED, job.last_loss);
+  RevokeAll(job, now);
+}
+
+void JobQueue::FeedFailed(const std::string& job_uid, std::uint32_t attempt,
+                          const std::string& message, Nanoseconds now) {
+  JobRecord* job = FindOpen(job_uid);
+  if (job == nullptr || job->attempt != attempt || !job->active()) return;
+  EndJob(*job, intaglio_JOB_FAILED, message, now);
+}
+
+// ---- Tasks --------------------------------------------------------------------------
+
+void JobQueue::Take(const TaskView& task, Nanoseconds now) {
+  const bool over =
+      task.state == intaglio_TASK_DONE || task.state == intaglio_TASK_FAILED;
+  if (over) {
+    workers_.Release(task.worker, task.job_uid, task.attempt);
+  } else {
+    workers_.Answered(task.worker, task.job_uid, task.attempt);
+  }
+  JobRecord* job = FindOpen(task.job_uid);
+  if (job == nullptr || !job->active() || task.attempt != job->attempt) return;
+  StageRecord& stage = job->stage(task.stage);
+  if (stage.worker != task.worker) return;
+  stage.done_count = task.done_count;
+  stage.total_count = task.total_count;
+  stage.elapsed_s = task.elapsed_s;
+  if (task.state == intaglio_TASK_FAILED) return StageFailed(*job, task, now);
+  if (task.state == intaglio_TASK_DONE) return StageDone(*job, task, now);
+  if (task.stage == intaglio_STAGE_ENGRAVE) return EngraveStatus(*job, task, now);
+  ++job->revision;
+  actions_.Progressed(*job);
+}
+
+void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  const bool glass_is_clear = task.stage != intaglio_STAGE_ENGRAVE || !job.ever_granted;
+  if (job.stage(task.stage).done) return;
+  const std::string what = fmt::format("{}: {}", task.worker, task.message);
+  if (glass_is_clear && MayBeANeighbours(task.error_code))
+    return LoseAttempt(job, what, now);
+  EndJob(job, intaglio_JOB_FAILED, task.message.empty() ? what : task.message, now);
+}
+
+void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  job.stage(task.stage).done = true;
+  if (task.stage == intaglio_STAGE_ENGRAVE) {
+    return EndJob(job, intaglio_JOB_DONE, task.message, now);
+  }
+  const bool discretized = task.stage == intaglio_STAGE_DISCRETIZE;
+  const bool first = discretized && job.state == intaglio_JOB_DISCRETIZING;
+  Change(job, first ? intaglio_JOB_SORTING : job.state, job.message);
+}
+
+void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  if (task.estimate_ticks != 0) job.estimate_ticks = task.estimate_ticks;
+  if (task.state == intaglio_TASK_PAUSED) return EngravePaused(job, task, now);
+  const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
+  if (loaded) {  // the whole path is there: nobody needs the earlier stages any more
+    job.stage(intaglio_STAGE_DISCRETIZE).done = true;
+    job.stage(intaglio_STAGE_SORT).done = true;
+    const bool held = job.state == intaglio_JOB_PAUSED && !job.armed;
+    const intaglio_JobState state = held                  ? intaglio_JOB_PAUSED
+                                    : task.done_count > 0 ? intaglio_JOB_ENGRAVING
+                                                          : intaglio_JOB_WAITING_FOR_ARM;
+    const std::string message = held ? job.message : task.message;
+    if (state != job.state || message != job.message) return Change(job, state, message);
+  }
+  ++job.revision;
+  actions_.Progressed(job);
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,150 @@
+#pragma once
+
+// What becomes of every job: pure decisions, without bus, clock, disk or thread.
+//
+//             three workers free        discretizer done          path in the
+//             synchronizer
+//   kQueued ---------------------> kDiscretizing ----------> kSorting -----------------+
+//      ^                               |   |                    |                      v
+//      |   a worker is lost, and no    |   |                    | kWaitingForArm
+//      +---permission was ever given---+---|--------------------+---------------------|
+//          (a new attempt; the third         \                                        |
+//          pulses loss fails the job)                \     fault, pause, lost
+//          synchronizer   v
+//                                              \  kPaused <---------------------->
+//                                              kEngraving
+//   any --cancel--> kCancelled                  \     (resume: same synchronizer)     |
+//   done any --a worker gives up--> kFailed v
+//                                                                                   kDone
+//
+// One job at a time has a cell, from its first task to its end: a paused job keeps it,
+// for its block is in the machine. A job that may have pulses in the glass is never
+// handed out again by itself. Attempts are numbered per job; what an older attempt says
+// is dropped. Used from one thread.
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "services/job_service/job_record.h"
+#include "services/job_service/worker_book.h"
+
+namespace intaglio::job_service {
+
+/// A task for a worker, or its revocation.
+struct TaskOrder {
+  std::string worker;
+  intaglio_Stage stage = intaglio_STAGE_DISCRETIZE;
+  std::string job_uid;
+  std::uint32_t attempt = 0;
+  std::string consumer;  ///< instance that takes the output; empty: none
+  bool revoked = false;
+};
+
+/// What the queue decides is done by somebody else.
+class JobActions {
+ public:
+  virtual ~JobActions() = default;
+  /// To be kept before anything that follows from it, and published.
+  virtual void Changed(const JobRecord& job) = 0;
+  /// To be published; nothing is lost when it is forgotten.
+  virtual void Progressed(const JobRecord& job) = 0;
+  virtual void Give(const TaskOrder& order, const JobRecord& job) = 0;
+  /// The job's models are to be sent to the discretizer, or no more.
+  virtual void StartFeed(const JobRecord& job) = 0;
+  virtual void StopFeed(const std::string& job_uid) = 0;
+};
+
+/// JobCommand.
+struct CommandView {
+  std::string job_uid;
+  std::uint64_t epoch = 0;
+  std::uint64_t number = 0;
+  intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
+  std::string operator_name;
+};
+
+/// TaskStatus, without its outcome.
+struct TaskView {
+  std::string job_uid;
+  intaglio_Stage stage = intaglio_STAGE_DISCRETIZE;
+  std::uint32_t attempt = 0;
+  std::string worker;
+  intaglio_TaskState state = intaglio_TASK_ACCEPTED;
+  std::uint64_t done_count = 0;
+  std::uint64_t total_count = 0;
+  double elapsed_s = 0;
+  std::uint64_t estimate_ticks = 0;
+  std::string error_code;
+  std::string message;
+};
+
+/// Permission of one cell; a cell without an armed job has none.
+struct PermissionView {
+  std::string cell;
+  std::string job_uid;
+  std::uint64_t epoch = 0;
+  bool granted = false;
+  std::string operator_name;
+};
+
+/// Chains of a job that may break before it is given up.
+inline constexpr std::uint32_t kMaxAttempts = 3;
+
+class JobQueue {
+ public:
+  explicit JobQueue(JobActions& actions) : actions_(actions) {}
+
+  /// Jobs of an earlier run of the job service, before any other call.
+  /// Chains in hand start over; jobs that may have pulses in the glass are paused.
+  void Restore(std::vector<JobRecord> jobs, Nanoseconds now);
+  void Add(JobRecord job);
+
+  void Take(const WorkerView& worker, Nanoseconds now);
+  void WorkerLost(const std::string& instance, Nanoseconds now);
+  /// False: stale, seen before, or of an unknown job; nothing was done.
+  bool Take(const CommandView& command, Nanoseconds now);
+  void Take(const TaskView& task, Nanoseconds now);
+  /// A model file could not be read or sent.
+  void FeedFailed(const std::string& job_uid, std::uint32_t attempt,
+                  const std::string& message, Nanoseconds now);
+  /// Hands out what can be handed out. After any of the above, and now and then.
+  void Turn(Nanoseconds now);
+
+  /// For every cell that has a job. A first grant is kept (Changed) before it is told.
+  std::vector<PermissionView> Permissions(Nanoseconds now);
+
+  const JobRecord* Find(const std::string& job_uid) const;
+  const std::map<std::string, JobRecord>& jobs() const { return jobs_; }
+
+ private:
+  JobRecord* FindOpen(const std::string& job_uid);
+  void RestoreOne(JobRecord& job, Nanoseconds now);
+  void HandOut(JobRecord& job, Nanoseconds now);
+  void Begin(JobRecord& job, const std::array<std::string, 3>& workers, Nanoseconds now);
+  void WaitFor(JobRecord& job, const std::string& what);
+  void GiveUpSilent(Nanoseconds now);
+  bool CellIsTaken(const std::string& cell) const;
+  void Change(JobRecord& job, intaglio_JobState state, const std::string& message);
+  void EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
+              Nanoseconds now);
+  void RevokeAll(JobRecord& job, Nanoseconds now);
+  void LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
+  void LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
+                 Nanoseconds now);
+  void Arm(JobRecord& job, const CommandView& command, Nanoseconds now);
+  void Pause(JobRecord& job, const CommandView& command, Nanoseconds now);
+  void Disarm(JobRecord& job, Nanoseconds now);
+  void StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now);
+  void StageDone(JobRecord& job, const TaskView& task, Nanoseconds now);
+  void EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now);
+  void EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds now);
+
+  JobActions& actions_;
+  WorkerBook workers_;
+  std::map<std::string, JobRecord> jobs_;           // by uid
+  std::map<std::uint32_t, std::string> by_number_;  // the queue's order
+};
+
+}  // namespace intaglio::job_service

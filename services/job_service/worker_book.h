@@ -1,0 +1,85 @@
+#pragma once
+
+// Who could work, and who works on what, as health, tasks and their answers tell.
+//
+//   free --Assign--> assigned --Release (task ended)--> free
+//                       |--Revoke--> revoked --Release, or ready again for a second-->
+//                       free
+//
+// A worker is given a task only when it says that it is ready and nothing of ours is on
+// it: a task to a worker that still drops an older one could be lost. Used from one
+// thread.
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "idl/service.h"
+
+namespace intaglio::job_service {
+
+using Nanoseconds = std::chrono::nanoseconds;
+
+/// ServiceHealth, the fields that count here.
+struct WorkerView {
+  std::string instance;
+  intaglio_ServiceRole role = intaglio_ROLE_DISCRETIZER;
+  intaglio_HealthState state = intaglio_HEALTH_STARTING;
+  std::string cell;
+  std::string message;
+};
+
+class WorkerBook {
+ public:
+  struct Assignment {
+    std::string job_uid;  ///< empty: none
+    std::uint32_t attempt = 0;
+    Nanoseconds since{0};
+    bool answered = false;  ///< a TaskStatus came
+    bool revoked = false;
+  };
+
+  void Update(const WorkerView& worker, Nanoseconds now);
+  /// The worker is gone; returns what it worked on.
+  Assignment Lose(const std::string& instance);
+
+  /// A free worker of that role, for a synchronizer of that cell; the least by name, so
+  /// that the choice can be foretold. Empty when there is none.
+  std::string FindFree(intaglio_ServiceRole role, const std::string& cell) const;
+  /// Why there is none, e.g. "a sorter (all are busy)".
+  std::string WhyNone(intaglio_ServiceRole role, const std::string& cell) const;
+
+  void Assign(const std::string& instance, const std::string& job_uid,
+              std::uint32_t attempt, Nanoseconds now);
+  /// Also for a worker that was not heard of yet (after our own restart).
+  void Revoke(const std::string& instance, const std::string& job_uid,
+              std::uint32_t attempt, Nanoseconds now);
+  void Answered(const std::string& instance, const std::string& job_uid,
+                std::uint32_t attempt);
+  void Release(const std::string& instance, const std::string& job_uid,
+               std::uint32_t attempt);
+
+  bool IsAlive(const std::string& instance) const;
+  bool IsAssigned(const std::string& instance, const std::string& job_uid,
+                  std::uint32_t attempt) const;
+  /// Workers that have said nothing about their task for so long.
+  std::vector<std::pair<std::string, Assignment>> Silent(Nanoseconds now,
+                                                         Nanoseconds limit) const;
+
+ private:
+  struct Worker {
+    WorkerView view;
+    bool alive = false;
+    Assignment assignment;
+  };
+  bool Serves(const Worker& worker, intaglio_ServiceRole role,
+              const std::string& cell) const;
+  Worker* Find(const std::string& instance, const std::string& job_uid,
+               std::uint32_t attempt);
+
+  std::map<std::string, Worker> workers_;
+};
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,477 @@
+#include "services/job_service/job_queue.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class RecordingActions : public JobActions {
+ public:
+  void Changed(const JobRecord& job) override { kept[job.uid] = job; }
+  void Progressed(const JobRecord& job) override { ++progress[job.uid]; }
+  void Give(const TaskOrder& order, const JobRecord& job) override {
+    // What follows from a change comes after it was kept.
+    if (!order.revoked) {
+      EXPECT_EQ(kept.at(job.uid).attempt, order.attempt);
+    }
+    orders.push_back(fmt::format("{}{} {} {}{}{}", order.revoked ? "revoke " : "",
+                                 order.worker, order.job_uid, order.attempt,
+                                 order.consumer.empty() ? "" : " > ", order.consumer));
+  }
+  void StartFeed(const JobRecord& job) override { orders.push_back("feed " + job.uid); }
+  void StopFeed(const std::string& uid) override { orders.push_back("stop " + uid); }
+  std::vector<std::string> Orders() { return std::exchange(orders, {}); }
+
+  std::map<std::string, JobRecord> kept;
+  std::map<std::string, int> progress;
+  std::vector<std::string> orders;
+};
+
+class JobQueueTest : public testing::Test {
+ protected:
+  void Ready(const std::string& instance, intaglio_ServiceRole role,
+             intaglio_HealthState state = intaglio_HEALTH_READY) {
+    queue_.Take(WorkerView{instance, role, state,
+                           role == intaglio_ROLE_SYNCHRONIZER ? "c" : "", ""},
+                now_);
+  }
+  void ReadyAll() {
+    Ready("d", intaglio_ROLE_DISCRETIZER);
+    Ready("s", intaglio_ROLE_SORTER);
+    Ready("y", intaglio_ROLE_SYNCHRONIZER);
+  }
+  void Add(std::uint32_t number, const std::string& cell = "c") {
+    JobRecord job;
+    job.number = number;
+    job.uid = fmt::format("j{}", number);
+    job.epoch = kEpoch;
+    job.cell = cell;
+    queue_.Add(job);
+    queue_.Turn(now_);
+  }
+  void Task(intaglio_Stage stage, intaglio_TaskState state, std::uint64_t done = 0,
+            std::uint64_t total = 0, const std::string& code = "",
+            const std::string& text = "") {
+    TaskView task;
+    task.job_uid = "j1";
+    task.stage = stage;
+    task.attempt = job().attempt;
+    task.worker = job().stage(stage).worker;
+    task.state = state;
+    task.done_count = done;
+    task.total_count = total;
+    task.error_code = code;
+    task.message = text;
+    task.estimate_ticks = stage == intaglio_STAGE_ENGRAVE ? 77 : 0;
+    queue_.Take(task, now_);
+    queue_.Turn(now_);
+  }
+  static TaskView SortStatus(std::uint32_t attempt, intaglio_TaskState state) {
+    TaskView task;
+    task.job_uid = "j1";
+    task.stage = intaglio_STAGE_SORT;
+    task.attempt = attempt;
+    task.worker = "s";
+    task.state = state;
+    return task;
+  }
+  bool Command(intaglio_JobCommandKind kind, std::uint64_t epoch = kEpoch) {
+    const bool taken =
+        queue_.Take(CommandView{"j1", epoch, ++command_, kind, "ann@shop"}, now_);
+    queue_.Turn(now_);
+    return taken;
+  }
+  void Lose(const std::string& instance) {
+    queue_.WorkerLost(instance, now_);
+    queue_.Turn(now_);
+  }
+  // Up to where the whole path is in the synchronizer.
+  void LoadPath() {
+    Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100, 100);
+    Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, "", "waits for the arm");
+  }
+  void Engrave(std::uint64_t done = 10) {
+    ASSERT_TRUE(Command(intaglio_COMMAND_ARM));
+    now_ += 1s;
+    ASSERT_TRUE(Granted());
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, done, 100);
+    ASSERT_EQ(job().state, intaglio_JOB_ENGRAVING);
+  }
+  bool Granted() {
+    for (const PermissionView& permission : queue_.Permissions(now_)) {
+      EXPECT_EQ(permission.epoch, kEpoch);
+      if (permission.granted) return true;
+    }
+    return false;
+  }
+  const JobRecord& job() { return *queue_.Find("j1"); }
+
+  static constexpr std::uint64_t kEpoch = 0xabc;
+  Nanoseconds now_{100s};
+  std::uint64_t command_ = 0;
+  RecordingActions actions_;
+  JobQueue queue_{actions_};
+};
+
+TEST_F(JobQueueTest, HappyPath) {
+  ReadyAll();
+  Add(1);
+  EXPECT_THAT(actions_.Orders(),
+              ElementsAre("y j1 1", "s j1 1 > y", "d j1 1 > s", "feed j1"));
+  EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
+  Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_RUNNING, 50, 100);
+  EXPECT_EQ(job().stage(intaglio_STAGE_DISCRETIZE).done_count, 50u);
+  Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100, 100);
+  EXPECT_EQ(job().state, intaglio_JOB_SORTING);
+  Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_ACCEPTED);
+  EXPECT_EQ(job().state, intaglio_JOB_SORTING);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, "", "waits for the arm");
+  EXPECT_EQ(job().state, intaglio_JOB_WAITING_FOR_ARM);
+  EXPECT_EQ(job().message, "waits for the arm");
+  EXPECT_EQ(job().estimate_ticks, 77u);
+  EXPECT_FALSE(Granted());
+  Engrave();
+  EXPECT_TRUE(actions_.kept.at("j1").ever_granted);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100, 100);
+  EXPECT_EQ(job().state, intaglio_JOB_DONE);
+  EXPECT_FALSE(Granted());
+  EXPECT_THAT(actions_.Orders(), ElementsAre("stop j1"));
+}
+
+TEST_F(JobQueueTest, WaitsForWorkersAndSaysWhich) {
+  Add(1);
+  EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
+  EXPECT_EQ(
+      job().message,
+      "waits for a synchronizer of c (none runs), a sorter (none runs), a discretizer "
+      "(none runs)");
+  ReadyAll();
+  Ready("s", intaglio_ROLE_SORTER, intaglio_HEALTH_BUSY);
+  queue_.Turn(now_);
+  EXPECT_EQ(job().message, "waits for a sorter (all are busy)");
+  Ready("s", intaglio_ROLE_SORTER);
+  queue_.Turn(now_);
+  EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
+}
+
+TEST_F(JobQueueTest, OneJobAtATimeHasACell) {
+  ReadyAll();
+  Ready("d2", intaglio_ROLE_DISCRETIZER);
+  Ready("s2", intaglio_ROLE_SORTER);
+  Ready("y2", intaglio_ROLE_SYNCHRONIZER);
+  Add(1);
+  Add(2);
+  EXPECT_EQ(queue_.Find("j2")->message, "waits for its turn on c");
+  LoadPath();
+  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED);
+  Engrave();
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100, 100);
+  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_DISCRETIZING);
+}
+
+TEST_F(JobQueueTest, AnotherCellGoesOnMeanwhile) {
+  ReadyAll();
+  Ready("d2", intaglio_ROLE_DISCRETIZER);
+  Ready("s2", intaglio_ROLE_SORTER);
+  queue_.Take(WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""},
+              now_);
+  Add(1);
+  Add(2, "e");
+  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_DISCRETIZING);
+  EXPECT_EQ(queue_.Find("j2")->stage(intaglio_STAGE_ENGRAVE).worker, "z");
+}
+
+TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
+  ReadyAll();
+  Ready("d2", intaglio_ROLE_DISCRETIZER);
+  Add(1);
+  actions_.Orders();
+  Lose("d");
+  EXPECT_THAT(actions_.Orders(),
+              ElementsAre("stop j1", "revoke s j1 1", "revoke y j1 1"));
+  EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
+  EXPECT_THAT(job().message, HasSubstr("attempt 1 broke: d was lost; waits for"));
+  // The sorter says that it has dropped the old attempt; the synchronizer never got it.
+  const TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
+  queue_.Take(dropped, now_);
+  now_ += 500ms;
+  ReadyAll();
+  queue_.Turn(now_);
+  EXPECT_EQ(job().state, intaglio_JOB_QUEUED) << "the synchronizer may still be at it";
+  now_ += 600ms;
+  Ready("y", intaglio_ROLE_SYNCHRONIZER);
+  Lose("d");  // came back in ReadyAll; gone for good now
+  queue_.Turn(now_);
+  EXPECT_THAT(actions_.Orders(),
+              ElementsAre("y j1 2", "s j1 2 > y", "d2 j1 2 > s", "feed j1"));
+  EXPECT_THAT(job().message, HasSubstr("attempt 2: attempt 1 broke: d was lost"));
+}
+
+TEST_F(JobQueueTest, OldAttemptsAreNotHeard) {
+  ReadyAll();
+  Ready("d2", intaglio_ROLE_DISCRETIZER);
+  Add(1);
+  Lose("d");
+  const TaskView late = SortStatus(1, intaglio_TASK_DONE);
+  queue_.Take(late, now_);
+  EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
+  EXPECT_FALSE(job().stage(intaglio_STAGE_SORT).done);
+  now_ += 2s;
+  Ready("s", intaglio_ROLE_SORTER);
+  Ready("y", intaglio_ROLE_SYNCHRONIZER);
+  queue_.Turn(now_);
+  ASSERT_EQ(job().attempt, 2u);
+  queue_.Take(late, now_);
+  EXPECT_FALSE(job().stage(intaglio_STAGE_SORT).done);
+}
+
+TEST_F(JobQueueTest, TheThirdLossFailsTheJob) {
+  Add(1);
+  for (int i = 1; i <= 3; ++i) {
+    ReadyAll();
+    now_ += 2s;
+    ReadyAll();
+    queue_.Turn(now_);
+    ASSERT_EQ(job().attempt, static_cast<std::uint32_t>(i));
+    Lose("s");
+  }
+  EXPECT_EQ(job().state, intaglio_JOB_FAILED);
+  EXPECT_THAT(job().message,
+              HasSubstr("given up after 3 attempts; attempt 3 broke: s was lost"));
+}
+
+TEST_F(JobQueueTest, AWorkerThatIsDoneMayGo) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Lose("d");
+  Lose("s");
+  EXPECT_EQ(job().state, intaglio_JOB_WAITING_FOR_ARM);
+  EXPECT_EQ(job().attempt, 1u);
+}
+
+TEST_F(JobQueueTest, LostSynchronizerBeforeAnyPermissionIsAnotherAttempt) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Lose("y");
+  EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
+}
+
+TEST_F(JobQueueTest, LostSynchronizerWhileEngravingIsNeverRepeated) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  Lose("y");
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_THAT(job().message, HasSubstr("y was lost: the glass may hold a part"));
+  Ready("y2", intaglio_ROLE_SYNCHRONIZER);
+  now_ += 60s;
+  ReadyAll();
+  queue_.Turn(now_);
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  now_ += 1s;
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_THAT(job().message, HasSubstr("cannot go on"));
+  EXPECT_FALSE(Granted());
+  Add(2);
+  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED)
+      << "its block is in the machine";
+  EXPECT_TRUE(Command(intaglio_COMMAND_CANCEL));
+  EXPECT_EQ(job().state, intaglio_JOB_CANCELLED);
+  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_DISCRETIZING);
+}
+
+TEST_F(JobQueueTest, FailuresOfAStage) {
+  ReadyAll();
+  Add(1);
+  Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0, "unreadable",
+       "cube.stl is empty");
+  EXPECT_EQ(job().state, intaglio_JOB_FAILED);
+  EXPECT_EQ(job().message, "cube.stl is empty");
+}
+
+TEST_F(JobQueueTest, AFailureThatANeighboursDeathCausesIsTriedAgain) {
+  ReadyAll();
+  Add(1);
+  Task(intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "link_lost", "no points come");
+  EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
+  EXPECT_EQ(job().lost_attempts, 1u);
+}
+
+TEST_F(JobQueueTest, AWorkerThatDoesNotAnswerCountsAsLost) {
+  ReadyAll();
+  Add(1);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_ACCEPTED);
+  Task(intaglio_STAGE_SORT, intaglio_TASK_ACCEPTED);
+  now_ += 9s;
+  queue_.Turn(now_);
+  EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
+  now_ += 2s;
+  queue_.Turn(now_);
+  EXPECT_THAT(job().message, HasSubstr("d does not answer"));
+}
+
+TEST_F(JobQueueTest, StaleCommandsDoNothing) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  EXPECT_FALSE(Command(intaglio_COMMAND_ARM, kEpoch - 1));
+  EXPECT_FALSE(
+      queue_.Take(CommandView{"j9", kEpoch, 50, intaglio_COMMAND_ARM, ""}, now_));
+  command_ = 4;
+  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
+  EXPECT_FALSE(queue_.Take(CommandView{"j1", kEpoch, 5, intaglio_COMMAND_ARM, ""}, now_));
+  EXPECT_FALSE(queue_.Take(CommandView{"j1", kEpoch, 4, intaglio_COMMAND_ARM, ""}, now_));
+  now_ += 1s;
+  EXPECT_FALSE(Granted());
+  EXPECT_EQ(actions_.kept.at("j1").last_command, 5u);
+}
+
+TEST_F(JobQueueTest, ArmedAheadIsGrantedOnlyWhenThePathIsThere) {
+  ReadyAll();
+  Add(1);
+  EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
+  now_ += 1s;
+  EXPECT_FALSE(Granted());
+  LoadPath();
+  EXPECT_TRUE(Granted());
+}
+
+TEST_F(JobQueueTest, PauseAndResume) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
+  EXPECT_FALSE(Granted());
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_EQ(job().message, "paused by ann@shop; resume it to go on");
+  // The synchronizer hears of it later: its last words change nothing.
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 12, 100);
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "", "no permission");
+  EXPECT_EQ(job().message, "paused by ann@shop; resume it to go on");
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_FALSE(Granted()) << "the withdrawal has to be seen first";
+  now_ += 400ms;
+  EXPECT_TRUE(Granted());
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 13, 100);
+  EXPECT_EQ(job().state, intaglio_JOB_ENGRAVING);
+}
+
+TEST_F(JobQueueTest, AFaultWithdrawsThePermissionUntilResumed) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault",
+       "the door is open");
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_EQ(job().message, "the door is open");
+  now_ += 10s;
+  EXPECT_FALSE(Granted());
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "", "no permission");
+  EXPECT_EQ(job().message, "the door is open");
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_TRUE(Granted());
+  // Still about the old fault.
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault",
+       "the door is open");
+  EXPECT_TRUE(Granted());
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 13, 100);
+  EXPECT_EQ(job().state, intaglio_JOB_ENGRAVING);
+  now_ += 1s;
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 14, 100, "fault",
+       "the stage is stuck");
+  EXPECT_FALSE(Granted());
+}
+
+TEST_F(JobQueueTest, CancelRevokesEverything) {
+  ReadyAll();
+  Add(1);
+  actions_.Orders();
+  EXPECT_TRUE(Command(intaglio_COMMAND_CANCEL));
+  EXPECT_EQ(job().state, intaglio_JOB_CANCELLED);
+  EXPECT_THAT(actions_.Orders(),
+              ElementsAre("stop j1", "revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
+  EXPECT_FALSE(Command(intaglio_COMMAND_ARM));
+}
+
+TEST_F(JobQueueTest, RestartTakesUpAQueuedAndABrokenChain) {
+  ReadyAll();
+  Add(1);
+  Add(2);
+  RecordingActions actions;
+  JobQueue queue(actions);
+  queue.Restore({actions_.kept.at("j1"), actions_.kept.at("j2")}, now_);
+  EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_QUEUED);
+  EXPECT_THAT(actions.Orders(),
+              ElementsAre("revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
+  now_ += 2s;
+  for (const auto& [name, role] :
+       std::map<std::string, intaglio_ServiceRole>{{"d", intaglio_ROLE_DISCRETIZER},
+                                                   {"s", intaglio_ROLE_SORTER},
+                                                   {"y", intaglio_ROLE_SYNCHRONIZER}}) {
+    queue.Take(WorkerView{name, role, intaglio_HEALTH_READY, "c", ""}, now_);
+  }
+  queue.Turn(now_);
+  EXPECT_EQ(queue.Find("j1")->attempt, 2u);
+  EXPECT_EQ(queue.Find("j1")->lost_attempts, 0u);
+  EXPECT_EQ(queue.Find("j2")->state, intaglio_JOB_QUEUED);
+}
+
+TEST_F(JobQueueTest, RestartPausesAnEngravingAndGoesOnWithTheSameSynchronizer) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  JobRecord kept = actions_.kept.at("j1");
+  kept.armed = false;  // not kept on disk
+  RecordingActions actions;
+  JobQueue queue(actions);
+  queue.Restore({kept}, now_);
+  EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_PAUSED);
+  EXPECT_THAT(actions.Orders(), IsEmpty());
+  now_ += 20s;
+  queue.Turn(now_);
+  EXPECT_FALSE(queue.Permissions(now_).at(0).granted);
+  queue.Take(CommandView{"j1", kEpoch, 9, intaglio_COMMAND_RESUME, ""}, now_);
+  EXPECT_THAT(queue.Find("j1")->message, HasSubstr("is gone"))
+      << "nobody has seen it yet";
+  queue.Take(WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY, "c", ""},
+             now_);
+  queue.Take(CommandView{"j1", kEpoch, 10, intaglio_COMMAND_RESUME, ""}, now_);
+  EXPECT_TRUE(queue.Permissions(now_).at(0).granted);
+}
+
+TEST_F(JobQueueTest, AModelThatCannotBeSentFailsTheJob) {
+  ReadyAll();
+  Add(1);
+  queue_.FeedFailed("j1", 7, "other attempt", now_);
+  EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
+  queue_.FeedFailed("j1", 1, "cube.stl: cannot be read", now_);
+  EXPECT_EQ(job().state, intaglio_JOB_FAILED);
+  EXPECT_EQ(job().message, "cube.stl: cannot be read");
+}
+
+TEST_F(JobQueueTest, RevisionsGrow) {
+  ReadyAll();
+  Add(1);
+  const std::uint64_t before = job().revision;
+  Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_RUNNING, 1, 10);
+  EXPECT_EQ(job().revision, before + 1);
+}
+
+}  // namespace
+}  // namespace intaglio::job_service
