@@ -12,7 +12,7 @@ namespace intaglio::formats {
 /// An empty folder of the running test's own.
 inline std::filesystem::path FreshFolder() {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder =
+  std::filesystem::path folder =
       std::filesystem::path(INTAGLIO_TEST_DIR) / test->test_suite_name() / test->name();
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

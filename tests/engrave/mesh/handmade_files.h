@@ -164,7 +164,10 @@ inline std::string StoredZip(
     directory.append(10, '\0');
     Append(directory, static_cast<std::uint32_t>(zip.size()));
     directory += name;
-    zip += "PK\3\4" + common + name + content;
+    zip += "PK\3\4";
+    zip += common;
+    zip += name;
+    zip += content;
   }
   const auto directory_offset = static_cast<std::uint32_t>(zip.size());
   zip += directory + "PK\5\6" + std::string(4, '\0');

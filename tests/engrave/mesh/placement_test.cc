@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 const Vec3 kBlock(60, 80, 100);
 // Sizes up to 1000 mm in doubles: a few roundings of 1e-13 mm, far under a nanometre.
-constexpr double kRounding_mm = 1e-11;
+constexpr double kRoundingMm = 1e-11;
 
 /// The steps of the header, one after another on a point, with textbook rotations.
 Vec3 PlaceBySteps(Vec3 p, const Placement& placement) {
@@ -61,7 +61,7 @@ TEST(Placement, WithoutCentringAppliesTheStepsInTheirOrder) {
     ASSERT_TRUE(placed.has_value());
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       const Vec3 expected = PlaceBySteps(mesh.vertices[v], placement) + placement.move_mm;
-      EXPECT_LT((placed->vertices[v] - expected).norm(), kRounding_mm);
+      EXPECT_LT((placed->vertices[v] - expected).norm(), kRoundingMm);
     }
     // The volume is stretched and, because mirroring reverses the corners, positive.
     const double stretch = std::pow(placement.unit_mm, 3) * placement.scale_ratio.prod();
@@ -81,7 +81,7 @@ TEST(Placement, CentresTheOutermostPointsWhateverTheTurn) {
   placement.rotation_rad = {0.3, -1.1, 2.5};
   const auto placed = PlaceInBlock(BoxMesh({10, 20, 30}), placement, kBlock);
   ASSERT_TRUE(placed.has_value());
-  EXPECT_LT(WallGapDifference_mm(placed->Bounds(), kBlock), kRounding_mm);
+  EXPECT_LT(WallGapDifference_mm(placed->Bounds(), kBlock), kRoundingMm);
 }
 
 TEST(Placement, MovesFromTheCentre) {
@@ -108,7 +108,7 @@ TEST(Placement, FitsTheHeightAfterTurning) {
   placement.fit = FitHeight{40};
   const auto placed = PlaceInBlock(BoxMesh({1, 2, 3}), placement, kBlock);
   ASSERT_TRUE(placed.has_value());
-  EXPECT_LT((placed->Bounds().size_mm() - Vec3(20, 60, 40)).norm(), kRounding_mm);
+  EXPECT_LT((placed->Bounds().size_mm() - Vec3(20, 60, 40)).norm(), kRoundingMm);
 }
 
 TEST(Placement, FitsTheLargestExtentWhateverTheUnit) {
@@ -118,7 +118,7 @@ TEST(Placement, FitsTheLargestExtentWhateverTheUnit) {
     placement.fit = FitLargest{50};
     const auto placed = PlaceInBlock(BoxMesh({1, 2, 4}), placement, kBlock);
     ASSERT_TRUE(placed.has_value());
-    EXPECT_LT((placed->Bounds().size_mm() - Vec3(12.5, 25, 50)).norm(), kRounding_mm);
+    EXPECT_LT((placed->Bounds().size_mm() - Vec3(12.5, 25, 50)).norm(), kRoundingMm);
   }
 }
 
@@ -127,8 +127,8 @@ TEST(Placement, FillsTheBoxUpToItsTightestSide) {
   placement.fit = FitBox{kBlock - Vec3::Constant(6)};  // 54 x 74 x 94
   const auto placed = PlaceInBlock(BoxMesh({2, 1, 3}), placement, kBlock);
   ASSERT_TRUE(placed.has_value());
-  EXPECT_LT((placed->Bounds().size_mm() - Vec3(54, 27, 81)).norm(), kRounding_mm);
-  EXPECT_NEAR(placed->Bounds().min_mm.x(), 3, kRounding_mm);
+  EXPECT_LT((placed->Bounds().size_mm() - Vec3(54, 27, 81)).norm(), kRoundingMm);
+  EXPECT_NEAR(placed->Bounds().min_mm.x(), 3, kRoundingMm);
 }
 
 TEST(Placement, MirrorTwiceKeepsTheCornersAndOnceReversesThem) {
