@@ -1,0 +1,77 @@
+#include "proto/freeze.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/proto/test_job.h"
+
+namespace intaglio {
+namespace {
+
+using testing::HasSubstr;
+
+// Schott's catalog values of N-BK7.
+MaterialRecord NBk7() {
+  MaterialRecord material;
+  material.set_name("N-BK7");
+  material.set_dispersion_formula("sellmeier_1");
+  for (const double c :
+       {1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653}) {
+    material.add_dispersion_coefficients(c);
+  }
+  material.set_min_wavelength_um(0.3);
+  material.set_max_wavelength_um(2.5);
+  return material;
+}
+
+const JobIdentity kIdentity{"7-abc", 0xabc, "/results/7-abc", "0.1.0"};
+
+TEST(FreezeJob, ResolvesEverything) {
+  const auto frozen = FreezeJob(GoodJob(), GoodMachine(), NBk7(), kIdentity);
+  ASSERT_TRUE(frozen) << frozen.error().message;
+  EXPECT_EQ(frozen->job_uid(), "7-abc");
+  EXPECT_EQ(frozen->epoch(), 0xabcu);
+  EXPECT_EQ(frozen->result_directory(), "/results/7-abc");
+  EXPECT_EQ(frozen->job().block().margin_mm(), 3);
+  EXPECT_EQ(frozen->machine().name(), "els-03");
+  EXPECT_EQ(frozen->material().name(), "N-BK7");
+  // Published index at 532 nm, to the five digits given.
+  const double n = frozen->optics().refractive_index();
+  EXPECT_NEAR(n, 1.51947, 5e-6);
+  // The marginal ray, from its angles (NA 0.2) instead of the closed form.
+  const double in_air = std::asin(0.2);
+  const double in_glass = std::asin(0.2 / n);
+  EXPECT_NEAR(frozen->optics().stage_per_glass_ratio(),
+              std::tan(in_glass) / std::tan(in_air), 1e-12);
+  EXPECT_NEAR(frozen->optics().cone_tangent(), std::tan(in_glass), 1e-12);
+  EXPECT_EQ(frozen->job().ordering().kdz().up_ratio(), kLeastUpRatio);
+  EXPECT_FALSE(frozen->optics().has_thermal_strength_k());
+}
+
+TEST(FreezeJob, WideBeamsNeedALargerUpRatio) {
+  JobSpec job = GoodJob();
+  job.mutable_lens()->set_numerical_aperture(0.85);
+  const auto frozen = FreezeJob(job, GoodMachine(), NBk7(), kIdentity);
+  ASSERT_TRUE(frozen) << frozen.error().message;
+  EXPECT_GT(frozen->optics().cone_tangent(), kLeastUpRatio);
+  EXPECT_EQ(frozen->job().ordering().kdz().up_ratio(), frozen->optics().cone_tangent());
+}
+
+TEST(FreezeJob, TellsAllMistakesOnePerLine) {
+  JobSpec job = GoodJob();
+  job.mutable_laser()->set_rate_hz(3);
+  job.mutable_discretization()->set_min_spacing_mm(0);
+  MaterialRecord material = NBk7();
+  material.set_min_wavelength_um(0.9);
+  const auto frozen = FreezeJob(job, GoodMachine(), material, kIdentity);
+  ASSERT_FALSE(frozen);
+  const std::string& message = frozen.error().message;
+  EXPECT_THAT(message, HasSubstr("laser.rate_hz: 3 is none"));
+  EXPECT_THAT(message, HasSubstr("discretization.min_spacing_mm: 0 is outside"));
+  EXPECT_THAT(message, HasSubstr("glass: N-BK7: "));
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 2);
+}
+
+}  // namespace
+}  // namespace intaglio
