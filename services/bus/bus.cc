@@ -76,7 +76,8 @@ DomainHold::DomainHold(int domain, const BusOptions& options) : domain_(domain) 
     held.configuration = configuration;
     held.handle = Must(
         dds_create_domain(static_cast<dds_domainid_t>(domain), configuration.c_str()),
-        fmt::format("cannot set up DDS domain {}", domain));
+        fmt::format("cannot set up DDS domain {} on interface {} (does it exist?)",
+                    domain, options.interface));
   }
   ++held.count;
 }

@@ -1,0 +1,34 @@
+#pragma once
+
+// Calls visit(topic) for every topic of services/bus/topics.h.
+
+#include "services/bus/topics.h"
+
+namespace intaglio::test {
+
+template <typename Visit>
+void ForEachTopic(Visit&& visit) {
+  visit(bus::kJobSubmission);
+  visit(bus::kJobCommand);
+  visit(bus::kJobStatus);
+  visit(bus::kDiscretizeTask);
+  visit(bus::kSortTask);
+  visit(bus::kEngraveTask);
+  visit(bus::kTaskStatus);
+  visit(bus::kServiceHealth);
+  visit(bus::kCredit);
+  visit(bus::kAlarm);
+  visit(bus::kModelChunk);
+  visit(bus::kPointBatch);
+  visit(bus::kPathBatch);
+  visit(bus::kMotionSegmentBatch);
+  visit(bus::kMotionState);
+  visit(bus::kPositionReport);
+  visit(bus::kLampSync);
+  visit(bus::kPulseEventBatch);
+  visit(bus::kPermission);
+  visit(bus::kEmergencyStop);
+  visit(bus::kInterlock);
+}
+
+}  // namespace intaglio::test

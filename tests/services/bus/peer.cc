@@ -1,0 +1,69 @@
+// The other process of the tests: joins with the given tag, announces itself, takes part
+// in one flow if asked to, and waits to be killed.
+//
+//   bus_peer TAG health INSTANCE
+//   bus_peer TAG consume STREAM WINDOW DELAY_US   opens the stream, takes slowly,
+//                                                 and announces itself every 2 ms
+
+#include <chrono>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+#include <thread>
+
+#include "services/bus/flow.h"
+#include "services/bus/samples.h"
+
+namespace {
+
+using namespace intaglio::bus;
+using namespace std::chrono_literals;
+
+// The monotonic clock is the same for all processes of a host.
+void Announce(Bus& bus, const std::string& instance, std::chrono::milliseconds period) {
+  Writer<intaglio_ServiceHealth> writer(bus, kServiceHealth);
+  intaglio_ServiceHealth health{};
+  health.instance = Borrow(instance);
+  for (;;) {
+    health.steady_ns = std::chrono::steady_clock::now().time_since_epoch().count();
+    (void)writer.Write(health);
+    std::this_thread::sleep_for(period);
+  }
+}
+
+void Consume(Bus& bus, const std::string& stream, std::uint32_t window,
+             std::chrono::microseconds delay) {
+  Reader<intaglio_ModelChunk> reader(bus, kModelChunk);
+  CreditGrantor credit(bus, "peer");
+  WaitSet wait(bus);
+  wait.Attach(reader);
+  (void)credit.Open(stream, reader.guid(), window);
+  std::uint64_t expected = 0;
+  for (bool last = false; !last;) {
+    (void)wait.Wait(1000ms);
+    reader.Take([&](const intaglio_ModelChunk& chunk) {
+      if (chunk.sequence_number != expected++) std::exit(3);
+      std::this_thread::sleep_for(delay);
+      last = chunk.last;
+      (void)credit.Consumed(stream, expected, last);
+    });
+  }
+  std::this_thread::sleep_for(10s);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 4) return 2;
+  BusOptions options;
+  options.tag = argv[1];
+  Bus bus(options);
+  if (argv[2] == std::string("health")) Announce(bus, argv[3], 200ms);
+  if (argv[2] == std::string("consume") && argc == 6) {
+    std::thread([&bus] { Announce(bus, "consumer", 2ms); }).detach();
+    Consume(bus, argv[3], static_cast<std::uint32_t>(std::atoi(argv[4])),
+            std::chrono::microseconds(std::atoi(argv[5])));
+    std::_Exit(0);
+  }
+  return 2;
+}
