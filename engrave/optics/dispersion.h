@@ -48,6 +48,8 @@ struct Dispersion {
   std::vector<double> coefficients;
   double min_wavelength_um = 0;  ///< the range for which the coefficients were fitted
   double max_wavelength_um = 0;
+
+  bool operator==(const Dispersion&) const = default;
 };
 
 /// The name under which a formula is stored: "schott", "sellmeier_1" .. "extended_3" for
