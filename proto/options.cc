@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/sort/kdz.h"
 
 namespace intaglio {
 namespace {
@@ -63,6 +64,28 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
   result.move_mm = Vec3Of(placement.move_mm());
   result.centre_in_block = placement.centre_in_block();
   return result;
+}
+
+sort::OrderOptions OrderOptionsOf(const JobSpec& job, double cone_tangent) {
+  sort::OrderOptions options;
+  const Ordering& ordering = job.ordering();
+  if (ordering.has_layers()) {
+    Require(ordering.layers().has_layer_thickness_mm(),
+            "the job's defaults are not filled in");
+    options.method = sort::Method::kLayers;
+    options.layers.layer_thickness_mm = ordering.layers().layer_thickness_mm();
+  } else {
+    options.method = sort::Method::kKdz;
+    options.kdz.up_ratio = ordering.kdz().has_up_ratio()
+                               ? ordering.kdz().up_ratio()
+                               : sort::DefaultUpRatio(cone_tangent);
+  }
+  return options;
+}
+
+optics::Lens LensOf(const JobSpec& job) {
+  Require(job.lens().has_numerical_aperture(), "the job's defaults are not filled in");
+  return {job.lens().focal_length_mm(), job.lens().numerical_aperture()};
 }
 
 MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {

@@ -10,7 +10,9 @@
 #include "engrave/mesh/placement.h"
 #include "engrave/motion/limits.h"
 #include "engrave/motion/profile.h"
+#include "engrave/optics/focus.h"
 #include "engrave/optics/machine_frame.h"
+#include "engrave/sort/order.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
@@ -27,6 +29,12 @@ Box3 PermittedBoxOf(const JobSpec& job);
 
 /// The way of a model into the job's block.
 mesh::Placement PlacementOf(const Placement& placement, const Block& block);
+
+/// Where the order Kdz leaves its weight open, it follows from the beam's cone in the
+/// glass (OpticalValuesRecord.cone_tangent).
+sort::OrderOptions OrderOptionsOf(const JobSpec& job, double cone_tangent);
+
+optics::Lens LensOf(const JobSpec& job);
 
 /// How the stage and the laser of a job are driven.
 struct MotionOptionsOfJob {

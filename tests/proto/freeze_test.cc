@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "proto/material_record.h"
 #include "tests/proto/test_job.h"
 
 namespace intaglio {
@@ -12,16 +13,17 @@ namespace {
 using testing::HasSubstr;
 
 // Schott's catalog values of N-BK7.
-MaterialRecord NBk7() {
-  MaterialRecord material;
-  material.set_name("N-BK7");
-  material.set_dispersion_formula("sellmeier_1");
-  for (const double c :
-       {1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653}) {
-    material.add_dispersion_coefficients(c);
-  }
-  material.set_min_wavelength_um(0.3);
-  material.set_max_wavelength_um(2.5);
+materials_db::Material NBk7() {
+  materials_db::Material material;
+  material.name = "N-BK7";
+  material.manufacturer = "Schott";
+  material.dispersion = {
+      optics::DispersionFormula::kSellmeier1,
+      {1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653},
+      0.3,
+      2.5};
+  material.density_kg_m3 = 2510;
+  material.poisson_ratio = 0.206;
   return material;
 }
 
@@ -45,8 +47,31 @@ TEST(FreezeJob, ResolvesEverything) {
   EXPECT_NEAR(frozen->optics().stage_per_glass_ratio(),
               std::tan(in_glass) / std::tan(in_air), 1e-12);
   EXPECT_NEAR(frozen->optics().cone_tangent(), std::tan(in_glass), 1e-12);
-  EXPECT_EQ(frozen->job().ordering().kdz().up_ratio(), kLeastUpRatio);
+  EXPECT_EQ(frozen->job().ordering().kdz().up_ratio(), 0.6);
   EXPECT_FALSE(frozen->optics().has_thermal_strength_k());
+}
+
+TEST(MaterialRecord, RoundTrip) {
+  const auto again = MaterialOf(RecordOf(NBk7()));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(*again, NBk7());
+  EXPECT_FALSE(RecordOf(NBk7()).has_melting_point_c());
+  EXPECT_EQ(RecordOf(NBk7()).density_kg_m3(), 2510);
+}
+
+TEST(MaterialRecord, EveryPropertyTravels) {
+  materials_db::Material material = NBk7();
+  double value = 1;
+  for (const materials_db::PropertyRow& row : materials_db::PropertyRows()) {
+    material.*row.value = value++;
+  }
+  EXPECT_EQ(MaterialOf(RecordOf(material)).value(), material);
+}
+
+TEST(MaterialRecord, UnknownFormulasAreRefused) {
+  MaterialRecord record = RecordOf(NBk7());
+  record.set_dispersion_formula("ptolemy");
+  EXPECT_FALSE(MaterialOf(record));
 }
 
 TEST(FreezeJob, WideBeamsNeedALargerUpRatio) {
@@ -54,7 +79,7 @@ TEST(FreezeJob, WideBeamsNeedALargerUpRatio) {
   job.mutable_lens()->set_numerical_aperture(0.85);
   const auto frozen = FreezeJob(job, GoodMachine(), NBk7(), kIdentity);
   ASSERT_TRUE(frozen) << frozen.error().message;
-  EXPECT_GT(frozen->optics().cone_tangent(), kLeastUpRatio);
+  EXPECT_GT(frozen->optics().cone_tangent(), 0.6);
   EXPECT_EQ(frozen->job().ordering().kdz().up_ratio(), frozen->optics().cone_tangent());
 }
 
@@ -62,14 +87,14 @@ TEST(FreezeJob, TellsAllMistakesOnePerLine) {
   JobSpec job = GoodJob();
   job.mutable_laser()->set_rate_hz(3);
   job.mutable_discretization()->set_min_spacing_mm(0);
-  MaterialRecord material = NBk7();
-  material.set_min_wavelength_um(0.9);
+  materials_db::Material material = NBk7();
+  material.dispersion.min_wavelength_um = 0.9;
   const auto frozen = FreezeJob(job, GoodMachine(), material, kIdentity);
   ASSERT_FALSE(frozen);
   const std::string& message = frozen.error().message;
   EXPECT_THAT(message, HasSubstr("laser.rate_hz: 3 is none"));
   EXPECT_THAT(message, HasSubstr("discretization.min_spacing_mm: 0 is outside"));
-  EXPECT_THAT(message, HasSubstr("glass: N-BK7: "));
+  EXPECT_THAT(message, HasSubstr("\nglass: "));
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 2);
 }
 

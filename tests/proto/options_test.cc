@@ -66,6 +66,20 @@ TEST(Options, MotionIsCappedAxisByAxis) {
   EXPECT_EQ(motion.shutter_mask, 0b0101);
 }
 
+TEST(Options, OrderFollowsTheCone) {
+  JobSpec job = WithDefaults(GoodJob(), GoodMachine());
+  EXPECT_EQ(OrderOptionsOf(job, 0.9).method, sort::Method::kKdz);
+  EXPECT_EQ(OrderOptionsOf(job, 0.9).kdz.up_ratio, 0.9);
+  EXPECT_EQ(OrderOptionsOf(job, 0.1).kdz.up_ratio, 0.6);
+  job.mutable_ordering()->mutable_kdz()->set_up_ratio(0.7);
+  EXPECT_EQ(OrderOptionsOf(job, 0.9).kdz.up_ratio, 0.7);
+  job.mutable_ordering()->mutable_layers()->set_layer_thickness_mm(0.4);
+  EXPECT_EQ(OrderOptionsOf(job, 0.9).method, sort::Method::kLayers);
+  EXPECT_EQ(OrderOptionsOf(job, 0.9).layers.layer_thickness_mm, 0.4);
+  EXPECT_EQ(LensOf(job).focal_length_mm, 43);
+  EXPECT_EQ(LensOf(job).numerical_aperture, 0.2);
+}
+
 TEST(Options, FocusDepthGoesIntoTheMachineFrame) {
   const auto frame = MachineFromGlassOf(Frozen(GoodJob()));
   EXPECT_EQ(frame.ToMachine(Vec3(1, 2, 30)), Vec3(1, 2, 30));
