@@ -84,17 +84,11 @@ void JobQueue::Disarm(JobRecord& job, Nanoseconds now) {
 void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds now) {
   const bool fault = !task.error_code.empty();
   const bool outdated = fault && job.armed && now < job.armed_at + kHold;
-  if (!outdated) {
-    if (fault) Disarm(job, now);
-    // Who is paused by an operator or a fault keeps that reason.
-    const bool keep = !fault && !job.armed && job.state == intaglio_JOB_PAUSED;
-    const std::string message = keep ? job.message : task.message;
-    if (job.state != intaglio_JOB_PAUSED || message != job.message) {
-      return Change(job, intaglio_JOB_PAUSED, message);
-    }
-  }
-  ++job.revision;
-  actions_.Progressed(job);
+  if (outdated) return Tell(job, job.state, job.message);
+  if (fault) Disarm(job, now);
+  // Who is paused by an operator or a fault keeps that reason.
+  const bool keep = !fault && !job.armed && job.state == intaglio_JOB_PAUSED;
+  Tell(job, intaglio_JOB_PAUSED, keep ? job.message : task.message);
 }
 
 std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {

@@ -92,6 +92,13 @@ void JobQueue::Change(JobRecord& job, intaglio_JobState state,
   actions_.Changed(job);
 }
 
+void JobQueue::Tell(JobRecord& job, intaglio_JobState state, const std::string& message) {
+  if (state != job.state) return Change(job, state, message);
+  job.message = message;
+  ++job.revision;
+  actions_.Progressed(job);
+}
+
 void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
                       Nanoseconds now) {
   Disarm(job, now);
@@ -256,8 +263,7 @@ void JobQueue::Take(const TaskView& task, Nanoseconds now) {
   if (task.state == intaglio_TASK_FAILED) return StageFailed(*job, task, now);
   if (task.state == intaglio_TASK_DONE) return StageDone(*job, task, now);
   if (task.stage == intaglio_STAGE_ENGRAVE) return EngraveStatus(*job, task, now);
-  ++job->revision;
-  actions_.Progressed(*job);
+  Tell(*job, job->state, job->message);
 }
 
 void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now) {
@@ -283,18 +289,13 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   if (task.estimate_ticks != 0) job.estimate_ticks = task.estimate_ticks;
   if (task.state == intaglio_TASK_PAUSED) return EngravePaused(job, task, now);
   const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
-  if (loaded) {  // the whole path is there: nobody needs the earlier stages any more
-    job.stage(intaglio_STAGE_DISCRETIZE).done = true;
-    job.stage(intaglio_STAGE_SORT).done = true;
-    const bool held = job.state == intaglio_JOB_PAUSED && !job.armed;
-    const intaglio_JobState state = held                  ? intaglio_JOB_PAUSED
-                                    : task.done_count > 0 ? intaglio_JOB_ENGRAVING
-                                                          : intaglio_JOB_WAITING_FOR_ARM;
-    const std::string message = held ? job.message : task.message;
-    if (state != job.state || message != job.message) return Change(job, state, message);
-  }
-  ++job.revision;
-  actions_.Progressed(job);
+  const bool held = job.state == intaglio_JOB_PAUSED && !job.armed;
+  if (!loaded || held) return Tell(job, job.state, job.message);
+  // The whole path is there: nobody needs the earlier stages any more.
+  job.stage(intaglio_STAGE_DISCRETIZE).done = true;
+  job.stage(intaglio_STAGE_SORT).done = true;
+  Tell(job, task.done_count > 0 ? intaglio_JOB_ENGRAVING : intaglio_JOB_WAITING_FOR_ARM,
+       task.message);
 }
 
 }  // namespace intaglio::job_service

@@ -127,6 +127,8 @@ class JobQueue {
   void GiveUpSilent(Nanoseconds now);
   bool CellIsTaken(const std::string& cell) const;
   void Change(JobRecord& job, intaglio_JobState state, const std::string& message);
+  /// As Change when the state differs; a message alone is told and not kept.
+  void Tell(JobRecord& job, intaglio_JobState state, const std::string& message);
   void EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
               Nanoseconds now);
   void RevokeAll(JobRecord& job, Nanoseconds now);

@@ -1,0 +1,259 @@
+#include "services/job_service/job_service.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "proto/task.pb.h"
+#include "services/bus/samples.h"
+#include "services/job_service/submission.h"
+
+namespace intaglio::job_service {
+namespace {
+
+using bus::Borrow;
+using bus::View;
+
+// Ended jobs of earlier runs that are told again after a start.
+constexpr int kRememberedJobs = 100;
+
+materials_db::MaterialStore OpenMaterials(const std::filesystem::path& path) {
+  auto store = materials_db::MaterialStore::Open(path);
+  if (!store) throw StoreError(store.error().message);
+  return std::move(*store);
+}
+
+std::vector<std::uint8_t> BytesOf(const std::string& text) {
+  return {text.begin(), text.end()};
+}
+
+TaskView ViewOf(const intaglio_TaskStatus& status) {
+  TaskView view;
+  view.job_uid = View(status.job_uid);
+  view.stage = status.stage;
+  view.attempt = status.attempt;
+  view.worker = View(status.worker);
+  view.state = status.state;
+  view.done_count = status.done_count;
+  view.total_count = status.total_count;
+  view.elapsed_s = status.elapsed_s;
+  view.estimate_ticks = status.estimate_ticks;
+  view.error_code = View(status.error_code);
+  view.message = View(status.message);
+  return view;
+}
+
+FrozenJob FrozenOf(const JobRecord& job) {
+  FrozenJob frozen;
+  if (!frozen.ParseFromString(job.frozen_job)) {
+    throw StoreError(fmt::format("job {} in the database is not readable", job.uid));
+  }
+  return frozen;
+}
+
+}  // namespace
+
+JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options,
+                       Nanoseconds now)
+    : host_(host),
+      options_(options),
+      store_(options.database),
+      materials_(OpenMaterials(options.materials)),
+      epoch_(store_.BeginRun()),
+      submissions_(host.bus(), bus::kJobSubmission),
+      commands_(host.bus(), bus::kJobCommand),
+      tasks_(host.bus(), bus::kTaskStatus),
+      health_(host.bus(), bus::kServiceHealth),
+      statuses_(host.bus(), bus::kJobStatus),
+      discretize_tasks_(host.bus(), bus::kDiscretizeTask),
+      sort_tasks_(host.bus(), bus::kSortTask),
+      engrave_tasks_(host.bus(), bus::kEngraveTask),
+      permissions_(host.bus()),
+      feed_(host.bus()),
+      queue_(*this) {
+  std::vector<JobRecord> jobs = store_.Load(kRememberedJobs);
+  for (const JobRecord& job : jobs) {
+    if (!job.ended()) permissions_.Open(job.cell);
+  }
+  queue_.Restore(std::move(jobs), now);
+}
+
+JobService::~JobService() = default;
+
+// Tasks before health: a worker's last word counts before its absence.
+void JobService::Turn(Nanoseconds now) {
+  TakeTasks(now);
+  TakeHealth(now);
+  TakeSubmissions();
+  TakeCommands(now);
+  for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {
+    queue_.FeedFailed(failure.job_uid, failure.attempt, failure.message, now);
+  }
+  queue_.Turn(now);
+  permissions_.Publish(queue_.Permissions(now), now);
+}
+
+void JobService::TakeTasks(Nanoseconds now) {
+  tasks_.Take([&](const intaglio_TaskStatus& status) {
+    const TaskView view = ViewOf(status);
+    if (view.stage > intaglio_STAGE_ENGRAVE) return;
+    if (view.state == intaglio_TASK_DONE || view.state == intaglio_TASK_FAILED) {
+      const auto bytes = View(status.outcome);
+      store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
+    }
+    queue_.Take(view, now);
+  });
+}
+
+void JobService::TakeHealth(Nanoseconds now) {
+  health_.TakeAll(
+      [&](const intaglio_ServiceHealth& health, const bus::SampleOrigin& origin) {
+        WorkerView view;
+        view.instance = View(health.instance);
+        if (!origin.alive) return queue_.WorkerLost(view.instance, now);
+        view.role = health.role;
+        view.state = health.state;
+        view.cell = View(health.cell);
+        view.message = View(health.message);
+        queue_.Take(view, now);
+      });
+}
+
+void JobService::TakeCommands(Nanoseconds now) {
+  commands_.Take([&](const intaglio_JobCommand& sample) {
+    CommandView command;
+    command.job_uid = View(sample.job_uid);
+    command.epoch = sample.epoch;
+    command.number = sample.number;
+    command.kind = sample.kind;
+    command.operator_name = View(sample.operator_name);
+    if (queue_.Take(command, now)) {
+      store_.KeepCommand(command);
+      spdlog::info("job {}: command {} of {}", command.job_uid,
+                   static_cast<int>(command.kind), command.operator_name);
+    } else {
+      spdlog::warn("job {}: command {} is stale or of no open job; it is ignored",
+                   command.job_uid, command.number);
+    }
+  });
+}
+
+// ---- Submissions --------------------------------------------------------------------
+
+void JobService::TakeSubmissions() {
+  submissions_.Take(
+      [this](const intaglio_JobSubmission& submission) { Submit(submission); });
+}
+
+void JobService::Submit(const intaglio_JobSubmission& submission) {
+  const std::string submission_uid(View(submission.submission_uid));
+  if (const auto outcome = store_.OutcomeOf(submission_uid)) {
+    if (!outcome->empty()) Refuse(submission_uid, *outcome);
+    return;
+  }
+  if (submission.epoch != 0 && submission.epoch != epoch_) {
+    return Refuse(
+        submission_uid,
+        "the submission is meant for another run of the job service; submit again");
+  }
+  JobRecord job;
+  job.number = store_.NextNumber();
+  job.epoch = epoch_;
+  job.uid = fmt::format("{}-{:x}", job.number, epoch_);
+  job.submission_uid = submission_uid;
+  job.result_directory = (options_.results / job.uid).string();
+  const auto frozen =
+      FreezeSubmission(View(submission.job),
+                       [this](const std::string& name) { return materials_.Find(name); },
+                       {job.uid, epoch_, job.result_directory, host::SoftwareVersion()});
+  if (!frozen) return Refuse(submission_uid, frozen.error().message);
+  job.name = frozen->job().name();
+  job.cell = frozen->machine().name();
+  job.rate_hz = frozen->job().laser().rate_hz();
+  job.frozen_job = frozen->SerializeAsString();
+  permissions_.Open(job.cell);
+  spdlog::info("job {} \"{}\" of {} for {}", job.uid, job.name, View(submission.client),
+               job.cell);
+  queue_.Add(std::move(job));
+}
+
+void JobService::Refuse(const std::string& submission_uid, const std::string& reasons) {
+  store_.KeepRefusal(submission_uid, reasons);
+  spdlog::info("submission {} is refused: {}", submission_uid, reasons);
+  JobRecord refused;
+  refused.submission_uid = submission_uid;
+  refused.state = intaglio_JOB_FAILED;
+  refused.message = reasons;
+  refused.revision = 1;
+  Publish(refused);
+}
+
+// ---- What the queue decides ---------------------------------------------------------
+
+void JobService::Changed(const JobRecord& job) {
+  store_.Keep(job);
+  Publish(job);
+}
+
+void JobService::Progressed(const JobRecord& job) { Publish(job); }
+
+void JobService::Publish(const JobRecord& job) {
+  std::vector<intaglio_StageProgress> progress;
+  for (const intaglio_Stage stage : kStages) {
+    const StageRecord& record = job.stage(stage);
+    progress.push_back({stage, record.done_count, record.total_count, record.elapsed_s});
+  }
+  intaglio_JobStatus sample{};
+  sample.job_uid = Borrow(job.uid);
+  sample.submission_uid = Borrow(job.submission_uid);
+  sample.epoch = job.epoch;
+  sample.number = job.number;
+  sample.name = Borrow(job.name);
+  sample.state = job.state;
+  sample.attempt = job.attempt;
+  Borrow(sample.progress, progress);
+  sample.estimate_ticks = job.estimate_ticks;
+  sample.rate_hz = job.rate_hz;
+  sample.message = Borrow(job.message);
+  sample.result_directory = Borrow(job.result_directory);
+  sample.cell = Borrow(job.cell);
+  sample.revision = job.revision;
+  if (auto written = statuses_.Write(sample); !written) {
+    spdlog::warn("status of job {}: {}", job.uid, written.error().message);
+  }
+}
+
+void JobService::Give(const TaskOrder& order, const JobRecord& job) {
+  store_.KeepTask(order);
+  const std::vector<std::uint8_t> frozen =
+      order.revoked ? std::vector<std::uint8_t>() : BytesOf(job.frozen_job);
+  intaglio_StageTask sample{};
+  sample.worker = Borrow(order.worker);
+  sample.epoch = epoch_;
+  sample.job_uid = Borrow(order.job_uid);
+  sample.attempt = order.attempt;
+  sample.stage = order.stage;
+  sample.revoked = order.revoked;
+  Borrow(sample.frozen_job, frozen);
+  sample.consumer = Borrow(order.consumer);
+  bus::Writer<intaglio_StageTask>& writer =
+      order.stage == intaglio_STAGE_DISCRETIZE ? discretize_tasks_
+      : order.stage == intaglio_STAGE_SORT     ? sort_tasks_
+                                               : engrave_tasks_;
+  spdlog::info("job {}, attempt {}: {} {}", order.job_uid, order.attempt,
+               order.revoked ? "revoked from" : "given to", order.worker);
+  if (auto written = writer.Write(sample); !written) {
+    // A worker that does not answer costs the attempt (job_queue.h).
+    spdlog::warn("task of {}: {}", order.worker, written.error().message);
+  }
+}
+
+void JobService::StartFeed(const JobRecord& job) {
+  const FrozenJob frozen = FrozenOf(job);
+  std::vector<std::string> files;
+  for (const Model& model : frozen.job().models()) files.push_back(model.file());
+  feed_.Start(job.uid, job.attempt, std::move(files));
+}
+
+void JobService::StopFeed(const std::string& job_uid) { feed_.Stop(job_uid); }
+
+}  // namespace intaglio::job_service

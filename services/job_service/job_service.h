@@ -1,0 +1,77 @@
+#pragma once
+
+// The job service on the bus: takes submissions and commands, hands out tasks, follows
+// the workers, tells what becomes of every job. What it decides is in job_queue.h, what
+// it keeps in job_store.h. Used from one thread; a turn never waits for another process.
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "materials_db/material_store.h"
+#include "services/bus/bus.h"
+#include "services/host/service_host.h"
+#include "services/job_service/job_queue.h"
+#include "services/job_service/job_store.h"
+#include "services/job_service/model_feed.h"
+#include "services/job_service/permission_keeper.h"
+
+namespace intaglio::job_service {
+
+struct JobServiceOptions {
+  std::filesystem::path database;   ///< the queue; made when it is not there
+  std::filesystem::path materials;  ///< the material base
+  std::filesystem::path results;    ///< a job's results go to results/<job_uid>/
+};
+
+class JobService : private JobActions {
+ public:
+  /// Throws when a database cannot be opened.
+  JobService(host::ServiceHost& host, const JobServiceOptions& options, Nanoseconds now);
+  ~JobService() override;
+
+  void Turn(Nanoseconds now);
+
+  template <typename Loop>
+  void AttachTo(Loop& loop) {
+    loop.Attach(submissions_);
+    loop.Attach(commands_);
+    loop.Attach(tasks_);
+    loop.Attach(health_);
+  }
+
+ private:
+  void Changed(const JobRecord& job) override;
+  void Progressed(const JobRecord& job) override;
+  void Give(const TaskOrder& order, const JobRecord& job) override;
+  void StartFeed(const JobRecord& job) override;
+  void StopFeed(const std::string& job_uid) override;
+
+  void TakeTasks(Nanoseconds now);
+  void TakeHealth(Nanoseconds now);
+  void TakeSubmissions();
+  void TakeCommands(Nanoseconds now);
+  void Submit(const intaglio_JobSubmission& submission);
+  void Refuse(const std::string& submission_uid, const std::string& reasons);
+  void Publish(const JobRecord& job);
+
+  host::ServiceHost& host_;
+  JobServiceOptions options_;
+  JobStore store_;
+  materials_db::MaterialStore materials_;
+  std::uint64_t epoch_;
+
+  bus::Reader<intaglio_JobSubmission> submissions_;
+  bus::Reader<intaglio_JobCommand> commands_;
+  bus::Reader<intaglio_TaskStatus> tasks_;
+  bus::Reader<intaglio_ServiceHealth> health_;
+  bus::Writer<intaglio_JobStatus> statuses_;
+  bus::Writer<intaglio_StageTask> discretize_tasks_;
+  bus::Writer<intaglio_StageTask> sort_tasks_;
+  bus::Writer<intaglio_StageTask> engrave_tasks_;
+  PermissionKeeper permissions_;
+  ModelFeed feed_;
+  JobQueue queue_;
+};
+
+}  // namespace intaglio::job_service

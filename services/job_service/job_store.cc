@@ -1,0 +1,361 @@
+#include "services/job_service/job_store.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <random>
+
+namespace intaglio::job_service {
+namespace {
+
+// One entry a version; never changed once released, only added to.
+constexpr std::array kMigrations = {
+    R"sql(
+CREATE TABLE runs (epoch INTEGER PRIMARY KEY, started_utc TEXT NOT NULL);
+CREATE TABLE jobs (
+  number INTEGER PRIMARY KEY,
+  uid TEXT NOT NULL UNIQUE,
+  submission_uid TEXT NOT NULL,
+  epoch INTEGER NOT NULL,
+  name TEXT NOT NULL,
+  cell TEXT NOT NULL,
+  rate_hz REAL NOT NULL,
+  result_directory TEXT NOT NULL,
+  frozen_job BLOB NOT NULL,
+  state INTEGER NOT NULL,
+  ended INTEGER NOT NULL,
+  attempt INTEGER NOT NULL,
+  lost_attempts INTEGER NOT NULL,
+  message TEXT NOT NULL,
+  estimate_ticks INTEGER NOT NULL,
+  revision INTEGER NOT NULL,
+  last_command INTEGER NOT NULL,
+  ever_granted INTEGER NOT NULL,
+  changed_utc TEXT NOT NULL
+);
+CREATE INDEX jobs_ended ON jobs (ended, number);
+CREATE TABLE stages (
+  job_uid TEXT NOT NULL REFERENCES jobs (uid),
+  stage INTEGER NOT NULL,
+  worker TEXT NOT NULL,
+  done INTEGER NOT NULL,
+  done_count INTEGER NOT NULL,
+  total_count INTEGER NOT NULL,
+  elapsed_s REAL NOT NULL,
+  PRIMARY KEY (job_uid, stage)
+);
+CREATE TABLE submissions (
+  submission_uid TEXT PRIMARY KEY,
+  refusal TEXT NOT NULL,
+  taken_utc TEXT NOT NULL
+);
+CREATE TABLE commands (
+  job_uid TEXT NOT NULL,
+  number INTEGER NOT NULL,
+  kind INTEGER NOT NULL,
+  operator_name TEXT NOT NULL,
+  taken_utc TEXT NOT NULL,
+  PRIMARY KEY (job_uid, number)
+);
+CREATE TABLE tasks (
+  job_uid TEXT NOT NULL,
+  attempt INTEGER NOT NULL,
+  stage INTEGER NOT NULL,
+  worker TEXT NOT NULL,
+  given_utc TEXT NOT NULL,
+  revoked_utc TEXT,
+  ended_utc TEXT,
+  state INTEGER,
+  message TEXT,
+  outcome BLOB,
+  PRIMARY KEY (job_uid, attempt, stage)
+);
+)sql"};
+
+constexpr const char* kNow = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')";
+
+// SQLite's integers are signed; all of ours fit but epochs in theory, which go through
+// unchanged bit for bit.
+std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+
+// More revisions than can have been published without being kept: progress ten times a
+// second for a month. Readers only look whether a revision is newer.
+constexpr std::uint64_t kRevisionLeap = 1u << 25;
+
+template <typename Body>
+auto Guarded(const SQLite::Database& database, Body&& body) {
+  try {
+    return body();
+  } catch (const SQLite::Exception& error) {
+    throw StoreError(fmt::format("job database {}: {}; check the disk",
+                                 database.getFilename(), error.what()));
+  }
+}
+
+std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {
+  std::error_code ignored;
+  std::filesystem::create_directories(path.parent_path(), ignored);
+  try {
+    auto database = std::make_unique<SQLite::Database>(
+        path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, 2000);
+    database->exec("PRAGMA journal_mode = WAL");
+    database->exec("PRAGMA synchronous = FULL");
+    database->exec("PRAGMA foreign_keys = ON");
+    return database;
+  } catch (const SQLite::Exception& error) {
+    throw StoreError(fmt::format(
+        "job database {} cannot be opened: {}; check --database and its folder",
+        path.string(), error.what()));
+  }
+}
+
+void KeepStages(SQLite::Database& database, const JobRecord& job) {
+  SQLite::Statement insert(database,
+                           "INSERT OR REPLACE INTO stages VALUES (?, ?, ?, ?, ?, ?, ?)");
+  for (const intaglio_Stage stage : kStages) {
+    const StageRecord& record = job.stage(stage);
+    insert.bind(1, job.uid);
+    insert.bind(2, static_cast<int>(stage));
+    insert.bind(3, record.worker);
+    insert.bind(4, record.done ? 1 : 0);
+    insert.bind(5, Signed(record.done_count));
+    insert.bind(6, Signed(record.total_count));
+    insert.bind(7, record.elapsed_s);
+    insert.exec();
+    insert.reset();
+  }
+}
+
+void LoadStages(SQLite::Database& database, JobRecord& job) {
+  SQLite::Statement select(
+      database,
+      "SELECT stage, worker, done, done_count, total_count, elapsed_s "
+      "FROM stages WHERE job_uid = ?");
+  select.bind(1, job.uid);
+  while (select.executeStep()) {
+    StageRecord& record =
+        job.stages.at(static_cast<std::size_t>(select.getColumn(0).getInt()));
+    record.worker = select.getColumn(1).getString();
+    record.done = select.getColumn(2).getInt() != 0;
+    record.done_count = static_cast<std::uint64_t>(select.getColumn(3).getInt64());
+    record.total_count = static_cast<std::uint64_t>(select.getColumn(4).getInt64());
+    record.elapsed_s = select.getColumn(5).getDouble();
+  }
+}
+
+JobRecord RecordOf(SQLite::Statement& row) {
+  JobRecord job;
+  const auto u64 = [&row](const char* column) {
+    return static_cast<std::uint64_t>(row.getColumn(column).getInt64());
+  };
+  const auto u32 = [&row](const char* column) { return row.getColumn(column).getUInt(); };
+  const auto text = [&row](const char* column) {
+    return row.getColumn(column).getString();
+  };
+  job.number = u32("number");
+  job.uid = text("uid");
+  job.submission_uid = text("submission_uid");
+  job.epoch = u64("epoch");
+  job.name = text("name");
+  job.cell = text("cell");
+  job.rate_hz = row.getColumn("rate_hz").getDouble();
+  job.result_directory = text("result_directory");
+  job.frozen_job = text("frozen_job");
+  job.state = static_cast<intaglio_JobState>(row.getColumn("state").getInt());
+  job.attempt = u32("attempt");
+  job.lost_attempts = u32("lost_attempts");
+  job.message = text("message");
+  job.estimate_ticks = u64("estimate_ticks");
+  job.revision = u64("revision") + kRevisionLeap;
+  job.last_command = u64("last_command");
+  job.ever_granted = row.getColumn("ever_granted").getInt() != 0;
+  return job;
+}
+
+}  // namespace
+
+JobStore::JobStore(const std::filesystem::path& path) : database_(Open(path)) {
+  Migrate();
+}
+
+JobStore::~JobStore() = default;
+
+void JobStore::Migrate() {
+  Guarded(*database_, [this] {
+    const int version = database_->execAndGet("PRAGMA user_version").getInt();
+    const int newest = static_cast<int>(kMigrations.size());
+    if (version > newest) {
+      throw StoreError(
+          fmt::format("job database {} is of version {}, this program knows {}; use the "
+                      "newer program",
+                      database_->getFilename(), version, newest));
+    }
+    for (int next = version; next < newest; ++next) {
+      SQLite::Transaction transaction(*database_);
+      database_->exec(kMigrations.at(static_cast<std::size_t>(next)));
+      database_->exec(fmt::format("PRAGMA user_version = {}", next + 1));
+      transaction.commit();
+    }
+  });
+}
+
+std::uint64_t JobStore::BeginRun() {
+  return Guarded(*database_, [this] {
+    using std::chrono::seconds;
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    // Seconds and 16 random bits: two databases started in one second differ as well.
+    const std::int64_t fresh = std::chrono::duration_cast<seconds>(now).count() << 16 |
+                               (std::random_device()() & 0xffff);
+    SQLite::Transaction transaction(*database_);
+    const std::int64_t last =
+        database_->execAndGet("SELECT coalesce(max(epoch), 0) FROM runs").getInt64();
+    const std::int64_t epoch = std::max(fresh, last + 1);
+    SQLite::Statement insert(*database_,
+                             fmt::format("INSERT INTO runs VALUES (?, {})", kNow));
+    insert.bind(1, epoch);
+    insert.exec();
+    transaction.commit();
+    return static_cast<std::uint64_t>(epoch);
+  });
+}
+
+std::uint32_t JobStore::NextNumber() {
+  return Guarded(*database_, [this] {
+    return database_->execAndGet("SELECT coalesce(max(number), 0) + 1 FROM jobs")
+        .getUInt();
+  });
+}
+
+std::optional<std::string> JobStore::OutcomeOf(const std::string& submission_uid) {
+  return Guarded(*database_, [&]() -> std::optional<std::string> {
+    SQLite::Statement select(*database_,
+                             "SELECT refusal FROM submissions WHERE submission_uid = ?");
+    select.bind(1, submission_uid);
+    if (!select.executeStep()) return {};
+    return select.getColumn(0).getString();
+  });
+}
+
+void JobStore::KeepRefusal(const std::string& submission_uid,
+                           const std::string& reasons) {
+  Guarded(*database_, [&] {
+    SQLite::Statement insert(
+        *database_,
+        fmt::format("INSERT OR IGNORE INTO submissions VALUES (?, ?, {})", kNow));
+    insert.bind(1, submission_uid);
+    insert.bind(2, reasons);
+    insert.exec();
+  });
+}
+
+void JobStore::Keep(const JobRecord& job) {
+  Guarded(*database_, [&] {
+    SQLite::Transaction transaction(*database_);
+    KeepRefusal(job.submission_uid, "");
+    SQLite::Statement insert(
+        *database_,
+        fmt::format(
+            "INSERT INTO jobs VALUES "
+            "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, {}) "
+            "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
+            "ended = excluded.ended, attempt = excluded.attempt, "
+            "lost_attempts = excluded.lost_attempts, message = excluded.message, "
+            "estimate_ticks = excluded.estimate_ticks, revision = excluded.revision, "
+            "last_command = excluded.last_command, "
+            "ever_granted = excluded.ever_granted, changed_utc = excluded.changed_utc",
+            kNow));
+    insert.bind(1, job.number);
+    insert.bind(2, job.uid);
+    insert.bind(3, job.submission_uid);
+    insert.bind(4, Signed(job.epoch));
+    insert.bind(5, job.name);
+    insert.bind(6, job.cell);
+    insert.bind(7, job.rate_hz);
+    insert.bind(8, job.result_directory);
+    insert.bind(9, job.frozen_job.data(), static_cast<int>(job.frozen_job.size()));
+    insert.bind(10, static_cast<int>(job.state));
+    insert.bind(11, job.ended() ? 1 : 0);
+    insert.bind(12, job.attempt);
+    insert.bind(13, job.lost_attempts);
+    insert.bind(14, job.message);
+    insert.bind(15, Signed(job.estimate_ticks));
+    insert.bind(16, Signed(job.revision));
+    insert.bind(17, Signed(job.last_command));
+    insert.bind(18, job.ever_granted ? 1 : 0);
+    insert.exec();
+    KeepStages(*database_, job);
+    transaction.commit();
+  });
+}
+
+void JobStore::KeepCommand(const CommandView& command) {
+  Guarded(*database_, [&] {
+    SQLite::Statement insert(
+        *database_,
+        fmt::format("INSERT OR IGNORE INTO commands VALUES (?, ?, ?, ?, {})", kNow));
+    insert.bind(1, command.job_uid);
+    insert.bind(2, Signed(command.number));
+    insert.bind(3, static_cast<int>(command.kind));
+    insert.bind(4, command.operator_name);
+    insert.exec();
+  });
+}
+
+void JobStore::KeepTask(const TaskOrder& order) {
+  Guarded(*database_, [&] {
+    const std::string text =
+        order.revoked ? fmt::format(
+                            "UPDATE tasks SET revoked_utc = {}, worker = ?4 "
+                            "WHERE job_uid = ?1 AND attempt = ?2 AND stage = ?3",
+                            kNow)
+                      : fmt::format(
+                            "INSERT OR REPLACE INTO tasks "
+                            "(job_uid, attempt, stage, worker, given_utc) "
+                            "VALUES (?1, ?2, ?3, ?4, {})",
+                            kNow);
+    SQLite::Statement statement(*database_, text);
+    statement.bind(1, order.job_uid);
+    statement.bind(2, order.attempt);
+    statement.bind(3, static_cast<int>(order.stage));
+    statement.bind(4, order.worker);
+    statement.exec();
+  });
+}
+
+void JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
+  Guarded(*database_, [&] {
+    SQLite::Statement update(
+        *database_,
+        fmt::format("UPDATE tasks SET ended_utc = {}, state = ?4, message = ?5, "
+                    "outcome = ?6 WHERE job_uid = ?1 AND attempt = ?2 AND "
+                    "stage = ?3 AND ended_utc IS NULL",
+                    kNow));
+    update.bind(1, task.job_uid);
+    update.bind(2, task.attempt);
+    update.bind(3, static_cast<int>(task.stage));
+    update.bind(4, static_cast<int>(task.state));
+    update.bind(5, task.message);
+    update.bind(6, outcome.data(), static_cast<int>(outcome.size()));
+    update.exec();
+  });
+}
+
+std::vector<JobRecord> JobStore::Load(int ended_count) {
+  return Guarded(*database_, [&] {
+    SQLite::Statement select(
+        *database_,
+        "SELECT * FROM jobs WHERE ended = 0 OR number IN (SELECT number FROM jobs WHERE "
+        "ended = 1 ORDER BY number DESC LIMIT ?) ORDER BY number");
+    select.bind(1, ended_count);
+    std::vector<JobRecord> jobs;
+    while (select.executeStep()) {
+      jobs.push_back(RecordOf(select));
+      LoadStages(*database_, jobs.back());
+    }
+    return jobs;
+  });
+}
+
+}  // namespace intaglio::job_service

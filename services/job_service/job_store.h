@@ -1,0 +1,65 @@
+#pragma once
+
+// The queue on disk: SQLite, with migrations (PRAGMA user_version). What Keep and the
+// others return from is durable: a job that was answered for survives the process's
+// death and the machine's.
+//
+// Tables: runs (epochs of the job service), jobs, submissions (what became of each, also
+// refused ones), commands and tasks (what was asked and handed out, for people).
+// Used from one thread. A database that cannot be opened or written throws StoreError.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "services/job_service/job_queue.h"
+#include "services/job_service/job_record.h"
+
+namespace SQLite {
+class Database;
+}
+
+namespace intaglio::job_service {
+
+class StoreError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class JobStore {
+ public:
+  /// Makes the file and its folder when there is none.
+  explicit JobStore(const std::filesystem::path& path);
+  ~JobStore();
+
+  /// Begins a run of the job service: an epoch greater than every one before, and, as it
+  /// holds the time, than those of a database that was lost.
+  std::uint64_t BeginRun();
+
+  /// Number for the next job, from 1.
+  std::uint32_t NextNumber();
+
+  /// What became of a submission; nullopt when it is new. An empty text: it was taken.
+  std::optional<std::string> OutcomeOf(const std::string& submission_uid);
+  void KeepRefusal(const std::string& submission_uid, const std::string& reasons);
+
+  /// New or changed. A job's first Keep also notes its submission.
+  void Keep(const JobRecord& job);
+  void KeepCommand(const CommandView& command);
+  void KeepTask(const TaskOrder& order);
+  /// The end of a task with its outcome (StageOutcome, serialized).
+  void KeepTaskEnd(const TaskView& task, const std::string& outcome);
+
+  /// All open jobs and the newest `ended_count` ended ones, by number.
+  std::vector<JobRecord> Load(int ended_count);
+
+ private:
+  void Migrate();
+  std::unique_ptr<SQLite::Database> database_;
+};
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,138 @@
+#include "services/job_service/model_feed.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+using bus::Borrow;
+
+// How often it is looked whether a discretizer that gave credit is matched by now.
+constexpr auto kLook = 50ms;
+
+Error CannotRead(const std::string& file, const std::string& why) {
+  return {ErrorCode::kIo, fmt::format("model {}: {}", file, why), file};
+}
+
+}  // namespace
+
+ModelFeed::ModelFeed(bus::Bus& bus)
+    : writer_(bus, bus::kModelChunk),
+      credit_(bus),
+      wait_(bus),
+      thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+ModelFeed::~ModelFeed() {
+  thread_.request_stop();
+  wait_.Wake();
+}
+
+void ModelFeed::Start(const std::string& job_uid, std::uint32_t attempt,
+                      std::vector<std::string> files) {
+  const std::lock_guard lock(mutex_);
+  Stream& stream = added_.emplace_back();
+  stream.job_uid = job_uid;
+  stream.attempt = attempt;
+  stream.files = std::move(files);
+  stream.name = bus::StreamName(job_uid, attempt, bus::kModelChunk.name);
+  wait_.Wake();
+}
+
+void ModelFeed::Stop(const std::string& job_uid) {
+  const std::lock_guard lock(mutex_);
+  added_.remove_if([&](const Stream& stream) { return stream.job_uid == job_uid; });
+  stopped_.push_back(job_uid);
+  wait_.Wake();
+}
+
+std::vector<ModelFeed::Failure> ModelFeed::TakeFailures() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(failures_, {});
+}
+
+void ModelFeed::Run(const std::stop_token& stop) {
+  wait_.Attach(credit_.reader());
+  while (!stop.stop_requested()) {
+    // Without a stream there is nothing to look for.
+    (void)wait_.Wait(streams_.empty() ? 1000ms : kLook);
+    credit_.Poll();
+    {
+      const std::lock_guard lock(mutex_);
+      for (const std::string& uid : stopped_) {
+        streams_.remove_if([&](const Stream& stream) { return stream.job_uid == uid; });
+      }
+      stopped_.clear();
+      streams_.splice(streams_.end(), added_);
+    }
+    for (Stream& stream : streams_) Serve(stream);
+    streams_.remove_if([](const Stream& stream) { return stream.done; });
+  }
+}
+
+void ModelFeed::Serve(Stream& stream) {
+  const bus::CreditBook::Grant grant = credit_.Find(stream.name);
+  if (grant.cancelled) {
+    stream.done = true;  // the discretizer's TaskStatus or its death says why
+    return;
+  }
+  if (!grant.open || !writer_.IsMatched(grant.reader)) return;
+  while (!stream.done && stream.sequence_number < grant.limit) {
+    const Result<bool> sent = SendChunk(stream);
+    if (sent && !*sent) return;
+    if (!sent) {
+      stream.done = true;
+      const std::lock_guard lock(mutex_);
+      failures_.push_back({stream.job_uid, stream.attempt, sent.error().message});
+    }
+  }
+}
+
+Status ModelFeed::OpenNext(Stream& stream) {
+  const std::string& path = stream.files.at(stream.model);
+  std::error_code error;
+  stream.file_size = std::filesystem::file_size(path, error);
+  stream.file = std::ifstream(path, std::ios::binary);
+  stream.offset = 0;
+  if (!error && stream.file) return {};
+  return tl::unexpected(CannotRead(path, "cannot be opened; was it moved?"));
+}
+
+Result<bool> ModelFeed::SendChunk(Stream& stream) {
+  if (!stream.file.is_open()) {
+    if (auto opened = OpenNext(stream); !opened) return tl::unexpected(opened.error());
+  }
+  chunk_.resize(std::min<std::uint64_t>(kChunkBytes, stream.file_size - stream.offset));
+  stream.file.seekg(static_cast<std::streamoff>(stream.offset));
+  stream.file.read(reinterpret_cast<char*>(chunk_.data()),
+                   static_cast<std::streamsize>(chunk_.size()));
+  if (!stream.file) {
+    return tl::unexpected(CannotRead(stream.files[stream.model],
+                                     "cannot be read to its end; was it changed?"));
+  }
+  const bool ends_file = stream.offset + chunk_.size() == stream.file_size;
+  intaglio_ModelChunk sample{};
+  sample.job_uid = Borrow(stream.job_uid);
+  sample.attempt = stream.attempt;
+  sample.sequence_number = stream.sequence_number;
+  sample.model = stream.model;
+  sample.offset = stream.offset;
+  sample.file_size = stream.file_size;
+  sample.last = ends_file && stream.model + 1 == stream.files.size();
+  Borrow(sample.bytes, chunk_);
+  if (!writer_.Write(sample)) return false;
+  ++stream.sequence_number;
+  stream.offset += chunk_.size();
+  if (ends_file) {
+    stream.file.close();
+    ++stream.model;
+    stream.done = stream.model == stream.files.size();
+  }
+  return true;
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,77 @@
+#pragma once
+
+// Sends the model files of jobs to their discretizers, in chunks, under credit, from a
+// thread of its own: a bulk write may block for a second, and permissions may not wait.
+
+#include <chrono>
+#include <cstdint>
+#include <fstream>
+#include <list>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "services/bus/bus.h"
+#include "services/bus/flow.h"
+
+namespace intaglio::job_service {
+
+inline constexpr std::size_t kChunkBytes = 64 * 1024;
+
+class ModelFeed {
+ public:
+  explicit ModelFeed(bus::Bus& bus);
+  ~ModelFeed();
+
+  /// From any thread. The files go out in this order as soon as the discretizer grants
+  /// credit for the stream of this job and attempt.
+  void Start(const std::string& job_uid, std::uint32_t attempt,
+             std::vector<std::string> files);
+  void Stop(const std::string& job_uid);
+
+  struct Failure {
+    std::string job_uid;
+    std::uint32_t attempt = 0;
+    std::string message;
+  };
+  /// What could not be read since the last call.
+  std::vector<Failure> TakeFailures();
+
+ private:
+  struct Stream {
+    std::string job_uid;
+    std::uint32_t attempt = 0;
+    std::vector<std::string> files;
+    std::string name;
+    std::uint64_t sequence_number = 0;
+    std::uint32_t model = 0;
+    std::uint64_t offset = 0;
+    std::uint64_t file_size = 0;
+    std::ifstream file;
+    bool stopped = false;
+    bool done = false;
+  };
+
+  void Run(const std::stop_token& stop);
+  void Serve(Stream& stream);
+  Status OpenNext(Stream& stream);
+  /// False: not now.
+  Result<bool> SendChunk(Stream& stream);
+
+  bus::Writer<intaglio_ModelChunk> writer_;
+  bus::CreditBook credit_;
+  bus::WaitSet wait_;
+
+  std::mutex mutex_;  // over the three below
+  std::list<Stream> added_;
+  std::vector<std::string> stopped_;
+  std::vector<Failure> failures_;
+
+  std::list<Stream> streams_;  // of the thread
+  std::vector<std::uint8_t> chunk_;
+  std::jthread thread_;
+};
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,50 @@
+#include "services/job_service/permission_keeper.h"
+
+#include <spdlog/spdlog.h>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::job_service {
+
+void PermissionKeeper::Open(const std::string& cell) {
+  if (cells_.contains(cell)) return;
+  Cell& opened =
+      cells_
+          .emplace(
+              cell,
+              Cell{bus::Writer<intaglio_Permission>(bus_, bus::kPermission, cell), {}, 0})
+          .first->second;
+  opened.told.cell = cell;
+}
+
+void PermissionKeeper::Publish(const std::vector<PermissionView>& permissions,
+                               Nanoseconds now) {
+  const bool due = now >= next_;
+  if (due) next_ = now + kPeriod;
+  for (auto& [name, cell] : cells_) {
+    PermissionView wanted = cell.told;
+    wanted.granted = false;
+    for (const PermissionView& permission : permissions) {
+      if (permission.cell == name) wanted = permission;
+    }
+    const bool changed =
+        wanted.granted != cell.told.granted || wanted.job_uid != cell.told.job_uid;
+    cell.told = wanted;
+    if (changed || due) Write(cell);
+  }
+}
+
+void PermissionKeeper::Write(Cell& cell) {
+  intaglio_Permission sample{};
+  sample.cell = bus::Borrow(cell.told.cell);
+  sample.job_uid = bus::Borrow(cell.told.job_uid);
+  sample.epoch = cell.told.epoch;
+  sample.granted = cell.told.granted;
+  sample.operator_name = bus::Borrow(cell.told.operator_name);
+  sample.number = ++cell.number;
+  if (auto written = cell.writer.Write(sample); !written) {
+    spdlog::warn("permission of {}: {}", cell.told.cell, written.error().message);
+  }
+}
+
+}  // namespace intaglio::job_service

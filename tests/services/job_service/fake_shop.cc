@@ -1,0 +1,216 @@
+#include "tests/services/job_service/fake_shop.h"
+
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::job_service {
+namespace {
+
+using bus::Borrow;
+using bus::View;
+
+constexpr intaglio_ServiceRole kRoles[] = {
+    intaglio_ROLE_DISCRETIZER, intaglio_ROLE_SORTER, intaglio_ROLE_SYNCHRONIZER};
+const std::string kCell = "els-03";
+
+}  // namespace
+
+ServiceProcess::ServiceProcess(const std::filesystem::path& folder,
+                               const std::string& tag) {
+  std::vector<std::string> arguments = {INTAGLIO_BIN_DIR "/intaglio-job-service",
+                                        "--tag",
+                                        tag,
+                                        "--database",
+                                        folder / "jobs.db",
+                                        "--materials-db",
+                                        folder / "materials.db",
+                                        "--results",
+                                        folder / "results",
+                                        "--log-level",
+                                        "warning"};
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  if (posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) != 0) pid_ = -1;
+}
+
+void ServiceProcess::Kill() {
+  if (pid_ <= 0) return;
+  kill(pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+  pid_ = -1;
+}
+
+int ServiceProcess::Stop() {
+  int status = -1;
+  kill(pid_, SIGTERM);
+  waitpid(pid_, &status, 0);
+  pid_ = -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+bool ServiceProcess::Exited(int& exit_code) {
+  int status = -1;
+  if (pid_ <= 0 || waitpid(pid_, &status, WNOHANG) != pid_) return false;
+  pid_ = -1;
+  exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return true;
+}
+
+FakeShop::FakeShop(const bus::BusOptions& options)
+    : bus_(options),
+      submissions_(bus_, bus::kJobSubmission),
+      commands_(bus_, bus::kJobCommand),
+      health_(bus_, bus::kServiceHealth),
+      tasks_out_(bus_, bus::kTaskStatus),
+      statuses_(bus_, bus::kJobStatus),
+      tasks_{bus::Reader<intaglio_StageTask>(bus_, bus::kDiscretizeTask),
+             bus::Reader<intaglio_StageTask>(bus_, bus::kSortTask),
+             bus::Reader<intaglio_StageTask>(bus_, bus::kEngraveTask)},
+      permissions_(bus_, bus::kPermission, kCell),
+      chunks_(bus_, bus::kModelChunk),
+      credit_(bus_, "fake-discretizer") {}
+
+void FakeShop::Submit(const std::string& submission_uid, const JobSpec& job,
+                      std::uint64_t epoch) {
+  const std::string text = job.SerializeAsString();
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  intaglio_JobSubmission sample{};
+  sample.submission_uid = Borrow(submission_uid);
+  sample.epoch = epoch;
+  const std::string client = "test@localhost";
+  sample.client = Borrow(client);
+  Borrow(sample.job, bytes);
+  (void)submissions_.Write(sample);
+}
+
+void FakeShop::Command(const StatusCopy& job, intaglio_JobCommandKind kind,
+                       std::uint64_t number) {
+  intaglio_JobCommand sample{};
+  sample.job_uid = Borrow(job.uid);
+  sample.epoch = job.epoch;
+  sample.number = number;
+  sample.kind = kind;
+  const std::string name = "ann@shop";
+  sample.operator_name = Borrow(name);
+  (void)commands_.Write(sample);
+}
+
+void FakeShop::Write(intaglio_Stage stage, const std::string& instance,
+                     intaglio_HealthState state, bool dispose) {
+  const std::string empty;
+  intaglio_ServiceHealth sample{};
+  sample.instance = Borrow(instance);
+  sample.role = kRoles[stage];
+  sample.state = state;
+  sample.host = sample.job_uid = sample.version = sample.message = Borrow(empty);
+  sample.cell = Borrow(stage == intaglio_STAGE_ENGRAVE ? kCell : empty);
+  (void)(dispose ? health_.Dispose(sample) : health_.Write(sample));
+}
+
+void FakeShop::Health(intaglio_Stage stage, const std::string& instance,
+                      intaglio_HealthState state) {
+  Write(stage, instance, state, false);
+}
+
+void FakeShop::Die(intaglio_Stage stage, const std::string& instance) {
+  Write(stage, instance, intaglio_HEALTH_READY, true);
+}
+
+void FakeShop::Report(const TaskCopy& task, intaglio_Stage stage,
+                      intaglio_TaskState state, std::uint64_t done, std::uint64_t total,
+                      const std::string& code, const std::string& message) {
+  intaglio_TaskStatus sample{};
+  sample.job_uid = Borrow(task.job_uid);
+  sample.stage = stage;
+  sample.attempt = task.attempt;
+  sample.worker = Borrow(task.worker);
+  sample.state = state;
+  sample.done_count = done;
+  sample.total_count = total;
+  sample.estimate_ticks = stage == intaglio_STAGE_ENGRAVE ? 4321 : 0;
+  sample.error_code = Borrow(code);
+  sample.message = Borrow(message);
+  (void)tasks_out_.Write(sample);
+}
+
+void FakeShop::Poll() {
+  statuses_.Take([this](const intaglio_JobStatus& status) {
+    status_[std::string(View(status.submission_uid))] = {
+        std::string(View(status.job_uid)),
+        std::string(View(status.message)),
+        std::string(View(status.result_directory)),
+        std::string(View(status.cell)),
+        status.epoch,
+        status.revision,
+        status.estimate_ticks,
+        status.attempt,
+        status.state};
+  });
+  for (const intaglio_Stage stage :
+       {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
+    tasks_.at(stage).Take([&](const intaglio_StageTask& task) {
+      TaskCopy& copy = task_.at(stage);
+      copy = {};
+      copy.worker = View(task.worker);
+      copy.job_uid = View(task.job_uid);
+      copy.consumer = View(task.consumer);
+      copy.attempt = task.attempt;
+      copy.revoked = task.revoked;
+      const auto bytes = View(task.frozen_job);
+      copy.frozen.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
+    });
+  }
+  permissions_.TakeAll(
+      [this](const intaglio_Permission& permission, const bus::SampleOrigin& origin) {
+        granted_ = origin.alive && permission.granted;
+        ++permissions_seen_;
+      });
+}
+
+bool FakeShop::Until(const std::function<bool()>& condition) {
+  return test::Eventually([&] {
+    Poll();
+    return condition();
+  });
+}
+
+StatusCopy FakeShop::Status(const std::string& submission_uid) {
+  Poll();
+  return status_[submission_uid];
+}
+
+TaskCopy FakeShop::Task(intaglio_Stage stage) {
+  Poll();
+  return task_.at(stage);
+}
+
+bool FakeShop::ReceiveModels(const TaskCopy& task) {
+  const std::string stream =
+      bus::StreamName(task.job_uid, task.attempt, bus::kModelChunk.name);
+  if (stream != stream_) {
+    stream_ = stream;
+    consumed_ = 0;
+    models_.clear();
+    (void)credit_.Open(stream, chunks_.guid(), 1);  // the least window: strictly in turns
+  }
+  bool whole = false;
+  chunks_.Take([&](const intaglio_ModelChunk& chunk) {
+    if (View(chunk.job_uid) != task.job_uid || chunk.attempt != task.attempt) return;
+    if (chunk.sequence_number != consumed_) return;
+    if (chunk.model == models_.size()) models_.emplace_back();
+    const auto bytes = View(chunk.bytes);
+    models_.back().append(bytes.begin(), bytes.end());
+    whole = chunk.last && models_.back().size() == chunk.file_size;
+    (void)credit_.Consumed(stream, ++consumed_, true);
+  });
+  return whole;
+}
+
+}  // namespace intaglio::job_service

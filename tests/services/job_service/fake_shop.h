@@ -1,0 +1,102 @@
+#pragma once
+
+// The real job service as a process, and everybody else played by the test: a client, a
+// discretizer, a sorter, a synchronizer, on a bus that nobody else sees.
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "proto/job.pb.h"
+#include "proto/task.pb.h"
+#include "services/bus/flow.h"
+#include "tests/services/bus/private_bus.h"
+
+namespace intaglio::job_service {
+
+/// bin/intaglio-job-service; killed with its holder.
+class ServiceProcess {
+ public:
+  ServiceProcess(const std::filesystem::path& folder, const std::string& tag);
+  ~ServiceProcess() { Kill(); }
+  void Kill();  ///< SIGKILL
+  /// SIGTERM; the exit code.
+  int Stop();
+  /// True when it has ended by itself.
+  bool Exited(int& exit_code);
+
+ private:
+  int pid_ = -1;
+};
+
+struct StatusCopy {
+  std::string uid, message, result_directory, cell;
+  std::uint64_t epoch = 0, revision = 0, estimate_ticks = 0;
+  std::uint32_t attempt = 0;
+  intaglio_JobState state = intaglio_JOB_QUEUED;
+};
+
+struct TaskCopy {
+  std::string worker, job_uid, consumer;
+  std::uint32_t attempt = 0;
+  bool revoked = false;
+  FrozenJob frozen;
+};
+
+class FakeShop {
+ public:
+  explicit FakeShop(const bus::BusOptions& options);
+
+  void Submit(const std::string& submission_uid, const JobSpec& job,
+              std::uint64_t epoch = 0);
+  void Command(const StatusCopy& job, intaglio_JobCommandKind kind, std::uint64_t number);
+  /// A worker says how it is; the first time it appears.
+  void Health(intaglio_Stage stage, const std::string& instance,
+              intaglio_HealthState state);
+  void Die(intaglio_Stage stage, const std::string& instance);
+  void Report(const TaskCopy& task, intaglio_Stage stage, intaglio_TaskState state,
+              std::uint64_t done, std::uint64_t total, const std::string& code = "",
+              const std::string& message = "");
+
+  /// Takes what has come.
+  void Poll();
+  /// Polls until it holds; ten seconds at most.
+  bool Until(const std::function<bool()>& condition);
+
+  /// Newest status of the submission; an empty one when there is none.
+  StatusCopy Status(const std::string& submission_uid);
+  TaskCopy Task(intaglio_Stage stage);
+  bool granted() const { return granted_; }
+  int permissions_seen() const { return permissions_seen_; }
+
+  /// Models of the task, as the discretizer gets them; true when all are there.
+  bool ReceiveModels(const TaskCopy& task);
+  const std::vector<std::string>& models() const { return models_; }
+
+ private:
+  void Write(intaglio_Stage stage, const std::string& instance,
+             intaglio_HealthState state, bool dispose);
+
+  bus::Bus bus_;
+  bus::Writer<intaglio_JobSubmission> submissions_;
+  bus::Writer<intaglio_JobCommand> commands_;
+  bus::Writer<intaglio_ServiceHealth> health_;
+  bus::Writer<intaglio_TaskStatus> tasks_out_;
+  bus::Reader<intaglio_JobStatus> statuses_;
+  std::array<bus::Reader<intaglio_StageTask>, 3> tasks_;
+  bus::Reader<intaglio_Permission> permissions_;
+  bus::Reader<intaglio_ModelChunk> chunks_;
+  bus::CreditGrantor credit_;
+
+  std::map<std::string, StatusCopy> status_;  // by submission
+  std::array<TaskCopy, 3> task_;
+  bool granted_ = false;
+  int permissions_seen_ = 0;
+  std::string stream_;
+  std::uint64_t consumed_ = 0;
+  std::vector<std::string> models_;
+};
+
+}  // namespace intaglio::job_service

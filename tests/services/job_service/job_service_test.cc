@@ -1,0 +1,257 @@
+// The real process, over DDS, with its workers played by the test.
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "tests/proto/test_job.h"
+#include "tests/services/job_service/fake_shop.h"
+
+namespace intaglio::job_service {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class JobServiceTest : public testing::Test {
+ protected:
+  JobServiceTest()
+      : folder_(fs::path(INTAGLIO_TEST_DIR) / "job_service" /
+                testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    Start();
+  }
+  void Start() { service_.emplace(folder_, test::PrivateTag()); }
+
+  void ReadyAll() {
+    shop_.Health(intaglio_STAGE_DISCRETIZE, "d", intaglio_HEALTH_READY);
+    shop_.Health(intaglio_STAGE_SORT, "s", intaglio_HEALTH_READY);
+    shop_.Health(intaglio_STAGE_ENGRAVE, "y", intaglio_HEALTH_READY);
+  }
+  bool Reaches(intaglio_JobState state, const std::string& submission = "one") {
+    const bool reached = shop_.Until([&] { return Job(submission).state == state; });
+    EXPECT_EQ(Job(submission).state, state) << Job(submission).message;
+    return reached;
+  }
+  StatusCopy Job(const std::string& submission = "one") {
+    return shop_.Status(submission);
+  }
+  bool HasTasks(std::uint32_t attempt) {
+    return shop_.Until([&] {
+      for (const auto stage :
+           {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
+        const TaskCopy task = shop_.Task(stage);
+        if (task.attempt != attempt || task.revoked) return false;
+      }
+      return true;
+    });
+  }
+  void Report(intaglio_Stage stage, intaglio_TaskState state, std::uint64_t done,
+              const std::string& code = "", const std::string& message = "") {
+    shop_.Report(shop_.Task(stage), stage, state, done, 100, code, message);
+  }
+  // From submission to the path in the synchronizer.
+  void RunToArm() {
+    shop_.Submit("one", GoodJob());
+    ReadyAll();
+    ASSERT_TRUE(HasTasks(1));
+    Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
+    ASSERT_TRUE(Reaches(intaglio_JOB_SORTING));
+    Report(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100);
+    Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, "", "waits for the arm");
+    ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
+  }
+  void RunToEngraving() {
+    RunToArm();
+    shop_.Command(Job(), intaglio_COMMAND_ARM, 1);
+    ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+    Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 10);
+    ASSERT_TRUE(Reaches(intaglio_JOB_ENGRAVING));
+  }
+
+  fs::path folder_;
+  FakeShop shop_{test::PrivateBusOptions()};
+  std::optional<ServiceProcess> service_;
+};
+
+TEST_F(JobServiceTest, HappyPath) {
+  shop_.Submit("one", GoodJob());
+  ASSERT_TRUE(Reaches(intaglio_JOB_QUEUED));
+  ASSERT_TRUE(shop_.Until([&] { return !Job().message.empty(); }));
+  EXPECT_THAT(Job().message, HasSubstr("waits for a synchronizer of els-03 (none runs)"));
+  EXPECT_EQ(Job().cell, "els-03");
+  ReadyAll();
+  ASSERT_TRUE(HasTasks(1));
+  EXPECT_TRUE(Reaches(intaglio_JOB_DISCRETIZING));
+  const TaskCopy discretize = shop_.Task(intaglio_STAGE_DISCRETIZE);
+  EXPECT_EQ(discretize.worker, "d");
+  EXPECT_EQ(discretize.consumer, "s");
+  EXPECT_EQ(shop_.Task(intaglio_STAGE_SORT).consumer, "y");
+  EXPECT_EQ(shop_.Task(intaglio_STAGE_ENGRAVE).consumer, "");
+  EXPECT_EQ(discretize.frozen.job_uid(), Job().uid);
+  EXPECT_EQ(discretize.frozen.epoch(), Job().epoch);
+  EXPECT_EQ(discretize.frozen.result_directory(), folder_ / "results" / Job().uid);
+  // Published index at 532 nm, to the five digits given.
+  EXPECT_NEAR(discretize.frozen.optics().refractive_index(), 1.51947, 5e-6);
+
+  ASSERT_TRUE(shop_.Until([&] { return shop_.ReceiveModels(discretize); }));
+  std::ifstream file(GoodJob().models(0).file(), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_GT(bytes.size(), 65536u) << "more than one chunk";
+  ASSERT_EQ(shop_.models().size(), 1u);
+  EXPECT_EQ(shop_.models()[0], bytes);
+
+  Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
+  ASSERT_TRUE(Reaches(intaglio_JOB_SORTING));
+  Report(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100);
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0);
+  ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
+  EXPECT_EQ(Job().estimate_ticks, 4321u);
+  // Permission is told, and it is no.
+  const int before = shop_.permissions_seen();
+  ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 3; }));
+  EXPECT_FALSE(shop_.granted());
+  shop_.Command(Job(), intaglio_COMMAND_ARM, 1);
+  ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 50);
+  ASSERT_TRUE(Reaches(intaglio_JOB_ENGRAVING));
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100);
+  ASSERT_TRUE(Reaches(intaglio_JOB_DONE));
+  ASSERT_TRUE(shop_.Until([&] { return !shop_.granted(); }));
+  EXPECT_EQ(service_->Stop(), 0);
+}
+
+TEST_F(JobServiceTest, ARefusalNamesEveryMistake) {
+  JobSpec job = GoodJob();
+  job.set_glass("unobtainium");
+  job.mutable_block()->set_margin_mm(-1);
+  job.mutable_models(0)->set_file("/nowhere/cube.stl");
+  job.mutable_discretization()->set_min_spacing_mm(50);
+  job.mutable_laser()->set_rate_hz(60);
+  job.mutable_lens()->set_focal_length_mm(50);
+  shop_.Submit("one", job);
+  ASSERT_TRUE(Reaches(intaglio_JOB_FAILED));
+  EXPECT_EQ(Job().uid, "");
+  for (const char* path :
+       {"glass: ", "block.margin_mm: -1", "models[0].file: /nowhere/cube.stl",
+        "discretization.min_spacing_mm: 50", "laser.rate_hz: 60",
+        "lens.focal_length_mm: 50"}) {
+    EXPECT_THAT(Job().message, HasSubstr(path));
+  }
+  shop_.Submit("two", JobSpec());
+  ASSERT_TRUE(Reaches(intaglio_JOB_FAILED, "two"));
+  EXPECT_THAT(Job("two").message, HasSubstr("machine_file: is missing"));
+  shop_.Submit("three", GoodJob(), 42);
+  ASSERT_TRUE(Reaches(intaglio_JOB_FAILED, "three"));
+  EXPECT_THAT(Job("three").message, HasSubstr("another run"));
+}
+
+TEST_F(JobServiceTest, ADeadWorkersJobIsHandedOutAnew) {
+  shop_.Submit("one", GoodJob());
+  ReadyAll();
+  ASSERT_TRUE(HasTasks(1));
+  const TaskCopy first = shop_.Task(intaglio_STAGE_SORT);
+  shop_.Die(intaglio_STAGE_DISCRETIZE, "d");
+  ASSERT_TRUE(shop_.Until([&] { return shop_.Task(intaglio_STAGE_SORT).revoked; }));
+  EXPECT_TRUE(Reaches(intaglio_JOB_QUEUED));
+  EXPECT_THAT(Job().message, HasSubstr("d was lost"));
+  shop_.Report(first, intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+  shop_.Report(shop_.Task(intaglio_STAGE_ENGRAVE), intaglio_STAGE_ENGRAVE,
+               intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+  shop_.Health(intaglio_STAGE_DISCRETIZE, "d2", intaglio_HEALTH_READY);
+  ASSERT_TRUE(HasTasks(2));
+  EXPECT_EQ(shop_.Task(intaglio_STAGE_DISCRETIZE).worker, "d2");
+  // The old attempt's word is not heard any more.
+  shop_.Report(first, intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "unreadable",
+               "old");
+  const TaskCopy second = shop_.Task(intaglio_STAGE_DISCRETIZE);
+  ASSERT_TRUE(shop_.Until([&] { return shop_.ReceiveModels(second); }));
+  Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
+  EXPECT_TRUE(Reaches(intaglio_JOB_SORTING));
+}
+
+TEST_F(JobServiceTest, CancelWithdrawsEverything) {
+  RunToEngraving();
+  shop_.Command(Job(), intaglio_COMMAND_CANCEL, 2);
+  ASSERT_TRUE(Reaches(intaglio_JOB_CANCELLED));
+  EXPECT_EQ(Job().message, "cancelled by ann@shop");
+  EXPECT_TRUE(shop_.Until([&] { return shop_.Task(intaglio_STAGE_ENGRAVE).revoked; }));
+  EXPECT_TRUE(shop_.Until([&] { return !shop_.granted(); }));
+}
+
+TEST_F(JobServiceTest, StaleCommandsAndRepeatedSubmissionsDoNothing) {
+  RunToArm();
+  StatusCopy stale = Job();
+  --stale.epoch;
+  shop_.Command(stale, intaglio_COMMAND_ARM, 5);
+  const int before = shop_.permissions_seen();
+  // Ten periods of the permission: the command was taken long before.
+  ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 10; }));
+  EXPECT_FALSE(shop_.granted());
+  const std::string uid = Job().uid;
+  shop_.Submit("one", GoodJob());
+  shop_.Command(Job(), intaglio_COMMAND_ARM, 6);
+  ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+  EXPECT_EQ(Job().uid, uid);
+}
+
+TEST_F(JobServiceTest, PauseAndResume) {
+  RunToEngraving();
+  shop_.Command(Job(), intaglio_COMMAND_PAUSE, 2);
+  ASSERT_TRUE(Reaches(intaglio_JOB_PAUSED));
+  ASSERT_TRUE(shop_.Until([&] { return !shop_.granted(); }));
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, "", "no permission");
+  shop_.Command(Job(), intaglio_COMMAND_RESUME, 3);
+  ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 13);
+  EXPECT_TRUE(Reaches(intaglio_JOB_ENGRAVING));
+}
+
+TEST_F(JobServiceTest, TheQueueSurvivesAKill) {
+  shop_.Submit("one", GoodJob());
+  ASSERT_TRUE(Reaches(intaglio_JOB_QUEUED));
+  const StatusCopy before = Job();
+  service_->Kill();
+  Start();
+  ASSERT_TRUE(shop_.Until([&] { return Job().revision > before.revision + 1; }));
+  EXPECT_EQ(Job().uid, before.uid);
+  EXPECT_EQ(Job().epoch, before.epoch);
+  ReadyAll();
+  EXPECT_TRUE(HasTasks(1));
+  shop_.Submit("two", GoodJob());
+  ASSERT_TRUE(shop_.Until([&] { return !Job("two").uid.empty(); }));
+  EXPECT_GT(Job("two").epoch, before.epoch);
+}
+
+TEST_F(JobServiceTest, AKillWhileEngravingPausesAndTheSameSynchronizerGoesOn) {
+  RunToEngraving();
+  service_->Kill();
+  ASSERT_TRUE(shop_.Until([&] { return !shop_.granted(); }))
+      << "silence is no permission";
+  Start();
+  ASSERT_TRUE(Reaches(intaglio_JOB_PAUSED));
+  EXPECT_THAT(Job().message, HasSubstr("the job service was restarted"));
+  // An arm of before the restart, repeated, is stale.
+  shop_.Command(Job(), intaglio_COMMAND_RESUME, 1);
+  const int before = shop_.permissions_seen();
+  ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 10; }));
+  EXPECT_FALSE(shop_.granted());
+  shop_.Command(Job(), intaglio_COMMAND_RESUME, 2);
+  ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100);
+  EXPECT_TRUE(Reaches(intaglio_JOB_DONE));
+}
+
+TEST_F(JobServiceTest, WrongOptionsAndDatabasesEndTheProcess) {
+  service_->Kill();
+  fs::remove(folder_ / "jobs.db");
+  fs::create_directory(folder_ / "jobs.db");
+  Start();
+  int status = -1;
+  ASSERT_TRUE(test::Eventually([&] { return service_->Exited(status); }));
+  EXPECT_EQ(status, 1);
+}
+
+}  // namespace
+}  // namespace intaglio::job_service

@@ -1,0 +1,154 @@
+#include "services/job_service/job_store.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+namespace intaglio::job_service {
+namespace {
+
+namespace fs = std::filesystem;
+
+class JobStoreTest : public testing::Test {
+ protected:
+  JobStoreTest()
+      : path_(fs::path(INTAGLIO_TEST_DIR) / "job_store" /
+              testing::UnitTest::GetInstance()->current_test_info()->name() / "jobs.db") {
+    fs::remove_all(path_.parent_path());
+  }
+  static JobRecord Record(std::uint32_t number, intaglio_JobState state) {
+    JobRecord job;
+    job.number = number;
+    job.uid = std::to_string(number) + "-abc";
+    job.submission_uid = "s" + std::to_string(number);
+    job.epoch = 0xabcdef0123456789;
+    job.name = "a \"quoted\" name; DROP TABLE jobs";
+    job.cell = "els-03";
+    job.rate_hz = 100;
+    job.result_directory = "/results/" + job.uid;
+    job.frozen_job = std::string("\0\1\2\xff", 4);
+    job.state = state;
+    job.attempt = 2;
+    job.lost_attempts = 1;
+    job.message = "two\nlines";
+    job.estimate_ticks = 12345678901234;
+    job.stage(intaglio_STAGE_SORT) = {"sorter-1", true, 7, 8, 1.5};
+    job.revision = 9;
+    job.last_command = 18446744073709551615u;
+    job.ever_granted = true;
+    return job;
+  }
+
+  fs::path path_;
+};
+
+TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
+  const JobRecord kept = Record(1, intaglio_JOB_SORTING);
+  JobStore(path_).Keep(kept);
+  const auto loaded = JobStore(path_).Load(0);
+  ASSERT_EQ(loaded.size(), 1u);
+  const JobRecord& job = loaded[0];
+  EXPECT_EQ(job.number, kept.number);
+  EXPECT_EQ(job.uid, kept.uid);
+  EXPECT_EQ(job.submission_uid, kept.submission_uid);
+  EXPECT_EQ(job.epoch, kept.epoch);
+  EXPECT_EQ(job.name, kept.name);
+  EXPECT_EQ(job.cell, kept.cell);
+  EXPECT_EQ(job.rate_hz, kept.rate_hz);
+  EXPECT_EQ(job.result_directory, kept.result_directory);
+  EXPECT_EQ(job.frozen_job, kept.frozen_job);
+  EXPECT_EQ(job.state, kept.state);
+  EXPECT_EQ(job.attempt, kept.attempt);
+  EXPECT_EQ(job.lost_attempts, kept.lost_attempts);
+  EXPECT_EQ(job.message, kept.message);
+  EXPECT_EQ(job.estimate_ticks, kept.estimate_ticks);
+  EXPECT_EQ(job.last_command, kept.last_command);
+  EXPECT_TRUE(job.ever_granted);
+  EXPECT_FALSE(job.armed);
+  EXPECT_GT(job.revision, kept.revision) << "what was told since the last Keep is older";
+  const StageRecord& stage = job.stage(intaglio_STAGE_SORT);
+  EXPECT_EQ(stage.worker, "sorter-1");
+  EXPECT_TRUE(stage.done);
+  EXPECT_EQ(stage.done_count, 7u);
+  EXPECT_EQ(stage.total_count, 8u);
+  EXPECT_EQ(stage.elapsed_s, 1.5);
+}
+
+TEST_F(JobStoreTest, ALaterKeepReplacesTheEarlier) {
+  JobStore store(path_);
+  JobRecord job = Record(1, intaglio_JOB_SORTING);
+  store.Keep(job);
+  job.state = intaglio_JOB_ENGRAVING;
+  job.message = "";
+  store.Keep(job);
+  ASSERT_EQ(store.Load(0).size(), 1u);
+  EXPECT_EQ(store.Load(0)[0].state, intaglio_JOB_ENGRAVING);
+  EXPECT_EQ(store.Load(0)[0].message, "");
+}
+
+TEST_F(JobStoreTest, LoadsOpenJobsAndTheNewestEndedOnes) {
+  JobStore store(path_);
+  for (std::uint32_t n = 1; n <= 6; ++n) {
+    store.Keep(Record(n, n == 2 ? intaglio_JOB_QUEUED : intaglio_JOB_DONE));
+  }
+  std::vector<std::uint32_t> numbers;
+  for (const JobRecord& job : store.Load(2)) numbers.push_back(job.number);
+  EXPECT_THAT(numbers, testing::ElementsAre(2, 5, 6));
+  EXPECT_EQ(store.NextNumber(), 7u);
+}
+
+TEST_F(JobStoreTest, EpochsGrowFromRunToRun) {
+  std::uint64_t last = 0;
+  for (int i = 0; i < 5; ++i) {
+    const std::uint64_t epoch = JobStore(path_).BeginRun();
+    EXPECT_GT(epoch, last);
+    last = epoch;
+  }
+}
+
+TEST_F(JobStoreTest, RemembersSubmissions) {
+  JobStore store(path_);
+  EXPECT_FALSE(store.OutcomeOf("s1"));
+  store.Keep(Record(1, intaglio_JOB_QUEUED));
+  EXPECT_EQ(store.OutcomeOf("s1"), "");
+  store.KeepRefusal("s2", "glass: is missing");
+  EXPECT_EQ(JobStore(path_).OutcomeOf("s2"), "glass: is missing");
+}
+
+TEST_F(JobStoreTest, TasksKeepTheirFirstEnd) {
+  JobStore store(path_);
+  TaskOrder order;
+  order.worker = "w";
+  order.stage = intaglio_STAGE_ENGRAVE;
+  order.job_uid = "1-abc";
+  order.attempt = 1;
+  store.KeepTask(order);
+  TaskView end;
+  end.job_uid = "1-abc";
+  end.attempt = 1;
+  end.stage = intaglio_STAGE_ENGRAVE;
+  end.state = intaglio_TASK_DONE;
+  store.KeepTaskEnd(end, "outcome");
+  end.state = intaglio_TASK_FAILED;
+  store.KeepTaskEnd(end, "");
+  SQLite::Database database(path_.string());
+  EXPECT_EQ(database.execAndGet("SELECT state FROM tasks").getInt(), intaglio_TASK_DONE);
+  EXPECT_EQ(database.execAndGet("SELECT outcome FROM tasks").getString(), "outcome");
+}
+
+TEST_F(JobStoreTest, ADatabaseOfANewerProgramIsRefused) {
+  { JobStore store(path_); }
+  {
+    SQLite::Database(path_.string(), SQLite::OPEN_READWRITE)
+        .exec("PRAGMA user_version = 99");
+  }
+  EXPECT_THROW(JobStore{path_}, StoreError);
+}
+
+TEST_F(JobStoreTest, WhatIsNoDatabaseIsRefused) {
+  EXPECT_THROW(JobStore("/proc/nowhere/jobs.db"), StoreError);
+}
+
+}  // namespace
+}  // namespace intaglio::job_service
