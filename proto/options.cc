@@ -25,6 +25,22 @@ mesh::Fit FitOf(const Placement& placement, const Block& block) {
   return mesh::NoFit{};
 }
 
+discretize::Direction DirectionOf(Axis axis, const Vector3& rotate_deg) {
+  const discretize::Axis base = axis == AXIS_X   ? discretize::Axis::kX
+                                : axis == AXIS_Y ? discretize::Axis::kY
+                                                 : discretize::Axis::kZ;
+  return {base, Vec3Of(rotate_deg) * kRadPerDeg};
+}
+
+discretize::SectionOptions SectionOptionsOf(const SectionsMethod& asked) {
+  Require(asked.has_layer_distance_mm() && asked.has_insert_end_points(),
+          "the job's defaults are not filled in");
+  return {
+      asked.layer_distance_mm(),         asked.vertex_distance_mm(),
+      asked.first_last_distance_ratio(), asked.twist_phase_ratio(),
+      asked.insert_end_points(),         DirectionOf(asked.axis(), asked.rotate_deg())};
+}
+
 motion::Profile ProfileOf(MotionProfile profile) {
   switch (profile) {
     case MOTION_PROFILE_TRIANGLE:
@@ -64,6 +80,32 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
   result.move_mm = Vec3Of(placement.move_mm());
   result.centre_in_block = placement.centre_in_block();
   return result;
+}
+
+discretize::DiscretizeOptions DiscretizeOptionsOf(const JobSpec& job) {
+  const Discretization& asked = job.discretization();
+  discretize::DiscretizeOptions options;
+  options.min_spacing_mm = asked.min_spacing_mm();
+  options.permitted_mm = PermittedBoxOf(job);
+  options.clip = job.block().clip();
+  switch (asked.method_case()) {
+    case Discretization::kSections:
+      options.method = discretize::Method::kSections;
+      options.sections = SectionOptionsOf(asked.sections());
+      break;
+    case Discretization::kFill:
+      options.method = discretize::Method::kFill;
+      options.fill = {asked.fill().vertex_distance_mm(), asked.fill().full_fill()};
+      break;
+    case Discretization::kRays:
+      options.method = discretize::Method::kRays;
+      options.rays = {asked.rays().distance_mm(),
+                      DirectionOf(asked.rays().axis(), asked.rays().rotate_deg())};
+      break;
+    case Discretization::METHOD_NOT_SET:
+      Require(false, "the job's defaults are not filled in");
+  }
+  return options;
 }
 
 sort::OrderOptions OrderOptionsOf(const JobSpec& job, double cone_tangent) {

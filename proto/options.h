@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "engrave/core/geometry.h"
+#include "engrave/discretize/methods.h"
 #include "engrave/mesh/placement.h"
 #include "engrave/motion/limits.h"
 #include "engrave/motion/profile.h"
@@ -29,6 +30,9 @@ Box3 PermittedBoxOf(const JobSpec& job);
 
 /// The way of a model into the job's block.
 mesh::Placement PlacementOf(const Placement& placement, const Block& block);
+
+/// Method, spacing, bounds and clip.
+discretize::DiscretizeOptions DiscretizeOptionsOf(const JobSpec& job);
 
 /// Where the order Kdz leaves its weight open, it follows from the beam's cone in the
 /// glass (OpticalValuesRecord.cone_tangent).

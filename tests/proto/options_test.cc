@@ -66,6 +66,41 @@ TEST(Options, MotionIsCappedAxisByAxis) {
   EXPECT_EQ(motion.shutter_mask, 0b0101);
 }
 
+TEST(Options, DiscretizationOfEveryMethod) {
+  JobSpec job = GoodJob();
+  job.mutable_block()->set_clip(true);
+  auto& sections = *job.mutable_discretization()->mutable_sections();
+  sections.set_axis(AXIS_X);
+  sections.mutable_rotate_deg()->set_y(45);
+  sections.set_layer_distance_mm(0.5);
+  sections.set_twist_phase_ratio(0.25);
+  auto options = DiscretizeOptionsOf(WithDefaults(job, GoodMachine()));
+  EXPECT_EQ(options.method, discretize::Method::kSections);
+  EXPECT_EQ(options.min_spacing_mm, 0.3);
+  EXPECT_TRUE(options.clip);
+  EXPECT_EQ(options.permitted_mm.max_mm, Vec3(47, 47, 27));
+  EXPECT_EQ(options.sections.layer_distance_mm, 0.5);
+  EXPECT_EQ(options.sections.vertex_distance_mm, 0.3);
+  EXPECT_EQ(options.sections.first_last_distance_ratio, 0.1);
+  EXPECT_EQ(options.sections.twist_phase_ratio, 0.25);
+  EXPECT_TRUE(options.sections.insert_end_points);
+  EXPECT_EQ(options.sections.normal.axis, discretize::Axis::kX);
+  EXPECT_DOUBLE_EQ(options.sections.normal.rotation_rad.y(), std::numbers::pi / 4);
+
+  job.mutable_discretization()->mutable_fill()->set_full_fill(false);
+  options = DiscretizeOptionsOf(WithDefaults(job, GoodMachine()));
+  EXPECT_EQ(options.method, discretize::Method::kFill);
+  EXPECT_EQ(options.fill.vertex_distance_mm, 0.3);
+  EXPECT_FALSE(options.fill.full_fill);
+
+  job.mutable_discretization()->mutable_rays()->set_axis(AXIS_Y);
+  options = DiscretizeOptionsOf(WithDefaults(job, GoodMachine()));
+  EXPECT_EQ(options.method, discretize::Method::kRays);
+  EXPECT_EQ(options.rays.distance_mm, 0.3);
+  EXPECT_EQ(options.rays.direction.axis, discretize::Axis::kY);
+  EXPECT_THROW(DiscretizeOptionsOf(GoodJob()), PreconditionError);
+}
+
 TEST(Options, OrderFollowsTheCone) {
   JobSpec job = WithDefaults(GoodJob(), GoodMachine());
   EXPECT_EQ(OrderOptionsOf(job, 0.9).method, sort::Method::kKdz);
