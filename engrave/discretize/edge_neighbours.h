@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/mesh/mesh.h"
+
+namespace intaglio::discretize {
+
+inline constexpr std::uint32_t kNoNeighbour = 0xffffffff;
+
+/// Half-edges are numbered 3 * triangle + side, side i from corner i to corner i + 1.
+/// For each, the half-edge of another triangle on the same edge, or kNoNeighbour at an
+/// open edge. On an edge of more than two triangles they are paired, opposite directions
+/// first; an odd one is left open. Neighbourhood is mutual.
+std::vector<std::uint32_t> EdgeNeighbours(const mesh::TriangleMesh& mesh);
+
+}  // namespace intaglio::discretize

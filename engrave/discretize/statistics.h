@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+namespace intaglio::discretize {
+
+/// Layers and rays are apart by this much more than was asked for, a thousandth of a
+/// micrometre over a whole block: rounding may not bring points that stand exactly a
+/// minimum spacing apart nearer than it, or the weld would take every second one.
+inline constexpr double kRoundingAllowance = 1 + 1e-9;
+
+/// What a method did to one model.
+struct MethodStatistics {
+  std::uint64_t point_count = 0;              ///< before the weld
+  std::uint64_t plane_count = 0;              ///< sections
+  std::uint64_t closed_contour_count = 0;     ///< sections
+  std::uint64_t open_contour_count = 0;       ///< sections: they end at open edges
+  double parallel_area_mm2 = 0;               ///< sections: faces that no plane can cut
+  std::uint64_t small_triangle_count = 0;     ///< fill: smaller than a point, centre only
+  std::uint64_t rejected_triangle_count = 0;  ///< fill: without area
+  std::uint64_t ray_count = 0;                ///< rays that meet the model
+  std::uint64_t odd_ray_count = 0;  ///< of them, with an odd number of crossings
+
+  void Add(const MethodStatistics& other) {
+    point_count += other.point_count;
+    plane_count += other.plane_count;
+    closed_contour_count += other.closed_contour_count;
+    open_contour_count += other.open_contour_count;
+    parallel_area_mm2 += other.parallel_area_mm2;
+    small_triangle_count += other.small_triangle_count;
+    rejected_triangle_count += other.rejected_triangle_count;
+    ray_count += other.ray_count;
+    odd_ray_count += other.odd_ray_count;
+  }
+};
+
+}  // namespace intaglio::discretize
