@@ -1,0 +1,122 @@
+#include "engrave/formats/glass_record.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <bit>
+#include <cstring>
+#include <fstream>
+
+namespace intaglio::formats {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "numbers are copied as they lie in memory");
+constexpr char kMagic[] = "INTGLAS1";
+constexpr std::uint32_t kVersion = 1;
+
+template <typename T>
+void PutAt(std::byte* at, T value) {
+  std::memcpy(at, &value, sizeof value);
+}
+
+template <typename T>
+T GetAt(const std::byte* at) {
+  T value;
+  std::memcpy(&value, at, sizeof value);
+  return value;
+}
+
+std::uint32_t Crc(const std::byte* bytes, std::size_t size) {
+  return static_cast<std::uint32_t>(
+      crc32(0, reinterpret_cast<const Bytef*>(bytes), static_cast<uInt>(size)));
+}
+
+}  // namespace
+
+std::vector<std::byte> EncodeGlassHeader(const GlassHeader& header) {
+  std::vector<std::byte> bytes(kGlassHeaderSize);
+  std::memcpy(bytes.data(), kMagic, 8);
+  PutAt(bytes.data() + 8, kVersion);
+  PutAt(bytes.data() + 12, static_cast<std::uint32_t>(kGlassRecordSize));
+  for (int axis = 0; axis < 3; ++axis) {
+    PutAt(bytes.data() + 16 + 8 * axis, header.block_size_mm[axis]);
+  }
+  PutAt(bytes.data() + 40, header.refractive_index);
+  PutAt(bytes.data() + 48, header.numerical_aperture);
+  PutAt(bytes.data() + 60, Crc(bytes.data(), 60));
+  return bytes;
+}
+
+void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out) {
+  const std::size_t begin = out.size();
+  out.resize(begin + kGlassRecordSize);
+  std::byte* at = out.data() + begin;
+  PutAt(at, crack.tick);
+  for (int axis = 0; axis < 3; ++axis) PutAt(at + 8 + 8 * axis, crack.position_mm[axis]);
+  PutAt(at + 32, crack.pulse_energy_mj);
+  PutAt(at + 40, crack.channel);
+  PutAt(at + 41, static_cast<std::uint8_t>(crack.in_glass ? 1 : 0));
+  PutAt(at + 44, Crc(at, 44));
+}
+
+Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
+  if (bytes.size() < kGlassHeaderSize || std::memcmp(bytes.data(), kMagic, 8) != 0 ||
+      GetAt<std::uint32_t>(bytes.data() + 60) != Crc(bytes.data(), 60)) {
+    return Fail(ErrorCode::kUnreadable,
+                "not a glass record: its header is missing or damaged");
+  }
+  if (const auto version = GetAt<std::uint32_t>(bytes.data() + 8); version != kVersion) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("the glass record is of version {}; this program reads {}",
+                            version, kVersion),
+                fmt::format("{}", version));
+  }
+  GlassRecord record;
+  for (int axis = 0; axis < 3; ++axis) {
+    record.header.block_size_mm[axis] = GetAt<double>(bytes.data() + 16 + 8 * axis);
+  }
+  record.header.refractive_index = GetAt<double>(bytes.data() + 40);
+  record.header.numerical_aperture = GetAt<double>(bytes.data() + 48);
+  std::size_t offset = kGlassHeaderSize;
+  record.cracks.reserve((bytes.size() - offset) / kGlassRecordSize);
+  for (; offset + kGlassRecordSize <= bytes.size(); offset += kGlassRecordSize) {
+    const std::byte* at = bytes.data() + offset;
+    if (GetAt<std::uint32_t>(at + 44) != Crc(at, 44)) break;
+    GlassCrack crack;
+    crack.tick = GetAt<std::uint64_t>(at);
+    for (int axis = 0; axis < 3; ++axis) {
+      crack.position_mm[axis] = GetAt<double>(at + 8 + 8 * axis);
+    }
+    crack.pulse_energy_mj = GetAt<double>(at + 32);
+    crack.channel = GetAt<std::uint8_t>(at + 40);
+    crack.in_glass = GetAt<std::uint8_t>(at + 41) != 0;
+    record.cracks.push_back(crack);
+  }
+  record.torn_bytes = bytes.size() - offset;
+  return record;
+}
+
+Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("cannot open the glass record {}", file.string()),
+                file.string());
+  }
+  std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
+  in.seekg(0);
+  in.read(reinterpret_cast<char*>(bytes.data()),
+          static_cast<std::streamsize>(bytes.size()));
+  if (!in) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("cannot read the glass record {}", file.string()),
+                file.string());
+  }
+  return ParseGlassRecord(bytes).map_error([&](Error error) {
+    error.message = file.string() + ": " + error.message;
+    return error;
+  });
+}
+
+}  // namespace intaglio::formats

@@ -1,0 +1,59 @@
+#pragma once
+
+// What the glass of a virtual machine remembers, on disk while it happens: append-only,
+// fixed-size records, readable up to wherever it was cut.
+//
+//   offset  size  header (64 bytes)         offset  size  record (48 bytes)
+//        0     8  "INTGLAS1"                     0     8  tick
+//        8     4  version, 1                     8    24  x, y, z: glass frame, mm
+//       12     4  record size, 48               32     8  pulse energy, mJ
+//       16    24  block size x, y, z, mm        40     1  channel, 0..3
+//       40     8  refractive index              41     1  1: in the glass, 0: beside it
+//       48     8  numerical aperture            42     2  zero
+//       56     4  zero                          44     4  CRC-32 of bytes 0..43
+//       60     4  CRC-32 of bytes 0..59
+// All numbers little endian.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+
+namespace intaglio::formats {
+
+struct GlassHeader {
+  Vec3 block_size_mm = Vec3::Zero();
+  double refractive_index = 0;
+  double numerical_aperture = 0;
+};
+
+struct GlassCrack {
+  std::uint64_t tick = 0;
+  Vec3 position_mm = Vec3::Zero();  ///< where the marginal rays meet, glass frame
+  double pulse_energy_mj = 0;
+  std::uint8_t channel = 0;
+  bool in_glass = true;  ///< false: the pulse went into the air
+};
+
+struct GlassRecord {
+  GlassHeader header;
+  std::vector<GlassCrack> cracks;
+  std::uint64_t torn_bytes = 0;  ///< behind the last whole record
+};
+
+inline constexpr std::size_t kGlassHeaderSize = 64;
+inline constexpr std::size_t kGlassRecordSize = 48;
+
+std::vector<std::byte> EncodeGlassHeader(const GlassHeader& header);
+/// Appends the crack's record to `out`.
+void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out);
+
+/// kUnreadable when the header is not a glass record's.
+Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes);
+Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file);
+
+}  // namespace intaglio::formats

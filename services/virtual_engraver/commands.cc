@@ -1,0 +1,137 @@
+#include "services/virtual_engraver/commands.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <sstream>
+
+namespace intaglio::virtual_engraver {
+namespace {
+
+template <typename T>
+std::optional<T> NumberOf(const std::string& text) {
+  T value{};
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string> WordsOf(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+}  // namespace
+
+Status Commands::PlugLaser() {
+  auto line = PtyLine::Open(plugs_.laser_path, "laser line");
+  if (!line) return tl::unexpected(line.error());
+  plugs_.laser = std::move(*line);
+  machine_.PlugLaserLine(plugs_.laser->MachineEnd());
+  return {};
+}
+
+Status Commands::PlugMotion() {
+  auto line = PtyLine::Open(plugs_.motion_path, "motion line");
+  if (!line) return tl::unexpected(line.error());
+  plugs_.motion = std::move(*line);
+  machine_.PlugMotionLine(plugs_.motion->MachineEnd());
+  return {};
+}
+
+std::string Commands::Do(const std::string& command) {
+  const auto words = WordsOf(command);
+  if (words.empty()) return "error an empty command";
+  const std::string answer = DoWords(words);
+  return answer.empty() ? "error unknown command '" + command + "'; see docs/protocols.md"
+                        : answer;
+}
+
+std::string Commands::Line(const std::string& verb, const std::string& which) {
+  const bool laser = which == "laser";
+  if (!laser && which != "motion") return {};
+  if (verb == "unplug") {
+    if (laser) {
+      machine_.PlugLaserLine(nullptr);
+      plugs_.laser.reset();
+    } else {
+      machine_.PlugMotionLine(nullptr);
+      plugs_.motion.reset();
+    }
+    return "ok";
+  }
+  const auto plugged = laser ? PlugLaser() : PlugMotion();
+  return plugged ? "ok" : "error " + plugged.error().message;
+}
+
+std::string Commands::DoWords(const std::vector<std::string>& words) {
+  const std::string& verb = words[0];
+  const std::string what = words.size() > 1 ? words[1] : "";
+  const auto either = [&](const char* yes, const char* no) -> std::optional<bool> {
+    if (words.size() != 2 || (what != yes && what != no)) return std::nullopt;
+    return what == yes;
+  };
+  if (verb == "status") return "ok " + machine_.StatusLine();
+  if (verb == "quit") {
+    quit_ = true;
+    return "ok";
+  }
+  if (verb == "key") {
+    const auto on = either("on", "off");
+    if (on) machine_.laser().SetKey(*on);
+    return on ? "ok" : "";
+  }
+  if (verb == "door") {
+    const auto closed = either("close", "open");
+    if (closed) machine_.laser().SetDoor(*closed);
+    return closed ? "ok" : "";
+  }
+  if (verb == "estop") {
+    const auto pressed = either("press", "release");
+    if (!pressed) return "";
+    machine_.laser().SetStopButton(*pressed);
+    // The button cuts all drives at once.
+    if (*pressed) machine_.stage().Abort();
+    return "ok";
+  }
+  if (verb == "unstick") {
+    machine_.stage().Unstick();
+    return "ok";
+  }
+  if (verb == "stick" && (what == "all" || what == "x" || what == "y" || what == "z")) {
+    machine_.stage().Stick(what == "all" ? -1 : what[0] - 'x');
+    return "ok";
+  }
+  if (verb == "miss") {
+    const auto count = NumberOf<std::uint64_t>(what);
+    if (count) machine_.MissPulses(*count);
+    return count ? "ok" : "";
+  }
+  if (verb == "drop-bytes" && words.size() == 3) {
+    const auto ratio = NumberOf<double>(what);
+    auto& line = words[2] == "laser" ? plugs_.laser : plugs_.motion;
+    if (!ratio || *ratio < 0 || *ratio > 1 || !line)
+      return "error drop-bytes 0..1 laser|motion";
+    line->DropBytes(*ratio, plugs_.seed);
+    return "ok";
+  }
+  return verb == "plug" || verb == "unplug" ? Line(verb, what) : "";
+}
+
+Result<ScheduledFault> ParseFault(const std::string& text) {
+  const auto space = text.find(' ');
+  const auto tick = NumberOf<std::uint64_t>(text.substr(0, space));
+  if (!tick || space == std::string::npos) {
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("--fault '{}': write \"AT_TICK COMMAND\", e.g. \"2000 door open\"",
+                    text),
+        text);
+  }
+  return ScheduledFault{*tick, text.substr(space + 1)};
+}
+
+}  // namespace intaglio::virtual_engraver

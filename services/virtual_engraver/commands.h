@@ -1,0 +1,53 @@
+#pragma once
+
+// The words of the panel and of --fault: buttons, and ways to misbehave.
+//
+//   key on|off            door open|close         estop press|release
+//   stick x|y|z|all       unstick                 miss N
+//   drop-bytes RATIO laser|motion                 unplug laser|motion
+//   plug laser|motion     status                  quit
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "services/virtual_engraver/machine.h"
+#include "services/virtual_engraver/pty_line.h"
+
+namespace intaglio::virtual_engraver {
+
+/// The two plugs at the back of the machine.
+struct Plugs {
+  std::string laser_path, motion_path;
+  std::optional<PtyLine> laser, motion;
+  unsigned seed = 0;
+};
+
+class Commands {
+ public:
+  Commands(Machine& machine, Plugs& plugs) : machine_(machine), plugs_(plugs) {}
+
+  Status PlugLaser();
+  Status PlugMotion();
+  /// "ok", "ok {...}" or "error why".
+  std::string Do(const std::string& command);
+  bool quit() const { return quit_; }
+
+ private:
+  std::string DoWords(const std::vector<std::string>& words);
+  std::string Line(const std::string& verb, const std::string& which);
+  Machine& machine_;
+  Plugs& plugs_;
+  bool quit_ = false;
+};
+
+/// "AT_TICK COMMAND", done once the machine has reached that tick.
+struct ScheduledFault {
+  std::uint64_t tick = 0;
+  std::string command;
+};
+Result<ScheduledFault> ParseFault(const std::string& text);
+
+}  // namespace intaglio::virtual_engraver

@@ -1,0 +1,35 @@
+#pragma once
+
+// The glass: it records every crack and refuses nothing. What it holds is on disk at the
+// latest when Flush is called; a record file once begun is only appended to.
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/formats/glass_record.h"
+
+namespace intaglio::virtual_engraver {
+
+class Glass {
+ public:
+  /// Begins the record file anew.
+  static Result<Glass> Create(const std::filesystem::path& file,
+                              const formats::GlassHeader& header);
+
+  void Add(const formats::GlassCrack& crack);
+  /// kIo when the disk refuses; what was not written is kept and tried again.
+  Status Flush();
+  std::uint64_t crack_count() const { return crack_count_; }
+
+ private:
+  Glass(std::filesystem::path path, std::ofstream out)
+      : path_(std::move(path)), out_(std::move(out)) {}
+  std::filesystem::path path_;
+  std::ofstream out_;
+  std::vector<std::byte> unwritten_;
+  std::uint64_t crack_count_ = 0;
+};
+
+}  // namespace intaglio::virtual_engraver

@@ -1,0 +1,153 @@
+#include "services/virtual_engraver/laser.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace intaglio::virtual_engraver {
+
+using link::TickOutcome;
+
+Laser::Laser(LaserOptions options)
+    : options_(std::move(options)),
+      rate_hz_(options_.rates_hz.front()),
+      next_rate_hz_(rate_hz_) {}
+
+void Laser::SetLamp(const link::LampCommand& command) {
+  if (!command.on || !lamp_on_) lamp_s_ = 0;
+  lamp_on_ = command.on;
+  const auto& rates = options_.rates_hz;
+  if (std::find(rates.begin(), rates.end(), command.rate_hz) != rates.end()) {
+    next_rate_hz_ = command.rate_hz;
+  }
+}
+
+void Laser::SetShutters(std::uint8_t open_mask) {
+  const auto built_in = static_cast<std::uint8_t>((1u << options_.channels) - 1);
+  shutters_ =
+      safe_state_ ? std::uint8_t{0} : static_cast<std::uint8_t>(open_mask & built_in);
+}
+
+void Laser::Decide(const link::ArmWindow& window) {
+  const std::uint64_t last = window.first_tick + window.fire.size() - 1;
+  const std::uint64_t open_from = std::max(tick_, decided_through_) + 1;
+  for (std::uint64_t t = window.first_tick; t <= last && t < open_from; ++t) {
+    if (window.fire[t - window.first_tick]) {
+      reports_.push_back({t, {TickOutcome::kTooLate}});
+    }
+  }
+  if (last < open_from || safe_state_) return;
+  windows_.push_back(window);
+  decided_through_ = last;
+}
+
+void Laser::Disarm() {
+  ++disarms_taken_;
+  windows_.clear();
+  decided_through_ = std::min(decided_through_, tick_);
+}
+
+void Laser::Reset() {
+  if (!stop_pressed_) stop_latched_ = false;
+  if (!stop_latched_) safe_state_ = false;
+}
+
+void Laser::NewSession() {
+  Disarm();
+  disarms_taken_ = 0;
+  reports_.clear();
+}
+
+void Laser::SetStopButton(bool pressed) {
+  stop_pressed_ = pressed;
+  if (pressed) Stop();
+}
+
+void Laser::EnterSafeState() {
+  safe_state_ = true;
+  shutters_ = 0;
+  windows_.clear();
+  decided_through_ = std::min(decided_through_, tick_);
+}
+
+bool Laser::interlocked() const {
+  return !key_on_ || !door_closed_ || stop_pressed_ || stop_latched_ || safe_state_;
+}
+
+TickOutcome Laser::OutcomeAt(bool armed, bool gated, bool in_position) const {
+  if (!armed) return TickOutcome::kNotArmed;
+  if (gated && !in_position) return TickOutcome::kNotInPosition;
+  if (interlocked()) return TickOutcome::kInterlocked;
+  if (!lamp_on_ || lamp_s_ < options_.warm_up_s) return TickOutcome::kLampNotReady;
+  if (shutters_ == 0) return TickOutcome::kShutterClosed;
+  return TickOutcome::kFiredSeen;  // Seen() says whether it was
+}
+
+std::uint8_t Laser::AdvanceTick(bool in_position) {
+  ++tick_;
+  machine_s_ += 1 / rate_hz_;
+  if (lamp_on_) lamp_s_ += 1 / rate_hz_;
+  rate_hz_ = next_rate_hz_;
+  while (!windows_.empty() &&
+         windows_.front().first_tick + windows_.front().fire.size() <= tick_) {
+    windows_.pop_front();
+  }
+  if (windows_.empty() || windows_.front().first_tick > tick_) return 0;
+  const link::ArmWindow& window = windows_.front();
+  const TickOutcome outcome =
+      OutcomeAt(window.fire[tick_ - window.first_tick], window.gated, in_position);
+  Note(tick_, outcome);
+  if (outcome != TickOutcome::kFiredSeen) return 0;
+  ++pulse_count_;
+  last_fired_tick_ = tick_;
+  return shutters_;
+}
+
+void Laser::Seen(bool crack) {
+  if (!crack) reports_.back().outcome.back() = TickOutcome::kFiredUnseen;
+}
+
+void Laser::Note(std::uint64_t tick, TickOutcome outcome) {
+  const bool follows =
+      !reports_.empty() &&
+      reports_.back().first_tick + reports_.back().outcome.size() == tick &&
+      reports_.back().outcome.size() < link::kMaxReportTicks;
+  if (!follows) reports_.push_back({tick, {}});
+  reports_.back().outcome.push_back(outcome);
+}
+
+std::vector<link::PulseReport> Laser::TakeReports() {
+  return std::exchange(reports_, {});
+}
+
+link::LaserStatus Laser::Report() const {
+  link::LaserStatus status;
+  status.tick = tick_;
+  status.machine_us = static_cast<std::uint64_t>(machine_s_ * 1e6);
+  status.rate_hz = rate_hz_;
+  status.warm_ratio = !lamp_on_ ? 0
+                      : options_.warm_up_s <= 0
+                          ? 1
+                          : std::min(1.0, lamp_s_ / options_.warm_up_s);
+  const auto set = [&status](bool on, link::InterlockBits bit) {
+    if (on) status.interlocks = static_cast<std::uint8_t>(status.interlocks | bit);
+  };
+  set(key_on_, link::kKeyOn);
+  set(door_closed_, link::kDoorClosed);
+  set(!stop_pressed_ && !stop_latched_, link::kStopReleased);
+  set(lamp_on_, link::kLampOn);
+  set(lamp_on_ && lamp_s_ >= options_.warm_up_s, link::kLampWarm);
+  set(safe_state_, link::kSafeState);
+  status.shutters_open = shutters_;
+  status.pulse_count = pulse_count_;
+  status.last_fired_tick = last_fired_tick_;
+  status.decided_through = decided_through_;
+  status.disarms_taken = disarms_taken_;
+  return status;
+}
+
+link::LaserIdentity Laser::Identity() const {
+  return {options_.power_up, options_.lockstep, options_.channels, options_.rates_hz,
+          "Intaglio virtual engraver"};
+}
+
+}  // namespace intaglio::virtual_engraver

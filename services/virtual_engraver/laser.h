@@ -1,0 +1,90 @@
+#pragma once
+
+// The laser and its controller: lamp, warm-up, tick counter, decided ticks, interlocks,
+// shutters, Q-switch. What it may fire at a tick:
+//
+//   armed -> [gated: in position] -> key, door, stop -> no safe state -> lamp warm
+//         -> a shutter is open -> pulse
+//
+// The first link that does not hold is the outcome. Not thread-safe; time is AdvanceTick.
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "services/link/laser_protocol.h"
+
+namespace intaglio::virtual_engraver {
+
+struct LaserOptions {
+  std::vector<double> rates_hz = {100};
+  double warm_up_s = 30;      ///< machine time from lamp on
+  std::uint8_t channels = 1;  ///< 1..4
+  bool lockstep = false;
+  std::uint32_t power_up = 1;  ///< random number of this power-up
+};
+
+class Laser {
+ public:
+  explicit Laser(LaserOptions options);
+
+  // From the line.
+  void SetLamp(const link::LampCommand& command);
+  void SetShutters(std::uint8_t open_mask);
+  void Decide(const link::ArmWindow& window);
+  void Disarm();
+  void Stop() {
+    stop_latched_ = true;
+    EnterSafeState();
+  }
+  void Reset();
+  /// A new host: it knows nothing of what was decided, and counts its Disarms anew.
+  void NewSession();
+
+  // From the machine.
+  void SetKey(bool on) { key_on_ = on; }
+  void SetDoor(bool closed) { door_closed_ = closed; }
+  void SetStopButton(bool pressed);
+  /// Shutters closed, nothing decided, until Reset.
+  void EnterSafeState();
+
+  /// The next tick is decided (fire or not).
+  bool NextIsDecided() const { return tick_ + 1 <= decided_through_; }
+  /// Something could still fire without another word of the host.
+  bool MayFire() const { return shutters_ != 0 || !windows_.empty(); }
+  /// One lamp sync later. Returns the mask of channels that fire; 0: no pulse.
+  std::uint8_t AdvanceTick(bool in_position);
+  /// What the photosensors saw of the pulse that AdvanceTick returned.
+  void Seen(bool crack);
+
+  double rate_hz() const { return rate_hz_; }
+  std::uint64_t tick() const { return tick_; }
+  std::uint8_t shutters() const { return shutters_; }
+  link::LaserStatus Report() const;
+  link::LaserIdentity Identity() const;
+  /// Outcomes since the last call, late ones in reports of their own.
+  std::vector<link::PulseReport> TakeReports();
+
+ private:
+  bool interlocked() const;
+  link::TickOutcome OutcomeAt(bool armed, bool gated, bool in_position) const;
+  void Note(std::uint64_t tick, link::TickOutcome outcome);
+
+  LaserOptions options_;
+  double rate_hz_;
+  double next_rate_hz_;
+  std::uint64_t tick_ = 0;
+  double machine_s_ = 0;
+  bool lamp_on_ = false;
+  double lamp_s_ = 0;
+  std::uint8_t shutters_ = 0;
+  bool key_on_ = true, door_closed_ = true, stop_pressed_ = false;
+  bool stop_latched_ = false, safe_state_ = false;
+  std::uint64_t decided_through_ = 0;
+  std::deque<link::ArmWindow> windows_;
+  std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;
+  std::uint32_t disarms_taken_ = 0;
+  std::vector<link::PulseReport> reports_;
+};
+
+}  // namespace intaglio::virtual_engraver

@@ -1,0 +1,249 @@
+#include "services/virtual_engraver/machine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace intaglio::virtual_engraver {
+namespace {
+
+using link::LaserFrame;
+using link::MotionFrame;
+using std::chrono::nanoseconds;
+using namespace std::chrono_literals;
+
+constexpr auto kStatusPeriod = 20ms;
+constexpr auto kFlushPeriod = 50ms;
+constexpr auto kIdle = 10ms;
+// Between two looks at the lines.
+constexpr int kTicksAtOnce = 2048;
+// What the host has not taken yet stops the lockstep clock, so it stays bounded.
+constexpr std::size_t kMaxWaiting = 256;
+
+template <typename Frame>
+std::uint8_t Number(Frame type) {
+  return static_cast<std::uint8_t>(type);
+}
+
+}  // namespace
+
+void Machine::Line::Plug(std::unique_ptr<link::ByteStream> end,
+                         const link::SteadyClock& clock) {
+  waiting.clear();
+  link.reset();
+  if (end)
+    link =
+        std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end), clock);
+}
+
+bool Machine::Line::Poll(const link::ReliableLink::Handler& handler) {
+  if (!link) return false;
+  bool fresh = false;
+  const auto polled =
+      link->Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
+        handler(type, payload);
+      });
+  if (!polled) link.reset();
+  if (link && link->up() && link->session() != session) {
+    session = link->session();
+    waiting.clear();
+    next_status = nanoseconds{0};
+    fresh = true;
+  }
+  return fresh;
+}
+
+void Machine::Line::Flush() {
+  while (link && !waiting.empty() && link->CanSend()) {
+    if (!link->Send(waiting.front().first, waiting.front().second)) return;
+    waiting.pop_front();
+  }
+}
+
+Machine::Machine(const MachineOptions& options, Glass glass, link::SteadyClock clock)
+    : options_(options),
+      stage_(options.stage),
+      laser_(options.laser),
+      glass_(std::move(glass)),
+      clock_(std::move(clock)),
+      next_tick_at_(clock_()) {}
+
+void Machine::PlugLaserLine(std::unique_ptr<link::ByteStream> end) {
+  laser_line_.Plug(std::move(end), clock_);
+}
+
+void Machine::PlugMotionLine(std::unique_ptr<link::ByteStream> end) {
+  motion_line_.Plug(std::move(end), clock_);
+}
+
+void Machine::PollLines() {
+  // The identity goes first in a session, before what its frames are answered with.
+  if (laser_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
+        HandleLaser(static_cast<LaserFrame>(type), payload);
+      })) {
+    laser_.NewSession();
+    laser_line_.Say(Number(LaserFrame::kLaserIdentity), Encode(laser_.Identity()));
+  }
+  if (motion_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
+        HandleMotion(static_cast<MotionFrame>(type), payload);
+      })) {
+    motion_line_.Say(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
+  }
+}
+
+void Machine::HandleLaser(LaserFrame type, std::span<const std::byte> payload) {
+  switch (type) {
+    case LaserFrame::kLampCommand:
+      if (const auto m = link::Decode<link::LampCommand>(payload)) laser_.SetLamp(*m);
+      return;
+    case LaserFrame::kShutterCommand:
+      if (const auto m = link::Decode<link::ShutterCommand>(payload)) {
+        laser_.SetShutters(m->open_mask);
+      }
+      return;
+    case LaserFrame::kArmWindow:
+      if (const auto m = link::Decode<link::ArmWindow>(payload)) laser_.Decide(*m);
+      return;
+    case LaserFrame::kDisarm:
+      return laser_.Disarm();
+    case LaserFrame::kLaserStop:
+      return laser_.Stop();
+    case LaserFrame::kLaserReset:
+      return laser_.Reset();
+    case LaserFrame::kLaserStatusRequest:
+      laser_line_.status_asked = true;
+      return;
+    default:
+      return;  // a frame of another version of the protocol
+  }
+}
+
+void Machine::HandleMotion(MotionFrame type, std::span<const std::byte> payload) {
+  switch (type) {
+    case MotionFrame::kBeginRun:
+      if (const auto m = link::Decode<link::BeginRun>(payload)) stage_.BeginRun(*m);
+      return;
+    case MotionFrame::kSegments:
+      if (const auto m = link::Decode<link::Segments>(payload)) stage_.Append(*m);
+      return;
+    case MotionFrame::kAbortRun:
+      return stage_.Abort();
+    case MotionFrame::kMotionReset:
+      return stage_.Reset();
+    case MotionFrame::kMotionStatusRequest:
+      motion_line_.status_asked = true;
+      return;
+    default:
+      return;
+  }
+}
+
+void Machine::KeepSafe() {
+  if (laser_line_.silent() && laser_.MayFire()) laser_.EnterSafeState();
+  if (motion_line_.silent() && stage_.running())
+    stage_.Fail(link::StageFault::kSafeState);
+}
+
+bool Machine::MayPassTick() const {
+  if (!options_.laser.lockstep) return clock_() >= next_tick_at_;
+  return laser_.NextIsDecided() && stage_.MayPass() &&
+         laser_line_.waiting.size() < kMaxWaiting &&
+         motion_line_.waiting.size() < kMaxWaiting;
+}
+
+void Machine::PassTick() {
+  stage_.AdvanceTick(laser_.rate_hz());
+  const std::uint8_t channels = laser_.AdvanceTick(stage_.in_position());
+  if (channels != 0) Fire(channels);
+  next_tick_at_ +=
+      nanoseconds(static_cast<std::int64_t>(1e9 / (laser_.rate_hz() * options_.speed)));
+}
+
+bool Machine::PassTicks() {
+  int passed = 0;
+  while (passed < kTicksAtOnce && MayPassTick()) {
+    PassTick();
+    ++passed;
+  }
+  return passed > 0;
+}
+
+void Machine::Fire(std::uint8_t channels) {
+  bool seen = true;
+  for (std::uint8_t channel = 0; channel < 4; ++channel) {
+    if ((channels >> channel & 1) == 0) continue;
+    if (to_miss_ > 0) {
+      seen = false;
+      continue;
+    }
+    const Focus focus = TraceFocus(stage_.actual_mm(), options_.block);
+    glass_.Add({laser_.tick(), focus.position_mm, options_.pulse_energy_mj, channel,
+                focus.in_glass});
+    seen = seen && focus.in_glass;
+  }
+  if (to_miss_ > 0) --to_miss_;
+  laser_.Seen(seen);
+}
+
+void Machine::Tell(bool at_once) {
+  const nanoseconds now = clock_();
+  // Reports first: a status speaks of ticks whose outcomes are known already.
+  for (const link::PulseReport& report : laser_.TakeReports()) {
+    laser_line_.Say(Number(LaserFrame::kPulseReport), Encode(report));
+  }
+  for (const link::Positions& positions : stage_.TakePositions()) {
+    motion_line_.Say(Number(MotionFrame::kPositions), Encode(positions));
+  }
+  const link::LaserStatus status = laser_.Report();
+  const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
+  if (at_once || laser_line_.status_asked || interlocks != told_interlocks_ ||
+      now >= laser_line_.next_status) {
+    told_interlocks_ = interlocks;
+    laser_line_.status_asked = false;
+    laser_line_.next_status = now + kStatusPeriod;
+    if (laser_line_.link && laser_line_.link->up()) {
+      laser_line_.Say(Number(LaserFrame::kLaserStatus), Encode(status));
+    }
+  }
+  if (at_once || motion_line_.status_asked || now >= motion_line_.next_status) {
+    motion_line_.status_asked = false;
+    motion_line_.next_status = now + kStatusPeriod;
+    if (motion_line_.link && motion_line_.link->up()) {
+      motion_line_.Say(Number(MotionFrame::kMotionStatus), Encode(stage_.Report()));
+    }
+  }
+  laser_line_.Flush();
+  motion_line_.Flush();
+}
+
+nanoseconds Machine::Turn() {
+  PollLines();
+  KeepSafe();
+  const bool passed = PassTicks();
+  const bool blocked = options_.laser.lockstep && !MayPassTick();
+  // The host waits for what a machine that stands still has to say.
+  Tell(blocked && passed);
+  // What was said has to leave before the next wait.
+  PollLines();
+  const nanoseconds now = clock_();
+  if (now >= next_flush_ || (blocked && passed)) {
+    next_flush_ = now + kFlushPeriod;
+    (void)glass_.Flush();
+  }
+  if (options_.laser.lockstep) return blocked ? nanoseconds(kIdle) : nanoseconds(0);
+  return std::clamp(next_tick_at_ - now, nanoseconds(0), nanoseconds(kIdle));
+}
+
+std::string Machine::StatusLine() {
+  const link::LaserStatus laser = laser_.Report();
+  const Vec3& at = stage_.actual_mm();
+  return fmt::format(
+      "{{\"tick\": {}, \"rate_hz\": {}, \"interlocks\": {}, \"shutters\": {}, "
+      "\"pulses\": {}, "
+      "\"cracks\": {}, \"stage_mm\": [{}, {}, {}], \"running\": {}, \"safe_state\": {}}}",
+      laser.tick, laser.rate_hz, laser.interlocks, laser.shutters_open, laser.pulse_count,
+      glass_.crack_count(), at.x(), at.y(), at.z(), stage_.running(),
+      (laser.interlocks & link::kSafeState) != 0);
+}
+
+}  // namespace intaglio::virtual_engraver

@@ -1,0 +1,100 @@
+#pragma once
+
+// The whole machine: two lines, stage, laser, beam, glass, and the clock that drives
+// them. One thread; time comes from an injected clock.
+//
+// Lockstep: a tick passes only if the host has decided it and the stage has motion for it
+// (or none to come); so ticks pass as fast as the data comes, and nothing starves.
+// Real time: ticks pass by the clock, `speed` times as fast as the lamp's rate.
+//
+// A safe state of its own: no valid frame on the laser line for 250 ms while a shutter is
+// open or a tick is decided closes the shutters; on the motion line during a run it stops
+// the stage. Wall time, in lockstep, too.
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "services/link/reliable_link.h"
+#include "services/virtual_engraver/beam.h"
+#include "services/virtual_engraver/glass.h"
+#include "services/virtual_engraver/laser.h"
+#include "services/virtual_engraver/stage.h"
+
+namespace intaglio::virtual_engraver {
+
+struct MachineOptions {
+  StageOptions stage;
+  LaserOptions laser;
+  BlockInMachine block;
+  double pulse_energy_mj = 30;
+  double speed = 1;  ///< machine time against real time; ignored in lockstep
+};
+
+class Machine {
+ public:
+  Machine(const MachineOptions& options, Glass glass, link::SteadyClock clock);
+
+  /// A line is plugged in: the machine's end of it. Null unplugs it.
+  void PlugLaserLine(std::unique_ptr<link::ByteStream> end);
+  void PlugMotionLine(std::unique_ptr<link::ByteStream> end);
+
+  /// Lines, ticks that are due, reports. Returns how long nothing is due.
+  std::chrono::nanoseconds Turn();
+
+  Laser& laser() { return laser_; }
+  Stage& stage() { return stage_; }
+  Glass& glass() { return glass_; }
+  /// The next pulses make no crack.
+  void MissPulses(std::uint64_t count) { to_miss_ += count; }
+  /// Descriptors to wait for; -1 where a line is unplugged.
+  int laser_fd() const { return laser_line_.fd(); }
+  int motion_fd() const { return motion_line_.fd(); }
+  /// Everything about the present moment as one line of JSON.
+  std::string StatusLine();
+
+ private:
+  /// One line's link, what waits to be said on it, and when it spoke last.
+  struct Line {
+    std::unique_ptr<link::ReliableLink> link;
+    std::uint32_t session = 0;
+    std::deque<std::pair<std::uint8_t, link::Bytes>> waiting;
+    std::chrono::nanoseconds next_status{0};
+    bool status_asked = false;
+
+    int fd() const { return link ? link->fd() : -1; }
+    void Plug(std::unique_ptr<link::ByteStream> end, const link::SteadyClock& clock);
+    /// True when a new session has begun.
+    bool Poll(const link::ReliableLink::Handler& handler);
+    bool silent() const { return session != 0 && (!link || !link->up()); }
+    void Say(std::uint8_t type, link::Bytes payload) {
+      waiting.emplace_back(type, std::move(payload));
+    }
+    void Flush();
+  };
+
+  void PollLines();
+  void HandleLaser(link::LaserFrame type, std::span<const std::byte> payload);
+  void HandleMotion(link::MotionFrame type, std::span<const std::byte> payload);
+  void KeepSafe();
+  bool MayPassTick() const;
+  bool PassTicks();
+  void PassTick();
+  void Fire(std::uint8_t channels);
+  void Tell(bool at_once);
+
+  MachineOptions options_;
+  Stage stage_;
+  Laser laser_;
+  Glass glass_;
+  link::SteadyClock clock_;
+  Line laser_line_, motion_line_;
+  std::chrono::nanoseconds next_tick_at_;
+  std::uint64_t to_miss_ = 0;
+  std::uint32_t told_interlocks_ = 0;
+  std::chrono::nanoseconds next_flush_{0};
+};
+
+}  // namespace intaglio::virtual_engraver

@@ -1,0 +1,202 @@
+#include <poll.h>
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <random>
+
+#include "services/link/line_session.h"
+#include "services/virtual_engraver/commands.h"
+#include "services/virtual_engraver/panel.h"
+
+namespace {
+
+using namespace intaglio;
+using namespace intaglio::virtual_engraver;
+
+volatile sig_atomic_t stop_asked = 0;
+
+struct Options {
+  std::string laser_line, motion_line, panel, glass_record;
+  MachineOptions machine;
+  std::vector<double> travel_min = {0, 0, 0}, travel_max = {170, 170, 170};
+  std::vector<double> block_size = {100, 100, 100}, block_origin = {0, 0, 0};
+  double tolerance_um = 10;
+  int channels = 1;
+  std::string speed = "1";
+  std::vector<std::string> faults;
+  unsigned seed = 0;
+};
+
+Vec3 ToVec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+void AddOptions(CLI::App& app, Options& o) {
+  const auto triple = [&app](const char* name, std::vector<double>& value,
+                             const char* text) {
+    app.add_option(name, value, text)->delimiter(',')->expected(3)->capture_default_str();
+  };
+  MachineOptions& m = o.machine;
+  app.add_option("--laser-line", o.laser_line, "symbolic link to make for the laser line")
+      ->required();
+  app.add_option("--motion-line", o.motion_line,
+                 "symbolic link to make for the motion line")
+      ->required();
+  app.add_option("--glass-record", o.glass_record, "file that remembers every crack")
+      ->required();
+  app.add_option("--panel", o.panel, "Unix socket for buttons and misbehaviour");
+  app.add_option("--rates", m.laser.rates_hz,
+                 "lamp sync rates, Hz; the first at power-up")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 100000.0))
+      ->capture_default_str();
+  app.add_option("--warm-up", m.laser.warm_up_s, "lamp warm-up, s of machine time")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  triple("--travel-min", o.travel_min, "lower ends of the axes, mm");
+  triple("--travel-max", o.travel_max, "upper ends of the axes, mm");
+  triple("--block-size", o.block_size, "block, mm");
+  triple("--block-origin", o.block_origin, "its corner in the machine frame, mm");
+  app.add_option("--stage-lag", m.stage.lag_s, "first-order lag of the stage, s")
+      ->check(CLI::Range(0.0, 0.1))
+      ->capture_default_str();
+  app.add_option("--position-tolerance-um", o.tolerance_um, "of the in-position output")
+      ->check(CLI::Range(0.001, 10000.0))
+      ->capture_default_str();
+  app.add_option("--brake-acceleration", m.stage.brake_acceleration_mm_s2, "mm/s^2")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--refractive-index", m.block.refractive_index,
+                 "of the block at the wavelength")
+      ->check(CLI::Range(1.0, 4.0))
+      ->capture_default_str();
+  app.add_option("--na", m.block.numerical_aperture, "numerical aperture in air")
+      ->check(CLI::Range(0.001, 0.95))
+      ->capture_default_str();
+  app.add_option("--channels", o.channels, "channels with a shutter and a block each")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  app.add_option("--speed", o.speed, "1, N times real time, or lockstep")
+      ->capture_default_str();
+  app.add_option("--fault", o.faults, "\"AT_TICK COMMAND\": misbehave by itself");
+  app.add_option("--seed", o.seed, "of random misbehaviour")->capture_default_str();
+}
+
+Status Finish(Options& o) {
+  MachineOptions& m = o.machine;
+  m.stage.travel_min_mm = ToVec3(o.travel_min);
+  m.stage.travel_max_mm = ToVec3(o.travel_max);
+  m.block.size_mm = ToVec3(o.block_size);
+  m.block.origin_mm = ToVec3(o.block_origin);
+  m.stage.position_tolerance_mm = o.tolerance_um / 1000;
+  m.laser.channels = static_cast<std::uint8_t>(o.channels);
+  m.laser.power_up = std::random_device{}();
+  m.laser.lockstep = m.stage.waits_for_motion = o.speed == "lockstep";
+  if ((m.stage.travel_max_mm.array() <= m.stage.travel_min_mm.array()).any()) {
+    return Fail(ErrorCode::kInvalidValue,
+                "--travel-max has to be above --travel-min in each axis");
+  }
+  if ((m.block.size_mm.array() <= 0).any()) {
+    return Fail(ErrorCode::kInvalidValue, "--block-size has to be positive in each axis");
+  }
+  if (m.laser.lockstep) return {};
+  char* end = nullptr;
+  m.speed = std::strtod(o.speed.c_str(), &end);
+  if (*end != '\0' || !(m.speed >= 0.01 && m.speed <= 1000)) {
+    return Fail(ErrorCode::kInvalidValue,
+                "--speed '" + o.speed + "': 0.01..1000, or lockstep", o.speed);
+  }
+  return {};
+}
+
+void WaitFor(const Machine& machine, const Panel* panel, std::chrono::nanoseconds time) {
+  std::vector<pollfd> fds;
+  for (const int fd : {machine.laser_fd(), machine.motion_fd()}) {
+    if (fd >= 0) fds.push_back({fd, POLLIN, 0});
+  }
+  if (panel != nullptr) {
+    for (const int fd : panel->fds()) fds.push_back({fd, POLLIN, 0});
+  }
+  const timespec timeout{0, static_cast<long>(time.count())};
+  ppoll(fds.data(), fds.size(), &timeout, nullptr);
+}
+
+int Serve(Options& options) {
+  auto glass =
+      Glass::Create(options.glass_record, {options.machine.block.size_mm,
+                                           options.machine.block.refractive_index,
+                                           options.machine.block.numerical_aperture});
+  if (!glass) throw std::runtime_error(glass.error().message);
+  std::vector<ScheduledFault> faults;
+  for (const std::string& text : options.faults) {
+    auto fault = ParseFault(text);
+    if (!fault) throw std::runtime_error(fault.error().message);
+    faults.push_back(std::move(*fault));
+  }
+  Machine machine(options.machine, std::move(*glass), link::MonotonicClock());
+  Plugs plugs{options.laser_line, options.motion_line, {}, {}, options.seed};
+  Commands commands(machine, plugs);
+  for (const auto& plugged : {commands.PlugLaser(), commands.PlugMotion()}) {
+    if (!plugged) throw std::runtime_error(plugged.error().message);
+  }
+  std::optional<Panel> panel;
+  if (!options.panel.empty()) {
+    auto opened = Panel::Open(options.panel);
+    if (!opened) throw std::runtime_error(opened.error().message);
+    panel.emplace(std::move(*opened));
+  }
+  std::cout << "ready laser=" << options.laser_line << " motion=" << options.motion_line
+            << std::endl;
+  while (stop_asked == 0 && !commands.quit()) {
+    const auto idle = machine.Turn();
+    std::erase_if(faults, [&](const ScheduledFault& fault) {
+      if (machine.laser().tick() < fault.tick) return false;
+      std::cout << "tick " << machine.laser().tick() << ": " << fault.command << ": "
+                << commands.Do(fault.command) << std::endl;
+      return true;
+    });
+    if (panel)
+      panel->Poll([&](const std::string& command) { return commands.Do(command); });
+    if (idle.count() > 0) WaitFor(machine, panel ? &*panel : nullptr, idle);
+  }
+  machine.laser().EnterSafeState();
+  const auto flushed = machine.glass().Flush();
+  if (!flushed) throw std::runtime_error(flushed.error().message);
+  std::cout << "ends with " << machine.glass().crack_count() << " cracks in the glass"
+            << std::endl;
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("virtual-engraver: a laser engraving machine behind two pseudo-terminals");
+  app.footer(
+      "Example: virtual-engraver --laser-line /tmp/laser --motion-line /tmp/motion "
+      "--glass-record /tmp/glass.rec --panel /tmp/panel --speed lockstep\n"
+      "Usually started by `intaglio run` or `intaglio up`; docs/protocols.md says what "
+      "it "
+      "speaks.");
+  Options options;
+  AddOptions(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (const auto finished = Finish(options); !finished) {
+    std::cerr << "virtual-engraver: " << finished.error().message << "\n";
+    return 2;
+  }
+  struct sigaction action = {};
+  action.sa_handler = [](int) { stop_asked = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  try {
+    return Serve(options);
+  } catch (const std::exception& error) {
+    std::cerr << "virtual-engraver: " << error.what() << "\n";
+    return 1;
+  }
+}

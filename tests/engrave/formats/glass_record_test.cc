@@ -1,0 +1,50 @@
+#include "engrave/formats/glass_record.h"
+
+#include <gtest/gtest.h>
+
+namespace intaglio::formats {
+namespace {
+
+std::vector<std::byte> Sample(int count) {
+  auto bytes = EncodeGlassHeader({Vec3(50, 60, 70), 1.5195, 0.2});
+  for (int i = 0; i < count; ++i) {
+    AppendGlassCrack({100u + static_cast<unsigned>(i), Vec3(i, 0.1 * i, -i / 3.0), 30.0,
+                      static_cast<std::uint8_t>(i % 4), i % 5 != 0},
+                     bytes);
+  }
+  return bytes;
+}
+
+TEST(GlassRecord, RoundTripIsExact) {
+  const auto record = ParseGlassRecord(Sample(20));
+  ASSERT_TRUE(record.has_value());
+  EXPECT_EQ(record->header.block_size_mm, Vec3(50, 60, 70));
+  EXPECT_EQ(record->header.refractive_index, 1.5195);
+  ASSERT_EQ(record->cracks.size(), 20u);
+  EXPECT_EQ(record->cracks[7].position_mm, Vec3(7, 0.1 * 7, -7 / 3.0));
+  EXPECT_EQ(record->cracks[7].tick, 107u);
+  EXPECT_EQ(record->cracks[7].channel, 3);
+  EXPECT_FALSE(record->cracks[5].in_glass);
+}
+
+TEST(GlassRecord, CutAnywhereKeepsEveryWholeRecord) {
+  const auto bytes = Sample(3);
+  for (std::size_t size = 0; size <= bytes.size(); ++size) {
+    const auto record = ParseGlassRecord(std::span(bytes).first(size));
+    ASSERT_EQ(record.has_value(), size >= kGlassHeaderSize);
+    if (record) {
+      EXPECT_EQ(record->cracks.size(), (size - kGlassHeaderSize) / kGlassRecordSize);
+    }
+  }
+}
+
+TEST(GlassRecord, DamageEndsTheReading) {
+  auto bytes = Sample(3);
+  bytes[kGlassHeaderSize + kGlassRecordSize + 9] ^= std::byte{1};
+  const auto record = ParseGlassRecord(bytes);
+  ASSERT_TRUE(record.has_value());
+  EXPECT_EQ(record->cracks.size(), 1u);
+}
+
+}  // namespace
+}  // namespace intaglio::formats

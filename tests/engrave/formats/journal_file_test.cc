@@ -1,0 +1,82 @@
+#include "engrave/formats/journal_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace intaglio::formats {
+namespace {
+
+std::vector<std::byte> BytesOf(const JournalHeader& header,
+                               const std::vector<JournalRecord>& records) {
+  const auto head = EncodeJournalHeader(header);
+  std::vector<std::byte> bytes(head.begin(), head.end());
+  for (const JournalRecord& record : records) {
+    const auto body = EncodeJournalRecord(record);
+    bytes.insert(bytes.end(), body.begin(), body.end());
+  }
+  return bytes;
+}
+
+const std::vector<JournalRecord> kRecords = {
+    {JournalKind::kIntent, PointOutcome::kNone, 0, 1, 100, 0, 0},
+    {JournalKind::kIntent, PointOutcome::kNone, 0, 1, 102, 1, 0},
+    {JournalKind::kOutcome, PointOutcome::kMade, 0, 1, 100, 0, 1},
+    {JournalKind::kOutcome, PointOutcome::kSkipped, 5, 1, 102, 1, 1},
+    {JournalKind::kIntent, PointOutcome::kNone, 0, 2, 1ull << 40, 1, 1}};
+
+TEST(JournalFile, ReadsBackWhatWasWritten) {
+  const auto journal = ParseJournal(BytesOf({3, 77}, kRecords));
+  ASSERT_TRUE(journal.has_value());
+  EXPECT_EQ(journal->header.point_count, 3u);
+  EXPECT_EQ(journal->header.epoch, 77u);
+  EXPECT_EQ(journal->records, kRecords);
+  EXPECT_EQ(journal->torn_bytes, 0u);
+}
+
+TEST(JournalFile, CutAnywhereKeepsEveryWholeRecord) {
+  const auto bytes = BytesOf({3, 77}, kRecords);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const auto journal = ParseJournal(std::span(bytes).first(size));
+    ASSERT_EQ(journal.has_value(), size >= kJournalHeaderSize) << size;
+    if (!journal) continue;
+    const std::size_t whole = (size - kJournalHeaderSize) / kJournalRecordSize;
+    EXPECT_EQ(journal->records.size(), whole);
+    EXPECT_EQ(journal->torn_bytes,
+              size - kJournalHeaderSize - whole * kJournalRecordSize);
+  }
+}
+
+TEST(JournalFile, DamagedByteEndsTheReading) {
+  for (std::size_t i = 0; i < kJournalRecordSize; ++i) {
+    auto bytes = BytesOf({3, 77}, kRecords);
+    bytes[kJournalHeaderSize + kJournalRecordSize + i] ^= std::byte{0x10};
+    const auto journal = ParseJournal(bytes);
+    ASSERT_TRUE(journal.has_value());
+    EXPECT_EQ(journal->records.size(), 1u) << "byte " << i;
+  }
+}
+
+TEST(JournalFile, HistoryTellsOpenIntentsFromOutcomes) {
+  const auto journal = ParseJournal(BytesOf({3, 77}, kRecords));
+  ASSERT_TRUE(journal.has_value());
+  const auto history = HistoryOf(*journal);
+  ASSERT_EQ(history.size(), 3u);
+  EXPECT_EQ(history[0].outcome, PointOutcome::kMade);
+  EXPECT_EQ(history[0].fired_count, 1u);
+  EXPECT_FALSE(history[0].open_intent);
+  EXPECT_TRUE(history[1].open_intent) << "armed again in run 2, nobody said what became";
+  EXPECT_EQ(history[1].tick, 1ull << 40);
+  EXPECT_EQ(history[2].outcome, PointOutcome::kNone);
+}
+
+TEST(JournalFile, RefusesWhatIsNoJournal) {
+  const auto empty = ParseJournal({});
+  ASSERT_FALSE(empty.has_value());
+  EXPECT_EQ(empty.error().code, ErrorCode::kUnreadable);
+  const auto absent = ReadJournal("/nonexistent/journal");
+  ASSERT_FALSE(absent.has_value());
+  EXPECT_THAT(absent.error().message, testing::HasSubstr("/nonexistent/journal"));
+}
+
+}  // namespace
+}  // namespace intaglio::formats
