@@ -10,8 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A worker's loop turns many times a second; one that is silent so long never got the
-// task.
+// A worker's loop turns many times a second, and its health comes five times: one that is
+// silent so long never got its task, or hangs.
 constexpr Nanoseconds kAnswerWithin = 10s;
 
 constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
@@ -203,7 +203,7 @@ void JobQueue::GiveUpSilent(Nanoseconds now) {
     if (job == nullptr || job->attempt != assignment.attempt) continue;
     for (const intaglio_Stage stage : kStages) {
       if (job->stage(stage).worker != instance) continue;
-      LoseStage(*job, stage, instance + " does not answer to its task", now);
+      LoseStage(*job, stage, instance + " does not answer", now);
       break;
     }
   }

@@ -30,6 +30,7 @@ void WorkerBook::Update(const WorkerView& view, Nanoseconds now) {
   Worker& worker = workers_[view.instance];
   worker.view = view;
   worker.alive = true;
+  worker.heard = now;
   const Assignment& assignment = worker.assignment;
   if (assignment.revoked && view.state == intaglio_HEALTH_READY &&
       now - assignment.since >= kReadyAgain) {
@@ -80,7 +81,9 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role,
 
 void WorkerBook::Assign(const std::string& instance, const std::string& job_uid,
                         std::uint32_t attempt, Nanoseconds now) {
-  workers_[instance].assignment = {job_uid, attempt, now, false, false};
+  Worker& worker = workers_[instance];
+  worker.assignment = {job_uid, attempt, now, false, false};
+  if (!worker.alive) worker.heard = now;
 }
 
 void WorkerBook::Revoke(const std::string& instance, const std::string& job_uid,
@@ -127,8 +130,9 @@ std::vector<std::pair<std::string, WorkerBook::Assignment>> WorkerBook::Silent(
   std::vector<std::pair<std::string, Assignment>> silent;
   for (const auto& [instance, worker] : workers_) {
     const Assignment& assignment = worker.assignment;
-    if (!assignment.job_uid.empty() && !assignment.answered && !assignment.revoked &&
-        now - assignment.since >= limit) {
+    if (assignment.job_uid.empty() || assignment.revoked) continue;
+    const bool unanswered = !assignment.answered && now - assignment.since >= limit;
+    if (unanswered || now - worker.heard >= limit) {
       silent.emplace_back(instance, assignment);
     }
   }

@@ -64,7 +64,8 @@ class WorkerBook {
   bool IsAlive(const std::string& instance) const;
   bool IsAssigned(const std::string& instance, const std::string& job_uid,
                   std::uint32_t attempt) const;
-  /// Workers that have said nothing about their task for so long.
+  /// Workers with a task that have said nothing about it, or have not told their health,
+  /// for so long: health tells that a worker's loop runs, not only that its process is.
   std::vector<std::pair<std::string, Assignment>> Silent(Nanoseconds now,
                                                          Nanoseconds limit) const;
 
@@ -72,6 +73,7 @@ class WorkerBook {
   struct Worker {
     WorkerView view;
     bool alive = false;
+    Nanoseconds heard{0};  ///< newest health; of one not heard of yet: its assignment
     Assignment assignment;
   };
   bool Serves(const Worker& worker, intaglio_ServiceRole role,

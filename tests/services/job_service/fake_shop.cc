@@ -167,11 +167,17 @@ void FakeShop::Poll() {
       copy.frozen.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
     });
   }
-  permissions_.TakeAll(
-      [this](const intaglio_Permission& permission, const bus::SampleOrigin& origin) {
-        granted_ = origin.alive && permission.granted;
-        ++permissions_seen_;
-      });
+  permissions_.Take([this](const intaglio_Permission& permission) {
+    granted_ = permission.granted;
+    permission_at_ = std::chrono::steady_clock::now();
+    ++permissions_seen_;
+  });
+}
+
+bool FakeShop::granted() const {
+  // The synchronizer's lease: five periods of the job service.
+  constexpr auto kLease = std::chrono::milliseconds(250);
+  return granted_ && std::chrono::steady_clock::now() - permission_at_ < kLease;
 }
 
 bool FakeShop::Until(const std::function<bool()>& condition) {

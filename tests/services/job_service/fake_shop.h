@@ -68,7 +68,8 @@ class FakeShop {
   /// Newest status of the submission; an empty one when there is none.
   StatusCopy Status(const std::string& submission_uid);
   TaskCopy Task(intaglio_Stage stage);
-  bool granted() const { return granted_; }
+  /// As a synchronizer sees it: silence is no permission.
+  bool granted() const;
   int permissions_seen() const { return permissions_seen_; }
 
   /// Models of the task, as the discretizer gets them; true when all are there.
@@ -94,6 +95,7 @@ class FakeShop {
   std::array<TaskCopy, 3> task_;
   bool granted_ = false;
   int permissions_seen_ = 0;
+  std::chrono::steady_clock::time_point permission_at_;
   std::string stream_;
   std::uint64_t consumed_ = 0;
   std::vector<std::string> models_;

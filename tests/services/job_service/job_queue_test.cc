@@ -315,11 +315,29 @@ TEST_F(JobQueueTest, AWorkerThatDoesNotAnswerCountsAsLost) {
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_ACCEPTED);
   Task(intaglio_STAGE_SORT, intaglio_TASK_ACCEPTED);
   now_ += 9s;
+  ReadyAll();
   queue_.Turn(now_);
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
   now_ += 2s;
   queue_.Turn(now_);
   EXPECT_THAT(job().message, HasSubstr("d does not answer"));
+}
+
+TEST_F(JobQueueTest, AWorkerWhoseLoopHangsCountsAsLost) {
+  ReadyAll();
+  Add(1);
+  for (const auto stage :
+       {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
+    Task(stage, intaglio_TASK_ACCEPTED);
+  }
+  now_ += 9s;
+  Ready("d", intaglio_ROLE_DISCRETIZER, intaglio_HEALTH_BUSY);
+  Ready("y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
+  queue_.Turn(now_);
+  EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
+  now_ += 2s;
+  queue_.Turn(now_);
+  EXPECT_THAT(job().message, HasSubstr("s does not answer"));
 }
 
 TEST_F(JobQueueTest, StaleCommandsDoNothing) {
@@ -379,7 +397,7 @@ TEST_F(JobQueueTest, AFaultWithdrawsThePermissionUntilResumed) {
        "the door is open");
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
   EXPECT_EQ(job().message, "the door is open");
-  now_ += 10s;
+  now_ += 5s;
   EXPECT_FALSE(Granted());
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "", "no permission");
   EXPECT_EQ(job().message, "the door is open");
@@ -443,7 +461,7 @@ TEST_F(JobQueueTest, RestartPausesAnEngravingAndGoesOnWithTheSameSynchronizer) {
   queue.Restore({kept}, now_);
   EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_PAUSED);
   EXPECT_THAT(actions.Orders(), IsEmpty());
-  now_ += 20s;
+  now_ += 5s;
   queue.Turn(now_);
   EXPECT_FALSE(queue.Permissions(now_).at(0).granted);
   queue.Take(CommandView{"j1", kEpoch, 9, intaglio_COMMAND_RESUME, ""}, now_);

@@ -210,7 +210,7 @@ TEST_F(JobServiceTest, PauseAndResume) {
 
 TEST_F(JobServiceTest, TheQueueSurvivesAKill) {
   shop_.Submit("one", GoodJob());
-  ASSERT_TRUE(Reaches(intaglio_JOB_QUEUED));
+  ASSERT_TRUE(shop_.Until([&] { return !Job().message.empty(); }));
   const StatusCopy before = Job();
   service_->Kill();
   Start();
