@@ -1,0 +1,91 @@
+#pragma once
+
+// The points that are still to be made, searchable for the one of least
+//   max(|x - x_now|, |y - y_now|) + z_weight * z.
+// The greedy sorters take their points out of it one by one.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+
+namespace intaglio::sort {
+
+class RemainingPoints {
+ public:
+  /// members: indices into points_mm. z_weight >= 0. About 70 bytes a member while it is
+  /// built, 45 afterwards; points_mm is not kept.
+  RemainingPoints(const PointList& points_mm, std::span<const std::uint32_t> members,
+                  double z_weight);
+
+  std::size_t size() const { return size_; }
+
+  /// Takes out the point of least cost as seen from (x, y) and returns its index. Equal
+  /// costs: as lowest_point.h has it. There must be a point left.
+  std::uint32_t TakeNearest(double x_mm, double y_mm);
+
+ private:
+  static constexpr std::size_t kFan = 8;
+
+  /// Up to kFan points, the taken ones of infinite lift and behind the others.
+  struct alignas(64) Leaf {
+    double x[kFan];
+    double y[kFan];
+    double lift[kFan];  ///< z_weight * z
+    double z[kFan];
+    std::uint32_t index[kFan];
+    std::uint32_t count;
+  };
+
+  /// Bounds of kFan children, relative to origin_: structure of arrays for the vector
+  /// unit, in floats to fit the cache. Rounded: see slack_.
+  struct alignas(32) Node {
+    float min_x[kFan];
+    float max_x[kFan];
+    float min_y[kFan];
+    float max_y[kFan];
+    float min_lift[kFan];
+  };
+
+  struct Bounds {
+    float min_x, max_x, min_y, max_y, min_lift;
+    bool operator==(const Bounds&) const = default;
+  };
+
+  struct Search {
+    double x, y;
+    float rel_x, rel_y;
+    float slack;
+    double best;
+    float limit;  ///< no child whose bound is above can hold a better point
+    std::size_t leaf;
+    std::size_t slot;
+  };
+
+  void FillLeaves(const PointList& points_mm, std::span<const std::uint32_t> along_curve,
+                  double z_weight);
+  void BuildLevels();
+  Bounds BoundsOfLeaf(const Leaf& leaf) const;
+  static Bounds BoundsOfNode(const Node& node);
+  static void SetChild(Node& node, std::size_t child, const Bounds& bounds);
+  static Bounds ChildOf(const Node& node, std::size_t child);
+  void ScanLeaf(std::size_t leaf, Search& search) const;
+  void VisitChildren(std::size_t level, std::size_t node, std::size_t skipped,
+                     Search& search) const;
+  void Remove(std::size_t leaf, std::size_t slot);
+
+  std::vector<Leaf> leaves_;
+  /// levels_[0] has the leaves as children, the last level is one node.
+  std::vector<std::vector<Node>> levels_;
+  double origin_x_ = 0;
+  double origin_y_ = 0;
+  double origin_lift_ = 0;
+  double half_width_ = 0;  ///< largest |x - origin| or |y - origin|
+  double half_lift_ = 0;
+  std::size_t size_ = 0;
+  std::size_t last_leaf_ = 0;
+};
+
+}  // namespace intaglio::sort
