@@ -1,0 +1,65 @@
+// Why the greedy never fires through an earlier crack. Let c(a, b) be the cost of going
+// from a to b, and m(a, b) = max(|dx|, |dy|). Say e was made before p although e lies
+// strictly inside the cone above p: with h = e.z - p.z > 0, hypot(dx, dy) < t h, t the
+// cone's tangent. When e was chosen, from a, p remained, and
+//   c(a, p) = m(a, p) + K (p.z - a.z)
+//           <= m(a, e) + m(e, p) + K (e.z - a.z) - K h       (m is a metric)
+//           = c(a, e) + m(e, p) - K h < c(a, e),
+// since m(e, p) <= hypot(dx, dy) < t h <= K h. So p was cheaper: a contradiction. The
+// first point is the lowest and has nothing in its way.
+//
+// K z_now is the same for all candidates and is left out: the cost compared is
+// m + K z_next, each product rounded once.
+
+#include "engrave/sort/kdz.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "engrave/core/check.h"
+#include "engrave/sort/lowest_point.h"
+#include "engrave/sort/remaining_points.h"
+
+namespace intaglio::sort {
+namespace {
+
+constexpr double kLeastMovingRatio = 0.6;
+constexpr double kMaxUpRatio = 100;
+constexpr std::size_t kPointsPerReport = 1 << 16;
+
+}  // namespace
+
+double DefaultUpRatio(double cone_tangent) {
+  Require(cone_tangent >= 0, "cone_tangent must not be negative, is {}", cone_tangent);
+  return std::max(kLeastMovingRatio, cone_tangent);
+}
+
+Status CheckKdzOptions(const OrderOptions& options) {
+  const double up_ratio = options.kdz.up_ratio;
+  if (up_ratio >= 0 && up_ratio <= kMaxUpRatio) return {};
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("kdz.up_ratio: {} is outside 0..{}", up_ratio, kMaxUpRatio),
+              fmt::format("{}", up_ratio));
+}
+
+Result<Order> OrderByKdz(const PointList& points_mm, const OrderOptions& options,
+                         const ProgressSink& progress) {
+  Order order(points_mm.size());
+  if (points_mm.empty()) return order;
+  std::iota(order.begin(), order.end(), 0U);
+  RemainingPoints remaining(points_mm, order, options.kdz.up_ratio);
+  // From above the lowest point itself nothing is nearer than it.
+  const Vec3* now = &points_mm[LowestPoint(points_mm)];
+  for (std::size_t made = 0; made < order.size(); ++made) {
+    if (progress && made % kPointsPerReport == 0 && !progress(made, order.size())) {
+      return Fail(ErrorCode::kCancelled, "the sort was cancelled");
+    }
+    order[made] = remaining.TakeNearest(now->x(), now->y());
+    now = &points_mm[order[made]];
+  }
+  return order;
+}
+
+}  // namespace intaglio::sort

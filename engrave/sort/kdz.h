@@ -1,0 +1,26 @@
+#pragma once
+
+// Sort Kdz: the next point is the remaining one of least
+//   max(|dx|, |dy|) + K (z_next - z_now),
+// Trochimczuk 2008 ch. 6.7 and annex E, corrected: the source weighs |dz|, which prefers
+// a near point above to a farther one below and so fires through earlier cracks. With the
+// sign kept, and K not less than the tangent of the beam's cone, it never does (proof in
+// the .cc). Exact: no approximation in the search.
+
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+/// The least K that never fires through an earlier crack, but not below 0.6, from where
+/// on larger values move no less. cone_tangent >= 0: of the cone's half angle in the
+/// glass.
+double DefaultUpRatio(double cone_tangent);
+
+Status CheckKdzOptions(const OrderOptions& options);
+
+/// Starts at the lowest point (of equal z the least y, then x). Equal costs: the least z,
+/// then y, then x, then index. Options and points as MakeOrder has checked them.
+Result<Order> OrderByKdz(const PointList& points_mm, const OrderOptions& options,
+                         const ProgressSink& progress);
+
+}  // namespace intaglio::sort

@@ -1,0 +1,22 @@
+#pragma once
+
+// Sort by layers (Trochimczuk 2008 ch. 6.7 and annex E): slabs of equal thickness from
+// the lowest up; within a slab always to the nearest remaining point in the XY plane, by
+// max(|dx|, |dy|), starting from where the slab below ended.
+//
+// Inside a slab heights do not count, so a slab must hold no more than one layer of a
+// layered cloud, and on any other cloud points may be fired through earlier cracks of the
+// same slab: shadow.h tells how many.
+
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+Status CheckLayersOptions(const OrderOptions& options);
+
+/// Starts at the lowest point. Equal distances: the least z, then y, then x, then index.
+/// Options and points as MakeOrder has checked them.
+Result<Order> OrderByLayers(const PointList& points_mm, const OrderOptions& options,
+                            const ProgressSink& progress);
+
+}  // namespace intaglio::sort

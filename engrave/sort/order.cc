@@ -1,0 +1,86 @@
+#include "engrave/sort/order.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <limits>
+#include <string>
+
+#include "engrave/core/check.h"
+#include "engrave/sort/kdz.h"
+#include "engrave/sort/layers.h"
+
+namespace intaglio::sort {
+namespace {
+
+struct MethodRow {
+  Method method;
+  const char* name;
+  Status (*check)(const OrderOptions&);
+  Result<Order> (*make)(const PointList&, const OrderOptions&, const ProgressSink&);
+};
+
+// The registry: a new method is a line here.
+constexpr std::array kMethods = {
+    MethodRow{Method::kKdz, "kdz", CheckKdzOptions, OrderByKdz},
+    MethodRow{Method::kLayers, "layers", CheckLayersOptions, OrderByLayers},
+};
+
+const MethodRow& RowOf(Method method) {
+  for (const MethodRow& row : kMethods) {
+    if (row.method == method) return row;
+  }
+  throw PreconditionError(
+      fmt::format("there is no order method {}", static_cast<int>(method)));
+}
+
+Status CheckPoints(const PointList& points_mm) {
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (points_mm.size() > kMost) {
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("a cloud of {} points is larger than an order can be, {}",
+                            points_mm.size(), kMost),
+                std::to_string(points_mm.size()));
+  }
+  for (std::size_t i = 0; i < points_mm.size(); ++i) {
+    const Vec3& p = points_mm[i];
+    if (p.allFinite()) continue;
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("point {} is not finite and cannot be ordered", i),
+                fmt::format("({}, {}, {})", p.x(), p.y(), p.z()));
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* MethodName(Method method) { return RowOf(method).name; }
+
+Result<Method> MethodFromName(std::string_view name) {
+  std::string known;
+  for (const MethodRow& row : kMethods) {
+    if (name == row.name) return row.method;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
+  }
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("there is no order method \"{}\"; known are {}", name, known),
+              std::string(name));
+}
+
+Status CheckOrderOptions(const OrderOptions& options) {
+  return RowOf(options.method).check(options);
+}
+
+Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
+                        const ProgressSink& progress) {
+  const MethodRow& row = RowOf(options.method);
+  if (const Status status = row.check(options); !status) {
+    return tl::unexpected(status.error());
+  }
+  if (const Status status = CheckPoints(points_mm); !status) {
+    return tl::unexpected(status.error());
+  }
+  return row.make(points_mm, options, progress);
+}
+
+}  // namespace intaglio::sort

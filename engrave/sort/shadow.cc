@@ -1,0 +1,178 @@
+// A k-d tree over the points as they were made; each node knows the box around its points
+// and the first of them to be made. For a point p, a subtree needs no look if its first
+// point was made after p, or if the part of its box above p lies outside the cone. It
+// decides at once if its box lies inside the cone whole and its first point was made
+// before p.
+//
+// The cone widens upwards, so of a box its top face reaches farthest in: some point of
+// the box is inside only if (distance of p to the box in XY, height of the top) is
+// inside, and all are if (distance to the farthest corner, height of the bottom) is. Both
+// are evaluated with the expression that decides about single points, whose every
+// operation is monotone in floating point as well; so the answer is that of the brute
+// force, bit for bit.
+
+#include "engrave/sort/shadow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::sort {
+namespace {
+
+constexpr double kSurfaceMm = 1e-9;
+constexpr std::size_t kLeafSize = 8;
+
+/// Whether an offset (dx, dy across, dz up, from the apex) is inside the cone.
+bool Inside(double dx, double dy, double dz, double cone_tangent) {
+  return dz > 0 && std::sqrt(dx * dx + dy * dy) + kSurfaceMm < cone_tangent * dz;
+}
+
+/// Inside the cone of the point made `rank`-th, is there a crack made before it?
+class CrackTree {
+ public:
+  CrackTree(const PointList& made_mm, double cone_tangent)
+      : made_mm_(made_mm), cone_tangent_(cone_tangent), ranks_(made_mm.size()) {
+    std::iota(ranks_.begin(), ranks_.end(), 0U);
+    nodes_.reserve(made_mm.size() / 2 + 1);
+    if (!ranks_.empty()) Build(0, ranks_.size());
+  }
+
+  bool IsViolated(std::uint32_t rank) const {
+    return !nodes_.empty() && HasEarlierCrack(0, rank);
+  }
+
+ private:
+  struct Node {
+    Box3 box;
+    std::uint32_t first_rank = 0;
+    std::uint32_t begin = 0;  ///< of its points in ranks_
+    std::uint32_t end = 0;
+    std::uint32_t right = 0;  ///< second child, 0 in a leaf; the first follows its parent
+  };
+
+  std::uint32_t Build(std::size_t begin, std::size_t end) {
+    const auto self = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    Node node;
+    node.begin = static_cast<std::uint32_t>(begin);
+    node.end = static_cast<std::uint32_t>(end);
+    node.first_rank =
+        *std::min_element(ranks_.begin() + static_cast<std::ptrdiff_t>(begin),
+                          ranks_.begin() + static_cast<std::ptrdiff_t>(end));
+    for (std::size_t i = begin; i < end; ++i) node.box.Extend(made_mm_[ranks_[i]]);
+    if (end - begin > kLeafSize) {
+      int axis = 0;
+      node.box.size_mm().maxCoeff(&axis);
+      const std::size_t middle = begin + (end - begin) / 2;
+      const auto at = [this](std::size_t i) {
+        return ranks_.begin() + static_cast<std::ptrdiff_t>(i);
+      };
+      std::nth_element(at(begin), at(middle), at(end),
+                       [this, axis](std::uint32_t a, std::uint32_t b) {
+                         return made_mm_[a][axis] < made_mm_[b][axis];
+                       });
+      Build(begin, middle);
+      node.right = Build(middle, end);
+    }
+    nodes_[self] = node;
+    return self;
+  }
+
+  bool HasEarlierCrack(std::uint32_t index, std::uint32_t rank) const {
+    const Node& node = nodes_[index];
+    if (node.first_rank >= rank) return false;
+    const Vec3& p = made_mm_[rank];
+    const Vec3& low = node.box.min_mm;
+    const Vec3& high = node.box.max_mm;
+    const double near_x = std::max({low.x() - p.x(), p.x() - high.x(), 0.0});
+    const double near_y = std::max({low.y() - p.y(), p.y() - high.y(), 0.0});
+    if (!Inside(near_x, near_y, high.z() - p.z(), cone_tangent_)) return false;
+    const double far_x = std::max(high.x() - p.x(), p.x() - low.x());
+    const double far_y = std::max(high.y() - p.y(), p.y() - low.y());
+    if (Inside(far_x, far_y, low.z() - p.z(), cone_tangent_)) return true;
+    if (node.right != 0) {
+      return HasEarlierCrack(index + 1, rank) || HasEarlierCrack(node.right, rank);
+    }
+    return std::any_of(ranks_.begin() + node.begin, ranks_.begin() + node.end,
+                       [this, rank, &p](std::uint32_t other) {
+                         if (other >= rank) return false;
+                         const Vec3 d = made_mm_[other] - p;
+                         return Inside(d.x(), d.y(), d.z(), cone_tangent_);
+                       });
+  }
+
+  const PointList& made_mm_;
+  double cone_tangent_;
+  std::vector<std::uint32_t> ranks_;
+  std::vector<Node> nodes_;
+};
+
+/// The earliest crack in the cone of the point made `rank`-th, if there is one.
+std::optional<std::uint32_t> EarliestCrack(const PointList& made_mm, std::uint32_t rank,
+                                           double cone_tangent) {
+  const Vec3& p = made_mm[rank];
+  for (std::uint32_t earlier = 0; earlier < rank; ++earlier) {
+    const Vec3 d = made_mm[earlier] - p;
+    if (Inside(d.x(), d.y(), d.z(), cone_tangent)) return earlier;
+  }
+  return std::nullopt;
+}
+
+void RequireRanges(const PointList& made_mm, double cone_tangent) {
+  Require(cone_tangent >= 0, "cone_tangent must not be negative, is {}", cone_tangent);
+  Require(made_mm.size() <= std::numeric_limits<std::uint32_t>::max(),
+          "{} points are too many to check", made_mm.size());
+}
+
+}  // namespace
+
+ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
+                         double cone_tangent) {
+  PointList made_mm;
+  made_mm.reserve(order.size());
+  for (const std::uint32_t index : order) {
+    Require(index < points_mm.size(), "the order names point {} of {}", index,
+            points_mm.size());
+    made_mm.push_back(points_mm[index]);
+  }
+  RequireRanges(made_mm, cone_tangent);
+  const CrackTree tree(made_mm, cone_tangent);
+  ShadowReport report;
+  for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
+    if (!tree.IsViolated(rank)) continue;
+    ++report.violations;
+    if (report.first.size() == ShadowReport::kMaxPairs) continue;
+    const auto crack = EarliestCrack(made_mm, rank, cone_tangent);
+    Require(crack.has_value(), "the tree and the pairs disagree about point {}", rank);
+    report.first.push_back({order[rank], order[*crack]});
+  }
+  return report;
+}
+
+std::uint64_t CountShadowViolations(const PointList& made_mm, double cone_tangent) {
+  RequireRanges(made_mm, cone_tangent);
+  const CrackTree tree(made_mm, cone_tangent);
+  std::uint64_t violations = 0;
+  for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
+    if (tree.IsViolated(rank)) ++violations;
+  }
+  return violations;
+}
+
+std::uint64_t CountShadowViolationsBruteForce(const PointList& made_mm,
+                                              double cone_tangent) {
+  RequireRanges(made_mm, cone_tangent);
+  std::uint64_t violations = 0;
+  for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
+    if (EarliestCrack(made_mm, rank, cone_tangent)) ++violations;
+  }
+  return violations;
+}
+
+}  // namespace intaglio::sort

@@ -1,0 +1,47 @@
+#pragma once
+
+// How many points of an order are fired through an earlier crack: an independent check
+// that shares no code with the sorters.
+//
+// The beam converges from above (+z): a pulse for the point p fills the upward cone with
+// its apex at p and the half angle of the beam in the glass (optics/focus.h,
+// ConeTangentInGlass). The cone is round. A crack made earlier strictly inside of it
+// scatters the pulse (Trochimczuk 2008 ch. 1 and 6.7): p is violated. Inside means by
+// more than 1e-9 mm: nearer to the cone's surface, rounding would decide.
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+/// Indices into the cloud. `crack` is the earliest of those in the cone of `point`.
+struct ShadowPair {
+  std::uint32_t point = 0;
+  std::uint32_t crack = 0;
+  bool operator==(const ShadowPair&) const = default;
+};
+
+struct ShadowReport {
+  std::uint64_t violations = 0;  ///< violated points, each counted once
+  /// The first violated points in the order of engraving, at most kMaxPairs.
+  std::vector<ShadowPair> first;
+
+  static constexpr std::size_t kMaxPairs = 8;
+};
+
+/// points_mm: glass frame, mm. order: indices into it, all or some. cone_tangent >= 0.
+ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
+                         double cone_tangent);
+
+/// The number alone, of points as they were made one after another. About 2 us a point.
+std::uint64_t CountShadowViolations(const PointList& made_mm, double cone_tangent);
+
+/// The same number from the definition, every pair compared: for small clouds and as the
+/// oracle of the other.
+std::uint64_t CountShadowViolationsBruteForce(const PointList& made_mm,
+                                              double cone_tangent);
+
+}  // namespace intaglio::sort
