@@ -1,5 +1,6 @@
 #include "engrave/discretize/fill.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

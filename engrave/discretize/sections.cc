@@ -1,5 +1,6 @@
 #include "engrave/discretize/sections.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -1,0 +1,127 @@
+#include "engrave/discretize/sections.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/engrave/discretize/solids.h"
+
+namespace intaglio::discretize {
+namespace {
+
+using namespace testing;
+
+MethodStatistics Cut(const mesh::TriangleMesh& mesh, const SectionOptions& options,
+                     PointCloud& cloud) {
+  const auto statistics = CutSections(mesh, options, 3, {}, cloud);
+  EXPECT_TRUE(statistics.has_value());
+  return *statistics;
+}
+
+SectionOptions Fine(double distance_mm) {
+  SectionOptions options;
+  options.layer_distance_mm = options.vertex_distance_mm = distance_mm;
+  return options;
+}
+
+TEST(Sections, CuboidHasOneSquareAPlane) {
+  PointCloud cloud;
+  const auto statistics = Cut(Cuboid(Vec3(0, 0, 0), Vec3(10, 10, 5)), Fine(0.5), cloud);
+  // Extent 5, planes at 0.05 + k 0.5 up to 4.95: 10 of them.
+  EXPECT_EQ(statistics.plane_count, 10u);
+  EXPECT_EQ(statistics.closed_contour_count, 10u);
+  EXPECT_EQ(statistics.open_contour_count, 0u);
+  // Two faces of 100 mm^2 are parallel to the planes and lost.
+  EXPECT_NEAR(statistics.parallel_area_mm2, 200, 1e-9);
+  // 40 mm of contour at 0.5 mm, 0.4 % allowance: 79 points.
+  EXPECT_EQ(statistics.point_count, 790u);
+  for (const std::uint32_t source : cloud.source) EXPECT_EQ(source, 3u);
+}
+
+TEST(Sections, PlanesLieWhereTheyShould) {
+  PointCloud cloud;
+  SectionOptions options = Fine(0.3);
+  options.first_last_distance_ratio = 0.5;
+  Cut(Sphere(Vec3(5, 5, 5), 4, 40, 60), options, cloud);
+  for (const Vec3& p : cloud.points_mm) {
+    const double k = (p.z() - 1 - 0.15) / 0.3;
+    // 1 um is what the product promises; the arithmetic keeps far below.
+    EXPECT_NEAR(p.z(), 1 + 0.15 + std::round(k) * 0.3, 1e-6);
+  }
+}
+
+TEST(Sections, VerticesExactlyInAPlaneLeaveContoursClosed) {
+  // Every plane goes through a ring of vertices of the sphere and of the torus.
+  for (const auto& mesh :
+       {Sphere(Vec3(0, 0, 0), 4, 16, 24), Torus(Vec3(0, 0, 0), 5, 2, 24, 16)}) {
+    SectionOptions options = Fine(0.25);
+    options.first_last_distance_ratio = 0;
+    PointCloud cloud;
+    EXPECT_EQ(Cut(mesh, options, cloud).open_contour_count, 0u);
+  }
+}
+
+TEST(Sections, TorusHasTwoContoursInEveryPlane) {
+  PointCloud cloud;
+  const auto statistics = Cut(Torus(Vec3(0, 0, 0), 5, 2, 90, 60), Fine(0.1), cloud);
+  EXPECT_EQ(statistics.closed_contour_count, 2 * statistics.plane_count);
+}
+
+TEST(Sections, PointsLieOnTheSurfaceForAnyDirection) {
+  const auto mesh = Torus(Vec3(1, 2, 3), 5, 2, 24, 16);
+  for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
+    SectionOptions options = Fine(0.7);
+    options.normal = {axis, Vec3(0.3, -0.8, 1.1)};
+    PointCloud cloud;
+    const auto statistics = Cut(mesh, options, cloud);
+    EXPECT_EQ(statistics.open_contour_count, 0u);
+    ASSERT_GT(cloud.size(), 50u);
+    // Rounding of coordinates of about 10 mm.
+    for (const Vec3& p : cloud.points_mm) EXPECT_LT(DistanceToSurface(mesh, p), 1e-12);
+  }
+}
+
+TEST(Sections, SpacingAlongAContourIsEven) {
+  PointCloud cloud;
+  SectionOptions options = Fine(0.1);
+  options.layer_distance_mm = 1;
+  Cut(Sphere(Vec3(0, 0, 0), 5, 200, 400), options, cloud);
+  std::map<double, PointList> planes;
+  for (const Vec3& p : cloud.points_mm) planes[p.z()].push_back(p);
+  for (const auto& [z, points] : planes) {
+    if (points.size() < 200) continue;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const double distance = (points[i] - points[i - 1]).norm();
+      // 0.4 % allowance for chords and less than one part in the number of points.
+      EXPECT_GE(distance, 0.1);
+      EXPECT_LT(distance, 0.101);
+    }
+  }
+}
+
+TEST(Sections, OpenContoursKeepTheirEnds) {
+  auto mesh = Cuboid(Vec3(0, 0, 0), Vec3(10, 10, 5));
+  // Without the face y = 10 (triangles 6 and 7) each contour is a U of 30 mm.
+  mesh.triangles.erase(mesh.triangles.begin() + 6, mesh.triangles.begin() + 8);
+  PointCloud cloud;
+  const auto statistics = Cut(mesh, Fine(0.5), cloud);
+  EXPECT_EQ(statistics.closed_contour_count, 0u);
+  EXPECT_EQ(statistics.open_contour_count, statistics.plane_count);
+  int ends = 0;
+  for (const Vec3& p : cloud.points_mm) {
+    if (p.y() == 10 && (p.x() == 0 || p.x() == 10)) ++ends;
+  }
+  EXPECT_EQ(ends, 2 * static_cast<int>(statistics.plane_count));
+}
+
+TEST(Sections, ProgressCanEndIt) {
+  PointCloud cloud;
+  const auto result = CutSections(
+      Cuboid(Vec3(0, 0, 0), Vec3(1, 1, 1)), Fine(0.1), 0,
+      [](std::uint64_t, std::uint64_t) { return false; }, cloud);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, ErrorCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace intaglio::discretize
