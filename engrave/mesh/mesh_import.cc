@@ -42,6 +42,9 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 8> kExtensions = {"stl",  "obj", "ply", "3mf",
                                                          "gltf", "glb", "dae", "3ds"};
 
+// More than any header of a PLY.
+constexpr std::size_t kBeginningSize = 1 << 20;
+
 /// A model file as errors speak of it, and the bounds it must keep.
 struct Source {
   std::string name;
@@ -103,6 +106,34 @@ Status CheckFile(const Source& source, const fs::path& file) {
                          "the file cannot be opened; check that you may read it");
   }
   return CheckSize(source, byte_count);
+}
+
+/// The library reads on for ever where a PLY header does not end, as in a file cut short.
+/// `beginning` is the file or its first kBeginningSize bytes.
+Status CheckPlyHeaderEnds(const Source& source, std::string_view beginning) {
+  constexpr std::string_view kEnd = "\nend_header";
+  const std::size_t at = beginning.find(kEnd);
+  if (at != std::string_view::npos) {
+    const std::string_view rest = beginning.substr(at + kEnd.size());
+    if (!rest.empty() && (rest.front() == '\n' || rest.front() == '\r')) return {};
+  }
+  return source.Refuse(ErrorCode::kUnreadable,
+                       "it cannot be read as ply (its header does not end with a line "
+                       "end_header); check that it is complete, or export it again");
+}
+
+/// What is checked of a file's content before the library sees it.
+Status CheckContent(const Source& source, std::string_view beginning) {
+  if (source.extension == "ply") return CheckPlyHeaderEnds(source, beginning);
+  return {};
+}
+
+std::string BeginningOf(const fs::path& file) {
+  std::string beginning(kBeginningSize, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  beginning.resize(static_cast<std::size_t>(in.gcount()));
+  return beginning;
 }
 
 /// model_from_node: the linear part and the offset, in double from the file's floats.
@@ -301,6 +332,9 @@ Result<TriangleMesh> ImportMesh(const fs::path& file, const ImportOptions& optio
   if (Status status = CheckExtension(source); !status) {
     return tl::unexpected(status.error());
   }
+  if (Status status = CheckContent(source, BeginningOf(file)); !status) {
+    return tl::unexpected(status.error());
+  }
   return Import(source,
                 [&](Assimp::Importer& importer) { importer.ReadFile(file.string(), 0); });
 }
@@ -314,6 +348,12 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
     return tl::unexpected(status.error());
   }
   if (Status status = CheckSize(source, bytes.size()); !status) {
+    return tl::unexpected(status.error());
+  }
+  const auto beginning = bytes.first(std::min(bytes.size(), kBeginningSize));
+  const std::string_view text(reinterpret_cast<const char*>(beginning.data()),
+                              beginning.size());
+  if (Status status = CheckContent(source, text); !status) {
     return tl::unexpected(status.error());
   }
   return Import(source, [&](Assimp::Importer& importer) {
