@@ -1,0 +1,26 @@
+#pragma once
+
+// Numbers as text, bit for bit there and back, whatever the locale.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace intaglio::materials_db {
+
+/// A finite number that takes the whole text: "1.5", "-3e-06", "+2".
+std::optional<double> ParseNumber(std::string_view text);
+
+/// Numbers between white space or commas; none when one of them is not a number.
+std::optional<std::vector<double>> ParseNumbers(std::string_view text);
+
+/// The shortest text that ParseNumber reads back as the same number.
+std::string FormatNumber(double number);
+/// The same, with one space between.
+std::string FormatNumbers(const std::vector<double>& numbers);
+
+/// The words of a line, cut at white space.
+std::vector<std::string_view> SplitWords(std::string_view line);
+
+}  // namespace intaglio::materials_db

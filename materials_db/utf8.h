@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace intaglio::materials_db {
+
+/// Whether all of it is well formed UTF-8.
+bool IsUtf8(std::string_view bytes);
+
+/// UTF-16 by its byte order mark, UTF-8 with or without one; bytes that are neither are
+/// taken as Latin-1, in which they always have a meaning.
+std::string ToUtf8(std::string_view bytes);
+
+/// `c`: up to U+10FFFF and no surrogate.
+void AppendUtf8(std::string& text, char32_t c);
+
+/// Whether `c` may stand in UTF-8.
+constexpr bool IsCharacter(char32_t c) {
+  return c <= 0x10FFFF && !(c >= 0xD800 && c <= 0xDFFF);
+}
+
+}  // namespace intaglio::materials_db
