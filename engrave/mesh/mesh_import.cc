@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 8> kExtensions = {"stl",  "obj", "ply", "
                                                          "gltf", "glb", "dae", "3ds"};
 
 // More than any header of a PLY.
-constexpr std::size_t kBeginningSize = 1 << 20;
+constexpr std::size_t kMaxPlyHeaderSize = 1 << 20;
 
 /// A model file as errors speak of it, and the bounds it must keep.
 struct Source {
@@ -109,7 +109,7 @@ Status CheckFile(const Source& source, const fs::path& file) {
 }
 
 /// The library reads on for ever where a PLY header does not end, as in a file cut short.
-/// `beginning` is the file or its first kBeginningSize bytes.
+/// `beginning` is the file or its first kMaxPlyHeaderSize bytes.
 Status CheckPlyHeaderEnds(const Source& source, std::string_view beginning) {
   constexpr std::string_view kEnd = "\nend_header";
   const std::size_t at = beginning.find(kEnd);
@@ -122,18 +122,47 @@ Status CheckPlyHeaderEnds(const Source& source, std::string_view beginning) {
                        "end_header); check that it is complete, or export it again");
 }
 
-/// What is checked of a file's content before the library sees it.
-Status CheckContent(const Source& source, std::string_view beginning) {
-  if (source.extension == "ply") return CheckPlyHeaderEnds(source, beginning);
+/// The library reads a DAE's index lists for ever where something else than a number is
+/// in them.
+Status CheckIndexLists(const Source& source, std::string_view text) {
+  constexpr std::string_view kBegin = "<p>";
+  for (std::size_t at = text.find(kBegin); at != std::string_view::npos;
+       at = text.find(kBegin, at)) {
+    at += kBegin.size();
+    const std::size_t end = text.find('<', at);
+    if (text.substr(at, end - at).find_first_not_of("0123456789- \t\r\n") !=
+        std::string_view::npos) {
+      return source.Refuse(ErrorCode::kUnreadable,
+                           "it cannot be read as dae (a list of indices holds something "
+                           "else than numbers); the file is damaged, export it again");
+    }
+  }
   return {};
 }
 
-std::string BeginningOf(const fs::path& file) {
-  std::string beginning(kBeginningSize, '\0');
+/// What is checked of a file's content before the library sees it.
+Status CheckContent(const Source& source, std::string_view text) {
+  if (source.extension == "ply") {
+    return CheckPlyHeaderEnds(source, text.substr(0, kMaxPlyHeaderSize));
+  }
+  if (source.extension == "dae") return CheckIndexLists(source, text);
+  return {};
+}
+
+/// As much of the file as CheckContent() looks at.
+std::string ContentToCheck(const Source& source, const fs::path& file) {
+  std::size_t size = 0;
+  if (source.extension == "ply") size = kMaxPlyHeaderSize;
+  if (source.extension == "dae") {
+    std::error_code unreadable;
+    size = fs::file_size(file, unreadable);
+    if (unreadable) size = 0;
+  }
+  std::string content(size, '\0');
   std::ifstream in(file, std::ios::binary);
-  in.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
-  beginning.resize(static_cast<std::size_t>(in.gcount()));
-  return beginning;
+  in.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(in.gcount()));
+  return content;
 }
 
 /// model_from_node: the linear part and the offset, in double from the file's floats.
@@ -332,7 +361,7 @@ Result<TriangleMesh> ImportMesh(const fs::path& file, const ImportOptions& optio
   if (Status status = CheckExtension(source); !status) {
     return tl::unexpected(status.error());
   }
-  if (Status status = CheckContent(source, BeginningOf(file)); !status) {
+  if (Status status = CheckContent(source, ContentToCheck(source, file)); !status) {
     return tl::unexpected(status.error());
   }
   return Import(source,
@@ -350,9 +379,7 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
   if (Status status = CheckSize(source, bytes.size()); !status) {
     return tl::unexpected(status.error());
   }
-  const auto beginning = bytes.first(std::min(bytes.size(), kBeginningSize));
-  const std::string_view text(reinterpret_cast<const char*>(beginning.data()),
-                              beginning.size());
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (Status status = CheckContent(source, text); !status) {
     return tl::unexpected(status.error());
   }

@@ -163,6 +163,12 @@ TEST(MeshImport, PlyHeaderThatDoesNotEndIsAnError) {
   ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "does not end with a line");
 }
 
+TEST(MeshImport, DaeWithTextAmongItsIndicesIsAnError) {
+  std::string dae = Dae(BoxMesh(kSize), "", kIdentity);
+  dae.insert(dae.find("<p>") + 4, "i");
+  ExpectError(Import(dae, "dae"), ErrorCode::kUnreadable, "something else than numbers");
+}
+
 TEST(MeshImport, CutsPolygonsIntoTriangles) {
   const auto mesh = Import(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nf 1 2 3 4\nf 4 3 5\n", "obj");
