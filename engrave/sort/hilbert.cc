@@ -46,13 +46,16 @@ void RadixSort(std::vector<Keyed>& items) {
 }  // namespace
 
 std::uint64_t HilbertKey(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  for (std::uint32_t bit = kCells / 2; bit > 1; bit /= 2) {
-    const std::uint32_t below = bit - 1;
-    if ((x & bit) != 0) x ^= below;
+  // Without branches: which way a bit goes is as good as random.
+  for (int bit = kBits - 1; bit > 0; --bit) {
+    const std::uint32_t below = (1U << bit) - 1;
+    const auto all_if_set = [bit](std::uint32_t v) { return 0U - (v >> bit & 1U); };
+    x ^= below & all_if_set(x);
     // Invert x where the coordinate has the bit, exchange the lower bits where not.
-    const auto unrotate = [&x, bit, below](std::uint32_t& v) {
-      const std::uint32_t exchanged = (v & bit) != 0 ? 0 : (x ^ v) & below;
-      x ^= (v & bit) != 0 ? below : exchanged;
+    const auto unrotate = [&x, below, all_if_set](std::uint32_t& v) {
+      const std::uint32_t inverted = all_if_set(v);
+      const std::uint32_t exchanged = (x ^ v) & below & ~inverted;
+      x ^= (below & inverted) | exchanged;
       v ^= exchanged;
     };
     unrotate(y);
@@ -60,10 +63,12 @@ std::uint64_t HilbertKey(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   }
   y ^= x;
   z ^= y;
-  std::uint32_t flips = 0;
-  for (std::uint32_t bit = kCells / 2; bit > 1; bit /= 2) {
-    if ((z & bit) != 0) flips ^= bit - 1;
-  }
+  // Each bit: the parity of the bits of z above it.
+  std::uint32_t flips = z >> 1;
+  flips ^= flips >> 1;
+  flips ^= flips >> 2;
+  flips ^= flips >> 4;
+  flips ^= flips >> 8;
   return Spread(x ^ flips) << 2 | Spread(y ^ flips) << 1 | Spread(z ^ flips);
 }
 

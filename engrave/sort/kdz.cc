@@ -51,13 +51,14 @@ Result<Order> OrderByKdz(const PointList& points_mm, const OrderOptions& options
   std::iota(order.begin(), order.end(), 0U);
   RemainingPoints remaining(points_mm, order, options.kdz.up_ratio);
   // From above the lowest point itself nothing is nearer than it.
-  const Vec3* now = &points_mm[LowestPoint(points_mm)];
+  const Vec3& lowest_mm = points_mm[LowestPoint(points_mm)];
+  RemainingPoints::Taken now{0, lowest_mm.x(), lowest_mm.y()};
   for (std::size_t made = 0; made < order.size(); ++made) {
     if (progress && made % kPointsPerReport == 0 && !progress(made, order.size())) {
       return Fail(ErrorCode::kCancelled, "the sort was cancelled");
     }
-    order[made] = remaining.TakeNearest(now->x(), now->y());
-    now = &points_mm[order[made]];
+    now = remaining.TakeNearest(now.x_mm, now.y_mm);
+    order[made] = now.index;
   }
   return order;
 }

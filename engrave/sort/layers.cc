@@ -52,8 +52,9 @@ Result<Order> OrderByLayers(const PointList& points_mm, const OrderOptions& opti
   Order order;
   order.reserve(points_mm.size());
   if (points_mm.empty()) return order;
-  const Vec3* now = &points_mm[LowestPoint(points_mm)];
-  const auto slabs = BySlab(points_mm, now->z(), options.layers.layer_thickness_mm);
+  const Vec3& lowest_mm = points_mm[LowestPoint(points_mm)];
+  RemainingPoints::Taken now{0, lowest_mm.x(), lowest_mm.y()};
+  const auto slabs = BySlab(points_mm, lowest_mm.z(), options.layers.layer_thickness_mm);
   std::vector<std::uint32_t> members;
   for (auto begin = slabs.begin(); begin != slabs.end();) {
     if (progress && !progress(order.size(), points_mm.size())) {
@@ -66,8 +67,8 @@ Result<Order> OrderByLayers(const PointList& points_mm, const OrderOptions& opti
     }
     RemainingPoints remaining(points_mm, members, 0);
     for (std::size_t i = 0; i < members.size(); ++i) {
-      order.push_back(remaining.TakeNearest(now->x(), now->y()));
-      now = &points_mm[order.back()];
+      now = remaining.TakeNearest(now.x_mm, now.y_mm);
+      order.push_back(now.index);
     }
   }
   return order;

@@ -18,6 +18,7 @@
 #include "engrave/sort/remaining_points.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -162,29 +163,40 @@ void RemainingPoints::ScanLeaf(std::size_t leaf, Search& search) const {
   search.limit = static_cast<float>(search.best - origin_lift_) + search.slack;
 }
 
-void RemainingPoints::VisitChildren(std::size_t level, std::size_t node,
-                                    std::size_t skipped, Search& search) const {
-  const Node& n = levels_[level][node];
-  float bound[kFan];
+void RemainingPoints::BoundChildren(const Node& node, const Search& search,
+                                    float (&bound)[kFan]) {
   for (std::size_t i = 0; i < kFan; ++i) {
-    const float left = n.min_x[i] - search.rel_x;
-    const float right = search.rel_x - n.max_x[i];
-    const float front = n.min_y[i] - search.rel_y;
-    const float back = search.rel_y - n.max_y[i];
+    const float left = node.min_x[i] - search.rel_x;
+    const float right = search.rel_x - node.max_x[i];
+    const float front = node.min_y[i] - search.rel_y;
+    const float back = search.rel_y - node.max_y[i];
     const float in_x = left > right ? left : right;
     const float in_y = front > back ? front : back;
     const float outside = in_x > in_y ? in_x : in_y;
-    bound[i] = (outside > 0 ? outside : 0) + n.min_lift[i];
+    bound[i] = (outside > 0 ? outside : 0) + node.min_lift[i];
   }
+}
+
+void RemainingPoints::VisitChildren(std::size_t level, std::size_t node,
+                                    std::size_t skipped, Search& search) const {
+  float bound[kFan];
+  BoundChildren(levels_[level][node], search, bound);
   if (skipped < kFan) bound[skipped] = kInfinityF;
-  for (;;) {
-    std::size_t next = 0;
-    for (std::size_t i = 1; i < kFan; ++i) {
+  // Mostly no child is worth a look: find out which are before anything is sorted.
+  unsigned open = 0;
+  for (std::size_t i = 0; i < kFan; ++i) {
+    open |= static_cast<unsigned>(bound[i] <= search.limit) << i;
+  }
+  while (open != 0) {
+    int next = std::countr_zero(open);
+    for (unsigned rest = open & (open - 1); rest != 0; rest &= rest - 1) {
+      const int i = std::countr_zero(rest);
       if (bound[i] < bound[next]) next = i;
     }
+    // The limit has come down since; an empty child is below no limit but infinity.
     if (bound[next] > search.limit || bound[next] == kInfinityF) return;
-    bound[next] = kInfinityF;
-    const std::size_t child = node * kFan + next;
+    open &= ~(1U << next);
+    const std::size_t child = node * kFan + static_cast<std::size_t>(next);
     if (level == 0) {
       ScanLeaf(child, search);
     } else {
@@ -193,7 +205,7 @@ void RemainingPoints::VisitChildren(std::size_t level, std::size_t node,
   }
 }
 
-std::uint32_t RemainingPoints::TakeNearest(double x_mm, double y_mm) {
+RemainingPoints::Taken RemainingPoints::TakeNearest(double x_mm, double y_mm) {
   Require(size_ > 0, "there is no point left to take");
   const double rel_x = x_mm - origin_x_;
   const double rel_y = y_mm - origin_y_;
@@ -213,10 +225,11 @@ std::uint32_t RemainingPoints::TakeNearest(double x_mm, double y_mm) {
     VisitChildren(level, child / kFan, child % kFan, search);
     child /= kFan;
   }
-  const std::uint32_t index = leaves_[search.leaf].index[search.slot];
+  const Leaf& leaf = leaves_[search.leaf];
+  const Taken taken{leaf.index[search.slot], leaf.x[search.slot], leaf.y[search.slot]};
   Remove(search.leaf, search.slot);
   last_leaf_ = search.leaf;
-  return index;
+  return taken;
 }
 
 void RemainingPoints::Remove(std::size_t leaf_index, std::size_t slot) {

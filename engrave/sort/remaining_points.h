@@ -22,9 +22,17 @@ class RemainingPoints {
 
   std::size_t size() const { return size_; }
 
-  /// Takes out the point of least cost as seen from (x, y) and returns its index. Equal
-  /// costs: as lowest_point.h has it. There must be a point left.
-  std::uint32_t TakeNearest(double x_mm, double y_mm);
+  /// A point taken: its place along with its index, because the place is at hand here and
+  /// far away in the cloud.
+  struct Taken {
+    std::uint32_t index;
+    double x_mm;
+    double y_mm;
+  };
+
+  /// Takes out the point of least cost as seen from (x, y). Equal costs: as
+  /// lowest_point.h has it. There must be a point left.
+  Taken TakeNearest(double x_mm, double y_mm);
 
  private:
   static constexpr std::size_t kFan = 8;
@@ -72,6 +80,7 @@ class RemainingPoints {
   static void SetChild(Node& node, std::size_t child, const Bounds& bounds);
   static Bounds ChildOf(const Node& node, std::size_t child);
   void ScanLeaf(std::size_t leaf, Search& search) const;
+  static void BoundChildren(const Node& node, const Search& search, float (&bound)[kFan]);
   void VisitChildren(std::size_t level, std::size_t node, std::size_t skipped,
                      Search& search) const;
   void Remove(std::size_t leaf, std::size_t slot);
