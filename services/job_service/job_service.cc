@@ -54,8 +54,7 @@ FrozenJob FrozenOf(const JobRecord& job) {
 
 JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options,
                        Nanoseconds now)
-    : host_(host),
-      options_(options),
+    : options_(options),
       store_(options.database),
       materials_(OpenMaterials(options.materials)),
       epoch_(store_.BeginRun()),

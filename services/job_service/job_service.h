@@ -55,7 +55,6 @@ class JobService : private JobActions {
   void Refuse(const std::string& submission_uid, const std::string& reasons);
   void Publish(const JobRecord& job);
 
-  host::ServiceHost& host_;
   JobServiceOptions options_;
   JobStore store_;
   materials_db::MaterialStore materials_;

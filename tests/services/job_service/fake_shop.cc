@@ -32,6 +32,7 @@ ServiceProcess::ServiceProcess(const std::filesystem::path& folder,
                                         folder / "materials.db",
                                         "--results",
                                         folder / "results",
+                                        "--die-with-parent",
                                         "--log-level",
                                         "warning"};
   std::vector<char*> argv;
