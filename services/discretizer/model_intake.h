@@ -1,0 +1,53 @@
+#pragma once
+
+// Receives the model files of one job after another from the job service, under credit.
+// Used from the wait set's thread alone.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "services/bus/flow.h"
+
+namespace intaglio::discretizer {
+
+/// A model file, byte for byte.
+using FileBytes = std::vector<std::byte>;
+
+/// Of all models of a job together. 1 GiB is 21 million triangles of binary STL; more
+/// does not fit into the memory of a usual machine beside the mesh made from it.
+inline constexpr std::uint64_t kMaxModelBytes = std::uint64_t{1} << 30;
+
+class ModelIntake {
+ public:
+  ModelIntake(bus::Bus& bus, const std::string& instance);
+
+  /// Gives the sender its credit for these many models; forgets an earlier stream.
+  Status Open(const std::string& job_uid, std::uint32_t attempt, std::size_t model_count);
+  /// Takes what has come; true when all models are whole. kLinkLost: a chunk is missing.
+  /// kFault: a chunk contradicts the ones before it. kTooLarge: above kMaxModelBytes.
+  Result<bool> Poll();
+  void Close();
+  /// The files in the order of the job, once.
+  std::vector<FileBytes> TakeFiles() { return std::move(files_); }
+  bus::Reader<intaglio_ModelChunk>& reader() { return reader_; }
+
+ private:
+  Status Accept(const intaglio_ModelChunk& chunk);
+  Status Check(const intaglio_ModelChunk& chunk) const;
+
+  bus::Reader<intaglio_ModelChunk> reader_;
+  bus::CreditGrantor credit_;
+  std::string job_uid_, stream_;
+  std::uint32_t attempt_ = 0;
+  std::size_t model_count_ = 0;
+  std::uint64_t expected_ = 0;   // number of the next chunk
+  std::uint64_t file_size_ = 0;  // of the last file begun
+  std::uint64_t total_bytes_ = 0;
+  bool complete_ = false;
+  std::vector<FileBytes> files_;
+};
+
+}  // namespace intaglio::discretizer

@@ -1,0 +1,100 @@
+#pragma once
+
+// The life of a worker of one stage, the same for all: it is given a task, takes its
+// input under credit, computes in a thread of its own while the bus loop keeps the health
+// fresh, hands the points to its consumer under credit, and tells how it went.
+//
+//   idle -> taking input -> computing -> sending -> idle
+//
+// A task that is revoked, or superseded by a newer one, or whose job service has died is
+// cancelled at once; what still computes is waited for without holding up the loop. An
+// error ends the task (TASK_FAILED), never the process.
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "services/host/computation.h"
+#include "services/host/service_host.h"
+#include "services/host/stage_task.h"
+#include "services/host/task_reporter.h"
+
+namespace intaglio::host {
+
+/// Where a stage's input comes from and what is computed from it.
+class StageInput {
+ public:
+  virtual ~StageInput() = default;
+  virtual Status Open(const StageTask& task) = 0;
+  /// Takes what has come; true when all of it is there. Never blocks.
+  virtual Result<bool> Poll() = 0;
+  virtual void Close() = 0;
+  /// Moves the input into a function that needs nothing else and runs in another thread.
+  virtual Computation<StageResult>::Function TakeComputation(const StageTask& task) = 0;
+};
+
+/// Where the points go.
+class StageOutput {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+  virtual ~StageOutput() = default;
+  virtual void Begin(const StageTask& task, PointCloud cloud, TimePoint now) = 0;
+  /// Sends what may be sent; true when the consumer has everything. Never blocks.
+  virtual Result<bool> Advance(TimePoint now) = 0;
+  virtual void End() = 0;
+};
+
+class StageWorker {
+ public:
+  using TimePoint = StageOutput::TimePoint;
+  /// `wake` ends the loop's wait; it is called from the computing thread.
+  StageWorker(ServiceHost& host, const bus::Topic<intaglio_StageTask>& tasks,
+              intaglio_Stage stage, StageInput& input, StageOutput& output,
+              std::function<void()> wake);
+  ~StageWorker();
+
+  /// One turn of the loop. Never blocks.
+  void Turn(TimePoint now);
+  /// Fails the running task; the service is about to end.
+  void Stop();
+  bus::Reader<intaglio_StageTask>& tasks() { return tasks_; }
+
+ private:
+  enum class Phase { kIdle, kInput, kComputing, kSending, kCancelling };
+
+  void TakeTasks();
+  void Take(const intaglio_StageTask& sample);
+  void Withdraw(ErrorCode code, const std::string& reason);
+  void BeginPending();
+  Result<bool> Advance();
+  Result<bool> FinishComputing();
+  void EndTask(intaglio_TaskState state, const Error& error);
+
+  ServiceHost& host_;
+  bus::Reader<intaglio_StageTask> tasks_;
+  TaskReporter reporter_;
+  StageInput& input_;
+  StageOutput& output_;
+  std::function<void()> wake_;
+
+  Phase phase_ = Phase::kIdle;
+  StageTask task_;  // the running or, when idle, the last one
+  struct Pending {
+    StageTask task;          // but for its job
+    std::string frozen_job;  // serialized
+  };
+  std::optional<Pending> pending_;  // begins when the running one has ended
+  std::unique_ptr<Computation<StageResult>> computation_;
+  StageOutcome outcome_;
+  TaskProgress progress_;
+  std::optional<Error> withdrawn_;
+  TimePoint now_{}, began_at_{};
+};
+
+/// Runs the worker on the wait set until the host is to stop. The wait set has the
+/// readers of input and output attached.
+int RunStageWorker(ServiceHost& host, bus::WaitSet& wait, StageWorker& worker);
+
+}  // namespace intaglio::host

@@ -1,0 +1,80 @@
+#include "services/host/task_reporter.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::host {
+namespace {
+using bus::Borrow;
+constexpr std::chrono::milliseconds kPeriod{100};
+// A job service that was away asks for the outcome of what it had handed out, not for
+// everything that ever was.
+constexpr std::size_t kKeptJobs = 64;
+}  // namespace
+
+TaskReporter::TaskReporter(bus::Bus& bus, std::string worker, intaglio_Stage stage)
+    : writer_(bus, bus::kTaskStatus), worker_(std::move(worker)), stage_(stage) {}
+
+void TaskReporter::Accept(const std::string& job_uid, std::uint32_t attempt,
+                          TimePoint now) {
+  job_uid_ = job_uid;
+  attempt_ = attempt;
+  next_ = now + kPeriod;
+  if (std::find(told_.begin(), told_.end(), job_uid) == told_.end()) {
+    told_.push_back(job_uid);
+    ForgetOldest();
+  }
+  Publish(intaglio_TASK_ACCEPTED, {}, {ErrorCode::kInvalidValue, "", ""}, "");
+}
+
+void TaskReporter::Run(const TaskProgress& progress, TimePoint now) {
+  if (now < next_) return;
+  next_ = now + kPeriod;
+  Publish(intaglio_TASK_RUNNING, progress, {ErrorCode::kInvalidValue, "", ""}, "");
+}
+
+void TaskReporter::Done(const TaskProgress& progress, StageOutcome outcome) {
+  outcome.set_elapsed_s(progress.elapsed_s);
+  Publish(intaglio_TASK_DONE, progress, {ErrorCode::kInvalidValue, "", ""},
+          outcome.SerializeAsString());
+}
+
+void TaskReporter::Failed(const TaskProgress& progress, const Error& error) {
+  Publish(intaglio_TASK_FAILED, progress, error, "");
+}
+
+void TaskReporter::Publish(intaglio_TaskState state, const TaskProgress& progress,
+                           const Error& error, const std::string& outcome) {
+  const std::string code = state == intaglio_TASK_FAILED ? ErrorCodeName(error.code) : "";
+  const std::vector<std::uint8_t> bytes(outcome.begin(), outcome.end());
+  intaglio_TaskStatus sample{};
+  sample.job_uid = Borrow(job_uid_);
+  sample.stage = stage_;
+  sample.attempt = attempt_;
+  sample.worker = Borrow(worker_);
+  sample.state = state;
+  sample.done_count = progress.done_count;
+  sample.total_count = progress.total_count;
+  sample.elapsed_s = progress.elapsed_s;
+  sample.error_code = Borrow(code);
+  sample.message = Borrow(error.message);
+  Borrow(sample.outcome, bytes);
+  if (auto written = writer_.Write(sample); !written) {
+    spdlog::warn("task status of job {}: {}", job_uid_, written.error().message);
+  }
+}
+
+void TaskReporter::ForgetOldest() {
+  if (told_.size() <= kKeptJobs) return;
+  intaglio_TaskStatus sample{};
+  sample.job_uid = Borrow(told_.front());
+  sample.stage = stage_;
+  (void)writer_.Dispose(sample);
+  told_.pop_front();
+}
+
+}  // namespace intaglio::host

@@ -1,0 +1,53 @@
+#include "services/host/cloud_output.h"
+#include "services/host/service_host.h"
+#include "services/sorter/sort_job.h"
+
+namespace {
+
+using namespace intaglio;
+
+/// The discretizer's points.
+class PointInput final : public host::StageInput {
+ public:
+  PointInput(bus::Bus& bus, const std::string& instance)
+      : intake_(bus, instance, bus::kPointBatch) {}
+
+  Status Open(const host::StageTask& task) override {
+    return intake_.Open(task.job_uid, task.attempt);
+  }
+  Result<bool> Poll() override { return intake_.Poll(); }
+  void Close() override { intake_.Close(); }
+  host::Computation<host::StageResult>::Function TakeComputation(
+      const host::StageTask& task) override {
+    return [job = task.job,
+            cloud = intake_.TakeCloud()](const ProgressSink& progress) mutable {
+      return sorter::SortJob(job, std::move(cloud), progress);
+    };
+  }
+  bus::Reader<intaglio_PointBatch>& reader() { return intake_.reader(); }
+
+ private:
+  host::CloudIntake<intaglio_PointBatch> intake_;
+};
+
+int Serve(host::ServiceHost& host) {
+  PointInput input(host.bus(), host.instance());
+  host::CloudOutput<intaglio_PathBatch> output(host.bus(), bus::kPathBatch);
+  bus::WaitSet wait(host.bus());
+  wait.Attach(input.reader());
+  wait.Attach(output.reader());
+  host::StageWorker worker(host, bus::kSortTask, intaglio_STAGE_SORT, input, output,
+                           [&wait] { wait.Wake(); });
+  return host::RunStageWorker(host, wait, worker);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return host::RunService(
+      {.role = intaglio_ROLE_SORTER,
+       .name = "sorter",
+       .purpose = "puts the points of a job in the order of engraving",
+       .add_options = {}},
+      argc, argv, Serve);
+}

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "engrave/core/progress.h"
+#include "engrave/core/result.h"
+#include "services/host/stage_task.h"
+
+namespace intaglio::sorter {
+
+/// The cloud in the order of engraving, the stage's travel along it, and the shadow
+/// violations that the checker (not the sorter) counts.
+Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
+                                  const ProgressSink& progress);
+
+}  // namespace intaglio::sorter
