@@ -137,11 +137,11 @@ Result<double> RefractiveIndex(const Dispersion& dispersion, double wavelength_n
 }
 
 Result<double> AbbeNumber(const Dispersion& dispersion) {
-  const Result<double> n_d = RefractiveIndex(dispersion, 587.5618);
+  Result<double> n_d = RefractiveIndex(dispersion, 587.5618);
   if (!n_d) return n_d;
-  const Result<double> n_f = RefractiveIndex(dispersion, 486.1327);
+  Result<double> n_f = RefractiveIndex(dispersion, 486.1327);
   if (!n_f) return n_f;
-  const Result<double> n_c = RefractiveIndex(dispersion, 656.2725);
+  Result<double> n_c = RefractiveIndex(dispersion, 656.2725);
   if (!n_c) return n_c;
   const double abbe = (*n_d - 1) / (*n_f - *n_c);
   if (!std::isfinite(abbe)) {

@@ -15,8 +15,8 @@ namespace intaglio::sort {
 
 class RemainingPoints {
  public:
-  /// members: indices into points_mm. z_weight >= 0. About 70 bytes a member while it is
-  /// built, 45 afterwards; points_mm is not kept.
+  /// members: indices into points_mm. z_weight >= 0. Less than 60 bytes a member;
+  /// points_mm is not kept.
   RemainingPoints(const PointList& points_mm, std::span<const std::uint32_t> members,
                   double z_weight);
 

@@ -36,7 +36,8 @@ struct ShadowReport {
 ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
                          double cone_tangent);
 
-/// The number alone, of points as they were made one after another. About 2 us a point.
+/// The number alone, of points as they were made one after another. About half a
+/// microsecond a point, several where many are violated.
 std::uint64_t CountShadowViolations(const PointList& made_mm, double cone_tangent);
 
 /// The same number from the definition, every pair compared: for small clouds and as the

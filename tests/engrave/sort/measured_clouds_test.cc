@@ -1,0 +1,64 @@
+// The sorters on a cloud as a discretizer makes it, of the measured data.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "engrave/sort/order.h"
+#include "engrave/sort/shadow.h"
+#include "engrave/sort/travel.h"
+
+namespace intaglio::sort {
+namespace {
+
+PointList ReadPoints(const std::string& path) {
+  std::ifstream file(path);
+  PointList points_mm;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream numbers(line);
+    Vec3 p;
+    if (numbers >> p.x() >> p.y() >> p.z()) points_mm.push_back(p);
+  }
+  return points_mm;
+}
+
+class Scatter : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string path = INTAGLIO_SOURCE_DIR "/../shared/data/jobs/scatter.xyz";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data";
+    points_mm_ = ReadPoints(path);
+    ASSERT_GT(points_mm_.size(), 10000);
+  }
+
+  PointList points_mm_;
+};
+
+TEST_F(Scatter, KdzFiresThroughNothing) {
+  for (const double tangent : {0.13, 0.3, 0.6}) {
+    const Order order = MakeOrder(points_mm_, {}).value();
+    EXPECT_EQ(CheckShadow(points_mm_, order, tangent).violations, 0) << tangent;
+  }
+}
+
+TEST_F(Scatter, KdzMovesLessThanTheFileAndThanLayers) {
+  Order as_filed(points_mm_.size());
+  for (std::uint32_t i = 0; i < as_filed.size(); ++i) as_filed[i] = i;
+  OrderOptions layers;
+  layers.method = Method::kLayers;
+  layers.layers.layer_thickness_mm = 0.5;
+  const double kdz_mm =
+      MeasureTravel(points_mm_, MakeOrder(points_mm_, {}).value()).largest_axis_mm;
+  const double layers_mm =
+      MeasureTravel(points_mm_, MakeOrder(points_mm_, layers).value()).largest_axis_mm;
+  RecordProperty("kdz_mm_per_point", std::to_string(kdz_mm / as_filed.size()));
+  RecordProperty("layers_mm_per_point", std::to_string(layers_mm / as_filed.size()));
+  EXPECT_LT(kdz_mm, layers_mm);
+  EXPECT_LT(kdz_mm, MeasureTravel(points_mm_, as_filed).largest_axis_mm);
+}
+
+}  // namespace
+}  // namespace intaglio::sort
