@@ -1,0 +1,223 @@
+#include "services/cli/job_client.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "services/bus/samples.h"
+
+namespace intaglio::cli {
+namespace {
+
+using bus::Borrow;
+using bus::View;
+using namespace std::chrono_literals;
+
+std::int64_t SteadyNs() {
+  return std::chrono::steady_clock::now().time_since_epoch().count();
+}
+
+std::string NewSubmissionUid() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}", random(), random());
+}
+
+}  // namespace
+
+bool JobView::ended() const {
+  return state == intaglio_JOB_DONE || state == intaglio_JOB_FAILED ||
+         state == intaglio_JOB_CANCELLED;
+}
+
+const char* NameOf(intaglio_JobState state) {
+  switch (state) {
+    case intaglio_JOB_QUEUED:
+      return "queued";
+    case intaglio_JOB_DISCRETIZING:
+      return "discretizing";
+    case intaglio_JOB_SORTING:
+      return "ordering";
+    case intaglio_JOB_WAITING_FOR_ARM:
+      return "waiting for arm";
+    case intaglio_JOB_ENGRAVING:
+      return "engraving";
+    case intaglio_JOB_PAUSED:
+      return "paused";
+    case intaglio_JOB_DONE:
+      return "done";
+    case intaglio_JOB_FAILED:
+      return "failed";
+    case intaglio_JOB_CANCELLED:
+      return "cancelled";
+  }
+  return "unknown";
+}
+
+const char* NameOf(intaglio_Stage stage) {
+  switch (stage) {
+    case intaglio_STAGE_DISCRETIZE:
+      return "discretize";
+    case intaglio_STAGE_SORT:
+      return "order";
+    case intaglio_STAGE_ENGRAVE:
+      return "engrave";
+  }
+  return "unknown";
+}
+
+std::string OperatorName() {
+  char host[256] = "localhost";
+  gethostname(host, sizeof host - 1);
+  const char* user = std::getenv("USER");
+  return fmt::format("{}@{}", user != nullptr ? user : "operator", host);
+}
+
+JobClient::JobClient(bus::Bus& bus)
+    : submissions_(bus, bus::kJobSubmission),
+      commands_(bus, bus::kJobCommand),
+      statuses_(bus, bus::kJobStatus),
+      tasks_(bus, bus::kTaskStatus),
+      health_(bus, bus::kServiceHealth),
+      wait_(bus) {
+  wait_.Attach(statuses_);
+  wait_.Attach(tasks_);
+  wait_.Attach(health_);
+}
+
+void JobClient::Take(const intaglio_JobStatus& status) {
+  JobView view;
+  view.uid = View(status.job_uid);
+  view.submission_uid = View(status.submission_uid);
+  view.name = View(status.name);
+  view.message = View(status.message);
+  view.result_directory = View(status.result_directory);
+  view.cell = View(status.cell);
+  view.epoch = status.epoch;
+  view.number = status.number;
+  view.attempt = status.attempt;
+  view.state = status.state;
+  for (const intaglio_StageProgress& p : View(status.progress)) {
+    view.progress.push_back({p.stage, p.done_count, p.total_count, p.elapsed_s});
+  }
+  view.estimate_ticks = status.estimate_ticks;
+  view.rate_hz = status.rate_hz;
+  view.revision = status.revision;
+  if (view.uid.empty()) {
+    refused_[view.submission_uid] = view;
+  } else {
+    jobs_[view.uid] = view;
+  }
+}
+
+void JobClient::Take(const intaglio_TaskStatus& status) {
+  const auto bytes = View(status.outcome);
+  StageOutcome outcome;
+  if (bytes.empty() ||
+      !outcome.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return;
+  }
+  outcomes_[{std::string(View(status.job_uid)), static_cast<int>(status.stage)}] =
+      outcome;
+}
+
+void JobClient::Poll(std::chrono::milliseconds timeout) {
+  (void)wait_.Wait(timeout);
+  statuses_.Take([this](const intaglio_JobStatus& status) { Take(status); });
+  tasks_.Take([this](const intaglio_TaskStatus& status) { Take(status); });
+  health_.TakeAll(
+      [this](const intaglio_ServiceHealth& health, const bus::SampleOrigin& o) {
+        const std::string instance(View(health.instance));
+        if (!o.alive) {
+          services_.erase(instance);
+          return;
+        }
+        services_[instance] = {instance,
+                               std::string(View(health.host)),
+                               std::string(View(health.cell)),
+                               std::string(View(health.message)),
+                               health.role,
+                               health.state,
+                               health.pid};
+      });
+}
+
+bool JobClient::PollUntil(const std::function<bool()>& condition,
+                          std::chrono::milliseconds timeout) {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    if (condition()) return true;
+    if (std::chrono::steady_clock::now() >= end) return false;
+    Poll(50ms);
+  }
+}
+
+Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds timeout) {
+  const std::string uid = NewSubmissionUid();
+  const std::string client = OperatorName();
+  const std::string text = job.SerializeAsString();
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  intaglio_JobSubmission sample{};
+  sample.submission_uid = Borrow(uid);
+  sample.client = Borrow(client);
+  Borrow(sample.job, bytes);
+  sample.steady_ns = SteadyNs();
+  if (auto written = submissions_.Write(sample); !written) {
+    return tl::unexpected(written.error());
+  }
+  const JobView* found = nullptr;
+  const auto answered = [&] {
+    if (refused_.contains(uid)) return true;
+    for (const auto& [key, view] : jobs_) {
+      if (view.submission_uid == uid) found = &view;
+    }
+    return found != nullptr;
+  };
+  if (!PollUntil(answered, timeout)) {
+    return Fail(ErrorCode::kTimedOut,
+                "no job service answers: start one (intaglio up), or check --domain, "
+                "--interface and --tag");
+  }
+  if (found == nullptr) return Fail(ErrorCode::kRefused, refused_[uid].message);
+  return *found;
+}
+
+Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind) {
+  const std::string name = OperatorName();
+  intaglio_JobCommand sample{};
+  sample.job_uid = Borrow(job.uid);
+  sample.epoch = job.epoch;
+  // Grows from command to command also over several clients of one machine.
+  sample.number = static_cast<std::uint64_t>(SteadyNs());
+  sample.kind = kind;
+  sample.operator_name = Borrow(name);
+  return commands_.Write(sample);
+}
+
+Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
+  std::string known;
+  for (const auto& [uid, view] : jobs_) {
+    if (uid == uid_or_number || std::to_string(view.number) == uid_or_number) return view;
+    known += (known.empty() ? "" : ", ") + std::to_string(view.number);
+  }
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("there is no job '{}'; there are: {}", uid_or_number,
+                          known.empty() ? "none" : known),
+              uid_or_number);
+}
+
+std::optional<StageOutcome> JobClient::OutcomeOf(const std::string& job_uid,
+                                                 intaglio_Stage stage) const {
+  const auto found = outcomes_.find({job_uid, static_cast<int>(stage)});
+  if (found == outcomes_.end()) return std::nullopt;
+  return found->second;
+}
+
+std::vector<ServiceView> JobClient::services() const {
+  std::vector<ServiceView> views;
+  for (const auto& [instance, view] : services_) views.push_back(view);
+  return views;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,96 @@
+#pragma once
+
+// The command line's seat on the bus: submits jobs, commands them, follows them.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/job.pb.h"
+#include "proto/task.pb.h"
+#include "services/bus/bus.h"
+
+namespace intaglio::cli {
+
+/// A JobStatus, copied.
+struct JobView {
+  std::string uid, submission_uid, name, message, result_directory, cell;
+  std::uint64_t epoch = 0;
+  std::uint32_t number = 0;
+  std::uint32_t attempt = 0;
+  intaglio_JobState state = intaglio_JOB_QUEUED;
+  struct Progress {
+    intaglio_Stage stage;
+    std::uint64_t done_count = 0, total_count = 0;
+    double elapsed_s = 0;
+  };
+  std::vector<Progress> progress;
+  std::uint64_t estimate_ticks = 0;
+  double rate_hz = 0;
+  std::uint64_t revision = 0;
+
+  /// Done, failed or cancelled.
+  bool ended() const;
+};
+
+/// "queued", "engraving", ...
+const char* NameOf(intaglio_JobState state);
+/// "discretize", "order", "engrave".
+const char* NameOf(intaglio_Stage stage);
+
+struct ServiceView {
+  std::string instance, host, cell, message;
+  intaglio_ServiceRole role = intaglio_ROLE_JOB_SERVICE;
+  intaglio_HealthState state = intaglio_HEALTH_STARTING;
+  int pid = 0;
+};
+
+class JobClient {
+ public:
+  explicit JobClient(bus::Bus& bus);
+
+  /// Takes what has come, after waiting for it up to `timeout`.
+  void Poll(std::chrono::milliseconds timeout);
+  /// Polls until `condition` holds; false when the time is up first.
+  bool PollUntil(const std::function<bool()>& condition,
+                 std::chrono::milliseconds timeout);
+
+  /// The job as the job service took it; kRefused with its reasons; kTimedOut when no
+  /// job service answers.
+  Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout);
+  Status Command(const JobView& job, intaglio_JobCommandKind kind);
+
+  /// By uid; of the last revision seen.
+  const std::map<std::string, JobView>& jobs() const { return jobs_; }
+  /// By uid, or by the short number that people use; kNotFound lists what there is.
+  Result<JobView> Find(const std::string& uid_or_number) const;
+  /// What a finished stage of the job reported.
+  std::optional<StageOutcome> OutcomeOf(const std::string& job_uid,
+                                        intaglio_Stage stage) const;
+  /// Living services.
+  std::vector<ServiceView> services() const;
+
+ private:
+  void Take(const intaglio_JobStatus& status);
+  void Take(const intaglio_TaskStatus& status);
+
+  bus::Writer<intaglio_JobSubmission> submissions_;
+  bus::Writer<intaglio_JobCommand> commands_;
+  bus::Reader<intaglio_JobStatus> statuses_;
+  bus::Reader<intaglio_TaskStatus> tasks_;
+  bus::Reader<intaglio_ServiceHealth> health_;
+  bus::WaitSet wait_;
+  std::map<std::string, JobView> jobs_;
+  std::map<std::string, JobView> refused_;  // by submission
+  std::map<std::pair<std::string, int>, StageOutcome> outcomes_;
+  std::map<std::string, ServiceView> services_;
+};
+
+/// user@host, for people.
+std::string OperatorName();
+
+}  // namespace intaglio::cli

@@ -1,0 +1,234 @@
+#include "services/cli/job_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/placement.h"
+#include "proto/job_check.h"
+#include "proto/job_defaults.h"
+#include "proto/job_file.h"
+#include "proto/options.h"
+#include "services/cli/child_process.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A block chosen for the user: this much glass around the object, in whole steps.
+constexpr double kChosenMarginMm = 5;
+constexpr double kBlockStepMm = 5;
+// The size of an object does not depend on its block.
+constexpr double kAnyBlockMm = 1000;
+
+void Set(Vector3* to, const std::vector<double>& from) {
+  to->set_x(from[0]);
+  to->set_y(from[1]);
+  to->set_z(from[2]);
+}
+
+Status SetMethod(const JobFlags& flags, Discretization& d) {
+  const std::string method = flags.method.value_or("");
+  if (method == "sections") d.mutable_sections();
+  if (method == "fill") d.mutable_fill();
+  if (method == "rays") d.mutable_rays();
+  if (!method.empty() && method != "sections" && method != "fill" && method != "rays") {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("--method '{}': there are sections, fill and rays", method),
+                method);
+  }
+  if (d.method_case() == Discretization::METHOD_NOT_SET) d.mutable_sections();
+  if (flags.spacing_mm) d.set_min_spacing_mm(*flags.spacing_mm);
+  if (d.has_sections()) {
+    if (flags.layer_mm) d.mutable_sections()->set_layer_distance_mm(*flags.layer_mm);
+    if (flags.vertex_mm) d.mutable_sections()->set_vertex_distance_mm(*flags.vertex_mm);
+  } else if (d.has_fill() && flags.vertex_mm) {
+    d.mutable_fill()->set_vertex_distance_mm(*flags.vertex_mm);
+  } else if (d.has_rays() && flags.vertex_mm) {
+    d.mutable_rays()->set_distance_mm(*flags.vertex_mm);
+  }
+  return {};
+}
+
+Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
+  if (flags.order == "kdz")
+    job.mutable_ordering()->mutable_kdz();
+  else if (flags.order == "layers")
+    job.mutable_ordering()->mutable_layers();
+  else if (flags.order) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("--order '{}': there are kdz and layers", *flags.order),
+                *flags.order);
+  }
+  if (!flags.profile) return {};
+  MotionProfile profile;
+  std::string name = "MOTION_PROFILE_" + *flags.profile;
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  if (!MotionProfile_Parse(name, &profile)) {
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("--profile '{}': there are mix, triangle, trapezoid and cubic",
+                    *flags.profile),
+        *flags.profile);
+  }
+  job.mutable_motion()->set_profile(profile);
+  return {};
+}
+
+void SetModels(const JobFlags& flags, JobSpec& job) {
+  if (!flags.meshes.empty()) job.clear_models();
+  for (const std::string& mesh : flags.meshes) {
+    job.add_models()->set_file(fs::absolute(mesh).lexically_normal().string());
+  }
+  for (Model& model : *job.mutable_models()) {
+    Placement& placement = *model.mutable_placement();
+    if (flags.height_mm) placement.set_fit_height_mm(*flags.height_mm);
+    if (flags.unit_mm) placement.set_unit_mm(*flags.unit_mm);
+    if (!flags.rotate_deg.empty()) Set(placement.mutable_rotate_deg(), flags.rotate_deg);
+  }
+}
+
+Status Apply(const JobFlags& flags, JobSpec& job) {
+  SetModels(flags, job);
+  if (!flags.block_mm.empty())
+    Set(job.mutable_block()->mutable_size_mm(), flags.block_mm);
+  if (flags.margin_mm) job.mutable_block()->set_margin_mm(*flags.margin_mm);
+  if (flags.clip) job.mutable_block()->set_clip(true);
+  if (flags.glass) job.set_glass(*flags.glass);
+  if (flags.name) job.set_name(*flags.name);
+  if (flags.rate_hz) job.mutable_laser()->set_rate_hz(*flags.rate_hz);
+  if (flags.speed_mm_s) job.mutable_motion()->set_max_speed_mm_s(*flags.speed_mm_s);
+  if (flags.acceleration_mm_s2) {
+    job.mutable_motion()->set_max_acceleration_mm_s2(*flags.acceleration_mm_s2);
+  }
+  if (flags.focal_mm) job.mutable_lens()->set_focal_length_mm(*flags.focal_mm);
+  if (auto set = SetMethod(flags, *job.mutable_discretization()); !set) return set;
+  return SetOrderAndProfile(flags, job);
+}
+
+// Without a block the objects decide: their joint size and a margin, in whole steps.
+Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine) {
+  Vec3 size = Vec3::Zero();
+  JobSpec complete = job;
+  Set(complete.mutable_block()->mutable_size_mm(),
+      {kAnyBlockMm, kAnyBlockMm, kAnyBlockMm});
+  complete = WithDefaults(complete, machine);
+  for (const Model& model : complete.models()) {
+    auto mesh = mesh::ImportMesh(model.file());
+    if (!mesh) return tl::unexpected(mesh.error());
+    auto placed = mesh::PlaceInBlock(
+        *mesh, PlacementOf(model.placement(), complete.block()), BlockSizeOf(complete));
+    if (!placed) return tl::unexpected(placed.error());
+    size = size.cwiseMax(placed->Bounds().size_mm());
+  }
+  const auto side = [](double extent) {
+    return std::max(
+        2 * kChosenMarginMm,
+        std::ceil((extent + 2 * kChosenMarginMm) / kBlockStepMm) * kBlockStepMm);
+  };
+  const std::vector<double> block = {side(size.x()), side(size.y()), side(size.z())};
+  Set(job.mutable_block()->mutable_size_mm(), block);
+  return fmt::format(
+      "block {:g} x {:g} x {:g} mm, chosen to fit the object ({:.1f} x {:.1f} x "
+      "{:.1f} mm); --block X Y Z sets another",
+      block[0], block[1], block[2], size.x(), size.y(), size.z());
+}
+
+}  // namespace
+
+void AddJobFlags(CLI::App& command, JobFlags& flags) {
+  command.add_option("JOB", flags.job_file, "job file (.textproto or .json)");
+  command.add_option("--mesh", flags.meshes,
+                     "model file; several are merged in one block");
+  command.add_option("--height", flags.height_mm, "scale to this height, mm");
+  command.add_option("--unit", flags.unit_mm,
+                     "mm that a file unit is long (inches 25.4, m 1000)");
+  command.add_option("--rotate", flags.rotate_deg, "turn about x, y, z, degrees")
+      ->expected(3);
+  command.add_option("--block", flags.block_mm, "block size x y z, mm")->expected(3);
+  command.add_option("--margin", flags.margin_mm, "glass left free at each wall, mm");
+  command.add_flag("--clip", flags.clip,
+                   "drop points outside the block instead of failing");
+  command.add_option("--glass", flags.glass,
+                     "glass (intaglio materials list), default N-BK7");
+  command.add_option("--method", flags.method, "sections (default), fill or rays");
+  command.add_option("--layer", flags.layer_mm, "sections: distance of the layers, mm");
+  command.add_option("--vertex", flags.vertex_mm,
+                     "distance of points along a contour, row or grid, mm");
+  command.add_option("--spacing", flags.spacing_mm,
+                     "no two points are nearer than this, mm");
+  command.add_option("--order", flags.order, "kdz (default) or layers");
+  command.add_option("--profile", flags.profile,
+                     "mix (default), triangle, trapezoid or cubic");
+  command.add_option("--machine", flags.machine,
+                     "machine profile: els-03 (default), or a file");
+  command.add_option("--rate", flags.rate_hz, "lamp sync rate, Hz; one of the machine's");
+  command.add_option("--speed-limit", flags.speed_mm_s, "stage speed limit, mm/s");
+  command.add_option("--acceleration", flags.acceleration_mm_s2,
+                     "stage acceleration limit, mm/s^2");
+  command.add_option("--focal", flags.focal_mm,
+                     "focal length of the lens, mm; one of the machine's");
+  command.add_option("--name", flags.name, "name of the job, for people");
+}
+
+fs::path SuppliedFolder() {
+  const fs::path installed = ProgramFolder().parent_path() / "share" / "intaglio";
+  return fs::exists(installed / "machines") ? installed : fs::path(INTAGLIO_DEPLOY_DIR);
+}
+
+Result<fs::path> FindMachineFile(const std::string& name_or_file) {
+  if (fs::exists(name_or_file)) return fs::absolute(name_or_file).lexically_normal();
+  const fs::path folder = SuppliedFolder() / "machines";
+  const fs::path supplied = folder / (name_or_file + ".textproto");
+  if (fs::exists(supplied)) return supplied;
+  std::string known;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    known += (known.empty() ? "" : ", ") + entry.path().stem().string();
+  }
+  return Fail(
+      ErrorCode::kNotFound,
+      fmt::format("--machine '{}': neither a file nor a supplied profile; supplied: {}",
+                  name_or_file, known.empty() ? "none" : known),
+      name_or_file);
+}
+
+Result<JobAndMachine> BuildJob(const JobFlags& flags) {
+  JobAndMachine built;
+  JobSpec& job = built.job;
+  if (!flags.job_file.empty()) {
+    auto read = ReadJobFile(flags.job_file);
+    if (!read) return tl::unexpected(read.error());
+    job = std::move(*read);
+  } else if (flags.meshes.empty()) {
+    return Fail(ErrorCode::kMissing,
+                "nothing to engrave: name a job file, or a model with --mesh");
+  }
+  if (auto applied = Apply(flags, job); !applied) return tl::unexpected(applied.error());
+  if (job.glass().empty() && flags.job_file.empty()) job.set_glass("N-BK7");
+  if (flags.machine || job.machine_file().empty()) {
+    auto file = FindMachineFile(flags.machine.value_or("els-03"));
+    if (!file) return tl::unexpected(file.error());
+    job.set_machine_file(file->string());
+  }
+  auto machine = ReadMachineFile(job.machine_file());
+  if (!machine) return tl::unexpected(machine.error());
+  built.machine = std::move(*machine);
+  if (flags.job_file.empty() && !job.discretization().has_min_spacing_mm()) {
+    job.mutable_discretization()->set_min_spacing_mm(0.1);
+  }
+  if (!job.block().has_size_mm() && flags.job_file.empty()) {
+    auto note = ChooseBlock(job, built.machine);
+    if (!note) return tl::unexpected(note.error());
+    built.notes.push_back(std::move(*note));
+  }
+  job = WithDefaults(job, built.machine);
+  const auto errors = CheckAll(job, built.machine);
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  return built;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,60 @@
+#pragma once
+
+// The job that `intaglio run` and the offline commands are told of, by a job file or by
+// flags; flags given beside a job file replace what it says.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+
+namespace CLI {
+class App;
+}
+
+namespace intaglio::cli {
+
+struct JobFlags {
+  std::string job_file;
+  std::vector<std::string> meshes;
+  std::optional<double> height_mm, unit_mm;
+  std::vector<double> rotate_deg;  // none or three
+  std::vector<double> block_mm;    // none or three
+  std::optional<double> margin_mm;
+  std::optional<std::string> glass;
+  std::optional<std::string> method;  // sections, fill, rays
+  std::optional<double> layer_mm, vertex_mm, spacing_mm;
+  std::optional<std::string> order;    // kdz, layers
+  std::optional<std::string> profile;  // mix, triangle, trapezoid, cubic
+  std::optional<double> rate_hz, speed_mm_s, acceleration_mm_s2, focal_mm;
+  std::optional<std::string> machine;  // name of a supplied profile, or a file
+  std::optional<std::string> name;
+  bool clip = false;
+};
+
+/// Adds the positional JOB and the flags.
+void AddJobFlags(CLI::App& command, JobFlags& flags);
+
+struct JobAndMachine {
+  JobSpec job;
+  MachineSpec machine;
+  std::vector<std::string>
+      notes;  ///< what was chosen for the user, e.g. the block's size
+};
+
+/// The job with all paths absolute, and its machine. Every mistake is in the error, one
+/// a line, with the field's path.
+Result<JobAndMachine> BuildJob(const JobFlags& flags);
+
+/// A supplied machine profile by name ("els-03"), or a file. kNotFound lists the
+/// supplied ones.
+Result<std::filesystem::path> FindMachineFile(const std::string& name_or_file);
+
+/// Folder of what comes with the product: machines/, jobs/.
+std::filesystem::path SuppliedFolder();
+
+}  // namespace intaglio::cli

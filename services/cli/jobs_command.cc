@@ -1,0 +1,204 @@
+#include "services/cli/jobs_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "services/cli/bus_flags.h"
+#include "services/cli/interrupt.h"
+#include "services/cli/job_client.h"
+#include "services/cli/job_options.h"
+#include "services/cli/progress_bar.h"
+#include "services/cli/run_command.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Retained topics reach a newcomer within a few discovery rounds.
+constexpr auto kDiscoveryTime = 1500ms;
+
+struct JobsOptions {
+  bus::BusOptions bus;
+  JobFlags job;
+  std::string uid;
+  bool arm = false;
+  bool watch = false;
+};
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
+
+std::string TimeOf(const JobView& job) {
+  if (job.estimate_ticks == 0 || job.rate_hz <= 0) return "-";
+  return ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
+}
+
+std::string ProgressOf(const JobView& job) {
+  if (job.progress.empty()) return "-";
+  const JobView::Progress& p = job.progress.back();
+  return fmt::format("{} {} / {}", NameOf(p.stage), GroupedDigits(p.done_count),
+                     GroupedDigits(p.total_count));
+}
+
+int WatchJob(JobClient& client, const std::string& uid) {
+  CatchInterrupts();
+  ProgressBar bar(std::cerr, isatty(STDERR_FILENO) != 0);
+  for (;;) {
+    const JobView& job = client.jobs().at(uid);
+    if (!job.progress.empty()) {
+      const JobView::Progress& p = job.progress.back();
+      const std::string note =
+          job.message.empty() ? std::string(NameOf(job.state)) : job.message;
+      bar.Show(NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s, note);
+    }
+    if (job.ended()) {
+      bar.Finish();
+      std::cout << "job " << job.number << " " << NameOf(job.state)
+                << (job.message.empty() ? "" : ": " + job.message) << "\n";
+      if (job.state == intaglio_JOB_DONE) return kExitGood;
+      return job.state == intaglio_JOB_CANCELLED ? kExitCancelled : kExitMachine;
+    }
+    if (Interrupts() > 0) {
+      bar.Finish();
+      std::cerr << "the job goes on; intaglio cancel " << job.number << " ends it\n";
+      return kExitGood;
+    }
+    client.Poll(100ms);
+  }
+}
+
+int Submit(const JobsOptions& options) {
+  auto job = BuildJob(options.job);
+  if (!job) return Complain(job.error(), kExitWrongInput);
+  bus::Bus bus(options.bus);
+  JobClient client(bus);
+  client.PollUntil([&] { return !client.services().empty(); }, kDiscoveryTime);
+  const auto submitted = client.Submit(job->job, 15s);
+  if (!submitted) return Complain(submitted.error(), kExitWrongInput);
+  std::cout << "job " << submitted->number << " (" << submitted->uid << ") is "
+            << NameOf(submitted->state) << "\n";
+  if (options.arm) {
+    if (auto armed = client.Command(*submitted, intaglio_COMMAND_ARM); !armed) {
+      return Complain(armed.error(), kExitInternal);
+    }
+  }
+  if (options.watch) return WatchJob(client, submitted->uid);
+  if (!options.arm)
+    std::cout << "intaglio arm " << submitted->number << " lets it fire\n";
+  client.Poll(500ms);
+  return kExitGood;
+}
+
+int List(const JobsOptions& options) {
+  bus::Bus bus(options.bus);
+  JobClient client(bus);
+  client.PollUntil([] { return false; }, kDiscoveryTime);
+  fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", "job", "state", "machine", "time",
+             "progress", "name");
+  for (const auto& [uid, job] : client.jobs()) {
+    fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", job.number, NameOf(job.state),
+               job.cell, TimeOf(job), ProgressOf(job), job.name);
+  }
+  if (client.services().empty()) {
+    std::cerr << "no services are seen: start them (intaglio up), or check --domain, "
+                 "--interface and --tag\n";
+    return kExitInternal;
+  }
+  return kExitGood;
+}
+
+/// Runs `act` on the job the options name.
+int WithJob(const JobsOptions& options,
+            const std::function<int(JobClient&, const JobView&)>& act) {
+  bus::Bus bus(options.bus);
+  JobClient client(bus);
+  client.PollUntil([&] { return client.Find(options.uid).has_value(); }, kDiscoveryTime);
+  const auto job = client.Find(options.uid);
+  return job ? act(client, *job) : Complain(job.error(), kExitWrongInput);
+}
+
+int ShowJob(const JobView& job) {
+  fmt::print(
+      "job       {} ({})\nname      {}\nstate     {}\nmachine   {}\nattempt   {}\n",
+      job.number, job.uid, job.name, NameOf(job.state), job.cell, job.attempt);
+  for (const JobView::Progress& p : job.progress) {
+    fmt::print("{:<10}{} / {} points, {}\n", NameOf(p.stage), GroupedDigits(p.done_count),
+               GroupedDigits(p.total_count), ShortDuration(p.elapsed_s));
+  }
+  fmt::print("estimate  {}\nfolder    {}\n", TimeOf(job), job.result_directory);
+  if (!job.message.empty()) fmt::print("message   {}\n", job.message);
+  return kExitGood;
+}
+
+int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind) {
+  if (job.ended()) {
+    return Complain(
+        {ErrorCode::kRefused,
+         fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
+        kExitWrongInput);
+  }
+  if (auto sent = client.Command(job, kind); !sent) {
+    return Complain(sent.error(), kExitInternal);
+  }
+  const auto changed = [&] { return client.jobs().at(job.uid).revision != job.revision; };
+  if (!client.PollUntil(changed, 5s)) {
+    return Complain({ErrorCode::kTimedOut,
+                     "the job service did not answer within 5 s: is it running?", ""},
+                    kExitInternal);
+  }
+  const JobView& now = client.jobs().at(job.uid);
+  std::cout << "job " << now.number << " is " << NameOf(now.state) << "\n";
+  return kExitGood;
+}
+
+}  // namespace
+
+void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
+  auto options = std::make_shared<JobsOptions>();
+  CLI::App* submit =
+      app.add_subcommand("submit", "give a job to the running job service");
+  AddJobFlags(*submit, options->job);
+  AddBusFlags(*submit, options->bus);
+  submit->add_flag("--arm", options->arm,
+                   "you stand at the machine: it may fire at once");
+  submit->add_flag("--watch", options->watch, "follow it to its end");
+  submit->callback(
+      [options, &selected] { selected = [options] { return Submit(*options); }; });
+
+  CLI::App* list = app.add_subcommand("list", "the jobs of the running job service");
+  AddBusFlags(*list, options->bus);
+  list->callback(
+      [options, &selected] { selected = [options] { return List(*options); }; });
+
+  const auto add = [&](const char* name, const char* purpose,
+                       std::function<int(JobClient&, const JobView&)> act) {
+    CLI::App* command = app.add_subcommand(name, purpose);
+    command->add_option("JOB", options->uid, "number or uid (intaglio list)")->required();
+    AddBusFlags(*command, options->bus);
+    command->callback([options, act, &selected] {
+      selected = [options, act] { return WithJob(*options, act); };
+    });
+  };
+  add("show", "all about one job",
+      [](JobClient&, const JobView& job) { return ShowJob(job); });
+  add("watch", "follow a job to its end",
+      [](JobClient& client, const JobView& job) { return WatchJob(client, job.uid); });
+  const auto command = [](intaglio_JobCommandKind kind) {
+    return [kind](JobClient& client, const JobView& job) {
+      return CommandJob(client, job, kind);
+    };
+  };
+  add("arm", "you stand at the machine: the job may fire", command(intaglio_COMMAND_ARM));
+  add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
+  add("resume", "go on at the first point not made", command(intaglio_COMMAND_RESUME));
+  add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
+}
+
+}  // namespace intaglio::cli

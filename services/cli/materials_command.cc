@@ -1,0 +1,374 @@
+#include "services/cli/materials_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engrave/formats/atomic_file.h"
+#include "materials_db/export_rii.h"
+#include "materials_db/import_file.h"
+#include "materials_db/material_store.h"
+#include "materials_db/numbers.h"
+#include "services/cli/run_command.h"
+
+namespace intaglio::cli {
+namespace {
+
+using materials_db::Material;
+using materials_db::MaterialStore;
+using materials_db::PropertyRow;
+using materials_db::PropertyRows;
+
+/// What was given on the command line; of the subcommand that was chosen.
+struct Flags {
+  std::string database;
+  std::string name;
+  std::vector<std::string> files;
+  std::string from;
+  std::string as;
+  std::string out;
+  double wavelength_nm = 532;
+  double numerical_aperture = 0.1;
+  bool replace = false;
+  bool skip_bad = false;
+  std::optional<std::string> manufacturer;
+  std::optional<std::string> source;
+  std::optional<std::string> formula;
+  std::vector<std::string> coefficients;
+  std::vector<double> range_um;
+  materials_db::Properties properties;
+};
+
+using Action = Status (*)(const Flags& flags, MaterialStore& store);
+
+// ---- Tables ------------------------------------------------------------------
+
+using Row = std::vector<std::string>;
+
+/// Columns as wide as their widest entry, two spaces between.
+void Print(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths;
+  for (const Row& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], row[i].size());
+    }
+  }
+  for (const Row& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += i + 1 == row.size() ? row[i] : fmt::format("{:<{}}  ", row[i], widths[i]);
+    }
+    std::cout << line << "\n";
+  }
+}
+
+std::string OrUnknown(const std::optional<double>& value, int digits) {
+  return value ? fmt::format("{:.{}f}", *value, digits) : "-";
+}
+
+Status List(const Flags& flags, MaterialStore& store) {
+  const auto materials = store.List();
+  if (!materials) return tl::unexpected(materials.error());
+  std::vector<Row> rows = {{"GLASS", "MANUFACTURER",
+                            fmt::format("n({:g} nm)", flags.wavelength_nm), "ABBE",
+                            "RANGE nm", "DENSITY kg/m3"}};
+  for (const Material& material : *materials) {
+    const optics::Dispersion& dispersion = material.dispersion;
+    const auto index = optics::RefractiveIndex(dispersion, flags.wavelength_nm);
+    const auto abbe = optics::AbbeNumber(dispersion);
+    rows.push_back({material.name,
+                    material.manufacturer.empty() ? "-" : material.manufacturer,
+                    index ? fmt::format("{:.5f}", *index) : "-",
+                    abbe ? fmt::format("{:.2f}", *abbe) : "-",
+                    fmt::format("{:g}-{:g}", dispersion.min_wavelength_um * 1000,
+                                dispersion.max_wavelength_um * 1000),
+                    OrUnknown(material.density_kg_m3, 0)});
+  }
+  Print(rows);
+  return {};
+}
+
+/// Text of several lines in the second column.
+void AddLines(const char* title, std::string_view text, std::vector<Row>& rows) {
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    rows.push_back({title, std::string(text.substr(0, end))});
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    title = "";
+  }
+}
+
+Status Show(const Flags& flags, MaterialStore& store) {
+  const auto material = store.Find(flags.name);
+  if (!material) return tl::unexpected(material.error());
+  const auto optics = materials_db::ComputeOptics(*material, flags.wavelength_nm,
+                                                  flags.numerical_aperture);
+  if (!optics) return tl::unexpected(optics.error());
+  const optics::Dispersion& dispersion = material->dispersion;
+  std::vector<Row> rows = {{"glass", material->name}};
+  if (!material->manufacturer.empty()) {
+    rows.push_back({"manufacturer", material->manufacturer});
+  }
+  rows.push_back(
+      {"dispersion",
+       fmt::format("{}, {:g}-{:g} nm", optics::DispersionFormulaName(dispersion.formula),
+                   dispersion.min_wavelength_um * 1000,
+                   dispersion.max_wavelength_um * 1000)});
+  rows.push_back({"coefficients", materials_db::FormatNumbers(dispersion.coefficients)});
+  for (const PropertyRow& row : PropertyRows()) {
+    const std::optional<double>& value = (*material).*row.value;
+    rows.push_back(
+        {row.title, value ? fmt::format("{:g} {}", *value, row.unit) : "unknown"});
+  }
+  AddLines("source", material->source, rows);
+  Print(rows);
+  std::cout << fmt::format("\nAt {:g} nm with a lens of NA {:g}:\n", flags.wavelength_nm,
+                           flags.numerical_aperture);
+  Print({{"refractive index", fmt::format("{:.5f}", optics->refractive_index)},
+         {"Abbe number", OrUnknown(optics->abbe_number, 2)},
+         {"stage move per mm in glass",
+          fmt::format("{:.5f} mm", optics->stage_per_glass_ratio)},
+         {"cone's tangent in glass", fmt::format("{:.5f}", optics->cone_tangent)},
+         {"reflected at the top face",
+          fmt::format("{:.2f} %", 100 * optics->reflectance_ratio)},
+         {"thermal strength", optics->thermal_strength_k
+                                  ? fmt::format("{:.0f} K", *optics->thermal_strength_k)
+                                  : "unknown"}});
+  return {};
+}
+
+// ---- Changes -----------------------------------------------------------------
+
+/// Puts what was given on the command line into `material`; leaves the rest.
+Status ApplyFields(const Flags& flags, Material& material) {
+  if (flags.manufacturer) material.manufacturer = *flags.manufacturer;
+  if (flags.source) material.source = *flags.source;
+  if (flags.formula) {
+    const auto formula = optics::DispersionFormulaFromName(*flags.formula);
+    if (!formula) return tl::unexpected(formula.error());
+    material.dispersion.formula = *formula;
+  }
+  if (!flags.coefficients.empty()) {
+    const std::string text = fmt::format("{}", fmt::join(flags.coefficients, " "));
+    const auto numbers = materials_db::ParseNumbers(text);
+    if (!numbers) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("--coefficients must be numbers, not \"{}\"", text), text);
+    }
+    material.dispersion.coefficients = *numbers;
+  }
+  if (!flags.range_um.empty()) {
+    material.dispersion.min_wavelength_um = flags.range_um[0];
+    material.dispersion.max_wavelength_um = flags.range_um[1];
+  }
+  for (const PropertyRow& row : PropertyRows()) {
+    if (flags.properties.*row.value) material.*row.value = flags.properties.*row.value;
+  }
+  return {};
+}
+
+Status Add(const Flags& flags, MaterialStore& store) {
+  Material material;
+  material.name = flags.name;
+  if (const Status status = ApplyFields(flags, material); !status) return status;
+  return store.Add(material);
+}
+
+/// The one glass of a file, or the one of that name among several.
+Result<Material> ReadOne(const std::string& file, const std::string& name) {
+  auto imported = materials_db::ImportFile(file);
+  if (!imported.errors.empty()) return tl::unexpected(imported.errors.front());
+  if (imported.materials.size() == 1) return std::move(imported.materials.front());
+  for (Material& material : imported.materials) {
+    if (material.name == name) return std::move(material);
+  }
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("{}: has {} glasses and none is called {}", file,
+                          imported.materials.size(), name),
+              name);
+}
+
+Status Replace(const Flags& flags, MaterialStore& store) {
+  const auto present = store.Find(flags.name);
+  if (!present) return tl::unexpected(present.error());
+  Material material = *present;
+  if (!flags.from.empty()) {
+    auto read = ReadOne(flags.from, present->name);
+    if (!read) return tl::unexpected(read.error());
+    material = std::move(*read);
+    material.name = present->name;
+  }
+  if (const Status status = ApplyFields(flags, material); !status) return status;
+  if (material == *present) {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("nothing of glass {} would change; name a field, or a file "
+                            "with --from",
+                            present->name),
+                present->name);
+  }
+  return store.Replace(material);
+}
+
+Status Remove(const Flags& flags, MaterialStore& store) {
+  return store.Remove(flags.name);
+}
+
+Status Import(const Flags& flags, MaterialStore& store) {
+  std::vector<Material> materials;
+  std::vector<Error> errors;
+  for (const std::string& file : flags.files) {
+    auto imported = materials_db::ImportFile(file);
+    std::move(imported.materials.begin(), imported.materials.end(),
+              std::back_inserter(materials));
+    std::move(imported.errors.begin(), imported.errors.end(), std::back_inserter(errors));
+  }
+  if (!errors.empty() && (!flags.skip_bad || materials.empty())) {
+    Error all = errors.front();
+    for (std::size_t i = 1; i < errors.size(); ++i) {
+      all.message += "\n" + errors[i].message;
+    }
+    if (!materials.empty()) {
+      all.message += fmt::format(
+          "\nnothing is imported; --skip-bad imports the {} sound "
+          "glasses",
+          materials.size());
+    }
+    return tl::unexpected(std::move(all));
+  }
+  if (!flags.as.empty()) {
+    if (materials.size() != 1) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("--as names one glass, the files have {}; import them "
+                              "without it",
+                              materials.size()),
+                  flags.as);
+    }
+    materials.front().name = flags.as;
+  }
+  if (const Status status = store.Import(materials, flags.replace); !status) {
+    return status;
+  }
+  for (const Error& error : errors) std::cerr << "skipped: " << error.message << "\n";
+  for (const Material& material : materials) std::cout << material.name << "\n";
+  return {};
+}
+
+Status Export(const Flags& flags, MaterialStore& store) {
+  std::vector<Material> materials;
+  if (flags.name.empty()) {
+    auto all = store.List();
+    if (!all) return tl::unexpected(all.error());
+    materials = std::move(*all);
+  } else {
+    auto one = store.Find(flags.name);
+    if (!one) return tl::unexpected(one.error());
+    materials.push_back(std::move(*one));
+  }
+  const std::string yaml = materials_db::ExportRii(materials);
+  if (!flags.out.empty()) return formats::WriteFileAtomically(flags.out, yaml);
+  std::cout << yaml;
+  return {};
+}
+
+// ---- The command line ----------------------------------------------------------
+
+void AddFieldFlags(CLI::App& command, Flags& flags) {
+  command.add_option("--manufacturer", flags.manufacturer, "who makes it");
+  command.add_option("--source", flags.source, "where the values come from");
+  command.add_option("--formula", flags.formula,
+                     "dispersion formula, e.g. sellmeier_1, schott, rii_formula_2");
+  command.add_option("--coefficients", flags.coefficients,
+                     "the formula's, in its catalog's order");
+  command.add_option("--range", flags.range_um, "wavelengths it holds for, um: MIN MAX")
+      ->expected(2);
+  for (const PropertyRow& row : PropertyRows()) {
+    std::string flag = fmt::format("--{}", row.name);
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    command.add_option(flag, flags.properties.*row.value,
+                       fmt::format("{}, {}{}{:g} to {:g}", row.title, row.unit,
+                                   *row.unit == '\0' ? "" : ", ", row.min, row.max));
+  }
+}
+
+int Run(const Flags& flags, Action action) {
+  const auto complain = [](const Error& error) {
+    std::cerr << "intaglio: " << error.message << "\n";
+    return kExitWrongInput;
+  };
+  auto store =
+      MaterialStore::Open(flags.database.empty() ? materials_db::DefaultDatabasePath()
+                                                 : std::filesystem::path(flags.database));
+  if (!store) return complain(store.error());
+  const Status status = action(flags, *store);
+  return status ? kExitGood : complain(status.error());
+}
+
+}  // namespace
+
+void AddMaterialsCommand(CLI::App& app, std::function<int()>& selected) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* materials = app.add_subcommand("materials", "the glasses that are known");
+  materials->require_subcommand(1);
+  materials->add_option("--db", flags->database,
+                        "material base, default $INTAGLIO_MATERIALS_DB or the user's");
+  const auto add = [&](const char* name, const char* text, Action action) {
+    CLI::App* command = materials->add_subcommand(name, text);
+    command->fallthrough();
+    command->callback([flags, action, &selected] {
+      selected = [flags, action] { return Run(*flags, action); };
+    });
+    return command;
+  };
+
+  const auto add_wavelength = [&](CLI::App* command) {
+    command->add_option("--wavelength", flags->wavelength_nm, "nm")->capture_default_str();
+  };
+  add_wavelength(add("list", "all glasses, one a line", List));
+
+  CLI::App* show = add("show", "all of one glass, and its optical values", Show);
+  show->add_option("NAME", flags->name, "the glass")->required();
+  add_wavelength(show);
+  show->add_option("--na", flags->numerical_aperture, "the lens's, in air")->capture_default_str();
+
+  CLI::App* add_glass = add("add", "a new glass from values given here", Add);
+  add_glass->add_option("NAME", flags->name, "its name")->required();
+  AddFieldFlags(*add_glass, *flags);
+  for (const char* needed : {"--formula", "--coefficients", "--range"}) {
+    add_glass->get_option(needed)->required();
+  }
+
+  CLI::App* replace = add("replace", "new values for a glass that is there", Replace);
+  replace->add_option("NAME", flags->name, "the glass")->required();
+  replace->add_option("--from", flags->from, "a file as for import: all values from it");
+  AddFieldFlags(*replace, *flags);
+
+  add("remove", "take a glass out", Remove)
+      ->add_option("NAME", flags->name, "the glass")
+      ->required();
+
+  CLI::App* import = add("import", "glasses from files", Import);
+  import
+      ->add_option("FILE", flags->files,
+                   "glass catalogs (.agf), refractiveindex.info records (.yml)")
+      ->required();
+  import->add_option("--as", flags->as, "the name of the one glass in the file");
+  import->add_flag("--replace", flags->replace, "glasses that are there are replaced");
+  import->add_flag("--skip-bad", flags->skip_bad,
+                   "the sound glasses of a file, although others have mistakes");
+
+  CLI::App* export_ = add("export", "as refractiveindex.info records (YAML)", Export);
+  export_->add_option("NAME", flags->name, "one glass, default all");
+  export_->add_option("--out", flags->out, "file, default the standard output");
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,218 @@
+#include "services/cli/offline_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <memory>
+
+#include "engrave/discretize/methods.h"
+#include "engrave/formats/point_file.h"
+#include "engrave/mesh/mesh_diagnosis.h"
+#include "engrave/mesh/mesh_import.h"
+#include "engrave/proof/glass_comparison.h"
+#include "engrave/render/png_file.h"
+#include "engrave/render/views.h"
+#include "engrave/sort/order.h"
+#include "engrave/sort/shadow.h"
+#include "engrave/sort/travel.h"
+#include "materials_db/material_store.h"
+#include "proto/options.h"
+#include "services/cli/job_options.h"
+#include "services/cli/progress_bar.h"
+#include "services/cli/proof_folder.h"
+#include "services/cli/run_command.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct OfflineOptions {
+  JobFlags job;
+  std::string input, out, materials_db;
+  std::vector<double> block_mm;
+};
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
+
+/// Calls the progress bar ten times a second at most.
+class Meter {
+ public:
+  explicit Meter(std::string stage)
+      : stage_(std::move(stage)), bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
+  ~Meter() { bar_.Finish(); }
+  ProgressSink Sink() {
+    return [this](std::uint64_t done, std::uint64_t total) {
+      const auto now = Clock::now();
+      if (now - shown_ < std::chrono::milliseconds(100) && done != total) return true;
+      shown_ = now;
+      bar_.Show(stage_, done, total, std::chrono::duration<double>(now - began_).count());
+      return true;
+    };
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string stage_;
+  ProgressBar bar_;
+  Clock::time_point began_ = Clock::now(), shown_{};
+};
+
+Result<formats::PointTable> ReadPoints(const fs::path& file) {
+  return file.extension() == ".ply" ? formats::ReadPly(file) : formats::ReadXyz(file);
+}
+
+Status WritePoints(const fs::path& file, const formats::PointTable& table) {
+  return file.extension() == ".ply" ? formats::WritePly(file, table)
+                                    : formats::WriteXyz(file, table);
+}
+
+Result<double> ConeTangentOf(const JobSpec& job, const std::string& materials_db) {
+  auto store = materials_db::MaterialStore::Open(materials_db.empty()
+                                                     ? materials_db::DefaultDatabasePath()
+                                                     : fs::path(materials_db));
+  if (!store) return tl::unexpected(store.error());
+  const auto material = store->Find(job.glass());
+  if (!material) return tl::unexpected(material.error());
+  const auto optics = materials_db::ComputeOptics(*material, job.laser().wavelength_nm(),
+                                                  job.lens().numerical_aperture());
+  if (!optics) return tl::unexpected(optics.error());
+  return optics->cone_tangent;
+}
+
+Result<std::vector<mesh::TriangleMesh>> PlaceModels(const JobSpec& job) {
+  std::vector<mesh::TriangleMesh> placed;
+  for (const Model& model : job.models()) {
+    auto imported = mesh::ImportMesh(model.file());
+    if (!imported) return tl::unexpected(imported.error());
+    for (const std::string& warning : mesh::Warnings(
+             mesh::Diagnose(*imported), fs::path(model.file()).filename().string())) {
+      std::cerr << "warning    " << warning << "\n";
+    }
+    auto in_block = mesh::PlaceInBlock(
+        *imported, PlacementOf(model.placement(), job.block()), BlockSizeOf(job));
+    if (!in_block) return tl::unexpected(in_block.error());
+    placed.push_back(std::move(*in_block));
+  }
+  return placed;
+}
+
+int DiscretizeOffline(const OfflineOptions& options) {
+  const auto job = BuildJob(options.job);
+  if (!job) return Complain(job.error(), kExitWrongInput);
+  const auto models = PlaceModels(job->job);
+  if (!models) return Complain(models.error(), kExitWrongInput);
+  Meter meter("discretize");
+  const auto cloud =
+      discretize::Discretize(*models, DiscretizeOptionsOf(job->job), meter.Sink());
+  if (!cloud) return Complain(cloud.error(), kExitWrongInput);
+  formats::PointTable table;
+  table.points_mm = cloud->cloud.points_mm;
+  table.columns = {{"source", cloud->cloud.source}};
+  if (auto written = WritePoints(options.out, table); !written) {
+    return Complain(written.error(), kExitWrongInput);
+  }
+  std::cout << GroupedDigits(table.points_mm.size()) << " points, least spacing "
+            << fmt::format("{:.4f} mm", proof::LeastSpacing(table.points_mm)) << ", in "
+            << options.out << "\n";
+  return kExitGood;
+}
+
+int SortOffline(const OfflineOptions& options) {
+  auto flags = options.job;
+  const auto job = BuildJob(flags);
+  if (!job) return Complain(job.error(), kExitWrongInput);
+  const auto cone = ConeTangentOf(job->job, options.materials_db);
+  if (!cone) return Complain(cone.error(), kExitWrongInput);
+  const auto table = ReadPoints(options.input);
+  if (!table) return Complain(table.error(), kExitWrongInput);
+  Meter meter("order");
+  const auto order =
+      sort::MakeOrder(table->points_mm, OrderOptionsOf(job->job, *cone), meter.Sink());
+  if (!order) return Complain(order.error(), kExitWrongInput);
+  formats::PointTable path;
+  for (const std::uint32_t index : *order)
+    path.points_mm.push_back(table->points_mm[index]);
+  if (auto written = WritePoints(options.out, path); !written) {
+    return Complain(written.error(), kExitWrongInput);
+  }
+  const auto violations = sort::CountShadowViolations(path.points_mm, *cone);
+  std::cout << GroupedDigits(path.points_mm.size()) << " points, "
+            << GroupedDigits(violations) << " fired through an earlier crack, in "
+            << options.out << "\n";
+  return violations == 0 ? kExitGood : kExitNotGood;
+}
+
+int VerifyOffline(const OfflineOptions& options) {
+  const auto report = VerifyFolder(options.input);
+  if (!report) return Complain(report.error(), kExitWrongInput);
+  std::cout << SummaryOf(*report) << "\n";
+  return report->verdict().good() ? kExitGood : kExitNotGood;
+}
+
+int RenderOffline(const OfflineOptions& options) {
+  const auto table = ReadPoints(options.input);
+  if (!table) return Complain(table.error(), kExitWrongInput);
+  Box3 box;
+  for (const Vec3& p : table->points_mm) box.Extend(p);
+  if (box.empty()) {
+    return Complain({ErrorCode::kMissing, options.input + " has no points", ""},
+                    kExitWrongInput);
+  }
+  const Vec3 block =
+      options.block_mm.empty()
+          ? Vec3((box.max_mm.array() + box.min_mm.array().max(1)).matrix())
+          : Vec3(options.block_mm[0], options.block_mm[1], options.block_mm[2]);
+  render::ViewsCaption caption;
+  caption.title_lines = {fs::path(options.input).filename().string()};
+  caption.figures = {
+      {"points", GroupedDigits(table->points_mm.size())},
+      {"least spacing", fmt::format("{:.4f} mm", proof::LeastSpacing(table->points_mm))}};
+  const auto written = render::WritePng(
+      options.out, render::RenderViews(table->points_mm, block, caption));
+  if (!written) return Complain(written.error(), kExitWrongInput);
+  std::cout << "picture in " << options.out << "\n";
+  return kExitGood;
+}
+
+}  // namespace
+
+void AddOfflineCommands(CLI::App& app, std::function<int()>& selected) {
+  auto options = std::make_shared<OfflineOptions>();
+  const auto choose = [&selected, options](int (*act)(const OfflineOptions&)) {
+    return [&selected, options, act] {
+      selected = [options, act] { return act(*options); };
+    };
+  };
+  CLI::App* discretize = app.add_subcommand("discretize", "models to a cloud of points");
+  AddJobFlags(*discretize, options->job);
+  discretize->add_option("--out", options->out, "cloud.ply or cloud.xyz")->required();
+  discretize->callback(choose(DiscretizeOffline));
+
+  CLI::App* sort =
+      app.add_subcommand("sort", "a cloud of points to the order of engraving");
+  sort->add_option("--cloud", options->input, "points, .ply or .xyz")->required();
+  sort->add_option("--out", options->out, "path.ply or path.xyz")->required();
+  sort->add_option("--materials", options->materials_db,
+                   "material base, default the user's");
+  AddJobFlags(*sort, options->job);
+  sort->callback(choose(SortOffline));
+
+  CLI::App* verify = app.add_subcommand("verify", "check a finished folder again");
+  verify->add_option("FOLDER", options->input, "as `intaglio run` leaves it")->required();
+  verify->callback(choose(VerifyOffline));
+
+  CLI::App* render = app.add_subcommand("render", "a picture of a cloud of points");
+  render->add_option("CLOUD", options->input, ".ply or .xyz")->required();
+  render->add_option("--block", options->block_mm, "block size x y z, mm")->expected(3);
+  render->add_option("--out", options->out, "picture.png")->required();
+  render->callback(choose(RenderOffline));
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace intaglio::cli {
+
+/// Commands that need no services: discretize, sort, verify, render.
+void AddOfflineCommands(CLI::App& app, std::function<int()>& selected);
+
+}  // namespace intaglio::cli

@@ -1,0 +1,45 @@
+#pragma once
+
+// A line on the terminal that shows how far a stage is: share, points, rate, time left.
+//   order      [##########----------]  52 %   41 230 / 79 100 points   1.2 M/s   3 s left
+// On a terminal the line is drawn over; elsewhere (a log, a pipe) a line is printed at
+// the stage's begin, at each tenth and at its end.
+
+#include <chrono>
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+
+namespace intaglio::cli {
+
+/// 1234567 -> "1 234 567".
+std::string GroupedDigits(std::uint64_t number);
+/// 1234567 -> "1.23 M".
+std::string ShortNumber(double number);
+/// 3725 -> "1 h 02 min", 62 -> "1 min 02 s", 3.2 -> "3.2 s".
+std::string ShortDuration(double seconds);
+
+class ProgressBar {
+ public:
+  /// `interactive`: the stream is a terminal.
+  ProgressBar(std::ostream& out, bool interactive);
+
+  /// A new stage begins when `stage` differs from the last call's. total 0: unknown.
+  void Show(const std::string& stage, std::uint64_t done, std::uint64_t total,
+            double elapsed_s, const std::string& note = {});
+  /// Ends the line in hand.
+  void Finish();
+
+ private:
+  std::string Line() const;
+  std::ostream& out_;
+  bool interactive_;
+  std::string stage_, note_;
+  std::uint64_t done_ = 0, total_ = 0;
+  double elapsed_s_ = 0;
+  int told_tenth_ = -1;
+  std::string told_note_;
+  std::size_t drawn_width_ = 0;
+};
+
+}  // namespace intaglio::cli

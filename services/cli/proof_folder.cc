@@ -1,0 +1,375 @@
+#include "services/cli/proof_folder.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "engrave/formats/atomic_file.h"
+#include "engrave/formats/glass_record.h"
+#include "engrave/formats/journal_file.h"
+#include "engrave/formats/point_file.h"
+#include "engrave/proof/glass_comparison.h"
+#include "engrave/render/png_file.h"
+#include "engrave/render/views.h"
+#include "engrave/sort/shadow.h"
+#include "services/cli/progress_bar.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::PointOutcome;
+
+/// What a finished folder holds.
+struct Evidence {
+  FrozenJob job;
+  PointList plan_mm;
+  std::vector<proof::Crack> cracks;
+  std::vector<formats::PointHistory> history;
+};
+
+Result<std::string> ReadText(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) {
+    return Fail(ErrorCode::kNotFound, fmt::format("cannot read {}", file.string()),
+                file.string());
+  }
+  return text.str();
+}
+
+Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
+  const auto text = ReadText(file);
+  if (!text) return tl::unexpected(text.error());
+  FrozenJob job;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &job);
+  if (!parsed.ok()) {
+    return Fail(ErrorCode::kUnreadable, fmt::format("{} is not a frozen job: {}",
+                                                    file.string(), parsed.ToString()));
+  }
+  return job;
+}
+
+Result<Evidence> ReadEvidence(const fs::path& folder) {
+  Evidence evidence;
+  auto job = ReadFrozenJob(folder / "job.json");
+  if (!job) return tl::unexpected(job.error());
+  evidence.job = std::move(*job);
+  auto plan = formats::ReadPly(folder / "path.ply");
+  if (!plan) return tl::unexpected(plan.error());
+  evidence.plan_mm = std::move(plan->points_mm);
+  const auto glass = formats::ReadPly(folder / "glass.ply");
+  if (!glass) return tl::unexpected(glass.error());
+  const auto* tick = glass->Find<double>("tick");
+  if (tick == nullptr) {
+    return Fail(ErrorCode::kMissing, fmt::format("{} has no column 'tick' of type double",
+                                                 (folder / "glass.ply").string()));
+  }
+  for (std::size_t i = 0; i < tick->size(); ++i) {
+    evidence.cracks.push_back(
+        {glass->points_mm[i], static_cast<std::uint64_t>((*tick)[i])});
+  }
+  const auto journal = formats::ReadJournal(folder / "journal.bin");
+  if (!journal) return tl::unexpected(journal.error());
+  evidence.history = formats::HistoryOf(*journal);
+  evidence.history.resize(evidence.plan_mm.size());
+  return evidence;
+}
+
+void Count(const Evidence& evidence, const proof::GlassComparison& glass,
+           PointCounts& counts) {
+  counts.set_planned(glass.planned_count);
+  counts.set_made(glass.made_count);
+  counts.set_doubled(glass.doubled_count);
+  counts.set_stray(glass.stray_count);
+  std::uint64_t skipped = 0, missed = 0, unaccounted = 0;
+  for (std::size_t i = 0; i < evidence.plan_mm.size(); ++i) {
+    const formats::PointHistory& said = evidence.history[i];
+    const bool crack = glass.cracks_of_point[i] > 0;
+    const bool made = said.outcome == PointOutcome::kMade;
+    if (crack && made) continue;
+    if (!crack && said.outcome == PointOutcome::kSkipped && !said.open_intent)
+      ++skipped;
+    else if (!crack && said.outcome == PointOutcome::kMissed)
+      ++missed;
+    else if (!crack && said.outcome == PointOutcome::kNone && !said.open_intent)
+      ++skipped;
+    else
+      ++unaccounted;
+  }
+  counts.set_skipped(skipped);
+  counts.set_missed(missed);
+  counts.set_unaccounted(unaccounted);
+}
+
+std::string Checksum(const PointList& points) {
+  uLong crc = crc32(0, nullptr, 0);
+  for (const Vec3& p : points) {
+    crc = crc32(crc, reinterpret_cast<const Bytef*>(p.data()), sizeof(double) * 3);
+  }
+  return fmt::format("{:08x}", crc);
+}
+
+void Judge(JobReport& report) {
+  Verdict& verdict = *report.mutable_verdict();
+  verdict.clear_reasons();
+  const PointCounts& points = report.points();
+  const auto need = [&](bool holds, std::string reason) {
+    if (!holds) verdict.add_reasons(std::move(reason));
+  };
+  need(points.planned() > 0, "the plan has no points");
+  need(points.doubled() == 0, fmt::format("{} points were made twice", points.doubled()));
+  need(points.stray() == 0,
+       fmt::format("{} cracks belong to no planned point", points.stray()));
+  need(points.skipped() == 0, fmt::format("{} points were skipped", points.skipped()));
+  need(points.missed() == 0,
+       fmt::format("{} points were fired without a crack", points.missed()));
+  need(points.unaccounted() == 0,
+       fmt::format("{} points are unaccounted for: journal and glass disagree",
+                   points.unaccounted()));
+  const PositionErrors& errors = report.position_errors();
+  need(errors.max_um() <= errors.tolerance_um(),
+       fmt::format("a crack is {:.2f} um off, the machine's tolerance is {:.2f} um",
+                   errors.max_um(), errors.tolerance_um()));
+  need(report.shadow_violations() == 0,
+       fmt::format("{} points were fired through an earlier crack",
+                   report.shadow_violations()));
+  need(report.least_spacing_mm() >= report.min_spacing_mm(),
+       fmt::format("two planned points are {:.4f} mm apart, nearer than {:.4f} mm",
+                   report.least_spacing_mm(), report.min_spacing_mm()));
+  verdict.set_good(verdict.reasons().empty());
+}
+
+JobReport ReportOf(const Evidence& evidence) {
+  JobReport report;
+  const FrozenJob& frozen = evidence.job;
+  report.set_job_uid(frozen.job_uid());
+  report.set_name(frozen.job().name());
+  report.set_software_version(frozen.software_version());
+  *report.mutable_job() = frozen.job();
+  *report.mutable_machine() = frozen.machine();
+  *report.mutable_material() = frozen.material();
+  *report.mutable_optics() = frozen.optics();
+  const double spacing_mm = frozen.job().discretization().min_spacing_mm();
+  const auto glass =
+      proof::CompareGlass(evidence.plan_mm, evidence.cracks, spacing_mm / 2);
+  Count(evidence, glass, *report.mutable_points());
+  PositionErrors& errors = *report.mutable_position_errors();
+  errors.set_rms_um(glass.errors.rms_um);
+  errors.set_max_um(glass.errors.max_um);
+  errors.set_rms_x_um(glass.errors.axis_rms_um.x());
+  errors.set_rms_y_um(glass.errors.axis_rms_um.y());
+  errors.set_rms_z_um(glass.errors.axis_rms_um.z());
+  errors.set_tolerance_um(frozen.machine().position_tolerance_um());
+  // The plan's own positions in the order in which the glass got them: what a crack is
+  // off by says nothing about the order.
+  PointList made_mm;
+  made_mm.reserve(glass.made_order.size());
+  for (const std::uint32_t point : glass.made_order)
+    made_mm.push_back(evidence.plan_mm[point]);
+  report.set_shadow_violations(
+      sort::CountShadowViolations(made_mm, frozen.optics().cone_tangent()));
+  report.set_min_spacing_mm(spacing_mm);
+  if (evidence.plan_mm.size() > 1) {
+    report.set_least_spacing_mm(proof::LeastSpacing(evidence.plan_mm));
+  }
+  PointList cracks_mm;
+  for (const proof::Crack& crack : evidence.cracks)
+    cracks_mm.push_back(crack.position_mm);
+  if (cracks_mm.size() > 1)
+    report.set_least_spacing_in_glass_mm(proof::LeastSpacing(cracks_mm));
+  if (!evidence.cracks.empty()) {
+    const std::uint64_t ticks = glass.last_tick - glass.first_tick + 1;
+    report.set_ticks(ticks);
+    report.set_utilisation(static_cast<double>(evidence.cracks.size()) /
+                           static_cast<double>(ticks));
+    report.set_machining_time_s(static_cast<double>(ticks) /
+                                frozen.job().laser().rate_hz());
+  }
+  (*report.mutable_checksums())["path"] = Checksum(evidence.plan_mm);
+  (*report.mutable_checksums())["glass"] = Checksum(cracks_mm);
+  Judge(report);
+  return report;
+}
+
+Status WriteReport(const fs::path& file, const JobReport& report) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  const auto printed =
+      google::protobuf::util::MessageToJsonString(report, &json, options);
+  if (!printed.ok()) return Fail(ErrorCode::kIo, "report.json: " + printed.ToString());
+  return formats::WriteFileAtomically(file, json);
+}
+
+Status WriteViews(const fs::path& file, const Evidence& evidence,
+                  const JobReport& report) {
+  using render::Tone;
+  const auto number = [](std::uint64_t n) { return GroupedDigits(n); };
+  const auto good_if = [](bool good) { return good ? Tone::kGood : Tone::kBad; };
+  const PointCounts& points = report.points();
+  const PositionErrors& errors = report.position_errors();
+  render::ViewsCaption caption;
+  const Vector3& block = report.job().block().size_mm();
+  caption.title_lines = {
+      report.name(),
+      fmt::format("{}, {:g} x {:g} x {:g} mm, {:g} nm", report.material().name(),
+                  block.x(), block.y(), block.z(), report.optics().wavelength_nm()),
+      fmt::format("{}, {:g} Hz", report.machine().name(),
+                  report.job().laser().rate_hz())};
+  caption.figures = {
+      {"points planned", number(points.planned())},
+      {"made", number(points.made()), good_if(points.made() == points.planned())},
+      {"skipped", number(points.skipped()), good_if(points.skipped() == 0)},
+      {"missed", number(points.missed()), good_if(points.missed() == 0)},
+      {"doubled", number(points.doubled()), good_if(points.doubled() == 0)},
+      {"stray", number(points.stray()), good_if(points.stray() == 0)},
+      {"shadow violations", number(report.shadow_violations()),
+       good_if(report.shadow_violations() == 0)},
+      {"least spacing", fmt::format("{:.4f} mm", report.least_spacing_mm()),
+       good_if(report.least_spacing_mm() >= report.min_spacing_mm())},
+      {"error, rms", fmt::format("{:.2f} µm", errors.rms_um())},
+      {"error, max", fmt::format("{:.2f} µm", errors.max_um()),
+       good_if(errors.max_um() <= errors.tolerance_um())},
+      {"ticks", number(report.ticks())},
+      {"utilisation", fmt::format("{:.4f}", report.utilisation())},
+      {"machining time", ShortDuration(report.machining_time_s())},
+      {"estimate", ShortDuration(report.estimated_time_s())}};
+  caption.verdict = report.verdict().good() ? "PROVED" : "NOT GOOD";
+  caption.verdict_tone = good_if(report.verdict().good());
+  PointList cracks_mm;
+  for (const proof::Crack& crack : evidence.cracks)
+    cracks_mm.push_back(crack.position_mm);
+  return render::WritePng(
+      file,
+      render::RenderViews(cracks_mm, Vec3(block.x(), block.y(), block.z()), caption));
+}
+
+Status WriteGlass(const fs::path& record_file, const fs::path& file) {
+  const auto record = formats::ReadGlassRecord(record_file);
+  if (!record) return tl::unexpected(record.error());
+  formats::PointTable table;
+  std::vector<double> tick;
+  std::vector<std::uint8_t> channel;
+  for (const auto& crack : record->cracks) {
+    if (!crack.in_glass) continue;
+    table.points_mm.push_back(crack.position_mm);
+    tick.push_back(static_cast<double>(crack.tick));
+    channel.push_back(static_cast<std::uint8_t>(crack.channel));
+  }
+  table.comments = {"cracks as the virtual engraver's glass holds them, glass frame, mm"};
+  table.columns = {{"tick", std::move(tick)}, {"channel", std::move(channel)}};
+  return formats::WritePly(file, table);
+}
+
+Status CopyInto(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (!error) return {};
+  return Fail(
+      ErrorCode::kIo,
+      fmt::format(
+          "cannot copy {} to {}: {}; make room on the disk or choose another --out",
+          from.string(), to.string(), error.message()),
+      to.string());
+}
+
+fs::path NewestJournal(const fs::path& folder) {
+  fs::path newest;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("journal-") &&
+        (newest.empty() || name > newest.filename().string())) {
+      newest = entry.path();
+    }
+  }
+  return newest;
+}
+
+void AddOutcomes(const ProofInputs& inputs, JobReport& report) {
+  if (inputs.discretize) *report.mutable_discretize() = inputs.discretize->discretize();
+  if (inputs.sort) *report.mutable_sort() = inputs.sort->sort();
+  if (inputs.engrave) {
+    *report.mutable_engrave() = inputs.engrave->engrave();
+    report.set_estimated_time_s(static_cast<double>(report.engrave().estimate_ticks()) /
+                                report.job().laser().rate_hz());
+    (*report.mutable_checksums())["plan"] = report.engrave().plan_checksum();
+  }
+  report.set_started_utc(inputs.started_utc);
+  report.set_ended_utc(inputs.ended_utc);
+  report.set_wall_time_s(inputs.wall_time_s);
+  for (const std::string& warning : inputs.warnings) report.add_warnings(warning);
+  for (const std::string& warning : report.discretize().warnings())
+    report.add_warnings(warning);
+}
+
+}  // namespace
+
+std::string UtcNow() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+Result<JobReport> MakeProof(const ProofInputs& inputs) {
+  for (const auto& [from, to] :
+       {std::pair{inputs.job_folder / "path.ply", "path.ply"},
+        std::pair{inputs.job_folder / "job.json", "job.json"},
+        std::pair{NewestJournal(inputs.job_folder), "journal.bin"}}) {
+    if (auto copied = CopyInto(from, inputs.folder / to); !copied) {
+      return tl::unexpected(copied.error());
+    }
+  }
+  if (auto written = WriteGlass(inputs.glass_record, inputs.folder / "glass.ply");
+      !written) {
+    return tl::unexpected(written.error());
+  }
+  const auto evidence = ReadEvidence(inputs.folder);
+  if (!evidence) return tl::unexpected(evidence.error());
+  JobReport report = ReportOf(*evidence);
+  AddOutcomes(inputs, report);
+  if (auto written = WriteViews(inputs.folder / "views.png", *evidence, report);
+      !written) {
+    return tl::unexpected(written.error());
+  }
+  if (auto written = WriteReport(inputs.folder / "report.json", report); !written) {
+    return tl::unexpected(written.error());
+  }
+  return report;
+}
+
+Result<JobReport> VerifyFolder(const fs::path& folder) {
+  const auto evidence = ReadEvidence(folder);
+  if (!evidence) return tl::unexpected(evidence.error());
+  return ReportOf(*evidence);
+}
+
+std::string SummaryOf(const JobReport& report) {
+  const PointCounts& points = report.points();
+  std::string text = fmt::format(
+      "points      {} planned, {} made, {} skipped, {} missed, {} doubled, {} stray\n"
+      "order       {} points fired through an earlier crack\n"
+      "spacing     {:.4f} mm least, {:.4f} mm asked for\n"
+      "position    {:.2f} um rms, {:.2f} um max, tolerance {:.2f} um\n"
+      "time        {} at {:g} Hz, {} ticks, {:.4f} points a tick\n",
+      GroupedDigits(points.planned()), GroupedDigits(points.made()),
+      GroupedDigits(points.skipped()), GroupedDigits(points.missed()),
+      GroupedDigits(points.doubled()), GroupedDigits(points.stray()),
+      report.shadow_violations(), report.least_spacing_mm(), report.min_spacing_mm(),
+      report.position_errors().rms_um(), report.position_errors().max_um(),
+      report.position_errors().tolerance_um(), ShortDuration(report.machining_time_s()),
+      report.job().laser().rate_hz(), GroupedDigits(report.ticks()),
+      report.utilisation());
+  if (report.verdict().good()) return text + "verdict     GOOD";
+  text += "verdict     NOT GOOD";
+  for (const std::string& reason : report.verdict().reasons()) text += "\n  - " + reason;
+  return text;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,298 @@
+#include "services/cli/run_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <random>
+
+#include "materials_db/material_store.h"
+#include "services/cli/interrupt.h"
+#include "services/cli/job_client.h"
+#include "services/cli/job_options.h"
+#include "services/cli/progress_bar.h"
+#include "services/cli/proof_folder.h"
+#include "services/cli/service_set.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kSessionFolder = "session";
+
+struct RunOptions {
+  JobFlags job;
+  std::string out;
+  std::string materials_db;
+  bool lockstep = false;
+  double speed = 1;
+  double warm_up_s = -1;
+  std::vector<std::string> faults;
+  std::vector<std::string> without;
+  bus::BusOptions bus;
+  bool wait_for_arm = false;
+};
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
+
+std::string RandomTag() {
+  std::random_device random;
+  return fmt::format("run-{}-{:08x}", getpid(), random());
+}
+
+/// One `intaglio run`, from the checked job to the verdict.
+class RunSession {
+ public:
+  RunSession(RunOptions options, JobAndMachine job, materials_db::Material material,
+             materials_db::OpticalValues optics)
+      : options_(std::move(options)),
+        job_(std::move(job)),
+        material_(std::move(material)),
+        optics_(optics),
+        bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
+
+  int Run();
+
+ private:
+  Status MakeFolders();
+  Result<ServiceSet> StartServices();
+  int Engrave(ServiceSet& services);
+  int Follow(ServiceSet& services, JobClient& client, JobView job);
+  void Show(const JobView& job);
+  int Prove(const JobView& job, const JobClient& client, const ServiceSet& services);
+
+  RunOptions options_;
+  JobAndMachine job_;
+  materials_db::Material material_;
+  materials_db::OpticalValues optics_;
+  ProgressBar bar_;
+  fs::path out_, session_;
+  std::string started_utc_ = UtcNow();
+  Clock::time_point started_ = Clock::now();
+};
+
+Status RunSession::MakeFolders() {
+  out_ = options_.out.empty()
+             ? fs::path("intaglio-out") / fmt::format("{}-{}", job_.job.name(), UtcNow())
+             : fs::path(options_.out);
+  std::error_code error;
+  out_ = fs::absolute(out_).lexically_normal();
+  session_ = out_ / kSessionFolder;
+  fs::remove_all(session_, error);
+  for (const char* file :
+       {"report.json", "glass.ply", "path.ply", "views.png", "journal.bin", "job.json"}) {
+    fs::remove(out_ / file, error);
+  }
+  fs::create_directories(session_, error);
+  if (!error) return {};
+  return Fail(
+      ErrorCode::kIo,
+      fmt::format("--out {}: cannot make the folder: {}", out_.string(), error.message()),
+      out_.string());
+}
+
+Result<ServiceSet> RunSession::StartServices() {
+  ServiceSetOptions set;
+  set.folder = session_;
+  set.results = session_ / "jobs";
+  set.materials_db = options_.materials_db;
+  set.machine = job_.machine;
+  if (options_.bus.tag.empty()) options_.bus.tag = RandomTag();
+  options_.bus.cell = job_.machine.name();
+  set.bus = options_.bus;
+  set.without = {options_.without.begin(), options_.without.end()};
+  VirtualMachine machine;
+  const Vector3& block = job_.job.block().size_mm();
+  machine.block_size_mm = Vec3(block.x(), block.y(), block.z());
+  machine.refractive_index = optics_.refractive_index;
+  machine.numerical_aperture = job_.job.lens().numerical_aperture();
+  machine.speed = options_.lockstep ? "lockstep" : fmt::format("{}", options_.speed);
+  machine.warm_up_s =
+      options_.warm_up_s >= 0 ? options_.warm_up_s : job_.machine.laser().warm_up_s();
+  machine.faults = options_.faults;
+  return ServiceSet::Start(set, &machine);
+}
+
+int RunSession::Run() {
+  for (const std::string& note : job_.notes) std::cerr << note << "\n";
+  if (auto made = MakeFolders(); !made) return Complain(made.error(), kExitWrongInput);
+  auto services = StartServices();
+  if (!services) return Complain(services.error(), kExitInternal);
+  try {
+    return Engrave(*services);
+  } catch (const bus::BusError& error) {
+    return Complain({ErrorCode::kFault, error.what(), ""}, kExitInternal);
+  }
+}
+
+int RunSession::Engrave(ServiceSet& services) {
+  bus::Bus bus(options_.bus);
+  JobClient client(bus);
+  if (auto ready = services.AwaitReady(client); !ready) {
+    return Complain(ready.error(), kExitInternal);
+  }
+  std::cerr << "processes  ";
+  for (const std::string& process : services.Processes())
+    std::cerr << " " << process << ",";
+  std::cerr << " logs in " << session_.string() << "\n";
+  JobSpec job = job_.job;
+  job.set_machine_file(services.machine_file().string());
+  auto submitted = client.Submit(job, 20s);
+  if (!submitted) return Complain(submitted.error(), kExitWrongInput);
+  if (!options_.wait_for_arm) {
+    // Whoever types `run` stands at the machine: that is the operator's arm.
+    if (auto armed = client.Command(*submitted, intaglio_COMMAND_ARM); !armed) {
+      return Complain(armed.error(), kExitInternal);
+    }
+  }
+  return Follow(services, client, *submitted);
+}
+
+void RunSession::Show(const JobView& job) {
+  if (job.progress.empty()) return;
+  const JobView::Progress& p = job.progress.back();
+  std::string note;
+  if (p.stage == intaglio_STAGE_ENGRAVE && job.estimate_ticks > 0 && job.rate_hz > 0 &&
+      p.done_count == 0) {
+    note = "machining time " +
+           ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
+  }
+  if (!job.message.empty()) note = job.message;
+  bar_.Show(NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s, note);
+}
+
+int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
+  bool cancelled = false;
+  Clock::time_point give_up = Clock::time_point::max();
+  std::optional<Error> fault;
+  const auto cancel = [&](const std::string& why) {
+    if (cancelled) return;
+    cancelled = true;
+    bar_.Finish();
+    std::cerr << why << "\n";
+    (void)client.Command(job, intaglio_COMMAND_CANCEL);
+    give_up = Clock::now() + 10s;
+  };
+  while (!job.ended() && Clock::now() < give_up) {
+    client.Poll(50ms);
+    job = client.jobs().at(job.uid);
+    if (!cancelled) Show(job);
+    if (Interrupts() > 0) cancel("interrupted: the job is cancelled");
+    if (auto alive = services.CheckAlive(); !alive && !fault) {
+      fault = alive.error();
+      cancel("a process has died: the job is cancelled");
+    }
+    if (job.state == intaglio_JOB_PAUSED && !fault && !options_.wait_for_arm) {
+      fault = Error{ErrorCode::kFault, job.message, ""};
+      cancel("the machine has paused: the job is cancelled");
+    }
+  }
+  bar_.Finish();
+  // Give the last words of every stage time to arrive.
+  client.PollUntil(
+      [&] { return client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE).has_value(); },
+      job.state == intaglio_JOB_FAILED ? 200ms : 2000ms);
+  services.Stop();
+  const int proved = Prove(job, client, services);
+  if (fault) return Complain(*fault, kExitMachine);
+  if (cancelled) return kExitCancelled;
+  if (job.state != intaglio_JOB_DONE) {
+    return Complain({ErrorCode::kFault, job.message, ""}, kExitMachine);
+  }
+  return proved;
+}
+
+int RunSession::Prove(const JobView& job, const JobClient& client,
+                      const ServiceSet& services) {
+  ProofInputs inputs;
+  inputs.folder = out_;
+  inputs.job_folder = job.result_directory;
+  inputs.glass_record = services.glass_record();
+  inputs.discretize = client.OutcomeOf(job.uid, intaglio_STAGE_DISCRETIZE);
+  inputs.sort = client.OutcomeOf(job.uid, intaglio_STAGE_SORT);
+  inputs.engrave = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
+  inputs.warnings = job_.notes;
+  inputs.started_utc = started_utc_;
+  inputs.ended_utc = UtcNow();
+  inputs.wall_time_s = std::chrono::duration<double>(Clock::now() - started_).count();
+  // A job that ended before its engraving began left nothing to prove.
+  if (!fs::exists(inputs.job_folder / "path.ply")) return kExitMachine;
+  const auto report = MakeProof(inputs);
+  if (!report) return Complain(report.error(), kExitWrongInput);
+  for (const std::string& warning : report->warnings())
+    std::cerr << "warning    " << warning << "\n";
+  std::cout << SummaryOf(*report) << "\n";
+  std::cout << "folder      " << out_.string()
+            << "  (report.json, glass.ply, path.ply, views.png)\n";
+  return report->verdict().good() ? kExitGood : kExitNotGood;
+}
+
+int RunJob(const RunOptions& given) {
+  CatchInterrupts();
+  RunOptions options = given;
+  auto job = BuildJob(options.job);
+  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (options.materials_db.empty()) {
+    options.materials_db = materials_db::DefaultDatabasePath().string();
+  }
+  auto store = materials_db::MaterialStore::Open(options.materials_db);
+  if (!store) return Complain(store.error(), kExitWrongInput);
+  auto material = store->Find(job->job.glass());
+  if (!material) return Complain(material.error(), kExitWrongInput);
+  const auto optics = materials_db::ComputeOptics(
+      *material, job->job.laser().wavelength_nm(), job->job.lens().numerical_aperture());
+  if (!optics) return Complain(optics.error(), kExitWrongInput);
+  return RunSession(std::move(options), std::move(*job), std::move(*material), *optics)
+      .Run();
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app, std::function<int()>& selected) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* run = app.add_subcommand(
+      "run",
+      "engrave one job in the virtual engraver, with processes of its own, and prove it");
+  run->footer(
+      "Example: intaglio run --mesh bunny.obj --height 40 --glass N-BK7 --method "
+      "sections "
+      "--layer 0.1 --spacing 0.1 --machine els-03 --rate 100 --lockstep --out DIR\n"
+      "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, 4 "
+      "machine "
+      "fault, 5 cancelled.");
+  AddJobFlags(*run, options->job);
+  run->add_option("--out", options->out,
+                  "folder of the proof, default intaglio-out/NAME-TIME");
+  auto* lockstep = run->add_flag("--lockstep", options->lockstep,
+                                 "the machine runs as fast as the data comes");
+  run->add_option("--speed", options->speed, "machine time against real time")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->excludes(lockstep);
+  run->add_option("--warm-up", options->warm_up_s,
+                  "lamp warm-up, s, instead of the profile's")
+      ->check(CLI::Range(0.0, 3600.0));
+  run->add_option("--fault", options->faults,
+                  "let the machine misbehave: \"AT_TICK COMMAND\" (docs/protocols.md)");
+  run->add_option("--without", options->without,
+                  "services that are started elsewhere, e.g. discretizer");
+  run->add_option("--materials", options->materials_db,
+                  "material base, default the user's");
+  run->add_option("--domain", options->bus.control_domain,
+                  "DDS domain of the private processes")
+      ->check(CLI::Range(0, 100));
+  run->add_option("--interface", options->bus.interface, "network interface, default lo");
+  run->add_option("--tag", options->bus.tag, "DDS tag, default a private one");
+  run->callback(
+      [options, &selected] { selected = [options] { return RunJob(*options); }; });
+}
+
+}  // namespace intaglio::cli

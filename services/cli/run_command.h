@@ -1,0 +1,25 @@
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace intaglio::cli {
+
+/// Exit codes of every command; docs/cli.md repeats them.
+enum ExitCode : int {
+  kExitGood = 0,
+  kExitInternal = 1,    ///< a fault of ours, or a service died
+  kExitWrongInput = 2,  ///< options, job file, model, glass, disk
+  kExitNotGood = 3,     ///< engraved, and the verdict is not good
+  kExitMachine = 4,     ///< a machine or job fault ended it
+  kExitCancelled = 5,   ///< somebody did
+};
+
+/// `intaglio run`: engraves one job with a private set of processes, and proves it.
+/// Sets `selected` when the subcommand is chosen.
+void AddRunCommand(CLI::App& app, std::function<int()>& selected);
+
+}  // namespace intaglio::cli

@@ -1,0 +1,228 @@
+#include "services/cli/service_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "proto/job_file.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+constexpr auto kReadyTimeout = 30s;
+constexpr auto kLinesTimeout = 10s;
+
+std::string Triple(const Vec3& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+
+std::string RatesOf(const MachineSpec& machine) {
+  std::string text;
+  for (const double rate : machine.laser().rates_hz()) {
+    text += (text.empty() ? "" : ",") + fmt::format("{}", rate);
+  }
+  return text;
+}
+
+Status DiedWith(const ChildProcess& process) {
+  return Fail(ErrorCode::kFault,
+              fmt::format("{} has ended by itself (exit code {}); its last words:\n{}",
+                          process.name(), process.exit_code().value_or(-1),
+                          process.LastOutput()));
+}
+
+struct Expected {
+  intaglio_ServiceRole role;
+  const char* name;
+};
+constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
+                                  {intaglio_ROLE_DISCRETIZER, "discretizer"},
+                                  {intaglio_ROLE_SORTER, "sorter"},
+                                  {intaglio_ROLE_SYNCHRONIZER, "synchronizer"},
+                                  {intaglio_ROLE_MOTION_BRIDGE, "motion-bridge"}};
+
+}  // namespace
+
+Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
+                                     const VirtualMachine* virtual_machine) {
+  ServiceSet set;
+  set.machine_ = options.machine;
+  set.without_ = options.without;
+  std::error_code error;
+  fs::create_directories(options.folder, error);
+  if (!error) fs::create_directories(options.results, error);
+  if (error) {
+    return Fail(ErrorCode::kIo, fmt::format("cannot make the folder {}: {}",
+                                            options.folder.string(), error.message()));
+  }
+  if (virtual_machine != nullptr) {
+    if (auto started = set.StartEngraver(options, *virtual_machine); !started) {
+      return tl::unexpected(started.error());
+    }
+  }
+  set.machine_file_ = options.folder / "machine.textproto";
+  if (auto written = WriteMachineFile(set.machine_file_, set.machine_); !written) {
+    return tl::unexpected(written.error());
+  }
+  const std::string machine = set.machine_file_.string();
+  const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
+      {"job-service",
+       {"--database", (options.folder / "jobs.db").string(), "--materials-db",
+        options.materials_db.string(), "--results", options.results.string()}},
+      {"discretizer", {}},
+      {"sorter", {}},
+      {"motion-bridge", {"--machine", machine}},
+      {"synchronizer", {"--machine", machine}}};
+  for (const auto& [name, arguments] : services) {
+    if (options.without.contains(name)) continue;
+    if (auto started = set.StartService(options, name, arguments); !started) {
+      return tl::unexpected(started.error());
+    }
+  }
+  return set;
+}
+
+Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
+                                 const VirtualMachine& machine) {
+  const fs::path laser = options.folder / "laser", motion = options.folder / "motion";
+  panel_ = options.folder / "panel";
+  glass_record_ = options.folder / "glass.rec";
+  const auto& axes = machine_;
+  const Vec3 origin(axes.block_origin_mm().x(), axes.block_origin_mm().y(),
+                    axes.block_origin_mm().z());
+  ChildProcess::Command command{"virtual-engraver",
+                                ProgramFolder() / "virtual-engraver",
+                                {},
+                                options.folder / "virtual-engraver.log"};
+  command.arguments = {"--laser-line",
+                       laser.string(),
+                       "--motion-line",
+                       motion.string(),
+                       "--panel",
+                       panel_.string(),
+                       "--glass-record",
+                       glass_record_.string(),
+                       "--rates",
+                       RatesOf(axes),
+                       "--warm-up",
+                       fmt::format("{}", machine.warm_up_s),
+                       "--travel-min",
+                       Triple(Vec3(axes.x().travel_min_mm(), axes.y().travel_min_mm(),
+                                   axes.z().travel_min_mm())),
+                       "--travel-max",
+                       Triple(Vec3(axes.x().travel_max_mm(), axes.y().travel_max_mm(),
+                                   axes.z().travel_max_mm())),
+                       "--stage-lag",
+                       fmt::format("{}", axes.stage_lag_s()),
+                       "--position-tolerance-um",
+                       fmt::format("{}", axes.position_tolerance_um()),
+                       "--block-size",
+                       Triple(machine.block_size_mm),
+                       "--block-origin",
+                       Triple(origin),
+                       "--refractive-index",
+                       fmt::format("{}", machine.refractive_index),
+                       "--na",
+                       fmt::format("{}", machine.numerical_aperture),
+                       "--channels",
+                       fmt::format("{}", axes.laser().channels()),
+                       "--speed",
+                       machine.speed};
+  for (const std::string& fault : machine.faults) {
+    command.arguments.insert(command.arguments.end(), {"--fault", fault});
+  }
+  auto started = ChildProcess::Start(command);
+  if (!started) return tl::unexpected(started.error());
+  engraver_.push_back(std::make_unique<ChildProcess>(std::move(*started)));
+  machine_.mutable_laser_line()->set_protocol("virtual-laser");
+  machine_.mutable_laser_line()->set_device(laser.string());
+  machine_.mutable_motion_line()->set_protocol("virtual-stage");
+  machine_.mutable_motion_line()->set_device(motion.string());
+  return AwaitLines();
+}
+
+Status ServiceSet::AwaitLines() {
+  const auto end = std::chrono::steady_clock::now() + kLinesTimeout;
+  while (!fs::exists(machine_.laser_line().device()) ||
+         !fs::exists(machine_.motion_line().device())) {
+    if (!engraver_.front()->running()) return DiedWith(*engraver_.front());
+    if (std::chrono::steady_clock::now() > end) {
+      return Fail(ErrorCode::kTimedOut, "the virtual engraver does not open its lines");
+    }
+    std::this_thread::sleep_for(10ms);
+  }
+  return {};
+}
+
+Status ServiceSet::StartService(const ServiceSetOptions& options, const std::string& name,
+                                const std::vector<std::string>& arguments) {
+  ChildProcess::Command command{name, ProgramFolder() / ("intaglio-" + name), arguments,
+                                options.folder / (name + ".log")};
+  const bus::BusOptions& bus = options.bus;
+  const std::vector<std::string> common = {
+      "--domain",    std::to_string(bus.control_domain),
+      "--interface", bus.interface,
+      "--cell",      machine_.name()};
+  command.arguments.insert(command.arguments.end(), common.begin(), common.end());
+  if (!bus.tag.empty())
+    command.arguments.insert(command.arguments.end(), {"--tag", bus.tag});
+  if (options.die_with_parent) command.arguments.push_back("--die-with-parent");
+  auto started = ChildProcess::Start(command);
+  if (!started) return tl::unexpected(started.error());
+  services_.push_back(std::make_unique<ChildProcess>(std::move(*started)));
+  return {};
+}
+
+Status ServiceSet::CheckAlive() {
+  for (auto* group : {&engraver_, &services_}) {
+    for (auto& process : *group) {
+      if (!process->running()) return DiedWith(*process);
+    }
+  }
+  return {};
+}
+
+Status ServiceSet::AwaitReady(JobClient& client) {
+  std::string missing;
+  Status alive;
+  const auto ready = [&] {
+    alive = CheckAlive();
+    if (!alive) return true;
+    missing.clear();
+    const auto services = client.services();
+    for (const Expected& expected : kExpected) {
+      const bool there =
+          std::any_of(services.begin(), services.end(), [&](const ServiceView& service) {
+            return service.role == expected.role &&
+                   service.state == intaglio_HEALTH_READY;
+          });
+      if (!there) missing += (missing.empty() ? "" : ", ") + std::string(expected.name);
+    }
+    return missing.empty();
+  };
+  if (client.PollUntil(ready, kReadyTimeout)) return alive;
+  return Fail(ErrorCode::kTimedOut,
+              fmt::format("not ready after {} s: {}; see the logs beside {}",
+                          kReadyTimeout.count(), missing, machine_file_.string()));
+}
+
+void ServiceSet::Stop() {
+  for (auto& service : services_) service->Terminate();
+  for (auto& service : services_) service->WaitForEnd(4s);
+  services_.clear();
+  engraver_.clear();
+}
+
+std::vector<std::string> ServiceSet::Processes() {
+  std::vector<std::string> lines;
+  for (auto* group : {&engraver_, &services_}) {
+    for (auto& process : *group) {
+      lines.push_back(fmt::format("{} {}", process->name(), process->pid()));
+    }
+  }
+  return lines;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,75 @@
+#pragma once
+
+// The processes of one shop: job service, discretizer, sorter, and the cell of one
+// machine (synchronizer, motion bridge), with the virtual engraver in the machine's
+// place if it is asked for. `intaglio run` has a private one, `intaglio up` a public one.
+
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "proto/machine.pb.h"
+#include "services/bus/bus.h"
+#include "services/cli/child_process.h"
+#include "services/cli/job_client.h"
+
+namespace intaglio::cli {
+
+/// The block in the virtual engraver, and how it behaves.
+struct VirtualMachine {
+  Vec3 block_size_mm = Vec3::Constant(100);
+  double refractive_index = 1.5;
+  double numerical_aperture = 0.1;
+  std::string speed = "1";          ///< "1", "N" (times real time) or "lockstep"
+  std::vector<std::string> faults;  ///< "AT_TICK COMMAND", as --fault of virtual-engraver
+  double warm_up_s = 30;
+};
+
+struct ServiceSetOptions {
+  std::filesystem::path folder;   ///< sockets, logs, database; made anew
+  std::filesystem::path results;  ///< job folders
+  std::filesystem::path materials_db;
+  MachineSpec machine;
+  bus::BusOptions bus;
+  std::set<std::string> without;  ///< services that run elsewhere, e.g. "discretizer"
+  bool die_with_parent = true;
+};
+
+class ServiceSet {
+ public:
+  /// Starts everything; on failure what was started is ended again.
+  static Result<ServiceSet> Start(const ServiceSetOptions& options,
+                                  const VirtualMachine* virtual_machine);
+
+  /// The machine profile as the cell uses it: with the lines of the virtual engraver.
+  const MachineSpec& machine() const { return machine_; }
+  const std::filesystem::path& machine_file() const { return machine_file_; }
+  const std::filesystem::path& glass_record() const { return glass_record_; }
+  const std::filesystem::path& panel() const { return panel_; }
+  /// Until every service has said that it is ready, or kTimedOut with the names of those
+  /// that have not; kFault with the last words of one that has died.
+  Status AwaitReady(JobClient& client);
+  /// kFault with its last words when a process has ended by itself.
+  Status CheckAlive();
+  /// Ends the services, then the machine, so that the glass has everything.
+  void Stop();
+  /// "name pid" of each process.
+  std::vector<std::string> Processes();
+
+ private:
+  Status StartEngraver(const ServiceSetOptions& options, const VirtualMachine& machine);
+  Status StartService(const ServiceSetOptions& options, const std::string& name,
+                      const std::vector<std::string>& arguments);
+  Status AwaitLines();
+
+  MachineSpec machine_;
+  std::filesystem::path machine_file_, glass_record_, panel_;
+  std::set<std::string> without_;
+  std::vector<std::unique_ptr<ChildProcess>> engraver_;  // none or one
+  std::vector<std::unique_ptr<ChildProcess>> services_;
+};
+
+}  // namespace intaglio::cli

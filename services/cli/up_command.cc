@@ -1,0 +1,131 @@
+#include "services/cli/up_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "materials_db/material_store.h"
+#include "proto/job_file.h"
+#include "services/cli/bus_flags.h"
+#include "services/cli/interrupt.h"
+#include "services/cli/job_options.h"
+#include "services/cli/run_command.h"
+#include "services/cli/service_set.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+struct UpOptions {
+  bus::BusOptions bus;
+  std::string machine = "els-03";
+  std::string folder = "intaglio-shop";
+  std::string materials_db;
+  std::vector<std::string> without;
+  bool real_machine = false;
+  bool lockstep = false;
+  double speed = 1;
+  std::vector<double> block_mm = {100, 100, 100};
+  double refractive_index = 1.51947;
+  double numerical_aperture = 0;
+};
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
+
+VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine) {
+  VirtualMachine virtual_machine;
+  virtual_machine.block_size_mm =
+      Vec3(options.block_mm[0], options.block_mm[1], options.block_mm[2]);
+  virtual_machine.refractive_index = options.refractive_index;
+  virtual_machine.numerical_aperture = options.numerical_aperture > 0
+                                           ? options.numerical_aperture
+                                           : machine.lenses(0).numerical_aperture();
+  virtual_machine.speed =
+      options.lockstep ? "lockstep" : fmt::format("{}", options.speed);
+  virtual_machine.warm_up_s = machine.laser().warm_up_s();
+  return virtual_machine;
+}
+
+int Up(const UpOptions& options) {
+  CatchInterrupts();
+  const auto file = FindMachineFile(options.machine);
+  if (!file) return Complain(file.error(), kExitWrongInput);
+  const auto machine = ReadMachineFile(*file);
+  if (!machine) return Complain(machine.error(), kExitWrongInput);
+  ServiceSetOptions set;
+  set.folder = fs::absolute(options.folder);
+  set.results = set.folder / "jobs";
+  set.materials_db = options.materials_db.empty() ? materials_db::DefaultDatabasePath()
+                                                  : fs::path(options.materials_db);
+  set.machine = *machine;
+  set.bus = options.bus;
+  set.bus.cell = machine->name();
+  set.without = {options.without.begin(), options.without.end()};
+  const VirtualMachine virtual_machine = MachineOf(options, *machine);
+  auto services =
+      ServiceSet::Start(set, options.real_machine ? nullptr : &virtual_machine);
+  if (!services) return Complain(services.error(), kExitInternal);
+  bus::Bus bus(set.bus);
+  JobClient client(bus);
+  if (auto ready = services->AwaitReady(client); !ready) {
+    return Complain(ready.error(), kExitInternal);
+  }
+  for (const std::string& process : services->Processes()) std::cout << process << "\n";
+  std::cout
+      << "machine profile for jobs: " << services->machine_file().string() << "\n"
+      << "the shop is open (domain " << set.bus.control_domain << ", interface "
+      << set.bus
+             .interface << "); from another terminal: intaglio submit JOB --arm --watch\nCtrl-C closes it\n"
+      << std::flush;
+  while (Interrupts() == 0) {
+    client.Poll(200ms);
+    if (auto alive = services->CheckAlive(); !alive) {
+      services->Stop();
+      return Complain(alive.error(), kExitMachine);
+    }
+  }
+  services->Stop();
+  return kExitGood;
+}
+
+}  // namespace
+
+void AddUpCommand(CLI::App& app, std::function<int()>& selected) {
+  auto options = std::make_shared<UpOptions>();
+  CLI::App* up =
+      app.add_subcommand("up", "start the services of a shop and keep them running");
+  AddBusFlags(*up, options->bus);
+  up->add_option("--machine", options->machine, "machine profile: els-03, or a file")
+      ->capture_default_str();
+  up->add_option("--folder", options->folder, "queue, logs and job folders")
+      ->capture_default_str();
+  up->add_option("--materials", options->materials_db,
+                 "material base, default the user's");
+  up->add_option("--without", options->without, "services that run elsewhere");
+  up->add_flag("--real-machine", options->real_machine,
+               "no virtual engraver: the profile's serial devices are used");
+  auto* lockstep = up->add_flag("--lockstep", options->lockstep,
+                                "the virtual machine runs as fast as the data comes");
+  up->add_option("--speed", options->speed, "virtual machine's time against real time")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->excludes(lockstep);
+  up->add_option("--block", options->block_mm, "block in the virtual machine, mm")
+      ->expected(3);
+  up->add_option("--index", options->refractive_index, "its refractive index")
+      ->check(CLI::Range(1.0, 4.0))
+      ->capture_default_str();
+  up->add_option("--na", options->numerical_aperture,
+                 "numerical aperture of its lens, default the profile's first")
+      ->check(CLI::Range(0.0, 0.9));
+  up->callback([options, &selected] { selected = [options] { return Up(*options); }; });
+}
+
+}  // namespace intaglio::cli

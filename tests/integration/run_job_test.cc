@@ -1,0 +1,286 @@
+// The whole product at work: `intaglio run` as a user types it, with its separate
+// processes, and what the machine does when something is taken away in mid-job.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "engrave/formats/glass_record.h"
+#include "engrave/formats/point_file.h"
+#include "proto/report.pb.h"
+#include "tests/integration/run_program.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::Ended;
+using testing::Eventually;
+using testing::FreshFolder;
+using ::testing::HasSubstr;
+using testing::ProcessesWith;
+using testing::Program;
+using testing::Running;
+
+constexpr auto kBound = 60s;
+const std::vector<std::string> kServices = {
+    "intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
+    "intaglio-synchronizer", "intaglio-motion-bridge"};
+
+fs::path SampleJob() {
+  return fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/sample.textproto";
+}
+
+class RunJob : public ::testing::Test {
+ protected:
+  RunJob()
+      : folder_(FreshFolder(
+            std::string("run_job_") +
+            ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
+
+  std::vector<std::string> Arguments(std::vector<std::string> more) const {
+    std::vector<std::string> words = {"run",         SampleJob().string(),
+                                      "--out",       (folder_ / "out").string(),
+                                      "--materials", (folder_ / "materials.db").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Ended Run(std::vector<std::string> more) {
+    Running run(Program("intaglio"), Arguments(std::move(more)), folder_ / "output.txt");
+    return run.WaitForEnd(kBound);
+  }
+  JobReport Report() const {
+    std::ifstream in(folder_ / "out/report.json");
+    std::ostringstream text;
+    text << in.rdbuf();
+    JobReport report;
+    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text.str(), &report).ok());
+    return report;
+  }
+  /// Waits until the machine has made some cracks; true when it has.
+  bool AwaitCracks(std::size_t count) const {
+    return Eventually(
+        [&] {
+          const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
+          return glass && glass->cracks.size() >= count;
+        },
+        30s);
+  }
+  std::string Press(const std::string& command) const {
+    const std::string path = (folder_ / "out/session/panel").string();
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+    std::string answer(4096, '\0');
+    ssize_t got = -1;
+    if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+        write(fd, (command + "\n").data(), command.size() + 1) > 0) {
+      got = read(fd, answer.data(), answer.size());
+    }
+    close(fd);
+    answer.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return answer;
+  }
+  std::vector<pid_t> OurProcesses(const std::string& program) const {
+    return ProcessesWith({program, (folder_ / "out").string()});
+  }
+  /// Nothing of this run is left: neither services nor the machine.
+  bool NothingLeft() const {
+    return Eventually([&] { return ProcessesWith({(folder_ / "out").string()}).empty(); },
+                      10s);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(RunJob, EngravesTheSampleAndProvesItInTheGlass) {
+  const Ended run = Run({"--lockstep"});
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  for (const char* file : {"report.json", "glass.ply", "path.ply", "views.png"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
+  }
+  const JobReport report = Report();
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_GT(report.points().planned(), 1000u);
+  EXPECT_EQ(report.points().made(), report.points().planned());
+  EXPECT_EQ(report.points().doubled() + report.points().stray() +
+                report.points().skipped() + report.points().missed() +
+                report.points().unaccounted(),
+            0u);
+  EXPECT_EQ(report.shadow_violations(), 0u);
+  // What the report says is what the files say, counted here again.
+  const auto glass = formats::ReadPly(folder_ / "out/glass.ply");
+  const auto path = formats::ReadPly(folder_ / "out/path.ply");
+  ASSERT_TRUE(glass && path);
+  EXPECT_EQ(glass->points_mm.size(), report.points().planned());
+  double worst = 0;
+  for (std::size_t i = 0; i < path->points_mm.size(); ++i) {
+    worst = std::max(worst, (glass->points_mm[i] - path->points_mm[i]).norm());
+  }
+  // In lockstep without pauses the cracks come in the order of the path.
+  EXPECT_NEAR(1000 * worst, report.position_errors().max_um(), 1e-6);
+  EXPECT_LT(1000 * worst, 20) << "the machine's tolerance, um";
+  EXPECT_TRUE(NothingLeft());
+}
+
+TEST_F(RunJob, TwoRunsAreTheSameBitForBit) {
+  ASSERT_EQ(Run({"--lockstep"}).exit_code, 0);
+  const JobReport first = Report();
+  ASSERT_EQ(Run({"--lockstep"}).exit_code, 0);
+  const JobReport second = Report();
+  EXPECT_EQ(first.checksums().at("path"), second.checksums().at("path"));
+  EXPECT_EQ(first.checksums().at("plan"), second.checksums().at("plan"));
+  EXPECT_EQ(first.ticks(), second.ticks());
+}
+
+TEST_F(RunJob, ServicesAreSeparateProcesses) {
+  Running run(Program("intaglio"), Arguments({"--speed", "1", "--warm-up", "0"}),
+              folder_ / "output.txt");
+  ASSERT_TRUE(AwaitCracks(5));
+  for (const std::string& service : kServices) {
+    EXPECT_EQ(ProcessesWith({service, "run-" + std::to_string(run.pid())}).size(), 1u)
+        << service;
+  }
+  run.Signal(SIGINT);
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time);
+  EXPECT_EQ(ended.exit_code, 5) << ended.output;
+  EXPECT_TRUE(NothingLeft());
+}
+
+// Whatever dies: the job ends with a message, nothing hangs, and no point is made twice.
+class KillOne : public RunJob, public ::testing::WithParamInterface<std::string> {};
+
+TEST_P(KillOne, EndsWithAMessageAndWithoutADoubledPoint) {
+  Running run(Program("intaglio"), Arguments({"--speed", "1", "--warm-up", "0"}),
+              folder_ / "output.txt");
+  ASSERT_TRUE(AwaitCracks(20));
+  const auto victims = ProcessesWith({GetParam(), "run-" + std::to_string(run.pid())});
+  ASSERT_EQ(victims.size(), 1u);
+  kill(victims[0], SIGKILL);
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time) << ended.output;
+  EXPECT_EQ(ended.exit_code, 4) << ended.output;
+  EXPECT_THAT(ended.output,
+              HasSubstr(GetParam().substr(std::string("intaglio-").size())));
+  EXPECT_TRUE(NothingLeft());
+  const JobReport report = Report();
+  EXPECT_EQ(report.points().doubled(), 0u);
+  EXPECT_EQ(report.points().stray(), 0u);
+  EXPECT_GT(report.points().made(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryService, KillOne, ::testing::ValuesIn(kServices),
+                         [](const auto& suite) {
+                           std::string name = suite.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+// What a machine can do in mid-job, and a word that its message has to have.
+struct Mishap {
+  const char* name;
+  const char* command;
+  const char* word;
+};
+class MachineFault : public RunJob, public ::testing::WithParamInterface<Mishap> {};
+
+TEST_P(MachineFault, PausesSafelyAndSaysWhatToDo) {
+  Running run(Program("intaglio"), Arguments({"--speed", "1", "--warm-up", "0"}),
+              folder_ / "output.txt");
+  ASSERT_TRUE(AwaitCracks(20));
+  ASSERT_THAT(Press(GetParam().command), HasSubstr("ok"));
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time) << ended.output;
+  EXPECT_EQ(ended.exit_code, 4) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr(GetParam().word));
+  EXPECT_TRUE(NothingLeft());
+  EXPECT_EQ(Report().points().doubled(), 0u);
+  EXPECT_EQ(Report().points().stray(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    EveryMishap, MachineFault,
+    ::testing::Values(Mishap{"laser_unplugged", "unplug laser", "laser line"},
+                      Mishap{"motion_unplugged", "unplug motion", "line"},
+                      Mishap{"door_opened", "door open", "door"},
+                      Mishap{"stop_pressed", "estop press", "stop"},
+                      Mishap{"key_turned", "key off", "key"}),
+    [](const auto& suite) { return suite.param.name; });
+
+TEST_F(RunJob, MissedPulsesAreReportedAndTheVerdictIsNotGood) {
+  const Ended run = Run({"--lockstep", "--warm-up", "0", "--fault", "500 miss 3"});
+  ASSERT_TRUE(run.in_time);
+  EXPECT_EQ(run.exit_code, 3) << run.output;
+  EXPECT_EQ(Report().points().missed(), 3u);
+  EXPECT_EQ(Report().points().unaccounted(), 0u);
+}
+
+TEST_F(RunJob, StuckStageMakesNoStrayCrack) {
+  const Ended run = Run({"--lockstep", "--warm-up", "0", "--fault", "500 stick x"});
+  ASSERT_TRUE(run.in_time);
+  EXPECT_NE(run.exit_code, 0) << run.output;
+  EXPECT_EQ(Report().points().stray(), 0u);
+  EXPECT_EQ(Report().points().doubled(), 0u);
+}
+
+TEST_F(RunJob, DroppedBytesOnTheLineCostNothingButTime) {
+  const Ended run =
+      Run({"--lockstep", "--warm-up", "0", "--fault", "200 drop-bytes 0.0005 laser",
+           "--fault", "200 drop-bytes 0.0005 motion"});
+  ASSERT_TRUE(run.in_time);
+  EXPECT_EQ(Report().points().doubled(), 0u) << run.output;
+  EXPECT_EQ(Report().points().stray(), 0u);
+}
+
+TEST_F(RunJob, WrongInputsAreNamedAllAtOnce) {
+  const fs::path job = folder_ / "wrong.textproto";
+  std::ofstream(job)
+      << "models { file: \"nowhere.stl\" placement { fit_height_mm: 5000 } }\n"
+         "block { size_mm { x: -1 y: 50 z: 50 } margin_mm: 1000 }\n"
+         "glass: \"N-BK7\"\n"
+         "discretization { min_spacing_mm: 0.0001 }\n"
+         "laser { rate_hz: 77 }\n"
+         "machine_file: \""
+      << (fs::path(INTAGLIO_SOURCE_DIR) / "deploy/machines/els-03.textproto").string()
+      << "\"\n";
+  Running run(Program("intaglio"),
+              {"run", job.string(), "--out", (folder_ / "out").string()},
+              folder_ / "output.txt");
+  const Ended ended = run.WaitForEnd(kBound);
+  EXPECT_EQ(ended.exit_code, 2);
+  for (const char* field :
+       {"models[0].file", "models[0].placement.fit_height_mm", "block.size_mm.x",
+        "block.margin_mm", "discretization.min_spacing_mm", "laser.rate_hz"}) {
+    EXPECT_THAT(ended.output, HasSubstr(field));
+  }
+}
+
+TEST_F(RunJob, UnknownGlassIsNamedWithTheRemedy) {
+  const Ended run = Run({"--glass", "N-BK77", "--lockstep"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.output, HasSubstr("N-BK77"));
+  EXPECT_THAT(run.output, HasSubstr("N-BK7"));
+}
+
+TEST_F(RunJob, FolderThatCannotBeWrittenIsNamed) {
+  Running run(Program("intaglio"),
+              {"run", SampleJob().string(), "--lockstep", "--out", "/proc/no/such/place"},
+              folder_ / "output.txt");
+  const Ended ended = run.WaitForEnd(kBound);
+  EXPECT_EQ(ended.exit_code, 2) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("/proc/no/such/place"));
+}
+
+}  // namespace
+}  // namespace intaglio

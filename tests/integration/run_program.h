@@ -1,0 +1,65 @@
+#pragma once
+
+// Runs a program of the product to its end, bounded in time, and keeps what it said.
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace intaglio::testing {
+
+struct Ended {
+  int exit_code = -1;  ///< 128 + signal when it was killed
+  bool in_time = false;
+  std::string output;  ///< stdout and stderr together
+  double seconds = 0;
+};
+
+/// A program that runs; ended (SIGKILL, by its process id) when this goes.
+class Running {
+ public:
+  Running(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+          const std::filesystem::path& output_file);
+  ~Running();
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+  pid_t pid() const { return pid_; }
+  bool running();
+  void Signal(int number) const;
+  Ended WaitForEnd(std::chrono::seconds bound);
+  std::string Output() const;
+
+ private:
+  std::filesystem::path output_file_;
+  std::chrono::steady_clock::time_point began_;
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+/// A program beside the product's others, e.g. "intaglio".
+std::filesystem::path Program(const std::string& name);
+/// An empty folder of this test's own, below the build tree.
+std::filesystem::path FreshFolder(const std::string& name);
+/// Process ids of the programs whose command line has all of `words` in it.
+std::vector<pid_t> ProcessesWith(const std::vector<std::string>& words);
+/// Polls `condition` until it holds; false when the time is up first.
+template <typename Condition>
+bool Eventually(Condition condition, std::chrono::milliseconds bound);
+
+}  // namespace intaglio::testing
+
+#include <thread>
+
+template <typename Condition>
+bool intaglio::testing::Eventually(Condition condition, std::chrono::milliseconds bound) {
+  const auto end = std::chrono::steady_clock::now() + bound;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
