@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kRoomTemperatureK = 293.15;
 
-/// The text of a scalar; none for what is absent or no scalar.
+/// The text of a scalar; none for anything else.
 std::optional<std::string> TextOf(const YAML::Node& node) {
-  if (!node.IsDefined() || !node.IsScalar()) return std::nullopt;
+  if (!node.IsScalar()) return std::nullopt;
   return node.Scalar();
 }
 
@@ -26,9 +26,11 @@ std::optional<double> NumberOf(const YAML::Node& node) {
   return text ? ParseNumber(*text) : std::nullopt;
 }
 
-/// A child of a map; undefined when the parent is no map.
+/// A child of a map; null when there is none.
 YAML::Node Child(const YAML::Node& parent, const char* key) {
-  return parent.IsMap() ? parent[key] : YAML::Node(YAML::NodeType::Undefined);
+  if (!parent.IsMap()) return {};
+  const YAML::Node child = parent[key];
+  return child.IsDefined() ? child : YAML::Node();
 }
 
 /// Reads one record; every mistake becomes an error.
@@ -75,7 +77,7 @@ class RecordReader {
   /// The first entry of DATA that is a formula; tabulated n and k are left aside.
   void ReadDispersion() {
     const YAML::Node entries = Child(record_, "DATA");
-    if (!entries.IsDefined() || !entries.IsSequence()) {
+    if (!entries.IsSequence()) {
       Complain(ErrorCode::kMissing,
                "the record has no DATA; is it one of refractiveindex.info?");
       return;
@@ -148,7 +150,7 @@ class RecordReader {
     material_.expansion_per_k = ValueNearRoom(Child(properties, "thermal_expansion"));
     for (const PropertyRow& row : PropertyRows()) {
       const YAML::Node value = Child(own_, row.name);
-      if (!value.IsDefined()) continue;
+      if (value.IsNull()) continue;
       material_.*row.value = NumberOf(value);
       if (material_.*row.value) continue;
       Complain(ErrorCode::kInvalidValue, fmt::format("{} must be a number", row.name),
@@ -159,7 +161,7 @@ class RecordReader {
   /// Of values that hold in different ranges of temperature, the one whose range reaches
   /// room temperature and ends first: thermal expansion grows with the temperature.
   static std::optional<double> ValueNearRoom(const YAML::Node& node) {
-    if (!node.IsDefined() || !node.IsSequence()) return NumberOf(node);
+    if (!node.IsSequence()) return NumberOf(node);
     std::optional<double> nearest;
     double nearest_end_k = 0;
     for (const YAML::Node& entry : node) {

@@ -111,9 +111,6 @@ void AddLines(const char* title, std::string_view text, std::vector<Row>& rows) 
 Status Show(const Flags& flags, MaterialStore& store) {
   const auto material = store.Find(flags.name);
   if (!material) return tl::unexpected(material.error());
-  const auto optics = materials_db::ComputeOptics(*material, flags.wavelength_nm,
-                                                  flags.numerical_aperture);
-  if (!optics) return tl::unexpected(optics.error());
   const optics::Dispersion& dispersion = material->dispersion;
   std::vector<Row> rows = {{"glass", material->name}};
   if (!material->manufacturer.empty()) {
@@ -132,6 +129,9 @@ Status Show(const Flags& flags, MaterialStore& store) {
   }
   AddLines("source", material->source, rows);
   Print(rows);
+  const auto optics = materials_db::ComputeOptics(*material, flags.wavelength_nm,
+                                                  flags.numerical_aperture);
+  if (!optics) return tl::unexpected(optics.error());
   std::cout << fmt::format("\nAt {:g} nm with a lens of NA {:g}:\n", flags.wavelength_nm,
                            flags.numerical_aperture);
   Print({{"refractive index", fmt::format("{:.5f}", optics->refractive_index)},
@@ -331,14 +331,16 @@ void AddMaterialsCommand(CLI::App& app, std::function<int()>& selected) {
   };
 
   const auto add_wavelength = [&](CLI::App* command) {
-    command->add_option("--wavelength", flags->wavelength_nm, "nm")->capture_default_str();
+    command->add_option("--wavelength", flags->wavelength_nm, "nm")
+        ->capture_default_str();
   };
   add_wavelength(add("list", "all glasses, one a line", List));
 
   CLI::App* show = add("show", "all of one glass, and its optical values", Show);
   show->add_option("NAME", flags->name, "the glass")->required();
   add_wavelength(show);
-  show->add_option("--na", flags->numerical_aperture, "the lens's, in air")->capture_default_str();
+  show->add_option("--na", flags->numerical_aperture, "the lens's, in air")
+      ->capture_default_str();
 
   CLI::App* add_glass = add("add", "a new glass from values given here", Add);
   add_glass->add_option("NAME", flags->name, "its name")->required();

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "materials_db/material.h"
+
+namespace intaglio::materials_db {
+
+/// A sound glass with every value known; none of the numbers is a round one, so that a
+/// value that is lost or rounded shows.
+inline Material CompleteGlass() {
+  Material glass;
+  glass.name = "Test-1";
+  glass.manufacturer = "Glashütte & Söhne";
+  glass.source = "line one, n < 2\n  line two: \"quoted\"";
+  glass.dispersion = {.formula = optics::DispersionFormula::kSellmeier1,
+                      .coefficients = {1.03961212, 0.00600069867, 0.231792344,
+                                       0.0200179144, 1.01046945, 103.560653},
+                      .min_wavelength_um = 0.3,
+                      .max_wavelength_um = 2.5};
+  glass.density_kg_m3 = 2510.1;
+  glass.youngs_modulus_gpa = 82.3;
+  glass.poisson_ratio = 0.2061;
+  glass.tensile_strength_mpa = 41.7;
+  glass.expansion_per_k = 7.13e-6;
+  glass.specific_heat_j_kg_k = 858.3;
+  glass.conductivity_w_m_k = 1.1143;
+  glass.melting_point_c = 719.5;
+  return glass;
+}
+
+}  // namespace intaglio::materials_db
