@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "services/bus/samples.h"
-#include "tests/services/bus/peer_process.h"
+#include "tests/services/bus/child_program.h"
 #include "tests/services/bus/private_bus.h"
 
 namespace intaglio::bus {
@@ -16,9 +16,15 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+using test::ChildProgram;
 using test::Eventually;
-using test::PeerProcess;
 using test::PrivateBusOptions;
+
+// Runs peer.cc with this process's tag.
+ChildProgram Peer(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), test::PrivateTag());
+  return ChildProgram(INTAGLIO_BUS_PEER, std::move(arguments));
+}
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -113,7 +119,7 @@ TEST(Flow, ASlowConsumerLosesNothingAndCostsNoMemory) {
   Bus bus(PrivateBusOptions());
   // 1500 chunks are 94 MiB; the consumer takes each in 300 us and leaves on a gap.
   constexpr std::uint64_t kCount = 1500;
-  PeerProcess peer({"consume", "slow/0/ModelChunk", "16", "300"});
+  ChildProgram peer = Peer({"consume", "slow/0/ModelChunk", "16", "300"});
   Producer producer(bus);
   ASSERT_TRUE(producer.AwaitConsumer("slow/0/ModelChunk"));
   const std::size_t before = ResidentBytes();
@@ -128,7 +134,7 @@ TEST(Flow, ASlowConsumerLosesNothingAndCostsNoMemory) {
 
 TEST(Flow, AKilledConsumerEndsTheStreamWithinTwoSeconds) {
   Bus bus(PrivateBusOptions());
-  PeerProcess peer({"consume", "killed/0/ModelChunk", "4", "50000"});
+  ChildProgram peer = Peer({"consume", "killed/0/ModelChunk", "4", "50000"});
   Producer producer(bus);
   ASSERT_TRUE(producer.AwaitConsumer("killed/0/ModelChunk"));
   int sent = 0;
@@ -145,7 +151,7 @@ TEST(Flow, AKilledConsumerEndsTheStreamWithinTwoSeconds) {
 TEST(Flow, AKilledServiceIsNoticedWithinTwoSeconds) {
   Bus bus(PrivateBusOptions());
   Reader<intaglio_ServiceHealth> reader(bus, kServiceHealth);
-  PeerProcess peer({"health", "victim"});
+  ChildProgram peer = Peer({"health", "victim"});
   bool seen = false, gone = false;
   const auto take = [&] {
     reader.TakeAll([&](const intaglio_ServiceHealth& health, const SampleOrigin& origin) {
@@ -166,7 +172,7 @@ TEST(Flow, AKilledServiceIsNoticedWithinTwoSeconds) {
 TEST(Flow, BulkDoesNotDelayControl) {
   Bus bus(PrivateBusOptions());
   Reader<intaglio_ServiceHealth> reader(bus, kServiceHealth);
-  PeerProcess peer({"consume", "load/0/ModelChunk", "64", "0"});
+  ChildProgram peer = Peer({"consume", "load/0/ModelChunk", "64", "0"});
   Producer producer(bus);
   ASSERT_TRUE(producer.AwaitConsumer("load/0/ModelChunk"));
 

@@ -1,0 +1,190 @@
+// The program as the discretizer, the job service and the synchronizer see it.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "services/host/cloud_flow.h"
+#include "tests/services/host/stage_shop.h"
+
+namespace intaglio {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Eventually;
+using test::FrozenJobOf;
+using test::StageShop;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kBlock = 30;
+
+JobSpec SortSpec() {
+  JobSpec spec;
+  spec.add_models()->set_file("/nowhere/cube.stl");
+  auto& size = *spec.mutable_block()->mutable_size_mm();
+  size.set_x(kBlock), size.set_y(kBlock), size.set_z(kBlock);
+  spec.mutable_discretization()->set_min_spacing_mm(0.1);
+  return spec;
+}
+
+/// Anywhere in the block, on a grid of 0.1 mm, no two in one place.
+PointCloud RandomCloud(std::size_t count) {
+  std::mt19937_64 random(7);
+  std::uniform_int_distribution<int> step(30, 270);
+  std::set<std::array<int, 3>> places;
+  while (places.size() < count) places.insert({step(random), step(random), step(random)});
+  PointCloud cloud;
+  for (const auto& [x, y, z] : places) {
+    cloud.Add(Vec3(x, y, z) / 10.0, static_cast<std::uint32_t>(x % 2));
+  }
+  return cloud;
+}
+
+std::vector<std::array<double, 4>> Rows(const PointCloud& cloud) {
+  std::vector<std::array<double, 4>> rows;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Vec3& p = cloud.points_mm[i];
+    rows.push_back({p.x(), p.y(), p.z(), static_cast<double>(cloud.source[i])});
+  }
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+/// From the definition: points with an earlier one strictly inside their upward cone.
+std::uint64_t ShadowViolations(const PointList& made_mm, double cone_tangent) {
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < made_mm.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3 d = made_mm[j] - made_mm[i];
+      if (d.head<2>().norm() < cone_tangent * d.z() - 1e-9) {
+        ++count;
+        break;
+      }
+    }
+  }
+  return count;
+}
+
+class SorterTest : public testing::Test {
+ protected:
+  SorterTest() { EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY)); }
+  /// Plays the discretizer and, when `takes`, the synchronizer.
+  Result<PointCloud> Stream(const std::string& job_uid, const PointCloud& cloud,
+                            bool takes) {
+    sender.Begin(job_uid, 1, cloud, Clock::now());
+    Result<bool> sent = false, taken = !takes;
+    Eventually(
+        [&] {
+          if (sent && !*sent) sent = sender.Advance(Clock::now());
+          if (takes && taken && !*taken) taken = TakePath(job_uid);
+          return !sent || !taken || (*sent && *taken);
+        },
+        20s);
+    if (!sent) return tl::unexpected(sent.error());
+    if (!taken) return tl::unexpected(taken.error());
+    if (!*sent || !*taken) return Fail(ErrorCode::kTimedOut, "the stream is stuck");
+    return std::exchange(path, {});
+  }
+  void OpenPath(const std::string& job_uid) {
+    ASSERT_TRUE(credit.Open(bus::StreamName(job_uid, 1, bus::kPathBatch.name),
+                            path_reader.guid(), 2));
+  }
+
+  StageShop shop{"intaglio-sorter", intaglio_STAGE_SORT, bus::kSortTask};
+  host::CloudSender<intaglio_PointBatch> sender{shop.bus(), bus::kPointBatch};
+  bus::Reader<intaglio_PathBatch> path_reader{shop.bus(), bus::kPathBatch};
+  bus::CreditGrantor credit{shop.bus(), "synchronizer"};
+  PointCloud path;
+
+ private:
+  Result<bool> TakePath(const std::string& job_uid) {
+    bool last = false;
+    path_reader.Take([&](const intaglio_PathBatch& batch) {
+      EXPECT_EQ(bus::View(batch.job_uid), job_uid);
+      EXPECT_EQ(batch.first_index, path.size());
+      const auto x = bus::View(batch.x_mm), y = bus::View(batch.y_mm),
+                 z = bus::View(batch.z_mm);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        path.Add(Vec3(x[i], y[i], z[i]), bus::View(batch.source)[i]);
+      }
+      last = batch.last;
+      (void)credit.Consumed(bus::StreamName(job_uid, 1, bus::kPathBatch.name),
+                            batch.sequence_number + 1, last);
+    });
+    return last;
+  }
+};
+
+TEST_F(SorterTest, OrdersTheCloudWithoutShadows) {
+  const PointCloud cloud = RandomCloud(3000);
+  OpenPath("sort");
+  shop.Give(FrozenJobOf("sort", SortSpec()), 1, "synchronizer");
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+  const auto ordered = Stream("sort", cloud, true);
+  ASSERT_TRUE(ordered) << ordered.error().message;
+
+  EXPECT_EQ(Rows(*ordered), Rows(cloud)) << "the same points, each once";
+  // The tangent of the fixture's cone is 0.1.
+  EXPECT_EQ(ShadowViolations(ordered->points_mm, 0.1), 0u);
+  double travel_mm = 0;
+  for (std::size_t i = 1; i < ordered->size(); ++i) {
+    travel_mm +=
+        (ordered->points_mm[i] - ordered->points_mm[i - 1]).cwiseAbs().maxCoeff();
+  }
+  const auto end = shop.AwaitEnd("sort", 1);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->state, intaglio_TASK_DONE) << end->message;
+  EXPECT_EQ(end->outcome.sort().point_count(), cloud.size());
+  EXPECT_EQ(end->outcome.sort().shadow_violation_count(), 0u);
+  // Sums of 3000 numbers, added in the same order or another.
+  EXPECT_NEAR(end->outcome.sort().travel_mm(), travel_mm, 1e-6);
+}
+
+TEST_F(SorterTest, StreamsMoreThanItsCreditWithoutLoss) {
+  const PointCloud cloud = RandomCloud(60'000);  // 8 batches under a window of 2
+  OpenPath("long");
+  shop.Give(FrozenJobOf("long", SortSpec()), 1, "synchronizer");
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+  const auto ordered = Stream("long", cloud, true);
+  ASSERT_TRUE(ordered) << ordered.error().message;
+  EXPECT_EQ(Rows(*ordered), Rows(cloud));
+}
+
+TEST_F(SorterTest, WithoutAConsumerOnlyTheOutcomeIsTold) {
+  shop.Give(FrozenJobOf("alone", SortSpec()), 1, "");
+  ASSERT_TRUE(Stream("alone", RandomCloud(100), false));
+  const auto end = shop.AwaitEnd("alone", 1);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->state, intaglio_TASK_DONE) << end->message;
+  EXPECT_EQ(end->outcome.sort().point_count(), 100u);
+}
+
+TEST_F(SorterTest, ADiscretizerThatNeverSendsIsEndedByRevoking) {
+  shop.Give(FrozenJobOf("waits", SortSpec()), 1, "");
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+  shop.Revoke("waits", 1);
+  const auto end = shop.AwaitEnd("waits", 1);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kCancelled));
+  EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
+}
+
+TEST_F(SorterTest, WrongOptionsFailTheTaskAndTheNextOneIsDone) {
+  JobSpec spec = SortSpec();
+  spec.mutable_ordering()->mutable_kdz()->set_up_ratio(-5);
+  shop.Give(FrozenJobOf("wrong", spec), 1, "");
+  ASSERT_TRUE(Stream("wrong", RandomCloud(10), false));
+  const auto wrong = shop.AwaitEnd("wrong", 1);
+  ASSERT_TRUE(wrong);
+  EXPECT_EQ(wrong->error_code, ErrorCodeName(ErrorCode::kInvalidValue)) << wrong->message;
+
+  shop.Give(FrozenJobOf("right", SortSpec()), 1, "");
+  ASSERT_TRUE(Stream("right", RandomCloud(10), false));
+  const auto right = shop.AwaitEnd("right", 1);
+  ASSERT_TRUE(right);
+  EXPECT_EQ(right->state, intaglio_TASK_DONE) << right->message;
+}
+
+}  // namespace
+}  // namespace intaglio
