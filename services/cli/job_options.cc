@@ -86,6 +86,7 @@ void SetModels(const JobFlags& flags, JobSpec& job) {
   for (Model& model : *job.mutable_models()) {
     Placement& placement = *model.mutable_placement();
     if (flags.height_mm) placement.set_fit_height_mm(*flags.height_mm);
+    if (flags.size_mm) placement.set_fit_size_mm(*flags.size_mm);
     if (flags.unit_mm) placement.set_unit_mm(*flags.unit_mm);
     if (!flags.rotate_deg.empty()) Set(placement.mutable_rotate_deg(), flags.rotate_deg);
   }
@@ -144,6 +145,8 @@ void AddJobFlags(CLI::App& command, JobFlags& flags) {
   command.add_option("--mesh", flags.meshes,
                      "model file; several are merged in one block");
   command.add_option("--height", flags.height_mm, "scale to this height, mm");
+  command.add_option("--size", flags.size_mm, "scale the largest extent to this, mm")
+      ->excludes("--height");
   command.add_option("--unit", flags.unit_mm,
                      "mm that a file unit is long (inches 25.4, m 1000)");
   command.add_option("--rotate", flags.rotate_deg, "turn about x, y, z, degrees")

@@ -21,7 +21,7 @@ namespace intaglio::cli {
 struct JobFlags {
   std::string job_file;
   std::vector<std::string> meshes;
-  std::optional<double> height_mm, unit_mm;
+  std::optional<double> height_mm, size_mm, unit_mm;
   std::vector<double> rotate_deg;  // none or three
   std::vector<double> block_mm;    // none or three
   std::optional<double> margin_mm;

@@ -98,12 +98,19 @@ Status List(const Flags& flags, MaterialStore& store) {
   return {};
 }
 
-/// Text of several lines in the second column.
+constexpr std::size_t kTextColumns = 72;
+
+/// Text in the second column, its lines broken at spaces.
 void AddLines(const char* title, std::string_view text, std::vector<Row>& rows) {
   while (!text.empty()) {
-    const std::size_t end = text.find('\n');
+    std::size_t end = std::min(text.find('\n'), text.size());
+    if (end > kTextColumns) {
+      const std::size_t space = text.rfind(' ', kTextColumns);
+      end = space == 0 || space == std::string_view::npos ? kTextColumns : space;
+    }
     rows.push_back({title, std::string(text.substr(0, end))});
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    const bool drops_one = end < text.size() && (text[end] == ' ' || text[end] == '\n');
+    text.remove_prefix(end + (drops_one ? 1 : 0));
     title = "";
   }
 }
@@ -124,8 +131,9 @@ Status Show(const Flags& flags, MaterialStore& store) {
   rows.push_back({"coefficients", materials_db::FormatNumbers(dispersion.coefficients)});
   for (const PropertyRow& row : PropertyRows()) {
     const std::optional<double>& value = (*material).*row.value;
-    rows.push_back(
-        {row.title, value ? fmt::format("{:g} {}", *value, row.unit) : "unknown"});
+    rows.push_back({row.title, value ? fmt::format("{:g}{}{}", *value,
+                                                   *row.unit == '\0' ? "" : " ", row.unit)
+                                     : "unknown"});
   }
   AddLines("source", material->source, rows);
   Print(rows);
@@ -180,7 +188,7 @@ Status ApplyFields(const Flags& flags, Material& material) {
 Status Add(const Flags& flags, MaterialStore& store) {
   Material material;
   material.name = flags.name;
-  if (const Status status = ApplyFields(flags, material); !status) return status;
+  if (Status status = ApplyFields(flags, material); !status) return status;
   return store.Add(material);
 }
 
@@ -208,7 +216,7 @@ Status Replace(const Flags& flags, MaterialStore& store) {
     material = std::move(*read);
     material.name = present->name;
   }
-  if (const Status status = ApplyFields(flags, material); !status) return status;
+  if (Status status = ApplyFields(flags, material); !status) return status;
   if (material == *present) {
     return Fail(ErrorCode::kMissing,
                 fmt::format("nothing of glass {} would change; name a field, or a file "
@@ -255,7 +263,7 @@ Status Import(const Flags& flags, MaterialStore& store) {
     }
     materials.front().name = flags.as;
   }
-  if (const Status status = store.Import(materials, flags.replace); !status) {
+  if (Status status = store.Import(materials, flags.replace); !status) {
     return status;
   }
   for (const Error& error : errors) std::cerr << "skipped: " << error.message << "\n";

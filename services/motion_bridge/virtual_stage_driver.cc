@@ -86,11 +86,12 @@ class VirtualStageDriver final : public MotionDriver {
       state_.link_up = identified_;
       return;
     }
-    if (state_.link_up || state_.message != session_.message()) ++state_.number;
+    const std::string message = "motion line: " + session_.message();
+    if (state_.link_up || state_.message != message) ++state_.number;
     identified_ = false;
     state_.link_up = false;
     state_.fault = intaglio_MOTION_LINK_LOST;
-    state_.message = session_.message();
+    state_.message = message;
   }
 
   int fd() const override { return session_.fd(); }

@@ -26,6 +26,10 @@ constexpr auto kSettleTimeout = 2s;
 constexpr auto kRequestPeriod = 20ms;
 constexpr auto kShutterTimeout = 2s;
 
+std::string TextFor(Missing missing, const MotionView& motion) {
+  return missing == Missing::kMotionFault ? motion.message : TextOf(missing);
+}
+
 SkipReason ReasonOf(Missing missing) {
   switch (missing) {
     case Missing::kPermission:
@@ -151,8 +155,9 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
         fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
     return;
   }
-  if (!inputs.motion.fresh) {
-    message_ = TextOf(Missing::kMotionState);
+  if (!inputs.motion.fresh || inputs.motion.fault == intaglio_MOTION_LINK_LOST) {
+    message_ =
+        inputs.motion.fresh ? inputs.motion.message : TextOf(Missing::kMotionState);
     return;
   }
   message_.clear();
@@ -190,10 +195,12 @@ void Engraving::Await(const EngravingInputs& inputs) {
     (void)laser_.Reset();
     (void)laser_.RequestStatus();
   }
-  if (granted && !needs_new_grant_) links.motion_without_fault = true;
+  if (granted && !needs_new_grant_ && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
+    links.motion_without_fault = true;
+  }
   const Missing missing = FirstMissing(links, false);
   if (missing != Missing::kNothing || needs_new_grant_) {
-    if (!needs_new_grant_) message_ = TextOf(missing);
+    if (!needs_new_grant_) message_ = TextFor(missing, inputs.motion);
     return;
   }
   StartRun(inputs);
@@ -382,6 +389,10 @@ void Engraving::SettleHalted(const EngravingInputs& inputs) {
       // The rest was reported before that status; what is not is lost for good.
       if (late) SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
     }
+  }
+  // Who is ending does not wait for a line that may never come back.
+  if (late && stopping_) {
+    SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
   }
   if (!schedule_.empty()) return;
   const bool moving = inputs.motion.fresh && !inputs.motion.at_rest;

@@ -176,8 +176,7 @@ void Synchronizer::TakeMotion(std::chrono::nanoseconds now) {
     motion_view_.fault = sample.fault;
     motion_view_.message = View(sample.message);
   });
-  motion_view_.fresh = motion_at_.count() >= 0 && now - motion_at_ < kMotionLease &&
-                       motion_view_.fault != intaglio_MOTION_LINK_LOST;
+  motion_view_.fresh = motion_at_.count() >= 0 && now - motion_at_ < kMotionLease;
 }
 
 void Synchronizer::TakePath() {

@@ -1,5 +1,6 @@
 #include "services/virtual_engraver/panel.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -16,30 +17,30 @@ constexpr std::size_t kMaxLine = 1024;
 constexpr std::size_t kMaxGuests = 8;
 }  // namespace
 
+// A socket's path has room for 107 characters; folders can be deeper. Through the
+// folder's own descriptor every path is short.
 Result<Panel> Panel::Open(const std::filesystem::path& socket_path) {
+  const std::filesystem::path folder =
+      socket_path.has_parent_path() ? socket_path.parent_path() : ".";
+  const int folder_fd = open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  const std::string path =
+      fmt::format("/proc/self/fd/{}/{}", folder_fd, socket_path.filename().string());
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
-  const std::string path = socket_path.string();
-  if (path.size() >= sizeof address.sun_path) {
-    return Fail(
-        ErrorCode::kTooLarge,
-        fmt::format("--panel {}: a socket's path has at most {} characters; choose a "
-                    "shorter folder",
-                    path, sizeof address.sun_path - 1),
-        path);
-  }
-  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
-  unlink(path.c_str());
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  unlink(socket_path.c_str());
   const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (listener < 0 ||
-      bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      listen(listener, static_cast<int>(kMaxGuests)) != 0) {
-    const std::string why = std::strerror(errno);
-    if (listener >= 0) close(listener);
-    return Fail(ErrorCode::kIo, fmt::format("cannot open the panel {}: {}", path, why),
-                path);
-  }
-  return Panel(socket_path, listener);
+  const bool open =
+      folder_fd >= 0 && listener >= 0 &&
+      bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      listen(listener, static_cast<int>(kMaxGuests)) == 0;
+  const std::string why = std::strerror(errno);
+  if (folder_fd >= 0) close(folder_fd);
+  if (open) return Panel(socket_path, listener);
+  if (listener >= 0) close(listener);
+  return Fail(ErrorCode::kIo,
+              fmt::format("cannot open the panel {}: {}", socket_path.string(), why),
+              socket_path.string());
 }
 
 Panel::Panel(Panel&& other) noexcept
