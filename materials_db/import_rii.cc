@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "materials_db/html_text.h"
 #include "materials_db/numbers.h"
@@ -199,6 +200,23 @@ class RecordReader {
   std::vector<Error> errors_;
 };
 
+/// The documents of a file, each from its "---" on. YAML::LoadAll never ends on a file
+/// that holds no more than a comma, so each document is loaded on its own.
+std::vector<std::string> Documents(std::string_view yaml) {
+  std::vector<std::string> documents(1);
+  while (!yaml.empty()) {
+    const std::size_t end = yaml.find('\n');
+    const std::string_view line =
+        yaml.substr(0, end == std::string_view::npos ? yaml.size() : end + 1);
+    const bool begins = line.starts_with("---") &&
+                        (line.size() == 3 || line.find_first_of(" \t\r\n", 3) == 3);
+    if (begins) documents.emplace_back();
+    documents.back() += line;
+    yaml.remove_prefix(line.size());
+  }
+  return documents;
+}
+
 }  // namespace
 
 Imported ImportRii(std::string_view yaml, std::string_view name) {
@@ -213,7 +231,8 @@ Imported ImportRii(std::string_view yaml, std::string_view name) {
     return imported;
   }
   try {
-    for (const YAML::Node& record : YAML::LoadAll(std::string(yaml))) {
+    for (const std::string& document : Documents(yaml)) {
+      const YAML::Node record = YAML::Load(document);
       if (record.IsNull()) continue;
       RecordReader(record, name).Read(imported);
     }

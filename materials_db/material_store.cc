@@ -90,7 +90,7 @@ Status CheckAll(std::span<const Material> materials) {
   return tl::unexpected(std::move(all));
 }
 
-std::filesystem::path FolderFrom(const char* variable) {
+std::filesystem::path PathFrom(const char* variable) {
   const char* value = std::getenv(variable);
   return value == nullptr ? "" : value;
 }
@@ -99,10 +99,10 @@ std::filesystem::path FolderFrom(const char* variable) {
 
 std::filesystem::path DefaultDatabasePath() {
   constexpr auto kFile = "intaglio/materials.db";
-  if (const auto file = FolderFrom("INTAGLIO_MATERIALS_DB"); !file.empty()) return file;
+  if (auto file = PathFrom("INTAGLIO_MATERIALS_DB"); !file.empty()) return file;
   // The XDG base directory specification: a relative path is to be ignored.
-  if (const auto xdg = FolderFrom("XDG_DATA_HOME"); xdg.is_absolute()) return xdg / kFile;
-  if (const auto home = FolderFrom("HOME"); !home.empty()) {
+  if (const auto xdg = PathFrom("XDG_DATA_HOME"); xdg.is_absolute()) return xdg / kFile;
+  if (const auto home = PathFrom("HOME"); !home.empty()) {
     return home / ".local/share" / kFile;
   }
   return std::filesystem::path("/var/lib") / kFile;
@@ -159,7 +159,7 @@ Status MaterialStore::Add(const Material& material) {
 }
 
 Status MaterialStore::Replace(const Material& material) {
-  if (const Status status = CheckAll({&material, 1}); !status) return status;
+  if (Status status = CheckAll({&material, 1}); !status) return status;
   return Guarded([&]() -> Status {
     SQLite::Transaction transaction(*database_, SQLite::TransactionBehavior::IMMEDIATE);
     if (!Contains(material.name)) return tl::unexpected(NotFound(material.name));
@@ -170,7 +170,7 @@ Status MaterialStore::Replace(const Material& material) {
 }
 
 Status MaterialStore::Import(std::span<const Material> materials, bool replace) {
-  if (const Status status = CheckAll(materials); !status) return status;
+  if (Status status = CheckAll(materials); !status) return status;
   return Guarded([&]() -> Status {
     SQLite::Transaction transaction(*database_, SQLite::TransactionBehavior::IMMEDIATE);
     std::string taken;

@@ -43,13 +43,13 @@ Status CheckOwner(SQLite::Database& database, const std::filesystem::path& file)
 }
 
 Status Migrate(SQLite::Database& database, const std::filesystem::path& file) {
-  if (const Status status = CheckOwner(database, file); !status) return status;
+  if (Status status = CheckOwner(database, file); !status) return status;
   const auto migrations = Migrations();
   const auto newest = static_cast<int>(migrations.size());
   while (Pragma(database, "user_version") < newest) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
     // Another process may have migrated while this one waited for the lock.
-    if (const Status status = CheckOwner(database, file); !status) return status;
+    if (Status status = CheckOwner(database, file); !status) return status;
     const int version = Pragma(database, "user_version");
     if (version < newest) {
       database.exec(migrations[static_cast<std::size_t>(version)].sql);
@@ -68,7 +68,7 @@ Status MakeFolder(const std::filesystem::path& file) {
   if (!error) return {};
   return Fail(ErrorCode::kIo,
               fmt::format("{}: the folder of the database of materials cannot be made: "
-                          "{}; name another with --db or INTAGLIO_MATERIALS_DB",
+                          "{}; name another file with INTAGLIO_MATERIALS_DB",
                           folder.string(), error.message()),
               folder.string());
 }
@@ -104,13 +104,13 @@ Error ErrorFrom(const SQLite::Exception& exception, const std::filesystem::path&
 
 Result<std::unique_ptr<SQLite::Database>> OpenDatabase(
     const std::filesystem::path& file) {
-  if (const Status status = MakeFolder(file); !status) {
+  if (Status status = MakeFolder(file); !status) {
     return tl::unexpected(status.error());
   }
   try {
     auto database = std::make_unique<SQLite::Database>(
         file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kBusyTimeoutMs);
-    if (const Status status = Migrate(*database, file); !status) {
+    if (Status status = Migrate(*database, file); !status) {
       return tl::unexpected(status.error());
     }
     return database;

@@ -5,19 +5,21 @@
 
 namespace intaglio::materials_db {
 
-/// Whether all of it is well formed UTF-8.
+/// Whether all of it is well formed UTF-8 and text: no Unicode noncharacters.
 bool IsUtf8(std::string_view bytes);
 
 /// UTF-16 by its byte order mark, UTF-8 with or without one; bytes that are neither are
 /// taken as Latin-1, in which they always have a meaning.
 std::string ToUtf8(std::string_view bytes);
 
-/// `c`: up to U+10FFFF and no surrogate.
+/// `c`: one of those that IsCharacter allows.
 void AppendUtf8(std::string& text, char32_t c);
 
-/// Whether `c` may stand in UTF-8.
+/// Whether `c` may stand in text: no surrogate, and none of the code points that Unicode
+/// sets aside as noncharacters (YAML does not carry them).
 constexpr bool IsCharacter(char32_t c) {
-  return c <= 0x10FFFF && !(c >= 0xD800 && c <= 0xDFFF);
+  return c <= 0x10FFFF && !(c >= 0xD800 && c <= 0xDFFF) && (c & 0xFFFE) != 0xFFFE &&
+         !(c >= 0xFDD0 && c <= 0xFDEF);
 }
 
 }  // namespace intaglio::materials_db

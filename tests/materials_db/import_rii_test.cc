@@ -133,6 +133,22 @@ TEST(ImportRii, AnswersDeepNestingWithAnError) {
   ErrorOf(dashes);
 }
 
+TEST(ImportRii, ReadsSeveralDocuments) {
+  const std::string one = Record("{type: formula 5, range: 0.3 2, coefficients: 1.5}");
+  const Imported imported =
+      ImportRii("# two\n---\n" + one + "--- # more\n" + one + "---\n", "glass");
+  EXPECT_THAT(imported.errors, IsEmpty());
+  EXPECT_THAT(imported.materials, SizeIs(2));
+}
+
+// The parser's LoadAll never returns from the first of them.
+TEST(ImportRii, AnswersScrapsWithAnError) {
+  for (const char* scrap :
+       {",", "]", "}", ", ,", "- ,", "\t", "---\n,\n---\n,", "%", "&"}) {
+    EXPECT_FALSE(ImportRii(scrap, "glass").errors.empty()) << scrap;
+  }
+}
+
 TEST(ExportRii, ReadsBackAsEqual) {
   std::vector<Material> glasses(4, CompleteGlass());
   glasses[1].name = "null";

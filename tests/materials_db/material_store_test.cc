@@ -177,6 +177,7 @@ TEST(MaterialStore, OpensAtOnceFromSeveralPlaces) {
   std::vector<std::optional<Result<MaterialStore>>> stores(kCount);
   {
     std::vector<std::jthread> threads;
+    threads.reserve(kCount);
     for (auto& store : stores) {
       threads.emplace_back([&store, &file] { store = MaterialStore::Open(file); });
     }

@@ -21,6 +21,8 @@ TEST(Utf8, RefusesWhatIsMalformed) {
   EXPECT_FALSE(IsUtf8("\xED\xA0\x80"));      // surrogate
   EXPECT_FALSE(IsUtf8("\xF4\x90\x80\x80"));  // above U+10FFFF
   EXPECT_FALSE(IsUtf8("\xE2\x82"));          // cut off
+  EXPECT_FALSE(IsUtf8("\xEF\xBF\xBF"));      // U+FFFF, a noncharacter
+  EXPECT_FALSE(IsUtf8("\xEF\xB7\x90"));      // U+FDD0, another
   EXPECT_FALSE(IsUtf8("\x80"));              // a tail without a head
   EXPECT_FALSE(IsUtf8("\xE2\x28\xA1"));      // a head without its tail
 }
