@@ -6,6 +6,22 @@
 
 namespace intaglio::discretize {
 namespace {
+
+/// How far outside of a side; 0 within the tolerance. Sides as in BoundsReport.
+double ExcessMm(const Vec3& p_mm, const Box3& permitted_mm, std::size_t side) {
+  const auto axis = static_cast<Eigen::Index>(side / 2);
+  const double excess_mm = side % 2 == 0 ? permitted_mm.min_mm[axis] - p_mm[axis]
+                                         : p_mm[axis] - permitted_mm.max_mm[axis];
+  return excess_mm <= kBoundsToleranceMm ? 0 : excess_mm;
+}
+
+bool IsInside(const Vec3& p_mm, const Box3& permitted_mm) {
+  for (std::size_t side = 0; side < 6; ++side) {
+    if (ExcessMm(p_mm, permitted_mm, side) != 0) return false;
+  }
+  return true;
+}
+
 constexpr const char* kSides[6] = {"low x",  "high x", "low y",
                                    "high y", "low z",  "high z"};
 }  // namespace
@@ -13,17 +29,13 @@ constexpr const char* kSides[6] = {"low x",  "high x", "low y",
 BoundsReport CheckBounds(const PointList& points_mm, const Box3& permitted_mm) {
   BoundsReport report;
   for (const Vec3& p : points_mm) {
-    if (permitted_mm.Contains(p)) continue;
+    if (IsInside(p, permitted_mm)) continue;
     ++report.outside_count;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double excess[2] = {permitted_mm.min_mm[axis] - p[axis],
-                                p[axis] - permitted_mm.max_mm[axis]};
-      for (int end = 0; end < 2; ++end) {
-        const std::size_t side = static_cast<std::size_t>(2 * axis + end);
-        if (!(excess[end] > 0)) continue;
-        ++report.side_count[side];
-        report.side_excess_mm[side] = std::max(report.side_excess_mm[side], excess[end]);
-      }
+    for (std::size_t side = 0; side < 6; ++side) {
+      const double excess_mm = ExcessMm(p, permitted_mm, side);
+      if (excess_mm == 0) continue;
+      ++report.side_count[side];
+      report.side_excess_mm[side] = std::max(report.side_excess_mm[side], excess_mm);
     }
   }
   return report;
@@ -49,7 +61,7 @@ Result<PointCloud> KeepInside(PointCloud cloud, const Box3& permitted_mm, bool c
   }
   PointCloud kept;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (permitted_mm.Contains(cloud.points_mm[i]))
+    if (IsInside(cloud.points_mm[i], permitted_mm))
       kept.Add(cloud.points_mm[i], cloud.source[i]);
   }
   return kept;

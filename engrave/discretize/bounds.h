@@ -9,6 +9,10 @@
 
 namespace intaglio::discretize {
 
+/// A point this little outside is inside: a model fitted into the block touches the
+/// limits, and rounding puts points of it beyond them.
+inline constexpr double kBoundsToleranceMm = 1e-6;
+
 /// Points outside a box, glass frame, mm.
 struct BoundsReport {
   std::uint64_t outside_count = 0;

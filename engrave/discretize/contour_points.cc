@@ -11,13 +11,36 @@ namespace {
 // which measures chords, keeps the points.
 constexpr double kChordAllowance = 1.004;
 
-std::vector<double> ArcLengths(const PointList& contour_mm, bool closed) {
-  std::vector<double> length = {0};
-  for (std::size_t i = 1; i < contour_mm.size() + (closed ? 1 : 0); ++i) {
-    const Vec3& next = contour_mm[i % contour_mm.size()];
-    length.push_back(length.back() + (next - contour_mm[i - 1]).norm());
+double LengthOf(const PointList& contour_mm, bool closed) {
+  double length_mm = closed ? (contour_mm.front() - contour_mm.back()).norm() : 0;
+  for (std::size_t i = 1; i < contour_mm.size(); ++i) {
+    length_mm += (contour_mm[i] - contour_mm[i - 1]).norm();
   }
-  return length;
+  return length_mm;
+}
+
+/// `count` points from `first_mm` on, `step_mm` apart along the contour.
+void AddAtSteps(const PointList& contour_mm, bool closed, double first_mm, double step_mm,
+                std::size_t count, PointList& points) {
+  const std::size_t segments = contour_mm.size() - (closed ? 0 : 1);
+  std::size_t i = 0;
+  double begin_mm = 0;
+  for (std::size_t segment = 0; segment < segments && i < count; ++segment) {
+    const Vec3& p = contour_mm[segment];
+    const Vec3 way = contour_mm[(segment + 1) % contour_mm.size()] - p;
+    const double length_mm = way.norm(), end_mm = begin_mm + length_mm;
+    double at_mm = first_mm + step_mm * static_cast<double>(i);
+    if (at_mm < end_mm) {
+      const Vec3 direction = way / length_mm;
+      while (at_mm < end_mm && i < count) {
+        points.push_back(p + direction * (at_mm - begin_mm));
+        at_mm = first_mm + step_mm * static_cast<double>(++i);
+      }
+    }
+    begin_mm = end_mm;
+  }
+  // The end of an open contour.
+  for (; i < count; ++i) points.push_back(contour_mm.back());
 }
 
 }  // namespace
@@ -25,8 +48,7 @@ std::vector<double> ArcLengths(const PointList& contour_mm, bool closed) {
 void AddContourPoints(const PointList& contour_mm, bool closed,
                       const ContourSpacing& spacing, PointList& points) {
   if (contour_mm.empty()) return;
-  const std::vector<double> length = ArcLengths(contour_mm, closed);
-  const double total = length.back();
+  const double total = LengthOf(contour_mm, closed);
   const double fitting = total / (spacing.distance_mm * kChordAllowance);
   const auto parts = static_cast<std::size_t>(std::max(1.0, std::floor(fitting)));
   const double step = total / static_cast<double>(parts);
@@ -41,16 +63,7 @@ void AddContourPoints(const PointList& contour_mm, bool closed,
     first = step / 2;
     count = parts;
   }
-  std::size_t segment = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double at = std::min(total, first + step * static_cast<double>(i));
-    while (segment + 2 < length.size() && length[segment + 1] < at) ++segment;
-    const Vec3& p = contour_mm[segment];
-    const Vec3& q = contour_mm[(segment + 1) % contour_mm.size()];
-    const double part =
-        segment + 1 < length.size() ? length[segment + 1] - length[segment] : 0;
-    points.push_back(part > 0 ? Vec3(p + (q - p) * ((at - length[segment]) / part)) : p);
-  }
+  AddAtSteps(contour_mm, closed, first, step, count, points);
 }
 
 }  // namespace intaglio::discretize

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/discretize/candidate_limit.h"
 
 // A triangle A B C with its longest edge AB gets candidates on lines parallel to AB, a
 // step apart in height and along the lines; the first and the last of a line lie on the
@@ -77,7 +78,12 @@ Result<MethodStatistics> FillTriangles(const mesh::TriangleMesh& mesh,
       ++statistics.rejected_triangle_count;
       continue;
     }
-    if ((t.b - t.a).norm() < step_mm) {
+    const double longest_mm = (t.b - t.a).norm();
+    const double fitting =
+        (longest_mm / step_mm + 2) * (doubled_area / longest_mm / step_mm + 2);
+    const Status few = CheckCandidateCount(static_cast<double>(cloud.size()) + fitting);
+    if (!few) return tl::unexpected(few.error());
+    if (longest_mm < step_mm) {
       ++statistics.small_triangle_count;
       cloud.Add((t.a + t.b + t.c) / 3, source);
       continue;

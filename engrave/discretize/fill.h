@@ -13,11 +13,12 @@
 namespace intaglio::discretize {
 
 struct FillOptions {
-  double vertex_distance_mm = 1;  ///< 0.01..100; the weld has to use at least half of it
+  double vertex_distance_mm = 1;  ///< 0.01..100; the weld brings the points to it
   bool full_fill = true;          ///< candidates on the edges, too: boundaries show
 };
 
-/// Appends the candidates to `cloud`. kCancelled when `progress` says so.
+/// Appends the candidates to `cloud`. kTooLarge for more than candidate_limit.h allows,
+/// kCancelled when `progress` says so.
 Result<MethodStatistics> FillTriangles(const mesh::TriangleMesh& mesh,
                                        const FillOptions& options, std::uint32_t source,
                                        const ProgressSink& progress, PointCloud& cloud);

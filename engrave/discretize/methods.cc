@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -15,20 +16,23 @@ namespace {
 struct Entry {
   const char* name;
   Method method;
+  /// The weld leaves no points nearer than this, should it be above the minimum spacing.
+  double (*weld_distance_mm)(const DiscretizeOptions&);
   Result<MethodStatistics> (*run)(const mesh::TriangleMesh&, const DiscretizeOptions&,
                                   std::uint32_t, const ProgressSink&, PointCloud&);
 };
 
 constexpr std::array kMethods = {
-    Entry{"sections", Method::kSections,
+    Entry{"sections", Method::kSections, [](const DiscretizeOptions&) { return 0.0; },
           [](const mesh::TriangleMesh& m, const DiscretizeOptions& o,
              std::uint32_t source, const ProgressSink& p,
              PointCloud& c) { return CutSections(m, o.sections, source, p, c); }},
     Entry{"fill", Method::kFill,
+          [](const DiscretizeOptions& o) { return o.fill.vertex_distance_mm; },
           [](const mesh::TriangleMesh& m, const DiscretizeOptions& o,
              std::uint32_t source, const ProgressSink& p,
              PointCloud& c) { return FillTriangles(m, o.fill, source, p, c); }},
-    Entry{"rays", Method::kRays,
+    Entry{"rays", Method::kRays, [](const DiscretizeOptions&) { return 0.0; },
           [](const mesh::TriangleMesh& m, const DiscretizeOptions& o,
              std::uint32_t source, const ProgressSink& p,
              PointCloud& c) { return CrossRays(m, o.rays, source, p, c); }},
@@ -145,7 +149,9 @@ Result<Discretized> Discretize(const std::vector<mesh::TriangleMesh>& models,
   auto inside = KeepInside(std::move(candidates), options.permitted_mm, options.clip);
   if (!inside) return tl::unexpected(inside.error());
   result.clipped_count = result.candidate_count - inside->size();
-  result.cloud = WeldToSpacing(*inside, options.min_spacing_mm);
+  const Entry& entry = EntryOf(options.method);
+  result.cloud = WeldToSpacing(
+      *inside, std::max(options.min_spacing_mm, entry.weld_distance_mm(options)));
   result.welded_count = inside->size() - result.cloud.size();
   if (result.cloud.size() == 0) {
     return Fail(

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/discretize/candidate_limit.h"
 
 // In the frame (u, v, w) of the rays a triangle is met by ray p if p is on the same side
 // of its three edges. The side of edge a -> b is the sign of
@@ -30,7 +31,7 @@
 namespace intaglio::discretize {
 namespace {
 
-constexpr double kMaxRays = 0x1p31;
+constexpr double kMaxRays = 0x1p27;
 constexpr double kMaxRaysPerAxis = 0x1p24;
 constexpr std::uint64_t kTrianglesPerReport = 8192;
 // Two products and their difference are rounded, by 2^-53 each.
@@ -173,6 +174,7 @@ class RayCaster {
   }
 
   void Cast(const mesh::Triangle& triangle);
+  std::size_t crossing_count() const { return crossings_.size(); }
   /// Calls `visit` with the crossings of each ray that has any, from the lowest up.
   template <typename Visit>
   void ForEachRay(const Visit& visit);
@@ -303,6 +305,9 @@ Result<MethodStatistics> CrossRays(const mesh::TriangleMesh& mesh,
       return Fail(ErrorCode::kCancelled, "casting rays was cancelled");
     }
     caster.Cast(mesh.triangles[t]);
+    const Status few =
+        CheckCandidateCount(static_cast<double>(cloud.size() + caster.crossing_count()));
+    if (!few) return tl::unexpected(few.error());
   }
   caster.ForEachRay([&](double u_mm, double v_mm, std::span<const double> heights_mm) {
     ++statistics.ray_count;

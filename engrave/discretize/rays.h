@@ -22,8 +22,8 @@ struct RayOptions {
 };
 
 /// Appends to `cloud`, ray by ray, each from its lowest crossing up. The grid's centre is
-/// that of the model's extent. kTooLarge when the grid has more than 2^31 rays;
-/// kCancelled when `progress` says so.
+/// that of the model's extent. kTooLarge when the grid has more than 2^27 rays or there
+/// are too many crossings (candidate_limit.h); kCancelled when `progress` says so.
 Result<MethodStatistics> CrossRays(const mesh::TriangleMesh& mesh,
                                    const RayOptions& options, std::uint32_t source,
                                    const ProgressSink& progress, PointCloud& cloud);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "engrave/core/check.h"
+#include "engrave/discretize/candidate_limit.h"
 #include "engrave/discretize/contour_points.h"
 #include "engrave/discretize/edge_neighbours.h"
 
@@ -30,9 +31,11 @@ class Slicer {
     height_.reserve(mesh.vertices.size());
     for (const Vec3& v : mesh.vertices) height_.push_back(v.dot(normal_));
     visited_.assign(mesh.triangles.size(), 0);
-    ChoosePlanes();
-    FillTable();
   }
+
+  /// To be called first.
+  Status ChoosePlanes();
+  void FillTable();
 
   std::size_t plane_count() const { return planes_.size(); }
   double ParallelArea() const;
@@ -40,8 +43,6 @@ class Slicer {
   void Cut(std::size_t plane, MethodStatistics& statistics, PointList& points);
 
  private:
-  void ChoosePlanes();
-  void FillTable();
   std::pair<std::size_t, std::size_t> PlanesOf(const mesh::Triangle& triangle) const;
   bool Above(std::uint32_t vertex, double h) const { return height_[vertex] >= h; }
   std::uint32_t OtherCutSide(std::uint32_t half_edge, double h) const;
@@ -60,23 +61,24 @@ class Slicer {
   std::vector<std::uint32_t> visited_;    // newest plane + 1 that visited a triangle
 };
 
-void Slicer::ChoosePlanes() {
+Status Slicer::ChoosePlanes() {
   const auto [low, high] = std::minmax_element(height_.begin(), height_.end());
-  if (low == height_.end()) return;
+  if (low == height_.end()) return {};
   const double inset = options_.first_last_distance_ratio * options_.layer_distance_mm;
   const double first = *low + inset, last = *high - inset;
   if (last < first) {
     planes_.push_back(0.5 * (*low + *high));
-    return;
+    return {};
   }
   // The last plane that fits is not lost to rounding of the division.
-  const auto count = static_cast<std::size_t>(
-                         std::floor((last - first) / options_.layer_distance_mm + 1e-9)) +
-                     1;
+  const double fitting = std::floor((last - first) / options_.layer_distance_mm + 1e-9);
+  if (const Status few = CheckCandidateCount(fitting); !few) return few;
+  const auto count = static_cast<std::size_t>(fitting) + 1;
   for (std::size_t k = 0; k < count; ++k) {
     planes_.push_back(first + static_cast<double>(k) * options_.layer_distance_mm *
                                   kRoundingAllowance);
   }
+  return {};
 }
 
 // The planes h with lowest < h <= highest vertex: there are vertices on both sides.
@@ -197,6 +199,8 @@ Result<MethodStatistics> CutSections(const mesh::TriangleMesh& mesh,
           "layer and vertex distance must be positive, are {} and {}",
           options.layer_distance_mm, options.vertex_distance_mm);
   Slicer slicer(mesh, options);
+  if (const Status few = slicer.ChoosePlanes(); !few) return tl::unexpected(few.error());
+  slicer.FillTable();
   MethodStatistics statistics;
   statistics.plane_count = slicer.plane_count();
   statistics.parallel_area_mm2 = slicer.ParallelArea();
@@ -207,6 +211,8 @@ Result<MethodStatistics> CutSections(const mesh::TriangleMesh& mesh,
     }
     slicer.Cut(plane, statistics, cloud.points_mm);
     cloud.source.resize(cloud.points_mm.size(), source);
+    const Status few = CheckCandidateCount(static_cast<double>(cloud.size()));
+    if (!few) return tl::unexpected(few.error());
   }
   statistics.point_count = cloud.size() - before;
   return statistics;

@@ -29,7 +29,8 @@ struct SectionOptions {
 
 /// Appends to `cloud`, with `source` as every point's source. Planes in the order of
 /// their height; a plane passes below a vertex that lies exactly in it, so that every
-/// contour of a closed mesh is closed. kCancelled when `progress` says so.
+/// contour of a closed mesh is closed. kTooLarge for more points or planes than
+/// candidate_limit.h allows, kCancelled when `progress` says so.
 Result<MethodStatistics> CutSections(const mesh::TriangleMesh& mesh,
                                      const SectionOptions& options, std::uint32_t source,
                                      const ProgressSink& progress, PointCloud& cloud);
