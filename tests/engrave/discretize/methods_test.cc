@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "engrave/discretize/bounds.h"
-#include "tests/engrave/discretize/solids.h"
+#include "tests/engrave/discretize/oracles.h"
+#include "tests/engrave/discretize/shapes.h"
 
 namespace intaglio::discretize {
 namespace {
 
-using namespace testing;
 using ::testing::HasSubstr;
 
 DiscretizeOptions Options(Method method, double spacing_mm) {
@@ -21,15 +21,6 @@ DiscretizeOptions Options(Method method, double spacing_mm) {
   options.rays.distance_mm = spacing_mm;
   options.permitted_mm = {Vec3(-20, -20, -20), Vec3(20, 20, 20)};
   return options;
-}
-
-double LeastDistance(const PointList& points) {
-  double least = INFINITY;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j)
-      least = std::min(least, (points[i] - points[j]).norm());
-  }
-  return least;
 }
 
 TEST(Methods, EveryMethodKeepsTheSpacingAndTheSurface) {
@@ -44,7 +35,7 @@ TEST(Methods, EveryMethodKeepsTheSpacingAndTheSurface) {
     EXPECT_EQ(result->candidate_count, result->cloud.size() + result->welded_count);
     for (std::size_t i = 0; i < result->cloud.size(); ++i) {
       EXPECT_LT(
-          DistanceToSurface(models[result->cloud.source[i]], result->cloud.points_mm[i]),
+          DistanceToMesh(result->cloud.points_mm[i], models[result->cloud.source[i]]),
           1e-9);
     }
   }

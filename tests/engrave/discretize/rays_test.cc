@@ -4,12 +4,11 @@
 
 #include <Eigen/Geometry>
 
-#include "tests/engrave/discretize/solids.h"
+#include "tests/engrave/discretize/oracles.h"
+#include "tests/engrave/discretize/shapes.h"
 
 namespace intaglio::discretize {
 namespace {
-
-using namespace testing;
 
 MethodStatistics Cast(const mesh::TriangleMesh& mesh, double distance_mm,
                       PointCloud& cloud, const Direction& direction = {}) {
@@ -84,7 +83,7 @@ TEST(Rays, CrossingsLieOnTheSurface) {
   Cast(mesh, 0.5, cloud, {Axis::kY, Vec3(0.2, 0.3, 0.4)});
   ASSERT_GT(cloud.size(), 100u);
   // Near the rim rays graze the triangles, which magnifies rounding.
-  for (const Vec3& p : cloud.points_mm) EXPECT_LT(DistanceToSurface(mesh, p), 1e-9);
+  for (const Vec3& p : cloud.points_mm) EXPECT_LT(DistanceToMesh(p, mesh), 1e-9);
 }
 
 TEST(Rays, TooFineAGridIsAnError) {

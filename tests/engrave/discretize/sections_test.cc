@@ -4,12 +4,11 @@
 
 #include <map>
 
-#include "tests/engrave/discretize/solids.h"
+#include "tests/engrave/discretize/oracles.h"
+#include "tests/engrave/discretize/shapes.h"
 
 namespace intaglio::discretize {
 namespace {
-
-using namespace testing;
 
 MethodStatistics Cut(const mesh::TriangleMesh& mesh, const SectionOptions& options,
                      PointCloud& cloud) {
@@ -77,7 +76,7 @@ TEST(Sections, PointsLieOnTheSurfaceForAnyDirection) {
     EXPECT_EQ(statistics.open_contour_count, 0u);
     ASSERT_GT(cloud.size(), 50u);
     // Rounding of coordinates of about 10 mm.
-    for (const Vec3& p : cloud.points_mm) EXPECT_LT(DistanceToSurface(mesh, p), 1e-12);
+    for (const Vec3& p : cloud.points_mm) EXPECT_LT(DistanceToMesh(p, mesh), 1e-12);
   }
 }
 
