@@ -168,7 +168,7 @@ Status CloudSender<Batch>::SendNext() {
   bus::Borrow(batch.y_mm, y);
   bus::Borrow(batch.z_mm, z);
   bus::Borrow(batch.source, source);
-  const auto written = writer_.Write(batch);
+  auto written = writer_.Write(batch);
   if (written) ++sent_;
   return written;
 }
