@@ -112,14 +112,15 @@ void JobClient::Take(const intaglio_JobStatus& status) {
 }
 
 void JobClient::Take(const intaglio_TaskStatus& status) {
+  const std::pair key(std::string(View(status.job_uid)), static_cast<int>(status.stage));
+  errors_[key] = View(status.error_code);
   const auto bytes = View(status.outcome);
   StageOutcome outcome;
   if (bytes.empty() ||
       !outcome.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return;
   }
-  outcomes_[{std::string(View(status.job_uid)), static_cast<int>(status.stage)}] =
-      outcome;
+  outcomes_[key] = outcome;
 }
 
 void JobClient::Poll(std::chrono::milliseconds timeout) {
@@ -212,6 +213,11 @@ std::optional<StageOutcome> JobClient::OutcomeOf(const std::string& job_uid,
   const auto found = outcomes_.find({job_uid, static_cast<int>(stage)});
   if (found == outcomes_.end()) return std::nullopt;
   return found->second;
+}
+
+std::string JobClient::ErrorOf(const std::string& job_uid, intaglio_Stage stage) const {
+  const auto found = errors_.find({job_uid, static_cast<int>(stage)});
+  return found == errors_.end() ? std::string() : found->second;
 }
 
 std::vector<ServiceView> JobClient::services() const {

@@ -71,6 +71,8 @@ class JobClient {
   /// What a finished stage of the job reported.
   std::optional<StageOutcome> OutcomeOf(const std::string& job_uid,
                                         intaglio_Stage stage) const;
+  /// Error code of the newest word of the stage (ErrorCodeName); empty: none.
+  std::string ErrorOf(const std::string& job_uid, intaglio_Stage stage) const;
   /// Living services.
   std::vector<ServiceView> services() const;
 
@@ -87,6 +89,7 @@ class JobClient {
   std::map<std::string, JobView> jobs_;
   std::map<std::string, JobView> refused_;  // by submission
   std::map<std::pair<std::string, int>, StageOutcome> outcomes_;
+  std::map<std::pair<std::string, int>, std::string> errors_;
   std::map<std::string, ServiceView> services_;
 };
 

@@ -25,6 +25,9 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kSessionFolder = "session";
+constexpr int kMaxResumes = 10;
+constexpr auto kResumeTimeout = 5s;
+constexpr auto kCancelTimeout = 10s;
 
 struct RunOptions {
   JobFlags job;
@@ -36,7 +39,6 @@ struct RunOptions {
   std::vector<std::string> faults;
   std::vector<std::string> without;
   bus::BusOptions bus;
-  bool wait_for_arm = false;
 };
 
 int Complain(const Error& error, int exit_code) {
@@ -68,6 +70,8 @@ class RunSession {
   int Engrave(ServiceSet& services);
   int Follow(ServiceSet& services, JobClient& client, JobView job);
   void Show(const JobView& job);
+  bool TryToResume(JobClient& client, const JobView& job);
+  void Cancel(JobClient& client, const JobView& job, const std::string& why);
   int Prove(const JobView& job, const JobClient& client, const ServiceSet& services);
 
   RunOptions options_;
@@ -78,6 +82,9 @@ class RunSession {
   fs::path out_, session_;
   std::string started_utc_ = UtcNow();
   Clock::time_point started_ = Clock::now();
+  bool cancelled_ = false;
+  int resumes_ = 0;
+  Clock::time_point give_up_ = Clock::time_point::max();
 };
 
 Status RunSession::MakeFolders() {
@@ -148,11 +155,9 @@ int RunSession::Engrave(ServiceSet& services) {
   job.set_machine_file(services.machine_file().string());
   auto submitted = client.Submit(job, 20s);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
-  if (!options_.wait_for_arm) {
-    // Whoever types `run` stands at the machine: that is the operator's arm.
-    if (auto armed = client.Command(*submitted, intaglio_COMMAND_ARM); !armed) {
-      return Complain(armed.error(), kExitInternal);
-    }
+  // Whoever types `run` stands at the machine: that is the operator's arm.
+  if (auto armed = client.Command(*submitted, intaglio_COMMAND_ARM); !armed) {
+    return Complain(armed.error(), kExitInternal);
   }
   return Follow(services, client, *submitted);
 }
@@ -170,30 +175,51 @@ void RunSession::Show(const JobView& job) {
   bar_.Show(NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s, note);
 }
 
+// A line that was silent for a moment is no reason to spoil a block: what was armed is
+// settled by the controller's counters, so the job may go on. Everything else that pauses
+// a machine is for a person to look at.
+bool RunSession::TryToResume(JobClient& client, const JobView& job) {
+  if (client.ErrorOf(job.uid, intaglio_STAGE_ENGRAVE) !=
+          ErrorCodeName(ErrorCode::kLinkLost) ||
+      resumes_ >= kMaxResumes) {
+    return false;
+  }
+  ++resumes_;
+  bar_.Finish();
+  std::cerr << "paused: " << job.message << "\n";
+  (void)client.Command(job, intaglio_COMMAND_RESUME);
+  return client.PollUntil(
+      [&] {
+        const intaglio_JobState state = client.jobs().at(job.uid).state;
+        return state != intaglio_JOB_PAUSED || Interrupts() > 0;
+      },
+      kResumeTimeout);
+}
+
+void RunSession::Cancel(JobClient& client, const JobView& job, const std::string& why) {
+  if (cancelled_) return;
+  cancelled_ = true;
+  bar_.Finish();
+  std::cerr << why << "\n";
+  (void)client.Command(job, intaglio_COMMAND_CANCEL);
+  give_up_ = Clock::now() + kCancelTimeout;
+}
+
 int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
-  bool cancelled = false;
-  Clock::time_point give_up = Clock::time_point::max();
   std::optional<Error> fault;
-  const auto cancel = [&](const std::string& why) {
-    if (cancelled) return;
-    cancelled = true;
-    bar_.Finish();
-    std::cerr << why << "\n";
-    (void)client.Command(job, intaglio_COMMAND_CANCEL);
-    give_up = Clock::now() + 10s;
-  };
-  while (!job.ended() && Clock::now() < give_up) {
+  while (!job.ended() && Clock::now() < give_up_) {
     client.Poll(50ms);
     job = client.jobs().at(job.uid);
-    if (!cancelled) Show(job);
-    if (Interrupts() > 0) cancel("interrupted: the job is cancelled");
+    if (!cancelled_) Show(job);
+    if (Interrupts() > 0) Cancel(client, job, "interrupted: the job is cancelled");
     if (auto alive = services.CheckAlive(); !alive && !fault) {
       fault = alive.error();
-      cancel("a process has died: the job is cancelled");
+      Cancel(client, job, "a process has died: the job is cancelled");
     }
-    if (job.state == intaglio_JOB_PAUSED && !fault && !options_.wait_for_arm) {
+    if (job.state == intaglio_JOB_PAUSED && !fault && !cancelled_ &&
+        !TryToResume(client, job)) {
       fault = Error{ErrorCode::kFault, job.message, ""};
-      cancel("the machine has paused: the job is cancelled");
+      Cancel(client, job, "the machine has paused: the job is cancelled");
     }
   }
   bar_.Finish();
@@ -204,7 +230,7 @@ int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
   services.Stop();
   const int proved = Prove(job, client, services);
   if (fault) return Complain(*fault, kExitMachine);
-  if (cancelled) return kExitCancelled;
+  if (cancelled_) return kExitCancelled;
   if (job.state != intaglio_JOB_DONE) {
     return Complain({ErrorCode::kFault, job.message, ""}, kExitMachine);
   }

@@ -97,6 +97,7 @@ std::uint64_t Engraving::AheadTicks() const {
 
 void Engraving::Turn(const EngravingInputs& inputs) {
   now_ = inputs.now;
+  motion_fault_ = inputs.motion.fault;
   if (laser_.up() && laser_.status_number() != status_number_) {
     status_number_ = laser_.status_number();
     status_at_ = inputs.now;
@@ -366,6 +367,11 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
   SettleAs(schedule_.ArmedWithin(sent_through_ + 1, UINT64_MAX), PointOutcome::kSkipped);
   message_ = text;
   needs_new_grant_ = fault;
+  lost_a_line_ =
+      missing == Missing::kLaserLine || missing == Missing::kMotionState ||
+      missing == Missing::kSafeState ||
+      (missing == Missing::kMotionFault && motion_fault_ != intaglio_MOTION_LIMIT &&
+       motion_fault_ != intaglio_MOTION_FOLLOWING_ERROR);
   halted_at_ = now_;
   phase_ = Phase::kHalting;
 }

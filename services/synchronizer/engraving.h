@@ -85,6 +85,9 @@ class Engraving {
   const std::string& message() const { return message_; }
   /// Halted by a fault, not by a withdrawn permission.
   bool faulted() const { return needs_new_grant_; }
+  /// What was lost is a line or a neighbour, not the machine's safety: it may be resumed
+  /// without anybody walking to the machine.
+  bool lost_a_line() const { return lost_a_line_; }
   bool started() const { return run_count_ > 0; }
   std::uint32_t run_count() const { return run_count_; }
   std::uint64_t first_fired_tick() const { return first_fired_tick_; }
@@ -131,6 +134,7 @@ class Engraving {
   Phase phase_ = Phase::kPreparing;
   std::string message_;
   bool needs_new_grant_ = false;
+  bool lost_a_line_ = false;
   bool stopping_ = false;
   std::uint32_t run_ = 0;
   std::uint32_t run_count_ = 0;
@@ -149,6 +153,7 @@ class Engraving {
   std::uint64_t first_fired_tick_ = 0;
   std::uint64_t last_fired_tick_ = 0;
   std::chrono::nanoseconds now_{0};
+  intaglio_MotionFault motion_fault_ = intaglio_MOTION_OK;
   std::chrono::nanoseconds run_began_at_{0};
   std::chrono::nanoseconds halted_at_{0};
   SkipReason skip_reason_ = SkipReason::kNone;

@@ -278,7 +278,10 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   report.total_count = ledger.size();
   report.elapsed_s = std::chrono::duration<double>(now - began_at_).count();
   report.estimate_ticks = estimate_ticks_;
-  report.error_code = waits && engraving_->faulted() ? "fault" : "";
+  if (waits && engraving_->faulted()) {
+    report.error_code = ErrorCodeName(engraving_->lost_a_line() ? ErrorCode::kLinkLost
+                                                                : ErrorCode::kFault);
+  }
   report.message = engraving_->message();
   publisher_.Tell(report, now);
 }
