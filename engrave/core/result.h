@@ -11,19 +11,19 @@
 namespace intaglio {
 
 enum class ErrorCode {
-  kInvalidValue,   ///< A field or an argument has a value outside its range.
-  kMissing,        ///< A required field or argument is not there.
-  kNotFound,       ///< A file, a glass or a job of that name does not exist.
-  kUnreadable,     ///< The file or message is not of the format it should be.
-  kUnsupported,    ///< Well formed, but of a kind that is not handled.
-  kOutsideBlock,   ///< Points lie outside the block minus its margin.
-  kTooLarge,       ///< A limit on size, count or memory is exceeded.
-  kIo,             ///< The operating system refused to read or write.
-  kLinkLost,       ///< A serial line or a peer is gone.
-  kTimedOut,       ///< An answer did not come in time.
-  kRefused,        ///< A peer or an interlock said no.
-  kFault,          ///< A machine reported a fault.
-  kCancelled,      ///< Somebody asked for the end of it.
+  kInvalidValue,  ///< A field or an argument has a value outside its range.
+  kMissing,       ///< A required field or argument is not there.
+  kNotFound,      ///< A file, a glass or a job of that name does not exist.
+  kUnreadable,    ///< The file or message is not of the format it should be.
+  kUnsupported,   ///< Well formed, but of a kind that is not handled.
+  kOutsideBlock,  ///< Points lie outside the block minus its margin.
+  kTooLarge,      ///< A limit on size, count or memory is exceeded.
+  kIo,            ///< The operating system refused to read or write.
+  kLinkLost,      ///< A serial line or a peer is gone.
+  kTimedOut,      ///< An answer did not come in time.
+  kRefused,       ///< A peer or an interlock said no.
+  kFault,         ///< A machine reported a fault.
+  kCancelled,     ///< Somebody asked for the end of it.
 };
 
 /// The name of a code as it appears in reports and logs, e.g. "invalid_value".
