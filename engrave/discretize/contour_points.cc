@@ -39,7 +39,7 @@ void AddAtSteps(const PointList& contour_mm, bool closed, double first_mm, doubl
     }
     begin_mm = end_mm;
   }
-  // The end of an open contour.
+  // A contour without length, or an end that rounding put behind the last segment.
   for (; i < count; ++i) points.push_back(contour_mm.back());
 }
 
@@ -52,18 +52,16 @@ void AddContourPoints(const PointList& contour_mm, bool closed,
   const double fitting = total / (spacing.distance_mm * kChordAllowance);
   const auto parts = static_cast<std::size_t>(std::max(1.0, std::floor(fitting)));
   const double step = total / static_cast<double>(parts);
-  // A closed contour begins anywhere; an open one keeps its ends, or stays half a step
-  // off.
-  const bool one_point = fitting < 1;
-  double first = closed ? spacing.phase_ratio * step : 0;
-  std::size_t count = closed || one_point ? parts : parts + 1;
-  if (one_point) {
-    first = closed ? 0 : total / 2;
-  } else if (!closed && !spacing.insert_end_points) {
-    first = step / 2;
-    count = parts;
+  if (fitting < 1) {
+    AddAtSteps(contour_mm, closed, closed ? 0 : total / 2, step, 1, points);
+  } else if (closed) {
+    AddAtSteps(contour_mm, closed, spacing.phase_ratio * step, step, parts, points);
+  } else if (spacing.insert_end_points) {
+    AddAtSteps(contour_mm, closed, 0, step, parts, points);
+    points.push_back(contour_mm.back());
+  } else {
+    AddAtSteps(contour_mm, closed, step / 2, step, parts, points);
   }
-  AddAtSteps(contour_mm, closed, first, step, count, points);
 }
 
 }  // namespace intaglio::discretize

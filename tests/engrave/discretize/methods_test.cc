@@ -107,5 +107,61 @@ TEST(Methods, NamesAndMethodsGoBothWays) {
   EXPECT_THAT(MethodFromName("dice").error().message, HasSubstr("sections, fill, rays"));
 }
 
+// A square pillar with its faces on the grid of rays: hits on its flat top stand exactly
+// a grid step apart, and rounding may not cost one of them.
+TEST(Methods, RaysASpacingApartAllStay) {
+  const auto result = Discretize({Cuboid(Vec3(-3, -3, -2), Vec3(3.01, 3.01, 2))},
+                                 Options(Method::kRays, 0.1), {});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->welded_count, 0u);
+  EXPECT_EQ(result->cloud.size(), 2u * 61 * 61);
+}
+
+TEST(Methods, AFillKeepsItsVertexDistance) {
+  auto options = Options(Method::kFill, 0.1);
+  options.fill.vertex_distance_mm = 0.7;
+  const auto result = Discretize({Icosphere(4, 3, Vec3(0, 0, 0))}, options, {});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_GE(LeastDistance(result->cloud.points_mm), 0.7 * (1 - 1e-15));
+}
+
+TEST(Methods, TheSameModelTwiceGivesTheSamePointsOnce) {
+  const auto mesh = Icosphere(4, 3, Vec3(0, 0, 0));
+  for (const Method method : {Method::kSections, Method::kFill, Method::kRays}) {
+    const auto once = Discretize({mesh}, Options(method, 0.3), {});
+    const auto twice = Discretize({mesh, mesh}, Options(method, 0.3), {});
+    ASSERT_TRUE(once.has_value() && twice.has_value());
+    EXPECT_EQ(once->cloud.points_mm, twice->cloud.points_mm) << NameOf(method);
+    EXPECT_EQ(once->cloud.source, twice->cloud.source);
+  }
+}
+
+TEST(Methods, NothingToMakeIsAnError) {
+  for (const Method method : {Method::kSections, Method::kFill, Method::kRays}) {
+    const auto result = Discretize({mesh::TriangleMesh{}}, Options(method, 0.3), {});
+    ASSERT_FALSE(result.has_value());
+    EXPECT_EQ(result.error().code, ErrorCode::kMissing);
+  }
+}
+
+TEST(Methods, ProgressRisesToTheEndAndCanCancel) {
+  const std::vector<mesh::TriangleMesh> models(3, Icosphere(4, 4, Vec3(0, 0, 0)));
+  for (const Method method : {Method::kSections, Method::kFill, Method::kRays}) {
+    std::uint64_t last = 0;
+    const auto whole = Discretize(models, Options(method, 0.3),
+                                  [&](std::uint64_t done, std::uint64_t total) {
+                                    EXPECT_GE(done, last);
+                                    EXPECT_LE(done, total);
+                                    last = done;
+                                    return true;
+                                  });
+    EXPECT_TRUE(whole.has_value());
+    const auto cancelled = Discretize(models, Options(method, 0.3),
+                                      [](std::uint64_t, std::uint64_t) { return false; });
+    ASSERT_FALSE(cancelled.has_value());
+    EXPECT_EQ(cancelled.error().code, ErrorCode::kCancelled);
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::discretize

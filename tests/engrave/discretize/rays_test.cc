@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
 
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/shapes.h"
@@ -92,6 +96,108 @@ TEST(Rays, TooFineAGridIsAnError) {
       CrossRays(Cuboid(Vec3(0, 0, 0), Vec3(1000, 1000, 1)), {0.01, {}}, 0, {}, cloud);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kTooLarge);
+}
+
+// The distance of the grid's rays over a model of this size, found by looking at what
+// they hit.
+double PitchMm(double size_mm, double distance_mm) {
+  PointCloud cloud;
+  Cast(Cube(size_mm), distance_mm, cloud);
+  double pitch_mm = INFINITY;
+  for (const Vec3& p : cloud.points_mm) {
+    const double apart_mm = p.y() - cloud.points_mm.front().y();
+    if (apart_mm > 0) pitch_mm = std::min(pitch_mm, apart_mm);
+  }
+  return pitch_mm;
+}
+
+// Vertices, edges and diagonals of all cells of the faces lie exactly on rays.
+TEST(Rays, EveryRayThroughAVertexOfADividedCubeCountsOnce) {
+  for (const double distance_mm : {0.25, 0.1, 1.0 / 3}) {
+    const int cells = 12;
+    mesh::TriangleMesh cube = Cube(cells, cells);
+    for (Vec3& v : cube.vertices) v *= PitchMm(cells * distance_mm, distance_mm);
+    for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
+      PointCloud cloud;
+      const auto statistics = Cast(cube, distance_mm, cloud, {axis, Vec3::Zero()});
+      EXPECT_EQ(statistics.odd_ray_count, 0u);
+      // Of the 13 x 13 rays those on two of the four sides pass outside.
+      EXPECT_EQ(statistics.ray_count, 144u) << distance_mm;
+      EXPECT_EQ(statistics.point_count, 288u);
+    }
+  }
+}
+
+// A wall of splinters of every size, down to below the resolution of the grid, seen
+// aslant and edge-on.
+TEST(Rays, SplintersAndTinyTrianglesKeepTheParity) {
+  const auto make = [](double squeeze) {
+    auto mesh = Icosphere(5, 4, Vec3(0, 0, 0));
+    for (Vec3& v : mesh.vertices) v.x() *= squeeze;
+    return mesh;
+  };
+  for (const double squeeze : {1.0, 1e-3, 1e-7, 1e-11}) {
+    const auto mesh = make(squeeze);
+    for (const Axis axis : {Axis::kX, Axis::kY}) {
+      for (const double turn : {0.0, 1e-9, 0.3}) {
+        PointCloud cloud;
+        const auto statistics = Cast(mesh, 0.1, cloud, {axis, Vec3(0, turn, turn)});
+        EXPECT_EQ(statistics.odd_ray_count, 0u) << squeeze << " " << turn;
+      }
+    }
+  }
+}
+
+TEST(Rays, CrossingsOfSplintersLieOnTheSurface) {
+  auto mesh = Icosphere(5, 3, Vec3(0, 0, 0));
+  for (Vec3& v : mesh.vertices) v.x() *= 1e-5;
+  PointCloud cloud;
+  Cast(mesh, 0.2, cloud, {Axis::kZ, Vec3(0, 1e-6, 0)});
+  Cast(mesh, 0.2, cloud, {Axis::kY, Vec3(0.2, 0.1, 0)});
+  ASSERT_GT(cloud.size(), 10u);
+  // 1e-10 mm is what rays.cc derives for slender triangles.
+  EXPECT_LT(LargestDistanceToMesh(cloud.points_mm, mesh), 1e-10);
+}
+
+// Every ray of the grid, met or not, against Moeller and Trumbore.
+TEST(Rays, NoRayIsForgotten) {
+  const auto mesh = Torus(Vec3(0.123, -0.0417, 0.3), 5, 2, 24, 16);
+  const double distance_mm = 0.41;
+  PointCloud cloud;
+  Cast(mesh, distance_mm, cloud);
+  std::map<std::pair<double, double>, int> found;
+  for (const Vec3& p : cloud.points_mm) ++found[{p.x(), p.y()}];
+  const Vec3 first = cloud.points_mm.front();
+  const double pitch = PitchMm(7, distance_mm);
+  int met = 0;
+  for (int i = -40; i <= 40; ++i) {
+    for (int j = -40; j <= 40; ++j) {
+      const Vec3 origin = first + Vec3(i, j, 0) * pitch;
+      bool clear = false;
+      const int expected = CrossingsOfLine(mesh, origin, Vec3::UnitZ(), clear);
+      if (!clear) continue;
+      // The sums of steps that lead to a ray may differ in their last digits.
+      int count = 0;
+      for (const auto& [at, hits] : found) {
+        if (std::hypot(at.first - origin.x(), at.second - origin.y()) < 1e-9)
+          count += hits;
+      }
+      EXPECT_EQ(count, expected);
+      if (expected > 0) ++met;
+    }
+  }
+  EXPECT_GT(met, 300);
+}
+
+TEST(Rays, CrossingsOfASphereAreAtItsDepths) {
+  const Vec3 centre(1, 2, 3);
+  PointCloud cloud;
+  const auto statistics = Cast(Icosphere(5, 5, centre), 0.2, cloud);
+  // Facets of 2 degrees lie at most R (1 - cos 1.5 deg) inside the sphere.
+  for (const Vec3& p : cloud.points_mm) EXPECT_NEAR((p - centre).norm(), 5, 2e-3);
+  // The disc of radius 5 is met by its area's worth of rays, but for those at its rim.
+  EXPECT_NEAR(static_cast<double>(statistics.ray_count), std::numbers::pi * 25 / 0.04,
+              2 * std::numbers::pi * 5 / 0.2);
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
+#include <numbers>
 
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/shapes.h"
@@ -120,6 +122,130 @@ TEST(Sections, ProgressCanEndIt) {
       [](std::uint64_t, std::uint64_t) { return false; }, cloud);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kCancelled);
+}
+
+// Planes through rows of vertices, along edges and in whole faces of a divided cube.
+TEST(Sections, PlanesThroughVerticesEdgesAndFacesCutOnce) {
+  for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) {
+    SectionOptions options = Fine(0.25);
+    options.first_last_distance_ratio = 0;
+    options.normal.axis = axis;
+    // The pitch is above 0.25 by the rounding allowance: so are the cells.
+    PointCloud cloud;
+    const auto statistics = Cut(Cube(4 * kRoundingAllowance, 16), options, cloud);
+    // The lowest plane passes below all vertices, the highest below the top face.
+    EXPECT_EQ(statistics.closed_contour_count, 16u);
+    EXPECT_EQ(statistics.open_contour_count, 0u);
+    EXPECT_NEAR(statistics.parallel_area_mm2, 32, 1e-6);
+  }
+}
+
+// The circle of radius sqrt(R^2 - z^2) in each plane has its length's worth of points.
+TEST(Sections, PointCountsOfASphereAreThoseOfItsCircles) {
+  const double radius = 10;
+  PointCloud cloud;
+  const auto statistics = Cut(Icosphere(radius, 5, Vec3(0, 0, 0)), Fine(0.2), cloud);
+  EXPECT_EQ(statistics.closed_contour_count, statistics.plane_count);
+  std::map<long, std::size_t> count;
+  for (const Vec3& p : cloud.points_mm)
+    ++count[std::lround((p.z() + radius - 0.02) / 0.2)];
+  EXPECT_EQ(count.size(), statistics.plane_count);
+  for (const auto& [plane, points] : count) {
+    const double z = 0.02 + 0.2 * static_cast<double>(plane) - radius;
+    const double length = 2 * std::numbers::pi * std::sqrt(radius * radius - z * z);
+    // 0.4 % allowance for chords, 0.3 % for the facets of 2 degrees, one point rounded
+    // off.
+    EXPECT_NEAR(static_cast<double>(points), length / 0.2, 1 + 0.01 * length / 0.2) << z;
+  }
+}
+
+TEST(Sections, ATurnedModelCutAlongItsAxisGivesTheTurnedPoints) {
+  const Direction direction{Axis::kX, Vec3(0.7, -0.4, 2.1)};
+  const Mat3 turn = FrameOf(direction) * FrameOf({Axis::kX, Vec3::Zero()}).transpose();
+  SectionOptions options = Fine(0.3);
+  options.normal.axis = Axis::kX;
+  const auto mesh = Icosphere(3, 3, Vec3(0.1, 0.2, 0.3));
+  PointCloud upright, turned;
+  Cut(mesh, options, upright);
+  options.normal = direction;
+  Cut(Turned(mesh, turn), options, turned);
+  ASSERT_EQ(upright.size(), turned.size());
+  for (std::size_t i = 0; i < upright.size(); ++i) {
+    // Rounding of the turned coordinates, of about 5 mm.
+    EXPECT_LT((turn * upright.points_mm[i] - turned.points_mm[i]).norm(), 1e-11);
+  }
+}
+
+// Upright planes cut the dome in arcs that end at its open rim, z = 0.
+TEST(Sections, ArcsEndAtTheOpenRim) {
+  const auto dome = OpenDome(5, 64, 16);
+  SectionOptions options = Fine(0.3);
+  options.normal.axis = Axis::kX;
+  PointCloud with_ends, without;
+  const auto statistics = Cut(dome, options, with_ends);
+  EXPECT_EQ(statistics.open_contour_count, statistics.plane_count);
+  EXPECT_EQ(statistics.closed_contour_count, 0u);
+  options.insert_end_points = false;
+  Cut(dome, options, without);
+  const auto on_rim = [](const PointCloud& cloud) {
+    return std::count_if(cloud.points_mm.begin(), cloud.points_mm.end(),
+                         [](const Vec3& p) { return p.z() == 0; });
+  };
+  EXPECT_EQ(on_rim(with_ends), 2 * static_cast<long>(statistics.plane_count));
+  EXPECT_EQ(on_rim(without), 0);
+  EXPECT_LT(LargestDistanceToMesh(with_ends.points_mm, dome), 1e-12);
+}
+
+TEST(Sections, EachLayerIsTwistedByItsShareOfTheDistance) {
+  SectionOptions options = Fine(0.5);
+  options.twist_phase_ratio = 0.25;
+  PointCloud straight, twisted;
+  const auto statistics =
+      Cut(Cuboid(Vec3(0, 0, 0), Vec3(10, 10, 5)), Fine(0.5), straight);
+  Cut(Cuboid(Vec3(0, 0, 0), Vec3(10, 10, 5)), options, twisted);
+  ASSERT_EQ(straight.size(), twisted.size());
+  const std::size_t in_plane = straight.size() / statistics.plane_count;
+  const double step = 40.0 / static_cast<double>(in_plane);
+  for (std::size_t plane = 0; plane < statistics.plane_count; ++plane) {
+    const double shift =
+        (straight.points_mm[plane * in_plane] - twisted.points_mm[plane * in_plane])
+            .norm();
+    EXPECT_NEAR(shift, step * 0.25 * static_cast<double>(plane % 4), 1e-9);
+  }
+}
+
+TEST(Sections, ContoursShorterThanTheDistanceGetOnePoint) {
+  SectionOptions options = Fine(100);
+  options.layer_distance_mm = 0.5;
+  PointCloud cloud;
+  const auto statistics = Cut(Icosphere(2, 3, Vec3(0, 0, 0)), options, cloud);
+  EXPECT_EQ(cloud.size(), statistics.plane_count);
+}
+
+TEST(Sections, LostBasesOfACylinderAreMeasured) {
+  PointCloud cloud;
+  const auto statistics = Cut(Cylinder(5, 8, 90), Fine(0.5), cloud);
+  const double polygon = 0.5 * 90 * 25 * std::sin(2 * std::numbers::pi / 90);
+  EXPECT_NEAR(statistics.parallel_area_mm2, 2 * polygon, 1e-9);
+}
+
+TEST(Sections, AFlippedTriangleDoesNotOpenAContour) {
+  auto mesh = Icosphere(4, 3, Vec3(0, 0, 0));
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 7) {
+    std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
+  }
+  PointCloud cloud;
+  const auto statistics = Cut(mesh, Fine(0.3), cloud);
+  EXPECT_EQ(statistics.open_contour_count, 0u);
+  EXPECT_EQ(statistics.closed_contour_count, statistics.plane_count);
+}
+
+TEST(Sections, TooManyPointsAreAnError) {
+  PointCloud cloud;
+  const auto result =
+      CutSections(Cuboid(Vec3(0, 0, 0), Vec3(1e7, 1, 1e7)), Fine(0.01), 0, {}, cloud);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, ErrorCode::kTooLarge);
 }
 
 }  // namespace
