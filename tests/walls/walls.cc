@@ -1,0 +1,154 @@
+#include "tests/walls/walls.h"
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <set>
+
+namespace intaglio::walls {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kMaxLines = 400;
+
+// What each folder may include of the product, besides itself.
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"engrave/core", {}},
+    {"engrave/mesh", {"engrave/core"}},
+    {"engrave/discretize", {"engrave/core", "engrave/mesh"}},
+    {"engrave/optics", {"engrave/core"}},
+    {"engrave/sort", {"engrave/core"}},
+    {"engrave/motion", {"engrave/core"}},
+    {"engrave/formats", {"engrave/core"}},
+    {"engrave/proof", {"engrave/core"}},
+    {"engrave/render", {"engrave/core", "engrave/formats"}},
+    {"materials_db", {"engrave/*"}},
+    {"proto", {"engrave/*", "materials_db", "proto"}},
+    {"services/bus", {"engrave/core", "idl"}},
+    {"services/link", {"engrave/core"}},
+    {"services/host", {"engrave/core", "services/bus", "idl", "proto"}},
+    {"services/*",
+     {"engrave/*", "materials_db", "proto", "idl", "services/bus", "services/link",
+      "services/host"}},
+    {"services/virtual_engraver", {"engrave/core", "engrave/formats", "services/link"}},
+};
+
+// Headers of libraries that have to stay in one place.
+struct Kept {
+  std::string prefix;
+  bool whole_name;  // a header of the standard library, not a folder of one
+  std::vector<std::string> folders;
+};
+const std::vector<Kept> kKept = {
+    {"dds/", false, {"services/bus"}},
+    {"SQLiteCpp", false, {"materials_db", "services/job_service"}},
+    {"sqlite3", false, {"materials_db", "services/job_service"}},
+    {"google/protobuf", false, {"proto", "services/"}},
+    {"spdlog", false, {"services/"}},
+    {"thread", true, {"services/"}},
+    {"chrono", true, {"services/"}},
+};
+
+std::string FolderOf(const std::string& path) {
+  const auto first = path.find('/');
+  if (first == std::string::npos) return "";
+  const std::string top = path.substr(0, first);
+  if (top != "engrave" && top != "services") return top;
+  const auto second = path.find('/', first + 1);
+  return second == std::string::npos ? top : path.substr(0, second);
+}
+
+bool Matches(const std::string& pattern, const std::string& folder) {
+  return pattern.ends_with('*')
+             ? folder.starts_with(pattern.substr(0, pattern.size() - 1))
+             : folder == pattern;
+}
+
+bool MayInclude(const std::string& from, const std::string& to) {
+  if (from == to) return true;
+  const auto exact = kMayInclude.find(from);
+  const auto found = exact != kMayInclude.end() ? exact : kMayInclude.find("services/*");
+  return std::any_of(found->second.begin(), found->second.end(),
+                     [&](const std::string& pattern) { return Matches(pattern, to); });
+}
+
+bool IsOurs(const std::string& folder) {
+  for (const char* top : {"engrave/", "services/", "materials_db", "proto", "idl"}) {
+    if (folder.starts_with(top)) return true;
+  }
+  return false;
+}
+
+/// The text between the quotes or brackets of an include; empty for any other line.
+std::string IncludedBy(const std::string& line) {
+  const std::string word = "#include ";
+  if (!line.starts_with(word) || line.size() < word.size() + 2) return {};
+  const auto end = line.find_first_of("\">", word.size() + 1);
+  return end == std::string::npos ? ""
+                                  : line.substr(word.size() + 1, end - word.size() - 1);
+}
+
+class Inspector {
+ public:
+  explicit Inspector(const fs::path& root) : root_(root) {}
+
+  void Inspect(const fs::path& file) {
+    const std::string path = file.lexically_relative(root_).string();
+    const std::string folder = FolderOf(path);
+    std::ifstream in(file);
+    int lines = 0;
+    bool once = false;
+    for (std::string line; std::getline(in, line); ++lines) {
+      once = once || line == "#pragma once";
+      if (line.find("dds_") != std::string::npos && folder != "services/bus" &&
+          line.find("//") == std::string::npos) {
+        Say(path, "names dds_ outside services/bus: " + line);
+      }
+      CheckInclude(path, folder, IncludedBy(line));
+    }
+    if (lines > kMaxLines)
+      Say(path, "has " + std::to_string(lines) + " lines, 400 are the end");
+    if (file.extension() == ".h" && !once) Say(path, "has no #pragma once");
+  }
+
+  std::vector<std::string> Take() { return std::move(violations_); }
+
+ private:
+  void Say(const std::string& path, const std::string& what) {
+    violations_.push_back(path + ": " + what);
+  }
+
+  void CheckInclude(const std::string& path, const std::string& folder,
+                    const std::string& included) {
+    if (included.empty()) return;
+    const std::string to = FolderOf(included);
+    if (IsOurs(to) && !MayInclude(folder, to)) Say(path, "may not include " + included);
+    for (const Kept& kept : kKept) {
+      const bool named =
+          kept.whole_name ? included == kept.prefix : included.starts_with(kept.prefix);
+      const bool allowed =
+          std::any_of(kept.folders.begin(), kept.folders.end(),
+                      [&](const std::string& f) { return folder.starts_with(f); });
+      if (named && !allowed) Say(path, "may not include " + included);
+    }
+  }
+
+  fs::path root_;
+  std::vector<std::string> violations_;
+};
+
+}  // namespace
+
+std::vector<std::string> Violations(const fs::path& root) {
+  Inspector inspector(root);
+  for (const char* top : {"engrave", "materials_db", "proto", "services"}) {
+    if (!fs::exists(root / top)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const auto extension = entry.path().extension();
+      if (extension == ".h" || extension == ".cc") inspector.Inspect(entry.path());
+    }
+  }
+  return inspector.Take();
+}
+
+}  // namespace intaglio::walls

@@ -1,0 +1,68 @@
+#include "tests/walls/walls.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace intaglio::walls {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class MadeUpTree : public ::testing::Test {
+ protected:
+  MadeUpTree()
+      : root_(fs::path(INTAGLIO_TEST_DIR) / "walls" /
+              ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::remove_all(root_);
+  }
+  void Write(const std::string& path, const std::string& text) const {
+    fs::create_directories((root_ / path).parent_path());
+    std::ofstream(root_ / path) << text;
+  }
+  fs::path root_;
+};
+
+TEST(Walls, HoldInThisTree) { EXPECT_THAT(Violations(INTAGLIO_SOURCE_DIR), IsEmpty()); }
+
+TEST_F(MadeUpTree, GoodTreeHasNoViolation) {
+  Write("engrave/sort/a.h", "#pragma once\n#include \"engrave/core/geometry.h\"\n");
+  Write("services/cli/a.cc", "#include \"services/host/b.h\"\n#include <thread>\n");
+  EXPECT_THAT(Violations(root_), IsEmpty());
+}
+
+TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
+  const std::pair<const char*, const char*> crossings[] = {
+      {"engrave/core/a.cc", "#include \"engrave/mesh/mesh.h\"\n"},
+      {"engrave/sort/a.cc", "#include \"engrave/motion/segment.h\"\n"},
+      {"engrave/optics/a.cc", "#include \"services/bus/bus.h\"\n"},
+      {"engrave/mesh/a.cc", "#include <spdlog/spdlog.h>\n"},
+      {"engrave/mesh/b.cc", "#include <thread>\n"},
+      {"engrave/mesh/c.cc", "#include <google/protobuf/message.h>\n"},
+      {"materials_db/a.cc", "#include \"proto/options.h\"\n"},
+      {"proto/a.cc", "#include \"services/host/poll_loop.h\"\n"},
+      {"services/cli/a.cc", "#include \"services/sorter/sort_job.h\"\n"},
+      {"services/sorter/a.cc", "#include <dds/dds.h>\n"},
+      {"services/sorter/b.cc", "int x = dds_write(1, 2);\n"},
+      {"services/virtual_engraver/a.cc", "#include \"engrave/optics/focus.h\"\n"},
+      {"services/host/a.h", "int once;\n"}};
+  for (const auto& [path, text] : crossings) {
+    fs::remove_all(root_);
+    Write(path, text);
+    EXPECT_THAT(Violations(root_), ElementsAre(HasSubstr(path))) << text;
+  }
+}
+
+TEST_F(MadeUpTree, LongFileIsSeen) {
+  std::string text;
+  for (int i = 0; i < 401; ++i) text += "int a;\n";
+  Write("engrave/core/long.cc", text);
+  EXPECT_THAT(Violations(root_), ElementsAre(HasSubstr("401 lines")));
+}
+
+}  // namespace
+}  // namespace intaglio::walls
