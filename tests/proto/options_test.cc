@@ -36,7 +36,7 @@ TEST(Options, PlacementTurnsDegreesIntoRadians) {
   EXPECT_EQ(placement.move_mm, Vec3(4, 0, 0));
   EXPECT_TRUE(placement.centre_in_block);
   ASSERT_TRUE(std::holds_alternative<mesh::FitHeight>(placement.fit));
-  EXPECT_EQ(std::get<mesh::FitHeight>(placement.fit).height_mm, 14);
+  EXPECT_EQ(std::get<mesh::FitHeight>(placement.fit).height_mm, 22);
 }
 
 TEST(Options, FitBlockLeavesTheMargin) {
