@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/check.h"
@@ -166,7 +167,8 @@ struct Footprint {
 
 class RayCaster {
  public:
-  RayCaster(const Grid& grid, PointList vertices) : grid_(grid), vertices_(vertices) {
+  RayCaster(const Grid& grid, PointList vertices)
+      : grid_(grid), vertices_(std::move(vertices)) {
     for (Vec3& v : vertices_) {
       v.x() = grid_.Rounded(v.x());
       v.y() = grid_.Rounded(v.y());

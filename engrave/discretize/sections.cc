@@ -72,7 +72,7 @@ Status Slicer::ChoosePlanes() {
   }
   // The last plane that fits is not lost to rounding of the division.
   const double fitting = std::floor((last - first) / options_.layer_distance_mm + 1e-9);
-  if (const Status few = CheckCandidateCount(fitting); !few) return few;
+  if (Status few = CheckCandidateCount(fitting); !few) return few;
   const auto count = static_cast<std::size_t>(fitting) + 1;
   for (std::size_t k = 0; k < count; ++k) {
     planes_.push_back(first + static_cast<double>(k) * options_.layer_distance_mm *

@@ -178,7 +178,7 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
       [options, &selected] { selected = [options] { return List(*options); }; });
 
   const auto add = [&](const char* name, const char* purpose,
-                       std::function<int(JobClient&, const JobView&)> act) {
+                       const std::function<int(JobClient&, const JobView&)>& act) {
     CLI::App* command = app.add_subcommand(name, purpose);
     command->add_option("JOB", options->uid, "number or uid (intaglio list)")->required();
     AddBusFlags(*command, options->bus);

@@ -93,14 +93,15 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
     const bool crack = glass.cracks_of_point[i] > 0;
     const bool made = said.outcome == PointOutcome::kMade;
     if (crack && made) continue;
-    if (!crack && said.outcome == PointOutcome::kSkipped && !said.open_intent)
+    const bool never_tried =
+        said.outcome == PointOutcome::kSkipped || said.outcome == PointOutcome::kNone;
+    if (!crack && never_tried && !said.open_intent) {
       ++skipped;
-    else if (!crack && said.outcome == PointOutcome::kMissed)
+    } else if (!crack && said.outcome == PointOutcome::kMissed) {
       ++missed;
-    else if (!crack && said.outcome == PointOutcome::kNone && !said.open_intent)
-      ++skipped;
-    else
+    } else {
       ++unaccounted;
+    }
   }
   counts.set_skipped(skipped);
   counts.set_missed(missed);

@@ -101,7 +101,7 @@ class VirtualStageDriver final : public MotionDriver {
   }
 
   Status BeginRun(std::uint32_t run, std::uint64_t start_tick) override {
-    const auto sent =
+    auto sent =
         SendFrame(MotionFrame::kBeginRun, Encode(link::BeginRun{run, start_tick}));
     if (sent) {
       begun_run_ = run;

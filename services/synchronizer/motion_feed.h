@@ -57,7 +57,6 @@ class MotionFeed {
   std::string stream_;
   std::uint32_t run_ = 0;
   std::uint64_t start_tick_ = 0;
-  double rate_hz_ = 0;
   std::uint64_t next_batch_ = 0;
   bool planned_all_ = false;
   bool sent_all_ = true;

@@ -22,6 +22,7 @@ Running::Running(const fs::path& program, const std::vector<std::string>& argume
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
@@ -72,7 +73,7 @@ std::string Running::Output() const {
 fs::path Program(const std::string& name) { return fs::path(INTAGLIO_BIN_DIR) / name; }
 
 fs::path FreshFolder(const std::string& name) {
-  const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / name;
+  fs::path folder = fs::path(INTAGLIO_TEST_DIR) / name;
   fs::remove_all(folder);
   fs::create_directories(folder);
   return folder;

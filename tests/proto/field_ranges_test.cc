@@ -37,7 +37,8 @@ Ranges DocumentedRanges(const std::string& file) {
       comment += match[2];
       std::smatch range;
       if (std::regex_search(comment, range, kRange)) {
-        ranges[message + "." + name] = {std::stod(range[1]), std::stod(range[2])};
+        ranges[fmt::format("{}.{}", message, name)] = {std::stod(range[1]),
+                                                       std::stod(range[2])};
       }
       comment.clear();
     } else if (line.find("//") != std::string::npos) {

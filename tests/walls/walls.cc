@@ -52,7 +52,7 @@ const std::vector<Kept> kKept = {
 std::string FolderOf(const std::string& path) {
   const auto first = path.find('/');
   if (first == std::string::npos) return "";
-  const std::string top = path.substr(0, first);
+  std::string top = path.substr(0, first);
   if (top != "engrave" && top != "services") return top;
   const auto second = path.find('/', first + 1);
   return second == std::string::npos ? top : path.substr(0, second);

@@ -10,8 +10,10 @@ namespace {
 
 PointList Grid(int n, double step_mm) {
   PointList points;
-  for (int i = 0; i < n * n * n; ++i) {
-    points.push_back(step_mm * Vec3(i % n, i / n % n, i / (n * n)));
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) points.push_back(step_mm * Vec3(x, y, z));
+    }
   }
   return points;
 }

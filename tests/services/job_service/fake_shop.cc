@@ -23,19 +23,21 @@ const std::string kCell = "els-03";
 
 ServiceProcess::ServiceProcess(const std::filesystem::path& folder,
                                const std::string& tag) {
-  std::vector<std::string> arguments = {INTAGLIO_BIN_DIR "/intaglio-job-service",
-                                        "--tag",
-                                        tag,
-                                        "--database",
-                                        folder / "jobs.db",
-                                        "--materials-db",
-                                        folder / "materials.db",
-                                        "--results",
-                                        folder / "results",
-                                        "--die-with-parent",
-                                        "--log-level",
-                                        "warning"};
+  std::vector<std::string> arguments = {
+      std::string(INTAGLIO_BIN_DIR) + "/intaglio-job-service",
+      "--tag",
+      tag,
+      "--database",
+      folder / "jobs.db",
+      "--materials-db",
+      folder / "materials.db",
+      "--results",
+      folder / "results",
+      "--die-with-parent",
+      "--log-level",
+      "warning"};
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   if (posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) != 0) pid_ = -1;
