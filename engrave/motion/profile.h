@@ -25,6 +25,11 @@ struct AxisLimits {
   double max_acceleration_mm_s2 = 0.0;
 };
 
+/// Those of one axis, 0..2.
+inline AxisLimits LimitsOf(const Limits& limits, int axis) {
+  return {limits.max_speed_mm_s[axis], limits.max_acceleration_mm_s2[axis]};
+}
+
 /// (15): T = 2 sqrt(s / a). Its peak speed is 2 s / T, whatever the speed limit.
 double TriangleSeconds(double distance_mm, double acceleration_mm_s2);
 

@@ -1,0 +1,22 @@
+#pragma once
+
+// The velocity at each point of a way whose ticks are known (tick_labels.h): inside the
+// boxes, so that every step stays feasible, and of those the ones that shake least.
+
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/motion/limits.h"
+#include "engrave/motion/tick_labels.h"
+
+namespace intaglio::motion {
+
+/// Writes the velocity at the end of each step to `ends_mm_s`, mm/s; the last one is in
+/// the last box. `sweeps` >= 0: passes that lower the integral of the squared
+/// acceleration; after 4 less than 1 % is left to gain.
+void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
+                  std::span<const TimedStep> timed, const Limits& limits, double rate_hz,
+                  int sweeps, std::vector<Vec3>& ends_mm_s);
+
+}  // namespace intaglio::motion

@@ -1,0 +1,83 @@
+#pragma once
+
+// How many ticks each step of a way takes when the stage need not stop: a dynamic
+// programme over labels. A label at a point is a number of ticks from the start and the
+// box of velocities with which the point can be passed at that tick (axis_reach.h), so
+// feasibility is exact; of all labels a set number is kept at each point. A label whose
+// box lies in another's that took no more ticks is never worth keeping.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/motion/axis_reach.h"
+#include "engrave/motion/limits.h"
+
+namespace intaglio::motion {
+
+/// Velocities per axis, mm/s.
+struct VelocityBox {
+  SpeedInterval axis[3];
+
+  bool Covers(const VelocityBox& other) const {
+    return axis[0].Covers(other.axis[0]) && axis[1].Covers(other.axis[1]) &&
+           axis[2].Covers(other.axis[2]);
+  }
+  bool HasRest() const {
+    return axis[0].Contains(0) && axis[1].Contains(0) && axis[2].Contains(0);
+  }
+};
+
+struct LabelOptions {
+  /// Labels kept at a point, 1..256. 4 are enough up to 200 Hz; above that, where a step
+  /// takes several ticks, 16.
+  int width = 4;
+  /// Ticks tried beyond the first that serve, for each label, 0..64.
+  int extra_ticks = 2;
+};
+
+/// The ticks of the step to a point and the velocities open at it.
+struct TimedStep {
+  std::uint32_t ticks = 1;
+  VelocityBox box;
+};
+
+/// Keeps its memory between calls; not for two threads at once.
+class TickLabels {
+ public:
+  TickLabels(const Limits& limits, double rate_hz, const LabelOptions& options);
+
+  /// The fewest ticks found from `start_mm_s` through steps of `steps_mm` to rest at the
+  /// end of the last. `timed` gets an entry a step. The start velocity is within the
+  /// limits of speed.
+  void Choose(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
+              std::vector<TimedStep>& timed);
+
+ private:
+  struct Label {
+    VelocityBox box;
+    std::uint32_t ticks = 0;
+    std::uint32_t step_ticks = 0;
+    std::int32_t parent = -1;
+    double score = 0;  ///< Known while the best are chosen; less is better.
+    bool has_rest = false;
+  };
+
+  bool MakeLabel(std::uint32_t from_index, std::uint32_t ticks, const Vec3& step_mm,
+                 const SpeedInterval usable[3], Label& to) const;
+  void Extend(const Vec3& step_mm, bool to_rest);
+  void Offer(const Label& label);
+  double Score(const Label& label) const;
+  void KeepBest();
+
+  Limits limits_;
+  double rate_hz_;
+  LabelOptions options_;
+  std::vector<Label> labels_;         ///< Of all points, one after another.
+  std::vector<std::uint32_t> first_;  ///< Of each point in labels_.
+  std::vector<Label> offered_;        ///< For the point at hand.
+  std::vector<std::uint32_t> last_;
+};
+
+}  // namespace intaglio::motion

@@ -1,0 +1,80 @@
+#pragma once
+
+// Motion that passes every point at a tick and need not stop there: as many points a
+// tick as the limits of the axes allow. Frame machine, mm.
+//
+// It plans a window of points at a time to rest at the window's last point, hands out
+// the first part of it and plans the rest again with what has come since. So at any time
+// the motion handed out can go on to rest, a way of any length is planned while it runs,
+// and memory is bounded.
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/motion/limits.h"
+#include "engrave/motion/segment.h"
+#include "engrave/motion/tick_labels.h"
+
+namespace intaglio::motion {
+
+struct TickPlannerOptions {
+  LabelOptions labels;
+  /// Points planned at once, >= 2.
+  int window_points = 512;
+  /// Of these, points planned again with the next ones, < window_points. What comes
+  /// later changes the best way only some ten points back.
+  int look_ahead_points = 64;
+  /// Passes that lower acceleration without costing a tick (speed_choice.h).
+  int sweeps = 4;
+};
+
+/// Options that fit a rate: more labels where a step takes more ticks.
+TickPlannerOptions OptionsForRate(double rate_hz);
+
+/// Streams: target in, segments out. Not for use by two threads at once.
+class TickPlanner {
+ public:
+  /// Starts at `start`, at a whole tick. rate_hz > 0: the lamp's rate, 1 .. 4000. A
+  /// start velocity must be one from which the way can be made within the limits.
+  TickPlanner(const Limits& limits, double rate_hz, const TickPlannerOptions& options,
+              const KnotState& start);
+
+  /// Takes the next target; adds the segments that are settled, those of a whole window
+  /// at once. The last segment of a step carries `point` and `pulse`.
+  void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
+              std::vector<Segment>& out);
+
+  /// Adds all that is left and the end of the program, at rest at the last target. The
+  /// next Append starts from there.
+  void Finish(std::vector<Segment>& out);
+
+  /// Where the segments handed out so far end.
+  const KnotState& state() const { return state_; }
+  /// Ticks of the segments handed out so far.
+  std::uint64_t ticks() const { return ticks_; }
+
+ private:
+  struct Target {
+    Vec3 position_mm;
+    std::int32_t point;
+    bool pulse;
+  };
+
+  void PlanWindow();
+  void HandOut(std::size_t count, std::vector<Segment>& out);
+
+  Limits limits_;    ///< As given.
+  Limits reserved_;  ///< Less what arcs on whole subticks need.
+  double rate_hz_;
+  TickPlannerOptions options_;
+  KnotState state_;
+  std::uint64_t ticks_ = 0;
+  TickLabels labels_;
+  std::vector<Target> targets_;  ///< Not yet handed out.
+  std::vector<Vec3> steps_mm_;
+  std::vector<TimedStep> timed_;
+  std::vector<Vec3> ends_mm_s_;
+};
+
+}  // namespace intaglio::motion
