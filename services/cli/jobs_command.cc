@@ -13,6 +13,7 @@
 #include "services/cli/job_options.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/run_command.h"
+#include "services/cli/stage_bars.h"
 
 namespace intaglio::cli {
 namespace {
@@ -41,23 +42,19 @@ std::string TimeOf(const JobView& job) {
 }
 
 std::string ProgressOf(const JobView& job) {
-  if (job.progress.empty()) return "-";
-  const JobView::Progress& p = job.progress.back();
-  return fmt::format("{} {} / {}", NameOf(p.stage), GroupedDigits(p.done_count),
-                     GroupedDigits(p.total_count));
+  const JobView::Progress* p = StageAtWork(job);
+  if (p == nullptr) return "-";
+  return fmt::format("{} {} / {}", NameOf(p->stage), GroupedDigits(p->done_count),
+                     GroupedDigits(p->total_count));
 }
 
 int WatchJob(JobClient& client, const std::string& uid) {
   CatchInterrupts();
   ProgressBar bar(std::cerr, isatty(STDERR_FILENO) != 0);
+  StageBars bars(bar);
   for (;;) {
     const JobView& job = client.jobs().at(uid);
-    if (!job.progress.empty()) {
-      const JobView::Progress& p = job.progress.back();
-      const std::string note =
-          job.message.empty() ? std::string(NameOf(job.state)) : job.message;
-      bar.Show(NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s, note);
-    }
+    bars.Show(job, job.message.empty() ? std::string(NameOf(job.state)) : job.message);
     if (job.ended()) {
       bar.Finish();
       std::cout << "job " << job.number << " " << NameOf(job.state)

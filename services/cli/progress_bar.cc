@@ -39,6 +39,19 @@ ProgressBar::ProgressBar(std::ostream& out, bool interactive)
 
 void ProgressBar::Show(const std::string& stage, std::uint64_t done, std::uint64_t total,
                        double elapsed_s, const std::string& note) {
+  in_points_ = true;
+  Draw(stage, done, total, elapsed_s, note);
+}
+
+void ProgressBar::ShowShare(const std::string& stage, std::uint64_t done,
+                            std::uint64_t total, double elapsed_s,
+                            const std::string& note) {
+  in_points_ = false;
+  Draw(stage, done, total, elapsed_s, note);
+}
+
+void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64_t total,
+                       double elapsed_s, const std::string& note) {
   if (stage != stage_) {
     Finish();
     stage_ = stage;
@@ -71,12 +84,12 @@ std::string ProgressBar::Line() const {
   const int full = static_cast<int>(share * kBarWidth);
   std::string line = fmt::format("{:<11}[{:#<{}}{:-<{}}] {:3.0f} %", stage_, "", full, "",
                                  kBarWidth - full, 100 * share);
-  if (total_ > 0) {
+  if (total_ > 0 && in_points_) {
     line += fmt::format("  {} / {} points", GroupedDigits(done_), GroupedDigits(total_));
   }
   if (done_ > 0 && elapsed_s_ > 0) {
     const double rate = static_cast<double>(done_) / elapsed_s_;
-    line += fmt::format("  {}/s", ShortNumber(rate));
+    if (in_points_) line += fmt::format("  {}/s", ShortNumber(rate));
     if (total_ > done_) {
       line += fmt::format("  {} left",
                           ShortDuration(static_cast<double>(total_ - done_) / rate));

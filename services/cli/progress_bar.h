@@ -27,16 +27,22 @@ class ProgressBar {
   /// A new stage begins when `stage` differs from the last call's. total 0: unknown.
   void Show(const std::string& stage, std::uint64_t done, std::uint64_t total,
             double elapsed_s, const std::string& note = {});
+  /// The same for work that is not counted in points: no counts and no rate.
+  void ShowShare(const std::string& stage, std::uint64_t done, std::uint64_t total,
+                 double elapsed_s, const std::string& note = {});
   /// Ends the line in hand.
   void Finish();
 
  private:
+  void Draw(const std::string& stage, std::uint64_t done, std::uint64_t total,
+            double elapsed_s, const std::string& note);
   std::string Line() const;
   std::ostream& out_;
   bool interactive_;
   std::string stage_, note_;
   std::uint64_t done_ = 0, total_ = 0;
   double elapsed_s_ = 0;
+  bool in_points_ = true;
   int told_tenth_ = -1;
   std::string told_note_;
   std::size_t drawn_width_ = 0;

@@ -16,6 +16,7 @@
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_folder.h"
 #include "services/cli/service_set.h"
+#include "services/cli/stage_bars.h"
 
 namespace intaglio::cli {
 namespace {
@@ -79,6 +80,7 @@ class RunSession {
   materials_db::Material material_;
   materials_db::OpticalValues optics_;
   ProgressBar bar_;
+  StageBars bars_{bar_};
   fs::path out_, session_;
   std::string started_utc_ = UtcNow();
   Clock::time_point started_ = Clock::now();
@@ -163,16 +165,16 @@ int RunSession::Engrave(ServiceSet& services) {
 }
 
 void RunSession::Show(const JobView& job) {
-  if (job.progress.empty()) return;
-  const JobView::Progress& p = job.progress.back();
+  const JobView::Progress* p = StageAtWork(job);
+  if (p == nullptr) return;
   std::string note;
-  if (p.stage == intaglio_STAGE_ENGRAVE && job.estimate_ticks > 0 && job.rate_hz > 0 &&
-      p.done_count == 0) {
+  if (p->stage == intaglio_STAGE_ENGRAVE && job.estimate_ticks > 0 && job.rate_hz > 0 &&
+      p->done_count == 0) {
     note = "machining time " +
            ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
   }
   if (!job.message.empty()) note = job.message;
-  bar_.Show(NameOf(p.stage), p.done_count, p.total_count, p.elapsed_s, note);
+  bars_.Show(job, note);
 }
 
 // A line that was silent for a moment is no reason to spoil a block: what was armed is
