@@ -19,25 +19,31 @@
 namespace intaglio::motion {
 namespace {
 
-class OneAxis {
+class Way {
  public:
-  OneAxis(int axis, double start_mm_s, std::span<const Vec3> steps_mm,
-          std::span<const TimedStep> timed, const Limits& limits, double rate_hz,
-          std::vector<Vec3>& ends_mm_s)
-      : axis_(axis),
-        start_mm_s_(start_mm_s),
+  Way(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
+      std::span<const TimedStep> timed, const Limits& limits, double rate_hz,
+      std::vector<Vec3>& ends_mm_s)
+      : start_mm_s_(start_mm_s),
         steps_mm_(steps_mm),
         timed_(timed),
-        limits_(LimitsOf(limits, axis)),
-        rate_hz_(rate_hz),
+        limits_{LimitsOf(limits, 0), LimitsOf(limits, 1), LimitsOf(limits, 2)},
+        tick_s_(1 / rate_hz),
         ends_mm_s_(ends_mm_s) {}
 
   void Backwards() {
     std::size_t i = timed_.size() - 1;
-    end(i) = Box(i).Clamp(steps_mm_[i][axis_] / Seconds(i));
+    for (int axis = 0; axis < 3; ++axis) {
+      ends_mm_s_[i][axis] = timed_[i].box.axis[axis].Clamp(0);
+    }
     while (i-- > 0) {
-      const SpeedInterval open = Intersection(Box(i), Before(i + 1));
-      end(i) = open.Clamp(Best(i, steps_mm_[i][axis_] / Seconds(i)));
+      const Weights weights = WeightsAt(i);
+      for (int axis = 0; axis < 3; ++axis) {
+        const SpeedInterval open =
+            Intersection(timed_[i].box.axis[axis], Before(i + 1, axis));
+        const double before = steps_mm_[i][axis] * weights.per_s;
+        ends_mm_s_[i][axis] = open.Clamp(Best(i, axis, weights, before));
+      }
     }
   }
 
@@ -45,58 +51,75 @@ class OneAxis {
     const std::size_t inner = timed_.size() - 1;
     for (std::size_t k = 0; k < inner; ++k) {
       const std::size_t i = forwards ? k : inner - 1 - k;
-      const double best = Best(i, Start(i));
-      if (CubicKeeps(i, Start(i), best) && CubicKeeps(i + 1, best, end(i + 1))) {
-        end(i) = best;
-        continue;
-      }
-      const SpeedInterval open = Intersection(Behind(i), Before(i + 1));
-      if (!open.empty()) end(i) = open.Clamp(best);
+      const Weights weights = WeightsAt(i);
+      for (int axis = 0; axis < 3; ++axis) Improve(i, axis, weights);
     }
   }
 
  private:
-  double& end(std::size_t i) { return ends_mm_s_[i][axis_]; }
-  double Start(std::size_t i) { return i == 0 ? start_mm_s_ : end(i - 1); }
-  double Seconds(std::size_t i) const { return timed_[i].ticks / rate_hz_; }
-  const SpeedInterval& Box(std::size_t i) const { return timed_[i].box.axis[axis_]; }
+  struct Weights {
+    double per_s;       ///< 1 / T
+    double next_per_s;  ///< 1 / S
+    double whole_s;     ///< 1 / (2 (1 / T + 1 / S))
+  };
+
+  Weights WeightsAt(std::size_t i) const {
+    const double t = 1 / Seconds(i), s = 1 / Seconds(i + 1);
+    return {t, s, 0.5 / (t + s)};
+  }
+  double Seconds(std::size_t i) const { return timed_[i].ticks * tick_s_; }
+  double Start(std::size_t i, int axis) const {
+    return i == 0 ? start_mm_s_[axis] : ends_mm_s_[i - 1][axis];
+  }
+
+  /// The best velocity between step i and the next, with `before` at the start of i.
+  double Best(std::size_t i, int axis, const Weights& w, double before) const {
+    const double t = w.per_s, s = w.next_per_s;
+    return (3 * (steps_mm_[i][axis] * t * t + steps_mm_[i + 1][axis] * s * s) -
+            before * t - ends_mm_s_[i + 1][axis] * s) *
+           w.whole_s;
+  }
+
+  void Improve(std::size_t i, int axis, const Weights& weights) {
+    const double start = Start(i, axis), next = ends_mm_s_[i + 1][axis];
+    const double best = Best(i, axis, weights, start);
+    double& end = ends_mm_s_[i][axis];
+    if (CubicKeeps(i, axis, weights.per_s, start, best) &&
+        CubicKeeps(i + 1, axis, weights.next_per_s, best, next)) {
+      end = best;
+      return;
+    }
+    const SpeedInterval open = Intersection(Behind(i, axis, start), Before(i + 1, axis));
+    if (!open.empty()) end = open.Clamp(best);
+  }
 
   /// Whether the cubic of step i keeps the limits: what most points need, without a root.
-  bool CubicKeeps(std::size_t i, double v, double w) const {
-    const double seconds = Seconds(i);
-    const double mean = steps_mm_[i][axis_] / seconds;
-    const double most = limits_.max_acceleration_mm_s2 * seconds;
+  bool CubicKeeps(std::size_t i, int axis, double per_s, double v, double w) const {
+    const double mean = steps_mm_[i][axis] * per_s;
+    const double most = limits_[axis].max_acceleration_mm_s2 * Seconds(i);
+    const double top = limits_[axis].max_speed_mm_s;
     // Bezier ordinates of the speed: v, the middle one, w.
     const double middle = 3 * mean - v - w;
-    return std::abs(6 * mean - 4 * v - 2 * w) <= most &&
-           std::abs(6 * mean - 2 * v - 4 * w) <= most &&
-           std::abs(middle) <= limits_.max_speed_mm_s &&
-           std::abs(w) <= limits_.max_speed_mm_s && std::abs(v) <= limits_.max_speed_mm_s;
+    return (std::abs(6 * mean - 4 * v - 2 * w) <= most) &
+           (std::abs(6 * mean - 2 * v - 4 * w) <= most) & (std::abs(middle) <= top) &
+           (std::abs(v) <= top) & (std::abs(w) <= top);
   }
-  /// Where step i can end, coming from its start.
-  SpeedInterval Behind(std::size_t i) {
-    const double v = Start(i);
-    return ReachableEndSpeeds({v, v}, steps_mm_[i][axis_], Seconds(i), limits_);
+  /// Where step i can end, coming from `start`.
+  SpeedInterval Behind(std::size_t i, int axis, double start) const {
+    return ReachableEndSpeeds({start, start}, steps_mm_[i][axis], Seconds(i),
+                              limits_[axis]);
   }
   /// Where step i can start, going to its end.
-  SpeedInterval Before(std::size_t i) {
-    const double v = end(i);
-    return ReachableEndSpeeds({v, v}, steps_mm_[i][axis_], Seconds(i), limits_);
-  }
-  /// The best velocity between step i and the next, with `before` at the start of i.
-  double Best(std::size_t i, double before) {
-    const double t = 1 / Seconds(i), s = 1 / Seconds(i + 1);
-    return (3 * (steps_mm_[i][axis_] * t * t + steps_mm_[i + 1][axis_] * s * s) -
-            before * t - end(i + 1) * s) /
-           (2 * (t + s));
+  SpeedInterval Before(std::size_t i, int axis) const {
+    const double end = ends_mm_s_[i][axis];
+    return ReachableEndSpeeds({end, end}, steps_mm_[i][axis], Seconds(i), limits_[axis]);
   }
 
-  int axis_;
-  double start_mm_s_;
+  Vec3 start_mm_s_;
   std::span<const Vec3> steps_mm_;
   std::span<const TimedStep> timed_;
-  AxisLimits limits_;
-  double rate_hz_;
+  AxisLimits limits_[3];
+  double tick_s_;
   std::vector<Vec3>& ends_mm_s_;
 };
 
@@ -109,11 +132,9 @@ void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
           timed.size());
   ends_mm_s.resize(timed.size());
   if (timed.empty()) return;
-  for (int axis = 0; axis < 3; ++axis) {
-    OneAxis one(axis, start_mm_s[axis], steps_mm, timed, limits, rate_hz, ends_mm_s);
-    one.Backwards();
-    for (int sweep = 0; sweep < sweeps; ++sweep) one.Sweep(sweep % 2 == 0);
-  }
+  Way way(start_mm_s, steps_mm, timed, limits, rate_hz, ends_mm_s);
+  way.Backwards();
+  for (int sweep = 0; sweep < sweeps; ++sweep) way.Sweep(sweep % 2 == 0);
 }
 
 }  // namespace intaglio::motion

@@ -14,7 +14,7 @@ namespace intaglio::motion {
 
 /// Writes the velocity at the end of each step to `ends_mm_s`, mm/s; the last one is in
 /// the last box. `sweeps` >= 0: passes that lower the integral of the squared
-/// acceleration; after 4 less than 1 % is left to gain.
+/// acceleration; after 2 there is less than 2 % left to gain.
 void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
                   std::span<const TimedStep> timed, const Limits& limits, double rate_hz,
                   int sweeps, std::vector<Vec3>& ends_mm_s);

@@ -26,7 +26,7 @@ struct TickPlannerOptions {
   /// later changes the best way only some ten points back.
   int look_ahead_points = 64;
   /// Passes that lower acceleration without costing a tick (speed_choice.h).
-  int sweeps = 4;
+  int sweeps = 2;
 };
 
 /// Options that fit a rate: more labels where a step takes more ticks.
