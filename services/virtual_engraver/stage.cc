@@ -159,11 +159,10 @@ void Stage::FinishSegment() {
   }
 }
 
-void Stage::RunTick(double rate_hz) {
-  std::uint64_t left = kSubticksPerTick;
+std::uint64_t Stage::FollowQueue(std::uint64_t left, double rate_hz) {
+  const double subtick_s = 1 / (rate_hz * static_cast<double>(kSubticksPerTick));
   while (left > 0 && !queue_.empty()) {
     const link::WireSegment segment = queue_.front();
-    const double subtick_s = 1 / (rate_hz * static_cast<double>(kSubticksPerTick));
     const std::uint64_t step =
         std::min<std::uint64_t>(left, segment.duration_subticks - in_segment_subticks_);
     const Curve curve = CurveOf(knot_mm_, knot_mm_s_, EndOf(segment), EndSpeedOf(segment),
@@ -177,7 +176,19 @@ void Stage::RunTick(double rate_hz) {
                    (actual_mm_ - EndOf(segment)).norm() <= options_.position_tolerance_mm;
     FinishSegment();
   }
-  if (phase_ == Phase::kRunning && left > 0) Fail(StageFault::kStarved);
+  return left;
+}
+
+void Stage::RunTick(double rate_hz) {
+  std::uint64_t left = FollowQueue(kSubticksPerTick, rate_hz);
+  if (phase_ == Phase::kRunning && left > 0) {
+    Fail(StageFault::kStarved);
+    left = FollowQueue(left, rate_hz);  // brakes at once, without a pause to the tick
+  }
+  // At rest the lag goes on.
+  const double rest_s =
+      static_cast<double>(left) / (rate_hz * static_cast<double>(kSubticksPerTick));
+  if (left > 0) FollowCurve({commanded_mm_}, 0, rest_s);
 }
 
 void Stage::AdvanceTick(double rate_hz) {

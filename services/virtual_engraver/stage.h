@@ -68,6 +68,8 @@ class Stage {
                        double duration_s);
   void Brake(link::StageFault fault);
   void FollowCurve(const Curve& curve, double from_s, double to_s);
+  /// At most `subticks`; what the queue did not cover is returned.
+  std::uint64_t FollowQueue(std::uint64_t subticks, double rate_hz);
   void RunTick(double rate_hz);
   void FinishSegment();
   void Latch();
