@@ -41,6 +41,12 @@ Status SetMethod(const JobFlags& flags, Discretization& d) {
                 method);
   }
   if (d.method_case() == Discretization::METHOD_NOT_SET) d.mutable_sections();
+  if (flags.layer_mm && !d.has_sections()) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("--layer is a distance of the method sections, the method is "
+                            "{}: leave one of them out",
+                            d.has_fill() ? "fill" : "rays"));
+  }
   if (flags.spacing_mm) d.set_min_spacing_mm(*flags.spacing_mm);
   if (d.has_sections()) {
     if (flags.layer_mm) d.mutable_sections()->set_layer_distance_mm(*flags.layer_mm);

@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 
@@ -282,14 +283,18 @@ Status CopyInto(const fs::path& from, const fs::path& to) {
       to.string());
 }
 
+/// The journal of the last attempt: journal-10.bin comes after journal-9.bin.
 fs::path NewestJournal(const fs::path& folder) {
   fs::path newest;
+  unsigned newest_attempt = 0;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with("journal-") &&
-        (newest.empty() || name > newest.filename().string())) {
+    unsigned attempt = 0;
+    if (std::sscanf(name.c_str(), "journal-%u.bin", &attempt) == 1 &&
+        attempt >= newest_attempt) {
       newest = entry.path();
+      newest_attempt = attempt;
     }
   }
   return newest;

@@ -1,0 +1,173 @@
+// Every flag of a job lands in its field, flags win over the job file, and what
+// contradicts itself is refused with a sentence that names the flag.
+
+#include "services/cli/job_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+const std::string kModel = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.obj";
+const std::string kJob = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto";
+
+JobFlags Typed(std::vector<std::string> words) {
+  CLI::App app;
+  JobFlags flags;
+  AddJobFlags(app, flags);
+  std::reverse(words.begin(), words.end());  // CLI11 takes a stack of words
+  app.parse(words);
+  return flags;
+}
+
+Result<JobAndMachine> Built(const std::vector<std::string>& words) {
+  return BuildJob(Typed(words));
+}
+
+/// The job of the supplied model, 22 mm high, and these flags.
+JobSpec JobOf(std::vector<std::string> more) {
+  std::vector<std::string> words = {"--mesh", kModel, "--height", "22"};
+  words.insert(words.end(), more.begin(), more.end());
+  const auto built = Built(words);
+  EXPECT_TRUE(built) << (built ? "" : built.error().message);
+  return built ? built->job : JobSpec();
+}
+
+std::string RefusalOf(const std::vector<std::string>& words) {
+  const auto built = Built(words);
+  return built ? "" : built.error().message;
+}
+
+TEST(JobFlags, OfTheModelLandInItsPlacement) {
+  const JobSpec job = JobOf({"--rotate", "90", "-45", "10", "--unit", "25.4"});
+  ASSERT_EQ(job.models_size(), 1);
+  EXPECT_EQ(job.models(0).file(), kModel);
+  const Placement& placement = job.models(0).placement();
+  EXPECT_EQ(placement.fit_height_mm(), 22);
+  EXPECT_EQ(placement.unit_mm(), 25.4);
+  EXPECT_EQ(placement.rotate_deg().x(), 90);
+  EXPECT_EQ(placement.rotate_deg().y(), -45);
+  EXPECT_EQ(placement.rotate_deg().z(), 10);
+  const auto sized = Built({"--mesh", kModel, "--size", "31"});
+  ASSERT_TRUE(sized) << sized.error().message;
+  EXPECT_EQ(sized->job.models(0).placement().fit_size_mm(), 31);
+  EXPECT_FALSE(sized->job.models(0).placement().has_fit_height_mm());
+}
+
+TEST(JobFlags, OfTheBlockAndTheGlassLandInThem) {
+  const JobSpec job =
+      JobOf({"--block", "60", "55", "50", "--margin", "4", "--clip", "--glass",
+             "fused-silica", "--focal", "70", "--name", "a knot"});
+  EXPECT_EQ(job.block().size_mm().x(), 60);
+  EXPECT_EQ(job.block().size_mm().y(), 55);
+  EXPECT_EQ(job.block().size_mm().z(), 50);
+  EXPECT_EQ(job.block().margin_mm(), 4);
+  EXPECT_TRUE(job.block().clip());
+  EXPECT_EQ(job.glass(), "fused-silica");
+  EXPECT_EQ(job.lens().focal_length_mm(), 70);
+  EXPECT_EQ(job.lens().numerical_aperture(), 0.124) << "of the machine's lens";
+  EXPECT_EQ(job.name(), "a knot");
+}
+
+TEST(JobFlags, OfTheMethodLandInIt) {
+  const JobSpec sections =
+      JobOf({"--layer", "0.4", "--vertex", "0.35", "--spacing", "0.3"});
+  ASSERT_TRUE(sections.discretization().has_sections()) << "the default";
+  EXPECT_EQ(sections.discretization().sections().layer_distance_mm(), 0.4);
+  EXPECT_EQ(sections.discretization().sections().vertex_distance_mm(), 0.35);
+  EXPECT_EQ(sections.discretization().min_spacing_mm(), 0.3);
+  const JobSpec fill = JobOf({"--method", "fill", "--vertex", "0.5"});
+  ASSERT_TRUE(fill.discretization().has_fill());
+  EXPECT_EQ(fill.discretization().fill().vertex_distance_mm(), 0.5);
+  const JobSpec rays = JobOf({"--method", "rays", "--vertex", "0.6"});
+  ASSERT_TRUE(rays.discretization().has_rays());
+  EXPECT_EQ(rays.discretization().rays().distance_mm(), 0.6);
+}
+
+TEST(JobFlags, OfOrderMotionAndLaserLandInThem) {
+  const JobSpec job = JobOf({"--order", "layers", "--profile", "cubic", "--rate", "25",
+                             "--speed-limit", "30", "--acceleration", "900"});
+  EXPECT_TRUE(job.ordering().has_layers());
+  EXPECT_EQ(job.motion().profile(), MOTION_PROFILE_CUBIC);
+  EXPECT_EQ(job.motion().max_speed_mm_s(), 30);
+  EXPECT_EQ(job.motion().max_acceleration_mm_s2(), 900);
+  EXPECT_EQ(job.laser().rate_hz(), 25);
+  EXPECT_TRUE(JobOf({"--order", "kdz"}).ordering().has_kdz());
+}
+
+TEST(JobFlags, OfTheMachineAreANameOrAFile) {
+  const fs::path own = fs::path(INTAGLIO_TEST_DIR) / "job_options_own.textproto";
+  fs::create_directories(own.parent_path());
+  std::ifstream in(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  text.replace(text.find("\"els-03\""), 8, "\"mine\"");
+  std::ofstream(own) << text;
+  const auto built =
+      Built({"--mesh", kModel, "--height", "22", "--machine", own.string()});
+  ASSERT_TRUE(built) << built.error().message;
+  EXPECT_EQ(built->machine.name(), "mine");
+  EXPECT_EQ(built->job.machine_file(), own);
+  EXPECT_THAT(RefusalOf({"--mesh", kModel, "--machine", "els-30"}),
+              ::testing::AllOf(HasSubstr("--machine 'els-30'"), HasSubstr("els-03")));
+}
+
+TEST(JobFlags, WinOverTheJobFileAndLeaveTheRestOfIt) {
+  const auto built =
+      Built({kJob, "--size", "12", "--spacing", "0.5", "--glass", "soda-lime"});
+  ASSERT_TRUE(built) << built.error().message;
+  const JobSpec& job = built->job;
+  EXPECT_EQ(job.models(0).placement().fit_size_mm(), 12) << "replaces the file's height";
+  EXPECT_EQ(job.discretization().min_spacing_mm(), 0.5);
+  EXPECT_EQ(job.glass(), "soda-lime");
+  EXPECT_EQ(job.name(), "trefoil knot");
+  EXPECT_EQ(job.block().size_mm().z(), 30);
+}
+
+TEST(JobFlags, WithoutABlockOneIsChosenAroundTheObject) {
+  const auto built = Built({"--mesh", kModel, "--height", "22"});
+  ASSERT_TRUE(built);
+  // 22 mm high and 5 mm of glass on both sides, in steps of 5 mm.
+  EXPECT_EQ(built->job.block().size_mm().z(), 35);
+  ASSERT_EQ(built->notes.size(), 1u);
+  EXPECT_THAT(built->notes[0], HasSubstr("--block X Y Z"));
+}
+
+TEST(JobFlags, ThatContradictEachOtherAreRefused) {
+  EXPECT_THROW(Typed({"--mesh", kModel, "--height", "1", "--size", "2"}),
+               CLI::ParseError);
+  EXPECT_THROW(Typed({"--mesh", kModel, "--rotate", "1", "2"}), CLI::ParseError);
+  EXPECT_THROW(Typed({"--mesh", kModel, "--block", "1"}), CLI::ParseError);
+  EXPECT_THROW(Typed({"--mesh", kModel, "--height", "tall"}), CLI::ParseError);
+  for (const char* method : {"fill", "rays"}) {
+    EXPECT_THAT(
+        RefusalOf(
+            {"--mesh", kModel, "--height", "22", "--method", method, "--layer", "0.1"}),
+        ::testing::AllOf(HasSubstr("--layer"), HasSubstr("sections"), HasSubstr(method)));
+  }
+}
+
+TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
+  const auto refusal = [](const char* flag, const char* name) {
+    return RefusalOf({"--mesh", kModel, "--height", "22", flag, name});
+  };
+  EXPECT_THAT(refusal("--method", "slices"), HasSubstr("sections, fill and rays"));
+  EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz and layers"));
+  EXPECT_THAT(refusal("--profile", "s-curve"),
+              HasSubstr("mix, triangle, trapezoid and cubic"));
+  EXPECT_THAT(refusal("--rate", "77"), HasSubstr("laser.rate_hz"));
+}
+
+TEST(JobFlags, WithoutAnythingToEngraveSayWhatToName) {
+  EXPECT_THAT(RefusalOf({}), HasSubstr("--mesh"));
+  EXPECT_THAT(RefusalOf({"nowhere.textproto"}), HasSubstr("nowhere.textproto"));
+}
+
+}  // namespace
+}  // namespace intaglio::cli

@@ -1,0 +1,95 @@
+#include "services/cli/progress_bar.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "services/cli/stage_bars.h"
+
+namespace intaglio::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(Numbers, AreShortAndGrouped) {
+  EXPECT_EQ(GroupedDigits(0), "0");
+  EXPECT_EQ(GroupedDigits(999), "999");
+  EXPECT_EQ(GroupedDigits(1000), "1 000");
+  EXPECT_EQ(GroupedDigits(1234567), "1 234 567");
+  EXPECT_EQ(ShortNumber(1234567), "1.23 M");
+  EXPECT_EQ(ShortNumber(41234), "41 k");
+  EXPECT_EQ(ShortDuration(3.2), "3.2 s");
+  EXPECT_EQ(ShortDuration(62), "1 min 02 s");
+  EXPECT_EQ(ShortDuration(3725), "1 h 02 min");
+  EXPECT_EQ(ShortDuration(59.9), "1 min 00 s");
+  EXPECT_EQ(ShortDuration(-1), "?");
+}
+
+TEST(ProgressBar, ShowsPointsRateAndTimeLeft) {
+  std::ostringstream out;
+  ProgressBar bar(out, false);
+  bar.Show("order", 250, 1000, 0.5, "a note");
+  EXPECT_THAT(out.str(), HasSubstr("order      [######------------------]  25 %"));
+  EXPECT_THAT(out.str(), HasSubstr("250 / 1 000 points"));
+  EXPECT_THAT(out.str(), HasSubstr("500 /s  1.5 s left  a note\n"));
+}
+
+TEST(ProgressBar, InALogPrintsALineATenthAndAChangedNote) {
+  std::ostringstream out;
+  ProgressBar bar(out, false);
+  for (int done = 0; done <= 1000; ++done) bar.Show("order", done, 1000, 1);
+  const std::string text = out.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 11);
+  bar.Show("order", 1000, 1000, 1, "news");
+  EXPECT_THAT(out.str(), HasSubstr("news"));
+}
+
+TEST(ProgressBar, OnATerminalDrawsOverItsLineAndLeavesNothingOfALongerOne) {
+  std::ostringstream out;
+  ProgressBar bar(out, true);
+  bar.Show("engrave", 1, 10, 1, "a long note that goes away");
+  const std::size_t first = out.str().size();
+  bar.Show("engrave", 2, 10, 1);
+  const std::string second = out.str().substr(first);
+  EXPECT_EQ(second.front(), '\r');
+  EXPECT_EQ(second.size(), first) << "the rest of the line is blanked";
+  bar.Finish();
+  EXPECT_EQ(out.str().back(), '\n');
+}
+
+TEST(ProgressBar, WorkThatIsNotPointsHasNoCounts) {
+  std::ostringstream out;
+  ProgressBar bar(out, false);
+  bar.ShowShare("discretize", 500, 1000, 2);
+  EXPECT_THAT(out.str(), HasSubstr("50 %  2.0 s left"));
+  EXPECT_THAT(out.str(), Not(HasSubstr("points")));
+}
+
+TEST(StageBars, FollowTheFirstStageThatIsNotDone) {
+  std::ostringstream out;
+  ProgressBar bar(out, false);
+  StageBars bars(bar);
+  JobView job;
+  job.progress = {{intaglio_STAGE_DISCRETIZE, 30, 1000, 1},
+                  {intaglio_STAGE_SORT, 0, 0, 0}};
+  bars.Show(job, "");
+  EXPECT_THAT(out.str(), HasSubstr("discretize"));
+  EXPECT_THAT(out.str(), Not(HasSubstr("points")));
+  job.progress = {{intaglio_STAGE_DISCRETIZE, 500, 500, 1},
+                  {intaglio_STAGE_SORT, 500, 500, 2},
+                  {intaglio_STAGE_ENGRAVE, 100, 500, 3}};
+  bars.Show(job, "");
+  EXPECT_THAT(out.str(), HasSubstr("100 %  500 / 500 points  500 /s"));
+  EXPECT_THAT(out.str(), HasSubstr("order      [########################] 100 %"));
+  EXPECT_THAT(out.str(), HasSubstr("engrave    [####--------------------]  20 %"));
+  const std::size_t size = out.str().size();
+  bars.Show(job, "");
+  EXPECT_EQ(out.str().size(), size) << "ended stages are told once";
+  EXPECT_EQ(StageAtWork(job)->stage, intaglio_STAGE_ENGRAVE);
+  EXPECT_EQ(StageAtWork(JobView{}), nullptr);
+}
+
+}  // namespace
+}  // namespace intaglio::cli

@@ -1,0 +1,267 @@
+// The verdict over folders made by hand: each thing that can be wrong with a block is
+// put into the glass or the journal, alone, and has to be found and named.
+
+#include "services/cli/proof_folder.h"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "engrave/formats/glass_record.h"
+#include "engrave/formats/journal_file.h"
+#include "engrave/formats/point_file.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::JournalKind;
+using formats::JournalRecord;
+using formats::PointOutcome;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr double kSpacingMm = 0.3;
+constexpr double kToleranceUm = 20;
+constexpr std::uint64_t kFirstTick = 1000;
+
+/// Four points of two layers, fired from below, 0.4 mm apart, all as planned.
+class ProofFolderTest : public ::testing::Test {
+ protected:
+  ProofFolderTest()
+      : folder_(fs::path(INTAGLIO_TEST_DIR) /
+                (std::string("proof_") +
+                 ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    plan_mm_ = {{10, 10, 10}, {10.4, 10, 10}, {10, 10, 10.4}, {10.4, 10, 10.4}};
+    for (std::size_t i = 0; i < plan_mm_.size(); ++i) {
+      cracks_mm_.push_back(plan_mm_[i]);
+      ticks_.push_back(static_cast<double>(kFirstTick + 2 * i));
+      outcomes_.push_back(PointOutcome::kMade);
+    }
+    frozen_.set_job_uid("1-abc");
+    JobSpec& job = *frozen_.mutable_job();
+    job.set_name("four points");
+    job.mutable_discretization()->set_min_spacing_mm(kSpacingMm);
+    job.mutable_laser()->set_rate_hz(100);
+    Vector3& size = *job.mutable_block()->mutable_size_mm();
+    size.set_x(20);
+    size.set_y(20);
+    size.set_z(20);
+    frozen_.mutable_machine()->set_position_tolerance_um(kToleranceUm);
+    frozen_.mutable_optics()->set_cone_tangent(0.1);
+  }
+
+  void WriteJob(const fs::path& folder) const {
+    std::string json;
+    ASSERT_TRUE(google::protobuf::util::MessageToJsonString(frozen_, &json).ok());
+    std::ofstream(folder / "job.json") << json;
+  }
+  /// An intent and its outcome for every point; kNone: an intent and no more.
+  void WriteJournal(const fs::path& file) const {
+    std::ofstream out(file, std::ios::binary);
+    const auto put = [&](const auto& bytes) {
+      out.write(reinterpret_cast<const char*>(bytes.data()),
+                static_cast<std::streamsize>(bytes.size()));
+    };
+    put(formats::EncodeJournalHeader({plan_mm_.size(), 1}));
+    for (std::uint32_t i = 0; i < outcomes_.size(); ++i) {
+      JournalRecord record;
+      record.tick = kFirstTick + 2 * i;
+      record.point = i;
+      put(formats::EncodeJournalRecord(record));
+      if (outcomes_[i] == PointOutcome::kNone) continue;
+      record.kind = JournalKind::kOutcome;
+      record.outcome = outcomes_[i];
+      put(formats::EncodeJournalRecord(record));
+    }
+  }
+  void WriteFolder() const {
+    WriteJob(folder_);
+    WriteJournal(folder_ / "journal.bin");
+    formats::PointTable plan, glass;
+    plan.points_mm = plan_mm_;
+    ASSERT_TRUE(formats::WritePly(folder_ / "path.ply", plan));
+    glass.points_mm = cracks_mm_;
+    glass.columns = {{"tick", ticks_}};
+    ASSERT_TRUE(formats::WritePly(folder_ / "glass.ply", glass));
+  }
+  JobReport Verified() const {
+    WriteFolder();
+    const auto report = VerifyFolder(folder_);
+    EXPECT_TRUE(report) << report.error().message;
+    return report ? *report : JobReport();
+  }
+  /// The one reason why the verdict is not good.
+  std::string Reason() const {
+    const JobReport report = Verified();
+    EXPECT_FALSE(report.verdict().good());
+    EXPECT_EQ(report.verdict().reasons_size(), 1) << SummaryOf(report);
+    return report.verdict().reasons_size() > 0 ? report.verdict().reasons(0) : "";
+  }
+  void Unmake(std::size_t point, PointOutcome outcome) {
+    cracks_mm_.erase(cracks_mm_.begin() + static_cast<std::ptrdiff_t>(point));
+    ticks_.erase(ticks_.begin() + static_cast<std::ptrdiff_t>(point));
+    outcomes_[point] = outcome;
+  }
+
+  fs::path folder_;
+  FrozenJob frozen_;
+  PointList plan_mm_, cracks_mm_;
+  std::vector<double> ticks_;
+  std::vector<PointOutcome> outcomes_;
+};
+
+TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
+  const JobReport report = Verified();
+  EXPECT_TRUE(report.verdict().good()) << SummaryOf(report);
+  EXPECT_EQ(report.points().planned(), 4u);
+  EXPECT_EQ(report.points().made(), 4u);
+  EXPECT_EQ(report.position_errors().max_um(), 0);
+  EXPECT_DOUBLE_EQ(report.least_spacing_mm(), 10.4 - 10);
+  // First pulse at 1000, last at 1006: seven ticks of 10 ms.
+  EXPECT_EQ(report.ticks(), 7u);
+  EXPECT_DOUBLE_EQ(report.machining_time_s(), 0.07);
+  EXPECT_DOUBLE_EQ(report.utilisation(), 4.0 / 7);
+  EXPECT_THAT(SummaryOf(report), HasSubstr("verdict     GOOD"));
+}
+
+TEST_F(ProofFolderTest, AMissedPulseIsNotGood) {
+  Unmake(1, PointOutcome::kMissed);
+  EXPECT_THAT(Reason(), HasSubstr("1 points were fired without a crack"));
+}
+
+TEST_F(ProofFolderTest, ASkippedPointIsNotGood) {
+  Unmake(3, PointOutcome::kSkipped);
+  EXPECT_THAT(Reason(), HasSubstr("1 points were skipped"));
+}
+
+TEST_F(ProofFolderTest, ADoubledPointIsNotGood) {
+  cracks_mm_.push_back(plan_mm_[3]);
+  ticks_.push_back(kFirstTick + 100);
+  EXPECT_THAT(Reason(), HasSubstr("1 points were made twice"));
+}
+
+TEST_F(ProofFolderTest, AStrayCrackIsNotGood) {
+  cracks_mm_.push_back({5, 5, 5});
+  ticks_.push_back(kFirstTick + 100);
+  EXPECT_THAT(Reason(), HasSubstr("1 cracks belong to no planned point"));
+}
+
+TEST_F(ProofFolderTest, ACrackBeyondTheToleranceIsNotGoodAndOneAtItIs) {
+  cracks_mm_[2].y() += (kToleranceUm - 0.01) / 1000;
+  EXPECT_TRUE(Verified().verdict().good());
+  cracks_mm_[2].y() += 0.02 / 1000;
+  EXPECT_THAT(Reason(), HasSubstr("20.01 um off"));
+}
+
+TEST_F(ProofFolderTest, APointFiredThroughAnEarlierCrackIsNotGood) {
+  // The upper left point first: the lower one lies in the shadow right below it.
+  std::swap(ticks_[0], ticks_[2]);
+  const JobReport report = Verified();
+  EXPECT_EQ(report.shadow_violations(), 1u);
+  EXPECT_THAT(report.verdict().reasons(),
+              ElementsAre(HasSubstr("1 points were fired through an earlier crack")));
+}
+
+TEST_F(ProofFolderTest, APlanWithTwoPointsTooNearIsNotGood) {
+  frozen_.mutable_job()->mutable_discretization()->set_min_spacing_mm(0.41);
+  EXPECT_THAT(Reason(), AllOf(HasSubstr("0.4000 mm apart"), HasSubstr("0.4100 mm")));
+}
+
+// What journal and glass do not agree on is never explained away.
+TEST_F(ProofFolderTest, AJournalThatTheGlassContradictsIsNotGood) {
+  outcomes_[0] = PointOutcome::kMissed;  // the crack is there
+  Unmake(3, PointOutcome::kMade);        // and here it is not
+  EXPECT_THAT(Reason(), HasSubstr("2 points are unaccounted for"));
+}
+
+TEST_F(ProofFolderTest, AnIntentWithoutAnOutcomeIsNotGood) {
+  Unmake(3, PointOutcome::kNone);
+  EXPECT_THAT(Reason(), HasSubstr("1 points are unaccounted for"));
+}
+
+TEST_F(ProofFolderTest, EveryReasonIsNamed) {
+  Unmake(3, PointOutcome::kMissed);
+  Unmake(1, PointOutcome::kSkipped);
+  cracks_mm_.push_back({5, 5, 5});
+  ticks_.push_back(kFirstTick + 100);
+  const JobReport report = Verified();
+  EXPECT_EQ(report.verdict().reasons_size(), 3);
+  EXPECT_THAT(SummaryOf(report),
+              AllOf(HasSubstr("verdict     NOT GOOD\n  - "), HasSubstr("skipped"),
+                    HasSubstr("without a crack"), HasSubstr("no planned point")));
+}
+
+TEST_F(ProofFolderTest, WhatIsNotThereOrNotWhatItShouldBeIsNamed) {
+  for (const char* file : {"job.json", "path.ply", "glass.ply", "journal.bin"}) {
+    WriteFolder();
+    fs::remove(folder_ / file);
+    const auto gone = VerifyFolder(folder_);
+    ASSERT_FALSE(gone) << file;
+    EXPECT_THAT(gone.error().message, HasSubstr((folder_ / file).string()));
+    std::ofstream(folder_ / file) << "nonsense";
+    const auto nonsense = VerifyFolder(folder_);
+    ASSERT_FALSE(nonsense) << file;
+    EXPECT_THAT(nonsense.error().message, HasSubstr((folder_ / file).string()));
+  }
+  WriteFolder();
+  fs::copy_file(folder_ / "path.ply", folder_ / "glass.ply",
+                fs::copy_options::overwrite_existing);
+  const auto no_tick = VerifyFolder(folder_);
+  ASSERT_FALSE(no_tick);
+  EXPECT_THAT(no_tick.error().message, HasSubstr("no column 'tick'"));
+}
+
+// Attempt 10 comes after attempt 9, which a plain sort of names gets wrong.
+TEST_F(ProofFolderTest, IsMadeFromTheNewestJournalAndReadsBackTheSame) {
+  const fs::path cell = folder_ / "cell";
+  fs::create_directories(cell);
+  WriteJob(cell);
+  WriteJournal(cell / "journal-10.bin");
+  outcomes_.assign(4, PointOutcome::kSkipped);
+  WriteJournal(cell / "journal-9.bin");
+  formats::PointTable plan;
+  plan.points_mm = plan_mm_;
+  ASSERT_TRUE(formats::WritePly(cell / "path.ply", plan));
+  std::vector<std::byte> record =
+      formats::EncodeGlassHeader({Vec3(20, 20, 20), 1.5, 0.1});
+  for (std::size_t i = 0; i < cracks_mm_.size(); ++i) {
+    formats::AppendGlassCrack(
+        {static_cast<std::uint64_t>(ticks_[i]), cracks_mm_[i], 30, 0, true}, record);
+  }
+  // A pulse into the air marks nothing.
+  formats::AppendGlassCrack({kFirstTick + 50, Vec3(1, 1, 30), 30, 0, false}, record);
+  std::ofstream(cell / "glass.rec", std::ios::binary)
+      .write(reinterpret_cast<const char*>(record.data()),
+             static_cast<std::streamsize>(record.size()));
+
+  ProofInputs inputs;
+  inputs.folder = folder_;
+  inputs.job_folder = cell;
+  inputs.glass_record = cell / "glass.rec";
+  inputs.warnings = {"a note"};
+  const auto made = MakeProof(inputs);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_TRUE(made->verdict().good()) << SummaryOf(*made);
+  EXPECT_THAT(made->warnings(), ElementsAre("a note"));
+  EXPECT_GT(fs::file_size(folder_ / "views.png"), 1000u);
+  const auto verified = VerifyFolder(folder_);
+  ASSERT_TRUE(verified);
+  EXPECT_EQ(SummaryOf(*verified), SummaryOf(*made));
+  EXPECT_EQ(verified->checksums().at("glass"), made->checksums().at("glass"));
+
+  std::ifstream in(folder_ / "report.json");
+  const std::string json((std::istreambuf_iterator<char>(in)), {});
+  JobReport read;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(json, &read).ok());
+  EXPECT_EQ(read.SerializeAsString().size(), made->SerializeAsString().size());
+  EXPECT_THAT(json, HasSubstr("\"doubled\": \"0\"")) << "zeros are written out";
+}
+
+}  // namespace
+}  // namespace intaglio::cli
