@@ -4,18 +4,26 @@
 // synchronizer appends; reports, resume and checks read. Fixed-size records with a
 // checksum each: a file cut anywhere is readable up to the cut.
 //
-//   offset  size  header (64 bytes)          offset  size  record (32 bytes)
-//        0     8  "INTJRNL1"                      0     1  kind (JournalKind)
-//        8     4  version, 1                      1     1  outcome (PointOutcome)
-//       12     4  record size, 32                 2     1  reason (see idl SkipReason)
-//       16     8  points of the job               3     1  zero
-//       24     8  epoch of the job                4     4  run
-//       32    28  zero                            8     8  tick
-//       60     4  CRC-32 of bytes 0..59          16     4  point: place in the order
-//                                                20     4  zero
-//                                                24     4  pulses counted by the
-//                                                controller 28     4  CRC-32 of bytes
-//                                                0..27
+//   offset  size  header (64 bytes)
+//        0     8  "INTJRNL1"
+//        8     4  version, 1
+//       12     4  record size, 32
+//       16     8  points of the job
+//       24     8  epoch of the job
+//       32    28  zero
+//       60     4  CRC-32 of bytes 0..59
+//
+//   offset  size  record (32 bytes)
+//        0     1  kind (JournalKind)
+//        1     1  outcome (PointOutcome)
+//        2     1  reason (idl SkipReason)
+//        3     1  zero
+//        4     4  run
+//        8     8  tick
+//       16     4  point: place in the order
+//       20     4  zero
+//       24     4  pulses counted by the controller
+//       28     4  CRC-32 of bytes 0..27
 // All numbers little endian.
 
 #include <array>

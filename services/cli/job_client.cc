@@ -15,6 +15,10 @@ using bus::Borrow;
 using bus::View;
 using namespace std::chrono_literals;
 
+constexpr char kNobodyThere[] =
+    "no job service answers: start one (intaglio up), or check --domain, --interface and "
+    "--tag";
+
 std::int64_t SteadyNs() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
@@ -176,9 +180,7 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
     return found != nullptr;
   };
   if (!PollUntil(answered, timeout)) {
-    return Fail(ErrorCode::kTimedOut,
-                "no job service answers: start one (intaglio up), or check --domain, "
-                "--interface and --tag");
+    return Fail(ErrorCode::kTimedOut, kNobodyThere);
   }
   if (found == nullptr) return Fail(ErrorCode::kRefused, refused_[uid].message);
   return *found;
@@ -202,6 +204,7 @@ Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
     if (uid == uid_or_number || std::to_string(view.number) == uid_or_number) return view;
     known += (known.empty() ? "" : ", ") + std::to_string(view.number);
   }
+  if (services_.empty()) return Fail(ErrorCode::kTimedOut, kNobodyThere);
   return Fail(ErrorCode::kNotFound,
               fmt::format("there is no job '{}'; there are: {}", uid_or_number,
                           known.empty() ? "none" : known),

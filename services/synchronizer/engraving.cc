@@ -58,15 +58,13 @@ ChainLinks Engraving::LinksOf(const EngravingInputs& inputs) const {
 }
 
 std::uint64_t Engraving::TickNow(const EngravingInputs& inputs) const {
-  const link::LaserStatus& status = laser_.status();
-  if (laser_.identity().lockstep) return status.tick;
-  const double age_s = std::chrono::duration<double>(inputs.now - status_at_).count();
-  return status.tick + static_cast<std::uint64_t>(std::max(0.0, age_s) * status.rate_hz);
+  if (laser_.identity().lockstep) return laser_.status().tick;
+  return clock_.TickAt(inputs.now);
 }
 
 std::uint64_t Engraving::AheadTicks() const {
   if (laser_.identity().lockstep) return kLockstepAheadTicks;
-  return static_cast<std::uint64_t>(std::ceil(kAheadSeconds * job_.plan.rate_hz)) + 4;
+  return static_cast<std::uint64_t>(std::ceil(kAheadSeconds * clock_.ticks_per_s())) + 4;
 }
 
 void Engraving::Turn(const EngravingInputs& inputs) {
@@ -74,7 +72,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   motion_fault_ = inputs.motion.fault;
   if (laser_.up() && laser_.status_number() != status_number_) {
     status_number_ = laser_.status_number();
-    status_at_ = inputs.now;
+    clock_.Observe(laser_.status(), inputs.now);
   }
   if (!inputs.permission_fresh || !inputs.permission_granted) needs_new_grant_ = false;
   switch (phase_) {

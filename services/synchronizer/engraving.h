@@ -33,6 +33,7 @@
 #include "services/synchronizer/permission_chain.h"
 #include "services/synchronizer/point_ledger.h"
 #include "services/synchronizer/pulse_schedule.h"
+#include "services/synchronizer/tick_clock.h"
 
 namespace intaglio::synchronizer {
 
@@ -159,7 +160,7 @@ class Engraving {
   SkipReason skip_reason_ = SkipReason::kNone;
   std::uint64_t disarm_session_ = 0;
   bool disarm_asked_ = false;
-  std::chrono::nanoseconds status_at_{0};
+  TickClock clock_;
   std::uint64_t status_number_ = 0;
   std::chrono::nanoseconds next_request_{0};
   bool lamp_asked_ = false;

@@ -1,0 +1,119 @@
+// A shop: services kept running by `intaglio up`, commands from other processes.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <regex>
+
+#include "tests/integration/run_program.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::Ended;
+using testing::Eventually;
+using testing::FreshFolder;
+using ::testing::HasSubstr;
+using testing::Program;
+using testing::Running;
+
+class Shop : public ::testing::Test {
+ protected:
+  Shop() {
+    up_ = std::make_unique<Running>(
+        Program("intaglio"),
+        With({"up", "--folder", (folder_ / "shop").string(), "--materials",
+              (folder_ / "materials.db").string(), "--speed", "20", "--block", "50", "50",
+              "30"}),
+        folder_ / "up.txt");
+  }
+
+  /// A domain of its own by the tag: other tests' participants are not seen.
+  std::vector<std::string> With(std::vector<std::string> words) const {
+    for (const std::string& word :
+         {std::string("--domain"), std::string("44"), std::string("--tag"),
+          "shop" + std::to_string(getpid())}) {
+      words.push_back(word);
+    }
+    return words;
+  }
+  Ended Type(const std::vector<std::string>& words) {
+    Running run(Program("intaglio"), With(words),
+                folder_ / ("typed" + std::to_string(++typed_) + ".txt"));
+    return run.WaitForEnd(60s);
+  }
+  std::string Submit(std::vector<std::string> more) {
+    std::vector<std::string> words = {
+        "submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
+        "--height", "6"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ended ended = Type(words);
+    EXPECT_EQ(ended.exit_code, 0) << ended.output;
+    std::smatch number;
+    EXPECT_TRUE(std::regex_search(ended.output, number, std::regex("job ([0-9]+)")))
+        << ended.output;
+    return number[1];
+  }
+  /// Waits until `intaglio show` has the state.
+  bool Reaches(const std::string& job, const std::string& state) {
+    return Eventually(
+        [&] {
+          last_ = Type({"show", job}).output;
+          return last_.find("state     " + state) != std::string::npos;
+        },
+        40s);
+  }
+
+  fs::path folder_ =
+      FreshFolder(std::string("shop_") +
+                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::unique_ptr<Running> up_;
+  std::string last_;
+  int typed_ = 0;
+};
+
+TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
+  const std::string first = Submit({});
+  ASSERT_TRUE(Reaches(first, "waiting for arm")) << last_;
+  const std::string second = Submit({});
+  EXPECT_NE(first, second);
+
+  EXPECT_EQ(Type({"arm", first}).exit_code, 0);
+  ASSERT_TRUE(Reaches(first, "engraving")) << last_;
+  EXPECT_EQ(Type({"pause", first}).exit_code, 0);
+  ASSERT_TRUE(Reaches(first, "paused")) << last_;
+  EXPECT_EQ(Type({"resume", first}).exit_code, 0);
+  const Ended watched = Type({"watch", first});
+  EXPECT_EQ(watched.exit_code, 0) << watched.output;
+  EXPECT_THAT(watched.output, HasSubstr("done"));
+
+  ASSERT_TRUE(Reaches(second, "waiting for arm")) << last_;
+  EXPECT_EQ(Type({"cancel", second}).exit_code, 0);
+  ASSERT_TRUE(Reaches(second, "cancelled")) << last_;
+  const Ended list = Type({"list"});
+  EXPECT_THAT(list.output, HasSubstr("done"));
+  EXPECT_THAT(list.output, HasSubstr("cancelled"));
+
+  up_->Signal(SIGINT);
+  const Ended ended = up_->WaitForEnd(15s);
+  EXPECT_TRUE(ended.in_time);
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+}
+
+TEST_F(Shop, ASubmissionWithMistakesIsRefusedWithAllOfThem) {
+  ASSERT_TRUE(Eventually([&] { return Type({"list"}).exit_code == 0; }, 20s));
+  const Ended ended =
+      Type({"submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
+            "--rate", "123", "--margin", "-1"});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.output, HasSubstr("margin"));
+  EXPECT_THAT(ended.output, HasSubstr("rate"));
+}
+
+}  // namespace
+}  // namespace intaglio
