@@ -28,6 +28,9 @@ void Laser::SetShutters(std::uint8_t open_mask) {
 }
 
 void Laser::Decide(const link::ArmWindow& window) {
+  // Beyond the end of the count there are no ticks.
+  if (window.fire.empty() || window.first_tick + window.fire.size() < window.first_tick)
+    return;
   const std::uint64_t last = window.first_tick + window.fire.size() - 1;
   const std::uint64_t open_from = std::max(tick_, decided_through_) + 1;
   for (std::uint64_t t = window.first_tick; t <= last && t < open_from; ++t) {
@@ -108,7 +111,7 @@ void Laser::Seen(bool crack) {
 
 void Laser::Note(std::uint64_t tick, TickOutcome outcome) {
   const bool follows =
-      !reports_.empty() &&
+      !reports_.empty() && reports_.back().outcome.back() != TickOutcome::kTooLate &&
       reports_.back().first_tick + reports_.back().outcome.size() == tick &&
       reports_.back().outcome.size() < link::kMaxReportTicks;
   if (!follows) reports_.push_back({tick, {}});
