@@ -205,7 +205,9 @@ void Machine::Tell(bool at_once) {
       laser_line_.Say(Number(LaserFrame::kLaserStatus), Encode(status));
     }
   }
-  if (at_once || motion_line_.status_asked || now >= motion_line_.next_status) {
+  if (at_once || motion_line_.status_asked || stage_.fault() != told_fault_ ||
+      now >= motion_line_.next_status) {
+    told_fault_ = stage_.fault();
     motion_line_.status_asked = false;
     motion_line_.next_status = now + kStatusPeriod;
     if (motion_line_.link && motion_line_.link->up()) {

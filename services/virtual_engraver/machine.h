@@ -94,6 +94,7 @@ class Machine {
   std::chrono::nanoseconds next_tick_at_;
   std::uint64_t to_miss_ = 0;
   std::uint32_t told_interlocks_ = 0;
+  link::StageFault told_fault_ = link::StageFault::kNone;
   std::chrono::nanoseconds next_flush_{0};
 };
 

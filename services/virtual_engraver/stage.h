@@ -54,6 +54,7 @@ class Stage {
   bool in_position() const { return in_position_; }
   const Vec3& actual_mm() const { return actual_mm_; }
   bool running() const { return phase_ != Phase::kRest; }
+  link::StageFault fault() const { return fault_; }
   link::MotionStatus Report();
   link::MotionIdentity Identity() const;
   /// Positions latched since the last call.

@@ -1,0 +1,225 @@
+#include "services/virtual_engraver/machine.h"
+
+#include "tests/services/virtual_engraver/machine_bench.h"
+#include "tests/services/virtual_engraver/stage_path.h"
+
+namespace intaglio::virtual_engraver {
+namespace {
+
+using link::LaserFrame;
+using link::MotionFrame;
+using link::TickOutcome;
+using namespace std::chrono_literals;
+
+/// A row of points along x, one every other tick at 10 mm/s, with a lead-in and a
+/// lead-out: the point number i lies at (0.5 + 0.2 i, 5, 60) mm, machine frame.
+class PointRow : public MachineBench {
+ protected:
+  static constexpr int kPoints = 60;
+  static constexpr std::uint64_t kFirstPulse = 40;  // its tick
+
+  static Vec3 PointMm(int i) { return {0.5 + 0.2 * i, 5, 60}; }
+
+  /// Where the stage is to go before the row: z is high, the block is 100 mm.
+  void SayMotionOfRow(bool with_pulses = true) {
+    std::vector<Knot> knots = {{{200, 5000, 60000}, {0, 0, 0}, 30 * kTick},
+                               {{500, 5000, 60000}, {10000, 0, 0}, 7 * kTick}};
+    knots.back().pulse = with_pulses;
+    for (int i = 1; i < kPoints; ++i) {
+      knots.push_back({1000 * PointMm(i), {10000, 0, 0}, 2 * kTick, with_pulses});
+    }
+    knots.push_back(
+        {1000 * PointMm(kPoints) + Vec3(100, 0, 0), {0, 0, 0}, 6 * kTick, false, true});
+    SayMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, kStartTick}));
+    for (std::size_t at = 0; at < knots.size(); at += link::kMaxSegments) {
+      const std::size_t end = std::min(at + link::kMaxSegments, knots.size());
+      const std::vector<Knot> part(knots.begin() + static_cast<std::ptrdiff_t>(at),
+                                   knots.begin() + static_cast<std::ptrdiff_t>(end));
+      SayMotion(MotionFrame::kSegments, Encode(Frame(part, at)));
+    }
+  }
+  static std::vector<bool> FirePattern() {
+    std::vector<bool> fire(kFirstPulse + 2 * kPoints + 30, false);
+    for (int i = 0; i < kPoints; ++i)
+      fire[kFirstPulse - 1 + 2 * static_cast<std::size_t>(i)] = true;
+    return fire;
+  }
+  /// Decides every tick from 1, in windows of uneven length.
+  void SayWindows(const std::vector<bool>& fire, bool gated = true) {
+    std::size_t length = 1;
+    for (std::size_t at = 0; at < fire.size(); at += length) {
+      length = std::min<std::size_t>(1 + at % 23, fire.size() - at);
+      const auto from = fire.begin() + static_cast<std::ptrdiff_t>(at);
+      SayLaser(LaserFrame::kArmWindow,
+               Encode(link::ArmWindow{
+                   at + 1, gated, {from, from + static_cast<std::ptrdiff_t>(length)}}));
+    }
+  }
+};
+
+TEST_F(PointRow, CracksAreAtTheirTicksAndPlaces) {
+  for (const double lag_s : {0.0, 0.0005}) {
+    MachineOptions options = PlainOptions(true);
+    options.stage.lag_s = lag_s;
+    options.block.refractive_index = 1;  // the beam has a test of its own
+    Start(options);
+    Connect();
+    OpenShutterAndLamp();
+    SayMotionOfRow();
+    SayWindows(FirePattern());
+    Pass(300ms);
+    const auto cracks = Cracks();
+    ASSERT_EQ(cracks.size(), static_cast<std::size_t>(kPoints));
+    for (int i = 0; i < kPoints; ++i) {
+      const auto& crack = cracks[static_cast<std::size_t>(i)];
+      EXPECT_EQ(crack.tick, kFirstPulse + 2 * static_cast<std::uint64_t>(i));
+      // At 10 mm/s the stage is 10 mm/s * lag behind; at the first point it has just
+      // sped up with 204 mm/s^2, which takes lag^2 of that away, 0.05 um.
+      const Vec3 off = crack.position_mm - (PointMm(i) - Vec3(10 * lag_s, 0, 0));
+      EXPECT_LT(off.norm(), i == 0 ? 6e-5 : 1e-8) << i;
+      EXPECT_TRUE(crack.in_glass);
+      EXPECT_EQ(crack.channel, 0);
+    }
+    EXPECT_EQ(machine->laser().Report().pulse_count, static_cast<std::uint64_t>(kPoints));
+  }
+}
+
+TEST_F(PointRow, TheHostHearsOfEveryTickAndPosition) {
+  Start(PlainOptions(true));
+  Connect();
+  ASSERT_EQ(heard.laser_identities.size(), 1u);
+  ASSERT_EQ(heard.motion_identities.size(), 1u);
+  EXPECT_TRUE(heard.laser_identities[0].lockstep);
+  OpenShutterAndLamp();
+  SayMotionOfRow();
+  const auto fire = FirePattern();
+  SayWindows(fire);
+  Pass(300ms);
+  std::uint64_t next = 1;
+  for (const link::PulseReport& report : heard.reports) {
+    EXPECT_EQ(report.first_tick, next);
+    for (const TickOutcome outcome : report.outcome) {
+      EXPECT_EQ(outcome,
+                fire[next - 1] ? TickOutcome::kFiredSeen : TickOutcome::kNotArmed)
+          << next;
+      ++next;
+    }
+  }
+  EXPECT_EQ(next, fire.size() + 1);
+  std::uint64_t latched = 0;
+  for (const link::Positions& frame : heard.positions) latched += frame.positions.size();
+  EXPECT_EQ(latched, 30u + 7 + 2 * (kPoints - 1) + 6);
+  ASSERT_FALSE(heard.laser_statuses.empty());
+  EXPECT_EQ(heard.laser_statuses.back().tick, fire.size());
+  EXPECT_EQ(heard.laser_statuses.back().pulse_count, static_cast<std::uint64_t>(kPoints));
+  EXPECT_TRUE(heard.motion_statuses.back().at_rest);
+}
+
+TEST_F(PointRow, NothingFiresUnlessArmed) {
+  Start(PlainOptions(true));
+  Connect();
+  OpenShutterAndLamp();
+  SayMotionOfRow();
+  SayWindows(std::vector<bool>(FirePattern().size(), false));
+  Pass(300ms);
+  EXPECT_EQ(machine->laser().tick(), FirePattern().size());
+  EXPECT_TRUE(Cracks().empty());
+  EXPECT_EQ(machine->laser().Report().pulse_count, 0u);
+}
+
+TEST_F(PointRow, NothingFiresUnlessTheStageSaysSo) {
+  Start(PlainOptions(true));
+  Connect();
+  OpenShutterAndLamp();
+  SayMotionOfRow(false);
+  SayWindows(FirePattern());
+  Pass(300ms);
+  EXPECT_EQ(machine->laser().tick(), FirePattern().size());
+  EXPECT_TRUE(Cracks().empty());
+}
+
+TEST_F(PointRow, NothingFiresWithAClosedShutter) {
+  Start(PlainOptions(true));
+  Connect();
+  SayLaser(LaserFrame::kLampCommand, Encode(link::LampCommand{true, 100}));
+  SayMotionOfRow();
+  SayWindows(FirePattern());
+  Pass(300ms);
+  EXPECT_EQ(machine->laser().tick(), FirePattern().size());
+  EXPECT_TRUE(Cracks().empty());
+}
+
+TEST_F(PointRow, LockstepWaitsForDecisionsAndForMotion) {
+  Start(PlainOptions(true));
+  Connect();
+  OpenShutterAndLamp();
+  Pass(200ms);
+  EXPECT_EQ(machine->laser().tick(), 0u) << "no tick is decided";
+  SayWindows(std::vector<bool>(20, false));
+  Pass(50ms);
+  EXPECT_EQ(machine->laser().tick(), 20u) << "a stage without a run holds nothing up";
+  SayMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, 25}));
+  Pass(10ms);
+  SayLaser(LaserFrame::kArmWindow,
+           Encode(link::ArmWindow{21, true, std::vector<bool>(20, false)}));
+  Pass(50ms);
+  EXPECT_EQ(machine->laser().tick(), 25u) << "a run without motion does";
+  SayMotion(MotionFrame::kSegments,
+            Encode(Frame({{{10, 0, 0}, {0, 0, 0}, 4 * kTick, false, true}})));
+  Pass(50ms);
+  EXPECT_EQ(machine->laser().tick(), 40u);
+  EXPECT_EQ(machine->stage().Report().fault, link::StageFault::kNone);
+}
+
+TEST_F(PointRow, MissesAsManyPulsesAsTold) {
+  MachineOptions options = PlainOptions(true);
+  options.laser.channels = 2;
+  options.block.refractive_index = 1;  // the stage's zero is in the glass
+  Start(options);
+  Connect();
+  OpenShutterAndLamp();
+  SayLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{3}));
+  machine->MissPulses(2);
+  machine->MissPulses(1);
+  SayWindows(std::vector<bool>(5, true), false);
+  Pass(50ms);
+  // Both channels of a pulse are missed; the pulse counts all the same.
+  const auto cracks = Cracks();
+  ASSERT_EQ(cracks.size(), 4u);
+  EXPECT_EQ(cracks[0].tick, 4u);
+  EXPECT_EQ(cracks[0].channel, 0);
+  EXPECT_EQ(cracks[1].channel, 1);
+  EXPECT_EQ(cracks[3].tick, 5u);
+  EXPECT_EQ(machine->laser().Report().pulse_count, 5u);
+  std::vector<TickOutcome> outcomes;
+  for (const auto& report : heard.reports)
+    outcomes.insert(outcomes.end(), report.outcome.begin(), report.outcome.end());
+  const auto seen = TickOutcome::kFiredSeen, unseen = TickOutcome::kFiredUnseen;
+  EXPECT_EQ(outcomes, (std::vector{unseen, unseen, unseen, seen, seen}));
+}
+
+TEST_F(PointRow, APulseBesideTheBlockIsRecordedAndUnseen) {
+  MachineOptions options = PlainOptions(true);
+  options.block.origin_mm = Vec3(50, 50, 0);
+  Start(options);
+  Connect();
+  OpenShutterAndLamp();
+  SayWindows({true}, false);
+  Pass(50ms);
+  ASSERT_EQ(Cracks().size(), 1u);
+  EXPECT_FALSE(Cracks()[0].in_glass);
+  ASSERT_EQ(heard.reports.size(), 1u);
+  EXPECT_EQ(heard.reports[0].outcome, std::vector{TickOutcome::kFiredUnseen});
+}
+
+TEST_F(PointRow, InRealTimeTicksFollowTheClock) {
+  MachineOptions options = PlainOptions(false);
+  options.speed = 2;
+  Start(options);
+  Pass(1000ms);
+  // 100 Hz at twice the speed; the first tick falls on the start.
+  EXPECT_NEAR(static_cast<double>(machine->laser().tick()), 200, 1);
+}
+
+}  // namespace
+}  // namespace intaglio::virtual_engraver
