@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "engrave/formats/atomic_file.h"
@@ -18,6 +17,7 @@
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
 #include "materials_db/numbers.h"
+#include "services/cli/glass_text.h"
 #include "services/cli/run_command.h"
 
 namespace intaglio::cli {
@@ -40,6 +40,7 @@ struct Flags {
   double numerical_aperture = 0.1;
   bool replace = false;
   bool skip_bad = false;
+  bool json = false;
   std::optional<std::string> manufacturer;
   std::optional<std::string> source;
   std::optional<std::string> formula;
@@ -50,108 +51,36 @@ struct Flags {
 
 using Action = Status (*)(const Flags& flags, MaterialStore& store);
 
-// ---- Tables ------------------------------------------------------------------
-
-using Row = std::vector<std::string>;
-
-/// Columns as wide as their widest entry, two spaces between.
-void Print(const std::vector<Row>& rows) {
-  std::vector<std::size_t> widths;
-  for (const Row& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      widths[i] = std::max(widths[i], row[i].size());
-    }
-  }
-  for (const Row& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      line += i + 1 == row.size() ? row[i] : fmt::format("{:<{}}  ", row[i], widths[i]);
-    }
-    std::cout << line << "\n";
-  }
+PrintedLight LightOf(const Flags& flags) {
+  return {flags.wavelength_nm, flags.numerical_aperture};
 }
 
-std::string OrUnknown(const std::optional<double>& value, int digits) {
-  return value ? fmt::format("{:.{}f}", *value, digits) : "-";
-}
+// ---- What is known -------------------------------------------------------------
 
 Status List(const Flags& flags, MaterialStore& store) {
   const auto materials = store.List();
   if (!materials) return tl::unexpected(materials.error());
-  std::vector<Row> rows = {{"GLASS", "MANUFACTURER",
-                            fmt::format("n({:g} nm)", flags.wavelength_nm), "ABBE",
-                            "RANGE nm", "DENSITY kg/m3"}};
-  for (const Material& material : *materials) {
-    const optics::Dispersion& dispersion = material.dispersion;
-    const auto index = optics::RefractiveIndex(dispersion, flags.wavelength_nm);
-    const auto abbe = optics::AbbeNumber(dispersion);
-    rows.push_back({material.name,
-                    material.manufacturer.empty() ? "-" : material.manufacturer,
-                    index ? fmt::format("{:.5f}", *index) : "-",
-                    abbe ? fmt::format("{:.2f}", *abbe) : "-",
-                    fmt::format("{:g}-{:g}", dispersion.min_wavelength_um * 1000,
-                                dispersion.max_wavelength_um * 1000),
-                    OrUnknown(material.density_kg_m3, 0)});
+  if (flags.json) {
+    std::cout << GlassesAsJson(*materials, LightOf(flags)) << "\n";
+  } else {
+    std::cout << GlassesAsTable(*materials, LightOf(flags));
   }
-  Print(rows);
   return {};
 }
 
-constexpr std::size_t kTextColumns = 72;
-
-/// Text in the second column, its lines broken at spaces.
-void AddLines(const char* title, std::string_view text, std::vector<Row>& rows) {
-  while (!text.empty()) {
-    std::size_t end = std::min(text.find('\n'), text.size());
-    if (end > kTextColumns) {
-      const std::size_t space = text.rfind(' ', kTextColumns);
-      end = space == 0 || space == std::string_view::npos ? kTextColumns : space;
-    }
-    rows.push_back({title, std::string(text.substr(0, end))});
-    const bool drops_one = end < text.size() && (text[end] == ' ' || text[end] == '\n');
-    text.remove_prefix(end + (drops_one ? 1 : 0));
-    title = "";
-  }
-}
-
+/// What is kept is shown also of a glass for whose wavelength nothing can be computed.
 Status Show(const Flags& flags, MaterialStore& store) {
   const auto material = store.Find(flags.name);
   if (!material) return tl::unexpected(material.error());
-  const optics::Dispersion& dispersion = material->dispersion;
-  std::vector<Row> rows = {{"glass", material->name}};
-  if (!material->manufacturer.empty()) {
-    rows.push_back({"manufacturer", material->manufacturer});
-  }
-  rows.push_back(
-      {"dispersion",
-       fmt::format("{}, {:g}-{:g} nm", optics::DispersionFormulaName(dispersion.formula),
-                   dispersion.min_wavelength_um * 1000,
-                   dispersion.max_wavelength_um * 1000)});
-  rows.push_back({"coefficients", materials_db::FormatNumbers(dispersion.coefficients)});
-  for (const PropertyRow& row : PropertyRows()) {
-    const std::optional<double>& value = (*material).*row.value;
-    rows.push_back({row.title, value ? fmt::format("{:g}{}{}", *value,
-                                                   *row.unit == '\0' ? "" : " ", row.unit)
-                                     : "unknown"});
-  }
-  AddLines("source", material->source, rows);
-  Print(rows);
   const auto optics = materials_db::ComputeOptics(*material, flags.wavelength_nm,
                                                   flags.numerical_aperture);
+  if (flags.json) {
+    std::cout << GlassAsJson(*material, LightOf(flags)) << "\n";
+  } else {
+    std::cout << GlassAsTable(*material);
+    if (optics) std::cout << "\n" << OpticsAsTable(*optics, LightOf(flags));
+  }
   if (!optics) return tl::unexpected(optics.error());
-  std::cout << fmt::format("\nAt {:g} nm with a lens of NA {:g}:\n", flags.wavelength_nm,
-                           flags.numerical_aperture);
-  Print({{"refractive index", fmt::format("{:.5f}", optics->refractive_index)},
-         {"Abbe number", OrUnknown(optics->abbe_number, 2)},
-         {"stage move per mm in glass",
-          fmt::format("{:.5f} mm", optics->stage_per_glass_ratio)},
-         {"cone's tangent in glass", fmt::format("{:.5f}", optics->cone_tangent)},
-         {"reflected at the top face",
-          fmt::format("{:.2f} %", 100 * optics->reflectance_ratio)},
-         {"thermal strength", optics->thermal_strength_k
-                                  ? fmt::format("{:.0f} K", *optics->thermal_strength_k)
-                                  : "unknown"}});
   return {};
 }
 
@@ -342,13 +271,19 @@ void AddMaterialsCommand(CLI::App& app, std::function<int()>& selected) {
     command->add_option("--wavelength", flags->wavelength_nm, "nm")
         ->capture_default_str();
   };
-  add_wavelength(add("list", "all glasses, one a line", List));
+  const auto add_json = [&](CLI::App* command) {
+    command->add_flag("--json", flags->json, "for programs, as in report.json");
+  };
+  CLI::App* list = add("list", "all glasses, one a line", List);
+  add_wavelength(list);
+  add_json(list);
 
   CLI::App* show = add("show", "all of one glass, and its optical values", Show);
   show->add_option("NAME", flags->name, "the glass")->required();
   add_wavelength(show);
   show->add_option("--na", flags->numerical_aperture, "the lens's, in air")
       ->capture_default_str();
+  add_json(show);
 
   CLI::App* add_glass = add("add", "a new glass from values given here", Add);
   add_glass->add_option("NAME", flags->name, "its name")->required();

@@ -1,6 +1,8 @@
 #include "services/cli/materials_command.h"
 
 #include <gmock/gmock.h>
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +11,8 @@
 
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
+#include "proto/material_record.h"
+#include "proto/report.pb.h"
 #include "tests/engrave/formats/test_folder.h"
 
 namespace intaglio::cli {
@@ -81,6 +85,63 @@ TEST(MaterialsCommand, ShowsAGlass) {
   EXPECT_THAT(show.out, HasSubstr("64.17"));
   EXPECT_THAT(show.out, HasSubstr("2510 kg/m3"));
   EXPECT_THAT(show.out, HasSubstr("SCHOTT data sheet"));
+}
+
+// The object's two members, read back as the messages of report.json.
+JobReport AsReport(const std::string& json) {
+  JobReport report;
+  EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(json, &report).ok()) << json;
+  return report;
+}
+
+TEST(MaterialsCommand, ShowsAGlassToPrograms) {
+  const fs::path folder = formats::FreshFolder();
+  const Outcome show = RunMaterials(
+      folder, {"show", "n-bk7", "--wavelength", "355", "--na", "0.2", "--json"});
+  EXPECT_EQ(show.exit_code, 0);
+  const JobReport glass = AsReport(show.out);
+  EXPECT_EQ(glass.material().name(), "N-BK7");
+  EXPECT_EQ(glass.material().density_kg_m3(), 2510);
+  EXPECT_EQ(glass.material().dispersion_coefficients_size(), 7);
+  EXPECT_EQ(glass.optics().wavelength_nm(), 355);
+  EXPECT_EQ(glass.optics().numerical_aperture(), 0.2);
+  EXPECT_NEAR(glass.optics().refractive_index(), 1.53815, 5e-6) << "as the table has it";
+  // Nothing is lost or rounded: what was read is what the base holds.
+  const auto store = materials_db::MaterialStore::Open(folder / "materials.db");
+  ASSERT_TRUE(store);
+  const auto read = MaterialOf(glass.material());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(*read, store->Find("N-BK7").value());
+}
+
+TEST(MaterialsCommand, ListsTheGlassesToPrograms) {
+  const fs::path folder = formats::FreshFolder();
+  ASSERT_EQ(RunMaterials(folder, kAddCrown).exit_code, 0);
+  // Beyond the range of the others; only fused silica goes so far.
+  const Outcome list = RunMaterials(folder, {"list", "--wavelength", "5500", "--json"});
+  EXPECT_EQ(list.exit_code, 0);
+  google::protobuf::ListValue array;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(list.out, &array).ok())
+      << list.out;
+  EXPECT_EQ(array.values_size(), 5);
+  for (const auto& value : array.values()) {
+    const auto& members = value.struct_value().fields();
+    const std::string name =
+        members.at("material").struct_value().fields().at("name").string_value();
+    EXPECT_EQ(members.contains("optics"), name == "fused-silica") << name;
+  }
+}
+
+TEST(MaterialsCommand, ShowsWhatIsKeptAlsoOutsideTheWavelengths) {
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, std::vector<std::string>{"--json"}}) {
+    std::vector<std::string> words = {"show", "N-BK7", "--wavelength", "10600"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome show = RunMaterials(formats::FreshFolder(), words);
+    EXPECT_EQ(show.exit_code, 2);
+    EXPECT_THAT(show.out, HasSubstr("2510"));
+    EXPECT_THAT(show.err, HasSubstr("10600"));
+  }
 }
 
 TEST(MaterialsCommand, SaysWhatIsWrong) {
