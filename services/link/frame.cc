@@ -61,34 +61,63 @@ void FrameParser::Feed(std::span<const std::byte> bytes, const Sink& sink) {
   start_ = 0;
 }
 
+// Bytes of the frame that begins at `at`, when its header stands and is sound.
+std::optional<std::size_t> FrameParser::SizeAt(std::size_t at) const {
+  const std::byte* header = buffer_.data() + at;
+  if (buffer_.size() - at < kHeaderSize || header[0] != kSync0 || header[1] != kSync1 ||
+      Get<std::uint8_t>(header + 2) != kVersion) {
+    return std::nullopt;
+  }
+  const auto length = Get<std::uint16_t>(header + 14);
+  if (length > kMaxPayload) return std::nullopt;
+  return kFrameOverhead + length;
+}
+
+bool FrameParser::IsWholeAt(std::size_t at) const {
+  const auto size = SizeAt(at);
+  if (!size || buffer_.size() - at < *size) return false;
+  const std::byte* crc = buffer_.data() + at + *size - 4;
+  return Crc(buffer_.data() + at + 2, *size - 6) == Get<std::uint32_t>(crc);
+}
+
+std::size_t FrameParser::NextSync(std::size_t from) const {
+  const auto begin = buffer_.begin() + static_cast<std::ptrdiff_t>(from);
+  return static_cast<std::size_t>(std::find(begin, buffer_.end(), kSync0) -
+                                  buffer_.begin());
+}
+
+bool FrameParser::DropUpTo(std::size_t at) {
+  dropped_bytes_ += at - start_;
+  start_ = at;
+  return true;
+}
+
 // True when something was consumed and there may be more.
 bool FrameParser::ParseOne(const Sink& sink) {
-  const std::size_t size = buffer_.size() - start_;
-  if (size < 2) return false;
+  const std::size_t available = buffer_.size() - start_;
+  if (available < 2) return false;
   const std::byte* at = buffer_.data() + start_;
-  const auto drop_to_next_sync = [&] {
-    const auto next = std::find(at + 1, at + size, kSync0);
-    dropped_bytes_ += static_cast<std::uint64_t>(next - at);
-    start_ += static_cast<std::size_t>(next - at);
-    return true;
-  };
-  if (at[0] != kSync0 || at[1] != kSync1) return drop_to_next_sync();
-  if (size < kHeaderSize) return false;
-  const auto length = Get<std::uint16_t>(at + 14);
-  if (Get<std::uint8_t>(at + 2) != kVersion || length > kMaxPayload)
-    return drop_to_next_sync();
-  const std::size_t whole = kHeaderSize + length + 4;
-  if (size < whole) return false;
-  if (Crc(at + 2, kHeaderSize - 2 + length) !=
-      Get<std::uint32_t>(at + kHeaderSize + length)) {
+  if (at[0] != kSync0 || at[1] != kSync1) return DropUpTo(NextSync(start_ + 1));
+  if (available < kHeaderSize) return false;
+  const auto size = SizeAt(start_);
+  if (!size) return DropUpTo(NextSync(start_ + 1));
+  if (available < *size) {
+    // A damaged length would make a quiet line wait longer than its peer's patience: a
+    // whole frame inside an unfinished one shows that the latter is none.
+    for (std::size_t i = NextSync(start_ + 1); i < buffer_.size(); i = NextSync(i + 1)) {
+      if (IsWholeAt(i)) return DropUpTo(i);
+    }
+    return false;
+  }
+  if (!IsWholeAt(start_)) {
     ++bad_crc_count_;
-    return drop_to_next_sync();
+    return DropUpTo(NextSync(start_ + 1));
   }
   const FrameHeader header{Get<std::uint8_t>(at + 3), Get<std::uint32_t>(at + 4),
                            Get<std::uint16_t>(at + 8), Get<std::uint16_t>(at + 10),
                            Get<std::uint16_t>(at + 12)};
-  start_ += whole;
-  sink(header, {at + kHeaderSize, length});
+  start_ += *size;
+  sink(header, {at + kHeaderSize, *size - kFrameOverhead});
   return true;
 }
 

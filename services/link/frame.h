@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,8 +39,9 @@ struct FrameHeader {
 void AppendFrame(const FrameHeader& header, std::span<const std::byte> payload,
                  std::vector<std::byte>& out);
 
-/// Finds frames in a stream of bytes. After garbage it goes on at the next sync bytes;
-/// it never holds more than one frame's worth of bytes and a half-read one.
+/// Finds frames in a stream of bytes. After garbage it goes on at the next sync bytes; a
+/// whole frame is delivered with its last byte, whatever stands before it. Holds no more
+/// than one unfinished frame between two calls.
 class FrameParser {
  public:
   using Sink = std::function<void(const FrameHeader&, std::span<const std::byte>)>;
@@ -52,6 +54,10 @@ class FrameParser {
 
  private:
   bool ParseOne(const Sink& sink);
+  std::optional<std::size_t> SizeAt(std::size_t at) const;
+  bool IsWholeAt(std::size_t at) const;
+  std::size_t NextSync(std::size_t from) const;
+  bool DropUpTo(std::size_t at);
   std::vector<std::byte> buffer_;
   std::size_t start_ = 0;
   std::uint64_t dropped_bytes_ = 0;
