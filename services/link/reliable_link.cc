@@ -8,7 +8,7 @@
 // Go-back-N. The receiver takes only the frame it expects; anything else it answers with
 // a NACK that says what it expects, at most once per `resend_after`, and the sender
 // starts again from there. A lost NACK or a lost last frame is healed by the sender's
-// timer.
+// timer; it stands still while the line has not even taken what was sent.
 
 namespace intaglio::link {
 namespace {
@@ -23,8 +23,9 @@ enum ControlFrame : std::uint8_t {
 };
 
 constexpr std::uint16_t kCredit = 256;
-// Beyond this the line is slower than what is said on it: wait for it.
-constexpr std::size_t kMaxUnwritten = 64 * 1024;
+// Beyond this the line is slower than what is said on it: wait for it. Few frames, since
+// going back repeats what is still unwritten, and its acknowledgements grow old.
+constexpr std::size_t kMaxUnwritten = 4 * 1024;
 constexpr std::size_t kReadAtOnce = 16 * 1024;
 
 // 0 means unsequenced, so it is passed over.
@@ -53,9 +54,13 @@ struct ReliableLink::State {
   void Receive(const FrameHeader& header, std::span<const std::byte> payload,
                const Handler& handler);
   bool ReceiveControl(const FrameHeader& header);
-  void TakeAcknowledgement(std::uint16_t expected, bool resend);
+  void TakeAcknowledgement(std::uint16_t acknowledged, bool resend);
+  void GoBack();
   void Transmit(std::uint8_t type, std::uint16_t sequence,
                 std::span<const std::byte> payload);
+  void TransmitControl(ControlFrame type);
+  bool Backlogged() const { return unwritten.size() - written >= kMaxUnwritten; }
+  bool HasNew() const;
   void SendNew();
   void KeepTime();
   Status Write();
@@ -78,8 +83,9 @@ struct ReliableLink::State {
   std::uint16_t expected = 1;
   std::uint16_t peer_credit = kCredit;
   bool owes_acknowledgement = false;
-  std::deque<Frame> queue;     // sent and not acknowledged, then not sent yet
-  std::size_t sent_count = 0;  // of the queue, from its front
+  std::deque<Frame> queue;      // sent and not acknowledged, then not sent yet
+  std::size_t sent_count = 0;   // of the queue, from its front
+  std::size_t known_count = 0;  // sent at least once: more than sent_count after GoBack
   std::vector<std::byte> unwritten;
   std::size_t written = 0;
 };
@@ -88,7 +94,7 @@ void ReliableLink::State::StartSession(std::uint32_t number) {
   session = number;
   next_sequence = expected = 1;
   queue.clear();
-  sent_count = 0;
+  sent_count = known_count = 0;
   unwritten.clear();
   written = 0;
   owes_acknowledgement = false;
@@ -103,13 +109,18 @@ void ReliableLink::State::Transmit(std::uint8_t type, std::uint16_t sequence,
   owes_acknowledgement = false;
 }
 
+// Not on a line that is behind already; what it was for comes up again.
+void ReliableLink::State::TransmitControl(ControlFrame type) {
+  if (!Backlogged()) Transmit(type, 0, {});
+}
+
 bool ReliableLink::State::ReceiveControl(const FrameHeader& header) {
   if (header.type == kOpen) {
     if (side != Side::kDevice || header.session == 0) return true;
     if (header.session != session || !established) StartSession(header.session);
     established = true;
     last_heard = clock();
-    Transmit(kOpened, 0, {});
+    TransmitControl(kOpened);
     return true;
   }
   if (header.session != session || session == 0) return true;
@@ -141,7 +152,7 @@ void ReliableLink::State::Receive(const FrameHeader& header,
   const bool past = static_cast<std::uint16_t>(header.sequence - expected) > 0x8000;
   if (!past && clock() - last_nack >= options.resend_after) {
     last_nack = clock();
-    Transmit(kNack, 0, {});
+    TransmitControl(kNack);
   } else {
     owes_acknowledgement = true;
   }
@@ -149,29 +160,36 @@ void ReliableLink::State::Receive(const FrameHeader& header,
 
 void ReliableLink::State::TakeAcknowledgement(std::uint16_t acknowledged, bool resend) {
   std::size_t done = 0;
-  while (done < sent_count && queue[done].sequence != acknowledged) ++done;
+  while (done < known_count && queue[done].sequence != acknowledged) ++done;
   // An old acknowledgement names a frame that is gone: nothing in the queue matches it.
-  const bool all_done = done == sent_count;
-  const std::uint16_t after_sent =
-      sent_count == 0 ? next_sequence : Next(queue[sent_count - 1].sequence);
-  if (all_done && sent_count > 0 && acknowledged != after_sent) return;
-  if (done > 0) last_progress = clock();
-  queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(done));
-  sent_count -= done;
-  if (resend) {
-    counters.resent_frames += sent_count;
-    sent_count = 0;
+  if (known_count > 0 && done == known_count &&
+      acknowledged != Next(queue[known_count - 1].sequence)) {
+    return;
   }
+  queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(done));
+  known_count -= done;
+  sent_count -= std::min(sent_count, done);
+  if (done > 0) last_progress = clock();
+  if (resend) GoBack();
+}
+
+void ReliableLink::State::GoBack() {
+  counters.resent_frames += sent_count;
+  sent_count = 0;
+}
+
+bool ReliableLink::State::HasNew() const {
+  const std::size_t window = std::min<std::size_t>(options.window_frames, peer_credit);
+  return established && sent_count < queue.size() && sent_count < window;
 }
 
 void ReliableLink::State::SendNew() {
-  const std::size_t window = std::min<std::size_t>(options.window_frames, peer_credit);
-  while (sent_count < queue.size() && sent_count < window &&
-         unwritten.size() - written < kMaxUnwritten) {
+  while (HasNew() && !Backlogged()) {
     const Frame& frame = queue[sent_count];
     if (sent_count == 0) last_progress = clock();
     Transmit(frame.type, frame.sequence, frame.payload);
     ++sent_count;
+    known_count = std::max(known_count, sent_count);
     ++counters.sent_frames;
   }
 }
@@ -186,28 +204,31 @@ void ReliableLink::State::KeepTime() {
       established = false;
       last_open = now - options.resend_after;
     }
-    if (now - last_open >= options.resend_after) {
+    if (now - last_open >= options.resend_after && unwritten.empty()) {
       last_open = now;
       Transmit(kOpen, 0, {});
     }
     return;
   }
   if (!established) return;
-  if (sent_count > 0 && now - last_progress > options.resend_after) {
-    last_progress = now;
-    counters.resent_frames += sent_count;
-    sent_count = 0;
-  }
+  if (sent_count > 0 && now - last_progress > options.resend_after) GoBack();
   SendNew();
   if (owes_acknowledgement || now - last_sent >= options.keep_alive)
-    Transmit(kKeepAlive, 0, {});
+    TransmitControl(kKeepAlive);
 }
 
 Status ReliableLink::State::Write() {
   while (written < unwritten.size()) {
     const auto taken = stream->Write(std::span(unwritten).subspan(written));
     if (!taken) return tl::unexpected(taken.error());
-    if (*taken == 0) return {};
+    if (*taken == 0) {
+      // What the line has not taken yet nobody can have answered.
+      last_progress = clock();
+      unwritten.erase(unwritten.begin(),
+                      unwritten.begin() + static_cast<std::ptrdiff_t>(written));
+      written = 0;
+      return {};
+    }
     written += *taken;
   }
   unwritten.clear();
@@ -238,7 +259,11 @@ Status ReliableLink::Poll(const Handler& handler) {
   s.counters.dropped_bytes = s.parser.dropped_bytes();
   s.counters.bad_crc = s.parser.bad_crc_count();
   s.KeepTime();
-  return s.Write();
+  for (;;) {
+    if (auto wrote = s.Write(); !wrote) return wrote;
+    if (!s.unwritten.empty() || !s.HasNew()) return {};
+    s.SendNew();
+  }
 }
 
 bool ReliableLink::CanSend() const {
