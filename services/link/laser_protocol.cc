@@ -1,6 +1,8 @@
 #include "services/link/laser_protocol.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "services/link/byte_codec.h"
 
@@ -9,6 +11,15 @@ namespace {
 
 constexpr std::size_t kMaxModelText = 64;
 constexpr std::size_t kMaxRates = 32;
+constexpr std::uint8_t kAllInterlocks = (kSafeState << 1) - 1;
+constexpr std::uint8_t kAllShutters = 0x0f;
+
+// Above this the last of `count` ticks would go round past zero.
+bool GoesRound(std::uint64_t first_tick, std::size_t count) {
+  return first_tick > std::numeric_limits<std::uint64_t>::max() - count;
+}
+
+bool IsRate(double rate_hz) { return std::isfinite(rate_hz) && rate_hz > 0; }
 
 tl::unexpected<Error> Unreadable(const char* frame) {
   return Fail(ErrorCode::kUnreadable,
@@ -30,7 +41,9 @@ Result<LampCommand> Decode(std::span<const std::byte> payload) {
   LampCommand m;
   m.on = in.GetFlag();
   m.rate_hz = in.Get<double>();
-  if (!in.finished() || !std::isfinite(m.rate_hz)) return Unreadable("LampCommand");
+  if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0) {
+    return Unreadable("LampCommand");
+  }
   return m;
 }
 
@@ -44,7 +57,7 @@ template <>
 Result<ShutterCommand> Decode(std::span<const std::byte> payload) {
   ByteReader in(payload);
   const ShutterCommand m{in.Get<std::uint8_t>()};
-  if (!in.finished() || m.open_mask > 0x0f) return Unreadable("ShutterCommand");
+  if (!in.finished() || m.open_mask > kAllShutters) return Unreadable("ShutterCommand");
   return m;
 }
 
@@ -70,12 +83,16 @@ Result<ArmWindow> Decode(std::span<const std::byte> payload) {
   m.first_tick = in.Get<std::uint64_t>();
   m.gated = in.GetFlag();
   const auto count = in.Get<std::uint16_t>();
-  if (!in.good() || count == 0 || count > kMaxArmTicks) return Unreadable("ArmWindow");
+  if (!in.good() || count == 0 || count > kMaxArmTicks ||
+      GoesRound(m.first_tick, count)) {
+    return Unreadable("ArmWindow");
+  }
   m.fire.resize(count);
   for (std::size_t i = 0; i < count; i += 8) {
     const auto bits = in.Get<std::uint8_t>();
     for (std::size_t j = 0; j < 8 && i + j < count; ++j)
       m.fire[i + j] = (bits >> j & 1) != 0;
+    if (count - i < 8 && bits >> (count - i) != 0) return Unreadable("ArmWindow");
   }
   if (!in.finished()) return Unreadable("ArmWindow");
   return m;
@@ -106,7 +123,9 @@ Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
   }
   for (int i = 0; i < count; ++i) m.rates_hz.push_back(in.Get<double>());
   m.model = in.GetText(kMaxModelText);
-  if (!in.finished()) return Unreadable("LaserIdentity");
+  if (!in.finished() || !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
+    return Unreadable("LaserIdentity");
+  }
   return m;
 }
 
@@ -139,7 +158,9 @@ Result<LaserStatus> Decode(std::span<const std::byte> payload) {
   m.last_fired_tick = in.Get<std::uint64_t>();
   m.decided_through = in.Get<std::uint64_t>();
   m.disarms_taken = in.Get<std::uint32_t>();
-  if (!in.finished() || !std::isfinite(m.rate_hz) || !std::isfinite(m.warm_ratio)) {
+  if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0 ||
+      !(m.warm_ratio >= 0 && m.warm_ratio <= 1) || m.interlocks > kAllInterlocks ||
+      m.shutters_open > kAllShutters) {
     return Unreadable("LaserStatus");
   }
   return m;
@@ -159,7 +180,8 @@ Result<PulseReport> Decode(std::span<const std::byte> payload) {
   PulseReport m;
   m.first_tick = in.Get<std::uint64_t>();
   const auto count = in.Get<std::uint16_t>();
-  if (!in.good() || count == 0 || count > kMaxReportTicks)
+  if (!in.good() || count == 0 || count > kMaxReportTicks ||
+      GoesRound(m.first_tick, count))
     return Unreadable("PulseReport");
   for (int i = 0; i < count; ++i) {
     const auto outcome = in.Get<std::uint8_t>();

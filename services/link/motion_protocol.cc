@@ -1,11 +1,18 @@
 #include "services/link/motion_protocol.h"
 
+#include <limits>
+
 #include "services/link/byte_codec.h"
 
 namespace intaglio::link {
 namespace {
 
 constexpr std::uint8_t kPulseBit = 1, kEndBit = 2;
+
+// Above this the last of `count` numbers would go round past zero.
+bool GoesRound(std::uint64_t first, std::size_t count) {
+  return first > std::numeric_limits<std::uint64_t>::max() - count;
+}
 
 tl::unexpected<Error> Unreadable(const char* frame) {
   return Fail(ErrorCode::kUnreadable,
@@ -81,7 +88,10 @@ Result<Segments> Decode(std::span<const std::byte> payload) {
   m.run = in.Get<std::uint32_t>();
   m.first_number = in.Get<std::uint64_t>();
   const auto count = in.Get<std::uint8_t>();
-  if (!in.good() || count == 0 || count > kMaxSegments) return Unreadable("Segments");
+  if (!in.good() || count == 0 || count > kMaxSegments ||
+      GoesRound(m.first_number, count)) {
+    return Unreadable("Segments");
+  }
   m.segments.resize(count);
   for (WireSegment& segment : m.segments) {
     GetPosition(in, segment);
@@ -169,7 +179,10 @@ Result<Positions> Decode(std::span<const std::byte> payload) {
   m.run = in.Get<std::uint32_t>();
   m.first_tick = in.Get<std::uint64_t>();
   const auto count = in.Get<std::uint8_t>();
-  if (!in.good() || count == 0 || count > kMaxPositions) return Unreadable("Positions");
+  if (!in.good() || count == 0 || count > kMaxPositions ||
+      GoesRound(m.first_tick, count)) {
+    return Unreadable("Positions");
+  }
   m.positions.resize(count);
   for (Positions::Position& position : m.positions) GetPosition(in, position);
   if (!in.finished()) return Unreadable("Positions");

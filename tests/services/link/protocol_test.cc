@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 
 #include "tests/services/link/sample_frames.h"
@@ -21,16 +22,37 @@ std::string Hex(std::span<const std::byte> bytes) {
   return text;
 }
 
-// The bytes on the wire are a contract with machines that are already installed: this
-// file changes only together with the version of the frame.
-TEST(Protocols, AreTheGoldenBytes) {
+/// Frames by name, in hex.
+std::map<std::string, std::string> Golden() {
   std::ifstream file(INTAGLIO_SOURCE_DIR "/tests/data/link_frames.golden");
   std::map<std::string, std::string> golden;
   for (std::string name, hex; file >> name >> hex;) golden[name] = hex;
-  for (const SampleFrame& sample : SampleFrames()) {
-    EXPECT_EQ(golden[sample.name], Hex(Framed(sample))) << sample.name;
+  return golden;
+}
+
+/// The payload of the only frame in the golden bytes of `name`.
+Bytes PayloadOf(const std::string& name) {
+  const std::string hex = Golden().at(name);
+  Bytes frame, found;
+  for (std::size_t i = 0; i < hex.size(); i += 2) {
+    frame.push_back(std::byte(std::stoi(hex.substr(i, 2), nullptr, 16)));
   }
-  EXPECT_EQ(golden.size(), SampleFrames().size());
+  FrameParser().Feed(frame, [&](const FrameHeader& header, auto payload) {
+    EXPECT_EQ(header.session, 0xDEADBEEFu);
+    found.assign(payload.begin(), payload.end());
+  });
+  return found;
+}
+
+// The bytes on the wire are a contract with machines that are already installed: this
+// file changes only together with the version of the frame.
+TEST(Protocols, AreTheGoldenBytes) {
+  const auto golden = Golden();
+  ASSERT_EQ(golden.size(), SampleFrames().size());
+  for (const SampleFrame& sample : SampleFrames()) {
+    EXPECT_EQ(golden.at(sample.name), Hex(Framed(sample))) << sample.name;
+    EXPECT_EQ(PayloadOf(sample.name), sample.payload) << sample.name;
+  }
 }
 
 /// Whether a message's payload is taken, and gives the same bytes again.
@@ -87,6 +109,7 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<LampCommand>(Changed(Encode(LampCommand{true, 100}), 0, 2)));
   EXPECT_FALSE(Taken<LampCommand>(Encode(LampCommand{true, std::nan("")})));
   EXPECT_FALSE(Taken<LampCommand>(Encode(LampCommand{true, INFINITY})));
+  EXPECT_FALSE(Taken<LampCommand>(Encode(LampCommand{true, -1})));
   EXPECT_FALSE(Taken<ShutterCommand>(Encode(ShutterCommand{0x10})));
   EXPECT_FALSE(Taken<ArmWindow>(Encode(ArmWindow{1, true, {}})));
   EXPECT_FALSE(Taken<ArmWindow>(Changed(Encode(ArmWindow{1, true, {true}}), 8, 2)));
@@ -94,6 +117,8 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
       Encode(ArmWindow{1, true, std::vector<bool>(kMaxArmTicks + 1, true)})));
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 0, {}, ""})));
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 5, {}, ""})));
+  EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {0}, ""})));
+  EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {NAN}, ""})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(8)}})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {}})));
   const Segments one{1, 0, {WireSegment{1, 2, 3, 4, 5, 6, 7, false, false}}};
@@ -103,6 +128,80 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<Segments>(Encode(still)));
   EXPECT_FALSE(Taken<Segments>(Changed(Encode(one), Encode(one).size() - 1, 4)));
   EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, 1, {}})));
+}
+
+TEST(Protocols, AStatusOutOfRangeIsRefused) {
+  const auto changed = [](auto field, auto value) {
+    LaserStatus status;
+    status.*field = value;
+    return Encode(status);
+  };
+  EXPECT_TRUE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, 1.0)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, 1.01)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, -0.01)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, NAN)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, -1.0)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, INFINITY)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::interlocks, 0x40)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::shutters_open, 0x10)));
+  MotionStatus fault;
+  fault.fault = static_cast<StageFault>(8);
+  EXPECT_FALSE(Taken<MotionStatus>(Encode(fault)));
+  EXPECT_FALSE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 2)));
+}
+
+// One payload, one meaning: bits behind the last tick are zero.
+TEST(Protocols, UnusedBitsOfAWindowAreRefused) {
+  const Bytes window = Encode(ArmWindow{1, true, std::vector<bool>(9, true)});
+  EXPECT_TRUE(Taken<ArmWindow>(window));
+  EXPECT_FALSE(Taken<ArmWindow>(Changed(window, window.size() - 1, 0x03)));
+}
+
+// Ticks of a message whose last one is past 2^64 would compare as the past.
+TEST(Protocols, TicksThatGoRoundAreRefused) {
+  constexpr std::uint64_t kEnd = std::numeric_limits<std::uint64_t>::max();
+  const std::vector<bool> fire(4, true);
+  EXPECT_TRUE(Taken<ArmWindow>(Encode(ArmWindow{kEnd - 4, true, fire})));
+  EXPECT_FALSE(Taken<ArmWindow>(Encode(ArmWindow{kEnd - 3, true, fire})));
+  const std::vector<TickOutcome> outcome(4);
+  EXPECT_TRUE(Taken<PulseReport>(Encode(PulseReport{kEnd - 4, outcome})));
+  EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{kEnd - 3, outcome})));
+  const std::vector<Positions::Position> positions(4);
+  EXPECT_TRUE(Taken<Positions>(Encode(Positions{1, kEnd - 4, positions})));
+  EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, kEnd - 3, positions})));
+  const Segments numbered{1, kEnd, {WireSegment{1, 2, 3, 4, 5, 6, 7, false, false}}};
+  EXPECT_FALSE(Taken<Segments>(Encode(numbered)));
+}
+
+TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
+  const auto window = Decode<ArmWindow>(PayloadOf("ArmWindow"));
+  ASSERT_TRUE(window);
+  EXPECT_EQ(window->first_tick, 4711u);
+  EXPECT_TRUE(window->gated);
+  EXPECT_EQ(window->fire, (std::vector<bool>{1, 0, 0, 1, 0, 0, 0, 0, 1}));
+  const auto identity = Decode<LaserIdentity>(PayloadOf("LaserIdentity"));
+  ASSERT_TRUE(identity);
+  EXPECT_EQ(identity->rates_hz, (std::vector<double>{50, 100}));
+  EXPECT_EQ(identity->model, "virtual");
+  const auto status = Decode<LaserStatus>(PayloadOf("LaserStatus"));
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->machine_us, 47200000u);
+  EXPECT_EQ(status->interlocks, 0x1f);
+  EXPECT_EQ(status->disarms_taken, 2u);
+  const auto segments = Decode<Segments>(PayloadOf("Segments"));
+  ASSERT_TRUE(segments);
+  ASSERT_EQ(segments->segments.size(), 2u);
+  EXPECT_EQ(segments->segments[0].y_nm, -2500000);
+  EXPECT_EQ(segments->segments[0].vz_nm_s, 100000000);
+  EXPECT_TRUE(segments->segments[0].pulse);
+  EXPECT_EQ(segments->segments[1].duration_subticks, 98304u);
+  EXPECT_TRUE(segments->segments[1].program_end);
+  const auto stage = Decode<MotionStatus>(PayloadOf("MotionStatus"));
+  ASSERT_TRUE(stage);
+  EXPECT_EQ(stage->vy_nm_s, -5);
+  EXPECT_EQ(stage->segments_taken, 96u);
+  EXPECT_EQ(stage->fault, StageFault::kFollowingError);
+  EXPECT_EQ(stage->following_error_max_nm, 12345u);
 }
 
 TEST(Protocols, TheLongestMessagesFitInAFrame) {
