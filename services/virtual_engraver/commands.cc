@@ -112,8 +112,10 @@ std::string Commands::DoWords(const std::vector<std::string>& words) {
   }
   if (verb == "drop-bytes" && words.size() == 3) {
     const auto ratio = NumberOf<double>(what);
-    auto& line = words[2] == "laser" ? plugs_.laser : plugs_.motion;
-    if (!ratio || *ratio < 0 || *ratio > 1 || !line)
+    const bool laser = words[2] == "laser";
+    auto& line = laser ? plugs_.laser : plugs_.motion;
+    if (!ratio || !(*ratio >= 0 && *ratio <= 1) || !line ||
+        (!laser && words[2] != "motion"))
       return "error drop-bytes 0..1 laser|motion";
     line->DropBytes(*ratio, plugs_.seed);
     return "ok";

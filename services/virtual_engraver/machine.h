@@ -95,7 +95,6 @@ class Machine {
   std::uint64_t to_miss_ = 0;
   std::uint32_t told_interlocks_ = 0;
   link::StageFault told_fault_ = link::StageFault::kNone;
-  std::chrono::nanoseconds next_flush_{0};
 };
 
 }  // namespace intaglio::virtual_engraver

@@ -20,7 +20,8 @@ volatile sig_atomic_t stop_asked = 0;
 struct Options {
   std::string laser_line, motion_line, panel, glass_record;
   MachineOptions machine;
-  std::vector<double> travel_min = {0, 0, 0}, travel_max = {170, 170, 170};
+  std::vector<double> travel_min = {0, 0, 0}, travel_max = {170, 170, 170  bool die_with_parent = false;
+};
   std::vector<double> block_size = {100, 100, 100}, block_origin = {0, 0, 0};
   double tolerance_um = 10;
   int channels = 1;
@@ -45,6 +46,8 @@ void AddOptions(CLI::App& app, Options& o) {
   app.add_option("--glass-record", o.glass_record, "file that remembers every crack")
       ->required();
   app.add_option("--panel", o.panel, "Unix socket for buttons and misbehaviour");
+  app.add_flag("--die-with-parent", o.die_with_parent,
+               "power off when the process that started this one ends");
   app.add_option("--rates", m.laser.rates_hz,
                  "lamp sync rates, Hz; the first at power-up")
       ->delimiter(',')
@@ -127,6 +130,8 @@ int Serve(Options& options) {
                                            options.machine.block.refractive_index,
                                            options.machine.block.numerical_aperture});
   if (!glass) throw std::runtime_error(glass.error().message);
+  // A machine of steel does not wait for a busy host. In lockstep it waits for everybody.
+  if (!options.machine.laser.lockstep) (void)link::AskForRealTime();
   std::vector<ScheduledFault> faults;
   for (const std::string& text : options.faults) {
     auto fault = ParseFault(text);
@@ -170,6 +175,7 @@ int Serve(Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const pid_t parent = getppid();
   CLI::App app("virtual-engraver: a laser engraving machine behind two pseudo-terminals");
   app.footer(
       "Example: virtual-engraver --laser-line /tmp/laser --motion-line /tmp/motion "
@@ -183,6 +189,10 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (options.die_with_parent) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) return 1;  // the parent was quicker
   }
   if (const auto finished = Finish(options); !finished) {
     std::cerr << "virtual-engraver: " << finished.error().message << "\n";

@@ -1,0 +1,78 @@
+#pragma once
+
+// bin/virtual-engraver as a process, its panel, and a host at its lines.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "services/link/line_session.h"
+#include "tests/integration/run_program.h"
+#include "tests/services/virtual_engraver/machine_bench.h"
+
+namespace intaglio::virtual_engraver {
+
+/// The engraver; killed with its holder. Warm at once, no lag, no refraction.
+class EngraverProcess {
+ public:
+  /// Its lines, panel and record lie in `folder`.
+  EngraverProcess(const std::filesystem::path& folder,
+                  const std::vector<std::string>& more_options);
+
+  std::string laser_line() const { return (folder_ / "laser").string(); }
+  std::string motion_line() const { return (folder_ / "motion").string(); }
+  std::filesystem::path record_file() const { return folder_ / "glass.rec"; }
+  intaglio::testing::Running& program() { return program_; }
+
+  /// False when it does not say so in five seconds.
+  bool AwaitReady();
+  /// One line for another on the panel; empty when it does not answer within a second.
+  std::string Ask(const std::string& command) const;
+  /// A number or word of the panel's status, e.g. "shutters"; empty when there is none.
+  std::string StatusOf(const std::string& name) const;
+
+ private:
+  std::filesystem::path folder_;
+  intaglio::testing::Running program_;
+};
+
+/// A host at both lines.
+class EngravingHost {
+ public:
+  explicit EngravingHost(const EngraverProcess& engraver);
+
+  /// Both sessions are up and both identities were heard.
+  bool Connect();
+  void Poll();
+  /// Polls until the condition holds; false when the time is up first.
+  bool Until(const std::function<bool()>& condition,
+             std::chrono::milliseconds bound = std::chrono::seconds(5));
+  bool Say(link::LaserFrame type, const link::Bytes& payload = {});
+  bool Say(link::MotionFrame type, const link::Bytes& payload = {});
+  /// The lamp is on, shutter 1 open.
+  bool OpenShutterAndLamp();
+  /// Asks the laser for its tick.
+  std::uint64_t TickNow();
+  const Heard& heard() const { return heard_; }
+
+ private:
+  link::LineSession laser_, motion_;
+  Heard heard_;
+};
+
+/// Another process; killed with its holder or its parent.
+class ForkedHost {
+ public:
+  /// `work` runs in the child, which never returns from here.
+  explicit ForkedHost(const std::function<void()>& work);
+  ~ForkedHost();
+  ForkedHost(const ForkedHost&) = delete;
+  ForkedHost& operator=(const ForkedHost&) = delete;
+  void Signal(int number) const;
+
+ private:
+  pid_t pid_ = -1;
+};
+
+}  // namespace intaglio::virtual_engraver

@@ -1,0 +1,151 @@
+// bin/virtual-engraver behind its two pseudo-terminals, as a host meets it.
+
+#include "tests/services/virtual_engraver/engraver_process.h"
+
+#include <signal.h>
+
+#include "tests/services/virtual_engraver/stage_path.h"
+
+namespace intaglio::virtual_engraver {
+namespace {
+
+using intaglio::testing::Eventually;
+using intaglio::testing::FreshFolder;
+using link::LaserFrame;
+using link::MotionFrame;
+using namespace std::chrono_literals;
+
+std::filesystem::path FolderOfThisTest() {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  return FreshFolder(std::string("engraver_") + test->name());
+}
+
+link::ArmWindow AllFrom(std::uint64_t first_tick, std::size_t count, bool gated = false) {
+  return {first_tick, gated, std::vector<bool>(count, true)};
+}
+
+TEST(EngraverProcess, EngravesAShortJobOverItsLines) {
+  EngraverProcess engraver(FolderOfThisTest(), {});
+  ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
+  EngravingHost host(engraver);
+  ASSERT_TRUE(host.Connect());
+  ASSERT_TRUE(host.OpenShutterAndLamp());
+  // Ten points, one a tick at 10 mm/s, after a lead-in of ten ticks to 10 mm height.
+  const std::uint64_t start = host.TickNow() + 20;
+  std::vector<Knot> knots = {{{500, 5000, 10000}, {0, 0, 0}, 40 * kTick},
+                             {{600, 5000, 10000}, {10000, 0, 0}, 2 * kTick, true}};
+  for (int i = 1; i < 10; ++i) {
+    knots.push_back({{600.0 + 100 * i, 5000, 10000}, {10000, 0, 0}, kTick, true});
+  }
+  knots.push_back({{1600, 5000, 10000}, {0, 0, 0}, 2 * kTick, false, true});
+  ASSERT_TRUE(host.Say(MotionFrame::kBeginRun, Encode(link::BeginRun{1, start})));
+  ASSERT_TRUE(host.Say(MotionFrame::kSegments, Encode(Frame(knots))));
+  ASSERT_TRUE(host.Say(LaserFrame::kArmWindow, Encode(AllFrom(start + 1, 60, true))));
+  ASSERT_TRUE(host.Until([&] { return host.heard().fired_count() == 10; }));
+  // What was told is in the file.
+  const auto record = formats::ReadGlassRecord(engraver.record_file());
+  ASSERT_TRUE(record.has_value());
+  ASSERT_EQ(record->cracks.size(), 10u);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(record->cracks[i].tick, start + 42 + i);
+    const Vec3 planned(0.6 + 0.1 * static_cast<double>(i), 5, 10);
+    EXPECT_LT((record->cracks[i].position_mm - planned).norm(), 1e-6) << i;
+  }
+  EXPECT_EQ(engraver.StatusOf("cracks"), "10");
+
+  engraver.program().Signal(SIGTERM);
+  const auto ended = engraver.program().WaitForEnd(5s);
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_NE(ended.output.find("ends with 10 cracks"), std::string::npos) << ended.output;
+}
+
+/// A host in a process of its own that fires every tick and stays there.
+void FireForEver(const EngraverProcess& engraver) {
+  EngravingHost host(engraver);
+  if (!host.Connect() || !host.OpenShutterAndLamp()) return;
+  const std::uint64_t tick = host.TickNow();
+  if (!host.Say(LaserFrame::kArmWindow, Encode(AllFrom(tick + 5, 4096)))) return;
+  host.Until([] { return false; }, 60s);
+}
+
+TEST(EngraverProcess, AHostThatDiesOrHangsLeavesClosedShutters) {
+  for (const int signal_number : {SIGKILL, SIGSTOP}) {
+    EngraverProcess engraver(FolderOfThisTest(), {});
+    ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
+    const ForkedHost host([&] { FireForEver(engraver); });
+    ASSERT_TRUE(Eventually([&] { return engraver.StatusOf("shutters") == "1"; }, 5s));
+    ASSERT_TRUE(Eventually(
+        [&] {
+          const std::string pulses = engraver.StatusOf("pulses");
+          return !pulses.empty() && pulses != "0";
+        },
+        5s));
+    host.Signal(signal_number);
+    const auto silent_from = std::chrono::steady_clock::now();
+    ASSERT_TRUE(Eventually([&] { return engraver.StatusOf("shutters") == "0"; }, 2s));
+    // 250 ms, and how late a loaded computer lets the two programs look.
+    EXPECT_LT(std::chrono::steady_clock::now() - silent_from, 600ms);
+    EXPECT_EQ(engraver.StatusOf("safe_state"), "true");
+    const std::string pulses = engraver.StatusOf("pulses");
+    std::this_thread::sleep_for(100ms);  // ten ticks in which nothing may come
+    EXPECT_EQ(engraver.StatusOf("pulses"), pulses);
+  }
+}
+
+TEST(EngraverProcess, KilledItLeavesARecordUpToTheLastCrackItToldOf) {
+  EngraverProcess engraver(FolderOfThisTest(), {"--rates", "1000"});
+  ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
+  EngravingHost host(engraver);
+  ASSERT_TRUE(host.Connect());
+  ASSERT_TRUE(host.OpenShutterAndLamp());
+  const std::uint64_t first = host.TickNow() + 50;
+  ASSERT_TRUE(host.Say(LaserFrame::kArmWindow, Encode(AllFrom(first, 4096))));
+  ASSERT_TRUE(host.Until([&] { return host.heard().fired_count() > 300; }));
+  engraver.program().Signal(SIGKILL);
+  ASSERT_TRUE(engraver.program().WaitForEnd(5s).in_time);
+  host.Poll();  // what was still in the line
+  const auto record = formats::ReadGlassRecord(engraver.record_file());
+  ASSERT_TRUE(record.has_value());
+  EXPECT_LT(record->torn_bytes, formats::kGlassRecordSize);
+  EXPECT_GE(record->cracks.size(), host.heard().fired_count());
+  for (std::size_t i = 0; i < record->cracks.size(); ++i)
+    ASSERT_EQ(record->cracks[i].tick, first + i);
+}
+
+TEST(EngraverProcess, MisbehavesAtTheTickItWasTold) {
+  EngraverProcess engraver(FolderOfThisTest(), {"--rates", "1000", "--fault",
+                                                "30 door open", "--fault", "60 key off"});
+  ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
+  ASSERT_TRUE(Eventually(
+      [&] {
+        return engraver.program().Output().find("key off: ok") != std::string::npos;
+      },
+      5s));
+  EXPECT_NE(engraver.program().Output().find("door open: ok"), std::string::npos);
+  EXPECT_EQ(engraver.StatusOf("interlocks"), std::to_string(link::kStopReleased));
+  EXPECT_EQ(engraver.Ask("open sesame").rfind("error ", 0), 0u);
+  EXPECT_EQ(engraver.Ask("quit"), "ok");
+  EXPECT_EQ(engraver.program().WaitForEnd(5s).exit_code, 0);
+}
+
+TEST(EngraverProcess, RefusesOptionsThatCannotBe) {
+  const auto folder = FolderOfThisTest();
+  for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
+           {"--speed", "fast"},
+           {"--speed", "0"},
+           {"--travel-min", "0,0,0", "--travel-max", "10,0,10"},
+           {"--block-size", "10,-1,10"},
+           {"--channels", "5"},
+           {"--na", "1.2"},
+           {"--rates", "0"}}) {
+    EngraverProcess engraver(folder, options);
+    const auto ended = engraver.program().WaitForEnd(5s);
+    EXPECT_EQ(ended.exit_code, 2) << options[0] << " " << options[1];
+    EXPECT_NE(ended.output.find(options[0]), std::string::npos) << ended.output;
+  }
+  EngraverProcess bad_fault(folder, {"--fault", "door open"});
+  EXPECT_EQ(bad_fault.program().WaitForEnd(5s).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace intaglio::virtual_engraver
