@@ -1,0 +1,305 @@
+#include "services/motion_bridge/virtual_stage_driver.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+#include "tests/integration/run_program.h"
+#include "tests/services/motion_bridge/fake_stage.h"
+
+namespace intaglio::motion_bridge {
+namespace {
+
+using intaglio::testing::FreshFolder;
+using namespace std::chrono_literals;
+
+MachineSpec MachineAt(const std::string& device) {
+  MachineSpec machine;
+  machine.mutable_motion_line()->set_protocol("virtual-stage");
+  machine.mutable_motion_line()->set_device(device);
+  machine.mutable_motion_line()->set_baud(115200);
+  return machine;
+}
+
+class VirtualStageDriver : public ::testing::Test {
+ protected:
+  static constexpr std::uint32_t kCapacity = 100;
+
+  VirtualStageDriver()
+      : device(
+            FreshFolder(std::string("stage_driver_") +
+                        ::testing::UnitTest::GetInstance()->current_test_info()->name()) /
+            "motion"),
+        stage(device, kCapacity),
+        driver(MakeVirtualStageDriver(MachineAt(device))) {}
+
+  bool Until(const std::function<bool()>& condition,
+             std::chrono::milliseconds bound = 3s) {
+    return intaglio::testing::Eventually(
+        [&] {
+          driver->Poll();
+          stage.Poll();
+          return condition();
+        },
+        bound);
+  }
+  /// The line is up and the stage has said how it is.
+  bool Connect() {
+    return Until([&] {
+      return driver->state().link_up && driver->state().fault == intaglio_MOTION_OK;
+    });
+  }
+  /// Polls without an aim.
+  void Settle(std::chrono::milliseconds time) {
+    (void)Until([] { return false; }, time);
+  }
+
+  std::filesystem::path device;
+  FakeStage stage;
+  std::unique_ptr<MotionDriver> driver;
+};
+
+motion::Segment SegmentTo(double x_mm) {
+  motion::Segment segment;
+  segment.end_position_mm = Vec3(x_mm, 0, 0);
+  segment.duration_subticks = motion::kSubticksPerTick;
+  return segment;
+}
+
+TEST_F(VirtualStageDriver, IsDownUntilTheStageAnswers) {
+  EXPECT_FALSE(driver->state().link_up);
+  EXPECT_EQ(driver->state().fault, intaglio_MOTION_LINK_LOST);
+  EXPECT_EQ(driver->Room(), 0u);
+  EXPECT_FALSE(driver->BeginRun(1, 10).has_value());
+  EXPECT_FALSE(driver->AbortRun().has_value());
+  driver->Poll();
+  EXPECT_FALSE(driver->state().message.empty()) << "says what it waits for";
+  stage.status.tick = 77;
+  stage.status.x_nm = 1234567;
+  stage.status.vz_nm_s = -2000000;
+  stage.status.covered_through_tick = 99;
+  stage.status.following_error_max_nm = 1500;
+  ASSERT_TRUE(Connect());
+  const DriverState& state = driver->state();
+  EXPECT_EQ(state.tick, 77u);
+  EXPECT_NEAR(state.position_mm.x(), 1.234567, 1e-12);
+  EXPECT_NEAR(state.velocity_mm_s.z(), -2, 1e-12);
+  EXPECT_EQ(state.covered_through_tick, 99u);
+  EXPECT_NEAR(state.following_error_max_um, 1.5, 1e-12);
+  EXPECT_TRUE(state.at_rest);
+  EXPECT_TRUE(state.message.empty());
+}
+
+TEST_F(VirtualStageDriver, SaysSegmentsInNanometres) {
+  ASSERT_TRUE(Connect());
+  ASSERT_TRUE(driver->BeginRun(7, 1234).has_value());
+  motion::Segment first = SegmentTo(12.3456785);
+  first.end_position_mm.y() = -0.0000014;
+  first.end_velocity_mm_s = Vec3(80, -0.5, 1e-6);
+  first.duration_subticks = 98765;
+  first.pulse = true;
+  motion::Segment last = SegmentTo(170);
+  last.program_end = true;
+  ASSERT_TRUE(driver->Append(std::vector{first, last}).has_value());
+  ASSERT_TRUE(Until([&] { return stage.all_segments.size() == 2; }));
+  ASSERT_EQ(stage.begun.size(), 1u);
+  EXPECT_EQ(stage.begun[0].run, 7u);
+  EXPECT_EQ(stage.begun[0].start_tick, 1234u);
+  const link::WireSegment& wire = stage.all_segments[0];
+  EXPECT_NEAR(wire.x_nm, 12345678.5, 0.51);
+  EXPECT_EQ(wire.y_nm, -1);
+  EXPECT_EQ(wire.vx_nm_s, 80000000);
+  EXPECT_EQ(wire.vy_nm_s, -500000);
+  EXPECT_EQ(wire.vz_nm_s, 1);
+  EXPECT_EQ(wire.duration_subticks, 98765u);
+  EXPECT_TRUE(wire.pulse);
+  EXPECT_FALSE(wire.program_end);
+  EXPECT_FALSE(stage.all_segments[1].pulse);
+  EXPECT_TRUE(stage.all_segments[1].program_end);
+  EXPECT_FALSE(stage.out_of_order);
+}
+
+TEST_F(VirtualStageDriver, StopsWhereTheQueueIsFull) {
+  ASSERT_TRUE(Connect());
+  ASSERT_TRUE(driver->BeginRun(1, 10).has_value());
+  std::size_t appended = 0;
+  const auto feed = [&] {
+    while (const std::size_t room = driver->Room()) {
+      EXPECT_LE(room, link::kMaxSegments);
+      const std::vector<motion::Segment> part(room, SegmentTo(1));
+      ASSERT_TRUE(driver->Append(part).has_value());
+      appended += room;
+    }
+  };
+  ASSERT_TRUE(Until([&] { return feed(), stage.all_segments.size() == kCapacity; }));
+  for (int i = 0; i < 20; ++i) {
+    feed();
+    driver->Poll();
+    stage.Poll();
+  }
+  EXPECT_EQ(appended, kCapacity) << "not one more without a word of the stage";
+  stage.queue.erase(stage.queue.begin(), stage.queue.begin() + 5);
+  stage.SayStatus();
+  ASSERT_TRUE(Until([&] { return driver->Room() > 0; }));
+  EXPECT_EQ(driver->Room(), 5u);
+}
+
+TEST_F(VirtualStageDriver, NeverOverfillsAQueueThatItHearsOfLate) {
+  stage.answers_status = false;  // statuses come when the stage likes
+  ASSERT_TRUE(Until([&] { return driver->state().link_up; }));
+  stage.SayStatus();
+  ASSERT_TRUE(Connect());
+  constexpr int kSegments = 3000;
+  ASSERT_TRUE(driver->BeginRun(1, 10).has_value());
+  std::mt19937 random(5);
+  int appended = 0;
+  // The whole job: append what there is room for; the stage executes and speaks at
+  // random.
+  ASSERT_TRUE(Until(
+      [&] {
+        for (int i = 0; i < 20; ++i) {
+          const auto room = static_cast<int>(driver->Room());
+          const int count =
+              std::min({room, kSegments - appended, 1 + static_cast<int>(random() % 40)});
+          std::vector<motion::Segment> part;
+          for (int k = 0; k < count; ++k) part.push_back(SegmentTo(0.001 * appended++));
+          if (!part.empty() && !driver->Append(part)) ADD_FAILURE() << appended;
+          driver->Poll();
+          stage.Poll();
+          const std::size_t executed =
+              std::min<std::size_t>(stage.queue.size(), random() % 50);
+          stage.queue.erase(stage.queue.begin(),
+                            stage.queue.begin() + static_cast<std::ptrdiff_t>(executed));
+          if (random() % 3 == 0) stage.SayStatus();
+        }
+        return stage.all_segments.size() == kSegments;
+      },
+      10s));
+  EXPECT_FALSE(stage.overflowed);
+  EXPECT_FALSE(stage.out_of_order);
+  for (int i = 0; i < kSegments; ++i)
+    ASSERT_EQ(stage.all_segments[static_cast<std::size_t>(i)].x_nm, i * 1000);
+}
+
+TEST_F(VirtualStageDriver, ANewRunCountsItsSegmentsAnew) {
+  ASSERT_TRUE(Connect());
+  for (std::uint32_t run = 1; run <= 3; ++run) {
+    ASSERT_TRUE(driver->BeginRun(run, 10 * run).has_value());
+    ASSERT_TRUE(Until([&] { return driver->Room() >= 20; })) << run;
+    ASSERT_TRUE(
+        driver->Append(std::vector<motion::Segment>(20, SegmentTo(1))).has_value());
+    ASSERT_TRUE(Until([&] { return stage.all_segments.size() == 20 * run; }));
+    stage.queue.clear();
+  }
+  EXPECT_FALSE(stage.out_of_order);
+}
+
+TEST_F(VirtualStageDriver, PassesAbortAndResetOn) {
+  ASSERT_TRUE(Connect());
+  ASSERT_TRUE(driver->AbortRun().has_value());
+  ASSERT_TRUE(Until([&] { return stage.aborts == 1; }));
+  EXPECT_EQ(stage.resets, 0);
+  ASSERT_TRUE(driver->Reset().has_value());
+  ASSERT_TRUE(Until([&] { return stage.resets == 1; }));
+  EXPECT_EQ(stage.aborts, 1);
+}
+
+TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
+  using link::StageFault;
+  ASSERT_TRUE(Connect());
+  struct Case {
+    StageFault said;
+    intaglio_MotionFault fault;
+  };
+  for (const Case& c :
+       {Case{StageFault::kStarved, intaglio_MOTION_STARVED},
+        Case{StageFault::kLimit, intaglio_MOTION_LIMIT},
+        Case{StageFault::kFollowingError, intaglio_MOTION_FOLLOWING_ERROR},
+        Case{StageFault::kLate, intaglio_MOTION_LATE},
+        Case{StageFault::kRunRefused, intaglio_MOTION_LATE},
+        Case{StageFault::kSafeState, intaglio_MOTION_SAFE_STATE},
+        Case{StageFault::kBadSequence, intaglio_MOTION_LINK_LOST}}) {
+    const std::uint64_t number = driver->state().number;
+    stage.status.fault = c.said;
+    stage.SayStatus();
+    ASSERT_TRUE(Until([&] { return driver->state().number > number; }));
+    EXPECT_EQ(driver->state().fault, c.fault);
+    EXPECT_GT(driver->state().message.size(), 20u);
+    EXPECT_TRUE(driver->state().link_up) << "the line is not the fault";
+  }
+}
+
+TEST_F(VirtualStageDriver, HandsLatchedPositionsOverInOrder) {
+  ASSERT_TRUE(Connect());
+  stage.Say(link::MotionFrame::kPositions,
+            Encode(link::Positions{3, 50, {{1000000, -2000000, 1}, {1500000, 0, 0}}}));
+  stage.Say(link::MotionFrame::kPositions,
+            Encode(link::Positions{3, 52, {{2000000, 0, 0}}}));
+  std::vector<LatchedPositions> got;
+  ASSERT_TRUE(Until([&] {
+    for (auto& positions : driver->TakePositions()) got.push_back(std::move(positions));
+    return got.size() == 2;
+  }));
+  EXPECT_EQ(got[0].run, 3u);
+  EXPECT_EQ(got[0].first_tick, 50u);
+  ASSERT_EQ(got[0].positions_mm.size(), 2u);
+  EXPECT_LT((got[0].positions_mm[0] - Vec3(1, -2, 1e-6)).norm(), 1e-12);
+  EXPECT_EQ(got[1].first_tick, 52u);
+}
+
+TEST_F(VirtualStageDriver, ASilentStageIsALostLine) {
+  ASSERT_TRUE(Connect());
+  const std::uint64_t number = driver->state().number;
+  const auto silent_from = std::chrono::steady_clock::now();
+  ASSERT_TRUE(intaglio::testing::Eventually(
+      [&] { return driver->Poll(), !driver->state().link_up; }, 2s));
+  EXPECT_GT(std::chrono::steady_clock::now() - silent_from, 200ms);
+  EXPECT_EQ(driver->state().fault, intaglio_MOTION_LINK_LOST);
+  EXPECT_NE(driver->state().message.find("motion line"), std::string::npos);
+  EXPECT_GT(driver->state().number, number);
+  EXPECT_EQ(driver->Room(), 0u);
+  EXPECT_FALSE(driver->Append(std::vector{SegmentTo(1)}).has_value());
+  // And it comes back by itself.
+  ASSERT_TRUE(Connect());
+}
+
+TEST_F(VirtualStageDriver, AnUnpluggedLineIsOpenedAgain) {
+  ASSERT_TRUE(Connect());
+  ASSERT_TRUE(driver->BeginRun(1, 10).has_value());
+  ASSERT_TRUE(driver->Append(std::vector{SegmentTo(1)}).has_value());
+  Settle(20ms);
+  stage.Unplug();
+  ASSERT_TRUE(Until([&] { return !driver->state().link_up; }));
+  EXPECT_EQ(driver->state().fault, intaglio_MOTION_LINK_LOST);
+  EXPECT_EQ(driver->Room(), 0u);
+  EXPECT_EQ(driver->fd(), -1);
+  stage.status.fault = link::StageFault::kSafeState;
+  stage.Plug();
+  ASSERT_TRUE(Until([&] { return driver->state().fault == intaglio_MOTION_SAFE_STATE; }));
+  EXPECT_TRUE(driver->state().link_up);
+}
+
+TEST(MotionDrivers, AnUnknownOneNamesWhatThereIs) {
+  for (const char* protocol : {"", "grbl", "Virtual-Stage"}) {
+    MachineSpec machine;
+    machine.mutable_motion_line()->set_protocol(protocol);
+    const auto driver = MakeDriver(machine);
+    ASSERT_FALSE(driver.has_value()) << protocol;
+    EXPECT_EQ(driver.error().code, ErrorCode::kUnsupported);
+    EXPECT_EQ(driver.error().value, protocol);
+    EXPECT_NE(driver.error().message.find("virtual-stage"), std::string::npos);
+    EXPECT_NE(driver.error().message.find("motion_line.protocol"), std::string::npos);
+  }
+}
+
+TEST(MotionDrivers, ADeviceThatIsNotThereIsToldInTheState) {
+  auto driver = MakeDriver(MachineAt("/nonexistent/motion"));
+  ASSERT_TRUE(driver.has_value());
+  (*driver)->Poll();
+  EXPECT_FALSE((*driver)->state().link_up);
+  EXPECT_NE((*driver)->state().message.find("/nonexistent/motion"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace intaglio::motion_bridge
