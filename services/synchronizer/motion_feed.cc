@@ -9,8 +9,8 @@ namespace {
 constexpr std::size_t kBatchSegments = 128;
 }  // namespace
 
-MotionFeed::MotionFeed(bus::Bus& bus, const std::string& cell, bus::CreditBook& credit)
-    : writer_(bus, bus::kMotionSegmentBatch, cell), credit_(credit) {}
+MotionFeed::MotionFeed(BatchWriter write, GrantLookup grant_of)
+    : write_(std::move(write)), grant_of_(std::move(grant_of)) {}
 
 void MotionFeed::Begin(const std::string& job_uid, std::uint32_t run,
                        std::uint64_t start_tick, const Vec3& start_mm,
@@ -28,7 +28,7 @@ void MotionFeed::Begin(const std::string& job_uid, std::uint32_t run,
 bool MotionFeed::MaySend() const {
   // The bridge opens the run's credit when it sees batch 0.
   if (next_batch_ == 0) return true;
-  const auto grant = credit_.Find(stream_);
+  const auto grant = grant_of_(stream_);
   return grant.open && !grant.cancelled && next_batch_ < grant.limit;
 }
 
@@ -77,7 +77,7 @@ bool MotionFeed::Send(bool last) {
   bus::Borrow(batch.vz_mm_s, columns[5]);
   bus::Borrow(batch.duration_subticks, duration);
   bus::Borrow(batch.pulse, pulse);
-  if (!writer_.Write(batch)) return false;
+  if (!write_(batch)) return false;
   ++next_batch_;
   pending_.clear();
   return true;
@@ -91,7 +91,7 @@ Status MotionFeed::Abort() {
   batch.run = run_;
   batch.sequence_number = next_batch_++;
   batch.abort = true;
-  return writer_.Write(batch);
+  return write_(batch);
 }
 
 }  // namespace intaglio::synchronizer

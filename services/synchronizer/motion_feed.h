@@ -30,7 +30,12 @@ class MotionFeed {
   /// The next point of the run; nullopt when there are no more.
   using NextTarget = std::function<std::optional<Target>()>;
 
-  MotionFeed(bus::Bus& bus, const std::string& cell, bus::CreditBook& credit);
+  /// Hands one batch to the bridge; the sample is valid during the call.
+  using BatchWriter = std::function<Status(const intaglio_MotionSegmentBatch&)>;
+  /// What the bridge has granted for a stream.
+  using GrantLookup = std::function<bus::CreditBook::Grant(const std::string& stream)>;
+
+  MotionFeed(BatchWriter write, GrantLookup grant_of);
 
   /// A run from rest at `start_mm`, beginning at `start_tick`.
   void Begin(const std::string& job_uid, std::uint32_t run, std::uint64_t start_tick,
@@ -51,8 +56,8 @@ class MotionFeed {
   bool MaySend() const;
   bool Send(bool last);
 
-  bus::Writer<intaglio_MotionSegmentBatch> writer_;
-  bus::CreditBook& credit_;
+  BatchWriter write_;
+  GrantLookup grant_of_;
   std::string job_uid_;
   std::string stream_;
   std::uint32_t run_ = 0;

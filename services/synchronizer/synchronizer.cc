@@ -72,10 +72,12 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine)
       stops_(host.bus(), bus::kEmergencyStop, cell_),
       motion_(host.bus(), bus::kMotionState, cell_),
       credit_(host.bus()),
+      segments_(host.bus(), bus::kMotionSegmentBatch, cell_),
       intake_(host.bus(), host.instance()),
       publisher_(host.bus(), cell_, host.instance()),
       laser_(LaserLineOf(machine), link::MonotonicClock()),
-      feed_(host.bus(), cell_, credit_) {}
+      feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
+            [this](const std::string& stream) { return credit_.Find(stream); }) {}
 
 Synchronizer::~Synchronizer() = default;
 

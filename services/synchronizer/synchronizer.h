@@ -62,6 +62,7 @@ class Synchronizer {
   bus::Reader<intaglio_EmergencyStop> stops_;
   bus::Reader<intaglio_MotionState> motion_;
   bus::CreditBook credit_;
+  bus::Writer<intaglio_MotionSegmentBatch> segments_;
   PathIntake intake_;
   Publisher publisher_;
   LaserController laser_;
