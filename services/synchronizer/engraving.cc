@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 // In real time the motion is this far ahead, the arms half as far: long enough for the
 // journal's disk and a loaded host, short enough that a pause is felt at once.
-constexpr double kAheadSeconds = 0.4;
+constexpr double kAheadSeconds = 1.0;
 // In lockstep the machine waits for us, so the windows only have to be worth a turn.
 constexpr std::uint64_t kLockstepAheadTicks = 4096;
 constexpr std::uint64_t kLockstepWindowTicks = 512;
@@ -37,7 +37,8 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
       feed_(feed),
       journal_(journal),
       results_(std::move(results)),
-      ledger_(job_.machine_points_mm.size()) {}
+      ledger_(job_.machine_points_mm.size()),
+      open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent) {}
 
 ChainLinks Engraving::LinksOf(const EngravingInputs& inputs) const {
   ChainLinks links;
@@ -104,6 +105,7 @@ void Engraving::Record(const PulseResult& result) {
     if (first_fired_tick_ == 0) first_fired_tick_ = result.tick;
     last_fired_tick_ = result.tick;
   }
+  passed_by_ = passed_by_ || result.outcome == PointOutcome::kSkipped;
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
                    static_cast<std::uint8_t>(result.reason), run_, result.tick,
@@ -173,9 +175,12 @@ void Engraving::Await(const EngravingInputs& inputs) {
   }
   const Missing missing = FirstMissing(links, false);
   if (missing != Missing::kNothing || needs_new_grant_) {
+    starts_again_ = false;
     if (!needs_new_grant_) message_ = TextFor(missing, inputs.motion);
     return;
   }
+  // How far ahead to plan is not known before the lamp's pace is.
+  if (!laser_.identity().lockstep && !clock_.settled()) return;
   StartRun(inputs);
 }
 
@@ -190,7 +195,8 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   session_ = laser_.session();
   run_ = std::max(run_, inputs.motion.highest_run) + 1;
   ++run_count_;
-  cursor_ = 0;
+  open_points_.Rewind();
+  passed_by_ = false;
   ended_before_run_ =
       ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
   decided_ = std::max({TickNow(inputs), status.decided_through,
@@ -225,10 +231,14 @@ void Engraving::Run(const EngravingInputs& inputs) {
         missing == Missing::kMotionFault ? inputs.motion.message : TextOf(missing),
         fault);
   }
+  // What comes later in the order may lie in the beam of what was passed by.
+  if (passed_by_) {
+    return Halt(Missing::kNothing, "pulses were skipped: the run starts again there",
+                false);
+  }
   const auto next = [this]() -> std::optional<MotionFeed::Target> {
-    const auto point = ledger_.NextOpen(cursor_);
+    const auto point = open_points_.Next();
     if (!point) return std::nullopt;
-    cursor_ = *point + 1;
     return MotionFeed::Target{*point, job_.machine_points_mm[*point]};
   };
   const std::uint64_t from = std::max(TickNow(inputs), feed_.start_tick());
@@ -260,7 +270,7 @@ void Engraving::DecideTicks(const EngravingInputs& inputs) {
   if (lockstep) {
     limit = std::min(limit, reported_through_ + 4 * window);
   } else {
-    window = std::max<std::uint64_t>(AheadTicks() / 2, 2);
+    window = std::clamp<std::uint64_t>(AheadTicks() / 2, 2, link::kMaxArmTicks);
     limit = std::min(limit, now + window);
     decided_ = std::max(decided_, now);
   }
@@ -284,7 +294,7 @@ void Engraving::Prearm(std::uint64_t first, std::uint64_t last) {
         journal_.Append(
             {JournalKind::kIntent, PointOutcome::kNone, 0, run_, tick, point, 0});
       },
-      [](std::uint32_t) {});
+      [this](std::uint32_t) { passed_by_ = true; });
   window.journal_number = journal_.appended();
   windows_.push_back(std::move(window));
   journal_.Flush();

@@ -30,6 +30,7 @@
 #include "services/synchronizer/journal_writer.h"
 #include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/motion_feed.h"
+#include "services/synchronizer/open_points.h"
 #include "services/synchronizer/permission_chain.h"
 #include "services/synchronizer/point_ledger.h"
 #include "services/synchronizer/pulse_schedule.h"
@@ -62,6 +63,7 @@ struct EngravingInputs {
 struct EngravingJob {
   std::string uid;
   PointList machine_points_mm;  ///< in the order of engraving, machine frame
+  double cone_tangent = 0;      ///< half angle of the beam above a point, machine frame
   MotionPlan plan;
   std::uint8_t shutter_mask = 1;
 };
@@ -90,6 +92,10 @@ class Engraving {
   /// without anybody walking to the machine.
   bool lost_a_line() const { return lost_a_line_; }
   bool started() const { return run_count_ > 0; }
+  /// It fires nothing until somebody or something outside lets it.
+  bool waits() const {
+    return started() && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
+  }
   std::uint32_t run_count() const { return run_count_; }
   std::uint64_t first_fired_tick() const { return first_fired_tick_; }
   std::uint64_t last_fired_tick() const { return last_fired_tick_; }
@@ -129,17 +135,19 @@ class Engraving {
   JournalWriter& journal_;
   PulseSchedule::ResultSink results_;
   PointLedger ledger_;
+  OpenPoints open_points_;
   PulseSchedule schedule_;
   std::deque<Window> windows_;
 
   Phase phase_ = Phase::kPreparing;
   std::string message_;
   bool needs_new_grant_ = false;
+  bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
   bool stopping_ = false;
   std::uint32_t run_ = 0;
   std::uint32_t run_count_ = 0;
-  std::uint32_t cursor_ = 0;
+  bool passed_by_ = false;  // a point of this run was reached and not fired
   std::uint64_t ended_before_run_ = 0;
   int idle_runs_ = 0;
   int late_starts_ = 0;

@@ -48,6 +48,7 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
   SettleAs(schedule_.ArmedWithin(sent_through_ + 1, UINT64_MAX), PointOutcome::kSkipped);
   message_ = text;
   needs_new_grant_ = fault;
+  starts_again_ = missing == Missing::kNothing && !fault;
   lost_a_line_ =
       missing == Missing::kLaserLine || missing == Missing::kMotionState ||
       missing == Missing::kSafeState ||

@@ -1,5 +1,7 @@
 #include "services/synchronizer/point_ledger.h"
 
+#include <algorithm>
+
 #include "engrave/core/check.h"
 
 namespace intaglio::synchronizer {
@@ -44,6 +46,9 @@ void PointLedger::Resolve(std::uint32_t point, formats::PointOutcome outcome) {
   Require(states_.at(point) == PointState::kArmed, "point {} is in state {}, not armed",
           point, static_cast<int>(states_[point]));
   Move(point, StateAfter(outcome));
+  if (outcome != formats::PointOutcome::kSkipped) {
+    ended_below_ = std::max(ended_below_, point + 1);
+  }
 }
 
 void PointLedger::Move(std::uint32_t point, PointState to) {

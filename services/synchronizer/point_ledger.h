@@ -40,6 +40,8 @@ class PointLedger {
 
   /// First point at or after `from` that may be armed: planned, or skipped earlier.
   std::optional<std::uint32_t> NextOpen(std::uint32_t from) const;
+  /// No point at or after this place was made, missed or left uncertain.
+  std::uint32_t ended_below() const { return ended_below_; }
   bool all_ended() const {
     return count(PointState::kPlanned) + count(PointState::kSkipped) +
                count(PointState::kArmed) ==
@@ -55,6 +57,7 @@ class PointLedger {
   void Move(std::uint32_t point, PointState to);
   std::vector<PointState> states_;
   std::uint64_t counts_[6] = {};
+  std::uint32_t ended_below_ = 0;
 };
 
 }  // namespace intaglio::synchronizer

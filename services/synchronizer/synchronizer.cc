@@ -208,6 +208,8 @@ Status Synchronizer::StartEngraving() {
   for (const Vec3& p : path.points_mm) {
     job.machine_points_mm.push_back(machine_from_glass.ToMachine(p));
   }
+  job.cone_tangent =
+      job_->optics().cone_tangent() / machine_from_glass.stage_per_glass_ratio;
   const PlanSummary plan = Summarize(job.machine_points_mm, job.plan);
   estimate_ticks_ = plan.ticks;
   checksum_ = plan.checksum;
@@ -272,8 +274,7 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
     }
     return EndTask(intaglio_TASK_DONE, "", "");
   }
-  const bool running = engraving_->phase() == Engraving::Phase::kRunning;
-  const bool waits = engraving_->started() && !running && !engraving_->message().empty();
+  const bool waits = engraving_->waits();
   TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_};
   report.state = waits ? intaglio_TASK_PAUSED : intaglio_TASK_RUNNING;
   report.done_count = ledger.count(PointState::kMade) + ledger.count(PointState::kMissed);

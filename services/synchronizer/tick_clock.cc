@@ -23,6 +23,7 @@ void TickClock::Observe(const link::LaserStatus& status, std::chrono::nanosecond
   if (status.rate_hz != rate_hz_ || status.tick < newest_.tick) {
     rate_hz_ = ticks_per_s_ = status.rate_hz;
     base_ = next_base_ = sighting;
+    settled_ = false;
   }
   newest_ = sighting;
   if (now - next_base_.at > kLongestSpan / 2) {
@@ -31,6 +32,7 @@ void TickClock::Observe(const link::LaserStatus& status, std::chrono::nanosecond
   }
   const auto span = now - base_.at;
   if (span < kShortestSpan) return;
+  settled_ = true;
   ticks_per_s_ = static_cast<double>(newest_.tick - base_.tick) / Seconds(span);
 }
 

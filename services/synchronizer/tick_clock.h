@@ -21,6 +21,8 @@ class TickClock {
   std::uint64_t TickAt(std::chrono::nanoseconds now) const;
   /// Ticks in a second of our clock; the nominal rate until it was seen for 50 ms.
   double ticks_per_s() const { return ticks_per_s_; }
+  /// It was seen for 50 ms.
+  bool settled() const { return settled_; }
 
  private:
   struct Sighting {
@@ -29,6 +31,7 @@ class TickClock {
   };
   double rate_hz_ = 0;
   double ticks_per_s_ = 0;
+  bool settled_ = false;
   Sighting newest_, base_, next_base_;
 };
 

@@ -22,6 +22,9 @@ TEST(TickClock, KeepsTheNominalRateUntilItSawAnother) {
   clock.Observe(StatusAt(0, 200), 0ms);
   EXPECT_EQ(clock.ticks_per_s(), 200);
   EXPECT_EQ(clock.TickAt(100ms), 20u);
+  EXPECT_FALSE(clock.settled());
+  clock.Observe(StatusAt(0.06, 200), 60ms);
+  EXPECT_TRUE(clock.settled());
 }
 
 TEST(TickClock, SeesAMachineThatRunsManyTimesRealTime) {
