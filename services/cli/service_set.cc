@@ -67,14 +67,20 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
     return tl::unexpected(written.error());
   }
   const std::string machine = set.machine_file_.string();
+  // A machine that waits for us leaves the processor to the others.
+  const bool lockstep =
+      virtual_machine != nullptr && virtual_machine->speed == "lockstep";
+  const std::vector<std::string> at_the_machine =
+      lockstep ? std::vector<std::string>{"--machine", machine}
+               : std::vector<std::string>{"--machine", machine, "--real-time"};
   const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
       {"job-service",
        {"--database", (options.folder / "jobs.db").string(), "--materials-db",
         options.materials_db.string(), "--results", options.results.string()}},
       {"discretizer", {}},
       {"sorter", {}},
-      {"motion-bridge", {"--machine", machine}},
-      {"synchronizer", {"--machine", machine}}};
+      {"motion-bridge", at_the_machine},
+      {"synchronizer", at_the_machine}};
   for (const auto& [name, arguments] : services) {
     if (options.without.contains(name)) continue;
     if (auto started = set.StartService(options, name, arguments); !started) {
@@ -133,6 +139,7 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   for (const std::string& fault : machine.faults) {
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }
+  if (options.die_with_parent) command.arguments.push_back("--die-with-parent");
   auto started = ChildProcess::Start(command);
   if (!started) return tl::unexpected(started.error());
   engraver_.push_back(std::make_unique<ChildProcess>(std::move(*started)));

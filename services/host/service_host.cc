@@ -13,6 +13,7 @@
 #include <iostream>
 
 #include "services/bus/samples.h"
+#include "services/link/real_time.h"
 
 namespace intaglio::host {
 namespace {
@@ -44,6 +45,7 @@ struct CommonOptions {
   std::string log_file;
   std::string log_level = "info";
   bool die_with_parent = false;
+  bool real_time = false;
 };
 
 void AddCommonOptions(CLI::App& app, CommonOptions& options) {
@@ -62,6 +64,8 @@ void AddCommonOptions(CLI::App& app, CommonOptions& options) {
       ->capture_default_str();
   app.add_flag("--die-with-parent", options.die_with_parent,
                "end when the process that started this one does");
+  app.add_flag("--real-time", options.real_time,
+               "ask the system for real-time scheduling and locked memory");
 }
 
 void SetUpLog(const ServiceDescription& description, const CommonOptions& options) {
@@ -193,6 +197,10 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
   }
   try {
     SetUpLog(description, options);
+    if (options.real_time) {
+      const std::string refused = link::AskForRealTime();
+      if (!refused.empty()) spdlog::warn("not granted: {}", refused);
+    }
     ServiceHost host(description, options.bus);
     spdlog::info("{} starts", host.instance());
     try {

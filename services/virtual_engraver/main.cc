@@ -1,5 +1,7 @@
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <random>
 
 #include "services/link/line_session.h"
+#include "services/link/real_time.h"
 #include "services/virtual_engraver/commands.h"
 #include "services/virtual_engraver/panel.h"
 
@@ -20,14 +23,14 @@ volatile sig_atomic_t stop_asked = 0;
 struct Options {
   std::string laser_line, motion_line, panel, glass_record;
   MachineOptions machine;
-  std::vector<double> travel_min = {0, 0, 0}, travel_max = {170, 170, 170  bool die_with_parent = false;
-};
+  std::vector<double> travel_min = {0, 0, 0}, travel_max = {170, 170, 170};
   std::vector<double> block_size = {100, 100, 100}, block_origin = {0, 0, 0};
   double tolerance_um = 10;
   int channels = 1;
   std::string speed = "1";
   std::vector<std::string> faults;
   unsigned seed = 0;
+  bool die_with_parent = false;
 };
 
 Vec3 ToVec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
