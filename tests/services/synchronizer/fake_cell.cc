@@ -1,0 +1,259 @@
+#include "tests/services/synchronizer/fake_cell.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <thread>
+#include <utility>
+
+namespace intaglio::synchronizer {
+namespace {
+
+using formats::JournalKind;
+using formats::PointOutcome;
+using std::chrono::milliseconds;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+// As services/synchronizer/synchronizer.cc has it.
+constexpr auto kMotionLease = 500ms;
+
+fs::path NewJournalFile() {
+  static int number = 0;
+  // In memory when there is such a place: a thousand journals cost no disk.
+  const fs::path folder = fs::is_directory("/dev/shm") ? "/dev/shm" : testing::TempDir();
+  return folder / fmt::format("intaglio-{}-{}.bin", getpid(), ++number);
+}
+
+// Neighbours 50..250 um apart, no two in one place: a crack tells its point.
+PointList ManyPoints(std::uint32_t count) {
+  std::mt19937_64 random(7);
+  PointList points;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    points.push_back(Vec3(0.05 * i, 0.001 * static_cast<double>(random() % 200),
+                          0.001 * static_cast<double>(random() % 50)));
+  }
+  return points;
+}
+
+PointState StateOf(PointOutcome outcome) {
+  switch (outcome) {
+    case PointOutcome::kNone:
+      return PointState::kPlanned;
+    case PointOutcome::kMade:
+      return PointState::kMade;
+    case PointOutcome::kMissed:
+      return PointState::kMissed;
+    case PointOutcome::kSkipped:
+      return PointState::kSkipped;
+    case PointOutcome::kUncertain:
+      break;
+  }
+  return PointState::kUncertain;
+}
+
+}  // namespace
+
+FakeCell::FakeCell(const CellOptions& options)
+    : to_laser(std::make_shared<link::FaultyPipe>()),
+      to_host(std::make_shared<link::FaultyPipe>()),
+      laser([this] { return now; }, options.lockstep),
+      journal_file(NewJournalFile()),
+      journal(*JournalWriter::Create(journal_file, {options.points, 1})),
+      controller(
+          [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
+          [this] { return now; }),
+      feed(
+          [this](const intaglio_MotionSegmentBatch& batch) {
+            return stage.Take(batch, now);
+          },
+          [this](const std::string& stream) { return stage.GrantOf(stream); }),
+      points_mm(ManyPoints(options.points)),
+      next_tick_(now) {
+  laser.Plug(LineEnd(false));
+  EngravingJob job;
+  job.uid = "job";
+  job.machine_points_mm = points_mm;
+  job.plan.rate_hz = FakeLaser::kRateHz;
+  job.plan.profile = motion::Profile::kMix;
+  engraving = std::make_unique<Engraving>(
+      std::move(job), controller, feed, *journal,
+      [this](const PulseResult& result) { results.push_back(result); });
+}
+
+FakeCell::~FakeCell() {
+  journal.reset();
+  std::error_code ignored;
+  fs::remove(journal_file, ignored);
+}
+
+std::unique_ptr<link::ByteStream> FakeCell::LineEnd(bool host) {
+  return std::make_unique<link::FaultyEnd>(host ? to_host : to_laser,
+                                           host ? to_laser : to_host, random_,
+                                           [this] { return now; });
+}
+
+void FakeCell::Step() {
+  now += 1ms;
+  if (powered_again_at_.count() >= 0 && now >= powered_again_at_) {
+    powered_again_at_ = -1ns;
+    CutLine(false);
+    laser.PowerCycle(LineEnd(false));
+  }
+  PassTicks();
+  laser.Poll();
+  stage.Poll(now, laser.tick());
+  controller.Poll([this](const link::PulseReport& report) { engraving->Take(report); });
+  engraving->Turn(Inputs());
+  while (wait_for_disk && !journal->failed() &&
+         journal->durable() < journal->appended()) {
+    journal->Flush();
+    std::this_thread::yield();
+  }
+}
+
+void FakeCell::PassTicks() {
+  const auto period =
+      std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / FakeLaser::kRateHz));
+  if (powered_again_at_.count() >= 0) {
+    next_tick_ = now + period;
+    return;
+  }
+  for (int i = 0; i < 64; ++i) {
+    const bool may = laser.lockstep()
+                         ? laser.MayPassTick() && stage.MayPassTick(laser.tick() + 1)
+                         : now >= next_tick_;
+    if (!may) return;
+    next_tick_ += period;
+    stage.AdvanceTick(laser.tick() + 1);
+    laser.AdvanceTick(stage.in_position(), stage.at_mm());
+  }
+}
+
+EngravingInputs FakeCell::Inputs() {
+  EngravingInputs inputs;
+  inputs.now = now;
+  inputs.permission_fresh = permission_fresh;
+  inputs.permission_granted = permission_granted;
+  inputs.stop_pressed = stop_pressed;
+  inputs.motion = stage.view();
+  if (!stage.silent) view_at_ = now;
+  inputs.motion.fresh = now - view_at_ < kMotionLease;
+  return inputs;
+}
+
+void FakeCell::StepFor(milliseconds time) {
+  for (const auto end = now + time; now < end;) Step();
+}
+
+bool FakeCell::StepUntil(const std::function<bool()>& condition, milliseconds limit) {
+  for (const auto end = now + limit; now < end && !condition();) Step();
+  return condition();
+}
+
+void FakeCell::GrantAnew() {
+  Withdraw();
+  StepFor(5ms);
+  Grant();
+}
+
+void FakeCell::CutLine(bool cut) { to_laser->cut = to_host->cut = cut; }
+
+void FakeCell::PowerCycle(milliseconds time) {
+  CutLine(true);
+  powered_again_at_ = now + time;
+}
+
+formats::Journal FakeCell::JournalOnDisk() const {
+  while (!journal->failed() && journal->durable() < journal->appended()) {
+    journal->Flush();
+    std::this_thread::yield();
+  }
+  return *formats::ReadJournal(journal_file);
+}
+
+std::vector<std::string> FakeCell::Disagreements() const {
+  std::vector<std::string> wrong;
+  CheckGlass(wrong);
+  CheckJournal(wrong);
+  return wrong;
+}
+
+// Every crack lies at a point, none is doubled, and the ledger knows of it.
+void FakeCell::CheckGlass(std::vector<std::string>& wrong) const {
+  std::map<std::uint32_t, std::vector<Crack>> at_point;
+  for (const Crack& crack : laser.cracks()) {
+    const auto found =
+        std::find_if(points_mm.begin(), points_mm.end(), [&](const Vec3& p) {
+          return (p - crack.at_mm).norm() < 1e-6;  // of um positions in double
+        });
+    if (found == points_mm.end()) {
+      wrong.push_back(fmt::format("tick {} fired at no point", crack.tick));
+    } else {
+      at_point[static_cast<std::uint32_t>(found - points_mm.begin())].push_back(crack);
+    }
+  }
+  std::uint64_t sum = 0;
+  for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
+    const PointState state = engraving->ledger().state(i);
+    const auto found = at_point.find(i);
+    const std::size_t count = found == at_point.end() ? 0 : found->second.size();
+    sum += state != PointState::kArmed ? 1 : 0;
+    if (count > 1) wrong.push_back(fmt::format("point {} fired {} times", i, count));
+    const bool claimed = state == PointState::kMade || state == PointState::kMissed;
+    const bool open = state == PointState::kUncertain;
+    if (!open && claimed != (count > 0)) {
+      wrong.push_back(fmt::format("point {} is in state {} and fired {} times", i,
+                                  static_cast<int>(state), count));
+    }
+  }
+  if (done() && sum != points_mm.size()) {
+    wrong.push_back(fmt::format("{} of {} points have an end", sum, points_mm.size()));
+  }
+}
+
+// Intent, then one outcome, for each arming; every crack has an intent of its tick.
+void FakeCell::CheckJournal(std::vector<std::string>& wrong) const {
+  const formats::Journal journal_now = JournalOnDisk();
+  std::map<std::uint32_t, PointState> last;
+  std::set<std::uint32_t> open;
+  std::set<std::pair<std::uint64_t, std::uint32_t>> intents;
+  for (const formats::JournalRecord& record : journal_now.records) {
+    const bool intent = record.kind == JournalKind::kIntent;
+    if (intent != open.insert(record.point).second) {
+      wrong.push_back(fmt::format("point {}: {} out of turn at tick {}", record.point,
+                                  intent ? "intent" : "outcome", record.tick));
+    }
+    if (intent) {
+      intents.emplace(record.tick, record.point);
+      continue;
+    }
+    open.erase(record.point);
+    last[record.point] = StateOf(record.outcome);
+  }
+  for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
+    const PointState state = engraving->ledger().state(i);
+    if (open.contains(i) != (state == PointState::kArmed)) {
+      wrong.push_back(fmt::format("point {} is in state {}, its intent is {}", i,
+                                  static_cast<int>(state),
+                                  open.contains(i) ? "open" : "closed"));
+    } else if (state != PointState::kArmed && last[i] != state) {
+      wrong.push_back(fmt::format("point {}: ledger {}, journal {}", i,
+                                  static_cast<int>(state), static_cast<int>(last[i])));
+    }
+  }
+  for (const Crack& crack : laser.cracks()) {
+    const bool meant =
+        std::any_of(intents.begin(), intents.end(), [&](const auto& intent) {
+          return intent.first == crack.tick &&
+                 (points_mm[intent.second] - crack.at_mm).norm() < 1e-6;
+        });
+    if (!meant) wrong.push_back(fmt::format("tick {} fired without intent", crack.tick));
+  }
+}
+
+}  // namespace intaglio::synchronizer

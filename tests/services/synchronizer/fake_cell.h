@@ -1,0 +1,92 @@
+#pragma once
+
+// One cell on a bench: an Engraving between a fake laser on a line in memory, a fake
+// stage and a journal, on a clock that the test moves by 1 ms at a time. What the journal
+// and the ledger claim is held against the fake glass.
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "services/synchronizer/engraving.h"
+#include "tests/services/link/faulty_line.h"
+#include "tests/services/synchronizer/fake_laser.h"
+#include "tests/services/synchronizer/fake_stage.h"
+
+namespace intaglio::synchronizer {
+
+struct CellOptions {
+  std::uint32_t points = 40;
+  bool lockstep = false;
+};
+
+class FakeCell {
+ public:
+  explicit FakeCell(const CellOptions& options = {});
+  ~FakeCell();
+
+  /// One millisecond: ticks, line, stage, one turn of the engraving.
+  void Step();
+  void StepFor(std::chrono::milliseconds time);
+  /// False when it did not become true within `limit`.
+  bool StepUntil(const std::function<bool()>& condition,
+                 std::chrono::milliseconds limit = std::chrono::seconds(20));
+  bool StepUntilDone() {
+    return StepUntil([this] { return done(); });
+  }
+  bool StepUntilMade(std::uint64_t count) {
+    return StepUntil([this, count] { return laser.cracks().size() >= count; });
+  }
+
+  void Grant() { permission_granted = true; }
+  void Withdraw() { permission_granted = false; }
+  /// What an operator's resume is: the permission withdrawn, and given anew.
+  void GrantAnew();
+
+  void CutLine(bool cut);
+  /// As the laser's mains switch: the line is silent for `time`, then another power-up.
+  void PowerCycle(std::chrono::milliseconds time);
+
+  Engraving::Phase phase() const { return engraving->phase(); }
+  bool done() const { return phase() == Engraving::Phase::kDone; }
+  std::uint64_t made() const { return Count(PointState::kMade); }
+  std::uint64_t Count(PointState state) const { return engraving->ledger().count(state); }
+
+  /// Waits for the journal's thread; then what is on disk.
+  formats::Journal JournalOnDisk() const;
+  /// Every disagreement of ledger, journal and glass in a sentence; empty when all agree.
+  std::vector<std::string> Disagreements() const;
+
+  std::chrono::nanoseconds now = std::chrono::seconds(1);
+  bool permission_fresh = true, permission_granted = false, stop_pressed = false;
+  std::shared_ptr<link::FaultyPipe> to_laser, to_host;
+  FakeLaser laser;
+  FakeStage stage;
+  std::filesystem::path journal_file;
+  std::unique_ptr<JournalWriter> journal;
+  LaserController controller;
+  MotionFeed feed;
+  std::unique_ptr<Engraving> engraving;
+  PointList points_mm;
+  std::vector<PulseResult> results;
+  /// The journal's disk is as slow as it likes; otherwise every turn waits for it.
+  bool wait_for_disk = true;
+
+ private:
+  std::unique_ptr<link::ByteStream> LineEnd(bool host);
+  EngravingInputs Inputs();
+  void PassTicks();
+  void CheckGlass(std::vector<std::string>& wrong) const;
+  void CheckJournal(std::vector<std::string>& wrong) const;
+
+  std::shared_ptr<std::mt19937_64> random_ = std::make_shared<std::mt19937_64>(1);
+  std::chrono::nanoseconds next_tick_;
+  std::chrono::nanoseconds view_at_{0};
+  std::chrono::nanoseconds powered_again_at_{-1};
+};
+
+}  // namespace intaglio::synchronizer

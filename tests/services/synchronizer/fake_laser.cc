@@ -1,0 +1,209 @@
+#include "tests/services/synchronizer/fake_laser.h"
+
+#include <algorithm>
+
+namespace intaglio::synchronizer {
+
+using link::LaserFrame;
+using link::TickOutcome;
+using namespace std::chrono_literals;
+
+void FakeLaser::Plug(std::unique_ptr<link::ByteStream> end) {
+  line_ =
+      std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end), clock_);
+  session_ = 0;
+  waiting_.clear();
+}
+
+void FakeLaser::PowerCycle(std::unique_ptr<link::ByteStream> end) {
+  ++power_up_;
+  tick_ = decided_through_ = pulse_count_ = last_fired_tick_ = 0;
+  lamp_on_ = safe_ = stop_latched_ = false;
+  shutters_ = 0;
+  decided_.clear();
+  outcomes_.clear();
+  Plug(std::move(end));
+}
+
+void FakeLaser::Poll() {
+  const auto receive = [this](std::uint8_t type, std::span<const std::byte> payload) {
+    Receive(static_cast<LaserFrame>(type), payload);
+  };
+  (void)line_->Poll(receive);
+  if (line_->up() && line_->session() != session_) {
+    session_ = line_->session();
+    Disarm();
+    disarms_taken_ = 0;
+    outcomes_.clear();
+    waiting_.clear();
+    Say(LaserFrame::kLaserIdentity,
+        Encode(link::LaserIdentity{power_up_, lockstep_, 1, {kRateHz}, "test"}));
+  }
+  if (!line_->up() && (shutters_ != 0 || !decided_.empty())) EnterSafeState();
+  Tell();
+  (void)line_->Poll(receive);
+}
+
+void FakeLaser::Receive(LaserFrame type, std::span<const std::byte> payload) {
+  switch (type) {
+    case LaserFrame::kLampCommand: {
+      const bool on = link::Decode<link::LampCommand>(payload)->on;
+      if (on && !lamp_on_) {
+        lamp_s_ = 0;
+        ++lamp_switched_on_count_;
+      }
+      lamp_on_ = on;
+      return;
+    }
+    case LaserFrame::kShutterCommand:
+      shutters_ = safe_ ? 0 : link::Decode<link::ShutterCommand>(payload)->open_mask & 1;
+      return;
+    case LaserFrame::kArmWindow:
+      return Decide(*link::Decode<link::ArmWindow>(payload));
+    case LaserFrame::kDisarm:
+      return Disarm();
+    case LaserFrame::kLaserStop:
+      stop_latched_ = true;
+      return EnterSafeState();
+    case LaserFrame::kLaserReset:
+      if (!stop_pressed_) stop_latched_ = safe_ = false;
+      return;
+    case LaserFrame::kLaserStatusRequest:
+      status_asked_ = true;
+      return;
+    default:
+      return;
+  }
+}
+
+void FakeLaser::Decide(const link::ArmWindow& window) {
+  for (std::size_t i = 0; i < window.fire.size(); ++i) {
+    const std::uint64_t tick = window.first_tick + i;
+    if (window.fire[i]) {
+      newest_arm_at_ = clock_();
+      if (on_arm) on_arm(tick);
+    }
+    if (tick <= std::max(tick_, decided_through_)) {
+      if (window.fire[i]) {
+        SayReports();
+        Say(LaserFrame::kPulseReport,
+            Encode(link::PulseReport{tick, {TickOutcome::kTooLate}}));
+      }
+    } else if (!safe_) {
+      decided_[tick] = {window.fire[i], window.gated};
+    }
+  }
+  // Between its first tick and the last decided one nothing is left open.
+  if (safe_ || decided_.empty()) return;
+  decided_through_ = std::max(decided_through_, decided_.rbegin()->first);
+  for (std::uint64_t t = tick_ + 1; lockstep_ && t < decided_.begin()->first; ++t) {
+    decided_[t] = {false, true};
+  }
+}
+
+void FakeLaser::Disarm() {
+  ++disarms_taken_;
+  decided_.clear();
+  decided_through_ = std::min(decided_through_, tick_);
+}
+
+void FakeLaser::EnterSafeState() {
+  safe_ = true;
+  shutters_ = 0;
+  decided_.clear();
+  decided_through_ = std::min(decided_through_, tick_);
+}
+
+void FakeLaser::PressStop(bool pressed) {
+  stop_pressed_ = pressed;
+  if (!pressed) return;
+  stop_latched_ = true;
+  EnterSafeState();
+}
+
+TickOutcome FakeLaser::OutcomeAt(bool fire, bool gated, bool in_position) const {
+  if (!fire) return TickOutcome::kNotArmed;
+  if (gated && !in_position) return TickOutcome::kNotInPosition;
+  if (!key_on || !door_closed || stop_pressed_ || stop_latched_ || safe_)
+    return TickOutcome::kInterlocked;
+  if (!warm()) return TickOutcome::kLampNotReady;
+  if (OpenNow() == 0) return TickOutcome::kShutterClosed;
+  return blind ? TickOutcome::kFiredUnseen : TickOutcome::kFiredSeen;
+}
+
+void FakeLaser::AdvanceTick(bool in_position, const Vec3& at_mm) {
+  ++tick_;
+  if (burns()) lamp_s_ += 1 / kRateHz;
+  if (!burns()) lamp_s_ = 0;
+  const auto found = decided_.find(tick_);
+  if (found == decided_.end()) return;
+  const TickOutcome outcome =
+      OutcomeAt(found->second.fire, found->second.gated, in_position);
+  decided_.erase(found);
+  outcomes_.emplace_back(tick_, outcome);
+  if (outcome != TickOutcome::kFiredSeen && outcome != TickOutcome::kFiredUnseen) return;
+  ++pulse_count_;
+  last_fired_tick_ = tick_;
+  newest_pulse_at_ = clock_();
+  cracks_.push_back({power_up_, tick_, at_mm, !blind});
+}
+
+void FakeLaser::Say(LaserFrame type, link::Bytes payload) {
+  waiting_.emplace_back(type, std::move(payload));
+}
+
+void FakeLaser::SayReports() {
+  for (std::size_t i = 0; i < outcomes_.size();) {
+    link::PulseReport report{outcomes_[i].first, {}};
+    while (i < outcomes_.size() && report.outcome.size() < link::kMaxReportTicks &&
+           outcomes_[i].first == report.first_tick + report.outcome.size()) {
+      report.outcome.push_back(outcomes_[i++].second);
+    }
+    Say(LaserFrame::kPulseReport, Encode(report));
+  }
+  outcomes_.clear();
+}
+
+void FakeLaser::Tell() {
+  const link::LaserStatus status = Status();
+  const std::uint32_t word = status.interlocks | status.shutters_open << 8;
+  if (mute || !line_->up()) return;
+  SayReports();
+  if (status_asked_ || word != told_ || clock_() >= next_status_) {
+    status_asked_ = false;
+    told_ = word;
+    next_status_ = clock_() + 20ms;
+    Say(LaserFrame::kLaserStatus, Encode(status));
+  }
+  while (!waiting_.empty() && line_->CanSend()) {
+    const auto& [type, payload] = waiting_.front();
+    if (!line_->Send(static_cast<std::uint8_t>(type), payload)) return;
+    waiting_.pop_front();
+  }
+}
+
+link::LaserStatus FakeLaser::Status() const {
+  link::LaserStatus status;
+  status.tick = tick_;
+  status.machine_us = static_cast<std::uint64_t>(1e6 * tick_ / kRateHz);
+  status.rate_hz = kRateHz;
+  status.warm_ratio = burns() ? std::min(1.0, lamp_s_ / kWarmUpS) : 0;
+  const std::pair<bool, link::InterlockBits> bits[] = {
+      {key_on, link::kKeyOn},
+      {door_closed, link::kDoorClosed},
+      {!stop_pressed_ && !stop_latched_, link::kStopReleased},
+      {burns(), link::kLampOn},
+      {warm(), link::kLampWarm},
+      {safe_, link::kSafeState}};
+  for (const auto& [on, bit] : bits) {
+    if (on) status.interlocks = static_cast<std::uint8_t>(status.interlocks | bit);
+  }
+  status.shutters_open = OpenNow();
+  status.pulse_count = pulse_count_;
+  status.last_fired_tick = last_fired_tick_;
+  status.decided_through = decided_through_;
+  status.disarms_taken = disarms_taken_;
+  return status;
+}
+
+}  // namespace intaglio::synchronizer

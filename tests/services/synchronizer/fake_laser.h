@@ -1,0 +1,110 @@
+#pragma once
+
+// A laser controller at the far end of a line in memory, and the glass under it: an
+// implementation of services/link/laser_protocol.h of its own, one map entry a tick, with
+// every fault at the test's hand.
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "services/link/laser_protocol.h"
+#include "services/link/reliable_link.h"
+
+namespace intaglio::synchronizer {
+
+/// One pulse that left the laser.
+struct Crack {
+  std::uint32_t power_up = 0;
+  std::uint64_t tick = 0;
+  Vec3 at_mm = Vec3::Zero();
+  bool seen = true;
+};
+
+class FakeLaser {
+ public:
+  static constexpr double kRateHz = 200;
+  static constexpr double kWarmUpS = 0.1;
+
+  FakeLaser(link::SteadyClock clock, bool lockstep)
+      : lockstep_(lockstep), clock_(std::move(clock)) {}
+
+  void Plug(std::unique_ptr<link::ByteStream> end);
+  /// Another clock and other counters; lamp and shutters are off. The line stays in.
+  void PowerCycle(std::unique_ptr<link::ByteStream> end);
+
+  /// Bytes, frames, the safe state; no tick passes.
+  void Poll();
+  bool MayPassTick() const { return !lockstep_ || decided_.contains(tick_ + 1); }
+  /// One lamp sync, the stage being where it says.
+  void AdvanceTick(bool in_position, const Vec3& at_mm);
+
+  std::uint64_t tick() const { return tick_; }
+  bool lockstep() const { return lockstep_; }
+  std::uint8_t shutters() const { return shutters_; }
+  bool lamp_on() const { return lamp_on_; }
+  const std::vector<Crack>& cracks() const { return cracks_; }
+  /// Monotonic time of the newest window that wanted a pulse; 0: none came.
+  std::chrono::nanoseconds newest_arm_at() const { return newest_arm_at_; }
+  std::chrono::nanoseconds newest_pulse_at() const { return newest_pulse_at_; }
+  int lamp_switched_on_count() const { return lamp_switched_on_count_; }
+
+  void PressStop(bool pressed);
+  void EnterSafeState();
+
+  bool key_on = true, door_closed = true;
+  bool lamp_dead = false;      ///< does not burn, whatever is commanded
+  bool shutter_stuck = false;  ///< closed, whatever is commanded
+  bool blind = false;          ///< the photosensor sees no crack
+  bool mute = false;           ///< keeps the line alive and says nothing of itself
+  /// Called with each tick that is about to be armed, before it is.
+  std::function<void(std::uint64_t tick)> on_arm;
+
+ private:
+  void Receive(link::LaserFrame type, std::span<const std::byte> payload);
+  void Decide(const link::ArmWindow& window);
+  void Disarm();
+  void Say(link::LaserFrame type, link::Bytes payload);
+  void SayReports();
+  void Tell();
+  link::LaserStatus Status() const;
+  bool warm() const { return burns() && lamp_s_ >= kWarmUpS; }
+  bool burns() const { return lamp_on_ && !lamp_dead; }
+  std::uint8_t OpenNow() const { return shutter_stuck ? std::uint8_t{0} : shutters_; }
+  link::TickOutcome OutcomeAt(bool fire, bool gated, bool in_position) const;
+
+  struct Decision {
+    bool fire = false;
+    bool gated = true;
+  };
+
+  bool lockstep_;
+  link::SteadyClock clock_;
+  std::unique_ptr<link::ReliableLink> line_;
+  std::uint32_t session_ = 0;
+  std::uint32_t power_up_ = 1;
+  std::uint64_t tick_ = 0;
+  bool lamp_on_ = false;
+  double lamp_s_ = 0;
+  std::uint8_t shutters_ = 0;
+  bool stop_pressed_ = false, stop_latched_ = false, safe_ = false;
+  std::map<std::uint64_t, Decision> decided_;  // ticks to come
+  std::uint64_t decided_through_ = 0;
+  std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;
+  std::uint32_t disarms_taken_ = 0;
+  std::vector<std::pair<std::uint64_t, link::TickOutcome>> outcomes_;
+  std::deque<std::pair<link::LaserFrame, link::Bytes>> waiting_;
+  bool status_asked_ = false;
+  std::uint32_t told_ = 0;
+  std::chrono::nanoseconds next_status_{0}, newest_arm_at_{0}, newest_pulse_at_{0};
+  int lamp_switched_on_count_ = 0;
+  std::vector<Crack> cracks_;
+};
+
+}  // namespace intaglio::synchronizer
