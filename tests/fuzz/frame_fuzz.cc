@@ -1,5 +1,6 @@
-// Any bytes on a serial line: what the parser delivers has the right CRC, what a decoder
-// takes encodes to the same bytes again, and nothing reads out of bounds.
+// Any bytes on a serial line: what the parser delivers is in them and stands there whole,
+// a frame after them is delivered with its last byte, and what a decoder takes encodes to
+// the same bytes again.
 
 #include <algorithm>
 #include <cstdint>
@@ -13,6 +14,8 @@ namespace {
 
 using namespace intaglio::link;
 
+constexpr std::uint32_t kLastSession = 0x1a57;
+
 template <typename T>
 void Try(std::span<const std::byte> payload) {
   const auto message = Decode<T>(payload);
@@ -20,9 +23,10 @@ void Try(std::span<const std::byte> payload) {
     if (message.error().message.empty()) std::abort();
     return;
   }
-  // A float's bits may differ (NaN is refused), lengths and the rest may not.
   const Bytes again = Encode(*message);
-  if (again.size() != payload.size()) std::abort();
+  if (!std::equal(again.begin(), again.end(), payload.begin(), payload.end())) {
+    std::abort();
+  }
 }
 
 void TryAll(std::span<const std::byte> payload) {
@@ -44,15 +48,24 @@ void TryAll(std::span<const std::byte> payload) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const auto input = std::as_bytes(std::span(bytes, size));
   FrameParser parser;
-  const auto sink = [](const FrameHeader& header, std::span<const std::byte> payload) {
+  bool in_input = true, last_seen = false;
+  const auto sink = [&](const FrameHeader& header, std::span<const std::byte> payload) {
     Bytes again;
     AppendFrame(header, payload, again);
-    if (again.size() != payload.size() + kFrameOverhead) std::abort();
+    const bool found = std::search(input.begin(), input.end(), again.begin(),
+                                   again.end()) != input.end();
+    if (in_input && !found) std::abort();
+    last_seen = header.session == kLastSession;
     TryAll(payload);
   };
   // In two pieces, so that frames lie across.
   parser.Feed(input.first(size / 2), sink);
   parser.Feed(input.subspan(size / 2), sink);
+  in_input = false;
+  Bytes last;
+  AppendFrame({0x03, kLastSession, 0, 1, 1}, {}, last);
+  parser.Feed(last, sink);
+  if (!last_seen) std::abort();
   if (size <= kMaxPayload) TryAll(input);
   return 0;
 }
