@@ -145,9 +145,9 @@ TEST(Laser, EmergencyStopStaysUntilItsReset) {
     laser.Reset();
     EXPECT_EQ(laser.Report().interlocks & (link::kStopReleased | link::kSafeState),
               link::kStopReleased);
-    EXPECT_EQ(laser.AdvanceTick(true), 0) << "what was armed before is forgotten";
     EXPECT_EQ(laser.shutters(), 0) << "shutters stay closed until they are told";
     laser.SetShutters(1);
+    EXPECT_EQ(laser.AdvanceTick(true), 0) << "what was armed before is forgotten";
     laser.Decide(FireAt(laser.tick() + 1));
     EXPECT_EQ(laser.AdvanceTick(false), 1);
   }

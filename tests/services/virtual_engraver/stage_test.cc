@@ -114,14 +114,16 @@ TEST(Stage, AtConstantSpeedItIsSpeedTimesLagBehind) {
 }
 
 TEST(Stage, InPositionOnlyWhereAPulseBelongsAndTheStageIs) {
-  // Ends: on a tick with pulse, on a tick without, between ticks with pulse.
+  // Ends: on a tick with pulse, on a tick without, and between ticks with pulse, once
+  // with another end at the same tick, once without.
   const std::vector<Knot> path = {
       {{50, 0, 0}, {10000, 0, 0}, kTick, false},
       {{150, 0, 0}, {10000, 0, 0}, kTick, true},
       {{250, 0, 0}, {10000, 0, 0}, kTick, false},
       {{300, 0, 0}, {10000, 0, 0}, kTick / 2, true},
       {{350, 0, 0}, {10000, 0, 0}, kTick / 2, true},
-      {{400, 0, 0}, {0, 0, 0}, kTick, false, true},
+      {{400, 0, 0}, {10000, 0, 0}, kTick / 2, true},
+      {{600, 0, 0}, {0, 0, 0}, 5 * kTick / 2, false, true},
   };
   // At 10 mm/s the stage is 10 mm/s * lag behind; the tolerance is 10 um.
   for (const double lag_s : {0.0, 0.0009, 0.0011}) {
