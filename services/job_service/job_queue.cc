@@ -122,7 +122,9 @@ void JobQueue::Turn(Nanoseconds now) {
     JobRecord& job = jobs_.at(uid);
     if (job.state != intaglio_JOB_QUEUED) continue;
     if (!cells.insert(job.cell).second || CellIsTaken(job.cell)) {
-      WaitFor(job, "its turn on " + job.cell);
+      WaitFor(job,
+              fmt::format("its turn on {}; arm it then, with its block in the machine",
+                          job.cell));
     } else {
       HandOut(job, now);
     }

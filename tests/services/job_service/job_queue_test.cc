@@ -169,12 +169,25 @@ TEST_F(JobQueueTest, OneJobAtATimeHasACell) {
   Ready("y2", intaglio_ROLE_SYNCHRONIZER);
   Add(1);
   Add(2);
-  EXPECT_EQ(queue_.Find("j2")->message, "waits for its turn on c");
+  EXPECT_THAT(queue_.Find("j2")->message, HasSubstr("waits for its turn on c"));
   LoadPath();
   EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED);
   Engrave();
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100, 100);
   EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_DISCRETIZING);
+}
+
+// The block in the machine is the first job's: an arm for the second is not kept until
+// the machine is free, when that block would still be in it.
+TEST_F(JobQueueTest, AJobBehindAnotherCannotBeArmed) {
+  ReadyAll();
+  Add(1);
+  Add(2);
+  const std::uint64_t revision = queue_.Find("j2")->revision;
+  queue_.Take(CommandView{"j2", kEpoch, 1, intaglio_COMMAND_ARM, "ann@shop"}, now_);
+  EXPECT_FALSE(queue_.Find("j2")->armed);
+  EXPECT_GT(queue_.Find("j2")->revision, revision) << "the command is answered";
+  EXPECT_THAT(queue_.Find("j2")->message, HasSubstr("arm it then"));
 }
 
 TEST_F(JobQueueTest, AnotherCellGoesOnMeanwhile) {
