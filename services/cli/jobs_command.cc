@@ -22,6 +22,8 @@ using namespace std::chrono_literals;
 
 // Retained topics reach a newcomer within a few discovery rounds.
 constexpr auto kDiscoveryTime = 1500ms;
+constexpr auto kAnswerTime = 5s;
+constexpr auto kMachineTime = 2s;
 
 struct JobsOptions {
   bus::BusOptions bus;
@@ -48,13 +50,26 @@ std::string ProgressOf(const JobView& job) {
                      GroupedDigits(p->total_count));
 }
 
+/// What a person has to know of the job now.
+std::string NoteOf(const JobView& job) {
+  const std::string note =
+      job.message.empty() ? std::string(NameOf(job.state)) : job.message;
+  if (job.state != intaglio_JOB_PAUSED) return note;
+  return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
+}
+
+void TellState(const JobView& job) {
+  std::cout << "job " << job.number << " is " << NameOf(job.state)
+            << (job.message.empty() ? "" : ": " + job.message) << "\n";
+}
+
 int WatchJob(JobClient& client, const std::string& uid) {
   CatchInterrupts();
   ProgressBar bar(std::cerr, isatty(STDERR_FILENO) != 0);
   StageBars bars(bar);
   for (;;) {
     const JobView& job = client.jobs().at(uid);
-    bars.Show(job, job.message.empty() ? std::string(NameOf(job.state)) : job.message);
+    bars.Show(job, NoteOf(job));
     if (job.ended()) {
       bar.Finish();
       std::cout << "job " << job.number << " " << NameOf(job.state)
@@ -71,6 +86,44 @@ int WatchJob(JobClient& client, const std::string& uid) {
   }
 }
 
+/// Where a command leads when nothing is in its way.
+bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
+  switch (kind) {
+    case intaglio_COMMAND_PAUSE:
+      return job.state != intaglio_JOB_ENGRAVING;
+    case intaglio_COMMAND_CANCEL:
+      return job.ended();
+    case intaglio_COMMAND_ARM:
+    case intaglio_COMMAND_RESUME:
+      return job.state != intaglio_JOB_PAUSED &&
+             job.state != intaglio_JOB_WAITING_FOR_ARM;
+  }
+  return true;
+}
+
+int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind) {
+  if (job.ended()) {
+    return Complain(
+        {ErrorCode::kRefused,
+         fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
+        kExitWrongInput);
+  }
+  if (auto sent = client.Command(job, kind); !sent) {
+    return Complain(sent.error(), kExitInternal);
+  }
+  const auto changed = [&] { return client.jobs().at(job.uid).revision != job.revision; };
+  if (!client.PollUntil(changed, kAnswerTime)) {
+    return Complain({ErrorCode::kTimedOut,
+                     "the job service did not answer within 5 s: is it running?", ""},
+                    kExitInternal);
+  }
+  // The machine may take a moment, or want a person first: then its message says so.
+  client.PollUntil([&] { return Reached(client.jobs().at(job.uid), kind); },
+                   kMachineTime);
+  TellState(client.jobs().at(job.uid));
+  return kExitGood;
+}
+
 int Submit(const JobsOptions& options) {
   auto job = BuildJob(options.job);
   if (!job) return Complain(job.error(), kExitWrongInput);
@@ -82,9 +135,8 @@ int Submit(const JobsOptions& options) {
   std::cout << "job " << submitted->number << " (" << submitted->uid << ") is "
             << NameOf(submitted->state) << "\n";
   if (options.arm) {
-    if (auto armed = client.Command(*submitted, intaglio_COMMAND_ARM); !armed) {
-      return Complain(armed.error(), kExitInternal);
-    }
+    const int armed = CommandJob(client, *submitted, intaglio_COMMAND_ARM);
+    if (armed != kExitGood) return armed;
   }
   if (options.watch) return WatchJob(client, submitted->uid);
   if (!options.arm)
@@ -97,16 +149,16 @@ int List(const JobsOptions& options) {
   bus::Bus bus(options.bus);
   JobClient client(bus);
   client.PollUntil([] { return false; }, kDiscoveryTime);
+  if (client.services().empty()) {
+    std::cerr << "intaglio: no services are seen: start them (intaglio up), or check "
+                 "--domain, --interface and --tag\n";
+    return kExitWrongInput;
+  }
   fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", "job", "state", "machine", "time",
              "progress", "name");
   for (const auto& [uid, job] : client.jobs()) {
     fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", job.number, NameOf(job.state),
                job.cell, TimeOf(job), ProgressOf(job), job.name);
-  }
-  if (client.services().empty()) {
-    std::cerr << "no services are seen: start them (intaglio up), or check --domain, "
-                 "--interface and --tag\n";
-    return kExitInternal;
   }
   return kExitGood;
 }
@@ -123,35 +175,16 @@ int WithJob(const JobsOptions& options,
 
 int ShowJob(const JobView& job) {
   fmt::print(
-      "job       {} ({})\nname      {}\nstate     {}\nmachine   {}\nattempt   {}\n",
+      "job        {} ({})\nname       {}\nstate      {}\nmachine    {}\nattempt    {}\n",
       job.number, job.uid, job.name, NameOf(job.state), job.cell, job.attempt);
   for (const JobView::Progress& p : job.progress) {
-    fmt::print("{:<10}{} / {} points, {}\n", NameOf(p.stage), GroupedDigits(p.done_count),
-               GroupedDigits(p.total_count), ShortDuration(p.elapsed_s));
+    if (p.total_count == 0) continue;
+    fmt::print("{:<10} {} / {} points, {}\n", NameOf(p.stage),
+               GroupedDigits(p.done_count), GroupedDigits(p.total_count),
+               ShortDuration(p.elapsed_s));
   }
-  fmt::print("estimate  {}\nfolder    {}\n", TimeOf(job), job.result_directory);
-  if (!job.message.empty()) fmt::print("message   {}\n", job.message);
-  return kExitGood;
-}
-
-int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind) {
-  if (job.ended()) {
-    return Complain(
-        {ErrorCode::kRefused,
-         fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
-        kExitWrongInput);
-  }
-  if (auto sent = client.Command(job, kind); !sent) {
-    return Complain(sent.error(), kExitInternal);
-  }
-  const auto changed = [&] { return client.jobs().at(job.uid).revision != job.revision; };
-  if (!client.PollUntil(changed, 5s)) {
-    return Complain({ErrorCode::kTimedOut,
-                     "the job service did not answer within 5 s: is it running?", ""},
-                    kExitInternal);
-  }
-  const JobView& now = client.jobs().at(job.uid);
-  std::cout << "job " << now.number << " is " << NameOf(now.state) << "\n";
+  fmt::print("estimate   {}\nfolder     {}\n", TimeOf(job), job.result_directory);
+  if (!job.message.empty()) fmt::print("message    {}\n", job.message);
   return kExitGood;
 }
 
@@ -166,11 +199,16 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
   submit->add_flag("--arm", options->arm,
                    "you stand at the machine: it may fire at once");
   submit->add_flag("--watch", options->watch, "follow it to its end");
+  submit->footer(
+      "Example: intaglio submit job.textproto --arm --watch\n"
+      "Without --arm the job waits until somebody who stands at the machine types "
+      "intaglio arm JOB.");
   submit->callback(
       [options, &selected] { selected = [options] { return Submit(*options); }; });
 
   CLI::App* list = app.add_subcommand("list", "the jobs of the running job service");
   AddBusFlags(*list, options->bus);
+  list->footer("Example: intaglio list; then intaglio show 1");
   list->callback(
       [options, &selected] { selected = [options] { return List(*options); }; });
 
@@ -179,6 +217,7 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
     CLI::App* command = app.add_subcommand(name, purpose);
     command->add_option("JOB", options->uid, "number or uid (intaglio list)")->required();
     AddBusFlags(*command, options->bus);
+    command->footer(fmt::format("Example: intaglio {} 1", name));
     command->callback([options, act, &selected] {
       selected = [options, act] { return WithJob(*options, act); };
     });

@@ -256,6 +256,9 @@ void AddMaterialsCommand(CLI::App& app, std::function<int()>& selected) {
   auto flags = std::make_shared<Flags>();
   CLI::App* materials = app.add_subcommand("materials", "the glasses that are known");
   materials->require_subcommand(1);
+  materials->footer(
+      "Example: intaglio materials list; then intaglio materials show N-BK7\n"
+      "docs/materials.md has an example of each.");
   materials->add_option("--db", flags->database,
                         "material base, default $INTAGLIO_MATERIALS_DB or the user's");
   const auto add = [&](const char* name, const char* text, Action action) {

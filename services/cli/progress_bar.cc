@@ -9,6 +9,12 @@
 namespace intaglio::cli {
 namespace {
 constexpr int kBarWidth = 24;
+
+/// "the lamp warms up: 17 %" without its figures: a log wants each thing told once.
+std::string WithoutDigits(std::string text) {
+  std::erase_if(text, [](char c) { return c >= '0' && c <= '9'; });
+  return text;
+}
 }  // namespace
 
 std::string GroupedDigits(std::uint64_t number) {
@@ -70,9 +76,10 @@ void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64
     return;
   }
   const int tenth = total == 0 ? 0 : static_cast<int>(10 * done / total);
-  if (tenth == told_tenth_ && note == told_note_) return;
+  const std::string words = WithoutDigits(note);
+  if (tenth == told_tenth_ && words == told_note_) return;
   told_tenth_ = tenth;
-  told_note_ = note;
+  told_note_ = words;
   out_ << Line() << '\n' << std::flush;
 }
 

@@ -10,7 +10,9 @@
 #include "materials_db/material_store.h"
 #include "proto/job_file.h"
 #include "services/cli/bus_flags.h"
+#include "services/cli/folder_lock.h"
 #include "services/cli/interrupt.h"
+#include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
 #include "services/cli/run_command.h"
 #include "services/cli/service_set.h"
@@ -20,6 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+
+// Who is there already is seen within a few discovery rounds.
+constexpr auto kDiscoveryTime = 1000ms;
+// A shop that was killed a moment ago needs this long to go.
+constexpr auto kLeaveTime = 5s;
 
 struct UpOptions {
   bus::BusOptions bus;
@@ -54,6 +61,26 @@ VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine) {
   return virtual_machine;
 }
 
+/// A second job service would take every submission again, a second synchronizer would
+/// fire the same laser.
+Status CheckNobodyServes(const JobClient& client, const ServiceSetOptions& set) {
+  for (const ServiceView& service : client.services()) {
+    const bool of_shop =
+        service.role == intaglio_ROLE_JOB_SERVICE && !set.without.contains("job-service");
+    const bool of_cell =
+        service.cell == set.bus.cell && ((service.role == intaglio_ROLE_SYNCHRONIZER &&
+                                          !set.without.contains("synchronizer")) ||
+                                         (service.role == intaglio_ROLE_MOTION_BRIDGE &&
+                                          !set.without.contains("motion-bridge")));
+    if (!of_shop && !of_cell) continue;
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} (process {} on {}) is there already: end that shop, or "
+                            "open this one in another --domain or with another --tag",
+                            service.instance, service.pid, service.host));
+  }
+  return {};
+}
+
 int Up(const UpOptions& options) {
   CatchInterrupts();
   const auto file = FindMachineFile(options.machine);
@@ -69,12 +96,22 @@ int Up(const UpOptions& options) {
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};
+  const auto lock = FolderLock::Take(set.folder);
+  if (!lock) return Complain(lock.error(), kExitWrongInput);
+  bus::Bus bus(set.bus);
+  JobClient client(bus);
+  client.PollUntil([] { return false; }, kDiscoveryTime);
+  Status alone;
+  const auto is_alone = [&] {
+    return (alone = CheckNobodyServes(client, set)).has_value();
+  };
+  if (!client.PollUntil(is_alone, kLeaveTime)) {
+    return Complain(alone.error(), kExitWrongInput);
+  }
   const VirtualMachine virtual_machine = MachineOf(options, *machine);
   auto services =
       ServiceSet::Start(set, options.real_machine ? nullptr : &virtual_machine);
   if (!services) return Complain(services.error(), kExitInternal);
-  bus::Bus bus(set.bus);
-  JobClient client(bus);
   if (auto ready = services->AwaitReady(client); !ready) {
     return Complain(ready.error(), kExitInternal);
   }
@@ -125,6 +162,10 @@ void AddUpCommand(CLI::App& app, std::function<int()>& selected) {
   up->add_option("--na", options->numerical_aperture,
                  "numerical aperture of its lens, default the profile's first")
       ->check(CLI::Range(0.0, 0.9));
+  up->footer(
+      "Example: intaglio up --folder shop --block 60 60 40, and from another terminal: "
+      "intaglio submit job.textproto --arm --watch\n"
+      "Ctrl-C closes the shop; the queue is kept in its folder.");
   up->callback([options, &selected] { selected = [options] { return Up(*options); }; });
 }
 

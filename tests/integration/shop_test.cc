@@ -64,7 +64,7 @@ class Shop : public ::testing::Test {
     return Eventually(
         [&] {
           last_ = Type({"show", job}).output;
-          return last_.find("state     " + state) != std::string::npos;
+          return last_.find("state      " + state) != std::string::npos;
         },
         40s);
   }
@@ -82,6 +82,11 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
   ASSERT_TRUE(Reaches(first, "waiting for arm")) << last_;
   const std::string second = Submit({});
   EXPECT_NE(first, second);
+
+  // The first job's block is in the machine: the second cannot be armed for it.
+  const Ended early = Type({"arm", second});
+  EXPECT_EQ(early.exit_code, 0);
+  EXPECT_THAT(early.output, HasSubstr("queued: waits for its turn on els-03"));
 
   EXPECT_EQ(Type({"arm", first}).exit_code, 0);
   ASSERT_TRUE(Reaches(first, "engraving")) << last_;
@@ -103,6 +108,18 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
   const Ended ended = up_->WaitForEnd(15s);
   EXPECT_TRUE(ended.in_time);
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
+}
+
+// Two queues on one database, or two synchronizers on one laser, would spoil a block.
+TEST_F(Shop, IsNotOpenedASecondTime) {
+  ASSERT_TRUE(Eventually([&] { return Type({"list"}).exit_code == 0; }, 20s));
+  const Ended same_folder = Type({"up", "--folder", (folder_ / "shop").string()});
+  EXPECT_EQ(same_folder.exit_code, 2);
+  EXPECT_THAT(same_folder.output, HasSubstr(std::to_string(up_->pid())));
+  const Ended same_domain = Type({"up", "--folder", (folder_ / "other").string()});
+  EXPECT_EQ(same_domain.exit_code, 2);
+  EXPECT_THAT(same_domain.output, HasSubstr("is there already"));
+  EXPECT_TRUE(up_->running());
 }
 
 TEST_F(Shop, ASubmissionWithMistakesIsRefusedWithAllOfThem) {

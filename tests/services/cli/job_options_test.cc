@@ -159,8 +159,7 @@ TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
   };
   EXPECT_THAT(refusal("--method", "slices"), HasSubstr("sections, fill and rays"));
   EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz and layers"));
-  EXPECT_THAT(refusal("--profile", "s-curve"),
-              HasSubstr("mix, triangle, trapezoid and cubic"));
+  EXPECT_THAT(refusal("--profile", "s-curve"), HasSubstr("mix, triangle, trapezoid"));
   EXPECT_THAT(refusal("--rate", "77"), HasSubstr("laser.rate_hz"));
 }
 

@@ -44,6 +44,12 @@ TEST(ProgressBar, InALogPrintsALineATenthAndAChangedNote) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 11);
   bar.Show("order", 1000, 1000, 1, "news");
   EXPECT_THAT(out.str(), HasSubstr("news"));
+  // Figures that run do not fill the log.
+  for (int percent = 0; percent <= 100; ++percent) {
+    bar.Show("warm", 0, 1000, 1, "the lamp warms up: " + std::to_string(percent) + " %");
+  }
+  const std::string more = out.str();
+  EXPECT_EQ(std::count(more.begin(), more.end(), '\n'), 13);
 }
 
 TEST(ProgressBar, OnATerminalDrawsOverItsLineAndLeavesNothingOfALongerOne) {

@@ -1,0 +1,60 @@
+#include "services/cli/folder_lock.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <utility>
+
+namespace intaglio::cli {
+
+namespace fs = std::filesystem;
+
+Result<FolderLock> FolderLock::Take(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  const fs::path file = folder / "lock";
+  const int fd = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd < 0) {
+    return Fail(
+        ErrorCode::kIo,
+        fmt::format("cannot write in the folder {}: {}; choose another with --folder",
+                    folder.string(), std::strerror(errno)),
+        folder.string());
+  }
+  if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    std::string pid = "unknown";
+    std::ifstream(file) >> pid;
+    close(fd);
+    return Fail(ErrorCode::kRefused,
+                fmt::format("the folder {} is in use by the process {}; end that one, or "
+                            "choose another with --folder",
+                            folder.string(), pid),
+                folder.string());
+  }
+  const std::string pid = std::to_string(getpid()) + "\n";
+  if (ftruncate(fd, 0) != 0 || write(fd, pid.data(), pid.size()) < 0) {
+    const int why = errno;
+    close(fd);
+    return Fail(
+        ErrorCode::kIo,
+        fmt::format("{}: {}; make room on the disk, or choose another folder with "
+                    "--folder",
+                    file.string(), std::strerror(why)),
+        folder.string());
+  }
+  return FolderLock(fd);
+}
+
+FolderLock::FolderLock(FolderLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+
+FolderLock::~FolderLock() {
+  if (fd_ >= 0) close(fd_);
+}
+
+}  // namespace intaglio::cli
