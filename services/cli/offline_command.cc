@@ -34,6 +34,7 @@ struct OfflineOptions {
   JobFlags job;
   std::string input, out, materials_db;
   std::vector<double> block_mm;
+  bool json = false;
 };
 
 int Complain(const Error& error, int exit_code) {
@@ -119,8 +120,9 @@ int DiscretizeOffline(const OfflineOptions& options) {
     return Complain(written.error(), kExitWrongInput);
   }
   std::cout << GroupedDigits(table.points_mm.size()) << " points, least spacing "
-            << fmt::format("{:.4f} mm", proof::LeastSpacing(table.points_mm)) << ", in "
-            << options.out << "\n";
+            << fmt::format("{:.4f} mm", proof::LeastSpacing(table.points_mm))
+            << ", checksum " << PointChecksum(table.points_mm) << ", in " << options.out
+            << "\n";
   return kExitGood;
 }
 
@@ -143,16 +145,23 @@ int SortOffline(const OfflineOptions& options) {
     return Complain(written.error(), kExitWrongInput);
   }
   const auto violations = sort::CountShadowViolations(path.points_mm, *cone);
+  const sort::Travel travel = sort::MeasureTravel(table->points_mm, *order);
   std::cout << GroupedDigits(path.points_mm.size()) << " points, "
-            << GroupedDigits(violations) << " fired through an earlier crack, in "
-            << options.out << "\n";
+            << GroupedDigits(violations) << " fired through an earlier crack, travel "
+            << fmt::format("{:.1f} mm (longest axis a step), longest step {:.2f} mm",
+                           travel.largest_axis_mm, travel.longest_step_mm)
+            << ", checksum " << PointChecksum(path.points_mm) << ", in " << options.out
+            << "\n";
   return violations == 0 ? kExitGood : kExitNotGood;
 }
 
 int VerifyOffline(const OfflineOptions& options) {
   const auto report = VerifyFolder(options.input);
   if (!report) return Complain(report.error(), kExitWrongInput);
-  std::cout << SummaryOf(*report) << "\n";
+  const auto text =
+      options.json ? JsonOf(*report) : Result<std::string>(SummaryOf(*report));
+  if (!text) return Complain(text.error(), kExitInternal);
+  std::cout << *text << "\n";
   return report->verdict().good() ? kExitGood : kExitNotGood;
 }
 
@@ -193,6 +202,9 @@ void AddOfflineCommands(CLI::App& app, std::function<int()>& selected) {
   CLI::App* discretize = app.add_subcommand("discretize", "models to a cloud of points");
   AddJobFlags(*discretize, options->job);
   discretize->add_option("--out", options->out, "cloud.ply or cloud.xyz")->required();
+  discretize->footer(
+      "Example: intaglio discretize --mesh bunny.obj --height 40 --spacing 0.1 --out "
+      "cloud.ply");
   discretize->callback(choose(DiscretizeOffline));
 
   CLI::App* sort =
@@ -202,16 +214,25 @@ void AddOfflineCommands(CLI::App& app, std::function<int()>& selected) {
   sort->add_option("--materials", options->materials_db,
                    "material base, default the user's");
   AddJobFlags(*sort, options->job);
+  sort->footer(
+      "The job's glass, lens and order count; its models only give the block.\n"
+      "Example: intaglio sort --cloud cloud.ply --mesh bunny.obj --height 40 --out "
+      "path.ply");
   sort->callback(choose(SortOffline));
 
   CLI::App* verify = app.add_subcommand("verify", "check a finished folder again");
   verify->add_option("FOLDER", options->input, "as `intaglio run` leaves it")->required();
+  verify->add_flag("--json", options->json, "for programs, as report.json");
+  verify->footer(
+      "Example: intaglio verify intaglio-out/bunny\n"
+      "Exit code: 0 good, 2 not a finished folder, 3 not good.");
   verify->callback(choose(VerifyOffline));
 
   CLI::App* render = app.add_subcommand("render", "a picture of a cloud of points");
   render->add_option("CLOUD", options->input, ".ply or .xyz")->required();
   render->add_option("--block", options->block_mm, "block size x y z, mm")->expected(3);
   render->add_option("--out", options->out, "picture.png")->required();
+  render->footer("Example: intaglio render cloud.ply --block 50 50 50 --out picture.png");
   render->callback(choose(RenderOffline));
 }
 

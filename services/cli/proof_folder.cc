@@ -109,14 +109,6 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
   counts.set_unaccounted(unaccounted);
 }
 
-std::string Checksum(const PointList& points) {
-  uLong crc = crc32(0, nullptr, 0);
-  for (const Vec3& p : points) {
-    crc = crc32(crc, reinterpret_cast<const Bytef*>(p.data()), sizeof(double) * 3);
-  }
-  return fmt::format("{:08x}", crc);
-}
-
 void Judge(JobReport& report) {
   Verdict& verdict = *report.mutable_verdict();
   verdict.clear_reasons();
@@ -193,22 +185,10 @@ JobReport ReportOf(const Evidence& evidence) {
     report.set_machining_time_s(static_cast<double>(ticks) /
                                 frozen.job().laser().rate_hz());
   }
-  (*report.mutable_checksums())["path"] = Checksum(evidence.plan_mm);
-  (*report.mutable_checksums())["glass"] = Checksum(cracks_mm);
+  (*report.mutable_checksums())["path"] = PointChecksum(evidence.plan_mm);
+  (*report.mutable_checksums())["glass"] = PointChecksum(cracks_mm);
   Judge(report);
   return report;
-}
-
-Status WriteReport(const fs::path& file, const JobReport& report) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  std::string json;
-  const auto printed =
-      google::protobuf::util::MessageToJsonString(report, &json, options);
-  if (!printed.ok()) return Fail(ErrorCode::kIo, "report.json: " + printed.ToString());
-  return formats::WriteFileAtomically(file, json);
 }
 
 Status WriteViews(const fs::path& file, const Evidence& evidence,
@@ -323,6 +303,14 @@ std::string UtcNow() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
+std::string PointChecksum(const PointList& points_mm) {
+  uLong crc = crc32(0, nullptr, 0);
+  for (const Vec3& p : points_mm) {
+    crc = crc32(crc, reinterpret_cast<const Bytef*>(p.data()), sizeof(double) * 3);
+  }
+  return fmt::format("{:08x}", crc);
+}
+
 Result<JobReport> MakeProof(const ProofInputs& inputs) {
   for (const auto& [from, to] :
        {std::pair{inputs.job_folder / "path.ply", "path.ply"},
@@ -344,7 +332,10 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
       !written) {
     return tl::unexpected(written.error());
   }
-  if (auto written = WriteReport(inputs.folder / "report.json", report); !written) {
+  const auto json = JsonOf(report);
+  if (!json) return tl::unexpected(json.error());
+  if (auto written = formats::WriteFileAtomically(inputs.folder / "report.json", *json);
+      !written) {
     return tl::unexpected(written.error());
   }
   return report;
@@ -354,6 +345,18 @@ Result<JobReport> VerifyFolder(const fs::path& folder) {
   const auto evidence = ReadEvidence(folder);
   if (!evidence) return tl::unexpected(evidence.error());
   return ReportOf(*evidence);
+}
+
+Result<std::string> JsonOf(const JobReport& report) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  const auto printed =
+      google::protobuf::util::MessageToJsonString(report, &json, options);
+  if (printed.ok()) return json;
+  return Fail(ErrorCode::kInvalidValue, "report.json: " + printed.ToString());
 }
 
 std::string SummaryOf(const JobReport& report) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "proto/report.pb.h"
 #include "proto/task.pb.h"
@@ -31,8 +32,15 @@ Result<JobReport> MakeProof(const ProofInputs& inputs);
 /// Compares glass.ply, path.ply and the journal of a finished folder again.
 Result<JobReport> VerifyFolder(const std::filesystem::path& folder);
 
+/// CRC-32 of the coordinates in their order, hexadecimal: equal for equal points in the
+/// same order, bit for bit. The report's checksums "path" and "glass".
+std::string PointChecksum(const PointList& points_mm);
+
 /// The report in a few lines for the terminal.
 std::string SummaryOf(const JobReport& report);
+
+/// The report as report.json has it; kInvalidValue for text that is not UTF-8.
+Result<std::string> JsonOf(const JobReport& report);
 
 /// Now, as 2026-01-31T12:00:00Z.
 std::string UtcNow();

@@ -4,11 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <regex>
 #include <set>
 #include <sstream>
 
+#include "services/cli/run_command.h"
 #include "tests/integration/run_program.h"
 
 namespace intaglio {
@@ -27,6 +29,8 @@ Ended Type(const std::vector<std::string>& words) {
   const fs::path folder =
       FreshFolder(std::string("command_line_") +
                   ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  // Not the base of whoever runs the tests.
+  setenv("INTAGLIO_MATERIALS_DB", (folder / "materials.db").c_str(), 1);
   Running run(Program("intaglio"), words, folder / "output.txt");
   return run.WaitForEnd(30s);
 }
@@ -71,6 +75,7 @@ TEST(CommandLine, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
   for (const std::string& command : kCommands) {
     const Ended ended = Type({command, "--help"});
     EXPECT_EQ(ended.exit_code, 0) << command;
+    EXPECT_THAT(ended.output, HasSubstr("Example: intaglio " + command));
     EXPECT_THAT(document, HasSubstr(command));
     for (const std::string& flag : FlagsIn(ended.output)) {
       known.insert(flag);
@@ -107,15 +112,56 @@ TEST(CommandLine, BrokenModelsAreNamedWithARemedyAndNothingIsMade) {
   for (const fs::path& file : fs::directory_iterator(broken)) {
     if (file.filename() == "busted.STL") continue;  // a sound surface without normals
     ++tried;
-    const fs::path out = FreshFolder("command_line_broken") / "cloud.ply";
-    const Ended ended = Type(
-        {"discretize", "--mesh", file.string(), "--height", "20", "--out", out.string()});
-    EXPECT_EQ(ended.exit_code, 2) << file;
-    EXPECT_TRUE(ended.in_time);
-    EXPECT_THAT(ended.output, HasSubstr(file.filename().string()));
-    EXPECT_FALSE(fs::exists(out));
+    const fs::path out = FreshFolder("command_line_broken") / "out";
+    for (const char* command : {"discretize", "run"}) {
+      const Ended ended = Type(
+          {command, "--mesh", file.string(), "--height", "20", "--out", out.string()});
+      EXPECT_EQ(ended.exit_code, 2) << command << " " << file << "\n" << ended.output;
+      EXPECT_TRUE(ended.in_time);
+      EXPECT_THAT(ended.output, HasSubstr(file.filename().string()));
+      EXPECT_GT(ended.output.size(), file.string().size() + 30) << "and says what to do";
+      EXPECT_FALSE(fs::exists(out));
+    }
   }
   EXPECT_GT(tried, 4u);
+}
+
+TEST(CommandLine, ASoundModelWithoutNormalsIsTaken) {
+  const fs::path model = INTAGLIO_SOURCE_DIR "/../shared/data/broken/busted.STL";
+  if (!fs::exists(model)) GTEST_SKIP() << "no " << model;
+  const fs::path out = FreshFolder("command_line_busted") / "cloud.ply";
+  const Ended ended = Type({"discretize", "--mesh", model.string(), "--height", "20",
+                            "--spacing", "0.3", "--out", out.string()});
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_TRUE(fs::exists(out));
+}
+
+TEST(CommandLine, AFolderThatCannotBeWrittenIsNamed) {
+  const std::string model = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.obj";
+  for (const char* command : {"discretize", "run"}) {
+    const Ended ended = Type({command, "--mesh", model, "--height", "20", "--spacing",
+                              "0.5", "--out", "/proc/no/such/place.ply"});
+    EXPECT_EQ(ended.exit_code, 2) << command;
+    EXPECT_THAT(ended.output, HasSubstr("/proc/no/such/place.ply")) << command;
+  }
+  const Ended up = Type({"up", "--folder", "/proc/no/such/place"});
+  EXPECT_EQ(up.exit_code, 2);
+  EXPECT_THAT(up.output, HasSubstr("/proc/no/such/place"));
+}
+
+// The table of docs/cli.md against the enumeration, so that neither changes alone.
+TEST(CommandLine, ExitCodesAreAsDocumented) {
+  const std::string document = ReadText(INTAGLIO_SOURCE_DIR "/docs/cli.md");
+  for (const auto& [code, word] : std::vector<std::pair<int, std::string>>{
+           {cli::kExitGood, "good"},
+           {cli::kExitInternal, "internal"},
+           {cli::kExitWrongInput, "wrong input"},
+           {cli::kExitNotGood, "verdict is not good"},
+           {cli::kExitMachine, "machine"},
+           {cli::kExitCancelled, "cancelled"}}) {
+    const std::regex row("\\| " + std::to_string(code) + " \\| [^|]*" + word);
+    EXPECT_TRUE(std::regex_search(document, row)) << code << " " << word;
+  }
 }
 
 TEST(CommandLine, AnUnknownGlassIsAnsweredWithNamesThatAreNear) {

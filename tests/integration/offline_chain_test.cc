@@ -1,0 +1,135 @@
+// The commands without processes, chained by files, make what `intaglio run` makes with
+// six processes: the same points in the same order, bit for bit.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "engrave/formats/point_file.h"
+#include "proto/report.pb.h"
+#include "tests/integration/run_program.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::Ended;
+using ::testing::HasSubstr;
+using testing::Program;
+using testing::Running;
+
+using Words = std::vector<std::string>;
+
+/// A cube of 8 mm, twelve triangles, outside to the right.
+void WriteCube(const fs::path& file) {
+  const auto corner = [](int i) {
+    return std::array<int, 3>{i & 1 ? 8 : 0, i & 2 ? 8 : 0, i & 4 ? 8 : 0};
+  };
+  constexpr int kFaces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  std::ofstream out(file);
+  out << "solid cube\n";
+  for (const auto& face : kFaces) {
+    for (const auto& triangle : {std::array<int, 3>{face[0], face[1], face[2]},
+                                 std::array<int, 3>{face[0], face[2], face[3]}}) {
+      out << "facet normal 0 0 0\nouter loop\n";
+      for (const int i : triangle) {
+        const auto [x, y, z] = corner(i);
+        out << "vertex " << x << " " << y << " " << z << "\n";
+      }
+      out << "endloop\nendfacet\n";
+    }
+  }
+  out << "endsolid cube\n";
+}
+
+class OfflineChain : public ::testing::TestWithParam<Words> {
+ protected:
+  OfflineChain() { WriteCube(folder_ / "cube.stl"); }
+  Words WithJob(Words words) const {
+    const Words job = {"--mesh",    (folder_ / "cube.stl").string(),
+                       "--block",   "20",
+                       "20",        "20",
+                       "--rotate",  "30",
+                       "20",        "10",
+                       "--spacing", "0.5"};
+    words.insert(words.end(), job.begin(), job.end());
+    words.insert(words.end(), GetParam().begin(), GetParam().end());
+    return words;
+  }
+  Words WithMaterials(Words words) const {
+    words.insert(words.end(), {"--materials", (folder_ / "materials.db").string()});
+    return words;
+  }
+  Ended Type(const Words& words) {
+    Running run(Program("intaglio"), words, folder_ / (words.front() + ".txt"));
+    Ended ended = run.WaitForEnd(60s);
+    EXPECT_EQ(ended.exit_code, 0) << ended.output;
+    return ended;
+  }
+  static std::string ChecksumIn(const std::string& output) {
+    std::smatch found;
+    const bool there =
+        std::regex_search(output, found, std::regex("checksum ([0-9a-f]{8})"));
+    EXPECT_TRUE(there) << output;
+    return there ? found[1].str() : "";
+  }
+  static std::vector<std::array<double, 3>> SortedPoints(const fs::path& file) {
+    const auto table = formats::ReadPly(file);
+    EXPECT_TRUE(table) << file;
+    std::vector<std::array<double, 3>> points;
+    if (!table) return points;
+    for (const Vec3& p : table->points_mm) points.push_back({p.x(), p.y(), p.z()});
+    std::sort(points.begin(), points.end());
+    return points;
+  }
+
+  fs::path folder_ = testing::FreshFolder(
+      std::string("offline_chain_") +
+      std::to_string(::testing::UnitTest::GetInstance()->current_test_info()->line()) +
+      (GetParam().empty() ? "" : GetParam()[1]));
+};
+
+TEST_P(OfflineChain, GivesWhatRunGives) {
+  const std::string out = (folder_ / "out").string();
+  const std::string cloud = (folder_ / "cloud.ply").string();
+  const std::string path = (folder_ / "path.ply").string();
+  const std::string picture = (folder_ / "picture.png").string();
+  Type(WithMaterials(WithJob({"run", "--lockstep", "--out", out})));
+  Type(WithJob({"discretize", "--out", cloud}));
+  const Ended sorted =
+      Type(WithMaterials(WithJob({"sort", "--cloud", cloud, "--out", path})));
+  EXPECT_THAT(sorted.output, HasSubstr(" 0 fired through an earlier crack"));
+
+  const auto made = SortedPoints(fs::path(out) / "path.ply");
+  EXPECT_GT(made.size(), 100u);
+  EXPECT_EQ(SortedPoints(cloud), made) << "the same points";
+  const Ended verified = Type({"verify", out, "--json"});
+  JobReport report;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(verified.output, &report).ok())
+      << verified.output;
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_EQ(ChecksumIn(sorted.output), report.checksums().at("path")) << "in one order";
+  EXPECT_THAT(Type({"verify", out}).output, HasSubstr("verdict     GOOD"));
+
+  Type({"render", cloud, "--block", "20", "20", "20", "--out", picture});
+  std::ifstream png(picture, std::ios::binary);
+  std::string begin(4, '\0');
+  png.read(begin.data(), 4);
+  EXPECT_EQ(begin, "\x89PNG");
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, OfflineChain,
+                         ::testing::Values(Words{}, Words{"--method", "fill"},
+                                           Words{"--method", "rays", "--order",
+                                                 "layers"}));
+
+}  // namespace
+}  // namespace intaglio
