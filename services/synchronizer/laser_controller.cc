@@ -11,7 +11,13 @@ void LaserController::Poll(const ReportSink& sink) {
   session_.Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
     Handle(static_cast<LaserFrame>(type), payload, sink);
   });
-  if (!session_.up()) identified_ = false;
+  // Not merely silent for a moment: then the session goes on, and no identity comes
+  // again.
+  if (session_.sessions() != polled_sessions_) {
+    polled_sessions_ = session_.sessions();
+    identified_ = identified_now_;
+  }
+  identified_now_ = false;
 }
 
 void LaserController::Handle(LaserFrame type, std::span<const std::byte> payload,
@@ -20,7 +26,7 @@ void LaserController::Handle(LaserFrame type, std::span<const std::byte> payload
     const auto identity = link::Decode<link::LaserIdentity>(payload);
     if (!identity) return;
     identity_ = *identity;
-    identified_ = true;
+    identified_ = identified_now_ = true;
     status_number_ = 0;
     disarms_sent_ = 0;
     ++sessions_;

@@ -53,6 +53,8 @@ class LaserController {
   link::LaserIdentity identity_;
   link::LaserStatus status_;
   bool identified_ = false;
+  bool identified_now_ = false;  // in this Poll
+  std::uint32_t polled_sessions_ = 0;
   std::uint64_t status_number_ = 0;
   std::uint64_t sessions_ = 0;
   std::uint32_t disarms_sent_ = 0;
