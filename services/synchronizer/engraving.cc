@@ -21,6 +21,8 @@ constexpr std::uint64_t kLockstepWindowTicks = 512;
 // Passes over points that were skipped, as long as a pass makes at least one.
 constexpr int kMaxIdleRuns = 2;
 constexpr int kMaxLateStarts = 5;
+// A status comes every 20 ms; without one nothing is known of the interlocks.
+constexpr auto kStatusLease = 500ms;
 constexpr auto kRequestPeriod = 20ms;
 constexpr auto kShutterTimeout = 2s;
 
@@ -45,7 +47,7 @@ ChainLinks Engraving::LinksOf(const EngravingInputs& inputs) const {
   links.permission_fresh = inputs.permission_fresh;
   links.permission_granted = inputs.permission_granted;
   links.stop_not_pressed = !inputs.stop_pressed;
-  links.laser_line_up = laser_.up();
+  links.laser_line_up = laser_.up() && inputs.now - status_at_ < kStatusLease;
   links.key_on = laser_.Has(link::kKeyOn);
   links.door_closed = laser_.Has(link::kDoorClosed);
   links.stop_released = laser_.Has(link::kStopReleased);
@@ -71,11 +73,20 @@ std::uint64_t Engraving::AheadTicks() const {
 void Engraving::Turn(const EngravingInputs& inputs) {
   now_ = inputs.now;
   motion_fault_ = inputs.motion.fault;
-  if (laser_.up() && laser_.status_number() != status_number_) {
-    status_number_ = laser_.status_number();
+  const std::pair status_number{laser_.session(), laser_.status_number()};
+  if (laser_.up() && status_number != status_number_) {
+    status_number_ = status_number;
+    status_at_ = inputs.now;
     clock_.Observe(laser_.status(), inputs.now);
   }
-  if (!inputs.permission_fresh || !inputs.permission_granted) needs_new_grant_ = false;
+  // A permission that is only late was not withdrawn by anybody.
+  if (!inputs.permission_granted) needs_new_grant_ = false;
+  LatchInterlocks(inputs);
+  // While it runs every window flushes; afterwards the last outcomes would wait for long.
+  if (phase_ != Phase::kRunning && flushed_ != journal_.appended()) {
+    flushed_ = journal_.appended();
+    journal_.Flush();
+  }
   switch (phase_) {
     case Phase::kPreparing:
       return Prepare(inputs);
@@ -105,7 +116,10 @@ void Engraving::Record(const PulseResult& result) {
     if (first_fired_tick_ == 0) first_fired_tick_ = result.tick;
     last_fired_tick_ = result.tick;
   }
-  passed_by_ = passed_by_ || result.outcome == PointOutcome::kSkipped;
+  if (!passed_by_ && result.outcome == PointOutcome::kSkipped) {
+    passed_by_ = true;
+    passed_by_reason_ = result.reason;
+  }
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
                    static_cast<std::uint8_t>(result.reason), run_, result.tick,
@@ -115,42 +129,57 @@ void Engraving::Record(const PulseResult& result) {
 }
 
 void Engraving::Prepare(const EngravingInputs& inputs) {
-  if (!laser_.up()) {
-    message_ = TextOf(Missing::kLaserLine) + ": " + laser_.message();
-    lamp_asked_ = false;
-    return;
-  }
-  if (!lamp_asked_ && laser_.CanSend()) {
-    lamp_asked_ = laser_.Lamp(true, job_.plan.rate_hz).has_value();
-  }
+  if (stopping_) return Finish();
+  const std::string wait = WhatPreparationWaitsFor(inputs);
+  // A fault that waits for the operator keeps its word.
+  if (!needs_new_grant_) message_ = wait;
+  if (wait.empty()) phase_ = Phase::kWaiting;
+}
+
+std::string Engraving::WhatPreparationWaitsFor(const EngravingInputs& inputs) {
+  if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
+  LightLamp(inputs);
+  LeaveSafeState(inputs);
   KeepIdleTicksPassing();
   const bool right_rate = laser_.status().rate_hz == job_.plan.rate_hz;
   if (!laser_.Has(link::kLampWarm) || !right_rate) {
-    message_ =
-        fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
-    return;
+    return fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
   }
-  if (!inputs.motion.fresh || inputs.motion.fault == intaglio_MOTION_LINK_LOST) {
-    message_ =
-        inputs.motion.fresh ? inputs.motion.message : TextOf(Missing::kMotionState);
-    return;
-  }
-  message_.clear();
-  phase_ = Phase::kWaiting;
+  if (!inputs.motion.fresh) return TextOf(Missing::kMotionState);
+  return inputs.motion.fault == intaglio_MOTION_LINK_LOST ? inputs.motion.message : "";
+}
+
+// Once in a session: another session may be another power-up, and its lamp is off.
+void Engraving::LightLamp(const EngravingInputs& inputs) {
+  if (lamp_session_ == laser_.session() && laser_.Has(link::kLampOn)) return;
+  if (inputs.now < next_request_ || !laser_.CanSend()) return;
+  next_request_ = inputs.now + kRequestPeriod;
+  if (laser_.Lamp(true, job_.plan.rate_hz)) lamp_session_ = laser_.session();
 }
 
 // In lockstep no tick passes that nobody decided, and a lamp warms up by its ticks.
 void Engraving::KeepIdleTicksPassing() {
   if (!laser_.identity().lockstep || !laser_.CanSend()) return;
   const link::LaserStatus& status = laser_.status();
-  decided_ = std::max({decided_, status.decided_through, status.tick});
-  if (laser_.session() != session_)
-    decided_ = std::max(status.decided_through, status.tick);
+  // In a safe state or another session it has forgotten what was decided.
+  const bool forgotten = laser_.session() != session_ || laser_.Has(link::kSafeState);
+  decided_ = std::max({forgotten ? 0 : decided_, status.decided_through, status.tick});
   session_ = laser_.session();
+  if (laser_.Has(link::kSafeState)) return;
   if (decided_ > status.tick) return;
   link::ArmWindow idle{decided_ + 1, true, std::vector<bool>(link::kMaxArmTicks, false)};
   if (!laser_.Arm(idle)) return;
   decided_ += idle.fire.size();
+  (void)laser_.RequestStatus();
+}
+
+// On the operator's word, which is the grant.
+void Engraving::LeaveSafeState(const EngravingInputs& inputs) {
+  const bool granted = inputs.permission_fresh && inputs.permission_granted;
+  if (!granted || needs_new_grant_ || !laser_.Has(link::kSafeState)) return;
+  if (!laser_.CanSend() || inputs.now < next_request_) return;
+  next_request_ = inputs.now + kRequestPeriod;
+  (void)laser_.Reset();
   (void)laser_.RequestStatus();
 }
 
@@ -160,19 +189,13 @@ void Engraving::Await(const EngravingInputs& inputs) {
     phase_ = Phase::kPreparing;
     return;
   }
+  LeaveSafeState(inputs);
   ChainLinks links = LinksOf(inputs);
-  // A safe state is left on the operator's word, which is the grant; a stage's fault is
-  // cleared by the bridge when it begins the run.
-  const bool granted = links.permission_fresh && links.permission_granted;
-  if (granted && !needs_new_grant_ && !links.no_safe_state && laser_.CanSend() &&
-      inputs.now >= next_request_) {
-    next_request_ = inputs.now + kRequestPeriod;
-    (void)laser_.Reset();
-    (void)laser_.RequestStatus();
-  }
-  if (granted && !needs_new_grant_ && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
+  // A stage's fault is cleared by the bridge when it begins the run.
+  if (!needs_new_grant_ && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
     links.motion_without_fault = true;
   }
+  const bool closed = ShuttersClosed(inputs);
   const Missing missing = FirstMissing(links, false);
   if (missing != Missing::kNothing || needs_new_grant_) {
     starts_again_ = false;
@@ -181,6 +204,8 @@ void Engraving::Await(const EngravingInputs& inputs) {
   }
   // How far ahead to plan is not known before the lamp's pace is.
   if (!laser_.identity().lockstep && !clock_.settled()) return;
+  // The plan begins where the stage stands, and with a shutter that is seen to open.
+  if (!closed || !inputs.motion.at_rest) return;
   StartRun(inputs);
 }
 
@@ -188,15 +213,13 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   if (!laser_.CanSend() || !laser_.OpenShutters(job_.shutter_mask)) return;
   (void)laser_.RequestStatus();
   const link::LaserStatus& status = laser_.status();
-  if (run_count_ == 0) {
-    pulses_before_job_ = status.pulse_count;
-    power_up_ = laser_.identity().power_up;
-  }
+  if (run_count_ == 0 || power_up_ != laser_.identity().power_up) TakeCounters();
   session_ = laser_.session();
   run_ = std::max(run_, inputs.motion.highest_run) + 1;
   ++run_count_;
   open_points_.Rewind();
   passed_by_ = false;
+  shutters_seen_open_ = false;
   ended_before_run_ =
       ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
   decided_ = std::max({TickNow(inputs), status.decided_through,
@@ -223,7 +246,8 @@ void Engraving::Run(const EngravingInputs& inputs) {
   if (!our_run && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
     links.motion_without_fault = true;
   }
-  const Missing missing = FirstMissing(links, false);
+  shutters_seen_open_ = shutters_seen_open_ || links.shutters_open;
+  const Missing missing = FirstMissing(links, shutters_seen_open_);
   if (missing != Missing::kNothing) {
     const bool fault = missing != Missing::kPermission;
     return Halt(
@@ -231,10 +255,10 @@ void Engraving::Run(const EngravingInputs& inputs) {
         missing == Missing::kMotionFault ? inputs.motion.message : TextOf(missing),
         fault);
   }
-  // What comes later in the order may lie in the beam of what was passed by.
-  if (passed_by_) {
-    return Halt(Missing::kNothing, "pulses were skipped: the run starts again there",
-                false);
+  if (passed_by_) return HaltOverSkipped();
+  if (feed_.dropped()) {
+    return Halt(Missing::kMotionState, "the motion bridge has dropped the run; resume",
+                true);
   }
   const auto next = [this]() -> std::optional<MotionFeed::Target> {
     const auto point = open_points_.Next();
@@ -259,11 +283,13 @@ void Engraving::DecideTicks(const EngravingInputs& inputs) {
   if (!covered && !lockstep && now >= feed_.start_tick()) {
     // The run did not reach the stage in time; nothing was armed, so it may start anew.
     if (++late_starts_ > kMaxLateStarts) {
+      late_starts_ = 0;
       return Halt(Missing::kMotionState, "the motion bridge is too slow to start a run",
                   true);
     }
     return Halt(Missing::kNothing, "the run is started again: it came too late", false);
   }
+  if (covered) late_starts_ = 0;
   std::uint64_t limit =
       covered ? inputs.motion.covered_through_tick : feed_.start_tick() - 1;
   std::uint64_t window = kLockstepWindowTicks;
@@ -280,24 +306,36 @@ void Engraving::DecideTicks(const EngravingInputs& inputs) {
     const bool idle = reported_through_ >= decided_ && windows_.empty();
     if (lockstep && last - decided_ < window / 4 && !idle) return;
     if (!LinksOf(inputs).shutters_open) return AwaitShutter(inputs);
-    Prearm(decided_ + 1, last);
+    if (!Prearm(decided_ + 1, last)) return;
     decided_ = last;
   }
 }
 
-void Engraving::Prearm(std::uint64_t first, std::uint64_t last) {
+bool Engraving::Prearm(std::uint64_t first, std::uint64_t last) {
   Window window;
+  bool kept = true;
   window.arm = schedule_.Decide(
       first, last,
-      [this](std::uint64_t tick, std::uint32_t point) {
+      [&](std::uint64_t tick, std::uint32_t point) {
         ledger_.Arm(point);
-        journal_.Append(
+        kept &= journal_.Append(
             {JournalKind::kIntent, PointOutcome::kNone, 0, run_, tick, point, 0});
       },
-      [this](std::uint32_t) { passed_by_ = true; });
+      [this](std::uint32_t) {
+        passed_by_ = true;
+        passed_by_reason_ = SkipReason::kLate;
+      });
+  if (!kept) {
+    Halt(Missing::kNothing,
+         journal_.failed() ? journal_.error()
+                           : "the journal's disk does not keep up: the run is stopped",
+         true);
+    return false;
+  }
   window.journal_number = journal_.appended();
   windows_.push_back(std::move(window));
   journal_.Flush();
+  return true;
 }
 
 void Engraving::SendDurableWindows() {
@@ -320,16 +358,14 @@ void Engraving::FinishRun() {
   const std::uint64_t ended =
       ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
   idle_runs_ = ended == ended_before_run_ ? idle_runs_ + 1 : 0;
-  late_starts_ = 0;
   phase_ = Phase::kWaiting;
 }
 
+// While the line is up the next turn tries again: nobody comes after it to say "off".
 void Engraving::Finish() {
-  if (laser_.CanSend()) {
-    (void)laser_.OpenShutters(0);
-    (void)laser_.Lamp(false, job_.plan.rate_hz);
-  }
-  phase_ = Phase::kDone;
+  const bool told =
+      laser_.CanSend() && laser_.OpenShutters(0) && laser_.Lamp(false, job_.plan.rate_hz);
+  if (told || !laser_.up()) phase_ = Phase::kDone;
 }
 
 void Engraving::Stop(const std::string& why) {

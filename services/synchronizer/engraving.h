@@ -107,17 +107,24 @@ class Engraving {
   std::uint64_t AheadTicks() const;
 
   void Prepare(const EngravingInputs& inputs);
+  std::string WhatPreparationWaitsFor(const EngravingInputs& inputs);
+  void LeaveSafeState(const EngravingInputs& inputs);
+  void LightLamp(const EngravingInputs& inputs);
+  void LatchInterlocks(const EngravingInputs& inputs);
+  bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   void StartRun(const EngravingInputs& inputs);
   void Run(const EngravingInputs& inputs);
   void DecideTicks(const EngravingInputs& inputs);
-  void Prearm(std::uint64_t first, std::uint64_t last);
+  bool Prearm(std::uint64_t first, std::uint64_t last);
   void SendDurableWindows();
   void FinishRun();
   void Halt(Missing missing, const std::string& text, bool fault);
+  void HaltOverSkipped();
   void SettleHalted(const EngravingInputs& inputs);
   bool AskToDisarm();
   void SettleByCounter();
+  void TakeCounters();
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
   void AwaitShutter(const EngravingInputs& inputs);
   void KeepIdleTicksPassing();
@@ -148,8 +155,12 @@ class Engraving {
   std::uint32_t run_ = 0;
   std::uint32_t run_count_ = 0;
   bool passed_by_ = false;  // a point of this run was reached and not fired
+  SkipReason passed_by_reason_ = SkipReason::kNone;
+  bool shutters_seen_open_ = false;  // in this run
+  bool interlocks_held_ = false;     // key, door and stop, at the last turn
   std::uint64_t ended_before_run_ = 0;
   int idle_runs_ = 0;
+  int fruitless_runs_ = 0;
   int late_starts_ = 0;
   std::uint64_t decided_ = 0;  // by us, sent or about to be
   std::uint64_t sent_through_ = 0;
@@ -169,9 +180,11 @@ class Engraving {
   std::uint64_t disarm_session_ = 0;
   bool disarm_asked_ = false;
   TickClock clock_;
-  std::uint64_t status_number_ = 0;
-  std::chrono::nanoseconds next_request_{0};
-  bool lamp_asked_ = false;
+  std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number
+  std::chrono::nanoseconds status_at_{0};
+  std::chrono::nanoseconds next_request_{0}, next_close_{0};
+  std::uint64_t lamp_session_ = 0;
+  std::uint64_t flushed_ = 0;
 };
 
 }  // namespace intaglio::synchronizer

@@ -10,6 +10,9 @@ using namespace std::chrono_literals;
 
 // How long a halt waits for the reports of what was armed.
 constexpr auto kSettleTimeout = 2s;
+// Passes in a row that were broken off over a skipped point before they made any.
+constexpr int kMaxFruitlessRuns = 5;
+constexpr auto kRequestPeriod = 20ms;
 
 SkipReason ReasonOf(Missing missing) {
   switch (missing) {
@@ -58,6 +61,69 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
   phase_ = Phase::kHalting;
 }
 
+// What comes later in the order may lie in the beam of what was passed by, so the run
+// starts again there; but not by itself when it was the machine that held a pulse back.
+void Engraving::HaltOverSkipped() {
+  switch (passed_by_reason_) {
+    case SkipReason::kInterlock:
+      return Halt(Missing::kSafeState,
+                  "an interlock of the machine held a pulse back: see to key, door and "
+                  "stop, then resume",
+                  true);
+    case SkipReason::kLamp:
+      return Halt(Missing::kLamp, TextOf(Missing::kLamp), true);
+    case SkipReason::kShutter:
+      return Halt(Missing::kShutter, TextOf(Missing::kShutter), true);
+    default:
+      break;
+  }
+  const bool fruitless =
+      ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed) ==
+      ended_before_run_;
+  fruitless_runs_ = fruitless ? fruitless_runs_ + 1 : 0;
+  if (fruitless_runs_ < kMaxFruitlessRuns) {
+    return Halt(Missing::kNothing, "pulses were skipped: the run starts again there",
+                false);
+  }
+  fruitless_runs_ = 0;
+  Halt(Missing::kNothing,
+       "the same point was skipped again and again: see that the stage follows and the "
+       "disk keeps up, then resume",
+       true);
+}
+
+// Key, door and stop latch also between two runs: who let go of one gives a new
+// permission.
+void Engraving::LatchInterlocks(const EngravingInputs& inputs) {
+  if (!laser_.up()) return;
+  Missing missing = Missing::kNothing;
+  if (!laser_.Has(link::kDoorClosed)) missing = Missing::kDoor;
+  if (!laser_.Has(link::kKeyOn)) missing = Missing::kKey;
+  if (inputs.stop_pressed || !laser_.Has(link::kStopReleased)) {
+    missing = Missing::kEmergencyStop;
+  }
+  const bool let_go = interlocks_held_ && missing != Missing::kNothing;
+  interlocks_held_ = missing == Missing::kNothing;
+  // kRunning halts by itself.
+  if (!let_go || phase_ == Phase::kRunning || !started() || !inputs.permission_granted) {
+    return;
+  }
+  needs_new_grant_ = true;
+  starts_again_ = lost_a_line_ = false;
+  message_ = TextOf(missing);
+}
+
+// Outside a run no shutter is open, whatever happened before.
+bool Engraving::ShuttersClosed(const EngravingInputs& inputs) {
+  if (laser_.status().shutters_open == 0) return true;
+  if (inputs.now >= next_close_ && laser_.CanSend()) {
+    next_close_ = inputs.now + kRequestPeriod;
+    (void)laser_.OpenShutters(0);
+    (void)laser_.RequestStatus();
+  }
+  return false;
+}
+
 bool Engraving::AskToDisarm() {
   disarm_session_ = laser_.session();
   disarm_asked_ = laser_.CanSend() && laser_.OpenShutters(0) && laser_.Disarm() &&
@@ -68,7 +134,9 @@ bool Engraving::AskToDisarm() {
 void Engraving::SettleHalted(const EngravingInputs& inputs) {
   const bool late = inputs.now - halted_at_ > kSettleTimeout;
   if (!disarm_asked_ || disarm_session_ != laser_.session()) (void)AskToDisarm();
-  if (laser_.disarmed() && disarm_asked_) {
+  const bool disarmed = laser_.disarmed() && disarm_asked_;
+  if (disarmed) {
+    decided_ = laser_.status().decided_through;
     if (laser_.session() != session_) {
       SettleByCounter();
     } else {
@@ -83,29 +151,49 @@ void Engraving::SettleHalted(const EngravingInputs& inputs) {
     SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
   }
   if (!schedule_.empty()) return;
+  if (laser_.up() && !disarmed && !late) return;
   const bool moving = inputs.motion.fresh && !inputs.motion.at_rest;
   if (moving && !late) return;
   if (stopping_) return Finish();
-  FinishRun();
+  phase_ = Phase::kWaiting;
 }
 
 // A lost line took the reports with it. The controller's counters are the truth: ticks
-// after the last one fired did not fire; the others all did if the count says so.
+// after the last one fired did not fire, that one did, and the others all did or none if
+// the count says so.
 void Engraving::SettleByCounter() {
   const link::LaserStatus& status = laser_.status();
-  const auto open = schedule_.ArmedWithin(0, UINT64_MAX);
-  if (open.empty()) return;
   if (laser_.identity().power_up != power_up_) {
-    return SettleAs(open, PointOutcome::kUncertain);
+    SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
+    return TakeCounters();
   }
   SettleAs(schedule_.ArmedWithin(status.last_fired_tick + 1, UINT64_MAX),
            PointOutcome::kSkipped);
-  const auto candidates = schedule_.ArmedWithin(0, status.last_fired_tick);
-  const std::uint64_t fired = status.pulse_count - pulses_before_job_ - fired_count_;
-  if (fired == 0) return SettleAs(candidates, PointOutcome::kSkipped);
-  if (fired != candidates.size()) return SettleAs(candidates, PointOutcome::kUncertain);
-  settled_by_counter_ += fired;
-  SettleAs(candidates, PointOutcome::kMade);
+  auto candidates = schedule_.ArmedWithin(0, status.last_fired_tick);
+  std::uint64_t fired = status.pulse_count - pulses_before_job_ - fired_count_;
+  if (fired > 0 && fired <= candidates.size() &&
+      candidates.back().tick == status.last_fired_tick) {
+    ++settled_by_counter_;
+    SettleAs({candidates.back()}, PointOutcome::kMade);
+    candidates.pop_back();
+    --fired;
+  }
+  if (fired == 0) {
+    SettleAs(candidates, PointOutcome::kSkipped);
+  } else if (fired == candidates.size()) {
+    settled_by_counter_ += fired;
+    SettleAs(candidates, PointOutcome::kMade);
+  } else {
+    SettleAs(candidates, PointOutcome::kUncertain);
+  }
+  TakeCounters();
+}
+
+// The controller's count, less what is told of: with nothing armed they begin afresh.
+// Else the pulses of uncertain points would be taken for those of the next lost line.
+void Engraving::TakeCounters() {
+  power_up_ = laser_.identity().power_up;
+  pulses_before_job_ = laser_.status().pulse_count - fired_count_;
 }
 
 void Engraving::SettleAs(std::vector<PulseResult> points, PointOutcome outcome) {

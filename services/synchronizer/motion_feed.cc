@@ -32,6 +32,10 @@ bool MotionFeed::MaySend() const {
   return grant.open && !grant.cancelled && next_batch_ < grant.limit;
 }
 
+bool MotionFeed::dropped() const {
+  return !sent_all_ && next_batch_ > 0 && grant_of_(stream_).cancelled;
+}
+
 void MotionFeed::Advance(std::uint64_t horizon_tick, const NextTarget& next,
                          PulseSchedule& schedule) {
   if (sent_all_ || !planner_) return;

@@ -49,6 +49,8 @@ class MotionFeed {
 
   /// The whole run, to its end at rest, has been handed to the bridge.
   bool sent_all() const { return sent_all_; }
+  /// The bridge wants no more of a run that is not at its end.
+  bool dropped() const;
   std::uint32_t run() const { return run_; }
   std::uint64_t start_tick() const { return start_tick_; }
 
