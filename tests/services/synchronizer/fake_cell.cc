@@ -123,7 +123,7 @@ void FakeCell::PassTicks() {
     next_tick_ = now + period;
     return;
   }
-  for (int i = 0; i < 64; ++i) {
+  for (int i = 0; i < lockstep_ticks_a_step; ++i) {
     const bool may = laser.lockstep()
                          ? laser.MayPassTick() && stage.MayPassTick(laser.tick() + 1)
                          : now >= next_tick_;
@@ -205,7 +205,7 @@ void FakeCell::CheckGlass(std::vector<std::string>& wrong) const {
     sum += state != PointState::kArmed ? 1 : 0;
     if (count > 1) wrong.push_back(fmt::format("point {} fired {} times", i, count));
     const bool claimed = state == PointState::kMade || state == PointState::kMissed;
-    const bool open = state == PointState::kUncertain;
+    const bool open = state == PointState::kUncertain || state == PointState::kArmed;
     if (!open && claimed != (count > 0)) {
       wrong.push_back(fmt::format("point {} is in state {} and fired {} times", i,
                                   static_cast<int>(state), count));

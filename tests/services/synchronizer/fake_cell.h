@@ -75,6 +75,8 @@ class FakeCell {
   std::vector<PulseResult> results;
   /// The journal's disk is as slow as it likes; otherwise every turn waits for it.
   bool wait_for_disk = true;
+  /// Of a lockstep machine: what it is able to pass in a millisecond.
+  int lockstep_ticks_a_step = 64;
 
  private:
   std::unique_ptr<link::ByteStream> LineEnd(bool host);

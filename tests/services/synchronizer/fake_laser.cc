@@ -93,11 +93,8 @@ void FakeLaser::Decide(const link::ArmWindow& window) {
       decided_[tick] = {window.fire[i], window.gated};
     }
   }
-  // Between its first tick and the last decided one nothing is left open.
-  if (safe_ || decided_.empty()) return;
-  decided_through_ = std::max(decided_through_, decided_.rbegin()->first);
-  for (std::uint64_t t = tick_ + 1; lockstep_ && t < decided_.begin()->first; ++t) {
-    decided_[t] = {false, true};
+  if (!decided_.empty()) {
+    decided_through_ = std::max(decided_through_, decided_.rbegin()->first);
   }
 }
 

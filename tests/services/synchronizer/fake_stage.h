@@ -34,6 +34,7 @@ class FakeStage {
   bool MayPassTick(std::uint64_t next_tick) const;
 
   bool in_position() const { return in_position_ && !behind; }
+  bool running() const { return running_; }
   const Vec3& at_mm() const { return at_mm_; }
   const MotionView& view() const { return view_; }
   std::uint64_t queued_through_tick() const;

@@ -1,0 +1,189 @@
+// Points that were armed when the line to the laser controller was lost, or its power.
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "tests/services/synchronizer/fake_cell.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using testing::IsEmpty;
+using namespace std::chrono_literals;
+using Phase = Engraving::Phase;
+
+class EngravingLoss : public testing::Test {
+ protected:
+  void MakeAndLoseTheLine(std::uint64_t count) {
+    cell_.Grant();
+    ASSERT_TRUE(cell_.StepUntilMade(count));
+    cell_.CutLine(true);
+  }
+
+  /// The line is back and every armed point has its end.
+  void RestoreAndSettle() {
+    cell_.CutLine(false);
+    ASSERT_TRUE(cell_.StepUntil([this] { return cell_.Count(PointState::kArmed) == 0; }));
+    EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+  }
+
+  void GoOnToTheEnd() {
+    cell_.GrantAnew();
+    ASSERT_TRUE(cell_.StepUntilDone()) << cell_.engraving->message();
+    EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+    EXPECT_EQ(cell_.made() + cell_.Count(PointState::kUncertain), cell_.points_mm.size());
+  }
+
+  FakeCell cell_{{.points = 160}};
+};
+
+TEST_F(EngravingLoss, TheCounterTellsOfPulsesFiredWhileTheLineWasDown) {
+  MakeAndLoseTheLine(40);
+  const std::uint64_t known = cell_.made();
+  cell_.StepFor(1000ms);
+  EXPECT_GT(cell_.laser.cracks().size(), known);  // or the test tests nothing
+  EXPECT_GT(cell_.Count(PointState::kArmed), 0);
+  RestoreAndSettle();
+  EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
+  EXPECT_EQ(cell_.engraving->settled_by_counter(), cell_.made() - known);
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
+  GoOnToTheEnd();
+  EXPECT_EQ(cell_.made(), 160);
+}
+
+TEST_F(EngravingLoss, TheCounterTellsThatNothingFiredWhileTheLineWasDown) {
+  MakeAndLoseTheLine(40);
+  cell_.laser.EnterSafeState();
+  cell_.StepFor(1000ms);
+  RestoreAndSettle();
+  EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
+  GoOnToTheEnd();
+  EXPECT_EQ(cell_.made(), 160);
+}
+
+// Some of the armed ticks found the stage elsewhere: the count cannot say which.
+TEST_F(EngravingLoss, AnAmbiguousCountLeavesPointsUncertainAndUntouched) {
+  MakeAndLoseTheLine(40);
+  cell_.StepFor(20ms);
+  cell_.stage.behind = true;
+  cell_.StepFor(60ms);
+  cell_.stage.behind = false;
+  cell_.StepFor(1000ms);
+  const std::size_t fired = cell_.laser.cracks().size();
+  RestoreAndSettle();
+  EXPECT_GT(cell_.Count(PointState::kUncertain), 0);
+  const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
+  EXPECT_GE(cell_.made() + uncertain, fired);
+  GoOnToTheEnd();
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), uncertain);
+}
+
+// Pulses of uncertain points are in the controller's count for good. Taken for pulses of
+// the next loss they would make points "made" that never fired.
+TEST_F(EngravingLoss, OldUncertainPulsesAreNotCountedAgain) {
+  MakeAndLoseTheLine(20);
+  cell_.StepFor(20ms);
+  cell_.stage.behind = true;
+  cell_.StepFor(60ms);
+  cell_.stage.behind = false;
+  cell_.StepFor(1000ms);
+  RestoreAndSettle();
+  const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
+  ASSERT_GT(uncertain, 0);
+  cell_.GrantAnew();
+  const std::size_t before = cell_.laser.cracks().size();
+  ASSERT_TRUE(cell_.StepUntilMade(before + 20));
+  cell_.CutLine(true);
+  cell_.StepFor(1000ms);
+  RestoreAndSettle();
+  // In this loss every armed tick fired or came after the last that did.
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), uncertain);
+  GoOnToTheEnd();
+}
+
+TEST_F(EngravingLoss, ALineLostThreeTimesIsSettledThreeTimes) {
+  cell_.Grant();
+  for (int i = 1; i <= 3; ++i) {
+    ASSERT_TRUE(cell_.StepUntilMade(40 * i));
+    cell_.CutLine(true);
+    cell_.StepFor(1000ms);
+    RestoreAndSettle();
+    cell_.GrantAnew();
+  }
+  GoOnToTheEnd();
+  EXPECT_EQ(cell_.made(), 160);
+}
+
+// Shorter than anybody's patience: the link repeats what was lost.
+TEST_F(EngravingLoss, AShortGapIsNobodysBusiness) {
+  MakeAndLoseTheLine(40);
+  cell_.StepFor(100ms);
+  cell_.CutLine(false);
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 160);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
+TEST_F(EngravingLoss, AnotherPowerUpLeavesArmedPointsUncertainAndNeverFiresThemAgain) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(40));
+  cell_.PowerCycle(800ms);
+  ASSERT_TRUE(
+      cell_.StepUntil([this] { return cell_.Count(PointState::kUncertain) > 0; }));
+  const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
+  EXPECT_EQ(cell_.Count(PointState::kArmed), 0);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+  // The lamp is lit and warmed up again, without anybody's word; nothing fires.
+  cell_.StepFor(1000ms);
+  EXPECT_TRUE(cell_.laser.lamp_on());
+  EXPECT_TRUE(cell_.engraving->faulted());
+  EXPECT_FALSE(cell_.engraving->message().empty());
+  GoOnToTheEnd();
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), uncertain);
+  EXPECT_EQ(cell_.made(), 160 - uncertain);
+}
+
+TEST_F(EngravingLoss, AfterAnotherPowerUpTheNewCounterCounts) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(40));
+  cell_.PowerCycle(800ms);
+  ASSERT_TRUE(
+      cell_.StepUntil([this] { return cell_.Count(PointState::kUncertain) > 0; }));
+  const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
+  cell_.GrantAnew();
+  const std::size_t before = cell_.laser.cracks().size();
+  ASSERT_TRUE(cell_.StepUntilMade(before + 30));
+  cell_.CutLine(true);
+  cell_.StepFor(1000ms);
+  RestoreAndSettle();
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), uncertain);
+  GoOnToTheEnd();
+}
+
+TEST_F(EngravingLoss, PowerLostWhilePausedCostsNothing) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(40));
+  cell_.Withdraw();
+  cell_.StepFor(500ms);
+  cell_.PowerCycle(2000ms);
+  cell_.StepFor(3000ms);
+  GoOnToTheEnd();
+  EXPECT_EQ(cell_.made(), 160);
+}
+
+TEST_F(EngravingLoss, WhoStopsDoesNotWaitForALineThatNeverComesBack) {
+  MakeAndLoseTheLine(40);
+  cell_.StepFor(500ms);
+  cell_.engraving->Stop("the job was cancelled");
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_GT(cell_.Count(PointState::kUncertain), 0);
+  EXPECT_EQ(cell_.Count(PointState::kArmed), 0);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+  // Nobody is left to close the shutters: the controller does.
+  EXPECT_EQ(cell_.laser.shutters(), 0);
+}
+
+}  // namespace
+}  // namespace intaglio::synchronizer
