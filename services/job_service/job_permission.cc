@@ -55,10 +55,9 @@ void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) 
                     "cancel the job",
                     synchronizer));
   }
-  // Its block is not in the machine: another job's is. Armed now, it would be fired into
-  // that one as soon as that one is finished.
-  if (job.state == intaglio_JOB_QUEUED && CellIsTaken(job.cell))
-    return Change(job, job.state, job.message);
+  // Its block is not in the machine: another job's is, or will be. Armed now, it would be
+  // fired into that one as soon as that one is finished.
+  if (IsBehindAnother(job)) return Change(job, job.state, job.message);
   job.operator_name = command.operator_name;
   if (!job.armed) {
     job.armed = true;

@@ -115,6 +115,18 @@ bool JobQueue::CellIsTaken(const std::string& cell) const {
   return false;
 }
 
+bool JobQueue::IsBehindAnother(const JobRecord& job) const {
+  if (job.state != intaglio_JOB_QUEUED) return false;
+  if (CellIsTaken(job.cell)) return true;
+  for (const auto& [uid, other] : jobs_) {
+    if (other.state == intaglio_JOB_QUEUED && other.cell == job.cell &&
+        other.number < job.number) {
+      return true;
+    }
+  }
+  return false;
+}
+
 void JobQueue::Turn(Nanoseconds now) {
   GiveUpSilent(now);
   std::set<std::string> cells;  // whose first waiting job had its chance

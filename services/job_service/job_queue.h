@@ -126,6 +126,8 @@ class JobQueue {
   void WaitFor(JobRecord& job, const std::string& what);
   void GiveUpSilent(Nanoseconds now);
   bool CellIsTaken(const std::string& cell) const;
+  /// It is queued, and its machine has another job at work or waiting before it.
+  bool IsBehindAnother(const JobRecord& job) const;
   void Change(JobRecord& job, intaglio_JobState state, const std::string& message);
   /// As Change when the state differs; a message alone is told and not kept.
   void Tell(JobRecord& job, intaglio_JobState state, const std::string& message);

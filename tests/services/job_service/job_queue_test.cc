@@ -180,11 +180,14 @@ TEST_F(JobQueueTest, OneJobAtATimeHasACell) {
 // The block in the machine is the first job's: an arm for the second is not kept until
 // the machine is free, when that block would still be in it.
 TEST_F(JobQueueTest, AJobBehindAnotherCannotBeArmed) {
-  ReadyAll();
   Add(1);
   Add(2);
-  const std::uint64_t revision = queue_.Find("j2")->revision;
   queue_.Take(CommandView{"j2", kEpoch, 1, intaglio_COMMAND_ARM, "ann@shop"}, now_);
+  EXPECT_FALSE(queue_.Find("j2")->armed) << "the first waits for workers";
+  ReadyAll();
+  queue_.Turn(now_);
+  const std::uint64_t revision = queue_.Find("j2")->revision;
+  queue_.Take(CommandView{"j2", kEpoch, 2, intaglio_COMMAND_ARM, "ann@shop"}, now_);
   EXPECT_FALSE(queue_.Find("j2")->armed);
   EXPECT_GT(queue_.Find("j2")->revision, revision) << "the command is answered";
   EXPECT_THAT(queue_.Find("j2")->message, HasSubstr("arm it then"));
