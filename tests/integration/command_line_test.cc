@@ -89,6 +89,26 @@ TEST(CommandLine, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
   }
 }
 
+TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
+  const std::set<std::string> documented =
+      FlagsIn(ReadText(INTAGLIO_SOURCE_DIR "/docs/services.md"));
+  std::set<std::string> known = {"--arm", "--watch", "--without"};  // of the examples
+  for (const char* program :
+       {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
+        "intaglio-synchronizer", "intaglio-motion-bridge", "virtual-engraver"}) {
+    Running run(Program(program), {"--help"},
+                FreshFolder("command_line_services") / "output.txt");
+    const Ended ended = run.WaitForEnd(30s);
+    EXPECT_EQ(ended.exit_code, 0) << program;
+    for (const std::string& flag : FlagsIn(ended.output)) {
+      known.insert(flag);
+      EXPECT_TRUE(flag == "--help" || flag == "--version" || documented.contains(flag))
+          << program << " " << flag;
+    }
+  }
+  for (const std::string& flag : documented) EXPECT_TRUE(known.contains(flag)) << flag;
+}
+
 TEST(CommandLine, AMistypedCommandOrOptionIsWrongInput) {
   EXPECT_EQ(Type({"engrave"}).exit_code, 2);
   EXPECT_EQ(Type({"run", "--hight", "40"}).exit_code, 2);
