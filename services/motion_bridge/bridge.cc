@@ -58,8 +58,15 @@ void Bridge::Turn(std::chrono::nanoseconds now) {
   driver_->Poll();
   TakeStops();
   TakeBatches();
+  // A line full of segments takes the abort as soon as it can.
+  if (abort_owed_) abort_owed_ = !driver_->AbortRun();
+  if (abort_owed_) return PublishAll(now);
   if (phase_ == Phase::kBeginning) Begin(now);
   if (phase_ == Phase::kFeeding) Feed();
+  PublishAll(now);
+}
+
+void Bridge::PublishAll(std::chrono::nanoseconds now) {
   PublishPositions();
   PublishState(now);
 }
@@ -72,10 +79,7 @@ void Bridge::Accept(const intaglio_MotionSegmentBatch& sample) {
   if (sample.abort) {
     if (sample.run < run_) return;
     run_ = sample.run;
-    EndRun();
-    if (auto aborted = driver_->AbortRun(); !aborted) {
-      spdlog::warn("run {} could not be aborted: {}", run_, aborted.error().message);
-    }
+    AbortRun();
     return;
   }
   if (sample.run > run_) StartRun(sample);
@@ -85,8 +89,7 @@ void Bridge::Accept(const intaglio_MotionSegmentBatch& sample) {
         intaglio_ALARM_FAULT, "link_lost",
         fmt::format("motion batch {} of run {} is missing; the run is aborted",
                     expected_batch_, run_));
-    EndRun();
-    (void)driver_->AbortRun();
+    AbortRun();
     return;
   }
   ++expected_batch_;
@@ -114,12 +117,16 @@ void Bridge::EndRun() {
   stream_.clear();
 }
 
+void Bridge::AbortRun() {
+  EndRun();
+  abort_owed_ = !driver_->AbortRun();
+}
+
 void Bridge::TakeStops() {
   bool pressed = stop_pressed_;
   stops_.Take([&](const intaglio_EmergencyStop& stop) { pressed = stop.pressed; });
   if (pressed && !stop_pressed_) {
-    EndRun();
-    (void)driver_->AbortRun();
+    AbortRun();
     spdlog::warn("emergency stop: the stage brakes");
   }
   stop_pressed_ = pressed;

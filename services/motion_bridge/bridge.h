@@ -49,6 +49,9 @@ class Bridge {
   void Accept(const intaglio_MotionSegmentBatch& sample);
   void StartRun(const intaglio_MotionSegmentBatch& sample);
   void EndRun();
+  /// Ends the run and tells the stage, now or as soon as its line takes it.
+  void AbortRun();
+  void PublishAll(std::chrono::nanoseconds now);
   void TakeStops();
   void Begin(std::chrono::nanoseconds now);
   void Feed();
@@ -64,6 +67,7 @@ class Bridge {
   bus::Writer<intaglio_PositionReport> positions_;
   bus::CreditGrantor credit_;
 
+  bool abort_owed_ = false;
   Phase phase_ = Phase::kIdle;
   std::uint32_t run_ = 0;
   std::uint64_t start_tick_ = 0;

@@ -58,6 +58,7 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
       (missing == Missing::kMotionFault && motion_fault_ != intaglio_MOTION_LIMIT &&
        motion_fault_ != intaglio_MOTION_FOLLOWING_ERROR);
   halted_at_ = now_;
+  brakes_ = false;
   phase_ = Phase::kHalting;
 }
 
@@ -153,9 +154,17 @@ void Engraving::SettleHalted(const EngravingInputs& inputs) {
   if (!schedule_.empty()) return;
   if (laser_.up() && !disarmed && !late) return;
   const bool moving = inputs.motion.fresh && !inputs.motion.at_rest;
-  if (moving && !late) return;
+  if (moving && !late) return LetTheStageBrake();
   if (stopping_) return Finish();
   phase_ = Phase::kWaiting;
+}
+
+// In lockstep even braking takes ticks, and the disarmed ones have to be decided anew.
+void Engraving::LetTheStageBrake() {
+  if (!laser_.identity().lockstep || !laser_.disarmed()) return;
+  if (!brakes_) decided_ = laser_.status().decided_through;
+  brakes_ = true;
+  KeepIdleTicksPassing();
 }
 
 // A lost line took the reports with it. The controller's counters are the truth: ticks
