@@ -141,12 +141,14 @@ MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {
                                 machine.y().max_acceleration_mm_s2(),
                                 machine.z().max_acceleration_mm_s2());
   MotionOptionsOfJob result;
-  result.limits.max_speed_mm_s =
+  result.plan.limits.max_speed_mm_s =
       speed_mm_s.cwiseMin(Vec3::Constant(asked.max_speed_mm_s()));
-  result.limits.max_acceleration_mm_s2 =
+  result.plan.limits.max_acceleration_mm_s2 =
       acceleration_mm_s2.cwiseMin(Vec3::Constant(asked.max_acceleration_mm_s2()));
-  result.rate_hz = job.job().laser().rate_hz();
-  result.profile = ProfileOf(asked.profile());
+  result.plan.rate_hz = job.job().laser().rate_hz();
+  result.plan.continuous = asked.profile() == MOTION_PROFILE_CONTINUOUS;
+  result.plan.profile = ProfileOf(asked.profile());
+  result.plan.stage_lag_s = machine.stage_lag_s();
   for (const std::uint32_t channel : job.job().laser().channels()) {
     Require(channel >= 1 && channel <= 4, "channel {} is outside 1..4", channel);
     result.shutter_mask |= static_cast<std::uint8_t>(1u << (channel - 1));

@@ -9,8 +9,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/discretize/methods.h"
 #include "engrave/mesh/placement.h"
-#include "engrave/motion/limits.h"
-#include "engrave/motion/profile.h"
+#include "engrave/motion/planner.h"
 #include "engrave/optics/focus.h"
 #include "engrave/optics/machine_frame.h"
 #include "engrave/sort/order.h"
@@ -42,9 +41,7 @@ optics::Lens LensOf(const JobSpec& job);
 
 /// How the stage and the laser of a job are driven.
 struct MotionOptionsOfJob {
-  motion::Limits limits;  ///< the machine's, capped by the job's
-  double rate_hz = 0;     ///< lamp sync
-  motion::Profile profile = motion::Profile::kMix;
+  motion::PlanOptions plan;       ///< limits: the machine's, capped by the job's
   std::uint8_t shutter_mask = 0;  ///< bit 0..3: channels 1..4
 };
 MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job);

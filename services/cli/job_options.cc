@@ -76,8 +76,9 @@ Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
   if (!MotionProfile_Parse(name, &profile)) {
     return Fail(
         ErrorCode::kInvalidValue,
-        fmt::format("--profile '{}': there are mix, triangle, trapezoid and cubic",
-                    *flags.profile),
+        fmt::format(
+            "--profile '{}': there are mix, triangle, trapezoid, cubic and continuous",
+            *flags.profile),
         *flags.profile);
   }
   job.mutable_motion()->set_profile(profile);
@@ -171,7 +172,7 @@ void AddJobFlags(CLI::App& command, JobFlags& flags) {
                      "no two points are nearer than this, mm");
   command.add_option("--order", flags.order, "kdz (default) or layers");
   command.add_option("--profile", flags.profile,
-                     "mix (default), triangle, trapezoid or cubic");
+                     "mix (default), triangle, trapezoid, cubic, continuous");
   command.add_option("--machine", flags.machine,
                      "machine profile: els-03 (default), or a file");
   command.add_option("--rate", flags.rate_hz, "lamp sync rate, Hz; one of the machine's");

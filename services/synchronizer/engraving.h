@@ -64,7 +64,7 @@ struct EngravingJob {
   std::string uid;
   PointList machine_points_mm;  ///< in the order of engraving, machine frame
   double cone_tangent = 0;      ///< half angle of the beam above a point, machine frame
-  MotionPlan plan;
+  motion::PlanOptions plan;
   std::uint8_t shutter_mask = 1;
 };
 
@@ -123,6 +123,7 @@ class Engraving {
   void HaltOverSkipped();
   void SettleHalted(const EngravingInputs& inputs);
   bool AskToDisarm();
+  void LetTheStageBrake();
   void SettleByCounter();
   void TakeCounters();
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
@@ -179,6 +180,7 @@ class Engraving {
   SkipReason skip_reason_ = SkipReason::kNone;
   std::uint64_t disarm_session_ = 0;
   bool disarm_asked_ = false;
+  bool brakes_ = false;
   TickClock clock_;
   std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number
   std::chrono::nanoseconds status_at_{0};

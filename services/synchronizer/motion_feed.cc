@@ -14,7 +14,7 @@ MotionFeed::MotionFeed(BatchWriter write, GrantLookup grant_of)
 
 void MotionFeed::Begin(const std::string& job_uid, std::uint32_t run,
                        std::uint64_t start_tick, const Vec3& start_mm,
-                       const MotionPlan& plan) {
+                       const motion::PlanOptions& plan) {
   job_uid_ = job_uid;
   run_ = run;
   stream_ = bus::StreamName(job_uid, run, bus::kMotionSegmentBatch.name);
@@ -22,7 +22,9 @@ void MotionFeed::Begin(const std::string& job_uid, std::uint32_t run,
   next_batch_ = 0;
   planned_all_ = sent_all_ = false;
   pending_.clear();
-  planner_.emplace(plan.limits, plan.rate_hz, plan.profile, start_mm);
+  scheduled_ = 0;
+  scheduled_subticks_ = 0;
+  planner_ = motion::MakePlanner(plan, start_mm);
 }
 
 bool MotionFeed::MaySend() const {
@@ -42,16 +44,26 @@ void MotionFeed::Advance(std::uint64_t horizon_tick, const NextTarget& next,
   while (!planned_all_ && start_tick_ + planner_->ticks() < horizon_tick) {
     if (pending_.size() >= kBatchSegments && !Send(false)) return;
     const auto target = next();
-    if (!target) {
+    if (target) {
+      planner_->Append(target->position_mm, static_cast<std::int32_t>(target->point),
+                       true, pending_);
+    } else {
       planner_->Finish(pending_);
       planned_all_ = true;
-      break;
     }
-    planner_->Append(target->position_mm, static_cast<std::int32_t>(target->point), true,
-                     pending_);
-    schedule.Add(start_tick_ + planner_->ticks(), target->point);
+    Schedule(schedule);
   }
   if (!pending_.empty()) sent_all_ = Send(planned_all_) && planned_all_;
+}
+
+void MotionFeed::Schedule(PulseSchedule& schedule) {
+  for (; scheduled_ < pending_.size(); ++scheduled_) {
+    const motion::Segment& segment = pending_[scheduled_];
+    scheduled_subticks_ += segment.duration_subticks;
+    if (segment.point < 0) continue;
+    schedule.Add(start_tick_ + scheduled_subticks_ / motion::kSubticksPerTick,
+                 static_cast<std::uint32_t>(segment.point));
+  }
 }
 
 bool MotionFeed::Send(bool last) {
@@ -84,12 +96,14 @@ bool MotionFeed::Send(bool last) {
   if (!write_(batch)) return false;
   ++next_batch_;
   pending_.clear();
+  scheduled_ = 0;
   return true;
 }
 
 Status MotionFeed::Abort() {
   sent_all_ = planned_all_ = true;
   pending_.clear();
+  scheduled_ = 0;
   intaglio_MotionSegmentBatch batch{};
   batch.job_uid = bus::Borrow(job_uid_);
   batch.run = run_;

@@ -5,21 +5,16 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "engrave/motion/stop_and_go.h"
+#include "engrave/motion/planner.h"
 #include "services/bus/flow.h"
 #include "services/synchronizer/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
-
-struct MotionPlan {
-  motion::Limits limits;
-  double rate_hz = 0;
-  motion::Profile profile{};
-};
 
 class MotionFeed {
  public:
@@ -39,7 +34,7 @@ class MotionFeed {
 
   /// A run from rest at `start_mm`, beginning at `start_tick`.
   void Begin(const std::string& job_uid, std::uint32_t run, std::uint64_t start_tick,
-             const Vec3& start_mm, const MotionPlan& plan);
+             const Vec3& start_mm, const motion::PlanOptions& plan);
   /// Plans up to `horizon_tick` and sends what the bridge has room for; every pulse
   /// planned is added to the schedule.
   void Advance(std::uint64_t horizon_tick, const NextTarget& next,
@@ -55,6 +50,7 @@ class MotionFeed {
   std::uint64_t start_tick() const { return start_tick_; }
 
  private:
+  void Schedule(PulseSchedule& schedule);
   bool MaySend() const;
   bool Send(bool last);
 
@@ -67,8 +63,10 @@ class MotionFeed {
   std::uint64_t next_batch_ = 0;
   bool planned_all_ = false;
   bool sent_all_ = true;
-  std::optional<motion::StopAndGoPlanner> planner_;
+  std::unique_ptr<motion::Planner> planner_;
   std::vector<motion::Segment> pending_;
+  std::size_t scheduled_ = 0;             ///< of pending_, from its front
+  std::uint64_t scheduled_subticks_ = 0;  ///< from the run's start to there
 };
 
 }  // namespace intaglio::synchronizer

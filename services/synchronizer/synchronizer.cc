@@ -42,23 +42,31 @@ struct PlanSummary {
   std::string checksum;
 };
 
-PlanSummary Summarize(const PointList& machine_points_mm, const MotionPlan& plan) {
-  motion::StopAndGoPlanner planner(plan.limits, plan.rate_hz, plan.profile,
-                                   machine_points_mm.front());
+PlanSummary Summarize(const PointList& machine_points_mm,
+                      const motion::PlanOptions& plan) {
+  const auto planner = motion::MakePlanner(plan, machine_points_mm.front());
   uLong crc = crc32(0, nullptr, 0);
+  std::uint64_t subticks = 0, subticks_of_last_point = 0;
   std::vector<motion::Segment> segments;
-  for (std::size_t i = 0; i < machine_points_mm.size(); ++i) {
-    segments.clear();
-    planner.Append(machine_points_mm[i], static_cast<std::int32_t>(i), true, segments);
+  const auto take = [&] {
     for (const motion::Segment& segment : segments) {
       for (int axis = 0; axis < 3; ++axis) {
         Mix(crc, segment.end_position_mm[axis]);
         Mix(crc, segment.end_velocity_mm_s[axis]);
       }
       Mix(crc, segment.duration_subticks);
+      subticks += segment.duration_subticks;
+      if (segment.point >= 0) subticks_of_last_point = subticks;
     }
+    segments.clear();
+  };
+  for (std::size_t i = 0; i < machine_points_mm.size(); ++i) {
+    planner->Append(machine_points_mm[i], static_cast<std::int32_t>(i), true, segments);
+    take();
   }
-  return {planner.ticks(), fmt::format("{:08x}", crc)};
+  planner->Finish(segments);
+  take();
+  return {subticks_of_last_point / motion::kSubticksPerTick, fmt::format("{:08x}", crc)};
 }
 
 }  // namespace
@@ -201,7 +209,7 @@ Status Synchronizer::StartEngraving() {
   EngravingJob job;
   job.uid = job_->job_uid();
   const MotionOptionsOfJob motion = MotionOptionsOf(*job_);
-  job.plan = {motion.limits, motion.rate_hz, motion.profile};
+  job.plan = motion.plan;
   job.shutter_mask = motion.shutter_mask;
   const auto machine_from_glass = MachineFromGlassOf(*job_);
   job.machine_points_mm.reserve(path.size());

@@ -59,10 +59,10 @@ TEST(Options, MotionIsCappedAxisByAxis) {
   FrozenJob frozen = Frozen(job);
   frozen.mutable_machine()->mutable_z()->set_max_speed_mm_s(20);
   const MotionOptionsOfJob motion = MotionOptionsOf(frozen);
-  EXPECT_EQ(motion.limits.max_speed_mm_s, Vec3(50, 50, 20));
-  EXPECT_EQ(motion.limits.max_acceleration_mm_s2, Vec3(7000, 7000, 7000));
-  EXPECT_EQ(motion.rate_hz, 200);
-  EXPECT_EQ(motion.profile, motion::Profile::kCubic);
+  EXPECT_EQ(motion.plan.limits.max_speed_mm_s, Vec3(50, 50, 20));
+  EXPECT_EQ(motion.plan.limits.max_acceleration_mm_s2, Vec3(7000, 7000, 7000));
+  EXPECT_EQ(motion.plan.rate_hz, 200);
+  EXPECT_EQ(motion.plan.profile, motion::Profile::kCubic);
   EXPECT_EQ(motion.shutter_mask, 0b0101);
 }
 

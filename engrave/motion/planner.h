@@ -1,0 +1,41 @@
+#pragma once
+
+// The motion of a way, whichever planner makes it. Frame machine, mm.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engrave/motion/limits.h"
+#include "engrave/motion/profile.h"
+#include "engrave/motion/segment.h"
+
+namespace intaglio::motion {
+
+struct PlanOptions {
+  Limits limits;
+  double rate_hz = 0;  ///< lamp sync, 1..4000
+  /// Points are passed without a stop (tick_planner.h); else `profile` from rest to rest
+  /// (stop_and_go.h).
+  bool continuous = false;
+  Profile profile = Profile::kMix;
+  double stage_lag_s = 0;  ///< first order; regarded where the stage does not stop
+};
+
+/// Streams: target in, commands out that may come later, in the order of the targets.
+/// Not for use by two threads at once.
+class Planner {
+ public:
+  virtual ~Planner() = default;
+  virtual void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
+                      std::vector<Segment>& out) = 0;
+  /// Adds what is left, and the end of the program at rest.
+  virtual void Finish(std::vector<Segment>& out) = 0;
+  /// Ticks of all that was handed out.
+  virtual std::uint64_t ticks() const = 0;
+};
+
+/// Starts at rest at `start_mm`.
+std::unique_ptr<Planner> MakePlanner(const PlanOptions& options, const Vec3& start_mm);
+
+}  // namespace intaglio::motion
