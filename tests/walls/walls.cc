@@ -26,7 +26,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"proto", {"engrave/*", "materials_db", "proto"}},
     {"services/bus", {"engrave/core", "idl"}},
     {"services/link", {"engrave/core"}},
-    {"services/host", {"engrave/core", "services/bus", "idl", "proto"}},
+    {"services/host", {"engrave/core", "services/bus", "services/link", "idl", "proto"}},
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/bus", "services/link",
       "services/host"}},
