@@ -23,7 +23,9 @@ class LaserController {
 
   /// Up, identified, and a status of this session has come.
   bool up() const { return session_.up() && identified_ && status_number_ > 0; }
-  bool CanSend() const { return session_.CanSend(); }
+  /// Not before the identity has come: a Disarm of a session that is not known yet would
+  /// be counted by the controller and not by us.
+  bool CanSend() const { return session_.CanSend() && identified_; }
   const std::string& message() const { return session_.message(); }
   int fd() const { return session_.fd(); }
 
