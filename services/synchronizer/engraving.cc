@@ -119,6 +119,7 @@ void Engraving::Record(const PulseResult& result) {
   if (!passed_by_ && result.outcome == PointOutcome::kSkipped) {
     passed_by_ = true;
     passed_by_reason_ = result.reason;
+    passed_by_tick_ = result.tick;
   }
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
@@ -219,6 +220,7 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   ++run_count_;
   open_points_.Rewind();
   passed_by_ = false;
+  passed_by_tick_ = 0;
   shutters_seen_open_ = false;
   ended_before_run_ =
       ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);

@@ -120,7 +120,9 @@ class Engraving {
   void SendDurableWindows();
   void FinishRun();
   void Halt(Missing missing, const std::string& text, bool fault);
+  void Explain(Missing missing, const std::string& text, bool fault);
   void HaltOverSkipped();
+  void LookForFaultBehindSkips(const EngravingInputs& inputs);
   void SettleHalted(const EngravingInputs& inputs);
   bool AskToDisarm();
   void LetTheStageBrake();
@@ -157,6 +159,7 @@ class Engraving {
   std::uint32_t run_count_ = 0;
   bool passed_by_ = false;  // a point of this run was reached and not fired
   SkipReason passed_by_reason_ = SkipReason::kNone;
+  std::uint64_t passed_by_tick_ = 0;
   bool shutters_seen_open_ = false;  // in this run
   bool interlocks_held_ = false;     // key, door and stop, at the last turn
   std::uint64_t ended_before_run_ = 0;
@@ -180,6 +183,7 @@ class Engraving {
   SkipReason skip_reason_ = SkipReason::kNone;
   std::uint64_t disarm_session_ = 0;
   bool disarm_asked_ = false;
+  bool disarm_seen_ = false;
   bool brakes_ = false;
   TickClock clock_;
   std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number

@@ -49,6 +49,13 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
   skip_reason_ = ReasonOf(missing);
   // What was never sent can never fire.
   SettleAs(schedule_.ArmedWithin(sent_through_ + 1, UINT64_MAX), PointOutcome::kSkipped);
+  Explain(missing, text, fault);
+  halted_at_ = now_;
+  brakes_ = false;
+  phase_ = Phase::kHalting;
+}
+
+void Engraving::Explain(Missing missing, const std::string& text, bool fault) {
   message_ = text;
   needs_new_grant_ = fault;
   starts_again_ = missing == Missing::kNothing && !fault;
@@ -57,9 +64,6 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
       missing == Missing::kSafeState ||
       (missing == Missing::kMotionFault && motion_fault_ != intaglio_MOTION_LIMIT &&
        motion_fault_ != intaglio_MOTION_FOLLOWING_ERROR);
-  halted_at_ = now_;
-  brakes_ = false;
-  phase_ = Phase::kHalting;
 }
 
 // What comes later in the order may lie in the beam of what was passed by, so the run
@@ -91,6 +95,20 @@ void Engraving::HaltOverSkipped() {
        "the same point was skipped again and again: see that the stage follows and the "
        "disk keeps up, then resume",
        true);
+}
+
+// The laser's word on a skipped pulse may come before the stage's word on why, or before
+// the controller's own: then the run does not start again by itself.
+void Engraving::LookForFaultBehindSkips(const EngravingInputs& inputs) {
+  if (!starts_again_) return;
+  ChainLinks links = LinksOf(inputs);
+  // A run that came too late is no fault of this one.
+  if (inputs.motion.run != run_) links.motion_without_fault = true;
+  const Missing missing = FirstMissing(links, false);
+  if (missing == Missing::kNothing || missing == Missing::kPermission) return;
+  Explain(missing,
+          missing == Missing::kMotionFault ? inputs.motion.message : TextOf(missing),
+          true);
 }
 
 // Key, door and stop latch also between two runs: who let go of one gives a new
@@ -127,6 +145,7 @@ bool Engraving::ShuttersClosed(const EngravingInputs& inputs) {
 
 bool Engraving::AskToDisarm() {
   disarm_session_ = laser_.session();
+  disarm_seen_ = false;
   disarm_asked_ = laser_.CanSend() && laser_.OpenShutters(0) && laser_.Disarm() &&
                   laser_.RequestStatus();
   return disarm_asked_;
@@ -136,8 +155,10 @@ void Engraving::SettleHalted(const EngravingInputs& inputs) {
   const bool late = inputs.now - halted_at_ > kSettleTimeout;
   if (!disarm_asked_ || disarm_session_ != laser_.session()) (void)AskToDisarm();
   const bool disarmed = laser_.disarmed() && disarm_asked_;
+  LookForFaultBehindSkips(inputs);
   if (disarmed) {
-    decided_ = laser_.status().decided_through;
+    if (!disarm_seen_) decided_ = laser_.status().decided_through;
+    disarm_seen_ = true;
     if (laser_.session() != session_) {
       SettleByCounter();
     } else {
@@ -153,6 +174,7 @@ void Engraving::SettleHalted(const EngravingInputs& inputs) {
   }
   if (!schedule_.empty()) return;
   if (laser_.up() && !disarmed && !late) return;
+  if (starts_again_ && inputs.motion.tick < passed_by_tick_ && !late) return;
   const bool moving = inputs.motion.fresh && !inputs.motion.at_rest;
   if (moving && !late) return LetTheStageBrake();
   if (stopping_) return Finish();
