@@ -1,8 +1,13 @@
 #include "services/synchronizer/engraving.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <set>
+#include <thread>
 
 #include "tests/services/synchronizer/fake_cell.h"
 
@@ -57,6 +62,201 @@ TEST_P(EngravingModes, HasTheIntentOnDiskBeforeTheControllerHearsOfTheTick) {
     cell_.Step();
   }
   EXPECT_GE(armed, 20);
+}
+
+TEST_P(EngravingModes, PausesAndResumesAsOftenAsTheOperatorLikes) {
+  cell_.lockstep_ticks_a_step = 1;
+  // Before the first point of a run, in its middle, at once after a resume: none of them
+  // is a reason to end the job.
+  for (int i = 0; i < 12; ++i) {
+    cell_.Grant();
+    cell_.StepFor(std::chrono::milliseconds(100 + 97 * i));
+    cell_.Withdraw();
+    cell_.StepFor(i % 3 == 0 ? 5ms : 200ms);
+    ASSERT_FALSE(cell_.done() && cell_.made() < 60) << "pause " << i;
+    EXPECT_THAT(cell_.Disagreements(), IsEmpty()) << "pause " << i;
+  }
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 60);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
+TEST_P(EngravingModes, StopsInAnyPhaseWithEveryPointAccountedFor) {
+  for (int at_ms = 1; at_ms < 6000; at_ms += 139) {
+    FakeCell cell({.points = 60, .lockstep = GetParam()});
+    cell.lockstep_ticks_a_step = 1;
+    cell.Grant();
+    cell.StepFor(std::chrono::milliseconds(at_ms));
+    if (cell.done()) break;
+    cell.engraving->Stop("the job was cancelled");
+    ASSERT_TRUE(cell.StepUntilDone()) << at_ms << " ms";
+    cell.StepFor(5ms);
+    EXPECT_EQ(cell.Count(PointState::kArmed), 0) << at_ms << " ms";
+    EXPECT_EQ(cell.Count(PointState::kUncertain), 0) << at_ms << " ms";
+    EXPECT_THAT(cell.Disagreements(), IsEmpty()) << at_ms << " ms";
+    EXPECT_EQ(cell.laser.shutters(), 0) << at_ms << " ms";
+    EXPECT_FALSE(cell.laser.lamp_on()) << at_ms << " ms";
+  }
+}
+
+class EngravingTest : public testing::Test {
+ protected:
+  FakeCell cell_{{.points = 60}};
+};
+
+TEST_F(EngravingTest, MakesLaterWhatAStageThatFellBehindSkipped) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(20));
+  cell_.stage.behind = true;
+  cell_.StepFor(30ms);
+  cell_.stage.behind = false;
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 60);
+  EXPECT_TRUE(std::any_of(
+      cell_.results.begin(), cell_.results.end(),
+      [](const PulseResult& r) { return r.reason == SkipReason::kPosition; }));
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
+TEST_F(EngravingTest, PausesWhenAStageIsBehindForGood) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(20));
+  cell_.stage.behind = true;
+  ASSERT_TRUE(cell_.StepUntil([&] { return cell_.engraving->faulted(); }, 60s));
+  cell_.StepFor(2s);
+  EXPECT_TRUE(cell_.engraving->waits());
+  EXPECT_FALSE(cell_.done());
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+  cell_.stage.behind = false;
+  cell_.GrantAnew();
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 60);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
+TEST_F(EngravingTest, StartsAgainWhenTheRunCameTooLate) {
+  cell_.stage.deaf = true;
+  cell_.Grant();
+  cell_.StepFor(5s);
+  EXPECT_TRUE(cell_.laser.cracks().empty());
+  EXPECT_EQ(cell_.laser.newest_arm_at(), 0ns);
+  cell_.stage.deaf = false;
+  ASSERT_TRUE(cell_.StepUntilDone()) << cell_.engraving->message();
+  EXPECT_EQ(cell_.made(), 60);
+  EXPECT_GT(cell_.engraving->run_count(), 1);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
+TEST_F(EngravingTest, PausesWhenNoRunReachesTheStage) {
+  cell_.stage.deaf = true;
+  cell_.Grant();
+  // The lead doubles with every attempt: some 60 times the first one in all.
+  ASSERT_TRUE(cell_.StepUntil([&] { return cell_.engraving->faulted(); }, 120s));
+  EXPECT_FALSE(cell_.engraving->message().empty());
+  cell_.stage.deaf = false;
+  cell_.GrantAnew();
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 60);
+}
+
+TEST_F(EngravingTest, APulseThatNoSensorSawIsMissedAndNotRepeated) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(20));
+  cell_.laser.blind = true;
+  ASSERT_TRUE(cell_.StepUntilMade(25));
+  cell_.laser.blind = false;
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.Count(PointState::kMissed), 5);
+  EXPECT_EQ(cell_.made(), 55);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
+TEST_F(EngravingTest, ALatePermissionIsNoNewOne) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(20));
+  cell_.stop_pressed = true;
+  cell_.StepFor(100ms);
+  cell_.stop_pressed = false;
+  cell_.permission_fresh = false;
+  cell_.StepFor(400ms);
+  cell_.permission_fresh = true;
+  const auto armed_at = cell_.laser.newest_arm_at();
+  cell_.StepFor(2s);
+  EXPECT_EQ(cell_.laser.newest_arm_at(), armed_at);
+  cell_.GrantAnew();
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 60);
+}
+
+// Power loss while it is paused: nothing of what is known may be lost.
+TEST_F(EngravingTest, HasEveryOutcomeOnDiskWhilePaused) {
+  cell_.wait_for_disk = false;
+  cell_.Grant();
+  while (cell_.laser.cracks().size() < 20) {
+    cell_.wait_for_disk = !cell_.wait_for_disk;
+    cell_.Step();
+  }
+  cell_.Withdraw();
+  cell_.StepUntil([&] { return cell_.phase() == Phase::kWaiting; });
+  cell_.StepFor(10ms);
+  // Nobody asks the journal for anything but the engraving itself.
+  const auto end = std::chrono::steady_clock::now() + 5s;
+  while (cell_.journal->durable() < cell_.journal->appended() &&
+         std::chrono::steady_clock::now() < end) {
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(cell_.journal->durable(), cell_.journal->appended());
+}
+
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    old_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit narrow{bytes, old_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &narrow);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+
+ private:
+  rlimit old_{};
+  void (*old_handler_)(int);
+};
+
+TEST_F(EngravingTest, AFullDiskPausesBeforeAnythingFiresWithoutIntent) {
+  std::set<std::uint64_t> armed;
+  cell_.laser.on_arm = [&](std::uint64_t tick) { armed.insert(tick); };
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(5));
+  {
+    const FileSizeLimit full(std::filesystem::file_size(cell_.journal_file) + 40);
+    ASSERT_TRUE(cell_.StepUntil([&] { return cell_.engraving->faulted(); }));
+    cell_.StepFor(1s);
+  }
+  EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("make room on the disk"));
+  EXPECT_EQ(cell_.laser.shutters(), 0);
+  std::set<std::uint64_t> meant;
+  const auto on_disk = formats::ReadJournal(cell_.journal_file);
+  for (const auto& record : on_disk->records) {
+    if (record.kind == JournalKind::kIntent) meant.insert(record.tick);
+  }
+  for (const std::uint64_t tick : armed) EXPECT_TRUE(meant.contains(tick)) << tick;
+}
+
+// One session, a gap in the host's attention: the identity does not come a second time.
+TEST_F(EngravingTest, FindsTheControllerAgainAfterLookingAwayForAWhile) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(5));
+  cell_.now += 10s;
+  cell_.StepFor(1s);
+  cell_.GrantAnew();
+  ASSERT_TRUE(cell_.StepUntilDone()) << cell_.engraving->message();
+  EXPECT_EQ(cell_.made() + cell_.Count(PointState::kUncertain), 60);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 
 }  // namespace

@@ -168,6 +168,18 @@ void FakeCell::PowerCycle(milliseconds time) {
   powered_again_at_ = now + time;
 }
 
+std::string FakeCell::Description() const {
+  const link::LaserStatus& told = controller.status();
+  const MotionView& view = stage.view();
+  return fmt::format(
+      "phase {} '{}', tick {} (told {}, decided {}), interlocks {:#x}, shutters {}, {} "
+      "made, {} armed; stage: run {} of {}, at rest {}, fault {}, covered {}; line up {}",
+      static_cast<int>(phase()), engraving->message(), laser.tick(), told.tick,
+      told.decided_through, told.interlocks, told.shutters_open, made(),
+      Count(PointState::kArmed), view.run, view.highest_run, view.at_rest,
+      static_cast<int>(view.fault), view.covered_through_tick, controller.up());
+}
+
 formats::Journal FakeCell::JournalOnDisk() const {
   while (!journal->failed() && journal->durable() < journal->appended()) {
     journal->Flush();

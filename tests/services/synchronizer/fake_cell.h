@@ -56,6 +56,8 @@ class FakeCell {
   std::uint64_t made() const { return Count(PointState::kMade); }
   std::uint64_t Count(PointState state) const { return engraving->ledger().count(state); }
 
+  /// Where everything stands, for a failing test.
+  std::string Description() const;
   /// Waits for the journal's thread; then what is on disk.
   formats::Journal JournalOnDisk() const;
   /// Every disagreement of ledger, journal and glass in a sentence; empty when all agree.
