@@ -172,7 +172,7 @@ void AddJobFlags(CLI::App& command, JobFlags& flags) {
                      "no two points are nearer than this, mm");
   command.add_option("--order", flags.order, "kdz (default) or layers");
   command.add_option("--profile", flags.profile,
-                     "mix (default), triangle, trapezoid, cubic, continuous");
+                     "continuous (default), mix, triangle, trapezoid or cubic");
   command.add_option("--machine", flags.machine,
                      "machine profile: els-03 (default), or a file");
   command.add_option("--rate", flags.rate_hz, "lamp sync rate, Hz; one of the machine's");
