@@ -19,9 +19,8 @@ std::string AskForRealTime() {
   }
   // With a limit, a locked process would run out of memory instead of being late.
   rlimit limit{};
-  const bool unlimited =
-      geteuid() == 0 ||
-      (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+  const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&
+                                            limit.rlim_cur == RLIM_INFINITY);
   if (!unlimited || mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
     refused += std::string(refused.empty() ? "" : ", ") +
                "locked memory (set the memlock limit to unlimited)";
