@@ -100,9 +100,9 @@ class Way {
     const double top = limits_[axis].max_speed_mm_s;
     // Bezier ordinates of the speed: v, the middle one, w.
     const double middle = 3 * mean - v - w;
-    return (std::abs(6 * mean - 4 * v - 2 * w) <= most) &
-           (std::abs(6 * mean - 2 * v - 4 * w) <= most) & (std::abs(middle) <= top) &
-           (std::abs(v) <= top) & (std::abs(w) <= top);
+    return std::abs(6 * mean - 4 * v - 2 * w) <= most &&
+           std::abs(6 * mean - 2 * v - 4 * w) <= most && std::abs(middle) <= top &&
+           std::abs(v) <= top && std::abs(w) <= top;
   }
   /// Where step i can end, coming from `start`.
   SpeedInterval Behind(std::size_t i, int axis, double start) const {

@@ -52,8 +52,7 @@ std::string ProgressOf(const JobView& job) {
 
 /// What a person has to know of the job now.
 std::string NoteOf(const JobView& job) {
-  const std::string note =
-      job.message.empty() ? std::string(NameOf(job.state)) : job.message;
+  std::string note = job.message.empty() ? std::string(NameOf(job.state)) : job.message;
   if (job.state != intaglio_JOB_PAUSED) return note;
   if (note.find("resume") != std::string::npos) return "paused: " + note;
   return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
