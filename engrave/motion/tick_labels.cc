@@ -45,7 +45,6 @@ bool TickLabels::MakeLabel(std::uint32_t from_index, std::uint32_t ticks,
   to.ticks = from.ticks + ticks;
   to.step_ticks = ticks;
   to.parent = static_cast<std::int32_t>(from_index);
-  to.has_rest = to.box.HasRest();
   return true;
 }
 
@@ -82,8 +81,9 @@ void TickLabels::Extend(const Vec3& step_mm, bool to_rest) {
       more = true;
       Label label;
       if (!MakeLabel(i, ticks, step_mm, usable, label)) continue;
-      if (label.has_rest) rest_ticks = std::min(rest_ticks, label.ticks);
-      if (to_rest && !label.has_rest) continue;
+      const bool has_rest = label.box.HasRest();
+      if (has_rest) rest_ticks = std::min(rest_ticks, label.ticks);
+      if (to_rest && !has_rest) continue;
       if (last_[i - begin] == UINT32_MAX) {
         last_[i - begin] = ticks + static_cast<std::uint32_t>(options_.extra_ticks);
       }
@@ -123,7 +123,6 @@ void TickLabels::Choose(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
   for (int axis = 0; axis < 3; ++axis) {
     start.box.axis[axis] = {start_mm_s[axis], start_mm_s[axis]};
   }
-  start.has_rest = start.box.HasRest();
   labels_.push_back(start);
   for (std::size_t i = 0; i < steps_mm.size(); ++i) {
     Extend(steps_mm[i], i + 1 == steps_mm.size());

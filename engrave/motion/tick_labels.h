@@ -61,7 +61,6 @@ class TickLabels {
     std::uint32_t step_ticks = 0;
     std::int32_t parent = -1;
     double score = 0;  ///< Known while the best are chosen; less is better.
-    bool has_rest = false;
   };
 
   bool MakeLabel(std::uint32_t from_index, std::uint32_t ticks, const Vec3& step_mm,
@@ -77,7 +76,7 @@ class TickLabels {
   std::vector<Label> labels_;         ///< Of all points, one after another.
   std::vector<std::uint32_t> first_;  ///< Of each point in labels_.
   std::vector<Label> offered_;        ///< For the point at hand.
-  std::vector<std::uint32_t> last_;
+  std::vector<std::uint32_t> last_;   ///< Of each label: the last ticks worth a try.
 };
 
 }  // namespace intaglio::motion
