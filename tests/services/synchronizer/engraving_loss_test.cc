@@ -28,6 +28,15 @@ class EngravingLoss : public testing::Test {
     EXPECT_THAT(cell_.Disagreements(), IsEmpty());
   }
 
+  void GoOnAndLoseTheLineAfter(std::size_t points) {
+    cell_.GrantAnew();
+    const std::size_t before = cell_.laser.cracks().size();
+    ASSERT_TRUE(cell_.StepUntilMade(before + points));
+    cell_.CutLine(true);
+    cell_.StepFor(1000ms);
+    RestoreAndSettle();
+  }
+
   void GoOnToTheEnd() {
     cell_.GrantAnew();
     ASSERT_TRUE(cell_.StepUntilDone()) << cell_.engraving->message();
@@ -92,12 +101,7 @@ TEST_F(EngravingLoss, OldUncertainPulsesAreNotCountedAgain) {
   RestoreAndSettle();
   const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
   ASSERT_GT(uncertain, 0);
-  cell_.GrantAnew();
-  const std::size_t before = cell_.laser.cracks().size();
-  ASSERT_TRUE(cell_.StepUntilMade(before + 20));
-  cell_.CutLine(true);
-  cell_.StepFor(1000ms);
-  RestoreAndSettle();
+  GoOnAndLoseTheLineAfter(20);
   // In this loss every armed tick fired or came after the last that did.
   EXPECT_EQ(cell_.Count(PointState::kUncertain), uncertain);
   GoOnToTheEnd();
@@ -152,12 +156,7 @@ TEST_F(EngravingLoss, AfterAnotherPowerUpTheNewCounterCounts) {
   ASSERT_TRUE(
       cell_.StepUntil([this] { return cell_.Count(PointState::kUncertain) > 0; }));
   const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
-  cell_.GrantAnew();
-  const std::size_t before = cell_.laser.cracks().size();
-  ASSERT_TRUE(cell_.StepUntilMade(before + 30));
-  cell_.CutLine(true);
-  cell_.StepFor(1000ms);
-  RestoreAndSettle();
+  GoOnAndLoseTheLineAfter(30);
   EXPECT_EQ(cell_.Count(PointState::kUncertain), uncertain);
   GoOnToTheEnd();
 }
