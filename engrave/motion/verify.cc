@@ -51,158 +51,146 @@ Vec3 PointOf(std::array<Vec3, N> control, double u) {
   return control[0];
 }
 
-class Verifier {
- public:
-  Verifier(const PointList& planned_mm, const Limits& limits, double rate_hz,
-           const VerifyOptions& options)
-      : planned_mm_(planned_mm),
-        limits_(limits),
-        rate_hz_(rate_hz),
-        options_(options),
-        seen_(planned_mm.size(), false) {}
-
-  MotionReport Run(const KnotState& start, const std::vector<Segment>& segments) {
-    if (!start.velocity_mm_s.isZero(0.0)) Violate("the motion does not start at rest");
-    KnotState from = start;
-    for (std::size_t i = 0; i < segments.size(); ++i) {
-      CheckSegment(i, from, segments[i], i + 1 == segments.size());
-      from = segments[i].end();
-    }
-    if (!from.velocity_mm_s.isZero(0.0)) Violate("the motion does not end at rest");
-    variation_ += acceleration_.norm();
-    const double total_s = DurationSeconds(subticks_, rate_hz_);
-    if (total_s > 0.0) {
-      report_.rms_acceleration_mm_s2 = std::sqrt(square_ / total_s);
-      report_.mean_jerk_mm_s3 = variation_ / total_s;
-    }
-    report_.ticks = (subticks_ + kSubticksPerTick - 1) / kSubticksPerTick;
-    const auto missing = std::count(seen_.begin(), seen_.end(), false);
-    if (options_.all_points && missing > 0) {
-      Violate(fmt::format("{} of {} points are never reached", missing, seen_.size()));
-    }
-    return std::move(report_);
-  }
-
- private:
-  void Violate(std::string sentence) {
-    ++report_.violation_count;
-    if (report_.violations.size() < kMaxSentences) {
-      report_.violations.push_back(std::move(sentence));
-    }
-  }
-
-  void CheckSegment(std::size_t i, const KnotState& from, const Segment& to, bool last) {
-    const bool finite =
-        to.end_position_mm.allFinite() && to.end_velocity_mm_s.allFinite();
-    if (to.duration_subticks == 0 || !finite) {
-      Violate(fmt::format("segment {} has no duration or is not finite", i));
-      return;
-    }
-    subticks_ += to.duration_subticks;
-    CheckCurve(i, from, to);
-    CheckPoint(i, to);
-    const bool at_rest = to.end_velocity_mm_s.isZero(0.0);
-    if (to.program_end && !(at_rest && last)) {
-      Violate(fmt::format("segment {} ends the program {}", i,
-                          at_rest ? "but others follow" : "in motion"));
-    }
-  }
-
-  void CheckCurve(std::size_t i, const KnotState& from, const Segment& to) {
-    const double d = DurationSeconds(to.duration_subticks, rate_hz_);
-    const Bezier curve = BezierOf(from, to, d);
-    const auto& [a0, a1] = curve.acceleration;
-    Vec3 speed = curve.velocity[0].cwiseAbs().cwiseMax(curve.velocity[2].cwiseAbs());
-    for (int axis = 0; axis < 3; ++axis) {
-      if (a0[axis] * a1[axis] >= 0.0) continue;
-      const double u = a0[axis] / (a0[axis] - a1[axis]);
-      speed[axis] = std::max(speed[axis], std::abs(PointOf(curve.velocity, u)[axis]));
-    }
-    Vec3 acceleration = a0.cwiseAbs().cwiseMax(a1.cwiseAbs());
-    Vec3 before_mm = from.position_mm;
-    for (int k = 1; k <= options_.samples + 1; ++k) {
-      const double u = static_cast<double>(k) / (options_.samples + 1);
-      const Vec3 at_mm = PointOf(curve.position, u);
-      report_.path_mm += (at_mm - before_mm).norm();
-      speed = speed.cwiseMax(PointOf(curve.velocity, u).cwiseAbs());
-      acceleration = acceleration.cwiseMax(PointOf(curve.acceleration, u).cwiseAbs());
-      before_mm = at_mm;
-    }
-    CheckLimits(i, from, to, d, speed, acceleration);
-    report_.peak_acceleration_mm_s2 =
-        std::max({report_.peak_acceleration_mm_s2, a0.norm(), a1.norm()});
-    square_ += d / 3.0 * (a0.dot(a0) + a0.dot(a1) + a1.dot(a1));
-    variation_ += (a0 - acceleration_).norm() + (a1 - a0).norm();
-    acceleration_ = a1;
-  }
-
-  void CheckLimits(std::size_t i, const KnotState& from, const Segment& to, double d,
-                   const Vec3& speed, const Vec3& acceleration) {
-    // A coordinate is known to its last bit only; over a duration d that makes up to
-    // 3 bits / d of speed and 12 bits / d^2 of acceleration (the Hermite weights).
-    const double bit_mm = std::numeric_limits<double>::epsilon() *
-                          std::max(from.position_mm.cwiseAbs().maxCoeff(),
-                                   to.end_position_mm.cwiseAbs().maxCoeff());
-    const double allowed = 1.0 + options_.limit_slack_ratio;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double v_max = limits_.max_speed_mm_s[axis];
-      const double a_max = limits_.max_acceleration_mm_s2[axis];
-      if (speed[axis] > v_max * allowed + 3.0 * bit_mm / d) {
-        Violate(fmt::format("segment {}: axis {} reaches {} mm/s, limit {}", i, axis,
-                            speed[axis], v_max));
-      }
-      if (acceleration[axis] > a_max * allowed + 12.0 * bit_mm / (d * d)) {
-        Violate(fmt::format("segment {}: axis {} reaches {} mm/s^2, limit {}", i, axis,
-                            acceleration[axis], a_max));
-      }
-    }
-    report_.max_speed_mm_s = report_.max_speed_mm_s.cwiseMax(speed);
-    report_.max_acceleration_mm_s2 =
-        report_.max_acceleration_mm_s2.cwiseMax(acceleration);
-  }
-
-  void CheckPoint(std::size_t i, const Segment& to) {
-    if (to.pulse && subticks_ % kSubticksPerTick != 0) {
-      Violate(fmt::format("segment {}: its pulse is not at a whole tick", i));
-    }
-    if (to.point < 0) return;
-    const auto point = static_cast<std::size_t>(to.point);
-    if (point >= planned_mm_.size()) {
-      Violate(fmt::format("segment {}: there is no point {}", i, point));
-      return;
-    }
-    if (seen_[point]) Violate(fmt::format("segment {}: point {} again", i, point));
-    seen_[point] = true;
-    const double off_mm = (to.end_position_mm - planned_mm_[point]).norm();
-    const bool on_tick = subticks_ % kSubticksPerTick == 0;
-    const bool in_place = off_mm <= options_.position_tolerance_mm;
-    if (!on_tick) Violate(fmt::format("point {} is not at a whole tick", point));
-    if (!in_place) {
-      Violate(fmt::format("point {} is {} mm from its place", point, off_mm));
-    }
-    report_.points += on_tick && in_place ? 1 : 0;
-  }
-
-  const PointList& planned_mm_;
-  const Limits& limits_;
-  double rate_hz_;
-  const VerifyOptions& options_;
-  std::vector<bool> seen_;
-  MotionReport report_;
-  std::uint64_t subticks_ = 0;
-  Vec3 acceleration_ = Vec3::Zero();  ///< At the end of the segment before.
-  double square_ = 0.0;               ///< Integral of |a|^2, mm^2/s^3.
-  double variation_ = 0.0;            ///< Of the acceleration, mm/s^2.
-};
-
 }  // namespace
+
+MotionVerifier::MotionVerifier(const KnotState& start, const PointList& planned_mm,
+                               const Limits& limits, double rate_hz,
+                               const VerifyOptions& options)
+    : planned_mm_(planned_mm),
+      limits_(limits),
+      rate_hz_(rate_hz),
+      options_(options),
+      from_(start),
+      seen_(planned_mm.size(), false) {
+  Require(rate_hz > 0.0, "rate_hz must be positive, is {}", rate_hz);
+  Require(options.samples >= 0, "samples must not be negative, are {}", options.samples);
+  if (!start.velocity_mm_s.isZero(0.0)) Violate("the motion does not start at rest");
+}
+
+void MotionVerifier::Append(const Segment& segment) {
+  if (program_ended_) {
+    Violate(fmt::format("segment {} ends the program but others follow", segment_ - 1));
+  }
+  const bool finite =
+      segment.end_position_mm.allFinite() && segment.end_velocity_mm_s.allFinite();
+  if (segment.duration_subticks == 0 || !finite) {
+    Violate(fmt::format("segment {} has no duration or is not finite", segment_));
+  } else {
+    subticks_ += segment.duration_subticks;
+    CheckCurve(segment);
+    CheckPoint(segment);
+    if (segment.program_end && !segment.end_velocity_mm_s.isZero(0.0)) {
+      Violate(fmt::format("segment {} ends the program in motion", segment_));
+    }
+  }
+  program_ended_ = segment.program_end;
+  from_ = segment.end();
+  ++segment_;
+}
+
+MotionReport MotionVerifier::Finish() {
+  if (!from_.velocity_mm_s.isZero(0.0)) Violate("the motion does not end at rest");
+  variation_ += acceleration_.norm();
+  const double total_s = DurationSeconds(subticks_, rate_hz_);
+  if (total_s > 0.0) {
+    report_.rms_acceleration_mm_s2 = std::sqrt(square_ / total_s);
+    report_.mean_jerk_mm_s3 = variation_ / total_s;
+  }
+  report_.ticks = (subticks_ + kSubticksPerTick - 1) / kSubticksPerTick;
+  const auto missing = std::count(seen_.begin(), seen_.end(), false);
+  if (options_.all_points && missing > 0) {
+    Violate(fmt::format("{} of {} points are never reached", missing, seen_.size()));
+  }
+  return std::move(report_);
+}
+
+void MotionVerifier::Violate(std::string sentence) {
+  ++report_.violation_count;
+  if (report_.violations.size() < kMaxSentences) {
+    report_.violations.push_back(std::move(sentence));
+  }
+}
+
+void MotionVerifier::CheckCurve(const Segment& to) {
+  const double d = DurationSeconds(to.duration_subticks, rate_hz_);
+  const Bezier curve = BezierOf(from_, to, d);
+  const auto& [a0, a1] = curve.acceleration;
+  Vec3 speed = curve.velocity[0].cwiseAbs().cwiseMax(curve.velocity[2].cwiseAbs());
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a0[axis] * a1[axis] >= 0.0) continue;
+    const double u = a0[axis] / (a0[axis] - a1[axis]);
+    speed[axis] = std::max(speed[axis], std::abs(PointOf(curve.velocity, u)[axis]));
+  }
+  Vec3 acceleration = a0.cwiseAbs().cwiseMax(a1.cwiseAbs());
+  Vec3 before_mm = from_.position_mm;
+  for (int k = 1; k <= options_.samples + 1; ++k) {
+    const double u = static_cast<double>(k) / (options_.samples + 1);
+    const Vec3 at_mm = PointOf(curve.position, u);
+    report_.path_mm += (at_mm - before_mm).norm();
+    speed = speed.cwiseMax(PointOf(curve.velocity, u).cwiseAbs());
+    acceleration = acceleration.cwiseMax(PointOf(curve.acceleration, u).cwiseAbs());
+    before_mm = at_mm;
+  }
+  CheckLimits(to, d, speed, acceleration);
+  report_.peak_acceleration_mm_s2 =
+      std::max({report_.peak_acceleration_mm_s2, a0.norm(), a1.norm()});
+  square_ += d / 3.0 * (a0.dot(a0) + a0.dot(a1) + a1.dot(a1));
+  variation_ += (a0 - acceleration_).norm() + (a1 - a0).norm();
+  acceleration_ = a1;
+}
+
+void MotionVerifier::CheckLimits(const Segment& to, double d, const Vec3& speed,
+                                 const Vec3& acceleration) {
+  // A coordinate is known to its last bit only; over a duration d that makes up to
+  // 3 bits / d of speed and 12 bits / d^2 of acceleration (the Hermite weights).
+  const double bit_mm = std::numeric_limits<double>::epsilon() *
+                        std::max(from_.position_mm.cwiseAbs().maxCoeff(),
+                                 to.end_position_mm.cwiseAbs().maxCoeff());
+  const double allowed = 1.0 + options_.limit_slack_ratio;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double v_max = limits_.max_speed_mm_s[axis];
+    const double a_max = limits_.max_acceleration_mm_s2[axis];
+    if (speed[axis] > v_max * allowed + 3.0 * bit_mm / d) {
+      Violate(fmt::format("segment {}: axis {} reaches {} mm/s, limit {}", segment_, axis,
+                          speed[axis], v_max));
+    }
+    if (acceleration[axis] > a_max * allowed + 12.0 * bit_mm / (d * d)) {
+      Violate(fmt::format("segment {}: axis {} reaches {} mm/s^2, limit {}", segment_,
+                          axis, acceleration[axis], a_max));
+    }
+  }
+  report_.max_speed_mm_s = report_.max_speed_mm_s.cwiseMax(speed);
+  report_.max_acceleration_mm_s2 = report_.max_acceleration_mm_s2.cwiseMax(acceleration);
+}
+
+void MotionVerifier::CheckPoint(const Segment& to) {
+  if (to.pulse && subticks_ % kSubticksPerTick != 0) {
+    Violate(fmt::format("segment {}: its pulse is not at a whole tick", segment_));
+  }
+  if (to.point < 0) return;
+  const auto point = static_cast<std::size_t>(to.point);
+  if (point >= planned_mm_.size()) {
+    Violate(fmt::format("segment {}: there is no point {}", segment_, point));
+    return;
+  }
+  if (seen_[point]) Violate(fmt::format("segment {}: point {} again", segment_, point));
+  seen_[point] = true;
+  const double off_mm = (to.end_position_mm - planned_mm_[point]).norm();
+  const bool on_tick = subticks_ % kSubticksPerTick == 0;
+  const bool in_place = off_mm <= options_.position_tolerance_mm;
+  if (!on_tick) Violate(fmt::format("point {} is not at a whole tick", point));
+  if (!in_place) {
+    Violate(fmt::format("point {} is {} mm from its place", point, off_mm));
+  }
+  report_.points += on_tick && in_place ? 1 : 0;
+}
 
 MotionReport VerifyMotion(const KnotState& start, const std::vector<Segment>& segments,
                           const PointList& planned_mm, const Limits& limits,
                           double rate_hz, const VerifyOptions& options) {
-  Require(rate_hz > 0.0, "rate_hz must be positive, is {}", rate_hz);
-  Require(options.samples >= 0, "samples must not be negative, are {}", options.samples);
-  return Verifier(planned_mm, limits, rate_hz, options).Run(start, segments);
+  MotionVerifier verifier(start, planned_mm, limits, rate_hz, options);
+  for (const Segment& segment : segments) verifier.Append(segment);
+  return verifier.Finish();
 }
 
 }  // namespace intaglio::motion

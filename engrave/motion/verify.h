@@ -7,6 +7,7 @@
 // evaluated in closed form at their extremes and sampled densely by de Casteljau's
 // rule, so a mistake in one shows against the other.
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -54,6 +55,42 @@ struct MotionReport {
 /// Checks that the motion starts and ends at rest, keeps to the limits of speed and
 /// acceleration of each axis, and passes every point of `planned_mm` once, at a whole
 /// tick, in its place; that the program ends only at rest, with the last segment.
+/// Takes the segments as they come and keeps none, so a way of any length is checked
+/// while it is planned. Not for use by two threads at once.
+class MotionVerifier {
+ public:
+  /// `planned_mm` must outlive the verifier. Throws PreconditionError unless rate_hz > 0
+  /// and options.samples >= 0.
+  MotionVerifier(const KnotState& start, const PointList& planned_mm,
+                 const Limits& limits, double rate_hz, const VerifyOptions& options = {});
+
+  void Append(const Segment& segment);
+  /// The report of all that was appended; once, at the end.
+  MotionReport Finish();
+
+ private:
+  void Violate(std::string sentence);
+  void CheckCurve(const Segment& to);
+  void CheckLimits(const Segment& to, double d, const Vec3& speed,
+                   const Vec3& acceleration);
+  void CheckPoint(const Segment& to);
+
+  const PointList& planned_mm_;
+  Limits limits_;
+  double rate_hz_;
+  VerifyOptions options_;
+  KnotState from_;           ///< Where the segments so far end.
+  std::size_t segment_ = 0;  ///< Number of the segment that is looked at.
+  bool program_ended_ = false;
+  std::vector<bool> seen_;
+  MotionReport report_;
+  std::uint64_t subticks_ = 0;
+  Vec3 acceleration_ = Vec3::Zero();  ///< At the end of the segment before.
+  double square_ = 0.0;               ///< Integral of |a|^2, mm^2/s^3.
+  double variation_ = 0.0;            ///< Of the acceleration, mm/s^2.
+};
+
+/// The same for segments that are all at hand.
 MotionReport VerifyMotion(const KnotState& start, const std::vector<Segment>& segments,
                           const PointList& planned_mm, const Limits& limits,
                           double rate_hz, const VerifyOptions& options = {});
