@@ -47,6 +47,8 @@ double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limit
       return CubicSeconds(distance_mm, limits);
     case Profile::kTrapezoid:
     case Profile::kMix:
+    case Profile::kTimeOptimal:
+    case Profile::kInterpolator:
       break;
   }
   return StopAndGoSeconds(distance_mm, limits);

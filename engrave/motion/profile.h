@@ -13,10 +13,12 @@ namespace intaglio::motion {
 
 /// How a step from rest to rest is driven.
 enum class Profile {
-  kTriangle,   ///< Accelerate half of the time, brake the other half.
-  kTrapezoid,  ///< With a cruise at constant speed in between.
-  kCubic,      ///< One cubic curve: acceleration falls linearly, no jump in the middle.
-  kMix,        ///< By the step's length; default, the source's best (ch. 6.2).
+  kTriangle,     ///< Accelerate half of the time, brake the other half.
+  kTrapezoid,    ///< With a cruise at constant speed in between.
+  kCubic,        ///< One cubic curve: acceleration falls linearly, no jump in the middle.
+  kMix,          ///< By the step's length; default, the source's best (ch. 6.2).
+  kTimeOptimal,  ///< The shortest time (81)-(87), then rest until the tick.
+  kInterpolator,  ///< (99)-(104): every axis by itself, then rest until the tick.
 };
 
 /// Limits of one axis; both > 0.
@@ -48,6 +50,7 @@ double CubicSeconds(double distance_mm, const AxisLimits& limits);
 double StopAndGoSeconds(double distance_mm, const AxisLimits& limits);
 
 /// The least time of a step under `profile`; kMix counts as the fastest of its parts.
+/// Of the profiles along a line, kTriangle to kInterpolator.
 double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limits);
 
 /// A step of three axes seen as one axis that goes 1 mm. All axes follow one common

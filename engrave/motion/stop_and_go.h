@@ -1,19 +1,18 @@
 #pragma once
 
 // Motion that comes to rest at every point: the published way (Trochimczuk 2008
-// ch. 6.2) and the plainest. Frame machine, mm.
-//
-// A pulse exists only at a tick, so a step takes n = WholeTicks(T) whole ticks, T the
-// profile's least time, and is then stretched to fill them: the stage never waits at
-// a point and never drives harder than it must.
+// ch. 6.2) and the plainest. A pulse exists only at a tick, so every step takes whole
+// ticks; how it is driven is its profile's program (profiles.h). Frame machine, mm.
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "engrave/core/geometry.h"
 #include "engrave/motion/limits.h"
 #include "engrave/motion/profile.h"
 #include "engrave/motion/segment.h"
+#include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {
 
@@ -25,9 +24,8 @@ class StopAndGoPlanner {
   StopAndGoPlanner(const Limits& limits, double rate_hz, Profile profile,
                    const Vec3& start_mm);
 
-  /// Adds the 1 to 3 segments of the step to `target_mm` (more when it lasts longer
-  /// than kMaxSegmentTicks). Only the last one carries `point` and `pulse`. A step
-  /// of no length takes one tick, as the next pulse cannot come sooner.
+  /// Adds the segments of the step to `target_mm`. Only the last one carries `point` and
+  /// `pulse`. A step of no length takes one tick, as the next pulse cannot come sooner.
   void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
               std::vector<Segment>& out);
 
@@ -40,9 +38,7 @@ class StopAndGoPlanner {
   std::uint64_t ticks() const { return ticks_; }
 
  private:
-  Limits limits_;
-  double rate_hz_;
-  Profile profile_;
+  std::unique_ptr<StepProgram> program_;
   Vec3 position_mm_;
   std::uint64_t ticks_ = 0;
 };

@@ -1,0 +1,35 @@
+#pragma once
+
+// Every profile by name, and how to make its program: the one list that planners, jobs
+// and the command line go by. A new one is a line in profiles.cc, an enumerator of
+// Profile and one of MotionProfile in proto/job.proto, with this name in capitals.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "engrave/motion/limits.h"
+#include "engrave/motion/profile.h"
+#include "engrave/motion/step_program.h"
+
+namespace intaglio::motion {
+
+struct ProfileEntry {
+  Profile profile;
+  std::string_view name;  ///< lower case, words joined by _
+  /// rate_hz > 0; the limits are usable.
+  std::unique_ptr<StepProgram> (*make)(const Limits& limits, double rate_hz);
+};
+
+/// All of them, in the order of Profile.
+std::span<const ProfileEntry> Profiles();
+
+/// Nothing if there is none of this name.
+std::optional<Profile> ProfileByName(std::string_view name);
+
+/// Throws PreconditionError unless the limits and the rate are positive and finite.
+std::unique_ptr<StepProgram> MakeStepProgram(Profile profile, const Limits& limits,
+                                             double rate_hz);
+
+}  // namespace intaglio::motion
