@@ -13,6 +13,8 @@
 // is the quadratic with Bezier points 3 (B[i+1] - B[i]) / d, its acceleration the line
 // between 2 (V[i+1] - V[i]) / d. The speed of an axis is extreme at the ends or where
 // its acceleration changes sign, u = a0 / (a0 - a1).
+// Its position is extreme where its velocity is 0, the length of the velocity where
+// v . a = 0: a cubic, whose roots are bracketed by the samples and bisected.
 // The integral of |a|^2 over a line from a0 to a1 is d (a0.a0 + a0.a1 + a1.a1) / 3.
 
 namespace intaglio::motion {
@@ -49,6 +51,37 @@ Vec3 PointOf(std::array<Vec3, N> control, double u) {
     }
   }
   return control[0];
+}
+
+/// The last bit of the coordinates of a segment.
+double BitMm(const KnotState& from, const Segment& to) {
+  return std::numeric_limits<double>::epsilon() *
+         std::max(from.position_mm.cwiseAbs().maxCoeff(),
+                  to.end_position_mm.cwiseAbs().maxCoeff());
+}
+
+/// Adds where an axis turns back, by the roots of its velocity in powers of u.
+void ExtendToTurns(const Bezier& curve, Box3& extent_mm) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double c = curve.velocity[0][axis];
+    const double b = 2 * (curve.velocity[1][axis] - c);
+    const double a = curve.velocity[2][axis] - c - b;
+    const double root = std::sqrt(std::max(b * b - 4 * a * c, 0.0));
+    const double q = -0.5 * (b + std::copysign(root, b));
+    for (const double u : {q / a, c / q}) {
+      if (u > 0 && u < 1) extent_mm.Extend(PointOf(curve.position, u));
+    }
+  }
+}
+
+/// The longest velocity between u = lo, where it grows, and hi, where it shrinks.
+double LongestVelocity(const Bezier& curve, double lo, double hi) {
+  for (int halving = 0; halving < 40; ++halving) {
+    const double u = 0.5 * (lo + hi);
+    const bool grows = PointOf(curve.velocity, u).dot(PointOf(curve.acceleration, u)) > 0;
+    (grows ? lo : hi) = u;
+  }
+  return PointOf(curve.velocity, lo).norm();
 }
 
 }  // namespace
@@ -90,6 +123,7 @@ void MotionVerifier::Append(const Segment& segment) {
 
 MotionReport MotionVerifier::Finish() {
   if (!from_.velocity_mm_s.isZero(0.0)) Violate("the motion does not end at rest");
+  for (int axis = 0; axis < 3; ++axis) CheckJump(axis, 0.0, 0.0);
   variation_ += acceleration_.norm();
   const double total_s = DurationSeconds(subticks_, rate_hz_);
   if (total_s > 0.0) {
@@ -122,30 +156,43 @@ void MotionVerifier::CheckCurve(const Segment& to) {
     speed[axis] = std::max(speed[axis], std::abs(PointOf(curve.velocity, u)[axis]));
   }
   Vec3 acceleration = a0.cwiseAbs().cwiseMax(a1.cwiseAbs());
+  double length_mm_s = std::max(curve.velocity[0].norm(), curve.velocity[2].norm());
+  bool grew = curve.velocity[0].dot(a0) > 0;
+  Box3 extent_mm{from_.position_mm, from_.position_mm};
+  ExtendToTurns(curve, extent_mm);
   Vec3 before_mm = from_.position_mm;
   for (int k = 1; k <= options_.samples + 1; ++k) {
     const double u = static_cast<double>(k) / (options_.samples + 1);
     const Vec3 at_mm = PointOf(curve.position, u);
+    const Vec3 v = PointOf(curve.velocity, u), a = PointOf(curve.acceleration, u);
     report_.path_mm += (at_mm - before_mm).norm();
-    speed = speed.cwiseMax(PointOf(curve.velocity, u).cwiseAbs());
-    acceleration = acceleration.cwiseMax(PointOf(curve.acceleration, u).cwiseAbs());
+    extent_mm.Extend(at_mm);
+    speed = speed.cwiseMax(v.cwiseAbs());
+    acceleration = acceleration.cwiseMax(a.cwiseAbs());
+    const bool grows = v.dot(a) > 0;
+    if (grew && !grows) {
+      const double lo = static_cast<double>(k - 1) / (options_.samples + 1);
+      length_mm_s = std::max(length_mm_s, LongestVelocity(curve, lo, u));
+    }
+    grew = grows;
     before_mm = at_mm;
   }
-  CheckLimits(to, d, speed, acceleration);
-  report_.peak_acceleration_mm_s2 =
-      std::max({report_.peak_acceleration_mm_s2, a0.norm(), a1.norm()});
+  CheckAxes(to, d, speed, acceleration);
+  CheckLengths(to, d, length_mm_s, std::max(a0.norm(), a1.norm()));
+  CheckJerk(to, d, a0, a1);
+  CheckTravel(extent_mm);
   square_ += d / 3.0 * (a0.dot(a0) + a0.dot(a1) + a1.dot(a1));
   variation_ += (a0 - acceleration_).norm() + (a1 - a0).norm();
   acceleration_ = a1;
+  acceleration_bits_ = 12.0 * BitMm(from_, to) / (d * d);
 }
 
-void MotionVerifier::CheckLimits(const Segment& to, double d, const Vec3& speed,
-                                 const Vec3& acceleration) {
-  // A coordinate is known to its last bit only; over a duration d that makes up to
-  // 3 bits / d of speed and 12 bits / d^2 of acceleration (the Hermite weights).
-  const double bit_mm = std::numeric_limits<double>::epsilon() *
-                        std::max(from_.position_mm.cwiseAbs().maxCoeff(),
-                                 to.end_position_mm.cwiseAbs().maxCoeff());
+// A coordinate is known to its last bit only; over a duration d that makes up to 3 bits
+// / d of speed, 12 bits / d^2 of acceleration and 24 bits / d^3 of jerk (the Hermite
+// weights).
+void MotionVerifier::CheckAxes(const Segment& to, double d, const Vec3& speed,
+                               const Vec3& acceleration) {
+  const double bit_mm = BitMm(from_, to);
   const double allowed = 1.0 + options_.limit_slack_ratio;
   for (int axis = 0; axis < 3; ++axis) {
     const double v_max = limits_.max_speed_mm_s[axis];
@@ -163,6 +210,66 @@ void MotionVerifier::CheckLimits(const Segment& to, double d, const Vec3& speed,
   report_.max_acceleration_mm_s2 = report_.max_acceleration_mm_s2.cwiseMax(acceleration);
 }
 
+void MotionVerifier::CheckLengths(const Segment& to, double d, double speed,
+                                  double acceleration) {
+  const double bit_mm = 2.0 * BitMm(from_, to);  // of three axes together
+  const double allowed = 1.0 + options_.limit_slack_ratio;
+  if (speed > limits_.max_speed_norm_mm_s * allowed + 3.0 * bit_mm / d) {
+    Violate(fmt::format("segment {}: the velocity is {} mm/s long, limit {}", segment_,
+                        speed, limits_.max_speed_norm_mm_s));
+  }
+  if (acceleration >
+      limits_.max_acceleration_norm_mm_s2 * allowed + 12.0 * bit_mm / (d * d)) {
+    Violate(fmt::format("segment {}: the acceleration is {} mm/s^2 long, limit {}",
+                        segment_, acceleration, limits_.max_acceleration_norm_mm_s2));
+  }
+  report_.peak_speed_mm_s = std::max(report_.peak_speed_mm_s, speed);
+  report_.peak_acceleration_mm_s2 =
+      std::max(report_.peak_acceleration_mm_s2, acceleration);
+}
+
+void MotionVerifier::CheckJerk(const Segment& to, double d, const Vec3& a0,
+                               const Vec3& a1) {
+  const Vec3 jerk = (a1 - a0).cwiseAbs() / d;
+  const double bits = 12.0 * BitMm(from_, to) / (d * d);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double most = limits_.max_jerk_mm_s3[axis];
+    if (jerk[axis] > most * (1.0 + options_.limit_slack_ratio) + 2.0 * bits / d) {
+      Violate(fmt::format("segment {}: axis {} reaches {} mm/s^3, limit {}", segment_,
+                          axis, jerk[axis], most));
+    }
+    CheckJump(axis, a0[axis], bits);
+  }
+  report_.max_jerk_mm_s3 = report_.max_jerk_mm_s3.cwiseMax(jerk);
+}
+
+void MotionVerifier::CheckJump(int axis, double to_mm_s2, double bits) {
+  if (limits_.max_jerk_mm_s3[axis] == kUnlimited) return;
+  const double jump = std::abs(to_mm_s2 - acceleration_[axis]);
+  if (jump <= limits_.max_acceleration_mm_s2[axis] * options_.limit_slack_ratio + bits +
+                  acceleration_bits_) {
+    return;
+  }
+  Violate(fmt::format("segment {}: the acceleration of axis {} jumps by {} mm/s^2",
+                      segment_, axis, jump));
+}
+
+void MotionVerifier::CheckTravel(const Box3& extent_mm) {
+  constexpr double kRoundingMm = 1e-9;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lo = extent_mm.min_mm[axis], hi = extent_mm.max_mm[axis];
+    if (lo >= limits_.travel_mm.min_mm[axis] - kRoundingMm &&
+        hi <= limits_.travel_mm.max_mm[axis] + kRoundingMm) {
+      continue;
+    }
+    Violate(fmt::format("segment {}: axis {} goes from {} to {} mm, travel {} to {}",
+                        segment_, axis, lo, hi, limits_.travel_mm.min_mm[axis],
+                        limits_.travel_mm.max_mm[axis]));
+  }
+  report_.extent_mm.Extend(extent_mm.min_mm);
+  report_.extent_mm.Extend(extent_mm.max_mm);
+}
+
 void MotionVerifier::CheckPoint(const Segment& to) {
   if (to.pulse && subticks_ % kSubticksPerTick != 0) {
     Violate(fmt::format("segment {}: its pulse is not at a whole tick", segment_));
@@ -177,6 +284,7 @@ void MotionVerifier::CheckPoint(const Segment& to) {
   seen_[point] = true;
   const double off_mm = (to.end_position_mm - planned_mm_[point]).norm();
   const bool on_tick = subticks_ % kSubticksPerTick == 0;
+  report_.max_point_move_mm = std::max(report_.max_point_move_mm, off_mm);
   const bool in_place = off_mm <= options_.position_tolerance_mm;
   if (!on_tick) Violate(fmt::format("point {} is not at a whole tick", point));
   if (!in_place) {

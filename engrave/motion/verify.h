@@ -35,12 +35,18 @@ struct MotionReport {
   std::uint64_t points = 0;  ///< Points reached at their whole tick.
   Vec3 max_speed_mm_s = Vec3::Zero();
   Vec3 max_acceleration_mm_s2 = Vec3::Zero();
+  /// Inside segments; where the acceleration jumps at a knot it is unbounded, which
+  /// counts as a violation on an axis whose jerk is limited.
+  Vec3 max_jerk_mm_s3 = Vec3::Zero();
+  double peak_speed_mm_s = 0.0;          ///< Of the vector's length.
   double peak_acceleration_mm_s2 = 0.0;  ///< Of the vector's length.
   double rms_acceleration_mm_s2 = 0.0;   ///< Over time, of the vector's length.
   /// Total variation of the acceleration vector over time, jumps at knots and at the
   /// start and end included: what shakes the machine.
   double mean_jerk_mm_s3 = 0.0;
-  double path_mm = 0.0;  ///< Length of the way, from the samples.
+  double path_mm = 0.0;            ///< Length of the way, from the samples.
+  Box3 extent_mm;                  ///< What the motion reaches.
+  double max_point_move_mm = 0.0;  ///< Largest distance of a knot from its point.
   std::uint64_t violation_count = 0;
   /// The first 20 violations, a sentence each.
   std::vector<std::string> violations;
@@ -52,11 +58,11 @@ struct MotionReport {
   }
 };
 
-/// Checks that the motion starts and ends at rest, keeps to the limits of speed and
-/// acceleration of each axis, and passes every point of `planned_mm` once, at a whole
-/// tick, in its place; that the program ends only at rest, with the last segment.
-/// Takes the segments as they come and keeps none, so a way of any length is checked
-/// while it is planned. Not for use by two threads at once.
+/// Checks that the motion starts and ends at rest, keeps to all `limits` that are set
+/// (where jerk is limited the acceleration is 0 at start and end), and passes every point
+/// of `planned_mm` once, at a whole tick, in its place; that the program ends only at
+/// rest, with the last segment. Takes the segments as they come and keeps none, so a way
+/// of any length is checked while it is planned. Not for use by two threads at once.
 class MotionVerifier {
  public:
   /// `planned_mm` must outlive the verifier. Throws PreconditionError unless rate_hz > 0
@@ -71,8 +77,12 @@ class MotionVerifier {
  private:
   void Violate(std::string sentence);
   void CheckCurve(const Segment& to);
-  void CheckLimits(const Segment& to, double d, const Vec3& speed,
-                   const Vec3& acceleration);
+  void CheckAxes(const Segment& to, double d, const Vec3& speed,
+                 const Vec3& acceleration);
+  void CheckLengths(const Segment& to, double d, double speed, double acceleration);
+  void CheckJerk(const Segment& to, double d, const Vec3& a0, const Vec3& a1);
+  void CheckJump(int axis, double to_mm_s2, double bits);
+  void CheckTravel(const Box3& extent_mm);
   void CheckPoint(const Segment& to);
 
   const PointList& planned_mm_;
@@ -86,6 +96,7 @@ class MotionVerifier {
   MotionReport report_;
   std::uint64_t subticks_ = 0;
   Vec3 acceleration_ = Vec3::Zero();  ///< At the end of the segment before.
+  double acceleration_bits_ = 0.0;    ///< What rounding may make of it, mm/s^2.
   double square_ = 0.0;               ///< Integral of |a|^2, mm^2/s^3.
   double variation_ = 0.0;            ///< Of the acceleration, mm/s^2.
 };

@@ -74,6 +74,56 @@ TEST_F(Verify, FindsSpeedBeyondTheLimitInsideASegment) {
   EXPECT_NEAR(report.max_speed_mm_s.x(), 90.0, 1e-9);
 }
 
+TEST_F(Verify, FindsJerkInsideASegmentAndJumpsOfAcceleration) {
+  limits_.max_jerk_mm_s3.x() = 1e9;
+  // A triangle's acceleration jumps at its start, its middle and its end.
+  const MotionReport jumps = Report();
+  EXPECT_THAT(jumps.violations, Contains(HasSubstr("axis 0 jumps by 4000")));
+  EXPECT_THAT(jumps.violations, Contains(HasSubstr("axis 0 jumps by 8000")));
+  EXPECT_EQ(jumps.violation_count, 3u);
+
+  // One cubic from rest to rest: 6 s / T^2 at its ends, jerk 12 s / T^3.
+  segments_.resize(1);
+  segments_[0] = {.end_position_mm = Vec3(0.1, 0, 0),
+                  .duration_subticks = kSubticksPerTick};
+  points_.clear();
+  limits_.max_jerk_mm_s3.x() = 1.1e6;
+  const MotionReport cubic = Report();
+  EXPECT_NEAR(cubic.max_jerk_mm_s3.x(), 1.2e6, 1);
+  EXPECT_THAT(cubic.violations, Contains(HasSubstr("mm/s^3, limit 1100000")));
+  EXPECT_THAT(cubic.violations, Contains(HasSubstr("jumps by 6000")));
+}
+
+TEST_F(Verify, FindsVectorsTooLongThoughEachAxisIsWithinItsLimit) {
+  // Both axes are fastest at once, in the middle of the segment: 1.5 s / T.
+  segments_.resize(1);
+  segments_[0] = {.end_position_mm = Vec3(0.1, 0.1, 0),
+                  .duration_subticks = kSubticksPerTick};
+  points_.clear();
+  limits_.max_speed_norm_mm_s = 21;
+  limits_.max_acceleration_norm_mm_s2 = 8400;
+  const MotionReport report = Report();
+  EXPECT_EQ(report.violation_count, 2u);
+  EXPECT_NEAR(report.peak_speed_mm_s, 15 * std::sqrt(2), 1e-9);
+  EXPECT_NEAR(report.peak_acceleration_mm_s2, 6000 * std::sqrt(2), 1e-6);
+}
+
+TEST_F(Verify, FindsABulgeBeyondTheTravel) {
+  // Back at its start after each tick, but away from it in between.
+  segments_.resize(2);
+  segments_[0] = {.end_velocity_mm_s = Vec3(0, 15, 0),
+                  .duration_subticks = kSubticksPerTick};
+  segments_[1] = {.end_position_mm = Vec3::Zero(), .duration_subticks = kSubticksPerTick};
+  points_.clear();
+  limits_.travel_mm = {Vec3(-1, -0.022, 0), Vec3(1, 0.03, 0)};
+  const MotionReport report = Report();
+  // u^2 (u - 1) v T is least at u = 2/3.
+  EXPECT_NEAR(report.extent_mm.min_mm.y(), -0.15 * 4 / 27, 1e-12);
+  EXPECT_NEAR(report.extent_mm.max_mm.y(), 0.15 * 4 / 27, 1e-12);
+  ASSERT_EQ(report.violation_count, 1u);
+  EXPECT_THAT(report.violations[0], HasSubstr("segment 0: axis 1 goes from -0.0222"));
+}
+
 TEST_F(Verify, FindsAPointOffItsPlace) {
   points_[1].x() += 2e-9;
   const MotionReport report = Report();
