@@ -1,0 +1,81 @@
+#pragma once
+
+// The clock of a motion controller that runs on an oscillator of its own, against the
+// lamp: from stamps "the lamp's tick n was heard of at t", t in the controller's time,
+// its phase and its drift. A stamp is never early; it is late by what the line took, 0 to
+// some milliseconds, seldom twice the same. So the true line lies just below all stamps:
+// of the lower convex hull of the newest ones it is the edge below their middle (Moon,
+// Skelly, Towsley 1999, "Estimation and removal of clock skew from network delay
+// measurements", sec. 4). With n stamps that are late by 0..J it is off by some J / n,
+// where a mean or a least-squares line is by J / 2 and by J / sqrt(n).
+//
+// A line that some part of the stamps stays away from, or that a stamp is far ahead of,
+// is two lines: the oscillator has changed its pace. Then only the newest stamps count
+// from now on, and steps() has grown.
+//
+// What is always late by the same time is not seen; it is a part of the stage's lag.
+// Not thread-safe.
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+namespace intaglio::synchronizer {
+
+class MotionClock {
+ public:
+  /// Forgets everything; ticks pass `rate_hz` times a second of the lamp's clock.
+  void Reset(double rate_hz);
+
+  /// Controller's time since its power-up, ns, when it heard of `tick`. A tick that does
+  /// not follow is another power-up of the laser: everything before is forgotten.
+  void Observe(std::uint64_t tick, std::uint64_t controller_ns);
+
+  /// Controller's time at a tick, also one to come, ns. Needs a stamp.
+  double ControllerNsAt(double tick) const;
+  /// What ControllerNsAt may be off by at the newest stamps, ns.
+  double uncertainty_ns() const { return uncertainty_ns_; }
+  /// Good enough to move by: 16 us, or a three-hundredth of a tick.
+  bool settled() const { return settled_; }
+  /// The controller's clock against the lamp's; above 0: it is fast.
+  double drift_ppm() const { return 1e6 * line_.slope_ns / tick_ns_; }
+  /// How often the pace was seen to change.
+  std::uint32_t steps() const { return steps_; }
+  bool empty() const { return stamps_.empty(); }
+  /// Newest tick that was heard of; 0: none.
+  std::uint64_t newest_tick() const { return newest_tick_; }
+
+ private:
+  struct Stamp {
+    double tick = 0;     // since the base
+    double late_ns = 0;  // behind a clock without drift that was right at the base
+  };
+  struct Line {
+    double offset_ns = 0, slope_ns = 0;
+    double LateNsAt(double tick) const { return offset_ns + slope_ns * tick; }
+  };
+  void Fit();
+  void FitLine();
+  void Measure();
+  bool LeavesLine() const;
+  bool RunsAhead();
+  void KeepNewest(std::size_t count);
+
+  double tick_ns_ = 0;
+  std::size_t window_ = 0;
+  std::uint64_t base_tick_ = 0, newest_tick_ = 0;
+  std::uint64_t base_ns_ = 0;
+  std::deque<Stamp> stamps_;
+  std::size_t unfitted_ = 0;
+  std::vector<Stamp> hull_;
+  std::vector<double> above_ns_;  // of each stamp over the line
+  Line line_;
+  std::deque<Line> earlier_lines_;  // of the last quarter of a window, one a fit
+  double uncertainty_ns_ = 0;
+  double limit_ns_ = 0;  // what no chance takes a stamp or the least of a part beyond
+  bool settled_ = false;
+  std::uint32_t steps_ = 0;
+};
+
+}  // namespace intaglio::synchronizer

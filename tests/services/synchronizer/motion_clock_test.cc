@@ -1,0 +1,175 @@
+#include "services/synchronizer/motion_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace intaglio::synchronizer {
+namespace {
+
+/// An oscillator whose true time is known, and a line that is late at random.
+class SimulatedClock {
+ public:
+  SimulatedClock(double rate_hz, double jitter_s, unsigned seed)
+      : rate_hz_(rate_hz), jitter_s_(jitter_s), random_(seed) {}
+
+  void Tick(double drift_ppm) {
+    ++tick_;
+    true_ns_ += (1 + drift_ppm * 1e-6) * 1e9 / rate_hz_;
+    const double late_ns =
+        1e9 * std::uniform_real_distribution<double>(0, jitter_s_)(random_);
+    // What is sent first arrives first.
+    heard_ns_ = std::max(heard_ns_, true_ns_ + late_ns);
+  }
+  std::uint64_t tick() const { return tick_; }
+  std::uint64_t stamp() const { return static_cast<std::uint64_t>(heard_ns_); }
+  /// At the newest tick, less what the oscillator would have to say.
+  double ErrorUs(const MotionClock& clock, double ahead_ticks, double drift_ppm) const {
+    const double truth = true_ns_ + ahead_ticks * (1 + drift_ppm * 1e-6) * 1e9 / rate_hz_;
+    return 1e-3 *
+           (clock.ControllerNsAt(static_cast<double>(tick_) + ahead_ticks) - truth);
+  }
+
+ private:
+  double rate_hz_, jitter_s_;
+  std::mt19937_64 random_;
+  std::uint64_t tick_ = 7000;
+  double true_ns_ = 3.7e9, heard_ns_ = 0;
+};
+
+TEST(MotionClock, FindsPhaseAndDriftBelowTheJitter) {
+  for (const double rate_hz : {50.0, 200.0, 1000.0}) {
+    for (const double drift_ppm : {-200.0, 0.3, 150.0}) {
+      SimulatedClock truth(rate_hz, 0.002, 1);
+      MotionClock clock;
+      clock.Reset(rate_hz);
+      double worst_us = 0, worst_ahead_us = 0, sum = 0, count = 0;
+      for (int i = 0; i < 40 * rate_hz; ++i) {
+        truth.Tick(drift_ppm);
+        clock.Observe(truth.tick(), truth.stamp());
+        if (i < 8 * rate_hz) continue;
+        ASSERT_TRUE(clock.settled()) << rate_hz << " Hz, " << drift_ppm << " ppm";
+        const double error_us = truth.ErrorUs(clock, 0, drift_ppm);
+        worst_us = std::max(worst_us, std::abs(error_us));
+        worst_ahead_us =
+            std::max(worst_ahead_us, std::abs(truth.ErrorUs(clock, rate_hz, drift_ppm)));
+        sum += error_us * error_us;
+        ++count;
+      }
+      // Motion is out for a second: 80 mm/s make 5 um of 62 us. 50 Hz gives 400 stamps
+      // to a line, a fiftieth of a tick.
+      const double bound_us = rate_hz < 100 ? 80 : 62;
+      EXPECT_LT(worst_us, bound_us) << rate_hz << " Hz, " << drift_ppm << " ppm";
+      EXPECT_LT(worst_ahead_us, 1.5 * bound_us) << rate_hz << " Hz, " << drift_ppm;
+      EXPECT_LT(std::sqrt(sum / count), 20);
+      EXPECT_NEAR(clock.drift_ppm(), drift_ppm, 10);
+      EXPECT_EQ(clock.steps(), 0u);
+    }
+  }
+}
+
+TEST(MotionClock, IsExactWithoutJitter) {
+  SimulatedClock truth(200, 0, 1);
+  MotionClock clock;
+  clock.Reset(200);
+  for (int i = 0; i < 100; ++i) {
+    truth.Tick(-150);
+    clock.Observe(truth.tick(), truth.stamp());
+    if (i > 32) {  // a line is laid every 16 stamps
+      EXPECT_TRUE(clock.settled());
+    }
+  }
+  // Stamps are whole ns.
+  EXPECT_NEAR(truth.ErrorUs(clock, 0, -150), 0, 0.002);
+  EXPECT_NEAR(clock.drift_ppm(), -150, 0.01);
+}
+
+TEST(MotionClock, DoesNotSettleBeforeItIsGood) {
+  SimulatedClock truth(200, 0.002, 5);
+  MotionClock clock;
+  clock.Reset(200);
+  int ticks = 0;
+  for (; !clock.settled() && ticks < 2000; ++ticks) {
+    truth.Tick(120);
+    clock.Observe(truth.tick(), truth.stamp());
+  }
+  EXPECT_GT(ticks, 200);
+  EXPECT_LT(ticks, 800);
+  EXPECT_LT(std::abs(truth.ErrorUs(clock, 0, 120)), 60);
+}
+
+TEST(MotionClock, NoticesThatThePaceHasChangedAndFindsTheNewOne) {
+  for (const auto& [from_ppm, to_ppm] :
+       {std::pair{150.0, -150.0}, {-150.0, 150.0}, {-100.0, 50.0}, {100.0, 0.0}}) {
+    SimulatedClock truth(200, 0.002, 3);
+    MotionClock clock;
+    clock.Reset(200);
+    for (int i = 0; i < 2000; ++i) {
+      truth.Tick(from_ppm);
+      clock.Observe(truth.tick(), truth.stamp());
+    }
+    ASSERT_EQ(clock.steps(), 0u);
+    int noticed_after = 0;
+    for (int i = 0; i < 2000; ++i) {
+      truth.Tick(to_ppm);
+      clock.Observe(truth.tick(), truth.stamp());
+      if (clock.steps() > 0 && noticed_after == 0) noticed_after = i;
+    }
+    // 300 ppm make 300 us a second, and 200 us are beyond doubt.
+    if (std::abs(to_ppm - from_ppm) >= 300) {
+      EXPECT_GT(noticed_after, 0) << to_ppm;
+      EXPECT_LT(noticed_after, 400) << to_ppm;
+    }
+    EXPECT_TRUE(clock.settled());
+    EXPECT_LT(std::abs(truth.ErrorUs(clock, 0, to_ppm)), 40) << to_ppm;
+    // 20 us over the two seconds between the stamps that carry the line.
+    EXPECT_NEAR(clock.drift_ppm(), to_ppm, 15);
+  }
+}
+
+TEST(MotionClock, FollowsACrystalThatWarmsUpWithoutAWord) {
+  SimulatedClock truth(200, 0.002, 4);
+  MotionClock clock;
+  clock.Reset(200);
+  double drift_ppm = -20;
+  for (int i = 0; i < 60 * 200; ++i) {
+    drift_ppm += 1.0 / 200;  // 1 ppm a second
+    truth.Tick(drift_ppm);
+    clock.Observe(truth.tick(), truth.stamp());
+    if (i > 2000) {
+      EXPECT_LT(std::abs(truth.ErrorUs(clock, 0, drift_ppm)), 62);
+    }
+  }
+  EXPECT_EQ(clock.steps(), 0u);
+}
+
+TEST(MotionClock, DoesNotMindAStampThatIsOutOfAllMeasure) {
+  SimulatedClock truth(200, 0.002, 6);
+  MotionClock clock;
+  clock.Reset(200);
+  for (int i = 0; i < 2000; ++i) {
+    truth.Tick(80);
+    clock.Observe(truth.tick(), truth.stamp() + (i % 300 == 17 ? 250000000u : 0u));
+  }
+  EXPECT_TRUE(clock.settled());
+  EXPECT_LT(std::abs(truth.ErrorUs(clock, 0, 80)), 60);
+}
+
+TEST(MotionClock, StartsOverWithAnotherPowerUpOfTheLaser) {
+  SimulatedClock truth(200, 0, 1);
+  MotionClock clock;
+  clock.Reset(200);
+  for (int i = 0; i < 100; ++i) {
+    truth.Tick(0);
+    clock.Observe(truth.tick(), truth.stamp());
+  }
+  ASSERT_TRUE(clock.settled());
+  clock.Observe(1, truth.stamp() + 1000000000);
+  EXPECT_FALSE(clock.settled());
+  EXPECT_EQ(clock.newest_tick(), 1u);
+}
+
+}  // namespace
+}  // namespace intaglio::synchronizer
