@@ -117,6 +117,16 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
   return SetOrderAndProfile(flags, job);
 }
 
+/// The block that an object of this size gets: with a margin, in whole steps.
+std::vector<double> BlockFor(const Vec3& size_mm) {
+  const auto side = [](double extent) {
+    return std::max(
+        2 * kChosenMarginMm,
+        std::ceil((extent + 2 * kChosenMarginMm) / kBlockStepMm) * kBlockStepMm);
+  };
+  return {side(size_mm.x()), side(size_mm.y()), side(size_mm.z())};
+}
+
 // Without a block the objects decide: their joint size and a margin, in whole steps.
 Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine) {
   Vec3 size = Vec3::Zero();
@@ -132,17 +142,75 @@ Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine) {
     if (!placed) return tl::unexpected(placed.error());
     size = size.cwiseMax(placed->Bounds().size_mm());
   }
-  const auto side = [](double extent) {
-    return std::max(
-        2 * kChosenMarginMm,
-        std::ceil((extent + 2 * kChosenMarginMm) / kBlockStepMm) * kBlockStepMm);
-  };
-  const std::vector<double> block = {side(size.x()), side(size.y()), side(size.z())};
+  const std::vector<double> block = BlockFor(size);
   Set(job.mutable_block()->mutable_size_mm(), block);
   return fmt::format(
       "block {:g} x {:g} x {:g} mm, chosen to fit the object ({:.1f} x {:.1f} x "
       "{:.1f} mm); --block X Y Z sets another",
       block[0], block[1], block[2], size.x(), size.y(), size.z());
+}
+
+// Points say where they are in the block as well as how far they spread.
+std::vector<double> BlockAround(const PointList& points_mm) {
+  Box3 box;
+  for (const Vec3& p : points_mm) box.Extend(p);
+  if (box.empty()) return BlockFor(Vec3::Zero());
+  const Vec3 to_far_side_mm = box.max_mm - Vec3::Constant(kChosenMarginMm);
+  return BlockFor(box.size_mm().cwiseMax(to_far_side_mm));
+}
+
+// Of points, the models are what they were made from, if anything: nobody reads them.
+std::vector<Error> WithoutModels(std::vector<Error> errors) {
+  std::erase_if(errors,
+                [](const Error& error) { return error.message.starts_with("models"); });
+  return errors;
+}
+
+Result<JobSpec> ReadJob(const JobFlags& flags, bool needs_model) {
+  if (!flags.job_file.empty()) return ReadJobFile(flags.job_file);
+  if (!flags.meshes.empty() || !needs_model) return JobSpec();
+  return Fail(ErrorCode::kMissing,
+              "nothing to engrave: name a job file, or a model with --mesh");
+}
+
+Status SetBlock(JobAndMachine& built, const PointList* points_mm) {
+  if (points_mm != nullptr && built.job.models().empty()) {
+    Set(built.job.mutable_block()->mutable_size_mm(), BlockAround(*points_mm));
+    return {};
+  }
+  auto note = ChooseBlock(built.job, built.machine);
+  if (!note) return tl::unexpected(note.error());
+  built.notes.push_back(std::move(*note));
+  return {};
+}
+
+/// points_mm: of a job whose points are there already, or null.
+Result<JobAndMachine> Build(const JobFlags& flags, const PointList* points_mm) {
+  auto read = ReadJob(flags, points_mm == nullptr);
+  if (!read) return tl::unexpected(read.error());
+  JobAndMachine built;
+  JobSpec& job = built.job = std::move(*read);
+  if (auto applied = Apply(flags, job); !applied) return tl::unexpected(applied.error());
+  if (job.glass().empty() && flags.job_file.empty()) job.set_glass("N-BK7");
+  if (flags.machine || job.machine_file().empty()) {
+    auto file = FindMachineFile(flags.machine.value_or("els-03"));
+    if (!file) return tl::unexpected(file.error());
+    job.set_machine_file(file->string());
+  }
+  auto machine = ReadMachineFile(job.machine_file());
+  if (!machine) return tl::unexpected(machine.error());
+  built.machine = std::move(*machine);
+  if (flags.job_file.empty() && !job.discretization().has_min_spacing_mm()) {
+    job.mutable_discretization()->set_min_spacing_mm(0.1);
+  }
+  if (!job.block().has_size_mm() && flags.job_file.empty()) {
+    if (auto set = SetBlock(built, points_mm); !set) return tl::unexpected(set.error());
+  }
+  job = WithDefaults(job, built.machine);
+  auto errors = CheckAll(job, built.machine);
+  if (points_mm != nullptr) errors = WithoutModels(std::move(errors));
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  return built;
 }
 
 }  // namespace
@@ -206,39 +274,11 @@ Result<fs::path> FindMachineFile(const std::string& name_or_file) {
       name_or_file);
 }
 
-Result<JobAndMachine> BuildJob(const JobFlags& flags) {
-  JobAndMachine built;
-  JobSpec& job = built.job;
-  if (!flags.job_file.empty()) {
-    auto read = ReadJobFile(flags.job_file);
-    if (!read) return tl::unexpected(read.error());
-    job = std::move(*read);
-  } else if (flags.meshes.empty()) {
-    return Fail(ErrorCode::kMissing,
-                "nothing to engrave: name a job file, or a model with --mesh");
-  }
-  if (auto applied = Apply(flags, job); !applied) return tl::unexpected(applied.error());
-  if (job.glass().empty() && flags.job_file.empty()) job.set_glass("N-BK7");
-  if (flags.machine || job.machine_file().empty()) {
-    auto file = FindMachineFile(flags.machine.value_or("els-03"));
-    if (!file) return tl::unexpected(file.error());
-    job.set_machine_file(file->string());
-  }
-  auto machine = ReadMachineFile(job.machine_file());
-  if (!machine) return tl::unexpected(machine.error());
-  built.machine = std::move(*machine);
-  if (flags.job_file.empty() && !job.discretization().has_min_spacing_mm()) {
-    job.mutable_discretization()->set_min_spacing_mm(0.1);
-  }
-  if (!job.block().has_size_mm() && flags.job_file.empty()) {
-    auto note = ChooseBlock(job, built.machine);
-    if (!note) return tl::unexpected(note.error());
-    built.notes.push_back(std::move(*note));
-  }
-  job = WithDefaults(job, built.machine);
-  const auto errors = CheckAll(job, built.machine);
-  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
-  return built;
+Result<JobAndMachine> BuildJob(const JobFlags& flags) { return Build(flags, nullptr); }
+
+Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags,
+                                       const PointList& points_mm) {
+  return Build(flags, &points_mm);
 }
 
 }  // namespace intaglio::cli

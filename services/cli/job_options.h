@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
@@ -49,6 +50,10 @@ struct JobAndMachine {
 /// The job with all paths absolute, and its machine. Every mistake is in the error, one
 /// a line, with the field's path.
 Result<JobAndMachine> BuildJob(const JobFlags& flags);
+
+/// The same for points that are there already, mm: no model is needed, nor looked for.
+/// Without a block and a model the points decide the block's size.
+Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags, const PointList& points_mm);
 
 /// A supplied machine profile by name ("els-03"), or a file. kNotFound lists the
 /// supplied ones.

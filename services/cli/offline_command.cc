@@ -1,10 +1,8 @@
 #include "services/cli/offline_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <iostream>
 #include <memory>
 
@@ -15,12 +13,9 @@
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
-#include "engrave/sort/order.h"
-#include "engrave/sort/shadow.h"
-#include "engrave/sort/travel.h"
-#include "materials_db/material_store.h"
 #include "proto/options.h"
 #include "services/cli/job_options.h"
+#include "services/cli/offline_steps.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_folder.h"
 #include "services/cli/run_command.h"
@@ -32,60 +27,10 @@ namespace fs = std::filesystem;
 
 struct OfflineOptions {
   JobFlags job;
-  std::string input, out, materials_db;
+  std::string input, out;
   std::vector<double> block_mm;
   bool json = false;
 };
-
-int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return exit_code;
-}
-
-/// Calls the progress bar ten times a second at most.
-class Meter {
- public:
-  explicit Meter(std::string stage)
-      : stage_(std::move(stage)), bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
-  ~Meter() { bar_.Finish(); }
-  ProgressSink Sink() {
-    return [this](std::uint64_t done, std::uint64_t total) {
-      const auto now = Clock::now();
-      if (now - shown_ < std::chrono::milliseconds(100) && done != total) return true;
-      shown_ = now;
-      bar_.Show(stage_, done, total, std::chrono::duration<double>(now - began_).count());
-      return true;
-    };
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::string stage_;
-  ProgressBar bar_;
-  Clock::time_point began_ = Clock::now(), shown_{};
-};
-
-Result<formats::PointTable> ReadPoints(const fs::path& file) {
-  return file.extension() == ".ply" ? formats::ReadPly(file) : formats::ReadXyz(file);
-}
-
-Status WritePoints(const fs::path& file, const formats::PointTable& table) {
-  return file.extension() == ".ply" ? formats::WritePly(file, table)
-                                    : formats::WriteXyz(file, table);
-}
-
-Result<double> ConeTangentOf(const JobSpec& job, const std::string& materials_db) {
-  auto store = materials_db::MaterialStore::Open(materials_db.empty()
-                                                     ? materials_db::DefaultDatabasePath()
-                                                     : fs::path(materials_db));
-  if (!store) return tl::unexpected(store.error());
-  const auto material = store->Find(job.glass());
-  if (!material) return tl::unexpected(material.error());
-  const auto optics = materials_db::ComputeOptics(*material, job.laser().wavelength_nm(),
-                                                  job.lens().numerical_aperture());
-  if (!optics) return tl::unexpected(optics.error());
-  return optics->cone_tangent;
-}
 
 Result<std::vector<mesh::TriangleMesh>> PlaceModels(const JobSpec& job) {
   std::vector<mesh::TriangleMesh> placed;
@@ -124,35 +69,6 @@ int DiscretizeOffline(const OfflineOptions& options) {
             << ", checksum " << PointChecksum(table.points_mm) << ", in " << options.out
             << "\n";
   return kExitGood;
-}
-
-int SortOffline(const OfflineOptions& options) {
-  auto flags = options.job;
-  const auto job = BuildJob(flags);
-  if (!job) return Complain(job.error(), kExitWrongInput);
-  const auto cone = ConeTangentOf(job->job, options.materials_db);
-  if (!cone) return Complain(cone.error(), kExitWrongInput);
-  const auto table = ReadPoints(options.input);
-  if (!table) return Complain(table.error(), kExitWrongInput);
-  Meter meter("order");
-  const auto order =
-      sort::MakeOrder(table->points_mm, OrderOptionsOf(job->job, *cone), meter.Sink());
-  if (!order) return Complain(order.error(), kExitWrongInput);
-  formats::PointTable path;
-  for (const std::uint32_t index : *order)
-    path.points_mm.push_back(table->points_mm[index]);
-  if (auto written = WritePoints(options.out, path); !written) {
-    return Complain(written.error(), kExitWrongInput);
-  }
-  const auto violations = sort::CountShadowViolations(path.points_mm, *cone);
-  const sort::Travel travel = sort::MeasureTravel(table->points_mm, *order);
-  std::cout << GroupedDigits(path.points_mm.size()) << " points, "
-            << GroupedDigits(violations) << " fired through an earlier crack, travel "
-            << fmt::format("{:.1f} mm (longest axis a step), longest step {:.2f} mm",
-                           travel.largest_axis_mm, travel.longest_step_mm)
-            << ", checksum " << PointChecksum(path.points_mm) << ", in " << options.out
-            << "\n";
-  return violations == 0 ? kExitGood : kExitNotGood;
 }
 
 int VerifyOffline(const OfflineOptions& options) {
@@ -206,19 +122,6 @@ void AddOfflineCommands(CLI::App& app, std::function<int()>& selected) {
       "Example: intaglio discretize --mesh bunny.obj --height 40 --spacing 0.1 --out "
       "cloud.ply");
   discretize->callback(choose(DiscretizeOffline));
-
-  CLI::App* sort =
-      app.add_subcommand("sort", "a cloud of points to the order of engraving");
-  sort->add_option("--cloud", options->input, "points, .ply or .xyz")->required();
-  sort->add_option("--out", options->out, "path.ply or path.xyz")->required();
-  sort->add_option("--materials", options->materials_db,
-                   "material base, default the user's");
-  AddJobFlags(*sort, options->job);
-  sort->footer(
-      "The job's glass, lens and order count; its models only give the block.\n"
-      "Example: intaglio sort --cloud cloud.ply --mesh bunny.obj --height 40 --out "
-      "path.ply");
-  sort->callback(choose(SortOffline));
 
   CLI::App* verify = app.add_subcommand("verify", "check a finished folder again");
   verify->add_option("FOLDER", options->input, "as `intaglio run` leaves it")->required();

@@ -8,7 +8,7 @@ class App;
 
 namespace intaglio::cli {
 
-/// Commands that need no services: discretize, sort, verify, render.
+/// Commands that need no services: discretize, verify, render.
 void AddOfflineCommands(CLI::App& app, std::function<int()>& selected);
 
 }  // namespace intaglio::cli

@@ -1,0 +1,38 @@
+#include "services/cli/offline_steps.h"
+
+#include <unistd.h>
+
+#include <iostream>
+
+namespace intaglio::cli {
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
+
+Meter::Meter(std::string stage)
+    : stage_(std::move(stage)), bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
+
+Meter::~Meter() { bar_.Finish(); }
+
+ProgressSink Meter::Sink() {
+  return [this](std::uint64_t done, std::uint64_t total) {
+    const auto now = Clock::now();
+    if (now - shown_ < std::chrono::milliseconds(100) && done != total) return true;
+    shown_ = now;
+    bar_.Show(stage_, done, total, std::chrono::duration<double>(now - began_).count());
+    return true;
+  };
+}
+
+Result<formats::PointTable> ReadPoints(const std::filesystem::path& file) {
+  return file.extension() == ".ply" ? formats::ReadPly(file) : formats::ReadXyz(file);
+}
+
+Status WritePoints(const std::filesystem::path& file, const formats::PointTable& table) {
+  return file.extension() == ".ply" ? formats::WritePly(file, table)
+                                    : formats::WriteXyz(file, table);
+}
+
+}  // namespace intaglio::cli

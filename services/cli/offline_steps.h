@@ -1,0 +1,41 @@
+#pragma once
+
+// What the commands without processes have in common.
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "engrave/core/progress.h"
+#include "engrave/core/result.h"
+#include "engrave/formats/point_file.h"
+#include "services/cli/progress_bar.h"
+
+namespace intaglio::cli {
+
+/// Says on the standard error stream what is wrong; returns `exit_code`.
+int Complain(const Error& error, int exit_code);
+
+/// A progress bar on the standard error stream, drawn ten times a second at most.
+class Meter {
+ public:
+  explicit Meter(std::string stage);
+  ~Meter();
+  Meter(const Meter&) = delete;
+  Meter& operator=(const Meter&) = delete;
+
+  /// Not to be called after the meter's end.
+  ProgressSink Sink();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string stage_;
+  ProgressBar bar_;
+  Clock::time_point began_ = Clock::now(), shown_{};
+};
+
+/// By the file's ending: .ply, or else .xyz.
+Result<formats::PointTable> ReadPoints(const std::filesystem::path& file);
+Status WritePoints(const std::filesystem::path& file, const formats::PointTable& table);
+
+}  // namespace intaglio::cli
