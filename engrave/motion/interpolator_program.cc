@@ -95,6 +95,13 @@ std::uint64_t AppendCourses(const std::array<const GridCourse*, 3>& courses,
   return ticks;
 }
 
+/// `largest` of the axes that move, lowered so that their vector is no longer than
+/// `longest`.
+Vec3 Shared(const Vec3& largest, const Vec3& way_mm, double longest) {
+  const Vec3 moving = (way_mm.array() > 0.0).select(largest, 0.0);
+  return std::min(1.0, longest / moving.norm()) * largest;
+}
+
 }  // namespace
 
 std::uint64_t TimeOptimalProgram::Append(const Vec3& from_mm, const Vec3& to_mm,
@@ -106,9 +113,14 @@ std::uint64_t TimeOptimalProgram::Append(const Vec3& from_mm, const Vec3& to_mm,
 std::uint64_t InterpolatorProgram::Append(const Vec3& from_mm, const Vec3& to_mm,
                                           std::vector<Segment>& out) const {
   const Vec3 way_mm = (to_mm - from_mm).cwiseAbs();
-  const GridCourse x(way_mm.x(), LimitsOf(limits_, 0), rate_hz_);
-  const GridCourse y(way_mm.y(), LimitsOf(limits_, 1), rate_hz_);
-  const GridCourse z(way_mm.z(), LimitsOf(limits_, 2), rate_hz_);
+  Limits shared;
+  shared.max_speed_mm_s =
+      Shared(limits_.max_speed_mm_s, way_mm, limits_.max_speed_norm_mm_s);
+  shared.max_acceleration_mm_s2 =
+      Shared(limits_.max_acceleration_mm_s2, way_mm, limits_.max_acceleration_norm_mm_s2);
+  const GridCourse x(way_mm.x(), LimitsOf(shared, 0), rate_hz_);
+  const GridCourse y(way_mm.y(), LimitsOf(shared, 1), rate_hz_);
+  const GridCourse z(way_mm.z(), LimitsOf(shared, 2), rate_hz_);
   return AppendCourses({&x, &y, &z}, from_mm, to_mm, out);
 }
 

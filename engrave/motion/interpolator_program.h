@@ -5,7 +5,9 @@
 //   TimeOptimalProgram   one course that the axes share, with UnitStepLimits: a straight
 //                        way in the shortest time there is for it, ch. 6.2.6
 //   InterpolatorProgram  every axis its own, (99)-(104), with its own limits: no slower,
-//                        but the way is a bend, as the short axes arrive first
+//                        but the way is a bend, as the short axes arrive first. Where
+//                        the length of a vector is limited, the axes that move are
+//                        lowered in one proportion until all of them at once keep it.
 // Steps along one axis are the same motion in both.
 //
 // Arcs meet on a grid of kGridSubticks, about 1/1000 tick: speed and acceleration of a

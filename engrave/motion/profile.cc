@@ -50,14 +50,19 @@ double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limit
     case Profile::kTimeOptimal:
     case Profile::kInterpolator:
       break;
+    case Profile::kParabola:
+      Require(false, "profile {} has no time of a line", static_cast<int>(profile));
   }
   return StopAndGoSeconds(distance_mm, limits);
 }
 
 AxisLimits UnitStepLimits(const Vec3& step_mm, const Limits& limits) {
   const auto length = step_mm.cwiseAbs().array();
-  return {1.0 / (length / limits.max_speed_mm_s.array()).maxCoeff(),
-          1.0 / (length / limits.max_acceleration_mm_s2.array()).maxCoeff()};
+  const double whole_mm = step_mm.norm();
+  return {1.0 / std::max((length / limits.max_speed_mm_s.array()).maxCoeff(),
+                         whole_mm / limits.max_speed_norm_mm_s),
+          1.0 / std::max((length / limits.max_acceleration_mm_s2.array()).maxCoeff(),
+                         whole_mm / limits.max_acceleration_norm_mm_s2)};
 }
 
 double StopAndGoSeconds(const Vec3& step_mm, const Limits& limits) {

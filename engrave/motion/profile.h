@@ -19,6 +19,7 @@ enum class Profile {
   kMix,          ///< By the step's length; default, the source's best (ch. 6.2).
   kTimeOptimal,  ///< The shortest time (81)-(87), then rest until the tick.
   kInterpolator,  ///< (99)-(104): every axis by itself, then rest until the tick.
+  kParabola,      ///< 6.2.3-6.2.6: a leap over the line (parabola_program.h).
 };
 
 /// Limits of one axis; both > 0.
@@ -50,7 +51,8 @@ double CubicSeconds(double distance_mm, const AxisLimits& limits);
 double StopAndGoSeconds(double distance_mm, const AxisLimits& limits);
 
 /// The least time of a step under `profile`; kMix counts as the fastest of its parts.
-/// Of the profiles along a line, kTriangle to kInterpolator.
+/// Of the profiles along a line, kTriangle to kInterpolator; of the others throws
+/// PreconditionError.
 double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limits);
 
 /// A step of three axes seen as one axis that goes 1 mm. All axes follow one common

@@ -159,6 +159,22 @@ TEST(StopAndGo, ATrapezoidThatEndsWithinASubtickOfTheTickStillKeepsToTheLimits) 
   }
 }
 
+TEST(StopAndGo, KeepsTheLengthsOfTheVectors) {
+  std::mt19937_64 random(10);
+  Limits limits;
+  limits.max_speed_norm_mm_s = 60.0;
+  limits.max_acceleration_norm_mm_s2 = 5000.0;
+  limits.travel_mm = {Vec3::Constant(-170.0), Vec3::Constant(170.0)};
+  const PointList points = RandomWalk(random, 300);
+  for (const auto& [profile, name, make] : Profiles()) {
+    const auto segments = Plan(points, Vec3::Zero(), limits, 100.0, profile);
+    const MotionReport report = VerifyMotion({}, segments, points, limits, 100.0);
+    EXPECT_TRUE(report.ok()) << name << "\n" << Violations(report);
+    EXPECT_GT(report.peak_speed_mm_s, 50.0) << name;
+    EXPECT_GT(report.peak_acceleration_mm_s2, 4000.0) << name;
+  }
+}
+
 TEST(StopAndGo, IsTheSameBitForBit) {
   std::mt19937_64 random(9);
   const PointList points = RandomWalk(random, 500);
