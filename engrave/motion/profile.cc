@@ -51,7 +51,8 @@ double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limit
     case Profile::kInterpolator:
       break;
     case Profile::kParabola:
-      Require(false, "profile {} has no time of a line", static_cast<int>(profile));
+    case Profile::kLq:
+      Require(false, "profile {} has no formula of its time", static_cast<int>(profile));
   }
   return StopAndGoSeconds(distance_mm, limits);
 }

@@ -20,6 +20,7 @@ enum class Profile {
   kTimeOptimal,  ///< The shortest time (81)-(87), then rest until the tick.
   kInterpolator,  ///< (99)-(104): every axis by itself, then rest until the tick.
   kParabola,      ///< 6.2.3-6.2.6: a leap over the line (parabola_program.h).
+  kLq,            ///< 6.2.7: the least effort by dynamic programming (lq_program.h).
 };
 
 /// Limits of one axis; both > 0.
@@ -51,7 +52,7 @@ double CubicSeconds(double distance_mm, const AxisLimits& limits);
 double StopAndGoSeconds(double distance_mm, const AxisLimits& limits);
 
 /// The least time of a step under `profile`; kMix counts as the fastest of its parts.
-/// Of the profiles along a line, kTriangle to kInterpolator; of the others throws
+/// Of kTriangle to kInterpolator; the others have no formula of it, which throws
 /// PreconditionError.
 double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limits);
 

@@ -6,6 +6,7 @@
 #include "engrave/core/check.h"
 #include "engrave/motion/course_program.h"
 #include "engrave/motion/interpolator_program.h"
+#include "engrave/motion/lq_program.h"
 #include "engrave/motion/parabola_program.h"
 
 namespace intaglio::motion {
@@ -29,6 +30,7 @@ constexpr ProfileEntry kProfiles[] = {
     {Profile::kTimeOptimal, "time_optimal", Make<TimeOptimalProgram>},
     {Profile::kInterpolator, "interpolator", Make<InterpolatorProgram>},
     {Profile::kParabola, "parabola", Make<ParabolaProgram>},
+    {Profile::kLq, "lq", Make<LqProgram>},
 };
 
 }  // namespace
