@@ -1,16 +1,17 @@
-// How long ordering and the shadow check take. Clouds: random points of a dented sphere's
-// surface in random order, which is the worst for the caches; and the measured scatter
-// cloud where it is at hand.
+// How long ordering and the shadow check take, and what an order is worth: the lamp's
+// ticks that the motion without a stop uses on it, at the published machine's limits.
+// Clouds: random points of a dented sphere's surface in random order, which is the worst
+// for the caches; sections of a vase; and the measured scatter cloud where it is at hand.
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
-#include <fstream>
-#include <sstream>
-#include <string>
-
+#include "engrave/core/check.h"
+#include "engrave/motion/planner.h"
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
+#include "tests/engrave/motion/paths.h"
 #include "tests/engrave/sort/clouds.h"
 
 namespace intaglio::sort {
@@ -18,21 +19,25 @@ namespace {
 
 constexpr double kConeTangent = 0.2;
 
-const PointList& Sphere(std::size_t count) {
-  static PointList points_mm;
-  if (points_mm.size() != count) points_mm = DentedSphere(count, 1);
-  return points_mm;
+PointList InOrder(const PointList& points_mm, const Order& order) {
+  PointList made_mm;
+  made_mm.reserve(order.size());
+  for (const std::uint32_t i : order) made_mm.push_back(points_mm[i]);
+  return made_mm;
 }
 
-PointList Scatter() {
-  std::ifstream file(INTAGLIO_SOURCE_DIR "/../shared/data/jobs/scatter.xyz");
-  PointList points_mm;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream numbers(line);
-    Vec3 p;
-    if (numbers >> p.x() >> p.y() >> p.z()) points_mm.push_back(p);
+double Utilisation(const PointList& path_mm, double rate_hz) {
+  motion::PlanOptions options;
+  options.rate_hz = rate_hz;
+  options.continuous = true;
+  const auto planner = motion::MakePlanner(options, path_mm.front());
+  std::vector<motion::Segment> segments;
+  for (const Vec3& p : path_mm) {
+    planner->Append(p, -1, false, segments);
+    segments.clear();
   }
-  return points_mm;
+  planner->Finish(segments);
+  return static_cast<double>(path_mm.size()) / static_cast<double>(planner->ticks());
 }
 
 void Measure(benchmark::State& state, const PointList& points_mm,
@@ -43,68 +48,79 @@ void Measure(benchmark::State& state, const PointList& points_mm,
     benchmark::DoNotOptimize(order.data());
   }
   const auto count = static_cast<double>(points_mm.size());
+  const PointList path_mm = InOrder(points_mm, order);
   state.counters["points"] = count;
-  state.counters["mm_per_point"] =
-      MeasureTravel(points_mm, order).largest_axis_mm / count;
-  state.counters["violations"] =
-      static_cast<double>(CheckShadow(points_mm, order, kConeTangent).violations);
+  state.counters["points/s"] =
+      benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["mm a point"] = MeasureTravel(points_mm, order).largest_axis_mm / count;
+  state.counters["shadowed"] =
+      static_cast<double>(CountShadowViolations(path_mm, {kConeTangent}));
+  state.counters["util. 100 Hz"] = Utilisation(path_mm, 100);
+  state.counters["util. 200 Hz"] = Utilisation(path_mm, 200);
 }
 
-void KdzSphere(benchmark::State& state) {
-  OrderOptions options;
-  options.kdz.up_ratio = static_cast<double>(state.range(1)) / 100;
-  Measure(state, Sphere(static_cast<std::size_t>(state.range(0))), options);
-}
-BENCHMARK(KdzSphere)
-    ->ArgNames({"points", "K_percent"})
-    ->Args({175000, 20})
-    ->Args({175000, 60})
-    ->Args({175000, 100})
-    ->Args({2000000, 60})
-    ->Unit(benchmark::kMillisecond);
-
-void LayersSphere(benchmark::State& state) {
-  OrderOptions options;
-  options.method = Method::kLayers;
-  Measure(state, Sphere(static_cast<std::size_t>(state.range(0))), options);
-}
-BENCHMARK(LayersSphere)
-    ->ArgName("points")
-    ->Arg(175000)
-    ->Arg(2000000)
-    ->Unit(benchmark::kMillisecond);
-
-void KdzScatter(benchmark::State& state) {
-  const PointList points_mm = Scatter();
-  if (points_mm.empty()) return state.SkipWithError("no data");
-  Measure(state, points_mm, {});
-}
-BENCHMARK(KdzScatter)->Unit(benchmark::kMillisecond);
-
-void LayersScatter(benchmark::State& state) {
-  const PointList points_mm = Scatter();
-  if (points_mm.empty()) return state.SkipWithError("no data");
-  OrderOptions options;
-  options.method = Method::kLayers;
-  options.layers.layer_thickness_mm = 0.5;
-  Measure(state, points_mm, options);
-}
-BENCHMARK(LayersScatter)->Unit(benchmark::kMillisecond);
-
-void ShadowSphere(benchmark::State& state) {
-  const PointList& points_mm = Sphere(static_cast<std::size_t>(state.range(0)));
-  PointList made_mm;
-  const Order order = MakeOrder(points_mm, {}).value();
-  for (const std::uint32_t i : order) made_mm.push_back(points_mm[i]);
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(CountShadowViolations(made_mm, kConeTangent));
+/// Every method that has a name.
+std::vector<Method> Methods() {
+  std::vector<Method> methods;
+  try {
+    for (int i = 0;; ++i) {
+      MethodName(static_cast<Method>(i));
+      methods.push_back(static_cast<Method>(i));
+    }
+  } catch (const PreconditionError&) {
+    return methods;
   }
 }
-BENCHMARK(ShadowSphere)
-    ->ArgName("points")
-    ->Arg(175000)
-    ->Arg(400000)
-    ->Unit(benchmark::kMillisecond);
+
+void RegisterOrder(const std::string& name, const PointList& points_mm,
+                   const OrderOptions& options) {
+  benchmark::RegisterBenchmark(("order/" + name).c_str(), [&points_mm, options](
+                                                              benchmark::State& state) {
+    Measure(state, points_mm, options);
+  })->Unit(benchmark::kMillisecond);
+}
+
+void RegisterShadow(const std::string& name, const PointList& points_mm) {
+  benchmark::RegisterBenchmark(("shadow/" + name).c_str(), [&points_mm](
+                                                               benchmark::State& state) {
+    const PointList made_mm = InOrder(points_mm, MakeOrder(points_mm, {}).value());
+    for (auto _ : state) {
+      benchmark::DoNotOptimize(CountShadowViolations(made_mm, {kConeTangent}));
+    }
+    const auto count = static_cast<double>(made_mm.size());
+    state.counters["points"] = count;
+    state.counters["points/s"] =
+        benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate);
+  })->Unit(benchmark::kMillisecond);
+}
+
+const int kRegistered = [] {
+  static const std::vector<NamedCloud> clouds = [] {
+    std::vector<NamedCloud> made = {{"vase", SlicedVase(200, 0.1, 0.1)},
+                                    {"sphere", DentedSphere(175000, 1)}};
+    PointList scatter = MeasuredPoints("scatter");
+    if (!scatter.empty()) made.push_back({"scatter", std::move(scatter)});
+    return made;
+  }();
+  static const PointList large = DentedSphere(2000000, 1);
+  for (const NamedCloud& cloud : clouds) {
+    for (const Method method : Methods()) {
+      OrderOptions options;
+      options.method = method;
+      RegisterOrder(std::string(MethodName(method)) + ", " + cloud.name, cloud.points_mm,
+                    options);
+    }
+  }
+  for (const double up_ratio : {0.2, 1.0}) {
+    OrderOptions options;
+    options.kdz.up_ratio = up_ratio;
+    RegisterOrder(fmt::format("kdz K = {:g}, sphere", up_ratio), clouds[1].points_mm,
+                  options);
+  }
+  RegisterOrder("kdz, large sphere", large, {});
+  for (const NamedCloud& cloud : clouds) RegisterShadow(cloud.name, cloud.points_mm);
+  return 0;
+}();
 
 }  // namespace
 }  // namespace intaglio::sort
