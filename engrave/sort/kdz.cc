@@ -1,7 +1,8 @@
 // Why the greedy never fires through an earlier crack. Let c(a, b) be the cost of going
 // from a to b, and m(a, b) = max(|dx|, |dy|). Say e was made before p although e lies
 // strictly inside the cone above p: with h = e.z - p.z > 0, hypot(dx, dy) < t h, t the
-// cone's tangent. When e was chosen, from a, p remained, and
+// cone's tangent (of a cone with cracks its steepest one, beam_cone.h). When e was
+// chosen, from a, p remained, and
 //   c(a, p) = m(a, p) + K (p.z - a.z)
 //           <= m(a, e) + m(e, p) + K (e.z - a.z) - K h       (m is a metric)
 //           = c(a, e) + m(e, p) - K h < c(a, e),
@@ -31,9 +32,9 @@ constexpr std::size_t kPointsPerReport = 1 << 16;
 
 }  // namespace
 
-double DefaultUpRatio(double cone_tangent) {
-  Require(cone_tangent >= 0, "cone_tangent must not be negative, is {}", cone_tangent);
-  return std::max(kLeastMovingRatio, cone_tangent);
+double DefaultUpRatio(const BeamCone& cone) {
+  RequireUsable(cone);
+  return std::max(kLeastMovingRatio, cone.SteepestTangent());
 }
 
 Status CheckKdzOptions(const OrderOptions& options) {

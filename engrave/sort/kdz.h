@@ -12,9 +12,8 @@
 namespace intaglio::sort {
 
 /// The least K that never fires through an earlier crack, but not below 0.6, from where
-/// on larger values move no less. cone_tangent >= 0: of the cone's half angle in the
-/// glass.
-double DefaultUpRatio(double cone_tangent);
+/// on larger values move no less.
+double DefaultUpRatio(const BeamCone& cone);
 
 Status CheckKdzOptions(const OrderOptions& options);
 

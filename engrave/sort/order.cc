@@ -7,8 +7,10 @@
 #include <string>
 
 #include "engrave/core/check.h"
+#include "engrave/sort/anneal.h"
 #include "engrave/sort/kdz.h"
 #include "engrave/sort/layers.h"
+#include "engrave/sort/smooth.h"
 
 namespace intaglio::sort {
 namespace {
@@ -24,6 +26,8 @@ struct MethodRow {
 constexpr std::array kMethods = {
     MethodRow{Method::kKdz, "kdz", CheckKdzOptions, OrderByKdz},
     MethodRow{Method::kLayers, "layers", CheckLayersOptions, OrderByLayers},
+    MethodRow{Method::kSmooth, "smooth", CheckSmoothOptions, OrderSmoothly},
+    MethodRow{Method::kAnneal, "anneal", CheckAnnealOptions, OrderByAnnealing},
 };
 
 const MethodRow& RowOf(Method method) {

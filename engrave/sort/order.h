@@ -10,9 +10,12 @@
 #include <string_view>
 #include <vector>
 
+#include "engrave/core/executor.h"
 #include "engrave/core/geometry.h"
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
+#include "engrave/motion/limits.h"
+#include "engrave/sort/beam_cone.h"
 
 namespace intaglio::sort {
 
@@ -22,6 +25,8 @@ using Order = std::vector<std::uint32_t>;
 enum class Method {
   kKdz,     ///< greedy in 3D: kdz.h
   kLayers,  ///< a layer at a time: layers.h
+  kSmooth,  ///< greedy for the stage: smooth.h
+  kAnneal,  ///< kSmooth, then improved for as long as it is given: anneal.h
 };
 
 struct KdzOptions {
@@ -38,13 +43,30 @@ struct LayersOptions {
   double layer_thickness_mm = 0.1;
 };
 
+struct AnnealOptions {
+  /// Changes tried, for each point, 0..1e6. Ten thousand points and more: 30 bring half
+  /// of what there is to gain, 1000 nearly all.
+  double tries_per_point = 30;
+  std::uint64_t seed = 1;
+  /// When given, it decides in the place of tries_per_point: the share of a time budget
+  /// that is used, 0..1, and at 1 the annealing ends. The order then depends on the time.
+  std::function<double()> used_share;
+};
+
 struct OrderOptions {
   Method method = Method::kKdz;
   KdzOptions kdz;
   LayersOptions layers;
+  AnnealOptions anneal;
+  /// What must not be in the way of a pulse; kSmooth and kAnneal keep to it.
+  BeamCone cone;
+  /// Of the stage, in the frame of the points; kSmooth and kAnneal regard them.
+  motion::Limits limits;
+  double rate_hz = 100;  ///< lamp sync, 1..4000
+  Executor executor;     ///< for methods that can use several workers
 };
 
-/// "kdz", "layers".
+/// "kdz", "layers", "smooth", "anneal".
 const char* MethodName(Method method);
 Result<Method> MethodFromName(std::string_view name);
 

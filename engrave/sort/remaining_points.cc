@@ -35,9 +35,27 @@ constexpr double kSlackShare = 1e-6;
 
 }  // namespace
 
+/// The cheapest point so far.
+struct RemainingPoints::SearchForOne : Search {
+  double best = kInfinity;
+  std::size_t leaf = 0;
+  std::size_t slot = 0;
+};
+
+/// The cheapest `count` points so far, a heap with the dearest in front.
+struct RemainingPoints::SearchForSome : Search {
+  std::size_t count;
+  std::vector<Candidate>& found;
+
+  static bool Cheaper(const Candidate& a, const Candidate& b) {
+    if (a.cost != b.cost) return a.cost < b.cost;
+    return ComesFirst(a.position_mm, a.index, b.position_mm, b.index);
+  }
+};
+
 RemainingPoints::RemainingPoints(const PointList& points_mm,
                                  std::span<const std::uint32_t> members, double z_weight)
-    : size_(members.size()) {
+    : z_weight_(z_weight), size_(members.size()) {
   Require(z_weight >= 0 && std::isfinite(z_weight),
           "z_weight must not be negative, is {}", z_weight);
   Box3 box;
@@ -138,7 +156,7 @@ RemainingPoints::Bounds RemainingPoints::ChildOf(const Node& node, std::size_t c
           node.min_lift[child]};
 }
 
-void RemainingPoints::ScanLeaf(std::size_t leaf, Search& search) const {
+void RemainingPoints::Scan(std::size_t leaf, SearchForOne& search) const {
   const Leaf& points = leaves_[leaf];
   double cost[kFan];
   for (std::size_t i = 0; i < kFan; ++i) {
@@ -163,6 +181,30 @@ void RemainingPoints::ScanLeaf(std::size_t leaf, Search& search) const {
   search.limit = static_cast<float>(search.best - origin_lift_) + search.slack;
 }
 
+void RemainingPoints::Scan(std::size_t leaf, SearchForSome& search) const {
+  const Leaf& points = leaves_[leaf];
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const double dx = std::abs(points.x[i] - search.x);
+    const double dy = std::abs(points.y[i] - search.y);
+    const Candidate candidate{{points.x[i], points.y[i], points.z[i]},
+                              (dx > dy ? dx : dy) + points.lift[i],
+                              points.index[i],
+                              static_cast<std::uint32_t>(leaf),
+                              static_cast<std::uint32_t>(i)};
+    std::vector<Candidate>& found = search.found;
+    if (found.size() == search.count) {
+      if (!SearchForSome::Cheaper(candidate, found.front())) continue;
+      std::pop_heap(found.begin(), found.end(), SearchForSome::Cheaper);
+      found.pop_back();
+    }
+    found.push_back(candidate);
+    std::push_heap(found.begin(), found.end(), SearchForSome::Cheaper);
+  }
+  if (search.found.size() < search.count) return;
+  search.limit =
+      static_cast<float>(search.found.front().cost - origin_lift_) + search.slack;
+}
+
 void RemainingPoints::BoundChildren(const Node& node, const Search& search,
                                     float (&bound)[kFan]) {
   for (std::size_t i = 0; i < kFan; ++i) {
@@ -177,8 +219,9 @@ void RemainingPoints::BoundChildren(const Node& node, const Search& search,
   }
 }
 
+template <typename AnySearch>
 void RemainingPoints::VisitChildren(std::size_t level, std::size_t node,
-                                    std::size_t skipped, Search& search) const {
+                                    std::size_t skipped, AnySearch& search) const {
   float bound[kFan];
   BoundChildren(levels_[level][node], search, bound);
   if (skipped < kFan) bound[skipped] = kInfinityF;
@@ -198,38 +241,98 @@ void RemainingPoints::VisitChildren(std::size_t level, std::size_t node,
     open &= ~(1U << next);
     const std::size_t child = node * kFan + static_cast<std::size_t>(next);
     if (level == 0) {
-      ScanLeaf(child, search);
+      Scan(child, search);
     } else {
       VisitChildren(level - 1, child, kFan, search);
     }
   }
 }
 
-RemainingPoints::Taken RemainingPoints::TakeNearest(double x_mm, double y_mm) {
-  Require(size_ > 0, "there is no point left to take");
-  const double rel_x = x_mm - origin_x_;
-  const double rel_y = y_mm - origin_y_;
-  const double reach = std::max({half_width_, std::abs(rel_x), std::abs(rel_y)});
-  Search search{x_mm,
-                y_mm,
-                static_cast<float>(rel_x),
-                static_cast<float>(rel_y),
-                static_cast<float>(kSlackShare * (reach + half_lift_)),
-                kInfinity,
-                kInfinityF,
-                0,
-                0};
-  ScanLeaf(last_leaf_, search);
+template <typename AnySearch>
+void RemainingPoints::VisitAll(AnySearch& search) const {
+  Scan(last_leaf_, search);
   std::size_t child = last_leaf_;
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     VisitChildren(level, child / kFan, child % kFan, search);
     child /= kFan;
   }
+}
+
+RemainingPoints::Search RemainingPoints::StartAt(double x_mm, double y_mm) const {
+  const double rel_x = x_mm - origin_x_;
+  const double rel_y = y_mm - origin_y_;
+  const double reach = std::max({half_width_, std::abs(rel_x), std::abs(rel_y)});
+  return {x_mm,
+          y_mm,
+          static_cast<float>(rel_x),
+          static_cast<float>(rel_y),
+          static_cast<float>(kSlackShare * (reach + half_lift_)),
+          kInfinityF};
+}
+
+RemainingPoints::Taken RemainingPoints::TakeNearest(double x_mm, double y_mm) {
+  Require(size_ > 0, "there is no point left to take");
+  SearchForOne search{StartAt(x_mm, y_mm)};
+  VisitAll(search);
   const Leaf& leaf = leaves_[search.leaf];
   const Taken taken{leaf.index[search.slot], leaf.x[search.slot], leaf.y[search.slot]};
   Remove(search.leaf, search.slot);
   last_leaf_ = search.leaf;
   return taken;
+}
+
+void RemainingPoints::FindNearest(double x_mm, double y_mm, std::size_t count,
+                                  std::vector<Candidate>& found) const {
+  found.clear();
+  if (size_ == 0 || count == 0) return;
+  SearchForSome search{StartAt(x_mm, y_mm), count, found};
+  VisitAll(search);
+  std::sort_heap(found.begin(), found.end(), SearchForSome::Cheaper);
+}
+
+void RemainingPoints::Take(const Candidate& candidate) {
+  const Leaf& leaf = leaves_[candidate.leaf];
+  Require(candidate.slot < leaf.count && leaf.index[candidate.slot] == candidate.index,
+          "point {} was found before another one was taken", candidate.index);
+  Remove(candidate.leaf, candidate.slot);
+  last_leaf_ = candidate.leaf;
+}
+
+bool RemainingPoints::Shades(const Vec3& point_mm, const BeamCone& cone) const {
+  Require(z_weight_ > 0, "without a weight for z the points are not known by height");
+  return ShadesBelow(levels_.size() - 1, 0, point_mm, cone);
+}
+
+bool RemainingPoints::ShadesBelow(std::size_t level, std::size_t node,
+                                  const Vec3& point_mm, const BeamCone& cone) const {
+  const Node& bounds = levels_[level][node];
+  const double slack =
+      kSlackShare * (half_width_ + half_lift_ + std::abs(point_mm.x() - origin_x_) +
+                     std::abs(point_mm.y() - origin_y_));
+  const double x = point_mm.x() - origin_x_;
+  const double y = point_mm.y() - origin_y_;
+  for (std::size_t i = 0; i < kFan; ++i) {
+    if (bounds.min_lift[i] == kInfinityF) continue;
+    const double low_mm = (bounds.min_lift[i] - slack + origin_lift_) / z_weight_;
+    const double up_mm = point_mm.z() - low_mm;
+    if (up_mm <= 0) continue;
+    const double near_x = std::max({bounds.min_x[i] - x, x - bounds.max_x[i], slack});
+    const double near_y = std::max({bounds.min_y[i] - y, y - bounds.max_y[i], slack});
+    if (std::hypot(near_x - slack, near_y - slack) >= cone.ReachMm(up_mm)) continue;
+    const std::size_t child = node * kFan + i;
+    if (level > 0) {
+      if (ShadesBelow(level - 1, child, point_mm, cone)) return true;
+      continue;
+    }
+    const Leaf& leaf = leaves_[child];
+    for (std::size_t p = 0; p < leaf.count; ++p) {
+      const double dx = leaf.x[p] - point_mm.x();
+      const double dy = leaf.y[p] - point_mm.y();
+      const double up = point_mm.z() - leaf.z[p];
+      if (cone.Shades(std::sqrt(dx * dx + dy * dy), up)) return true;
+    }
+  }
+  return false;
 }
 
 void RemainingPoints::Remove(std::size_t leaf_index, std::size_t slot) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
+#include "engrave/sort/beam_cone.h"
 
 namespace intaglio::sort {
 
@@ -33,6 +34,26 @@ class RemainingPoints {
   /// Takes out the point of least cost as seen from (x, y). Equal costs: as
   /// lowest_point.h has it. There must be a point left.
   Taken TakeNearest(double x_mm, double y_mm);
+
+  /// A point found and not yet taken; stale once any point was taken.
+  struct Candidate {
+    Vec3 position_mm;
+    double cost;  ///< less z_weight times the z one comes from
+    std::uint32_t index;
+    std::uint32_t leaf;
+    std::uint32_t slot;
+  };
+
+  /// Replaces `found` by the `count` points of least cost as seen from (x, y), or by all
+  /// that are left, the cheapest first; equal costs as
+  /// lowest_point.h has it.
+  void FindNearest(double x_mm, double y_mm, std::size_t count,
+                   std::vector<Candidate>& found) const;
+
+  void Take(const Candidate& candidate);
+
+  /// Whether `point_mm`, made now, would shade a point that is left. z_weight > 0.
+  bool Shades(const Vec3& point_mm, const BeamCone& cone) const;
 
  private:
   static constexpr std::size_t kFan = 8;
@@ -62,15 +83,15 @@ class RemainingPoints {
     bool operator==(const Bounds&) const = default;
   };
 
+  /// Where a search stands and how cheap a subtree must be to be looked into.
   struct Search {
     double x, y;
     float rel_x, rel_y;
     float slack;
-    double best;
     float limit;  ///< no child whose bound is above can hold a better point
-    std::size_t leaf;
-    std::size_t slot;
   };
+  struct SearchForOne;
+  struct SearchForSome;
 
   void FillLeaves(const PointList& points_mm, std::span<const std::uint32_t> along_curve,
                   double z_weight);
@@ -79,15 +100,23 @@ class RemainingPoints {
   static Bounds BoundsOfNode(const Node& node);
   static void SetChild(Node& node, std::size_t child, const Bounds& bounds);
   static Bounds ChildOf(const Node& node, std::size_t child);
-  void ScanLeaf(std::size_t leaf, Search& search) const;
   static void BoundChildren(const Node& node, const Search& search, float (&bound)[kFan]);
+  Search StartAt(double x_mm, double y_mm) const;
+  void Scan(std::size_t leaf, SearchForOne& search) const;
+  void Scan(std::size_t leaf, SearchForSome& search) const;
+  template <typename AnySearch>
   void VisitChildren(std::size_t level, std::size_t node, std::size_t skipped,
-                     Search& search) const;
+                     AnySearch& search) const;
+  template <typename AnySearch>
+  void VisitAll(AnySearch& search) const;
+  bool ShadesBelow(std::size_t level, std::size_t node, const Vec3& point_mm,
+                   const BeamCone& cone) const;
   void Remove(std::size_t leaf, std::size_t slot);
 
   std::vector<Leaf> leaves_;
   /// levels_[0] has the leaves as children, the last level is one node.
   std::vector<std::vector<Node>> levels_;
+  double z_weight_ = 0;
   double origin_x_ = 0;
   double origin_y_ = 0;
   double origin_lift_ = 0;

@@ -25,19 +25,18 @@
 namespace intaglio::sort {
 namespace {
 
-constexpr double kSurfaceMm = 1e-9;
 constexpr std::size_t kLeafSize = 8;
 
 /// Whether an offset (dx, dy across, dz up, from the apex) is inside the cone.
-bool Inside(double dx, double dy, double dz, double cone_tangent) {
-  return dz > 0 && std::sqrt(dx * dx + dy * dy) + kSurfaceMm < cone_tangent * dz;
+bool Inside(double dx, double dy, double dz, const BeamCone& cone) {
+  return cone.Shades(std::sqrt(dx * dx + dy * dy), dz);
 }
 
 /// Inside the cone of the point made `rank`-th, is there a crack made before it?
 class CrackTree {
  public:
-  CrackTree(const PointList& made_mm, double cone_tangent)
-      : made_mm_(made_mm), cone_tangent_(cone_tangent), ranks_(made_mm.size()) {
+  CrackTree(const PointList& made_mm, const BeamCone& cone)
+      : made_mm_(made_mm), cone_(cone), ranks_(made_mm.size()) {
     std::iota(ranks_.begin(), ranks_.end(), 0U);
     nodes_.reserve(made_mm.size() / 2 + 1);
     if (!ranks_.empty()) Build(0, ranks_.size());
@@ -92,10 +91,10 @@ class CrackTree {
     const Vec3& high = node.box.max_mm;
     const double near_x = std::max({low.x() - p.x(), p.x() - high.x(), 0.0});
     const double near_y = std::max({low.y() - p.y(), p.y() - high.y(), 0.0});
-    if (!Inside(near_x, near_y, high.z() - p.z(), cone_tangent_)) return false;
+    if (!Inside(near_x, near_y, high.z() - p.z(), cone_)) return false;
     const double far_x = std::max(high.x() - p.x(), p.x() - low.x());
     const double far_y = std::max(high.y() - p.y(), p.y() - low.y());
-    if (Inside(far_x, far_y, low.z() - p.z(), cone_tangent_)) return true;
+    if (Inside(far_x, far_y, low.z() - p.z(), cone_)) return true;
     if (node.right != 0) {
       return HasEarlierCrack(index + 1, rank) || HasEarlierCrack(node.right, rank);
     }
@@ -103,29 +102,29 @@ class CrackTree {
                        [this, rank, &p](std::uint32_t other) {
                          if (other >= rank) return false;
                          const Vec3 d = made_mm_[other] - p;
-                         return Inside(d.x(), d.y(), d.z(), cone_tangent_);
+                         return Inside(d.x(), d.y(), d.z(), cone_);
                        });
   }
 
   const PointList& made_mm_;
-  double cone_tangent_;
+  BeamCone cone_;
   std::vector<std::uint32_t> ranks_;
   std::vector<Node> nodes_;
 };
 
 /// The earliest crack in the cone of the point made `rank`-th, if there is one.
 std::optional<std::uint32_t> EarliestCrack(const PointList& made_mm, std::uint32_t rank,
-                                           double cone_tangent) {
+                                           const BeamCone& cone) {
   const Vec3& p = made_mm[rank];
   for (std::uint32_t earlier = 0; earlier < rank; ++earlier) {
     const Vec3 d = made_mm[earlier] - p;
-    if (Inside(d.x(), d.y(), d.z(), cone_tangent)) return earlier;
+    if (Inside(d.x(), d.y(), d.z(), cone)) return earlier;
   }
   return std::nullopt;
 }
 
-void RequireRanges(const PointList& made_mm, double cone_tangent) {
-  Require(cone_tangent >= 0, "cone_tangent must not be negative, is {}", cone_tangent);
+void RequireRanges(const PointList& made_mm, const BeamCone& cone) {
+  RequireUsable(cone);
   Require(made_mm.size() <= std::numeric_limits<std::uint32_t>::max(),
           "{} points are too many to check", made_mm.size());
 }
@@ -133,7 +132,7 @@ void RequireRanges(const PointList& made_mm, double cone_tangent) {
 }  // namespace
 
 ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
-                         double cone_tangent) {
+                         const BeamCone& cone) {
   PointList made_mm;
   made_mm.reserve(order.size());
   for (const std::uint32_t index : order) {
@@ -141,23 +140,23 @@ ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
             points_mm.size());
     made_mm.push_back(points_mm[index]);
   }
-  RequireRanges(made_mm, cone_tangent);
-  const CrackTree tree(made_mm, cone_tangent);
+  RequireRanges(made_mm, cone);
+  const CrackTree tree(made_mm, cone);
   ShadowReport report;
   for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
     if (!tree.IsViolated(rank)) continue;
     ++report.violations;
     if (report.first.size() == ShadowReport::kMaxPairs) continue;
-    const auto crack = EarliestCrack(made_mm, rank, cone_tangent);
+    const auto crack = EarliestCrack(made_mm, rank, cone);
     Require(crack.has_value(), "the tree and the pairs disagree about point {}", rank);
     report.first.push_back({order[rank], order[*crack]});
   }
   return report;
 }
 
-std::uint64_t CountShadowViolations(const PointList& made_mm, double cone_tangent) {
-  RequireRanges(made_mm, cone_tangent);
-  const CrackTree tree(made_mm, cone_tangent);
+std::uint64_t CountShadowViolations(const PointList& made_mm, const BeamCone& cone) {
+  RequireRanges(made_mm, cone);
+  const CrackTree tree(made_mm, cone);
   std::uint64_t violations = 0;
   for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
     if (tree.IsViolated(rank)) ++violations;
@@ -166,11 +165,11 @@ std::uint64_t CountShadowViolations(const PointList& made_mm, double cone_tangen
 }
 
 std::uint64_t CountShadowViolationsBruteForce(const PointList& made_mm,
-                                              double cone_tangent) {
-  RequireRanges(made_mm, cone_tangent);
+                                              const BeamCone& cone) {
+  RequireRanges(made_mm, cone);
   std::uint64_t violations = 0;
   for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
-    if (EarliestCrack(made_mm, rank, cone_tangent)) ++violations;
+    if (EarliestCrack(made_mm, rank, cone)) ++violations;
   }
   return violations;
 }

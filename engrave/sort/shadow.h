@@ -3,16 +3,14 @@
 // How many points of an order are fired through an earlier crack: an independent check
 // that shares no code with the sorters.
 //
-// The beam converges from above (+z): a pulse for the point p fills the upward cone with
-// its apex at p and the half angle of the beam in the glass (optics/focus.h,
-// ConeTangentInGlass). The cone is round. A crack made earlier strictly inside of it
-// scatters the pulse (Trochimczuk 2008 ch. 1 and 6.7): p is violated. Inside means by
-// more than 1e-9 mm: nearer to the cone's surface, rounding would decide.
+// A point is violated when a crack made earlier lies in the cone above it
+// (beam_cone.h; Trochimczuk 2008 ch. 1 and 6.7).
 
 #include <cstdint>
 #include <vector>
 
 #include "engrave/core/geometry.h"
+#include "engrave/sort/beam_cone.h"
 #include "engrave/sort/order.h"
 
 namespace intaglio::sort {
@@ -32,17 +30,17 @@ struct ShadowReport {
   static constexpr std::size_t kMaxPairs = 8;
 };
 
-/// points_mm: glass frame, mm. order: indices into it, all or some. cone_tangent >= 0.
+/// points_mm: glass frame, mm. order: indices into it, all or some. cone: in its ranges.
 ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
-                         double cone_tangent);
+                         const BeamCone& cone);
 
 /// The number alone, of points as they were made one after another. About half a
 /// microsecond a point, several where many are violated.
-std::uint64_t CountShadowViolations(const PointList& made_mm, double cone_tangent);
+std::uint64_t CountShadowViolations(const PointList& made_mm, const BeamCone& cone);
 
 /// The same number from the definition, every pair compared: for small clouds and as the
 /// oracle of the other.
 std::uint64_t CountShadowViolationsBruteForce(const PointList& made_mm,
-                                              double cone_tangent);
+                                              const BeamCone& cone);
 
 }  // namespace intaglio::sort

@@ -17,7 +17,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/mesh", {"engrave/core"}},
     {"engrave/discretize", {"engrave/core", "engrave/mesh"}},
     {"engrave/optics", {"engrave/core"}},
-    {"engrave/sort", {"engrave/core"}},
+    {"engrave/sort", {"engrave/core", "engrave/motion"}},
     {"engrave/motion", {"engrave/core"}},
     {"engrave/formats", {"engrave/core"}},
     {"engrave/proof", {"engrave/core"}},

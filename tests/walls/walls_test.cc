@@ -38,7 +38,7 @@ TEST_F(MadeUpTree, GoodTreeHasNoViolation) {
 TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
   const std::pair<const char*, const char*> crossings[] = {
       {"engrave/core/a.cc", "#include \"engrave/mesh/mesh.h\"\n"},
-      {"engrave/sort/a.cc", "#include \"engrave/motion/segment.h\"\n"},
+      {"engrave/motion/a.cc", "#include \"engrave/sort/order.h\"\n"},
       {"engrave/optics/a.cc", "#include \"services/bus/bus.h\"\n"},
       {"engrave/mesh/a.cc", "#include <spdlog/spdlog.h>\n"},
       {"engrave/mesh/b.cc", "#include <thread>\n"},

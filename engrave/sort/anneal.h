@@ -1,0 +1,25 @@
+#pragma once
+
+// Sort by annealing: the order of smooth.h, changed piece by piece (stretch.h) for as
+// long as it is given, so that the stage needs fewer ticks. Never through an earlier
+// crack, and never worse than where it began: in the end the motion planner decides.
+
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+Status CheckAnnealOptions(const OrderOptions& options);
+
+/// Starts at the lowest point (lowest_point.h). The same whatever the executor does at
+/// the same time, as long as options.anneal.used_share is not given. Memory: below 100
+/// bytes a point, and some megabytes for each worker. Points and options as MakeOrder has
+/// checked them.
+Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& options,
+                               const ProgressSink& progress);
+
+/// Anneals `order`, all of whose points keep to options.cone; the order it had when that
+/// is better. Empty when `progress` asked for the end.
+Order ImproveOrder(const PointList& points_mm, Order order, const OrderOptions& options,
+                   const ProgressSink& progress);
+
+}  // namespace intaglio::sort

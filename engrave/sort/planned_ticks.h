@@ -1,0 +1,19 @@
+#pragma once
+
+// The planner's own cost of an order: what every sorter that regards motion is measured
+// by in the end.
+
+#include <cstdint>
+
+#include "engrave/core/geometry.h"
+#include "engrave/motion/limits.h"
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+/// Ticks from rest at the first point through all others to rest at the last, points
+/// passed without a stop (motion/tick_planner.h). limits: in the frame of the points.
+std::uint64_t PlannedTicks(const PointList& points_mm, const Order& order,
+                           const motion::Limits& limits, double rate_hz);
+
+}  // namespace intaglio::sort

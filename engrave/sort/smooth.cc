@@ -1,0 +1,149 @@
+#include "engrave/sort/smooth.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "engrave/sort/kdz.h"
+#include "engrave/sort/lowest_point.h"
+#include "engrave/sort/planned_ticks.h"
+#include "engrave/sort/remaining_points.h"
+#include "engrave/sort/tick_cost.h"
+
+namespace intaglio::sort {
+namespace {
+
+constexpr std::size_t kCandidates = 12;
+constexpr std::size_t kPointsPerReport = 1 << 14;
+
+/// In ticks: of a bend at the limit, and of a millimetre aside or up.
+struct Weights {
+  float bend;
+  double way_per_mm;
+  double lift_per_mm;
+};
+
+/// Median distance (largest axis) of a few points to the nearest other one, mm.
+double TypicalSpacing(const PointList& points_mm) {
+  constexpr std::size_t kSamples = 63;
+  std::vector<double> nearest;
+  const std::size_t stride = points_mm.size() / kSamples + 1;
+  for (std::size_t i = stride / 2; i < points_mm.size(); i += stride) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < points_mm.size(); ++k) {
+      const double d = (points_mm[k] - points_mm[i]).cwiseAbs().maxCoeff();
+      if (d > 0) least = std::min(least, d);
+    }
+    nearest.push_back(least);
+  }
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return *middle;
+}
+
+/// What is worth a try. A point left behind costs a way of its own later, from rest to
+/// rest at worst; a weight of the way so high leaves no gaps in contours, a lower one
+/// goes round fewer corners.
+std::vector<Weights> WeightsToTry(const TickCost& cost, const PointList& points_mm) {
+  const double spacing_mm = TypicalSpacing(points_mm);
+  if (!std::isfinite(spacing_mm)) return {{1, 0, 0}};
+  const double detour = cost.StopAndGoTicks(spacing_mm) / spacing_mm;
+  return {{1, detour, detour}, {0.5F, detour / 5, detour / 5}, {1, 0, detour}};
+}
+
+class Walk {
+ public:
+  Walk(const PointList& points_mm, const OrderOptions& options, const Weights& weights)
+      : points_mm_(points_mm),
+        cone_(options.cone),
+        weights_(weights),
+        cost_(options.limits, options.rate_hz),
+        all_(points_mm.size()),
+        remaining_((std::iota(all_.begin(), all_.end(), 0U), points_mm), all_,
+                   DefaultUpRatio(options.cone)) {}
+
+  /// Empty when `progress` asked for the end.
+  Order Make(const ProgressSink& progress) {
+    Order order;
+    order.reserve(points_mm_.size());
+    now_mm_ = points_mm_[LowestPoint(points_mm_)];
+    while (remaining_.size() > 0) {
+      if (progress && order.size() % kPointsPerReport == 0 &&
+          !progress(order.size(), points_mm_.size())) {
+        return {};
+      }
+      remaining_.FindNearest(now_mm_.x(), now_mm_.y(), kCandidates, found_);
+      const RemainingPoints::Candidate& next = found_[Choose()];
+      const Scaled step = cost_.Scale(next.position_mm - now_mm_);
+      // The first of all is made at rest.
+      if (!order.empty()) before_ = {step, cost_.TicksAfter(before_, step)};
+      now_mm_ = next.position_mm;
+      order.push_back(next.index);
+      remaining_.Take(next);
+    }
+    return order;
+  }
+
+ private:
+  std::size_t Choose() {
+    scores_.clear();
+    for (const RemainingPoints::Candidate& candidate : found_) {
+      scores_.push_back(ScoreOf(candidate.position_mm - now_mm_));
+    }
+    for (;;) {
+      const auto best = static_cast<std::size_t>(
+          std::min_element(scores_.begin(), scores_.end()) - scores_.begin());
+      if (best == 0 || !remaining_.Shades(found_[best].position_mm, cone_)) return best;
+      scores_[best] = std::numeric_limits<double>::infinity();
+    }
+  }
+
+  double ScoreOf(const Vec3& step_mm) const {
+    const Scaled step = cost_.Scale(step_mm);
+    const float ticks = cost_.TicksAfter(before_, step);
+    const float bend = TickCost::Bend(before_, {step, ticks});
+    return ticks + weights_.bend * bend * bend +
+           weights_.way_per_mm * step_mm.cwiseAbs().maxCoeff() +
+           weights_.lift_per_mm * step_mm.z();
+  }
+
+  const PointList& points_mm_;
+  BeamCone cone_;
+  Weights weights_;
+  TickCost cost_;
+  Order all_;
+  RemainingPoints remaining_;
+  Vec3 now_mm_ = Vec3::Zero();
+  TimedMove before_;
+  std::vector<RemainingPoints::Candidate> found_;
+  std::vector<double> scores_;
+};
+
+}  // namespace
+
+Status CheckSmoothOptions(const OrderOptions&) { return {}; }
+
+Result<Order> OrderSmoothly(const PointList& points_mm, const OrderOptions& options,
+                            const ProgressSink& progress) {
+  if (points_mm.empty()) return Order{};
+  const TickCost cost(options.limits, options.rate_hz);
+  const std::vector<Weights> trials = WeightsToTry(cost, points_mm);
+  std::vector<Order> orders(trials.size());
+  std::vector<std::uint64_t> ticks(trials.size());
+  RunEach(options.executor, trials.size(), [&](std::size_t i) {
+    // The first tells how far all are.
+    orders[i] = Walk(points_mm, options, trials[i]).Make(i == 0 ? progress : nullptr);
+    ticks[i] = PlannedTicks(points_mm, orders[i], options.limits, options.rate_hz);
+  });
+  if (orders.front().empty()) {
+    return Fail(ErrorCode::kCancelled, "the sort was cancelled");
+  }
+  const auto best = std::min_element(ticks.begin(), ticks.end()) - ticks.begin();
+  return std::move(orders[static_cast<std::size_t>(best)]);
+}
+
+}  // namespace intaglio::sort

@@ -1,0 +1,25 @@
+#pragma once
+
+// Sort for the stage: the next point is the one that can be reached in the fewest ticks
+// with the least change of velocity, of the points that are near by the cost of sort Kdz
+// (kdz.h). It follows a contour to its end in the direction in which it came, where the
+// nearest point would often be a step aside.
+//
+// Never through an earlier crack: a point that would shade one that is left waits. One
+// that does not wait always exists, for the first choice of sort Kdz is one whatever was
+// taken before (proof in kdz.cc).
+
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+Status CheckSmoothOptions(const OrderOptions& options);
+
+/// Starts at the lowest point (lowest_point.h). Tries several weights of way, height and
+/// bends and returns the order that the motion planner makes in the fewest ticks.
+/// options.executor may try them at the same time. Points and options as MakeOrder has
+/// checked them.
+Result<Order> OrderSmoothly(const PointList& points_mm, const OrderOptions& options,
+                            const ProgressSink& progress);
+
+}  // namespace intaglio::sort

@@ -1,0 +1,80 @@
+#pragma once
+
+// A stretch of an order under annealing: some thousand consecutive points, of which the
+// first two and the last two stay where they are, so that neighbouring stretches can be
+// annealed at the same time.
+//
+// A change takes a piece of the order out and puts it elsewhere (Or-opt), or turns a
+// piece round (2-opt), so that two near points become neighbours. It is accepted when it
+// costs less than before plus a random amount that grows with the temperature
+// (Metropolis' rule) and keeps every point before those that it must precede. Cost:
+// tick_cost.h; ticks of the steps around a change are chosen again with it.
+
+#include <cstdint>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/sort/beam_cone.h"
+#include "engrave/sort/near_points.h"
+#include "engrave/sort/precedence.h"
+#include "engrave/sort/tick_cost.h"
+
+namespace intaglio::sort {
+
+class Stretch {
+ public:
+  /// points_mm: in the present order, which keeps to `cone`; frame glass, mm. `cost`
+  /// outlives this.
+  Stretch(std::span<const Vec3> points_mm, const BeamCone& cone, const TickCost& cost);
+
+  /// temperature: in ticks, > 0.
+  void Anneal(std::uint64_t tries, double temperature, std::uint64_t seed);
+
+  /// Indices into points_mm.
+  std::span<const std::uint32_t> order() const { return at_; }
+
+ private:
+  /// The places [begin, end) are two pieces that meet at `middle`; they change places,
+  /// and one may be turned round. With middle == end it is one piece, turned round.
+  struct Change {
+    std::size_t begin, middle, end;
+    bool turn_left, turn_right;
+  };
+  /// Neighbouring steps whose ticks are chosen anew.
+  struct Window {
+    std::size_t first, last;  ///< of the steps' places; step i leads to place i
+    float ticks[TickCost::kMostSteps];
+  };
+
+  std::uint32_t Below(std::uint32_t end) {
+    return static_cast<std::uint32_t>(((generator_() >> 32) * end) >> 32);
+  }
+  void ChooseTicks();
+  bool Propose(Change& change);
+  std::size_t PieceLength(std::size_t place, bool forwards);
+  std::size_t OldPlace(const Change& change, std::size_t place) const;
+  TimedMove MoveTo(std::size_t place) const;
+  TimedMove MoveAfter(const Change& change, std::size_t place) const;
+  std::size_t WindowsAround(const std::size_t (&steps)[3], Window (&windows)[3]) const;
+  float GainOf(const Change& change);
+  bool IsAllowed(const Change& change) const;
+  bool CanTurn(std::size_t begin, std::size_t end) const;
+  void Apply(const Change& change);
+
+  const TickCost& cost_;
+  std::vector<Scaled> points_;
+  std::vector<std::uint32_t> at_;     ///< of each place its point
+  std::vector<std::uint32_t> place_;  ///< of each point its place
+  std::vector<float> ticks_;          ///< of the step to each place
+  Precedence precedence_;
+  NearPoints near_;
+  std::mt19937_64 generator_;
+  Window new_windows_[3];
+  std::size_t new_window_count_ = 0;
+  std::vector<std::uint32_t> moved_;
+  std::vector<float> moved_ticks_;
+};
+
+}  // namespace intaglio::sort

@@ -1,0 +1,102 @@
+#pragma once
+
+// What an order costs the stage, from steps alone and without planning its motion: quick
+// enough to be asked a million times a second while orders are compared.
+//
+// A step d made in n ticks of T has the mean velocity d / (n T). From the middle of one
+// step to the middle of the next an axis changes its velocity by no more than its
+// acceleration limit allows in that time:
+//   |d2 / n2 - d1 / n1| <= A T^2 (n1 + n2) / 2.
+// That is necessary, not sufficient: the planner (motion/tick_labels.h) knows the rest.
+// The share of this limit that is used, squared and weighed, is added to the ticks: less
+// of it leaves the planner more to choose from.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "engrave/core/geometry.h"
+#include "engrave/motion/limits.h"
+
+namespace intaglio::sort {
+
+/// A place or step per axis in units of A T^2, the length that the acceleration limit
+/// adds to a step from one tick to the next.
+struct Scaled {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+
+  Scaled operator-(const Scaled& o) const { return {x - o.x, y - o.y, z - o.z}; }
+};
+
+/// A step and the ticks it is made in, > 0.
+struct TimedMove {
+  Scaled step;
+  float ticks = 1;
+};
+
+class TickCost {
+ public:
+  /// limits: in the frame of the points. rate_hz: 1..4000.
+  TickCost(const motion::Limits& limits, double rate_hz);
+
+  Scaled Scale(const Vec3& mm) const {
+    return {static_cast<float>(mm.x() * per_mm_.x()),
+            static_cast<float>(mm.y() * per_mm_.y()),
+            static_cast<float>(mm.z() * per_mm_.z())};
+  }
+
+  /// The fewest ticks that the speed limits allow, >= 1.
+  float LeastTicks(const Scaled& step) const {
+    const float ticks =
+        std::max({std::abs(step.x) * per_speed_.x, std::abs(step.y) * per_speed_.y,
+                  std::abs(step.z) * per_speed_.z});
+    return std::max(1.0F, std::ceil(ticks * (1 - 1e-6F)));
+  }
+
+  /// The share of the limit of acceleration between two steps.
+  static float Bend(const TimedMove& a, const TimedMove& b) {
+    const float p = 1 / a.ticks, q = 1 / b.ticks;
+    const float most = std::max({std::abs(b.step.x * q - a.step.x * p),
+                                 std::abs(b.step.y * q - a.step.y * p),
+                                 std::abs(b.step.z * q - a.step.z * p)});
+    return 2 * most / (a.ticks + b.ticks);
+  }
+
+  /// In ticks; more than any detour where the limit is passed.
+  static float BendCost(float bend) {
+    return kBendWeight * bend * bend + (bend > 1 ? kForbidden * bend : 0);
+  }
+
+  /// The fewest ticks of `step` after `before` within the limit.
+  float TicksAfter(const TimedMove& before, const Scaled& step) const;
+
+  /// Ticks that a step of `mm` takes from rest to rest on the slowest axis.
+  double StopAndGoTicks(double mm) const;
+
+  /// The most steps that BestTicks takes at once.
+  static constexpr std::size_t kMostSteps = 16;
+
+  /// The cheapest ticks of `steps` (1..kMostSteps) between two moves that stay as they
+  /// are: writes them and returns their sum and the cost of all bends.
+  float BestTicks(const TimedMove& before, std::span<const Scaled> steps,
+                  const TimedMove& after, float* ticks) const;
+
+  /// The same of ticks that are given.
+  static float CostOf(const TimedMove& before, std::span<const TimedMove> moves,
+                      const TimedMove& after);
+
+  static constexpr float kBendWeight = 0.5F;
+  static constexpr float kForbidden = 1000;
+
+ private:
+  Vec3 per_mm_;       ///< 1 / (A T^2)
+  Scaled per_speed_;  ///< A T / V
+  double rate_hz_;
+  double acceleration_mm_s2_;  ///< the least
+  bool many_choices_;
+};
+
+}  // namespace intaglio::sort
