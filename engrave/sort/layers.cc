@@ -1,37 +1,26 @@
 #include "engrave/sort/layers.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "engrave/sort/cone_order.h"
 #include "engrave/sort/lowest_point.h"
 #include "engrave/sort/remaining_points.h"
+#include "engrave/sort/slabs.h"
 
 namespace intaglio::sort {
 namespace {
 
-constexpr double kMinThicknessMm = 0.01;
-constexpr double kMaxThicknessMm = 100;
-
-// Layers at multiples of the thickness lie on the slabs' limits, where rounding could put
-// one layer in two slabs; so the limits are this share of the thickness lower.
-constexpr double kLimitShare = 1e-6;
-
 /// Slab number and index of each point, by slab.
 std::vector<std::pair<std::uint64_t, std::uint32_t>> BySlab(const PointList& points_mm,
-                                                            double lowest_mm,
                                                             double thickness_mm) {
+  const std::vector<std::uint64_t> numbers = SlabNumbers(points_mm, 2, thickness_mm);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> slabs;
   slabs.reserve(points_mm.size());
-  for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
-    const double height = (points_mm[i].z() - lowest_mm) / thickness_mm;
-    slabs.emplace_back(static_cast<std::uint64_t>(height + kLimitShare), i);
-  }
+  for (std::uint32_t i = 0; i < points_mm.size(); ++i) slabs.emplace_back(numbers[i], i);
   std::sort(slabs.begin(), slabs.end());
   return slabs;
 }
@@ -39,12 +28,7 @@ std::vector<std::pair<std::uint64_t, std::uint32_t>> BySlab(const PointList& poi
 }  // namespace
 
 Status CheckLayersOptions(const OrderOptions& options) {
-  const double thickness_mm = options.layers.layer_thickness_mm;
-  if (thickness_mm >= kMinThicknessMm && thickness_mm <= kMaxThicknessMm) return {};
-  return Fail(ErrorCode::kInvalidValue,
-              fmt::format("layers.layer_thickness_mm: {} is outside {}..{}", thickness_mm,
-                          kMinThicknessMm, kMaxThicknessMm),
-              fmt::format("{}", thickness_mm));
+  return CheckThickness("layers.layer_thickness_mm", options.layers.layer_thickness_mm);
 }
 
 Result<Order> OrderByLayers(const PointList& points_mm, const OrderOptions& options,
@@ -54,7 +38,7 @@ Result<Order> OrderByLayers(const PointList& points_mm, const OrderOptions& opti
   if (points_mm.empty()) return order;
   const Vec3& lowest_mm = points_mm[LowestPoint(points_mm)];
   RemainingPoints::Taken now{0, lowest_mm.x(), lowest_mm.y()};
-  const auto slabs = BySlab(points_mm, lowest_mm.z(), options.layers.layer_thickness_mm);
+  const auto slabs = BySlab(points_mm, options.layers.layer_thickness_mm);
   std::vector<std::uint32_t> members;
   for (auto begin = slabs.begin(); begin != slabs.end();) {
     if (progress && !progress(order.size(), points_mm.size())) {
@@ -71,7 +55,7 @@ Result<Order> OrderByLayers(const PointList& points_mm, const OrderOptions& opti
       order.push_back(now.index);
     }
   }
-  return order;
+  return KeepToCone(points_mm, order, options.cone);
 }
 
 }  // namespace intaglio::sort

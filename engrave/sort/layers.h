@@ -4,9 +4,8 @@
 // the lowest up; within a slab always to the nearest remaining point in the XY plane, by
 // max(|dx|, |dy|), starting from where the slab below ended.
 //
-// Inside a slab heights do not count, so a slab must hold no more than one layer of a
-// layered cloud, and on any other cloud points may be fired through earlier cracks of the
-// same slab: shadow.h tells how many.
+// Inside a slab heights count only where points lie above one another in the beam
+// (cone_order.h), so a slab should hold no more than one layer of a layered cloud.
 
 #include "engrave/sort/order.h"
 

@@ -8,8 +8,10 @@
 
 #include "engrave/core/check.h"
 #include "engrave/sort/anneal.h"
+#include "engrave/sort/boustrophedon.h"
 #include "engrave/sort/kdz.h"
 #include "engrave/sort/layers.h"
+#include "engrave/sort/published_kdz.h"
 #include "engrave/sort/smooth.h"
 
 namespace intaglio::sort {
@@ -28,6 +30,10 @@ constexpr std::array kMethods = {
     MethodRow{Method::kLayers, "layers", CheckLayersOptions, OrderByLayers},
     MethodRow{Method::kSmooth, "smooth", CheckSmoothOptions, OrderSmoothly},
     MethodRow{Method::kAnneal, "anneal", CheckAnnealOptions, OrderByAnnealing},
+    MethodRow{Method::kBoustrophedon, "boustrophedon", CheckBoustrophedonOptions,
+              OrderByBoustrophedon},
+    MethodRow{Method::kPublishedKdz, "published-kdz", CheckPublishedKdzOptions,
+              OrderByPublishedKdz},
 };
 
 const MethodRow& RowOf(Method method) {

@@ -23,10 +23,12 @@ namespace intaglio::sort {
 using Order = std::vector<std::uint32_t>;
 
 enum class Method {
-  kKdz,     ///< greedy in 3D: kdz.h
-  kLayers,  ///< a layer at a time: layers.h
-  kSmooth,  ///< greedy for the stage: smooth.h
-  kAnneal,  ///< kSmooth, then improved for as long as it is given: anneal.h
+  kKdz,            ///< greedy in 3D: kdz.h
+  kLayers,         ///< a layer at a time: layers.h
+  kSmooth,         ///< greedy for the stage: smooth.h
+  kBoustrophedon,  ///< rows to and fro, a layer at a time: boustrophedon.h
+  kPublishedKdz,   ///< as published, through earlier cracks: published_kdz.h
+  kAnneal,         ///< kSmooth, then improved for as long as it is given: anneal.h
 };
 
 struct KdzOptions {
@@ -43,6 +45,16 @@ struct LayersOptions {
   double layer_thickness_mm = 0.1;
 };
 
+struct BoustrophedonOptions {
+  double layer_thickness_mm = 0.1;  ///< 0.01..100 mm
+  double row_width_mm = 0.1;        ///< 0.01..100 mm
+};
+
+struct PublishedKdzOptions {
+  double up_ratio = 1;    ///< K of steps up, 0..100
+  double down_ratio = 1;  ///< K of steps down, 0..100
+};
+
 struct AnnealOptions {
   /// Changes tried, for each point, 0..1e6. Ten thousand points and more: 30 bring half
   /// of what there is to gain, 1000 nearly all.
@@ -57,8 +69,11 @@ struct OrderOptions {
   Method method = Method::kKdz;
   KdzOptions kdz;
   LayersOptions layers;
+  BoustrophedonOptions boustrophedon;
+  PublishedKdzOptions published_kdz;
   AnnealOptions anneal;
-  /// What must not be in the way of a pulse; kSmooth and kAnneal keep to it.
+  /// What must not be in the way of a pulse. All methods keep to it but kPublishedKdz,
+  /// and kKdz where its ratio is set too low.
   BeamCone cone;
   /// Of the stage, in the frame of the points; kSmooth and kAnneal regard them.
   motion::Limits limits;
@@ -66,7 +81,7 @@ struct OrderOptions {
   Executor executor;     ///< for methods that can use several workers
 };
 
-/// "kdz", "layers", "smooth", "anneal".
+/// "kdz", "layers", "smooth", "anneal", "boustrophedon", "published-kdz".
 const char* MethodName(Method method);
 Result<Method> MethodFromName(std::string_view name);
 

@@ -76,6 +76,7 @@ RemainingPoints::RemainingPoints(const PointList& points_mm,
 void RemainingPoints::FillLeaves(const PointList& points_mm,
                                  std::span<const std::uint32_t> along_curve,
                                  double z_weight) {
+  leaf_of_.resize(points_mm.size());
   leaves_.resize((along_curve.size() + kFan - 1) / kFan);
   for (std::size_t i = 0; i < leaves_.size() * kFan; ++i) {
     Leaf& leaf = leaves_[i / kFan];
@@ -91,6 +92,7 @@ void RemainingPoints::FillLeaves(const PointList& points_mm,
     leaf.z[slot] = p.z();
     leaf.lift[slot] = z_weight * p.z();
     leaf.index[slot] = along_curve[i];
+    leaf_of_[along_curve[i]] = static_cast<std::uint32_t>(i / kFan);
     ++leaf.count;
   }
 }
@@ -298,13 +300,32 @@ void RemainingPoints::Take(const Candidate& candidate) {
   last_leaf_ = candidate.leaf;
 }
 
-bool RemainingPoints::Shades(const Vec3& point_mm, const BeamCone& cone) const {
-  Require(z_weight_ > 0, "without a weight for z the points are not known by height");
-  return ShadesBelow(levels_.size() - 1, 0, point_mm, cone);
+std::size_t RemainingPoints::SlotOf(std::uint32_t index) const {
+  const Leaf& leaf = leaves_[leaf_of_.at(index)];
+  return static_cast<std::size_t>(std::find(leaf.index, leaf.index + leaf.count, index) -
+                                  leaf.index);
 }
 
-bool RemainingPoints::ShadesBelow(std::size_t level, std::size_t node,
-                                  const Vec3& point_mm, const BeamCone& cone) const {
+bool RemainingPoints::IsLeft(std::uint32_t index) const {
+  return SlotOf(index) < leaves_[leaf_of_.at(index)].count;
+}
+
+void RemainingPoints::Take(std::uint32_t index) {
+  Require(IsLeft(index), "point {} was taken before", index);
+  last_leaf_ = leaf_of_[index];
+  Remove(last_leaf_, SlotOf(index));
+}
+
+std::optional<std::uint32_t> RemainingPoints::FindShaded(const Vec3& point_mm,
+                                                         const BeamCone& cone) const {
+  Require(z_weight_ > 0, "without a weight for z the points are not known by height");
+  return ShadedIn(levels_.size() - 1, 0, point_mm, cone);
+}
+
+std::optional<std::uint32_t> RemainingPoints::ShadedIn(std::size_t level,
+                                                       std::size_t node,
+                                                       const Vec3& point_mm,
+                                                       const BeamCone& cone) const {
   const Node& bounds = levels_[level][node];
   const double slack =
       kSlackShare * (half_width_ + half_lift_ + std::abs(point_mm.x() - origin_x_) +
@@ -321,7 +342,7 @@ bool RemainingPoints::ShadesBelow(std::size_t level, std::size_t node,
     if (std::hypot(near_x - slack, near_y - slack) >= cone.ReachMm(up_mm)) continue;
     const std::size_t child = node * kFan + i;
     if (level > 0) {
-      if (ShadesBelow(level - 1, child, point_mm, cone)) return true;
+      if (const auto found = ShadedIn(level - 1, child, point_mm, cone)) return found;
       continue;
     }
     const Leaf& leaf = leaves_[child];
@@ -329,10 +350,10 @@ bool RemainingPoints::ShadesBelow(std::size_t level, std::size_t node,
       const double dx = leaf.x[p] - point_mm.x();
       const double dy = leaf.y[p] - point_mm.y();
       const double up = point_mm.z() - leaf.z[p];
-      if (cone.Shades(std::sqrt(dx * dx + dy * dy), up)) return true;
+      if (cone.Shades(std::sqrt(dx * dx + dy * dy), up)) return leaf.index[p];
     }
   }
-  return false;
+  return std::nullopt;
 }
 
 void RemainingPoints::Remove(std::size_t leaf_index, std::size_t slot) {

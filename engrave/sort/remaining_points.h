@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace intaglio::sort {
 
 class RemainingPoints {
  public:
-  /// members: indices into points_mm. z_weight >= 0. Less than 60 bytes a member;
+  /// members: indices into points_mm. z_weight >= 0. Less than 64 bytes a member;
   /// points_mm is not kept.
   RemainingPoints(const PointList& points_mm, std::span<const std::uint32_t> members,
                   double z_weight);
@@ -51,9 +52,16 @@ class RemainingPoints {
                    std::vector<Candidate>& found) const;
 
   void Take(const Candidate& candidate);
+  /// `index` is of a point that is left.
+  void Take(std::uint32_t index);
+  bool IsLeft(std::uint32_t index) const;
 
-  /// Whether `point_mm`, made now, would shade a point that is left. z_weight > 0.
-  bool Shades(const Vec3& point_mm, const BeamCone& cone) const;
+  /// One of the points left that `point_mm`, made now, would shade. z_weight > 0.
+  std::optional<std::uint32_t> FindShaded(const Vec3& point_mm,
+                                          const BeamCone& cone) const;
+  bool Shades(const Vec3& point_mm, const BeamCone& cone) const {
+    return FindShaded(point_mm, cone).has_value();
+  }
 
  private:
   static constexpr std::size_t kFan = 8;
@@ -109,11 +117,13 @@ class RemainingPoints {
                      AnySearch& search) const;
   template <typename AnySearch>
   void VisitAll(AnySearch& search) const;
-  bool ShadesBelow(std::size_t level, std::size_t node, const Vec3& point_mm,
-                   const BeamCone& cone) const;
+  std::optional<std::uint32_t> ShadedIn(std::size_t level, std::size_t node,
+                                        const Vec3& point_mm, const BeamCone& cone) const;
+  std::size_t SlotOf(std::uint32_t index) const;
   void Remove(std::size_t leaf, std::size_t slot);
 
   std::vector<Leaf> leaves_;
+  std::vector<std::uint32_t> leaf_of_;  ///< of each point of the cloud
   /// levels_[0] has the leaves as children, the last level is one node.
   std::vector<std::vector<Node>> levels_;
   double z_weight_ = 0;

@@ -1,0 +1,19 @@
+#pragma once
+
+// Sort as the ox ploughs: slabs of equal thickness from the lowest up, in each of them
+// rows along x one beside the other, every other row and every other slab backwards. What
+// many engraving programs do; good for solid fills on a grid, for comparison elsewhere.
+
+#include "engrave/sort/order.h"
+
+namespace intaglio::sort {
+
+Status CheckBoustrophedonOptions(const OrderOptions& options);
+
+/// Where a slab holds points above one another, they are made from below (cone_order.h).
+/// Options and points as MakeOrder has checked them.
+Result<Order> OrderByBoustrophedon(const PointList& points_mm,
+                                   const OrderOptions& options,
+                                   const ProgressSink& progress);
+
+}  // namespace intaglio::sort
