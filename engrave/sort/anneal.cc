@@ -17,12 +17,13 @@ namespace {
 
 constexpr std::size_t kStretch = 8192;
 constexpr std::size_t kStretchesAtOnce = 16;
-constexpr double kTriesPerRound = 32;
+constexpr double kMostTriesPerRound = 64;
+constexpr double kFewestRounds = 6;
 constexpr double kMostTries = 1e6;
 
 // In ticks. Hotter, a good order is lost before it gets better; below the coldest nothing
 // moves any more.
-constexpr double kHot = 0.15;
+constexpr double kHot = 0.12;
 constexpr double kCold = 0.03;
 
 /// Places [begin, end) of an order.
@@ -53,15 +54,15 @@ class Annealing {
 
   /// False when `progress` asked for the end.
   bool Run(const ProgressSink& progress) {
-    const double rounds = std::ceil(options_.anneal.tries_per_point / kTriesPerRound);
+    const double tries = options_.anneal.tries_per_point;
+    const double rounds =
+        tries > 0 ? std::max(kFewestRounds, std::ceil(tries / kMostTriesPerRound)) : 0;
     for (double round = 0;; ++round) {
       const double share = options_.anneal.used_share ? options_.anneal.used_share()
                            : rounds > 0               ? round / rounds
                                                       : 1;
       if (share >= 1) return true;
-      const double left = options_.anneal.tries_per_point - round * kTriesPerRound;
-      tries_per_point_ =
-          options_.anneal.used_share ? kTriesPerRound : std::min(kTriesPerRound, left);
+      tries_per_point_ = options_.anneal.used_share ? kMostTriesPerRound : tries / rounds;
       temperature_ = kHot * std::pow(kCold / kHot, share);
       if (!RunRound(share, 1 / std::max(rounds, 1.0), progress)) return false;
     }
