@@ -165,6 +165,11 @@ void CheckLens(const Lens& lens, const MachineSpec& machine, Findings& findings)
 
 void CheckMotion(const MotionOptions& motion, const MachineSpec& machine,
                  Findings& findings) {
+  // Numbers pass the readers of files.
+  if (!MotionProfile_IsValid(motion.profile())) {
+    findings.Wrong("motion.profile", static_cast<int>(motion.profile()),
+                   "is none of the profiles, 0..{}", static_cast<int>(MotionProfile_MAX));
+  }
   const MotionOptions most = WithDefaults(JobSpec(), machine).motion();
   if (motion.max_speed_mm_s() > most.max_speed_mm_s()) {
     findings.Wrong("motion.max_speed_mm_s", motion.max_speed_mm_s(),

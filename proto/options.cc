@@ -1,8 +1,11 @@
 #include "proto/options.h"
 
+#include <cctype>
 #include <numbers>
+#include <string_view>
 
 #include "engrave/core/check.h"
+#include "engrave/motion/profiles.h"
 #include "engrave/sort/kdz.h"
 
 namespace intaglio {
@@ -41,20 +44,16 @@ discretize::SectionOptions SectionOptionsOf(const SectionsMethod& asked) {
       asked.insert_end_points(),         DirectionOf(asked.axis(), asked.rotate_deg())};
 }
 
-motion::Profile ProfileOf(MotionProfile profile) {
-  switch (profile) {
-    case MOTION_PROFILE_TRIANGLE:
-      return motion::Profile::kTriangle;
-    case MOTION_PROFILE_TRAPEZOID:
-      return motion::Profile::kTrapezoid;
-    case MOTION_PROFILE_CUBIC:
-      return motion::Profile::kCubic;
-    default:
-      return motion::Profile::kMix;
-  }
-}
-
 }  // namespace
+
+std::string ProfileName(MotionProfile profile) {
+  std::string name = MotionProfile_Name(profile);
+  name.erase(0, std::string_view("MOTION_PROFILE_").size());
+  for (char& c : name) {
+    c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return name;
+}
 
 Vec3 Vec3Of(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -145,9 +144,19 @@ MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {
       speed_mm_s.cwiseMin(Vec3::Constant(asked.max_speed_mm_s()));
   result.plan.limits.max_acceleration_mm_s2 =
       acceleration_mm_s2.cwiseMin(Vec3::Constant(asked.max_acceleration_mm_s2()));
+  result.plan.limits.travel_mm = {
+      Vec3(machine.x().travel_min_mm(), machine.y().travel_min_mm(),
+           machine.z().travel_min_mm()),
+      Vec3(machine.x().travel_max_mm(), machine.y().travel_max_mm(),
+           machine.z().travel_max_mm())};
   result.plan.rate_hz = job.job().laser().rate_hz();
   result.plan.continuous = asked.profile() == MOTION_PROFILE_CONTINUOUS;
-  result.plan.profile = ProfileOf(asked.profile());
+  if (!result.plan.continuous) {
+    const auto profile = motion::ProfileByName(ProfileName(asked.profile()));
+    Require(profile.has_value(), "motion.profile: {} is no profile",
+            static_cast<int>(asked.profile()));
+    result.plan.profile = *profile;
+  }
   result.plan.stage_lag_s = machine.stage_lag_s();
   for (const std::uint32_t channel : job.job().laser().channels()) {
     Require(channel >= 1 && channel <= 4, "channel {} is outside 1..4", channel);

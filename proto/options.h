@@ -5,6 +5,7 @@
 // in: proto/job_defaults.h, proto/freeze.h; a broken precondition throws.
 
 #include <cstdint>
+#include <string>
 
 #include "engrave/core/geometry.h"
 #include "engrave/discretize/methods.h"
@@ -39,9 +40,14 @@ sort::OrderOptions OrderOptionsOf(const JobSpec& job, double cone_tangent);
 
 optics::Lens LensOf(const JobSpec& job);
 
+/// "continuous", or the name of the profile in engrave/motion/profiles.h; empty for a
+/// number that is none.
+std::string ProfileName(MotionProfile profile);
+
 /// How the stage and the laser of a job are driven.
 struct MotionOptionsOfJob {
-  motion::PlanOptions plan;       ///< limits: the machine's, capped by the job's
+  motion::PlanOptions
+      plan;  ///< limits: the machine's, capped by the job's, and its travel
   std::uint8_t shutter_mask = 0;  ///< bit 0..3: channels 1..4
 };
 MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job);

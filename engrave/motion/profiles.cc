@@ -27,7 +27,7 @@ constexpr ProfileEntry kProfiles[] = {
     {Profile::kTrapezoid, "trapezoid", MakeCourse<Profile::kTrapezoid>},
     {Profile::kCubic, "cubic", MakeCourse<Profile::kCubic>},
     {Profile::kMix, "mix", MakeCourse<Profile::kMix>},
-    {Profile::kTimeOptimal, "time_optimal", Make<TimeOptimalProgram>},
+    {Profile::kTimeOptimal, "time-optimal", Make<TimeOptimalProgram>},
     {Profile::kInterpolator, "interpolator", Make<InterpolatorProgram>},
     {Profile::kParabola, "parabola", Make<ParabolaProgram>},
     {Profile::kLq, "lq", Make<LqProgram>},

@@ -2,7 +2,8 @@
 
 // Every profile by name, and how to make its program: the one list that planners, jobs
 // and the command line go by. A new one is a line in profiles.cc, an enumerator of
-// Profile and one of MotionProfile in proto/job.proto, with this name in capitals.
+// Profile and one of MotionProfile in proto/job.proto, with this name in capitals and _
+// for -.
 
 #include <memory>
 #include <optional>
@@ -17,7 +18,7 @@ namespace intaglio::motion {
 
 struct ProfileEntry {
   Profile profile;
-  std::string_view name;  ///< lower case, words joined by _
+  std::string_view name;  ///< lower case, words joined by -
   /// rate_hz > 0; the limits are usable.
   std::unique_ptr<StepProgram> (*make)(const Limits& limits, double rate_hz);
 };

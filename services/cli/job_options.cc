@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <cmath>
 
 #include "engrave/mesh/mesh_import.h"
@@ -59,6 +60,14 @@ Status SetMethod(const JobFlags& flags, Discretization& d) {
   return {};
 }
 
+std::string ProfileNames() {
+  std::vector<std::string> names;
+  for (int number = MotionProfile_MIN; number <= MotionProfile_MAX; ++number) {
+    names.push_back(ProfileName(static_cast<MotionProfile>(number)));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
   if (flags.order == "kdz")
     job.mutable_ordering()->mutable_kdz();
@@ -72,13 +81,13 @@ Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
   if (!flags.profile) return {};
   MotionProfile profile;
   std::string name = "MOTION_PROFILE_" + *flags.profile;
-  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (char& c : name) {
+    c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
   if (!MotionProfile_Parse(name, &profile)) {
     return Fail(
         ErrorCode::kInvalidValue,
-        fmt::format(
-            "--profile '{}': there are mix, triangle, trapezoid, cubic and continuous",
-            *flags.profile),
+        fmt::format("--profile '{}': there are {}", *flags.profile, ProfileNames()),
         *flags.profile);
   }
   job.mutable_motion()->set_profile(profile);
@@ -240,7 +249,7 @@ void AddJobFlags(CLI::App& command, JobFlags& flags) {
                      "no two points are nearer than this, mm");
   command.add_option("--order", flags.order, "kdz (default) or layers");
   command.add_option("--profile", flags.profile,
-                     "continuous (default), mix, triangle, trapezoid or cubic");
+                     "how the stage goes on, default continuous: " + ProfileNames());
   command.add_option("--machine", flags.machine,
                      "machine profile: els-03 (default), or a file");
   command.add_option("--rate", flags.rate_hz, "lamp sync rate, Hz; one of the machine's");

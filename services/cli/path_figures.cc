@@ -4,7 +4,6 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -100,7 +99,7 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
   report.set_point_count(path_mm.size());
   report.set_checksum(PointChecksum(path_mm));
   report.set_shadow_violation_count(
-      sort::CountShadowViolations(path_mm, job.optics().cone_tangent()));
+      sort::CountShadowViolations(path_mm, {job.optics().cone_tangent()}));
   sort::Order as_given(path_mm.size());
   std::iota(as_given.begin(), as_given.end(), 0);
   const sort::Travel travel = sort::MeasureTravel(path_mm, as_given);
@@ -130,7 +129,7 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path_mm,
     }
   }
   PlannedMotion planned = meter.Finish(path_mm.size());
-  planned.set_planner(PlannerName(job.job().motion().profile()));
+  planned.set_planner(ProfileName(job.job().motion().profile()));
   return planned;
 }
 
@@ -144,13 +143,6 @@ std::vector<FrozenJob> WithOtherPlanners(const FrozenJob& job) {
     jobs.back().mutable_job()->mutable_motion()->set_profile(profile);
   }
   return jobs;
-}
-
-std::string PlannerName(MotionProfile profile) {
-  std::string name = MotionProfile_Name(profile);
-  name.erase(0, std::string_view("MOTION_PROFILE_").size());
-  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
 }
 
 bool IsSound(const PlanReport& report) {
@@ -188,14 +180,14 @@ std::string FiguresOf(const PlanReport& report) {
 
 std::string ComparisonOf(const PlanReport& report) {
   std::string text = fmt::format(
-      "{:<11} {:>11} {:>15} {:>12} {:>11} {:>11} {:>13} {:>11} {:>15}\n"
-      "{:<11} {:>11} {:>15} {:>12} {:>11} {:>11} {:>13} {:>11} {:>15}",
+      "{:<13} {:>11} {:>15} {:>12} {:>11} {:>11} {:>13} {:>11} {:>15}\n"
+      "{:<13} {:>11} {:>15} {:>12} {:>11} {:>11} {:>13} {:>11} {:>15}",
       "planner", "ticks", "time", "utilisation", "rms accel.", "peak accel.", "mean jerk",
       "violations", "planned", "", "", "", "points/tick", "mm/s^2", "mm/s^2", "mm/s^3",
       "", "points/s");
   for (const PlannedMotion& m : report.motions()) {
     text += fmt::format(
-        "\n{:<11} {:>11} {:>15} {:>12.4f} {:>11} {:>11} {:>13} {:>11} {:>15}",
+        "\n{:<13} {:>11} {:>15} {:>12.4f} {:>11} {:>11} {:>13} {:>11} {:>15}",
         m.planner(), GroupedDigits(m.ticks()), ShortDuration(m.machining_time_s()),
         m.utilisation(), Grouped(m.rms_acceleration_mm_s2()),
         Grouped(m.peak_acceleration_mm_s2()), Grouped(m.mean_jerk_mm_s3()),

@@ -33,9 +33,6 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path_mm,
 /// The job with each of the motion profiles but its own.
 std::vector<FrozenJob> WithOtherPlanners(const FrozenJob& job);
 
-/// What `--profile` says: "continuous".
-std::string PlannerName(MotionProfile profile);
-
 /// No violation of the order, nor in the job's motion, the first.
 bool IsSound(const PlanReport& report);
 

@@ -86,7 +86,7 @@ Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
 
 Status PlanOthers(const FrozenJob& job, const PointList& path_mm, PlanReport& report) {
   for (const FrozenJob& other : WithOtherPlanners(job)) {
-    Meter meter(PlannerName(other.job().motion().profile()));
+    Meter meter(ProfileName(other.job().motion().profile()));
     auto planned = PlanMotion(other, path_mm, {}, meter.Sink());
     if (!planned) return tl::unexpected(planned.error());
     *report.add_motions() = std::move(*planned);

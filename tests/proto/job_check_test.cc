@@ -48,6 +48,13 @@ TEST(CheckJob, SixMistakesAreToldAllAtOnce) {
                   Says("motion.max_speed_mm_s", "100 is above the speed of els-03, 80")));
 }
 
+TEST(CheckJob, AProfileThatIsNoneIsTold) {
+  JobSpec job = GoodJob();
+  job.mutable_motion()->set_profile(static_cast<MotionProfile>(99));
+  EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
+              ElementsAre(Says("motion.profile", "99 is none of the profiles, 0..8")));
+}
+
 TEST(CheckJob, AnEmptyJobTellsAllThatIsRequired) {
   EXPECT_THAT(
       CheckJob(JobSpec()),

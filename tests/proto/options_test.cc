@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/motion/profiles.h"
 #include "proto/job_defaults.h"
 #include "tests/proto/test_job.h"
 
@@ -64,6 +65,32 @@ TEST(Options, MotionIsCappedAxisByAxis) {
   EXPECT_EQ(motion.plan.rate_hz, 200);
   EXPECT_EQ(motion.plan.profile, motion::Profile::kCubic);
   EXPECT_EQ(motion.shutter_mask, 0b0101);
+}
+
+TEST(Options, EveryProfileOfAJobIsOneOfThePlanner) {
+  std::size_t stopping = 0;
+  for (int number = MotionProfile_MIN; number <= MotionProfile_MAX; ++number) {
+    const auto profile = static_cast<MotionProfile>(number);
+    JobSpec job = GoodJob();
+    job.mutable_motion()->set_profile(profile);
+    const motion::PlanOptions plan = MotionOptionsOf(Frozen(job)).plan;
+    EXPECT_EQ(plan.continuous, profile == MOTION_PROFILE_CONTINUOUS);
+    if (plan.continuous) continue;
+    ++stopping;
+    EXPECT_EQ(motion::ProfileByName(ProfileName(profile)), plan.profile);
+  }
+  EXPECT_EQ(stopping, motion::Profiles().size());
+  EXPECT_EQ(ProfileName(MOTION_PROFILE_TIME_OPTIMAL), "time-optimal");
+  EXPECT_EQ(ProfileName(static_cast<MotionProfile>(99)), "");
+}
+
+TEST(Options, ThePlannersKnowWhereTheTravelEnds) {
+  FrozenJob frozen = Frozen(GoodJob());
+  frozen.mutable_machine()->mutable_y()->set_travel_min_mm(-7);
+  frozen.mutable_machine()->mutable_z()->set_travel_max_mm(99);
+  const Box3 travel_mm = MotionOptionsOf(frozen).plan.limits.travel_mm;
+  EXPECT_EQ(travel_mm.min_mm.y(), -7);
+  EXPECT_EQ(travel_mm.max_mm.z(), 99);
 }
 
 TEST(Options, DiscretizationOfEveryMethod) {

@@ -99,6 +99,9 @@ TEST(JobFlags, OfOrderMotionAndLaserLandInThem) {
   EXPECT_EQ(job.motion().max_speed_mm_s(), 30);
   EXPECT_EQ(job.motion().max_acceleration_mm_s2(), 900);
   EXPECT_EQ(job.laser().rate_hz(), 25);
+  EXPECT_EQ(JobOf({"--profile", "time-optimal"}).motion().profile(),
+            MOTION_PROFILE_TIME_OPTIMAL);
+  EXPECT_EQ(JobOf({"--profile", "lq"}).motion().profile(), MOTION_PROFILE_LQ);
   EXPECT_TRUE(JobOf({"--order", "kdz"}).ordering().has_kdz());
 }
 
@@ -159,7 +162,9 @@ TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
   };
   EXPECT_THAT(refusal("--method", "slices"), HasSubstr("sections, fill and rays"));
   EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz and layers"));
-  EXPECT_THAT(refusal("--profile", "s-curve"), HasSubstr("mix, triangle, trapezoid"));
+  EXPECT_THAT(refusal("--profile", "s-curve"),
+              HasSubstr("continuous, triangle, trapezoid, cubic, mix, time-optimal, "
+                        "interpolator, parabola, lq"));
   EXPECT_THAT(refusal("--rate", "77"), HasSubstr("laser.rate_hz"));
 }
 
