@@ -45,14 +45,16 @@ double TypicalSpacing(const PointList& points_mm) {
   return *middle;
 }
 
-/// What is worth a try. A point left behind costs a way of its own later, from rest to
-/// rest at worst; a weight of the way so high leaves no gaps in contours, a lower one
-/// goes round fewer corners.
+/// What is worth a try, by trial. A point left behind or below costs a way of its own
+/// later, from rest to rest at worst: with weights as high as that contours are followed
+/// without a gap. Lower ones suit clouds without rows.
 std::vector<Weights> WeightsToTry(const TickCost& cost, const PointList& points_mm) {
   const double spacing_mm = TypicalSpacing(points_mm);
   if (!std::isfinite(spacing_mm)) return {{1, 0, 0}};
   const double detour = cost.StopAndGoTicks(spacing_mm) / spacing_mm;
-  return {{1, detour, detour}, {0.5F, detour / 5, detour / 5}, {1, 0, detour}};
+  return {{0.5F, detour, 2 * detour},
+          {0.5F, detour / 5, detour / 5},
+          {0.5F, 0, 2.5 * detour}};
 }
 
 class Walk {
