@@ -17,8 +17,8 @@
 #include <numbers>
 
 #include "engrave/motion/planner.h"
+#include "engrave/sort/order.h"
 #include "tests/engrave/motion/paths.h"
-#include "tests/engrave/sort/published_greedy.h"
 
 namespace intaglio::motion {
 namespace {
@@ -56,6 +56,16 @@ void PrintTimes(const PointList& path_mm) {
                            std::sqrt(square / static_cast<double>(times.size())), most);
 }
 
+PointList SortedAsPublished(const PointList& cloud_mm, double k) {
+  sort::OrderOptions options;
+  options.method = sort::Method::kPublishedKdz;
+  options.published_kdz = {k, k};
+  const sort::Order order = sort::MakeOrder(cloud_mm, options).value();
+  PointList path_mm;
+  for (const std::uint32_t i : order) path_mm.push_back(cloud_mm[i]);
+  return path_mm;
+}
+
 void PrintAngles(const PointList& cloud_mm) {
   std::cout << "\n| angle | measured, s | K = tan(angle), s | difference, s | "
                "K = tan(angle / 2), s | difference, s |\n|---|---|---|---|---|---|\n";
@@ -63,8 +73,7 @@ void PrintAngles(const PointList& cloud_mm) {
     const double angle_rad = row.angle_deg * std::numbers::pi / 180;
     std::cout << fmt::format("| {:g} | {:g} |", row.angle_deg, row.time_s);
     for (const double k : {std::tan(angle_rad), std::tan(angle_rad / 2)}) {
-      const double ours_s =
-          ModelSeconds(sort::PublishedGreedy(cloud_mm, k, k), Limits(), 100);
+      const double ours_s = ModelSeconds(SortedAsPublished(cloud_mm, k), Limits(), 100);
       std::cout << fmt::format(" {:.1f} | {:+.1f} |", ours_s, ours_s - row.time_s);
     }
     std::cout << std::endl;

@@ -17,7 +17,8 @@
 namespace intaglio::sort {
 namespace {
 
-constexpr double kConeTangent = 0.2;
+/// Of a lens with numerical aperture 0.3 in N-BK7.
+const BeamCone kCone(0.2);
 
 PointList InOrder(const PointList& points_mm, const Order& order) {
   PointList made_mm;
@@ -53,8 +54,7 @@ void Measure(benchmark::State& state, const PointList& points_mm,
   state.counters["points/s"] =
       benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate);
   state.counters["mm a point"] = MeasureTravel(points_mm, order).largest_axis_mm / count;
-  state.counters["shadowed"] =
-      static_cast<double>(CountShadowViolations(path_mm, {kConeTangent}));
+  state.counters["shadowed"] = static_cast<double>(CountShadowViolations(path_mm, kCone));
   state.counters["util. 100 Hz"] = Utilisation(path_mm, 100);
   state.counters["util. 200 Hz"] = Utilisation(path_mm, 200);
 }
@@ -85,7 +85,7 @@ void RegisterShadow(const std::string& name, const PointList& points_mm) {
                                                                benchmark::State& state) {
     const PointList made_mm = InOrder(points_mm, MakeOrder(points_mm, {}).value());
     for (auto _ : state) {
-      benchmark::DoNotOptimize(CountShadowViolations(made_mm, {kConeTangent}));
+      benchmark::DoNotOptimize(CountShadowViolations(made_mm, kCone));
     }
     const auto count = static_cast<double>(made_mm.size());
     state.counters["points"] = count;
@@ -107,6 +107,7 @@ const int kRegistered = [] {
     for (const Method method : Methods()) {
       OrderOptions options;
       options.method = method;
+      options.cone = kCone;
       RegisterOrder(std::string(MethodName(method)) + ", " + cloud.name, cloud.points_mm,
                     options);
     }
