@@ -1,11 +1,14 @@
 #include "engrave/motion/axis_reach.h"
 
+#include <algorithm>
 #include <cmath>
 
 // The gentlest course has arcs of equal acceleration a. With D = d - (v + v') T / 2 >= 0
 // it speeds up first (else mirror), and with w = v' - v
 //   two arcs:    a^2 T^2 - 4 D a - w^2 = 0
 //   held at V:   a = ((V - v)^2 + (V - v')^2) / (2 (V T - d)).
+// At full acceleration A the way with a cruise at c, which grows with c, is
+//   c T - ((c - v) |c - v| + (c - v') |c - v'|) / (2 A).
 
 namespace intaglio::motion {
 
@@ -28,6 +31,27 @@ Arcs GentlestArcs(double start_mm_s, double end_mm_s, double distance_mm, double
       ((top - start_mm_s) * (top - start_mm_s) + (top - end_mm_s) * (top - end_mm_s)) /
       (2 * sign * (top * seconds - distance_mm));
   return {sign * (top - start_mm_s) / held, sign * (top - end_mm_s) / held, top, held};
+}
+
+Arcs HardestArcs(double start_mm_s, double end_mm_s, double distance_mm, double seconds,
+                 const AxisLimits& limits) {
+  const double a = limits.max_acceleration_mm_s2;
+  const double gentle =
+      GentlestArcs(start_mm_s, end_mm_s, distance_mm, seconds, limits.max_speed_mm_s)
+          .cruise_mm_s;
+  const auto way_mm = [&](double cruise) {
+    const double first = cruise - start_mm_s, last = cruise - end_mm_s;
+    return cruise * seconds - 0.5 * (first * std::abs(first) + last * std::abs(last)) / a;
+  };
+  // The gentlest course goes furthest to one side, so the speed lies to the other of it.
+  const bool above = distance_mm >= 0.5 * (start_mm_s + end_mm_s) * seconds;
+  double lo = above ? std::min(start_mm_s, end_mm_s) : gentle;
+  double hi = above ? gentle : std::max(start_mm_s, end_mm_s);
+  for (double cruise = 0.5 * (lo + hi); lo < cruise && cruise < hi;
+       cruise = 0.5 * (lo + hi)) {
+    (way_mm(cruise) < distance_mm ? lo : hi) = cruise;
+  }
+  return {std::abs(lo - start_mm_s) / a, std::abs(lo - end_mm_s) / a, lo, a};
 }
 
 }  // namespace intaglio::motion

@@ -56,6 +56,11 @@ struct Arcs {
 Arcs GentlestArcs(double start_mm_s, double end_mm_s, double distance_mm, double seconds,
                   double max_speed_mm_s);
 
+/// Of all courses of a feasible step that which goes least far beyond its ends: at full
+/// acceleration to one speed, and at full acceleration from it.
+Arcs HardestArcs(double start_mm_s, double end_mm_s, double distance_mm, double seconds,
+                 const AxisLimits& limits);
+
 // ---- Written here to be compiled into the loops of the planner. ----
 //
 // The fastest end from speed v over distance d in time T: brake at A for T - u, then

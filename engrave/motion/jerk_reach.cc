@@ -202,7 +202,9 @@ Pulses GentlestPulses(double start_mm_s, double end_mm_s, double distance_mm,
   const double cruise = start_mm_s + sign * share * first;
   if (std::abs(cruise) <= limits.max_speed_mm_s) return {first_s, last_s, cruise, share};
   const double top = sign * limits.max_speed_mm_s;
-  return HeldPulses(sign * (top - start_mm_s), sign * (top - end_mm_s),
+  // Rounding may leave a speed a last bit beyond the limit.
+  return HeldPulses(std::max(sign * (top - start_mm_s), 0.0),
+                    std::max(sign * (top - end_mm_s), 0.0),
                     sign * (top * seconds - distance_mm), top, limits);
 }
 

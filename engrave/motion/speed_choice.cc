@@ -22,12 +22,13 @@ namespace {
 class Way {
  public:
   Way(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
-      std::span<const TimedStep> timed, const Limits& limits, double rate_hz,
-      std::vector<Vec3>& ends_mm_s)
+      std::span<const TimedStep> timed, std::span<const StepLimits> choices,
+      double rate_hz, std::vector<Vec3>& ends_mm_s)
       : start_mm_s_(start_mm_s),
         steps_mm_(steps_mm),
         timed_(timed),
-        limits_{LimitsOf(limits, 0), LimitsOf(limits, 1), LimitsOf(limits, 2)},
+        choices_(choices),
+        has_walls_(HasWalls(choices[0].whole)),
         tick_s_(1 / rate_hz),
         ends_mm_s_(ends_mm_s) {}
 
@@ -67,6 +68,7 @@ class Way {
     const double t = 1 / Seconds(i), s = 1 / Seconds(i + 1);
     return {t, s, 0.5 / (t + s)};
   }
+  const StepLimits& LimitsAt(std::size_t i) const { return choices_[timed_[i].choice]; }
   double Seconds(std::size_t i) const { return timed_[i].ticks * tick_s_; }
   double Start(std::size_t i, int axis) const {
     return i == 0 ? start_mm_s_[axis] : ends_mm_s_[i - 1][axis];
@@ -84,20 +86,24 @@ class Way {
     const double start = Start(i, axis), next = ends_mm_s_[i + 1][axis];
     const double best = Best(i, axis, weights, start);
     double& end = ends_mm_s_[i][axis];
-    if (CubicKeeps(i, axis, weights.per_s, start, best) &&
+    const SpeedInterval& box = timed_[i].box.axis[axis];
+    if ((!has_walls_ || box.Contains(best)) &&
+        CubicKeeps(i, axis, weights.per_s, start, best) &&
         CubicKeeps(i + 1, axis, weights.next_per_s, best, next)) {
       end = best;
       return;
     }
-    const SpeedInterval open = Intersection(Behind(i, axis, start), Before(i + 1, axis));
+    SpeedInterval open = Intersection(Behind(i, axis, start), Before(i + 1, axis));
+    if (has_walls_) open = Intersection(open, box);
     if (!open.empty()) end = open.Clamp(best);
   }
 
   /// Whether the cubic of step i keeps the limits: what most points need, without a root.
   bool CubicKeeps(std::size_t i, int axis, double per_s, double v, double w) const {
+    if (LimitsAt(i).jerk_limited(axis)) return false;
     const double mean = steps_mm_[i][axis] * per_s;
-    const double most = limits_[axis].max_acceleration_mm_s2 * Seconds(i);
-    const double top = limits_[axis].max_speed_mm_s;
+    const double most = LimitsAt(i).planned.max_acceleration_mm_s2[axis] * Seconds(i);
+    const double top = LimitsAt(i).planned.max_speed_mm_s[axis];
     // Bezier ordinates of the speed: v, the middle one, w.
     const double middle = 3 * mean - v - w;
     return std::abs(6 * mean - 4 * v - 2 * w) <= most &&
@@ -106,19 +112,21 @@ class Way {
   }
   /// Where step i can end, coming from `start`.
   SpeedInterval Behind(std::size_t i, int axis, double start) const {
-    return ReachableEndSpeeds({start, start}, steps_mm_[i][axis], Seconds(i),
-                              limits_[axis]);
+    return ReachableEndSpeeds({start, start}, steps_mm_[i][axis], Seconds(i), axis,
+                              LimitsAt(i));
   }
   /// Where step i can start, going to its end.
   SpeedInterval Before(std::size_t i, int axis) const {
     const double end = ends_mm_s_[i][axis];
-    return ReachableEndSpeeds({end, end}, steps_mm_[i][axis], Seconds(i), limits_[axis]);
+    return ReachableEndSpeeds({end, end}, steps_mm_[i][axis], Seconds(i), axis,
+                              LimitsAt(i));
   }
 
   Vec3 start_mm_s_;
   std::span<const Vec3> steps_mm_;
   std::span<const TimedStep> timed_;
-  AxisLimits limits_[3];
+  std::span<const StepLimits> choices_;
+  bool has_walls_;
   double tick_s_;
   std::vector<Vec3>& ends_mm_s_;
 };
@@ -126,13 +134,13 @@ class Way {
 }  // namespace
 
 void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
-                  std::span<const TimedStep> timed, const Limits& limits, double rate_hz,
-                  int sweeps, std::vector<Vec3>& ends_mm_s) {
+                  std::span<const TimedStep> timed, std::span<const StepLimits> choices,
+                  double rate_hz, int sweeps, std::vector<Vec3>& ends_mm_s) {
   Require(steps_mm.size() == timed.size(), "{} steps and {} times", steps_mm.size(),
           timed.size());
   ends_mm_s.resize(timed.size());
   if (timed.empty()) return;
-  Way way(start_mm_s, steps_mm, timed, limits, rate_hz, ends_mm_s);
+  Way way(start_mm_s, steps_mm, timed, choices, rate_hz, ends_mm_s);
   way.Backwards();
   for (int sweep = 0; sweep < sweeps; ++sweep) way.Sweep(sweep % 2 == 0);
 }

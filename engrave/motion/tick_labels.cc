@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engrave/core/check.h"
 
@@ -17,33 +18,63 @@ namespace {
 /// from 100 Hz to 4 kHz; with 0 a tenth more at 4 kHz, with 1 half of that.
 constexpr double kChoiceWorthRatio = 0.3;
 
+constexpr double kRoundingMm = 1e-9;
+
 }  // namespace
 
-TickLabels::TickLabels(const Limits& limits, double rate_hz, const LabelOptions& options)
-    : limits_(limits), rate_hz_(rate_hz), options_(options) {
-  RequireUsable(limits);
+TickLabels::TickLabels(std::vector<StepLimits> choices, double rate_hz,
+                       const LabelOptions& options)
+    : choices_(std::move(choices)),
+      has_walls_(HasWalls(choices_.at(0).whole)),
+      fastest_mm_s_(Vec3::Zero()),
+      rate_hz_(rate_hz),
+      options_(options) {
   Require(rate_hz > 0 && std::isfinite(rate_hz), "rate_hz must be positive, is {}",
           rate_hz);
   Require(options.width >= 1 && options.extra_ticks >= 0,
           "width must be 1 or more and extra_ticks 0 or more, are {} and {}",
           options.width, options.extra_ticks);
+  for (const StepLimits& choice : choices_) {
+    RequireUsable(choice.planned);
+    fastest_mm_s_ = fastest_mm_s_.cwiseMax(choice.planned.max_speed_mm_s);
+  }
 }
 
-bool TickLabels::MakeLabel(std::uint32_t from_index, std::uint32_t ticks,
-                           const Vec3& step_mm, const SpeedInterval usable[3],
+TickLabels::Trial TickLabels::TrialOf(const Vec3& start_mm, const Vec3& step_mm,
+                                      std::uint32_t ticks, std::uint32_t choice) const {
+  Trial trial{step_mm, ticks, choice, {}, {}};
+  const StepLimits& limits = choices_[choice];
+  for (int axis = 0; axis < 3; ++axis) {
+    trial.usable[axis] = UsableStartSpeeds(step_mm[axis], ticks / rate_hz_, axis, limits);
+    if (!has_walls_) continue;
+    const double start = start_mm[axis], end = start + step_mm[axis];
+    // A state at the limit must not be lost by the last bit of its position.
+    trial.usable[axis] = Intersection(
+        trial.usable[axis], SpeedsAt(start, axis, limits, rate_hz_, kRoundingMm));
+    trial.open[axis] = SpeedsAt(end, axis, limits, rate_hz_);
+  }
+  return trial;
+}
+
+bool TickLabels::MakeLabel(std::uint32_t from_index, const Trial& trial,
                            Label& to) const {
   const Label& from = labels_[from_index];
   for (int axis = 0; axis < 3; ++axis) {
-    to.box.axis[axis] = Intersection(from.box.axis[axis], usable[axis]);
+    to.box.axis[axis] = Intersection(from.box.axis[axis], trial.usable[axis]);
     if (to.box.axis[axis].empty()) return false;
   }
-  const double seconds = ticks / rate_hz_;
+  const double seconds = trial.ticks / rate_hz_;
   for (int axis = 0; axis < 3; ++axis) {
-    to.box.axis[axis] = ReachableEndSpeeds(to.box.axis[axis], step_mm[axis], seconds,
-                                           LimitsOf(limits_, axis));
+    SpeedInterval& speeds = to.box.axis[axis];
+    speeds = ReachableEndSpeeds(speeds, trial.step_mm[axis], seconds, axis,
+                                choices_[trial.choice]);
+    if (!has_walls_) continue;
+    speeds = Intersection(speeds, trial.open[axis]);
+    if (speeds.empty()) return false;
   }
-  to.ticks = from.ticks + ticks;
-  to.step_ticks = ticks;
+  to.ticks = from.ticks + trial.ticks;
+  to.step_ticks = trial.ticks;
+  to.choice = trial.choice;
   to.parent = static_cast<std::int32_t>(from_index);
   return true;
 }
@@ -58,47 +89,52 @@ void TickLabels::Offer(const Label& label) {
   offered_.push_back(label);
 }
 
-void TickLabels::Extend(const Vec3& step_mm, bool to_rest) {
-  const std::uint32_t begin = first_.back();
+void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest) {
   const auto end = static_cast<std::uint32_t>(labels_.size());
   offered_.clear();
   // The last count worth a try of each label, known once it had a first success.
-  last_.assign(end - begin, UINT32_MAX);
-  std::uint32_t rest_ticks = UINT32_MAX;
-  const double least_s =
-      (step_mm.cwiseAbs().array() / limits_.max_speed_mm_s.array()).maxCoeff();
+  last_.assign(end - first_.back(), UINT32_MAX);
+  rest_ticks_ = UINT32_MAX;
+  const double least_s = (step_mm.cwiseAbs().array() / fastest_mm_s_.array()).maxCoeff();
   auto ticks = static_cast<std::uint32_t>(WholeTicks(least_s, rate_hz_));
   for (bool more = true; more; ++ticks) {
-    SpeedInterval usable[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      usable[axis] =
-          UsableStartSpeeds(step_mm[axis], ticks / rate_hz_, LimitsOf(limits_, axis));
-    }
     more = false;
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const bool late = labels_[i].ticks + ticks > rest_ticks;
-      if (late || ticks > last_[i - begin]) continue;
-      more = true;
-      Label label;
-      if (!MakeLabel(i, ticks, step_mm, usable, label)) continue;
-      const bool has_rest = label.box.HasRest();
-      if (has_rest) rest_ticks = std::min(rest_ticks, label.ticks);
-      if (to_rest && !has_rest) continue;
-      if (last_[i - begin] == UINT32_MAX) {
-        last_[i - begin] = ticks + static_cast<std::uint32_t>(options_.extra_ticks);
-      }
-      Offer(label);
+    for (std::uint32_t choice = 0; choice < choices_.size(); ++choice) {
+      more |= TryAll(TrialOf(start_mm, step_mm, ticks, choice), to_rest);
     }
   }
   first_.push_back(end);
   KeepBest();
 }
 
+/// Whether more ticks are worth a try of any label.
+bool TickLabels::TryAll(const Trial& trial, bool to_rest) {
+  const std::uint32_t begin = first_.back();
+  const auto end = static_cast<std::uint32_t>(begin + last_.size());
+  bool more = false;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const bool late = labels_[i].ticks + trial.ticks > rest_ticks_;
+    if (late || trial.ticks > last_[i - begin]) continue;
+    more = true;
+    Label label;
+    if (!MakeLabel(i, trial, label)) continue;
+    const bool has_rest = label.box.HasRest();
+    if (has_rest) rest_ticks_ = std::min(rest_ticks_, label.ticks);
+    if (to_rest && !has_rest) continue;
+    if (last_[i - begin] == UINT32_MAX) {
+      last_[i - begin] = trial.ticks + static_cast<std::uint32_t>(options_.extra_ticks);
+    }
+    Offer(label);
+  }
+  return more;
+}
+
 double TickLabels::Score(const Label& label) const {
   double choice_s = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const SpeedInterval& speeds = label.box.axis[axis];
-    choice_s += (speeds.hi - speeds.lo) / limits_.max_acceleration_mm_s2[axis];
+    choice_s +=
+        (speeds.hi - speeds.lo) / choices_[0].planned.max_acceleration_mm_s2[axis];
   }
   return label.ticks - kChoiceWorthRatio * rate_hz_ * choice_s;
 }
@@ -115,28 +151,45 @@ void TickLabels::KeepBest() {
   labels_.insert(labels_.end(), offered_.begin(), offered_.end());
 }
 
-void TickLabels::Choose(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
+void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
                         std::vector<TimedStep>& timed) {
   labels_.clear();
   first_.assign(1, 0);
-  Label start;
+  Label first;
   for (int axis = 0; axis < 3; ++axis) {
-    start.box.axis[axis] = {start_mm_s[axis], start_mm_s[axis]};
+    first.box.axis[axis] = {start.velocity_mm_s[axis], start.velocity_mm_s[axis]};
   }
-  labels_.push_back(start);
+  labels_.push_back(first);
+  Vec3 at_mm = start.position_mm;
   for (std::size_t i = 0; i < steps_mm.size(); ++i) {
-    Extend(steps_mm[i], i + 1 == steps_mm.size());
+    Extend(at_mm, steps_mm[i], i + 1 == steps_mm.size());
+    at_mm += steps_mm[i];
   }
   auto label =
       std::min_element(labels_.begin() + first_.back(), labels_.end(),
                        [](const Label& a, const Label& b) { return a.ticks < b.ticks; });
   timed.resize(steps_mm.size());
   for (std::size_t i = steps_mm.size(); i-- > 0;) {
-    timed[i] = {label->step_ticks, label->box};
+    timed[i] = {label->step_ticks, label->choice, label->box};
     label = labels_.begin() + label->parent;
   }
-  if (!timed.empty()) {
-    for (SpeedInterval& axis : timed.back().box.axis) axis = {0, 0};
+  if (timed.empty()) return;
+  for (SpeedInterval& axis : timed.back().box.axis) axis = {0, 0};
+  if (has_walls_) KeepOpen(start, steps_mm, timed);
+}
+
+/// Takes from each box what the step behind it may not start with.
+void TickLabels::KeepOpen(const KnotState& start, std::span<const Vec3> steps_mm,
+                          std::vector<TimedStep>& timed) const {
+  Vec3 at_mm = start.position_mm;
+  for (std::size_t i = 0; i + 1 < timed.size(); ++i) {
+    at_mm += steps_mm[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      SpeedInterval& speeds = timed[i].box.axis[axis];
+      speeds =
+          Intersection(speeds, SpeedsAt(at_mm[axis], axis, choices_[timed[i + 1].choice],
+                                        rate_hz_, kRoundingMm));
+    }
   }
 }
 

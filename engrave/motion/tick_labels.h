@@ -12,7 +12,8 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/motion/axis_reach.h"
-#include "engrave/motion/limits.h"
+#include "engrave/motion/segment.h"
+#include "engrave/motion/step_limits.h"
 
 namespace intaglio::motion {
 
@@ -40,18 +41,21 @@ struct LabelOptions {
 /// The ticks of the step to a point and the velocities open at it.
 struct TimedStep {
   std::uint32_t ticks = 1;
+  std::uint32_t choice = 0;  ///< Of the step's limits.
   VelocityBox box;
 };
 
 /// Keeps its memory between calls; not for two threads at once.
 class TickLabels {
  public:
-  TickLabels(const Limits& limits, double rate_hz, const LabelOptions& options);
+  /// Of `choices` every step takes one (StepLimitsOf).
+  TickLabels(std::vector<StepLimits> choices, double rate_hz,
+             const LabelOptions& options);
 
-  /// The fewest ticks found from `start_mm_s` through steps of `steps_mm` to rest at the
-  /// end of the last. `timed` gets an entry a step. The start velocity is within the
-  /// limits of speed.
-  void Choose(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
+  /// The fewest ticks found from `start` through steps of `steps_mm` to rest at the end
+  /// of the last. `timed` gets an entry a step. The start velocity is one from which the
+  /// way can be made within the limits.
+  void Choose(const KnotState& start, std::span<const Vec3> steps_mm,
               std::vector<TimedStep>& timed);
 
  private:
@@ -59,24 +63,41 @@ class TickLabels {
     VelocityBox box;
     std::uint32_t ticks = 0;
     std::uint32_t step_ticks = 0;
+    std::uint32_t choice = 0;
     std::int32_t parent = -1;
     double score = 0;  ///< Known while the best are chosen; less is better.
   };
 
-  bool MakeLabel(std::uint32_t from_index, std::uint32_t ticks, const Vec3& step_mm,
-                 const SpeedInterval usable[3], Label& to) const;
-  void Extend(const Vec3& step_mm, bool to_rest);
+  /// A step in a number of ticks under one choice of limits.
+  struct Trial {
+    Vec3 step_mm;
+    std::uint32_t ticks;
+    std::uint32_t choice;
+    SpeedInterval usable[3];  ///< At its start.
+    SpeedInterval open[3];    ///< At its end; where there are walls.
+  };
+
+  Trial TrialOf(const Vec3& start_mm, const Vec3& step_mm, std::uint32_t ticks,
+                std::uint32_t choice) const;
+  bool MakeLabel(std::uint32_t from_index, const Trial& trial, Label& to) const;
+  void Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest);
+  bool TryAll(const Trial& trial, bool to_rest);
+  void KeepOpen(const KnotState& start, std::span<const Vec3> steps_mm,
+                std::vector<TimedStep>& timed) const;
   void Offer(const Label& label);
   double Score(const Label& label) const;
   void KeepBest();
 
-  Limits limits_;
+  std::vector<StepLimits> choices_;
+  bool has_walls_;
+  Vec3 fastest_mm_s_;  ///< Of any choice.
   double rate_hz_;
   LabelOptions options_;
   std::vector<Label> labels_;         ///< Of all points, one after another.
   std::vector<std::uint32_t> first_;  ///< Of each point in labels_.
   std::vector<Label> offered_;        ///< For the point at hand.
   std::vector<std::uint32_t> last_;   ///< Of each label: the last ticks worth a try.
+  std::uint32_t rest_ticks_ = 0;      ///< The fewest to rest at the point at hand.
 };
 
 }  // namespace intaglio::motion

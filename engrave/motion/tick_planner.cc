@@ -14,12 +14,11 @@ TickPlannerOptions OptionsForRate(double rate_hz) {
 
 TickPlanner::TickPlanner(const Limits& limits, double rate_hz,
                          const TickPlannerOptions& options, const KnotState& start)
-    : limits_(limits),
-      reserved_(LimitsForPlanning(limits, rate_hz)),
+    : choices_(StepLimitsOf(limits, rate_hz)),
       rate_hz_(rate_hz),
       options_(options),
       state_(start),
-      labels_(reserved_, rate_hz, options.labels) {
+      labels_(choices_, rate_hz, options.labels) {
   Require(options.window_points >= 2 && options.look_ahead_points >= 0 &&
               options.look_ahead_points < options.window_points,
           "a window of {} points cannot look {} points ahead", options.window_points,
@@ -54,15 +53,15 @@ void TickPlanner::PlanWindow() {
     steps_mm_.push_back(target.position_mm - at_mm);
     at_mm = target.position_mm;
   }
-  labels_.Choose(state_.velocity_mm_s, steps_mm_, timed_);
-  ChooseSpeeds(state_.velocity_mm_s, steps_mm_, timed_, reserved_, rate_hz_,
+  labels_.Choose(state_, steps_mm_, timed_);
+  ChooseSpeeds(state_.velocity_mm_s, steps_mm_, timed_, choices_, rate_hz_,
                options_.sweeps, ends_mm_s_);
 }
 
 void TickPlanner::HandOut(std::size_t count, std::vector<Segment>& out) {
   for (std::size_t i = 0; i < count; ++i) {
     const KnotState to{targets_[i].position_mm, ends_mm_s_[i]};
-    AppendStep(state_, to, timed_[i].ticks, limits_, rate_hz_, out);
+    AppendStep(state_, to, timed_[i].ticks, choices_[timed_[i].choice], rate_hz_, out);
     out.back().point = targets_[i].point;
     out.back().pulse = targets_[i].pulse;
     state_ = to;

@@ -2,6 +2,7 @@
 
 // Motion that passes every point at a tick and need not stop there: as many points a
 // tick as the limits of the axes allow. Frame machine, mm.
+// All limits that are set are kept (limits.h; step_limits.h says what is exact).
 //
 // It plans a window of points at a time to rest at the window's last point, hands out
 // the first part of it and plans the rest again with what has come since. So at any time
@@ -64,8 +65,7 @@ class TickPlanner {
   void PlanWindow();
   void HandOut(std::size_t count, std::vector<Segment>& out);
 
-  Limits limits_;    ///< As given.
-  Limits reserved_;  ///< Less what arcs on whole subticks need.
+  std::vector<StepLimits> choices_;
   double rate_hz_;
   TickPlannerOptions options_;
   KnotState state_;

@@ -53,11 +53,12 @@ Vec3 PointOf(std::array<Vec3, N> control, double u) {
   return control[0];
 }
 
-/// The last bit of the coordinates of a segment.
+/// The last bit of the coordinates of a segment; of a millimetre at least, since near 0
+/// they are still sums of parts of a step.
 double BitMm(const KnotState& from, const Segment& to) {
   return std::numeric_limits<double>::epsilon() *
-         std::max(from.position_mm.cwiseAbs().maxCoeff(),
-                  to.end_position_mm.cwiseAbs().maxCoeff());
+         std::max({1.0, from.position_mm.cwiseAbs().maxCoeff(),
+                   to.end_position_mm.cwiseAbs().maxCoeff()});
 }
 
 /// Adds where an axis turns back, by the roots of its velocity in powers of u.
@@ -246,8 +247,9 @@ void MotionVerifier::CheckJerk(const Segment& to, double d, const Vec3& a0,
 void MotionVerifier::CheckJump(int axis, double to_mm_s2, double bits) {
   if (limits_.max_jerk_mm_s3[axis] == kUnlimited) return;
   const double jump = std::abs(to_mm_s2 - acceleration_[axis]);
-  if (jump <= limits_.max_acceleration_mm_s2[axis] * options_.limit_slack_ratio + bits +
-                  acceleration_bits_) {
+  // Several roundings lie between the two sides.
+  if (jump <= limits_.max_acceleration_mm_s2[axis] * options_.limit_slack_ratio +
+                  16.0 * (bits + acceleration_bits_)) {
     return;
   }
   Violate(fmt::format("segment {}: the acceleration of axis {} jumps by {} mm/s^2",

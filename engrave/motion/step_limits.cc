@@ -1,0 +1,137 @@
+#include "engrave/motion/step_limits.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "engrave/motion/jerk_reach.h"
+#include "engrave/motion/segment.h"
+
+// Shares. Scatter moves mostly in the plane of x and y, in any direction: three of the
+// boxes leave z little and split the rest, one is a cube, one is for moves along z. The
+// acceleration of a turn is across the velocity, so each split of one goes with each of
+// the other. An axis whose own limit is below its share leaves the rest to the others.
+
+namespace intaglio::motion {
+namespace {
+
+/// Of a limit, in steps of one tick, by trial: the most that was needed was 14.
+constexpr double kNodeCost = 16;
+constexpr double kFlatShare = 0.2;  ///< of z, in the boxes for the plane
+
+/// Shares of x, y and z.
+std::array<Vec3, 5> ShareVectors() {
+  const double plane = std::sqrt(1 - kFlatShare * kFlatShare);
+  const auto flat = [&](double degrees) {
+    const double angle = degrees * M_PI / 180;
+    return Vec3(plane * std::cos(angle), plane * std::sin(angle), kFlatShare);
+  };
+  const double across = kFlatShare, along = std::sqrt(1 - 2 * across * across);
+  return {flat(45), flat(15), flat(75), Vec3::Constant(std::sqrt(1.0 / 3)),
+          Vec3(across, across, along)};
+}
+
+/// The largest box of these shares in the ball and the box `most`.
+Vec3 Inscribed(const Vec3& shares, double length, const Vec3& most) {
+  Vec3 box = (length * shares).cwiseMin(most);
+  for (int round = 0; round < 3; ++round) {
+    double rest = length * length, open = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (box[axis] >= most[axis])
+        rest -= most[axis] * most[axis];
+      else
+        open += shares[axis] * shares[axis];
+    }
+    if (open == 0 || rest <= 0) break;
+    const double scale = std::sqrt(rest / open);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (box[axis] < most[axis]) box[axis] = std::min(scale * shares[axis], most[axis]);
+    }
+  }
+  return box;
+}
+
+/// The boxes for one length; the whole one where the length is no limit.
+std::vector<Vec3> Boxes(double length, const Vec3& most) {
+  if (most.norm() <= length) return {most};
+  std::vector<Vec3> boxes;
+  for (const Vec3& shares : ShareVectors()) {
+    boxes.push_back(Inscribed(shares, length, most));
+  }
+  return boxes;
+}
+
+double LeastJerk(const Limits& limits) { return limits.max_jerk_mm_s3.minCoeff(); }
+
+std::uint64_t GridSubticks(const Limits& limits, double rate_hz) {
+  constexpr double kGridSeconds = 0.2e-6, kBitMm = 2.2e-14;
+  double seconds = kGridSeconds;
+  if (LeastJerk(limits) < kUnlimited) {
+    seconds = std::max(seconds, std::cbrt(24 * kBitMm / (1e-3 * LeastJerk(limits))));
+  }
+  const auto grid = std::bit_ceil(
+      static_cast<std::uint64_t>(std::ceil(seconds * rate_hz * kSubticksPerTick)));
+  return std::min<std::uint64_t>(grid, kSubticksPerTick / 32);
+}
+
+Limits Planned(const Limits& limits, double rate_hz, std::uint64_t grid_subticks) {
+  const double grid_ticks = static_cast<double>(grid_subticks) / kSubticksPerTick;
+  Limits planned = limits;
+  planned.max_acceleration_mm_s2 *= 1 - 4 * grid_ticks;
+  if (LeastJerk(limits) < kUnlimited) {
+    // What moving the nodes of the acceleration to the grid costs (step_course.cc); a
+    // ramp to full acceleration may get shorter by a step of the grid.
+    const double kept = 1 - kNodeCost * grid_ticks, grid_s = grid_ticks / rate_hz;
+    planned.max_acceleration_mm_s2 = limits.max_acceleration_mm_s2 * kept;
+    for (int axis = 0; axis < 3; ++axis) {
+      double& jerk = planned.max_jerk_mm_s3[axis];
+      if (jerk == kUnlimited) continue;
+      jerk *= kept / (1 + grid_s * jerk / limits.max_acceleration_mm_s2[axis]);
+    }
+  }
+  // A longer arc makes the cruise faster by no more than it accelerates meanwhile.
+  planned.max_speed_mm_s -= planned.max_acceleration_mm_s2 * (2 * grid_ticks / rate_hz);
+  return planned;
+}
+
+}  // namespace
+
+std::vector<StepLimits> StepLimitsOf(const Limits& limits, double rate_hz) {
+  std::vector<StepLimits> choices;
+  for (const Vec3& speed : Boxes(limits.max_speed_norm_mm_s, limits.max_speed_mm_s)) {
+    for (const Vec3& acceleration :
+         Boxes(limits.max_acceleration_norm_mm_s2, limits.max_acceleration_mm_s2)) {
+      StepLimits choice{limits, limits, GridSubticks(limits, rate_hz)};
+      choice.whole.max_speed_mm_s = speed;
+      choice.whole.max_acceleration_mm_s2 = acceleration;
+      choice.planned = Planned(choice.whole, rate_hz, choice.grid_subticks);
+      choices.push_back(choice);
+    }
+  }
+  return choices;
+}
+
+bool HasWalls(const Limits& limits) {
+  return limits.travel_mm.min_mm.maxCoeff() > -kUnlimited ||
+         limits.travel_mm.max_mm.minCoeff() < kUnlimited;
+}
+
+SpeedInterval SpeedsAt(double position_mm, int axis, const StepLimits& limits,
+                       double rate_hz, double slack_mm) {
+  const double near_mm = std::min(position_mm - limits.whole.travel_mm.min_mm[axis],
+                                  limits.whole.travel_mm.max_mm[axis] - position_mm);
+  const double top = limits.planned.max_speed_mm_s[axis];
+  if (near_mm == kUnlimited) return {-top, top};
+  // Arcs on the grid brake by at most one step of it later.
+  const double grid_s =
+      static_cast<double>(limits.grid_subticks) / (kSubticksPerTick * rate_hz);
+  const double braking_mm = std::max(near_mm - 2 * top * grid_s, 0.0) + slack_mm;
+  const double speed =
+      limits.jerk_limited(axis)
+          ? PulseSpeedWithin(braking_mm / 1.5, JerkLimitsOf(limits.planned, axis))
+          : std::sqrt(2 * limits.planned.max_acceleration_mm_s2[axis] * braking_mm);
+  return {-std::min(speed, top), std::min(speed, top)};
+}
+
+}  // namespace intaglio::motion
