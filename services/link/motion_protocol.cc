@@ -189,4 +189,114 @@ Result<Positions> Decode(std::span<const std::byte> payload) {
   return m;
 }
 
+Bytes Encode(const BeginTimedRun& m) {
+  ByteWriter out;
+  out.Put(m.run);
+  out.Put(m.start_ns);
+  return out.Take();
+}
+
+template <>
+Result<BeginTimedRun> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  BeginTimedRun m;
+  m.run = in.Get<std::uint32_t>();
+  m.start_ns = in.Get<std::uint64_t>();
+  if (!in.finished()) return Unreadable("BeginTimedRun");
+  return m;
+}
+
+Bytes Encode(const TimedSegments& m) {
+  ByteWriter out;
+  out.Put(m.run);
+  out.Put(m.first_number);
+  out.Put(static_cast<std::uint8_t>(m.segments.size()));
+  for (const WireTimedSegment& segment : m.segments) {
+    PutPosition(out, segment);
+    PutVelocity(out, segment);
+    out.Put(segment.end_ns);
+    out.Put(static_cast<std::uint8_t>((segment.pulse ? kPulseBit : 0) |
+                                      (segment.program_end ? kEndBit : 0)));
+  }
+  return out.Take();
+}
+
+template <>
+Result<TimedSegments> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  TimedSegments m;
+  m.run = in.Get<std::uint32_t>();
+  m.first_number = in.Get<std::uint64_t>();
+  const auto count = in.Get<std::uint8_t>();
+  if (!in.good() || count == 0 || count > kMaxTimedSegments ||
+      GoesRound(m.first_number, count)) {
+    return Unreadable("TimedSegments");
+  }
+  m.segments.resize(count);
+  std::uint64_t before_ns = 0;
+  for (WireTimedSegment& segment : m.segments) {
+    GetPosition(in, segment);
+    GetVelocity(in, segment);
+    segment.end_ns = in.Get<std::uint64_t>();
+    const auto flags = in.Get<std::uint8_t>();
+    if (segment.end_ns <= before_ns || flags > (kPulseBit | kEndBit)) {
+      return Unreadable("TimedSegments");
+    }
+    before_ns = segment.end_ns;
+    segment.pulse = (flags & kPulseBit) != 0;
+    segment.program_end = (flags & kEndBit) != 0;
+  }
+  if (!in.finished()) return Unreadable("TimedSegments");
+  return m;
+}
+
+Bytes Encode(const TimedPositions& m) {
+  ByteWriter out;
+  out.Put(m.run);
+  out.Put(m.first_tick);
+  out.Put(static_cast<std::uint8_t>(m.positions.size()));
+  for (const TimedPositions::Position& position : m.positions) {
+    out.Put(position.at_ns);
+    PutPosition(out, position);
+  }
+  return out.Take();
+}
+
+template <>
+Result<TimedPositions> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  TimedPositions m;
+  m.run = in.Get<std::uint32_t>();
+  m.first_tick = in.Get<std::uint64_t>();
+  const auto count = in.Get<std::uint8_t>();
+  if (!in.good() || count == 0 || count > kMaxTimedPositions ||
+      GoesRound(m.first_tick, count)) {
+    return Unreadable("TimedPositions");
+  }
+  m.positions.resize(count);
+  for (TimedPositions::Position& position : m.positions) {
+    position.at_ns = in.Get<std::uint64_t>();
+    GetPosition(in, position);
+  }
+  if (!in.finished()) return Unreadable("TimedPositions");
+  return m;
+}
+
+Bytes Encode(const ControllerClock& m) {
+  ByteWriter out;
+  out.Put(m.power_up);
+  out.Put(m.now_ns);
+  return out.Take();
+}
+
+template <>
+Result<ControllerClock> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  ControllerClock m;
+  m.power_up = in.Get<std::uint32_t>();
+  m.now_ns = in.Get<std::uint64_t>();
+  if (!in.finished() || m.power_up == 0) return Unreadable("ControllerClock");
+  return m;
+}
+
 }  // namespace intaglio::link

@@ -7,6 +7,10 @@
 // an absolute tick; each segment is the cubic Hermite curve from the knot before it.
 // Positions travel in whole nm (int32: +-2.1 m), velocities in nm/s, durations in 1/65536
 // tick: sums are exact, and a point's knot falls on a whole tick.
+//
+// A controller with a clock of its own does not know how long a tick is. It says so
+// (ControllerClock), takes runs whose knots have times of its own clock, ns since its
+// power-up, and stamps its positions with them: the host finds how the two clocks go.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,10 +28,14 @@ enum class MotionFrame : std::uint8_t {
   kAbortRun = 0x32,  ///< no payload: brake to rest, drop the queue, end the run
   kMotionStatusRequest = 0x33,  ///< no payload
   kMotionReset = 0x34,          ///< no payload: clears a fault when its cause is gone
+  kBeginTimedRun = 0x35,        ///< the next two only to a clock of its own
+  kTimedSegments = 0x36,
   // device -> host
   kMotionIdentity = 0x40,  ///< once after every handshake
   kMotionStatus = 0x41,    ///< on request, on every fault, every 20 ms
   kPositions = 0x42,
+  kTimedPositions = 0x43,   ///< in place of kPositions from a clock of its own
+  kControllerClock = 0x44,  ///< after the identity: this controller has its own clock
 };
 
 /// Refused (status with fault kRunRefused) unless the stage is at rest without a fault.
@@ -92,12 +100,55 @@ struct Positions {
 };
 inline constexpr std::size_t kMaxPositions = 64;
 
+/// As BeginRun.
+struct BeginTimedRun {
+  std::uint32_t run = 0;
+  std::uint64_t start_ns = 0;  ///< controller's clock, in the future
+};
+
+struct WireTimedSegment {
+  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;           ///< end position, machine frame
+  std::int32_t vx_nm_s = 0, vy_nm_s = 0, vz_nm_s = 0;  ///< end velocity
+  std::uint64_t end_ns = 0;  ///< controller's clock, after the segment's before
+  bool pulse = false;        ///< in-position output around its end
+  bool program_end = false;  ///< at rest at its end, run over
+};
+
+struct TimedSegments {
+  std::uint32_t run = 0;
+  std::uint64_t first_number = 0;
+  std::vector<WireTimedSegment> segments;  ///< 1..kMaxTimedSegments
+};
+inline constexpr std::size_t kMaxTimedSegments = 30;
+
+/// Actual positions, one for every lamp sync that the controller was told of, in order.
+struct TimedPositions {
+  std::uint32_t run = 0;
+  std::uint64_t first_tick = 0;
+  struct Position {
+    std::uint64_t at_ns = 0;  ///< controller's clock, when it was told of the tick
+    std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;  ///< at that time, a while after the tick
+  };
+  std::vector<Position> positions;  ///< 1..kMaxTimedPositions
+};
+inline constexpr std::size_t kMaxTimedPositions = 48;
+
+/// Sent once after the identity.
+struct ControllerClock {
+  std::uint32_t power_up = 0;  ///< random number, not 0: another one is another clock
+  std::uint64_t now_ns = 0;    ///< since power-up
+};
+
 using Bytes = std::vector<std::byte>;
 Bytes Encode(const BeginRun& m);
 Bytes Encode(const Segments& m);
 Bytes Encode(const MotionIdentity& m);
 Bytes Encode(const MotionStatus& m);
 Bytes Encode(const Positions& m);
+Bytes Encode(const BeginTimedRun& m);
+Bytes Encode(const TimedSegments& m);
+Bytes Encode(const TimedPositions& m);
+Bytes Encode(const ControllerClock& m);
 
 template <typename T>
 Result<T> Decode(std::span<const std::byte> payload);
@@ -111,5 +162,13 @@ template <>
 Result<MotionStatus> Decode(std::span<const std::byte> payload);
 template <>
 Result<Positions> Decode(std::span<const std::byte> payload);
+template <>
+Result<BeginTimedRun> Decode(std::span<const std::byte> payload);
+template <>
+Result<TimedSegments> Decode(std::span<const std::byte> payload);
+template <>
+Result<TimedPositions> Decode(std::span<const std::byte> payload);
+template <>
+Result<ControllerClock> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link

@@ -41,6 +41,10 @@ void TryAll(std::span<const std::byte> payload) {
   Try<MotionIdentity>(payload);
   Try<MotionStatus>(payload);
   Try<Positions>(payload);
+  Try<BeginTimedRun>(payload);
+  Try<TimedSegments>(payload);
+  Try<TimedPositions>(payload);
+  Try<ControllerClock>(payload);
 }
 
 }  // namespace

@@ -71,17 +71,22 @@ bool Taken(std::span<const std::byte> payload) {
 
 using Taker = bool (*)(std::span<const std::byte>);
 
-const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>},
-                                              {"ShutterCommand", Taken<ShutterCommand>},
-                                              {"ArmWindow", Taken<ArmWindow>},
-                                              {"LaserIdentity", Taken<LaserIdentity>},
-                                              {"LaserStatus", Taken<LaserStatus>},
-                                              {"PulseReport", Taken<PulseReport>},
-                                              {"BeginRun", Taken<BeginRun>},
-                                              {"Segments", Taken<Segments>},
-                                              {"MotionIdentity", Taken<MotionIdentity>},
-                                              {"MotionStatus", Taken<MotionStatus>},
-                                              {"Positions", Taken<Positions>}};
+const std::map<std::string, Taker> kTakers = {
+    {"LampCommand", Taken<LampCommand>},
+    {"ShutterCommand", Taken<ShutterCommand>},
+    {"ArmWindow", Taken<ArmWindow>},
+    {"LaserIdentity", Taken<LaserIdentity>},
+    {"LaserStatus", Taken<LaserStatus>},
+    {"PulseReport", Taken<PulseReport>},
+    {"BeginRun", Taken<BeginRun>},
+    {"Segments", Taken<Segments>},
+    {"MotionIdentity", Taken<MotionIdentity>},
+    {"MotionStatus", Taken<MotionStatus>},
+    {"Positions", Taken<Positions>},
+    {"BeginTimedRun", Taken<BeginTimedRun>},
+    {"TimedSegments", Taken<TimedSegments>},
+    {"TimedPositions", Taken<TimedPositions>},
+    {"ControllerClock", Taken<ControllerClock>}};
 
 TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
   std::size_t tried = 0;
@@ -128,6 +133,15 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<Segments>(Encode(still)));
   EXPECT_FALSE(Taken<Segments>(Changed(Encode(one), Encode(one).size() - 1, 4)));
   EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, 1, {}})));
+  EXPECT_FALSE(Taken<TimedPositions>(Encode(TimedPositions{1, 1, {}})));
+  EXPECT_FALSE(Taken<ControllerClock>(Encode(ControllerClock{0, 1})));
+  TimedSegments two{
+      1, 0, {{1, 2, 3, 4, 5, 6, 7, false, false}, {1, 2, 3, 4, 5, 6, 8, false, false}}};
+  EXPECT_TRUE(Taken<TimedSegments>(Encode(two)));
+  two.segments[1].end_ns = 7;  // takes no time
+  EXPECT_FALSE(Taken<TimedSegments>(Encode(two)));
+  two.segments[0].end_ns = 0;
+  EXPECT_FALSE(Taken<TimedSegments>(Encode(two)));
 }
 
 TEST(Protocols, AStatusOutOfRangeIsRefused) {
@@ -169,6 +183,9 @@ TEST(Protocols, TicksThatGoRoundAreRefused) {
   const std::vector<Positions::Position> positions(4);
   EXPECT_TRUE(Taken<Positions>(Encode(Positions{1, kEnd - 4, positions})));
   EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, kEnd - 3, positions})));
+  const std::vector<TimedPositions::Position> stamped(4);
+  EXPECT_TRUE(Taken<TimedPositions>(Encode(TimedPositions{1, kEnd - 4, stamped})));
+  EXPECT_FALSE(Taken<TimedPositions>(Encode(TimedPositions{1, kEnd - 3, stamped})));
   const Segments numbered{1, kEnd, {WireSegment{1, 2, 3, 4, 5, 6, 7, false, false}}};
   EXPECT_FALSE(Taken<Segments>(Encode(numbered)));
 }

@@ -59,6 +59,20 @@ inline std::vector<SampleFrame> SampleFrames() {
                            StageFault::kFollowingError, 12345})},
       {"Positions", motion(MotionFrame::kPositions),
        Encode(Positions{3, 4711, {{1, 2, 3}, {-4, -5, -6}}})},
+      {"BeginTimedRun", motion(MotionFrame::kBeginTimedRun),
+       Encode(BeginTimedRun{3, 47123456789})},
+      {"TimedSegments", motion(MotionFrame::kTimedSegments),
+       Encode(TimedSegments{
+           3,
+           12,
+           {{1000000, -2500000, 20000000, 80000000, -1, 100000000, 47133457000, true,
+             false},
+            {1500000, -2500000, 20000000, 0, 0, 0, 47148459000, false, true}}})},
+      {"TimedPositions", motion(MotionFrame::kTimedPositions),
+       Encode(
+           TimedPositions{3, 4711, {{47110001000, 1, 2, 3}, {47121003000, -4, -5, -6}}})},
+      {"ControllerClock", motion(MotionFrame::kControllerClock),
+       Encode(ControllerClock{0xC10C, 1700000000})},
   };
 }
 
