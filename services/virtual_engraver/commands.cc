@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <sstream>
 
 namespace intaglio::virtual_engraver {
@@ -118,6 +119,19 @@ std::string Commands::DoWords(const std::vector<std::string>& words) {
         (!laser && words[2] != "motion"))
       return "error drop-bytes 0..1 laser|motion";
     line->DropBytes(*ratio, plugs_.seed);
+    return "ok";
+  }
+  if (verb == "clock-drift") {
+    const auto drift_ppm = NumberOf<double>(what);
+    if (!drift_ppm || !(std::abs(*drift_ppm) <= 200)) {
+      return "error clock-drift -200..200, in ppm";
+    }
+    OwnClock* own = machine_.stage().own_clock();
+    if (own == nullptr) {
+      return "error the stage runs on the laser's ticks: start the machine with "
+             "--clock-drift-ppm";
+    }
+    own->SetDrift(*drift_ppm);
     return "ok";
   }
   return verb == "plug" || verb == "unplug" ? Line(verb, what) : "";

@@ -5,7 +5,8 @@
 //   key on|off            door open|close         estop press|release
 //   stick x|y|z|all       unstick                 miss N
 //   drop-bytes RATIO laser|motion                 unplug laser|motion
-//   plug laser|motion     status                  quit
+//   plug laser|motion     clock-drift PPM         status
+//   quit
 
 #include <cstdint>
 #include <optional>

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "services/virtual_engraver/late_line.h"
+
 namespace intaglio::virtual_engraver {
 namespace {
 
@@ -14,6 +16,8 @@ using namespace std::chrono_literals;
 
 constexpr auto kStatusPeriod = 20ms;
 constexpr auto kIdle = 10ms;
+// A line with jitter is looked at this often, so that jitter is all that is added.
+constexpr auto kLateLineIdle = 200us;
 // Between two looks at the lines.
 constexpr int kTicksAtOnce = 2048;
 // What the host has not taken yet stops the lockstep clock, so it stays bounded.
@@ -67,12 +71,20 @@ Machine::Machine(const MachineOptions& options, Glass glass, link::SteadyClock c
       clock_(std::move(clock)),
       next_tick_at_(clock_()) {}
 
+// In lockstep the machine's clock stands still until what is under way has come.
+std::unique_ptr<link::ByteStream> Machine::Delayed(
+    std::unique_ptr<link::ByteStream> end) {
+  if (!end || options_.line_jitter.count() <= 0 || options_.laser.lockstep) return end;
+  return std::make_unique<LateLine>(std::move(end), options_.line_jitter,
+                                    options_.seed + ++lines_plugged_, clock_);
+}
+
 void Machine::PlugLaserLine(std::unique_ptr<link::ByteStream> end) {
-  laser_line_.Plug(std::move(end), clock_);
+  laser_line_.Plug(Delayed(std::move(end)), clock_);
 }
 
 void Machine::PlugMotionLine(std::unique_ptr<link::ByteStream> end) {
-  motion_line_.Plug(std::move(end), clock_);
+  motion_line_.Plug(Delayed(std::move(end)), clock_);
 }
 
 void Machine::PollLines() {
@@ -87,6 +99,10 @@ void Machine::PollLines() {
         HandleMotion(static_cast<MotionFrame>(type), payload);
       })) {
     motion_line_.Say(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
+    if (const OwnClock* own = stage_.own_clock()) {
+      motion_line_.Say(Number(MotionFrame::kControllerClock),
+                       Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
+    }
   }
 }
 
@@ -125,6 +141,16 @@ void Machine::HandleMotion(MotionFrame type, std::span<const std::byte> payload)
     case MotionFrame::kSegments:
       if (const auto m = link::Decode<link::Segments>(payload)) stage_.Append(*m);
       return;
+    case MotionFrame::kBeginTimedRun:
+      if (const auto m = link::Decode<link::BeginTimedRun>(payload)) {
+        stage_.BeginTimedRun(*m);
+      }
+      return;
+    case MotionFrame::kTimedSegments:
+      if (const auto m = link::Decode<link::TimedSegments>(payload)) {
+        stage_.AppendTimed(*m);
+      }
+      return;
     case MotionFrame::kAbortRun:
       return stage_.Abort();
     case MotionFrame::kMotionReset:
@@ -145,7 +171,7 @@ void Machine::KeepSafe() {
 
 bool Machine::MayPassTick() const {
   if (!options_.laser.lockstep) return clock_() >= next_tick_at_;
-  return laser_.NextIsDecided() && stage_.MayPass() &&
+  return laser_.NextIsDecided() && stage_.MayPass(laser_.rate_hz()) &&
          laser_line_.waiting.size() < kMaxWaiting &&
          motion_line_.waiting.size() < kMaxWaiting;
 }
@@ -193,6 +219,11 @@ void Machine::Tell(bool at_once) {
   for (const link::Positions& positions : stage_.TakePositions()) {
     motion_line_.Say(Number(MotionFrame::kPositions), Encode(positions));
   }
+  for (const link::TimedPositions& positions : stage_.TakeTimedPositions()) {
+    // They come at rest, too: nobody keeps them for a host that is not there.
+    if (!motion_line_.link || !motion_line_.link->up()) break;
+    motion_line_.Say(Number(MotionFrame::kTimedPositions), Encode(positions));
+  }
   const link::LaserStatus status = laser_.Report();
   const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
   if (at_once || laser_line_.status_asked || interlocks != told_interlocks_ ||
@@ -229,7 +260,8 @@ nanoseconds Machine::Turn() {
   // What was said has to leave before the next wait.
   PollLines();
   if (options_.laser.lockstep) return blocked ? nanoseconds(kIdle) : nanoseconds(0);
-  return std::clamp(next_tick_at_ - clock_(), nanoseconds(0), nanoseconds(kIdle));
+  const nanoseconds idle = options_.line_jitter.count() > 0 ? kLateLineIdle : kIdle;
+  return std::clamp(next_tick_at_ - clock_(), nanoseconds(0), idle);
 }
 
 std::string Machine::StatusLine() {

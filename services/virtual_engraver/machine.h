@@ -5,7 +5,8 @@
 //
 // Lockstep: a tick passes only if the host has decided it and the stage has motion for it
 // (or none to come); so ticks pass as fast as the data comes, and nothing starves.
-// Real time: ticks pass by the clock, `speed` times as fast as the lamp's rate.
+// Real time: ticks pass by the clock, `speed` times as fast as the lamp's rate, and what
+// is said on a line arrives up to `line_jitter` later.
 //
 // A safe state of its own: no valid frame on the laser line for 250 ms while a shutter is
 // open or a tick is decided closes the shutters; on the motion line during a run it stops
@@ -31,6 +32,8 @@ struct MachineOptions {
   BlockInMachine block;
   double pulse_energy_mj = 30;
   double speed = 1;  ///< machine time against real time; ignored in lockstep
+  std::chrono::nanoseconds line_jitter{0};  ///< 0..2 ms; ignored in lockstep
+  unsigned seed = 0;                        ///< of the jitter
 };
 
 class Machine {
@@ -75,6 +78,7 @@ class Machine {
     void Flush();
   };
 
+  std::unique_ptr<link::ByteStream> Delayed(std::unique_ptr<link::ByteStream> end);
   void PollLines();
   void HandleLaser(link::LaserFrame type, std::span<const std::byte> payload);
   void HandleMotion(link::MotionFrame type, std::span<const std::byte> payload);
@@ -91,6 +95,7 @@ class Machine {
   Glass glass_;
   link::SteadyClock clock_;
   Line laser_line_, motion_line_;
+  unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;
   std::uint64_t to_miss_ = 0;
   std::uint32_t told_interlocks_ = 0;

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <random>
 
@@ -30,6 +31,8 @@ struct Options {
   std::string speed = "1";
   std::vector<std::string> faults;
   unsigned seed = 0;
+  double clock_drift_ppm = 0;
+  double line_jitter_ms = 0;
   bool die_with_parent = false;
 };
 
@@ -84,6 +87,15 @@ void AddOptions(CLI::App& app, Options& o) {
       ->capture_default_str();
   app.add_option("--speed", o.speed, "1, N times real time, or lockstep")
       ->capture_default_str();
+  app.add_option("--clock-drift-ppm", o.clock_drift_ppm,
+                 "the stage's controller runs on a clock of its own, this much too fast; "
+                 "0: on the laser's ticks")
+      ->check(CLI::Range(-200.0, 200.0))
+      ->capture_default_str();
+  app.add_option("--line-jitter-ms", o.line_jitter_ms,
+                 "what is said on a serial line arrives up to this much later")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
   app.add_option("--fault", o.faults, "\"AT_TICK COMMAND\": misbehave by itself");
   app.add_option("--seed", o.seed, "of random misbehaviour")->capture_default_str();
 }
@@ -98,6 +110,12 @@ Status Finish(Options& o) {
   m.laser.channels = static_cast<std::uint8_t>(o.channels);
   m.laser.power_up = std::random_device{}();
   m.laser.lockstep = m.stage.waits_for_motion = o.speed == "lockstep";
+  m.seed = o.seed;
+  m.line_jitter = std::chrono::nanoseconds(std::llround(1e6 * o.line_jitter_ms));
+  if (o.clock_drift_ppm != 0) {
+    m.stage.own_clock = OwnClockOptions{o.clock_drift_ppm, 1e-3 * o.line_jitter_ms,
+                                        std::max(1u, std::random_device{}()), o.seed};
+  }
   if ((m.stage.travel_max_mm.array() <= m.stage.travel_min_mm.array()).any()) {
     return Fail(ErrorCode::kInvalidValue,
                 "--travel-max has to be above --travel-min in each axis");

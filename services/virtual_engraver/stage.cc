@@ -25,48 +25,102 @@ std::int32_t ToNm(double mm) {
       std::llround(std::clamp(mm * kNmPerMm, -2.1e9, 2.1e9)));
 }
 
-Vec3 EndOf(const link::WireSegment& s) { return ToMm(s.x_nm, s.y_nm, s.z_nm); }
-Vec3 EndSpeedOf(const link::WireSegment& s) {
-  return ToMm(s.vx_nm_s, s.vy_nm_s, s.vz_nm_s);
-}
+// How far from a knot's time the in-position output may be on. At 80 mm/s the stage makes
+// 32 um of it, so it is the tolerance that decides; and a quarter of a tick keeps it from
+// the next pulse.
+constexpr double kGateSeconds = 0.0004;
+constexpr double kGateTickRatio = 0.25;
 
 }  // namespace
 
 Stage::Stage(const StageOptions& options) : options_(options) {
   commanded_mm_ = actual_mm_ = knot_mm_ =
       Vec3::Zero().cwiseMax(options.travel_min_mm).cwiseMin(options.travel_max_mm);
+  if (!options.own_clock) return;
+  own_clock_.emplace(*options.own_clock);
+  now_units_ = own_clock_->now_ns();
+  unit_s_ = 1e-9;
 }
 
-void Stage::BeginRun(const link::BeginRun& run) {
-  if (phase_ != Phase::kRest || fault_ != StageFault::kNone)
-    return Fail(StageFault::kRunRefused);
-  if (run.start_tick <= tick_) {
+bool Stage::Refuses(bool timed) {
+  if (phase_ == Phase::kRest && fault_ == StageFault::kNone &&
+      timed == own_clock_.has_value()) {
+    return false;
+  }
+  Fail(StageFault::kRunRefused);
+  return true;
+}
+
+void Stage::Start(std::uint32_t run, std::uint64_t start_units) {
+  if (start_units <= now_units_) {
     fault_ = StageFault::kLate;
     return;
   }
-  run_ = run.run;
-  start_tick_ = run.start_tick;
-  taken_ = queued_subticks_ = in_segment_subticks_ = 0;
+  run_ = run;
+  start_units_ = start_units;
+  taken_ = queued_units_ = in_piece_units_ = 0;
   queue_.clear();
+  passed_ = {};
   knot_mm_ = commanded_mm_;
   knot_mm_s_ = Vec3::Zero();
   phase_ = Phase::kRunning;
 }
 
-void Stage::Append(const link::Segments& segments) {
-  if (phase_ != Phase::kRunning || segments.run != run_) return;
-  if (segments.first_number != taken_ ||
-      queue_.size() + segments.segments.size() > options_.queue_capacity) {
-    return Fail(StageFault::kBadSequence);
+void Stage::BeginRun(const link::BeginRun& run) {
+  if (Refuses(false)) return;
+  // Beyond this there are no subticks.
+  if (run.start_tick > UINT64_MAX / kSubticksPerTick) return Fail(StageFault::kLate);
+  Start(run.run, run.start_tick * kSubticksPerTick);
+}
+
+void Stage::BeginTimedRun(const link::BeginTimedRun& run) {
+  if (Refuses(true)) return;
+  Start(run.run, run.start_ns);
+  last_end_ns_ = run.start_ns;
+}
+
+bool Stage::TakesSegments(std::uint32_t run, std::uint64_t first_number,
+                          std::size_t count) {
+  if (phase_ != Phase::kRunning || run != run_) return false;
+  if (first_number == taken_ && queue_.size() + count <= options_.queue_capacity) {
+    return true;
   }
-  for (const link::WireSegment& segment : segments.segments) {
-    const Vec3 end = EndOf(segment);
-    if (!Box3{options_.travel_min_mm, options_.travel_max_mm}.Contains(end)) {
-      return Fail(StageFault::kLimit);
+  Fail(StageFault::kBadSequence);
+  return false;
+}
+
+bool Stage::Queue(const Piece& piece) {
+  if (!Box3{options_.travel_min_mm, options_.travel_max_mm}.Contains(piece.end_mm)) {
+    Fail(StageFault::kLimit);
+    return false;
+  }
+  queue_.push_back(piece);
+  queued_units_ += piece.units;
+  ++taken_;
+  return true;
+}
+
+void Stage::Append(const link::Segments& segments) {
+  if (!TakesSegments(segments.run, segments.first_number, segments.segments.size()))
+    return;
+  for (const link::WireSegment& s : segments.segments) {
+    if (!Queue({ToMm(s.x_nm, s.y_nm, s.z_nm), ToMm(s.vx_nm_s, s.vy_nm_s, s.vz_nm_s),
+                s.duration_subticks, s.pulse, s.program_end})) {
+      return;
     }
-    queue_.push_back(segment);
-    queued_subticks_ += segment.duration_subticks;
-    ++taken_;
+  }
+}
+
+void Stage::AppendTimed(const link::TimedSegments& segments) {
+  if (!TakesSegments(segments.run, segments.first_number, segments.segments.size()))
+    return;
+  for (const link::WireTimedSegment& s : segments.segments) {
+    if (s.end_ns <= last_end_ns_) return Fail(StageFault::kBadSequence);
+    if (!Queue({ToMm(s.x_nm, s.y_nm, s.z_nm), ToMm(s.vx_nm_s, s.vy_nm_s, s.vz_nm_s),
+                s.end_ns - last_end_ns_, s.pulse, s.program_end})) {
+      return;
+    }
+    last_end_ns_ = s.end_ns;
   }
 }
 
@@ -85,33 +139,35 @@ void Stage::Stick(int axis) {
 void Stage::Brake(StageFault fault) {
   if (fault_ == StageFault::kNone) fault_ = fault;
   queue_.clear();
-  queued_subticks_ = in_segment_subticks_ = 0;
+  queued_units_ = in_piece_units_ = 0;
+  passed_ = {};
   if (phase_ == Phase::kRest) return;
   const double seconds = commanded_mm_s_.norm() / options_.brake_acceleration_mm_s2;
-  if (seconds <= 0 || tick_ < start_tick_) {
+  if (seconds <= 0 || now_units_ < start_units_) {
     phase_ = Phase::kRest;
     commanded_mm_s_ = Vec3::Zero();
     return;
   }
-  const Vec3 end = commanded_mm_ + 0.5 * seconds * commanded_mm_s_;
-  link::WireSegment stop;
-  stop.x_nm = ToNm(end.x());
-  stop.y_nm = ToNm(end.y());
-  stop.z_nm = ToNm(end.z());
-  stop.duration_subticks = static_cast<std::uint32_t>(std::clamp(
-      std::ceil(seconds * rate_hz_ * static_cast<double>(kSubticksPerTick)), 1.0, 4e9));
+  Piece stop;
+  stop.end_mm = commanded_mm_ + 0.5 * seconds * commanded_mm_s_;
+  stop.units =
+      static_cast<std::uint64_t>(std::clamp(std::ceil(seconds / unit_s_), 1.0, 4e18));
   stop.program_end = true;
   queue_.push_back(stop);
-  queued_subticks_ = stop.duration_subticks;
+  queued_units_ = stop.units;
   knot_mm_ = commanded_mm_;
   knot_mm_s_ = commanded_mm_s_;
   phase_ = Phase::kBraking;
 }
 
-bool Stage::MayPass() const {
-  if (phase_ != Phase::kRunning || tick_ + 1 <= start_tick_) return true;
+bool Stage::MayPass(double rate_hz) const {
+  if (phase_ != Phase::kRunning) return true;
+  const std::uint64_t next =
+      own_clock_ ? own_clock_->NsAfter(1 / rate_hz) : now_units_ + kSubticksPerTick;
+  if (next <= start_units_) return true;
   const bool ends = !queue_.empty() && queue_.back().program_end;
-  return ends || queued_subticks_ - in_segment_subticks_ >= kSubticksPerTick;
+  return ends ||
+         queued_units_ - in_piece_units_ >= next - std::max(now_units_, start_units_);
 }
 
 Stage::Curve Stage::CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
@@ -143,71 +199,109 @@ void Stage::FollowCurve(const Curve& curve, double from_s, double to_s) {
   }
 }
 
-void Stage::FinishSegment() {
-  const link::WireSegment segment = queue_.front();
+void Stage::FinishPiece() {
+  const Piece piece = queue_.front();
   queue_.pop_front();
-  queued_subticks_ -= segment.duration_subticks;
-  in_segment_subticks_ = 0;
-  knot_mm_ = EndOf(segment);
-  knot_mm_s_ = EndSpeedOf(segment);
-  if (segment.program_end) {
+  queued_units_ -= piece.units;
+  in_piece_units_ = 0;
+  knot_mm_ = piece.end_mm;
+  knot_mm_s_ = piece.end_mm_s;
+  if (phase_ == Phase::kRunning && (piece.pulse || !own_clock_)) {
+    passed_ = {piece.end_mm, now_units_, piece.pulse};
+  }
+  if (piece.program_end) {
     phase_ = Phase::kRest;
     queue_.clear();
-    queued_subticks_ = 0;
+    queued_units_ = 0;
     commanded_mm_ = knot_mm_;
     commanded_mm_s_ = Vec3::Zero();
   }
 }
 
-std::uint64_t Stage::FollowQueue(std::uint64_t left, double rate_hz) {
-  const double subtick_s = 1 / (rate_hz * static_cast<double>(kSubticksPerTick));
+std::uint64_t Stage::FollowQueue(std::uint64_t left) {
   while (left > 0 && !queue_.empty()) {
-    const link::WireSegment segment = queue_.front();
-    const std::uint64_t step =
-        std::min<std::uint64_t>(left, segment.duration_subticks - in_segment_subticks_);
-    const Curve curve = CurveOf(knot_mm_, knot_mm_s_, EndOf(segment), EndSpeedOf(segment),
-                                segment.duration_subticks * subtick_s);
-    const double from_s = static_cast<double>(in_segment_subticks_) * subtick_s;
-    FollowCurve(curve, from_s, from_s + static_cast<double>(step) * subtick_s);
-    in_segment_subticks_ += step;
+    const Piece& piece = queue_.front();
+    const std::uint64_t step = std::min(left, piece.units - in_piece_units_);
+    const Curve curve = CurveOf(knot_mm_, knot_mm_s_, piece.end_mm, piece.end_mm_s,
+                                static_cast<double>(piece.units) * unit_s_);
+    const double from_s = static_cast<double>(in_piece_units_) * unit_s_;
+    FollowCurve(curve, from_s, from_s + static_cast<double>(step) * unit_s_);
+    in_piece_units_ += step;
+    now_units_ += step;
     left -= step;
-    if (in_segment_subticks_ < segment.duration_subticks) continue;
-    in_position_ = left == 0 && segment.pulse && phase_ == Phase::kRunning &&
-                   (actual_mm_ - EndOf(segment)).norm() <= options_.position_tolerance_mm;
-    FinishSegment();
+    if (in_piece_units_ == piece.units) FinishPiece();
   }
   return left;
 }
 
-void Stage::RunTick(double rate_hz) {
-  std::uint64_t left = FollowQueue(kSubticksPerTick, rate_hz);
+// Waits for the start, follows the queue, rests.
+void Stage::AdvanceTo(std::uint64_t units) {
+  if (phase_ == Phase::kRunning && now_units_ < start_units_) {
+    const std::uint64_t wait = std::min(units, start_units_) - now_units_;
+    FollowCurve({commanded_mm_}, 0, static_cast<double>(wait) * unit_s_);
+    now_units_ += wait;
+  }
+  std::uint64_t left = FollowQueue(units - now_units_);
   if (phase_ == Phase::kRunning && left > 0) {
     Fail(StageFault::kStarved);
-    left = FollowQueue(left, rate_hz);  // brakes at once, without a pause to the tick
+    left = FollowQueue(left);  // brakes at once, without a pause to the tick
   }
   // At rest the lag goes on.
-  const double rest_s =
-      static_cast<double>(left) / (rate_hz * static_cast<double>(kSubticksPerTick));
-  if (left > 0) FollowCurve({commanded_mm_}, 0, rest_s);
+  if (left > 0) FollowCurve({commanded_mm_}, 0, static_cast<double>(left) * unit_s_);
+  now_units_ += left;
+}
+
+// What was heard of between two ticks, and at the newer one if the line is at once.
+void Stage::AdvanceOwnClock() {
+  own_clock_->Advance(1 / rate_hz_);
+  own_clock_->Tell(tick_);
+  const std::uint64_t now_ns = own_clock_->now_ns();
+  while (const auto heard = own_clock_->HearsBy(now_ns)) {
+    AdvanceTo(heard->at_ns);
+    LatchAt(*heard);
+  }
+  AdvanceTo(now_ns);
 }
 
 void Stage::AdvanceTick(double rate_hz) {
   ++tick_;
   rate_hz_ = rate_hz;
-  in_position_ = false;
-  const bool executing =
-      phase_ == Phase::kBraking || (phase_ == Phase::kRunning && tick_ > start_tick_);
-  if (executing) {
-    RunTick(rate_hz);
-    Latch();
+  const bool executing = phase_ == Phase::kBraking ||
+                         (phase_ == Phase::kRunning && now_units_ >= start_units_);
+  if (own_clock_) {
+    AdvanceOwnClock();
   } else {
-    FollowCurve({commanded_mm_}, 0, 1 / rate_hz);
+    unit_s_ = 1 / (rate_hz * static_cast<double>(kSubticksPerTick));
+    AdvanceTo(now_units_ + kSubticksPerTick);
+    if (executing) Latch();
   }
+  in_position_ = GateIsOn();
   const double error = (commanded_mm_ - actual_mm_).cwiseAbs().maxCoeff();
   following_error_max_mm_ = std::max(following_error_max_mm_, error);
   if (error > options_.following_error_limit_mm && fault_ == StageFault::kNone) {
     Fail(StageFault::kFollowingError);
   }
+}
+
+bool Stage::IsAt(const Vec3& knot_mm) const {
+  return (actual_mm_ - knot_mm).norm() <= options_.position_tolerance_mm;
+}
+
+bool Stage::GateIsOn() const {
+  const double window_s = std::min(kGateSeconds, kGateTickRatio / rate_hz_);
+  const std::uint64_t window =
+      own_clock_ ? static_cast<std::uint64_t>(window_s / unit_s_) : 0;
+  if (passed_.pulse && now_units_ - passed_.at_units <= window && IsAt(passed_.at_mm))
+    return true;
+  if (phase_ != Phase::kRunning || now_units_ < start_units_) return false;
+  std::uint64_t to_end = 0, done = in_piece_units_;
+  for (const Piece& piece : queue_) {
+    to_end += piece.units - done;
+    done = 0;
+    if (to_end > window) return false;
+    if (piece.pulse && IsAt(piece.end_mm)) return true;
+  }
+  return false;
 }
 
 void Stage::Latch() {
@@ -220,13 +314,27 @@ void Stage::Latch() {
       {ToNm(actual_mm_.x()), ToNm(actual_mm_.y()), ToNm(actual_mm_.z())});
 }
 
+void Stage::LatchAt(const OwnClock::Heard& heard) {
+  heard_tick_ = heard.tick;
+  if (timed_latched_.empty() || timed_latched_.back().run != run_ ||
+      timed_latched_.back().positions.size() >= link::kMaxTimedPositions) {
+    timed_latched_.push_back({run_, heard.tick, {}});
+  }
+  timed_latched_.back().positions.push_back(
+      {heard.at_ns, ToNm(actual_mm_.x()), ToNm(actual_mm_.y()), ToNm(actual_mm_.z())});
+}
+
+std::vector<link::TimedPositions> Stage::TakeTimedPositions() {
+  return std::exchange(timed_latched_, {});
+}
+
 std::vector<link::Positions> Stage::TakePositions() {
   return std::exchange(latched_, {});
 }
 
 link::MotionStatus Stage::Report() {
   link::MotionStatus status;
-  status.tick = tick_;
+  status.tick = own_clock_ ? heard_tick_ : tick_;
   status.x_nm = ToNm(actual_mm_.x());
   status.y_nm = ToNm(actual_mm_.y());
   status.z_nm = ToNm(actual_mm_.z());
@@ -234,9 +342,12 @@ link::MotionStatus Stage::Report() {
   status.vy_nm_s = ToNm(commanded_mm_s_.y());
   status.vz_nm_s = ToNm(commanded_mm_s_.z());
   status.run = run_;
-  const std::uint64_t from = std::max(tick_, start_tick_);
+  // How far that is in ticks only the host can know when the clock is not the lamp's.
   status.covered_through_tick =
-      from + (queued_subticks_ - in_segment_subticks_) / kSubticksPerTick;
+      own_clock_
+          ? 0
+          : (std::max(now_units_, start_units_) + queued_units_ - in_piece_units_) /
+                kSubticksPerTick;
   status.queue_free = options_.queue_capacity - static_cast<std::uint32_t>(queue_.size());
   status.segments_taken = taken_;
   status.at_rest = phase_ == Phase::kRest;

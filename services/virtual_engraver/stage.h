@@ -1,21 +1,28 @@
 #pragma once
 
 // The stage and its controller: executes runs of position-velocity-time segments on the
-// clock of the lamp's ticks, and lags behind what is commanded. Machine frame, mm.
+// clock of the lamp's ticks or on one of its own, and lags behind what is commanded.
+// Machine frame, mm.
 //
-//   rest --BeginRun--> waiting for the start tick --> running --end of program--> rest
+//   rest --BeginRun--> waiting for the start --> running --end of program--> rest
 //                                                       |  fault, abort
 //                                                       +----> braking ----> rest
+//
+// With a clock of its own it knows of a tick only what it hears, a while after; knots
+// come with times of its clock, and its in-position output is on around them. Its
+// position is taken when it hears of a tick.
 //
 // Not thread-safe; time is what AdvanceTick says.
 
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "engrave/core/geometry.h"
 #include "services/link/motion_protocol.h"
+#include "services/virtual_engraver/own_clock.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -28,6 +35,7 @@ struct StageOptions {
   double brake_acceleration_mm_s2 = 7000;
   std::uint32_t queue_capacity = 4096;  ///< segments
   bool waits_for_motion = false;        ///< lockstep: an empty queue is no fault
+  std::optional<OwnClockOptions> own_clock = {};  ///< none: it runs on the lamp's ticks
 };
 
 class Stage {
@@ -36,6 +44,9 @@ class Stage {
 
   void BeginRun(const link::BeginRun& run);
   void Append(const link::Segments& segments);
+  /// In their place for a controller with a clock of its own.
+  void BeginTimedRun(const link::BeginTimedRun& run);
+  void AppendTimed(const link::TimedSegments& segments);
   void Abort() { Brake(link::StageFault::kNone); }
   /// Stops the stage, with a fault that has to be reset.
   void Fail(link::StageFault fault) { Brake(fault); }
@@ -45,12 +56,13 @@ class Stage {
   void Unstick() { stuck_ = {false, false, false}; }
 
   /// Whether the tick after the present one may pass in lockstep: motion for it is here,
-  /// or none is to come.
-  bool MayPass() const;
+  /// or none is to come. It will last 1 / rate_hz.
+  bool MayPass(double rate_hz) const;
   /// One tick of 1 / rate_hz later. Latches the position while a run is executed.
   void AdvanceTick(double rate_hz);
 
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
+  /// On a clock of its own, "here" is within 0.4 ms and a quarter of a tick.
   bool in_position() const { return in_position_; }
   const Vec3& actual_mm() const { return actual_mm_; }
   bool running() const { return phase_ != Phase::kRest; }
@@ -59,33 +71,61 @@ class Stage {
   link::MotionIdentity Identity() const;
   /// Positions latched since the last call.
   std::vector<link::Positions> TakePositions();
+  std::vector<link::TimedPositions> TakeTimedPositions();
+  /// Null: it runs on the lamp's ticks.
+  OwnClock* own_clock() { return own_clock_ ? &*own_clock_ : nullptr; }
 
  private:
   enum class Phase { kRest, kRunning, kBraking };
   struct Curve {  // from a knot: p + v s + c2 s^2 + c3 s^3, s seconds
     Vec3 p = Vec3::Zero(), v = Vec3::Zero(), c2 = Vec3::Zero(), c3 = Vec3::Zero();
   };
+  /// What is queued; times in units: subticks, or ns of the controller's own clock.
+  struct Piece {
+    Vec3 end_mm = Vec3::Zero(), end_mm_s = Vec3::Zero();
+    std::uint64_t units = 0;
+    bool pulse = false, program_end = false;
+  };
+  struct Knot {
+    Vec3 at_mm = Vec3::Zero();
+    std::uint64_t at_units = 0;
+    bool pulse = false;
+  };
   static Curve CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1, const Vec3& v1,
                        double duration_s);
+  bool Refuses(bool timed);
+  void Start(std::uint32_t run, std::uint64_t start_units);
+  bool TakesSegments(std::uint32_t run, std::uint64_t first_number, std::size_t count);
+  bool Queue(const Piece& piece);
   void Brake(link::StageFault fault);
   void FollowCurve(const Curve& curve, double from_s, double to_s);
-  /// At most `subticks`; what the queue did not cover is returned.
-  std::uint64_t FollowQueue(std::uint64_t subticks, double rate_hz);
-  void RunTick(double rate_hz);
-  void FinishSegment();
+  /// At most `units`; what the queue did not cover is returned.
+  std::uint64_t FollowQueue(std::uint64_t units);
+  void AdvanceTo(std::uint64_t units);
+  void AdvanceOwnClock();
+  void FinishPiece();
+  bool GateIsOn() const;
+  bool IsAt(const Vec3& knot_mm) const;
   void Latch();
+  void LatchAt(const OwnClock::Heard& heard);
 
   StageOptions options_;
+  std::optional<OwnClock> own_clock_;
   Phase phase_ = Phase::kRest;
   link::StageFault fault_ = link::StageFault::kNone;
   std::uint64_t tick_ = 0;
+  std::uint64_t heard_tick_ = 0;  // with a clock of its own: the newest it knows of
   double rate_hz_ = 1;
+  double unit_s_ = 1;
+  std::uint64_t now_units_ = 0;
   std::uint32_t run_ = 0;
-  std::uint64_t start_tick_ = 0;
+  std::uint64_t start_units_ = 0;
   std::uint64_t taken_ = 0;
-  std::deque<link::WireSegment> queue_;
-  std::uint64_t queued_subticks_ = 0;      // of the whole queue
-  std::uint64_t in_segment_subticks_ = 0;  // done of its first segment
+  std::uint64_t last_end_ns_ = 0;
+  std::deque<Piece> queue_;
+  std::uint64_t queued_units_ = 0;    // of the whole queue
+  std::uint64_t in_piece_units_ = 0;  // done of its first piece
+  Knot passed_;                       // the last one of this run
   Vec3 knot_mm_ = Vec3::Zero(), knot_mm_s_ = Vec3::Zero();
   Vec3 commanded_mm_ = Vec3::Zero(), commanded_mm_s_ = Vec3::Zero();
   Vec3 actual_mm_ = Vec3::Zero();
@@ -93,6 +133,7 @@ class Stage {
   bool in_position_ = false;
   double following_error_max_mm_ = 0;
   std::vector<link::Positions> latched_;
+  std::vector<link::TimedPositions> timed_latched_;
 };
 
 }  // namespace intaglio::virtual_engraver

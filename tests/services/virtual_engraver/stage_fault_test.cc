@@ -79,24 +79,24 @@ TEST(StageStops, StarvingKeepsTheLagGoing) {
 
 TEST(StageStops, InLockstepATickWaitsForItsMotion) {
   Stage stage(Roomy(0));
-  EXPECT_TRUE(stage.MayPass());
+  EXPECT_TRUE(stage.MayPass(kRateHz));
   stage.BeginRun({1, kStartTick});
   for (std::uint64_t tick = 0; tick < kStartTick; ++tick) {
-    EXPECT_TRUE(stage.MayPass());
+    EXPECT_TRUE(stage.MayPass(kRateHz));
     stage.AdvanceTick(kRateHz);
   }
-  EXPECT_FALSE(stage.MayPass());
+  EXPECT_FALSE(stage.MayPass(kRateHz));
   stage.Append(Frame({{{10, 0, 0}, {1000, 0, 0}, kTick / 2}}));
-  EXPECT_FALSE(stage.MayPass());
+  EXPECT_FALSE(stage.MayPass(kRateHz));
   stage.Append(Frame({{{20, 0, 0}, {1000, 0, 0}, kTick / 2}}, 1));
-  EXPECT_TRUE(stage.MayPass());
+  EXPECT_TRUE(stage.MayPass(kRateHz));
   stage.AdvanceTick(kRateHz);
-  EXPECT_FALSE(stage.MayPass());
+  EXPECT_FALSE(stage.MayPass(kRateHz));
   stage.Append(Frame({{{25, 0, 0}, {0, 0, 0}, kTick / 2, false, true}}, 2));
-  EXPECT_TRUE(stage.MayPass());
+  EXPECT_TRUE(stage.MayPass(kRateHz));
   stage.AdvanceTick(kRateHz);
   EXPECT_EQ(stage.Report().fault, StageFault::kNone);
-  EXPECT_TRUE(stage.MayPass());
+  EXPECT_TRUE(stage.MayPass(kRateHz));
 }
 
 TEST(StageStops, StuckItStopsWithAFaultThatStaysWithItsCause) {

@@ -1,0 +1,52 @@
+#pragma once
+
+// The oscillator of a stage controller that does not run on the laser's ticks, and how it
+// hears of them: the laser's controller tells it over a serial line, each time late by
+// 0 .. hearing_jitter_s, in the order of the ticks. Time is machine time, the lamp's.
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <random>
+
+namespace intaglio::virtual_engraver {
+
+struct OwnClockOptions {
+  double drift_ppm = 0;         ///< -200..200; above 0: it is fast
+  double hearing_jitter_s = 0;  ///< 0..0.002
+  std::uint32_t power_up = 1;   ///< random number of this power-up, not 0
+  unsigned seed = 0;            ///< of the jitter
+};
+
+class OwnClock {
+ public:
+  explicit OwnClock(const OwnClockOptions& options);
+
+  /// From now on; a crystal that warms up.
+  void SetDrift(double drift_ppm) { drift_ppm_ = drift_ppm; }
+  std::uint32_t power_up() const { return power_up_; }
+  /// Own time since power-up, ns.
+  std::uint64_t now_ns() const { return static_cast<std::uint64_t>(now_ns_); }
+  std::uint64_t NsAfter(double seconds) const;
+  void Advance(double seconds);
+
+  /// A lamp sync passes now; it will be heard of.
+  void Tell(std::uint64_t tick);
+  struct Heard {
+    std::uint64_t tick = 0;
+    std::uint64_t at_ns = 0;
+  };
+  /// The next one that is heard of by `ns`, and forgets it.
+  std::optional<Heard> HearsBy(std::uint64_t ns);
+
+ private:
+  double drift_ppm_;
+  double jitter_ns_;
+  std::uint32_t power_up_;
+  std::mt19937_64 random_;
+  double now_ns_;
+  std::uint64_t told_by_ns_ = 0;
+  std::deque<Heard> underway_;
+};
+
+}  // namespace intaglio::virtual_engraver
