@@ -36,6 +36,8 @@ struct RunOptions {
   std::string materials_db;
   bool lockstep = false;
   double speed = 1;
+  double clock_drift_ppm = 0;
+  double line_jitter_ms = 0;
   double warm_up_s = -1;
   std::vector<std::string> faults;
   std::vector<std::string> without;
@@ -128,6 +130,8 @@ Result<ServiceSet> RunSession::StartServices() {
   machine.warm_up_s =
       options_.warm_up_s >= 0 ? options_.warm_up_s : job_.machine.laser().warm_up_s();
   machine.faults = options_.faults;
+  machine.clock_drift_ppm = options_.clock_drift_ppm;
+  machine.line_jitter_ms = options_.line_jitter_ms;
   return ServiceSet::Start(set, &machine);
 }
 
@@ -305,6 +309,7 @@ void AddRunCommand(CLI::App& app, std::function<int()>& selected) {
   run->add_option("--speed", options->speed, "machine time against real time")
       ->check(CLI::Range(0.01, 1000.0))
       ->excludes(lockstep);
+  AddClockFlags(*run, options->clock_drift_ppm, options->line_jitter_ms);
   run->add_option("--warm-up", options->warm_up_s,
                   "lamp warm-up, s, instead of the profile's")
       ->check(CLI::Range(0.0, 3600.0));

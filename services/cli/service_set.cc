@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
 
@@ -44,6 +45,19 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
                                   {intaglio_ROLE_MOTION_BRIDGE, "motion-bridge"}};
 
 }  // namespace
+
+void AddClockFlags(CLI::App& command, double& clock_drift_ppm, double& line_jitter_ms) {
+  command
+      .add_option(
+          "--clock-drift", clock_drift_ppm,
+          "the virtual stage runs on a clock of its own, this much too fast, ppm; "
+          "0: on the laser's ticks")
+      ->check(CLI::Range(-200.0, 200.0));
+  command
+      .add_option("--line-jitter", line_jitter_ms,
+                  "what is said on a serial line arrives up to this much later, ms")
+      ->check(CLI::Range(0.0, 2.0));
+}
 
 Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
                                      const VirtualMachine* virtual_machine) {
@@ -135,7 +149,11 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                        "--channels",
                        fmt::format("{}", axes.laser().channels()),
                        "--speed",
-                       machine.speed};
+                       machine.speed,
+                       "--clock-drift-ppm",
+                       fmt::format("{}", machine.clock_drift_ppm),
+                       "--line-jitter-ms",
+                       fmt::format("{}", machine.line_jitter_ms)};
   for (const std::string& fault : machine.faults) {
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }

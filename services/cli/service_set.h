@@ -16,6 +16,10 @@
 #include "services/cli/child_process.h"
 #include "services/cli/job_client.h"
 
+namespace CLI {
+class App;
+}
+
 namespace intaglio::cli {
 
 /// The block in the virtual engraver, and how it behaves.
@@ -26,7 +30,13 @@ struct VirtualMachine {
   std::string speed = "1";          ///< "1", "N" (times real time) or "lockstep"
   std::vector<std::string> faults;  ///< "AT_TICK COMMAND", as --fault of virtual-engraver
   double warm_up_s = 30;
+  double clock_drift_ppm =
+      0;  ///< of the stage controller's own clock; 0: the lamp's ticks
+  double line_jitter_ms = 0;  ///< of both serial lines
 };
+
+/// --clock-drift and --line-jitter.
+void AddClockFlags(CLI::App& command, double& clock_drift_ppm, double& line_jitter_ms);
 
 struct ServiceSetOptions {
   std::filesystem::path folder;   ///< sockets, logs, database; made anew

@@ -37,6 +37,8 @@ struct UpOptions {
   bool real_machine = false;
   bool lockstep = false;
   double speed = 1;
+  double clock_drift_ppm = 0;
+  double line_jitter_ms = 0;
   std::vector<double> block_mm = {100, 100, 100};
   double refractive_index = 1.51947;
   double numerical_aperture = 0;
@@ -58,6 +60,8 @@ VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine) {
   virtual_machine.speed =
       options.lockstep ? "lockstep" : fmt::format("{}", options.speed);
   virtual_machine.warm_up_s = machine.laser().warm_up_s();
+  virtual_machine.clock_drift_ppm = options.clock_drift_ppm;
+  virtual_machine.line_jitter_ms = options.line_jitter_ms;
   return virtual_machine;
 }
 
@@ -154,6 +158,7 @@ void AddUpCommand(CLI::App& app, std::function<int()>& selected) {
   up->add_option("--speed", options->speed, "virtual machine's time against real time")
       ->check(CLI::Range(0.01, 1000.0))
       ->excludes(lockstep);
+  AddClockFlags(*up, options->clock_drift_ppm, options->line_jitter_ms);
   up->add_option("--block", options->block_mm, "block in the virtual machine, mm")
       ->expected(3);
   up->add_option("--index", options->refractive_index, "its refractive index")

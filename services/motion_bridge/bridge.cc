@@ -26,6 +26,8 @@ std::vector<motion::Segment> SegmentsOf(const intaglio_MotionSegmentBatch& sampl
   const auto duration = View(sample.duration_subticks);
   const auto pulse = View(sample.pulse);
   const std::size_t count = duration.size();
+  const std::size_t times = View(sample.controller_ns).size();
+  if (times != 0 && times != count) return {};
   for (const std::size_t size :
        {x.size(), y.size(), z.size(), vx.size(), vy.size(), vz.size(), pulse.size()}) {
     if (size != count) return {};
@@ -93,13 +95,19 @@ void Bridge::Accept(const intaglio_MotionSegmentBatch& sample) {
     return;
   }
   ++expected_batch_;
-  queue_.push_back({sample.sequence_number, SegmentsOf(sample), 0, sample.last});
+  const auto times = View(sample.controller_ns);
+  queue_.push_back({sample.sequence_number,
+                    SegmentsOf(sample),
+                    {times.begin(), times.end()},
+                    0,
+                    sample.last});
 }
 
 void Bridge::StartRun(const intaglio_MotionSegmentBatch& sample) {
   EndRun();
   run_ = sample.run;
   start_tick_ = sample.start_tick;
+  start_controller_ns_ = sample.start_controller_ns;
   expected_batch_ = 0;
   stream_ = bus::StreamName(std::string(View(sample.job_uid)), sample.run,
                             bus::kMotionSegmentBatch.name);
@@ -136,7 +144,8 @@ void Bridge::Begin(std::chrono::nanoseconds now) {
   const DriverState& state = driver_->state();
   if (!state.link_up || stop_pressed_) return;
   if (state.fault == intaglio_MOTION_OK && state.at_rest) {
-    if (driver_->BeginRun(run_, start_tick_)) phase_ = Phase::kFeeding;
+    if (driver_->BeginRun(run_, start_tick_, start_controller_ns_))
+      phase_ = Phase::kFeeding;
     return;
   }
   if (now < next_preparation_) return;
@@ -150,7 +159,9 @@ void Bridge::Feed() {
     const auto rest = std::span(batch.segments).subspan(batch.appended);
     if (!rest.empty()) {
       const auto part = rest.first(std::min(rest.size(), driver_->Room()));
-      if (part.empty() || !driver_->Append(part)) return;
+      auto times = std::span<const std::uint64_t>(batch.controller_ns);
+      if (!times.empty()) times = times.subspan(batch.appended, part.size());
+      if (part.empty() || !driver_->Append(part, times)) return;
       batch.appended += part.size();
       continue;
     }
@@ -178,6 +189,8 @@ void Bridge::PublishPositions() {
     Borrow(report.x_mm, x);
     Borrow(report.y_mm, y);
     Borrow(report.z_mm, z);
+    Borrow(report.at_ns, latched.at_ns);
+    report.clock = driver_->state().clock;
     (void)positions_.Write(report);
   }
 }
@@ -203,6 +216,7 @@ void Bridge::PublishState(std::chrono::nanoseconds now) {
   sample.following_error_max_um = state.following_error_max_um;
   sample.fault = state.fault;
   sample.message = Borrow(state.message);
+  sample.clock = state.clock;
   (void)states_.Write(sample);
 }
 

@@ -41,6 +41,7 @@ class Bridge {
   struct Batch {
     std::uint64_t number = 0;
     std::vector<motion::Segment> segments;
+    std::vector<std::uint64_t> controller_ns;  // of their ends, or empty
     std::size_t appended = 0;
     bool last = false;
   };
@@ -71,6 +72,7 @@ class Bridge {
   Phase phase_ = Phase::kIdle;
   std::uint32_t run_ = 0;
   std::uint64_t start_tick_ = 0;
+  std::uint64_t start_controller_ns_ = 0;
   std::uint64_t expected_batch_ = 0;
   std::string stream_;
   std::deque<Batch> queue_;

@@ -2,7 +2,8 @@
 
 // What a motion controller family has to be able to do for the bridge. A driver is one
 // header, one source, one test and one line of the registry in motion_driver.cc.
-// Frame machine, mm and mm/s; time in ticks of the lamp sync.
+// Frame machine, mm and mm/s; time in ticks of the lamp sync, and for a controller with a
+// clock of its own also in ns of that clock.
 
 #include <cstdint>
 #include <memory>
@@ -30,14 +31,16 @@ struct DriverState {
   intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
   std::string message;  ///< the fault in a sentence that says what to do
   double following_error_max_um = 0;
+  std::uint32_t clock = 0;   ///< of its own, another number is another clock; 0: none
   std::uint64_t number = 0;  ///< grows with every word of the controller
 };
 
-/// Actual positions at consecutive ticks.
+/// Actual positions at consecutive ticks, or when a clock of its own was told of them.
 struct LatchedPositions {
   std::uint32_t run = 0;
   std::uint64_t first_tick = 0;
   PointList positions_mm;
+  std::vector<std::uint64_t> at_ns = {};  ///< by a clock of its own; else empty
 };
 
 /// Not thread-safe. Nothing blocks: what cannot be sent now is refused by Room() == 0 or
@@ -52,12 +55,16 @@ class MotionDriver {
   virtual const DriverState& state() const = 0;
   virtual std::vector<LatchedPositions> TakePositions() = 0;
 
-  /// From rest, without a fault, at a tick to come.
-  virtual Status BeginRun(std::uint32_t run, std::uint64_t start_tick) = 0;
+  /// From rest, without a fault, at a tick to come. `start_ns` is that tick by the
+  /// controller's own clock; 0 when it has none.
+  virtual Status BeginRun(std::uint32_t run, std::uint64_t start_tick,
+                          std::uint64_t start_ns) = 0;
   /// Segments that one Append would take now.
   virtual std::size_t Room() const = 0;
-  /// All of them (1..Room()), or none and an error.
-  virtual Status Append(std::span<const motion::Segment> segments) = 0;
+  /// All of them (1..Room()), or none and an error. `end_ns` has the times of their ends
+  /// by the controller's own clock; empty when it has none.
+  virtual Status Append(std::span<const motion::Segment> segments,
+                        std::span<const std::uint64_t> end_ns) = 0;
   /// Brake to rest and forget the run.
   virtual Status AbortRun() = 0;
   /// Clear a fault whose cause is gone.

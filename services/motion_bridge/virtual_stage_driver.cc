@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "services/link/motion_protocol.h"
 #include "services/link/serial_port.h"
@@ -36,6 +37,12 @@ link::WireSegment ToWire(const motion::Segment& segment) {
           segment.duration_subticks,
           segment.pulse,
           segment.program_end};
+}
+
+link::WireTimedSegment ToTimedWire(const motion::Segment& segment, std::uint64_t end_ns) {
+  const link::WireSegment wire = ToWire(segment);
+  return {wire.x_nm,    wire.y_nm, wire.z_nm,  wire.vx_nm_s,    wire.vy_nm_s,
+          wire.vz_nm_s, end_ns,    wire.pulse, wire.program_end};
 }
 
 struct FaultText {
@@ -90,6 +97,7 @@ class VirtualStageDriver final : public MotionDriver {
     if (state_.link_up || state_.message != message) ++state_.number;
     identified_ = false;
     state_.link_up = false;
+    state_.clock = 0;
     state_.fault = intaglio_MOTION_LINK_LOST;
     state_.message = message;
   }
@@ -100,12 +108,16 @@ class VirtualStageDriver final : public MotionDriver {
     return std::exchange(positions_, {});
   }
 
-  Status BeginRun(std::uint32_t run, std::uint64_t start_tick) override {
-    auto sent =
-        SendFrame(MotionFrame::kBeginRun, Encode(link::BeginRun{run, start_tick}));
+  Status BeginRun(std::uint32_t run, std::uint64_t start_tick,
+                  std::uint64_t start_ns) override {
+    auto sent = start_ns == 0 ? SendFrame(MotionFrame::kBeginRun,
+                                          Encode(link::BeginRun{run, start_tick}))
+                              : SendFrame(MotionFrame::kBeginTimedRun,
+                                          Encode(link::BeginTimedRun{run, start_ns}));
     if (sent) {
       begun_run_ = run;
       appended_ = 0;
+      covered_.Begin(start_tick);
     }
     return sent;
   }
@@ -116,16 +128,18 @@ class VirtualStageDriver final : public MotionDriver {
     const bool same_run = status_.run == begun_run_;
     const std::uint64_t unseen = appended_ - (same_run ? status_.segments_taken : 0);
     if (status_.queue_free <= unseen) return 0;
-    return std::min<std::size_t>(status_.queue_free - unseen, link::kMaxSegments);
+    return std::min<std::size_t>(
+        status_.queue_free - unseen,
+        state_.clock != 0 ? link::kMaxTimedSegments : link::kMaxSegments);
   }
 
-  Status Append(std::span<const motion::Segment> segments) override {
-    link::Segments frame{begun_run_, appended_, {}};
-    frame.segments.reserve(segments.size());
-    for (const motion::Segment& segment : segments)
-      frame.segments.push_back(ToWire(segment));
-    if (auto sent = SendFrame(MotionFrame::kSegments, Encode(frame)); !sent) return sent;
+  Status Append(std::span<const motion::Segment> segments,
+                std::span<const std::uint64_t> end_ns) override {
+    auto sent =
+        end_ns.empty() ? SendSegments(segments) : SendTimedSegments(segments, end_ns);
+    if (!sent) return sent;
     appended_ += segments.size();
+    if (!end_ns.empty()) covered_.Append(segments);
     // A fresh status frees the queue's room here and tells how far the motion reaches.
     if (session_.CanSend()) (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
     return {};
@@ -135,6 +149,47 @@ class VirtualStageDriver final : public MotionDriver {
   Status Reset() override { return SendFrame(MotionFrame::kMotionReset, {}); }
 
  private:
+  /// How far in ticks the motion reaches that a clock of its own counts in ns.
+  class Coverage {
+   public:
+    void Begin(std::uint64_t start_tick) {
+      start_tick_ = start_tick;
+      through_subticks_.clear();
+      first_ = sum_ = taken_sum_ = 0;
+    }
+    void Append(std::span<const motion::Segment> segments) {
+      for (const motion::Segment& segment : segments) {
+        through_subticks_.push_back(sum_ += segment.duration_subticks);
+      }
+    }
+    std::uint64_t TickAfter(std::uint64_t segments_taken) {
+      for (; first_ < segments_taken && !through_subticks_.empty(); ++first_) {
+        taken_sum_ = through_subticks_.front();
+        through_subticks_.pop_front();
+      }
+      return start_tick_ + taken_sum_ / motion::kSubticksPerTick;
+    }
+
+   private:
+    std::uint64_t start_tick_ = 0, first_ = 0, sum_ = 0, taken_sum_ = 0;
+    std::deque<std::uint64_t> through_subticks_;  // of each segment not taken yet
+  };
+
+  Status SendSegments(std::span<const motion::Segment> segments) {
+    link::Segments frame{begun_run_, appended_, {}};
+    frame.segments.reserve(segments.size());
+    for (const motion::Segment& segment : segments)
+      frame.segments.push_back(ToWire(segment));
+    return SendFrame(MotionFrame::kSegments, Encode(frame));
+  }
+  Status SendTimedSegments(std::span<const motion::Segment> segments,
+                           std::span<const std::uint64_t> end_ns) {
+    link::TimedSegments frame{begun_run_, appended_, {}};
+    frame.segments.reserve(segments.size());
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      frame.segments.push_back(ToTimedWire(segments[i], end_ns[i]));
+    return SendFrame(MotionFrame::kTimedSegments, Encode(frame));
+  }
   Status SendFrame(MotionFrame type, const link::Bytes& payload) {
     return session_.Send(static_cast<std::uint8_t>(type), payload);
   }
@@ -144,13 +199,26 @@ class VirtualStageDriver final : public MotionDriver {
       if (const auto identity = link::Decode<link::MotionIdentity>(payload)) {
         identified_ = true;
         status_.queue_free = 0;  // until its first status
+        state_.clock = 0;        // it will say so when it has one
         (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
       }
     } else if (type == MotionFrame::kMotionStatus) {
       if (const auto status = link::Decode<link::MotionStatus>(payload)) Take(*status);
+    } else if (type == MotionFrame::kControllerClock) {
+      const auto clock = link::Decode<link::ControllerClock>(payload);
+      if (clock) state_.clock = clock->power_up;
+    } else if (type == MotionFrame::kTimedPositions) {
+      if (const auto latched = link::Decode<link::TimedPositions>(payload)) {
+        LatchedPositions entry{latched->run, latched->first_tick, {}, {}};
+        for (const auto& p : latched->positions) {
+          entry.positions_mm.push_back(ToMm(p.x_nm, p.y_nm, p.z_nm));
+          entry.at_ns.push_back(p.at_ns);
+        }
+        positions_.push_back(std::move(entry));
+      }
     } else if (type == MotionFrame::kPositions) {
       if (const auto latched = link::Decode<link::Positions>(payload)) {
-        LatchedPositions entry{latched->run, latched->first_tick, {}};
+        LatchedPositions entry{latched->run, latched->first_tick, {}, {}};
         for (const auto& p : latched->positions) {
           entry.positions_mm.push_back(ToMm(p.x_nm, p.y_nm, p.z_nm));
         }
@@ -167,6 +235,9 @@ class VirtualStageDriver final : public MotionDriver {
     state_.velocity_mm_s = ToMm(status.vx_nm_s, status.vy_nm_s, status.vz_nm_s);
     state_.run = status.run;
     state_.covered_through_tick = status.covered_through_tick;
+    if (state_.clock != 0 && status.run == begun_run_) {
+      state_.covered_through_tick = covered_.TickAfter(status.segments_taken);
+    }
     state_.at_rest = status.at_rest;
     state_.following_error_max_um = status.following_error_max_nm / 1e3;
     const FaultText text = TextOf(status.fault);
@@ -181,6 +252,7 @@ class VirtualStageDriver final : public MotionDriver {
   bool identified_ = false;
   std::uint32_t begun_run_ = 0;
   std::uint64_t appended_ = 0;
+  Coverage covered_;
   std::vector<LatchedPositions> positions_;
 };
 

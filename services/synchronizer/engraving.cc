@@ -18,12 +18,13 @@ constexpr double kAheadSeconds = 1.0;
 // In lockstep the machine waits for us, so the windows only have to be worth a turn.
 constexpr std::uint64_t kLockstepAheadTicks = 4096;
 constexpr std::uint64_t kLockstepWindowTicks = 512;
+// With a clock of its own also the controller's time is extrapolated that far.
+constexpr std::uint64_t kLeastOwnClockTicks = 64;
 // Passes over points that were skipped, as long as a pass makes at least one.
 constexpr int kMaxIdleRuns = 2;
 constexpr int kMaxLateStarts = 5;
 // A status comes every 20 ms; without one nothing is known of the interlocks.
 constexpr auto kStatusLease = 500ms;
-constexpr auto kRequestPeriod = 20ms;
 constexpr auto kShutterTimeout = 2s;
 
 std::string TextFor(Missing missing, const MotionView& motion) {
@@ -66,7 +67,11 @@ std::uint64_t Engraving::TickNow(const EngravingInputs& inputs) const {
 }
 
 std::uint64_t Engraving::AheadTicks() const {
-  if (laser_.identity().lockstep) return kLockstepAheadTicks;
+  if (laser_.identity().lockstep) {
+    if (!own_clock_) return kLockstepAheadTicks;
+    return std::clamp(static_cast<std::uint64_t>(kAheadSeconds * job_.plan.rate_hz),
+                      kLeastOwnClockTicks, kLockstepAheadTicks);
+  }
   return static_cast<std::uint64_t>(std::ceil(kAheadSeconds * clock_.ticks_per_s())) + 4;
 }
 
@@ -129,61 +134,6 @@ void Engraving::Record(const PulseResult& result) {
   results_(result);
 }
 
-void Engraving::Prepare(const EngravingInputs& inputs) {
-  if (stopping_) return Finish();
-  const std::string wait = WhatPreparationWaitsFor(inputs);
-  // A fault that waits for the operator keeps its word.
-  if (!needs_new_grant_) message_ = wait;
-  if (wait.empty()) phase_ = Phase::kWaiting;
-}
-
-std::string Engraving::WhatPreparationWaitsFor(const EngravingInputs& inputs) {
-  if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
-  LightLamp(inputs);
-  LeaveSafeState(inputs);
-  KeepIdleTicksPassing();
-  const bool right_rate = laser_.status().rate_hz == job_.plan.rate_hz;
-  if (!laser_.Has(link::kLampWarm) || !right_rate) {
-    return fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
-  }
-  if (!inputs.motion.fresh) return TextOf(Missing::kMotionState);
-  return inputs.motion.fault == intaglio_MOTION_LINK_LOST ? inputs.motion.message : "";
-}
-
-// Once in a session: another session may be another power-up, and its lamp is off.
-void Engraving::LightLamp(const EngravingInputs& inputs) {
-  if (lamp_session_ == laser_.session() && laser_.Has(link::kLampOn)) return;
-  if (inputs.now < next_request_ || !laser_.CanSend()) return;
-  next_request_ = inputs.now + kRequestPeriod;
-  if (laser_.Lamp(true, job_.plan.rate_hz)) lamp_session_ = laser_.session();
-}
-
-// In lockstep no tick passes that nobody decided, and a lamp warms up by its ticks.
-void Engraving::KeepIdleTicksPassing() {
-  if (!laser_.identity().lockstep || !laser_.CanSend()) return;
-  const link::LaserStatus& status = laser_.status();
-  // In a safe state or another session it has forgotten what was decided.
-  const bool forgotten = laser_.session() != session_ || laser_.Has(link::kSafeState);
-  decided_ = std::max({forgotten ? 0 : decided_, status.decided_through, status.tick});
-  session_ = laser_.session();
-  if (laser_.Has(link::kSafeState)) return;
-  if (decided_ > status.tick) return;
-  link::ArmWindow idle{decided_ + 1, true, std::vector<bool>(link::kMaxArmTicks, false)};
-  if (!laser_.Arm(idle)) return;
-  decided_ += idle.fire.size();
-  (void)laser_.RequestStatus();
-}
-
-// On the operator's word, which is the grant.
-void Engraving::LeaveSafeState(const EngravingInputs& inputs) {
-  const bool granted = inputs.permission_fresh && inputs.permission_granted;
-  if (!granted || needs_new_grant_ || !laser_.Has(link::kSafeState)) return;
-  if (!laser_.CanSend() || inputs.now < next_request_) return;
-  next_request_ = inputs.now + kRequestPeriod;
-  (void)laser_.Reset();
-  (void)laser_.RequestStatus();
-}
-
 void Engraving::Await(const EngravingInputs& inputs) {
   if (stopping_ || !ledger_.NextOpen(0) || idle_runs_ >= kMaxIdleRuns) return Finish();
   if (!laser_.up() || !laser_.Has(link::kLampWarm)) {
@@ -205,6 +155,7 @@ void Engraving::Await(const EngravingInputs& inputs) {
   }
   // How far ahead to plan is not known before the lamp's pace is.
   if (!laser_.identity().lockstep && !clock_.settled()) return;
+  if (!MotionClockSettles(inputs)) return;
   // The plan begins where the stage stands, and with a shutter that is seen to open.
   if (!closed || !inputs.motion.at_rest) return;
   StartRun(inputs);
@@ -230,7 +181,9 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   windows_.clear();
   const std::uint64_t lead =
       laser_.identity().lockstep ? 4 : AheadTicks() << late_starts_;
-  feed_.Begin(job_.uid, run_, decided_ + lead, inputs.motion.position_mm, job_.plan);
+  feed_.Begin(job_.uid, run_, decided_ + lead, inputs.motion.position_mm, job_.plan,
+              inputs.motion_clock);
+  if (own_clock_) clock_steps_ = inputs.motion_clock->steps();
   run_began_at_ = inputs.now;
   message_.clear();
   phase_ = Phase::kRunning;
@@ -262,13 +215,15 @@ void Engraving::Run(const EngravingInputs& inputs) {
     return Halt(Missing::kMotionState, "the motion bridge has dropped the run; resume",
                 true);
   }
-  const auto next = [this]() -> std::optional<MotionFeed::Target> {
-    const auto point = open_points_.Next();
-    if (!point) return std::nullopt;
-    return MotionFeed::Target{*point, job_.machine_points_mm[*point]};
-  };
-  const std::uint64_t from = std::max(TickNow(inputs), feed_.start_tick());
-  feed_.Advance(from + AheadTicks(), next, schedule_);
+  if (own_clock_ &&
+      (inputs.motion_clock == nullptr || inputs.motion_clock->steps() != clock_steps_)) {
+    return Halt(
+        Missing::kNothing,
+        "the clock of the stage's controller has changed its pace: the run starts "
+        "again",
+        false);
+  }
+  FeedMotion(inputs);
   DecideTicks(inputs);
   if (phase_ != Phase::kRunning) return;
   SendDurableWindows();
@@ -276,6 +231,18 @@ void Engraving::Run(const EngravingInputs& inputs) {
       windows_.empty()) {
     FinishRun();
   }
+}
+
+void Engraving::FeedMotion(const EngravingInputs& inputs) {
+  const auto next = [this]() -> std::optional<MotionFeed::Target> {
+    const auto point = open_points_.Next();
+    if (!point) return std::nullopt;
+    return MotionFeed::Target{*point, job_.machine_points_mm[*point]};
+  };
+  std::uint64_t now = TickNow(inputs);
+  // No further than the controller's clock is known.
+  if (own_clock_) now = std::min(now, inputs.motion_clock->newest_tick());
+  feed_.Advance(std::max(now, feed_.start_tick()) + AheadTicks(), next, schedule_);
 }
 
 void Engraving::DecideTicks(const EngravingInputs& inputs) {

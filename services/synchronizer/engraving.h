@@ -49,6 +49,7 @@ struct MotionView {
   bool at_rest = false;
   intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
   std::string message;
+  std::uint32_t clock = 0;  ///< the controller's own; 0: it runs on the lamp's ticks
 };
 
 /// What the outside says at one turn.
@@ -58,6 +59,8 @@ struct EngravingInputs {
   bool permission_granted = false;
   bool stop_pressed = false;
   MotionView motion;
+  /// Of a controller with a clock of its own; lives as long as the Engraving.
+  MotionClock* motion_clock = nullptr;
 };
 
 struct EngravingJob {
@@ -105,6 +108,8 @@ class Engraving {
   ChainLinks LinksOf(const EngravingInputs& inputs) const;
   std::uint64_t TickNow(const EngravingInputs& inputs) const;
   std::uint64_t AheadTicks() const;
+  bool MotionClockSettles(const EngravingInputs& inputs);
+  void FeedMotion(const EngravingInputs& inputs);
 
   void Prepare(const EngravingInputs& inputs);
   std::string WhatPreparationWaitsFor(const EngravingInputs& inputs);
@@ -166,6 +171,8 @@ class Engraving {
   int idle_runs_ = 0;
   int fruitless_runs_ = 0;
   int late_starts_ = 0;
+  bool own_clock_ = false;  // of the motion controller, in this run
+  std::uint32_t clock_steps_ = 0;
   std::uint64_t decided_ = 0;  // by us, sent or about to be
   std::uint64_t sent_through_ = 0;
   std::uint64_t reported_through_ = 0;

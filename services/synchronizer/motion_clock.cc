@@ -20,7 +20,7 @@ namespace {
 
 // Long enough that the line is good to some us, short enough to follow a crystal that
 // warms up by 1 ppm a second.
-constexpr double kWindowSeconds = 4;
+constexpr double kWindowSeconds = 4, kWindowPerAhead = 4;
 constexpr double kLeastWindow = 400, kGreatestWindow = 4096;
 constexpr std::size_t kFitEvery = 16;
 constexpr std::size_t kLeastStamps = 16;
@@ -41,8 +41,12 @@ void MotionClock::Reset(double rate_hz) {
   *this = MotionClock();
   steps_ = steps;
   tick_ns_ = 1e9 / rate_hz;
+  SetAhead(kWindowSeconds * rate_hz / kWindowPerAhead);
+}
+
+void MotionClock::SetAhead(double ticks) {
   window_ = static_cast<std::size_t>(
-      std::clamp(kWindowSeconds * rate_hz, kLeastWindow, kGreatestWindow));
+      std::clamp(kWindowPerAhead * ticks, kLeastWindow, kGreatestWindow));
 }
 
 void MotionClock::Observe(std::uint64_t tick, std::uint64_t controller_ns) {
@@ -58,7 +62,7 @@ void MotionClock::Observe(std::uint64_t tick, std::uint64_t controller_ns) {
   const auto ns =
       static_cast<double>(static_cast<std::int64_t>(controller_ns - base_ns_));
   stamps_.push_back({ticks, ns - ticks * tick_ns_});
-  if (stamps_.size() > window_) stamps_.pop_front();
+  while (stamps_.size() > window_) stamps_.pop_front();
   if (++unfitted_ >= kFitEvery || stamps_.size() < kLeastStamps) Fit();
 }
 

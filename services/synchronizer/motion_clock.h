@@ -28,6 +28,9 @@ class MotionClock {
   /// Forgets everything; ticks pass `rate_hz` times a second of the lamp's clock.
   void Reset(double rate_hz);
 
+  /// How many ticks ahead the line is used: it is laid through four times as many.
+  void SetAhead(double ticks);
+
   /// Controller's time since its power-up, ns, when it heard of `tick`. A tick that does
   /// not follow is another power-up of the laser: everything before is forgotten.
   void Observe(std::uint64_t tick, std::uint64_t controller_ns);

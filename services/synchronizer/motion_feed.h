@@ -12,6 +12,7 @@
 
 #include "engrave/motion/planner.h"
 #include "services/bus/flow.h"
+#include "services/synchronizer/motion_clock.h"
 #include "services/synchronizer/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
@@ -32,9 +33,11 @@ class MotionFeed {
 
   MotionFeed(BatchWriter write, GrantLookup grant_of);
 
-  /// A run from rest at `start_mm`, beginning at `start_tick`.
+  /// A run from rest at `start_mm`, beginning at `start_tick`. `clock` is that of a
+  /// controller with a clock of its own, read with every batch; null: it has none.
   void Begin(const std::string& job_uid, std::uint32_t run, std::uint64_t start_tick,
-             const Vec3& start_mm, const motion::PlanOptions& plan);
+             const Vec3& start_mm, const motion::PlanOptions& plan,
+             const MotionClock* clock = nullptr);
   /// Plans up to `horizon_tick` and sends what the bridge has room for; every pulse
   /// planned is added to the schedule.
   void Advance(std::uint64_t horizon_tick, const NextTarget& next,
@@ -52,6 +55,7 @@ class MotionFeed {
  private:
   void Schedule(PulseSchedule& schedule);
   bool MaySend() const;
+  std::vector<std::uint64_t> ControllerTimes();
   bool Send(bool last);
 
   BatchWriter write_;
@@ -61,6 +65,10 @@ class MotionFeed {
   std::uint32_t run_ = 0;
   std::uint64_t start_tick_ = 0;
   std::uint64_t next_batch_ = 0;
+  const MotionClock* clock_ = nullptr;
+  std::uint64_t start_controller_ns_ = 0;
+  double sent_controller_ns_ = 0;     ///< end of what was sent, by the controller's clock
+  std::uint64_t timed_subticks_ = 0;  ///< from the run's start to there
   bool planned_all_ = false;
   bool sent_all_ = true;
   std::unique_ptr<motion::Planner> planner_;

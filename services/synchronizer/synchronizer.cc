@@ -79,6 +79,7 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine)
       permissions_(host.bus(), bus::kPermission, cell_),
       stops_(host.bus(), bus::kEmergencyStop, cell_),
       motion_(host.bus(), bus::kMotionState, cell_),
+      positions_(host.bus(), bus::kPositionReport, cell_),
       credit_(host.bus()),
       segments_(host.bus(), bus::kMotionSegmentBatch, cell_),
       intake_(host.bus(), host.instance()),
@@ -98,6 +99,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   credit_.Poll();
   TakePermission(now);
   TakeMotion(now);
+  TakePositions();
   TakeTasks();
   if (job_ && !engraving_) TakePath();
   if (engraving_) Engrave(now);
@@ -185,8 +187,27 @@ void Synchronizer::TakeMotion(std::chrono::nanoseconds now) {
     motion_view_.at_rest = sample.at_rest;
     motion_view_.fault = sample.fault;
     motion_view_.message = View(sample.message);
+    motion_view_.clock = sample.clock;
   });
   motion_view_.fresh = motion_at_.count() >= 0 && now - motion_at_ < kMotionLease;
+}
+
+void Synchronizer::TakePositions() {
+  const ClockPair pair{motion_view_.clock, laser_.identity().power_up,
+                       laser_.status().rate_hz};
+  if (laser_.up() && pair.rate_hz > 0 && pair != clock_pair_) {
+    clock_pair_ = pair;
+    clock_from_tick_ = laser_.status().tick;
+    motion_clock_.Reset(pair.rate_hz);
+  }
+  positions_.Take([this](const intaglio_PositionReport& report) {
+    if (report.clock == 0 || report.clock != clock_pair_.motion) return;
+    std::uint64_t tick = report.first_tick;
+    for (const std::uint64_t at_ns : View(report.at_ns)) {
+      if (tick > clock_from_tick_) motion_clock_.Observe(tick, at_ns);
+      ++tick;
+    }
+  });
 }
 
 void Synchronizer::TakePath() {
@@ -269,6 +290,7 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
                               permission_job_ == job_->job_uid();
   inputs.stop_pressed = stop_pressed_;
   inputs.motion = motion_view_;
+  if (motion_view_.clock != 0) inputs.motion_clock = &motion_clock_;
   return inputs;
 }
 

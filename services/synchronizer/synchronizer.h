@@ -36,6 +36,7 @@ class Synchronizer {
     loop.Attach(permissions_);
     loop.Attach(stops_);
     loop.Attach(motion_);
+    loop.Attach(positions_);
     loop.Attach(intake_.reader());
     loop.Attach(credit_.reader());
   }
@@ -45,6 +46,7 @@ class Synchronizer {
   void Begin(const intaglio_StageTask& task);
   void TakePermission(std::chrono::nanoseconds now);
   void TakeMotion(std::chrono::nanoseconds now);
+  void TakePositions();
   void TakePath();
   Status StartEngraving();
   Status WritePlan() const;
@@ -61,6 +63,7 @@ class Synchronizer {
   bus::Reader<intaglio_Permission> permissions_;
   bus::Reader<intaglio_EmergencyStop> stops_;
   bus::Reader<intaglio_MotionState> motion_;
+  bus::Reader<intaglio_PositionReport> positions_;
   bus::CreditBook credit_;
   bus::Writer<intaglio_MotionSegmentBatch> segments_;
   PathIntake intake_;
@@ -78,6 +81,15 @@ class Synchronizer {
   std::chrono::nanoseconds now_{0};
   std::chrono::nanoseconds began_at_{0};
   MotionView motion_view_;
+  MotionClock motion_clock_;
+  /// What the clock's stamps are of: it, the laser's power-up, and the lamp's rate.
+  struct ClockPair {
+    std::uint32_t motion = 0, laser = 0;
+    double rate_hz = 0;
+    bool operator==(const ClockPair&) const = default;
+  };
+  ClockPair clock_pair_;
+  std::uint64_t clock_from_tick_ = 0;  ///< at this rate since then
   std::chrono::nanoseconds motion_at_{-1};
   std::chrono::nanoseconds permission_at_{-1};
   bool permission_granted_ = false;

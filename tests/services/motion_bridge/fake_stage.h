@@ -47,11 +47,15 @@ class FakeStage {
     link::MotionIdentity identity;
     identity.queue_capacity = capacity_;
     Say(link::MotionFrame::kMotionIdentity, Encode(identity));
+    if (clock != 0) {
+      Say(link::MotionFrame::kControllerClock, Encode(link::ControllerClock{clock, 1}));
+    }
   }
 
   /// What the next statuses say besides the queue.
   link::MotionStatus status;
   bool answers_status = true;
+  std::uint32_t clock = 0;  ///< of its own; 0: none
   void SayStatus() {
     status.queue_free = capacity_ - static_cast<std::uint32_t>(queue.size());
     status.segments_taken = taken_;
@@ -63,6 +67,8 @@ class FakeStage {
   }
 
   std::vector<link::BeginRun> begun;
+  std::vector<link::BeginTimedRun> timed_begun;
+  std::vector<link::WireTimedSegment> timed_segments;
   std::deque<link::WireSegment> queue;  ///< not executed yet
   std::vector<link::WireSegment> all_segments;
   int aborts = 0, resets = 0;
@@ -79,6 +85,17 @@ class FakeStage {
       queue.clear();
     } else if (type == MotionFrame::kSegments) {
       TakeSegments(link::Decode<link::Segments>(payload).value());
+    } else if (type == MotionFrame::kBeginTimedRun) {
+      timed_begun.push_back(link::Decode<link::BeginTimedRun>(payload).value());
+      status.run = timed_begun.back().run;
+      taken_ = 0;
+    } else if (type == MotionFrame::kTimedSegments) {
+      const auto frame = link::Decode<link::TimedSegments>(payload).value();
+      out_of_order =
+          out_of_order || frame.run != status.run || frame.first_number != taken_;
+      taken_ += frame.segments.size();
+      timed_segments.insert(timed_segments.end(), frame.segments.begin(),
+                            frame.segments.end());
     } else if (type == MotionFrame::kAbortRun) {
       ++aborts;
     } else if (type == MotionFrame::kMotionReset) {

@@ -71,7 +71,7 @@ TEST_F(VirtualStageDriver, IsDownUntilTheStageAnswers) {
   EXPECT_FALSE(driver->state().link_up);
   EXPECT_EQ(driver->state().fault, intaglio_MOTION_LINK_LOST);
   EXPECT_EQ(driver->Room(), 0u);
-  EXPECT_FALSE(driver->BeginRun(1, 10).has_value());
+  EXPECT_FALSE(driver->BeginRun(1, 10, 0).has_value());
   EXPECT_FALSE(driver->AbortRun().has_value());
   driver->Poll();
   EXPECT_FALSE(driver->state().message.empty()) << "says what it waits for";
@@ -91,9 +91,54 @@ TEST_F(VirtualStageDriver, IsDownUntilTheStageAnswers) {
   EXPECT_TRUE(state.message.empty());
 }
 
+TEST_F(VirtualStageDriver, SpeaksInTimesToAClockOfItsOwnAndCountsTicksItself) {
+  stage.clock = 4711;
+  ASSERT_TRUE(Connect());
+  EXPECT_EQ(driver->state().clock, 4711u);
+  ASSERT_TRUE(driver->BeginRun(7, 1000, 123456789).has_value());
+  motion::Segment half = SegmentTo(1), whole = SegmentTo(2);
+  half.duration_subticks /= 2;
+  whole.pulse = true;
+  std::vector<motion::Segment> segments;
+  std::vector<std::uint64_t> end_ns;
+  for (int i = 0; i < 10; ++i) {
+    segments.push_back(i % 2 == 0 ? half : whole);
+    end_ns.push_back(200000000u + 1000000u * static_cast<std::uint64_t>(i));
+  }
+  ASSERT_TRUE(Until([&] { return driver->Room() >= 10; }));
+  EXPECT_LE(driver->Room(), link::kMaxTimedSegments);
+  ASSERT_TRUE(driver->Append(segments, end_ns).has_value());
+  // Five times a half and a whole.
+  ASSERT_TRUE(Until([&] { return driver->state().covered_through_tick == 1007; }));
+  EXPECT_TRUE(stage.begun.empty());
+  ASSERT_EQ(stage.timed_begun.size(), 1u);
+  EXPECT_EQ(stage.timed_begun[0].start_ns, 123456789u);
+  ASSERT_EQ(stage.timed_segments.size(), 10u);
+  EXPECT_EQ(stage.timed_segments[3].end_ns, 203000000u);
+  EXPECT_EQ(stage.timed_segments[3].x_nm, 2000000);
+  EXPECT_TRUE(stage.timed_segments[3].pulse);
+  EXPECT_FALSE(stage.out_of_order);
+}
+
+TEST_F(VirtualStageDriver, HandsOverPositionsWithTheirTimes) {
+  stage.clock = 4711;
+  ASSERT_TRUE(Connect());
+  stage.Say(link::MotionFrame::kTimedPositions,
+            Encode(link::TimedPositions{3, 50, {{777, 1000000, 0, 0}, {888, 0, 0, -1}}}));
+  std::vector<LatchedPositions> latched;
+  ASSERT_TRUE(Until([&] {
+    for (auto& entry : driver->TakePositions()) latched.push_back(std::move(entry));
+    return !latched.empty();
+  }));
+  EXPECT_EQ(latched[0].first_tick, 50u);
+  EXPECT_EQ(latched[0].at_ns, (std::vector<std::uint64_t>{777, 888}));
+  ASSERT_EQ(latched[0].positions_mm.size(), 2u);
+  EXPECT_NEAR(latched[0].positions_mm[0].x(), 1, 1e-12);
+}
+
 TEST_F(VirtualStageDriver, SaysSegmentsInNanometres) {
   ASSERT_TRUE(Connect());
-  ASSERT_TRUE(driver->BeginRun(7, 1234).has_value());
+  ASSERT_TRUE(driver->BeginRun(7, 1234, 0).has_value());
   motion::Segment first = SegmentTo(12.3456785);
   first.end_position_mm.y() = -0.0000014;
   first.end_velocity_mm_s = Vec3(80, -0.5, 1e-6);
@@ -101,7 +146,7 @@ TEST_F(VirtualStageDriver, SaysSegmentsInNanometres) {
   first.pulse = true;
   motion::Segment last = SegmentTo(170);
   last.program_end = true;
-  ASSERT_TRUE(driver->Append(std::vector{first, last}).has_value());
+  ASSERT_TRUE(driver->Append(std::vector{first, last}, {}).has_value());
   ASSERT_TRUE(Until([&] { return stage.all_segments.size() == 2; }));
   ASSERT_EQ(stage.begun.size(), 1u);
   EXPECT_EQ(stage.begun[0].run, 7u);
@@ -122,13 +167,13 @@ TEST_F(VirtualStageDriver, SaysSegmentsInNanometres) {
 
 TEST_F(VirtualStageDriver, StopsWhereTheQueueIsFull) {
   ASSERT_TRUE(Connect());
-  ASSERT_TRUE(driver->BeginRun(1, 10).has_value());
+  ASSERT_TRUE(driver->BeginRun(1, 10, 0).has_value());
   std::size_t appended = 0;
   const auto feed = [&] {
     while (const std::size_t room = driver->Room()) {
       EXPECT_LE(room, link::kMaxSegments);
       const std::vector<motion::Segment> part(room, SegmentTo(1));
-      ASSERT_TRUE(driver->Append(part).has_value());
+      ASSERT_TRUE(driver->Append(part, {}).has_value());
       appended += room;
     }
   };
@@ -151,7 +196,7 @@ TEST_F(VirtualStageDriver, NeverOverfillsAQueueThatItHearsOfLate) {
   stage.SayStatus();
   ASSERT_TRUE(Connect());
   constexpr int kSegments = 3000;
-  ASSERT_TRUE(driver->BeginRun(1, 10).has_value());
+  ASSERT_TRUE(driver->BeginRun(1, 10, 0).has_value());
   std::mt19937 random(5);
   int appended = 0;
   // The whole job: append what there is room for; the stage executes and speaks at
@@ -164,7 +209,7 @@ TEST_F(VirtualStageDriver, NeverOverfillsAQueueThatItHearsOfLate) {
               std::min({room, kSegments - appended, 1 + static_cast<int>(random() % 40)});
           std::vector<motion::Segment> part;
           for (int k = 0; k < count; ++k) part.push_back(SegmentTo(0.001 * appended++));
-          if (!part.empty() && !driver->Append(part)) ADD_FAILURE() << appended;
+          if (!part.empty() && !driver->Append(part, {})) ADD_FAILURE() << appended;
           driver->Poll();
           stage.Poll();
           const std::size_t executed =
@@ -185,10 +230,10 @@ TEST_F(VirtualStageDriver, NeverOverfillsAQueueThatItHearsOfLate) {
 TEST_F(VirtualStageDriver, ANewRunCountsItsSegmentsAnew) {
   ASSERT_TRUE(Connect());
   for (std::uint32_t run = 1; run <= 3; ++run) {
-    ASSERT_TRUE(driver->BeginRun(run, 10 * run).has_value());
+    ASSERT_TRUE(driver->BeginRun(run, 10 * run, 0).has_value());
     ASSERT_TRUE(Until([&] { return driver->Room() >= 20; })) << run;
     ASSERT_TRUE(
-        driver->Append(std::vector<motion::Segment>(20, SegmentTo(1))).has_value());
+        driver->Append(std::vector<motion::Segment>(20, SegmentTo(1)), {}).has_value());
     ASSERT_TRUE(Until([&] { return stage.all_segments.size() == 20 * run; }));
     stage.queue.clear();
   }
@@ -259,15 +304,15 @@ TEST_F(VirtualStageDriver, ASilentStageIsALostLine) {
   EXPECT_NE(driver->state().message.find("motion line"), std::string::npos);
   EXPECT_GT(driver->state().number, number);
   EXPECT_EQ(driver->Room(), 0u);
-  EXPECT_FALSE(driver->Append(std::vector{SegmentTo(1)}).has_value());
+  EXPECT_FALSE(driver->Append(std::vector{SegmentTo(1)}, {}).has_value());
   // And it comes back by itself.
   ASSERT_TRUE(Connect());
 }
 
 TEST_F(VirtualStageDriver, AnUnpluggedLineIsOpenedAgain) {
   ASSERT_TRUE(Connect());
-  ASSERT_TRUE(driver->BeginRun(1, 10).has_value());
-  ASSERT_TRUE(driver->Append(std::vector{SegmentTo(1)}).has_value());
+  ASSERT_TRUE(driver->BeginRun(1, 10, 0).has_value());
+  ASSERT_TRUE(driver->Append(std::vector{SegmentTo(1)}, {}).has_value());
   Settle(20ms);
   stage.Unplug();
   ASSERT_TRUE(Until([&] { return !driver->state().link_up; }));

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <map>
 #include <random>
 
@@ -28,6 +29,8 @@ struct SentBatch {
   std::uint64_t number, start_tick;
   bool abort, last;
   std::vector<SentSegment> segments;
+  std::uint64_t start_controller_ns;
+  std::vector<std::uint64_t> controller_ns;
 };
 
 class MotionFeedTest : public testing::Test {
@@ -40,11 +43,11 @@ class MotionFeedTest : public testing::Test {
     Begin();
   }
 
-  void Begin() {
+  void Begin(const MotionClock* clock = nullptr) {
     decltype(EngravingJob::plan) plan;
     plan.rate_hz = 100;
     plan.profile = motion::Profile::kMix;
-    feed_.Begin("job", 7, kStart, Vec3(-3, 0, 5), plan);
+    feed_.Begin("job", 7, kStart, Vec3(-3, 0, 5), plan, clock);
   }
 
   void Advance(std::uint64_t horizon) {
@@ -60,8 +63,15 @@ class MotionFeedTest : public testing::Test {
 
   Status Take(const intaglio_MotionSegmentBatch& batch) {
     if (refuse_) return Fail(ErrorCode::kTimedOut, "the test refuses it");
-    SentBatch sent{
-        batch.run, batch.sequence_number, batch.start_tick, batch.abort, batch.last, {}};
+    const auto times = View(batch.controller_ns);
+    SentBatch sent{batch.run,
+                   batch.sequence_number,
+                   batch.start_tick,
+                   batch.abort,
+                   batch.last,
+                   {},
+                   batch.start_controller_ns,
+                   {times.begin(), times.end()}};
     const auto x = View(batch.x_mm), y = View(batch.y_mm), z = View(batch.z_mm);
     const auto vx = View(batch.vx_mm_s), vy = View(batch.vy_mm_s),
                vz = View(batch.vz_mm_s);
@@ -101,6 +111,93 @@ class MotionFeedTest : public testing::Test {
                      return grant_;
                    }};
 };
+
+// A controller with a clock of its own that is `drift_ppm` fast and was at 5 s at tick 0.
+std::uint64_t OwnNs(double tick, double drift_ppm) {
+  return 5000000000u +
+         static_cast<std::uint64_t>(std::llround(tick * 1e7 * (1 + 1e-6 * drift_ppm)));
+}
+
+TEST_F(MotionFeedTest, GivesNoTimesToAControllerThatRunsOnTheLampsTicks) {
+  Advance(kStart + 50);
+  ASSERT_FALSE(sent_.empty());
+  EXPECT_EQ(sent_[0].start_controller_ns, 0u);
+  EXPECT_TRUE(sent_[0].controller_ns.empty());
+}
+
+TEST_F(MotionFeedTest, GivesEachKnotItsTickByTheControllersOwnClock) {
+  MotionClock clock;
+  clock.Reset(100);
+  for (std::uint64_t tick = 1; tick < 500; ++tick) {
+    clock.Observe(tick, OwnNs(static_cast<double>(tick), 150));
+  }
+  Begin(&clock);
+  for (std::uint64_t horizon = kStart; !feed_.sent_all(); horizon += 40) Advance(horizon);
+  std::uint64_t subticks = 0;
+  for (const SentBatch& batch : sent_) {
+    EXPECT_EQ(batch.start_controller_ns, OwnNs(kStart, 150));
+    ASSERT_EQ(batch.controller_ns.size(), batch.segments.size());
+    for (std::size_t i = 0; i < batch.segments.size(); ++i) {
+      subticks += batch.segments[i].duration_subticks;
+      const double tick = kStart + static_cast<double>(subticks) / kSubticks;
+      // Stamps are whole ns, and the line through them is used a thousand ticks ahead.
+      EXPECT_NEAR(static_cast<double>(batch.controller_ns[i]),
+                  static_cast<double>(OwnNs(tick, 150)), 10);
+    }
+  }
+}
+
+TEST_F(MotionFeedTest, MakesUpForWhatWasWrongWithoutAJerk) {
+  MotionClock clock;
+  clock.Reset(100);
+  // What is known at first is 300 us late, and 100 us more each second.
+  std::uint64_t tick = 1;
+  for (; tick < 500; ++tick) {
+    clock.Observe(tick, 300000 + OwnNs(static_cast<double>(tick), 100));
+  }
+  Begin(&clock);
+  Advance(kStart + 50);
+  const std::size_t sent_wrong = sent_.size();
+  ASSERT_GT(sent_wrong, 0u);
+  clock.Reset(100);
+  for (; tick < 900; ++tick) clock.Observe(tick, OwnNs(static_cast<double>(tick), 0));
+  while (!feed_.sent_all()) Advance(kNever);
+  std::uint64_t subticks = 0, before_ns = sent_[0].start_controller_ns;
+  double last_error_us = 0;
+  for (const SentBatch& batch : sent_) {
+    for (std::size_t i = 0; i < batch.segments.size(); ++i) {
+      const std::uint32_t duration = batch.segments[i].duration_subticks;
+      subticks += duration;
+      const double nominal_ns = 1e7 * duration / kSubticks;
+      const double took_ns = static_cast<double>(batch.controller_ns[i] - before_ns);
+      EXPECT_NEAR(took_ns / nominal_ns, 1, 0.0022);
+      before_ns = batch.controller_ns[i];
+      last_error_us =
+          1e-3 * (static_cast<double>(before_ns) -
+                  static_cast<double>(
+                      OwnNs(kStart + static_cast<double>(subticks) / kSubticks, 0)));
+    }
+  }
+  EXPECT_NEAR(last_error_us, 0, 0.1);
+}
+
+TEST_F(MotionFeedTest, TimesABatchAgainThatTheBusDidNotTake) {
+  MotionClock clock;
+  clock.Reset(100);
+  for (std::uint64_t tick = 1; tick < 500; ++tick) {
+    clock.Observe(tick, OwnNs(static_cast<double>(tick), -80));
+  }
+  Begin(&clock);
+  refuse_ = true;
+  Advance(kStart + 30);
+  refuse_ = false;
+  Advance(kStart + 30);
+  ASSERT_FALSE(sent_.empty());
+  const double tick =
+      kStart + static_cast<double>(sent_[0].segments[0].duration_subticks) / kSubticks;
+  EXPECT_NEAR(static_cast<double>(sent_[0].controller_ns[0]),
+              static_cast<double>(OwnNs(tick, -80)), 10);
+}
 
 TEST_F(MotionFeedTest, SendsTheWholeRunAndSchedulesEveryPulseAtItsSegmentsEnd) {
   while (!feed_.sent_all()) Advance(kNever);

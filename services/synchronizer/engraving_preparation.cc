@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "services/synchronizer/engraving.h"
+
+// What comes before a run: the lamp warm, the machine out of its safe state, the clocks
+// known. In lockstep ticks pass meanwhile that fire nothing.
+
+namespace intaglio::synchronizer {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kRequestPeriod = 20ms;
+
+}  // namespace
+
+void Engraving::Prepare(const EngravingInputs& inputs) {
+  if (stopping_) return Finish();
+  const std::string wait = WhatPreparationWaitsFor(inputs);
+  // A fault that waits for the operator keeps its word.
+  if (!needs_new_grant_) message_ = wait;
+  if (wait.empty()) phase_ = Phase::kWaiting;
+}
+
+std::string Engraving::WhatPreparationWaitsFor(const EngravingInputs& inputs) {
+  if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
+  LightLamp(inputs);
+  LeaveSafeState(inputs);
+  KeepIdleTicksPassing();
+  const bool right_rate = laser_.status().rate_hz == job_.plan.rate_hz;
+  if (!laser_.Has(link::kLampWarm) || !right_rate) {
+    return fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
+  }
+  if (!inputs.motion.fresh) return TextOf(Missing::kMotionState);
+  return inputs.motion.fault == intaglio_MOTION_LINK_LOST ? inputs.motion.message : "";
+}
+
+// Once in a session: another session may be another power-up, and its lamp is off.
+void Engraving::LightLamp(const EngravingInputs& inputs) {
+  if (lamp_session_ == laser_.session() && laser_.Has(link::kLampOn)) return;
+  if (inputs.now < next_request_ || !laser_.CanSend()) return;
+  next_request_ = inputs.now + kRequestPeriod;
+  if (laser_.Lamp(true, job_.plan.rate_hz)) lamp_session_ = laser_.session();
+}
+
+// In lockstep no tick passes that nobody decided, and a lamp warms up by its ticks.
+void Engraving::KeepIdleTicksPassing() {
+  if (!laser_.identity().lockstep || !laser_.CanSend()) return;
+  const link::LaserStatus& status = laser_.status();
+  // In a safe state or another session it has forgotten what was decided.
+  const bool forgotten = laser_.session() != session_ || laser_.Has(link::kSafeState);
+  decided_ = std::max({forgotten ? 0 : decided_, status.decided_through, status.tick});
+  session_ = laser_.session();
+  if (laser_.Has(link::kSafeState)) return;
+  if (decided_ > status.tick) return;
+  link::ArmWindow idle{decided_ + 1, true, std::vector<bool>(link::kMaxArmTicks, false)};
+  if (!laser_.Arm(idle)) return;
+  decided_ += idle.fire.size();
+  (void)laser_.RequestStatus();
+}
+
+// On the operator's word, which is the grant.
+void Engraving::LeaveSafeState(const EngravingInputs& inputs) {
+  const bool granted = inputs.permission_fresh && inputs.permission_granted;
+  if (!granted || needs_new_grant_ || !laser_.Has(link::kSafeState)) return;
+  if (!laser_.CanSend() || inputs.now < next_request_) return;
+  next_request_ = inputs.now + kRequestPeriod;
+  (void)laser_.Reset();
+  (void)laser_.RequestStatus();
+}
+
+// A stage on a clock of its own is moved only by a clock that is known.
+bool Engraving::MotionClockSettles(const EngravingInputs& inputs) {
+  own_clock_ = inputs.motion_clock != nullptr;
+  if (!own_clock_) return true;
+  inputs.motion_clock->SetAhead(static_cast<double>(AheadTicks()));
+  if (inputs.motion_clock->settled()) return true;
+  if (!started()) message_ = "the clock of the stage's controller is being measured";
+  KeepIdleTicksPassing();
+  return false;
+}
+
+}  // namespace intaglio::synchronizer
