@@ -307,7 +307,7 @@ std::size_t RemainingPoints::SlotOf(std::uint32_t index) const {
 }
 
 bool RemainingPoints::IsLeft(std::uint32_t index) const {
-  return SlotOf(index) < leaves_[leaf_of_.at(index)].count;
+  return size_ > 0 && SlotOf(index) < leaves_[leaf_of_.at(index)].count;
 }
 
 void RemainingPoints::Take(std::uint32_t index) {
@@ -319,6 +319,7 @@ void RemainingPoints::Take(std::uint32_t index) {
 std::optional<std::uint32_t> RemainingPoints::FindShaded(const Vec3& point_mm,
                                                          const BeamCone& cone) const {
   Require(z_weight_ > 0, "without a weight for z the points are not known by height");
+  if (size_ == 0) return std::nullopt;
   return ShadedIn(levels_.size() - 1, 0, point_mm, cone);
 }
 

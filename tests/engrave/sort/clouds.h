@@ -99,4 +99,38 @@ inline std::vector<NamedCloud> Clouds(std::size_t count) {
            }()}};
 }
 
+/// A straight row of points, a step each.
+inline PointList Row(std::size_t count, const Vec3& step_mm) {
+  PointList points;
+  for (std::size_t i = 0; i < count; ++i) {
+    points.emplace_back(static_cast<double>(i) * step_mm);
+  }
+  return points;
+}
+
+/// Clouds that are few, flat, thin or all in one place, by which something might be
+/// divided or sorted by nothing.
+inline std::vector<NamedCloud> DegenerateClouds() {
+  PointList nearly_alike = RandomBox(60, {1e-41, 1e-41, 1e-41}, 10);
+  PointList two_heaps(40, Vec3(1, 2, 3));
+  two_heaps.insert(two_heaps.end(), 40, Vec3(1.05, 2, 3.4));
+  std::vector<NamedCloud> clouds = {{"none", {}},
+                                    {"300 alike", PointList(300, Vec3(7, 8, 9))},
+                                    {"nearly alike", nearly_alike},
+                                    {"two heaps", two_heaps},
+                                    {"one height", RandomBox(300, {4, 4, 0}, 11)},
+                                    {"row in x", Row(300, {0.1, 0, 0})},
+                                    {"row in y", Row(300, {0, -0.07, 0})},
+                                    {"row up", Row(300, {0, 0, 0.1})},
+                                    {"row askew", Row(300, {0.03, 0.01, 0.02})}};
+  for (int count = 1; count <= 7; ++count) {
+    const auto size = static_cast<std::size_t>(count);
+    clouds.push_back({std::to_string(count) + " alike", PointList(size, Vec3(1, 1, 1))});
+    clouds.push_back(
+        {std::to_string(count) + " in a box", RandomBox(size, {2, 2, 2}, 12)});
+    clouds.push_back({std::to_string(count) + " up", Row(size, {0, 0, 0.3})});
+  }
+  return clouds;
+}
+
 }  // namespace intaglio::sort
