@@ -19,15 +19,18 @@
 namespace intaglio::motion {
 namespace {
 
+template <bool kPlain>
 class Way {
  public:
   Way(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
-      std::span<const TimedStep> timed, std::span<const StepLimits> choices,
+      std::span<const TimedStep> timed, const std::vector<StepLimits>& choices,
       double rate_hz, std::vector<Vec3>& ends_mm_s)
       : start_mm_s_(start_mm_s),
         steps_mm_(steps_mm),
         timed_(timed),
         choices_(choices),
+        plain_{LimitsOf(choices[0].planned, 0), LimitsOf(choices[0].planned, 1),
+               LimitsOf(choices[0].planned, 2)},
         has_walls_(HasWalls(choices[0].whole)),
         tick_s_(1 / rate_hz),
         ends_mm_s_(ends_mm_s) {}
@@ -87,23 +90,24 @@ class Way {
     const double best = Best(i, axis, weights, start);
     double& end = ends_mm_s_[i][axis];
     const SpeedInterval& box = timed_[i].box.axis[axis];
-    if ((!has_walls_ || box.Contains(best)) &&
+    if ((kPlain || !has_walls_ || box.Contains(best)) &&
         CubicKeeps(i, axis, weights.per_s, start, best) &&
         CubicKeeps(i + 1, axis, weights.next_per_s, best, next)) {
       end = best;
       return;
     }
     SpeedInterval open = Intersection(Behind(i, axis, start), Before(i + 1, axis));
-    if (has_walls_) open = Intersection(open, box);
+    if (!kPlain && has_walls_) open = Intersection(open, box);
     if (!open.empty()) end = open.Clamp(best);
   }
 
   /// Whether the cubic of step i keeps the limits: what most points need, without a root.
   bool CubicKeeps(std::size_t i, int axis, double per_s, double v, double w) const {
-    if (LimitsAt(i).jerk_limited(axis)) return false;
+    if (!kPlain && LimitsAt(i).jerk_limited(axis)) return false;
+    const AxisLimits limits = kPlain ? plain_[axis] : LimitsOf(LimitsAt(i).planned, axis);
     const double mean = steps_mm_[i][axis] * per_s;
-    const double most = LimitsAt(i).planned.max_acceleration_mm_s2[axis] * Seconds(i);
-    const double top = LimitsAt(i).planned.max_speed_mm_s[axis];
+    const double most = limits.max_acceleration_mm_s2 * Seconds(i);
+    const double top = limits.max_speed_mm_s;
     // Bezier ordinates of the speed: v, the middle one, w.
     const double middle = 3 * mean - v - w;
     return std::abs(6 * mean - 4 * v - 2 * w) <= most &&
@@ -112,20 +116,25 @@ class Way {
   }
   /// Where step i can end, coming from `start`.
   SpeedInterval Behind(std::size_t i, int axis, double start) const {
-    return ReachableEndSpeeds({start, start}, steps_mm_[i][axis], Seconds(i), axis,
-                              LimitsAt(i));
+    return Reach(i, axis, start);
   }
   /// Where step i can start, going to its end.
   SpeedInterval Before(std::size_t i, int axis) const {
-    const double end = ends_mm_s_[i][axis];
-    return ReachableEndSpeeds({end, end}, steps_mm_[i][axis], Seconds(i), axis,
-                              LimitsAt(i));
+    return Reach(i, axis, ends_mm_s_[i][axis]);
+  }
+  SpeedInterval Reach(std::size_t i, int axis, double speed) const {
+    const SpeedInterval from{speed, speed};
+    if constexpr (kPlain) {
+      return ReachableEndSpeeds(from, steps_mm_[i][axis], Seconds(i), plain_[axis]);
+    }
+    return ReachableEndSpeeds(from, steps_mm_[i][axis], Seconds(i), axis, LimitsAt(i));
   }
 
   Vec3 start_mm_s_;
   std::span<const Vec3> steps_mm_;
   std::span<const TimedStep> timed_;
-  std::span<const StepLimits> choices_;
+  const std::vector<StepLimits>& choices_;
+  AxisLimits plain_[3];  ///< Of all steps, where they are plain.
   bool has_walls_;
   double tick_s_;
   std::vector<Vec3>& ends_mm_s_;
@@ -134,15 +143,22 @@ class Way {
 }  // namespace
 
 void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
-                  std::span<const TimedStep> timed, std::span<const StepLimits> choices,
-                  double rate_hz, int sweeps, std::vector<Vec3>& ends_mm_s) {
+                  std::span<const TimedStep> timed,
+                  const std::vector<StepLimits>& choices, double rate_hz, int sweeps,
+                  std::vector<Vec3>& ends_mm_s) {
   Require(steps_mm.size() == timed.size(), "{} steps and {} times", steps_mm.size(),
           timed.size());
   ends_mm_s.resize(timed.size());
   if (timed.empty()) return;
-  Way way(start_mm_s, steps_mm, timed, choices, rate_hz, ends_mm_s);
-  way.Backwards();
-  for (int sweep = 0; sweep < sweeps; ++sweep) way.Sweep(sweep % 2 == 0);
+  const auto choose = [&](auto way) {
+    way.Backwards();
+    for (int sweep = 0; sweep < sweeps; ++sweep) way.Sweep(sweep % 2 == 0);
+  };
+  if (IsPlain(choices)) {
+    choose(Way<true>(start_mm_s, steps_mm, timed, choices, rate_hz, ends_mm_s));
+  } else {
+    choose(Way<false>(start_mm_s, steps_mm, timed, choices, rate_hz, ends_mm_s));
+  }
 }
 
 }  // namespace intaglio::motion

@@ -17,7 +17,8 @@ namespace intaglio::motion {
 /// lower the integral of the squared acceleration; after 2 there is less than 2 % left to
 /// gain.
 void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
-                  std::span<const TimedStep> timed, std::span<const StepLimits> choices,
-                  double rate_hz, int sweeps, std::vector<Vec3>& ends_mm_s);
+                  std::span<const TimedStep> timed,
+                  const std::vector<StepLimits>& choices, double rate_hz, int sweeps,
+                  std::vector<Vec3>& ends_mm_s);
 
 }  // namespace intaglio::motion

@@ -117,6 +117,11 @@ bool HasWalls(const Limits& limits) {
          limits.travel_mm.max_mm.minCoeff() < kUnlimited;
 }
 
+bool IsPlain(const std::vector<StepLimits>& choices) {
+  return choices.size() == 1 && !HasWalls(choices[0].whole) &&
+         LeastJerk(choices[0].whole) == kUnlimited;
+}
+
 SpeedInterval SpeedsAt(double position_mm, int axis, const StepLimits& limits,
                        double rate_hz, double slack_mm) {
   const double near_mm = std::min(position_mm - limits.whole.travel_mm.min_mm[axis],

@@ -54,6 +54,11 @@ inline SpeedInterval ReachableEndSpeeds(const SpeedInterval& start, double dista
 /// Whether the travel is limited at all.
 bool HasWalls(const Limits& limits);
 
+/// Whether speed and acceleration per axis are all that is limited. The planner's inner
+/// loops are compiled once for that, where every comparison would be felt, and once for
+/// all else.
+bool IsPlain(const std::vector<StepLimits>& choices);
+
 /// The speeds with which one axis can pass a point: the way to the nearer wall must be
 /// enough to brake, or to have come from. Exact (axis_reach.h: the course at full
 /// acceleration needs no more of it), but with limited jerk half as long again as full

@@ -10,7 +10,7 @@ namespace {
 
 /// Where pieces of any axis end, in order.
 struct Knots {
-  std::array<std::uint64_t, 3 * StepCourse::kMaxPieces> at;
+  std::array<std::uint64_t, 3 * (StepCourse::kMaxPieces - 1) + 1> at;
   std::size_t count = 0;
 
   void Add(std::uint64_t knot) {
@@ -34,8 +34,9 @@ void AppendStep(const KnotState& from, const KnotState& to, std::uint32_t ticks,
   const std::array<StepCourse, 3> courses{course_of(0), course_of(1), course_of(2)};
   Knots knots;
   for (const StepCourse& course : courses) {
-    for (std::size_t k = 0; k < course.piece_count(); ++k) knots.Add(course.knot(k));
+    for (std::size_t k = 0; k + 1 < course.piece_count(); ++k) knots.Add(course.knot(k));
   }
+  knots.Add(total);
   constexpr std::uint64_t kLongest = std::uint64_t{kMaxSegmentTicks} * kSubticksPerTick;
   std::uint64_t at = 0;
   for (std::size_t k = 0; k < knots.count; ++k) {
@@ -44,7 +45,7 @@ void AppendStep(const KnotState& from, const KnotState& to, std::uint32_t ticks,
       at += duration;
       Segment segment;
       segment.duration_subticks = static_cast<std::uint32_t>(duration);
-      for (int axis = 0; axis < 3; ++axis) {
+      for (int axis = 0; axis < 3 && at < total; ++axis) {
         const auto [gone_mm, speed_mm_s] = courses[axis].At(at);
         segment.end_position_mm[axis] = from.position_mm[axis] + gone_mm;
         segment.end_velocity_mm_s[axis] = speed_mm_s;

@@ -25,6 +25,7 @@ constexpr double kRoundingMm = 1e-9;
 TickLabels::TickLabels(std::vector<StepLimits> choices, double rate_hz,
                        const LabelOptions& options)
     : choices_(std::move(choices)),
+      is_plain_(IsPlain(choices_)),
       has_walls_(HasWalls(choices_.at(0).whole)),
       fastest_mm_s_(Vec3::Zero()),
       rate_hz_(rate_hz),
@@ -40,36 +41,45 @@ TickLabels::TickLabels(std::vector<StepLimits> choices, double rate_hz,
   }
 }
 
-TickLabels::Trial TickLabels::TrialOf(const Vec3& start_mm, const Vec3& step_mm,
-                                      std::uint32_t ticks, std::uint32_t choice) const {
-  Trial trial{step_mm, ticks, choice, {}, {}};
-  const StepLimits& limits = choices_[choice];
+template <bool kPlain>
+void TickLabels::Open(const Vec3& start_mm, const Trial& trial) {
+  const StepLimits& limits = choices_[trial.choice];
+  const double seconds = trial.ticks / rate_hz_;
   for (int axis = 0; axis < 3; ++axis) {
-    trial.usable[axis] = UsableStartSpeeds(step_mm[axis], ticks / rate_hz_, axis, limits);
+    const double step = trial.step_mm[axis];
+    if constexpr (kPlain) {
+      usable_[axis] = UsableStartSpeeds(step, seconds, LimitsOf(limits.planned, axis));
+      continue;
+    }
+    usable_[axis] = UsableStartSpeeds(step, seconds, axis, limits);
     if (!has_walls_) continue;
-    const double start = start_mm[axis], end = start + step_mm[axis];
     // A state at the limit must not be lost by the last bit of its position.
-    trial.usable[axis] = Intersection(
-        trial.usable[axis], SpeedsAt(start, axis, limits, rate_hz_, kRoundingMm));
-    trial.open[axis] = SpeedsAt(end, axis, limits, rate_hz_);
+    usable_[axis] = Intersection(
+        usable_[axis], SpeedsAt(start_mm[axis], axis, limits, rate_hz_, kRoundingMm));
+    open_[axis] = SpeedsAt(start_mm[axis] + step, axis, limits, rate_hz_);
   }
-  return trial;
 }
 
+template <bool kPlain>
 bool TickLabels::MakeLabel(std::uint32_t from_index, const Trial& trial,
                            Label& to) const {
   const Label& from = labels_[from_index];
   for (int axis = 0; axis < 3; ++axis) {
-    to.box.axis[axis] = Intersection(from.box.axis[axis], trial.usable[axis]);
+    to.box.axis[axis] = Intersection(from.box.axis[axis], usable_[axis]);
     if (to.box.axis[axis].empty()) return false;
   }
+  const StepLimits& limits = choices_[trial.choice];
   const double seconds = trial.ticks / rate_hz_;
   for (int axis = 0; axis < 3; ++axis) {
     SpeedInterval& speeds = to.box.axis[axis];
-    speeds = ReachableEndSpeeds(speeds, trial.step_mm[axis], seconds, axis,
-                                choices_[trial.choice]);
+    const double step = trial.step_mm[axis];
+    if constexpr (kPlain) {
+      speeds = ReachableEndSpeeds(speeds, step, seconds, LimitsOf(limits.planned, axis));
+      continue;
+    }
+    speeds = ReachableEndSpeeds(speeds, step, seconds, axis, limits);
     if (!has_walls_) continue;
-    speeds = Intersection(speeds, trial.open[axis]);
+    speeds = Intersection(speeds, open_[axis]);
     if (speeds.empty()) return false;
   }
   to.ticks = from.ticks + trial.ticks;
@@ -89,6 +99,30 @@ void TickLabels::Offer(const Label& label) {
   offered_.push_back(label);
 }
 
+/// Whether more ticks are worth a try of any label.
+template <bool kPlain>
+bool TickLabels::TryAll(const Trial& trial, bool to_rest) {
+  const std::uint32_t begin = first_.back();
+  const auto end = static_cast<std::uint32_t>(begin + last_.size());
+  bool more = false;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const bool late = labels_[i].ticks + trial.ticks > rest_ticks_;
+    if (late || trial.ticks > last_[i - begin]) continue;
+    more = true;
+    Label label;
+    if (!MakeLabel<kPlain>(i, trial, label)) continue;
+    const bool has_rest = label.box.HasRest();
+    if (has_rest) rest_ticks_ = std::min(rest_ticks_, label.ticks);
+    if (to_rest && !has_rest) continue;
+    if (last_[i - begin] == UINT32_MAX) {
+      last_[i - begin] = trial.ticks + static_cast<std::uint32_t>(options_.extra_ticks);
+    }
+    Offer(label);
+  }
+  return more;
+}
+
+template <bool kPlain>
 void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest) {
   const auto end = static_cast<std::uint32_t>(labels_.size());
   offered_.clear();
@@ -100,33 +134,13 @@ void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest)
   for (bool more = true; more; ++ticks) {
     more = false;
     for (std::uint32_t choice = 0; choice < choices_.size(); ++choice) {
-      more |= TryAll(TrialOf(start_mm, step_mm, ticks, choice), to_rest);
+      const Trial trial{step_mm, ticks, choice};
+      Open<kPlain>(start_mm, trial);
+      more |= TryAll<kPlain>(trial, to_rest);
     }
   }
   first_.push_back(end);
   KeepBest();
-}
-
-/// Whether more ticks are worth a try of any label.
-bool TickLabels::TryAll(const Trial& trial, bool to_rest) {
-  const std::uint32_t begin = first_.back();
-  const auto end = static_cast<std::uint32_t>(begin + last_.size());
-  bool more = false;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const bool late = labels_[i].ticks + trial.ticks > rest_ticks_;
-    if (late || trial.ticks > last_[i - begin]) continue;
-    more = true;
-    Label label;
-    if (!MakeLabel(i, trial, label)) continue;
-    const bool has_rest = label.box.HasRest();
-    if (has_rest) rest_ticks_ = std::min(rest_ticks_, label.ticks);
-    if (to_rest && !has_rest) continue;
-    if (last_[i - begin] == UINT32_MAX) {
-      last_[i - begin] = trial.ticks + static_cast<std::uint32_t>(options_.extra_ticks);
-    }
-    Offer(label);
-  }
-  return more;
 }
 
 double TickLabels::Score(const Label& label) const {
@@ -162,7 +176,12 @@ void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
   labels_.push_back(first);
   Vec3 at_mm = start.position_mm;
   for (std::size_t i = 0; i < steps_mm.size(); ++i) {
-    Extend(at_mm, steps_mm[i], i + 1 == steps_mm.size());
+    const bool to_rest = i + 1 == steps_mm.size();
+    if (is_plain_) {
+      Extend<true>(at_mm, steps_mm[i], to_rest);
+    } else {
+      Extend<false>(at_mm, steps_mm[i], to_rest);
+    }
     at_mm += steps_mm[i];
   }
   auto label =

@@ -73,15 +73,16 @@ class TickLabels {
     Vec3 step_mm;
     std::uint32_t ticks;
     std::uint32_t choice;
-    SpeedInterval usable[3];  ///< At its start.
-    SpeedInterval open[3];    ///< At its end; where there are walls.
   };
 
-  Trial TrialOf(const Vec3& start_mm, const Vec3& step_mm, std::uint32_t ticks,
-                std::uint32_t choice) const;
-  bool MakeLabel(std::uint32_t from_index, const Trial& trial, Label& to) const;
+  template <bool kPlain>
   void Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest);
+  template <bool kPlain>
+  void Open(const Vec3& start_mm, const Trial& trial);
+  template <bool kPlain>
   bool TryAll(const Trial& trial, bool to_rest);
+  template <bool kPlain>
+  bool MakeLabel(std::uint32_t from_index, const Trial& trial, Label& to) const;
   void KeepOpen(const KnotState& start, std::span<const Vec3> steps_mm,
                 std::vector<TimedStep>& timed) const;
   void Offer(const Label& label);
@@ -89,6 +90,7 @@ class TickLabels {
   void KeepBest();
 
   std::vector<StepLimits> choices_;
+  bool is_plain_;  ///< step_limits.h
   bool has_walls_;
   Vec3 fastest_mm_s_;  ///< Of any choice.
   double rate_hz_;
@@ -97,6 +99,8 @@ class TickLabels {
   std::vector<std::uint32_t> first_;  ///< Of each point in labels_.
   std::vector<Label> offered_;        ///< For the point at hand.
   std::vector<std::uint32_t> last_;   ///< Of each label: the last ticks worth a try.
+  SpeedInterval usable_[3];           ///< At the start of the step that is tried.
+  SpeedInterval open_[3];             ///< At its end; where there are walls.
   std::uint32_t rest_ticks_ = 0;      ///< The fewest to rest at the point at hand.
 };
 
