@@ -23,15 +23,16 @@ template <bool kPlain>
 class Way {
  public:
   Way(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
-      std::span<const TimedStep> timed, const std::vector<StepLimits>& choices,
-      double rate_hz, std::vector<Vec3>& ends_mm_s)
+      std::span<const TimedStep> timed, bool near_walls,
+      const std::vector<StepLimits>& choices, double rate_hz,
+      std::vector<Vec3>& ends_mm_s)
       : start_mm_s_(start_mm_s),
         steps_mm_(steps_mm),
         timed_(timed),
         choices_(choices),
         plain_{LimitsOf(choices[0].planned, 0), LimitsOf(choices[0].planned, 1),
                LimitsOf(choices[0].planned, 2)},
-        has_walls_(HasWalls(choices[0].whole)),
+        near_walls_(near_walls),
         tick_s_(1 / rate_hz),
         ends_mm_s_(ends_mm_s) {}
 
@@ -90,14 +91,14 @@ class Way {
     const double best = Best(i, axis, weights, start);
     double& end = ends_mm_s_[i][axis];
     const SpeedInterval& box = timed_[i].box.axis[axis];
-    if ((kPlain || !has_walls_ || box.Contains(best)) &&
+    if ((kPlain || !near_walls_ || box.Contains(best)) &&
         CubicKeeps(i, axis, weights.per_s, start, best) &&
         CubicKeeps(i + 1, axis, weights.next_per_s, best, next)) {
       end = best;
       return;
     }
     SpeedInterval open = Intersection(Behind(i, axis, start), Before(i + 1, axis));
-    if (!kPlain && has_walls_) open = Intersection(open, box);
+    if (!kPlain && near_walls_) open = Intersection(open, box);
     if (!open.empty()) end = open.Clamp(best);
   }
 
@@ -135,7 +136,7 @@ class Way {
   std::span<const TimedStep> timed_;
   const std::vector<StepLimits>& choices_;
   AxisLimits plain_[3];  ///< Of all steps, where they are plain.
-  bool has_walls_;
+  bool near_walls_;
   double tick_s_;
   std::vector<Vec3>& ends_mm_s_;
 };
@@ -143,7 +144,7 @@ class Way {
 }  // namespace
 
 void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
-                  std::span<const TimedStep> timed,
+                  std::span<const TimedStep> timed, bool near_walls,
                   const std::vector<StepLimits>& choices, double rate_hz, int sweeps,
                   std::vector<Vec3>& ends_mm_s) {
   Require(steps_mm.size() == timed.size(), "{} steps and {} times", steps_mm.size(),
@@ -154,10 +155,12 @@ void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
     way.Backwards();
     for (int sweep = 0; sweep < sweeps; ++sweep) way.Sweep(sweep % 2 == 0);
   };
-  if (IsPlain(choices)) {
-    choose(Way<true>(start_mm_s, steps_mm, timed, choices, rate_hz, ends_mm_s));
+  if (!near_walls && IsPlain(choices)) {
+    choose(
+        Way<true>(start_mm_s, steps_mm, timed, near_walls, choices, rate_hz, ends_mm_s));
   } else {
-    choose(Way<false>(start_mm_s, steps_mm, timed, choices, rate_hz, ends_mm_s));
+    choose(
+        Way<false>(start_mm_s, steps_mm, timed, near_walls, choices, rate_hz, ends_mm_s));
   }
 }
 

@@ -112,14 +112,21 @@ std::vector<StepLimits> StepLimitsOf(const Limits& limits, double rate_hz) {
   return choices;
 }
 
-bool HasWalls(const Limits& limits) {
-  return limits.travel_mm.min_mm.maxCoeff() > -kUnlimited ||
-         limits.travel_mm.max_mm.minCoeff() < kUnlimited;
+bool NearWalls(const std::vector<StepLimits>& choices, const Box3& extent_mm,
+               double rate_hz) {
+  for (const StepLimits& limits : choices) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double top = limits.planned.max_speed_mm_s[axis];
+      for (const double end : {extent_mm.min_mm[axis], extent_mm.max_mm[axis]}) {
+        if (SpeedsAt(end, axis, limits, rate_hz).hi < top) return true;
+      }
+    }
+  }
+  return false;
 }
 
 bool IsPlain(const std::vector<StepLimits>& choices) {
-  return choices.size() == 1 && !HasWalls(choices[0].whole) &&
-         LeastJerk(choices[0].whole) == kUnlimited;
+  return choices.size() == 1 && LeastJerk(choices[0].whole) == kUnlimited;
 }
 
 SpeedInterval SpeedsAt(double position_mm, int axis, const StepLimits& limits,

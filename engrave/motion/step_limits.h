@@ -51,12 +51,14 @@ inline SpeedInterval ReachableEndSpeeds(const SpeedInterval& start, double dista
   return ReachableEndSpeeds(start, distance_mm, seconds, LimitsOf(limits.planned, axis));
 }
 
-/// Whether the travel is limited at all.
-bool HasWalls(const Limits& limits);
+/// Whether a way through points in `extent_mm` comes so near to a wall that the speed is
+/// limited there.
+bool NearWalls(const std::vector<StepLimits>& choices, const Box3& extent_mm,
+               double rate_hz);
 
-/// Whether speed and acceleration per axis are all that is limited. The planner's inner
-/// loops are compiled once for that, where every comparison would be felt, and once for
-/// all else.
+/// Whether speed and acceleration per axis are all that is limited, but for the travel.
+/// Away from the walls the planner's inner loops are compiled for that, where every
+/// comparison would be felt, and once for all else.
 bool IsPlain(const std::vector<StepLimits>& choices);
 
 /// The speeds with which one axis can pass a point: the way to the nearer wall must be

@@ -25,8 +25,6 @@ constexpr double kRoundingMm = 1e-9;
 TickLabels::TickLabels(std::vector<StepLimits> choices, double rate_hz,
                        const LabelOptions& options)
     : choices_(std::move(choices)),
-      is_plain_(IsPlain(choices_)),
-      has_walls_(HasWalls(choices_.at(0).whole)),
       fastest_mm_s_(Vec3::Zero()),
       rate_hz_(rate_hz),
       options_(options) {
@@ -52,7 +50,7 @@ void TickLabels::Open(const Vec3& start_mm, const Trial& trial) {
       continue;
     }
     usable_[axis] = UsableStartSpeeds(step, seconds, axis, limits);
-    if (!has_walls_) continue;
+    if (!near_walls_) continue;
     // A state at the limit must not be lost by the last bit of its position.
     usable_[axis] = Intersection(
         usable_[axis], SpeedsAt(start_mm[axis], axis, limits, rate_hz_, kRoundingMm));
@@ -78,7 +76,7 @@ bool TickLabels::MakeLabel(std::uint32_t from_index, const Trial& trial,
       continue;
     }
     speeds = ReachableEndSpeeds(speeds, step, seconds, axis, limits);
-    if (!has_walls_) continue;
+    if (!near_walls_) continue;
     speeds = Intersection(speeds, open_[axis]);
     if (speeds.empty()) return false;
   }
@@ -166,7 +164,9 @@ void TickLabels::KeepBest() {
 }
 
 void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
-                        std::vector<TimedStep>& timed) {
+                        bool near_walls, std::vector<TimedStep>& timed) {
+  near_walls_ = near_walls;
+  const bool is_plain = !near_walls && IsPlain(choices_);
   labels_.clear();
   first_.assign(1, 0);
   Label first;
@@ -177,7 +177,7 @@ void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
   Vec3 at_mm = start.position_mm;
   for (std::size_t i = 0; i < steps_mm.size(); ++i) {
     const bool to_rest = i + 1 == steps_mm.size();
-    if (is_plain_) {
+    if (is_plain) {
       Extend<true>(at_mm, steps_mm[i], to_rest);
     } else {
       Extend<false>(at_mm, steps_mm[i], to_rest);
@@ -194,7 +194,7 @@ void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
   }
   if (timed.empty()) return;
   for (SpeedInterval& axis : timed.back().box.axis) axis = {0, 0};
-  if (has_walls_) KeepOpen(start, steps_mm, timed);
+  if (near_walls_) KeepOpen(start, steps_mm, timed);
 }
 
 /// Takes from each box what the step behind it may not start with.

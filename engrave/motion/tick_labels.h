@@ -54,8 +54,8 @@ class TickLabels {
 
   /// The fewest ticks found from `start` through steps of `steps_mm` to rest at the end
   /// of the last. `timed` gets an entry a step. The start velocity is one from which the
-  /// way can be made within the limits.
-  void Choose(const KnotState& start, std::span<const Vec3> steps_mm,
+  /// way can be made within the limits. `near_walls`: NearWalls of the way's points.
+  void Choose(const KnotState& start, std::span<const Vec3> steps_mm, bool near_walls,
               std::vector<TimedStep>& timed);
 
  private:
@@ -90,8 +90,7 @@ class TickLabels {
   void KeepBest();
 
   std::vector<StepLimits> choices_;
-  bool is_plain_;  ///< step_limits.h
-  bool has_walls_;
+  bool near_walls_ = false;
   Vec3 fastest_mm_s_;  ///< Of any choice.
   double rate_hz_;
   LabelOptions options_;

@@ -49,12 +49,15 @@ void TickPlanner::Finish(std::vector<Segment>& out) {
 void TickPlanner::PlanWindow() {
   steps_mm_.clear();
   Vec3 at_mm = state_.position_mm;
+  Box3 extent_mm{at_mm, at_mm};
   for (const Target& target : targets_) {
     steps_mm_.push_back(target.position_mm - at_mm);
     at_mm = target.position_mm;
+    extent_mm.Extend(at_mm);
   }
-  labels_.Choose(state_, steps_mm_, timed_);
-  ChooseSpeeds(state_.velocity_mm_s, steps_mm_, timed_, choices_, rate_hz_,
+  const bool near_walls = NearWalls(choices_, extent_mm, rate_hz_);
+  labels_.Choose(state_, steps_mm_, near_walls, timed_);
+  ChooseSpeeds(state_.velocity_mm_s, steps_mm_, timed_, near_walls, choices_, rate_hz_,
                options_.sweeps, ends_mm_s_);
 }
 
