@@ -38,7 +38,9 @@ class Grid {
     }
     const Scaled size = high - least_;
     const float largest = std::max({size.x, size.y, size.z});
-    per_cell_ = 1 / std::max(cell, largest / static_cast<float>(kMostCell / 2));
+    // Not so small that its inverse would be infinite.
+    per_cell_ = 1 / std::max({cell, largest / static_cast<float>(kMostCell / 2),
+                              std::numeric_limits<float>::min()});
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       by_cell_.emplace_back(KeyOf(CellOf(points[i])), i);
     }

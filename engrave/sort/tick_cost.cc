@@ -9,6 +9,39 @@ namespace {
 // in between, a tick more or less makes little difference.
 constexpr float kBeyond[] = {0, 1, 2, 3, 4, 7, 12, 19};
 
+/// Relative, of ticks that are whole but for rounding.
+constexpr double kRounding = 1e-7;
+
+double RoundUp(double ticks) { return std::ceil(ticks * (1 - kRounding)); }
+
+/// Enough ticks for an axis: from `fewest` on, but not between the ends of the gap.
+struct AxisTicks {
+  double fewest = 0;
+  double gap_begin = 0;
+  double gap_end = 0;
+};
+
+// After d1 in m ticks, v = d1 / m, and for d >= 0 (else both are mirrored), the limit
+// 2 |d / n - v| <= n + m is the two
+//   n^2 + (m + 2 v) n - 2 d >= 0:  n not below its one root >= 0;
+//   n^2 + (m - 2 v) n + 2 d >= 0:  n not between its roots: too slow to keep the speed,
+//                                  too fast to lose it.
+AxisTicks TicksOfAxis(double before, double before_ticks, double step) {
+  const double sign = step < 0 ? -1 : 1;
+  const double d = sign * step;
+  const double v = sign * before / before_ticks;
+  const double rise = 0.5 * before_ticks + v;
+  const double root = std::sqrt(rise * rise + 2 * d);
+  AxisTicks ticks;
+  ticks.fewest = rise > 0 ? 2 * d / (rise + root) : root - rise;
+  const double fall = v - 0.5 * before_ticks;
+  const double square = fall * fall - 2 * d;
+  if (fall <= 0 || square <= 0) return ticks;
+  ticks.gap_end = fall + std::sqrt(square);
+  ticks.gap_begin = 2 * d / ticks.gap_end;
+  return ticks;
+}
+
 /// At and below it four choices are enough, by trial.
 constexpr double kFewChoicesHz = 250;
 
@@ -29,18 +62,22 @@ TickCost::TickCost(const motion::Limits& limits, double rate_hz)
 }
 
 float TickCost::TicksAfter(const TimedMove& before, const Scaled& step) const {
-  float ticks = LeastTicks(step);
-  // Twice as long at a time, then back: a step across the block takes thousands.
-  float too_few = ticks - 1;
-  while (Bend(before, {step, ticks}) > 1) {
-    too_few = ticks;
-    ticks = std::ceil(ticks * 1.5F);
+  const float least = LeastTicks(step);
+  if (Bend(before, {step, least}) <= 1) return least;
+  const AxisTicks axes[] = {TicksOfAxis(before.step.x, before.ticks, step.x),
+                            TicksOfAxis(before.step.y, before.ticks, step.y),
+                            TicksOfAxis(before.step.z, before.ticks, step.z)};
+  double ticks = least;
+  for (const AxisTicks& axis : axes) ticks = std::max(ticks, RoundUp(axis.fewest));
+  // Past one gap may be within that of an axis looked at before; never back.
+  for (int round = 0; round < 3; ++round) {
+    for (const AxisTicks& axis : axes) {
+      if (ticks > axis.gap_begin * (1 + kRounding)) {
+        ticks = std::max(ticks, RoundUp(axis.gap_end));
+      }
+    }
   }
-  while (ticks - too_few > 1) {
-    const float middle = std::floor(0.5F * (ticks + too_few));
-    (Bend(before, {step, middle}) > 1 ? too_few : ticks) = middle;
-  }
-  return ticks;
+  return static_cast<float>(ticks);
 }
 
 double TickCost::StopAndGoTicks(double mm) const {
