@@ -1,10 +1,20 @@
 #include "engrave/motion/tick_planner.h"
 
+#include <cmath>
+#include <utility>
+
 #include "engrave/core/check.h"
 #include "engrave/motion/speed_choice.h"
 #include "engrave/motion/step_motion.h"
 
 namespace intaglio::motion {
+namespace {
+
+/// Each plans from the ticks the one before it saved; a third hardly saves another.
+constexpr int kMoveAttempts = 2;
+
+}  // namespace
+
 TickPlannerOptions OptionsForRate(double rate_hz) {
   TickPlannerOptions options;
   if (rate_hz > 250) options.labels = {16, 4};
@@ -23,6 +33,8 @@ TickPlanner::TickPlanner(const Limits& limits, double rate_hz,
               options.look_ahead_points < options.window_points,
           "a window of {} points cannot look {} points ahead", options.window_points,
           options.look_ahead_points);
+  Require(options.tolerance_mm >= 0 && std::isfinite(options.tolerance_mm),
+          "tolerance_mm must not be negative, is {}", options.tolerance_mm);
 }
 
 void TickPlanner::Append(const Vec3& target_mm, std::int32_t point, bool pulse,
@@ -47,28 +59,53 @@ void TickPlanner::Finish(std::vector<Segment>& out) {
 }
 
 void TickPlanner::PlanWindow() {
-  steps_mm_.clear();
+  way_.points_mm.clear();
+  for (const Target& target : targets_) way_.points_mm.push_back(target.position_mm);
+  PlanThrough(way_);
+  if (options_.tolerance_mm > 0) MovePoints();
+  ChooseSpeeds(state_.velocity_mm_s, way_.steps_mm, way_.timed, way_.near_walls, choices_,
+               rate_hz_, options_.sweeps, ends_mm_s_);
+}
+
+void TickPlanner::PlanThrough(Way& way) {
+  way.steps_mm.clear();
   Vec3 at_mm = state_.position_mm;
   Box3 extent_mm{at_mm, at_mm};
-  for (const Target& target : targets_) {
-    steps_mm_.push_back(target.position_mm - at_mm);
-    at_mm = target.position_mm;
+  for (const Vec3& point : way.points_mm) {
+    way.steps_mm.push_back(point - at_mm);
+    at_mm = point;
     extent_mm.Extend(at_mm);
   }
-  const bool near_walls = NearWalls(choices_, extent_mm, rate_hz_);
-  labels_.Choose(state_, steps_mm_, near_walls, timed_);
-  ChooseSpeeds(state_.velocity_mm_s, steps_mm_, timed_, near_walls, choices_, rate_hz_,
-               options_.sweeps, ends_mm_s_);
+  way.near_walls = NearWalls(choices_, extent_mm, rate_hz_);
+  labels_.Choose(state_, way.steps_mm, way.near_walls, way.timed);
+  way.ticks = 0;
+  for (const TimedStep& step : way.timed) way.ticks += step.ticks;
+}
+
+void TickPlanner::MovePoints() {
+  const std::vector<Vec3> targets_mm = way_.points_mm;
+  for (int attempt = 0; attempt < kMoveAttempts; ++attempt) {
+    if (way_.ticks == targets_mm.size()) return;
+    ShiftPoints(state_, targets_mm, way_.timed, rate_hz_, options_.tolerance_mm,
+                choices_[0].whole.travel_mm, moved_way_.points_mm);
+    PlanThrough(moved_way_);
+    if (moved_way_.ticks >= way_.ticks) return;
+    std::swap(way_, moved_way_);
+  }
 }
 
 void TickPlanner::HandOut(std::size_t count, std::vector<Segment>& out) {
   for (std::size_t i = 0; i < count; ++i) {
-    const KnotState to{targets_[i].position_mm, ends_mm_s_[i]};
-    AppendStep(state_, to, timed_[i].ticks, choices_[timed_[i].choice], rate_hz_, out);
+    const TimedStep& step = way_.timed[i];
+    const KnotState to{way_.points_mm[i], ends_mm_s_[i]};
+    AppendStep(state_, to, step.ticks, choices_[step.choice], rate_hz_, out);
     out.back().point = targets_[i].point;
     out.back().pulse = targets_[i].pulse;
+    if (targets_[i].point >= 0) {
+      moves_.Add((to.position_mm - targets_[i].position_mm).norm());
+    }
     state_ = to;
-    ticks_ += timed_[i].ticks;
+    ticks_ += step.ticks;
   }
   targets_.erase(targets_.begin(), targets_.begin() + static_cast<std::ptrdiff_t>(count));
 }

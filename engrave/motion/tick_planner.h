@@ -14,6 +14,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/motion/limits.h"
+#include "engrave/motion/point_shift.h"
 #include "engrave/motion/segment.h"
 #include "engrave/motion/tick_labels.h"
 
@@ -28,6 +29,8 @@ struct TickPlannerOptions {
   int look_ahead_points = 64;
   /// Passes that lower acceleration without costing a tick (speed_choice.h).
   int sweeps = 2;
+  /// How far a point may be moved where that saves ticks, >= 0.
+  double tolerance_mm = 0;
 };
 
 /// Options that fit a rate: more labels where a step takes more ticks.
@@ -54,6 +57,8 @@ class TickPlanner {
   const KnotState& state() const { return state_; }
   /// Ticks of the segments handed out so far.
   std::uint64_t ticks() const { return ticks_; }
+  /// Moves of the points handed out so far.
+  const PointMoves& moves() const { return moves_; }
 
  private:
   struct Target {
@@ -62,7 +67,19 @@ class TickPlanner {
     bool pulse;
   };
 
+  /// A way through the targets and the ticks of its steps.
+  struct Way {
+    std::vector<Vec3> points_mm;
+    std::vector<Vec3> steps_mm;
+    std::vector<TimedStep> timed;
+    bool near_walls = false;
+    std::uint64_t ticks = 0;
+  };
+
   void PlanWindow();
+  /// Fills in all but the points.
+  void PlanThrough(Way& way);
+  void MovePoints();
   void HandOut(std::size_t count, std::vector<Segment>& out);
 
   std::vector<StepLimits> choices_;
@@ -72,8 +89,9 @@ class TickPlanner {
   std::uint64_t ticks_ = 0;
   TickLabels labels_;
   std::vector<Target> targets_;  ///< Not yet handed out.
-  std::vector<Vec3> steps_mm_;
-  std::vector<TimedStep> timed_;
+  Way way_;
+  Way moved_way_;  ///< Tried, and better or not.
+  PointMoves moves_;
   std::vector<Vec3> ends_mm_s_;
 };
 

@@ -45,11 +45,12 @@ Machine RandomMachine(std::mt19937_64& random) {
 }
 
 MotionReport PlanAndVerify(const PointList& points, const Machine& machine,
-                           const VerifyOptions& verify = {}) {
+                           const VerifyOptions& verify = {}, double tolerance_mm = 0) {
   std::vector<Segment> segments;
   TickPlannerOptions options = OptionsForRate(machine.rate_hz);
   options.window_points = 40;
   options.look_ahead_points = 15;
+  options.tolerance_mm = tolerance_mm;
   TickPlanner planner(machine.limits, machine.rate_hz, options, {});
   for (std::size_t i = 0; i < points.size(); ++i) {
     planner.Append(points[i], static_cast<std::int32_t>(i), true, segments);
@@ -146,6 +147,56 @@ TEST(TickPlannerOptions, KeepsThemAllAtOnce) {
     const MotionReport report = PlanAndVerify(points, machine);
     ASSERT_TRUE(report.ok()) << trial << ": " << report.violations.front();
   }
+}
+
+TEST(TickPlannerOptions, MovesNoPointFurtherThanTheTolerance) {
+  std::mt19937_64 random(5);
+  std::uint64_t ticks = 0, fixed_ticks = 0;
+  for (int trial = 0; trial < 80; ++trial) {
+    Machine machine = RandomMachine(random);
+    PointList points = RandomWalk(100, std::pow(10, -2 + 2 * Unit(random)), random);
+    if (trial % 4 == 1) LimitJerk(machine, random);
+    if (trial % 2 == 1) LimitTravel(machine, points, random);
+    const double tolerance_mm = 0.05 * Unit(random);
+    VerifyOptions verify;
+    verify.position_tolerance_mm = tolerance_mm * (1 + 1e-9);
+    const MotionReport report = PlanAndVerify(points, machine, verify, tolerance_mm);
+    ASSERT_TRUE(report.ok()) << trial << ": " << report.violations.front();
+    ticks += report.ticks;
+    fixed_ticks += PlanAndVerify(points, machine).ticks;
+  }
+  EXPECT_LT(static_cast<double>(ticks), 0.97 * static_cast<double>(fixed_ticks));
+}
+
+TEST(TickPlannerOptions, TellsHowFarItMovedThePoints) {
+  std::mt19937_64 random(6);
+  const PointList points = RandomWalk(3000, 0.15, random);
+  TickPlannerOptions options;
+  options.tolerance_mm = 0.015;
+  TickPlanner planner({}, 200, options, {});
+  std::vector<Segment> segments;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    planner.Append(points[i], static_cast<std::int32_t>(i), true, segments);
+  }
+  planner.Finish(segments);
+  double most = 0, square = 0;
+  for (const Segment& segment : segments) {
+    if (segment.point < 0) continue;
+    const double move = (segment.end_position_mm - points[segment.point]).norm();
+    most = std::max(most, move);
+    square += move * move;
+  }
+  EXPECT_NEAR(planner.moves().max_mm, most, 1e-15);
+  EXPECT_NEAR(planner.moves().rms_mm(), std::sqrt(square / 3000), 1e-12);
+  EXPECT_LE(most, 0.015 * (1 + 1e-12));
+  EXPECT_GT(most, 0.014);
+  TickPlanner fixed({}, 200, TickPlannerOptions(), {});
+  segments.clear();
+  for (const Vec3& point : points) fixed.Append(point, 0, true, segments);
+  fixed.Finish(segments);
+  EXPECT_EQ(fixed.moves().max_mm, 0);
+  EXPECT_LT(static_cast<double>(planner.ticks()),
+            0.95 * static_cast<double>(fixed.ticks()));
 }
 
 }  // namespace
