@@ -13,8 +13,8 @@ namespace intaglio::motion {
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// Limits of the three axes, > 0; speed and acceleration per axis are finite. The rest
-/// are options: the planner that does not stop (tick_planner.h) keeps all of them, the
-/// stopping one (stop_and_go.h), whose profiles are the source's, keeps no jerk.
+/// are options, which the planner that does not stop (tick_planner.h) keeps; the stopping
+/// one (stop_and_go.h), whose profiles are the source's, keeps neither jerk nor lengths.
 struct Limits {
   Vec3 max_speed_mm_s = Vec3::Constant(80.0);            ///< ELS-03 as published.
   Vec3 max_acceleration_mm_s2 = Vec3::Constant(7000.0);  ///< Above 7500 it shakes.

@@ -23,10 +23,27 @@ class Stopping : public Planner {
   StopAndGoPlanner planner_;
 };
 
+/// The travel less what the commands of a lagging stage lead it by where it brakes:
+/// v lag - v^2 / (2 A), at most A lag^2 / 2.
+Limits LimitsOfPlan(const PlanOptions& options) {
+  Limits limits = options.limits;
+  const Vec3 lead_mm =
+      0.5 * options.stage_lag_s * options.stage_lag_s * limits.max_acceleration_mm_s2;
+  limits.travel_mm.min_mm += lead_mm;
+  limits.travel_mm.max_mm -= lead_mm;
+  return limits;
+}
+
+TickPlannerOptions PlannerOptionsOf(const PlanOptions& options) {
+  TickPlannerOptions of_planner = OptionsForRate(options.rate_hz);
+  of_planner.tolerance_mm = options.tolerance_mm;
+  return of_planner;
+}
+
 class Continuous : public Planner {
  public:
   Continuous(const PlanOptions& options, const Vec3& start_mm)
-      : planner_(options.limits, options.rate_hz, OptionsForRate(options.rate_hz),
+      : planner_(LimitsOfPlan(options), options.rate_hz, PlannerOptionsOf(options),
                  {start_mm, Vec3::Zero()}),
         compensation_(options.stage_lag_s, options.rate_hz, {start_mm, Vec3::Zero()}) {}
 
@@ -41,6 +58,7 @@ class Continuous : public Planner {
     compensation_.Finish(out);
   }
   std::uint64_t ticks() const override { return planner_.ticks(); }
+  PointMoves moves() const override { return planner_.moves(); }
 
  private:
   void Pass(std::vector<Segment>& out) {

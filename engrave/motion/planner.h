@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engrave/motion/limits.h"
+#include "engrave/motion/point_shift.h"
 #include "engrave/motion/profile.h"
 #include "engrave/motion/segment.h"
 
@@ -20,6 +21,9 @@ struct PlanOptions {
   bool continuous = false;
   Profile profile = Profile::kMix;
   double stage_lag_s = 0;  ///< first order; regarded where the stage does not stop
+  /// How far a point may be moved where that saves ticks, >= 0; regarded where the stage
+  /// does not stop.
+  double tolerance_mm = 0;
 };
 
 /// Streams: target in, commands out that may come later, in the order of the targets.
@@ -33,6 +37,8 @@ class Planner {
   virtual void Finish(std::vector<Segment>& out) = 0;
   /// Ticks of all that was handed out.
   virtual std::uint64_t ticks() const = 0;
+  /// How far the points handed out were moved.
+  virtual PointMoves moves() const { return {}; }
 };
 
 /// Starts at rest at `start_mm`.
