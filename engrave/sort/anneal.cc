@@ -116,6 +116,7 @@ class Annealing {
 }  // namespace
 
 Status CheckAnnealOptions(const OrderOptions& options) {
+  if (const Status status = CheckSmoothOptions(options); !status) return status;
   const double tries = options.anneal.tries_per_point;
   if (tries >= 0 && tries <= kMostTries) return {};
   return Fail(

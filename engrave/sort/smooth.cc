@@ -1,7 +1,9 @@
 #include "engrave/sort/smooth.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -19,6 +21,8 @@ namespace {
 
 constexpr std::size_t kCandidates = 12;
 constexpr std::size_t kPointsPerReport = 1 << 14;
+constexpr double kLeastRateHz = 1;
+constexpr double kMostRateHz = 4000;
 
 /// In ticks: of a bend at the limit, and of a millimetre aside or up.
 struct Weights {
@@ -57,6 +61,32 @@ std::vector<Weights> WeightsToTry(const TickCost& cost, const PointList& points_
           {0.5F, 0, 2.5 * detour}};
 }
 
+/// How far all trials are, told by whichever of them comes by.
+class TrialProgress {
+ public:
+  TrialProgress(const ProgressSink& sink, std::size_t trials, std::size_t points)
+      : sink_(sink), trials_(trials), points_(points) {}
+
+  /// Whether to go on, with `more` points ordered since the trial's last call. Of several
+  /// calls at the same time one asks.
+  bool GoesOn(std::size_t more) {
+    done_ += more;
+    if (!sink_ || asking_.test_and_set()) return !cancelled_;
+    if (!cancelled_ && !sink_(done_ / trials_, points_)) cancelled_ = true;
+    asking_.clear();
+    return !cancelled_;
+  }
+  bool cancelled() const { return cancelled_; }
+
+ private:
+  const ProgressSink& sink_;
+  std::size_t trials_;
+  std::size_t points_;
+  std::atomic<std::uint64_t> done_ = 0;
+  std::atomic<bool> cancelled_ = false;
+  std::atomic_flag asking_;
+};
+
 class Walk {
  public:
   Walk(const PointList& points_mm, const OrderOptions& options, const Weights& weights)
@@ -69,13 +99,13 @@ class Walk {
                    DefaultUpRatio(options.cone)) {}
 
   /// Empty when `progress` asked for the end.
-  Order Make(const ProgressSink& progress) {
+  Order Make(TrialProgress& progress) {
     Order order;
     order.reserve(points_mm_.size());
     now_mm_ = points_mm_[LowestPoint(points_mm_)];
     while (remaining_.size() > 0) {
-      if (progress && order.size() % kPointsPerReport == 0 &&
-          !progress(order.size(), points_mm_.size())) {
+      if (order.size() % kPointsPerReport == 0 &&
+          !progress.GoesOn(order.empty() ? 0 : kPointsPerReport)) {
         return {};
       }
       remaining_.FindNearest(now_mm_.x(), now_mm_.y(), kCandidates, found_);
@@ -127,7 +157,14 @@ class Walk {
 
 }  // namespace
 
-Status CheckSmoothOptions(const OrderOptions&) { return {}; }
+Status CheckSmoothOptions(const OrderOptions& options) {
+  const double rate_hz = options.rate_hz;
+  if (rate_hz >= kLeastRateHz && rate_hz <= kMostRateHz) return {};
+  return Fail(
+      ErrorCode::kInvalidValue,
+      fmt::format("rate_hz: {} is outside {}..{}", rate_hz, kLeastRateHz, kMostRateHz),
+      fmt::format("{}", rate_hz));
+}
 
 Result<Order> OrderSmoothly(const PointList& points_mm, const OrderOptions& options,
                             const ProgressSink& progress) {
@@ -136,12 +173,13 @@ Result<Order> OrderSmoothly(const PointList& points_mm, const OrderOptions& opti
   const std::vector<Weights> trials = WeightsToTry(cost, points_mm);
   std::vector<Order> orders(trials.size());
   std::vector<std::uint64_t> ticks(trials.size());
+  TrialProgress trial_progress(progress, trials.size(), points_mm.size());
   RunEach(options.executor, trials.size(), [&](std::size_t i) {
-    // The first tells how far all are.
-    orders[i] = Walk(points_mm, options, trials[i]).Make(i == 0 ? progress : nullptr);
+    if (trial_progress.cancelled()) return;
+    orders[i] = Walk(points_mm, options, trials[i]).Make(trial_progress);
     ticks[i] = PlannedTicks(points_mm, orders[i], options.limits, options.rate_hz);
   });
-  if (orders.front().empty()) {
+  if (trial_progress.cancelled()) {
     return Fail(ErrorCode::kCancelled, "the sort was cancelled");
   }
   const auto best = std::min_element(ticks.begin(), ticks.end()) - ticks.begin();

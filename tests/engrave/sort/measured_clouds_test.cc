@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engrave/sort/order.h"
+#include "engrave/sort/planned_ticks.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
 
@@ -58,6 +59,24 @@ TEST_F(Scatter, KdzMovesLessThanTheFileAndThanLayers) {
   RecordProperty("layers_mm_per_point", std::to_string(layers_mm / as_filed.size()));
   EXPECT_LT(kdz_mm, layers_mm);
   EXPECT_LT(kdz_mm, MeasureTravel(points_mm_, as_filed).largest_axis_mm);
+}
+
+// Limits and beam of the machine it was measured for: with hardly a pulse left out.
+TEST_F(Scatter, AnnealingUsesNearlyEveryPulse) {
+  OrderOptions options;
+  options.method = Method::kAnneal;
+  options.anneal.tries_per_point = 40;
+  options.cone = 0.1328;
+  options.rate_hz = 100;
+  options.limits.max_speed_mm_s = Vec3::Constant(80);
+  options.limits.max_acceleration_mm_s2 = Vec3::Constant(7000);
+  const Order order = MakeOrder(points_mm_, options).value();
+  EXPECT_EQ(CheckShadow(points_mm_, order, options.cone).violations, 0);
+  const auto ticks = PlannedTicks(points_mm_, order, options.limits, options.rate_hz);
+  const double utilisation =
+      static_cast<double>(order.size() - 1) / static_cast<double>(ticks);
+  RecordProperty("utilisation", std::to_string(utilisation));
+  EXPECT_GE(utilisation, 0.9975);
 }
 
 }  // namespace

@@ -1,0 +1,125 @@
+#include "engrave/sort/stretch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "engrave/core/check.h"
+#include "tests/engrave/sort/order_checks.h"
+
+namespace intaglio::sort {
+namespace {
+
+/// In the order of sort Kdz, which keeps to the cone.
+PointList Ordered(const PointList& points_mm, const BeamCone& cone) {
+  OrderOptions options;
+  options.kdz.up_ratio = std::max(0.6, cone.SteepestTangent());
+  const Order order = MakeOrder(points_mm, options).value();
+  PointList ordered_mm;
+  for (const std::uint32_t i : order) ordered_mm.push_back(points_mm[i]);
+  return ordered_mm;
+}
+
+Order OrderOf(const Stretch& stretch) {
+  return Order(stretch.order().begin(), stretch.order().end());
+}
+
+/// Ticks and bends of the whole order with the best choice of ticks (those of
+/// tick_cost.cc) for each step but the first and the last.
+double LeastCost(const PointList& points_mm, const Order& order, const TickCost& cost,
+                 double rate_hz) {
+  const std::vector<int> beyond = rate_hz <= 250
+                                      ? std::vector<int>{0, 1, 2, 3}
+                                      : std::vector<int>{0, 1, 2, 3, 4, 7, 12, 19};
+  std::vector<TimedMove> last = {{cost.Scale(points_mm[order[1]] - points_mm[order[0]])}};
+  last[0].ticks = cost.LeastTicks(last[0].step);
+  std::vector<double> sums = {0};
+  for (std::size_t i = 2; i < order.size(); ++i) {
+    const Scaled step = cost.Scale(points_mm[order[i]] - points_mm[order[i - 1]]);
+    std::vector<TimedMove> moves;
+    std::vector<double> next_sums;
+    for (const int more : beyond) {
+      if (more > 0 && i + 1 == order.size()) break;
+      const TimedMove move{step, cost.LeastTicks(step) + static_cast<float>(more)};
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < last.size(); ++k) {
+        least =
+            std::min(least, sums[k] + TickCost::BendCost(TickCost::Bend(last[k], move)));
+      }
+      moves.push_back(move);
+      next_sums.push_back(least + move.ticks);
+    }
+    last = moves;
+    sums = next_sums;
+  }
+  return *std::min_element(sums.begin(), sums.end());
+}
+
+TEST(Stretch, KeepsItsEndsAndTheCone) {
+  for (const auto& [name, points_mm, options] : StageCases(150, Method::kAnneal)) {
+    SCOPED_TRACE(name);
+    const PointList ordered_mm = Ordered(points_mm, options.cone);
+    const TickCost cost(options.limits, options.rate_hz);
+    Stretch stretch(ordered_mm, options.cone, cost);
+    for (const double temperature : {100.0, 0.15, 1e-6}) {
+      stretch.Anneal(20 * ordered_mm.size(), temperature, 1);
+      const Order order = OrderOf(stretch);
+      ExpectEachOnce(order, ordered_mm.size());
+      ExpectNoneShaded(ordered_mm, order, options.cone);
+      for (std::size_t k = 0; k < std::min<std::size_t>(2, order.size()); ++k) {
+        ASSERT_EQ(order[k], k);
+        ASSERT_EQ(order[order.size() - 1 - k], order.size() - 1 - k);
+      }
+    }
+  }
+}
+
+TEST(Stretch, GetsCheaperWhereNothingWorseIsBorne) {
+  for (const double rate_hz : {100.0, 1000.0}) {
+    for (const auto& [name, points_mm] : Clouds(300)) {
+      const BeamCone cone = 0.1328;
+      const PointList ordered_mm = Ordered(points_mm, cone);
+      const TickCost cost({}, rate_hz);
+      Stretch stretch(ordered_mm, cone, cost);
+      const double before = LeastCost(ordered_mm, OrderOf(stretch), cost, rate_hz);
+      stretch.Anneal(100 * ordered_mm.size(), 1e-6, 1);
+      EXPECT_LT(LeastCost(ordered_mm, OrderOf(stretch), cost, rate_hz), before)
+          << name << ", " << rate_hz;
+    }
+  }
+}
+
+TEST(Stretch, IsTheSameForTheSameSeedAlone) {
+  const BeamCone cone = 0.2;
+  const PointList ordered_mm = Ordered(RandomBox(500, {5, 5, 5}, 1), cone);
+  const TickCost cost({}, 100);
+  const auto anneal = [&](std::uint64_t seed) {
+    Stretch stretch(ordered_mm, cone, cost);
+    stretch.Anneal(20000, 0.15, seed);
+    return OrderOf(stretch);
+  };
+  EXPECT_EQ(anneal(5), anneal(5));
+  EXPECT_NE(anneal(5), anneal(6));
+}
+
+TEST(Stretch, WithoutTriesStaysAsItIs) {
+  const PointList points_mm = Row(30, {0.1, 0, 0});
+  const TickCost cost({}, 100);
+  Stretch stretch(points_mm, 0.1, cost);
+  stretch.Anneal(0, 1, 1);
+  Order expected(points_mm.size());
+  std::iota(expected.begin(), expected.end(), 0U);
+  EXPECT_EQ(OrderOf(stretch), expected);
+}
+
+TEST(Stretch, NoTemperatureThrows) {
+  const PointList points_mm = Row(30, {0.1, 0, 0});
+  const TickCost cost({}, 100);
+  Stretch stretch(points_mm, 0.1, cost);
+  EXPECT_THROW(stretch.Anneal(1, 0, 1), PreconditionError);
+}
+
+}  // namespace
+}  // namespace intaglio::sort
