@@ -37,6 +37,7 @@ constexpr std::array kRanges = {
     FieldRange{"LayersOrder", "layer_thickness_mm", 0.01, 100},
     FieldRange{"MotionOptions", "max_speed_mm_s", 0.1, 5000},
     FieldRange{"MotionOptions", "max_acceleration_mm_s2", 1, 100000},
+    FieldRange{"MotionOptions", "tolerance_um", 0, 50},
     FieldRange{"LaserOptions", "rate_hz", 1, 4000},
     FieldRange{"LaserOptions", "wavelength_nm", 200, 2000},
     FieldRange{"LaserOptions", "pulse_energy_mj", 0.001, 10000},
@@ -60,6 +61,8 @@ constexpr std::array kRanges = {
     FieldRange{"MachineSpec", "repeatability_um", 0.1, 1000},
     FieldRange{"MachineSpec", "position_tolerance_um", 1, 1000},
     FieldRange{"MachineSpec", "stage_lag_s", 0, 0.1},
+    FieldRange{"MachineSpec", "max_speed_norm_mm_s", 0.1, 10000},
+    FieldRange{"MachineSpec", "max_acceleration_norm_mm_s2", 1, 200000},
 };
 
 void CheckNumber(double value, const FieldRange& range, const std::string& path,

@@ -163,8 +163,8 @@ void CheckLens(const Lens& lens, const MachineSpec& machine, Findings& findings)
                  fmt::join(lengths_mm, " "));
 }
 
-void CheckMotion(const MotionOptions& motion, const MachineSpec& machine,
-                 Findings& findings) {
+void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
+                 const MachineSpec& machine, Findings& findings) {
   // Numbers pass the readers of files.
   if (!MotionProfile_IsValid(motion.profile())) {
     findings.Wrong("motion.profile", static_cast<int>(motion.profile()),
@@ -179,6 +179,12 @@ void CheckMotion(const MotionOptions& motion, const MachineSpec& machine,
     findings.Wrong("motion.max_acceleration_mm_s2", motion.max_acceleration_mm_s2(),
                    "is above the acceleration of {}, {}", machine.name(),
                    most.max_acceleration_mm_s2());
+  }
+  // Further off, a crack could no longer be told from its neighbours'.
+  const double most_um = 1000 * min_spacing_mm / 4;
+  if (motion.tolerance_um() > most_um) {
+    findings.Wrong("motion.tolerance_um", motion.tolerance_um(),
+                   "is above a quarter of the minimum spacing, {:g}", most_um);
   }
 }
 
@@ -247,7 +253,7 @@ std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& mach
   }
   CheckLens(whole.lens(), machine, findings);
   CheckLayers(whole, findings);
-  CheckMotion(whole.motion(), machine, findings);
+  CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaser(whole.laser(), machine, findings);
   return std::move(findings.errors());
 }

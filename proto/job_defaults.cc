@@ -80,6 +80,7 @@ void FillMotion(MotionOptions& motion, const MachineSpec& machine) {
                                                 machine.y().max_acceleration_mm_s2(),
                                                 machine.z().max_acceleration_mm_s2()}));
   }
+  if (!motion.has_tolerance_um()) motion.set_tolerance_um(0);
 }
 
 void FillLaser(LaserOptions& laser, const LaserHead& head) {

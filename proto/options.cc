@@ -1,5 +1,6 @@
 #include "proto/options.h"
 
+#include <algorithm>
 #include <cctype>
 #include <numbers>
 #include <string_view>
@@ -129,6 +130,30 @@ optics::Lens LensOf(const JobSpec& job) {
   return {job.lens().focal_length_mm(), job.lens().numerical_aperture()};
 }
 
+namespace {
+
+/// What only the motion that does not stop regards.
+void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
+  const MachineSpec& machine = job.machine();
+  const AxisLimits* axes[] = {&machine.x(), &machine.y(), &machine.z()};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axes[axis]->has_max_jerk_mm_s3()) {
+      plan.limits.max_jerk_mm_s3[axis] = axes[axis]->max_jerk_mm_s3();
+    }
+  }
+  if (machine.has_max_speed_norm_mm_s()) {
+    plan.limits.max_speed_norm_mm_s = machine.max_speed_norm_mm_s();
+  }
+  if (machine.has_max_acceleration_norm_mm_s2()) {
+    plan.limits.max_acceleration_norm_mm_s2 = machine.max_acceleration_norm_mm_s2();
+  }
+  // In the glass a move in depth is longer than the stage's.
+  plan.tolerance_mm = 1e-3 * job.job().motion().tolerance_um() *
+                      std::min(1.0, job.optics().stage_per_glass_ratio());
+}
+
+}  // namespace
+
 MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {
   const MotionOptions& asked = job.job().motion();
   Require(asked.has_max_speed_mm_s() && job.job().laser().has_rate_hz(),
@@ -158,6 +183,7 @@ MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {
     result.plan.profile = *profile;
   }
   result.plan.stage_lag_s = machine.stage_lag_s();
+  if (result.plan.continuous) SetOptionalLimits(job, result.plan);
   for (const std::uint32_t channel : job.job().laser().channels()) {
     Require(channel >= 1 && channel <= 4, "channel {} is outside 1..4", channel);
     result.shutter_mask |= static_cast<std::uint8_t>(1u << (channel - 1));

@@ -25,6 +25,12 @@ namespace {
 // points at once.
 constexpr std::size_t kPointsATime = 4096;
 
+motion::VerifyOptions OptionsFor(const motion::PlanOptions& plan) {
+  motion::VerifyOptions options;
+  options.position_tolerance_mm += plan.tolerance_mm;
+  return options;
+}
+
 /// Passes a plan on piece by piece, and measures the planner alone.
 class MotionMeter {
  public:
@@ -33,7 +39,8 @@ class MotionMeter {
       : rate_hz_(plan.rate_hz),
         sink_(sink),
         planner_(motion::MakePlanner(plan, path_mm.front())),
-        verifier_({path_mm.front(), Vec3::Zero()}, path_mm, plan.limits, plan.rate_hz) {}
+        verifier_({path_mm.front(), Vec3::Zero()}, path_mm, plan.limits, plan.rate_hz,
+                  OptionsFor(plan)) {}
 
   Status Plan(const PointList& path_mm, std::size_t begin, std::size_t end) {
     const auto began = Clock::now();
@@ -71,6 +78,7 @@ class MotionMeter {
     planned.mutable_violations()->Assign(report.violations.begin(),
                                          report.violations.end());
     planned.set_segment_count(segment_count_);
+    planned.set_max_move_um(1e3 * planner_->moves().max_mm);
     planned.set_planned_points_per_s(
         points / std::max(1e-9, std::chrono::duration<double>(planning_).count()));
     return planned;
@@ -172,6 +180,9 @@ std::string FiguresOf(const PlanReport& report) {
       Grouped(m.rms_acceleration_mm_s2()), Grouped(m.peak_acceleration_mm_s2()),
       Grouped(m.mean_jerk_mm_s3()), m.peak_speed_mm_s(), GroupedDigits(m.segment_count()),
       ShortNumber(m.planned_points_per_s()));
+  if (m.max_move_um() > 0) {
+    text += fmt::format("\nmoves         {:.2f} um at most, of a point", m.max_move_um());
+  }
   for (const std::string& violation : m.violations()) {
     text += "\n  " + violation;
   }

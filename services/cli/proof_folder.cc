@@ -109,6 +109,11 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
   counts.set_unaccounted(unaccounted);
 }
 
+/// Errors are from where the points were asked for, moved or not.
+double ToleranceUm(const PositionErrors& errors) {
+  return errors.tolerance_um() + errors.allowed_move_um();
+}
+
 void Judge(JobReport& report) {
   Verdict& verdict = *report.mutable_verdict();
   verdict.clear_reasons();
@@ -127,9 +132,9 @@ void Judge(JobReport& report) {
        fmt::format("{} points are unaccounted for: journal and glass disagree",
                    points.unaccounted()));
   const PositionErrors& errors = report.position_errors();
-  need(errors.max_um() <= errors.tolerance_um(),
-       fmt::format("a crack is {:.2f} um off, the machine's tolerance is {:.2f} um",
-                   errors.max_um(), errors.tolerance_um()));
+  need(errors.max_um() <= ToleranceUm(errors),
+       fmt::format("a crack is {:.2f} um off, the tolerance is {:.2f} um",
+                   errors.max_um(), ToleranceUm(errors)));
   need(report.shadow_violations() == 0,
        fmt::format("{} points were fired through an earlier crack",
                    report.shadow_violations()));
@@ -160,6 +165,9 @@ JobReport ReportOf(const Evidence& evidence) {
   errors.set_rms_y_um(glass.errors.axis_rms_um.y());
   errors.set_rms_z_um(glass.errors.axis_rms_um.z());
   errors.set_tolerance_um(frozen.machine().position_tolerance_um());
+  if (frozen.job().motion().profile() == MOTION_PROFILE_CONTINUOUS) {
+    errors.set_allowed_move_um(frozen.job().motion().tolerance_um());
+  }
   // The plan's own positions in the order in which the glass got them: what a crack is
   // off by says nothing about the order.
   PointList made_mm;
@@ -219,7 +227,7 @@ Status WriteViews(const fs::path& file, const Evidence& evidence,
        good_if(report.least_spacing_mm() >= report.min_spacing_mm())},
       {"error, rms", fmt::format("{:.2f} µm", errors.rms_um())},
       {"error, max", fmt::format("{:.2f} µm", errors.max_um()),
-       good_if(errors.max_um() <= errors.tolerance_um())},
+       good_if(errors.max_um() <= ToleranceUm(errors))},
       {"ticks", number(report.ticks())},
       {"utilisation", fmt::format("{:.4f}", report.utilisation())},
       {"machining time", ShortDuration(report.machining_time_s())},
@@ -375,6 +383,12 @@ std::string SummaryOf(const JobReport& report) {
       report.position_errors().tolerance_um(), ShortDuration(report.machining_time_s()),
       report.job().laser().rate_hz(), GroupedDigits(report.ticks()),
       report.utilisation());
+  if (report.position_errors().allowed_move_um() > 0) {
+    text += fmt::format(
+        "moves       {:.2f} um allowed, the plan's {:.2f} um at most, {:.2f} um rms\n",
+        report.position_errors().allowed_move_um(),
+        report.engrave().planned_max_move_um(), report.engrave().planned_rms_move_um());
+  }
   if (report.verdict().good()) return text + "verdict     GOOD";
   text += "verdict     NOT GOOD";
   for (const std::string& reason : report.verdict().reasons()) text += "\n  - " + reason;

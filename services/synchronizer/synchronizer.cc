@@ -40,6 +40,7 @@ void Mix(uLong& crc, const T& value) {
 struct PlanSummary {
   std::uint64_t ticks = 0;
   std::string checksum;
+  motion::PointMoves moves;
 };
 
 PlanSummary Summarize(const PointList& machine_points_mm,
@@ -66,7 +67,8 @@ PlanSummary Summarize(const PointList& machine_points_mm,
   }
   planner->Finish(segments);
   take();
-  return {subticks_of_last_point / motion::kSubticksPerTick, fmt::format("{:08x}", crc)};
+  return {subticks_of_last_point / motion::kSubticksPerTick, fmt::format("{:08x}", crc),
+          planner->moves()};
 }
 
 }  // namespace
@@ -242,6 +244,7 @@ Status Synchronizer::StartEngraving() {
   const PlanSummary plan = Summarize(job.machine_points_mm, job.plan);
   estimate_ticks_ = plan.ticks;
   checksum_ = plan.checksum;
+  moves_ = plan.moves;
   if (auto written = WritePlan(); !written) return written;
   auto journal = JournalWriter::Create(
       fs::path(job_->result_directory()) / fmt::format("journal-{}.bin", attempt_),
@@ -339,6 +342,8 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_run_count(engraving_->run_count());
   outcome.set_settled_by_counter_count(engraving_->settled_by_counter());
   outcome.set_plan_checksum(checksum_);
+  outcome.set_planned_max_move_um(1e3 * moves_.max_mm);
+  outcome.set_planned_rms_move_um(1e3 * moves_.rms_mm());
   return outcome;
 }
 

@@ -77,6 +77,7 @@ class Synchronizer {
   std::uint32_t attempt_ = 0;
   std::string checksum_;
   std::uint64_t estimate_ticks_ = 0;
+  motion::PointMoves moves_;  ///< Of the plan.
   bool cancelled_ = false;
   std::chrono::nanoseconds now_{0};
   std::chrono::nanoseconds began_at_{0};

@@ -48,6 +48,17 @@ TEST(CheckJob, SixMistakesAreToldAllAtOnce) {
                   Says("motion.max_speed_mm_s", "100 is above the speed of els-03, 80")));
 }
 
+TEST(CheckJob, CracksMustBeToldApartWhateverMayBeMoved) {
+  JobSpec job = GoodJob();
+  job.mutable_discretization()->set_min_spacing_mm(0.1);
+  job.mutable_motion()->set_tolerance_um(25);
+  EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio), IsEmpty());
+  job.mutable_motion()->set_tolerance_um(26);
+  EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
+              ElementsAre(Says("motion.tolerance_um",
+                               "26 is above a quarter of the minimum spacing, 25")));
+}
+
 TEST(CheckJob, AProfileThatIsNoneIsTold) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_profile(static_cast<MotionProfile>(99));

@@ -93,6 +93,30 @@ TEST(Options, ThePlannersKnowWhereTheTravelEnds) {
   EXPECT_EQ(travel_mm.max_mm.z(), 99);
 }
 
+TEST(Options, OptionalLimitsAreForTheMotionThatDoesNotStop) {
+  JobSpec job = GoodJob();
+  job.mutable_motion()->set_tolerance_um(15);
+  FrozenJob frozen = Frozen(job);
+  const motion::Limits none = MotionOptionsOf(frozen).plan.limits;
+  EXPECT_EQ(none.max_jerk_mm_s3, Vec3::Constant(motion::kUnlimited));
+  EXPECT_EQ(none.max_speed_norm_mm_s, motion::kUnlimited);
+  MachineSpec& machine = *frozen.mutable_machine();
+  machine.mutable_y()->set_max_jerk_mm_s3(2e6);
+  machine.set_max_speed_norm_mm_s(90);
+  machine.set_max_acceleration_norm_mm_s2(8000);
+  frozen.mutable_optics()->set_stage_per_glass_ratio(0.6);
+  const motion::PlanOptions plan = MotionOptionsOf(frozen).plan;
+  EXPECT_EQ(plan.limits.max_jerk_mm_s3,
+            Vec3(motion::kUnlimited, 2e6, motion::kUnlimited));
+  EXPECT_EQ(plan.limits.max_speed_norm_mm_s, 90);
+  EXPECT_EQ(plan.limits.max_acceleration_norm_mm_s2, 8000);
+  EXPECT_NEAR(plan.tolerance_mm, 0.009, 1e-15) << "15 um in the glass, along the beam";
+  frozen.mutable_job()->mutable_motion()->set_profile(MOTION_PROFILE_MIX);
+  const motion::PlanOptions stopping = MotionOptionsOf(frozen).plan;
+  EXPECT_EQ(stopping.limits.max_jerk_mm_s3.y(), motion::kUnlimited);
+  EXPECT_EQ(stopping.tolerance_mm, 0);
+}
+
 TEST(Options, DiscretizationOfEveryMethod) {
   JobSpec job = GoodJob();
   job.mutable_block()->set_clip(true);
