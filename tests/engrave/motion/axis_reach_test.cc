@@ -82,6 +82,30 @@ TEST(GentlestArcs, NoRandomCourseIsGentler) {
   }
 }
 
+// Where it turns back, it is as far beyond its ends as full braking takes it.
+TEST(HardestArcs, GoTheWayInTheTimeAndTurnBackAtFullAcceleration) {
+  std::mt19937_64 random(5);
+  int feasible = 0, turning = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Step s = RandomStep(random);
+    const Arcs gentle = GentlestArcs(s.start, s.end, s.distance, s.seconds, 80);
+    if (gentle.peak_acceleration_mm_s2 > 7000) continue;
+    ++feasible;
+    const Arcs arcs = HardestArcs(s.start, s.end, s.distance, s.seconds, kLimits);
+    ASSERT_LE(arcs.first_s + arcs.last_s, s.seconds * (1 + 1e-9));
+    const Ride ride = Follow(arcs, s.start, s.end, s.seconds);
+    EXPECT_NEAR(ride.distance_mm, s.distance, 1e-9);
+    EXPECT_LE(ride.peak_speed_mm_s, 80 * (1 + 1e-9));
+    EXPECT_LE(ride.peak_acceleration_mm_s2, 7000 * (1 + 1e-6));
+    if (s.start > 1 && arcs.cruise_mm_s < -1) {
+      ++turning;
+      EXPECT_NEAR((s.start - arcs.cruise_mm_s) / arcs.first_s, 7000, 1e-3);
+    }
+  }
+  EXPECT_GT(feasible, 1000);
+  EXPECT_GT(turning, 100);
+}
+
 bool Feasible(double start, double end, double distance, double seconds) {
   return GentlestArcs(start, end, distance, seconds, 80).peak_acceleration_mm_s2 <= 7000;
 }
