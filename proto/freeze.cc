@@ -6,6 +6,7 @@
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/material_record.h"
+#include "proto/options.h"
 
 namespace intaglio {
 namespace {
@@ -37,10 +38,6 @@ Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
                optics ? std::optional(optics->stage_per_glass_ratio()) : std::nullopt);
   if (!optics) errors.push_back(optics.error());
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
-  if (whole.ordering().has_kdz() && !whole.ordering().kdz().has_up_ratio()) {
-    whole.mutable_ordering()->mutable_kdz()->set_up_ratio(
-        sort::DefaultUpRatio(optics->cone_tangent()));
-  }
   FrozenJob frozen;
   frozen.set_job_uid(identity.uid);
   frozen.set_epoch(identity.epoch);
@@ -48,6 +45,10 @@ Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
   *frozen.mutable_machine() = whole_machine;
   *frozen.mutable_material() = RecordOf(material);
   *frozen.mutable_optics() = *optics;
+  Ordering& ordering = *frozen.mutable_job()->mutable_ordering();
+  if (ordering.has_kdz() && !ordering.kdz().has_up_ratio()) {
+    ordering.mutable_kdz()->set_up_ratio(sort::DefaultUpRatio(BeamConeOf(frozen)));
+  }
   frozen.set_software_version(identity.software_version);
   frozen.set_result_directory(identity.result_directory);
   return frozen;

@@ -63,9 +63,24 @@ void FillDiscretization(Discretization& discretization) {
 }
 
 void FillOrdering(Ordering& ordering, double spacing_mm) {
-  if (ordering.method_case() == Ordering::METHOD_NOT_SET) ordering.mutable_kdz();
+  if (ordering.method_case() == Ordering::METHOD_NOT_SET) ordering.mutable_anneal();
   if (ordering.has_layers() && !ordering.layers().has_layer_thickness_mm()) {
     ordering.mutable_layers()->set_layer_thickness_mm(spacing_mm);
+  }
+  if (ordering.has_anneal()) {
+    AnnealOrder& anneal = *ordering.mutable_anneal();
+    if (!anneal.has_tries_per_point()) anneal.set_tries_per_point(30);
+    if (!anneal.has_seed()) anneal.set_seed(1);
+  }
+  if (ordering.has_boustrophedon()) {
+    BoustrophedonOrder& rows = *ordering.mutable_boustrophedon();
+    if (!rows.has_layer_thickness_mm()) rows.set_layer_thickness_mm(spacing_mm);
+    if (!rows.has_row_width_mm()) rows.set_row_width_mm(spacing_mm);
+  }
+  if (ordering.has_published_kdz()) {
+    PublishedKdzOrder& published = *ordering.mutable_published_kdz();
+    if (!published.has_up_ratio()) published.set_up_ratio(1);
+    if (!published.has_down_ratio()) published.set_down_ratio(1);
   }
 }
 

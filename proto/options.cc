@@ -8,6 +8,7 @@
 #include "engrave/core/check.h"
 #include "engrave/motion/profiles.h"
 #include "engrave/sort/kdz.h"
+#include "proto/job_defaults.h"
 
 namespace intaglio {
 namespace {
@@ -108,20 +109,68 @@ discretize::DiscretizeOptions DiscretizeOptionsOf(const JobSpec& job) {
   return options;
 }
 
-sort::OrderOptions OrderOptionsOf(const JobSpec& job, double cone_tangent) {
-  sort::OrderOptions options;
-  const Ordering& ordering = job.ordering();
-  if (ordering.has_layers()) {
-    Require(ordering.layers().has_layer_thickness_mm(),
-            "the job's defaults are not filled in");
-    options.method = sort::Method::kLayers;
-    options.layers.layer_thickness_mm = ordering.layers().layer_thickness_mm();
-  } else {
-    options.method = sort::Method::kKdz;
-    options.kdz.up_ratio = ordering.kdz().has_up_ratio()
-                               ? ordering.kdz().up_ratio()
-                               : sort::DefaultUpRatio(cone_tangent);
+sort::BeamCone BeamConeOf(const FrozenJob& job) {
+  const double tangent = job.optics().cone_tangent();
+  const MachineLens* lens = FindLens(job.machine(), job.job().lens().focal_length_mm());
+  if (lens == nullptr || lens->crack_length_mm() <= 0) return tangent;
+  return {tangent, 0.5 * lens->crack_diameter_mm(), lens->crack_length_mm()};
+}
+
+namespace {
+
+/// The stage's, as they are felt in the glass: a step in depth is a shorter one of the
+/// stage.
+motion::Limits GlassLimitsOf(const FrozenJob& job) {
+  motion::Limits limits = MotionOptionsOf(job).plan.limits;
+  const double ratio = job.optics().stage_per_glass_ratio();
+  limits.max_speed_mm_s.z() /= ratio;
+  limits.max_acceleration_mm_s2.z() /= ratio;
+  return {limits.max_speed_mm_s, limits.max_acceleration_mm_s2};
+}
+
+void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
+  switch (ordering.method_case()) {
+    case Ordering::kKdz:
+      options.method = sort::Method::kKdz;
+      options.kdz.up_ratio = ordering.kdz().has_up_ratio()
+                                 ? ordering.kdz().up_ratio()
+                                 : sort::DefaultUpRatio(options.cone);
+      break;
+    case Ordering::kLayers:
+      options.method = sort::Method::kLayers;
+      options.layers.layer_thickness_mm = ordering.layers().layer_thickness_mm();
+      break;
+    case Ordering::kSmooth:
+      options.method = sort::Method::kSmooth;
+      break;
+    case Ordering::kAnneal:
+      options.method = sort::Method::kAnneal;
+      options.anneal.tries_per_point = ordering.anneal().tries_per_point();
+      options.anneal.seed = ordering.anneal().seed();
+      break;
+    case Ordering::kBoustrophedon:
+      options.method = sort::Method::kBoustrophedon;
+      options.boustrophedon = {ordering.boustrophedon().layer_thickness_mm(),
+                               ordering.boustrophedon().row_width_mm()};
+      break;
+    case Ordering::kPublishedKdz:
+      options.method = sort::Method::kPublishedKdz;
+      options.published_kdz = {ordering.published_kdz().up_ratio(),
+                               ordering.published_kdz().down_ratio()};
+      break;
+    case Ordering::METHOD_NOT_SET:
+      Require(false, "the job's defaults are not filled in");
   }
+}
+
+}  // namespace
+
+sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
+  sort::OrderOptions options;
+  options.cone = BeamConeOf(job);
+  options.limits = GlassLimitsOf(job);
+  options.rate_hz = job.job().laser().rate_hz();
+  SetMethod(job.job().ordering(), options);
   return options;
 }
 

@@ -34,9 +34,13 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block);
 /// Method, spacing, bounds and clip.
 discretize::DiscretizeOptions DiscretizeOptionsOf(const JobSpec& job);
 
-/// Where the order Kdz leaves its weight open, it follows from the beam's cone in the
-/// glass (OpticalValuesRecord.cone_tangent).
-sort::OrderOptions OrderOptionsOf(const JobSpec& job, double cone_tangent);
+/// The beam above a point, and what the cracks of the job's lens take of it.
+sort::BeamCone BeamConeOf(const FrozenJob& job);
+
+/// Method, the beam's cone with the cracks of the job's lens, and the stage's limits in
+/// the glass. Where the order Kdz leaves its weight open, it follows from the cone.
+/// Workers and a time budget (AnnealOrder.time_s) are the caller's to set.
+sort::OrderOptions OrderOptionsOf(const FrozenJob& job);
 
 optics::Lens LensOf(const JobSpec& job);
 

@@ -1,8 +1,10 @@
 #include "services/cli/job_options.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/descriptor.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 
@@ -68,16 +70,46 @@ std::string ProfileNames() {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
-  if (flags.order == "kdz")
-    job.mutable_ordering()->mutable_kdz();
-  else if (flags.order == "layers")
-    job.mutable_ordering()->mutable_layers();
-  else if (flags.order) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("--order '{}': there are kdz and layers", *flags.order),
-                *flags.order);
+/// The field of a name on the command line: - for _.
+const google::protobuf::FieldDescriptor* OrderField(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  const auto* field = Ordering::descriptor()->FindFieldByName(name);
+  return field != nullptr && field->real_containing_oneof() != nullptr ? field : nullptr;
+}
+
+std::string OrderNames() {
+  std::vector<std::string> names;
+  for (int i = 0; i < Ordering::descriptor()->field_count(); ++i) {
+    std::string name = Ordering::descriptor()->field(i)->name();
+    std::replace(name.begin(), name.end(), '_', '-');
+    names.push_back(std::move(name));
   }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+Status SetOrder(const JobFlags& flags, Ordering& ordering) {
+  if (flags.order) {
+    const auto* field = OrderField(*flags.order);
+    if (field == nullptr) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("--order '{}': there are {}", *flags.order, OrderNames()),
+                  *flags.order);
+    }
+    ordering.GetReflection()->MutableMessage(&ordering, field);
+  }
+  if (!flags.order_tries && !flags.order_time_s) return {};
+  if (ordering.method_case() != Ordering::METHOD_NOT_SET && !ordering.has_anneal()) {
+    return Fail(ErrorCode::kInvalidValue,
+                "--order-tries and --order-time are for --order anneal", "");
+  }
+  AnnealOrder& anneal = *ordering.mutable_anneal();
+  if (flags.order_tries) anneal.set_tries_per_point(*flags.order_tries);
+  if (flags.order_time_s) anneal.set_time_s(*flags.order_time_s);
+  return {};
+}
+
+Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
+  if (auto status = SetOrder(flags, *job.mutable_ordering()); !status) return status;
   if (!flags.profile) return {};
   MotionProfile profile;
   std::string name = "MOTION_PROFILE_" + *flags.profile;
@@ -247,7 +279,13 @@ void AddJobFlags(CLI::App& command, JobFlags& flags) {
                      "distance of points along a contour, row or grid, mm");
   command.add_option("--spacing", flags.spacing_mm,
                      "no two points are nearer than this, mm");
-  command.add_option("--order", flags.order, "kdz (default) or layers");
+  command.add_option("--order", flags.order,
+                     "anneal (default), smooth, kdz, layers, boustrophedon or "
+                     "published-kdz");
+  command.add_option("--order-tries", flags.order_tries,
+                     "anneal: changes tried for each point; more make a better order");
+  command.add_option("--order-time", flags.order_time_s,
+                     "anneal: or for so many seconds");
   command.add_option("--profile", flags.profile,
                      "how the stage goes on, default continuous: " + ProfileNames());
   command.add_option("--machine", flags.machine,

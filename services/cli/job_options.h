@@ -29,7 +29,8 @@ struct JobFlags {
   std::optional<std::string> glass;
   std::optional<std::string> method;  // sections, fill, rays
   std::optional<double> layer_mm, vertex_mm, spacing_mm;
-  std::optional<std::string> order;    // kdz, layers
+  std::optional<std::string> order;  // of Ordering, - for _
+  std::optional<double> order_tries, order_time_s;
   std::optional<std::string> profile;  // of MotionProfile, - for _
   std::optional<double> rate_hz, speed_mm_s, acceleration_mm_s2, focal_mm;
   std::optional<std::string> machine;  // name of a supplied profile, or a file

@@ -4,14 +4,18 @@
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
 #include "proto/options.h"
+#include "services/host/worker_threads.h"
 
 namespace intaglio::sorter {
 
 Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress) {
-  const double cone_tangent = job.optics().cone_tangent();
-  const auto order =
-      sort::MakeOrder(cloud.points_mm, OrderOptionsOf(job.job(), cone_tangent), progress);
+  sort::OrderOptions options = OrderOptionsOf(job);
+  options.executor = host::AllCores();
+  if (const AnnealOrder& anneal = job.job().ordering().anneal(); anneal.has_time_s()) {
+    options.anneal.used_share = host::ShareOfTime(anneal.time_s());
+  }
+  const auto order = sort::MakeOrder(cloud.points_mm, options, progress);
   if (!order) return tl::unexpected(order.error());
   host::StageResult result;
   SortOutcome& outcome = *result.outcome.mutable_sort();
@@ -24,7 +28,7 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   }
   cloud = {};
   outcome.set_shadow_violation_count(
-      sort::CountShadowViolations(result.cloud.points_mm, cone_tangent));
+      sort::CountShadowViolations(result.cloud.points_mm, job.optics().cone_tangent()));
   return result;
 }
 

@@ -153,15 +153,47 @@ TEST(Options, DiscretizationOfEveryMethod) {
 }
 
 TEST(Options, OrderFollowsTheCone) {
-  JobSpec job = WithDefaults(GoodJob(), GoodMachine());
-  EXPECT_EQ(OrderOptionsOf(job, 0.9).method, sort::Method::kKdz);
-  EXPECT_EQ(OrderOptionsOf(job, 0.9).kdz.up_ratio, 0.9);
-  EXPECT_EQ(OrderOptionsOf(job, 0.1).kdz.up_ratio, 0.6);
-  job.mutable_ordering()->mutable_kdz()->set_up_ratio(0.7);
-  EXPECT_EQ(OrderOptionsOf(job, 0.9).kdz.up_ratio, 0.7);
-  job.mutable_ordering()->mutable_layers()->set_layer_thickness_mm(0.4);
-  EXPECT_EQ(OrderOptionsOf(job, 0.9).method, sort::Method::kLayers);
-  EXPECT_EQ(OrderOptionsOf(job, 0.9).layers.layer_thickness_mm, 0.4);
+  FrozenJob job = Frozen(GoodJob());
+  job.mutable_optics()->set_cone_tangent(0.9);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kAnneal);
+  EXPECT_EQ(OrderOptionsOf(job).anneal.tries_per_point, 30);
+  EXPECT_EQ(OrderOptionsOf(job).cone.tangent, 0.9);
+  const MachineLens& lens = job.machine().lenses(0);
+  EXPECT_EQ(OrderOptionsOf(job).cone.crack_radius_mm, lens.crack_diameter_mm() / 2);
+  EXPECT_EQ(OrderOptionsOf(job).cone.crack_length_mm, lens.crack_length_mm());
+
+  Ordering& ordering = *job.mutable_job()->mutable_ordering();
+  ordering.mutable_kdz();
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kKdz);
+  EXPECT_EQ(OrderOptionsOf(job).kdz.up_ratio, OrderOptionsOf(job).cone.SteepestTangent());
+  ordering.mutable_kdz()->set_up_ratio(0.7);
+  EXPECT_EQ(OrderOptionsOf(job).kdz.up_ratio, 0.7);
+  ordering.mutable_layers()->set_layer_thickness_mm(0.4);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kLayers);
+  EXPECT_EQ(OrderOptionsOf(job).layers.layer_thickness_mm, 0.4);
+  ordering.mutable_boustrophedon()->set_row_width_mm(0.3);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kBoustrophedon);
+  EXPECT_EQ(OrderOptionsOf(job).boustrophedon.row_width_mm, 0.3);
+  ordering.mutable_published_kdz()->set_down_ratio(0.2);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kPublishedKdz);
+  EXPECT_EQ(OrderOptionsOf(job).published_kdz.down_ratio, 0.2);
+  ordering.mutable_smooth();
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kSmooth);
+  ordering.clear_method();
+  EXPECT_THROW(OrderOptionsOf(job), PreconditionError);
+}
+
+TEST(Options, OrderFeelsTheStageInTheGlass) {
+  // A stage that goes 0.65 mm for a millimetre of depth is that much faster in it.
+  const sort::OrderOptions options = OrderOptionsOf(Frozen(GoodJob()));
+  EXPECT_EQ(options.rate_hz, 200);
+  EXPECT_EQ(options.limits.max_speed_mm_s.x(), 80);
+  EXPECT_EQ(options.limits.max_speed_mm_s.z(), 80 / 0.65);
+  EXPECT_EQ(options.limits.max_acceleration_mm_s2.z(), 7000 / 0.65);
+}
+
+TEST(Options, LensIsTheJobs) {
+  const JobSpec job = WithDefaults(GoodJob(), GoodMachine());
   EXPECT_EQ(LensOf(job).focal_length_mm, 43);
   EXPECT_EQ(LensOf(job).numerical_aperture, 0.2);
 }

@@ -103,6 +103,9 @@ TEST(JobFlags, OfOrderMotionAndLaserLandInThem) {
             MOTION_PROFILE_TIME_OPTIMAL);
   EXPECT_EQ(JobOf({"--profile", "lq"}).motion().profile(), MOTION_PROFILE_LQ);
   EXPECT_TRUE(JobOf({"--order", "kdz"}).ordering().has_kdz());
+  EXPECT_TRUE(JobOf({"--order", "published-kdz"}).ordering().has_published_kdz());
+  EXPECT_EQ(JobOf({"--order-tries", "200"}).ordering().anneal().tries_per_point(), 200);
+  EXPECT_EQ(JobOf({"--order-time", "9"}).ordering().anneal().time_s(), 9);
 }
 
 TEST(JobFlags, OfTheMachineAreANameOrAFile) {
@@ -161,7 +164,8 @@ TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
     return RefusalOf({"--mesh", kModel, "--height", "22", flag, name});
   };
   EXPECT_THAT(refusal("--method", "slices"), HasSubstr("sections, fill and rays"));
-  EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz and layers"));
+  EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz, layers, smooth, anneal"));
+  EXPECT_THAT(refusal("--order-tries", "-1"), HasSubstr("tries_per_point"));
   EXPECT_THAT(refusal("--profile", "s-curve"),
               HasSubstr("continuous, triangle, trapezoid, cubic, mix, time-optimal, "
                         "interpolator, parabola, lq"));

@@ -121,6 +121,7 @@ FrozenJob FrozenJobOf(const std::string& job_uid, JobSpec spec) {
   *job.mutable_machine() = machine.value();
   *job.mutable_job() = WithDefaults(std::move(spec), machine.value());
   job.mutable_optics()->set_cone_tangent(0.1);
+  job.mutable_optics()->set_stage_per_glass_ratio(0.65);
   return job;
 }
 

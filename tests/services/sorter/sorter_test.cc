@@ -170,6 +170,32 @@ TEST_F(SorterTest, ADiscretizerThatNeverSendsIsEndedByRevoking) {
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 }
 
+TEST_F(SorterTest, AnnealsForAsLongAsTheJobSays) {
+  JobSpec spec = SortSpec();
+  spec.mutable_ordering()->mutable_anneal()->set_time_s(0.5);
+  const PointCloud cloud = RandomCloud(2000);
+  OpenPath("timed");
+  const auto began = Clock::now();
+  shop.Give(FrozenJobOf("timed", spec), 1, "synchronizer");
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+  const auto ordered = Stream("timed", cloud, true);
+  ASSERT_TRUE(ordered) << ordered.error().message;
+  EXPECT_GE(Clock::now() - began, 500ms);
+  EXPECT_EQ(Rows(*ordered), Rows(cloud));
+  EXPECT_EQ(ShadowViolations(ordered->points_mm, 0.1), 0u);
+}
+
+TEST_F(SorterTest, AnnealingIsEndedByRevoking) {
+  JobSpec spec = SortSpec();
+  spec.mutable_ordering()->mutable_anneal()->set_time_s(3600);
+  shop.Give(FrozenJobOf("endless", spec), 1, "");
+  ASSERT_TRUE(Stream("endless", RandomCloud(1000), false));
+  shop.Revoke("endless", 1);
+  const auto end = shop.AwaitEnd("endless", 1);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kCancelled));
+}
+
 TEST_F(SorterTest, WrongOptionsFailTheTaskAndTheNextOneIsDone) {
   JobSpec spec = SortSpec();
   spec.mutable_ordering()->mutable_kdz()->set_up_ratio(-5);

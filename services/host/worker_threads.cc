@@ -1,0 +1,55 @@
+#include "services/host/worker_threads.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace intaglio::host {
+namespace {
+
+void RunOnThreads(std::size_t threads, std::size_t count,
+                  const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr thrown;
+  std::mutex mutex;
+  const auto take = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        work(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        thrown = std::current_exception();
+        next = count;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t i = 1; i < std::min(threads, count); ++i) others.emplace_back(take);
+    take();
+  }
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+}  // namespace
+
+Executor AllCores() {
+  const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
+  return [threads](std::size_t count, const std::function<void(std::size_t)>& work) {
+    RunOnThreads(threads, count, work);
+  };
+}
+
+std::function<double()> ShareOfTime(double seconds) {
+  const auto began = std::chrono::steady_clock::now();
+  return [began, seconds] {
+    const std::chrono::duration<double> used = std::chrono::steady_clock::now() - began;
+    return used.count() / seconds;
+  };
+}
+
+}  // namespace intaglio::host

@@ -1,0 +1,42 @@
+#include "services/host/worker_threads.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+namespace intaglio::host {
+namespace {
+
+TEST(AllCores, DoesEachPieceOnce) {
+  for (const std::size_t count : {0, 1, 2, 1000}) {
+    std::vector<std::atomic<int>> done(count);
+    AllCores()(count, [&](std::size_t i) { ++done.at(i); });
+    for (const auto& times : done) EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(AllCores, PassesOnWhatWasThrown) {
+  std::atomic<int> begun = 0;
+  const auto work = [&](std::size_t i) {
+    ++begun;
+    if (i == 3) throw std::runtime_error("the third");
+  };
+  EXPECT_THROW(AllCores()(100'000, work), std::runtime_error);
+  EXPECT_LT(begun, 100'000) << "the rest is not begun";
+}
+
+TEST(ShareOfTime, GrowsToOneAndBeyond) {
+  const auto share = ShareOfTime(1e-3);
+  double last = share();
+  while (last < 1) {
+    const double next = share();
+    ASSERT_GE(next, last);
+    last = next;
+  }
+  EXPECT_LT(ShareOfTime(1e6)(), 0.01);
+}
+
+}  // namespace
+}  // namespace intaglio::host
