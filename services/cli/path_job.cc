@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "engrave/motion/limits.h"
 #include "materials_db/material_store.h"
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
@@ -42,11 +43,23 @@ Result<FrozenJob> BuildPathJob(const JobFlags& flags, const PointList& points_mm
   if (!built) return tl::unexpected(built.error());
   const auto optics = OpticsOf(built->job, materials_db);
   if (!optics) return tl::unexpected(optics.error());
+  // Again, now that the glass says how much travel the block's depth takes.
+  const auto errors =
+      CheckJobOnMachine(built->job, built->machine, optics->stage_per_glass_ratio());
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   FrozenJob frozen;
   *frozen.mutable_machine() = WithMachineDefaults(built->machine);
   *frozen.mutable_job() = WithDefaults(built->job, frozen.machine());
   *frozen.mutable_optics() = *optics;
   return frozen;
+}
+
+void ForgetTravel(MachineSpec& machine) {
+  for (AxisLimits* axis :
+       {machine.mutable_x(), machine.mutable_y(), machine.mutable_z()}) {
+    axis->set_travel_min_mm(-motion::kUnlimited);
+    axis->set_travel_max_mm(motion::kUnlimited);
+  }
 }
 
 Status RequireInBlock(const FrozenJob& job, const PointList& points_mm) {

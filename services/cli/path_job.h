@@ -17,6 +17,9 @@ namespace intaglio::cli {
 Result<FrozenJob> BuildPathJob(const JobFlags& flags, const PointList& points_mm,
                                const std::string& materials_db);
 
+/// Lets the stage go anywhere, for a path whose zero is not the machine's.
+void ForgetTravel(MachineSpec& machine);
+
 /// kOutsideBlock for the first point outside the job's block; frame glass.
 Status RequireInBlock(const FrozenJob& job, const PointList& points_mm);
 

@@ -137,10 +137,12 @@ int Sort(const PathOptions& options) {
 int Plan(const PathOptions& options) {
   auto points_mm = ReadPath(options, "--path");
   if (!points_mm) return Complain(points_mm.error(), kExitWrongInput);
-  const auto job = BuildPathJob(options.job, *points_mm, options.materials_db);
+  auto job = BuildPathJob(options.job, *points_mm, options.materials_db);
   if (!job) return Complain(job.error(), kExitWrongInput);
   const bool of_machine = options.frame == "machine";
-  if (!of_machine) {
+  if (of_machine) {
+    ForgetTravel(*job->mutable_machine());
+  } else {
     if (auto in_block = RequireInBlock(*job, *points_mm); !in_block) {
       return Complain(in_block.error(), kExitWrongInput);
     }
@@ -195,7 +197,7 @@ void AddPlan(CLI::App& app, std::function<int()>& selected) {
       ->required();
   plan->add_option("--frame", options->frame,
                    "glass (default): the points lie in the block; machine: they are "
-                   "places of the stage")
+                   "places of the stage, from a zero of their own")
       ->check(CLI::IsMember({"glass", "machine"}));
   plan->add_option("--csv", options->csv, "the motion's segments, a row a knot");
   plan->add_option("--out", options->out,

@@ -203,6 +203,16 @@ TEST_F(PlanCommand, TheGlassDecidesHowFarTheStageMovesAlongTheBeam) {
               0.02 * in_glass_mm);
 }
 
+// The published order goes to -16 mm in x and to -49 mm in z.
+TEST_F(PlanCommand, APathOfTheStageMayHaveAnyZero) {
+  for (Vec3& p : path_mm_) p -= Vec3(100, 50, 200);
+  ASSERT_TRUE(formats::WritePly(path(), {path_mm_, {}, {}}));
+  const PlanReport report = ReportOf(
+      {"plan", "--path", path().string(), "--frame", "machine", "--rate", "100"});
+  ASSERT_EQ(report.motions_size(), 1) << errors_;
+  EXPECT_EQ(report.motions(0).violation_count(), 0u);
+}
+
 TEST_F(PlanCommand, ComparisonHasEveryPlannerAndTheContinuousOneIsFastest) {
   const PlanReport report = ReportOf({"plan", "--path", path().string(), "--rate", "200",
                                       "--compare", "--profile", "mix"});
