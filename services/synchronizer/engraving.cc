@@ -20,6 +20,7 @@ constexpr std::uint64_t kLockstepAheadTicks = 4096;
 constexpr std::uint64_t kLockstepWindowTicks = 512;
 // With a clock of its own also the controller's time is extrapolated that far.
 constexpr std::uint64_t kLeastOwnClockTicks = 64;
+constexpr std::uint64_t kTicksToRest = 4;
 // Passes over points that were skipped, as long as a pass makes at least one.
 constexpr int kMaxIdleRuns = 2;
 constexpr int kMaxLateStarts = 5;
@@ -262,6 +263,8 @@ void Engraving::DecideTicks(const EngravingInputs& inputs) {
   std::uint64_t limit =
       covered ? inputs.motion.covered_through_tick : feed_.start_tick() - 1;
   std::uint64_t window = kLockstepWindowTicks;
+  // By a clock of its own the stage may come to rest a little after its last tick.
+  if (lockstep && own_clock_ && covered && feed_.sent_all()) limit += kTicksToRest;
   if (lockstep) {
     limit = std::min(limit, reported_through_ + 4 * window);
   } else {

@@ -13,6 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kRequestPeriod = 20ms;
+constexpr std::uint64_t kMostUnheardTicks = 16;
 
 }  // namespace
 
@@ -55,7 +56,8 @@ void Engraving::KeepIdleTicksPassing() {
   session_ = laser_.session();
   if (laser_.Has(link::kSafeState)) return;
   if (decided_ > status.tick) return;
-  link::ArmWindow idle{decided_ + 1, true, std::vector<bool>(link::kMaxArmTicks, false)};
+  const std::size_t count = own_clock_ ? AheadTicks() : link::kMaxArmTicks;
+  link::ArmWindow idle{decided_ + 1, true, std::vector<bool>(count, false)};
   if (!laser_.Arm(idle)) return;
   decided_ += idle.fire.size();
   (void)laser_.RequestStatus();
@@ -76,7 +78,11 @@ bool Engraving::MotionClockSettles(const EngravingInputs& inputs) {
   own_clock_ = inputs.motion_clock != nullptr;
   if (!own_clock_) return true;
   inputs.motion_clock->SetAhead(static_cast<double>(AheadTicks()));
-  if (inputs.motion_clock->settled()) return true;
+  if (inputs.motion_clock->settled()) {
+    // A run begins behind what is decided: that is to have passed, and been heard of.
+    return !laser_.identity().lockstep ||
+           inputs.motion_clock->newest_tick() + kMostUnheardTicks >= decided_;
+  }
   if (!started()) message_ = "the clock of the stage's controller is being measured";
   KeepIdleTicksPassing();
   return false;

@@ -27,6 +27,8 @@ constexpr std::size_t kLeastStamps = 16;
 constexpr std::size_t kParts = 4;
 constexpr std::size_t kLeastPart = 64;
 constexpr double kNeverFactor = 20;
+// No stamp is early; only the line of a second ago may be wrong, seen 0.35 of the limit.
+constexpr double kAheadOfLimit = 0.6;
 // The controller's clock has some resolution of its own.
 constexpr double kResolutionNs = 2000;
 constexpr std::size_t kStampsAfterStep = 64;
@@ -130,8 +132,8 @@ bool MotionClock::RunsAhead() {
       earlier_lines_.size() >= kept &&
       std::any_of(stamps_.end() - static_cast<std::ptrdiff_t>(kFitEvery), stamps_.end(),
                   [this](const Stamp& stamp) {
-                    return stamp.late_ns <
-                           earlier_lines_.front().LateNsAt(stamp.tick) - limit_ns_;
+                    return stamp.late_ns < earlier_lines_.front().LateNsAt(stamp.tick) -
+                                               kAheadOfLimit * limit_ns_;
                   });
   if (stamps_.size() == window_) earlier_lines_.push_back(line_);
   if (earlier_lines_.size() > kept) earlier_lines_.pop_front();

@@ -26,9 +26,9 @@ std::int32_t ToNm(double mm) {
 }
 
 // How far from a knot's time the in-position output may be on. At 80 mm/s the stage makes
-// 32 um of it, so it is the tolerance that decides; and a quarter of a tick keeps it from
-// the next pulse.
-constexpr double kGateSeconds = 0.0004;
+// 28 um of it, below the tolerance of 30 um of such a machine; and a quarter of a tick
+// keeps it from the next pulse.
+constexpr double kGateSeconds = 0.00035;
 constexpr double kGateTickRatio = 0.25;
 
 }  // namespace
@@ -207,7 +207,7 @@ void Stage::FinishPiece() {
   knot_mm_ = piece.end_mm;
   knot_mm_s_ = piece.end_mm_s;
   if (phase_ == Phase::kRunning && (piece.pulse || !own_clock_)) {
-    passed_ = {piece.end_mm, now_units_, piece.pulse};
+    passed_ = {PlaceOf(piece), now_units_, piece.pulse};
   }
   if (piece.program_end) {
     phase_ = Phase::kRest;
@@ -283,8 +283,15 @@ void Stage::AdvanceTick(double rate_hz) {
   }
 }
 
-bool Stage::IsAt(const Vec3& knot_mm) const {
-  return (actual_mm_ - knot_mm).norm() <= options_.position_tolerance_mm;
+// With a clock of its own it is not the tick that decides between two places of a moving
+// stage, so the place is taken as exactly as it is known.
+Vec3 Stage::PlaceOf(const Piece& piece) const {
+  if (!own_clock_) return piece.end_mm;
+  return piece.end_mm - options_.lag_s * piece.end_mm_s;
+}
+
+bool Stage::IsAt(const Vec3& place_mm) const {
+  return (actual_mm_ - place_mm).norm() <= options_.position_tolerance_mm;
 }
 
 bool Stage::GateIsOn() const {
@@ -299,7 +306,7 @@ bool Stage::GateIsOn() const {
     to_end += piece.units - done;
     done = 0;
     if (to_end > window) return false;
-    if (piece.pulse && IsAt(piece.end_mm)) return true;
+    if (piece.pulse && IsAt(PlaceOf(piece))) return true;
   }
   return false;
 }

@@ -62,7 +62,8 @@ class Stage {
   void AdvanceTick(double rate_hz);
 
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
-  /// On a clock of its own, "here" is within 0.4 ms and a quarter of a tick.
+  /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick, and where
+  /// the stage is to be is the end less its lag times its velocity there.
   bool in_position() const { return in_position_; }
   const Vec3& actual_mm() const { return actual_mm_; }
   bool running() const { return phase_ != Phase::kRest; }
@@ -87,7 +88,7 @@ class Stage {
     bool pulse = false, program_end = false;
   };
   struct Knot {
-    Vec3 at_mm = Vec3::Zero();
+    Vec3 at_mm = Vec3::Zero();  // where the stage is to be, see PlaceOf
     std::uint64_t at_units = 0;
     bool pulse = false;
   };
@@ -105,7 +106,8 @@ class Stage {
   void AdvanceOwnClock();
   void FinishPiece();
   bool GateIsOn() const;
-  bool IsAt(const Vec3& knot_mm) const;
+  Vec3 PlaceOf(const Piece& piece) const;
+  bool IsAt(const Vec3& place_mm) const;
   void Latch();
   void LatchAt(const OwnClock::Heard& heard);
 

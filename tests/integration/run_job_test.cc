@@ -147,6 +147,51 @@ TEST_F(RunJob, TwoRunsAreTheSameBitForBit) {
   EXPECT_EQ(first.ticks(), second.ticks());
 }
 
+// The stage on a clock of its own, every line late by up to 2 ms: the proof is in the
+// glass all the same.
+class FreeClock : public RunJob,
+                  public ::testing::WithParamInterface<std::vector<std::string>> {};
+
+TEST_P(FreeClock, KeepsEveryPulseInItsPlace) {
+  std::vector<std::string> more = GetParam();
+  more.insert(more.end(), {"--clock-drift", "150", "--line-jitter", "2"});
+  const Ended run = Run(more);
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const JobReport report = Report();
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_GT(report.points().planned(), 500u);
+  EXPECT_EQ(report.points().made(), report.points().planned());
+  EXPECT_EQ(report.points().doubled() + report.points().stray(), 0u);
+  EXPECT_EQ(report.shadow_violations(), 0u);
+  EXPECT_LT(report.position_errors().rms_um(), 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    EveryTime, FreeClock,
+    ::testing::Values(std::vector<std::string>{"--lockstep"},
+                      // 2 ms of a line are 10 ms of this machine.
+                      std::vector<std::string>{"--speed", "5", "--warm-up", "5",
+                                               "--spacing", "1.2"}),
+    [](const auto& suite) { return suite.param.size() == 1 ? "lockstep" : "real_time"; });
+
+// A crystal that jumps by 400 ppm makes 0.4 ms a second: the motion that is out already
+// is wrong for some pulses. They are held back, and made from a new plan.
+TEST_F(RunJob, AClockThatChangesItsPaceMakesNoCrackInTheWrongPlace) {
+  const Ended run = Run({"--lockstep", "--warm-up", "0", "--clock-drift", "-200",
+                         "--line-jitter", "2", "--fault", "9000 clock-drift 200"});
+  ASSERT_TRUE(run.in_time);
+  const JobReport report = Report();
+  EXPECT_GE(report.engrave().run_count(), 2u) << run.output;
+  EXPECT_EQ(report.points().doubled() + report.points().stray(), 0u) << run.output;
+  EXPECT_EQ(report.shadow_violations(), 0u);
+  EXPECT_LT(report.position_errors().max_um(), 30) << "the machine's tolerance";
+  // What came to lie under a crack before it could be made is left out and reported.
+  EXPECT_GE(report.points().made() + 20, report.points().planned());
+  EXPECT_EQ(report.points().made() + report.points().skipped(),
+            report.points().planned());
+}
+
 TEST_F(RunJob, ServicesAreSeparateProcesses) {
   Running run(Program("intaglio"), Arguments({"--speed", "1", "--warm-up", "0"}),
               folder_ / "output.txt");
