@@ -18,13 +18,15 @@ namespace {
 constexpr std::size_t kStretch = 8192;
 constexpr std::size_t kStretchesAtOnce = 16;
 constexpr double kMostTriesPerRound = 64;
-constexpr double kFewestRounds = 6;
+constexpr double kFewestRounds = 2;
 constexpr double kMostTries = 1e6;
 
-// In ticks. Hotter, a good order is lost before it gets better; below the coldest nothing
-// moves any more.
+// In ticks. Hotter, a good order is lost before it gets better; below the coldest
+// nothing moves any more.
 constexpr double kHot = 0.12;
 constexpr double kCold = 0.03;
+
+double TemperatureAt(double share) { return kHot * std::pow(kCold / kHot, share); }
 
 /// Places [begin, end) of an order.
 using Range = std::pair<std::size_t, std::size_t>;
@@ -63,7 +65,8 @@ class Annealing {
                                                       : 1;
       if (share >= 1) return true;
       tries_per_point_ = options_.anneal.used_share ? kMostTriesPerRound : tries / rounds;
-      temperature_ = kHot * std::pow(kCold / kHot, share);
+      hot_ = TemperatureAt(share);
+      cold_ = options_.anneal.used_share ? hot_ : TemperatureAt(share + 1 / rounds);
       if (!RunRound(share, 1 / std::max(rounds, 1.0), progress)) return false;
     }
   }
@@ -95,7 +98,7 @@ class Annealing {
     Stretch stretch(points_mm, options_.cone, cost_);
     const auto tries = static_cast<std::uint64_t>(tries_per_point_ *
                                                   static_cast<double>(points_mm.size()));
-    stretch.Anneal(tries, temperature_, seed);
+    stretch.Anneal(tries, hot_, cold_, seed);
     Order annealed;
     for (const std::uint32_t i : stretch.order()) {
       annealed.push_back(order_[range.first + i]);
@@ -110,7 +113,8 @@ class Annealing {
   Order& order_;
   std::mt19937_64 generator_;
   double tries_per_point_ = 0;
-  double temperature_ = kHot;
+  double hot_ = kHot;  ///< of the round, at its begin
+  double cold_ = kHot;
 };
 
 }  // namespace
@@ -137,9 +141,19 @@ Order ImproveOrder(const PointList& points_mm, Order order, const OrderOptions& 
 
 Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& options,
                                const ProgressSink& progress) {
-  auto order = OrderSmoothly(points_mm, options, progress);
+  // One bar for both: the first fifth is the greedy order.
+  const std::uint64_t size = points_mm.size();
+  const auto part = [&](std::uint64_t begin, std::uint64_t end) -> ProgressSink {
+    if (!progress) return nullptr;
+    return [=, &progress](std::uint64_t done, std::uint64_t total) {
+      return progress(begin + (end - begin) * done / std::max<std::uint64_t>(total, 1),
+                      size);
+    };
+  };
+  auto order = OrderSmoothly(points_mm, options, part(0, size / 5));
   if (!order || order->empty()) return order;
-  Order improved = ImproveOrder(points_mm, std::move(*order), options, progress);
+  Order improved =
+      ImproveOrder(points_mm, std::move(*order), options, part(size / 5, size));
   if (improved.empty()) return Fail(ErrorCode::kCancelled, "the sort was cancelled");
   return improved;
 }

@@ -14,6 +14,7 @@ constexpr std::size_t kLongestTurn = 512;
 constexpr std::size_t kLongestPiece = 256;
 constexpr std::size_t kFixed = 2;
 constexpr int kDraws = 8;
+constexpr std::uint64_t kCoolingSteps = 32;
 
 std::vector<Scaled> ScaleAll(std::span<const Vec3> points_mm, const TickCost& cost) {
   std::vector<Scaled> scaled;
@@ -52,11 +53,17 @@ Stretch::Stretch(std::span<const Vec3> points_mm, const BeamCone& cone,
   ChooseTicks();
 }
 
-void Stretch::Anneal(std::uint64_t tries, double temperature, std::uint64_t seed) {
-  Require(temperature > 0, "the temperature must be positive, is {}", temperature);
+void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t seed) {
+  Require(hot > 0 && cold > 0, "temperatures must be positive, are {} and {}", hot, cold);
   if (at_.size() <= 2 * kFixed + 1) return;
   generator_.seed(seed);
+  double temperature = hot;
+  const std::uint64_t tries_a_step = tries / kCoolingSteps + 1;
   for (std::uint64_t i = 0; i < tries; ++i) {
+    if (i % tries_a_step == 0) {
+      const double share = static_cast<double>(i) / static_cast<double>(tries);
+      temperature = hot * std::pow(cold / hot, share);
+    }
     Change change;
     if (!Propose(change)) continue;
     const double chance = (static_cast<double>(generator_() >> 11) + 1) * 0x1p-53;

@@ -29,8 +29,8 @@ class Stretch {
   /// outlives this.
   Stretch(std::span<const Vec3> points_mm, const BeamCone& cone, const TickCost& cost);
 
-  /// temperature: in ticks, > 0.
-  void Anneal(std::uint64_t tries, double temperature, std::uint64_t seed);
+  /// Cools from `hot` to `cold`, both in ticks, > 0.
+  void Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t seed);
 
   /// Indices into points_mm.
   std::span<const std::uint32_t> order() const { return at_; }

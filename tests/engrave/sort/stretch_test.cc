@@ -64,7 +64,7 @@ TEST(Stretch, KeepsItsEndsAndTheCone) {
     const TickCost cost(options.limits, options.rate_hz);
     Stretch stretch(ordered_mm, options.cone, cost);
     for (const double temperature : {100.0, 0.15, 1e-6}) {
-      stretch.Anneal(20 * ordered_mm.size(), temperature, 1);
+      stretch.Anneal(20 * ordered_mm.size(), temperature, temperature, 1);
       const Order order = OrderOf(stretch);
       ExpectEachOnce(order, ordered_mm.size());
       ExpectNoneShaded(ordered_mm, order, options.cone);
@@ -84,7 +84,7 @@ TEST(Stretch, GetsCheaperWhereNothingWorseIsBorne) {
       const TickCost cost({}, rate_hz);
       Stretch stretch(ordered_mm, cone, cost);
       const double before = LeastCost(ordered_mm, OrderOf(stretch), cost, rate_hz);
-      stretch.Anneal(100 * ordered_mm.size(), 1e-6, 1);
+      stretch.Anneal(100 * ordered_mm.size(), 1e-6, 1e-6, 1);
       EXPECT_LT(LeastCost(ordered_mm, OrderOf(stretch), cost, rate_hz), before)
           << name << ", " << rate_hz;
     }
@@ -97,7 +97,7 @@ TEST(Stretch, IsTheSameForTheSameSeedAlone) {
   const TickCost cost({}, 100);
   const auto anneal = [&](std::uint64_t seed) {
     Stretch stretch(ordered_mm, cone, cost);
-    stretch.Anneal(20000, 0.15, seed);
+    stretch.Anneal(20000, 0.15, 0.03, seed);
     return OrderOf(stretch);
   };
   EXPECT_EQ(anneal(5), anneal(5));
@@ -108,7 +108,7 @@ TEST(Stretch, WithoutTriesStaysAsItIs) {
   const PointList points_mm = Row(30, {0.1, 0, 0});
   const TickCost cost({}, 100);
   Stretch stretch(points_mm, 0.1, cost);
-  stretch.Anneal(0, 1, 1);
+  stretch.Anneal(0, 1, 1, 1);
   Order expected(points_mm.size());
   std::iota(expected.begin(), expected.end(), 0U);
   EXPECT_EQ(OrderOf(stretch), expected);
@@ -118,7 +118,8 @@ TEST(Stretch, NoTemperatureThrows) {
   const PointList points_mm = Row(30, {0.1, 0, 0});
   const TickCost cost({}, 100);
   Stretch stretch(points_mm, 0.1, cost);
-  EXPECT_THROW(stretch.Anneal(1, 0, 1), PreconditionError);
+  EXPECT_THROW(stretch.Anneal(1, 0, 1, 1), PreconditionError);
+  EXPECT_THROW(stretch.Anneal(1, 1, 0, 1), PreconditionError);
 }
 
 }  // namespace
