@@ -44,6 +44,10 @@ const MethodRow& RowOf(Method method) {
       fmt::format("there is no order method {}", static_cast<int>(method)));
 }
 
+/// A kilometre: up to there coordinates are ten times finer than the surface of a beam
+/// (BeamCone::kSurfaceMm), and ticks can be counted.
+constexpr double kFarthestMm = 1e6;
+
 Status CheckPoints(const PointList& points_mm) {
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
   if (points_mm.size() > kMost) {
@@ -54,9 +58,10 @@ Status CheckPoints(const PointList& points_mm) {
   }
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
     const Vec3& p = points_mm[i];
-    if (p.allFinite()) continue;
+    if (p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthestMm) continue;
+    const char* const wrong = p.allFinite() ? "too far away" : "not finite";
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("point {} is not finite and cannot be ordered", i),
+                fmt::format("point {} is {} and cannot be ordered", i, wrong),
                 fmt::format("({}, {}, {})", p.x(), p.y(), p.z()));
   }
   return {};

@@ -88,8 +88,9 @@ Result<Method> MethodFromName(std::string_view name);
 /// Whether the options of the chosen method are in their ranges; the sentence names them.
 Status CheckOrderOptions(const OrderOptions& options);
 
-/// points_mm: glass frame, mm, finite. Every index occurs once. Fails on wrong options,
-/// on points that are not finite or too many for the index, and with kCancelled.
+/// points_mm: glass frame, mm, each coordinate within a kilometre. Every index occurs
+/// once. Fails on wrong options, on points that are elsewhere or too many for the index,
+/// and with kCancelled.
 Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
                         const ProgressSink& progress = {});
 

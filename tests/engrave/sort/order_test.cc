@@ -16,14 +16,17 @@ using ::testing::HasSubstr;
 OrderOptions With(Method method) {
   OrderOptions options;
   options.method = method;
+  options.anneal.tries_per_point = 1;
   return options;
 }
 
-constexpr Method kAll[] = {Method::kKdz, Method::kLayers};
+constexpr Method kAll[] = {Method::kKdz,           Method::kLayers,
+                           Method::kSmooth,        Method::kAnneal,
+                           Method::kBoustrophedon, Method::kPublishedKdz};
 
 TEST(MakeOrder, NamesEveryPointOnceAndAlwaysTheSame) {
   for (const Method method : kAll) {
-    for (const auto& [name, points_mm] : Clouds(5000)) {
+    for (const auto& [name, points_mm] : Clouds(2000)) {
       const Order order = MakeOrder(points_mm, With(method)).value();
       Order sorted = order;
       std::sort(sorted.begin(), sorted.end());
@@ -65,7 +68,24 @@ TEST(MakeOrder, RefusesPointsThatAreNotFinite) {
   for (const Method method : kAll) {
     const auto order = MakeOrder(points_mm, With(method));
     ASSERT_FALSE(order.has_value());
-    EXPECT_THAT(order.error().message, HasSubstr("point 7"));
+    EXPECT_THAT(order.error().message, HasSubstr("point 7 is not finite"));
+  }
+}
+
+TEST(MakeOrder, TakesPointsWithinAKilometreAndRefusesOthers) {
+  PointList points_mm = RandomBox(10, {1, 1, 1}, 1);
+  for (const Method method : kAll) {
+    for (const double far_mm : {1e6, -1e6}) {
+      points_mm[7] = {0, far_mm, 0};
+      EXPECT_TRUE(MakeOrder(points_mm, With(method)).has_value());
+    }
+    for (const double far_mm : {1.1e6, -1e30, 1e300}) {
+      points_mm[7] = {0, 0, far_mm};
+      const auto order = MakeOrder(points_mm, With(method));
+      ASSERT_FALSE(order.has_value());
+      EXPECT_EQ(order.error().code, ErrorCode::kInvalidValue);
+      EXPECT_THAT(order.error().message, HasSubstr("point 7 is too far away"));
+    }
   }
 }
 
@@ -86,7 +106,8 @@ TEST(OrderMethod, NamesLeadBack) {
   for (const Method method : kAll) {
     EXPECT_EQ(MethodFromName(MethodName(method)).value(), method);
   }
-  EXPECT_THAT(MethodFromName("spiral").error().message, HasSubstr("kdz, layers"));
+  EXPECT_THAT(MethodFromName("spiral").error().message,
+              HasSubstr("kdz, layers, smooth, anneal"));
 }
 
 }  // namespace
