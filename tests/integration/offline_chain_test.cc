@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "engrave/formats/point_file.h"
+#include "proto/plan_report.pb.h"
 #include "proto/report.pb.h"
 #include "tests/integration/run_program.h"
 
@@ -48,6 +49,13 @@ void WriteCube(const fs::path& file) {
     }
   }
   out << "endsolid cube\n";
+}
+
+std::string ReadText(const fs::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
 }
 
 class OfflineChain : public ::testing::TestWithParam<Words> {
@@ -118,6 +126,20 @@ TEST_P(OfflineChain, GivesWhatRunGives) {
   EXPECT_TRUE(report.verdict().good());
   EXPECT_EQ(ChecksumIn(sorted.output), report.checksums().at("path")) << "in one order";
   EXPECT_THAT(Type({"verify", out}).output, HasSubstr("verdict     GOOD"));
+
+  const Ended planned = Type(WithMaterials(WithJob({"plan", "--path", path, "--json"})));
+  JobReport ran;
+  PlanReport plan;
+  ASSERT_TRUE(
+      google::protobuf::util::JsonStringToMessage(ReadText(out + "/report.json"), &ran)
+          .ok());
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(
+                  planned.output.substr(planned.output.find("{\n")), &plan)
+                  .ok())
+      << planned.output;
+  EXPECT_EQ(plan.checksum(), report.checksums().at("path"));
+  EXPECT_EQ(plan.motions(0).ticks(), ran.engrave().estimate_ticks());
+  EXPECT_EQ(plan.motions(0).violation_count(), 0u);
 
   Type({"render", cloud, "--block", "20", "20", "20", "--out", picture});
   std::ifstream png(picture, std::ios::binary);
