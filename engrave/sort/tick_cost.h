@@ -88,7 +88,7 @@ class TickCost {
   static float CostOf(const TimedMove& before, std::span<const TimedMove> moves,
                       const TimedMove& after);
 
-  static constexpr float kBendWeight = 0.5F;
+  static constexpr float kBendWeight = 0.7F;
   static constexpr float kForbidden = 1000;
 
  private:
