@@ -31,12 +31,6 @@ motion::VerifyOptions OptionsFor(const motion::PlanOptions& plan) {
   return options;
 }
 
-/// A path from a zero of its own may not: then the travel says nothing.
-bool LiesIn(const Box3& travel_mm, const PointList& path_mm) {
-  return std::all_of(path_mm.begin(), path_mm.end(),
-                     [&](const Vec3& p) { return travel_mm.Contains(p); });
-}
-
 /// Passes a plan on piece by piece, and measures the planner alone.
 class MotionMeter {
  public:
@@ -132,9 +126,6 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path_mm,
   Require(!path_mm.empty(), "a path without points");
   motion::PlanOptions plan = MotionOptionsOf(job).plan;
   plan.stage_lag_s = 0;
-  if (!LiesIn(plan.limits.travel_mm, path_mm)) {
-    plan.limits.travel_mm = motion::Limits().travel_mm;
-  }
   MotionMeter meter(plan, path_mm, sink);
   for (std::size_t begin = 0; begin < path_mm.size(); begin += kPointsATime) {
     const std::size_t end = std::min(begin + kPointsATime, path_mm.size());

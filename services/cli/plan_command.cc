@@ -107,8 +107,10 @@ int Tell(const PathOptions& options, const PlanReport& report) {
 int Sort(const PathOptions& options) {
   auto cloud_mm = ReadPath(options, "--cloud");
   if (!cloud_mm) return Complain(cloud_mm.error(), kExitWrongInput);
-  const auto job = BuildPathJob(options.job, *cloud_mm, options.materials_db);
+  auto job = BuildPathJob(options.job, *cloud_mm, options.materials_db);
   if (!job) return Complain(job.error(), kExitWrongInput);
+  // An order does not depend on where the cloud lies; one without a block is ordered too.
+  if (!RequireInBlock(*job, *cloud_mm)) ForgetTravel(*job->mutable_machine());
   formats::PointTable table;
   {
     Meter meter("order");

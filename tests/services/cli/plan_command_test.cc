@@ -260,6 +260,22 @@ TEST_F(PlanCommand, SortPrintsTheFiguresThatPlanPrintsForItsPath) {
   EXPECT_EQ(sort.motions(0).mean_jerk_mm_s3(), plan.motions(0).mean_jerk_mm_s3());
 }
 
+TEST_F(PlanCommand, SortTakesACloudThatLiesInNoBlock) {
+  for (Vec3& p : path_mm_) p -= Vec3(100, 50, 200);
+  ASSERT_TRUE(formats::WritePly(path(), {path_mm_, {}, {}}));
+  const PlanReport report = ReportOf(
+      {"sort", "--cloud", path().string(), "--out", (folder_ / "sorted.xyz").string()});
+  ASSERT_EQ(report.motions_size(), 1) << errors_;
+  EXPECT_EQ(report.motions(0).violation_count(), 0u);
+}
+
+// What the machine cannot reach is said, not planned.
+TEST_F(PlanCommand, ABlockThatTheStageCannotReachIsRefused) {
+  EXPECT_EQ(Type({"plan", "--path", path().string(), "--block", "300", "30", "30"}),
+            kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("block.size_mm"));
+}
+
 TEST_F(PlanCommand, AnOrderThatFiresThroughCracksEndsWith3) {
   PointList downwards(path_mm_.rbegin(), path_mm_.rend());
   downwards.resize(3);
