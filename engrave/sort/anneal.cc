@@ -131,12 +131,14 @@ Status CheckAnnealOptions(const OrderOptions& options) {
 
 Order ImproveOrder(const PointList& points_mm, Order order, const OrderOptions& options,
                    const ProgressSink& progress) {
-  Order annealed = order;
-  if (!Annealing(points_mm, options, annealed).Run(progress)) return {};
   const auto ticks_of = [&](const Order& of) {
     return PlannedTicks(points_mm, of, options.limits, options.rate_hz);
   };
-  return ticks_of(annealed) < ticks_of(order) ? annealed : order;
+  const std::uint64_t ticks = ticks_of(order);
+  if (IsNearTheBound(ticks, order.size())) return order;
+  Order annealed = order;
+  if (!Annealing(points_mm, options, annealed).Run(progress)) return {};
+  return ticks_of(annealed) < ticks ? annealed : order;
 }
 
 Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& options,

@@ -18,7 +18,8 @@ Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& o
                                const ProgressSink& progress);
 
 /// Anneals `order`, all of whose points keep to options.cone; the order it had when that
-/// is better. Empty when `progress` asked for the end.
+/// is better, or so near the bound that nothing is left to gain. Empty when `progress`
+/// asked for the end.
 Order ImproveOrder(const PointList& points_mm, Order order, const OrderOptions& options,
                    const ProgressSink& progress);
 

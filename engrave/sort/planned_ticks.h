@@ -3,6 +3,7 @@
 // The planner's own cost of an order: what every sorter that regards motion is measured
 // by in the end.
 
+#include <cstddef>
 #include <cstdint>
 
 #include "engrave/core/geometry.h"
@@ -15,5 +16,10 @@ namespace intaglio::sort {
 /// passed without a stop (motion/tick_planner.h). limits: in the frame of the points.
 std::uint64_t PlannedTicks(const PointList& points_mm, const Order& order,
                            const motion::Limits& limits, double rate_hz);
+
+/// Whether less than 0.1 % of the ticks are more than one a point, the bound.
+inline bool IsNearTheBound(std::uint64_t ticks, std::size_t points) {
+  return static_cast<double>(ticks) <= 1.001 * static_cast<double>(points);
+}
 
 }  // namespace intaglio::sort
