@@ -106,7 +106,9 @@ class AccelerationNodes {
       const double left = seconds(k, end);
       gain[k] = 0.5 * (before + behind);
       lag[k] = gain[k] * left + (before * before - behind * behind) / 6;
-      weight[k] = std::min(before, behind) * std::min(before, behind);
+      if (!IsLongCruise(k - 1, k) && !IsLongCruise(k, k + 1)) {
+        weight[k] = std::min(before, behind) * std::min(before, behind);
+      }
       gain_mm_s -= gain[k] * acceleration_[k];
       lag_mm -= lag[k] * acceleration_[k];
       gg += weight[k] * gain[k] * gain[k];
@@ -128,6 +130,12 @@ class AccelerationNodes {
     if (count_ > 0 && at <= at_[count_ - 1]) return;
     at_[count_] = at;
     acceleration_[count_++] = acceleration;
+  }
+
+  /// It stays one: over a long time the least acceleration would be felt.
+  bool IsLongCruise(std::size_t from, std::size_t to) const {
+    return acceleration_[from] == 0 && acceleration_[to] == 0 &&
+           at_[to] - at_[from] > at_[count_ - 1] / 8;
   }
 
   double subtick_s_;
@@ -229,8 +237,15 @@ void StepCourse::TakePulses(const StepLimits& limits, int axis, bool hardest) {
   const Pulses pulses = hardest ? HardestPulses(v, w, d, Seconds(total), planned)
                                 : GentlestPulses(v, w, d, Seconds(total), planned);
   if (pulses.share < 1e-9) return Add(total, {d, w});
-  const std::uint64_t first = OnGrid(pulses.first_s, unit, total);
-  const std::uint64_t last = OnGrid(pulses.last_s, unit, total - first);
+  std::uint64_t first = OnGrid(pulses.first_s, unit, total);
+  std::uint64_t last = OnGrid(pulses.last_s, unit, total - first);
+  // A pulse made longer changes the cruise, which then has to be reached from an end that
+  // was at it.
+  const double change = CruiseFor(first, last) - (first == 0 ? v : w);
+  if (first == 0)
+    first = OnGrid(PulseSeconds(std::abs(change), planned), unit, total - last);
+  if (last == 0)
+    last = OnGrid(PulseSeconds(std::abs(change), planned), unit, total - first);
   const double cruise = CruiseFor(first, last);
   AccelerationNodes nodes(subtick_s_);
   nodes.AddPulse(0, first, cruise - v, first > last, grid_, planned);

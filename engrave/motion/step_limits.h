@@ -19,7 +19,8 @@ namespace intaglio::motion {
 
 struct StepLimits {
   Limits whole;  ///< What the motion keeps. Its limits of lengths are in those per axis.
-  /// Less what a course needs whose arcs begin and end on the grid.
+  /// Less what a course needs whose arcs begin and end on the grid. A speed limit stays
+  /// positive while the axis takes longer to reach it than a few steps of the grid.
   Limits planned;
   /// The grid, 1/65536 tick; a power of two. At least 0.2 us: over shorter times the
   /// last bit of a coordinate shows as acceleration (1.4e-14 mm of 100 mm: 2 mm/s^2);
