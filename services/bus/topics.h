@@ -40,6 +40,9 @@ inline constexpr Topic<intaglio_JobSubmission> kJobSubmission{
 inline constexpr Topic<intaglio_JobCommand> kJobCommand{
     "JobCommand", &intaglio_JobCommand_desc, Profile::kCommand, DomainKind::kControl,
     Scope::kShop};
+inline constexpr Topic<intaglio_SpeedOverride> kSpeedOverride{
+    "SpeedOverride", &intaglio_SpeedOverride_desc, Profile::kCommand,
+    DomainKind::kControl, Scope::kShop};
 inline constexpr Topic<intaglio_JobStatus> kJobStatus{
     "JobStatus", &intaglio_JobStatus_desc, Profile::kState, DomainKind::kControl,
     Scope::kShop};

@@ -81,6 +81,7 @@ std::string OperatorName() {
 JobClient::JobClient(bus::Bus& bus)
     : submissions_(bus, bus::kJobSubmission),
       commands_(bus, bus::kJobCommand),
+      speeds_(bus, bus::kSpeedOverride),
       statuses_(bus, bus::kJobStatus),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
@@ -108,6 +109,7 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.estimate_ticks = status.estimate_ticks;
   view.rate_hz = status.rate_hz;
   view.revision = status.revision;
+  view.speed_percent = status.speed_percent;
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {
@@ -196,6 +198,17 @@ Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind) {
   sample.kind = kind;
   sample.operator_name = Borrow(name);
   return commands_.Write(sample);
+}
+
+Status JobClient::SetSpeed(const JobView& job, std::uint32_t speed_percent) {
+  const std::string name = OperatorName();
+  intaglio_SpeedOverride sample{};
+  sample.job_uid = Borrow(job.uid);
+  sample.epoch = job.epoch;
+  sample.number = static_cast<std::uint64_t>(SteadyNs());
+  sample.speed_percent = speed_percent;
+  sample.operator_name = Borrow(name);
+  return speeds_.Write(sample);
 }
 
 Result<JobView> JobClient::Find(const std::string& uid_or_number) const {

@@ -32,6 +32,7 @@ struct JobView {
   std::uint64_t estimate_ticks = 0;
   double rate_hz = 0;
   std::uint64_t revision = 0;
+  std::uint32_t speed_percent = 100;
 
   /// Done, failed or cancelled.
   bool ended() const;
@@ -63,6 +64,7 @@ class JobClient {
   /// job service answers.
   Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout);
   Status Command(const JobView& job, intaglio_JobCommandKind kind);
+  Status SetSpeed(const JobView& job, std::uint32_t speed_percent);
 
   /// By uid; of the last revision seen.
   const std::map<std::string, JobView>& jobs() const { return jobs_; }
@@ -82,6 +84,7 @@ class JobClient {
 
   bus::Writer<intaglio_JobSubmission> submissions_;
   bus::Writer<intaglio_JobCommand> commands_;
+  bus::Writer<intaglio_SpeedOverride> speeds_;
   bus::Reader<intaglio_JobStatus> statuses_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;

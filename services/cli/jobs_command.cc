@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <iostream>
 #include <memory>
 
@@ -29,6 +30,7 @@ struct JobsOptions {
   bus::BusOptions bus;
   JobFlags job;
   std::string uid;
+  std::string percent;
   bool arm = false;
   bool watch = false;
 };
@@ -53,6 +55,7 @@ std::string ProgressOf(const JobView& job) {
 /// What a person has to know of the job now.
 std::string NoteOf(const JobView& job) {
   std::string note = job.message.empty() ? std::string(NameOf(job.state)) : job.message;
+  if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
   if (job.state != intaglio_JOB_PAUSED) return note;
   if (note.find("resume") != std::string::npos) return "paused: " + note;
   return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
@@ -173,6 +176,46 @@ int WithJob(const JobsOptions& options,
   return job ? act(client, *job) : Complain(job.error(), kExitWrongInput);
 }
 
+int SetSpeed(JobClient& client, const JobView& job, std::uint32_t percent) {
+  if (job.ended()) {
+    return Complain(
+        {ErrorCode::kRefused,
+         fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
+        kExitWrongInput);
+  }
+  if (auto sent = client.SetSpeed(job, percent); !sent) {
+    return Complain(sent.error(), kExitInternal);
+  }
+  const auto taken = [&] {
+    const JobView& now = client.jobs().at(job.uid);
+    return now.speed_percent == percent || now.ended();
+  };
+  if (!client.PollUntil(taken, kAnswerTime)) {
+    return Complain(
+        {ErrorCode::kTimedOut,
+         "the job service does not answer: check that it runs (intaglio list)", ""},
+        kExitInternal);
+  }
+  std::cout << "job " << job.number << " goes on at " << percent
+            << " % speed, from the next motion that is planned\n";
+  return kExitGood;
+}
+
+/// 10..100.
+Result<std::uint32_t> PercentOf(const std::string& text) {
+  std::uint32_t percent = 0;
+  const char* end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, percent);
+  if (error == std::errc() && read == end && percent >= 10 && percent <= 100) {
+    return percent;
+  }
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("PERCENT '{}': give a whole number from 10 to 100; to stop the "
+                          "job, intaglio pause JOB",
+                          text),
+              text);
+}
+
 int ShowJob(const JobView& job) {
   fmt::print(
       "job        {} ({})\nname       {}\nstate      {}\nmachine    {}\nattempt    {}\n",
@@ -183,7 +226,8 @@ int ShowJob(const JobView& job) {
                GroupedDigits(p.done_count), GroupedDigits(p.total_count),
                ShortDuration(p.elapsed_s));
   }
-  fmt::print("estimate   {}\nfolder     {}\n", TimeOf(job), job.result_directory);
+  fmt::print("estimate   {}\nspeed      {} %\nfolder     {}\n", TimeOf(job),
+             job.speed_percent, job.result_directory);
   if (!job.message.empty()) fmt::print("message    {}\n", job.message);
   return kExitGood;
 }
@@ -235,6 +279,23 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
   add("resume", "go on at the first point not made", command(intaglio_COMMAND_RESUME));
   add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
+
+  CLI::App* speed =
+      app.add_subcommand("speed", "let a job run more slowly, or as before");
+  speed->add_option("JOB", options->uid, "number or uid (intaglio list)")->required();
+  speed->add_option("PERCENT", options->percent, "of the job's speed limits, 10..100")
+      ->required();
+  AddBusFlags(*speed, options->bus);
+  speed->footer("Example: intaglio speed 1 30; then intaglio speed 1 100");
+  speed->callback([options, &selected] {
+    selected = [options] {
+      const auto percent = PercentOf(options->percent);
+      if (!percent) return Complain(percent.error(), kExitWrongInput);
+      return WithJob(*options, [&](JobClient& client, const JobView& job) {
+        return SetSpeed(client, job, *percent);
+      });
+    };
+  });
 }
 
 }  // namespace intaglio::cli

@@ -43,6 +43,18 @@ bool JobQueue::Take(const CommandView& command, Nanoseconds now) {
   return true;
 }
 
+bool JobQueue::Take(const SpeedView& speed) {
+  JobRecord* job = FindOpen(speed.job_uid);
+  if (job == nullptr || speed.epoch != job->epoch || speed.number <= job->last_speed ||
+      speed.speed_percent < kLeastSpeedPercent || speed.speed_percent > 100) {
+    return false;
+  }
+  job->last_speed = speed.number;
+  job->speed_percent = speed.speed_percent;
+  Tell(*job, job->state, job->message);
+  return true;
+}
+
 void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
   const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
   const bool paused = job.state == intaglio_JOB_PAUSED;
@@ -108,7 +120,8 @@ std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {
       job.ever_granted = true;
       Change(job, job.state, job.message);
     }
-    permissions.push_back({job.cell, uid, job.epoch, granted, job.operator_name});
+    permissions.push_back(
+        {job.cell, uid, job.epoch, granted, job.operator_name, job.speed_percent});
   }
   return permissions;
 }

@@ -65,6 +65,16 @@ struct CommandView {
   std::string operator_name;
 };
 
+/// SpeedOverride.
+struct SpeedView {
+  std::string job_uid;
+  std::uint64_t epoch = 0;
+  std::uint64_t number = 0;
+  std::uint32_t speed_percent = 100;
+  std::string operator_name;
+};
+inline constexpr std::uint32_t kLeastSpeedPercent = 10;
+
 /// TaskStatus, without its outcome.
 struct TaskView {
   std::string job_uid;
@@ -87,6 +97,7 @@ struct PermissionView {
   std::uint64_t epoch = 0;
   bool granted = false;
   std::string operator_name;
+  std::uint32_t speed_percent = 100;
 };
 
 /// Chains of a job that may break before it is given up.
@@ -105,6 +116,8 @@ class JobQueue {
   void WorkerLost(const std::string& instance, Nanoseconds now);
   /// False: stale, seen before, or of an unknown job; nothing was done.
   bool Take(const CommandView& command, Nanoseconds now);
+  /// False as above, and when it is not within 10..100.
+  bool Take(const SpeedView& speed);
   void Take(const TaskView& task, Nanoseconds now);
   /// A model file could not be read or sent.
   void FeedFailed(const std::string& job_uid, std::uint32_t attempt,

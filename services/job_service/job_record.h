@@ -46,6 +46,8 @@ struct JobRecord {
 
   // Not kept over a restart: an arm is a person's word about the machine as it is now.
   bool armed = false;
+  std::uint32_t speed_percent = 100;  ///< override, 10..100
+  std::uint64_t last_speed = 0;       ///< number of the override that was taken last
   std::string operator_name;
   std::string last_loss;  ///< why the attempt before this one broke
   std::chrono::nanoseconds withdrawn_at{0};

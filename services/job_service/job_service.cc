@@ -60,6 +60,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       epoch_(store_.BeginRun()),
       submissions_(host.bus(), bus::kJobSubmission),
       commands_(host.bus(), bus::kJobCommand),
+      speeds_(host.bus(), bus::kSpeedOverride),
       tasks_(host.bus(), bus::kTaskStatus),
       health_(host.bus(), bus::kServiceHealth),
       statuses_(host.bus(), bus::kJobStatus),
@@ -84,6 +85,7 @@ void JobService::Turn(Nanoseconds now) {
   TakeHealth(now);
   TakeSubmissions();
   TakeCommands(now);
+  TakeSpeeds();
   for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {
     queue_.FeedFailed(failure.job_uid, failure.attempt, failure.message, now);
   }
@@ -132,6 +134,22 @@ void JobService::TakeCommands(Nanoseconds now) {
     } else {
       spdlog::warn("job {}: command {} is stale or of no open job; it is ignored",
                    command.job_uid, command.number);
+    }
+  });
+}
+
+void JobService::TakeSpeeds() {
+  speeds_.Take([&](const intaglio_SpeedOverride& sample) {
+    const SpeedView speed{std::string(View(sample.job_uid)), sample.epoch, sample.number,
+                          sample.speed_percent, std::string(View(sample.operator_name))};
+    if (queue_.Take(speed)) {
+      spdlog::info("job {}: {} % speed by {}", speed.job_uid, speed.speed_percent,
+                   speed.operator_name);
+    } else {
+      spdlog::warn(
+          "job {}: {} % speed is stale, of no open job or outside {}..100; it is "
+          "ignored",
+          speed.job_uid, speed.speed_percent, kLeastSpeedPercent);
     }
   });
 }
@@ -216,6 +234,7 @@ void JobService::Publish(const JobRecord& job) {
   sample.result_directory = Borrow(job.result_directory);
   sample.cell = Borrow(job.cell);
   sample.revision = job.revision;
+  sample.speed_percent = job.speed_percent;
   if (auto written = statuses_.Write(sample); !written) {
     spdlog::warn("status of job {}: {}", job.uid, written.error().message);
   }

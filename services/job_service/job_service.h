@@ -36,6 +36,7 @@ class JobService : private JobActions {
   void AttachTo(Loop& loop) {
     loop.Attach(submissions_);
     loop.Attach(commands_);
+    loop.Attach(speeds_);
     loop.Attach(tasks_);
     loop.Attach(health_);
   }
@@ -51,6 +52,7 @@ class JobService : private JobActions {
   void TakeHealth(Nanoseconds now);
   void TakeSubmissions();
   void TakeCommands(Nanoseconds now);
+  void TakeSpeeds();
   void Submit(const intaglio_JobSubmission& submission);
   void Refuse(const std::string& submission_uid, const std::string& reasons);
   void Publish(const JobRecord& job);
@@ -62,6 +64,7 @@ class JobService : private JobActions {
 
   bus::Reader<intaglio_JobSubmission> submissions_;
   bus::Reader<intaglio_JobCommand> commands_;
+  bus::Reader<intaglio_SpeedOverride> speeds_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;
   bus::Writer<intaglio_JobStatus> statuses_;

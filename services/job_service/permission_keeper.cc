@@ -27,8 +27,9 @@ void PermissionKeeper::Publish(const std::vector<PermissionView>& permissions,
     for (const PermissionView& permission : permissions) {
       if (permission.cell == name) wanted = permission;
     }
-    const bool changed =
-        wanted.granted != cell.told.granted || wanted.job_uid != cell.told.job_uid;
+    const bool changed = wanted.granted != cell.told.granted ||
+                         wanted.job_uid != cell.told.job_uid ||
+                         wanted.speed_percent != cell.told.speed_percent;
     cell.told = wanted;
     if (changed || due) Write(cell);
   }
@@ -42,6 +43,7 @@ void PermissionKeeper::Write(Cell& cell) {
   sample.granted = cell.told.granted;
   sample.operator_name = bus::Borrow(cell.told.operator_name);
   sample.number = ++cell.number;
+  sample.speed_percent = cell.told.speed_percent;
   if (auto written = cell.writer.Write(sample); !written) {
     spdlog::warn("permission of {}: {}", cell.told.cell, written.error().message);
   }

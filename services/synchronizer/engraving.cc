@@ -182,6 +182,7 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   windows_.clear();
   const std::uint64_t lead =
       laser_.identity().lockstep ? 4 : AheadTicks() << late_starts_;
+  TakeSpeed(inputs);
   feed_.Begin(job_.uid, run_, decided_ + lead, inputs.motion.position_mm, job_.plan,
               inputs.motion_clock);
   if (own_clock_) clock_steps_ = inputs.motion_clock->steps();
@@ -234,7 +235,16 @@ void Engraving::Run(const EngravingInputs& inputs) {
   }
 }
 
+void Engraving::TakeSpeed(const EngravingInputs& inputs) {
+  if (inputs.speed_percent == speed_percent_) return;
+  speed_percent_ = inputs.speed_percent;
+  least_speed_percent_ = std::min(least_speed_percent_, speed_percent_);
+  ++speed_changes_;
+  feed_.SetSpeed(speed_percent_ / 100.0, schedule_);
+}
+
 void Engraving::FeedMotion(const EngravingInputs& inputs) {
+  TakeSpeed(inputs);
   const auto next = [this]() -> std::optional<MotionFeed::Target> {
     const auto point = open_points_.Next();
     if (!point) return std::nullopt;

@@ -58,6 +58,7 @@ struct EngravingInputs {
   bool permission_fresh = false;
   bool permission_granted = false;
   bool stop_pressed = false;
+  std::uint32_t speed_percent = 100;  ///< override, 10..100
   MotionView motion;
   /// Of a controller with a clock of its own; lives as long as the Engraving.
   MotionClock* motion_clock = nullptr;
@@ -102,6 +103,9 @@ class Engraving {
   std::uint32_t run_count() const { return run_count_; }
   std::uint64_t first_fired_tick() const { return first_fired_tick_; }
   std::uint64_t last_fired_tick() const { return last_fired_tick_; }
+  /// Least speed override that motion was planned with, and how often it changed.
+  std::uint32_t least_speed_percent() const { return least_speed_percent_; }
+  std::uint32_t speed_changes() const { return speed_changes_; }
   std::uint64_t settled_by_counter() const { return settled_by_counter_; }
 
  private:
@@ -109,6 +113,7 @@ class Engraving {
   std::uint64_t TickNow(const EngravingInputs& inputs) const;
   std::uint64_t AheadTicks() const;
   bool MotionClockSettles(const EngravingInputs& inputs);
+  void TakeSpeed(const EngravingInputs& inputs);
   void FeedMotion(const EngravingInputs& inputs);
 
   void Prepare(const EngravingInputs& inputs);
@@ -171,6 +176,9 @@ class Engraving {
   int idle_runs_ = 0;
   int fruitless_runs_ = 0;
   int late_starts_ = 0;
+  std::uint32_t speed_percent_ = 100;  // of the motion planned last
+  std::uint32_t least_speed_percent_ = 100;
+  std::uint32_t speed_changes_ = 0;
   bool own_clock_ = false;  // of the motion controller, in this run
   std::uint32_t clock_steps_ = 0;
   std::uint64_t decided_ = 0;  // by us, sent or about to be

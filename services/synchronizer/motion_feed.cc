@@ -30,7 +30,9 @@ void MotionFeed::Begin(const std::string& job_uid, std::uint32_t run,
   pending_.clear();
   scheduled_ = 0;
   scheduled_subticks_ = 0;
-  planner_ = motion::MakePlanner(plan, start_mm);
+  plan_ = plan;
+  ticks_before_planner_ = 0;
+  planner_ = PlannerFrom(start_mm);
   clock_ = clock;
   timed_subticks_ = start_controller_ns_ = 0;
   if (clock_ == nullptr) return;
@@ -77,7 +79,8 @@ bool MotionFeed::dropped() const {
 void MotionFeed::Advance(std::uint64_t horizon_tick, const NextTarget& next,
                          PulseSchedule& schedule) {
   if (sent_all_ || !planner_) return;
-  while (!planned_all_ && start_tick_ + planner_->ticks() < horizon_tick) {
+  while (!planned_all_ &&
+         start_tick_ + ticks_before_planner_ + planner_->ticks() < horizon_tick) {
     if (pending_.size() >= kBatchSegments && !Send(false)) return;
     const auto target = next();
     if (target) {
@@ -90,6 +93,27 @@ void MotionFeed::Advance(std::uint64_t horizon_tick, const NextTarget& next,
     Schedule(schedule);
   }
   if (!pending_.empty()) sent_all_ = Send(planned_all_) && planned_all_;
+}
+
+std::unique_ptr<motion::Planner> MotionFeed::PlannerFrom(const Vec3& start_mm) const {
+  motion::PlanOptions plan = plan_;
+  const double p = speed_ratio_;
+  plan.limits.max_speed_mm_s *= p;
+  plan.limits.max_speed_norm_mm_s *= p;
+  plan.limits.max_acceleration_mm_s2 *= p * p;
+  plan.limits.max_acceleration_norm_mm_s2 *= p * p;
+  plan.limits.max_jerk_mm_s3 *= p * p * p;
+  return motion::MakePlanner(plan, start_mm);
+}
+
+void MotionFeed::SetSpeed(double ratio, PulseSchedule& schedule) {
+  if (ratio == speed_ratio_) return;
+  speed_ratio_ = ratio;
+  if (!planner_ || planned_all_) return;
+  planner_->Finish(pending_);
+  Schedule(schedule);
+  ticks_before_planner_ = scheduled_subticks_ / motion::kSubticksPerTick;
+  planner_ = PlannerFrom(pending_.back().end_position_mm);
 }
 
 void MotionFeed::Schedule(PulseSchedule& schedule) {

@@ -42,6 +42,10 @@ class MotionFeed {
   /// planned is added to the schedule.
   void Advance(std::uint64_t horizon_tick, const NextTarget& next,
                PulseSchedule& schedule);
+  /// The share of the job's speed limits that holds from the next motion planned on,
+  /// 0.1..1: all the way is taken more slowly, so accelerations go with its square and
+  /// jerks with its cube. What is planned already stands, and comes to rest first.
+  void SetSpeed(double ratio, PulseSchedule& schedule);
   /// Tells the bridge to brake to rest and forget the run.
   Status Abort();
 
@@ -53,6 +57,7 @@ class MotionFeed {
   std::uint64_t start_tick() const { return start_tick_; }
 
  private:
+  std::unique_ptr<motion::Planner> PlannerFrom(const Vec3& start_mm) const;
   void Schedule(PulseSchedule& schedule);
   bool MaySend() const;
   std::vector<std::uint64_t> ControllerTimes();
@@ -71,7 +76,10 @@ class MotionFeed {
   std::uint64_t timed_subticks_ = 0;  ///< from the run's start to there
   bool planned_all_ = false;
   bool sent_all_ = true;
+  motion::PlanOptions plan_;
+  double speed_ratio_ = 1;
   std::unique_ptr<motion::Planner> planner_;
+  std::uint64_t ticks_before_planner_ = 0;  ///< of the run, by earlier planners
   std::vector<motion::Segment> pending_;
   std::size_t scheduled_ = 0;             ///< of pending_, from its front
   std::uint64_t scheduled_subticks_ = 0;  ///< from the run's start to there

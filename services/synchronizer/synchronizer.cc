@@ -173,6 +173,7 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
         permission_granted_ = sample.granted;
         permission_epoch_ = sample.epoch;
         permission_job_ = View(sample.job_uid);
+        speed_percent_ = std::clamp(sample.speed_percent, 10u, 100u);
       });
   stops_.Take(
       [this](const intaglio_EmergencyStop& stop) { stop_pressed_ = stop.pressed; });
@@ -252,6 +253,7 @@ Status Synchronizer::StartEngraving() {
   if (!journal) return tl::unexpected(journal.error());
   journal_ = std::move(*journal);
   publisher_.BeginJob(job.uid);
+  logged_message_.clear();
   engraving_ = std::make_unique<Engraving>(
       std::move(job), laser_, feed_, *journal_,
       [this](const PulseResult& result) { publisher_.Add(result); });
@@ -292,6 +294,7 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
   inputs.permission_granted = permission_granted_ && permission_epoch_ == job_->epoch() &&
                               permission_job_ == job_->job_uid();
   inputs.stop_pressed = stop_pressed_;
+  inputs.speed_percent = permission_job_ == job_->job_uid() ? speed_percent_ : 100;
   inputs.motion = motion_view_;
   if (motion_view_.clock != 0) inputs.motion_clock = &motion_clock_;
   return inputs;
@@ -319,6 +322,10 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
                                                                 : ErrorCode::kFault);
   }
   report.message = engraving_->message();
+  if (report.message != logged_message_) {
+    logged_message_ = report.message;
+    if (!logged_message_.empty()) spdlog::info("{}", logged_message_);
+  }
   publisher_.Tell(report, now);
 }
 
@@ -344,6 +351,8 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_plan_checksum(checksum_);
   outcome.set_planned_max_move_um(1e3 * moves_.max_mm);
   outcome.set_planned_rms_move_um(1e3 * moves_.rms_mm());
+  outcome.set_least_speed_percent(engraving_->least_speed_percent());
+  outcome.set_speed_changes(engraving_->speed_changes());
   return outcome;
 }
 

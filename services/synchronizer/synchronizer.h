@@ -79,6 +79,7 @@ class Synchronizer {
   std::uint64_t estimate_ticks_ = 0;
   motion::PointMoves moves_;  ///< Of the plan.
   bool cancelled_ = false;
+  std::string logged_message_;
   std::chrono::nanoseconds now_{0};
   std::chrono::nanoseconds began_at_{0};
   MotionView motion_view_;
@@ -96,6 +97,7 @@ class Synchronizer {
   bool permission_granted_ = false;
   std::uint64_t permission_epoch_ = 0;
   std::string permission_job_;
+  std::uint32_t speed_percent_ = 100;
   bool stop_pressed_ = false;
 };
 

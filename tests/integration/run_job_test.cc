@@ -192,6 +192,37 @@ TEST_F(RunJob, AClockThatChangesItsPaceMakesNoCrackInTheWrongPlace) {
             report.points().planned());
 }
 
+TEST_F(RunJob, ASpeedOverrideInMidJobCostsTimeAndNoPoint) {
+  const std::string tag = "speed-" + std::to_string(getpid());
+  const auto type = [&](const std::string& percent) {
+    Running command(Program("intaglio"), {"speed", "1", percent, "--tag", tag},
+                    folder_ / "speed.txt");
+    return command.WaitForEnd(kBound);
+  };
+  Running run(
+      Program("intaglio"),
+      Arguments({"--speed", "5", "--warm-up", "0", "--spacing", "1.2", "--tag", tag}),
+      folder_ / "output.txt");
+  ASSERT_TRUE(AwaitCracks(50));
+  for (const char* wrong : {"9", "101", "-30", "30.5", "fast"}) {
+    const Ended refused = type(wrong);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.output, HasSubstr(wrong));
+  }
+  EXPECT_THAT(type("9").output, HasSubstr("'9': give a whole number from 10 to 100"));
+  const Ended slower = type("30");
+  EXPECT_EQ(slower.exit_code, 0) << slower.output;
+  EXPECT_EQ(type("100").exit_code, 0);
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time);
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  const JobReport report = Report();
+  EXPECT_EQ(report.points().made(), report.points().planned());
+  EXPECT_EQ(report.points().doubled() + report.points().stray(), 0u);
+  EXPECT_EQ(report.engrave().least_speed_percent(), 30u);
+  EXPECT_EQ(report.engrave().speed_changes(), 2u);
+}
+
 TEST_F(RunJob, ServicesAreSeparateProcesses) {
   Running run(Program("intaglio"), Arguments({"--speed", "1", "--warm-up", "0"}),
               folder_ / "output.txt");

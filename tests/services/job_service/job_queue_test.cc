@@ -382,6 +382,27 @@ TEST_F(JobQueueTest, ArmedAheadIsGrantedOnlyWhenThePathIsThere) {
   EXPECT_TRUE(Granted());
 }
 
+TEST_F(JobQueueTest, TakesASpeedWithinItsRangeAndTellsTheCell) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  const auto told = [this] { return queue_.Permissions(now_).at(0).speed_percent; };
+  EXPECT_EQ(told(), 100u);
+  EXPECT_TRUE(queue_.Take(SpeedView{"j1", kEpoch, 7, 30, "ann@shop"}));
+  EXPECT_EQ(told(), 30u);
+  EXPECT_EQ(job().speed_percent, 30u);
+  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch, 8, 9, ""})) << "below 10";
+  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch, 8, 101, ""})) << "above 100";
+  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch, 7, 50, ""})) << "seen";
+  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch - 1, 9, 50, ""})) << "stale";
+  EXPECT_FALSE(queue_.Take(SpeedView{"j9", kEpoch, 9, 50, ""})) << "unknown";
+  EXPECT_EQ(told(), 30u);
+  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE)) << "commands are counted apart";
+  EXPECT_EQ(told(), 30u);
+  EXPECT_TRUE(queue_.Take(SpeedView{"j1", kEpoch, 9, 10, ""}));
+  EXPECT_EQ(told(), 10u);
+}
+
 TEST_F(JobQueueTest, PauseAndResume) {
   ReadyAll();
   Add(1);

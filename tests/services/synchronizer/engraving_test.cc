@@ -82,6 +82,28 @@ TEST_P(EngravingModes, PausesAndResumesAsOftenAsTheOperatorLikes) {
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 
+TEST_P(EngravingModes, ChangesItsSpeedInMidJobWithoutALostOrDoubledPoint) {
+  // In lockstep motion is planned 4096 ticks ahead.
+  const std::uint32_t points = GetParam() ? 6000 : 500;
+  FakeCell cell({.points = points, .lockstep = GetParam()});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(points / 10)) << cell.Description();
+  cell.speed_percent = 30;
+  ASSERT_TRUE(cell.StepUntilMade(points / 3)) << cell.Description();
+  cell.Withdraw();
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.phase() == Phase::kWaiting; }));
+  cell.StepFor(50ms);
+  cell.GrantAnew();
+  ASSERT_TRUE(cell.StepUntilMade(points / 2)) << cell.Description();
+  cell.speed_percent = 100;
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.done(); }, 200s)) << cell.Description();
+  EXPECT_EQ(cell.made(), points);
+  EXPECT_EQ(cell.laser.cracks().size(), points);
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  EXPECT_EQ(cell.engraving->least_speed_percent(), 30u);
+  EXPECT_EQ(cell.engraving->speed_changes(), 2u);
+}
+
 TEST_P(EngravingModes, StopsInAnyPhaseWithEveryPointAccountedFor) {
   for (int at_ms = 1; at_ms < 6000; at_ms += 139) {
     FakeCell cell({.points = 60, .lockstep = GetParam()});

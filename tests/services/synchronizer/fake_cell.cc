@@ -140,6 +140,7 @@ EngravingInputs FakeCell::Inputs() {
   inputs.permission_fresh = permission_fresh;
   inputs.permission_granted = permission_granted;
   inputs.stop_pressed = stop_pressed;
+  inputs.speed_percent = speed_percent;
   inputs.motion = stage.view();
   if (!stage.silent) view_at_ = now;
   inputs.motion.fresh = now - view_at_ < kMotionLease;

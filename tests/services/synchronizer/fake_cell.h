@@ -64,6 +64,7 @@ class FakeCell {
   std::vector<std::string> Disagreements() const;
 
   std::chrono::nanoseconds now = std::chrono::seconds(1);
+  std::uint32_t speed_percent = 100;
   bool permission_fresh = true, permission_granted = false, stop_pressed = false;
   std::shared_ptr<link::FaultyPipe> to_laser, to_host;
   FakeLaser laser;

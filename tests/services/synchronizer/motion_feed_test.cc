@@ -227,6 +227,53 @@ TEST_F(MotionFeedTest, SendsTheWholeRunAndSchedulesEveryPulseAtItsSegmentsEnd) {
   EXPECT_EQ(armed, points_mm_.size());
 }
 
+TEST_F(MotionFeedTest, ChangesItsSpeedFromTheNextPlannedMotionOnAndLosesNoPoint) {
+  Advance(kStart + 200);
+  const std::size_t fast = Segments().size();
+  feed_.SetSpeed(0.3, schedule_);
+  Advance(kStart + 400);
+  const std::size_t slow_end = Segments().size();
+  feed_.SetSpeed(1, schedule_);
+  while (!feed_.sent_all()) Advance(kNever);
+  const auto segments = Segments();
+  std::vector<double> fastest(3, 0);
+  std::uint64_t subticks = 0;
+  std::size_t point = 0;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const int part = i < fast + 8 ? 0 : i < slow_end ? 1 : 2;
+    fastest[part] =
+        std::max(fastest[part], segments[i].velocity_mm_s.cwiseAbs().maxCoeff());
+    subticks += segments[i].duration_subticks;
+    if (!segments[i].pulse) continue;
+    ASSERT_LT(point, points_mm_.size());
+    EXPECT_LT((segments[i].end_mm - points_mm_[point++]).norm(), 1e-9) << "in its order";
+    EXPECT_EQ(subticks % kSubticks, 0u);
+  }
+  EXPECT_EQ(point, points_mm_.size());
+  // A step of 0.1 to 0.5 mm at 7 m/s^2 reaches 27 to 60 mm/s; at 0.63 m/s^2 8 to 18.
+  EXPECT_GT(fastest[0], 25);
+  EXPECT_LT(fastest[1], 20);
+  EXPECT_GT(fastest[2], 25);
+  std::size_t scheduled = 0;
+  schedule_.Decide(
+      kStart, kStart + 1, [](std::uint64_t, std::uint32_t) {}, [](std::uint32_t) {});
+  for (std::uint64_t first = kStart + 2; first < kStart + 8000; first += 1000) {
+    schedule_.Decide(
+        first, first + 999, [&](std::uint64_t, std::uint32_t) { ++scheduled; },
+        [](std::uint32_t late) { ADD_FAILURE() << late; });
+  }
+  EXPECT_EQ(scheduled, points_mm_.size());
+}
+
+TEST_F(MotionFeedTest, BeginsALaterRunAtTheSpeedThatStands) {
+  feed_.SetSpeed(0.3, schedule_);
+  Begin();
+  Advance(kStart + 400);
+  for (const SentSegment& segment : Segments()) {
+    EXPECT_LT(segment.velocity_mm_s.cwiseAbs().maxCoeff(), 0.3 * 80 + 1e-9);
+  }
+}
+
 TEST_F(MotionFeedTest, StaysAheadOfTheTicksAndNoFarther) {
   // A step of 0.1 to 0.5 mm at 100 Hz takes a few ticks.
   constexpr std::uint64_t kLongestStepTicks = 20;
