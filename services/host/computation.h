@@ -15,6 +15,7 @@
 
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
+#include "services/host/worker_threads.h"
 
 namespace intaglio::host {
 
@@ -26,6 +27,7 @@ class Computation {
   /// Starts at once. `wake` is called from the other thread when the result is there.
   Computation(Function compute, std::function<void()> wake)
       : thread_([this, compute = std::move(compute), wake = std::move(wake)]() mutable {
+          GiveWay();
           auto result = Guarded(compute);
           compute = nullptr;  // and with it what it has captured: the input
           promise_.set_value(std::move(result));

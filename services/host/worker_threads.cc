@@ -1,5 +1,8 @@
 #include "services/host/worker_threads.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -29,7 +32,12 @@ void RunOnThreads(std::size_t threads, std::size_t count,
   };
   {
     std::vector<std::jthread> others;
-    for (std::size_t i = 1; i < std::min(threads, count); ++i) others.emplace_back(take);
+    for (std::size_t i = 1; i < std::min(threads, count); ++i) {
+      others.emplace_back([&take] {
+        GiveWay();
+        take();
+      });
+    }
     take();
   }
   if (thrown) std::rethrow_exception(thrown);
@@ -42,6 +50,12 @@ Executor AllCores() {
   return [threads](std::size_t count, const std::function<void(std::size_t)>& work) {
     RunOnThreads(threads, count, work);
   };
+}
+
+void GiveWay() {
+  constexpr int kNice = 10;
+  // Of this thread alone, as Linux has it; refused, nothing is lost.
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
 }
 
 std::function<double()> ShareOfTime(double seconds) {

@@ -8,8 +8,13 @@
 
 namespace intaglio::host {
 
-/// As many threads as the machine has, for the time of each call.
+/// As many threads as the machine has, for the time of each call; all but the caller give
+/// way.
 Executor AllCores();
+
+/// Puts the calling thread behind those that have to answer in time: a computation can
+/// wait, a heartbeat cannot.
+void GiveWay();
 
 /// The share used of `seconds` > 0 from now on; passes 1 when they are over.
 std::function<double()> ShareOfTime(double seconds);

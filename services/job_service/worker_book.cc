@@ -41,9 +41,10 @@ void WorkerBook::Update(const WorkerView& view, Nanoseconds now) {
 WorkerBook::Assignment WorkerBook::Lose(const std::string& instance) {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return {};
-  Assignment assignment = found->second.assignment;
-  workers_.erase(found);
-  return assignment;
+  // It may only have been slow: what it works on is kept, to be revoked for when it is
+  // back.
+  found->second.alive = false;
+  return found->second.assignment;
 }
 
 bool WorkerBook::Serves(const Worker& worker, intaglio_ServiceRole role,

@@ -42,7 +42,7 @@ class WorkerBook {
   };
 
   void Update(const WorkerView& worker, Nanoseconds now);
-  /// The worker is gone; returns what it worked on.
+  /// The worker is gone, or so slow that it seems to be; returns what it worked on.
   Assignment Lose(const std::string& instance);
 
   /// A free worker of that role, for a synchronizer of that cell; the least by name, so

@@ -7,6 +7,7 @@ namespace intaglio::job_service {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -212,7 +213,7 @@ TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
   actions_.Orders();
   Lose("d");
   EXPECT_THAT(actions_.Orders(),
-              ElementsAre("stop j1", "revoke s j1 1", "revoke y j1 1"));
+              ElementsAre("stop j1", "revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_THAT(job().message, HasSubstr("attempt 1 broke: d was lost; waits for"));
   // The sorter says that it has dropped the old attempt; the synchronizer never got it.
@@ -229,6 +230,30 @@ TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
   EXPECT_THAT(actions_.Orders(),
               ElementsAre("y j1 2", "s j1 2 > y", "d2 j1 2 > s", "feed j1"));
   EXPECT_THAT(job().message, HasSubstr("attempt 2: attempt 1 broke: d was lost"));
+}
+
+// A worker on a busy host may miss its heartbeats and go on.
+TEST_F(JobQueueTest, AWorkerThatSeemedLostIsRidOfItsTaskAndUsedAgain) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  actions_.Orders();
+  Lose("y");
+  EXPECT_THAT(actions_.Orders(), Contains("revoke y j1 1"));
+  now_ += 5s;
+  Ready("d", intaglio_ROLE_DISCRETIZER);
+  Ready("s", intaglio_ROLE_SORTER);
+  Ready("y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
+  queue_.Turn(now_);
+  EXPECT_EQ(job().state, intaglio_JOB_QUEUED) << "it has not dropped the task yet";
+  TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
+  dropped.stage = intaglio_STAGE_ENGRAVE;
+  dropped.worker = "y";
+  queue_.Take(dropped, now_);
+  Ready("y", intaglio_ROLE_SYNCHRONIZER);
+  queue_.Turn(now_);
+  EXPECT_EQ(job().attempt, 2u);
+  EXPECT_EQ(job().stage(intaglio_STAGE_ENGRAVE).worker, "y");
 }
 
 TEST_F(JobQueueTest, OldAttemptsAreNotHeard) {
