@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <thread>
+
 #include "services/bus/samples.h"
 
 namespace intaglio::host {
@@ -9,6 +11,7 @@ namespace {
 using bus::View;
 // Shorter than the period of the health, which the loop itself keeps fresh.
 constexpr std::chrono::milliseconds kTurnPeriod{50};
+constexpr std::chrono::milliseconds kShortestTurn{1};
 }  // namespace
 
 StageWorker::StageWorker(ServiceHost& host, const bus::Topic<intaglio_StageTask>& tasks,
@@ -158,9 +161,12 @@ int RunStageWorker(ServiceHost& host, bus::WaitSet& wait, StageWorker& worker) {
   wait.Attach(worker.tasks());
   host.SetHealth(intaglio_HEALTH_READY);
   while (!host.stopping()) {
-    worker.Turn(std::chrono::steady_clock::now());
+    const auto began = std::chrono::steady_clock::now();
+    worker.Turn(began);
     host.KeepAlive();
     (void)wait.Wait(kTurnPeriod);
+    // Samples of a stream that is not read now, as while computing, end every wait.
+    std::this_thread::sleep_until(began + kShortestTurn);
   }
   worker.Stop();
   return 0;
