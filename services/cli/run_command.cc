@@ -27,7 +27,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kSessionFolder = "session";
 constexpr int kMaxResumes = 10;
-constexpr auto kResumeTimeout = 5s;
+constexpr int kResumeTries = 3;  // after one pause
+constexpr auto kResumeTimeout = 2s;
 constexpr auto kCancelTimeout = 10s;
 
 struct RunOptions {
@@ -185,22 +186,30 @@ void RunSession::Show(const JobView& job) {
 // settled by the controller's counters, so the job may go on. Everything else that pauses
 // a machine is for a person to look at.
 bool RunSession::TryToResume(JobClient& client, const JobView& job) {
+  // Somebody's own pause (job_permission.cc) ends when they say so.
+  if (job.message.starts_with("paused by ")) return true;
   const std::string error = client.ErrorOf(job.uid, intaglio_STAGE_ENGRAVE);
   const bool lost = error == ErrorCodeName(ErrorCode::kLinkLost);
   // No fault: on a busy host a permission that was late for a moment comes by itself.
   if (!lost && !error.empty()) return false;
-  if (lost && resumes_++ >= kMaxResumes) return false;
-  if (lost) {
-    bar_.Finish();
-    std::cerr << "paused: " << job.message << "\n";
+  const auto goes_on = [&] {
+    const intaglio_JobState state = client.jobs().at(job.uid).state;
+    return state != intaglio_JOB_PAUSED || Interrupts() > 0;
+  };
+  if (!lost && client.PollUntil(goes_on, kResumeTimeout)) return true;
+  bar_.Finish();
+  std::cerr << "paused: " << job.message << "\n";
+  for (int i = 0; i < kResumeTries && resumes_ < kMaxResumes; ++i) {
+    ++resumes_;
+    // A synchronizer on a busy host may not have seen the permission withdrawn, and
+    // waits for a new one: it is withdrawn once more.
+    if (!lost || i > 0) (void)client.Command(job, intaglio_COMMAND_PAUSE);
     (void)client.Command(job, intaglio_COMMAND_RESUME);
+    if (client.PollUntil(goes_on, kResumeTimeout)) return true;
+    const std::string left = client.ErrorOf(job.uid, intaglio_STAGE_ENGRAVE);
+    if (!left.empty() && left != ErrorCodeName(ErrorCode::kLinkLost)) return false;
   }
-  return client.PollUntil(
-      [&] {
-        const intaglio_JobState state = client.jobs().at(job.uid).state;
-        return state != intaglio_JOB_PAUSED || Interrupts() > 0;
-      },
-      kResumeTimeout);
+  return false;
 }
 
 void RunSession::Cancel(JobClient& client, const JobView& job, const std::string& why) {
