@@ -147,6 +147,30 @@ TEST_F(RunJob, TwoRunsAreTheSameBitForBit) {
   EXPECT_EQ(first.ticks(), second.ticks());
 }
 
+// Every rate a lamp may have, and the machine follows as well as its limits allow.
+class Rate : public RunJob, public ::testing::WithParamInterface<int> {};
+
+TEST_P(Rate, IsServedForAWholeJob) {
+  std::ifstream supplied(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
+  std::string machine{std::istreambuf_iterator<char>(supplied), {}};
+  const std::string rates = "rates_hz: [";
+  machine.insert(machine.find(rates) + rates.size(), "500, 1000, 4000, ");
+  std::ofstream(folder_ / "fast.textproto") << machine;
+  const std::string rate = std::to_string(GetParam());
+  const Ended run = Run({"--lockstep", "--warm-up", "1", "--spacing", "0.8", "--rate",
+                         rate, "--machine", (folder_ / "fast.textproto").string()});
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  const JobReport report = Report();
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_EQ(report.points().made(), report.points().planned());
+  EXPECT_EQ(report.shadow_violations(), 0u);
+  EXPECT_LT(report.position_errors().rms_um(), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfALamp, Rate, ::testing::Values(50, 500, 1000, 4000),
+                         ::testing::PrintToStringParamName());
+
 // The stage on a clock of its own, every line late by up to 2 ms: the proof is in the
 // glass all the same.
 class FreeClock : public RunJob,
