@@ -11,8 +11,8 @@ namespace intaglio::sort {
 Status CheckAnnealOptions(const OrderOptions& options);
 
 /// Starts at the lowest point (lowest_point.h). The same whatever the executor does at
-/// the same time, as long as options.anneal.used_share is not given. Memory: below 100
-/// bytes a point, and some megabytes for each worker. Points and options as MakeOrder has
+/// the same time, as long as options.anneal.used_share is not given. Memory: that of
+/// smooth.h, and some megabytes for each worker. Points and options as MakeOrder has
 /// checked them.
 Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& options,
                                const ProgressSink& progress);
