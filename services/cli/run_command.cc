@@ -29,6 +29,7 @@ constexpr const char* kSessionFolder = "session";
 constexpr int kMaxResumes = 10;
 constexpr int kResumeTries = 3;  // after one pause
 constexpr auto kResumeTimeout = 2s;
+constexpr auto kPermissionTimeout = 5s;
 constexpr auto kCancelTimeout = 10s;
 
 struct RunOptions {
@@ -196,18 +197,17 @@ bool RunSession::TryToResume(JobClient& client, const JobView& job) {
     const intaglio_JobState state = client.jobs().at(job.uid).state;
     return state != intaglio_JOB_PAUSED || Interrupts() > 0;
   };
-  if (!lost && client.PollUntil(goes_on, kResumeTimeout)) return true;
+  if (!lost) return client.PollUntil(goes_on, kPermissionTimeout);
   bar_.Finish();
   std::cerr << "paused: " << job.message << "\n";
   for (int i = 0; i < kResumeTries && resumes_ < kMaxResumes; ++i) {
     ++resumes_;
     // A synchronizer on a busy host may not have seen the permission withdrawn, and
     // waits for a new one: it is withdrawn once more.
-    if (!lost || i > 0) (void)client.Command(job, intaglio_COMMAND_PAUSE);
+    if (i > 0) (void)client.Command(job, intaglio_COMMAND_PAUSE);
     (void)client.Command(job, intaglio_COMMAND_RESUME);
     if (client.PollUntil(goes_on, kResumeTimeout)) return true;
-    const std::string left = client.ErrorOf(job.uid, intaglio_STAGE_ENGRAVE);
-    if (!left.empty() && left != ErrorCodeName(ErrorCode::kLinkLost)) return false;
+    if (client.ErrorOf(job.uid, intaglio_STAGE_ENGRAVE) != error) return false;
   }
   return false;
 }
