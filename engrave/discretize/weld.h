@@ -1,18 +1,36 @@
 #pragma once
 
-// No two points nearer than the minimum spacing, over the whole block, whatever method or
-// model they came from. Frame glass, mm.
+// No two points too near to one another, over the whole block, whatever method or model
+// they came from. Frame glass, mm.
 
 #include "engrave/core/geometry.h"
+#include "engrave/discretize/spaced_cloud.h"
 
 namespace intaglio::discretize {
 
-/// A subset of the cloud such that the distance of any two kept points is at least
-/// min_spacing_mm (> 0), exactly: the squared distance, computed in doubles, is not less
-/// than min_spacing_mm * min_spacing_mm; and such that every point left out is nearer
-/// than that to a kept one. The result, its order included, depends on the points alone,
-/// not on the order in which they come: points are taken from the lowest up, by z, then
-/// y, then x, then source. Memory and time grow with the points.
+struct WeldOptions {
+  double min_spacing_mm = 0.1;  ///< > 0, between any two points
+  /// The spacing along z by that across, 1..10: a crack is longer along the beam.
+  double height_ratio = 1;
+};
+
+/// Leaves candidates out until none are too near to one another or to those `taken`.
+///
+/// Two points are too near when, computed in doubles as written,
+///   dx * dx + dy * dy + (dz / height_ratio) * (dz / height_ratio)
+///     < min_spacing_mm * min_spacing_mm,
+/// or when they have the same source and dx * dx + dy * dy + dz * dz < s * s with s the
+/// larger of their own spacings. Every candidate left out is too near to one kept or
+/// taken. The points taken are not in the result.
+///
+/// The result, its order included, depends on the set of the points, not on their
+/// sequence: candidates are kept from the lowest up, by z, then y, then x, then source,
+/// then spacing. Own spacings may differ as they like; time grows with the points, and
+/// stays so while candidates are no denser, by their own spacing, than elsewhere.
+SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
+                 const SpacedCloud& taken = {});
+
+/// Weld() of points without a spacing of their own.
 PointCloud WeldToSpacing(const PointCloud& cloud, double min_spacing_mm);
 
 }  // namespace intaglio::discretize
