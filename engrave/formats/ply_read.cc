@@ -13,7 +13,6 @@
 #include "engrave/formats/ply_header.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
-#include "engrave/formats/whole_file.h"
 
 namespace intaglio::formats {
 namespace {
@@ -287,11 +286,7 @@ Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limit
 
 Result<PointTable> ReadPly(const std::filesystem::path& file,
                            const PointFileLimits& limits) {
-  const Result<std::string> bytes = ReadWholeFile(file, limits.max_file_bytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return ParsePly(*bytes, limits).map_error([&](const Error& error) {
-    return AboutFile(error, file);
-  });
+  return ReadAndParse(file, limits, ParsePly);
 }
 
 }  // namespace intaglio::formats

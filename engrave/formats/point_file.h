@@ -1,8 +1,10 @@
 #pragma once
 
-// Files of points: PLY with any number of named columns, and plain XYZ text. Doubles
-// survive a round trip bit for bit in both. Points are in the frame of the place of use
-// (glass frame for clouds, paths and cracks), mm.
+// Files of points: PLY and SCL with any number of named columns, plain XYZ and CFT text,
+// and the points of a DXF drawing. docs/formats.md has each format byte by byte. Doubles
+// survive a round trip bit for bit in all of them. Points are in the frame of the place
+// of use (glass frame for clouds, paths and cracks), mm. point_file_kinds.h picks the
+// format by a file's name.
 
 #include <cstdint>
 #include <filesystem>
@@ -61,6 +63,17 @@ Status WritePly(const std::filesystem::path& file, const PointTable& table);
 /// that give the same doubles. Columns are left out.
 Status WriteXyz(const std::filesystem::path& file, const PointTable& table);
 
+/// Text as other engraving programs take it: "x y z" a line and nothing else, without
+/// exponents, lines ended by CR LF. Columns and comments are left out.
+Status WriteCft(const std::filesystem::path& file, const PointTable& table);
+
+/// Our own container, with columns and comments, protected by check sums.
+Status WriteScl(const std::filesystem::path& file, const PointTable& table);
+
+/// An ASCII DXF of release 12 with a POINT for each point, in mm, on the layer "points".
+/// Columns are left out, comments become DXF comments.
+Status WriteDxf(const std::filesystem::path& file, const PointTable& table);
+
 // Reading. Errors name the file, the place and the remedy: kNotFound, kIo, kTooLarge,
 // kUnreadable (not of the format, or cut off), kMissing (no vertices with x, y and z),
 // kInvalidValue (a coordinate is not a finite number).
@@ -78,8 +91,25 @@ Result<PointTable> ReadPly(const std::filesystem::path& file,
 Result<PointTable> ReadXyz(const std::filesystem::path& file,
                            const PointFileLimits& limits = {});
 
+/// As ReadXyz().
+Result<PointTable> ReadCft(const std::filesystem::path& file,
+                           const PointFileLimits& limits = {});
+
+/// kUnreadable when cut off or damaged anywhere, kUnsupported when of a newer version.
+Result<PointTable> ReadScl(const std::filesystem::path& file,
+                           const PointFileLimits& limits = {});
+
+/// The POINT entities of an ASCII DXF's section ENTITIES, in mm by its $INSUNITS (taken
+/// for mm where it is absent or 0). All other entities are passed over, and a comment
+/// tells how many. kUnsupported: a binary DXF, or a unit that has no place in a block.
+Result<PointTable> ReadDxf(const std::filesystem::path& file,
+                           const PointFileLimits& limits = {});
+
 // The same for bytes in memory; errors do not name a file.
 Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits = {});
 Result<PointTable> ParseXyz(std::string_view bytes, const PointFileLimits& limits = {});
+Result<PointTable> ParseCft(std::string_view bytes, const PointFileLimits& limits = {});
+Result<PointTable> ParseScl(std::string_view bytes, const PointFileLimits& limits = {});
+Result<PointTable> ParseDxf(std::string_view bytes, const PointFileLimits& limits = {});
 
 }  // namespace intaglio::formats

@@ -1,6 +1,7 @@
 #include "engrave/formats/point_table_rules.h"
 
 #include "engrave/core/check.h"
+#include "engrave/formats/whole_file.h"
 
 namespace intaglio::formats {
 
@@ -30,6 +31,17 @@ Error AboutFile(Error error, const std::filesystem::path& file) {
   error.message = file.string() + ": " + error.message;
   if (error.value.empty()) error.value = file.string();
   return error;
+}
+
+Result<PointTable> ReadAndParse(const std::filesystem::path& file,
+                                const PointFileLimits& limits,
+                                Result<PointTable> (*parse)(std::string_view,
+                                                            const PointFileLimits&)) {
+  const Result<std::string> bytes = ReadWholeFile(file, limits.max_file_bytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return parse(*bytes, limits).map_error([&](const Error& error) {
+    return AboutFile(error, file);
+  });
 }
 
 }  // namespace intaglio::formats

@@ -10,4 +10,10 @@ void RequireWritable(const PointTable& table);
 /// Puts the file's name before an error of a parser.
 Error AboutFile(Error error, const std::filesystem::path& file);
 
+/// Parses the content of a file; errors name it.
+Result<PointTable> ReadAndParse(const std::filesystem::path& file,
+                                const PointFileLimits& limits,
+                                Result<PointTable> (*parse)(std::string_view,
+                                                            const PointFileLimits&));
+
 }  // namespace intaglio::formats

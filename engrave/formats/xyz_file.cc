@@ -1,70 +1,13 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <charconv>
-
 #include "engrave/formats/atomic_file.h"
+#include "engrave/formats/coordinate_lines.h"
+#include "engrave/formats/number_text.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/formats/whole_file.h"
 
 namespace intaglio::formats {
-namespace {
-
-constexpr std::string_view kSeparators = " \t,;";
-
-void AppendShortest(double value, std::string& text) {
-  std::array<char, 32> digits;  // the longest double takes 24
-  const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  text.append(digits.data(), written.ptr);
-}
-
-/// Takes the next number off the line.
-bool TakeNumber(std::string_view& line, double& value) {
-  line.remove_prefix(std::min(line.find_first_not_of(kSeparators), line.size()));
-  std::string_view word = line.substr(0, line.find_first_of(kSeparators));
-  line.remove_prefix(word.size());
-  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  const char* end = word.data() + word.size();
-  const auto parsed = std::from_chars(word.data(), end, value);
-  return parsed.ec == std::errc() && parsed.ptr == end;
-}
-
-std::string CommentOf(std::string_view line) {
-  line.remove_prefix(line.find('#') + 1);
-  if (!line.empty() && line.front() == ' ') line.remove_prefix(1);
-  return std::string(line);
-}
-
-Status ReadLine(std::string_view line, std::size_t line_number, PointTable& table) {
-  const std::size_t first = line.find_first_not_of(kSeparators);
-  if (first == std::string_view::npos) return {};
-  if (line[first] == '#') {
-    table.comments.push_back(CommentOf(line));
-    return {};
-  }
-  Vec3 p;
-  std::string_view rest = line;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (TakeNumber(rest, p[axis])) continue;
-    return Fail(
-        ErrorCode::kUnreadable,
-        fmt::format("line {} is not three numbers: \"{:.60}\"; write x y z in mm, "
-                    "with a decimal point",
-                    line_number, line));
-  }
-  if (!p.allFinite()) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("line {} has a point at ({}, {}, {}), which is not a place; "
-                            "remove it",
-                            line_number, p.x(), p.y(), p.z()));
-  }
-  table.points_mm.push_back(p);
-  return {};
-}
-
-}  // namespace
 
 Status WriteXyz(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
@@ -87,37 +30,12 @@ Status WriteXyz(const std::filesystem::path& file, const PointTable& table) {
 }
 
 Result<PointTable> ParseXyz(std::string_view bytes, const PointFileLimits& limits) {
-  PointTable table;
-  std::size_t line_number = 1;
-  for (std::size_t begin = 0; begin < bytes.size(); ++line_number) {
-    const std::size_t end = std::min(bytes.find('\n', begin), bytes.size());
-    std::string_view line = bytes.substr(begin, end - begin);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    begin = end + 1;
-    if (Status status = ReadLine(line, line_number, table); !status) {
-      return tl::unexpected(status.error());
-    }
-    if (table.points_mm.size() > limits.max_points) {
-      return Fail(
-          ErrorCode::kTooLarge,
-          fmt::format("it has more than the {} points allowed; thin it out or raise "
-                      "the limit",
-                      limits.max_points));
-    }
-  }
-  if (table.points_mm.empty()) {
-    return Fail(ErrorCode::kMissing, "it holds no points; write x y z a line, in mm");
-  }
-  return table;
+  return ParseCoordinateLines(bytes, limits);
 }
 
 Result<PointTable> ReadXyz(const std::filesystem::path& file,
                            const PointFileLimits& limits) {
-  const Result<std::string> bytes = ReadWholeFile(file, limits.max_file_bytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return ParseXyz(*bytes, limits).map_error([&](const Error& error) {
-    return AboutFile(error, file);
-  });
+  return ReadAndParse(file, limits, ParseXyz);
 }
 
 }  // namespace intaglio::formats

@@ -1,0 +1,34 @@
+#include "engrave/formats/atomic_file.h"
+#include "engrave/formats/coordinate_lines.h"
+#include "engrave/formats/number_text.h"
+#include "engrave/formats/point_file.h"
+#include "engrave/formats/point_table_rules.h"
+
+namespace intaglio::formats {
+
+Status WriteCft(const std::filesystem::path& file, const PointTable& table) {
+  RequireWritable(table);
+  Result<AtomicFile> out = AtomicFile::Create(file);
+  if (!out) return tl::unexpected(out.error());
+  std::string line;
+  for (const Vec3& p : table.points_mm) {
+    line.clear();
+    for (int axis = 0; axis < 3; ++axis) {
+      AppendShortestFixed(p[axis], line);
+      line += axis < 2 ? " " : "\r\n";
+    }
+    if (Status status = out->Write(line); !status) return status;
+  }
+  return out->Commit();
+}
+
+Result<PointTable> ParseCft(std::string_view bytes, const PointFileLimits& limits) {
+  return ParseCoordinateLines(bytes, limits);
+}
+
+Result<PointTable> ReadCft(const std::filesystem::path& file,
+                           const PointFileLimits& limits) {
+  return ReadAndParse(file, limits, ParseCft);
+}
+
+}  // namespace intaglio::formats

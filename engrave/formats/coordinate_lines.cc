@@ -1,0 +1,84 @@
+#include "engrave/formats/coordinate_lines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engrave/formats/number_text.h"
+
+namespace intaglio::formats {
+namespace {
+
+constexpr std::string_view kSeparators = " \t,;";
+
+/// Takes the next number off the line.
+bool TakeNumber(std::string_view& line, double& value) {
+  line.remove_prefix(std::min(line.find_first_not_of(kSeparators), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(kSeparators));
+  line.remove_prefix(word.size());
+  return ParseNumber(word, value);
+}
+
+std::string CommentOf(std::string_view line) {
+  line.remove_prefix(line.find('#') + 1);
+  if (!line.empty() && line.front() == ' ') line.remove_prefix(1);
+  return std::string(line);
+}
+
+Status ReadLine(std::string_view line, std::size_t line_number, PointTable& table) {
+  const std::size_t first = line.find_first_not_of(kSeparators);
+  if (first == std::string_view::npos) return {};
+  if (line[first] == '#') {
+    table.comments.push_back(CommentOf(line));
+    return {};
+  }
+  Vec3 p;
+  std::string_view rest = line;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (TakeNumber(rest, p[axis])) continue;
+    return Fail(
+        ErrorCode::kUnreadable,
+        fmt::format("line {} is not three numbers: \"{:.60}\"; write x y z in mm, "
+                    "with a decimal point",
+                    line_number, line));
+  }
+  if (!p.allFinite()) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("line {} has a point at ({}, {}, {}), which is not a place; "
+                            "remove it",
+                            line_number, p.x(), p.y(), p.z()));
+  }
+  table.points_mm.push_back(p);
+  return {};
+}
+
+}  // namespace
+
+tl::unexpected<Error> MorePointsThanAllowed(const PointFileLimits& limits) {
+  return Fail(ErrorCode::kTooLarge,
+              fmt::format("it has more than the {} points allowed; thin it out or raise "
+                          "the limit",
+                          limits.max_points));
+}
+
+Result<PointTable> ParseCoordinateLines(std::string_view bytes,
+                                        const PointFileLimits& limits) {
+  PointTable table;
+  std::size_t line_number = 1;
+  for (std::size_t begin = 0; begin < bytes.size(); ++line_number) {
+    const std::size_t end = std::min(bytes.find('\n', begin), bytes.size());
+    std::string_view line = bytes.substr(begin, end - begin);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    begin = end + 1;
+    if (Status status = ReadLine(line, line_number, table); !status) {
+      return tl::unexpected(status.error());
+    }
+    if (table.points_mm.size() > limits.max_points) return MorePointsThanAllowed(limits);
+  }
+  if (table.points_mm.empty()) {
+    return Fail(ErrorCode::kMissing, "it holds no points; write x y z a line, in mm");
+  }
+  return table;
+}
+
+}  // namespace intaglio::formats

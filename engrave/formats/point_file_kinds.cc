@@ -1,0 +1,114 @@
+#include "engrave/formats/point_file_kinds.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <system_error>
+
+#include "engrave/formats/gcode_file.h"
+#include "engrave/formats/point_table_rules.h"
+
+namespace intaglio::formats {
+namespace {
+
+using Parser = Result<PointTable> (*)(std::string_view, const PointFileLimits&);
+using Writer = Status (*)(const std::filesystem::path&, const PointTable&);
+
+Status WriteDefaultGcode(const std::filesystem::path& file, const PointTable& table) {
+  return WriteGcode(file, table);
+}
+
+struct Kind {
+  std::string_view extension;
+  Parser parse;  ///< null for what is only written
+  Writer write;
+};
+
+constexpr std::array<Kind, 9> kKinds = {{{"ply", ParsePly, WritePly},
+                                         {"xyz", ParseXyz, WriteXyz},
+                                         {"txt", ParseXyz, WriteXyz},
+                                         {"cft", ParseCft, WriteCft},
+                                         {"scl", ParseScl, WriteScl},
+                                         {"dxf", ParseDxf, WriteDxf},
+                                         {"gcode", nullptr, WriteDefaultGcode},
+                                         {"nc", nullptr, WriteDefaultGcode},
+                                         {"ngc", nullptr, WriteDefaultGcode}}};
+
+std::string LowerCaseExtension(std::string_view text) {
+  if (!text.empty() && text.front() == '.') text.remove_prefix(1);
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return lower;
+}
+
+const Kind* KindOf(std::string_view extension) {
+  const auto* found = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) {
+    return kind.extension == extension;
+  });
+  return found == kKinds.end() ? nullptr : found;
+}
+
+Result<Parser> ParserOf(std::string_view extension) {
+  const std::string lower = LowerCaseExtension(extension);
+  const Kind* kind = KindOf(lower);
+  if (kind != nullptr && kind->parse != nullptr) return kind->parse;
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("points of the kind '{}' are {}; give one of {}", lower,
+                          kind == nullptr ? "not known" : "written but not read",
+                          ReadablePointExtensions()),
+              lower);
+}
+
+}  // namespace
+
+std::string ReadablePointExtensions() {
+  std::string list;
+  for (const Kind& kind : kKinds) {
+    if (kind.parse == nullptr) continue;
+    list += fmt::format("{}{}", list.empty() ? "" : ", ", kind.extension);
+  }
+  return list;
+}
+
+std::string WritablePointExtensions() {
+  std::string list;
+  for (const Kind& kind : kKinds) {
+    list += fmt::format("{}{}", list.empty() ? "" : ", ", kind.extension);
+  }
+  return list;
+}
+
+Result<PointTable> ReadPoints(const std::filesystem::path& file,
+                              const PointFileLimits& limits) {
+  const Result<Parser> parser = ParserOf(file.extension().string());
+  if (!parser) return tl::unexpected(AboutFile(parser.error(), file));
+  return ReadAndParse(file, limits, *parser);
+}
+
+Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extension,
+                               const PointFileLimits& limits) {
+  const Result<Parser> parser = ParserOf(extension);
+  if (!parser) return tl::unexpected(parser.error());
+  return (*parser)(bytes, limits);
+}
+
+Status WritePoints(const std::filesystem::path& file, const PointTable& table) {
+  const std::string extension = LowerCaseExtension(file.extension().string());
+  if (const Kind* kind = KindOf(extension)) return kind->write(file, table);
+  std::error_code unknown;
+  const auto status = std::filesystem::status(file, unknown);
+  const bool is_device = std::filesystem::exists(status) &&
+                         !std::filesystem::is_regular_file(status) &&
+                         !std::filesystem::is_directory(status);
+  if (extension.empty() && is_device) return WriteXyz(file, table);
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("{}: points of the kind '{}' are not known; name a file that "
+                          "ends in one of {}",
+                          file.string(), extension, WritablePointExtensions()),
+              extension);
+}
+
+}  // namespace intaglio::formats

@@ -1,0 +1,61 @@
+#include "engrave/formats/point_file_kinds.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/engrave/formats/test_folder.h"
+
+namespace intaglio::formats {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+TEST(PointFileKinds, EveryReadableKindGivesTheWrittenPointsBack) {
+  const PointTable table{{{0.1, 2, -1.0 / 3}, {1e-9, 5, 6}}, {}, {}};
+  const fs::path folder = FreshFolder();
+  for (const char* name :
+       {"a.ply", "a.xyz", "a.txt", "a.cft", "a.scl", "a.dxf", "A.SCL", "b.Ply"}) {
+    const fs::path file = folder / name;
+    ASSERT_TRUE(WritePoints(file, table).has_value()) << name;
+    const auto read = ReadPoints(file);
+    ASSERT_TRUE(read.has_value()) << read.error().message;
+    EXPECT_EQ(read->points_mm, table.points_mm) << name;
+    const auto parsed = ParsePoints(ContentOf(file), file.extension().string());
+    ASSERT_TRUE(parsed.has_value()) << parsed.error().message;
+    EXPECT_EQ(parsed->points_mm, table.points_mm) << name;
+  }
+}
+
+TEST(PointFileKinds, WritesGcodeAndDoesNotReadIt) {
+  const fs::path folder = FreshFolder();
+  for (const char* name : {"a.gcode", "a.nc", "a.NGC"}) {
+    const fs::path file = folder / name;
+    ASSERT_TRUE(WritePoints(file, {{{1, 2, 3}}, {}, {}}).has_value());
+    EXPECT_THAT(ContentOf(file), HasSubstr("G0 X1.000 Y2.000 Z3.000\n"));
+    const auto read = ReadPoints(file);
+    EXPECT_EQ(read.error().code, ErrorCode::kUnsupported);
+    EXPECT_THAT(read.error().message, HasSubstr("written but not read"));
+  }
+}
+
+TEST(PointFileKinds, ErrorsNameTheFileAndWhatThereIs) {
+  const fs::path folder = FreshFolder();
+  const auto read = ReadPoints(folder / "cloud.las");
+  EXPECT_EQ(read.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(read.error().message, HasSubstr("cloud.las: points of the kind 'las'"));
+  EXPECT_THAT(read.error().message, HasSubstr("one of ply, xyz, txt, cft, scl, dxf"));
+  const auto written = WritePoints(folder / "cloud", {});
+  EXPECT_EQ(written.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(written.error().message, HasSubstr("dxf, gcode, nc, ngc"));
+  EXPECT_EQ(FileCountIn(folder), 0u);
+  EXPECT_EQ(ParsePoints("1 2 3", "").error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(ReadPoints(folder / "absent.scl").error().code, ErrorCode::kNotFound);
+}
+
+TEST(PointFileKinds, WritesTextToADevice) {
+  EXPECT_TRUE(WritePoints("/dev/null", {{{1, 2, 3}}, {}, {}}).has_value());
+}
+
+}  // namespace
+}  // namespace intaglio::formats
