@@ -1,10 +1,15 @@
+#include <zlib.h>
+
 #include <cstdint>
+#include <cstring>
+#include <string>
 #include <string_view>
 
 #include "engrave/core/check.h"
 #include "engrave/formats/point_file.h"
+#include "engrave/formats/point_table_rules.h"
 
-// The bytes are read as PLY and as XYZ: finite points and columns of their length, or an
+// The bytes are read as each format of points: a table that can be written again, or an
 // error with a sentence.
 namespace {
 
@@ -14,14 +19,25 @@ void CheckTable(const intaglio::Result<intaglio::formats::PointTable>& table) {
     Require(!table.error().message.empty(), "an error without a sentence");
     return;
   }
-  for (const intaglio::Vec3& p : table->points_mm) {
-    Require(p.allFinite(), "a point that is not finite");
-  }
-  for (const auto& column : table->columns) {
-    const std::size_t count =
-        std::visit([](const auto& values) { return values.size(); }, column.values);
-    Require(count == table->points_mm.size(), "a column of another length");
-  }
+  intaglio::formats::RequireWritable(*table);
+}
+
+/// The bytes as an SCL with right check sums, which chance would never find.
+std::string Sealed(std::string_view text) {
+  std::string bytes(text);
+  std::uint32_t header_size = 0;
+  if (bytes.size() < 16) return bytes;
+  std::memcpy(&header_size, bytes.data() + 12, 4);
+  if (header_size < 20 || bytes.size() < std::size_t{header_size} + 4) return bytes;
+  const auto seal = [&](std::size_t begin, std::size_t end) {
+    const auto crc = static_cast<std::uint32_t>(
+        crc32(0, reinterpret_cast<const Bytef*>(bytes.data() + begin),
+              static_cast<uInt>(end - begin)));
+    std::memcpy(bytes.data() + end, &crc, 4);
+  };
+  seal(0, header_size - 4);
+  seal(header_size, bytes.size() - 4);
+  return bytes;
 }
 
 }  // namespace
@@ -30,5 +46,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::string_view text(reinterpret_cast<const char*>(bytes), size);
   CheckTable(intaglio::formats::ParsePly(text));
   CheckTable(intaglio::formats::ParseXyz(text));
+  CheckTable(intaglio::formats::ParseScl(text));
+  CheckTable(intaglio::formats::ParseScl(Sealed(text)));
+  CheckTable(intaglio::formats::ParseDxf(text));
   return 0;
 }
