@@ -1,0 +1,211 @@
+#include "engrave/mesh/library_import.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <assimp/version.h>
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engrave/mesh/weld_vertices.h"
+
+// Debian builds Assimp with its assertions on, and a failed one, which a damaged file can
+// cause (a wrong checksum in a 3MF), aborts the process. The library calls this function
+// of its own through the dynamic linker, which finds ours first: thrown, the violation
+// ends as the reader's error.
+namespace Assimp {
+__attribute__((visibility("default"))) void aiAssertViolation(const char* expression,
+                                                              const char* file, int line);
+void aiAssertViolation(const char* expression, const char* file, int line) {
+  throw std::runtime_error(fmt::format("{} at {}:{}", expression, file, line));
+}
+}  // namespace Assimp
+
+namespace intaglio::mesh {
+namespace {
+
+/// model_from_node: the linear part and the offset, in double from the file's floats.
+struct NodeTransform {
+  Mat3 linear = Mat3::Identity();
+  Vec3 offset = Vec3::Zero();
+
+  Vec3 Apply(const aiVector3D& v) const { return linear * Vec3(v.x, v.y, v.z) + offset; }
+  NodeTransform Child(const aiMatrix4x4& m) const {
+    Mat3 child;
+    child << m.a1, m.a2, m.a3, m.b1, m.b2, m.b3, m.c1, m.c2, m.c3;
+    return {linear * child, linear * Vec3(m.a4, m.b4, m.c4) + offset};
+  }
+};
+
+/// Assimp lays a 3DS down, z-up to y-up: (x, y, z) -> (x, z, -y). This stands it up
+/// again.
+NodeTransform ModelFromScene(const ImportSource& source) {
+  NodeTransform transform;
+  if (source.extension == "3ds") transform.linear << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  return transform;
+}
+
+/// Calls `visit` for each mesh of each node, depth first and in file order, with its
+/// transform. A stack of our own: a file may nest nodes as deep as it likes. Stops at
+/// the first error.
+Status ForEachInstance(
+    const aiScene& scene, const NodeTransform& model_from_scene,
+    const std::function<Status(const aiMesh&, const NodeTransform&)>& visit) {
+  if (scene.mRootNode == nullptr) return {};
+  std::vector<std::pair<const aiNode*, NodeTransform>> pending;
+  pending.emplace_back(scene.mRootNode,
+                       model_from_scene.Child(scene.mRootNode->mTransformation));
+  while (!pending.empty()) {
+    const auto [node, model_from_node] = pending.back();
+    pending.pop_back();
+    for (unsigned i = 0; i < node->mNumMeshes; ++i) {
+      if (node->mMeshes[i] >= scene.mNumMeshes) continue;
+      Status status = visit(*scene.mMeshes[node->mMeshes[i]], model_from_node);
+      if (!status) return status;
+    }
+    for (unsigned i = node->mNumChildren; i-- > 0;) {
+      const aiNode* child = node->mChildren[i];
+      pending.emplace_back(child, model_from_node.Child(child->mTransformation));
+    }
+  }
+  return {};
+}
+
+/// Refuses indices that point nowhere, before the library's triangulation trusts them,
+/// and more triangles than allowed.
+Status CheckFaces(const ImportSource& source, const aiScene& scene) {
+  std::vector<std::uint64_t> triangle_counts(scene.mNumMeshes, 0);
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[m];
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      for (unsigned c = 0; c < face.mNumIndices; ++c) {
+        if (face.mIndices[c] >= part.mNumVertices) {
+          return source.Refuse(
+              ErrorCode::kUnreadable,
+              fmt::format("face {} names vertex {} of {}; the file is damaged, export it "
+                          "again",
+                          f, face.mIndices[c], part.mNumVertices));
+        }
+      }
+      if (face.mNumIndices >= 3) triangle_counts[m] += face.mNumIndices - 2;
+    }
+  }
+  std::uint64_t total = 0;
+  return ForEachInstance(
+      scene, {}, [&](const aiMesh& part, const NodeTransform&) -> Status {
+        const auto index = static_cast<std::size_t>(
+            std::find(scene.mMeshes, scene.mMeshes + scene.mNumMeshes, &part) -
+            scene.mMeshes);
+        total += triangle_counts[index];
+        if (total <= source.options.max_triangles) return {};
+        return source.RefuseTriangleCount();
+      });
+}
+
+/// Adds the triangles of one instance to the mesh.
+Status AddInstance(const ImportSource& source, const aiMesh& part,
+                   const NodeTransform& model_from_node, VertexWelder& welder,
+                   std::vector<Triangle>& triangles) {
+  constexpr std::uint32_t kUnset = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> welded(part.mNumVertices, kUnset);
+  const bool mirrors = model_from_node.linear.determinant() < 0;
+  for (unsigned f = 0; f < part.mNumFaces; ++f) {
+    const aiFace& face = part.mFaces[f];
+    if (face.mNumIndices != 3) continue;
+    Triangle corners;
+    for (unsigned c = 0; c < 3; ++c) {
+      const unsigned index = face.mIndices[c];
+      if (welded[index] == kUnset) {
+        const Vec3 p = model_from_node.Apply(part.mVertices[index]);
+        if (!p.allFinite()) {
+          return source.Refuse(
+              ErrorCode::kInvalidValue,
+              fmt::format("a corner of triangle {} lies at ({}, {}, {}), which is not a "
+                          "place; export the model again",
+                          triangles.size(), p.x(), p.y(), p.z()));
+        }
+        welded[index] = welder.Add(p);
+      }
+      corners[c] = welded[index];
+    }
+    if (mirrors) std::swap(corners[1], corners[2]);
+    triangles.push_back(corners);
+  }
+  return {};
+}
+
+Result<TriangleMesh> MeshFromScene(const ImportSource& source,
+                                   Assimp::Importer& importer) {
+  const aiScene* scene = importer.GetScene();
+  if (scene == nullptr) {
+    return source.RefuseAsUnreadable(importer.GetErrorString());
+  }
+  if (Status status = CheckFaces(source, *scene); !status) {
+    return tl::unexpected(status.error());
+  }
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr) {
+    return source.Refuse(ErrorCode::kUnreadable,
+                         fmt::format("its polygons cannot be cut into triangles ({}); "
+                                     "export it as triangles",
+                                     importer.GetErrorString()));
+  }
+  VertexWelder welder;
+  TriangleMesh mesh;
+  const Status status = ForEachInstance(
+      *scene, ModelFromScene(source),
+      [&](const aiMesh& part, const NodeTransform& model_from_node) {
+        return AddInstance(source, part, model_from_node, welder, mesh.triangles);
+      });
+  if (!status) return tl::unexpected(status.error());
+  if (mesh.triangles.empty()) {
+    return source.RefuseEmptyModel();
+  }
+  mesh.vertices = welder.TakePoints();
+  return mesh;
+}
+
+/// Assimp before 5.4 frees the pictures of a 3MF package while the scene still points to
+/// them, and the scene's destructor frees them again (its issues 5307 and 5328). They
+/// are of no use here, so the scene is made to forget them.
+void ForgetFreedPictures(const ImportSource& source, Assimp::Importer& importer) {
+  const bool fixed =
+      std::pair(aiGetVersionMajor(), aiGetVersionMinor()) >= std::pair(5u, 4u);
+  if (fixed || source.extension != "3mf" || importer.GetScene() == nullptr) return;
+  auto* scene = const_cast<aiScene*>(importer.GetScene());
+  delete[] scene->mTextures;  // the array of pointers only
+  scene->mTextures = nullptr;
+  scene->mNumTextures = 0;
+}
+
+}  // namespace
+
+Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
+                                     const std::function<void(Assimp::Importer&)>& read) {
+  try {
+    Assimp::Importer importer;
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    read(importer);
+    ForgetFreedPictures(source, importer);
+    return MeshFromScene(source, importer);
+  } catch (const std::bad_alloc&) {
+    return source.Refuse(ErrorCode::kTooLarge,
+                         "there is not enough memory to read it; reduce the mesh");
+  } catch (const std::exception& thrown) {
+    return source.Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format("it cannot be read ({}); export it again", thrown.what()));
+  }
+}
+
+}  // namespace intaglio::mesh
