@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <tuple>
@@ -30,10 +30,11 @@ namespace intaglio::discretize {
 namespace {
 
 constexpr std::size_t kMostPoints = 0xffffffff;
-constexpr std::size_t kPointsPerSheet = 1024, kMostSheets = std::size_t{1} << 16;
+// So many that they fit into the second cache, where they are put in order, and that a
+// sheet takes whole runs of neighbours from the cloud.
+constexpr std::size_t kPointsPerSheet = 16384, kMostSheets = std::size_t{1} << 16;
 constexpr std::size_t kPointsPerFineSheet = 8;
 constexpr std::size_t kFew = 24;              // put in order as they are
-constexpr std::size_t kLookAhead = 16;        // points fetched into the cache beforehand
 constexpr double kReachAllowance = 1 + 1e-9;  // more than rounding takes from a reach
 
 bool IsLower(const WeldPoint& a, const WeldPoint& b) {
@@ -88,28 +89,20 @@ class Welder {
 
   SpacedCloud Run() {
     if (candidates_.size() == 0) return {};
-    const double low_mm = candidate_bounds_.min_mm.z();
-    const double high_mm = candidate_bounds_.max_mm.z();
-    const double wanted =
-        std::max(static_cast<double>(candidates_.size() / kPointsPerSheet),
-                 (high_mm - low_mm) / reach_mm_);
-    const double most = std::min<double>(kMostSheets, candidates_.size());
-    const Sheets sheets(low_mm, high_mm,
-                        static_cast<std::size_t>(std::clamp(wanted, 1.0, most)));
+    const double most = static_cast<double>(kMostSheets);
+    const double wanted = std::ceil(static_cast<double>(candidates_.size()) /
+                                    static_cast<double>(kPointsPerSheet));
+    const Sheets sheets(candidate_bounds_.min_mm.z(), candidate_bounds_.max_mm.z(),
+                        static_cast<std::size_t>(std::min(wanted, most)));
     SortIntoSheets(sheets);
     SortTaken();
-    std::vector<WeldPoint> left;
+    std::vector<WeldPoint> points;
     for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
-      TakeUpTo(sheet, sheets);
-      left.clear();
+      points.clear();
       for (std::uint32_t at = begin_[sheet]; at < begin_[sheet + 1]; ++at) {
-        if (at + kLookAhead < order_.size()) {
-          __builtin_prefetch(&candidates_.points_mm[order_[at + kLookAhead]]);
-        }
-        const WeldPoint point = PointOf(candidates_, order_[at]);
-        if (!IsTooNear(point)) left.push_back(point);
+        points.push_back(PointOf(candidates_, order_[at]));
       }
-      KeepFrom(left, 2);
+      KeepFrom(points, 2);
     }
     return std::move(kept_);
   }
@@ -167,12 +160,12 @@ class Welder {
               });
   }
 
-  /// Adds the taken points that reach down into the sheet or below to their front.
-  void TakeUpTo(std::size_t sheet, const Sheets& sheets) {
-    const double reach_mm = reach_mm_ * kReachAllowance;
+  /// Adds the taken points that reach down to this height or below to their front.
+  void TakeUpTo(double z_mm) {
+    const double high_mm = z_mm + reach_mm_ * kReachAllowance;
     for (; next_taken_ < taken_order_.size(); ++next_taken_) {
       const WeldPoint point = PointOf(taken_, taken_order_[next_taken_]);
-      if (sheets.Of(point.p_mm.z() - reach_mm) > sheet) return;
+      if (point.p_mm.z() > high_mm) return;
       fronts_[1].Add(point);
     }
   }
@@ -196,13 +189,13 @@ class Welder {
     std::vector<std::uint32_t> next(sheets.count() + 1, 0);
     for (const WeldPoint& point : points) ++next[sheets.Of(point.p_mm[axis]) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
-    std::vector<WeldPoint> sorted(points.size());
+    const auto sorted = std::make_unique_for_overwrite<WeldPoint[]>(points.size());
     for (const WeldPoint& point : points) {
       sorted[next[sheets.Of(point.p_mm[axis])]++] = point;
     }
     std::size_t begin = 0;
     for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
-      const std::span part(sorted.begin() + begin, sorted.begin() + next[sheet]);
+      const std::span part(&sorted[begin], &sorted[0] + next[sheet]);
       begin = next[sheet];
       const auto end = std::remove_if(part.begin(), part.end(),
                                       [&](const auto& p) { return IsTooNear(p); });
@@ -213,6 +206,7 @@ class Welder {
   void KeepInOrder(std::span<WeldPoint> points) {
     std::sort(points.begin(), points.end(), IsLower);
     for (const WeldPoint& point : points) {
+      TakeUpTo(point.p_mm.z());
       if (IsTooNear(point)) continue;
       fronts_[0].Add(point);
       kept_.Add(point.p_mm, point.source, point.spacing_mm);

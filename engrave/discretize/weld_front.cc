@@ -11,7 +11,10 @@ namespace {
 constexpr double kReachAllowance = 1 + 1e-9;
 // So that a tiny spacing in a large block takes no memory, nor the time to clear it, that
 // the points do not justify.
-constexpr double kColumnsPerPoint = 2, kLeastColumns = 1024;
+constexpr double kColumnsPerPoint = 1, kLeastColumns = 1024;
+// A coordinate's last place in single precision, 2^-24, times: two points, three axes,
+// the squares and their sums.
+constexpr double kSingleError = 16 * 0x1p-24;
 constexpr std::size_t kMaxLevels = 24;
 
 double SideOf(const Vec3& size_mm, double reach_mm, std::size_t point_count) {
@@ -26,12 +29,28 @@ double SideOf(const Vec3& size_mm, double reach_mm, std::size_t point_count) {
 
 }  // namespace
 
-Columns::Columns(const Box3& bounds, double reach_mm, std::size_t point_count)
-    : origin_(bounds.min_mm.head<2>()),
+Columns::Columns(const Box3& bounds, double reach_mm, double height_ratio,
+                 std::size_t point_count)
+    : origin_(bounds.min_mm),
+      scale_(1, 1, 1 / height_ratio),
+      error_mm_(kSingleError * (bounds.size_mm().maxCoeff() + reach_mm)),
       side_mm_(SideOf(bounds.size_mm(), reach_mm, point_count)),
-      width_(static_cast<std::size_t>(bounds.size_mm().x() / side_mm_) + 3),
-      depth_(static_cast<std::size_t>(bounds.size_mm().y() / side_mm_) + 3),
-      newest_(width_ * depth_, kNone) {}
+      per_side_(1 / side_mm_),
+      width_(static_cast<std::size_t>(bounds.size_mm().x() * per_side_) + 3),
+      depth_(static_cast<std::size_t>(bounds.size_mm().y() * per_side_) + 3),
+      newest_(width_ * depth_) {}
+
+void Columns::Add(const Vec3& p_mm, float spacing_mm) {
+  Newest& newest = newest_[ColumnOf(p_mm)];
+  entries_.push_back({p_mm, newest.entry, spacing_mm});
+  newest.entry = static_cast<std::uint32_t>(entries_.size() - 1);
+  const Vec3 q = (p_mm - origin_).cwiseProduct(scale_);
+  const std::uint32_t lane = newest.next_lane;
+  newest.x[lane] = static_cast<float>(q.x());
+  newest.y[lane] = static_cast<float>(q.y());
+  newest.z[lane] = static_cast<float>(q.z());
+  newest.next_lane = (lane + 1) % 4;
+}
 
 OwnSpacings::OwnSpacings(const SourceExtent& extent, double min_spacing_mm)
     : max_spacing_mm_(extent.max_spacing_mm) {
@@ -39,7 +58,8 @@ OwnSpacings::OwnSpacings(const SourceExtent& extent, double min_spacing_mm)
       std::max(min_spacing_mm, static_cast<double>(extent.min_spacing_mm));
   double reach_mm = max_spacing_mm_;
   do {
-    levels_.push_back({reach_mm, Columns(extent.bounds, reach_mm, extent.count)});
+    levels_.push_back(
+        {reach_mm, reach_mm, Columns(extent.bounds, reach_mm, 1, extent.count)});
     reach_mm /= 2;
   } while (reach_mm >= least_mm && levels_.size() < kMaxLevels);
 }
@@ -65,9 +85,14 @@ bool OwnSpacings::IsTooNear(const WeldPoint& point) const {
 bool OwnSpacings::IsTooNear(const WeldPoint& point, const Level& level) const {
   if (level.columns.empty()) return false;
   const double own_mm = point.spacing_mm;
-  const double reach_mm = std::max(own_mm, level.reach_mm) * kReachAllowance;
   const Vec3& p = point.p_mm;
-  return level.columns.Any(p, reach_mm, reach_mm, [&](const Vec3& q, double spacing_mm) {
+  const double reach_mm = std::max(own_mm, level.reach_mm);
+  const Columns::Hasty hasty =
+      level.columns.Look(p, std::max(own_mm, level.least_mm), reach_mm);
+  if (hasty == Columns::Hasty::kNear) return true;
+  if (hasty == Columns::Hasty::kFar && reach_mm <= level.reach_mm) return false;
+  const double wide_mm = reach_mm * kReachAllowance;
+  return level.columns.Any(p, wide_mm, wide_mm, [&](const Vec3& q, double spacing_mm) {
     const double dx = p.x() - q.x(), dy = p.y() - q.y(), dz = p.z() - q.z();
     const double s = std::max(own_mm, spacing_mm);
     return dx * dx + dy * dy + dz * dz < s * s;
@@ -78,10 +103,11 @@ WeldFront::WeldFront(const WeldOptions& options, const Box3& bounds,
                      std::size_t point_count, const SourceExtents& extents)
     : height_ratio_(options.height_ratio),
       least_square_(options.min_spacing_mm * options.min_spacing_mm),
+      least_mm_(options.min_spacing_mm),
       surely_near_(least_square_),
       surely_far_(least_square_),
       reach_mm_(options.min_spacing_mm * kReachAllowance),
-      columns_(bounds, options.min_spacing_mm, point_count) {
+      columns_(bounds, options.min_spacing_mm, options.height_ratio, point_count) {
   if (height_ratio_ != 1) {
     surely_near_ *= 1 - 1e-12;
     surely_far_ *= 1 + 1e-12;
@@ -105,6 +131,9 @@ bool WeldFront::IsTooNear(const WeldPoint& point) {
 }
 
 bool WeldFront::IsTooNearToAny(const Vec3& p) const {
+  if (columns_.empty()) return false;
+  const Columns::Hasty look = columns_.Look(p, least_mm_, reach_mm_);
+  if (look != Columns::Hasty::kUnsure) return look == Columns::Hasty::kNear;
   const double flatten = 1 / height_ratio_;
   const double reach_z_mm = reach_mm_ * height_ratio_;
   return columns_.Any(p, reach_mm_, reach_z_mm, [&](const Vec3& q, double) {

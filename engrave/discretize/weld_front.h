@@ -3,8 +3,9 @@
 // What a weld keeps: points that are added from the lowest up, and the question whether
 // one is too near to any of them.
 
-#include <cmath>
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -22,17 +23,52 @@ struct WeldPoint {
 /// A grid of columns in x and y, each with its points from the newest down. Points are
 /// added in rising z, so what is near to a place at their upper end is found at the
 /// beginning of a few columns: the part of them that is read stays in the cache.
+///
+/// The newest four of a column stand in single precision beside one another, too: they
+/// tell in a few instructions, without a branch, that most candidates are too near.
 class Columns {
  public:
   /// For points within the bounds and questions that reach `reach_mm` or a little
-  /// farther; the columns are wider when `point_count` points do not justify as many.
-  Columns(const Box3& bounds, double reach_mm, std::size_t point_count);
+  /// farther, with heights divided by height_ratio; the columns are wider when
+  /// `point_count` points do not justify as many.
+  Columns(const Box3& bounds, double reach_mm, double height_ratio,
+          std::size_t point_count);
 
   bool empty() const { return entries_.empty(); }
-  void Add(const Vec3& p_mm, float spacing_mm) {
-    std::uint32_t& newest = newest_[ColumnOf(p_mm)];
-    entries_.push_back({p_mm, newest, spacing_mm});
-    newest = static_cast<std::uint32_t>(entries_.size() - 1);
+  void Add(const Vec3& p_mm, float spacing_mm);
+
+  enum class Hasty { kNear, kFar, kUnsure };
+  /// Whether a point is nearer than near_mm, or none is nearer than far_mm, heights
+  /// divided by height_ratio, by more than any rounding. far_mm must not be more than
+  /// reach_mm.
+  Hasty Look(const Vec3& p_mm, double near_mm, double far_mm) const {
+    const Vec3 q = (p_mm - origin_).cwiseProduct(scale_);
+    const auto x = static_cast<float>(q.x()), y = static_cast<float>(q.y()),
+               z = static_cast<float>(q.z());
+    const Newest* first = &newest_[ColumnOf(p_mm) - width_ - 1];
+    Four least = {kFar, kFar, kFar, kFar};
+    const Newest* column = first;
+    for (int row = 0; row < 3; ++row, column += width_) {
+      for (int i = 0; i < 3; ++i) {
+        const Four dx = column[i].x - x, dy = column[i].y - y, dz = column[i].z - z;
+        const Four square = dx * dx + dy * dy + dz * dz;
+        least = square < least ? square : least;
+      }
+    }
+    const float square =
+        std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+    const auto near = static_cast<float>(near_mm - error_mm_);
+    if (near > 0 && square < near * near) return Hasty::kNear;
+    const auto far = static_cast<float>(far_mm + error_mm_);
+    if (square < far * far) return Hasty::kUnsure;
+    // Older points than the four of a column are lower still.
+    column = first;
+    for (int row = 0; row < 3; ++row, column += width_) {
+      for (int i = 0; i < 3; ++i) {
+        if (!(column[i].z[column[i].next_lane] < z - far)) return Hasty::kUnsure;
+      }
+    }
+    return Hasty::kFar;
   }
 
   /// Whether too_near(q, spacing of q) is true of a point q whose x and y differ from
@@ -42,32 +78,52 @@ class Columns {
            const TooNear& too_near) const {
     const double stop_mm = p_mm.z() - reach_z_mm;
     const auto in_column = [&](std::size_t column) {
-      for (std::uint32_t at = newest_[column]; at != kNone; at = entries_[at].below) {
+      for (std::uint32_t at = newest_[column].entry; at != kNone;
+           at = entries_[at].below) {
         const Entry& q = entries_[at];
         if (q.p_mm.z() <= stop_mm) return false;  // and all below it
         if (too_near(q.p_mm, q.spacing_mm)) return true;
       }
       return false;
     };
-    const std::size_t own = ColumnOf(p_mm), w = width_;
     if (reach_mm > side_mm_) return AnyInSquare(p_mm, reach_mm, in_column);
-    // The own column answers most often, the corners least.
-    return in_column(own) || in_column(own - 1) || in_column(own + 1) ||
-           in_column(own - w) || in_column(own + w) || in_column(own - w - 1) ||
-           in_column(own - w + 1) || in_column(own + w - 1) || in_column(own + w + 1);
+    const double x = (p_mm.x() - origin_.x()) * per_side_;
+    const double y = (p_mm.y() - origin_.y()) * per_side_;
+    const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
+    const std::size_t own = (j + 1) * width_ + i + 1;
+    // The own column answers most often, then the sides that are nearer.
+    const std::ptrdiff_t w = static_cast<std::ptrdiff_t>(width_);
+    const std::ptrdiff_t dx = x - static_cast<double>(i) < 0.5 ? -1 : 1;
+    const std::ptrdiff_t dy = y - static_cast<double>(j) < 0.5 ? -w : w;
+    for (const std::ptrdiff_t to :
+         {std::ptrdiff_t{0}, dx, dy, dx + dy, -dx, -dy, dx - dy, dy - dx, -dx - dy}) {
+      if (in_column(own + static_cast<std::size_t>(to))) return true;
+    }
+    return false;
   }
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
+  static constexpr float kFar = 1e15F;  // its square is still a number
+  // Lanes as GCC and Clang have them on every processor.
+  using Four [[gnu::vector_size(16)]] = float;
+
   struct Entry {
     Vec3 p_mm;
     std::uint32_t below;  ///< in the same column
     float spacing_mm;
   };
+  /// Of a column; from the origin, heights divided by height_ratio.
+  struct Newest {
+    Four x = {kFar, kFar, kFar, kFar};
+    Four y = x, z = -x;
+    std::uint32_t entry = kNone;  ///< the last one
+    std::uint32_t next_lane = 0;
+  };
 
   std::size_t ColumnOf(const Vec3& p_mm) const {
-    const auto x = static_cast<std::size_t>((p_mm.x() - origin_.x()) / side_mm_);
-    const auto y = static_cast<std::size_t>((p_mm.y() - origin_.y()) / side_mm_);
+    const auto x = static_cast<std::size_t>((p_mm.x() - origin_.x()) * per_side_);
+    const auto y = static_cast<std::size_t>((p_mm.y() - origin_.y()) * per_side_);
     return (y + 1) * width_ + x + 1;
   }
 
@@ -75,7 +131,7 @@ class Columns {
   bool AnyInSquare(const Vec3& p_mm, double reach_mm, const InColumn& in_column) const {
     const auto at = [this](double offset_mm, std::size_t count) {
       return static_cast<std::size_t>(
-          std::clamp(offset_mm / side_mm_ + 1, 0.0, static_cast<double>(count - 1)));
+          std::clamp(offset_mm * per_side_ + 1, 0.0, static_cast<double>(count - 1)));
     };
     const double x = p_mm.x() - origin_.x(), y = p_mm.y() - origin_.y();
     const std::size_t x_end = at(x + reach_mm, width_), y_end = at(y + reach_mm, depth_);
@@ -87,11 +143,12 @@ class Columns {
     return false;
   }
 
-  Vec2 origin_;
-  double side_mm_;
+  Vec3 origin_, scale_;
+  double error_mm_;  // more than that of a distance in single precision
+  double side_mm_, per_side_;
   // A border of empty columns all around saves the question whether there is one.
   std::size_t width_, depth_;
-  std::vector<std::uint32_t> newest_;  // of each column, in entries_
+  std::vector<Newest> newest_;  // of each column
   std::vector<Entry> entries_;
 };
 
@@ -111,13 +168,16 @@ class OwnSpacings {
   OwnSpacings(const SourceExtent& extent, double min_spacing_mm);
 
   void Add(const WeldPoint& point) {
-    levels_[LevelOf(point.spacing_mm)].columns.Add(point.p_mm, point.spacing_mm);
+    Level& level = levels_[LevelOf(point.spacing_mm)];
+    level.least_mm = std::min<double>(level.least_mm, point.spacing_mm);
+    level.columns.Add(point.p_mm, point.spacing_mm);
   }
   bool IsTooNear(const WeldPoint& point) const;
 
  private:
   struct Level {
-    double reach_mm;  ///< the largest spacing of its points
+    double reach_mm;  ///< at least the spacings of its points
+    double least_mm;  ///< at most these
     Columns columns;
   };
   bool IsTooNear(const WeldPoint& point, const Level& level) const;
@@ -142,7 +202,7 @@ class WeldFront {
   OwnSpacings* OwnOf(std::uint32_t source);
 
   double height_ratio_;
-  double least_square_;
+  double least_square_, least_mm_;
   double surely_near_, surely_far_;  // bounds on a square that was computed in haste
   double reach_mm_;
   Columns columns_;
