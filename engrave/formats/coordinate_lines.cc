@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engrave/formats/number_text.h"
+#include "engrave/formats/point_table_rules.h"
 
 namespace intaglio::formats {
 namespace {
@@ -22,7 +23,7 @@ bool TakeNumber(std::string_view& line, double& value) {
 std::string CommentOf(std::string_view line) {
   line.remove_prefix(line.find('#') + 1);
   if (!line.empty() && line.front() == ' ') line.remove_prefix(1);
-  return std::string(line);
+  return OneLine(line);
 }
 
 Status ReadLine(std::string_view line, std::size_t line_number, PointTable& table) {

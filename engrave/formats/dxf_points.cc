@@ -162,7 +162,7 @@ Status PointReader::Take(const Pair& pair) {
     Begin(pair.value);
     return {};
   }
-  if (pair.code == 999) table_.comments.emplace_back(pair.value);
+  if (pair.code == 999) table_.comments.push_back(OneLine(pair.value));
   if (begins_section_ && pair.code == 2) {
     section_ = pair.value;
     begins_section_ = false;

@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/formats/point_table_rules.h"
+
 namespace intaglio::formats {
 namespace {
 
@@ -142,7 +144,7 @@ Result<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     } else if (keyword == "format") {
       understood = has_format = ParseFormat(words, header);
     } else if (keyword == "comment") {
-      header.comments.push_back(CommentOf(line));
+      header.comments.push_back(OneLine(CommentOf(line)));
     } else if (keyword == "element") {
       understood = ParseElement(words, header);
     } else if (keyword == "property") {

@@ -1,5 +1,7 @@
 #include "engrave/formats/point_table_rules.h"
 
+#include <algorithm>
+
 #include "engrave/core/check.h"
 #include "engrave/formats/whole_file.h"
 
@@ -25,6 +27,12 @@ void RequireWritable(const PointTable& table) {
     Require(comment.find_first_of("\r\n") == std::string::npos,
             "a comment must be one line: '{}'", comment);
   }
+}
+
+std::string OneLine(std::string_view comment) {
+  std::string line(comment);
+  std::replace(line.begin(), line.end(), '\r', ' ');
+  return line;
 }
 
 Error AboutFile(Error error, const std::filesystem::path& file) {

@@ -7,6 +7,9 @@ namespace intaglio::formats {
 /// Throws PreconditionError unless the table can be written and read back.
 void RequireWritable(const PointTable& table);
 
+/// A comment as a table may hold it: with blanks for the carriage returns inside it.
+std::string OneLine(std::string_view comment);
+
 /// Puts the file's name before an error of a parser.
 Error AboutFile(Error error, const std::filesystem::path& file);
 

@@ -53,6 +53,25 @@ TEST(PointFileKinds, ErrorsNameTheFileAndWhatThereIs) {
   EXPECT_EQ(ReadPoints(folder / "absent.scl").error().code, ErrorCode::kNotFound);
 }
 
+TEST(PointFileKinds, CommentsThatAreReadCanBeWritten) {
+  // Carriage returns in the middle of a line, as of a Macintosh's text.
+  const std::string ply =
+      "ply\nformat ascii 1.0\ncomment a\rb\nelement vertex 1\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n1 2 3\n";
+  const std::string dxf =
+      "999\na\rb\n0\nSECTION\n2\nENTITIES\n0\nPOINT\n10\n1\n0\nENDSEC\n0\nEOF\n";
+  const fs::path folder = FreshFolder();
+  for (const auto& [bytes, extension] :
+       {std::pair<std::string, std::string>{"# a\rb\n1 2 3\n", "xyz"},
+        {ply, "ply"},
+        {dxf, "dxf"}}) {
+    const auto table = ParsePoints(bytes, extension);
+    ASSERT_TRUE(table.has_value()) << table.error().message;
+    EXPECT_EQ(table->comments, std::vector<std::string>{"a b"}) << extension;
+    EXPECT_TRUE(WritePoints(folder / "a.scl", *table).has_value());
+  }
+}
+
 TEST(PointFileKinds, WritesTextToADevice) {
   EXPECT_TRUE(WritePoints("/dev/null", {{{1, 2, 3}}, {}, {}}).has_value());
 }
