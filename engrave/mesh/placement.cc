@@ -48,14 +48,26 @@ Mat3 TurnAbout(int axis, double angle_rad) {
 Mat3 TurnedFromModel(const Placement& p) {
   const Vec3 sign(p.mirror_x ? -1 : 1, p.mirror_y ? -1 : 1, p.mirror_z ? -1 : 1);
   const Vec3 stretch = p.unit_mm * p.scale_ratio.cwiseProduct(sign);
-  return TurnAbout(2, p.rotation_rad.z()) * TurnAbout(1, p.rotation_rad.y()) *
-         TurnAbout(0, p.rotation_rad.x()) * Mat3(stretch.asDiagonal());
+  return RotationOf(p.rotation_rad) * Mat3(stretch.asDiagonal());
 }
 
 Box3 BoundsAfter(const Mat3& linear, const PointList& vertices) {
   Box3 box;
   for (const Vec3& v : vertices) box.Extend(linear * v);
   return box;
+}
+
+/// In mm, before anything was turned.
+Vec3 PivotOf(const Placement& p, const PointList& vertices, const Vec3& block_size_mm) {
+  switch (p.pivot) {
+    case Pivot::kOrigin:
+      break;
+    case Pivot::kObject:
+      return p.unit_mm * BoundsAfter(Mat3::Identity(), vertices).center_mm();
+    case Pivot::kBlock:
+      return 0.5 * block_size_mm;
+  }
+  return Vec3::Zero();
 }
 
 Result<double> RatioTo(double wanted_mm, double extent_mm, const char* extent_name) {
@@ -102,6 +114,11 @@ struct FitRatio {
 
 }  // namespace
 
+Mat3 RotationOf(const Vec3& rotation_rad) {
+  return TurnAbout(2, rotation_rad.z()) * TurnAbout(1, rotation_rad.y()) *
+         TurnAbout(0, rotation_rad.x());
+}
+
 Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
                                         const Placement& placement,
                                         const Vec3& block_size_mm) {
@@ -117,6 +134,9 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
   if (placement.centre_in_block) {
     const Box3 fitted = BoundsAfter(transform.linear, vertices);
     transform.offset_mm += 0.5 * block_size_mm - fitted.center_mm();
+  } else {
+    const Vec3 pivot_mm = PivotOf(placement, vertices, block_size_mm);
+    transform.offset_mm += pivot_mm - transform.linear * (pivot_mm / placement.unit_mm);
   }
   if (!transform.linear.allFinite() || !transform.offset_mm.allFinite()) {
     return Fail(

@@ -9,7 +9,8 @@
 //   5. fit       one factor for all axes, from the size that steps 1 to 4 gave
 //   6. centre    equal distance from the outermost points to opposite walls
 //   7. move      a shift in the glass frame, after centring if there is any
-// Without centring the model frame's origin lies at the block's origin before step 7.
+// Without centring the model frame's origin lies at the block's origin before step 7;
+// steps 2 to 5 leave the pivot, a point of the glass frame, in its place.
 // A mirrored model's triangles get their corners reversed, so faces still look outward.
 
 #include <variant>
@@ -35,6 +36,13 @@ struct FitBox {
 };
 using Fit = std::variant<NoFit, FitHeight, FitLargest, FitBox>;
 
+/// What mirror, scale, turn and fit leave in its place.
+enum class Pivot {
+  kOrigin,  ///< of the model frame
+  kObject,  ///< the centre of the model's extent, as the file has it
+  kBlock,   ///< the centre of the block
+};
+
 struct Placement {
   /// mm that a file unit is long; positive. Default: the file is in mm. 25.4 for inches,
   /// 1000 for metres.
@@ -47,7 +55,12 @@ struct Placement {
   Fit fit = NoFit{};                 ///< sizes positive
   Vec3 move_mm = Vec3::Zero();       ///< glass frame
   bool centre_in_block = true;
+  Pivot pivot = Pivot::kOrigin;  ///< without a meaning when centred
 };
+
+/// About the fixed axes x, then y, then z; exact where an angle is a multiple of a right
+/// angle, so that a box stays a box.
+Mat3 RotationOf(const Vec3& rotation_rad);
 
 /// p_glass = linear * p_model + offset_mm.
 struct GlassFromModel {

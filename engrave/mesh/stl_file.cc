@@ -24,7 +24,6 @@ using Corner = CornerWelder::Corner;
 constexpr std::size_t kHeaderSize = 84;
 constexpr std::size_t kTriangleSize = 50;
 constexpr std::size_t kNormalSize = 12;
-constexpr std::string_view kBlanks = " \t\r\v\f";
 
 // ---- binary -----------------------------------------------------------------
 
@@ -63,6 +62,8 @@ Result<TriangleMesh> ReadBinary(ByteReader& bytes, std::uint64_t count,
 
 // ---- text -------------------------------------------------------------------
 
+bool IsBlank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
 bool IsWord(std::string_view text, std::string_view lower_case) {
   return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
                     [](char c, char expected) {
@@ -93,9 +94,12 @@ class Words {
  public:
   explicit Words(std::string_view rest) : rest_(rest) {}
   std::string_view Next() {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
-    rest_.remove_prefix(word.size());
+    std::size_t begin = 0;
+    while (begin < rest_.size() && IsBlank(rest_[begin])) ++begin;
+    std::size_t end = begin;
+    while (end < rest_.size() && !IsBlank(rest_[end])) ++end;
+    const std::string_view word = rest_.substr(begin, end - begin);
+    rest_.remove_prefix(end);
     return word;
   }
 
