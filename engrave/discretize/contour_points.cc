@@ -11,57 +11,76 @@ namespace {
 // which measures chords, keeps the points.
 constexpr double kChordAllowance = 1.004;
 
-double LengthOf(const PointList& contour_mm, bool closed) {
-  double length_mm = closed ? (contour_mm.front() - contour_mm.back()).norm() : 0;
-  for (std::size_t i = 1; i < contour_mm.size(); ++i) {
-    length_mm += (contour_mm[i] - contour_mm[i - 1]).norm();
-  }
-  return length_mm;
+double ArcOf(const ContourSteps& steps, std::size_t i) {
+  return steps.first_mm + steps.step_mm * static_cast<double>(i);
 }
 
-/// `count` points from `first_mm` on, `step_mm` apart along the contour.
-void AddAtSteps(const PointList& contour_mm, bool closed, double first_mm, double step_mm,
-                std::size_t count, PointList& points) {
-  const std::size_t segments = contour_mm.size() - (closed ? 0 : 1);
-  std::size_t i = 0;
-  double begin_mm = 0;
-  for (std::size_t segment = 0; segment < segments && i < count; ++segment) {
-    const Vec3& p = contour_mm[segment];
-    const Vec3 way = contour_mm[(segment + 1) % contour_mm.size()] - p;
-    const double length_mm = way.norm(), end_mm = begin_mm + length_mm;
-    double at_mm = first_mm + step_mm * static_cast<double>(i);
-    if (at_mm < end_mm) {
-      const Vec3 direction = way / length_mm;
-      while (at_mm < end_mm && i < count) {
-        points.push_back(p + direction * (at_mm - begin_mm));
-        at_mm = first_mm + step_mm * static_cast<double>(++i);
-      }
-    }
-    begin_mm = end_mm;
-  }
-  // A contour without length, or an end that rounding put behind the last segment.
-  for (; i < count; ++i) points.push_back(contour_mm.back());
+/// The first step that lies at arc_mm or behind it, exactly.
+std::size_t FirstStepFrom(double arc_mm, const ContourSteps& steps) {
+  const double near = std::ceil((arc_mm - steps.first_mm) / steps.step_mm);
+  const auto limit = static_cast<double>(steps.count);
+  auto i = static_cast<std::size_t>(std::clamp(near, 0.0, limit));
+  while (i > 0 && ArcOf(steps, i - 1) >= arc_mm) --i;
+  while (i < steps.count && ArcOf(steps, i) < arc_mm) ++i;
+  return i;
 }
 
 }  // namespace
 
+ContourSteps StepsAlong(double length_mm, bool closed, const ContourSpacing& spacing) {
+  const double fitting = length_mm / (spacing.distance_mm * kChordAllowance);
+  if (!(fitting >= 1)) return {closed ? 0 : length_mm / 2, length_mm, 1, false};
+  const double parts = std::floor(fitting);
+  const double step_mm = length_mm / parts;
+  const auto count = static_cast<std::size_t>(parts);
+  if (closed) return {spacing.phase_ratio * step_mm, step_mm, count, false};
+  if (spacing.insert_end_points) return {0, step_mm, count, true};
+  const double phase = 0.5 + spacing.phase_ratio;
+  return {(phase - std::floor(phase)) * step_mm, step_mm, count, false};
+}
+
+void AddSteps(const MeasuredContour& contour, const ContourSteps& steps,
+              std::size_t begin, std::size_t end, PointList& points) {
+  const std::span<const Vec3> corner = contour.points_mm;
+  const bool at_end = end >= contour.segment_count();
+  std::size_t i = begin == 0 ? 0 : FirstStepFrom(contour.arc_mm[begin], steps);
+  const std::size_t stop =
+      at_end ? steps.count : FirstStepFrom(contour.arc_mm[end], steps);
+  if (i < stop) {
+    const std::size_t before = points.size();
+    points.resize(before + stop - i);
+    Vec3* point = points.data() + before;
+    double arc_mm = ArcOf(steps, i);
+    for (std::size_t segment = begin; segment < end; ++segment) {
+      const double end_mm = contour.arc_mm[segment + 1];
+      if (arc_mm >= end_mm) continue;
+      const double begin_mm = contour.arc_mm[segment];
+      const Vec3 from = corner[segment];
+      const Vec3 direction = (corner[segment + 1] - from) / (end_mm - begin_mm);
+      do {
+        *point++ = from + direction * (arc_mm - begin_mm);
+        arc_mm = ArcOf(steps, ++i);
+      } while (arc_mm < end_mm && i < stop);
+      if (i == stop) break;
+    }
+    // A contour without length, or an end that rounding put behind the last segment.
+    for (; i < stop; ++i) *point++ = corner.back();
+  }
+  if (at_end && steps.end_point) points.push_back(corner.back());
+}
+
 void AddContourPoints(const PointList& contour_mm, bool closed,
                       const ContourSpacing& spacing, PointList& points) {
   if (contour_mm.empty()) return;
-  const double total = LengthOf(contour_mm, closed);
-  const double fitting = total / (spacing.distance_mm * kChordAllowance);
-  const auto parts = static_cast<std::size_t>(std::max(1.0, std::floor(fitting)));
-  const double step = total / static_cast<double>(parts);
-  if (fitting < 1) {
-    AddAtSteps(contour_mm, closed, closed ? 0 : total / 2, step, 1, points);
-  } else if (closed) {
-    AddAtSteps(contour_mm, closed, spacing.phase_ratio * step, step, parts, points);
-  } else if (spacing.insert_end_points) {
-    AddAtSteps(contour_mm, closed, 0, step, parts, points);
-    points.push_back(contour_mm.back());
-  } else {
-    AddAtSteps(contour_mm, closed, step / 2, step, parts, points);
+  PointList corners = contour_mm;
+  if (closed) corners.push_back(contour_mm.front());
+  std::vector<double> arc_mm(corners.size(), 0);
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    arc_mm[i] = arc_mm[i - 1] + (corners[i] - corners[i - 1]).norm();
   }
+  const MeasuredContour contour = {corners, arc_mm};
+  AddSteps(contour, StepsAlong(arc_mm.back(), closed, spacing), 0,
+           contour.segment_count(), points);
 }
 
 }  // namespace intaglio::discretize

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "engrave/core/geometry.h"
@@ -8,14 +10,42 @@ namespace intaglio::discretize {
 
 struct ContourSpacing {
   double distance_mm = 1;  ///< wanted along the contour
-  double phase_ratio = 0;  ///< of the distance, by which the first point is shifted
+  double phase_ratio = 0;  ///< of the distance, by which the points are shifted
   bool insert_end_points = true;
 };
 
-/// Points at equal arc length along a polyline, appended to `points`. The remainder is
-/// spread evenly, so the distance is never below the wanted one but for its chord on
-/// sharp bends, and above it by less than one part in the number of points plus 0.4 %.
-/// A contour shorter than the distance gets one point.
+/// Where the points of a contour lie: at first + i step along it for i < count, and at
+/// its end.
+struct ContourSteps {
+  double first_mm = 0;
+  double step_mm = 1;
+  std::size_t count = 0;
+  bool end_point = false;
+
+  std::size_t point_count() const { return count + (end_point ? 1 : 0); }
+};
+
+/// Equal arc length. The remainder is spread evenly, so the distance is never below the
+/// wanted one but for its chord on sharp bends, and above it by less than one part in the
+/// number of points plus 0.4 %. A contour shorter than the distance gets one point. The
+/// points of an open contour that keeps its ends stand still, whatever the phase.
+ContourSteps StepsAlong(double length_mm, bool closed, const ContourSpacing& spacing);
+
+/// Points along which the arc length is known; a closed one ends in its first point.
+struct MeasuredContour {
+  std::span<const Vec3> points_mm;
+  std::span<const double> arc_mm;  ///< of each point, from 0 on, never falling
+
+  std::size_t segment_count() const { return points_mm.size() - 1; }
+};
+
+/// Appends the points that lie on segments begin to end of the contour; those of all
+/// its segments, in whatever shares, are always the same, bit for bit.
+void AddSteps(const MeasuredContour& contour, const ContourSteps& steps,
+              std::size_t begin, std::size_t end, PointList& points);
+
+/// The points of a whole polyline, appended to `points`. A closed one need not repeat its
+/// first point.
 void AddContourPoints(const PointList& contour_mm, bool closed,
                       const ContourSpacing& spacing, PointList& points);
 

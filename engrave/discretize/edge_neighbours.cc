@@ -4,14 +4,21 @@
 #include <numeric>
 #include <span>
 
+#include "engrave/core/check.h"
+
 namespace intaglio::discretize {
 namespace {
 
-struct HalfEdge {
-  std::uint32_t high;  // the edge's higher vertex
-  std::uint32_t number;
-  bool upward;  // from the lower vertex to the higher
-};
+// A half-edge as one number, by its place among those of its edge's lower vertex: the
+// edge's higher vertex, its own number, and whether it runs from the lower to the higher.
+using HalfEdge = std::uint64_t;
+
+HalfEdge Packed(std::uint32_t high, std::uint32_t number, bool upward) {
+  return std::uint64_t{high} << 32 | std::uint64_t{number} << 1 | (upward ? 1 : 0);
+}
+std::uint32_t HighOf(HalfEdge half) { return static_cast<std::uint32_t>(half >> 32); }
+std::uint32_t NumberOf(HalfEdge half) { return static_cast<std::uint32_t>(half) >> 1; }
+bool IsUpward(HalfEdge half) { return (half & 1) != 0; }
 
 /// The half-edges by their lower vertex, and the end of each vertex's.
 struct HalfEdges {
@@ -19,49 +26,63 @@ struct HalfEdges {
   std::vector<std::uint32_t> end;
 };
 
-// By counting, and then each vertex's few by the higher vertex and their number.
+/// Mostly six or so.
+void SortFew(HalfEdge* begin, HalfEdge* end) {
+  if (end - begin > 24) return std::sort(begin, end);
+  for (HalfEdge* at = begin + 1; at < end; ++at) {
+    const HalfEdge half = *at;
+    HalfEdge* to = at;
+    for (; to > begin && to[-1] > half; --to) *to = to[-1];
+    *to = half;
+  }
+}
+
+bool HasRepeatedCorner(const mesh::Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
 HalfEdges SortedHalfEdges(const mesh::TriangleMesh& mesh) {
-  std::vector<std::uint32_t> at(mesh.vertices.size() + 1, 0);
-  const auto for_each = [&mesh](const auto& visit) {
-    std::uint32_t number = 0;
-    for (const mesh::Triangle& t : mesh.triangles) {
-      for (std::size_t side = 0; side < 3; ++side) {
-        visit(t[side], t[(side + 1) % 3], number++);
-      }
-    }
-  };
-  for_each(
-      [&](std::uint32_t a, std::uint32_t b, std::uint32_t) { ++at[std::min(a, b) + 1]; });
-  std::partial_sum(at.begin(), at.end(), at.begin());
   HalfEdges sorted;
-  sorted.edges.resize(3 * mesh.triangles.size());
+  std::vector<std::uint32_t>& at = sorted.end;
+  at.assign(mesh.vertices.size() + 1, 0);
+  std::uint32_t count = 0;
+  for (const mesh::Triangle& t : mesh.triangles) {
+    if (HasRepeatedCorner(t)) continue;
+    ++at[std::min(t[0], t[1]) + 1];
+    ++at[std::min(t[1], t[2]) + 1];
+    ++at[std::min(t[2], t[0]) + 1];
+    count += 3;
+  }
+  std::partial_sum(at.begin(), at.end(), at.begin());
+  sorted.edges.resize(count);
   // Each entry of `at` moves from the beginning of its vertex's half-edges to their end.
-  for_each([&](std::uint32_t a, std::uint32_t b, std::uint32_t number) {
-    sorted.edges[at[std::min(a, b)]++] = {std::max(a, b), number, a < b};
-  });
-  std::uint32_t begin = 0;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    std::sort(sorted.edges.begin() + begin, sorted.edges.begin() + at[v],
-              [](const HalfEdge& x, const HalfEdge& y) {
-                return x.high != y.high ? x.high < y.high : x.number < y.number;
-              });
-    begin = at[v];
+  std::uint32_t number = 0;
+  const auto put = [&](std::uint32_t a, std::uint32_t b) {
+    sorted.edges[at[std::min(a, b)]++] = Packed(std::max(a, b), number++, a < b);
+  };
+  for (const mesh::Triangle& t : mesh.triangles) {
+    if (HasRepeatedCorner(t)) {
+      number += 3;
+      continue;
+    }
+    put(t[0], t[1]);
+    put(t[1], t[2]);
+    put(t[2], t[0]);
   }
   at.pop_back();
-  sorted.end = std::move(at);
   return sorted;
 }
 
-/// Pairs the half-edges of one edge, opposite directions first.
-void Pair(std::span<const HalfEdge> edge, std::vector<std::uint32_t>& neighbours) {
+/// Pairs the half-edges of an edge of more than two, opposite directions first.
+void PairMany(std::span<const HalfEdge> edge, std::vector<std::uint32_t>& neighbours) {
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
     neighbours[a] = b;
     neighbours[b] = a;
   };
-  if (edge.size() == 2) return join(edge[0].number, edge[1].number);
-  if (edge.size() < 2) return;
   std::vector<std::uint32_t> up, down;
-  for (const HalfEdge& half : edge) (half.upward ? up : down).push_back(half.number);
+  for (const HalfEdge half : edge) {
+    (IsUpward(half) ? up : down).push_back(NumberOf(half));
+  }
   const std::size_t opposite = std::min(up.size(), down.size());
   for (std::size_t i = 0; i < opposite; ++i) join(up[i], down[i]);
   const std::vector<std::uint32_t>& left = up.size() > down.size() ? up : down;
@@ -71,14 +92,24 @@ void Pair(std::span<const HalfEdge> edge, std::vector<std::uint32_t>& neighbours
 }  // namespace
 
 std::vector<std::uint32_t> EdgeNeighbours(const mesh::TriangleMesh& mesh) {
-  const auto [edges, end_of_vertex] = SortedHalfEdges(mesh);
-  std::vector<std::uint32_t> neighbours(edges.size(), kNoNeighbour);
+  Require(mesh.triangles.size() < kMaxNeighbourTriangles,
+          "too many triangles for their half-edges to be numbered: {}",
+          mesh.triangles.size());
+  auto [edges, end_of_vertex] = SortedHalfEdges(mesh);
+  std::vector<std::uint32_t> neighbours(3 * mesh.triangles.size(), kNoNeighbour);
   std::size_t begin = 0;
   for (const std::uint32_t end_of_low : end_of_vertex) {
+    SortFew(edges.data() + begin, edges.data() + end_of_low);
     while (begin < end_of_low) {
       std::size_t end = begin + 1;
-      while (end < end_of_low && edges[end].high == edges[begin].high) ++end;
-      Pair(std::span(edges).subspan(begin, end - begin), neighbours);
+      while (end < end_of_low && HighOf(edges[end]) == HighOf(edges[begin])) ++end;
+      if (end - begin == 2) {
+        const std::uint32_t a = NumberOf(edges[begin]), b = NumberOf(edges[begin + 1]);
+        neighbours[a] = b;
+        neighbours[b] = a;
+      } else if (end - begin > 2) {
+        PairMany(std::span(edges).subspan(begin, end - begin), neighbours);
+      }
       begin = end;
     }
   }

@@ -1,221 +1,293 @@
 #include "engrave/discretize/sections.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "engrave/core/check.h"
 #include "engrave/discretize/candidate_limit.h"
 #include "engrave/discretize/contour_points.h"
+#include "engrave/discretize/contour_tracer.h"
 #include "engrave/discretize/edge_neighbours.h"
-
-// In the frame (u, v, w) of the planes a vertex is above plane h if w >= h, else below. A
-// triangle that has both is entered by one edge and left by another; its neighbour across
-// an edge is cut, too, in the very same point. So a contour is walked from triangle to
-// triangle until it comes back or meets an open edge. Each plane knows its triangles from
-// a table (plane -> triangles) whose size is the number of crossings.
+#include "engrave/discretize/fixed_points.h"
+#include "engrave/discretize/flat_faces.h"
+#include "engrave/discretize/height_order.h"
 
 namespace intaglio::discretize {
 namespace {
 
-// A face whose normal is this near to the planes' is parallel to them: 0.1 degrees.
-constexpr double kParallelCosine = 0.9999985;
+Result<PlaneStack> StackOver(double low_mm, double high_mm,
+                             const SectionOptions& options) {
+  PlaneStack planes;
+  planes.pitch_mm = options.layer_distance_mm * kRoundingAllowance;
+  const double inset_mm = options.first_last_distance_ratio * options.layer_distance_mm;
+  const double first_mm = low_mm + inset_mm, last_mm = high_mm - inset_mm;
+  double count = 0;
+  if (options.reference == SectionReference::kWorld) {
+    planes.first_step = std::ceil(first_mm / planes.pitch_mm);
+    count = std::floor(last_mm / planes.pitch_mm) - planes.first_step + 1;
+  } else if (last_mm < first_mm) {
+    planes.origin_mm = 0.5 * (low_mm + high_mm);
+    count = 1;
+  } else {
+    planes.origin_mm = first_mm;
+    // The last plane that fits is not lost to rounding of the division.
+    count = std::floor((last_mm - first_mm) / options.layer_distance_mm + 1e-9) + 1;
+  }
+  if (Status few = CheckCandidateCount(count); !few) return tl::unexpected(few.error());
+  planes.count = static_cast<std::uint32_t>(std::max(count, 0.0));
+  return planes;
+}
 
-class Slicer {
+/// A stretch of a contour and the heights that it reaches.
+struct Stretch {
+  std::size_t contour = 0;
+  std::size_t begin = 0, end = 0;  // segments
+  double low_mm = 0, high_mm = 0;
+};
+constexpr std::size_t kStretchSegments = 32;
+
+class Sections final : public PointSource {
  public:
-  Slicer(const mesh::TriangleMesh& mesh, const SectionOptions& options)
-      : mesh_(mesh), options_(options), neighbours_(EdgeNeighbours(mesh)) {
-    const Mat3 frame = FrameOf(options.normal);
-    normal_ = frame.col(2);
-    height_.reserve(mesh.vertices.size());
-    for (const Vec3& v : mesh.vertices) height_.push_back(v.dot(normal_));
-    visited_.assign(mesh.triangles.size(), 0);
+  Sections(const mesh::TriangleMesh& mesh, const SectionOptions& options,
+           const PlaneStack& planes, std::vector<std::uint32_t> rank, const Mat3& frame,
+           const std::vector<std::uint32_t>& neighbours, const FlatFaces& flat)
+      : options_(options),
+        planes_(planes),
+        level_(frame.col(2) == Vec3::UnitZ()),
+        bounds_(mesh.Bounds()),
+        wall_area_mm2_(flat.wall_area_mm2),
+        tracer_(mesh, std::move(rank), neighbours, frame, planes) {
+    statistics_.plane_count = planes.count;
+    if (options.parallel_faces != ParallelFaces::kIgnore) {
+      statistics_.parallel_area_mm2 = flat.area_mm2;
+      statistics_.parallel_face_count = flat.face_count;
+    }
   }
 
-  /// To be called first.
-  Status ChoosePlanes();
-  void FillTable();
+  /// To be called first, both.
+  Status TraceAslant();
+  Status Cover(const FlatFaces& flat, const PointList& vertices, const Mat3& frame);
 
-  std::size_t plane_count() const { return planes_.size(); }
-  double ParallelArea() const;
-  /// The points of one plane.
-  void Cut(std::size_t plane, MethodStatistics& statistics, PointList& points);
+  Box3 Bounds() const override { return bounds_; }
+  Result<MethodStatistics> AddPoints(const HeightRange& range, std::uint32_t source,
+                                     const ProgressSink& progress,
+                                     SpacedCloud& cloud) const override;
 
  private:
-  std::pair<std::size_t, std::size_t> PlanesOf(const mesh::Triangle& triangle) const;
-  bool Above(std::uint32_t vertex, double h) const { return height_[vertex] >= h; }
-  std::uint32_t OtherCutSide(std::uint32_t half_edge, double h) const;
-  std::uint32_t FirstCutSide(std::uint32_t triangle, double h) const;
-  Vec3 CrossingOf(std::uint32_t half_edge, double h) const;
-  bool Walk(std::uint32_t half_edge, double h, std::uint32_t stamp, PointList& contour);
+  Status AddLevel(const HeightRange& range, const ProgressSink& progress,
+                  MethodStatistics& statistics, PointList& points) const;
+  Status AddAslant(const HeightRange& range, const ProgressSink& progress,
+                   MethodStatistics& statistics, PointList& points) const;
+  Interval PlanesIn(const HeightRange& range) const;
+  ContourSteps StepsOf(const Contours& contours, const Contour& contour) const;
 
-  const mesh::TriangleMesh& mesh_;
-  const SectionOptions& options_;
-  std::vector<std::uint32_t> neighbours_;
-  Vec3 normal_;
-  std::vector<double> height_;            // of the vertices, along the normal
-  std::vector<double> planes_;            // heights, rising
-  std::vector<std::size_t> table_begin_;  // of each plane in table_
-  std::vector<std::uint32_t> table_;      // triangles
-  std::vector<std::uint32_t> visited_;    // newest plane + 1 that visited a triangle
+  SectionOptions options_;
+  PlaneStack planes_;
+  bool level_;
+  Box3 bounds_;
+  double wall_area_mm2_;
+  MethodStatistics statistics_;  // what no single contour has
+  ContourTracer tracer_;
+  std::unique_ptr<PointSource> cover_;  // of parallel faces; none without any
+  // For planes that are not level:
+  Contours contours_;
+  std::vector<Stretch> stretches_;
 };
 
-Status Slicer::ChoosePlanes() {
-  const auto [low, high] = std::minmax_element(height_.begin(), height_.end());
-  if (low == height_.end()) return {};
-  const double inset = options_.first_last_distance_ratio * options_.layer_distance_mm;
-  const double first = *low + inset, last = *high - inset;
-  if (last < first) {
-    planes_.push_back(0.5 * (*low + *high));
-    return {};
-  }
-  // The last plane that fits is not lost to rounding of the division.
-  const double fitting = std::floor((last - first) / options_.layer_distance_mm + 1e-9);
-  if (Status few = CheckCandidateCount(fitting); !few) return few;
-  const auto count = static_cast<std::size_t>(fitting) + 1;
-  for (std::size_t k = 0; k < count; ++k) {
-    planes_.push_back(first + static_cast<double>(k) * options_.layer_distance_mm *
-                                  kRoundingAllowance);
+MeasuredContour PartOf(const Contours& contours, const Contour& contour) {
+  const std::size_t count = contour.end - contour.begin;
+  return {std::span(contours.points_mm).subspan(contour.begin, count),
+          std::span(contours.arc_mm).subspan(contour.begin, count)};
+}
+
+void CountContour(const Contour& contour, MethodStatistics& statistics) {
+  ++(contour.closed ? statistics.closed_contour_count : statistics.open_contour_count);
+}
+
+Status Cancelled() {
+  return Fail(ErrorCode::kCancelled, "cutting sections was cancelled");
+}
+
+ContourSteps Sections::StepsOf(const Contours& contours, const Contour& contour) const {
+  ContourSpacing spacing;
+  spacing.distance_mm = options_.vertex_distance_mm;
+  spacing.insert_end_points = options_.insert_end_points;
+  const double twist = options_.twist_phase_ratio * static_cast<double>(contour.plane);
+  spacing.phase_ratio = twist - std::floor(twist);
+  return StepsAlong(contours.arc_mm[contour.end - 1], contour.closed, spacing);
+}
+
+Status Sections::TraceAslant() {
+  if (level_) return {};
+  const auto crossings = static_cast<double>(tracer_.crossing_count());
+  if (Status few = CheckCandidateCount(crossings); !few) return few;
+  tracer_.Trace({0, planes_.count}, contours_, [](std::uint32_t) { return true; });
+  for (std::size_t c = 0; c < contours_.list.size(); ++c) {
+    const Contour& contour = contours_.list[c];
+    const std::size_t segments = contour.end - contour.begin - 1;
+    for (std::size_t begin = 0; begin < segments || begin == 0;) {
+      const std::size_t end = std::min(segments, begin + kStretchSegments);
+      Box3 box;
+      for (std::size_t i = begin; i <= end; ++i) {
+        box.Extend(contours_.points_mm[contour.begin + i]);
+      }
+      stretches_.push_back({c, begin, end, box.min_mm.z(), box.max_mm.z()});
+      begin = std::max<std::size_t>(end, 1);
+    }
   }
   return {};
 }
 
-// The planes h with lowest < h <= highest vertex: there are vertices on both sides.
-std::pair<std::size_t, std::size_t> Slicer::PlanesOf(
-    const mesh::Triangle& triangle) const {
-  const auto [low, high] =
-      std::minmax({height_[triangle[0]], height_[triangle[1]], height_[triangle[2]]});
-  const auto begin = std::upper_bound(planes_.begin(), planes_.end(), low);
-  const auto end = std::upper_bound(begin, planes_.end(), high);
-  return {static_cast<std::size_t>(begin - planes_.begin()),
-          static_cast<std::size_t>(end - planes_.begin())};
+Status Sections::Cover(const FlatFaces& flat, const PointList& vertices,
+                       const Mat3& frame) {
+  if (options_.parallel_faces != ParallelFaces::kCover || flat.face_count == 0) return {};
+  const Result<PointList> points =
+      CoverFlatFaces(flat, vertices, frame, options_.vertex_distance_mm);
+  if (!points) return tl::unexpected(points.error());
+  SpacedCloud cloud;
+  for (const Vec3& p : *points) cloud.Add(p, 0);
+  cover_ = MakeFixedPoints(std::move(cloud));
+  return {};
 }
 
-void Slicer::FillTable() {
-  table_begin_.assign(planes_.size() + 1, 0);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;
-  ranges.reserve(mesh_.triangles.size());
-  for (const mesh::Triangle& triangle : mesh_.triangles) {
-    const auto [begin, end] = PlanesOf(triangle);
-    ranges.emplace_back(begin, end);
-    for (std::size_t k = begin; k < end; ++k) ++table_begin_[k + 1];
-  }
-  std::partial_sum(table_begin_.begin(), table_begin_.end(), table_begin_.begin());
-  table_.resize(table_begin_.back());
-  std::vector<std::size_t> next(table_begin_.begin(), table_begin_.end() - 1);
-  for (std::uint32_t t = 0; t < ranges.size(); ++t) {
-    for (std::size_t k = ranges[t].first; k < ranges[t].second; ++k)
-      table_[next[k]++] = t;
-  }
+Interval Sections::PlanesIn(const HeightRange& range) const {
+  // Points of a level plane have its height, exactly.
+  const auto first_from = [&](double z_mm) {
+    std::uint32_t plane = planes_.RankOf(z_mm);
+    return plane > 0 && planes_.HeightOf(plane - 1) == z_mm ? plane - 1 : plane;
+  };
+  return {first_from(range.low_mm), first_from(range.high_mm)};
 }
 
-double Slicer::ParallelArea() const {
-  double area = 0;
-  for (const mesh::Triangle& t : mesh_.triangles) {
-    const Vec3 cross = (mesh_.vertices[t[1]] - mesh_.vertices[t[0]])
-                           .cross(mesh_.vertices[t[2]] - mesh_.vertices[t[0]]);
-    if (std::abs(cross.dot(normal_)) >= kParallelCosine * cross.norm())
-      area += cross.norm() / 2;
-  }
-  return area;
-}
-
-std::uint32_t Slicer::FirstCutSide(std::uint32_t triangle, double h) const {
-  const mesh::Triangle& t = mesh_.triangles[triangle];
-  std::uint32_t side = 0;
-  while (Above(t[side], h) == Above(t[(side + 1) % 3], h)) ++side;
-  return 3 * triangle + side;
-}
-
-std::uint32_t Slicer::OtherCutSide(std::uint32_t half_edge, double h) const {
-  const std::uint32_t triangle = half_edge / 3;
-  const mesh::Triangle& t = mesh_.triangles[triangle];
-  for (std::uint32_t turn = 1; turn < 3; ++turn) {
-    const std::uint32_t side = (half_edge % 3 + turn) % 3;
-    if (Above(t[side], h) != Above(t[(side + 1) % 3], h)) return 3 * triangle + side;
-  }
-  throw PreconditionError("a triangle is entered by a plane and not left");
-}
-
-// From the lower-numbered vertex, so that both triangles of an edge get the same bits.
-Vec3 Slicer::CrossingOf(std::uint32_t half_edge, double h) const {
-  const mesh::Triangle& t = mesh_.triangles[half_edge / 3];
-  std::uint32_t a = t[half_edge % 3], b = t[(half_edge % 3 + 1) % 3];
-  if (a > b) std::swap(a, b);
-  const double part = (h - height_[a]) / (height_[b] - height_[a]);
-  return mesh_.vertices[a] + part * (mesh_.vertices[b] - mesh_.vertices[a]);
-}
-
-// From the triangle of `half_edge`, which was entered by it, on; true when it came back.
-bool Slicer::Walk(std::uint32_t half_edge, double h, std::uint32_t stamp,
-                  PointList& contour) {
-  for (;;) {
-    visited_[half_edge / 3] = stamp;
-    const std::uint32_t out = OtherCutSide(half_edge, h);
-    contour.push_back(CrossingOf(out, h));
-    const std::uint32_t across = neighbours_[out];
-    if (across == kNoNeighbour) return false;
-    if (visited_[across / 3] == stamp) return true;
-    half_edge = across;
-  }
-}
-
-void Slicer::Cut(std::size_t plane, MethodStatistics& statistics, PointList& points) {
-  const double h = planes_[plane];
-  const auto stamp = static_cast<std::uint32_t>(plane + 1);
-  ContourSpacing spacing;
-  spacing.distance_mm = options_.vertex_distance_mm;
-  spacing.insert_end_points = options_.insert_end_points;
-  const double twist = options_.twist_phase_ratio * static_cast<double>(plane);
-  spacing.phase_ratio = twist - std::floor(twist);
-  PointList contour, back;
-  for (std::size_t i = table_begin_[plane]; i < table_begin_[plane + 1]; ++i) {
-    const std::uint32_t triangle = table_[i];
-    if (visited_[triangle] == stamp) continue;
-    const std::uint32_t entry = FirstCutSide(triangle, h);
-    contour.clear();
-    const bool closed = Walk(entry, h, stamp, contour);
-    if (!closed) {
-      // It met an open edge; the other half lies behind the entry.
-      back.assign(1, CrossingOf(entry, h));
-      const std::uint32_t behind = neighbours_[entry];
-      if (behind != kNoNeighbour && visited_[behind / 3] != stamp)
-        Walk(behind, h, stamp, back);
-      std::reverse(back.begin(), back.end());
-      contour.insert(contour.begin(), back.begin(), back.end());
+Status Sections::AddLevel(const HeightRange& range, const ProgressSink& progress,
+                          MethodStatistics& statistics, PointList& points) const {
+  const Interval planes = PlanesIn(range);
+  if (planes.first >= planes.end) return {};
+  const double share =
+      static_cast<double>(planes.end - planes.first) / static_cast<double>(planes_.count);
+  const double expected =
+      share * wall_area_mm2_ / (options_.layer_distance_mm * options_.vertex_distance_mm);
+  if (expected < static_cast<double>(kMaxCandidates)) {
+    const std::size_t needed = points.size() + static_cast<std::size_t>(expected);
+    if (needed > points.capacity()) {
+      points.reserve(std::max(needed, points.capacity() + points.capacity() / 2));
     }
-    ++(closed ? statistics.closed_contour_count : statistics.open_contour_count);
-    AddContourPoints(contour, closed, spacing, points);
   }
+  Status status;
+  Contours contours;
+  tracer_.Trace(planes, contours, [&](std::uint32_t plane) {
+    if (progress && !progress(plane - planes.first, planes.end - planes.first)) {
+      status = Cancelled();
+    }
+    for (const Contour& contour : contours.list) {
+      const ContourSteps steps = StepsOf(contours, contour);
+      if (status) {
+        status = CheckCandidateCount(static_cast<double>(points.size()) +
+                                     static_cast<double>(steps.point_count()));
+      }
+      if (!status) return false;
+      const MeasuredContour part = PartOf(contours, contour);
+      AddSteps(part, steps, 0, part.segment_count(), points);
+      CountContour(contour, statistics);
+    }
+    contours.Clear();
+    return status.has_value();
+  });
+  return status;
+}
+
+Status Sections::AddAslant(const HeightRange& range, const ProgressSink& progress,
+                           MethodStatistics& statistics, PointList& points) const {
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const Stretch& stretch = stretches_[i];
+    // No point of a segment is above or below both of its ends but for rounding.
+    constexpr double kRoundingMm = 1e-9;
+    if (stretch.high_mm + kRoundingMm < range.low_mm ||
+        stretch.low_mm - kRoundingMm >= range.high_mm) {
+      continue;
+    }
+    if (progress && i % 256 == 0 && !progress(i, stretches_.size())) return Cancelled();
+    const Contour& contour = contours_.list[stretch.contour];
+    const MeasuredContour part = PartOf(contours_, contour);
+    if (stretch.begin == 0 && range.Contains(part.points_mm.front().z())) {
+      CountContour(contour, statistics);
+    }
+    const ContourSteps steps = StepsOf(contours_, contour);
+    const double count =
+        (part.arc_mm[stretch.end] - part.arc_mm[stretch.begin]) / steps.step_mm;
+    Status few = CheckCandidateCount(static_cast<double>(points.size()) + count);
+    if (!few) return few;
+    const std::size_t before = points.size();
+    AddSteps(part, steps, stretch.begin, stretch.end, points);
+    const auto outside =
+        std::remove_if(points.begin() + static_cast<std::ptrdiff_t>(before), points.end(),
+                       [&](const Vec3& p) { return !range.Contains(p.z()); });
+    points.erase(outside, points.end());
+  }
+  return {};
+}
+
+Result<MethodStatistics> Sections::AddPoints(const HeightRange& range,
+                                             std::uint32_t source,
+                                             const ProgressSink& progress,
+                                             SpacedCloud& cloud) const {
+  const std::size_t before = cloud.size();
+  MethodStatistics statistics;
+  if (!bounds_.empty() && range.Contains(bounds_.min_mm.z())) statistics = statistics_;
+  const Status made = level_ ? AddLevel(range, progress, statistics, cloud.points_mm)
+                             : AddAslant(range, progress, statistics, cloud.points_mm);
+  if (!made) {
+    cloud.Resize(before);
+    return tl::unexpected(made.error());
+  }
+  cloud.source.resize(cloud.points_mm.size(), source);
+  cloud.spacing_mm.resize(cloud.points_mm.size(), 0);
+  if (cover_) {
+    const auto covered = cover_->AddPoints(range, source, progress, cloud);
+    if (!covered) return tl::unexpected(covered.error());
+  }
+  statistics.point_count = cloud.size() - before;
+  return statistics;
 }
 
 }  // namespace
 
-Result<MethodStatistics> CutSections(const mesh::TriangleMesh& mesh,
-                                     const SectionOptions& options, std::uint32_t source,
-                                     const ProgressSink& progress, PointCloud& cloud) {
+Result<std::unique_ptr<PointSource>> MakeSections(mesh::TriangleMesh mesh,
+                                                  const SectionOptions& options) {
   Require(options.layer_distance_mm > 0 && options.vertex_distance_mm > 0,
           "layer and vertex distance must be positive, are {} and {}",
           options.layer_distance_mm, options.vertex_distance_mm);
-  Slicer slicer(mesh, options);
-  if (const Status few = slicer.ChoosePlanes(); !few) return tl::unexpected(few.error());
-  slicer.FillTable();
-  MethodStatistics statistics;
-  statistics.plane_count = slicer.plane_count();
-  statistics.parallel_area_mm2 = slicer.ParallelArea();
-  const std::size_t before = cloud.size();
-  for (std::size_t plane = 0; plane < slicer.plane_count(); ++plane) {
-    if (progress && !progress(plane, slicer.plane_count())) {
-      return Fail(ErrorCode::kCancelled, "cutting sections was cancelled");
-    }
-    slicer.Cut(plane, statistics, cloud.points_mm);
-    cloud.source.resize(cloud.points_mm.size(), source);
-    const Status few = CheckCandidateCount(static_cast<double>(cloud.size()));
-    if (!few) return tl::unexpected(few.error());
+  Mat3 frame = FrameOf(options.normal);
+  if (options.reference == SectionReference::kObject) frame = options.object_axes * frame;
+  const Vec3 normal = frame.col(2);
+  double low_mm = 0, high_mm = 0;
+  std::vector<double> heights_mm;
+  heights_mm.reserve(mesh.vertices.size());
+  for (const Vec3& v : mesh.vertices) heights_mm.push_back(v.dot(normal));
+  if (!heights_mm.empty()) {
+    const auto [low, high] = std::minmax_element(heights_mm.begin(), heights_mm.end());
+    low_mm = *low;
+    high_mm = *high;
   }
-  statistics.point_count = cloud.size() - before;
-  return statistics;
+  const Result<PlaneStack> planes = StackOver(low_mm, high_mm, options);
+  if (!planes) return tl::unexpected(planes.error());
+  std::vector<std::uint32_t> rank;
+  rank.reserve(heights_mm.size());
+  for (const double height_mm : heights_mm) rank.push_back(planes->RankOf(height_mm));
+  OrderByRank(mesh, rank, planes->count + 1);
+  const std::vector<std::uint32_t> neighbours = EdgeNeighbours(mesh);
+  const FlatFaces flat = FindFlatFaces(mesh, neighbours, normal);
+  auto sections = std::make_unique<Sections>(mesh, options, *planes, std::move(rank),
+                                             frame, neighbours, flat);
+  if (Status traced = sections->TraceAslant(); !traced) {
+    return tl::unexpected(traced.error());
+  }
+  if (Status covered = sections->Cover(flat, mesh.vertices, frame); !covered) {
+    return tl::unexpected(covered.error());
+  }
+  return sections;
 }
 
 }  // namespace intaglio::discretize

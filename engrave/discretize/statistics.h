@@ -15,7 +15,8 @@ struct MethodStatistics {
   std::uint64_t plane_count = 0;              ///< sections
   std::uint64_t closed_contour_count = 0;     ///< sections
   std::uint64_t open_contour_count = 0;       ///< sections: they end at open edges
-  double parallel_area_mm2 = 0;               ///< sections: faces that no plane can cut
+  std::uint64_t parallel_face_count = 0;      ///< sections: faces that no plane can cut
+  double parallel_area_mm2 = 0;               ///< of them
   std::uint64_t small_triangle_count = 0;     ///< fill: smaller than a point, centre only
   std::uint64_t rejected_triangle_count = 0;  ///< fill: without area
   std::uint64_t ray_count = 0;                ///< rays that meet the model
@@ -26,6 +27,7 @@ struct MethodStatistics {
     plane_count += other.plane_count;
     closed_contour_count += other.closed_contour_count;
     open_contour_count += other.open_contour_count;
+    parallel_face_count += other.parallel_face_count;
     parallel_area_mm2 += other.parallel_area_mm2;
     small_triangle_count += other.small_triangle_count;
     rejected_triangle_count += other.rejected_triangle_count;
