@@ -1,0 +1,118 @@
+#include "engrave/drawing/drawing_builder.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "engrave/drawing/pieces.h"
+
+namespace intaglio::drawing {
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 255;
+// Kinds that are told by name; all beyond go under "other".
+constexpr std::size_t kMaxKinds = 64;
+
+bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+}  // namespace
+
+bool DrawingBuilder::Refuse(ErrorCode code, std::string_view place,
+                            std::string_view sentence, std::string_view value) {
+  if (!error_) {
+    error_ = Error{code,
+                   place.empty() ? fmt::format("{}: {}", name_, sentence)
+                                 : fmt::format("{}, {}: {}", name_, place, sentence),
+                   Shown(value)};
+  }
+  return false;
+}
+
+bool DrawingBuilder::CountEntity(std::string_view place) {
+  if (++entities_ <= limits_.max_entities) return true;
+  return Refuse(ErrorCode::kTooLarge, place,
+                fmt::format("more than {} entities, blocks and references unfolded; "
+                            "divide the drawing or raise the limit",
+                            limits_.max_entities));
+}
+
+bool DrawingBuilder::CountUnfolded(std::uint64_t bytes, std::string_view place) {
+  unfolded_bytes_ += bytes;
+  if (unfolded_bytes_ <= limits_.max_unfolded_bytes) return true;
+  return Refuse(ErrorCode::kTooLarge, place,
+                fmt::format("blocks or references unfold to more than {} bytes; explode "
+                            "them in the drawing program or raise the limit",
+                            limits_.max_unfolded_bytes));
+}
+
+bool DrawingBuilder::CountPoints(std::uint64_t points, std::string_view place) {
+  points_ += points;
+  if (points_ <= limits_.max_points) return true;
+  return Refuse(ErrorCode::kTooLarge, place,
+                fmt::format("more than {} points; divide the drawing or raise the limit",
+                            limits_.max_points));
+}
+
+bool DrawingBuilder::Add(Curve curve, std::string_view place) {
+  if (curve.pieces.empty()) return true;
+  std::uint64_t points = 0;
+  for (const Piece& piece : curve.pieces) {
+    points += PointCountOf(piece);
+    if (!WithinReach(piece, limits_.max_coordinate_mm)) {
+      return Refuse(ErrorCode::kInvalidValue, place,
+                    fmt::format("a coordinate is farther from the origin than {} mm; "
+                                "check the unit and the scale of blocks and groups",
+                                limits_.max_coordinate_mm));
+    }
+  }
+  if (!CountPoints(points, place)) return false;
+  drawing_.curves.push_back(std::move(curve));
+  return true;
+}
+
+std::uint32_t DrawingBuilder::NameIndex(std::string_view name) {
+  if (name.empty()) return 0;
+  std::string key(name.substr(0, kMaxNameBytes));
+  const auto next = static_cast<std::uint32_t>(drawing_.names.size());
+  const auto [found, is_new] = name_index_.try_emplace(std::move(key), next);
+  if (is_new) drawing_.names.push_back(found->first);
+  return found->second;
+}
+
+void DrawingBuilder::LeaveOut(std::string_view kind, std::uint64_t count) {
+  std::string key = Shown(kind);
+  auto& left_out = drawing_.left_out;
+  if (left_out.size() >= kMaxKinds && !left_out.contains(key)) key = "other";
+  left_out[key] += count;
+}
+
+Result<Drawing> DrawingBuilder::Take() {
+  if (error_) return tl::unexpected(std::move(*error_));
+  return std::move(drawing_);
+}
+
+std::string Shown(std::string_view text, std::size_t max_bytes) {
+  std::string shown(text.substr(0, max_bytes));
+  for (char& c : shown) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  if (text.size() > max_bytes) shown += "...";
+  return shown;
+}
+
+std::optional<double> NumberOf(std::string_view text) {
+  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  double number = 0;
+  const auto [end, failure] =
+      std::from_chars(text.data(), text.data() + text.size(), number);
+  // Digits below the smallest double are zero to every drawing program.
+  if (failure == std::errc::result_out_of_range && text.find("e-") != text.npos) return 0;
+  if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if (!std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+}  // namespace intaglio::drawing

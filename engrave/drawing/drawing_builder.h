@@ -1,0 +1,68 @@
+#pragma once
+
+// What the readers share: names, limits, and the first error.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "engrave/core/result.h"
+#include "engrave/drawing/drawing.h"
+
+namespace intaglio::drawing {
+
+/// Collects the curves of a file. Every function that may fail returns false and keeps
+/// the first error; the reader then unwinds.
+class DrawingBuilder {
+ public:
+  /// `name` is what errors call the file.
+  DrawingBuilder(std::string_view name, const DrawingLimits& limits)
+      : name_(name), limits_(limits) {}
+
+  /// Error "<name>, <place>: <sentence>". Always false.
+  bool Refuse(ErrorCode code, std::string_view place, std::string_view sentence,
+              std::string_view value = {});
+
+  /// Counts one entity of the limit: each curve, each insertion, each reference.
+  bool CountEntity(std::string_view place);
+  /// Counts bytes that a block or reference makes be read again.
+  bool CountUnfolded(std::uint64_t bytes, std::string_view place);
+  /// Counts points before they are stored.
+  bool CountPoints(std::uint64_t points, std::string_view place);
+
+  /// Adds a curve that CountEntity counted; curves without pieces are passed over. Its
+  /// numbers must be finite and within reach.
+  bool Add(Curve curve, std::string_view place);
+
+  /// The index of the name; names longer than 255 bytes are cut.
+  std::uint32_t NameIndex(std::string_view name);
+
+  /// Notes that something of this kind was left out.
+  void LeaveOut(std::string_view kind, std::uint64_t count = 1);
+
+  const DrawingLimits& limits() const { return limits_; }
+
+  /// The drawing or the first error.
+  Result<Drawing> Take();
+
+ private:
+  std::string name_;
+  DrawingLimits limits_;
+  Drawing drawing_;
+  std::unordered_map<std::string, std::uint32_t> name_index_;
+  std::uint64_t entities_ = 0;
+  std::uint64_t unfolded_bytes_ = 0;
+  std::uint64_t points_ = 0;
+  std::optional<Error> error_;
+};
+
+/// At most `max_bytes` of a text that an error shows, with what is not printable as "?".
+std::string Shown(std::string_view text, std::size_t max_bytes = 40);
+
+/// A decimal number that makes up the whole text but for blanks around it and a plus;
+/// not finite is no number.
+std::optional<double> NumberOf(std::string_view text);
+
+}  // namespace intaglio::drawing

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "engrave/drawing/drawing.h"
+
+namespace intaglio::drawing {
+
+/// Point of the piece at t, 0..1 (NURBS: over its range of knots), mm. Not for a
+/// polyline, whose points are its own.
+Vec3 PointAt(const EllipticArc& arc, double t);
+Vec3 PointAt(const CubicBezier& bezier, double t);
+/// At a knot value u within the range of knots.
+Vec3 PointAtKnot(const Nurbs& nurbs, double u);
+
+Vec3 BeginOf(const Piece& piece);
+Vec3 EndOf(const Piece& piece);
+
+/// Points and control points that make the piece.
+std::size_t PointCountOf(const Piece& piece);
+
+/// p -> linear p + offset, exactly.
+void Transform(const Mat3& linear, const Vec3& offset_mm, Piece& piece);
+void Transform(const Mat3& linear, const Vec3& offset_mm, Drawing& drawing);
+
+/// Whether every number is finite and no point that makes the piece is farther from the
+/// origin than `max_coordinate_mm`.
+bool WithinReach(const Piece& piece, double max_coordinate_mm);
+
+}  // namespace intaglio::drawing
