@@ -26,13 +26,4 @@ ProgressSink Meter::Sink() {
   };
 }
 
-Result<formats::PointTable> ReadPoints(const std::filesystem::path& file) {
-  return file.extension() == ".ply" ? formats::ReadPly(file) : formats::ReadXyz(file);
-}
-
-Status WritePoints(const std::filesystem::path& file, const formats::PointTable& table) {
-  return file.extension() == ".ply" ? formats::WritePly(file, table)
-                                    : formats::WriteXyz(file, table);
-}
-
 }  // namespace intaglio::cli

@@ -3,12 +3,11 @@
 // What the commands without processes have in common.
 
 #include <chrono>
-#include <filesystem>
 #include <string>
 
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
-#include "engrave/formats/point_file.h"
+#include "engrave/formats/point_file_kinds.h"
 #include "services/cli/progress_bar.h"
 
 namespace intaglio::cli {
@@ -34,8 +33,8 @@ class Meter {
   Clock::time_point began_ = Clock::now(), shown_{};
 };
 
-/// By the file's ending: .ply, or else .xyz.
-Result<formats::PointTable> ReadPoints(const std::filesystem::path& file);
-Status WritePoints(const std::filesystem::path& file, const formats::PointTable& table);
+/// Files of points, of the format that the file's ending names.
+using formats::ReadPoints;
+using formats::WritePoints;
 
 }  // namespace intaglio::cli

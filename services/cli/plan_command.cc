@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "engrave/formats/point_file.h"
+#include "engrave/formats/point_file_kinds.h"
 #include "engrave/sort/order.h"
 #include "proto/options.h"
 #include "services/cli/offline_steps.h"
@@ -175,8 +175,11 @@ void AddSort(CLI::App& app, std::function<int()>& selected) {
   auto options = std::make_shared<PathOptions>();
   CLI::App* sort =
       app.add_subcommand("sort", "a cloud of points to the order of engraving");
-  sort->add_option("--cloud", options->input, "points, .ply or .xyz")->required();
-  sort->add_option("--out", options->out, "path.ply or path.xyz")->required();
+  sort->add_option("--cloud", options->input,
+                   "points: " + formats::ReadablePointExtensions())
+      ->required();
+  sort->add_option("--out", options->out, "path: " + formats::WritablePointExtensions())
+      ->required();
   sort->add_option("--csv", options->csv, "the motion's segments, a row a knot");
   sort->add_flag("--json", options->json, "the figures for programs");
   sort->add_option("--materials", options->materials_db,
@@ -194,8 +197,9 @@ void AddSort(CLI::App& app, std::function<int()>& selected) {
 void AddPlan(CLI::App& app, std::function<int()>& selected) {
   auto options = std::make_shared<PathOptions>();
   CLI::App* plan = app.add_subcommand("plan", "the motion along a path, and its figures");
-  plan->add_option("--path", options->input,
-                   "points in the order of engraving, .ply or .xyz")
+  plan->add_option(
+          "--path", options->input,
+          "points in the order of engraving: " + formats::ReadablePointExtensions())
       ->required();
   plan->add_option("--frame", options->frame,
                    "glass (default): the points lie in the block; machine: they are "
@@ -203,7 +207,7 @@ void AddPlan(CLI::App& app, std::function<int()>& selected) {
       ->check(CLI::IsMember({"glass", "machine"}));
   plan->add_option("--csv", options->csv, "the motion's segments, a row a knot");
   plan->add_option("--out", options->out,
-                   "the path again, .xyz, or .ply with the tick of each point");
+                   "the path again; .ply and .scl have the tick of each point");
   plan->add_flag("--compare", options->compare, "a table of all planners");
   plan->add_flag("--json", options->json, "the figures for programs");
   plan->add_option("--materials", options->materials_db,
