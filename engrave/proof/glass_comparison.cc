@@ -3,26 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nanoflann.hpp>
 #include <numeric>
 
 #include "engrave/core/check.h"
+#include "engrave/proof/point_tree.h"
 
 namespace intaglio::proof {
 namespace {
-
-struct PointAdaptor {
-  const PointList& points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][axis]; }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<
-    nanoflann::L2_Simple_Adaptor<double, PointAdaptor>, PointAdaptor, 3, std::uint32_t>;
 
 constexpr double kUmPerMm = 1000;
 
@@ -63,21 +50,20 @@ GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>&
     result.first_tick = cracks[by_tick.front()].tick;
     result.last_tick = cracks[by_tick.back()].tick;
   }
-  const PointAdaptor adaptor{plan_mm};
-  const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const PointTree tree(plan_mm);
   ErrorSums sums;
   for (const std::uint32_t index : by_tick) {
     const Vec3& at = cracks[index].position_mm;
-    std::uint32_t point = 0;
-    double square = std::numeric_limits<double>::infinity();
-    const bool found =
-        !plan_mm.empty() && tree.knnSearch(at.data(), 1, &point, &square) == 1;
-    if (!found || !(square < match_radius_mm * match_radius_mm)) {
+    PointTree::Neighbour nearest;
+    if (!plan_mm.empty()) nearest = tree.Nearest(at);
+    if (!(nearest.square < match_radius_mm * match_radius_mm)) {
       ++result.stray_count;
       continue;
     }
-    if (result.cracks_of_point[point]++ == 0) result.made_order.push_back(point);
-    sums.Add(at - plan_mm[point]);
+    if (result.cracks_of_point[nearest.index]++ == 0) {
+      result.made_order.push_back(nearest.index);
+    }
+    sums.Add(at - plan_mm[nearest.index]);
   }
   for (const std::uint32_t count : result.cracks_of_point) {
     ++(count == 0   ? result.empty_count
@@ -89,15 +75,10 @@ GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>&
 }
 
 double LeastSpacing(const PointList& points_mm) {
-  const PointAdaptor adaptor{points_mm};
-  const Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const PointTree tree(points_mm);
   double least = std::numeric_limits<double>::infinity();
-  if (points_mm.size() < 2) return least;
-  for (const Vec3& p : points_mm) {
-    std::uint32_t index[2];
-    double square[2];
-    tree.knnSearch(p.data(), 2, index, square);
-    least = std::min(least, square[1]);  // the nearest one is the point itself
+  for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
+    least = std::min(least, tree.NearestOther(i).square);
   }
   return std::sqrt(least);
 }

@@ -1,0 +1,255 @@
+#include "engrave/proof/uncovered_disc.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+// Let f(x) be the distance from x to the nearest point. On a triangle with the middle c
+// and corners v, f is bounded by
+//   f(x) <= f(c) + R,  R = max |c - v|         (f changes no faster than x moves)
+//   f(x) <= max |p - v| for any point p        (|x - p| is convex)
+// A triangle whose bound does not exceed what has been found somewhere is done with. The
+// others are halved until few points can be the nearest of any of their places: those
+// with |p - c| <= f(c) + 2 R. Then the triangle is cut into the parts that are nearest to
+// each of them (the cells of Voronoi 1908): on such a part f = |x - p| is convex, and so
+// largest at one of its corners. Triangles are worked off in rounds, those with the
+// largest bounds first; what a round finds counts from the next one on, so that the
+// result does not depend on who does what when.
+
+namespace intaglio::proof {
+namespace {
+
+constexpr std::size_t kMostGathered = 64;  // worth keeping for the halves
+constexpr std::size_t kMostCells = 20;     // worth cutting into cells
+// A cut adds one corner; rounding that adds another finds room, too.
+constexpr std::size_t kMostPolygon = 2 * kMostCells + 8;
+constexpr std::size_t kFirstRound = 256;
+constexpr std::size_t kTrianglesPerTask = 64;
+constexpr std::size_t kBoundsPerTask = 4096;
+constexpr double kSmallest = 1e-3;  // of f(c): below it a bound is good enough
+
+class Search {
+ public:
+  Search(const PointTree& tree, const PointList& points_mm, double found_mm)
+      : tree_(tree), points_mm_(points_mm) {
+    best_.radius_mm = best_.at_most_mm = found_mm;
+  }
+
+  void Visit(const Corners& triangle) { Visit(triangle, {}); }
+  const UncoveredDisc& best() const { return best_; }
+
+ private:
+  using Indices = std::vector<std::uint32_t>;
+
+  struct Middle {
+    Vec3 at_mm;
+    double reach_mm;      // to the farthest corner
+    double nearest_mm;    // f there
+    std::uint32_t point;  // that is the nearest
+  };
+
+  // `known`: all that can be nearest to a place of the triangle; empty: not known.
+  void Visit(const Corners& triangle, std::span<const std::uint32_t> known) {
+    const Middle middle = MiddleOf(triangle, known);
+    Offer(middle.at_mm, middle.nearest_mm);
+    double bound_mm = 0;
+    for (const Vec3& corner : triangle) {
+      bound_mm = std::max(bound_mm, (corner - points_mm_[middle.point]).norm());
+    }
+    bound_mm = std::min(bound_mm, middle.nearest_mm + middle.reach_mm);
+    if (bound_mm <= best_.radius_mm) return;
+    Indices near;
+    const bool few = Gather(middle, known, near);
+    if (few && near.size() <= kMostCells) return CutIntoCells(triangle, middle, near);
+    if (middle.reach_mm <= kSmallest * middle.nearest_mm) {
+      best_.at_most_mm = std::max(best_.at_most_mm, bound_mm);
+      return;
+    }
+    for (const Corners& half : HalvesOf(triangle)) {
+      Visit(half, few ? std::span<const std::uint32_t>(near)
+                      : std::span<const std::uint32_t>());
+    }
+  }
+
+  Middle MiddleOf(const Corners& t, std::span<const std::uint32_t> known) const {
+    Middle middle{(t[0] + t[1] + t[2]) / 3, 0, 0, 0};
+    for (const Vec3& corner : t) {
+      middle.reach_mm = std::max(middle.reach_mm, (corner - middle.at_mm).norm());
+    }
+    if (known.empty()) {
+      const auto nearest = tree_.Nearest(middle.at_mm);
+      middle.point = nearest.index;
+      middle.nearest_mm = std::sqrt(nearest.square);
+      return middle;
+    }
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : known) {
+      const double square = (points_mm_[i] - middle.at_mm).squaredNorm();
+      if (square < least) {
+        least = square;
+        middle.point = i;
+      }
+    }
+    middle.nearest_mm = std::sqrt(least);
+    return middle;
+  }
+
+  // False when they are more than are worth keeping.
+  bool Gather(const Middle& middle, std::span<const std::uint32_t> known,
+              Indices& near) const {
+    // A little more: rounding must not lose a point that is only just near enough.
+    const double reach_mm = (middle.nearest_mm + 2 * middle.reach_mm) * (1 + 1e-12);
+    const double square = reach_mm * reach_mm;
+    if (known.empty()) {
+      tree_.ForEachWithin(middle.at_mm, square, [&](std::uint32_t i, double) {
+        near.push_back(i);
+        return near.size() <= kMostGathered;
+      });
+      return near.size() <= kMostGathered && !near.empty();
+    }
+    for (const std::uint32_t i : known) {
+      if ((points_mm_[i] - middle.at_mm).squaredNorm() <= square) near.push_back(i);
+    }
+    return !near.empty();
+  }
+
+  struct Polygon {
+    std::array<Vec3, kMostPolygon> corners;
+    std::size_t count = 0;
+
+    void Add(const Vec3& corner) {
+      if (count < corners.size()) corners[count++] = corner;
+    }
+    double Farthest(const Vec3& p) const {
+      double square = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        square = std::max(square, (corners[i] - p).squaredNorm());
+      }
+      return std::sqrt(square);
+    }
+  };
+
+  /// The part of the polygon that is not farther from p than from q.
+  static void KeepNearer(const Vec3& p, const Vec3& q, Polygon& polygon) {
+    // |x - q|^2 - |x - p|^2 is linear: 2 (p - q) x + |q|^2 - |p|^2. From their middle it
+    // keeps its digits far from the origin.
+    const Vec3 towards = p - q, between = 0.5 * (p + q);
+    Polygon kept;
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+      const Vec3 &a = polygon.corners[i], &b = polygon.corners[(i + 1) % polygon.count];
+      const double at_a = towards.dot(a - between), at_b = towards.dot(b - between);
+      if (at_a >= 0) kept.Add(a);
+      if ((at_a < 0) != (at_b < 0)) kept.Add(a + at_a / (at_a - at_b) * (b - a));
+    }
+    polygon = kept;
+  }
+
+  void CutIntoCells(const Corners& triangle, const Middle& middle, Indices& near) {
+    // What is near the middle cuts most: the cells of others are gone after a cut or two.
+    std::sort(near.begin(), near.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return (points_mm_[a] - middle.at_mm).squaredNorm() <
+             (points_mm_[b] - middle.at_mm).squaredNorm();
+    });
+    for (const std::uint32_t point : near) {
+      const Vec3& p = points_mm_[point];
+      Polygon cell;
+      for (const Vec3& corner : triangle) cell.Add(corner);
+      for (const std::uint32_t other : near) {
+        if (cell.count == 0 || cell.Farthest(p) <= best_.radius_mm) break;
+        if (other != point) KeepNearer(p, points_mm_[other], cell);
+      }
+      for (std::size_t i = 0; i < cell.count; ++i) {
+        Offer(cell.corners[i], (cell.corners[i] - p).norm());
+      }
+    }
+  }
+
+  void Offer(const Vec3& place_mm, double radius_mm) {
+    if (radius_mm <= best_.radius_mm) return;
+    best_.radius_mm = radius_mm;
+    best_.place_mm = place_mm;
+    best_.at_most_mm = std::max(best_.at_most_mm, radius_mm);
+  }
+
+  const PointTree& tree_;
+  const PointList& points_mm_;
+  UncoveredDisc best_;
+};
+
+/// What a look at the corners and the middle of a triangle says of it.
+struct Bound {
+  double at_most_mm;
+  std::uint32_t triangle;
+};
+
+std::vector<Bound> BoundsOf(const std::vector<Corners>& triangles, const PointTree& tree,
+                            const PointList& points_mm, const Executor& executor,
+                            UncoveredDisc& best) {
+  std::vector<Bound> bounds(triangles.size());
+  std::vector<double> middles_mm(triangles.size());
+  const std::size_t tasks = (triangles.size() + kBoundsPerTask - 1) / kBoundsPerTask;
+  RunEach(executor, tasks, [&](std::size_t task) {
+    const std::size_t end = std::min(triangles.size(), (task + 1) * kBoundsPerTask);
+    for (std::size_t i = task * kBoundsPerTask; i < end; ++i) {
+      const Corners& t = triangles[i];
+      const Vec3 middle = (t[0] + t[1] + t[2]) / 3;
+      const auto nearest = tree.Nearest(middle);
+      double reach_mm = 0, farthest_mm = 0;
+      for (const Vec3& corner : t) {
+        reach_mm = std::max(reach_mm, (corner - middle).norm());
+        farthest_mm = std::max(farthest_mm, (corner - points_mm[nearest.index]).norm());
+      }
+      middles_mm[i] = std::sqrt(nearest.square);
+      bounds[i] = {std::min(farthest_mm, middles_mm[i] + reach_mm),
+                   static_cast<std::uint32_t>(i)};
+    }
+  });
+  const auto most = std::max_element(middles_mm.begin(), middles_mm.end());
+  const Corners& t = triangles[static_cast<std::size_t>(most - middles_mm.begin())];
+  best = {*most, *most, (t[0] + t[1] + t[2]) / 3};
+  return bounds;
+}
+
+}  // namespace
+
+UncoveredDisc LargestUncoveredDisc(const Surface& surface, const PointTree& points,
+                                   const PointList& points_mm, const Executor& executor) {
+  const std::vector<Corners>& triangles = surface.triangles();
+  UncoveredDisc best;
+  std::vector<Bound> open = BoundsOf(triangles, points, points_mm, executor, best);
+  std::size_t begin = 0;
+  for (std::size_t size = kFirstRound; begin < open.size(); size *= 4) {
+    // What earlier rounds have found spares most of the rest.
+    open.erase(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(begin));
+    std::erase_if(open, [&](const Bound& b) { return b.at_most_mm <= best.radius_mm; });
+    const std::size_t count = std::min(size, open.size());
+    std::partial_sort(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(count),
+                      open.end(), [](const Bound& a, const Bound& b) {
+                        return a.at_most_mm != b.at_most_mm ? a.at_most_mm > b.at_most_mm
+                                                            : a.triangle < b.triangle;
+                      });
+    const std::size_t per_task = size == kFirstRound ? 4 : kTrianglesPerTask;
+    std::vector<UncoveredDisc> found((count + per_task - 1) / per_task);
+    RunEach(executor, found.size(), [&](std::size_t task) {
+      Search search(points, points_mm, best.radius_mm);
+      const std::size_t end = std::min(count, (task + 1) * per_task);
+      for (std::size_t i = task * per_task; i < end; ++i) {
+        search.Visit(triangles[open[i].triangle]);
+      }
+      found[task] = search.best();
+    });
+    double at_most_mm = best.at_most_mm;
+    for (const UncoveredDisc& disc : found) {
+      at_most_mm = std::max(at_most_mm, disc.at_most_mm);
+      if (disc.radius_mm > best.radius_mm) best = disc;
+    }
+    best.at_most_mm = at_most_mm;
+    begin = count;
+  }
+  return best;
+}
+
+}  // namespace intaglio::proof
