@@ -10,6 +10,10 @@ double LinearOfSrgb(double value) {
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
 
+double SrgbOfLinear(double light) {
+  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+}
+
 Luminance::Luminance(const ImageOptions& options, bool wide, double gamma)
     : top_(wide ? 65535 : 255),
       background_(static_cast<std::uint64_t>(std::lround(options.background * 65535))) {

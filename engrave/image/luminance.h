@@ -10,8 +10,9 @@
 
 namespace intaglio::image {
 
-/// Linear light of an sRGB value, both 0..1 (IEC 61966-2-1).
+/// Linear light of an sRGB value and back, both 0..1 (IEC 61966-2-1).
 double LinearOfSrgb(double value);
+double SrgbOfLinear(double light);
 
 /// Channels of 8 bits, or of 16 when `wide`. A table a channel.
 class Luminance {
