@@ -32,7 +32,34 @@ constexpr std::array kRanges = {
     FieldRange{"FillMethod", "vertex_distance_mm", 0.01, 100},
     FieldRange{"RaysMethod", "distance_mm", 0.01, 100},
     FieldRange{"RaysMethod", "rotate_deg", -180, 180},
+    FieldRange{"Copies", "count_x", 1, 1000},
+    FieldRange{"Copies", "count_y", 1, 1000},
+    FieldRange{"Copies", "count_z", 1, 1000},
+    FieldRange{"Copies", "step_mm", 0, 1000},
+    FieldRange{"Text", "height_mm", 0.1, 500},
+    FieldRange{"Text", "line_ratio", 0.5, 10},
+    FieldRange{"EvenMethod", "distance_mm", 0.01, 100},
+    FieldRange{"EvenMethod", "shell_depths_mm", 0, 500},
+    FieldRange{"EvenMethod", "light", -1000, 1000},
+    FieldRange{"EvenMethod", "sparse_distance_mm", 0.01, 100},
+    FieldRange{"SolidMethod", "distance_mm", 0.01, 100},
+    FieldRange{"CurvesMethod", "distance_mm", 0.01, 100},
+    FieldRange{"CurvesMethod", "layer_count", 1, 10},
+    FieldRange{"CurvesMethod", "layer_distance_mm", 0, 50},
+    FieldRange{"CurvesMethod", "twist_phase_ratio", 0, 1},
+    FieldRange{"HalftoneMethod", "distance_mm", 0.01, 100},
+    FieldRange{"HalftoneMethod", "threshold_ratio", 0, 1},
+    FieldRange{"HalftoneMethod", "brightness", -1, 1},
+    FieldRange{"HalftoneMethod", "contrast", -1, 1},
+    FieldRange{"HalftoneMethod", "gamma", 0.1, 10},
+    FieldRange{"HalftoneMethod", "layer_count", 1, 10},
+    FieldRange{"HalftoneMethod", "layer_distance_mm", 0.01, 50},
+    FieldRange{"HalftoneMethod", "point_count", 1, 20000000},
+    FieldRange{"ReliefMethod", "depth_mm", 0.1, 500},
+    FieldRange{"ReliefMethod", "distance_mm", 0.01, 100},
+    FieldRange{"ReliefMethod", "gamma", 0.1, 10},
     FieldRange{"Discretization", "min_spacing_mm", 0.02, 10},
+    FieldRange{"Discretization", "height_ratio", 1, 10},
     FieldRange{"KdzOrder", "up_ratio", 0, 100},
     FieldRange{"LayersOrder", "layer_thickness_mm", 0.01, 100},
     FieldRange{"AnnealOrder", "tries_per_point", 0, 1e6},
@@ -94,6 +121,11 @@ double NumberOf(const pb::Message& message, const pb::FieldDescriptor& field, in
   if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32) {
     return repeated ? reflection.GetRepeatedUInt32(message, &field, index)
                     : reflection.GetUInt32(message, &field);
+  }
+  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT64) {
+    return static_cast<double>(repeated
+                                   ? reflection.GetRepeatedUInt64(message, &field, index)
+                                   : reflection.GetUInt64(message, &field));
   }
   return repeated ? reflection.GetRepeatedDouble(message, &field, index)
                   : reflection.GetDouble(message, &field);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -14,14 +13,13 @@
 #include "engrave/optics/machine_frame.h"
 #include "proto/field_ranges.h"
 #include "proto/job_defaults.h"
+#include "proto/model_kind.h"
 
 namespace intaglio {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 8> kModelEndings = {
-    ".stl", ".obj", ".ply", ".3mf", ".glb", ".gltf", ".dae", ".3ds"};
 // A laser line is far narrower; a profile says 532 for 532.1.
 constexpr double kSameWavelengthNm = 0.5;
 
@@ -53,32 +51,56 @@ class Findings {
   std::vector<Error> errors_;
 };
 
-void CheckModelFile(const std::string& file, const std::string& path,
-                    Findings& findings) {
-  if (file.empty()) return findings.Missing(path, "name the model's file");
+void CheckFile(const std::string& file, const std::string& path, Findings& findings) {
+  if (file.empty()) return findings.Missing(path, "name a file");
   std::error_code error;
   const auto status = fs::status(file, error);
   if (!fs::exists(status)) return findings.Wrong(path, file, "does not exist");
-  if (!fs::is_regular_file(status)) return findings.Wrong(path, file, "is not a file");
-  std::string ending = fs::path(file).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (std::find(kModelEndings.begin(), kModelEndings.end(), ending) ==
-      kModelEndings.end()) {
-    findings.Wrong(path, file, "is of no kind that is read: {}",
-                   fmt::join(kModelEndings, " "));
+  if (!fs::is_regular_file(status)) findings.Wrong(path, file, "is not a file");
+}
+
+std::string FieldOf(Model::MethodCase method) {
+  const auto* field = Model::descriptor()->FindFieldByNumber(method);
+  return field == nullptr ? "" : field->name();
+}
+
+void CheckKindAndMethod(const Model& model, const std::string& path, Findings& findings) {
+  const auto kind = KindOf(model);
+  if (!kind) {
+    if (!model.file().empty()) {
+      findings.Wrong(path + ".file", model.file(), "{}", kind.error().message);
+    }
+    return;
+  }
+  const Model::MethodCase method = model.method_case();
+  if (method == Model::METHOD_NOT_SET || Suits(method, *kind)) return;
+  findings.Wrong(path + "." + FieldOf(method), NameOf(*kind),
+                 "has no points by this method; leave it out for the usual one");
+}
+
+void CheckModel(const Model& model, const std::string& path, Findings& findings) {
+  CheckKindAndMethod(model, path, findings);
+  if (model.has_text() && !model.file().empty()) {
+    findings.Wrong(path + ".file", model.file(),
+                   "stands beside a text; make two models of them");
+  }
+  if (model.has_text() && model.text().text().empty()) {
+    findings.Missing(path + ".text.text", "say what is to be written");
+  }
+  if (model.placement().has_fit_block() && !model.placement().fit_block()) {
+    findings.Wrong(path + ".placement.fit_block", false,
+                   "is no fit; say true or leave it out");
   }
 }
 
 void CheckModels(const JobSpec& job, Findings& findings) {
   if (job.models().empty()) findings.Missing("models", "name one model file or more");
+  JobSpec copy = job;
+  ForEachFile(copy, [&](const std::string& file, const std::string& path) {
+    CheckFile(file, path, findings);
+  });
   for (int i = 0; i < job.models_size(); ++i) {
-    const Model& model = job.models(i);
-    CheckModelFile(model.file(), fmt::format("models[{}].file", i), findings);
-    if (model.placement().has_fit_block() && !model.placement().fit_block()) {
-      findings.Wrong(fmt::format("models[{}].placement.fit_block", i), false,
-                     "is no fit; say true or leave it out");
-    }
+    CheckModel(job.models(i), fmt::format("models[{}]", i), findings);
   }
 }
 
@@ -114,12 +136,14 @@ void CheckRoom(const JobSpec& job, Findings& findings) {
 
 // Sort by layers, Trochimczuk 2008 annex E: not thinner than the layers of the sections.
 void CheckLayers(const JobSpec& job, Findings& findings) {
-  if (!job.ordering().has_layers() || !job.discretization().has_sections()) return;
+  if (!job.ordering().has_layers()) return;
   const double thickness_mm = job.ordering().layers().layer_thickness_mm();
-  const double distance_mm = job.discretization().sections().layer_distance_mm();
-  if (thickness_mm < distance_mm) {
-    findings.Wrong("ordering.layers.layer_thickness_mm", thickness_mm,
-                   "is less than the layer distance of the sections, {}", distance_mm);
+  for (const Model& model : job.models()) {
+    const double distance_mm = model.sections().layer_distance_mm();
+    if (thickness_mm >= distance_mm) continue;
+    return findings.Wrong("ordering.layers.layer_thickness_mm", thickness_mm,
+                          "is less than the layer distance of the sections, {}",
+                          distance_mm);
   }
 }
 

@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <string>
+
+#include "proto/model_kind.h"
 
 namespace intaglio {
 namespace {
 
 constexpr double kDefaultMarginMm = 3;  // the source's objects are 3-5 mm smaller
 constexpr double kDefaultFirstLastRatio = 0.1;
+constexpr double kDefaultSparseRatio = 3;
+constexpr double kDefaultReliefMm = 10;
+constexpr double kDefaultTextMm = 5;
 constexpr double kDefaultStageLagS = 0.0002;
 constexpr std::uint32_t kDefaultBaud = 115200;
 // Lens catalogues give focal lengths to 0.01 mm: nearer than this is the same lens.
@@ -20,6 +26,11 @@ Vector3 MakeVector(double x, double y, double z) {
   return v;
 }
 
+std::string NameOf(const Model& model) {
+  return model.has_text() ? model.text().text()
+                          : std::filesystem::path(model.file()).filename().string();
+}
+
 void FillPlacement(Placement& placement) {
   if (!placement.has_unit_mm()) placement.set_unit_mm(1);
   if (!placement.has_scale_ratio())
@@ -29,7 +40,7 @@ void FillPlacement(Placement& placement) {
   if (!placement.has_centre_in_block()) placement.set_centre_in_block(true);
 }
 
-void FillSections(SectionsMethod& sections, double spacing_mm) {
+void Fill(SectionsMethod& sections, double spacing_mm) {
   if (!sections.has_layer_distance_mm()) sections.set_layer_distance_mm(spacing_mm);
   if (!sections.has_vertex_distance_mm()) sections.set_vertex_distance_mm(spacing_mm);
   if (!sections.has_first_last_distance_ratio()) {
@@ -40,26 +51,137 @@ void FillSections(SectionsMethod& sections, double spacing_mm) {
   if (!sections.has_rotate_deg()) *sections.mutable_rotate_deg() = MakeVector(0, 0, 0);
 }
 
+void Fill(FillMethod& fill, double spacing_mm) {
+  if (!fill.has_vertex_distance_mm()) fill.set_vertex_distance_mm(spacing_mm);
+  if (!fill.has_full_fill()) fill.set_full_fill(true);
+}
+
+void Fill(RaysMethod& rays, double spacing_mm) {
+  if (!rays.has_distance_mm()) rays.set_distance_mm(spacing_mm);
+  if (!rays.has_rotate_deg()) *rays.mutable_rotate_deg() = MakeVector(0, 0, 0);
+}
+
+void Fill(EvenMethod& even, double spacing_mm) {
+  if (!even.has_distance_mm()) even.set_distance_mm(spacing_mm);
+  if (even.shell_depths_mm().empty()) even.add_shell_depths_mm(0);
+  if (!even.has_sparse_distance_mm()) {
+    even.set_sparse_distance_mm(kDefaultSparseRatio * even.distance_mm());
+  }
+}
+
+void Fill(SolidMethod& solid, double spacing_mm) {
+  if (!solid.has_distance_mm()) solid.set_distance_mm(spacing_mm);
+}
+
+void Fill(CurvesMethod& curves, double spacing_mm) {
+  if (!curves.has_distance_mm()) curves.set_distance_mm(spacing_mm);
+  if (!curves.has_layer_count()) curves.set_layer_count(1);
+  if (!curves.has_layer_distance_mm()) curves.set_layer_distance_mm(spacing_mm);
+  if (!curves.has_twist_phase_ratio()) curves.set_twist_phase_ratio(0);
+  if (!curves.has_insert_end_points()) curves.set_insert_end_points(true);
+}
+
+void Fill(HalftoneMethod& halftone, double spacing_mm) {
+  if (!halftone.has_distance_mm()) halftone.set_distance_mm(spacing_mm);
+  if (!halftone.has_threshold_ratio()) halftone.set_threshold_ratio(0.5);
+  if (!halftone.has_brightness()) halftone.set_brightness(0);
+  if (!halftone.has_contrast()) halftone.set_contrast(0);
+  if (!halftone.has_gamma()) halftone.set_gamma(1);
+  if (!halftone.has_layer_count()) halftone.set_layer_count(1);
+  if (!halftone.has_layer_distance_mm()) halftone.set_layer_distance_mm(2 * spacing_mm);
+}
+
+void Fill(ReliefMethod& relief, double spacing_mm) {
+  if (!relief.has_depth_mm()) relief.set_depth_mm(kDefaultReliefMm);
+  if (!relief.has_distance_mm()) relief.set_distance_mm(spacing_mm);
+  if (!relief.has_gamma()) relief.set_gamma(1);
+}
+
+/// The method of meshes that say nothing else.
 void FillDiscretization(Discretization& discretization) {
+  if (!discretization.has_height_ratio()) discretization.set_height_ratio(1);
   const double spacing_mm = discretization.min_spacing_mm();
   switch (discretization.method_case()) {
-    case Discretization::kSections:
     case Discretization::METHOD_NOT_SET:
-      FillSections(*discretization.mutable_sections(), spacing_mm);
-      break;
-    case Discretization::kFill: {
-      FillMethod& fill = *discretization.mutable_fill();
-      if (!fill.has_vertex_distance_mm()) fill.set_vertex_distance_mm(spacing_mm);
-      if (!fill.has_full_fill()) fill.set_full_fill(true);
-      break;
-    }
-    case Discretization::kRays: {
-      RaysMethod& rays = *discretization.mutable_rays();
-      if (!rays.has_distance_mm()) rays.set_distance_mm(spacing_mm);
-      if (!rays.has_rotate_deg()) *rays.mutable_rotate_deg() = MakeVector(0, 0, 0);
-      break;
-    }
+    case Discretization::kSections:
+      return Fill(*discretization.mutable_sections(), spacing_mm);
+    case Discretization::kFill:
+      return Fill(*discretization.mutable_fill(), spacing_mm);
+    case Discretization::kRays:
+      return Fill(*discretization.mutable_rays(), spacing_mm);
+    case Discretization::kEven:
+      return Fill(*discretization.mutable_even(), spacing_mm);
+    case Discretization::kSolid:
+      return Fill(*discretization.mutable_solid(), spacing_mm);
   }
+}
+
+void ChooseMethod(Model& model, const Discretization& of_meshes) {
+  const auto kind = KindOf(model);
+  if (!kind) return;  // the check says so
+  if (*kind == ModelKind::kDrawing || *kind == ModelKind::kText) model.mutable_curves();
+  if (*kind == ModelKind::kImage) model.mutable_halftone();
+  if (*kind != ModelKind::kMesh) return;
+  switch (of_meshes.method_case()) {
+    case Discretization::METHOD_NOT_SET:
+      break;
+    case Discretization::kSections:
+      *model.mutable_sections() = of_meshes.sections();
+      break;
+    case Discretization::kFill:
+      *model.mutable_fill() = of_meshes.fill();
+      break;
+    case Discretization::kRays:
+      *model.mutable_rays() = of_meshes.rays();
+      break;
+    case Discretization::kEven:
+      *model.mutable_even() = of_meshes.even();
+      break;
+    case Discretization::kSolid:
+      *model.mutable_solid() = of_meshes.solid();
+      break;
+  }
+}
+
+void FillMethodOf(Model& model, double spacing_mm) {
+  switch (model.method_case()) {
+    case Model::METHOD_NOT_SET:
+      break;
+    case Model::kSections:
+      return Fill(*model.mutable_sections(), spacing_mm);
+    case Model::kFill:
+      return Fill(*model.mutable_fill(), spacing_mm);
+    case Model::kRays:
+      return Fill(*model.mutable_rays(), spacing_mm);
+    case Model::kEven:
+      return Fill(*model.mutable_even(), spacing_mm);
+    case Model::kSolid:
+      return Fill(*model.mutable_solid(), spacing_mm);
+    case Model::kCurves:
+      return Fill(*model.mutable_curves(), spacing_mm);
+    case Model::kHalftone:
+      return Fill(*model.mutable_halftone(), spacing_mm);
+    case Model::kRelief:
+      return Fill(*model.mutable_relief(), spacing_mm);
+  }
+}
+
+void FillModel(Model& model, const Discretization& discretization) {
+  FillPlacement(*model.mutable_placement());
+  if (model.has_text()) {
+    Text& text = *model.mutable_text();
+    if (!text.has_height_mm()) text.set_height_mm(kDefaultTextMm);
+    if (!text.has_line_ratio()) text.set_line_ratio(1.6);
+  }
+  if (model.has_copies()) {
+    Copies& copies = *model.mutable_copies();
+    if (!copies.has_count_x()) copies.set_count_x(1);
+    if (!copies.has_count_y()) copies.set_count_y(1);
+    if (!copies.has_count_z()) copies.set_count_z(1);
+    if (!copies.has_step_mm()) *copies.mutable_step_mm() = MakeVector(0, 0, 0);
+  }
+  if (model.method_case() == Model::METHOD_NOT_SET) ChooseMethod(model, discretization);
+  FillMethodOf(model, discretization.min_spacing_mm());
 }
 
 void FillOrdering(Ordering& ordering, double spacing_mm) {
@@ -129,13 +251,11 @@ const MachineLens* FindLens(const MachineSpec& machine, double focal_length_mm) 
 }
 
 JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
-  if (job.name().empty() && job.models_size() > 0) {
-    job.set_name(std::filesystem::path(job.models(0).file()).filename().string());
-  }
-  for (Model& model : *job.mutable_models()) FillPlacement(*model.mutable_placement());
+  if (job.name().empty() && job.models_size() > 0) job.set_name(NameOf(job.models(0)));
   if (!job.block().has_margin_mm()) job.mutable_block()->set_margin_mm(kDefaultMarginMm);
   FillLens(*job.mutable_lens(), machine);
   FillDiscretization(*job.mutable_discretization());
+  for (Model& model : *job.mutable_models()) FillModel(model, job.discretization());
   FillOrdering(*job.mutable_ordering(), job.discretization().min_spacing_mm());
   FillMotion(*job.mutable_motion(), machine);
   FillLaser(*job.mutable_laser(), machine.laser());

@@ -14,6 +14,7 @@
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/json_position.h"
+#include "proto/model_kind.h"
 
 namespace intaglio {
 namespace {
@@ -149,7 +150,8 @@ Result<JobSpec> ReadJobFile(const fs::path& path) {
   JobSpec job;
   if (auto read = ReadMessage(path, job); !read) return tl::unexpected(read.error());
   const fs::path folder = fs::absolute(path).parent_path();
-  for (Model& model : *job.mutable_models()) MakeAbsolute(*model.mutable_file(), folder);
+  ForEachFile(job,
+              [&](std::string& file, const std::string&) { MakeAbsolute(file, folder); });
   MakeAbsolute(*job.mutable_machine_file(), folder);
   return job;
 }

@@ -37,13 +37,30 @@ discretize::Direction DirectionOf(Axis axis, const Vector3& rotate_deg) {
   return {base, Vec3Of(rotate_deg) * kRadPerDeg};
 }
 
-discretize::SectionOptions SectionOptionsOf(const SectionsMethod& asked) {
+discretize::SectionOptions SectionOptionsOf(const SectionsMethod& asked,
+                                            const Placement& placement) {
   Require(asked.has_layer_distance_mm() && asked.has_insert_end_points(),
           "the job's defaults are not filled in");
-  return {
-      asked.layer_distance_mm(),         asked.vertex_distance_mm(),
-      asked.first_last_distance_ratio(), asked.twist_phase_ratio(),
-      asked.insert_end_points(),         DirectionOf(asked.axis(), asked.rotate_deg())};
+  discretize::SectionOptions options;
+  options.layer_distance_mm = asked.layer_distance_mm();
+  options.vertex_distance_mm = asked.vertex_distance_mm();
+  options.first_last_distance_ratio = asked.first_last_distance_ratio();
+  options.twist_phase_ratio = asked.twist_phase_ratio();
+  options.insert_end_points = asked.insert_end_points();
+  options.normal = DirectionOf(asked.axis(), asked.rotate_deg());
+  options.reference = asked.system() == COORDINATE_SYSTEM_WORLD
+                          ? discretize::SectionReference::kWorld
+                          : discretize::SectionReference::kObject;
+  if (asked.system() == COORDINATE_SYSTEM_OBJECT) {
+    // Its columns are the turned axes x, y, z.
+    options.object_axes = mesh::RotationOf(Vec3Of(placement.rotate_deg()) * kRadPerDeg);
+  }
+  options.parallel_faces = asked.parallel_faces() == PARALLEL_FACES_COVER
+                               ? discretize::ParallelFaces::kCover
+                           : asked.parallel_faces() == PARALLEL_FACES_REPORT
+                               ? discretize::ParallelFaces::kReport
+                               : discretize::ParallelFaces::kIgnore;
+  return options;
 }
 
 }  // namespace
@@ -80,33 +97,27 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
   result.fit = FitOf(placement, block);
   result.move_mm = Vec3Of(placement.move_mm());
   result.centre_in_block = placement.centre_in_block();
+  result.pivot = placement.pivot() == PIVOT_OBJECT  ? mesh::Pivot::kObject
+                 : placement.pivot() == PIVOT_BLOCK ? mesh::Pivot::kBlock
+                                                    : mesh::Pivot::kOrigin;
   return result;
 }
 
-discretize::DiscretizeOptions DiscretizeOptionsOf(const JobSpec& job) {
-  const Discretization& asked = job.discretization();
-  discretize::DiscretizeOptions options;
-  options.min_spacing_mm = asked.min_spacing_mm();
-  options.permitted_mm = PermittedBoxOf(job);
-  options.clip = job.block().clip();
-  switch (asked.method_case()) {
-    case Discretization::kSections:
-      options.method = discretize::Method::kSections;
-      options.sections = SectionOptionsOf(asked.sections());
-      break;
-    case Discretization::kFill:
-      options.method = discretize::Method::kFill;
-      options.fill = {asked.fill().vertex_distance_mm(), asked.fill().full_fill()};
-      break;
-    case Discretization::kRays:
-      options.method = discretize::Method::kRays;
-      options.rays = {asked.rays().distance_mm(),
-                      DirectionOf(asked.rays().axis(), asked.rays().rotate_deg())};
-      break;
-    case Discretization::METHOD_NOT_SET:
-      Require(false, "the job's defaults are not filled in");
+discretize::MeshMethod MeshMethodOf(const Model& model) {
+  switch (model.method_case()) {
+    case Model::kSections:
+      return SectionOptionsOf(model.sections(), model.placement());
+    case Model::kFill:
+      return discretize::FillOptions{model.fill().vertex_distance_mm(),
+                                     model.fill().full_fill()};
+    case Model::kRays:
+      return discretize::RayOptions{
+          model.rays().distance_mm(),
+          DirectionOf(model.rays().axis(), model.rays().rotate_deg()),
+          model.rays().interior_only()};
+    default:
+      throw PreconditionError("a mesh has no method: the defaults are not filled in");
   }
-  return options;
 }
 
 sort::BeamCone BeamConeOf(const FrozenJob& job) {

@@ -31,8 +31,8 @@ Box3 PermittedBoxOf(const JobSpec& job);
 /// The way of a model into the job's block.
 mesh::Placement PlacementOf(const Placement& placement, const Block& block);
 
-/// Method, spacing, bounds and clip.
-discretize::DiscretizeOptions DiscretizeOptionsOf(const JobSpec& job);
+/// How a mesh of a job becomes points.
+discretize::MeshMethod MeshMethodOf(const Model& model);
 
 /// The beam above a point, and what the cracks of the job's lens take of it.
 sort::BeamCone BeamConeOf(const FrozenJob& job);

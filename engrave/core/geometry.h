@@ -31,6 +31,10 @@ struct Box3 {
     min_mm = min_mm.cwiseMin(p_mm);
     max_mm = max_mm.cwiseMax(p_mm);
   }
+  void Extend(const Box3& other) {
+    min_mm = min_mm.cwiseMin(other.min_mm);
+    max_mm = max_mm.cwiseMax(other.max_mm);
+  }
   bool Contains(const Vec3& p_mm) const {
     return (p_mm.array() >= min_mm.array()).all() &&
            (p_mm.array() <= max_mm.array()).all();

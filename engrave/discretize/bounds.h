@@ -6,6 +6,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
+#include "engrave/discretize/spaced_cloud.h"
 
 namespace intaglio::discretize {
 
@@ -19,12 +20,14 @@ struct BoundsReport {
   /// By side: below x, above x, below y, above y, below z, above z.
   std::array<std::uint64_t, 6> side_count{};
   std::array<double, 6> side_excess_mm{};  ///< the farthest of each
+
+  void Add(const BoundsReport& other);
 };
 
-BoundsReport CheckBounds(const PointList& points_mm, const Box3& permitted_mm);
+/// Takes the points outside out of the cloud, and tells of them.
+BoundsReport TakeOutside(const Box3& permitted_mm, SpacedCloud& cloud);
 
-/// The points that lie in the block minus its margin. If any do not: kOutsideBlock with
-/// how many, on which sides and by how much, unless `clip` drops them.
-Result<PointCloud> KeepInside(PointCloud cloud, const Box3& permitted_mm, bool clip);
+/// kOutsideBlock: how many of the points, on which sides and by how much.
+Error OutsideBlock(const BoundsReport& report, std::uint64_t point_count);
 
 }  // namespace intaglio::discretize

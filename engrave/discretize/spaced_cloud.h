@@ -22,10 +22,11 @@ struct SpacedCloud {
     source.push_back(source_index);
     spacing_mm.push_back(own_spacing_mm);
   }
-  void Clear() {
-    points_mm.clear();
-    source.clear();
-    spacing_mm.clear();
+  /// New points, if any, are zero.
+  void Resize(std::size_t count) {
+    points_mm.resize(count, Vec3::Zero());
+    source.resize(count);
+    spacing_mm.resize(count);
   }
 };
 

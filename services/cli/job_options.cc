@@ -8,11 +8,10 @@
 #include <cctype>
 #include <cmath>
 
-#include "engrave/mesh/mesh_import.h"
-#include "engrave/mesh/placement.h"
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/job_file.h"
+#include "proto/model_sources.h"
 #include "proto/options.h"
 #include "services/cli/child_process.h"
 
@@ -170,19 +169,17 @@ std::vector<double> BlockFor(const Vec3& size_mm) {
 
 // Without a block the objects decide: their joint size and a margin, in whole steps.
 Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine) {
-  Vec3 size = Vec3::Zero();
   JobSpec complete = job;
   Set(complete.mutable_block()->mutable_size_mm(),
       {kAnyBlockMm, kAnyBlockMm, kAnyBlockMm});
-  complete = WithDefaults(complete, machine);
-  for (const Model& model : complete.models()) {
-    auto mesh = mesh::ImportMesh(model.file());
-    if (!mesh) return tl::unexpected(mesh.error());
-    auto placed = mesh::PlaceInBlock(
-        *mesh, PlacementOf(model.placement(), complete.block()), BlockSizeOf(complete));
-    if (!placed) return tl::unexpected(placed.error());
-    size = size.cwiseMax(placed->Bounds().size_mm());
+  for (const Model& model : job.models()) {
+    if (!model.placement().has_fit_block()) continue;
+    return Fail(ErrorCode::kMissing,
+                model.file() + " is to fill the block: give its size with --block");
   }
+  const auto measured = SizeOf(WithDefaults(complete, machine));
+  if (!measured) return tl::unexpected(measured.error());
+  const Vec3& size = *measured;
   const std::vector<double> block = BlockFor(size);
   Set(job.mutable_block()->mutable_size_mm(), block);
   return fmt::format(

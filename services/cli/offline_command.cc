@@ -6,19 +6,19 @@
 #include <iostream>
 #include <memory>
 
-#include "engrave/discretize/methods.h"
-#include "engrave/formats/point_file.h"
-#include "engrave/mesh/mesh_diagnosis.h"
-#include "engrave/mesh/mesh_import.h"
+#include "engrave/discretize/cloud.h"
+#include "engrave/formats/point_file_kinds.h"
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
-#include "proto/options.h"
+#include "proto/discretize_outcome.h"
+#include "proto/model_sources.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline_steps.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_folder.h"
 #include "services/cli/run_command.h"
+#include "services/host/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {
@@ -32,31 +32,27 @@ struct OfflineOptions {
   bool json = false;
 };
 
-Result<std::vector<mesh::TriangleMesh>> PlaceModels(const JobSpec& job) {
-  std::vector<mesh::TriangleMesh> placed;
-  for (const Model& model : job.models()) {
-    auto imported = mesh::ImportMesh(model.file());
-    if (!imported) return tl::unexpected(imported.error());
-    for (const std::string& warning : mesh::Warnings(
-             mesh::Diagnose(*imported), fs::path(model.file()).filename().string())) {
-      std::cerr << "warning    " << warning << "\n";
-    }
-    auto in_block = mesh::PlaceInBlock(
-        *imported, PlacementOf(model.placement(), job.block()), BlockSizeOf(job));
-    if (!in_block) return tl::unexpected(in_block.error());
-    placed.push_back(std::move(*in_block));
+/// The job's points, made here in one process.
+Result<discretize::Discretized> MakePoints(const JobSpec& job) {
+  auto files = ReadFilesOf(job);
+  if (!files) return tl::unexpected(files.error());
+  Meter meter("discretize");
+  auto sources = MakeSources(job, std::move(*files), meter.Sink());
+  if (!sources) return tl::unexpected(sources.error());
+  auto made = discretize::MakeCloud(sources->sources, CloudOptionsOf(job), {},
+                                    host::AllCores(), meter.Sink());
+  if (!made) return made;
+  if (made->cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
+  for (const std::string& warning : WarningsOf(OutcomeOf(*sources, *made, {}), job)) {
+    std::cerr << "warning    " << warning << "\n";
   }
-  return placed;
+  return made;
 }
 
 int DiscretizeOffline(const OfflineOptions& options) {
   const auto job = BuildJob(options.job);
   if (!job) return Complain(job.error(), kExitWrongInput);
-  const auto models = PlaceModels(job->job);
-  if (!models) return Complain(models.error(), kExitWrongInput);
-  Meter meter("discretize");
-  const auto cloud =
-      discretize::Discretize(*models, DiscretizeOptionsOf(job->job), meter.Sink());
+  const auto cloud = MakePoints(job->job);
   if (!cloud) return Complain(cloud.error(), kExitWrongInput);
   formats::PointTable table;
   table.points_mm = cloud->cloud.points_mm;
@@ -117,7 +113,9 @@ void AddOfflineCommands(CLI::App& app, std::function<int()>& selected) {
   };
   CLI::App* discretize = app.add_subcommand("discretize", "models to a cloud of points");
   AddJobFlags(*discretize, options->job);
-  discretize->add_option("--out", options->out, "cloud.ply or cloud.xyz")->required();
+  discretize
+      ->add_option("--out", options->out, "cloud: " + formats::WritablePointExtensions())
+      ->required();
   discretize->footer(
       "Example: intaglio discretize --mesh bunny.obj --height 40 --spacing 0.1 --out "
       "cloud.ply");
@@ -132,7 +130,10 @@ void AddOfflineCommands(CLI::App& app, std::function<int()>& selected) {
   verify->callback(choose(VerifyOffline));
 
   CLI::App* render = app.add_subcommand("render", "a picture of a cloud of points");
-  render->add_option("CLOUD", options->input, ".ply or .xyz")->required();
+  render
+      ->add_option("CLOUD", options->input,
+                   "points: " + formats::ReadablePointExtensions())
+      ->required();
   render->add_option("--block", options->block_mm, "block size x y z, mm")->expected(3);
   render->add_option("--out", options->out, "picture.png")->required();
   render->footer("Example: intaglio render cloud.ply --block 50 50 50 --out picture.png");

@@ -18,6 +18,7 @@
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
 #include "engrave/sort/shadow.h"
+#include "proto/discretize_outcome.h"
 #include "services/cli/progress_bar.h"
 
 namespace intaglio::cli {
@@ -301,8 +302,9 @@ void AddOutcomes(const ProofInputs& inputs, JobReport& report) {
   report.set_ended_utc(inputs.ended_utc);
   report.set_wall_time_s(inputs.wall_time_s);
   for (const std::string& warning : inputs.warnings) report.add_warnings(warning);
-  for (const std::string& warning : report.discretize().warnings())
+  for (const std::string& warning : WarningsOf(report.discretize(), report.job())) {
     report.add_warnings(warning);
+  }
 }
 
 }  // namespace

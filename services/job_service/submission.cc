@@ -8,6 +8,7 @@
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/job_file.h"
+#include "proto/model_kind.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -20,12 +21,12 @@ void RequireAbsolute(const std::string& path, const std::string& field,
                     fmt::format("{}: {} has to be an absolute path", field, path), path});
 }
 
-std::vector<Error> CheckPaths(const JobSpec& job) {
+std::vector<Error> CheckPaths(JobSpec& job) {
   std::vector<Error> errors;
   RequireAbsolute(job.machine_file(), "machine_file", errors);
-  for (int i = 0; i < job.models_size(); ++i) {
-    RequireAbsolute(job.models(i).file(), fmt::format("models[{}].file", i), errors);
-  }
+  ForEachFile(job, [&](const std::string& file, const std::string& field) {
+    RequireAbsolute(file, field, errors);
+  });
   return errors;
 }
 

@@ -7,6 +7,7 @@
 #include "engrave/core/check.h"
 #include "engrave/motion/profiles.h"
 #include "proto/job_defaults.h"
+#include "proto/model_sources.h"
 #include "tests/proto/test_job.h"
 
 namespace intaglio {
@@ -117,39 +118,69 @@ TEST(Options, OptionalLimitsAreForTheMotionThatDoesNotStop) {
   EXPECT_EQ(stopping.tolerance_mm, 0);
 }
 
-TEST(Options, DiscretizationOfEveryMethod) {
+discretize::MeshMethod MethodOf(const JobSpec& job) {
+  return MeshMethodOf(WithDefaults(job, GoodMachine()).models(0));
+}
+
+TEST(Options, AMeshTakesTheMethodOfTheJob) {
   JobSpec job = GoodJob();
-  job.mutable_block()->set_clip(true);
-  auto& sections = *job.mutable_discretization()->mutable_sections();
-  sections.set_axis(AXIS_X);
-  sections.mutable_rotate_deg()->set_y(45);
-  sections.set_layer_distance_mm(0.5);
-  sections.set_twist_phase_ratio(0.25);
-  auto options = DiscretizeOptionsOf(WithDefaults(job, GoodMachine()));
-  EXPECT_EQ(options.method, discretize::Method::kSections);
-  EXPECT_EQ(options.min_spacing_mm, 0.3);
-  EXPECT_TRUE(options.clip);
-  EXPECT_EQ(options.permitted_mm.max_mm, Vec3(47, 47, 27));
-  EXPECT_EQ(options.sections.layer_distance_mm, 0.5);
-  EXPECT_EQ(options.sections.vertex_distance_mm, 0.3);
-  EXPECT_EQ(options.sections.first_last_distance_ratio, 0.1);
-  EXPECT_EQ(options.sections.twist_phase_ratio, 0.25);
-  EXPECT_TRUE(options.sections.insert_end_points);
-  EXPECT_EQ(options.sections.normal.axis, discretize::Axis::kX);
-  EXPECT_DOUBLE_EQ(options.sections.normal.rotation_rad.y(), std::numbers::pi / 4);
+  auto& asked = *job.mutable_discretization()->mutable_sections();
+  asked.set_axis(AXIS_X);
+  asked.mutable_rotate_deg()->set_y(45);
+  asked.set_layer_distance_mm(0.5);
+  asked.set_twist_phase_ratio(0.25);
+  asked.set_system(COORDINATE_SYSTEM_WORLD);
+  asked.set_parallel_faces(PARALLEL_FACES_REPORT);
+  const auto sections = std::get<discretize::SectionOptions>(MethodOf(job));
+  EXPECT_EQ(sections.layer_distance_mm, 0.5);
+  EXPECT_EQ(sections.vertex_distance_mm, 0.3);
+  EXPECT_EQ(sections.first_last_distance_ratio, 0.1);
+  EXPECT_EQ(sections.twist_phase_ratio, 0.25);
+  EXPECT_TRUE(sections.insert_end_points);
+  EXPECT_EQ(sections.normal.axis, discretize::Axis::kX);
+  EXPECT_DOUBLE_EQ(sections.normal.rotation_rad.y(), std::numbers::pi / 4);
+  EXPECT_EQ(sections.reference, discretize::SectionReference::kWorld);
+  EXPECT_EQ(sections.parallel_faces, discretize::ParallelFaces::kReport);
+  EXPECT_EQ(sections.object_axes, Mat3(Mat3::Identity()));
 
   job.mutable_discretization()->mutable_fill()->set_full_fill(false);
-  options = DiscretizeOptionsOf(WithDefaults(job, GoodMachine()));
-  EXPECT_EQ(options.method, discretize::Method::kFill);
-  EXPECT_EQ(options.fill.vertex_distance_mm, 0.3);
-  EXPECT_FALSE(options.fill.full_fill);
+  const auto fill = std::get<discretize::FillOptions>(MethodOf(job));
+  EXPECT_EQ(fill.vertex_distance_mm, 0.3);
+  EXPECT_FALSE(fill.full_fill);
 
   job.mutable_discretization()->mutable_rays()->set_axis(AXIS_Y);
-  options = DiscretizeOptionsOf(WithDefaults(job, GoodMachine()));
-  EXPECT_EQ(options.method, discretize::Method::kRays);
-  EXPECT_EQ(options.rays.distance_mm, 0.3);
-  EXPECT_EQ(options.rays.direction.axis, discretize::Axis::kY);
-  EXPECT_THROW(DiscretizeOptionsOf(GoodJob()), PreconditionError);
+  job.mutable_discretization()->mutable_rays()->set_interior_only(true);
+  const auto rays = std::get<discretize::RayOptions>(MethodOf(job));
+  EXPECT_EQ(rays.distance_mm, 0.3);
+  EXPECT_EQ(rays.direction.axis, discretize::Axis::kY);
+  EXPECT_TRUE(rays.interior_only);
+  EXPECT_THROW(MeshMethodOf(GoodJob().models(0)), PreconditionError);
+}
+
+TEST(Options, AModelsOwnMethodStandsBeforeTheJobs) {
+  JobSpec job = GoodJob();
+  job.mutable_discretization()->mutable_rays();
+  job.mutable_models(0)->mutable_fill()->set_vertex_distance_mm(0.7);
+  EXPECT_EQ(std::get<discretize::FillOptions>(MethodOf(job)).vertex_distance_mm, 0.7);
+}
+
+TEST(Options, AxesOfTheObjectTurnWithIt) {
+  JobSpec job = GoodJob();
+  job.mutable_models(0)->mutable_placement()->mutable_rotate_deg()->set_x(90);
+  job.mutable_discretization()->mutable_sections()->set_system(COORDINATE_SYSTEM_OBJECT);
+  const auto sections = std::get<discretize::SectionOptions>(MethodOf(job));
+  EXPECT_EQ(Vec3(sections.object_axes.col(2)), Vec3(0, -1, 0));
+}
+
+TEST(Options, WeldBoundsAndClip) {
+  JobSpec job = GoodJob();
+  job.mutable_block()->set_clip(true);
+  job.mutable_discretization()->set_height_ratio(1.5);
+  const auto options = CloudOptionsOf(WithDefaults(job, GoodMachine()));
+  EXPECT_EQ(options.weld.min_spacing_mm, 0.3);
+  EXPECT_EQ(options.weld.height_ratio, 1.5);
+  EXPECT_TRUE(options.clip);
+  EXPECT_EQ(options.permitted_mm.max_mm, Vec3(47, 47, 27));
 }
 
 TEST(Options, OrderFollowsTheCone) {

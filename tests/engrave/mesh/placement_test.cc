@@ -191,5 +191,25 @@ TEST(Placement, RefusesValuesOutsideTheirRanges) {
   EXPECT_THROW((void)PlaceInBlock({}, Placement{}, kBlock), PreconditionError);
 }
 
+TEST(Placement, ThePivotStaysWhereItIs) {
+  const PointList vertices = {{1, 2, 3}, {5, 2, 3}, {1, 8, 4}};
+  Placement placement;
+  placement.unit_mm = 2;
+  placement.centre_in_block = false;
+  placement.rotation_rad = Vec3(0.3, -0.7, 1.1);
+  placement.fit = FitLargest{40};
+  placement.mirror_y = true;
+  const Vec3 object_mm = 2 * Vec3(3, 5, 3.5);
+  const std::pair<Pivot, Vec3> cases[] = {{Pivot::kOrigin, Vec3::Zero()},
+                                          {Pivot::kObject, object_mm},
+                                          {Pivot::kBlock, 0.5 * kBlock}};
+  for (const auto& [pivot, at_mm] : cases) {
+    placement.pivot = pivot;
+    const auto transform = GlassFromModelOf(vertices, placement, kBlock);
+    ASSERT_TRUE(transform.has_value());
+    EXPECT_LT((transform->Apply(at_mm / placement.unit_mm) - at_mm).norm(), kRoundingMm);
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::mesh

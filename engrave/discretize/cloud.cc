@@ -1,0 +1,147 @@
+#include "engrave/discretize/cloud.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engrave/core/check.h"
+#include "engrave/core/shared_progress.h"
+#include "engrave/discretize/bounds.h"
+
+namespace intaglio::discretize {
+namespace {
+
+// A seam, what lies below the next, and the next one's seam.
+constexpr std::uint64_t kWeldsPerSlab = 3;
+
+struct SlabResult {
+  SpacedCloud kept;
+  std::uint64_t candidate_count = 0;
+  std::uint64_t welded_count = 0;
+  BoundsReport outside;
+  std::vector<MethodStatistics> models;
+};
+
+/// How far points of the job reach in height.
+double ReachOf(const Sources& sources, const WeldOptions& weld) {
+  double reach_mm = weld.min_spacing_mm * weld.height_ratio;
+  for (const auto& source : sources) reach_mm = std::max(reach_mm, source->MaxSpacing());
+  return reach_mm;
+}
+
+Box3 BoundsOf(const Sources& sources) {
+  Box3 bounds;
+  for (const auto& source : sources) bounds.Extend(source->Bounds());
+  return bounds;
+}
+
+void Append(const SpacedCloud& from, SpacedCloud& to) {
+  to.points_mm.insert(to.points_mm.end(), from.points_mm.begin(), from.points_mm.end());
+  to.source.insert(to.source.end(), from.source.begin(), from.source.end());
+  to.spacing_mm.insert(to.spacing_mm.end(), from.spacing_mm.begin(),
+                       from.spacing_mm.end());
+}
+
+class SlabMaker {
+ public:
+  SlabMaker(const Sources& sources, const CloudOptions& options, const Slabs& slabs,
+            SharedProgress& progress)
+      : sources_(sources), options_(options), slabs_(slabs), progress_(progress) {}
+
+  Result<SlabResult> Make(std::size_t slab) const {
+    SlabResult result;
+    result.models.resize(sources_.size());
+    auto lower = Welded(slabs_.Seam(slab), {}, result);
+    if (!lower) return tl::unexpected(lower.error());
+    SpacedCloud taken = *lower;
+    if (slab + 1 < slabs_.count()) {
+      SlabResult of_next;  // who makes that slab counts it
+      of_next.models.resize(sources_.size());
+      const auto upper = Welded(slabs_.Seam(slab + 1), {}, of_next);
+      if (!upper) return tl::unexpected(upper.error());
+      Append(*upper, taken);
+    }
+    const auto between = Welded(slabs_.Between(slab), taken, result);
+    if (!between) return tl::unexpected(between.error());
+    result.kept = std::move(*lower);
+    Append(*between, result.kept);
+    return result;
+  }
+
+ private:
+  Result<SpacedCloud> Welded(const HeightRange& range, const SpacedCloud& taken,
+                             SlabResult& result) const {
+    SpacedCloud candidates;
+    for (std::uint32_t i = 0; i < sources_.size(); ++i) {
+      const auto goes_on = [this](std::uint64_t, std::uint64_t) {
+        return progress_.GoesOn(0);
+      };
+      const auto added = sources_[i]->AddPoints(range, i, goes_on, candidates);
+      if (!added) return tl::unexpected(added.error());
+      result.models[i].Add(*added);
+    }
+    const std::size_t offered = candidates.size();
+    result.outside.Add(TakeOutside(options_.permitted_mm, candidates));
+    if (!progress_.GoesOn(1)) return Cancelled();
+    result.candidate_count += offered;
+    SpacedCloud kept = Weld(candidates, options_.weld, taken);
+    result.welded_count += candidates.size() - kept.size();
+    return kept;
+  }
+
+  static tl::unexpected<Error> Cancelled() {
+    return Fail(ErrorCode::kCancelled, "making the points was cancelled");
+  }
+
+  const Sources& sources_;
+  const CloudOptions& options_;
+  const Slabs& slabs_;
+  SharedProgress& progress_;
+};
+
+void AppendTo(Discretized& all, SlabResult&& slab) {
+  all.candidate_count += slab.candidate_count;
+  all.clipped_count += slab.outside.outside_count;
+  all.welded_count += slab.welded_count;
+  for (std::size_t i = 0; i < slab.models.size(); ++i) all.models[i].Add(slab.models[i]);
+  PointCloud& cloud = all.cloud;
+  cloud.points_mm.insert(cloud.points_mm.end(), slab.kept.points_mm.begin(),
+                         slab.kept.points_mm.end());
+  cloud.source.insert(cloud.source.end(), slab.kept.source.begin(),
+                      slab.kept.source.end());
+  slab = {};
+}
+
+}  // namespace
+
+Result<Discretized> MakeCloud(const Sources& sources, const CloudOptions& options,
+                              const Part& part, const Executor& executor,
+                              const ProgressSink& progress) {
+  Require(part.index < part.count, "there is no part {} of {}", part.index, part.count);
+  const Slabs slabs(BoundsOf(sources), ReachOf(sources, options.weld));
+  const std::size_t begin = part.Begin(slabs.count()), end = part.End(slabs.count());
+  SharedProgress shared(progress, kWeldsPerSlab * (end - begin));
+  const SlabMaker maker(sources, options, slabs, shared);
+  std::vector<Result<SlabResult>> made(end - begin);
+  RunEach(executor, made.size(), [&](std::size_t i) { made[i] = maker.Make(begin + i); });
+  Discretized all;
+  all.models.resize(sources.size());
+  BoundsReport outside;
+  for (Result<SlabResult>& slab : made) {
+    if (!slab) return tl::unexpected(slab.error());
+    outside.Add(slab->outside);
+    AppendTo(all, std::move(*slab));
+  }
+  if (outside.outside_count > 0 && !options.clip) {
+    return tl::unexpected(OutsideBlock(outside, all.candidate_count));
+  }
+  return all;
+}
+
+Error NoPoints() {
+  return {ErrorCode::kMissing,
+          "no points came out: the model is empty, lies outside the block, or is smaller "
+          "than the distances asked for",
+          ""};
+}
+
+}  // namespace intaglio::discretize

@@ -1,0 +1,47 @@
+#pragma once
+
+// From the sources of a job to its cloud: candidates, bounds, weld, slab by slab. Memory
+// grows with the points, and with the candidates of the slabs that are being made.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engrave/core/executor.h"
+#include "engrave/core/progress.h"
+#include "engrave/core/result.h"
+#include "engrave/discretize/point_source.h"
+#include "engrave/discretize/slabs.h"
+#include "engrave/discretize/weld.h"
+
+namespace intaglio::discretize {
+
+struct CloudOptions {
+  WeldOptions weld;   ///< over the whole block
+  Box3 permitted_mm;  ///< the block minus its margin, glass frame
+  bool clip = false;  ///< drop points outside instead of failing
+};
+
+struct Discretized {
+  PointCloud cloud;  ///< glass frame; from the lowest point up
+  std::uint64_t candidate_count = 0;
+  std::uint64_t clipped_count = 0;
+  std::uint64_t welded_count = 0;        ///< left out by the weld
+  std::vector<MethodStatistics> models;  ///< one a source
+};
+
+using Sources = std::vector<std::unique_ptr<PointSource>>;
+
+/// The points of a part of the job; those of all parts, one after another, are the cloud,
+/// bit for bit, whatever the number of parts and workers, and the counts add up. A
+/// point's source is the index of its PointSource. Errors: kOutsideBlock,
+/// kCancelled, those of the sources. A part may have no points.
+Result<Discretized> MakeCloud(const Sources& sources, const CloudOptions& options,
+                              const Part& part, const Executor& executor,
+                              const ProgressSink& progress);
+
+/// kMissing, with the remedy, for a job that no point came of.
+Error NoPoints();
+
+}  // namespace intaglio::discretize

@@ -1,0 +1,53 @@
+#include "engrave/discretize/slabs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::discretize {
+namespace {
+
+// A seam is made twice and a front of points ends at each: with this many of its
+// thicknesses between two of them, that is one layer in thirty.
+constexpr double kSeamsPerSlab = 32;
+// Enough for every machine, and few enough that the cut costs nothing.
+constexpr double kMostSlabs = 256;
+// So much more than the reach: two points this far apart in height are never too near,
+// whatever rounding did to them.
+constexpr double kSeamAllowance = 1 + 1e-6;
+
+}  // namespace
+
+Slabs::Slabs(const Box3& bounds, double reach_mm) : reach_mm_(reach_mm * kSeamAllowance) {
+  Require(reach_mm > 0 && std::isfinite(reach_mm), "reach_mm must be positive, is {}",
+          reach_mm);
+  if (bounds.empty()) return;
+  const double low_mm = bounds.min_mm.z(), height_mm = bounds.size_mm().z();
+  const double fitting = std::floor(height_mm / (kSeamsPerSlab * reach_mm_));
+  const auto slabs = static_cast<std::size_t>(std::clamp(fitting, 1.0, kMostSlabs));
+  for (std::size_t k = 1; k < slabs; ++k) {
+    heights_mm_.push_back(low_mm + height_mm * static_cast<double>(k) /
+                                       static_cast<double>(slabs));
+  }
+}
+
+HeightRange Slabs::Whole(std::size_t slab) const {
+  HeightRange range;
+  if (slab > 0) range.low_mm = heights_mm_.at(slab - 1);
+  if (slab < heights_mm_.size()) range.high_mm = heights_mm_[slab];
+  return range;
+}
+
+HeightRange Slabs::Seam(std::size_t slab) const {
+  if (slab == 0) return {0, 0};
+  return {heights_mm_.at(slab - 1), heights_mm_[slab - 1] + reach_mm_};
+}
+
+HeightRange Slabs::Between(std::size_t slab) const {
+  HeightRange range = Whole(slab);
+  if (slab > 0) range.low_mm += reach_mm_;
+  return range;
+}
+
+}  // namespace intaglio::discretize

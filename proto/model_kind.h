@@ -1,0 +1,35 @@
+#pragma once
+
+// What a model is, by its file's ending, and which files a job is made from.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "proto/job.pb.h"
+
+namespace intaglio {
+
+enum class ModelKind { kMesh, kDrawing, kText, kImage, kCloud };
+
+/// "a mesh", "a drawing", ...
+const char* NameOf(ModelKind kind);
+
+/// kUnsupported lists the endings that are known. A PLY counts as a mesh; whether it has
+/// faces only its reader can tell.
+Result<ModelKind> KindOf(const Model& model);
+
+/// Whether points of such a model can be made by that method.
+bool Suits(Model::MethodCase method, ModelKind kind);
+
+/// Calls visit(file, field) for every file name of the job but the machine's, `field`
+/// as in "models[0].relief.photo". Those that are optional and not there are left out.
+void ForEachFile(JobSpec& job,
+                 const std::function<void(std::string&, const std::string&)>& visit);
+
+/// The files that the models of a job with its defaults filled in are made from, in the
+/// order in which they are sent and taken (model_sources.h).
+std::vector<std::string> FilesOf(const JobSpec& job);
+
+}  // namespace intaglio

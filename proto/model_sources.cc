@@ -1,0 +1,221 @@
+#include "proto/model_sources.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "engrave/core/check.h"
+#include "engrave/discretize/fixed_points.h"
+#include "engrave/discretize/methods.h"
+#include "engrave/discretize/several.h"
+#include "engrave/formats/point_file_kinds.h"
+#include "engrave/formats/whole_file.h"
+#include "engrave/mesh/mesh_diagnosis.h"
+#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/placement.h"
+#include "proto/model_kind.h"
+#include "proto/options.h"
+
+namespace intaglio {
+namespace {
+
+using Source = std::unique_ptr<discretize::PointSource>;
+
+MeshDiagnosisRecord RecordOf(const std::string& file, const mesh::MeshDiagnosis& found) {
+  MeshDiagnosisRecord record;
+  record.set_file(file);
+  record.set_triangle_count(found.triangle_count);
+  record.set_vertex_count(found.vertex_count);
+  record.set_open_edge_count(found.open_edge_count);
+  record.set_non_manifold_edge_count(found.non_manifold_edge_count);
+  record.set_flipped_edge_count(found.flipped_edge_count);
+  record.set_degenerate_triangle_count(found.degenerate_triangle_count);
+  const Vec3 size_mm = found.bounds_mm.size_mm();
+  record.set_size_x_mm(size_mm.x());
+  record.set_size_y_mm(size_mm.y());
+  record.set_size_z_mm(size_mm.z());
+  return record;
+}
+
+/// The files of the models in their order, each handed out once.
+class Files {
+ public:
+  explicit Files(std::vector<FileBytes> files) : files_(std::move(files)) {}
+
+  FileBytes Take() {
+    Require(next_ < files_.size(), "the job has more than {} files", files_.size());
+    return std::exchange(files_[next_++], {});
+  }
+
+ private:
+  std::vector<FileBytes> files_;
+  std::size_t next_ = 0;
+};
+
+std::string ExtensionOf(const std::string& file) {
+  return std::filesystem::path(file).extension().string();
+}
+
+std::string_view TextOf(const FileBytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// A PLY without faces is a cloud.
+bool HoldsPointsOnly(const Model& model, const FileBytes& file) {
+  const std::string ending = ExtensionOf(model.file());
+  if (ending != ".ply" && ending != ".PLY") return false;
+  const std::string_view text = TextOf(file);
+  const std::string_view header = text.substr(0, text.find("end_header"));
+  const auto faces = header.find("element face");
+  return faces == std::string_view::npos ||
+         header.substr(faces).starts_with("element face 0");
+}
+
+class Maker {
+ public:
+  Maker(const JobSpec& job, std::vector<FileBytes> files, JobSources& made)
+      : block_(job.block()),
+        block_size_mm_(BlockSizeOf(job)),
+        files_(std::move(files)),
+        made_(made) {}
+
+  Result<Source> Make(const Model& model) {
+    auto source = MakeOne(model);
+    if (source) return WithCopies(model, std::move(*source));
+    Error error = source.error();
+    const std::string name = model.has_text() ? model.text().text() : model.file();
+    if (!error.message.starts_with(name)) error.message = name + ": " + error.message;
+    return tl::unexpected(std::move(error));
+  }
+
+ private:
+  Result<Source> MakeOne(const Model& model) {
+    const FileBytes file = files_.Take();
+    switch (KindOf(model).value()) {
+      case ModelKind::kMesh:
+        return HoldsPointsOnly(model, file) ? OfCloud(model, file) : OfMesh(model, file);
+      case ModelKind::kCloud:
+        return OfCloud(model, file);
+      default:
+        return Fail(ErrorCode::kUnsupported, "not yet");
+    }
+  }
+
+  Result<Source> OfMesh(const Model& model, const FileBytes& file) {
+    auto imported =
+        mesh::ImportMeshFromMemory(file, ExtensionOf(model.file()), {}, model.file());
+    if (!imported) return tl::unexpected(imported.error());
+    auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block_),
+                                     block_size_mm_);
+    if (!placed) return tl::unexpected(placed.error());
+    Diagnose(model, *placed);
+    return discretize::MakeSource(std::move(*placed), MeshMethodOf(model));
+  }
+
+  void Diagnose(const Model& model, const mesh::TriangleMesh& placed) {
+    const auto found = mesh::Diagnose(placed);
+    made_.meshes.push_back(RecordOf(model.file(), found));
+    const std::string name = std::filesystem::path(model.file()).filename().string();
+    for (std::string& warning : mesh::Warnings(found, name)) {
+      made_.warnings.push_back(std::move(warning));
+    }
+    if (auto warning =
+            mesh::SizeWarning(found.bounds_mm.size_mm(), block_size_mm_, name)) {
+      made_.warnings.push_back(std::move(*warning));
+    }
+  }
+
+  Result<Source> OfCloud(const Model& model, const FileBytes& file) {
+    const auto table = formats::ParsePoints(TextOf(file), ExtensionOf(model.file()));
+    if (!table) return tl::unexpected(table.error());
+    const auto glass_from_model = PlaceIn(table->points_mm, model);
+    if (!glass_from_model) return tl::unexpected(glass_from_model.error());
+    discretize::SpacedCloud points;
+    for (const Vec3& p : table->points_mm) points.Add(glass_from_model->Apply(p), 0);
+    return discretize::MakeFixedPoints(std::move(points));
+  }
+
+  Result<mesh::GlassFromModel> PlaceIn(const PointList& points,
+                                       const Model& model) const {
+    return mesh::GlassFromModelOf(points, PlacementOf(model.placement(), block_),
+                                  block_size_mm_);
+  }
+
+  static Result<Source> WithCopies(const Model& model, Source source) {
+    if (!model.has_copies()) return source;
+    const Copies& copies = model.copies();
+    const Eigen::Vector3i count(static_cast<int>(copies.count_x()),
+                                static_cast<int>(copies.count_y()),
+                                static_cast<int>(copies.count_z()));
+    const PointList offsets_mm = discretize::GridOffsets(
+        count, Vec3Of(copies.step_mm()), model.placement().centre_in_block());
+    const std::shared_ptr<const discretize::PointSource> one = std::move(source);
+    std::vector<Source> all;
+    for (const Vec3& offset_mm : offsets_mm) {
+      all.push_back(discretize::MakeShifted(one, offset_mm));
+    }
+    return discretize::MakeSeveral(std::move(all));
+  }
+
+  const Block& block_;
+  Vec3 block_size_mm_;
+  Files files_;
+  JobSources& made_;
+};
+
+}  // namespace
+
+Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
+                               const ProgressSink& progress) {
+  JobSources made;
+  Maker maker(job, std::move(files), made);
+  for (const Model& model : job.models()) {
+    auto source = maker.Make(model);
+    if (!source) return tl::unexpected(source.error());
+    made.sources.push_back(std::move(*source));
+    if (progress && !progress(0, 0)) {
+      return Fail(ErrorCode::kCancelled, "the task was cancelled");
+    }
+  }
+  return made;
+}
+
+Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job) {
+  constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 30;
+  std::vector<FileBytes> files;
+  for (const std::string& path : FilesOf(job)) {
+    const auto text = formats::ReadWholeFile(path, kMaxFileBytes);
+    if (!text) return tl::unexpected(text.error());
+    const auto bytes = std::as_bytes(std::span(*text));
+    files.emplace_back(bytes.begin(), bytes.end());
+  }
+  return files;
+}
+
+Result<Vec3> SizeOf(const JobSpec& job) {
+  auto files = ReadFilesOf(job);
+  if (!files) return tl::unexpected(files.error());
+  // How many and how near does not matter: the fewest will do.
+  const auto made = MakeSources(job, std::move(*files), {});
+  if (!made) return tl::unexpected(made.error());
+  Vec3 size_mm = Vec3::Zero();
+  for (const auto& source : made->sources) {
+    size_mm = size_mm.cwiseMax(source->Bounds().size_mm());
+  }
+  return size_mm;
+}
+
+discretize::CloudOptions CloudOptionsOf(const JobSpec& job) {
+  discretize::CloudOptions options;
+  options.weld.min_spacing_mm = job.discretization().min_spacing_mm();
+  options.weld.height_ratio = job.discretization().height_ratio();
+  options.permitted_mm = PermittedBoxOf(job);
+  options.clip = job.block().clip();
+  return options;
+}
+
+}  // namespace intaglio
