@@ -1,12 +1,16 @@
 #pragma once
 
-// Triangle fill ("Filling faces", Trochimczuk 2008 annex B): every triangle gets points
-// of its own. The source's points crowd where triangles meet and miss small triangles;
-// here each triangle offers candidates at half the distance, small ones their centre, and
-// the weld over the whole cloud (weld.h) takes as many as fit. Frame glass, mm.
+// Triangle fill ("Filling faces", Trochimczuk 2008 annex B): points at equal spacing on
+// every triangle. The source's points crowd where triangles meet and miss small
+// triangles; here the triangles share lattices of candidates (surface_grid.h), a small
+// one contributes through its neighbourhood, and the weld (weld.h) takes as many as fit.
+// Glass frame, mm.
+
+#include <memory>
 
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
+#include "engrave/discretize/point_source.h"
 #include "engrave/discretize/statistics.h"
 #include "engrave/mesh/mesh.h"
 
@@ -14,11 +18,17 @@ namespace intaglio::discretize {
 
 struct FillOptions {
   double vertex_distance_mm = 1;  ///< 0.01..100; the weld brings the points to it
-  bool full_fill = true;          ///< candidates on the edges, too: boundaries show
+  /// Candidates on edges and vertices, too: boundaries show.
+  bool full_fill = true;
 };
 
-/// Appends the candidates to `cloud`. kTooLarge for more than candidate_limit.h allows,
-/// kCancelled when `progress` says so.
+/// Its statistics count the triangles without area, which are left out, and those with no
+/// edge as long as a quarter of the distance. The points keep the distance from one
+/// another by their own spacing.
+Result<std::unique_ptr<PointSource>> MakeFill(mesh::TriangleMesh mesh,
+                                              const FillOptions& options);
+
+/// All candidates at once, without their spacing.
 Result<MethodStatistics> FillTriangles(const mesh::TriangleMesh& mesh,
                                        const FillOptions& options, std::uint32_t source,
                                        const ProgressSink& progress, PointCloud& cloud);

@@ -17,9 +17,10 @@ struct MethodStatistics {
   std::uint64_t open_contour_count = 0;       ///< sections: they end at open edges
   std::uint64_t parallel_face_count = 0;      ///< sections: faces that no plane can cut
   double parallel_area_mm2 = 0;               ///< of them
-  std::uint64_t small_triangle_count = 0;     ///< fill: smaller than a point, centre only
+  std::uint64_t small_triangle_count = 0;     ///< fill: smaller than a point
   std::uint64_t rejected_triangle_count = 0;  ///< fill: without area
-  std::uint64_t ray_count = 0;                ///< rays that meet the model
+  std::uint64_t shallow_count = 0;  ///< even: of shells, where the model is too thin
+  std::uint64_t ray_count = 0;      ///< rays that meet the model
   std::uint64_t odd_ray_count = 0;  ///< of them, with an odd number of crossings
 
   void Add(const MethodStatistics& other) {
@@ -31,6 +32,7 @@ struct MethodStatistics {
     parallel_area_mm2 += other.parallel_area_mm2;
     small_triangle_count += other.small_triangle_count;
     rejected_triangle_count += other.rejected_triangle_count;
+    shallow_count += other.shallow_count;
     ray_count += other.ray_count;
     odd_ray_count += other.odd_ray_count;
   }

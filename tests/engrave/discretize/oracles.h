@@ -118,18 +118,32 @@ inline double LeastDistance(const PointList& points) {
 }
 
 /// The largest distance of a place of the surface to the points, sampled at steps of
-/// about `step_mm` over every triangle, its corners included.
+/// at most `step_mm` along and across every triangle, its corners included.
 inline double LargestGap(const mesh::TriangleMesh& mesh, const PointList& points,
                          double step_mm) {
   const NearestPoints nearest(points);
+  const auto parts = [step_mm](double length_mm) {
+    return std::max(1, static_cast<int>(std::ceil(length_mm / step_mm)));
+  };
   double largest = 0;
-  for (const auto& [ia, ib, ic] : mesh.triangles) {
-    const Vec3 &a = mesh.vertices[ia], &b = mesh.vertices[ib], &c = mesh.vertices[ic];
-    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    const int parts = std::max(1, static_cast<int>(std::ceil(longest / step_mm)));
-    for (int i = 0; i <= parts; ++i) {
-      for (int j = 0; i + j <= parts; ++j) {
-        const Vec3 p = a + (b - a) * (double(i) / parts) + (c - a) * (double(j) / parts);
+  for (mesh::Triangle t : mesh.triangles) {
+    const auto edge = [&](int i) {
+      return Vec3(mesh.vertices[t[(i + 1) % 3]] - mesh.vertices[t[i]]);
+    };
+    // Rows along the longest edge.
+    while (edge(0).norm() < std::max(edge(1).norm(), edge(2).norm())) {
+      std::rotate(t.begin(), t.begin() + 1, t.end());
+    }
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+               &c = mesh.vertices[t[2]];
+    if (!(edge(0).norm() > 0)) continue;
+    const int rows = parts(edge(0).cross(edge(1)).norm() / edge(0).norm());
+    for (int i = 0; i <= rows; ++i) {
+      const double up = static_cast<double>(i) / rows;
+      const Vec3 left = a + up * (c - a), right = b + up * (c - b);
+      const int columns = parts((right - left).norm());
+      for (int j = 0; j <= columns; ++j) {
+        const Vec3 p = left + (right - left) * (static_cast<double>(j) / columns);
         largest = std::max(largest, nearest.Distance(p));
       }
     }

@@ -1,0 +1,63 @@
+#pragma once
+
+// What sources of even points owe.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "engrave/discretize/point_source.h"
+#include "engrave/discretize/weld.h"
+#include "tests/engrave/discretize/oracles.h"
+#include "tests/engrave/discretize/source_checks.h"
+
+namespace intaglio::discretize {
+
+inline SpacedCloud PointsOf(const PointSource& source, const HeightRange& range = {}) {
+  SpacedCloud cloud;
+  const auto statistics = source.AddPoints(range, 2, {}, cloud);
+  EXPECT_TRUE(statistics.has_value());
+  if (statistics) {
+    EXPECT_EQ(statistics->point_count, cloud.size());
+  }
+  return cloud;
+}
+
+/// What a weld of all its points keeps, at its own spacings.
+inline SpacedCloud Welded(const PointSource& source) {
+  return Weld(PointsOf(source), {1e-3, 1});
+}
+
+/// Cuts at the heights, and at those of some of the points themselves.
+inline void ExpectSameInRanges(const PointSource& source,
+                               std::vector<double> heights_mm) {
+  const SpacedCloud whole = PointsOf(source);
+  ASSERT_GT(whole.size(), 0u);
+  for (std::size_t i = 0; i < whole.size(); i += whole.size() / 5 + 1) {
+    heights_mm.push_back(whole.points_mm[i].z());
+  }
+  ExpectSlabsAreTheWhole(source, heights_mm);
+  for (const float own_mm : whole.spacing_mm) ASSERT_LE(own_mm, source.MaxSpacing());
+}
+
+struct Evenness {
+  double least, mean, variation;  ///< of nearest distances; standard deviation by mean
+};
+
+inline Evenness EvennessOf(const PointList& points) {
+  const std::vector<double> distances = NearestPoints(points).NeighbourDistances();
+  Evenness e{distances.at(0), 0, 0};
+  for (const double d : distances) {
+    e.least = std::min(e.least, d);
+    e.mean += d / static_cast<double>(distances.size());
+  }
+  for (const double d : distances) {
+    e.variation += (d - e.mean) * (d - e.mean) / static_cast<double>(distances.size());
+  }
+  e.variation = std::sqrt(e.variation) / e.mean;
+  return e;
+}
+
+}  // namespace intaglio::discretize
