@@ -77,45 +77,90 @@ Arcs HardestArcs(double start_mm_s, double end_mm_s, double distance_mm, double 
 // of V T by m = V T - d:
 //   it reaches V after s = sqrt(2 m / A) < T:   v = V - A s
 //   it does not:                                v = d / T - A T / 2.
+//
+// An interval and its mirror image go through the same formulas, so both of its ends are
+// computed at once, in two lanes.
 
-namespace axis_reach {
+/// An interval as its lower end and that of its mirror image: {lo, -hi}.
+using SpeedEnds [[gnu::vector_size(16)]] = double;
 
-inline double LeastStart(double distance_mm, double seconds, const AxisLimits& limits) {
-  const double a = limits.max_acceleration_mm_s2;
-  const double short_mm = limits.max_speed_mm_s * seconds - distance_mm;
-  const double rise_mm_s = std::sqrt(2 * a * short_mm);
-  if (rise_mm_s < a * seconds) return limits.max_speed_mm_s - rise_mm_s;
-  return distance_mm / seconds - 0.5 * a * seconds;
+inline SpeedEnds EndsOf(const SpeedInterval& speeds) {
+  return SpeedEnds{speeds.lo, -speeds.hi};
 }
+inline SpeedInterval IntervalOf(SpeedEnds ends) { return {ends[0], -ends[1]}; }
+inline bool IsEmpty(SpeedEnds ends) { return !(ends[0] <= -ends[1]); }
+inline SpeedEnds Intersection(SpeedEnds a, SpeedEnds b) { return a < b ? b : a; }
 
-inline double FastestEnd(double v, double d, double seconds, const AxisLimits& limits) {
-  const double a = limits.max_acceleration_mm_s2;
-  const double top = limits.max_speed_mm_s;
-  const double all = a * seconds;
-  const double square = a * (d - v * seconds) + 0.5 * all * all;
-  const double rise = std::min(std::sqrt(std::max(square, 0.0)), all);
-  if (v - all + rise >= -top) return std::min(top, v + 2 * rise - all);
-  const double t = (v + top) / a;
-  const double held = 2 / a * (d - 0.5 * (v - top) * t + top * (seconds - t));
-  return std::min(top, -top + a * std::sqrt(std::max(held, 0.0)));
-}
+/// One axis over a step: what it takes from one interval to the next.
+class AxisReach {
+ public:
+  AxisReach(double distance_mm, double seconds, const AxisLimits& limits)
+      : distance_mm_{distance_mm, -distance_mm},
+        seconds_(seconds),
+        acceleration_(limits.max_acceleration_mm_s2),
+        top_(limits.max_speed_mm_s),
+        gain_mm_s_(acceleration_ * seconds) {}
 
-}  // namespace axis_reach
+  /// UsableStartSpeeds.
+  SpeedEnds Usable() const {
+    if (std::abs(distance_mm_[0]) > top_ * seconds_) return SpeedEnds{1, 0};
+    const SpeedEnds short_mm = top_ * seconds_ - distance_mm_;
+    const SpeedEnds rise = Root(2 * acceleration_ * short_mm);
+    const SpeedEnds least =
+        rise < gain_mm_s_ ? top_ - rise
+                          : distance_mm_ / seconds_ - 0.5 * acceleration_ * seconds_;
+    return least > -top_ ? least : Both(-top_);
+  }
+
+  /// ReachableEndSpeeds.
+  SpeedEnds After(SpeedEnds start) const {
+    const SpeedEnds fastest = FastestEnds(start);
+    const SpeedEnds slowest{-fastest[1], -fastest[0]};
+    // Where one end is all that is left, rounding may cross the two.
+    return SpeedEnds{fastest[0] < slowest[0] ? fastest[0] : slowest[0], slowest[1]};
+  }
+
+ private:
+  static SpeedEnds Both(double value) { return SpeedEnds{value, value}; }
+  static SpeedEnds Root(SpeedEnds square) {
+    return SpeedEnds{std::sqrt(square[0]), std::sqrt(square[1])};
+  }
+
+  SpeedEnds FastestEnds(SpeedEnds v) const {
+    const SpeedEnds square =
+        acceleration_ * (distance_mm_ - v * seconds_) + 0.5 * gain_mm_s_ * gain_mm_s_;
+    const SpeedEnds root = Root(square < 0.0 ? Both(0) : square);
+    const SpeedEnds rise = gain_mm_s_ < root ? Both(gain_mm_s_) : root;
+    const SpeedEnds free = v + 2 * rise - gain_mm_s_;
+    const SpeedEnds lowest = v - gain_mm_s_ + rise;
+    SpeedEnds end = free;
+    if (lowest[0] < -top_ || lowest[1] < -top_) {
+      const SpeedEnds t = (v + top_) / acceleration_;
+      const SpeedEnds square_s =
+          2 / acceleration_ *
+          (distance_mm_ - 0.5 * (v - top_) * t + top_ * (seconds_ - t));
+      const SpeedEnds held =
+          -top_ + acceleration_ * Root(square_s < 0.0 ? Both(0) : square_s);
+      end = lowest < -top_ ? held : free;
+    }
+    return end < top_ ? end : Both(top_);
+  }
+
+  SpeedEnds distance_mm_;
+  double seconds_;
+  double acceleration_;  ///< mm/s^2
+  double top_;           ///< mm/s
+  double gain_mm_s_;     ///< At full acceleration.
+};
 
 inline SpeedInterval UsableStartSpeeds(double distance_mm, double seconds,
                                        const AxisLimits& limits) {
-  const double top = limits.max_speed_mm_s;
-  if (std::abs(distance_mm) > top * seconds) return {1, 0};
-  return {std::max(-top, axis_reach::LeastStart(distance_mm, seconds, limits)),
-          std::min(top, -axis_reach::LeastStart(-distance_mm, seconds, limits))};
+  return IntervalOf(AxisReach(distance_mm, seconds, limits).Usable());
 }
 
 inline SpeedInterval ReachableEndSpeeds(const SpeedInterval& start, double distance_mm,
                                         double seconds, const AxisLimits& limits) {
-  const double hi = axis_reach::FastestEnd(start.lo, distance_mm, seconds, limits);
-  const double lo = -axis_reach::FastestEnd(-start.hi, -distance_mm, seconds, limits);
-  // Where one end is all that is left, rounding may cross the two.
-  return {std::min(lo, hi), hi};
+  return IntervalOf(AxisReach(distance_mm, seconds, limits).After(EndsOf(start)));
 }
 
 }  // namespace intaglio::motion

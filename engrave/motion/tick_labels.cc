@@ -39,22 +39,42 @@ TickLabels::TickLabels(std::vector<StepLimits> choices, double rate_hz,
   }
 }
 
+bool TickLabels::Label::Covers(const Label& other) const {
+  const auto covered =
+      (box[0] <= other.box[0]) & (box[1] <= other.box[1]) & (box[2] <= other.box[2]);
+  return (covered[0] & covered[1]) != 0;
+}
+
+bool TickLabels::Label::HasRest() const {
+  const auto rests = (box[0] <= 0.0) & (box[1] <= 0.0) & (box[2] <= 0.0);
+  return (rests[0] & rests[1]) != 0;
+}
+
+TickLabels::Trial TickLabels::MakeTrial(const Vec3& start_mm, const Vec3& step_mm,
+                                        std::uint32_t ticks, std::uint32_t choice) const {
+  const double seconds = ticks / rate_hz_;
+  const auto reach = [&](int axis) {
+    return AxisReach(step_mm[axis], seconds, LimitsOf(choices_[choice].planned, axis));
+  };
+  return {start_mm, step_mm, ticks, choice, seconds, {reach(0), reach(1), reach(2)}};
+}
+
 template <bool kPlain>
-void TickLabels::Open(const Vec3& start_mm, const Trial& trial) {
+void TickLabels::Open(const Trial& trial) {
   const StepLimits& limits = choices_[trial.choice];
-  const double seconds = trial.ticks / rate_hz_;
   for (int axis = 0; axis < 3; ++axis) {
-    const double step = trial.step_mm[axis];
-    if constexpr (kPlain) {
-      usable_[axis] = UsableStartSpeeds(step, seconds, LimitsOf(limits.planned, axis));
-      continue;
+    const double step = trial.step_mm[axis], start = trial.start_mm[axis];
+    if (kPlain || !limits.jerk_limited(axis)) {
+      usable_[axis] = trial.reach[axis].Usable();
+    } else {
+      usable_[axis] = EndsOf(
+          UsableStartSpeeds(step, trial.seconds, JerkLimitsOf(limits.planned, axis)));
     }
-    usable_[axis] = UsableStartSpeeds(step, seconds, axis, limits);
-    if (!near_walls_) continue;
+    if (kPlain || !near_walls_) continue;
     // A state at the limit must not be lost by the last bit of its position.
     usable_[axis] = Intersection(
-        usable_[axis], SpeedsAt(start_mm[axis], axis, limits, rate_hz_, kRoundingMm));
-    open_[axis] = SpeedsAt(start_mm[axis] + step, axis, limits, rate_hz_);
+        usable_[axis], EndsOf(SpeedsAt(start, axis, limits, rate_hz_, kRoundingMm)));
+    open_[axis] = EndsOf(SpeedsAt(start + step, axis, limits, rate_hz_));
   }
 }
 
@@ -62,23 +82,25 @@ template <bool kPlain>
 bool TickLabels::MakeLabel(std::uint32_t from_index, const Trial& trial,
                            Label& to) const {
   const Label& from = labels_[from_index];
+  bool empty = false;
   for (int axis = 0; axis < 3; ++axis) {
-    to.box.axis[axis] = Intersection(from.box.axis[axis], usable_[axis]);
-    if (to.box.axis[axis].empty()) return false;
+    to.box[axis] = Intersection(from.box[axis], usable_[axis]);
+    empty |= IsEmpty(to.box[axis]);
   }
+  if (empty) return false;
   const StepLimits& limits = choices_[trial.choice];
-  const double seconds = trial.ticks / rate_hz_;
   for (int axis = 0; axis < 3; ++axis) {
-    SpeedInterval& speeds = to.box.axis[axis];
-    const double step = trial.step_mm[axis];
-    if constexpr (kPlain) {
-      speeds = ReachableEndSpeeds(speeds, step, seconds, LimitsOf(limits.planned, axis));
-      continue;
+    SpeedEnds& speeds = to.box[axis];
+    if (kPlain || !limits.jerk_limited(axis)) {
+      speeds = trial.reach[axis].After(speeds);
+    } else {
+      speeds =
+          EndsOf(ReachableEndSpeeds(IntervalOf(speeds), trial.step_mm[axis],
+                                    trial.seconds, JerkLimitsOf(limits.planned, axis)));
     }
-    speeds = ReachableEndSpeeds(speeds, step, seconds, axis, limits);
-    if (!near_walls_) continue;
+    if (kPlain || !near_walls_) continue;
     speeds = Intersection(speeds, open_[axis]);
-    if (speeds.empty()) return false;
+    if (IsEmpty(speeds)) return false;
   }
   to.ticks = from.ticks + trial.ticks;
   to.step_ticks = trial.ticks;
@@ -89,35 +111,40 @@ bool TickLabels::MakeLabel(std::uint32_t from_index, const Trial& trial,
 
 void TickLabels::Offer(const Label& label) {
   for (const Label& other : offered_) {
-    if (other.ticks <= label.ticks && other.box.Covers(label.box)) return;
+    if (other.ticks <= label.ticks && other.Covers(label)) return;
   }
   std::erase_if(offered_, [&](const Label& other) {
-    return label.ticks <= other.ticks && label.box.Covers(other.box);
+    return label.ticks <= other.ticks && label.Covers(other);
   });
   offered_.push_back(label);
 }
 
-/// Whether more ticks are worth a try of any label.
+bool TickLabels::IsWorthATry(std::uint32_t label, std::uint32_t ticks) const {
+  return labels_[first_.back() + label].ticks + ticks <= rest_ticks_ &&
+         ticks <= last_[label];
+}
+
+bool TickLabels::IsWorthATry(std::uint32_t ticks) const {
+  for (std::uint32_t i = 0; i < last_.size(); ++i) {
+    if (IsWorthATry(i, ticks)) return true;
+  }
+  return false;
+}
+
 template <bool kPlain>
-bool TickLabels::TryAll(const Trial& trial, bool to_rest) {
-  const std::uint32_t begin = first_.back();
-  const auto end = static_cast<std::uint32_t>(begin + last_.size());
-  bool more = false;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    const bool late = labels_[i].ticks + trial.ticks > rest_ticks_;
-    if (late || trial.ticks > last_[i - begin]) continue;
-    more = true;
+void TickLabels::TryAll(const Trial& trial, bool to_rest) {
+  for (std::uint32_t i = 0; i < last_.size(); ++i) {
+    if (!IsWorthATry(i, trial.ticks)) continue;
     Label label;
-    if (!MakeLabel<kPlain>(i, trial, label)) continue;
-    const bool has_rest = label.box.HasRest();
+    if (!MakeLabel<kPlain>(first_.back() + i, trial, label)) continue;
+    const bool has_rest = label.HasRest();
     if (has_rest) rest_ticks_ = std::min(rest_ticks_, label.ticks);
     if (to_rest && !has_rest) continue;
-    if (last_[i - begin] == UINT32_MAX) {
-      last_[i - begin] = trial.ticks + static_cast<std::uint32_t>(options_.extra_ticks);
+    if (last_[i] == UINT32_MAX) {
+      last_[i] = trial.ticks + static_cast<std::uint32_t>(options_.extra_ticks);
     }
     Offer(label);
   }
-  return more;
 }
 
 template <bool kPlain>
@@ -129,12 +156,11 @@ void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest)
   rest_ticks_ = UINT32_MAX;
   const double least_s = (step_mm.cwiseAbs().array() / fastest_mm_s_.array()).maxCoeff();
   auto ticks = static_cast<std::uint32_t>(WholeTicks(least_s, rate_hz_));
-  for (bool more = true; more; ++ticks) {
-    more = false;
+  for (; IsWorthATry(ticks); ++ticks) {
     for (std::uint32_t choice = 0; choice < choices_.size(); ++choice) {
-      const Trial trial{step_mm, ticks, choice};
-      Open<kPlain>(start_mm, trial);
-      more |= TryAll<kPlain>(trial, to_rest);
+      const Trial trial = MakeTrial(start_mm, step_mm, ticks, choice);
+      Open<kPlain>(trial);
+      TryAll<kPlain>(trial, to_rest);
     }
   }
   first_.push_back(end);
@@ -144,7 +170,7 @@ void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest)
 double TickLabels::Score(const Label& label) const {
   double choice_s = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const SpeedInterval& speeds = label.box.axis[axis];
+    const SpeedInterval speeds = IntervalOf(label.box[axis]);
     choice_s +=
         (speeds.hi - speeds.lo) / choices_[0].planned.max_acceleration_mm_s2[axis];
   }
@@ -153,14 +179,19 @@ double TickLabels::Score(const Label& label) const {
 
 void TickLabels::KeepBest() {
   const auto width = static_cast<std::size_t>(options_.width);
-  if (offered_.size() > width) {
-    for (Label& label : offered_) label.score = Score(label);
-    const auto better = [](const Label& a, const Label& b) { return a.score < b.score; };
-    std::nth_element(offered_.begin(), offered_.begin() + options_.width, offered_.end(),
-                     better);
-    offered_.resize(width);
+  if (offered_.size() <= width) {
+    labels_.insert(labels_.end(), offered_.begin(), offered_.end());
+    return;
   }
-  labels_.insert(labels_.end(), offered_.begin(), offered_.end());
+  scored_.clear();
+  for (std::uint32_t i = 0; i < offered_.size(); ++i) {
+    scored_.push_back({Score(offered_[i]), i});
+  }
+  std::nth_element(scored_.begin(), scored_.begin() + options_.width, scored_.end(),
+                   [](const Scored& a, const Scored& b) { return a.score < b.score; });
+  for (std::size_t i = 0; i < width; ++i) {
+    labels_.push_back(offered_[scored_[i].index]);
+  }
 }
 
 void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
@@ -171,7 +202,8 @@ void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
   first_.assign(1, 0);
   Label first;
   for (int axis = 0; axis < 3; ++axis) {
-    first.box.axis[axis] = {start.velocity_mm_s[axis], start.velocity_mm_s[axis]};
+    const double speed = start.velocity_mm_s[axis];
+    first.box[axis] = EndsOf({speed, speed});
   }
   labels_.push_back(first);
   Vec3 at_mm = start.position_mm;
@@ -189,7 +221,9 @@ void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
                        [](const Label& a, const Label& b) { return a.ticks < b.ticks; });
   timed.resize(steps_mm.size());
   for (std::size_t i = steps_mm.size(); i-- > 0;) {
-    timed[i] = {label->step_ticks, label->choice, label->box};
+    const VelocityBox box{IntervalOf(label->box[0]), IntervalOf(label->box[1]),
+                          IntervalOf(label->box[2])};
+    timed[i] = {label->step_ticks, label->choice, box};
     label = labels_.begin() + label->parent;
   }
   if (timed.empty()) return;

@@ -6,6 +6,7 @@
 // feasibility is exact; of all labels a set number is kept at each point. A label whose
 // box lies in another's that took no more ticks is never worth keeping.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,14 +21,6 @@ namespace intaglio::motion {
 /// Velocities per axis, mm/s.
 struct VelocityBox {
   SpeedInterval axis[3];
-
-  bool Covers(const VelocityBox& other) const {
-    return axis[0].Covers(other.axis[0]) && axis[1].Covers(other.axis[1]) &&
-           axis[2].Covers(other.axis[2]);
-  }
-  bool HasRest() const {
-    return axis[0].Contains(0) && axis[1].Contains(0) && axis[2].Contains(0);
-  }
 };
 
 struct LabelOptions {
@@ -60,27 +53,43 @@ class TickLabels {
 
  private:
   struct Label {
-    VelocityBox box;
+    SpeedEnds box[3];  ///< Per axis.
     std::uint32_t ticks = 0;
     std::uint32_t step_ticks = 0;
     std::uint32_t choice = 0;
     std::int32_t parent = -1;
-    double score = 0;  ///< Known while the best are chosen; less is better.
+
+    bool Covers(const Label& other) const;
+    bool HasRest() const;
+  };
+
+  /// A label offered, while the best are chosen; less is better.
+  struct Scored {
+    double score;
+    std::uint32_t index;
   };
 
   /// A step in a number of ticks under one choice of limits.
   struct Trial {
-    Vec3 step_mm;
+    const Vec3& start_mm;
+    const Vec3& step_mm;
     std::uint32_t ticks;
     std::uint32_t choice;
+    double seconds;
+    std::array<AxisReach, 3> reach;  ///< Of axes without a limit of jerk.
   };
 
   template <bool kPlain>
   void Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest);
+  Trial MakeTrial(const Vec3& start_mm, const Vec3& step_mm, std::uint32_t ticks,
+                  std::uint32_t choice) const;
   template <bool kPlain>
-  void Open(const Vec3& start_mm, const Trial& trial);
+  void Open(const Trial& trial);
   template <bool kPlain>
-  bool TryAll(const Trial& trial, bool to_rest);
+  void TryAll(const Trial& trial, bool to_rest);
+  /// Whether a label of the last point, or any of them, might gain by so many ticks.
+  bool IsWorthATry(std::uint32_t label, std::uint32_t ticks) const;
+  bool IsWorthATry(std::uint32_t ticks) const;
   template <bool kPlain>
   bool MakeLabel(std::uint32_t from_index, const Trial& trial, Label& to) const;
   void KeepOpen(const KnotState& start, std::span<const Vec3> steps_mm,
@@ -97,9 +106,10 @@ class TickLabels {
   std::vector<Label> labels_;         ///< Of all points, one after another.
   std::vector<std::uint32_t> first_;  ///< Of each point in labels_.
   std::vector<Label> offered_;        ///< For the point at hand.
+  std::vector<Scored> scored_;        ///< Of these.
   std::vector<std::uint32_t> last_;   ///< Of each label: the last ticks worth a try.
-  SpeedInterval usable_[3];           ///< At the start of the step that is tried.
-  SpeedInterval open_[3];             ///< At its end; where there are walls.
+  SpeedEnds usable_[3];               ///< At the start of the step that is tried.
+  SpeedEnds open_[3];                 ///< At its end; where there are walls.
   std::uint32_t rest_ticks_ = 0;      ///< The fewest to rest at the point at hand.
 };
 
