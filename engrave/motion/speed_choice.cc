@@ -1,5 +1,6 @@
 #include "engrave/motion/speed_choice.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engrave/core/check.h"
@@ -19,126 +20,138 @@
 namespace intaglio::motion {
 namespace {
 
-template <bool kPlain>
+/// x, y, z and a lane of zeros, which goes with two lanes or four at a time.
+using Axes = Eigen::Array4d;
+
+Axes AxesOf(const Vec3& v) { return {v.x(), v.y(), v.z(), 0}; }
+
 class Way {
  public:
   Way(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
       std::span<const TimedStep> timed, bool near_walls,
-      const std::vector<StepLimits>& choices, double rate_hz,
-      std::vector<Vec3>& ends_mm_s)
-      : start_mm_s_(start_mm_s),
-        steps_mm_(steps_mm),
-        timed_(timed),
-        choices_(choices),
-        plain_{LimitsOf(choices[0].planned, 0), LimitsOf(choices[0].planned, 1),
-               LimitsOf(choices[0].planned, 2)},
-        near_walls_(near_walls),
-        tick_s_(1 / rate_hz),
-        ends_mm_s_(ends_mm_s) {}
+      const std::vector<StepLimits>& choices, double rate_hz)
+      : timed_(timed), near_walls_(near_walls), choices_(choices) {
+    steps_.reserve(timed.size());
+    for (std::size_t i = 0; i < timed.size(); ++i) {
+      const StepLimits& limits = choices[timed[i].choice];
+      const double seconds = timed[i].ticks * (1 / rate_hz);
+      Axes most = AxesOf(limits.planned.max_acceleration_mm_s2 * seconds);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (limits.jerk_limited(axis)) most[axis] = -1;
+      }
+      const double per_s = 1 / seconds;
+      steps_.push_back({AxesOf(steps_mm[i]), AxesOf(steps_mm[i] * per_s), most,
+                        AxesOf(limits.planned.max_speed_mm_s), seconds, per_s});
+    }
+    speeds_.resize(timed.size() + 1);
+    speeds_[0] = AxesOf(start_mm_s);
+  }
 
   void Backwards() {
-    std::size_t i = timed_.size() - 1;
+    const std::size_t last = steps_.size() - 1;
+    speeds_[last + 1][3] = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      ends_mm_s_[i][axis] = timed_[i].box.axis[axis].Clamp(0);
+      speeds_[last + 1][axis] = timed_[last].box.axis[axis].Clamp(0);
     }
-    while (i-- > 0) {
-      const Weights weights = WeightsAt(i);
+    for (std::size_t i = last; i-- > 0;) {
+      const Axes& next = speeds_[i + 2];
+      const Axes best = Best(i, steps_[i].mean_mm_s);
+      Axes& end = speeds_[i + 1];
+      end[3] = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        const SpeedInterval open =
-            Intersection(timed_[i].box.axis[axis], Before(i + 1, axis));
-        const double before = steps_mm_[i][axis] * weights.per_s;
-        ends_mm_s_[i][axis] = open.Clamp(Best(i, axis, weights, before));
+        const SpeedEnds open = Intersection(EndsOf(timed_[i].box.axis[axis]),
+                                            Reach(i + 1, axis, next[axis]));
+        end[axis] = IntervalOf(open).Clamp(best[axis]);
       }
     }
   }
 
   void Sweep(bool forwards) {
-    const std::size_t inner = timed_.size() - 1;
-    for (std::size_t k = 0; k < inner; ++k) {
-      const std::size_t i = forwards ? k : inner - 1 - k;
-      const Weights weights = WeightsAt(i);
-      for (int axis = 0; axis < 3; ++axis) Improve(i, axis, weights);
+    const std::size_t inner = steps_.size() - 1;
+    for (std::size_t k = 0; k < inner; ++k) Improve(forwards ? k : inner - 1 - k);
+  }
+
+  void Write(std::vector<Vec3>& ends_mm_s) const {
+    ends_mm_s.resize(steps_.size());
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      ends_mm_s[i] = speeds_[i + 1].head<3>().matrix();
     }
   }
 
  private:
-  struct Weights {
-    double per_s;       ///< 1 / T
-    double next_per_s;  ///< 1 / S
-    double whole_s;     ///< 1 / (2 (1 / T + 1 / S))
+  struct Step {
+    Axes distance_mm;
+    Axes mean_mm_s;
+    Axes most_mm_s;  ///< Gained at full acceleration; < 0 where jerk is limited.
+    Axes top_mm_s;
+    double seconds;
+    double per_s;
   };
 
-  Weights WeightsAt(std::size_t i) const {
-    const double t = 1 / Seconds(i), s = 1 / Seconds(i + 1);
-    return {t, s, 0.5 / (t + s)};
-  }
-  const StepLimits& LimitsAt(std::size_t i) const { return choices_[timed_[i].choice]; }
-  double Seconds(std::size_t i) const { return timed_[i].ticks * tick_s_; }
-  double Start(std::size_t i, int axis) const {
-    return i == 0 ? start_mm_s_[axis] : ends_mm_s_[i - 1][axis];
-  }
-
   /// The best velocity between step i and the next, with `before` at the start of i.
-  double Best(std::size_t i, int axis, const Weights& w, double before) const {
-    const double t = w.per_s, s = w.next_per_s;
-    return (3 * (steps_mm_[i][axis] * t * t + steps_mm_[i + 1][axis] * s * s) -
-            before * t - ends_mm_s_[i + 1][axis] * s) *
-           w.whole_s;
+  Axes Best(std::size_t i, const Axes& before) const {
+    const double t = steps_[i].per_s, s = steps_[i + 1].per_s;
+    return (3 * (steps_[i].mean_mm_s * t + steps_[i + 1].mean_mm_s * s) - before * t -
+            speeds_[i + 2] * s) *
+           (0.5 / (t + s));
   }
 
-  void Improve(std::size_t i, int axis, const Weights& weights) {
-    const double start = Start(i, axis), next = ends_mm_s_[i + 1][axis];
-    const double best = Best(i, axis, weights, start);
-    double& end = ends_mm_s_[i][axis];
-    const SpeedInterval& box = timed_[i].box.axis[axis];
-    if ((kPlain || !near_walls_ || box.Contains(best)) &&
-        CubicKeeps(i, axis, weights.per_s, start, best) &&
-        CubicKeeps(i + 1, axis, weights.next_per_s, best, next)) {
+  void Improve(std::size_t i) {
+    const Axes &start = speeds_[i], &next = speeds_[i + 2];
+    const Axes best = Best(i, start);
+    Axes excess = Excess(steps_[i], start, best).max(Excess(steps_[i + 1], best, next));
+    if (near_walls_) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!timed_[i].box.axis[axis].Contains(best[axis])) excess[axis] = 1;
+      }
+    }
+    Axes& end = speeds_[i + 1];
+    if (excess.maxCoeff() <= 0) {
       end = best;
       return;
     }
-    SpeedInterval open = Intersection(Behind(i, axis, start), Before(i + 1, axis));
-    if (!kPlain && near_walls_) open = Intersection(open, box);
-    if (!open.empty()) end = open.Clamp(best);
-  }
-
-  /// Whether the cubic of step i keeps the limits: what most points need, without a root.
-  bool CubicKeeps(std::size_t i, int axis, double per_s, double v, double w) const {
-    if (!kPlain && LimitsAt(i).jerk_limited(axis)) return false;
-    const AxisLimits limits = kPlain ? plain_[axis] : LimitsOf(LimitsAt(i).planned, axis);
-    const double mean = steps_mm_[i][axis] * per_s;
-    const double most = limits.max_acceleration_mm_s2 * Seconds(i);
-    const double top = limits.max_speed_mm_s;
-    // Bezier ordinates of the speed: v, the middle one, w.
-    const double middle = 3 * mean - v - w;
-    return std::abs(6 * mean - 4 * v - 2 * w) <= most &&
-           std::abs(6 * mean - 2 * v - 4 * w) <= most && std::abs(middle) <= top &&
-           std::abs(v) <= top && std::abs(w) <= top;
-  }
-  /// Where step i can end, coming from `start`.
-  SpeedInterval Behind(std::size_t i, int axis, double start) const {
-    return Reach(i, axis, start);
-  }
-  /// Where step i can start, going to its end.
-  SpeedInterval Before(std::size_t i, int axis) const {
-    return Reach(i, axis, ends_mm_s_[i][axis]);
-  }
-  SpeedInterval Reach(std::size_t i, int axis, double speed) const {
-    const SpeedInterval from{speed, speed};
-    if constexpr (kPlain) {
-      return ReachableEndSpeeds(from, steps_mm_[i][axis], Seconds(i), plain_[axis]);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (excess[axis] <= 0) {
+        end[axis] = best[axis];
+        continue;
+      }
+      SpeedEnds open =
+          Intersection(Reach(i, axis, start[axis]), Reach(i + 1, axis, next[axis]));
+      if (near_walls_) open = Intersection(open, EndsOf(timed_[i].box.axis[axis]));
+      if (!IsEmpty(open)) end[axis] = IntervalOf(open).Clamp(best[axis]);
     }
-    return ReachableEndSpeeds(from, steps_mm_[i][axis], Seconds(i), axis, LimitsAt(i));
   }
 
-  Vec3 start_mm_s_;
-  std::span<const Vec3> steps_mm_;
+  /// By how much the cubic of a step breaks the limits, <= 0 where it keeps them: what
+  /// most points need, without a root.
+  [[gnu::always_inline]] static Axes Excess(const Step& step, const Axes& v,
+                                            const Axes& w) {
+    const Axes six = 6 * step.mean_mm_s;
+    const Axes ends = (six - 4 * v - 2 * w).abs().max((six - 2 * v - 4 * w).abs());
+    // Bezier ordinates of the speed: v, the middle one, w.
+    const Axes middle = 3 * step.mean_mm_s - v - w;
+    return (ends - step.most_mm_s)
+        .max(middle.abs().max(v.abs()).max(w.abs()) - step.top_mm_s);
+  }
+
+  /// Where step i can end coming from `speed`, and where it can start going to it.
+  SpeedEnds Reach(std::size_t i, int axis, double speed) const {
+    const SpeedInterval at{speed, speed};
+    const Step& step = steps_[i];
+    const Limits& planned = choices_[timed_[i].choice].planned;
+    if (step.most_mm_s[axis] < 0) {
+      return EndsOf(ReachableEndSpeeds(at, step.distance_mm[axis], step.seconds,
+                                       JerkLimitsOf(planned, axis)));
+    }
+    return AxisReach(step.distance_mm[axis], step.seconds, LimitsOf(planned, axis))
+        .After(EndsOf(at));
+  }
+
   std::span<const TimedStep> timed_;
-  const std::vector<StepLimits>& choices_;
-  AxisLimits plain_[3];  ///< Of all steps, where they are plain.
   bool near_walls_;
-  double tick_s_;
-  std::vector<Vec3>& ends_mm_s_;
+  const std::vector<StepLimits>& choices_;
+  std::vector<Step> steps_;
+  std::vector<Axes> speeds_;  ///< At the start of each step and at the end of the last.
 };
 
 }  // namespace
@@ -149,19 +162,12 @@ void ChooseSpeeds(const Vec3& start_mm_s, std::span<const Vec3> steps_mm,
                   std::vector<Vec3>& ends_mm_s) {
   Require(steps_mm.size() == timed.size(), "{} steps and {} times", steps_mm.size(),
           timed.size());
-  ends_mm_s.resize(timed.size());
+  ends_mm_s.clear();
   if (timed.empty()) return;
-  const auto choose = [&](auto way) {
-    way.Backwards();
-    for (int sweep = 0; sweep < sweeps; ++sweep) way.Sweep(sweep % 2 == 0);
-  };
-  if (!near_walls && IsPlain(choices)) {
-    choose(
-        Way<true>(start_mm_s, steps_mm, timed, near_walls, choices, rate_hz, ends_mm_s));
-  } else {
-    choose(
-        Way<false>(start_mm_s, steps_mm, timed, near_walls, choices, rate_hz, ends_mm_s));
-  }
+  Way way(start_mm_s, steps_mm, timed, near_walls, choices, rate_hz);
+  way.Backwards();
+  for (int sweep = 0; sweep < sweeps; ++sweep) way.Sweep(sweep % 2 == 0);
+  way.Write(ends_mm_s);
 }
 
 }  // namespace intaglio::motion
