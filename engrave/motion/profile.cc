@@ -72,9 +72,12 @@ double StopAndGoSeconds(const Vec3& step_mm, const Limits& limits) {
 }
 
 std::uint64_t WholeTicks(double seconds, double rate_hz) {
-  const double ticks = std::ceil(seconds * rate_hz * (1.0 - kTickSlackRatio));
+  const double ticks = seconds * rate_hz * (1.0 - kTickSlackRatio);
   Require(ticks < 9e15, "a time of {} s at {} Hz is no count of ticks", seconds, rate_hz);
-  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(ticks));
+  // Rounded up; std::ceil is a call.
+  const auto whole = static_cast<std::int64_t>(ticks);
+  const std::int64_t up = whole + (static_cast<double>(whole) < ticks ? 1 : 0);
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(1, up));
 }
 
 }  // namespace intaglio::motion

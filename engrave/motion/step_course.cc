@@ -165,7 +165,11 @@ StepCourse::StepCourse(const AxisStep& step, int axis, const StepLimits& limits,
       std::min({limits.whole.travel_mm.min_mm[axis], step.start_mm, end_mm});
   const double hi_mm =
       std::max({limits.whole.travel_mm.max_mm[axis], step.start_mm, end_mm});
-  const bool open = lo_mm == -kUnlimited && hi_mm == kUnlimited;
+  // An axis gets at most half the way it could go in the time beyond its ends.
+  const double beyond_mm =
+      0.5 * Seconds(step.subticks) * limits.whole.max_speed_mm_s[axis];
+  const bool open = lo_mm <= std::min(step.start_mm, end_mm) - beyond_mm &&
+                    std::max(step.start_mm, end_mm) + beyond_mm <= hi_mm;
   const bool cubic =
       !jerk_limited && CubicFits(step.start_mm_s, step.end_mm_s, step.distance_mm,
                                  Seconds(step.subticks), LimitsOf(limits.whole, axis));
@@ -189,7 +193,10 @@ void StepCourse::Add(std::uint64_t end, State at_end) {
 std::uint64_t StepCourse::OnGrid(double seconds, std::uint64_t grid,
                                  std::uint64_t longest) const {
   const double steps = seconds / (subtick_s_ * static_cast<double>(grid));
-  return std::min(grid * static_cast<std::uint64_t>(std::ceil(steps)), longest);
+  // Rounded up; std::ceil is a call.
+  const auto whole = static_cast<std::int64_t>(steps);
+  const std::int64_t up = whole + (static_cast<double>(whole) < steps ? 1 : 0);
+  return std::min(grid * static_cast<std::uint64_t>(up), longest);
 }
 
 double StepCourse::CruiseFor(std::uint64_t first, std::uint64_t last) const {

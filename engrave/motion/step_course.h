@@ -42,8 +42,8 @@ class StepCourse {
 
  private:
   struct Piece {
-    std::uint64_t end = 0;
-    State at_end{};
+    std::uint64_t end;
+    State at_end;
   };
   /// A piece in powers of the time since it began.
   struct Cubic {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "engrave/motion/step_course.h"
 
@@ -20,11 +21,42 @@ struct Knots {
   }
 };
 
+/// Whether the cubic surely is the course of all axes: what most steps take, at no more
+/// cost than this. Where it says no, StepCourse decides.
+bool IsOneCubic(const KnotState& from, const KnotState& to, double seconds,
+                const StepLimits& limits) {
+  constexpr double kRounding = 1 - 1e-9;
+  const Limits& whole = limits.whole;
+  const double per_s = 1 / seconds;
+  bool fits = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double v = from.velocity_mm_s[axis], w = to.velocity_mm_s[axis];
+    const double start = from.position_mm[axis], end = to.position_mm[axis];
+    const double top = kRounding * whole.max_speed_mm_s[axis];
+    const double most = kRounding * seconds * whole.max_acceleration_mm_s2[axis];
+    const double mean = (end - start) * per_s;
+    // Bezier ordinates of the speed are v, the middle one, w. So fast, an axis gets at
+    // most half the way it could go in the time beyond its ends.
+    const double middle = 3 * mean - v - w, beyond = 0.5 * top * seconds;
+    fits &= std::abs(6 * mean - 4 * v - 2 * w) <= most;
+    fits &= std::abs(6 * mean - 2 * v - 4 * w) <= most;
+    fits &= std::max({std::abs(v), std::abs(middle), std::abs(w)}) <= top;
+    fits &= whole.travel_mm.min_mm[axis] <= std::min(start, end) - beyond;
+    fits &= std::max(start, end) + beyond <= whole.travel_mm.max_mm[axis];
+    fits &= !limits.jerk_limited(axis);
+  }
+  return fits;
+}
+
 }  // namespace
 
 void AppendStep(const KnotState& from, const KnotState& to, std::uint32_t ticks,
                 const StepLimits& limits, double rate_hz, std::vector<Segment>& out) {
   const std::uint64_t total = std::uint64_t{ticks} * kSubticksPerTick;
+  if (ticks <= kMaxSegmentTicks && IsOneCubic(from, to, ticks / rate_hz, limits)) {
+    out.push_back({to.position_mm, to.velocity_mm_s, static_cast<std::uint32_t>(total)});
+    return;
+  }
   const auto course_of = [&](int axis) {
     const AxisStep step{from.position_mm[axis],
                         to.position_mm[axis] - from.position_mm[axis],
