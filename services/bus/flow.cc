@@ -17,6 +17,12 @@ std::string StreamName(const std::string& job_uid, std::uint32_t attempt,
   return fmt::format("{}/{}/{}", job_uid, attempt, topic);
 }
 
+std::string PartStreamName(const std::string& job_uid, std::uint32_t attempt,
+                           const char* topic, std::uint32_t part,
+                           std::uint32_t part_attempt) {
+  return fmt::format("{}/{}.{}", StreamName(job_uid, attempt, topic), part, part_attempt);
+}
+
 CreditGrantor::CreditGrantor(Bus& bus, std::string instance)
     : instance_(std::move(instance)), writer_(bus, kCredit) {}
 

@@ -2,7 +2,7 @@
 
 // Flow under credit. The consumer of a bulk stream says how many batches it has done
 // with and how far the producer may be ahead; nothing is dropped and no reader fills.
-// Stream name: <job_uid>/<attempt>/<topic>.
+// Stream name: <job_uid>/<attempt>/<topic>; of a part .../<part>.<part_attempt>.
 
 #include <chrono>
 #include <cstdint>
@@ -16,6 +16,9 @@ namespace intaglio::bus {
 
 std::string StreamName(const std::string& job_uid, std::uint32_t attempt,
                        const char* topic);
+std::string PartStreamName(const std::string& job_uid, std::uint32_t attempt,
+                           const char* topic, std::uint32_t part,
+                           std::uint32_t part_attempt);
 
 /// Consumer's side: one for a process, any number of streams, one after another.
 class CreditGrantor {

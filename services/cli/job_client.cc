@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "proto/discretize_outcome.h"
 #include "services/bus/samples.h"
 
 namespace intaglio::cli {
@@ -119,14 +120,18 @@ void JobClient::Take(const intaglio_JobStatus& status) {
 
 void JobClient::Take(const intaglio_TaskStatus& status) {
   const std::pair key(std::string(View(status.job_uid)), static_cast<int>(status.stage));
-  errors_[key] = View(status.error_code);
+  StageWords& words = words_[key];
+  if (status.attempt < words.attempt) return;
+  if (status.attempt > words.attempt) words = {status.attempt, 1, {}, {}};
+  words.part_count = status.part_count;
+  words.errors[status.part] = View(status.error_code);
   const auto bytes = View(status.outcome);
   StageOutcome outcome;
   if (bytes.empty() ||
       !outcome.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return;
   }
-  outcomes_[key] = outcome;
+  words.outcomes[status.part] = outcome;
 }
 
 void JobClient::Poll(std::chrono::milliseconds timeout) {
@@ -226,14 +231,28 @@ Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
 
 std::optional<StageOutcome> JobClient::OutcomeOf(const std::string& job_uid,
                                                  intaglio_Stage stage) const {
-  const auto found = outcomes_.find({job_uid, static_cast<int>(stage)});
-  if (found == outcomes_.end()) return std::nullopt;
-  return found->second;
+  const auto found = words_.find({job_uid, static_cast<int>(stage)});
+  if (found == words_.end()) return std::nullopt;
+  const auto& [attempt, part_count, parts, errors] = found->second;
+  if (parts.empty() || parts.size() < part_count) return std::nullopt;
+  StageOutcome all = parts.begin()->second;
+  for (auto part = std::next(parts.begin()); part != parts.end(); ++part) {
+    all.set_elapsed_s(all.elapsed_s() + part->second.elapsed_s());
+    AddPart(part->second.discretize(), *all.mutable_discretize());
+  }
+  return all;
 }
 
 std::string JobClient::ErrorOf(const std::string& job_uid, intaglio_Stage stage) const {
-  const auto found = errors_.find({job_uid, static_cast<int>(stage)});
-  return found == errors_.end() ? std::string() : found->second;
+  const auto found = words_.find({job_uid, static_cast<int>(stage)});
+  if (found == words_.end()) return {};
+  std::string cancelled;
+  for (const auto& [part, error] : found->second.errors) {
+    if (error.empty()) continue;
+    if (error != ErrorCodeName(ErrorCode::kCancelled)) return error;
+    cancelled = error;
+  }
+  return cancelled;
 }
 
 std::vector<ServiceView> JobClient::services() const {

@@ -70,10 +70,12 @@ class JobClient {
   const std::map<std::string, JobView>& jobs() const { return jobs_; }
   /// By uid, or by the short number that people use; kNotFound lists what there is.
   Result<JobView> Find(const std::string& uid_or_number) const;
-  /// What a finished stage of the job reported.
+  /// What a finished stage of the job reported, all parts together: elapsed_s is then the
+  /// time of all workers.
   std::optional<StageOutcome> OutcomeOf(const std::string& job_uid,
                                         intaglio_Stage stage) const;
-  /// Error code of the newest word of the stage (ErrorCodeName); empty: none.
+  /// Error code of the newest words of the stage (ErrorCodeName); empty: none. Of several
+  /// parts that one which others were cancelled for.
   std::string ErrorOf(const std::string& job_uid, intaglio_Stage stage) const;
   /// Living services.
   std::vector<ServiceView> services() const;
@@ -91,8 +93,12 @@ class JobClient {
   bus::WaitSet wait_;
   std::map<std::string, JobView> jobs_;
   std::map<std::string, JobView> refused_;  // by submission
-  std::map<std::pair<std::string, int>, StageOutcome> outcomes_;
-  std::map<std::pair<std::string, int>, std::string> errors_;
+  struct StageWords {
+    std::uint32_t attempt = 0, part_count = 1;
+    std::map<std::uint32_t, StageOutcome> outcomes;  // by part
+    std::map<std::uint32_t, std::string> errors;     // by part
+  };
+  std::map<std::pair<std::string, int>, StageWords> words_;  // by job and stage
   std::map<std::string, ServiceView> services_;
 };
 

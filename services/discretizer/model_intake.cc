@@ -14,13 +14,15 @@ ModelIntake::ModelIntake(bus::Bus& bus, const std::string& instance)
     : reader_(bus, bus::kModelChunk), credit_(bus, instance) {}
 
 Status ModelIntake::Open(const std::string& job_uid, std::uint32_t attempt,
-                         std::size_t model_count) {
+                         host::TaskPart part, std::size_t model_count) {
   Close();
   if (model_count == 0) return Fail(ErrorCode::kMissing, "models: the job has none");
   job_uid_ = job_uid;
   attempt_ = attempt;
+  part_ = part;
   model_count_ = model_count;
-  stream_ = bus::StreamName(job_uid, attempt, bus::kModelChunk.name);
+  stream_ = bus::PartStreamName(job_uid, attempt, bus::kModelChunk.name, part.index,
+                                part.attempt);
   return credit_.Open(stream_, reader_.guid(), kWindowChunks);
 }
 
@@ -37,6 +39,7 @@ Result<bool> ModelIntake::Poll() {
   reader_.Take([&](const intaglio_ModelChunk& chunk) {
     if (stream_.empty() || complete_ || !status) return;
     if (bus::View(chunk.job_uid) != job_uid_ || chunk.attempt != attempt_) return;
+    if (chunk.part != part_.index || chunk.part_attempt != part_.attempt) return;
     status = Accept(chunk);
   });
   if (!status) return tl::unexpected(status.error());

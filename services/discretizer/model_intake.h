@@ -1,7 +1,8 @@
 #pragma once
 
 // Receives the model files of one job after another from the job service, under credit.
-// Used from the wait set's thread alone.
+// The stream is that of the task that asks for them, so that every discretizer has its
+// own. Used from the wait set's thread alone.
 
 #include <cstddef>
 #include <cstdint>
@@ -9,25 +10,27 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "proto/model_sources.h"
 #include "services/bus/flow.h"
+#include "services/host/task_part.h"
 
 namespace intaglio::discretizer {
-
-/// A model file, byte for byte.
-using FileBytes = std::vector<std::byte>;
 
 /// Of all models of a job together. 1 GiB is 21 million triangles of binary STL; more
 /// does not fit into the memory of a usual machine beside the mesh made from it.
 inline constexpr std::uint64_t kMaxModelBytes = std::uint64_t{1} << 30;
 
+/// The files in the order of FilesOf (proto/model_kind.h).
 class ModelIntake {
  public:
   ModelIntake(bus::Bus& bus, const std::string& instance);
 
   /// Gives the sender its credit for these many models; forgets an earlier stream.
-  Status Open(const std::string& job_uid, std::uint32_t attempt, std::size_t model_count);
-  /// Takes what has come; true when all models are whole. kLinkLost: a chunk is missing.
-  /// kFault: a chunk contradicts the ones before it. kTooLarge: above kMaxModelBytes.
+  Status Open(const std::string& job_uid, std::uint32_t attempt, host::TaskPart part,
+              std::size_t model_count);
+  /// Takes what has come and drops what is not of the open stream, also when none is
+  /// open; true when all models are whole. kLinkLost: a chunk is missing. kFault: a chunk
+  /// contradicts the ones before it. kTooLarge: above kMaxModelBytes.
   Result<bool> Poll();
   void Close();
   /// The files in the order of the job, once.
@@ -42,6 +45,7 @@ class ModelIntake {
   bus::CreditGrantor credit_;
   std::string job_uid_, stream_;
   std::uint32_t attempt_ = 0;
+  host::TaskPart part_;
   std::size_t model_count_ = 0;
   std::uint64_t expected_ = 0;   // number of the next chunk
   std::uint64_t file_size_ = 0;  // of the last file begun

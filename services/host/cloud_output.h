@@ -15,7 +15,7 @@ class CloudOutput final : public StageOutput {
   CloudOutput(bus::Bus& bus, const bus::Topic<Batch>& topic) : sender_(bus, topic) {}
 
   void Begin(const StageTask& task, PointCloud cloud, TimePoint now) override {
-    sender_.Begin(task.job_uid, task.attempt, std::move(cloud), now);
+    sender_.Begin(task.job_uid, task.attempt, task.part, std::move(cloud), now);
   }
   Result<bool> Advance(TimePoint now) override { return sender_.Advance(now); }
   void End() override { sender_.End(); }

@@ -7,17 +7,21 @@
 
 #include "engrave/core/geometry.h"
 #include "proto/task.pb.h"
+#include "services/host/task_part.h"
 
 namespace intaglio::host {
 
 struct StageTask {
   std::string job_uid;
   std::uint32_t attempt = 0;
+  TaskPart part;
+  std::uint32_t input_part_count = 1;  ///< parts in which the input comes
   FrozenJob job;
   std::string consumer;  ///< instance that takes the points; empty: nobody does
 
-  bool SameAs(const std::string& other_job, std::uint32_t other_attempt) const {
-    return job_uid == other_job && attempt == other_attempt;
+  bool SameAs(const StageTask& other) const {
+    return job_uid == other.job_uid && attempt == other.attempt &&
+           part.index == other.part.index && part.attempt == other.part.attempt;
   }
 };
 

@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <thread>
-
 #include "services/bus/samples.h"
 
 namespace intaglio::host {
@@ -11,7 +9,22 @@ namespace {
 using bus::View;
 // Shorter than the period of the health, which the loop itself keeps fresh.
 constexpr std::chrono::milliseconds kTurnPeriod{50};
-constexpr std::chrono::milliseconds kShortestTurn{1};
+
+/// All but the job.
+StageTask TaskOf(const intaglio_StageTask& sample) {
+  return {std::string(View(sample.job_uid)),
+          sample.attempt,
+          {sample.part, sample.part_count, sample.part_attempt},
+          sample.input_part_count,
+          {},
+          std::string(View(sample.consumer))};
+}
+
+std::string NameOf(const StageTask& task) {
+  const std::string name = fmt::format("job {} attempt {}", task.job_uid, task.attempt);
+  if (task.part.count == 1) return name;
+  return fmt::format("{} part {} of {}", name, task.part.index + 1, task.part.count);
+}
 }  // namespace
 
 StageWorker::StageWorker(ServiceHost& host, const bus::Topic<intaglio_StageTask>& tasks,
@@ -55,19 +68,16 @@ void StageWorker::TakeTasks() {
 }
 
 void StageWorker::Take(const intaglio_StageTask& sample) {
-  const std::string job_uid(View(sample.job_uid));
+  StageTask task = TaskOf(sample);
   if (sample.revoked) {
-    if (pending_ && pending_->task.SameAs(job_uid, sample.attempt)) pending_.reset();
-    if (task_.SameAs(job_uid, sample.attempt)) {
-      Withdraw(ErrorCode::kCancelled, "the task was revoked");
-    }
+    if (pending_ && pending_->task.SameAs(task)) pending_.reset();
+    if (task_.SameAs(task)) Withdraw(ErrorCode::kCancelled, "the task was revoked");
     return;
   }
-  if (task_.SameAs(job_uid, sample.attempt)) return;  // told again
+  if (task_.SameAs(task)) return;  // told again
   Withdraw(ErrorCode::kCancelled, "a newer task was given");
   const auto bytes = View(sample.frozen_job);
-  pending_ = {{job_uid, sample.attempt, {}, std::string(View(sample.consumer))},
-              std::string(bytes.begin(), bytes.end())};
+  pending_ = {std::move(task), std::string(bytes.begin(), bytes.end())};
 }
 
 void StageWorker::Withdraw(ErrorCode code, const std::string& reason) {
@@ -85,39 +95,43 @@ void StageWorker::BeginPending() {
   progress_ = {};
   outcome_ = {};
   phase_ = Phase::kInput;
-  spdlog::info("job {} attempt {}: accepted", task_.job_uid, task_.attempt);
+  spdlog::info("{}: accepted", NameOf(task_));
   host_.SetHealth(intaglio_HEALTH_BUSY, task_.job_uid);
-  reporter_.Accept(task_.job_uid, task_.attempt, now_);
-  const auto opened =
-      readable ? input_.Open(task_)
-               : Fail(ErrorCode::kUnreadable,
-                      "the task cannot be read: the job service is of another version");
+  reporter_.Accept(task_.job_uid, task_.attempt, task_.part, now_);
+  const auto opened = OpenInput(readable && task_.part.valid());
   if (!opened) EndTask(intaglio_TASK_FAILED, opened.error());
 }
 
+Status StageWorker::OpenInput(bool readable) {
+  if (readable) return input_.Open(task_);
+  return Fail(ErrorCode::kUnreadable,
+              "the task cannot be read: the job service is of another version");
+}
+
 Result<bool> StageWorker::Advance() {
+  const auto taken = input_.Poll(now_);
+  const auto sent = output_.Advance(now_);
   if (phase_ == Phase::kIdle) return false;
   progress_.elapsed_s = std::chrono::duration<double>(now_ - began_at_).count();
   switch (phase_) {
     case Phase::kIdle:
       break;
-    case Phase::kInput: {
-      const auto complete = input_.Poll();
-      if (!complete) return tl::unexpected(complete.error());
-      if (*complete) {
+    case Phase::kInput:
+      if (!taken) return tl::unexpected(taken.error());
+      if (*taken) {
         computation_ = std::make_unique<Computation<StageResult>>(
             input_.TakeComputation(task_), wake_);
         phase_ = Phase::kComputing;
       }
       break;
-    }
     case Phase::kComputing:
       progress_.done_count = computation_->done();
       progress_.total_count = computation_->total();
       if (computation_->ready()) return FinishComputing();
       break;
     case Phase::kSending:
-      return output_.Advance(now_);
+      if (!sent || *sent) return sent;
+      break;
     case Phase::kCancelling:
       if (!computation_ || computation_->ready()) return tl::unexpected(*withdrawn_);
       break;
@@ -141,15 +155,14 @@ Result<bool> StageWorker::FinishComputing() {
 
 void StageWorker::EndTask(intaglio_TaskState state, const Error& error) {
   computation_.reset();
-  input_.Close();
+  input_.Close(withdrawn_.has_value(), now_);
   output_.End();
   if (state == intaglio_TASK_DONE) {
-    spdlog::info("job {} attempt {}: done, {} points in {:.2f} s", task_.job_uid,
-                 task_.attempt, progress_.done_count, progress_.elapsed_s);
+    spdlog::info("{}: done, {} points in {:.2f} s", NameOf(task_), progress_.done_count,
+                 progress_.elapsed_s);
     reporter_.Done(progress_, outcome_);
   } else {
-    spdlog::warn("job {} attempt {}: {}: {}", task_.job_uid, task_.attempt,
-                 ErrorCodeName(error.code), error.message);
+    spdlog::warn("{}: {}: {}", NameOf(task_), ErrorCodeName(error.code), error.message);
     reporter_.Failed(progress_, error);
   }
   withdrawn_.reset();
@@ -161,12 +174,9 @@ int RunStageWorker(ServiceHost& host, bus::WaitSet& wait, StageWorker& worker) {
   wait.Attach(worker.tasks());
   host.SetHealth(intaglio_HEALTH_READY);
   while (!host.stopping()) {
-    const auto began = std::chrono::steady_clock::now();
-    worker.Turn(began);
+    worker.Turn(std::chrono::steady_clock::now());
     host.KeepAlive();
     (void)wait.Wait(kTurnPeriod);
-    // Samples of a stream that is not read now, as while computing, end every wait.
-    std::this_thread::sleep_until(began + kShortestTurn);
   }
   worker.Stop();
   return 0;

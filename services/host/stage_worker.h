@@ -9,6 +9,9 @@
 // A task that is revoked, or superseded by a newer one, or whose job service has died is
 // cancelled at once; what still computes is waited for without holding up the loop. An
 // error ends the task (TASK_FAILED), never the process.
+//
+// Every turn takes what has come from input and output, wanted or not: bulk topics carry
+// the streams of all workers, and what nobody takes would pile up and end every wait.
 
 #include <chrono>
 #include <functional>
@@ -26,11 +29,14 @@ namespace intaglio::host {
 /// Where a stage's input comes from and what is computed from it.
 class StageInput {
  public:
+  using TimePoint = std::chrono::steady_clock::time_point;
   virtual ~StageInput() = default;
   virtual Status Open(const StageTask& task) = 0;
-  /// Takes what has come; true when all of it is there. Never blocks.
-  virtual Result<bool> Poll() = 0;
-  virtual void Close() = 0;
+  /// Takes what has come and drops what is not of the open task, also when none is open;
+  /// true when all of its input is there. Once a turn. Never blocks.
+  virtual Result<bool> Poll(TimePoint now) = 0;
+  /// The task has ended, `withdrawn` when before its time: nobody asks for its job again.
+  virtual void Close(bool withdrawn, TimePoint now) = 0;
   /// Moves the input into a function that needs nothing else and runs in another thread.
   virtual Computation<StageResult>::Function TakeComputation(const StageTask& task) = 0;
 };
@@ -41,7 +47,8 @@ class StageOutput {
   using TimePoint = std::chrono::steady_clock::time_point;
   virtual ~StageOutput() = default;
   virtual void Begin(const StageTask& task, PointCloud cloud, TimePoint now) = 0;
-  /// Sends what may be sent; true when the consumer has everything. Never blocks.
+  /// Takes the credit that has come and sends what may be sent; true when the consumer
+  /// has everything, or nothing is to be sent. Once a turn. Never blocks.
   virtual Result<bool> Advance(TimePoint now) = 0;
   virtual void End() = 0;
 };
@@ -68,6 +75,7 @@ class StageWorker {
   void Take(const intaglio_StageTask& sample);
   void Withdraw(ErrorCode code, const std::string& reason);
   void BeginPending();
+  Status OpenInput(bool readable);
   Result<bool> Advance();
   Result<bool> FinishComputing();
   void EndTask(intaglio_TaskState state, const Error& error);

@@ -13,21 +13,19 @@ using bus::Borrow;
 constexpr std::chrono::milliseconds kPeriod{100};
 // A job service that was away asks for the outcome of what it had handed out, not for
 // everything that ever was.
-constexpr std::size_t kKeptJobs = 64;
+constexpr std::size_t kKeptTasks = 256;
 }  // namespace
 
 TaskReporter::TaskReporter(bus::Bus& bus, std::string worker, intaglio_Stage stage)
     : writer_(bus, bus::kTaskStatus), worker_(std::move(worker)), stage_(stage) {}
 
 void TaskReporter::Accept(const std::string& job_uid, std::uint32_t attempt,
-                          TimePoint now) {
+                          TaskPart part, TimePoint now) {
   job_uid_ = job_uid;
   attempt_ = attempt;
+  part_ = part;
   next_ = now + kPeriod;
-  if (std::find(told_.begin(), told_.end(), job_uid) == told_.end()) {
-    told_.push_back(job_uid);
-    ForgetOldest();
-  }
+  Remember();
   Publish(intaglio_TASK_ACCEPTED, {}, {ErrorCode::kInvalidValue, "", ""}, "");
 }
 
@@ -54,8 +52,11 @@ void TaskReporter::Publish(intaglio_TaskState state, const TaskProgress& progres
   intaglio_TaskStatus sample{};
   sample.job_uid = Borrow(job_uid_);
   sample.stage = stage_;
-  sample.attempt = attempt_;
   sample.worker = Borrow(worker_);
+  sample.part = part_.index;
+  sample.part_count = part_.count;
+  sample.attempt = attempt_;
+  sample.part_attempt = part_.attempt;
   sample.state = state;
   sample.done_count = progress.done_count;
   sample.total_count = progress.total_count;
@@ -68,11 +69,16 @@ void TaskReporter::Publish(intaglio_TaskState state, const TaskProgress& progres
   }
 }
 
-void TaskReporter::ForgetOldest() {
-  if (told_.size() <= kKeptJobs) return;
+void TaskReporter::Remember() {
+  const std::pair told(job_uid_, part_.index);
+  if (std::find(told_.begin(), told_.end(), told) != told_.end()) return;
+  told_.push_back(told);
+  if (told_.size() <= kKeptTasks) return;
   intaglio_TaskStatus sample{};
-  sample.job_uid = Borrow(told_.front());
+  sample.job_uid = Borrow(told_.front().first);
   sample.stage = stage_;
+  sample.worker = Borrow(worker_);
+  sample.part = told_.front().second;
   (void)writer_.Dispose(sample);
   told_.pop_front();
 }

@@ -45,11 +45,14 @@ void RunOnThreads(std::size_t threads, std::size_t count,
 
 }  // namespace
 
-Executor AllCores() {
-  const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
+Executor OnThreads(std::size_t threads) {
   return [threads](std::size_t count, const std::function<void(std::size_t)>& work) {
     RunOnThreads(threads, count, work);
   };
+}
+
+Executor AllCores() {
+  return OnThreads(std::max(1U, std::thread::hardware_concurrency()));
 }
 
 void GiveWay() {

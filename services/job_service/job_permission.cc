@@ -58,8 +58,9 @@ bool JobQueue::Take(const SpeedView& speed) {
 void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
   const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
   const bool paused = job.state == intaglio_JOB_PAUSED;
-  if (paused && (!workers_.IsAlive(synchronizer) ||
-                 !workers_.IsAssigned(synchronizer, job.uid, job.attempt))) {
+  if (paused &&
+      (!workers_.IsAlive(synchronizer) ||
+       !workers_.IsAssigned(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE)))) {
     return Change(
         job, job.state,
         fmt::format("cannot go on: {} that engraved it is gone, and the glass may "
@@ -114,8 +115,9 @@ std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {
     const bool ready = job.state == intaglio_JOB_WAITING_FOR_ARM ||
                        job.state == intaglio_JOB_ENGRAVING ||
                        job.state == intaglio_JOB_PAUSED;
-    const bool granted = ready && job.armed && now >= job.armed_at &&
-                         workers_.IsAssigned(synchronizer, job.uid, job.attempt);
+    const bool granted =
+        ready && job.armed && now >= job.armed_at &&
+        workers_.IsAssigned(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
     if (granted && !job.ever_granted) {
       job.ever_granted = true;
       Change(job, job.state, job.message);

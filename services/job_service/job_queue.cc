@@ -14,6 +14,11 @@ using namespace std::chrono_literals;
 // silent so long never got its task, or hangs.
 constexpr Nanoseconds kAnswerWithin = 10s;
 
+// A part that failed for want of its neighbour waits until a dead sorter, which may be
+// the reason, is missed (its lease is 1.5 s): that costs the attempt, and not the part's
+// tries.
+constexpr Nanoseconds kPartPause = 2s;
+
 constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
   switch (stage) {
     case intaglio_STAGE_DISCRETIZE:
@@ -51,8 +56,8 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, Nanoseconds now) {
 void JobQueue::RestoreOne(JobRecord& job, Nanoseconds now) {
   if (job.ever_granted) {
     const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
-    workers_.Assign(synchronizer, job.uid, job.attempt, now);
-    workers_.Answered(synchronizer, job.uid, job.attempt);
+    workers_.Assign(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE), now);
+    workers_.Answered(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
     return Change(
         job, intaglio_JOB_PAUSED,
         "the job service was restarted while this job was engraved; resume it if "
@@ -60,12 +65,7 @@ void JobQueue::RestoreOne(JobRecord& job, Nanoseconds now) {
   }
   job.last_loss = "the job service was restarted";
   Change(job, intaglio_JOB_QUEUED, job.last_loss);
-  for (const intaglio_Stage stage : kStages) {
-    const std::string& worker = job.stage(stage).worker;
-    if (worker.empty()) continue;
-    workers_.Revoke(worker, job.uid, job.attempt, now);
-    actions_.Give({worker, stage, job.uid, job.attempt, {}, true}, job);
-  }
+  for (const GivenTask& given : job.GivenTasks()) Revoke(job, given, now);
 }
 
 void JobQueue::Add(JobRecord job) {
@@ -129,6 +129,8 @@ bool JobQueue::IsBehindAnother(const JobRecord& job) const {
 
 void JobQueue::Turn(Nanoseconds now) {
   GiveUpSilent(now);
+  // A discretizer is of more use to a job that is under way than to the next one.
+  for (const auto& [number, uid] : by_number_) GiveOpenParts(jobs_.at(uid), now);
   std::set<std::string> cells;  // whose first waiting job had its chance
   for (const auto& [number, uid] : by_number_) {
     JobRecord& job = jobs_.at(uid);
@@ -144,11 +146,11 @@ void JobQueue::Turn(Nanoseconds now) {
 }
 
 void JobQueue::HandOut(JobRecord& job, Nanoseconds now) {
-  std::array<std::string, 3> workers;
+  std::array<std::vector<std::string>, 3> workers;
   std::vector<std::string> missing;
   for (const intaglio_Stage stage :
        {intaglio_STAGE_ENGRAVE, intaglio_STAGE_SORT, intaglio_STAGE_DISCRETIZE}) {
-    workers[stage] = workers_.FindFree(RoleOf(stage), job.cell);
+    workers[stage] = workers_.Free(RoleOf(stage), job.cell);
     if (workers[stage].empty())
       missing.push_back(workers_.WhyNone(RoleOf(stage), job.cell));
   }
@@ -163,36 +165,44 @@ void JobQueue::WaitFor(JobRecord& job, const std::string& what) {
 }
 
 // The consumer of a stream gets its task before the producer does.
-void JobQueue::Begin(JobRecord& job, const std::array<std::string, 3>& workers,
+void JobQueue::Begin(JobRecord& job,
+                     const std::array<std::vector<std::string>, 3>& workers,
                      Nanoseconds now) {
   ++job.attempt;
   job.estimate_ticks = 0;
-  for (const intaglio_Stage stage : kStages) {
-    job.stage(stage) = {};
-    job.stage(stage).worker = workers[stage];
-  }
+  for (const intaglio_Stage stage : kStages) job.stage(stage) = {};
+  const std::string& synchronizer = workers[intaglio_STAGE_ENGRAVE].front();
+  const std::string& sorter = workers[intaglio_STAGE_SORT].front();
+  job.stage(intaglio_STAGE_ENGRAVE).worker = synchronizer;
+  job.stage(intaglio_STAGE_SORT).worker = sorter;
+  CutIntoParts(job, workers[intaglio_STAGE_DISCRETIZE], now);
   Change(job, intaglio_JOB_DISCRETIZING,
          job.last_loss.empty()
              ? ""
              : fmt::format("attempt {}: {}", job.attempt, job.last_loss));
-  std::string consumer;
-  for (const intaglio_Stage stage :
-       {intaglio_STAGE_ENGRAVE, intaglio_STAGE_SORT, intaglio_STAGE_DISCRETIZE}) {
-    workers_.Assign(workers[stage], job.uid, job.attempt, now);
-    actions_.Give({workers[stage], stage, job.uid, job.attempt, consumer, false}, job);
-    consumer = workers[stage];
+  GiveTask(job, intaglio_STAGE_ENGRAVE, synchronizer, {}, now);
+  GiveTask(job, intaglio_STAGE_SORT, sorter, synchronizer, now);
+  for (std::uint32_t part = 0; part < job.parts.size(); ++part) {
+    if (!job.parts[part].worker.empty()) GivePart(job, part, now);
   }
-  actions_.StartFeed(job);
+}
+
+void JobQueue::GiveTask(JobRecord& job, intaglio_Stage stage, const std::string& worker,
+                        const std::string& consumer, Nanoseconds now) {
+  workers_.Assign(worker, job.TaskOf(stage), now);
+  actions_.Give({worker, stage, job.TaskOf(stage), consumer, false}, job);
 }
 
 void JobQueue::RevokeAll(JobRecord& job, Nanoseconds now) {
   actions_.StopFeed(job.uid);
-  for (const intaglio_Stage stage : kStages) {
-    const std::string& worker = job.stage(stage).worker;
-    if (!workers_.IsAssigned(worker, job.uid, job.attempt)) continue;
-    workers_.Revoke(worker, job.uid, job.attempt, now);
-    actions_.Give({worker, stage, job.uid, job.attempt, {}, true}, job);
+  for (const GivenTask& given : job.GivenTasks()) {
+    if (workers_.IsAssigned(given.worker, given.task)) Revoke(job, given, now);
   }
+}
+
+void JobQueue::Revoke(JobRecord& job, const GivenTask& given, Nanoseconds now) {
+  workers_.Revoke(given.worker, given.task, now);
+  actions_.Give({given.worker, given.stage, given.task, {}, true}, job);
 }
 
 // ---- Workers ------------------------------------------------------------------------
@@ -203,23 +213,25 @@ void JobQueue::Take(const WorkerView& worker, Nanoseconds now) {
 
 void JobQueue::WorkerLost(const std::string& instance, Nanoseconds now) {
   const WorkerBook::Assignment lost = workers_.Lose(instance);
-  JobRecord* job = FindOpen(lost.job_uid);
-  if (lost.revoked || job == nullptr || job->attempt != lost.attempt) return;
-  for (const intaglio_Stage stage : kStages) {
-    if (job->stage(stage).worker != instance) continue;
-    return LoseStage(*job, stage, instance + " was lost", now);
-  }
+  if (!lost.revoked) LoseTask(instance, lost.task, instance + " was lost", now);
 }
 
 void JobQueue::GiveUpSilent(Nanoseconds now) {
   for (const auto& [instance, assignment] : workers_.Silent(now, kAnswerWithin)) {
-    JobRecord* job = FindOpen(assignment.job_uid);
-    if (job == nullptr || job->attempt != assignment.attempt) continue;
-    for (const intaglio_Stage stage : kStages) {
-      if (job->stage(stage).worker != instance) continue;
-      LoseStage(*job, stage, instance + " does not answer", now);
-      break;
+    LoseTask(instance, assignment.task, instance + " does not answer", now);
+  }
+}
+
+void JobQueue::LoseTask(const std::string& instance, const TaskId& task,
+                        const std::string& why, Nanoseconds now) {
+  JobRecord* job = FindOpen(task.job_uid);
+  if (job == nullptr || job->attempt != task.attempt) return;
+  for (const GivenTask& given : job->GivenTasks()) {
+    if (given.worker != instance || given.task != task) continue;
+    if (given.stage == intaglio_STAGE_DISCRETIZE) {
+      return LosePart(*job, task.part, why, 0s, now);
     }
+    return LoseStage(*job, given.stage, why, now);
   }
 }
 
@@ -263,12 +275,13 @@ void JobQueue::Take(const TaskView& task, Nanoseconds now) {
   const bool over =
       task.state == intaglio_TASK_DONE || task.state == intaglio_TASK_FAILED;
   if (over) {
-    workers_.Release(task.worker, task.job_uid, task.attempt);
+    workers_.Release(task.worker, task.task);
   } else {
-    workers_.Answered(task.worker, task.job_uid, task.attempt);
+    workers_.Answered(task.worker, task.task);
   }
-  JobRecord* job = FindOpen(task.job_uid);
-  if (job == nullptr || !job->active() || task.attempt != job->attempt) return;
+  JobRecord* job = FindOpen(task.task.job_uid);
+  if (job == nullptr || !job->active() || task.task.attempt != job->attempt) return;
+  if (task.stage == intaglio_STAGE_DISCRETIZE) return TakePart(*job, task, now);
   StageRecord& stage = job->stage(task.stage);
   if (stage.worker != task.worker) return;
   stage.done_count = task.done_count;
@@ -281,22 +294,25 @@ void JobQueue::Take(const TaskView& task, Nanoseconds now) {
 }
 
 void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  const bool in_parts = task.stage == intaglio_STAGE_DISCRETIZE;
   const bool glass_is_clear = task.stage != intaglio_STAGE_ENGRAVE || !job.ever_granted;
   if (job.stage(task.stage).done) return;
   const std::string what = fmt::format("{}: {}", task.worker, task.message);
-  if (glass_is_clear && MayBeANeighbours(task.error_code))
-    return LoseAttempt(job, what, now);
+  if (glass_is_clear && MayBeANeighbours(task.error_code)) {
+    return in_parts ? LosePart(job, task.task.part, what, kPartPause, now)
+                    : LoseAttempt(job, what, now);
+  }
   EndJob(job, intaglio_JOB_FAILED, task.message.empty() ? what : task.message, now);
 }
 
 void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  FinishParts(job, now);
   job.stage(task.stage).done = true;
   if (task.stage == intaglio_STAGE_ENGRAVE) {
     return EndJob(job, intaglio_JOB_DONE, task.message, now);
   }
-  const bool discretized = task.stage == intaglio_STAGE_DISCRETIZE;
-  const bool first = discretized && job.state == intaglio_JOB_DISCRETIZING;
-  Change(job, first ? intaglio_JOB_SORTING : job.state, job.message);
+  Change(job, job.state == intaglio_JOB_DISCRETIZING ? intaglio_JOB_SORTING : job.state,
+         job.message);
 }
 
 void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now) {
@@ -306,7 +322,7 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   const bool held = job.state == intaglio_JOB_PAUSED && !job.armed;
   if (!loaded || held) return Tell(job, job.state, job.message);
   // The whole path is there: nobody needs the earlier stages any more.
-  job.stage(intaglio_STAGE_DISCRETIZE).done = true;
+  FinishParts(job, now);
   job.stage(intaglio_STAGE_SORT).done = true;
   Tell(job, task.done_count > 0 ? intaglio_JOB_ENGRAVING : intaglio_JOB_WAITING_FOR_ARM,
        task.message);

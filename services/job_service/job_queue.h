@@ -17,11 +17,16 @@
 //   done any --a worker gives up--> kFailed v
 //                                                                                   kDone
 //
+// Discretizing is cut into parts, which free discretizers take one after another; a lost
+// discretizer costs its part's time and no attempt (job_parts.cc). A part that is lost
+// too often fails the job.
+//
 // One job at a time has a cell, from its first task to its end: a paused job keeps it,
 // for its block is in the machine. A job that may have pulses in the glass is never
 // handed out again by itself. Attempts are numbered per job; what an older attempt says
 // is dropped. Used from one thread.
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -36,8 +41,7 @@ namespace intaglio::job_service {
 struct TaskOrder {
   std::string worker;
   intaglio_Stage stage = intaglio_STAGE_DISCRETIZE;
-  std::string job_uid;
-  std::uint32_t attempt = 0;
+  TaskId task;
   std::string consumer;  ///< instance that takes the output; empty: none
   bool revoked = false;
 };
@@ -50,9 +54,10 @@ class JobActions {
   virtual void Changed(const JobRecord& job) = 0;
   /// To be published; nothing is lost when it is forgotten.
   virtual void Progressed(const JobRecord& job) = 0;
+  /// To be told to the worker. A discretizer that has not got the job's models yet asks
+  /// for them with this task.
   virtual void Give(const TaskOrder& order, const JobRecord& job) = 0;
-  /// The job's models are to be sent to the discretizer, or no more.
-  virtual void StartFeed(const JobRecord& job) = 0;
+  /// No discretizer needs the job's models any more.
   virtual void StopFeed(const std::string& job_uid) = 0;
 };
 
@@ -77,9 +82,8 @@ inline constexpr std::uint32_t kLeastSpeedPercent = 10;
 
 /// TaskStatus, without its outcome.
 struct TaskView {
-  std::string job_uid;
+  TaskId task;
   intaglio_Stage stage = intaglio_STAGE_DISCRETIZE;
-  std::uint32_t attempt = 0;
   std::string worker;
   intaglio_TaskState state = intaglio_TASK_ACCEPTED;
   std::uint64_t done_count = 0;
@@ -102,6 +106,10 @@ struct PermissionView {
 
 /// Chains of a job that may break before it is given up.
 inline constexpr std::uint32_t kMaxAttempts = 3;
+
+/// Parts for so many discretizers: one for one, else so many that a slow one is waited
+/// for a fourth of its share at most.
+std::uint32_t PartCountFor(std::size_t discretizers);
 
 class JobQueue {
  public:
@@ -135,7 +143,11 @@ class JobQueue {
   JobRecord* FindOpen(const std::string& job_uid);
   void RestoreOne(JobRecord& job, Nanoseconds now);
   void HandOut(JobRecord& job, Nanoseconds now);
-  void Begin(JobRecord& job, const std::array<std::string, 3>& workers, Nanoseconds now);
+  /// The workers of the three stages, of the last two one each.
+  void Begin(JobRecord& job, const std::array<std::vector<std::string>, 3>& workers,
+             Nanoseconds now);
+  void GiveTask(JobRecord& job, intaglio_Stage stage, const std::string& worker,
+                const std::string& consumer, Nanoseconds now);
   void WaitFor(JobRecord& job, const std::string& what);
   void GiveUpSilent(Nanoseconds now);
   bool CellIsTaken(const std::string& cell) const;
@@ -147,6 +159,9 @@ class JobQueue {
   void EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
               Nanoseconds now);
   void RevokeAll(JobRecord& job, Nanoseconds now);
+  void Revoke(JobRecord& job, const GivenTask& given, Nanoseconds now);
+  void LoseTask(const std::string& instance, const TaskId& task, const std::string& why,
+                Nanoseconds now);
   void LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
   void LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
                  Nanoseconds now);
@@ -155,6 +170,19 @@ class JobQueue {
   void Disarm(JobRecord& job, Nanoseconds now);
   void StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now);
   void StageDone(JobRecord& job, const TaskView& task, Nanoseconds now);
+  // The parts of the discretizing: job_parts.cc.
+  void CutIntoParts(JobRecord& job, const std::vector<std::string>& discretizers,
+                    Nanoseconds now);
+  void GivePart(JobRecord& job, std::uint32_t part, Nanoseconds now);
+  void GiveOpenParts(JobRecord& job, Nanoseconds now);
+  void TakePart(JobRecord& job, const TaskView& task, Nanoseconds now);
+  void PartDone(JobRecord& job, Nanoseconds now);
+  /// `pause` before it is given again.
+  void LosePart(JobRecord& job, std::uint32_t part, const std::string& why,
+                Nanoseconds pause, Nanoseconds now);
+  void FinishParts(JobRecord& job, Nanoseconds now);
+  void TellDiscretizing(JobRecord& job);
+
   void EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now);
   void EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds now);
 

@@ -6,8 +6,10 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "idl/job.h"
+#include "services/job_service/task_id.h"
 
 namespace intaglio::job_service {
 
@@ -15,11 +17,34 @@ inline constexpr std::array kStages = {intaglio_STAGE_DISCRETIZE, intaglio_STAGE
                                        intaglio_STAGE_ENGRAVE};
 
 struct StageRecord {
-  std::string worker;  ///< instance of the newest attempt; empty before the first
+  /// Instance of the newest attempt; empty before the first, and always of the
+  /// discretizing, whose parts have theirs.
+  std::string worker;
   bool done = false;
   std::uint64_t done_count = 0;
   std::uint64_t total_count = 0;
   double elapsed_s = 0;
+};
+
+/// A part of the discretizing of the newest attempt.
+///
+///   open --given--> at work --> done
+///     ^-- lost, silent or failed by a neighbour's fault: attempt + 1 --|
+struct PartRecord {
+  std::string worker;         ///< empty: open
+  std::uint32_t attempt = 0;  ///< in this attempt of the job
+  bool done = false;
+  std::uint64_t done_count = 0;
+  std::uint64_t total_count = 0;
+  std::chrono::nanoseconds not_before{0};  ///< when it may be given again
+};
+
+/// A task that some worker has, or had when it is done.
+struct GivenTask {
+  std::string worker;
+  intaglio_Stage stage;
+  TaskId task;
+  bool done;
 };
 
 struct JobRecord {
@@ -39,6 +64,7 @@ struct JobRecord {
   std::string message;
   std::uint64_t estimate_ticks = 0;
   std::array<StageRecord, 3> stages;  ///< by intaglio_Stage
+  std::vector<PartRecord> parts;      ///< of the discretizing; none before it
   std::uint64_t revision = 0;
   std::uint64_t last_command = 0;
   /// A permission was, or may have been, given: pulses may exist in the glass.
@@ -50,11 +76,31 @@ struct JobRecord {
   std::uint64_t last_speed = 0;       ///< number of the override that was taken last
   std::string operator_name;
   std::string last_loss;  ///< why the attempt before this one broke
+  std::string part_loss;  ///< why a part of this one began again, the last time
+  std::chrono::nanoseconds discretizing_since{0};
   std::chrono::nanoseconds withdrawn_at{0};
   std::chrono::nanoseconds armed_at{0};
 
   StageRecord& stage(intaglio_Stage s) { return stages[s]; }
   const StageRecord& stage(intaglio_Stage s) const { return stages[s]; }
+  TaskId TaskOf(intaglio_Stage s, std::uint32_t part = 0) const {
+    const bool in_parts = s == intaglio_STAGE_DISCRETIZE;
+    return {uid, attempt, part, in_parts ? parts.at(part).attempt : 0};
+  }
+  /// By stage and part.
+  std::vector<GivenTask> GivenTasks() const {
+    std::vector<GivenTask> given;
+    for (std::uint32_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].worker.empty()) continue;
+      given.push_back({parts[i].worker, intaglio_STAGE_DISCRETIZE,
+                       TaskOf(intaglio_STAGE_DISCRETIZE, i), parts[i].done});
+    }
+    for (const intaglio_Stage s : {intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
+      if (stage(s).worker.empty()) continue;
+      given.push_back({stage(s).worker, s, TaskOf(s), stage(s).done});
+    }
+    return given;
+  }
   bool ended() const {
     return state == intaglio_JOB_DONE || state == intaglio_JOB_FAILED ||
            state == intaglio_JOB_CANCELLED;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "proto/model_kind.h"
 #include "proto/task.pb.h"
 #include "services/bus/samples.h"
 #include "services/job_service/submission.h"
@@ -28,9 +29,9 @@ std::vector<std::uint8_t> BytesOf(const std::string& text) {
 
 TaskView ViewOf(const intaglio_TaskStatus& status) {
   TaskView view;
-  view.job_uid = View(status.job_uid);
+  view.task = {std::string(View(status.job_uid)), status.attempt, status.part,
+               status.part_attempt};
   view.stage = status.stage;
-  view.attempt = status.attempt;
   view.worker = View(status.worker);
   view.state = status.state;
   view.done_count = status.done_count;
@@ -247,9 +248,14 @@ void JobService::Give(const TaskOrder& order, const JobRecord& job) {
   intaglio_StageTask sample{};
   sample.worker = Borrow(order.worker);
   sample.epoch = epoch_;
-  sample.job_uid = Borrow(order.job_uid);
-  sample.attempt = order.attempt;
+  sample.job_uid = Borrow(order.task.job_uid);
+  sample.attempt = order.task.attempt;
   sample.stage = order.stage;
+  const auto part_count = static_cast<std::uint32_t>(job.parts.size());
+  sample.part = order.task.part;
+  sample.part_count = order.stage == intaglio_STAGE_DISCRETIZE ? part_count : 1;
+  sample.part_attempt = order.task.part_attempt;
+  sample.input_part_count = order.stage == intaglio_STAGE_SORT ? part_count : 1;
   sample.revoked = order.revoked;
   Borrow(sample.frozen_job, frozen);
   sample.consumer = Borrow(order.consumer);
@@ -257,7 +263,9 @@ void JobService::Give(const TaskOrder& order, const JobRecord& job) {
       order.stage == intaglio_STAGE_DISCRETIZE ? discretize_tasks_
       : order.stage == intaglio_STAGE_SORT     ? sort_tasks_
                                                : engrave_tasks_;
-  spdlog::info("job {}, attempt {}: {} {}", order.job_uid, order.attempt,
+  if (order.stage == intaglio_STAGE_DISCRETIZE && !order.revoked) StartFeed(order, job);
+  spdlog::info("job {}, attempt {}, part {}.{}: {} {}", order.task.job_uid,
+               order.task.attempt, order.task.part, order.task.part_attempt,
                order.revoked ? "revoked from" : "given to", order.worker);
   if (auto written = writer.Write(sample); !written) {
     // A worker that does not answer costs the attempt (job_queue.h).
@@ -265,11 +273,8 @@ void JobService::Give(const TaskOrder& order, const JobRecord& job) {
   }
 }
 
-void JobService::StartFeed(const JobRecord& job) {
-  const FrozenJob frozen = FrozenOf(job);
-  std::vector<std::string> files;
-  for (const Model& model : frozen.job().models()) files.push_back(model.file());
-  feed_.Start(job.uid, job.attempt, std::move(files));
+void JobService::StartFeed(const TaskOrder& order, const JobRecord& job) {
+  feed_.Start(order.task, FilesOf(FrozenOf(job).job()));
 }
 
 void JobService::StopFeed(const std::string& job_uid) { feed_.Stop(job_uid); }

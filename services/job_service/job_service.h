@@ -45,9 +45,9 @@ class JobService : private JobActions {
   void Changed(const JobRecord& job) override;
   void Progressed(const JobRecord& job) override;
   void Give(const TaskOrder& order, const JobRecord& job) override;
-  void StartFeed(const JobRecord& job) override;
   void StopFeed(const std::string& job_uid) override;
 
+  void StartFeed(const TaskOrder& order, const JobRecord& job);
   void TakeTasks(Nanoseconds now);
   void TakeHealth(Nanoseconds now);
   void TakeSubmissions();

@@ -3,76 +3,25 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <random>
+
+#include "services/job_service/job_migrations.h"
 
 namespace intaglio::job_service {
 namespace {
 
-// One entry a version; never changed once released, only added to.
-constexpr std::array kMigrations = {
-    R"sql(
-CREATE TABLE runs (epoch INTEGER PRIMARY KEY, started_utc TEXT NOT NULL);
-CREATE TABLE jobs (
-  number INTEGER PRIMARY KEY,
-  uid TEXT NOT NULL UNIQUE,
-  submission_uid TEXT NOT NULL,
-  epoch INTEGER NOT NULL,
-  name TEXT NOT NULL,
-  cell TEXT NOT NULL,
-  rate_hz REAL NOT NULL,
-  result_directory TEXT NOT NULL,
-  frozen_job BLOB NOT NULL,
-  state INTEGER NOT NULL,
-  ended INTEGER NOT NULL,
-  attempt INTEGER NOT NULL,
-  lost_attempts INTEGER NOT NULL,
-  message TEXT NOT NULL,
-  estimate_ticks INTEGER NOT NULL,
-  revision INTEGER NOT NULL,
-  last_command INTEGER NOT NULL,
-  ever_granted INTEGER NOT NULL,
-  changed_utc TEXT NOT NULL
-);
-CREATE INDEX jobs_ended ON jobs (ended, number);
-CREATE TABLE stages (
-  job_uid TEXT NOT NULL REFERENCES jobs (uid),
-  stage INTEGER NOT NULL,
-  worker TEXT NOT NULL,
-  done INTEGER NOT NULL,
-  done_count INTEGER NOT NULL,
-  total_count INTEGER NOT NULL,
-  elapsed_s REAL NOT NULL,
-  PRIMARY KEY (job_uid, stage)
-);
-CREATE TABLE submissions (
-  submission_uid TEXT PRIMARY KEY,
-  refusal TEXT NOT NULL,
-  taken_utc TEXT NOT NULL
-);
-CREATE TABLE commands (
-  job_uid TEXT NOT NULL,
-  number INTEGER NOT NULL,
-  kind INTEGER NOT NULL,
-  operator_name TEXT NOT NULL,
-  taken_utc TEXT NOT NULL,
-  PRIMARY KEY (job_uid, number)
-);
-CREATE TABLE tasks (
-  job_uid TEXT NOT NULL,
-  attempt INTEGER NOT NULL,
-  stage INTEGER NOT NULL,
-  worker TEXT NOT NULL,
-  given_utc TEXT NOT NULL,
-  revoked_utc TEXT,
-  ended_utc TEXT,
-  state INTEGER,
-  message TEXT,
-  outcome BLOB,
-  PRIMARY KEY (job_uid, attempt, stage)
-);
-)sql"};
+// One task, by the parameters that BindTask fills.
+constexpr const char* kWhereTask =
+    "job_uid = ?1 AND attempt = ?2 AND stage = ?3 AND part = ?4 AND part_attempt = ?5";
+
+void BindTask(SQLite::Statement& statement, intaglio_Stage stage, const TaskId& task) {
+  statement.bind(1, task.job_uid);
+  statement.bind(2, task.attempt);
+  statement.bind(3, static_cast<int>(stage));
+  statement.bind(4, task.part);
+  statement.bind(5, task.part_attempt);
+}
 
 constexpr const char* kNow = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')";
 
@@ -142,6 +91,22 @@ void LoadStages(SQLite::Database& database, JobRecord& job) {
     record.done_count = static_cast<std::uint64_t>(select.getColumn(3).getInt64());
     record.total_count = static_cast<std::uint64_t>(select.getColumn(4).getInt64());
     record.elapsed_s = select.getColumn(5).getDouble();
+  }
+}
+
+void LoadParts(SQLite::Database& database, JobRecord& job) {
+  SQLite::Statement select(
+      database,
+      "SELECT part, part_attempt, worker FROM tasks WHERE job_uid = ? AND attempt = ? "
+      "AND stage = ? AND ended_utc IS NULL AND revoked_utc IS NULL");
+  select.bind(1, job.uid);
+  select.bind(2, job.attempt);
+  select.bind(3, static_cast<int>(intaglio_STAGE_DISCRETIZE));
+  while (select.executeStep()) {
+    const std::size_t part = select.getColumn(0).getUInt();
+    if (part >= job.parts.size()) job.parts.resize(part + 1);
+    job.parts[part].attempt = select.getColumn(1).getUInt();
+    job.parts[part].worker = select.getColumn(2).getString();
   }
 }
 
@@ -306,20 +271,17 @@ void JobStore::KeepCommand(const CommandView& command) {
 void JobStore::KeepTask(const TaskOrder& order) {
   Guarded(*database_, [&] {
     const std::string text =
-        order.revoked ? fmt::format(
-                            "UPDATE tasks SET revoked_utc = {}, worker = ?4 "
-                            "WHERE job_uid = ?1 AND attempt = ?2 AND stage = ?3",
-                            kNow)
-                      : fmt::format(
-                            "INSERT OR REPLACE INTO tasks "
-                            "(job_uid, attempt, stage, worker, given_utc) "
-                            "VALUES (?1, ?2, ?3, ?4, {})",
-                            kNow);
+        order.revoked
+            ? fmt::format("UPDATE tasks SET revoked_utc = {}, worker = ?6 WHERE {}", kNow,
+                          kWhereTask)
+            : fmt::format(
+                  "INSERT OR REPLACE INTO tasks "
+                  "(job_uid, attempt, stage, part, part_attempt, worker, given_utc) "
+                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, {})",
+                  kNow);
     SQLite::Statement statement(*database_, text);
-    statement.bind(1, order.job_uid);
-    statement.bind(2, order.attempt);
-    statement.bind(3, static_cast<int>(order.stage));
-    statement.bind(4, order.worker);
+    BindTask(statement, order.stage, order.task);
+    statement.bind(6, order.worker);
     statement.exec();
   });
 }
@@ -328,16 +290,13 @@ void JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
   Guarded(*database_, [&] {
     SQLite::Statement update(
         *database_,
-        fmt::format("UPDATE tasks SET ended_utc = {}, state = ?4, message = ?5, "
-                    "outcome = ?6 WHERE job_uid = ?1 AND attempt = ?2 AND "
-                    "stage = ?3 AND ended_utc IS NULL",
-                    kNow));
-    update.bind(1, task.job_uid);
-    update.bind(2, task.attempt);
-    update.bind(3, static_cast<int>(task.stage));
-    update.bind(4, static_cast<int>(task.state));
-    update.bind(5, task.message);
-    update.bind(6, outcome.data(), static_cast<int>(outcome.size()));
+        fmt::format("UPDATE tasks SET ended_utc = {}, state = ?6, message = ?7, "
+                    "outcome = ?8 WHERE {} AND ended_utc IS NULL",
+                    kNow, kWhereTask));
+    BindTask(update, task.stage, task.task);
+    update.bind(6, static_cast<int>(task.state));
+    update.bind(7, task.message);
+    update.bind(8, outcome.data(), static_cast<int>(outcome.size()));
     update.exec();
   });
 }
@@ -353,6 +312,7 @@ std::vector<JobRecord> JobStore::Load(int ended_count) {
     while (select.executeStep()) {
       jobs.push_back(RecordOf(select));
       LoadStages(*database_, jobs.back());
+      if (jobs.back().active()) LoadParts(*database_, jobs.back());
     }
     return jobs;
   });

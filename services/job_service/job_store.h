@@ -5,7 +5,8 @@
 // death and the machine's.
 //
 // Tables: runs (epochs of the job service), jobs, submissions (what became of each, also
-// refused ones), commands and tasks (what was asked and handed out, for people).
+// refused ones), commands and tasks (what was asked, for people, and what was handed out:
+// after a restart it is taken back from whoever has it).
 // Used from one thread. A database that cannot be opened or written throws StoreError.
 
 #include <cstdint>
@@ -54,7 +55,8 @@ class JobStore {
   /// The end of a task with its outcome (StageOutcome, serialized).
   void KeepTaskEnd(const TaskView& task, const std::string& outcome);
 
-  /// All open jobs and the newest `ended_count` ended ones, by number.
+  /// All open jobs, with the parts that are handed out, and the newest `ended_count`
+  /// ended ones, by number.
   std::vector<JobRecord> Load(int ended_count);
 
  private:

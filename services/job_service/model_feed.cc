@@ -32,20 +32,19 @@ ModelFeed::~ModelFeed() {
   wait_.Wake();
 }
 
-void ModelFeed::Start(const std::string& job_uid, std::uint32_t attempt,
-                      std::vector<std::string> files) {
+void ModelFeed::Start(const TaskId& task, std::vector<std::string> files) {
   const std::lock_guard lock(mutex_);
   Stream& stream = added_.emplace_back();
-  stream.job_uid = job_uid;
-  stream.attempt = attempt;
+  stream.task = task;
   stream.files = std::move(files);
-  stream.name = bus::StreamName(job_uid, attempt, bus::kModelChunk.name);
+  stream.name = bus::PartStreamName(task.job_uid, task.attempt, bus::kModelChunk.name,
+                                    task.part, task.part_attempt);
   wait_.Wake();
 }
 
 void ModelFeed::Stop(const std::string& job_uid) {
   const std::lock_guard lock(mutex_);
-  added_.remove_if([&](const Stream& stream) { return stream.job_uid == job_uid; });
+  added_.remove_if([&](const Stream& stream) { return stream.task.job_uid == job_uid; });
   stopped_.push_back(job_uid);
   wait_.Wake();
 }
@@ -64,7 +63,8 @@ void ModelFeed::Run(const std::stop_token& stop) {
     {
       const std::lock_guard lock(mutex_);
       for (const std::string& uid : stopped_) {
-        streams_.remove_if([&](const Stream& stream) { return stream.job_uid == uid; });
+        streams_.remove_if(
+            [&](const Stream& stream) { return stream.task.job_uid == uid; });
       }
       stopped_.clear();
       streams_.splice(streams_.end(), added_);
@@ -87,7 +87,8 @@ void ModelFeed::Serve(Stream& stream) {
     if (!sent) {
       stream.done = true;
       const std::lock_guard lock(mutex_);
-      failures_.push_back({stream.job_uid, stream.attempt, sent.error().message});
+      failures_.push_back(
+          {stream.task.job_uid, stream.task.attempt, sent.error().message});
     }
   }
 }
@@ -116,8 +117,10 @@ Result<bool> ModelFeed::SendChunk(Stream& stream) {
   }
   const bool ends_file = stream.offset + chunk_.size() == stream.file_size;
   intaglio_ModelChunk sample{};
-  sample.job_uid = Borrow(stream.job_uid);
-  sample.attempt = stream.attempt;
+  sample.job_uid = Borrow(stream.task.job_uid);
+  sample.attempt = stream.task.attempt;
+  sample.part = stream.task.part;
+  sample.part_attempt = stream.task.part_attempt;
   sample.sequence_number = stream.sequence_number;
   sample.model = stream.model;
   sample.offset = stream.offset;

@@ -2,6 +2,8 @@
 
 // Sends the model files of jobs to their discretizers, in chunks, under credit, from a
 // thread of its own: a bulk write may block for a second, and permissions may not wait.
+// Every task of a discretizer may ask for them, by its credit; one that has them from the
+// task before does not.
 
 #include <chrono>
 #include <cstdint>
@@ -15,6 +17,7 @@
 #include "engrave/core/result.h"
 #include "services/bus/bus.h"
 #include "services/bus/flow.h"
+#include "services/job_service/task_id.h"
 
 namespace intaglio::job_service {
 
@@ -26,9 +29,9 @@ class ModelFeed {
   ~ModelFeed();
 
   /// From any thread. The files go out in this order as soon as the discretizer grants
-  /// credit for the stream of this job and attempt.
-  void Start(const std::string& job_uid, std::uint32_t attempt,
-             std::vector<std::string> files);
+  /// credit for the stream of this task.
+  void Start(const TaskId& task, std::vector<std::string> files);
+  /// For all tasks of the job.
   void Stop(const std::string& job_uid);
 
   struct Failure {
@@ -41,8 +44,7 @@ class ModelFeed {
 
  private:
   struct Stream {
-    std::string job_uid;
-    std::uint32_t attempt = 0;
+    TaskId task;
     std::vector<std::string> files;
     std::string name;
     std::uint64_t sequence_number = 0;

@@ -53,15 +53,16 @@ bool WorkerBook::Serves(const Worker& worker, intaglio_ServiceRole role,
          (role != intaglio_ROLE_SYNCHRONIZER || worker.view.cell == cell);
 }
 
-std::string WorkerBook::FindFree(intaglio_ServiceRole role,
-                                 const std::string& cell) const {
+std::vector<std::string> WorkerBook::Free(intaglio_ServiceRole role,
+                                          const std::string& cell) const {
+  std::vector<std::string> free;
   for (const auto& [instance, worker] : workers_) {
     if (Serves(worker, role, cell) && worker.view.state == intaglio_HEALTH_READY &&
-        worker.assignment.job_uid.empty()) {
-      return instance;
+        worker.assignment.task.job_uid.empty()) {
+      free.push_back(instance);
     }
   }
-  return {};
+  return free;
 }
 
 std::string WorkerBook::WhyNone(intaglio_ServiceRole role,
@@ -80,36 +81,30 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role,
   return text + " (all are busy)";
 }
 
-void WorkerBook::Assign(const std::string& instance, const std::string& job_uid,
-                        std::uint32_t attempt, Nanoseconds now) {
+void WorkerBook::Assign(const std::string& instance, const TaskId& task,
+                        Nanoseconds now) {
   Worker& worker = workers_[instance];
-  worker.assignment = {job_uid, attempt, now, false, false};
+  worker.assignment = {task, now, false, false};
   if (!worker.alive) worker.heard = now;
 }
 
-void WorkerBook::Revoke(const std::string& instance, const std::string& job_uid,
-                        std::uint32_t attempt, Nanoseconds now) {
-  workers_[instance].assignment = {job_uid, attempt, now, true, true};
+void WorkerBook::Revoke(const std::string& instance, const TaskId& task,
+                        Nanoseconds now) {
+  workers_[instance].assignment = {task, now, true, true};
 }
 
-WorkerBook::Worker* WorkerBook::Find(const std::string& instance,
-                                     const std::string& job_uid, std::uint32_t attempt) {
+WorkerBook::Worker* WorkerBook::Find(const std::string& instance, const TaskId& task) {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return nullptr;
-  const Assignment& assignment = found->second.assignment;
-  return assignment.job_uid == job_uid && assignment.attempt == attempt ? &found->second
-                                                                        : nullptr;
+  return found->second.assignment.task == task ? &found->second : nullptr;
 }
 
-void WorkerBook::Answered(const std::string& instance, const std::string& job_uid,
-                          std::uint32_t attempt) {
-  if (Worker* worker = Find(instance, job_uid, attempt))
-    worker->assignment.answered = true;
+void WorkerBook::Answered(const std::string& instance, const TaskId& task) {
+  if (Worker* worker = Find(instance, task)) worker->assignment.answered = true;
 }
 
-void WorkerBook::Release(const std::string& instance, const std::string& job_uid,
-                         std::uint32_t attempt) {
-  if (Worker* worker = Find(instance, job_uid, attempt)) worker->assignment = {};
+void WorkerBook::Release(const std::string& instance, const TaskId& task) {
+  if (Worker* worker = Find(instance, task)) worker->assignment = {};
 }
 
 bool WorkerBook::IsAlive(const std::string& instance) const {
@@ -117,13 +112,11 @@ bool WorkerBook::IsAlive(const std::string& instance) const {
   return found != workers_.end() && found->second.alive;
 }
 
-bool WorkerBook::IsAssigned(const std::string& instance, const std::string& job_uid,
-                            std::uint32_t attempt) const {
+bool WorkerBook::IsAssigned(const std::string& instance, const TaskId& task) const {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return false;
   const Assignment& assignment = found->second.assignment;
-  return !assignment.revoked && assignment.job_uid == job_uid &&
-         assignment.attempt == attempt;
+  return !assignment.revoked && assignment.task == task;
 }
 
 std::vector<std::pair<std::string, WorkerBook::Assignment>> WorkerBook::Silent(
@@ -131,7 +124,7 @@ std::vector<std::pair<std::string, WorkerBook::Assignment>> WorkerBook::Silent(
   std::vector<std::pair<std::string, Assignment>> silent;
   for (const auto& [instance, worker] : workers_) {
     const Assignment& assignment = worker.assignment;
-    if (assignment.job_uid.empty() || assignment.revoked) continue;
+    if (assignment.task.job_uid.empty() || assignment.revoked) continue;
     const bool unanswered = !assignment.answered && now - assignment.since >= limit;
     if (unanswered || now - worker.heard >= limit) {
       silent.emplace_back(instance, assignment);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "idl/service.h"
+#include "services/job_service/task_id.h"
 
 namespace intaglio::job_service {
 
@@ -34,8 +35,7 @@ struct WorkerView {
 class WorkerBook {
  public:
   struct Assignment {
-    std::string job_uid;  ///< empty: none
-    std::uint32_t attempt = 0;
+    TaskId task;  ///< without a job: none
     Nanoseconds since{0};
     bool answered = false;  ///< a TaskStatus came
     bool revoked = false;
@@ -45,25 +45,20 @@ class WorkerBook {
   /// The worker is gone, or so slow that it seems to be; returns what it worked on.
   Assignment Lose(const std::string& instance);
 
-  /// A free worker of that role, for a synchronizer of that cell; the least by name, so
-  /// that the choice can be foretold. Empty when there is none.
-  std::string FindFree(intaglio_ServiceRole role, const std::string& cell) const;
+  /// The free workers of that role, for a synchronizer of that cell; by name, so that the
+  /// choice can be foretold.
+  std::vector<std::string> Free(intaglio_ServiceRole role, const std::string& cell) const;
   /// Why there is none, e.g. "a sorter (all are busy)".
   std::string WhyNone(intaglio_ServiceRole role, const std::string& cell) const;
 
-  void Assign(const std::string& instance, const std::string& job_uid,
-              std::uint32_t attempt, Nanoseconds now);
+  void Assign(const std::string& instance, const TaskId& task, Nanoseconds now);
   /// Also for a worker that was not heard of yet (after our own restart).
-  void Revoke(const std::string& instance, const std::string& job_uid,
-              std::uint32_t attempt, Nanoseconds now);
-  void Answered(const std::string& instance, const std::string& job_uid,
-                std::uint32_t attempt);
-  void Release(const std::string& instance, const std::string& job_uid,
-               std::uint32_t attempt);
+  void Revoke(const std::string& instance, const TaskId& task, Nanoseconds now);
+  void Answered(const std::string& instance, const TaskId& task);
+  void Release(const std::string& instance, const TaskId& task);
 
   bool IsAlive(const std::string& instance) const;
-  bool IsAssigned(const std::string& instance, const std::string& job_uid,
-                  std::uint32_t attempt) const;
+  bool IsAssigned(const std::string& instance, const TaskId& task) const;
   /// Workers with a task that have said nothing about it, or have not told their health,
   /// for so long: health tells that a worker's loop runs, not only that its process is.
   std::vector<std::pair<std::string, Assignment>> Silent(Nanoseconds now,
@@ -78,8 +73,7 @@ class WorkerBook {
   };
   bool Serves(const Worker& worker, intaglio_ServiceRole role,
               const std::string& cell) const;
-  Worker* Find(const std::string& instance, const std::string& job_uid,
-               std::uint32_t attempt);
+  Worker* Find(const std::string& instance, const TaskId& task);
 
   std::map<std::string, Worker> workers_;
 };

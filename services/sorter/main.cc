@@ -13,10 +13,10 @@ class PointInput final : public host::StageInput {
       : intake_(bus, instance, bus::kPointBatch) {}
 
   Status Open(const host::StageTask& task) override {
-    return intake_.Open(task.job_uid, task.attempt);
+    return intake_.Open(task.job_uid, task.attempt, task.input_part_count);
   }
-  Result<bool> Poll() override { return intake_.Poll(); }
-  void Close() override { intake_.Close(); }
+  Result<bool> Poll(TimePoint) override { return intake_.Poll(); }
+  void Close(bool, TimePoint) override { intake_.Close(); }
   host::Computation<host::StageResult>::Function TakeComputation(
       const host::StageTask& task) override {
     return [job = task.job,

@@ -1,5 +1,6 @@
 #include "services/sorter/sort_job.h"
 
+#include "engrave/discretize/cloud.h"
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
@@ -10,6 +11,8 @@ namespace intaglio::sorter {
 
 Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress) {
+  // No maker of a part can tell that the others are empty as well.
+  if (cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
   sort::OrderOptions options = OrderOptionsOf(job);
   options.executor = host::AllCores();
   if (const AnnealOrder& anneal = job.job().ordering().anneal(); anneal.has_time_s()) {

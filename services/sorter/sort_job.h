@@ -7,7 +7,8 @@
 namespace intaglio::sorter {
 
 /// The cloud in the order of engraving, the stage's travel along it, and the shadow
-/// violations that the checker (not the sorter) counts.
+/// violations that the checker (not the sorter) counts. kMissing: the cloud has no
+/// points.
 Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress);
 

@@ -20,7 +20,7 @@ Status PathIntake::Open(const std::string& job_uid, std::uint32_t attempt) {
   Close();
   job_uid_ = job_uid;
   attempt_ = attempt;
-  stream_ = bus::StreamName(job_uid, attempt, bus::kPathBatch.name);
+  stream_ = bus::PartStreamName(job_uid, attempt, bus::kPathBatch.name, 0, 0);
   expected_ = total_count_ = 0;
   complete_ = false;
   path_ = {};

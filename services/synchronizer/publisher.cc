@@ -48,6 +48,7 @@ void Publisher::Tell(const TaskReport& report, std::chrono::nanoseconds now) {
   intaglio_TaskStatus sample{};
   sample.job_uid = Borrow(told_.job_uid);
   sample.stage = intaglio_STAGE_ENGRAVE;
+  sample.part_count = 1;
   sample.attempt = told_.attempt;
   sample.worker = Borrow(worker_);
   sample.state = told_.state;

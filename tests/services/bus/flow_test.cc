@@ -38,6 +38,7 @@ std::size_t ResidentBytes() {
 
 TEST(Flow, NamesAStreamByJobAttemptAndTopic) {
   EXPECT_EQ(StreamName("12-ab", 3, "PointBatch"), "12-ab/3/PointBatch");
+  EXPECT_EQ(PartStreamName("12-ab", 3, "PointBatch", 7, 1), "12-ab/3/PointBatch/7.1");
 }
 
 TEST(Flow, CreditSaysHowFarTheProducerMayGo) {

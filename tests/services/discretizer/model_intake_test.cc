@@ -16,7 +16,7 @@ using test::Eventually;
 class ModelIntakeTest : public testing::Test {
  protected:
   void Open(std::size_t model_count) {
-    ASSERT_TRUE(intake.Open(job_uid, 1, model_count));
+    ASSERT_TRUE(intake.Open(job_uid, 1, part, model_count));
     ASSERT_TRUE(Eventually([&] { return writer.IsMatched(intake.reader().guid()); }));
     number = 0;
   }
@@ -25,6 +25,8 @@ class ModelIntakeTest : public testing::Test {
     intaglio_ModelChunk chunk{};
     chunk.job_uid = Borrow(job_uid);
     chunk.attempt = 1;
+    chunk.part = part.index;
+    chunk.part_attempt = part.attempt;
     chunk.sequence_number = number++;
     chunk.model = model;
     chunk.offset = offset;
@@ -45,6 +47,7 @@ class ModelIntakeTest : public testing::Test {
   }
 
   const std::string job_uid = "j";
+  host::TaskPart part{3, 8, 1};
   bus::Bus bus{test::PrivateBusOptions()};
   bus::Writer<intaglio_ModelChunk> writer{bus, bus::kModelChunk};
   ModelIntake intake{bus, "discretizer"};
@@ -106,8 +109,21 @@ TEST_F(ModelIntakeTest, RefusesTooMuchBeforeItTakesTheMemory) {
   ExpectRefused(ErrorCode::kTooLarge);
 }
 
+TEST_F(ModelIntakeTest, DropsWhatIsSentToOthers) {
+  Open(1);
+  for (const host::TaskPart others : {host::TaskPart{2, 8, 1}, host::TaskPart{3, 8, 0}}) {
+    part = others;
+    Send(0, 0, 1, {7}, true);
+  }
+  part = {3, 8, 1};
+  number = 0;
+  Send(0, 0, 1, {1}, true);
+  ASSERT_TRUE(PollUntilDecided());
+  EXPECT_EQ(intake.TakeFiles().at(0), FileBytes{std::byte{1}});
+}
+
 TEST_F(ModelIntakeTest, RefusesAJobWithoutModels) {
-  EXPECT_FALSE(intake.Open(job_uid, 1, 0));
+  EXPECT_FALSE(intake.Open(job_uid, 1, {}, 0));
 }
 
 }  // namespace

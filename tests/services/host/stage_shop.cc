@@ -10,6 +10,16 @@ namespace intaglio::test {
 using bus::Borrow;
 using bus::View;
 
+namespace {
+
+void SetPart(intaglio_StageTask& task, host::TaskPart part) {
+  task.part = part.index;
+  task.part_count = part.count;
+  task.part_attempt = part.attempt;
+}
+
+}  // namespace
+
 StageShop::StageShop(const std::string& program, intaglio_Stage stage,
                      const bus::Topic<intaglio_StageTask>& tasks)
     : bus_(PrivateBusOptions()),
@@ -34,6 +44,7 @@ void StageShop::Poll() {
     if (sample.stage != stage_ || View(sample.worker) != instance_) return;
     TaskReport report{std::string(View(sample.job_uid)),
                       sample.attempt,
+                      {sample.part, sample.part_count, sample.part_attempt},
                       sample.state,
                       sample.done_count,
                       sample.total_count,
@@ -61,13 +72,16 @@ void StageShop::Write(intaglio_StageTask task) {
 }
 
 void StageShop::Give(const FrozenJob& job, std::uint32_t attempt,
-                     const std::string& consumer) {
+                     const std::string& consumer, host::TaskPart part,
+                     std::uint32_t input_part_count) {
   const std::string serialized = job.SerializeAsString();
   const std::vector<std::uint8_t> bytes(serialized.begin(), serialized.end());
   intaglio_StageTask task{};
   task.job_uid = Borrow(job.job_uid());
   task.attempt = attempt;
   task.consumer = Borrow(consumer);
+  SetPart(task, part);
+  task.input_part_count = input_part_count;
   Borrow(task.frozen_job, bytes);
   Write(task);
 }
@@ -78,16 +92,31 @@ void StageShop::GiveBytes(const std::string& job_uid, std::uint32_t attempt,
   intaglio_StageTask task{};
   task.job_uid = Borrow(job_uid);
   task.attempt = attempt;
+  SetPart(task, {});
   Borrow(task.frozen_job, bytes);
   Write(task);
 }
 
-void StageShop::Revoke(const std::string& job_uid, std::uint32_t attempt) {
+void StageShop::Revoke(const std::string& job_uid, std::uint32_t attempt,
+                       host::TaskPart part) {
   intaglio_StageTask task{};
   task.job_uid = Borrow(job_uid);
   task.attempt = attempt;
+  SetPart(task, part);
   task.revoked = true;
   Write(task);
+}
+
+std::optional<TaskReport> StageShop::Find(const std::string& job_uid, host::TaskPart part,
+                                          intaglio_TaskState state) {
+  Poll();
+  for (const TaskReport& report : reports_) {
+    if (report.job_uid == job_uid && report.part.index == part.index &&
+        report.part.attempt == part.attempt && report.state == state) {
+      return report;
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<TaskReport> StageShop::AwaitReport(
@@ -106,9 +135,11 @@ std::optional<TaskReport> StageShop::AwaitReport(
 }
 
 std::optional<TaskReport> StageShop::AwaitEnd(const std::string& job_uid,
-                                              std::uint32_t attempt) {
-  return AwaitReport(job_uid, [attempt](const TaskReport& report) {
-    return report.attempt == attempt &&
+                                              std::uint32_t attempt,
+                                              host::TaskPart part) {
+  return AwaitReport(job_uid, [attempt, part](const TaskReport& report) {
+    return report.attempt == attempt && report.part.index == part.index &&
+           report.part.attempt == part.attempt &&
            (report.state == intaglio_TASK_DONE || report.state == intaglio_TASK_FAILED);
   });
 }
@@ -126,11 +157,12 @@ FrozenJob FrozenJobOf(const std::string& job_uid, JobSpec spec) {
 }
 
 bool FeedModels(bus::Bus& bus, const std::string& job_uid, std::uint32_t attempt,
-                const std::vector<std::string>& files) {
+                const std::vector<std::string>& files, host::TaskPart part) {
   constexpr std::size_t kChunk = 1000;
   bus::Writer<intaglio_ModelChunk> writer(bus, bus::kModelChunk);
   bus::CreditBook credit(bus);
-  const std::string stream = bus::StreamName(job_uid, attempt, bus::kModelChunk.name);
+  const std::string stream = bus::PartStreamName(job_uid, attempt, bus::kModelChunk.name,
+                                                 part.index, part.attempt);
   std::uint64_t number = 0;
   bus::CreditBook::Grant grant;
   const auto look = [&] { return credit.Poll(), grant = credit.Find(stream), grant; };
@@ -140,11 +172,13 @@ bool FeedModels(bus::Bus& bus, const std::string& job_uid, std::uint32_t attempt
   for (std::uint32_t model = 0; model < files.size(); ++model) {
     const std::string& file = files[model];
     for (std::size_t offset = 0; offset == 0 || offset < file.size(); offset += kChunk) {
-      const std::string part = file.substr(offset, kChunk);
-      const std::vector<std::uint8_t> bytes(part.begin(), part.end());
+      const std::string piece = file.substr(offset, kChunk);
+      const std::vector<std::uint8_t> bytes(piece.begin(), piece.end());
       intaglio_ModelChunk chunk{};
       chunk.job_uid = Borrow(job_uid);
       chunk.attempt = attempt;
+      chunk.part = part.index;
+      chunk.part_attempt = part.attempt;
       chunk.model = model;
       chunk.offset = offset;
       chunk.file_size = file.size();

@@ -15,6 +15,7 @@
 #include "proto/task.pb.h"
 #include "services/bus/flow.h"
 #include "services/bus/samples.h"
+#include "services/host/task_part.h"
 #include "tests/services/bus/child_program.h"
 
 namespace intaglio::test {
@@ -23,6 +24,7 @@ namespace intaglio::test {
 struct TaskReport {
   std::string job_uid;
   std::uint32_t attempt = 0;
+  host::TaskPart part;
   intaglio_TaskState state = intaglio_TASK_ACCEPTED;
   std::uint64_t done_count = 0, total_count = 0;
   std::string error_code, message;
@@ -38,15 +40,21 @@ class StageShop {
   bool AwaitHealth(intaglio_HealthState state);
   /// Until the worker's health is gone from the bus.
   bool AwaitGone();
-  void Give(const FrozenJob& job, std::uint32_t attempt, const std::string& consumer);
+  void Give(const FrozenJob& job, std::uint32_t attempt, const std::string& consumer,
+            host::TaskPart part = {}, std::uint32_t input_part_count = 1);
   void GiveBytes(const std::string& job_uid, std::uint32_t attempt,
                  const std::string& frozen_job);
-  void Revoke(const std::string& job_uid, std::uint32_t attempt);
+  void Revoke(const std::string& job_uid, std::uint32_t attempt,
+              host::TaskPart part = {});
+  /// What the worker has said of this part, if it has; does not wait.
+  std::optional<TaskReport> Find(const std::string& job_uid, host::TaskPart part,
+                                 intaglio_TaskState state);
   /// The newest report of this job; waits until `enough` says so.
   std::optional<TaskReport> AwaitReport(
       const std::string& job_uid, const std::function<bool(const TaskReport&)>& enough);
   /// The report with which the attempt ended.
-  std::optional<TaskReport> AwaitEnd(const std::string& job_uid, std::uint32_t attempt);
+  std::optional<TaskReport> AwaitEnd(const std::string& job_uid, std::uint32_t attempt,
+                                     host::TaskPart part = {});
   /// The job service is gone, as far as the worker can see.
   void CloseTasks() { task_writer_.reset(); }
 
@@ -76,6 +84,6 @@ FrozenJob FrozenJobOf(const std::string& job_uid, JobSpec spec);
 /// Feeds model files as chunks of 1000 bytes, under credit. False: the worker does not
 /// want them all.
 bool FeedModels(bus::Bus& bus, const std::string& job_uid, std::uint32_t attempt,
-                const std::vector<std::string>& files);
+                const std::vector<std::string>& files, host::TaskPart part = {});
 
 }  // namespace intaglio::test

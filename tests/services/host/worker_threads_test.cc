@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace intaglio::host {
@@ -15,6 +16,19 @@ TEST(AllCores, DoesEachPieceOnce) {
     AllCores()(count, [&](std::size_t i) { ++done.at(i); });
     for (const auto& times : done) EXPECT_EQ(times, 1);
   }
+}
+
+TEST(OnThreads, TakesNoMoreThanItIsGiven) {
+  std::atomic<int> at_work = 0, most = 0;
+  OnThreads(2)(200, [&](std::size_t) {
+    const int now = ++at_work;
+    int seen = most;
+    while (now > seen && !most.compare_exchange_weak(seen, now)) {
+    }
+    std::this_thread::yield();
+    --at_work;
+  });
+  EXPECT_LE(most, 2);
 }
 
 TEST(AllCores, PassesOnWhatWasThrown) {

@@ -132,6 +132,9 @@ void FakeShop::Report(const TaskCopy& task, intaglio_Stage stage,
   intaglio_TaskStatus sample{};
   sample.job_uid = Borrow(task.job_uid);
   sample.stage = stage;
+  sample.part = task.part;
+  sample.part_count = task.part_count;
+  sample.part_attempt = task.part_attempt;
   sample.attempt = task.attempt;
   sample.worker = Borrow(task.worker);
   sample.state = state;
@@ -165,6 +168,10 @@ void FakeShop::Poll() {
       copy.job_uid = View(task.job_uid);
       copy.consumer = View(task.consumer);
       copy.attempt = task.attempt;
+      copy.part = task.part;
+      copy.part_count = task.part_count;
+      copy.part_attempt = task.part_attempt;
+      copy.input_part_count = task.input_part_count;
       copy.revoked = task.revoked;
       const auto bytes = View(task.frozen_job);
       copy.frozen.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
@@ -201,8 +208,8 @@ TaskCopy FakeShop::Task(intaglio_Stage stage) {
 }
 
 bool FakeShop::ReceiveModels(const TaskCopy& task) {
-  const std::string stream =
-      bus::StreamName(task.job_uid, task.attempt, bus::kModelChunk.name);
+  const std::string stream = bus::PartStreamName(
+      task.job_uid, task.attempt, bus::kModelChunk.name, task.part, task.part_attempt);
   if (stream != stream_) {
     stream_ = stream;
     consumed_ = 0;
@@ -212,6 +219,7 @@ bool FakeShop::ReceiveModels(const TaskCopy& task) {
   bool whole = false;
   chunks_.Take([&](const intaglio_ModelChunk& chunk) {
     if (View(chunk.job_uid) != task.job_uid || chunk.attempt != task.attempt) return;
+    if (chunk.part != task.part || chunk.part_attempt != task.part_attempt) return;
     if (chunk.sequence_number != consumed_) return;
     if (chunk.model == models_.size()) models_.emplace_back();
     const auto bytes = View(chunk.bytes);

@@ -41,6 +41,8 @@ struct StatusCopy {
 struct TaskCopy {
   std::string worker, job_uid, consumer;
   std::uint32_t attempt = 0;
+  std::uint32_t part = 0, part_count = 1, part_attempt = 0;
+  std::uint32_t input_part_count = 1;
   bool revoked = false;
   FrozenJob frozen;
 };

@@ -1,134 +1,23 @@
 #include "services/job_service/job_queue.h"
 
-#include <fmt/format.h>
-#include <gmock/gmock.h>
+#include "tests/services/job_service/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {
 
-using namespace std::chrono_literals;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class RecordingActions : public JobActions {
- public:
-  void Changed(const JobRecord& job) override { kept[job.uid] = job; }
-  void Progressed(const JobRecord& job) override { ++progress[job.uid]; }
-  void Give(const TaskOrder& order, const JobRecord& job) override {
-    // What follows from a change comes after it was kept.
-    if (!order.revoked) {
-      EXPECT_EQ(kept.at(job.uid).attempt, order.attempt);
-    }
-    orders.push_back(fmt::format("{}{} {} {}{}{}", order.revoked ? "revoke " : "",
-                                 order.worker, order.job_uid, order.attempt,
-                                 order.consumer.empty() ? "" : " > ", order.consumer));
-  }
-  void StartFeed(const JobRecord& job) override { orders.push_back("feed " + job.uid); }
-  void StopFeed(const std::string& uid) override { orders.push_back("stop " + uid); }
-  std::vector<std::string> Orders() { return std::exchange(orders, {}); }
-
-  std::map<std::string, JobRecord> kept;
-  std::map<std::string, int> progress;
-  std::vector<std::string> orders;
-};
-
-class JobQueueTest : public testing::Test {
- protected:
-  void Ready(const std::string& instance, intaglio_ServiceRole role,
-             intaglio_HealthState state = intaglio_HEALTH_READY) {
-    queue_.Take(WorkerView{instance, role, state,
-                           role == intaglio_ROLE_SYNCHRONIZER ? "c" : "", ""},
-                now_);
-  }
-  void ReadyAll() {
-    Ready("d", intaglio_ROLE_DISCRETIZER);
-    Ready("s", intaglio_ROLE_SORTER);
-    Ready("y", intaglio_ROLE_SYNCHRONIZER);
-  }
-  void Add(std::uint32_t number, const std::string& cell = "c") {
-    JobRecord job;
-    job.number = number;
-    job.uid = fmt::format("j{}", number);
-    job.epoch = kEpoch;
-    job.cell = cell;
-    queue_.Add(job);
-    queue_.Turn(now_);
-  }
-  void Task(intaglio_Stage stage, intaglio_TaskState state, std::uint64_t done = 0,
-            std::uint64_t total = 0, const std::string& code = "",
-            const std::string& text = "") {
-    TaskView task;
-    task.job_uid = "j1";
-    task.stage = stage;
-    task.attempt = job().attempt;
-    task.worker = job().stage(stage).worker;
-    task.state = state;
-    task.done_count = done;
-    task.total_count = total;
-    task.error_code = code;
-    task.message = text;
-    task.estimate_ticks = stage == intaglio_STAGE_ENGRAVE ? 77 : 0;
-    queue_.Take(task, now_);
-    queue_.Turn(now_);
-  }
-  static TaskView SortStatus(std::uint32_t attempt, intaglio_TaskState state) {
-    TaskView task;
-    task.job_uid = "j1";
-    task.stage = intaglio_STAGE_SORT;
-    task.attempt = attempt;
-    task.worker = "s";
-    task.state = state;
-    return task;
-  }
-  bool Command(intaglio_JobCommandKind kind, std::uint64_t epoch = kEpoch) {
-    const bool taken =
-        queue_.Take(CommandView{"j1", epoch, ++command_, kind, "ann@shop"}, now_);
-    queue_.Turn(now_);
-    return taken;
-  }
-  void Lose(const std::string& instance) {
-    queue_.WorkerLost(instance, now_);
-    queue_.Turn(now_);
-  }
-  // Up to where the whole path is in the synchronizer.
-  void LoadPath() {
-    Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100, 100);
-    Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
-    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, "", "waits for the arm");
-  }
-  void Engrave(std::uint64_t done = 10) {
-    ASSERT_TRUE(Command(intaglio_COMMAND_ARM));
-    now_ += 1s;
-    ASSERT_TRUE(Granted());
-    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, done, 100);
-    ASSERT_EQ(job().state, intaglio_JOB_ENGRAVING);
-  }
-  bool Granted() {
-    for (const PermissionView& permission : queue_.Permissions(now_)) {
-      EXPECT_EQ(permission.epoch, kEpoch);
-      if (permission.granted) return true;
-    }
-    return false;
-  }
-  const JobRecord& job() { return *queue_.Find("j1"); }
-
-  static constexpr std::uint64_t kEpoch = 0xabc;
-  Nanoseconds now_{100s};
-  std::uint64_t command_ = 0;
-  RecordingActions actions_;
-  JobQueue queue_{actions_};
-};
-
 TEST_F(JobQueueTest, HappyPath) {
   ReadyAll();
   Add(1);
-  EXPECT_THAT(actions_.Orders(),
-              ElementsAre("y j1 1", "s j1 1 > y", "d j1 1 > s", "feed j1"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("y j1 1", "s j1 1 > y", "d j1 1 > s"));
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
   Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_RUNNING, 50, 100);
-  EXPECT_EQ(job().stage(intaglio_STAGE_DISCRETIZE).done_count, 50u);
+  EXPECT_EQ(job().stage(intaglio_STAGE_DISCRETIZE).done_count, 500u);
+  EXPECT_EQ(job().stage(intaglio_STAGE_DISCRETIZE).total_count, 1000u);
   Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100, 100);
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
   Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
@@ -144,7 +33,8 @@ TEST_F(JobQueueTest, HappyPath) {
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100, 100);
   EXPECT_EQ(job().state, intaglio_JOB_DONE);
   EXPECT_FALSE(Granted());
-  EXPECT_THAT(actions_.Orders(), ElementsAre("stop j1"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("stop j1", "stop j1"))
+      << "when the points are made, and at the end";
 }
 
 TEST_F(JobQueueTest, WaitsForWorkersAndSaysWhich) {
@@ -196,11 +86,11 @@ TEST_F(JobQueueTest, AJobBehindAnotherCannotBeArmed) {
 
 TEST_F(JobQueueTest, AnotherCellGoesOnMeanwhile) {
   ReadyAll();
-  Ready("d2", intaglio_ROLE_DISCRETIZER);
   Ready("s2", intaglio_ROLE_SORTER);
   queue_.Take(WorkerView{"z", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "e", ""},
               now_);
   Add(1);
+  Ready("d2", intaglio_ROLE_DISCRETIZER);
   Add(2, "e");
   EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_DISCRETIZING);
   EXPECT_EQ(queue_.Find("j2")->stage(intaglio_STAGE_ENGRAVE).worker, "z");
@@ -208,16 +98,19 @@ TEST_F(JobQueueTest, AnotherCellGoesOnMeanwhile) {
 
 TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
   ReadyAll();
-  Ready("d2", intaglio_ROLE_DISCRETIZER);
+  Ready("s2", intaglio_ROLE_SORTER);
   Add(1);
   actions_.Orders();
-  Lose("d");
+  Lose("s");
   EXPECT_THAT(actions_.Orders(),
               ElementsAre("stop j1", "revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
-  EXPECT_THAT(job().message, HasSubstr("attempt 1 broke: d was lost; waits for"));
-  // The sorter says that it has dropped the old attempt; the synchronizer never got it.
-  const TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
+  EXPECT_THAT(job().message, HasSubstr("attempt 1 broke: s was lost; waits for"));
+  // The discretizer says that it has dropped the old attempt; the synchronizer never got
+  // it.
+  TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
+  dropped.stage = intaglio_STAGE_DISCRETIZE;
+  dropped.worker = "d";
   queue_.Take(dropped, now_);
   now_ += 500ms;
   ReadyAll();
@@ -225,11 +118,10 @@ TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED) << "the synchronizer may still be at it";
   now_ += 600ms;
   Ready("y", intaglio_ROLE_SYNCHRONIZER);
-  Lose("d");  // came back in ReadyAll; gone for good now
+  Lose("s");  // came back in ReadyAll; gone for good now
   queue_.Turn(now_);
-  EXPECT_THAT(actions_.Orders(),
-              ElementsAre("y j1 2", "s j1 2 > y", "d2 j1 2 > s", "feed j1"));
-  EXPECT_THAT(job().message, HasSubstr("attempt 2: attempt 1 broke: d was lost"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("y j1 2", "s2 j1 2 > y", "d j1 2 > s2"));
+  EXPECT_THAT(job().message, HasSubstr("attempt 2: attempt 1 broke: s was lost"));
 }
 
 // A worker on a busy host may miss its heartbeats and go on.
@@ -258,16 +150,16 @@ TEST_F(JobQueueTest, AWorkerThatSeemedLostIsRidOfItsTaskAndUsedAgain) {
 
 TEST_F(JobQueueTest, OldAttemptsAreNotHeard) {
   ReadyAll();
-  Ready("d2", intaglio_ROLE_DISCRETIZER);
+  Ready("y2", intaglio_ROLE_SYNCHRONIZER);
   Add(1);
-  Lose("d");
+  Lose("y");
   const TaskView late = SortStatus(1, intaglio_TASK_DONE);
   queue_.Take(late, now_);
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_FALSE(job().stage(intaglio_STAGE_SORT).done);
   now_ += 2s;
+  Ready("d", intaglio_ROLE_DISCRETIZER);
   Ready("s", intaglio_ROLE_SORTER);
-  Ready("y", intaglio_ROLE_SYNCHRONIZER);
   queue_.Turn(now_);
   ASSERT_EQ(job().attempt, 2u);
   queue_.Take(late, now_);

@@ -37,6 +37,7 @@ class JobServiceTest : public testing::Test {
   StatusCopy Job(const std::string& submission = "one") {
     return shop_.Status(submission);
   }
+  TaskCopy Discretize() { return shop_.Task(intaglio_STAGE_DISCRETIZE); }
   bool HasTasks(std::uint32_t attempt) {
     return shop_.Until([&] {
       for (const auto stage :
@@ -151,24 +152,68 @@ TEST_F(JobServiceTest, ADeadWorkersJobIsHandedOutAnew) {
   shop_.Submit("one", GoodJob());
   ReadyAll();
   ASSERT_TRUE(HasTasks(1));
-  const TaskCopy first = shop_.Task(intaglio_STAGE_SORT);
-  shop_.Die(intaglio_STAGE_DISCRETIZE, "d");
-  ASSERT_TRUE(shop_.Until([&] { return shop_.Task(intaglio_STAGE_SORT).revoked; }));
+  const TaskCopy first = shop_.Task(intaglio_STAGE_DISCRETIZE);
+  shop_.Die(intaglio_STAGE_SORT, "s");
+  ASSERT_TRUE(shop_.Until([&] { return shop_.Task(intaglio_STAGE_DISCRETIZE).revoked; }));
   EXPECT_TRUE(Reaches(intaglio_JOB_QUEUED));
-  EXPECT_THAT(Job().message, HasSubstr("d was lost"));
-  shop_.Report(first, intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+  EXPECT_THAT(Job().message, HasSubstr("s was lost"));
+  shop_.Report(first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0, "cancelled",
+               "");
   shop_.Report(shop_.Task(intaglio_STAGE_ENGRAVE), intaglio_STAGE_ENGRAVE,
                intaglio_TASK_FAILED, 0, 0, "cancelled", "");
-  shop_.Health(intaglio_STAGE_DISCRETIZE, "d2", intaglio_HEALTH_READY);
+  shop_.Health(intaglio_STAGE_SORT, "s2", intaglio_HEALTH_READY);
   ASSERT_TRUE(HasTasks(2));
-  EXPECT_EQ(shop_.Task(intaglio_STAGE_DISCRETIZE).worker, "d2");
+  EXPECT_EQ(shop_.Task(intaglio_STAGE_SORT).worker, "s2");
   // The old attempt's word is not heard any more.
-  shop_.Report(first, intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "unreadable",
+  shop_.Report(first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0, "unreadable",
                "old");
   const TaskCopy second = shop_.Task(intaglio_STAGE_DISCRETIZE);
   ASSERT_TRUE(shop_.Until([&] { return shop_.ReceiveModels(second); }));
   Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
   EXPECT_TRUE(Reaches(intaglio_JOB_SORTING));
+}
+
+TEST_F(JobServiceTest, ADeadDiscretizersPartIsHandedOutAgainAndTheOthersGoOn) {
+  shop_.Submit("one", GoodJob());
+  shop_.Health(intaglio_STAGE_DISCRETIZE, "d2", intaglio_HEALTH_READY);
+  ReadyAll();
+  ASSERT_TRUE(HasTasks(1));
+  const TaskCopy sort = shop_.Task(intaglio_STAGE_SORT);
+  EXPECT_EQ(sort.input_part_count, 8u);
+  EXPECT_EQ(sort.part_count, 1u);
+  // The fake shop sees the newest task alone: the one of the second by name.
+  ASSERT_TRUE(shop_.Until([&] { return Discretize().worker == "d2"; }));
+  EXPECT_EQ(Discretize().part, 1u);
+  EXPECT_EQ(Discretize().part_count, 8u);
+  EXPECT_EQ(Discretize().consumer, "s");
+  shop_.Die(intaglio_STAGE_DISCRETIZE, "d2");
+  ASSERT_TRUE(shop_.Until([&] { return Discretize().revoked; }));
+  EXPECT_EQ(Discretize().part, 1u);
+  ASSERT_TRUE(shop_.Until([&] { return !Job().message.empty(); }));
+  EXPECT_EQ(Job().message, "part 2 of 8 begins again: d2 was lost");
+  shop_.Health(intaglio_STAGE_DISCRETIZE, "d3", intaglio_HEALTH_READY);
+  ASSERT_TRUE(shop_.Until([&] { return Discretize().worker == "d3"; }));
+  EXPECT_EQ(Discretize().part, 1u);
+  EXPECT_EQ(Discretize().part_attempt, 1u);
+  EXPECT_EQ(Discretize().attempt, 1u);
+  const TaskCopy again = Discretize();
+  ASSERT_TRUE(shop_.Until([&] { return shop_.ReceiveModels(again); }));
+  // It finishes one part after another, and may ask for the models with each.
+  for (std::uint32_t part = 2; part < 8; ++part) {
+    Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
+    ASSERT_TRUE(shop_.Until([&] { return Discretize().part == part; }));
+    EXPECT_EQ(Discretize().part_attempt, 0u);
+  }
+  EXPECT_EQ(Job().state, intaglio_JOB_DISCRETIZING);
+  const TaskCopy last = Discretize();
+  ASSERT_TRUE(shop_.Until([&] { return shop_.ReceiveModels(last); }));
+  Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
+  TaskCopy of_first = last;
+  of_first.worker = "d";
+  of_first.part = 0;
+  shop_.Report(of_first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100, 100);
+  EXPECT_TRUE(Reaches(intaglio_JOB_SORTING));
+  EXPECT_EQ(Job().attempt, 1u);
 }
 
 TEST_F(JobServiceTest, CancelWithdrawsEverything) {

@@ -121,12 +121,10 @@ TEST_F(JobStoreTest, TasksKeepTheirFirstEnd) {
   TaskOrder order;
   order.worker = "w";
   order.stage = intaglio_STAGE_ENGRAVE;
-  order.job_uid = "1-abc";
-  order.attempt = 1;
+  order.task = {"1-abc", 1, 0, 0};
   store.KeepTask(order);
   TaskView end;
-  end.job_uid = "1-abc";
-  end.attempt = 1;
+  end.task = order.task;
   end.stage = intaglio_STAGE_ENGRAVE;
   end.state = intaglio_TASK_DONE;
   store.KeepTaskEnd(end, "outcome");
@@ -135,6 +133,56 @@ TEST_F(JobStoreTest, TasksKeepTheirFirstEnd) {
   SQLite::Database database(path_.string());
   EXPECT_EQ(database.execAndGet("SELECT state FROM tasks").getInt(), intaglio_TASK_DONE);
   EXPECT_EQ(database.execAndGet("SELECT outcome FROM tasks").getString(), "outcome");
+}
+
+TEST_F(JobStoreTest, LoadsThePartsThatAreHandedOut) {
+  JobStore store(path_);
+  store.Keep(Record(1, intaglio_JOB_DISCRETIZING));
+  const auto give = [&store](std::uint32_t attempt, std::uint32_t part,
+                             std::uint32_t part_attempt, const std::string& worker) {
+    TaskOrder order;
+    order.worker = worker;
+    order.task = {"1-abc", attempt, part, part_attempt};
+    store.KeepTask(order);
+    return order;
+  };
+  give(1, 3, 0, "of an older attempt");
+  TaskOrder lost = give(2, 0, 0, "lost");
+  lost.revoked = true;
+  store.KeepTask(lost);
+  TaskView done;
+  done.task = give(2, 1, 0, "done").task;
+  done.state = intaglio_TASK_DONE;
+  store.KeepTaskEnd(done, "");
+  give(2, 0, 1, "again");
+  give(2, 2, 0, "at work");
+  const auto parts = JobStore(path_).Load(0).at(0).parts;
+  ASSERT_EQ(parts.size(), 3u);
+  EXPECT_EQ(parts[0].worker, "again");
+  EXPECT_EQ(parts[0].attempt, 1u);
+  EXPECT_EQ(parts[1].worker, "");
+  EXPECT_EQ(parts[2].worker, "at work");
+  EXPECT_EQ(parts[2].attempt, 0u);
+}
+
+TEST_F(JobStoreTest, TasksOfAnOlderDatabaseAreTakenOver) {
+  { JobStore store(path_); }
+  {
+    // As version 1 made it.
+    SQLite::Database old(path_.string(), SQLite::OPEN_READWRITE);
+    old.exec(
+        "DROP TABLE tasks; CREATE TABLE tasks (job_uid TEXT NOT NULL, attempt INTEGER "
+        "NOT NULL, stage INTEGER NOT NULL, worker TEXT NOT NULL, given_utc TEXT NOT "
+        "NULL, revoked_utc TEXT, ended_utc TEXT, state INTEGER, message TEXT, outcome "
+        "BLOB, PRIMARY KEY (job_uid, attempt, stage)); INSERT INTO tasks (job_uid, "
+        "attempt, stage, worker, given_utc) VALUES ('1-abc', 2, 0, 'd', 'then'); PRAGMA "
+        "user_version = 1");
+  }
+  JobStore store(path_);
+  store.Keep(Record(1, intaglio_JOB_DISCRETIZING));
+  const auto parts = store.Load(0).at(0).parts;
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts[0].worker, "d");
 }
 
 TEST_F(JobStoreTest, ADatabaseOfANewerProgramIsRefused) {

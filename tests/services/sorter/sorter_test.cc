@@ -71,8 +71,8 @@ class SorterTest : public testing::Test {
   SorterTest() { EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY)); }
   /// Plays the discretizer and, when `takes`, the synchronizer.
   Result<PointCloud> Stream(const std::string& job_uid, const PointCloud& cloud,
-                            bool takes) {
-    sender.Begin(job_uid, 1, cloud, Clock::now());
+                            bool takes, host::TaskPart part = {}) {
+    sender.Begin(job_uid, 1, part, cloud, Clock::now());
     Result<bool> sent = false, taken = !takes;
     Eventually(
         [&] {
@@ -87,7 +87,7 @@ class SorterTest : public testing::Test {
     return std::exchange(path, {});
   }
   void OpenPath(const std::string& job_uid) {
-    ASSERT_TRUE(credit.Open(bus::StreamName(job_uid, 1, bus::kPathBatch.name),
+    ASSERT_TRUE(credit.Open(bus::PartStreamName(job_uid, 1, bus::kPathBatch.name, 0, 0),
                             path_reader.guid(), 2));
   }
 
@@ -109,7 +109,7 @@ class SorterTest : public testing::Test {
         path.Add(Vec3(x[i], y[i], z[i]), bus::View(batch.source)[i]);
       }
       last = batch.last;
-      (void)credit.Consumed(bus::StreamName(job_uid, 1, bus::kPathBatch.name),
+      (void)credit.Consumed(bus::PartStreamName(job_uid, 1, bus::kPathBatch.name, 0, 0),
                             batch.sequence_number + 1, last);
     });
     return last;
@@ -158,6 +158,46 @@ TEST_F(SorterTest, WithoutAConsumerOnlyTheOutcomeIsTold) {
   ASSERT_TRUE(end);
   EXPECT_EQ(end->state, intaglio_TASK_DONE) << end->message;
   EXPECT_EQ(end->outcome.sort().point_count(), 100u);
+}
+
+TEST_F(SorterTest, TakesACloudInPartsAndOneOfThemTwice) {
+  const PointCloud cloud = RandomCloud(30'000);
+  OpenPath("whole");
+  shop.Give(FrozenJobOf("whole", SortSpec()), 1, "synchronizer");
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+  const auto of_one = Stream("whole", cloud, true);
+  ASSERT_TRUE(of_one) << of_one.error().message;
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
+
+  OpenPath("parts");
+  shop.Give(FrozenJobOf("parts", SortSpec()), 1, "synchronizer", {}, 3);
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+  const auto piece = [&cloud](std::size_t part) {
+    PointCloud points;
+    for (std::size_t i = part * 10'000; i < (part + 1) * 10'000; ++i) {
+      points.Add(cloud.points_mm[i], cloud.source[i]);
+    }
+    return points;
+  };
+  for (const host::TaskPart part : {host::TaskPart{2, 3, 0}, {0, 3, 0}, {2, 3, 1}}) {
+    sender.Begin("parts", 1, part, piece(part.index), Clock::now());
+    Result<bool> sent = false;
+    ASSERT_TRUE(
+        Eventually([&] { return sent = sender.Advance(Clock::now()), !sent || *sent; }));
+    ASSERT_TRUE(sent) << sent.error().message;
+  }
+  const auto of_three = Stream("parts", piece(1), true, {1, 3, 2});
+  ASSERT_TRUE(of_three) << of_three.error().message;
+  EXPECT_EQ(of_three->points_mm, of_one->points_mm);
+  EXPECT_EQ(of_three->source, of_one->source);
+}
+
+TEST_F(SorterTest, RefusesACloudWithoutPoints) {
+  shop.Give(FrozenJobOf("empty", SortSpec()), 1, "");
+  ASSERT_TRUE(Stream("empty", {}, false));
+  const auto end = shop.AwaitEnd("empty", 1);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kMissing)) << end->message;
 }
 
 TEST_F(SorterTest, ADiscretizerThatNeverSendsIsEndedByRevoking) {

@@ -34,7 +34,7 @@ class PathIntakeTest : public testing::Test {
   }
 
   bus::CreditBook::Grant Grant(std::uint32_t attempt = 1) {
-    return credit_.Find(bus::StreamName("job", attempt, bus::kPathBatch.name));
+    return credit_.Find(bus::PartStreamName("job", attempt, bus::kPathBatch.name, 0, 0));
   }
 
   /// Written, taken, and what came of it.

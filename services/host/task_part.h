@@ -1,0 +1,30 @@
+#pragma once
+
+// How the work of a stage is cut into parts, as both sides have to know it: who hands
+// them out, who works on them and who puts them together again.
+
+#include <cstdint>
+
+namespace intaglio::host {
+
+/// About four for each discretizer, so that one that is slower or dies costs little; more
+/// than this many only cost hand-overs.
+inline constexpr std::uint32_t kMaxParts = 32;
+
+/// Times that a part of one attempt is begun before the job is given up. The consumer
+/// grants credit for all of them at once: it need not hear when one is begun again.
+inline constexpr std::uint32_t kMaxPartAttempts = 3;
+
+/// Part `index` of `count`, begun for the `attempt`th time (from 0); of a stage that is
+/// not cut, the only one.
+struct TaskPart {
+  std::uint32_t index = 0;
+  std::uint32_t count = 1;
+  std::uint32_t attempt = 0;
+
+  bool valid() const {
+    return count <= kMaxParts && index < count && attempt < kMaxPartAttempts;
+  }
+};
+
+}  // namespace intaglio::host

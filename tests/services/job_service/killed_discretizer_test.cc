@@ -1,0 +1,169 @@
+// The real job service and real discretizers as processes; client, sorter and
+// synchronizer are played by the test. One discretizer is killed in the middle of a part.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <set>
+
+#include "services/bus/samples.h"
+#include "services/host/cloud_flow.h"
+#include "tests/proto/test_job.h"
+#include "tests/services/bus/child_program.h"
+#include "tests/services/job_service/fake_shop.h"
+
+namespace intaglio::job_service {
+namespace {
+
+namespace fs = std::filesystem;
+using bus::View;
+using test::ChildProgram;
+using test::Eventually;
+using testing::HasSubstr;
+
+/// Half a million points or so: parts of a tenth of a second at least.
+JobSpec LongJob() {
+  JobSpec job = GoodJob();
+  job.mutable_discretization()->set_min_spacing_mm(0.04);
+  return job;
+}
+
+struct PartWord {
+  std::string job_uid, worker;
+  std::uint32_t part = 0, part_attempt = 0;
+  intaglio_TaskState state = intaglio_TASK_ACCEPTED;
+};
+
+class KilledDiscretizerTest : public testing::Test {
+ protected:
+  KilledDiscretizerTest() : folder_(fs::path(INTAGLIO_TEST_DIR) / "killed_discretizer") {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    service_.emplace(folder_, test::PrivateTag());
+  }
+  static std::unique_ptr<ChildProgram> Discretizer() {
+    return std::make_unique<ChildProgram>(
+        INTAGLIO_BIN_DIR "/intaglio-discretizer",
+        std::vector<std::string>{"--tag", test::PrivateTag(), "--die-with-parent",
+                                 "--threads", "1", "--log-level", "error"});
+  }
+  /// Until so many discretizers are ready; their instances by process id.
+  std::map<int, std::string> AwaitDiscretizers(std::size_t count) {
+    std::map<int, std::string> instances;
+    EXPECT_TRUE(Eventually([&] {
+      health_.TakeAll(
+          [&](const intaglio_ServiceHealth& sample, const bus::SampleOrigin& o) {
+            if (sample.role != intaglio_ROLE_DISCRETIZER || !o.alive) return;
+            instances[sample.pid] = View(sample.instance);
+          });
+      return instances.size() >= count;
+    }));
+    return instances;
+  }
+  /// Plays the sorter's intake until it has the whole cloud. `look` is called between.
+  PointCloud Receive(const TaskCopy& sort, const std::function<void()>& look) {
+    EXPECT_TRUE(intake_.Open(sort.job_uid, sort.attempt, sort.input_part_count));
+    Result<bool> taken = false;
+    Eventually(
+        [&] {
+          look();
+          taken = intake_.Poll();
+          return !taken || *taken;
+        },
+        std::chrono::seconds(60));
+    EXPECT_TRUE(taken && *taken) << (taken ? "not whole" : taken.error().message);
+    return taken && *taken ? intake_.TakeCloud() : PointCloud();
+  }
+  /// As Begin, until the job service had seen so many discretizers that the job is in
+  /// this many parts.
+  TaskCopy BeginInParts(std::uint32_t part_count, std::string& submission) {
+    for (int i = 0; i < 20; ++i) {
+      submission = fmt::format("{} parts {}", part_count, i);
+      const TaskCopy sort = Begin(submission);
+      if (sort.input_part_count == part_count || HasFailure()) return sort;
+      Cancel(submission);
+    }
+    ADD_FAILURE() << "the job service does not see the discretizers";
+    return {};
+  }
+  /// Submits the job and waits for the sorter's task.
+  TaskCopy Begin(const std::string& submission) {
+    shop_.Submit(submission, LongJob());
+    EXPECT_TRUE(shop_.Until([&] {
+      return shop_.Status(submission).state == intaglio_JOB_DISCRETIZING;
+    })) << shop_.Status(submission).message;
+    TaskCopy task;
+    EXPECT_TRUE(shop_.Until([&] {
+      task = shop_.Task(intaglio_STAGE_SORT);
+      return task.job_uid == shop_.Status(submission).uid && !task.revoked;
+    }));
+    return task;
+  }
+  void Cancel(const std::string& submission) {
+    shop_.Command(shop_.Status(submission), intaglio_COMMAND_CANCEL, 1);
+    ASSERT_TRUE(shop_.Until(
+        [&] { return shop_.Status(submission).state == intaglio_JOB_CANCELLED; }));
+    const TaskCopy sort = shop_.Task(intaglio_STAGE_SORT);
+    const TaskCopy engrave = shop_.Task(intaglio_STAGE_ENGRAVE);
+    shop_.Report(sort, intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+    shop_.Report(engrave, intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, "cancelled",
+                 "");
+  }
+  std::vector<PartWord> TakeWords() {
+    std::vector<PartWord> words;
+    statuses_.Take([&](const intaglio_TaskStatus& sample) {
+      if (sample.stage != intaglio_STAGE_DISCRETIZE) return;
+      words.push_back({std::string(View(sample.job_uid)),
+                       std::string(View(sample.worker)), sample.part, sample.part_attempt,
+                       sample.state});
+    });
+    return words;
+  }
+
+  fs::path folder_;
+  bus::Bus bus_{test::PrivateBusOptions()};
+  FakeShop shop_{test::PrivateBusOptions()};
+  bus::Reader<intaglio_ServiceHealth> health_{bus_, bus::kServiceHealth};
+  bus::Reader<intaglio_TaskStatus> statuses_{bus_, bus::kTaskStatus};
+  host::CloudIntake<intaglio_PointBatch> intake_{bus_, "s", bus::kPointBatch};
+  std::optional<ServiceProcess> service_;
+};
+
+TEST_F(KilledDiscretizerTest, CostsItsPartAloneAndNoBitOfTheCloud) {
+  auto victim = Discretizer();
+  const std::string killed = AwaitDiscretizers(1).at(victim->pid());
+  const auto other = Discretizer();
+  ASSERT_EQ(AwaitDiscretizers(1).count(other->pid()), 1u);
+  shop_.Health(intaglio_STAGE_SORT, "s", intaglio_HEALTH_READY);
+  shop_.Health(intaglio_STAGE_ENGRAVE, "y", intaglio_HEALTH_READY);
+
+  std::string two, one;
+  const TaskCopy sort = BeginInParts(8, two);
+  std::set<std::uint32_t> parts_of_victim, made_again;
+  const PointCloud of_two = Receive(sort, [&] {
+    for (const PartWord& word : TakeWords()) {
+      if (word.job_uid != sort.job_uid) continue;
+      if (word.worker == killed) parts_of_victim.insert(word.part);
+      if (word.part_attempt > 0) made_again.insert(word.part);
+    }
+    // The second part: it has the models already and is at it at once.
+    if (victim->running() && parts_of_victim.size() == 2) victim->Kill();
+  });
+  EXPECT_FALSE(victim->running());
+  EXPECT_EQ(made_again.size(), 1u);
+  EXPECT_EQ(shop_.Status(two).attempt, 1u);
+  EXPECT_THAT(shop_.Status(two).message, HasSubstr("begins again: " + killed));
+  ASSERT_TRUE(
+      shop_.Until([&] { return shop_.Status(two).state == intaglio_JOB_SORTING; }));
+  Cancel(two);
+
+  const TaskCopy again = BeginInParts(1, one);
+  const PointCloud of_one = Receive(again, [&] { TakeWords(); });
+  EXPECT_GT(of_one.size(), 100'000u);
+  EXPECT_EQ(of_two.points_mm, of_one.points_mm);
+  EXPECT_EQ(of_two.source, of_one.source);
+}
+
+}  // namespace
+}  // namespace intaglio::job_service
