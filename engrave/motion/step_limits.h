@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "engrave/motion/axis_reach.h"
-#include "engrave/motion/jerk_reach.h"
 #include "engrave/motion/limits.h"
 
 namespace intaglio::motion {
@@ -33,24 +32,6 @@ struct StepLimits {
 /// The boxes a step may choose from: one where no length is limited. What one box allows
 /// at the end of a step, it allows at the start of the next.
 std::vector<StepLimits> StepLimitsOf(const Limits& limits, double rate_hz);
-
-/// axis_reach.h or jerk_reach.h, as the axis is limited.
-inline SpeedInterval UsableStartSpeeds(double distance_mm, double seconds, int axis,
-                                       const StepLimits& limits) {
-  if (limits.jerk_limited(axis)) {
-    return UsableStartSpeeds(distance_mm, seconds, JerkLimitsOf(limits.planned, axis));
-  }
-  return UsableStartSpeeds(distance_mm, seconds, LimitsOf(limits.planned, axis));
-}
-inline SpeedInterval ReachableEndSpeeds(const SpeedInterval& start, double distance_mm,
-                                        double seconds, int axis,
-                                        const StepLimits& limits) {
-  if (limits.jerk_limited(axis)) {
-    return ReachableEndSpeeds(start, distance_mm, seconds,
-                              JerkLimitsOf(limits.planned, axis));
-  }
-  return ReachableEndSpeeds(start, distance_mm, seconds, LimitsOf(limits.planned, axis));
-}
 
 /// Whether a way through points in `extent_mm` comes so near to a wall that the speed is
 /// limited there.
