@@ -1,117 +1,222 @@
-// Times of the discretization, of the stages one by one and of the whole, on the meshes
-// of ../shared/data. Release build, one thread:
-//   discretize_bench --benchmark_repetitions=5 --benchmark_report_aggregates_only
-// The argument is the height of the model, mm; layers and spacing are 0.1 mm.
+// Discretization beside other programs and libraries, in one run, as a table:
+//   discretize_bench [MODEL]
+// Without a model: $INTAGLIO_MESH, else a knot of 70 000 triangles. It is turned upright
+// (y becomes z) and its largest extent made 60 mm; layers and spacing are 0.1 mm. Times
+// are the best of a few runs on one thread, with all that a job has to do each time:
+// neighbourhood of the triangles, trees, memory that nobody touched before.
 
-#include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdlib>
+#include <mutex>
+#include <numbers>
 #include <optional>
+#include <string>
+#include <thread>
 
-#include "engrave/discretize/methods.h"
+#include "engrave/discretize/rays.h"
+#include "engrave/discretize/sections.h"
 #include "engrave/discretize/weld.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
+#include "tests/bench/discretize_peers.h"
 
+namespace intaglio::bench {
 namespace {
 
-using namespace intaglio;
-using namespace intaglio::discretize;
+using namespace discretize;
 
 constexpr double kSpacingMm = 0.1;
-const Vec3 kBlockMm(200, 200, 200);
+constexpr int kRuns = 9;
+const Vec3 kBlockMm(100, 100, 100);
 
-std::optional<mesh::TriangleMesh> Model(const char* file, double height_mm) {
-  const auto imported =
-      mesh::ImportMesh(std::string(INTAGLIO_SOURCE_DIR "/../shared/data/meshes/") + file);
-  if (!imported) return std::nullopt;
+/// A tube along a (2, 3) torus knot.
+mesh::TriangleMesh Knot() {
+  constexpr std::uint32_t kAlong = 700, kAround = 50;
+  const auto place = [](double t) {
+    const double r = 2 + std::cos(3 * t);
+    return Vec3(r * std::cos(2 * t), std::sin(3 * t), r * std::sin(2 * t));
+  };
+  mesh::TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < kAlong; ++i) {
+    const double t = 2 * std::numbers::pi * i / kAlong;
+    const Vec3 along = (place(t + 1e-4) - place(t - 1e-4)).normalized();
+    const Vec3 u = along.unitOrthogonal(), v = along.cross(u);
+    for (std::uint32_t j = 0; j < kAround; ++j) {
+      const double turn = 2 * std::numbers::pi * j / kAround;
+      mesh.vertices.push_back(place(t) + 0.4 * (std::cos(turn) * u + std::sin(turn) * v));
+      const std::uint32_t a = i * kAround + j, b = i * kAround + (j + 1) % kAround;
+      const std::uint32_t next = kAlong * kAround;
+      const std::uint32_t c = (a + kAround) % next, d = (b + kAround) % next;
+      mesh.triangles.push_back({a, c, b});
+      mesh.triangles.push_back({b, c, d});
+    }
+  }
+  return mesh;
+}
+
+std::optional<mesh::TriangleMesh> Model(const char* file) {
+  mesh::TriangleMesh model;
+  if (file == nullptr) {
+    model = Knot();
+  } else {
+    auto imported = mesh::ImportMesh(file);
+    if (!imported) {
+      fmt::print(stderr, "{}\n", imported.error().message);
+      return std::nullopt;
+    }
+    model = *std::move(imported);
+  }
   mesh::Placement placement;
-  placement.fit = mesh::FitHeight{height_mm};
-  auto placed = mesh::PlaceInBlock(*imported, placement, kBlockMm);
-  if (!placed) return std::nullopt;
+  placement.rotation_rad.x() = std::numbers::pi / 2;
+  placement.fit = mesh::FitLargest{60};
+  auto placed = mesh::PlaceInBlock(model, placement, kBlockMm);
+  if (!placed) {
+    fmt::print(stderr, "{}\n", placed.error().message);
+    return std::nullopt;
+  }
   return *std::move(placed);
 }
 
-DiscretizeOptions Options(Method method) {
-  DiscretizeOptions options;
-  options.method = method;
-  options.min_spacing_mm = kSpacingMm;
-  options.sections.layer_distance_mm = options.sections.vertex_distance_mm = kSpacingMm;
-  options.fill.vertex_distance_mm = options.rays.distance_mm = kSpacingMm;
-  options.permitted_mm = {Vec3(3, 3, 3), kBlockMm - Vec3(3, 3, 3)};
-  return options;
-}
-
-/// Calls `run(mesh, cloud)` with an empty cloud; counts points.
-template <typename Run>
-void Measure(benchmark::State& state, const Run& run) {
-  const auto model = Model("bunny.obj", static_cast<double>(state.range(0)));
-  if (!model) return state.SkipWithError("no bunny.obj in ../shared/data/meshes");
-  std::size_t points = 0;
-  for (auto _ : state) {
-    PointCloud cloud;
-    run(*model, cloud);
-    points = cloud.size();
+void Line(const std::string& work, const std::string& result, double our_ms,
+          const char* peer, const std::optional<PeerRun>& run) {
+  if (!run) {
+    fmt::print("| {} | {} | {:.1f} ms | {}: not installed | |\n", work, result, our_ms,
+               peer);
+    return;
   }
-  state.counters["points"] = static_cast<double>(points);
-  state.counters["points_per_s"] = benchmark::Counter(
-      static_cast<double>(points), benchmark::Counter::kIsIterationInvariantRate);
+  const std::string count =
+      run->count > 0 ? fmt::format(" ({:.0f})", run->count) : std::string();
+  fmt::print("| {} | {} | {:.1f} ms | {}{} {:.0f} ms | {:.1f} |\n", work, result, our_ms,
+             peer, count, run->ms, run->ms / our_ms);
 }
 
-void Sections(benchmark::State& state) {
-  const auto options = Options(Method::kSections);
-  Measure(state, [&](const mesh::TriangleMesh& mesh, PointCloud& cloud) {
-    CutSections(mesh, options.sections, 0, {}, cloud).value();
+/// The range of all the heights in equal slabs, on so many threads; ms.
+double SlabsMs(const PointSource& source, unsigned workers) {
+  constexpr int kSlabs = 16;
+  const Box3 box = source.Bounds();
+  const auto height = [&](int slab) {
+    return box.min_mm.z() + box.size_mm().z() * slab / kSlabs - (slab == 0 ? 1 : 0) +
+           (slab == kSlabs ? 1 : 0);
+  };
+  return BestMs(kRuns, [&] {
+    std::mutex mutex;
+    int next = 0;
+    std::vector<std::jthread> threads;
+    for (unsigned i = 0; i < workers; ++i) {
+      threads.emplace_back([&] {
+        SpacedCloud cloud;
+        for (;;) {
+          std::unique_lock lock(mutex);
+          const int slab = next++;
+          lock.unlock();
+          if (slab >= kSlabs) return;
+          cloud.Resize(0);
+          source.AddPoints({height(slab), height(slab + 1)}, 0, {}, cloud).value();
+        }
+      });
+    }
   });
 }
 
-void Fill(benchmark::State& state) {
-  const auto options = Options(Method::kFill);
-  Measure(state, [&](const mesh::TriangleMesh& mesh, PointCloud& cloud) {
-    FillTriangles(mesh, options.fill, 0, {}, cloud).value();
+void Slicing(const mesh::TriangleMesh& mesh) {
+  SectionOptions options;
+  options.layer_distance_mm = options.vertex_distance_mm = kSpacingMm;
+  MethodStatistics statistics;
+  const double points_ms = BestMs(kRuns, [&] {
+    SpacedCloud cloud;
+    statistics = MakeSections(mesh, options).value()->AddPoints({}, 0, {}, cloud).value();
   });
+  // Points farther apart than any contour is long are one a contour: the slices alone.
+  options.vertex_distance_mm = 1e6;
+  options.parallel_faces = ParallelFaces::kReport;
+  const double slices_ms = BestMs(kRuns, [&] {
+    SpacedCloud cloud;
+    MakeSections(mesh, options).value()->AddPoints({}, 0, {}, cloud).value();
+  });
+  const auto contours = statistics.closed_contour_count + statistics.open_contour_count;
+  const std::string slices =
+      fmt::format("{} planes, {} contours", statistics.plane_count, contours);
+  const auto cura = CuraSlices(mesh, kSpacingMm);
+  const auto cgal = CgalSlices(mesh, mesh.Bounds().min_mm.z() + 0.1 * kSpacingMm,
+                               kSpacingMm, statistics.plane_count);
+  Line("contours", slices, slices_ms, "CuraEngine", cura);
+  Line("contours", slices, slices_ms, "CGAL slicer", cgal);
+  const std::string points = fmt::format("{} points", statistics.point_count);
+  Line("contours and points", points, points_ms, "CuraEngine, no points", cura);
+  Line("contours and points", points, points_ms, "CGAL slicer, no points", cgal);
+  options.vertex_distance_mm = kSpacingMm;
+  const auto source = MakeSections(mesh, options).value();
+  const double one_ms = SlabsMs(*source, 1), two_ms = SlabsMs(*source, 2);
+  fmt::print(
+      "| points in 16 slabs, 1 and 2 workers | {} | {:.1f}, {:.1f} ms | | {:.2f} |\n",
+      points, one_ms, two_ms, one_ms / two_ms);
 }
 
-void Rays(benchmark::State& state) {
-  auto options = Options(Method::kRays);
-  options.rays.direction = {Axis::kZ, Vec3(0.3, 0.2, 0)};
-  Measure(state, [&](const mesh::TriangleMesh& mesh, PointCloud& cloud) {
-    CrossRays(mesh, options.rays, 0, {}, cloud).value();
+void Rays(const mesh::TriangleMesh& mesh) {
+  RayOptions options;
+  options.distance_mm = kSpacingMm;
+  options.direction = {Axis::kZ, Vec3(0.3, 0.2, 0)};
+  MethodStatistics statistics;
+  const double our_ms = BestMs(kRuns, [&] {
+    SpacedCloud cloud;
+    statistics = MakeRays(mesh, options).value()->AddPoints({}, 0, {}, cloud).value();
   });
+  const Mat3 frame = FrameOf(options.direction);
+  Box3 box;
+  for (const Vec3& v : mesh.vertices) box.Extend(frame.transpose() * v);
+  RayBundle bundle;
+  bundle.origin_mm = frame * (box.min_mm - Vec3(0, 0, 1));
+  bundle.across_u_mm = frame.col(0) * kSpacingMm;
+  bundle.across_v_mm = frame.col(1) * kSpacingMm;
+  bundle.direction = frame.col(2);
+  bundle.columns = static_cast<int>(box.size_mm().x() / kSpacingMm) + 1;
+  bundle.rows = static_cast<int>(box.size_mm().y() / kSpacingMm) + 1;
+  Line("oblique rays, every crossing",
+       fmt::format("{} rays of {} met, {} crossings, {} odd", statistics.ray_count,
+                   bundle.columns * bundle.rows, statistics.point_count,
+                   statistics.odd_ray_count),
+       our_ms, "Embree, tree and rays", EmbreeRays(mesh, bundle));
+  const auto source = MakeRays(mesh, options).value();
+  const double one_ms = SlabsMs(*source, 1), two_ms = SlabsMs(*source, 2);
+  fmt::print(
+      "| the same in 16 slabs, 1 and 2 workers | | {:.1f}, {:.1f} ms | | {:.2f} |\n",
+      one_ms, two_ms, one_ms / two_ms);
 }
 
-void Weld(benchmark::State& state, Method method) {
-  const auto model = Model("bunny.obj", static_cast<double>(state.range(0)));
-  if (!model) return state.SkipWithError("no bunny.obj in ../shared/data/meshes");
-  const auto options = Options(method);
-  PointCloud cloud;
-  if (method == Method::kSections) {
-    CutSections(*model, options.sections, 0, {}, cloud).value();
-  } else {
-    FillTriangles(*model, options.fill, 0, {}, cloud).value();
-  }
+void Welding(const mesh::TriangleMesh& mesh) {
+  SectionOptions options;
+  options.layer_distance_mm = options.vertex_distance_mm = kSpacingMm / 2;
+  SpacedCloud candidates;
+  MakeSections(mesh, options).value()->AddPoints({}, 0, {}, candidates).value();
   std::size_t kept = 0;
-  for (auto _ : state) kept = WeldToSpacing(cloud, kSpacingMm).size();
-  state.counters["candidates"] = static_cast<double>(cloud.size());
-  state.counters["kept"] = static_cast<double>(kept);
-  state.counters["candidates_per_s"] = benchmark::Counter(
-      static_cast<double>(cloud.size()), benchmark::Counter::kIsIterationInvariantRate);
+  WeldOptions weld;
+  weld.min_spacing_mm = kSpacingMm;
+  const double our_ms = BestMs(3, [&] { kept = Weld(candidates, weld).size(); });
+  Line("weld of sections twice as dense",
+       fmt::format("{} of {} points", kept, candidates.size()), our_ms,
+       "CloudCompare spatial", CloudCompareWeld(candidates.points_mm, kSpacingMm));
 }
 
-void Whole(benchmark::State& state, Method method) {
-  const auto options = Options(method);
-  Measure(state, [&](const mesh::TriangleMesh& mesh, PointCloud& cloud) {
-    cloud = Discretize({mesh}, options, {}).value().cloud;
-  });
+double LoadAverage() {
+  double minute = 0;
+  return getloadavg(&minute, 1) == 1 ? minute : 0;
 }
 
-#define INTAGLIO_ON_THE_BUNNY Arg(40)->Arg(60)->Unit(benchmark::kMillisecond)
-BENCHMARK(Sections)->INTAGLIO_ON_THE_BUNNY;
-BENCHMARK(Fill)->INTAGLIO_ON_THE_BUNNY;
-BENCHMARK(Rays)->INTAGLIO_ON_THE_BUNNY;
-BENCHMARK_CAPTURE(Weld, sections, Method::kSections)->INTAGLIO_ON_THE_BUNNY;
-BENCHMARK_CAPTURE(Weld, fill, Method::kFill)->INTAGLIO_ON_THE_BUNNY;
-BENCHMARK_CAPTURE(Whole, sections, Method::kSections)->INTAGLIO_ON_THE_BUNNY;
-BENCHMARK_CAPTURE(Whole, fill, Method::kFill)->INTAGLIO_ON_THE_BUNNY;
-BENCHMARK_CAPTURE(Whole, rays, Method::kRays)->INTAGLIO_ON_THE_BUNNY;
+int Main(int argc, char** argv) {
+  const auto mesh = Model(argc > 1 ? argv[1] : std::getenv("INTAGLIO_MESH"));
+  if (!mesh) return 1;
+  fmt::print("{} triangles; load {:.1f}\n\n", mesh->triangles.size(), LoadAverage());
+  fmt::print("| work | result | time | peer | ratio |\n|---|---|---|---|---|\n");
+  Slicing(*mesh);
+  Rays(*mesh);
+  Welding(*mesh);
+  return 0;
+}
 
 }  // namespace
+}  // namespace intaglio::bench
+
+int main(int argc, char** argv) { return intaglio::bench::Main(argc, argv); }
