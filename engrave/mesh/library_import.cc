@@ -1,5 +1,6 @@
 #include "engrave/mesh/library_import.h"
 
+#include <assimp/BaseImporter.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -187,6 +189,20 @@ void ForgetFreedPictures(const ImportSource& source, Assimp::Importer& importer)
   scene->mNumTextures = 0;
 }
 
+/// Leaves the importer only what reads the source's extension. Otherwise a file that is
+/// refused by that is offered to all others, which find signatures in it, and none of our
+/// checks was meant for them: a .gltf that is a cut PLY was read for ever.
+void KeepReadersOf(const ImportSource& source, Assimp::Importer& importer) {
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    Assimp::BaseImporter* reader = importer.GetImporter(i);
+    std::set<std::string> extensions;
+    reader->GetExtensionList(extensions);
+    if (extensions.count(source.extension) != 0) continue;
+    importer.UnregisterLoader(reader);
+    delete reader;  // it belongs to whoever takes it out
+  }
+}
+
 }  // namespace
 
 Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
@@ -195,6 +211,7 @@ Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    KeepReadersOf(source, importer);
     read(importer);
     ForgetFreedPictures(source, importer);
     return MeshFromScene(source, importer);

@@ -12,7 +12,10 @@
 //   else is an error; vertices that no triangle uses are left out;
 // - vertices are welded by exact coordinates (weld_vertices.h), which also joins what
 //   the format splits by normal, texture or material. Disconnected parts are kept;
-// - coordinates are the 32-bit floats the import library keeps, converted exactly.
+// - coordinates are 32-bit floats, converted exactly: those of the file, or the nearest
+// to
+//   its decimals in an STL; the import library, which reads all other formats, may be off
+//   by the last bit of a decimal.
 //
 // Units and axes:
 // - STL, OBJ, PLY, 3DS carry no unit and are taken as they are (a 3DS is z-up);
@@ -39,9 +42,9 @@ namespace intaglio::mesh {
 struct ImportOptions {
   /// Largest file, bytes. Default 1 GiB: 21 million triangles of binary STL.
   std::uint64_t max_file_bytes = std::uint64_t{1} << 30;
-  /// Most triangles after instancing and triangulation. Default 10 million: about
-  /// 2 GB while the library's copy and ours exist side by side, and far more than the
-  /// 2 million points that a machine engraves.
+  /// Most triangles after instancing and triangulation. Default 10 million, far more than
+  /// the 2 million points that a machine engraves. While such a mesh is read it takes
+  /// (measured) 0.4 GB as STL, 0.9 GB as PLY, 2.4 GB as OBJ; 0.24 GB stay.
   std::uint64_t max_triangles = 10'000'000;
 };
 

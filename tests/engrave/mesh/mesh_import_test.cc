@@ -163,6 +163,16 @@ TEST(MeshImport, PlyHeaderThatDoesNotEndIsAnError) {
   ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "does not end with a line");
 }
 
+TEST(MeshImport, FileOfAnotherKindIsNotReadAsThatKind) {
+  const TriangleMesh box = BoxMesh(kSize);
+  const std::string ply = Ply(box);
+  for (const char* extension : {"gltf", "glb", "3mf", "dae", "3ds", "stl", "obj"}) {
+    EXPECT_FALSE(Import(ply, extension).has_value()) << extension;
+    // A PLY cut within its header is read for ever.
+    EXPECT_FALSE(Import(ply.substr(0, 60), extension).has_value()) << extension;
+  }
+}
+
 TEST(MeshImport, DaeWithTextAmongItsIndicesIsAnError) {
   std::string dae = Dae(BoxMesh(kSize), "", kIdentity);
   dae.insert(dae.find("<p>") + 4, "i");
