@@ -35,6 +35,7 @@ constexpr std::size_t kMostPoints = 0xffffffff;
 constexpr std::size_t kPointsPerSheet = 16384, kMostSheets = std::size_t{1} << 16;
 constexpr std::size_t kPointsPerFineSheet = 8;
 constexpr std::size_t kFew = 24;              // put in order as they are
+constexpr std::size_t kLookAhead = 16;        // points fetched into the cache beforehand
 constexpr double kReachAllowance = 1 + 1e-9;  // more than rounding takes from a reach
 
 bool IsLower(const WeldPoint& a, const WeldPoint& b) {
@@ -100,6 +101,9 @@ class Welder {
     for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
       points.clear();
       for (std::uint32_t at = begin_[sheet]; at < begin_[sheet + 1]; ++at) {
+        if (at + kLookAhead < order_.size()) {
+          __builtin_prefetch(&candidates_.points_mm[order_[at + kLookAhead]]);
+        }
         points.push_back(PointOf(candidates_, order_[at]));
       }
       KeepFrom(points, 2);
@@ -120,8 +124,8 @@ class Welder {
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const Vec3& p = cloud.points_mm[i];
       const float spacing_mm = cloud.spacing_mm[i];
-      Require(p.allFinite(), "a point to weld is not finite: {} {} {}", p.x(), p.y(),
-              p.z());
+      Require(std::isfinite(p.x() + p.y() + p.z()),
+              "a point to weld is not finite: {} {} {}", p.x(), p.y(), p.z());
       Require(spacing_mm >= 0 && std::isfinite(spacing_mm),
               "a point's spacing_mm must not be negative, is {}", spacing_mm);
       if (extent == nullptr || source != cloud.source[i]) {
@@ -142,12 +146,17 @@ class Welder {
 
   void SortIntoSheets(const Sheets& sheets) {
     begin_.assign(sheets.count() + 1, 0);
-    for (const Vec3& p : candidates_.points_mm) ++begin_[sheets.Of(p.z()) + 1];
+    std::vector<std::uint16_t> sheet_of(candidates_.size());
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const std::size_t sheet = sheets.Of(candidates_.points_mm[i].z());
+      sheet_of[i] = static_cast<std::uint16_t>(sheet);
+      ++begin_[sheet + 1];
+    }
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
     order_.resize(candidates_.size());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
     for (std::uint32_t i = 0; i < candidates_.size(); ++i) {
-      order_[next[sheets.Of(candidates_.points_mm[i].z())]++] = i;
+      order_[next[sheet_of[i]]++] = i;
     }
   }
 

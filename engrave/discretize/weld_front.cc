@@ -116,11 +116,13 @@ WeldFront::WeldFront(const WeldOptions& options, const Box3& bounds,
     // A spacing that the block asks for anyway needs no second look.
     if (extent.max_spacing_mm <= options.min_spacing_mm) continue;
     own_.try_emplace(source, extent, options.min_spacing_mm);
+    own_is_enough_ = extents.size() == 1 && height_ratio_ == 1 &&
+                     extent.min_spacing_mm >= options.min_spacing_mm;
   }
 }
 
 void WeldFront::Add(const WeldPoint& point) {
-  columns_.Add(point.p_mm, point.spacing_mm);
+  if (!own_is_enough_) columns_.Add(point.p_mm, point.spacing_mm);
   if (OwnSpacings* own = OwnOf(point.source)) own->Add(point);
 }
 

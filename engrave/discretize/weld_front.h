@@ -45,27 +45,33 @@ class Columns {
     const Vec3 q = (p_mm - origin_).cwiseProduct(scale_);
     const auto x = static_cast<float>(q.x()), y = static_cast<float>(q.y()),
                z = static_cast<float>(q.z());
-    const Newest* first = &newest_[ColumnOf(p_mm) - width_ - 1];
-    Four least = {kFar, kFar, kFar, kFar};
-    const Newest* column = first;
-    for (int row = 0; row < 3; ++row, column += width_) {
-      for (int i = 0; i < 3; ++i) {
-        const Four dx = column[i].x - x, dy = column[i].y - y, dz = column[i].z - z;
+    const Newest* own = &newest_[ColumnOf(p_mm)];
+    const auto nearest_in_row = [&](const Newest* middle) {
+      Four least = {kFar, kFar, kFar, kFar};
+      for (int i = -1; i <= 1; ++i) {
+        const Four dx = middle[i].x - x, dy = middle[i].y - y, dz = middle[i].z - z;
         const Four square = dx * dx + dy * dy + dz * dz;
         least = square < least ? square : least;
       }
-    }
-    const float square =
-        std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
-    const auto near = static_cast<float>(near_mm - error_mm_);
-    if (near > 0 && square < near * near) return Hasty::kNear;
+      return least;
+    };
+    const auto least_of = [](const Four& f) {
+      return std::min(std::min(f[0], f[1]), std::min(f[2], f[3]));
+    };
+    const float near = std::max(0.0F, static_cast<float>(near_mm - error_mm_));
+    const Four in_own_row = nearest_in_row(own);
+    const float least = least_of(in_own_row);
+    if (least < near * near) return Hasty::kNear;
+    const Four behind = nearest_in_row(own - width_),
+               before = nearest_in_row(own + width_);
+    const float square = std::min(least, least_of(behind < before ? behind : before));
+    if (square < near * near) return Hasty::kNear;
     const auto far = static_cast<float>(far_mm + error_mm_);
     if (square < far * far) return Hasty::kUnsure;
     // Older points than the four of a column are lower still.
-    column = first;
-    for (int row = 0; row < 3; ++row, column += width_) {
-      for (int i = 0; i < 3; ++i) {
-        if (!(column[i].z[column[i].next_lane] < z - far)) return Hasty::kUnsure;
+    for (const Newest* middle : {own - width_, own, own + width_}) {
+      for (int i = -1; i <= 1; ++i) {
+        if (!(middle[i].z[middle[i].next_lane] < z - far)) return Hasty::kUnsure;
       }
     }
     return Hasty::kFar;
@@ -201,6 +207,8 @@ class WeldFront {
   bool IsTooNearToAny(const Vec3& p_mm) const;
   OwnSpacings* OwnOf(std::uint32_t source);
 
+  /// All points are of one source, which keeps them farther apart than the block asks.
+  bool own_is_enough_ = false;
   double height_ratio_;
   double least_square_, least_mm_;
   double surely_near_, surely_far_;  // bounds on a square that was computed in haste
