@@ -1,0 +1,64 @@
+#pragma once
+
+// The texts of SVG that hold numbers: path data, points, transforms, lengths.
+// Frame: the user space of the element, y down.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engrave/drawing/drawing.h"
+
+namespace intaglio::drawing {
+
+/// Numbers of SVG, one after another, behind blanks and at most one comma.
+class SvgNumbers {
+ public:
+  explicit SvgNumbers(std::string_view text) : rest_(text) {}
+
+  /// The next number; none at the end, at another character, and when not finite.
+  std::optional<double> Next();
+  /// A flag of an arc, which may stand without a blank before the next number.
+  std::optional<bool> NextFlag();
+  /// The next character, past blanks; 0 at the end.
+  char Peek();
+  void Skip() { rest_.remove_prefix(1); }
+  void SkipBlanks();
+  void SkipComma();
+  std::string_view rest() const { return rest_; }
+
+ private:
+  std::string_view rest_;
+};
+
+/// What is wrong with a text, and where in it.
+struct SvgTextError {
+  std::string sentence;
+  std::string near;
+};
+
+/// The curves of path data, with arcs as arcs and quadratics as cubics. `max_points`
+/// bounds their control points. The text is right to its end, or an error.
+std::optional<SvgTextError> ParseSvgPath(std::string_view text, std::uint64_t max_points,
+                                         std::vector<Curve>& curves);
+
+/// From p to q as an arc of the ellipse of these radii and turn (SVG 1.1, F.6: from
+/// endpoints to centre; radii too small are enlarged). A line when a radius is 0.
+Piece SvgArc(const Vec3& p, const Vec3& q, Vec2 radii, double turn_deg, bool large,
+             bool positive);
+
+/// x' = a x + c y + e, y' = b x + d y + f.
+struct SvgTransform {
+  double a = 1, b = 0, c = 0, d = 1, e = 0, f = 0;
+
+  SvgTransform Then(const SvgTransform& inner) const;
+};
+/// None when the list is wrong.
+std::optional<SvgTransform> ParseSvgTransform(std::string_view text);
+
+/// A length in user units: px, mm, cm, Q, in, pt, pc or none; a share of `whole` for %.
+/// None when it is something else.
+std::optional<double> ParseSvgLength(std::string_view text, double whole);
+
+}  // namespace intaglio::drawing
