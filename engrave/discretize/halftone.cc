@@ -192,7 +192,10 @@ Result<std::unique_ptr<PointSource>> MakeHalftone(const image::GreyImage& pictur
   if (!size) return tl::unexpected(size.error());
   const auto panel = PlacePanel(*size, placement);
   if (!panel) return tl::unexpected(panel.error());
-  const Status few = CheckCandidateCount(MostHalftonePoints(*panel, options));
+  const double most = MostHalftonePoints(*panel, options);
+  const Status places = CheckLayerPlaces(most / options.layer_count);
+  if (!places) return tl::unexpected(places.error());
+  const Status few = CheckCandidateCount(most);
   if (!few) return tl::unexpected(few.error());
 
   SpacedCloud cloud;

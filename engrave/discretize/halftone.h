@@ -60,8 +60,8 @@ std::vector<Error> CheckHalftone(const HalftoneOptions& options);
 double MostHalftonePoints(const Panel& panel, const HalftoneOptions& options);
 
 /// `picture`: linear light. Places of different layers are staggered: none stands above
-/// another. Errors: kInvalidValue, kMissing (no size), kTooLarge (more places than
-/// candidate_limit.h allows).
+/// another. Errors: kInvalidValue, kMissing (no size), kTooLarge (kMaxLayerPlaces,
+/// candidate_limit.h).
 Result<std::unique_ptr<PointSource>> MakeHalftone(const image::GreyImage& picture,
                                                   const mesh::GlassFromModel& placement,
                                                   const HalftoneOptions& options);

@@ -71,4 +71,15 @@ Result<Panel> PlacePanel(const Vec2& size_mm, const mesh::GlassFromModel& placem
   return panel;
 }
 
+Status CheckLayerPlaces(double count) {
+  if (count <= kMaxLayerPlaces) return {};
+  return Fail(
+      ErrorCode::kTooLarge,
+      fmt::format("a layer of the picture would have {:.0f} places for points, more "
+                  "than the {:.0f} allowed: raise vertex_distance_mm, or make the "
+                  "picture smaller",
+                  count, kMaxLayerPlaces),
+      fmt::format("{:.0f}", count));
+}
+
 }  // namespace intaglio::discretize

@@ -51,4 +51,11 @@ struct Panel {
 /// kInvalidValue.
 Result<Panel> PlacePanel(const Vec2& size_mm, const mesh::GlassFromModel& placement);
 
+/// Most places (squared vertex distances) of a layer: about 600 MB while it is made. Six
+/// times what a machine engraves (2 million points, Trochimczuk 2008 ch. 1).
+inline constexpr double kMaxLayerPlaces = 12e6;
+
+/// kTooLarge when a layer would have more places than that.
+Status CheckLayerPlaces(double count);
+
 }  // namespace intaglio::discretize

@@ -28,9 +28,13 @@ class Settling {
     cell_mm_ = size_mm_.cwiseQuotient(Vec2(width_, height_));
     owner_.resize(Count());
     density_.resize(Count());
+    std::vector<float> places;
+    places.reserve(grid.brightness.size());
+    for (const float b : grid.brightness)
+      places.push_back(static_cast<float>(density(b)));
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        density_[At(x, y)] = static_cast<float>(density(NearestPlace(grid, x, y)));
+        density_[At(x, y)] = places[NearestPlace(grid, x, y)];
       }
     }
     columns_ = static_cast<int>(size_mm_.x() / options.spacing_mm) + 1;
@@ -64,14 +68,15 @@ class Settling {
     return At(std::clamp(static_cast<int>(p.x() / cell_mm_.x()), 0, width_ - 1),
               std::clamp(static_cast<int>(p.y() / cell_mm_.y()), 0, height_ - 1));
   }
-  float NearestPlace(const HalftoneGrid& grid, int x, int y) const {
+  std::size_t NearestPlace(const HalftoneGrid& grid, int x, int y) const {
     const Vec2 away = CentreOf(x, y) - grid.At(0, 0);
     const int row = std::clamp(static_cast<int>(std::lround(away.y() / grid.step_y_mm)),
                                0, grid.rows - 1);
     const double along = CentreOf(x, y).x() - grid.At(0, row).x();
     const int column = std::clamp(static_cast<int>(std::lround(along / grid.step_x_mm)),
                                   0, grid.columns - 1);
-    return grid.BrightnessAt(column, row);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns) +
+           static_cast<std::size_t>(column);
   }
 
   // ---- Which point is nearest to a cell of the raster

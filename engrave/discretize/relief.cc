@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "engrave/discretize/candidate_limit.h"
 #include "engrave/discretize/fixed_points.h"
 #include "engrave/discretize/relief_surface.h"
 
@@ -68,12 +67,12 @@ Result<std::unique_ptr<PointSource>> MakeRelief(
   if (!size) return tl::unexpected(size.error());
   const auto panel = PlacePanel(*size, placement);
   if (!panel) return tl::unexpected(panel.error());
-  const double darts_mm2 = options.layer_count / (d * d);
-  Status few = CheckCandidateCount(panel->width_mm * panel->height_mm * darts_mm2);
-  if (!few) return tl::unexpected(few.error());
+  const Status places = CheckLayerPlaces(panel->width_mm * panel->height_mm / (d * d));
+  if (!places) return tl::unexpected(places.error());
   const ReliefSurface surface = SurfaceOf(depth_map, *panel, options);
   const std::vector<float> areas = SurfaceAreas(surface, d);
-  few = CheckCandidateCount(std::accumulate(areas.begin(), areas.end(), 0.0) * darts_mm2);
+  const double steep = std::accumulate(areas.begin(), areas.end(), 0.0) / (d * d);
+  const Status few = CheckLayerPlaces(steep * options.layer_count);
   if (!few) return tl::unexpected(few.error());
 
   image::FloatImage light{1, 1, {1}};

@@ -37,7 +37,8 @@ std::vector<Error> CheckRelief(const ReliefOptions& options);
 
 /// `depth_map` as stored, `photo` in linear light; without a photo all is white. White
 /// gets about 0.7 / d^2 points a mm^2 of surface, grey its share of them. Errors as of
-/// MakeHalftone.
+/// MakeHalftone; kTooLarge when the surface of all layers has more than kMaxLayerPlaces
+/// squared distances.
 Result<std::unique_ptr<PointSource>> MakeRelief(
     const image::GreyImage& depth_map, const std::optional<image::GreyImage>& photo,
     const mesh::GlassFromModel& placement, const ReliefOptions& options);

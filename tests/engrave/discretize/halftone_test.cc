@@ -66,37 +66,38 @@ std::vector<double> NearestDistances(const PointList& points) {
   return nearest;
 }
 
-TEST(Halftone, TheToneOfPatchesFollowsLuminance) {
-  for (const HalftoneMethod method : kTonal) {
-    const HalftoneOptions options = Options(method, 20, 0.1);
-    for (const double tone : {0.05, 0.1, 0.3, 0.5, 0.72, 0.9, 1.0}) {
-      const PointList points =
-          PointsOf(PaintGrey(50, 50, [&](int, int) { return tone; }), options);
-      const double expected = tone * 400 * Densest(options);
-      // The grid is stretched to whole columns and rows: less than 0.7 % here.
-      EXPECT_NEAR(static_cast<double>(points.size()), expected, 0.015 * expected);
-      // And within the patch, away from its border.
-      const double inner = tone * 100 * Densest(options);
-      EXPECT_NEAR(static_cast<double>(CountIn(points, 5, 5, 15, 15)), inner, 0.02 * inner)
-          << "method " << static_cast<int>(method) << " tone " << tone;
-    }
+class HalftoneTone : public testing::TestWithParam<HalftoneMethod> {};
+INSTANTIATE_TEST_SUITE_P(Methods, HalftoneTone, testing::ValuesIn(kTonal));
+
+TEST_P(HalftoneTone, OfPatchesFollowsLuminance) {
+  const HalftoneMethod method = GetParam();
+  const HalftoneOptions options = Options(method, 20, 0.1);
+  for (const double tone : {0.05, 0.1, 0.3, 0.5, 0.72, 0.9, 1.0}) {
+    const PointList points =
+        PointsOf(PaintGrey(50, 50, [&](int, int) { return tone; }), options);
+    const double expected = tone * 400 * Densest(options);
+    // Whole columns and rows: less than 0.5 % here.
+    EXPECT_NEAR(static_cast<double>(points.size()), expected, 0.015 * expected);
+    // And within the patch, away from its border.
+    const double inner = tone * 100 * Densest(options);
+    EXPECT_NEAR(static_cast<double>(CountIn(points, 5, 5, 15, 15)), inner, 0.02 * inner)
+        << "method " << static_cast<int>(method) << " tone " << tone;
   }
 }
 
-TEST(Halftone, TheToneOfARampFollowsLuminance) {
+TEST_P(HalftoneTone, OfARampFollowsLuminance) {
   // 0 to 1 along x: strips against the integral of the ramp over them.
   const GreyImage ramp =
       PaintGrey(1000, 500, [](int x, int) { return (x + 0.5) / 1000; });
-  for (const HalftoneMethod method : kTonal) {
-    const HalftoneOptions options = Options(method, 40, 0.1);
-    const PointList points = PointsOf(ramp, options);
-    for (int strip = 1; strip < 10; ++strip) {
-      const double expected = (strip + 0.5) / 10 * 4 * 20 * Densest(options);
-      const auto count =
-          static_cast<double>(CountIn(points, 4 * strip, 0, 4 * strip + 4, 20));
-      EXPECT_NEAR(count, expected, 0.02 * expected)
-          << "method " << static_cast<int>(method) << " strip " << strip;
-    }
+  const HalftoneMethod method = GetParam();
+  const HalftoneOptions options = Options(method, 40, 0.1);
+  const PointList points = PointsOf(ramp, options);
+  for (int strip = 1; strip < 10; ++strip) {
+    const double expected = (strip + 0.5) / 10 * 4 * 20 * Densest(options);
+    const auto count =
+        static_cast<double>(CountIn(points, 4 * strip, 0, 4 * strip + 4, 20));
+    EXPECT_NEAR(count, expected, 0.02 * expected)
+        << "method " << static_cast<int>(method) << " strip " << strip;
   }
 }
 
