@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "engrave/discretize/candidate_limit.h"
 
@@ -160,18 +161,19 @@ void RayCaster::CastOne(const mesh::Triangle& t, RaySpans& spans) const {
   if (low->row > middle->row) std::swap(low, middle);
   const Side whole(grid_, *low, *high), lower(grid_, *low, *middle),
       upper(grid_, *middle, *high);
-  const Slope slope(corners_[t[0]], corners_[t[1]], corners_[t[2]]);
+  std::optional<Slope> slope;  // of many small triangles nobody asks for it
   for (std::uint32_t row = low->row; row < high->row; ++row) {
     const double pv = grid_.V(row);
     const Side& other = row < middle->row ? lower : upper;
     const auto [begin, end] = std::minmax({whole.ColumnFrom(pv), other.ColumnFrom(pv)});
     if (begin == end) continue;
+    if (!slope) slope.emplace(corners_[t[0]], corners_[t[1]], corners_[t[2]]);
     RaySpan& span = spans.spans_[spans.row_end_[row]++];
     span.begin = begin;
     span.end = end;
-    span.w_mm = slope.At(grid_.U(begin), pv);
+    span.w_mm = slope->At(grid_.U(begin), pv);
     if (end - begin > 1) {
-      span.step_w_mm = (slope.At(grid_.U(end - 1), pv) - span.w_mm) / (end - begin - 1);
+      span.step_w_mm = (slope->At(grid_.U(end - 1), pv) - span.w_mm) / (end - begin - 1);
     }
     spans.crossing_count_ += end - begin;
   }
