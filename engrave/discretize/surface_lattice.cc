@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 // Scan conversion. Row j of a triangle runs between the two of its edges that have one
@@ -45,18 +46,24 @@ struct Side {
   }
 };
 
-struct Interval1 {
+struct Span {
   double low, high;
+
+  void Extend(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
 };
+constexpr Span kNothing{std::numeric_limits<double>::infinity(),
+                        -std::numeric_limits<double>::infinity()};
 
 /// Between which values the `value`s at the corners lie where their heights are in the
 /// range, which some are; a little more.
-Interval1 Within(const HeightRange& range, const Vec3& heights, const Vec3& values) {
-  Interval1 all{std::numeric_limits<double>::infinity(),
-                -std::numeric_limits<double>::infinity()};
+Span Within(const HeightRange& range, const Vec3& heights, const Vec3& values) {
+  Span all = kNothing;
   const auto add = [&all](double value) {
-    all.low = std::min(all.low, value - 1);
-    all.high = std::max(all.high, value + 1);
+    all.Extend(value - 1);
+    all.Extend(value + 1);
   };
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3;
@@ -69,6 +76,93 @@ Interval1 Within(const HeightRange& range, const Vec3& heights, const Vec3& valu
   }
   return all;
 }
+
+/// One triangle in its frame.
+class Scan {
+ public:
+  Scan(const Corners& corners, const Vec3& normal, const LatticeFrame& frame,
+       double step_mm, const HeightRange& range)
+      : turn_(frame.uvw_from_glass), step_mm_(step_mm), range_(range) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 q = turn_ * corners[i];
+      at_[i] = Vec2(q.x() / step_mm - kShiftU, q.y() / (kRowRatio * step_mm) - kShiftV);
+      if (i == 0) first_mm_ = q;
+      w_span_.Extend(q.z());
+      z_span_.Extend(corners[i].z());
+      z_mm_[i] = corners[i].z();
+    }
+    const Vec3 n = turn_ * normal;
+    if (n.z() != 0) slope_ = Vec2(n.x() / n.z(), n.y() / n.z());
+    z_rise_mm_ = (turn_(0, 2) - turn_(2, 2) * slope_.x()) * step_mm;
+    whole_ = range.Contains(z_span_.low) && range.Contains(z_span_.high);
+  }
+
+  template <typename Visit>
+  void ForEach(const Visit& visit) const {
+    const Side sides[3] = {{at_[0], at_[1]}, {at_[1], at_[2]}, {at_[2], at_[0]}};
+    const auto [from, to] = Rows();
+    const double end_row = std::ceil(to);
+    for (double row = std::ceil(from); row < end_row; ++row) {
+      Span span = kNothing;
+      for (const Side& side : sides) {
+        if (side.Meets(row)) span.Extend(side.At(row));
+      }
+      if (!(span.low < span.high)) continue;
+      if (!whole_) Narrow(row, span);
+      const double shift = 0.5 * row;
+      const auto j = static_cast<std::int64_t>(row);
+      const auto end = static_cast<std::int64_t>(std::ceil(span.high - shift));
+      for (auto i = static_cast<std::int64_t>(std::ceil(span.low - shift)); i < end;
+           ++i) {
+        const Vec3 p = Place(static_cast<double>(i) + shift, row);
+        if (whole_ || range_.Contains(p.z())) visit(p, i, j);
+      }
+    }
+  }
+
+ private:
+  /// Those that may have nodes in the range.
+  Span Rows() const {
+    const Vec3 rows(at_[0].y(), at_[1].y(), at_[2].y());
+    const Span all{rows.minCoeff(), rows.maxCoeff()};
+    if (whole_) return all;
+    const Span within = Within(range_, z_mm_, rows);
+    return {std::max(all.low, within.low), std::min(all.high, within.high)};
+  }
+
+  /// Takes off what lies out of the range by more than a step.
+  void Narrow(double row, Span& span) const {
+    if (!(std::abs(z_rise_mm_) > 1e-6 * step_mm_)) return;
+    const double z_mm = Place(span.low, row).z();
+    const double a = span.low + (range_.low_mm - z_mm) / z_rise_mm_;
+    const double b = span.low + (range_.high_mm - z_mm) / z_rise_mm_;
+    span.low = std::max(span.low, std::floor(std::min(a, b)) - 1);
+    span.high = std::min(span.high, std::ceil(std::max(a, b)) + 1);
+  }
+
+  /// On the triangle's plane, and within the heights of its corners whatever rounding
+  /// does: w falls by slope_ for each mm of u and v.
+  Vec3 Place(double step, double row) const {
+    const double u = (step + kShiftU) * step_mm_;
+    const double v = (row + kShiftV) * kRowRatio * step_mm_;
+    const double w = first_mm_.z() - slope_.x() * (u - first_mm_.x()) -
+                     slope_.y() * (v - first_mm_.y());
+    Vec3 p = turn_.transpose() * Vec3(u, v, std::clamp(w, w_span_.low, w_span_.high));
+    p.z() = std::clamp(p.z(), z_span_.low, z_span_.high);
+    return p;
+  }
+
+  Mat3 turn_;
+  double step_mm_;
+  HeightRange range_;
+  std::array<Vec2, 3> at_;  // corners, in steps and rows
+  Vec3 first_mm_;           // the first corner in the frame
+  Vec3 z_mm_;
+  Span w_span_ = kNothing, z_span_ = kNothing;
+  Vec2 slope_ = Vec2::Zero();
+  double z_rise_mm_;  // for each step along a row
+  bool whole_;        // in the range
+};
 
 }  // namespace
 
@@ -95,67 +189,7 @@ void ForEachNode(
     const Corners& corners, const Vec3& normal, const LatticeFrame& frame, double step_mm,
     const HeightRange& range,
     const std::function<void(const Vec3&, std::int64_t, std::int64_t)>& visit) {
-  const Mat3& turn = frame.uvw_from_glass;
-  std::array<Vec2, 3> at;
-  Vec3 w_mm, rows, z_mm;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 q = turn * corners[i];
-    at[i] = Vec2(q.x() / step_mm - kShiftU, q.y() / (kRowRatio * step_mm) - kShiftV);
-    w_mm[i] = q.z();
-    rows[i] = at[i].y();
-    z_mm[i] = corners[i].z();
-  }
-  Interval1 row_range{rows.minCoeff(), rows.maxCoeff()};
-  const double z_low = z_mm.minCoeff(), z_high = z_mm.maxCoeff();
-  const bool whole = range.Contains(z_low) && range.Contains(z_high);
-  if (!whole) {
-    const Interval1 within = Within(range, z_mm, rows);
-    row_range.low = std::max(row_range.low, within.low);
-    row_range.high = std::min(row_range.high, within.high);
-  }
-  if (!(row_range.low < row_range.high)) return;
-  const Side sides[3] = {{at[0], at[1]}, {at[1], at[2]}, {at[2], at[0]}};
-  // The plane: w falls by slope for each mm of u and v.
-  const Vec3 n = turn * normal;
-  const Vec2 slope = n.z() == 0 ? Vec2(0, 0) : Vec2(n.x() / n.z(), n.y() / n.z());
-  const double w_low = w_mm.minCoeff(), w_high = w_mm.maxCoeff();
-  const Vec3 first = turn * corners[0];
-  const double u0 = first.x(), v0 = first.y();
-  // z rises by this for each step along a row.
-  const double z_rise = (turn(0, 2) - turn(2, 2) * slope.x()) * step_mm;
-  const auto place = [&](double step, double row) {
-    const double u = (step + kShiftU) * step_mm;
-    const double v = (row + kShiftV) * kRowRatio * step_mm;
-    const double w = w_mm[0] - slope.x() * (u - u0) - slope.y() * (v - v0);
-    Vec3 p = turn.transpose() * Vec3(u, v, std::clamp(w, w_low, w_high));
-    p.z() = std::clamp(p.z(), z_low, z_high);
-    return p;
-  };
-  const auto last = static_cast<std::int64_t>(std::ceil(row_range.high)) - 1;
-  for (auto j = static_cast<std::int64_t>(std::ceil(row_range.low)); j <= last; ++j) {
-    const auto row = static_cast<double>(j);
-    double left = std::numeric_limits<double>::infinity(), right = -left;
-    for (const Side& side : sides) {
-      if (!side.Meets(row)) continue;
-      const double x = side.At(row);
-      left = std::min(left, x);
-      right = std::max(right, x);
-    }
-    if (!(left < right)) continue;
-    if (!whole && std::abs(z_rise) > 1e-6 * step_mm) {
-      const double z_left = place(left, row).z();
-      const double a = left + (range.low_mm - z_left) / z_rise;
-      const double b = left + (range.high_mm - z_left) / z_rise;
-      left = std::max(left, std::floor(std::min(a, b)) - 1);
-      right = std::min(right, std::ceil(std::max(a, b)) + 1);
-    }
-    const double shift = 0.5 * row;
-    const auto end = static_cast<std::int64_t>(std::ceil(right - shift));
-    for (auto i = static_cast<std::int64_t>(std::ceil(left - shift)); i < end; ++i) {
-      const Vec3 p = place(static_cast<double>(i) + shift, row);
-      if (whole || range.Contains(p.z())) visit(p, i, j);
-    }
-  }
+  Scan(corners, normal, frame, step_mm, range).ForEach(visit);
 }
 
 }  // namespace intaglio::discretize

@@ -246,11 +246,4 @@ SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
   return Welder(candidates, options, taken).Run();
 }
 
-PointCloud WeldToSpacing(const PointCloud& cloud, double min_spacing_mm) {
-  SpacedCloud kept =
-      Weld({cloud.points_mm, cloud.source, std::vector<float>(cloud.size(), 0)},
-           {min_spacing_mm, 1});
-  return {std::move(kept.points_mm), std::move(kept.source)};
-}
-
 }  // namespace intaglio::discretize

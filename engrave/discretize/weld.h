@@ -30,7 +30,4 @@ struct WeldOptions {
 SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
                  const SpacedCloud& taken = {});
 
-/// Weld() of points without a spacing of their own.
-PointCloud WeldToSpacing(const PointCloud& cloud, double min_spacing_mm);
-
 }  // namespace intaglio::discretize
