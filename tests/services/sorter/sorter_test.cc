@@ -1,8 +1,11 @@
 // The program as the discretizer, the job service and the synchronizer see it.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 #include <random>
 
 #include "services/host/cloud_flow.h"
@@ -64,6 +67,14 @@ std::uint64_t ShadowViolations(const PointList& made_mm, double cone_tangent) {
     }
   }
   return count;
+}
+
+/// Memory of that process, MB.
+double ResidentMb(pid_t pid) {
+  std::ifstream statm(fmt::format("/proc/{}/statm", pid));
+  double all_pages = 0, resident_pages = 0;
+  statm >> all_pages >> resident_pages;
+  return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
 class SorterTest : public testing::Test {
@@ -234,6 +245,40 @@ TEST_F(SorterTest, AnnealingIsEndedByRevoking) {
   const auto end = shop.AwaitEnd("endless", 1);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kCancelled));
+}
+
+// Batches of other sorters' jobs reach every reader; a worker that computes for an hour
+// may not keep them.
+TEST_F(SorterTest, WhatIsSentToOthersDoesNotPileUpWhileItComputes) {
+  JobSpec spec = SortSpec();
+  spec.mutable_ordering()->mutable_anneal()->set_time_s(3600);
+  shop.Give(FrozenJobOf("hour", spec), 1, "");
+  ASSERT_TRUE(Stream("hour", RandomCloud(1000), false));
+
+  bus::Writer<intaglio_PointBatch> writer(shop.bus(), bus::kPointBatch);
+  ASSERT_TRUE(Eventually([&] { return writer.matched_count() > 0; }));
+  const std::string job_uid = "of another sorter";
+  const std::vector<double> column(host::kBatchPoints);
+  intaglio_PointBatch batch{};
+  batch.job_uid = bus::Borrow(job_uid);
+  bus::Borrow(batch.x_mm, column);
+  bus::Borrow(batch.y_mm, column);
+  bus::Borrow(batch.z_mm, column);
+  const double before_mb = ResidentMb(shop.worker().pid());
+  constexpr int kBatches = 400;  // 79 MB
+  for (int i = 0; i < kBatches; ++i) {
+    ASSERT_TRUE(Eventually([&] { return writer.Write(batch).has_value(); }));
+    // The window of a credit: no more than this is under way to a worker that takes it.
+    if (i % 32 == 31) {
+      ASSERT_TRUE(writer.WaitForAcknowledgements(5s));
+    }
+  }
+  ASSERT_TRUE(writer.WaitForAcknowledgements(5s));
+  // A few windows' worth of slack for buffers that are not given back.
+  EXPECT_TRUE(Eventually([&] {
+    return ResidentMb(shop.worker().pid()) < before_mb + 25;
+  })) << ResidentMb(shop.worker().pid()) - before_mb
+      << " MB more";
 }
 
 TEST_F(SorterTest, WrongOptionsFailTheTaskAndTheNextOneIsDone) {
