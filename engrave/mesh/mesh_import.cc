@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <fstream>
 #include <new>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -13,6 +15,7 @@
 #include "engrave/mesh/import_source.h"
 #include "engrave/mesh/library_import.h"
 #include "engrave/mesh/stl_file.h"
+#include "engrave/mesh/unpacked_size.h"
 
 namespace intaglio::mesh {
 namespace {
@@ -90,6 +93,33 @@ Status CheckPlyHeaderEnds(const ImportSource& source, std::string_view beginning
                        "end_header); check that it is complete, or export it again");
 }
 
+/// The library makes room for as many rows as a PLY's header says there are: 20 GB for a
+/// file of 200 bytes. A row takes a byte at least.
+Status CheckPlyCounts(const ImportSource& source, std::string_view header,
+                      std::uint64_t byte_count) {
+  constexpr std::string_view kBegin = "element";  // wherever the library may see it
+  constexpr std::string_view kBlanks = " \t";
+  header = header.substr(0, header.find("\nend_header"));
+  for (std::size_t at = header.find(kBegin); at != std::string_view::npos;
+       at = header.find(kBegin, at)) {
+    at += kBegin.size();
+    const std::string_view line =
+        header.substr(at, header.find_first_of("\r\n", at) - at);
+    const std::size_t name = line.find_first_not_of(kBlanks);
+    const std::size_t number =
+        line.find_first_not_of(kBlanks, line.find_first_of(kBlanks, name));
+    if (name == std::string_view::npos || number == std::string_view::npos) continue;
+    std::uint64_t count = 0;
+    const auto parsed =
+        std::from_chars(line.data() + number, line.data() + line.size(), count);
+    if (parsed.ec == std::errc::result_out_of_range || count > byte_count) {
+      return source.RefuseAsUnreadable(fmt::format(
+          "it has {} bytes, too few for \"element{:.40}\"", byte_count, line));
+    }
+  }
+  return {};
+}
+
 /// The library reads a DAE's index lists for ever where something else than a number is
 /// in them.
 Status CheckIndexLists(const ImportSource& source, std::string_view text) {
@@ -108,12 +138,33 @@ Status CheckIndexLists(const ImportSource& source, std::string_view text) {
   return {};
 }
 
+Status CheckPackage(const ImportSource& source, std::string_view archive) {
+  const std::optional<std::uint64_t> unpacked = UnpackedSize(archive);
+  if (!unpacked) {
+    return source.RefuseAsUnreadable("it is no zip archive, or was cut off");
+  }
+  if (*unpacked <= source.options.max_file_bytes &&
+      *unpacked / source.options.max_unpacked_ratio <= archive.size()) {
+    return {};
+  }
+  return source.Refuse(
+      ErrorCode::kTooLarge,
+      fmt::format("its {} bytes unpack to {}, more than {} times as many or than the {} "
+                  "allowed; reduce the mesh or raise the limit",
+                  archive.size(), *unpacked, source.options.max_unpacked_ratio,
+                  source.options.max_file_bytes));
+}
+
 /// What is checked of a file's content before the library sees it.
-Status CheckContent(const ImportSource& source, std::string_view text) {
+Status CheckContent(const ImportSource& source, std::string_view text,
+                    std::uint64_t byte_count) {
   if (source.extension == "ply") {
-    return CheckPlyHeaderEnds(source, text.substr(0, kMaxPlyHeaderSize));
+    const std::string_view header = text.substr(0, kMaxPlyHeaderSize);
+    const Status ends = CheckPlyHeaderEnds(source, header);
+    return ends ? CheckPlyCounts(source, header, byte_count) : ends;
   }
   if (source.extension == "dae") return CheckIndexLists(source, text);
+  if (source.extension == "3mf") return CheckPackage(source, text);
   return {};
 }
 
@@ -121,7 +172,7 @@ Status CheckContent(const ImportSource& source, std::string_view text) {
 std::string ContentToCheck(const ImportSource& source, const fs::path& file) {
   std::size_t size = 0;
   if (source.extension == "ply") size = kMaxPlyHeaderSize;
-  if (source.extension == "dae") {
+  if (source.extension == "dae" || source.extension == "3mf") {
     std::error_code unreadable;
     size = fs::file_size(file, unreadable);
     if (unreadable) size = 0;
@@ -155,13 +206,15 @@ Result<TriangleMesh> ImportMesh(const fs::path& file, const ImportOptions& optio
   if (Status status = CheckExtension(source); !status) {
     return tl::unexpected(status.error());
   }
+  std::error_code unreadable;
+  const std::uint64_t byte_count = fs::file_size(file, unreadable);
   if (source.extension == "stl") {
     std::ifstream in(file, std::ios::binary);
     StreamReader bytes(in);
-    return WithinMemory(source,
-                        [&] { return ReadStl(bytes, fs::file_size(file), source); });
+    return WithinMemory(source, [&] { return ReadStl(bytes, byte_count, source); });
   }
-  if (Status status = CheckContent(source, ContentToCheck(source, file)); !status) {
+  if (Status status = CheckContent(source, ContentToCheck(source, file), byte_count);
+      !status) {
     return tl::unexpected(status.error());
   }
   return ImportByLibrary(
@@ -184,7 +237,7 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
     MemoryReader reader(text);
     return WithinMemory(source, [&] { return ReadStl(reader, text.size(), source); });
   }
-  if (Status status = CheckContent(source, text); !status) {
+  if (Status status = CheckContent(source, text, text.size()); !status) {
     return tl::unexpected(status.error());
   }
   return ImportByLibrary(source, [&](Assimp::Importer& importer) {

@@ -42,6 +42,9 @@ namespace intaglio::mesh {
 struct ImportOptions {
   /// Largest file, bytes. Default 1 GiB: 21 million triangles of binary STL.
   std::uint64_t max_file_bytes = std::uint64_t{1} << 30;
+  /// Most that a 3MF, a zip archive, may grow when it is unpacked, as a multiple of its
+  /// size. Default 50: models grow 4 to 20 times, and a megabyte made to harm 1000 times.
+  std::uint64_t max_unpacked_ratio = 50;
   /// Most triangles after instancing and triangulation. Default 10 million, far more than
   /// the 2 million points that a machine engraves. While such a mesh is read it takes
   /// (measured) 0.4 GB as STL, 0.9 GB as PLY, 2.4 GB as OBJ; 0.24 GB stay.

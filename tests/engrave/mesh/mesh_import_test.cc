@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -155,6 +156,34 @@ TEST(MeshImport, FileCutAnywhereIsAnErrorOrAWarning) {
       }
     }
   }
+}
+
+TEST(MeshImport, PlyThatClaimsMoreRowsThanItHasBytesIsAnError) {
+  for (const char* element : {"element vertex ", "element face "}) {
+    for (const char* count : {"2000000000", "99999999999999999999"}) {
+      std::string ply = Ply(BoxMesh(kSize));
+      const std::size_t at = ply.find(element) + std::strlen(element);
+      ply.replace(at, ply.find('\n', at) - at, count);
+      ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "too few for \"element ");
+    }
+  }
+}
+
+TEST(MeshImport, PlyElementMayHaveDigitsInItsName) {
+  std::string ply = Ply(BoxMesh(kSize));
+  ply.replace(ply.find("element face"), 0, "element row2000000000 0\nproperty float a\n");
+  ExpectTheBox(Import(ply, "ply"), BoxMesh(kSize));
+}
+
+TEST(MeshImport, ThreeMfThatUnpacksToTooMuchIsRefused) {
+  std::string bomb = ThreeMf(BoxMesh(kSize), "millimeter", "1 0 0 0 1 0 0 0 1 10 20 30");
+  ImportOptions options;
+  options.max_file_bytes = bomb.size();  // it is stored, so its parts are smaller
+  EXPECT_TRUE(Import(bomb, "3mf", options).has_value());
+  // The first entry of the directory says that it unpacks to 51 times the archive.
+  const auto claimed = static_cast<std::uint32_t>(51 * bomb.size() + 1000);
+  std::memcpy(bomb.data() + bomb.find("PK\1\2") + 24, &claimed, sizeof claimed);
+  ExpectError(Import(bomb, "3mf"), ErrorCode::kTooLarge, "more than 50 times");
 }
 
 TEST(MeshImport, PlyHeaderThatDoesNotEndIsAnError) {
