@@ -91,7 +91,8 @@ class CurvePoints {
     const std::size_t n = ring.size();
     for (std::size_t i = 0; i < n; ++i) {
       if (!IsCorner(ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n])) continue;
-      std::ranges::rotate(ring, ring.begin() + static_cast<std::ptrdiff_t>(i));
+      std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(i),
+                  ring.end());
       return true;
     }
     return false;
