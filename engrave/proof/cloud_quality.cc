@@ -106,21 +106,24 @@ void WarnOfHoles(CloudQuality& quality) {
       hole.radius_mm, At(hole.place_mm), usual_mm));
 }
 
-void WarnOfCracks(const QualityOptions& options, const CrackRiskOptions& crack_options,
-                  CloudQuality& quality) {
-  if (!quality.crack_risk) return;
-  for (const DensePlace& place : quality.crack_risk->worst) {
-    // In a ball of one size the count falls with the square of the spacing on sheets, and
-    // faster in solids.
-    const double wider = std::sqrt(place.crack_share / crack_options.max_share);
-    const double spacing_mm = std::ceil(wider * options.min_spacing_mm * 100) / 100;
-    quality.warnings.push_back(fmt::format(
-        "the glass may break at {}: {:.0f} points per mm^3, cracks take {:.0f} % of the "
-        "volume, {:.0f} % is sound; set a minimum spacing of {:.2f} mm, or thin out what "
-        "overlaps there",
-        At(place.place_mm), place.points_per_mm3, 100 * place.crack_share,
-        100 * crack_options.max_share, spacing_mm));
+void WarnOfCracks(const QualityOptions& options, CloudQuality& quality) {
+  if (!quality.crack_risk || quality.crack_risk->worst.empty()) return;
+  const CrackRisk& risk = *quality.crack_risk;
+  const DensePlace& worst = risk.worst.front();
+  std::string others;
+  for (std::size_t i = 1; i < risk.worst.size(); ++i) {
+    others += (i == 1 ? ", also at " : ", ") + At(risk.worst[i].place_mm);
   }
+  // In a ball of one size the count falls with the square of the spacing on sheets, and
+  // faster in solids.
+  const double wider = std::sqrt(worst.crack_share / risk.max_share);
+  const double spacing_mm = std::ceil(wider * options.min_spacing_mm * 100) / 100;
+  quality.warnings.push_back(fmt::format(
+      "the glass may break at {}{}: {:.0f} points per mm^3, cracks take {:.0f} % of the "
+      "volume, {:.0f} % is sound; set a minimum spacing of {:.2f} mm, or thin out what "
+      "overlaps there",
+      At(worst.place_mm), others, worst.points_per_mm3, 100 * worst.crack_share,
+      100 * risk.max_share, spacing_mm));
 }
 
 }  // namespace
@@ -158,15 +161,15 @@ Result<CloudQuality> MeasureCloud(const PointCloud& cloud,
     for (const double area : areas_mm2) area_mm2 += area;
     quality.surface = QualityOnSurface(places, tree, models, area_mm2, options);
   }
-  CrackRiskOptions crack_options{.crack_diameter_mm = options.crack_diameter_mm,
-                                 .crack_length_mm = options.crack_length_mm,
-                                 .executor = options.executor};
+  const CrackRiskOptions crack_options{.crack_diameter_mm = options.crack_diameter_mm,
+                                       .crack_length_mm = options.crack_length_mm,
+                                       .executor = options.executor};
   if (options.crack_diameter_mm > 0 && options.crack_length_mm > 0) {
     quality.crack_risk = MeasureCrackRisk(places, tree, crack_options);
   }
   WarnOfSpacing(options, quality);
   WarnOfHoles(quality);
-  WarnOfCracks(options, crack_options, quality);
+  WarnOfCracks(options, quality);
   return quality;
 }
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kRadiusInLengths = 2;
 constexpr double kApartInRadii = 4;
+constexpr double kApartInDiagonals = 0.1;
 constexpr std::size_t kPlacesPerTask = 4096;
 // A ball with so many points is beyond any limit; to count on would take squares.
 constexpr std::uint32_t kMostPlacesCounted = 4096;
@@ -51,6 +52,7 @@ CrackRisk MeasureCrackRisk(const DistinctPlaces& places, const PointTree& tree,
           options.crack_length_mm, options.max_share);
   Require(!places.places_mm.empty(), "there are no points to measure");
   CrackRisk risk;
+  risk.max_share = options.max_share;
   risk.ball_radius_mm = kRadiusInLengths * options.crack_length_mm;
   const double ball_mm3 = SphereVolume(risk.ball_radius_mm);
   const double crack_mm3 = SphereVolume(0.5) * options.crack_diameter_mm *
@@ -75,7 +77,10 @@ CrackRisk MeasureCrackRisk(const DistinctPlaces& places, const PointTree& tree,
   std::stable_sort(risky.begin(), risky.end(), [&](std::uint32_t a, std::uint32_t b) {
     return in_ball[a] > in_ball[b];
   });
-  const double apart_mm = kApartInRadii * risk.ball_radius_mm;
+  Box3 box;
+  for (const Vec3& p : places.places_mm) box.Extend(p);
+  const double apart_mm = std::max(kApartInRadii * risk.ball_radius_mm,
+                                   kApartInDiagonals * box.size_mm().norm());
   for (const std::uint32_t at : risky) {
     if (risk.worst.size() == options.most_places) break;
     const bool apart =

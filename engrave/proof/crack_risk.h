@@ -37,9 +37,11 @@ struct DensePlace {
 
 struct CrackRisk {
   double ball_radius_mm = 0;
+  double max_share = 0;  ///< of the options
   DensePlace densest;
   std::uint64_t risky_count = 0;  ///< points whose ball holds more than max_share
-  /// The worst of them, the worst first, none within four balls' radii of another.
+  /// The worst of them, the worst first, none within four radii of a ball, or a tenth of
+  /// the cloud's diagonal, of another.
   std::vector<DensePlace> worst;
 };
 

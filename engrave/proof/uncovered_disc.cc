@@ -13,9 +13,9 @@
 //   f(x) <= max |p - v| for any point p        (|x - p| is convex)
 // A triangle whose bound does not exceed what has been found somewhere is done with. The
 // others are halved until few points can be the nearest of any of their places: those
-// with |p - c| <= f(c) + 2 R. Then the triangle is cut into the parts that are nearest to
-// each of them (the cells of Voronoi 1908): on such a part f = |x - p| is convex, and so
-// largest at one of its corners. Triangles are worked off in rounds, those with the
+// with |p - c| <= R + the bound. Then the triangle is cut into the parts that are nearest
+// to each of them (the cells of Voronoi 1908): on such a part f = |x - p| is convex, and
+// so largest at one of its corners. Triangles are worked off in rounds, those with the
 // largest bounds first; what a round finds counts from the next one on, so that the
 // result does not depend on who does what when.
 
@@ -23,7 +23,7 @@ namespace intaglio::proof {
 namespace {
 
 constexpr std::size_t kMostGathered = 64;  // worth keeping for the halves
-constexpr std::size_t kMostCells = 20;     // worth cutting into cells
+constexpr std::size_t kMostCells = 12;     // worth cutting into cells
 // A cut adds one corner; rounding that adds another finds room, too.
 constexpr std::size_t kMostPolygon = 2 * kMostCells + 8;
 constexpr std::size_t kFirstRound = 256;
@@ -62,7 +62,7 @@ class Search {
     bound_mm = std::min(bound_mm, middle.nearest_mm + middle.reach_mm);
     if (bound_mm <= best_.radius_mm) return;
     Indices near;
-    const bool few = Gather(middle, known, near);
+    const bool few = Gather(middle, bound_mm, known, near);
     if (few && near.size() <= kMostCells) return CutIntoCells(triangle, middle, near);
     if (middle.reach_mm <= kSmallest * middle.nearest_mm) {
       best_.at_most_mm = std::max(best_.at_most_mm, bound_mm);
@@ -98,10 +98,10 @@ class Search {
   }
 
   // False when they are more than are worth keeping.
-  bool Gather(const Middle& middle, std::span<const std::uint32_t> known,
+  bool Gather(const Middle& middle, double bound_mm, std::span<const std::uint32_t> known,
               Indices& near) const {
     // A little more: rounding must not lose a point that is only just near enough.
-    const double reach_mm = (middle.nearest_mm + 2 * middle.reach_mm) * (1 + 1e-12);
+    const double reach_mm = (bound_mm + middle.reach_mm) * (1 + 1e-12);
     const double square = reach_mm * reach_mm;
     if (known.empty()) {
       tree_.ForEachWithin(middle.at_mm, square, [&](std::uint32_t i, double) {
