@@ -1,7 +1,5 @@
 #include "engrave/discretize/fill.h"
 
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "engrave/core/check.h"
@@ -48,18 +46,6 @@ Result<std::unique_ptr<PointSource>> MakeFill(mesh::TriangleMesh mesh,
   Require(options.vertex_distance_mm > 0, "vertex_distance_mm must be positive, is {}",
           options.vertex_distance_mm);
   return std::make_unique<FillSource>(std::move(mesh), options);
-}
-
-Result<MethodStatistics> FillTriangles(const mesh::TriangleMesh& mesh,
-                                       const FillOptions& options, std::uint32_t source,
-                                       const ProgressSink& progress, PointCloud& cloud) {
-  const auto fill = MakeFill(mesh, options);
-  if (!fill) return tl::unexpected(fill.error());
-  SpacedCloud points;
-  const auto statistics = (*fill)->AddPoints({}, source, progress, points);
-  if (!statistics) return statistics;
-  for (const Vec3& p : points.points_mm) cloud.Add(p, source);
-  return statistics;
 }
 
 }  // namespace intaglio::discretize

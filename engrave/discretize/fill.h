@@ -8,10 +8,8 @@
 
 #include <memory>
 
-#include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 #include "engrave/discretize/point_source.h"
-#include "engrave/discretize/statistics.h"
 #include "engrave/mesh/mesh.h"
 
 namespace intaglio::discretize {
@@ -27,10 +25,5 @@ struct FillOptions {
 /// another by their own spacing.
 Result<std::unique_ptr<PointSource>> MakeFill(mesh::TriangleMesh mesh,
                                               const FillOptions& options);
-
-/// All candidates at once, without their spacing.
-Result<MethodStatistics> FillTriangles(const mesh::TriangleMesh& mesh,
-                                       const FillOptions& options, std::uint32_t source,
-                                       const ProgressSink& progress, PointCloud& cloud);
 
 }  // namespace intaglio::discretize
