@@ -83,7 +83,8 @@ void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view)
            name);
 }
 
-/// A bar of a round length at the right of the heading.
+}  // namespace
+
 void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm) {
   const Palette palette;
   const double length_mm = NiceStep(90.0 / px_per_mm, 1);
@@ -97,8 +98,6 @@ void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm) {
   DrawText(canvas, {left_px - 10, y_px + 4.5}, ShortNumber(length_mm) + " mm",
            {.cap_height_px = 9.0, .color = palette.dim_text, .align = Align::kRight});
 }
-
-}  // namespace
 
 double FittingScale(const Rect& cell, const OrthographicView& view,
                     const Vec3& block_size_mm) {

@@ -30,6 +30,15 @@ struct Palette {
   }
 };
 
+/// The ground of a picture of kViewsWidth x kViewsHeight, its title and its verdict.
+void DrawPage(Canvas& canvas, const ViewsCaption& caption);
+
+/// A large cell on the left of a page, and four small ones on the right.
+struct PageCells {
+  Rect large, top_left, top_right, bottom_left, bottom_right;
+};
+PageCells CellsOfPage();
+
 /// One of the parallel views: the glass axes that go right and up in it.
 struct OrthographicView {
   const char* title;
@@ -55,6 +64,9 @@ void DrawFiguresPanel(Canvas& canvas, const Rect& cell,
 /// The ground of a view and its heading: a name, and words in a dimmer colour.
 void DrawCell(Canvas& canvas, const Rect& cell, const std::string& name,
               const std::string& words);
+
+/// A bar of a round length at the right of a view's heading.
+void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm);
 
 /// A length in mm as short as it can be written: "5", "0.2".
 std::string ShortNumber(double value);

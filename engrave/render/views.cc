@@ -71,6 +71,27 @@ void DrawTitle(Canvas& canvas, const ViewsCaption& caption, double right_px) {
 
 }  // namespace
 
+void DrawPage(Canvas& canvas, const ViewsCaption& caption) {
+  DrawBackground(canvas);
+  DrawTitle(canvas, caption, DrawVerdict(canvas, caption));
+}
+
+PageCells CellsOfPage() {
+  const int height = kViewsHeight - kHeaderPx - kGapPx - kMarginPx;
+  const int top = kHeaderPx + kGapPx;
+  const Rect large{kMarginPx, top, kPerspectiveWidthPx, height};
+  const int left = large.right() + kGapPx;
+  const int cell_width = (kViewsWidth - kMarginPx - left - kGapPx) / 2;
+  const int cell_height = (height - kGapPx) / 2;
+  const int column = left + cell_width + kGapPx;
+  const int row = top + cell_height + kGapPx;
+  return {large,
+          {left, top, cell_width, cell_height},
+          {column, top, cell_width, cell_height},
+          {left, row, cell_width, cell_height},
+          {column, row, cell_width, cell_height}};
+}
+
 void DrawCell(Canvas& canvas, const Rect& cell, const std::string& name,
               const std::string& words) {
   const Palette palette;
@@ -92,22 +113,8 @@ Canvas RenderViews(const PointList& cracks_mm, const Vec3& block_size_mm,
           "a block of {} x {} x {} mm", block_size_mm.x(), block_size_mm.y(),
           block_size_mm.z());
   Canvas canvas(kViewsWidth, kViewsHeight);
-  DrawBackground(canvas);
-  DrawTitle(canvas, caption, DrawVerdict(canvas, caption));
-
-  const int height = kViewsHeight - kHeaderPx - kGapPx - kMarginPx;
-  const int top = kHeaderPx + kGapPx;
-  const Rect perspective{kMarginPx, top, kPerspectiveWidthPx, height};
-  const int left = perspective.right() + kGapPx;
-  const int cell_width = (kViewsWidth - kMarginPx - left - kGapPx) / 2;
-  const int cell_height = (height - kGapPx) / 2;
-  const int column = left + cell_width + kGapPx;
-  const int row = top + cell_height + kGapPx;
-  const Rect front{left, top, cell_width, cell_height};
-  const Rect side{column, top, cell_width, cell_height};
-  const Rect above{left, row, cell_width, cell_height};
-  const Rect figures{column, row, cell_width, cell_height};
-
+  DrawPage(canvas, caption);
+  const auto [perspective, front, side, above, figures] = CellsOfPage();
   const double px_per_mm = std::min({FittingScale(front, kFront, block_size_mm),
                                      FittingScale(side, kRight, block_size_mm),
                                      FittingScale(above, kAbove, block_size_mm)});

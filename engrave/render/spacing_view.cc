@@ -1,0 +1,246 @@
+#include "engrave/render/spacing_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engrave/render/plane.h"
+#include "engrave/render/projection.h"
+#include "engrave/render/text.h"
+
+// The front of the cloud is the least depth at every pixel. Points a little behind it
+// still count as seen, so that a sheet that lies askew has no gaps; their colours are
+// averaged, and shaded by the slope of the front, so that the form can be read.
+
+namespace intaglio::render {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+constexpr int kLeftPx = 54, kRightPx = 22, kTopPx = 50, kBottomPx = 50;
+// Rounding of a lattice of exactly the minimum spacing is no fault.
+constexpr double kTooNear = 1 - 1e-8;
+
+Rect Inner(const Rect& cell) {
+  return {cell.x + kLeftPx, cell.y + kTopPx, cell.width - kLeftPx - kRightPx,
+          cell.height - kTopPx - kBottomPx};
+}
+
+struct Spot {
+  float x_px, y_px, depth_mm;
+  std::uint32_t point;
+};
+
+/// Calls paint(x, y, share) for the pixels of a disc, with the share that it covers.
+template <typename Paint>
+void OverDisc(float x_px, float y_px, float radius_px, const Plane& plane,
+              Paint&& paint) {
+  const int left = std::max(0, static_cast<int>(x_px - radius_px - 0.5F));
+  const int right = std::min(plane.width - 1, static_cast<int>(x_px + radius_px + 0.5F));
+  const int top = std::max(0, static_cast<int>(y_px - radius_px - 0.5F));
+  const int bottom =
+      std::min(plane.height - 1, static_cast<int>(y_px + radius_px + 0.5F));
+  for (int y = top; y <= bottom; ++y) {
+    for (int x = left; x <= right; ++x) {
+      const float away = std::hypot(static_cast<float>(x) + 0.5F - x_px,
+                                    static_cast<float>(y) + 0.5F - y_px);
+      const float share = std::clamp(radius_px + 0.5F - away, 0.0F, 1.0F);
+      if (share > 0) paint(x, y, share);
+    }
+  }
+}
+
+class Picture {
+ public:
+  Picture(const Rect& window, const Projection& projection, double px_per_mm,
+          const SpacingMap& map)
+      : window_(window),
+        map_(map),
+        px_per_mm_(static_cast<float>(px_per_mm)),
+        radius_px_(std::clamp(static_cast<float>(0.45 * map.min_spacing_mm * px_per_mm),
+                              0.7F, 9.0F)),
+        front_(window.width, window.height, kNothing) {
+    spots_.reserve(map.points_mm.size());
+    for (std::uint32_t i = 0; i < map.points_mm.size(); ++i) {
+      const Projected p = projection(map.points_mm[i]);
+      spots_.push_back({static_cast<float>(p.at_px.x()) - static_cast<float>(window.x),
+                        static_cast<float>(p.at_px.y()) - static_cast<float>(window.y),
+                        static_cast<float>(p.depth_mm), i});
+    }
+    FindFront();
+  }
+
+  void Draw(Canvas& canvas) const {
+    DrawSeen(canvas);
+    DrawTooNear(canvas);
+  }
+
+ private:
+  void FindFront() {
+    const float radius_px = std::max(1.6F, 2 * radius_px_);
+    for (const Spot& spot : spots_) {
+      OverDisc(spot.x_px, spot.y_px, radius_px, front_, [&](int x, int y, float) {
+        front_.at(x, y) = std::min(front_.at(x, y), spot.depth_mm);
+      });
+      least_mm_ = std::min(least_mm_, spot.depth_mm);
+      most_mm_ = std::max(most_mm_, spot.depth_mm);
+    }
+  }
+
+  bool IsSeen(const Spot& spot) const {
+    const int x = static_cast<int>(spot.x_px), y = static_cast<int>(spot.y_px);
+    const float behind_mm =
+        std::max(3 * static_cast<float>(map_.min_spacing_mm), 5 / px_per_mm_);
+    return front_.Has(x, y) && spot.depth_mm <= front_.at(x, y) + behind_mm;
+  }
+
+  void DrawSeen(Canvas& canvas) const {
+    struct Sum {
+      Color color;
+      float weight = 0;
+    };
+    std::vector<Sum> sums(front_.values.size());
+    for (const Spot& spot : spots_) {
+      if (!IsSeen(spot)) continue;
+      const Color color = SpacingColor(map_.nearest_mm[spot.point] / map_.min_spacing_mm);
+      OverDisc(spot.x_px, spot.y_px, radius_px_, front_, [&](int x, int y, float share) {
+        Sum& sum = sums[static_cast<std::size_t>(y) * front_.width + x];
+        sum.color = sum.color + share * color;
+        sum.weight += share;
+      });
+    }
+    const Plane light = Shading();
+    for (int y = 0; y < front_.height; ++y) {
+      for (int x = 0; x < front_.width; ++x) {
+        const Sum& sum = sums[static_cast<std::size_t>(y) * front_.width + x];
+        if (sum.weight <= 0) continue;
+        canvas.Blend(window_.x + x, window_.y + y,
+                     light.at(x, y) / sum.weight * sum.color, std::min(1.0F, sum.weight));
+      }
+    }
+  }
+
+  /// Of each pixel, from the slope of the front, and darker towards the back.
+  Plane Shading() const {
+    Plane depth(front_.width, front_.height, 0), there(front_.width, front_.height, 0);
+    for (std::size_t i = 0; i < front_.values.size(); ++i) {
+      if (front_.values[i] == kNothing) continue;
+      depth.values[i] = front_.values[i] - least_mm_;
+      there.values[i] = 1;
+    }
+    depth = Blurred(depth, 2);
+    there = Blurred(there, 2);
+    for (std::size_t i = 0; i < depth.values.size(); ++i) {
+      depth.values[i] /= std::max(there.values[i], 1e-3F);
+    }
+    Plane light(front_.width, front_.height, 0.8F);
+    const float range_mm = std::max(most_mm_ - least_mm_, 1e-3F);
+    const Vec3 sun = Vec3(-0.45, -0.6, 0.66).normalized();  // x right, y down, z to us
+    for (int y = 0; y < front_.height; ++y) {
+      for (int x = 0; x < front_.width; ++x) {
+        const int left = std::max(x - 1, 0), right = std::min(x + 1, front_.width - 1);
+        const int up = std::max(y - 1, 0), down = std::min(y + 1, front_.height - 1);
+        const bool whole = there.at(left, y) > 0.3F && there.at(right, y) > 0.3F &&
+                           there.at(x, up) > 0.3F && there.at(x, down) > 0.3F;
+        const float dx = (depth.at(right, y) - depth.at(left, y)) * px_per_mm_ / 2;
+        const float dy = (depth.at(x, down) - depth.at(x, up)) * px_per_mm_ / 2;
+        const double diffuse =
+            whole ? std::max(0.0, Vec3(dx, dy, 1).normalized().dot(sun)) : 0.6;
+        const float fog = 1 - 0.35F * depth.at(x, y) / range_mm;
+        light.at(x, y) = fog * (0.30F + 0.85F * static_cast<float>(diffuse));
+      }
+    }
+    return light;
+  }
+
+  /// On top of all, faint where something is in front: a fault must not hide.
+  void DrawTooNear(Canvas& canvas) const {
+    const Color color = SpacingColor(0);
+    for (const Spot& spot : spots_) {
+      if (map_.nearest_mm[spot.point] >= kTooNear * map_.min_spacing_mm) continue;
+      const Vec2 at(window_.x + spot.x_px, window_.y + spot.y_px);
+      const float alpha = IsSeen(spot) ? 0.95F : 0.25F;
+      DrawDisc(canvas, at, std::max(1.8F, 1.2F * radius_px_), {color, alpha});
+    }
+  }
+
+  Rect window_;
+  const SpacingMap& map_;
+  float px_per_mm_;
+  float radius_px_;
+  Plane front_;
+  std::vector<Spot> spots_;
+  float least_mm_ = kNothing, most_mm_ = -kNothing;
+};
+
+/// The part of the cell that the cloud takes.
+struct Face {
+  double left_px, right_px, top_px, bottom_px;
+};
+
+void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view,
+                 double px_per_mm, const Box3& box_mm) {
+  const Palette palette;
+  static constexpr const char* kAxes[] = {"x", "y", "z"};
+  const double step_mm = NiceStep(60.0 / px_per_mm, 1);
+  TextStyle style{.cap_height_px = 9.0, .color = palette.dim_text};
+  style.align = Align::kCenter;
+  const double low_x = box_mm.min_mm[view.right_axis],
+               low_y = box_mm.min_mm[view.up_axis];
+  const double high_x = box_mm.max_mm[view.right_axis];
+  const double high_y = box_mm.max_mm[view.up_axis];
+  const double axis_px = face.bottom_px + 8;
+  for (double mm = std::ceil(low_x / step_mm) * step_mm; mm <= high_x; mm += step_mm) {
+    const double x_px = std::floor(face.left_px + (mm - low_x) * px_per_mm) + 0.5;
+    DrawLine(canvas, {x_px, axis_px}, {x_px, axis_px + 4}, 1.0, {palette.dim_text});
+    DrawText(canvas, {x_px, axis_px + 18}, ShortNumber(mm), style);
+  }
+  style.align = Align::kRight;
+  const double side_px = face.left_px - 8;
+  for (double mm = std::ceil(low_y / step_mm) * step_mm; mm <= high_y; mm += step_mm) {
+    const double y_px = std::floor(face.bottom_px - (mm - low_y) * px_per_mm) + 0.5;
+    DrawLine(canvas, {side_px - 4, y_px}, {side_px, y_px}, 1.0, {palette.dim_text});
+    DrawText(canvas, {side_px - 8, y_px + 4.5}, ShortNumber(mm), style);
+  }
+  DrawLine(canvas, {face.left_px, axis_px}, {face.right_px, axis_px}, 1.0,
+           {palette.cell_frame});
+  DrawLine(canvas, {side_px, face.top_px}, {side_px, face.bottom_px}, 1.0,
+           {palette.cell_frame});
+  style.align = Align::kCenter;
+  style.color = palette.text;
+  DrawText(canvas, {0.5 * (face.left_px + face.right_px), axis_px + 35},
+           std::string(kAxes[view.right_axis]) + ", mm", style);
+  style.align = Align::kRight;
+  DrawText(canvas, {side_px + 4, face.top_px - 8},
+           std::string(kAxes[view.up_axis]) + ", mm", style);
+}
+
+}  // namespace
+
+double FittingSpacingScale(const Rect& cell, const OrthographicView& view,
+                           const Box3& box_mm) {
+  const Rect inner = Inner(cell);
+  const Vec3 size_mm = box_mm.size_mm();
+  return std::min(inner.width / size_mm[view.right_axis],
+                  inner.height / size_mm[view.up_axis]);
+}
+
+void DrawSpacingView(Canvas& canvas, const Rect& cell, const OrthographicView& view,
+                     double px_per_mm, const Box3& box_mm, const SpacingMap& map) {
+  DrawCell(canvas, cell, view.title, view.from);
+  DrawScaleBar(canvas, cell, px_per_mm);
+  const Rect inner = Inner(cell);
+  const Vec2 center_px(inner.x + 0.5 * inner.width, inner.y + 0.5 * inner.height);
+  const Vec3 half_px = 0.5 * px_per_mm * box_mm.size_mm();
+  const Face face{
+      center_px.x() - half_px[view.right_axis], center_px.x() + half_px[view.right_axis],
+      center_px.y() - half_px[view.up_axis], center_px.y() + half_px[view.up_axis]};
+  const Projection projection =
+      Projection::Parallel(Vec3::Unit(view.right_axis), Vec3::Unit(view.up_axis),
+                           box_mm.center_mm(), center_px, px_per_mm);
+  Picture(cell.Inset(1), projection, px_per_mm, map).Draw(canvas);
+  DrawNumbers(canvas, face, view, px_per_mm, box_mm);
+}
+
+}  // namespace intaglio::render
