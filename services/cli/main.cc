@@ -5,6 +5,7 @@
 
 #include "services/cli/jobs_command.h"
 #include "services/cli/materials_command.h"
+#include "services/cli/measure_command.h"
 #include "services/cli/offline_command.h"
 #include "services/cli/plan_command.h"
 #include "services/cli/run_command.h"
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
   intaglio::cli::AddUpCommand(app, selected);
   intaglio::cli::AddJobsCommands(app, selected);
   intaglio::cli::AddOfflineCommands(app, selected);
+  intaglio::cli::AddMeasureCommand(app, selected);
   intaglio::cli::AddPathCommands(app, selected);
   intaglio::cli::AddMaterialsCommand(app, selected);
   try {

@@ -1,0 +1,243 @@
+#include "services/cli/measure_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "engrave/discretize/several.h"
+#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/placement.h"
+#include "engrave/proof/cloud_quality.h"
+#include "engrave/render/png_file.h"
+#include "engrave/render/spacing_map.h"
+#include "proto/job_defaults.h"
+#include "proto/model_kind.h"
+#include "proto/options.h"
+#include "services/cli/job_options.h"
+#include "services/cli/offline_steps.h"
+#include "services/cli/progress_bar.h"
+#include "services/cli/quality_figures.h"
+#include "services/cli/run_command.h"
+#include "services/host/worker_threads.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Other commands end with 3 when something is not good; this one is for `if measure ...`.
+constexpr int kExitTooNear = 1;
+// Copies of a model multiply its triangles.
+constexpr std::size_t kMostTriangles = 50'000'000;
+
+struct MeasureOptions {
+  JobFlags job;
+  std::string cloud, picture;
+  std::optional<double> height_ratio;
+  bool json = false, csv = false;
+};
+
+void Append(const mesh::TriangleMesh& one, const Vec3& offset_mm,
+            mesh::TriangleMesh& all) {
+  const auto first = static_cast<std::uint32_t>(all.vertices.size());
+  for (const Vec3& v : one.vertices) all.vertices.push_back(v + offset_mm);
+  for (const auto& [a, b, c] : one.triangles) {
+    all.triangles.push_back({first + a, first + b, first + c});
+  }
+}
+
+Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one) {
+  if (!model.has_copies()) return one;
+  const Eigen::Vector3i count(static_cast<int>(model.copies().count_x()),
+                              static_cast<int>(model.copies().count_y()),
+                              static_cast<int>(model.copies().count_z()));
+  const PointList offsets_mm = discretize::GridOffsets(
+      count, Vec3Of(model.copies().step_mm()), model.placement().centre_in_block());
+  if (offsets_mm.size() * one.triangles.size() > kMostTriangles) {
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("{}: {} copies of {} triangles are more than {} together; "
+                            "measure fewer copies",
+                            model.file(), offsets_mm.size(), one.triangles.size(),
+                            kMostTriangles));
+  }
+  mesh::TriangleMesh all;
+  for (const Vec3& offset_mm : offsets_mm) Append(one, offset_mm, all);
+  return all;
+}
+
+/// The surfaces of the job's models in the block; of those that are no meshes, without
+/// triangles. None when there is no mesh.
+Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const JobSpec& job) {
+  std::vector<mesh::TriangleMesh> surfaces(static_cast<std::size_t>(job.models_size()));
+  bool any = false;
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    const auto kind = KindOf(model);
+    if (!kind) {
+      return Fail(kind.error().code, model.file() + " " + kind.error().message);
+    }
+    if (*kind != ModelKind::kMesh) continue;
+    const auto imported = mesh::ImportMesh(model.file());
+    if (!imported) return tl::unexpected(imported.error());
+    auto placed = mesh::PlaceInBlock(
+        *imported, PlacementOf(model.placement(), job.block()), BlockSizeOf(job));
+    if (!placed) return tl::unexpected(placed.error());
+    auto copied = WithCopies(model, std::move(*placed));
+    if (!copied) return tl::unexpected(copied.error());
+    any = any || !copied->triangles.empty();
+    surfaces[static_cast<std::size_t>(i)] = std::move(*copied);
+  }
+  if (!any) surfaces.clear();
+  return surfaces;
+}
+
+Result<PointCloud> ReadCloud(const std::string& file) {
+  auto table = ReadPoints(file);
+  if (!table) return tl::unexpected(table.error());
+  if (table->points_mm.empty()) {
+    return Fail(ErrorCode::kMissing,
+                file + " has no points; name a file with one point or more");
+  }
+  PointCloud cloud;
+  if (const auto* sources = table->Find<std::uint32_t>("source")) cloud.source = *sources;
+  cloud.points_mm = std::move(table->points_mm);
+  cloud.source.resize(cloud.points_mm.size(), 0);
+  return cloud;
+}
+
+proof::QualityOptions OptionsOf(const MeasureOptions& options, const JobAndMachine& job) {
+  const Discretization& asked = job.job.discretization();
+  proof::QualityOptions quality{
+      .min_spacing_mm = asked.min_spacing_mm(),
+      .height_ratio = options.height_ratio.value_or(asked.height_ratio()),
+      .executor = host::AllCores()};
+  const MachineLens* lens = FindLens(job.machine, job.job.lens().focal_length_mm());
+  if (lens != nullptr) {
+    quality.crack_diameter_mm = lens->crack_diameter_mm();
+    quality.crack_length_mm = lens->crack_length_mm();
+  }
+  return quality;
+}
+
+render::ViewsCaption CaptionOf(const MeasureOptions& options,
+                               const CloudQuality& record) {
+  using render::Tone;
+  const NearestDistanceFigures& nearest = record.nearest();
+  render::ViewsCaption caption;
+  caption.title_lines = {
+      fs::path(options.cloud).filename().string(),
+      fmt::format("{} points; distance to the nearest other point, against the minimum "
+                  "spacing of {:g} mm",
+                  GroupedDigits(record.point_count()), record.min_spacing_mm())};
+  auto& figures = caption.figures;
+  figures = {{"least", fmt::format("{:.4f} mm", nearest.least_mm()),
+              record.keeps_spacing() ? Tone::kGood : Tone::kBad},
+             {"mean", fmt::format("{:.4f} mm", nearest.mean_mm())},
+             {"varies by", fmt::format("{:.1f} %", 100 * nearest.variation_ratio())},
+             {"pairs too near", GroupedDigits(nearest.near_pair_count()),
+              nearest.near_pair_count() == 0 ? Tone::kGood : Tone::kBad}};
+  if (record.has_surface()) {
+    const SurfaceFigures& surface = record.surface();
+    figures.push_back({"largest uncovered disc",
+                       fmt::format("{:.3f} mm", surface.uncovered_radius_mm())});
+    figures.push_back({"greatest distance off surface",
+                       fmt::format("{:.4f} mm", surface.greatest_distance_mm())});
+    figures.push_back({"density", fmt::format("{:.1f} /mm²", surface.points_per_mm2())});
+    figures.push_back(
+        {"density varies by", fmt::format("{:.1f} %", 100 * surface.variation_ratio())});
+  }
+  if (record.has_cracks()) {
+    figures.push_back(
+        {"cracks of the volume, at most",
+         fmt::format("{:.0f} %", 100 * record.cracks().densest().crack_share_ratio()),
+         record.cracks().risky_count() == 0 ? Tone::kGood : Tone::kBad});
+  }
+  caption.verdict = record.keeps_spacing() ? "SPACING KEPT" : "TOO NEAR";
+  caption.verdict_tone = record.keeps_spacing() ? Tone::kGood : Tone::kBad;
+  return caption;
+}
+
+Status DrawPicture(const MeasureOptions& options, const PointList& points_mm,
+                   const proof::CloudQuality& quality, const CloudQuality& record) {
+  return render::WritePng(
+      options.picture,
+      render::RenderSpacingMap(
+          {points_mm, quality.nearest.distance_mm, record.min_spacing_mm(),
+           quality.histogram.bin_mm, quality.histogram.counts},
+          CaptionOf(options, record)));
+}
+
+int Measure(const MeasureOptions& options) {
+  const auto cloud = ReadCloud(options.cloud);
+  if (!cloud) return Complain(cloud.error(), kExitWrongInput);
+  const auto job = BuildJobOfPoints(options.job, cloud->points_mm);
+  if (!job) return Complain(job.error(), kExitWrongInput);
+  auto surfaces = SurfacesOf(job->job);
+  if (!surfaces) return Complain(surfaces.error(), kExitWrongInput);
+  const proof::QualityOptions quality_options = OptionsOf(options, *job);
+  const auto quality = proof::MeasureCloud(*cloud, *surfaces, quality_options);
+  if (!quality) return Complain(quality.error(), kExitWrongInput);
+  surfaces->clear();
+  const CloudQuality record = RecordOf(*quality, quality_options);
+  if (!options.picture.empty()) {
+    const auto drawn = DrawPicture(options, cloud->points_mm, *quality, record);
+    if (!drawn) return Complain(drawn.error(), kExitWrongInput);
+  }
+  std::cout << (options.json  ? JsonOf(record)
+                : options.csv ? CsvOf(record)
+                              : FiguresOf(record))
+            << (options.csv && !options.json ? "" : "\n");
+  return record.keeps_spacing() ? kExitGood : kExitTooNear;
+}
+
+/// Those of a job that place its models and name its lens.
+void AddPlacementFlags(CLI::App& measure, JobFlags& job) {
+  measure.add_option("--job", job.job_file,
+                     "job file: its models, spacing and lens; options win");
+  measure.add_option("--mesh", job.meshes, "model file that the cloud was made from");
+  measure.add_option("--height", job.height_mm, "scale it to this height, mm");
+  measure.add_option("--size", job.size_mm, "scale its largest extent to this, mm")
+      ->excludes("--height");
+  measure.add_option("--unit", job.unit_mm, "mm that a file unit is long");
+  measure.add_option("--rotate", job.rotate_deg, "turn it about x, y, z, degrees")
+      ->expected(3);
+  measure.add_option("--block", job.block_mm, "block size x y z, mm")->expected(3);
+  measure.add_option("--margin", job.margin_mm, "glass left free at each wall, mm");
+  measure.add_option("--spacing", job.spacing_mm,
+                     "no two points should be nearer than this, mm, default 0.1");
+  measure.add_option("--machine", job.machine,
+                     "machine profile: els-03 (default), or a file");
+  measure.add_option("--focal", job.focal_mm,
+                     "focal length of the lens, mm: its cracks decide what breaks");
+}
+
+}  // namespace
+
+void AddMeasureCommand(CLI::App& app, std::function<int()>& selected) {
+  auto options = std::make_shared<MeasureOptions>();
+  CLI::App* measure =
+      app.add_subcommand("measure", "what a cloud is worth: even, complete, sound");
+  measure->add_option("CLOUD", options->cloud, "points, in any format that is read")
+      ->required();
+  AddPlacementFlags(*measure, options->job);
+  measure
+      ->add_option("--height-ratio", options->height_ratio,
+                   "heights count by this part only, 1..10, default the job's, or 1")
+      ->check(CLI::Range(1.0, 10.0));
+  measure->add_flag("--json", options->json, "the figures for programs");
+  measure->add_flag("--csv", options->csv, "the figures for spreadsheets")
+      ->excludes("--json");
+  measure->add_option("--picture", options->picture,
+                      "map of the nearest distances, picture.png");
+  measure->footer(
+      "Example: intaglio measure cloud.ply --mesh bunny.obj --rotate 90 0 0 --height 40 "
+      "--spacing 0.1 --picture map.png\n"
+      "Exit code: 0 the minimum spacing is kept, 1 it is not, 2 wrong input.");
+  measure->callback(
+      [&selected, options] { selected = [options] { return Measure(*options); }; });
+}
+
+}  // namespace intaglio::cli
