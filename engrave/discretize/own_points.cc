@@ -29,8 +29,8 @@ std::uint64_t Mixed(std::uint64_t x) {  // the last step of splitmix64
 
 OnePerCube::OnePerCube(double side_mm) : side_mm_(side_mm), slots_(kFirstSlots, 0) {}
 
-std::array<std::int64_t, 3> OnePerCube::CubeOf(const Vec3& p_mm) const {
-  std::array<std::int64_t, 3> cube;
+OnePerCube::Cube OnePerCube::CubeOf(const Vec3& p_mm) const {
+  Cube cube;
   for (int axis = 0; axis < 3; ++axis) {
     cube[axis] = static_cast<std::int64_t>(std::floor(p_mm[axis] / side_mm_));
   }
@@ -44,21 +44,22 @@ HeightRange OnePerCube::WholeCubes(const HeightRange& range) const {
           (std::ceil(range.high_mm / side_mm_) + 1) * side_mm_};
 }
 
-std::size_t OnePerCube::SlotOf(const Point& point) const {
-  const auto cube = CubeOf(point.p_mm);
+std::size_t OnePerCube::SlotOf(const Cube& cube) const {
   std::uint64_t hash = 0;
   for (const std::int64_t n : cube) hash = Mixed(hash + static_cast<std::uint64_t>(n));
   std::size_t slot = hash & (slots_.size() - 1);
-  while (slots_[slot] != 0 && CubeOf(points_[slots_[slot] - 1].p_mm) != cube) {
+  while (slots_[slot] != 0 && cubes_[slots_[slot] - 1] != cube) {
     slot = (slot + 1) & (slots_.size() - 1);
   }
   return slot;
 }
 
 void OnePerCube::Add(const Point& point) {
-  const std::size_t slot = SlotOf(point);
+  const Cube cube = CubeOf(point.p_mm);
+  const std::size_t slot = SlotOf(cube);
   if (slots_[slot] == 0) {
     points_.push_back(point);
+    cubes_.push_back(cube);
     slots_[slot] = static_cast<std::uint32_t>(points_.size());
     if (2 * points_.size() > slots_.size()) Grow();
   } else if (Point& there = points_[slots_[slot] - 1]; IsBetter(point, there)) {
@@ -68,17 +69,24 @@ void OnePerCube::Add(const Point& point) {
 
 void OnePerCube::Grow() {
   slots_.assign(2 * slots_.size(), 0);
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    slots_[SlotOf(points_[i])] = static_cast<std::uint32_t>(i + 1);
+  for (std::size_t i = 0; i < cubes_.size(); ++i) {
+    slots_[SlotOf(cubes_[i])] = static_cast<std::uint32_t>(i + 1);
   }
 }
 
-void AddOwnPoints(const Corners& corners, bool edges, double step_mm,
-                  const HeightRange& range, std::uint32_t triangle, OnePerCube& points) {
+void AddCorners(const Corners& corners, const std::array<bool, 3>& which,
+                const HeightRange& range, std::uint32_t triangle, OnePerCube& points) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (which[i] && range.Contains(corners[i].z())) {
+      points.Add({corners[i], triangle, false});
+    }
+  }
+}
+
+void AddEdges(const Corners& corners, double step_mm, const HeightRange& range,
+              std::uint32_t triangle, OnePerCube& points) {
   for (std::size_t side = 0; side < 3; ++side) {
     Vec3 a = corners[side], b = corners[(side + 1) % 3];
-    if (range.Contains(a.z())) points.Add({a, triangle, false});
-    if (!edges) continue;
     if (IsLower(b, a)) std::swap(a, b);
     const double parts = std::ceil((b - a).norm() / step_mm);
     // Part i lies at a + (b - a) i / parts; those in the range, and one more on each

@@ -27,19 +27,25 @@ class OnePerCube {
   HeightRange WholeCubes(const HeightRange& range) const;
 
  private:
-  std::size_t SlotOf(const Point& point) const;
+  using Cube = std::array<std::int64_t, 3>;
+  Cube CubeOf(const Vec3& p_mm) const;
+  std::size_t SlotOf(const Cube& cube) const;
   void Grow();
-  std::array<std::int64_t, 3> CubeOf(const Vec3& p_mm) const;
 
   double side_mm_;
   std::vector<Point> points_;
+  std::vector<Cube> cubes_;  // of each point
   // By open addressing: place in points_, + 1; 0 is free. The size is a power of two.
   std::vector<std::uint32_t> slots_;
 };
 
-/// Adds the triangle's corners, and along the edges if `edges` points at equal parts of
-/// at most step_mm, the same for each triangle of an edge.
-void AddOwnPoints(const Corners& corners, bool edges, double step_mm,
-                  const HeightRange& range, std::uint32_t triangle, OnePerCube& points);
+/// Adds the corners that lie in the range.
+void AddCorners(const Corners& corners, const std::array<bool, 3>& which,
+                const HeightRange& range, std::uint32_t triangle, OnePerCube& points);
+
+/// Adds points along the edges at equal parts of at most step_mm, the same for each
+/// triangle of an edge.
+void AddEdges(const Corners& corners, double step_mm, const HeightRange& range,
+              std::uint32_t triangle, OnePerCube& points);
 
 }  // namespace intaglio::discretize

@@ -24,7 +24,7 @@ constexpr std::uint64_t kTrianglesPerReport = 8192;
 // the triangle lies within a hair of its edges, where its neighbours are.
 constexpr double kLeastAreaRatio = 1e-10;
 // Narrow: height by longest edge, and height in steps.
-constexpr double kNarrowRatio = 0.3, kNarrowSteps = 2;
+constexpr double kNarrowRatio = 0.25, kNarrowSteps = 1;
 // Layers of the index of heights, at most.
 constexpr double kMostLayers = 1 << 20;
 
@@ -70,6 +70,19 @@ SurfaceGrid::SurfaceGrid(const mesh::TriangleMesh& mesh,
     intervals.push_back(HeightsOf(low, high));
   }
   by_height_ = IntervalIndex(intervals);
+  if (options.own_points) FindFirstCorners();
+}
+
+void SurfaceGrid::FindFirstCorners() {
+  std::vector<bool> seen(mesh_.vertices.size(), false);
+  first_corners_.assign(mesh_.triangles.size(), 0);
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    for (unsigned i = 0; i < 3; ++i) {
+      const std::uint32_t vertex = mesh_.triangles[t][i];
+      if (!seen[vertex]) first_corners_[t] |= static_cast<std::uint8_t>(1U << i);
+      seen[vertex] = true;
+    }
+  }
 }
 
 Interval SurfaceGrid::HeightsOf(double low_mm, double high_mm) const {
@@ -89,6 +102,7 @@ class SurfaceGrid::Walk {
         options_(grid.options_),
         range_(range),
         visit_(visit),
+        first_corners_(grid.first_corners_),
         own_(grid.options_.step_mm),
         wider_(own_.WholeCubes(range)) {}
 
@@ -111,7 +125,10 @@ class SurfaceGrid::Walk {
     if (options_.own_points) {
       const bool narrow = doubled_area / longest_mm <
                           std::max(kNarrowSteps * step_mm, kNarrowRatio * longest_mm);
-      AddOwnPoints(c, narrow || options_.all_edges, step_mm, wider_, triangle, own_);
+      const unsigned first = first_corners_[triangle];
+      AddCorners(c, {(first & 1) != 0, (first & 2) != 0, (first & 4) != 0}, wider_,
+                 triangle, own_);
+      if (narrow || options_.all_edges) AddEdges(c, step_mm, wider_, triangle, own_);
     }
     if (flat) return {};
     ForEachNode(c, normal, FrameFor(normal), step_mm, range_,
@@ -145,6 +162,7 @@ class SurfaceGrid::Walk {
   const SurfaceGridOptions& options_;
   HeightRange range_;
   const Visitor& visit_;
+  const std::vector<std::uint8_t>& first_corners_;
   OnePerCube own_;
   HeightRange wider_;
   MethodStatistics statistics_;

@@ -57,6 +57,7 @@ class SurfaceGrid {
 
  private:
   class Walk;
+  void FindFirstCorners();
   Interval HeightsOf(double low_mm, double high_mm) const;
 
   const mesh::TriangleMesh& mesh_;
@@ -64,6 +65,8 @@ class SurfaceGrid {
   Box3 bounds_;
   double heights_per_mm_ = 1;
   IntervalIndex by_height_;
+  // Of each triangle, a bit for each corner that no earlier triangle has.
+  std::vector<std::uint8_t> first_corners_;
 };
 
 }  // namespace intaglio::discretize
