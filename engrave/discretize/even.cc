@@ -9,11 +9,11 @@
 #include "engrave/discretize/shells.h"
 #include "engrave/discretize/surface_grid.h"
 
-// The weld's front keeps a point as low as it can go, touching those below it. The finer
-// the candidates, the nearer to its neighbours: with a fifth of the distance between them
-// nearest distances vary by 2.3 % (coefficient of variation) on the bunny, with a quarter
-// by 3.6 %, with a half by 6; and the largest disc without a point has a radius of 1.08,
-// 1.12 and 1.3 distances.
+// The weld's front keeps a point as low as it can go, touching those below it. Measured
+// on the bunny, 20 mm high at 0.1 mm, by candidates a distance: nearest distances vary by
+// (coefficient of variation), and the largest disc without a point has a radius of
+//   5 candidates: 2.3 %, 1.09 distances      4: 3.6 %, 1.12      2: 2.7 %, 1.14
+// so it is the disc that the finer lattice is for.
 //
 // Where the points may be sparser, candidates may be, too: those of the coarser lattice
 // whose step is as small beside the spacing there.
