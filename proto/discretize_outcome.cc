@@ -17,6 +17,7 @@ MethodCounts CountsOf(const discretize::MethodStatistics& statistics) {
   counts.set_rejected_triangle_count(statistics.rejected_triangle_count);
   counts.set_ray_count(statistics.ray_count);
   counts.set_odd_ray_count(statistics.odd_ray_count);
+  counts.set_shallow_count(statistics.shallow_count);
   return counts;
 }
 
@@ -32,6 +33,7 @@ discretize::MethodStatistics StatisticsOf(const MethodCounts& counts) {
   statistics.rejected_triangle_count = counts.rejected_triangle_count();
   statistics.ray_count = counts.ray_count();
   statistics.odd_ray_count = counts.odd_ray_count();
+  statistics.shallow_count = counts.shallow_count();
   return statistics;
 }
 

@@ -37,9 +37,10 @@ constexpr std::array kRanges = {
     FieldRange{"Copies", "count_z", 1, 1000},
     FieldRange{"Copies", "step_mm", 0, 1000},
     FieldRange{"Text", "height_mm", 0.1, 500},
-    FieldRange{"Text", "line_ratio", 0.5, 10},
+    FieldRange{"Text", "line_ratio", 0.5, 5},
     FieldRange{"EvenMethod", "distance_mm", 0.01, 100},
     FieldRange{"EvenMethod", "shell_depths_mm", 0, 500},
+    FieldRange{"EvenMethod", "curvature_radius_mm", 0.01, 1000},
     FieldRange{"EvenMethod", "light", -1000, 1000},
     FieldRange{"EvenMethod", "sparse_distance_mm", 0.01, 100},
     FieldRange{"SolidMethod", "distance_mm", 0.01, 100},
@@ -50,7 +51,7 @@ constexpr std::array kRanges = {
     FieldRange{"HalftoneMethod", "distance_mm", 0.01, 100},
     FieldRange{"HalftoneMethod", "threshold_ratio", 0, 1},
     FieldRange{"HalftoneMethod", "brightness", -1, 1},
-    FieldRange{"HalftoneMethod", "contrast", -1, 1},
+    FieldRange{"HalftoneMethod", "contrast_ratio", 0, 10},
     FieldRange{"HalftoneMethod", "gamma", 0.1, 10},
     FieldRange{"HalftoneMethod", "layer_count", 1, 10},
     FieldRange{"HalftoneMethod", "layer_distance_mm", 0.01, 50},
@@ -121,11 +122,6 @@ double NumberOf(const pb::Message& message, const pb::FieldDescriptor& field, in
   if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32) {
     return repeated ? reflection.GetRepeatedUInt32(message, &field, index)
                     : reflection.GetUInt32(message, &field);
-  }
-  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT64) {
-    return static_cast<double>(repeated
-                                   ? reflection.GetRepeatedUInt64(message, &field, index)
-                                   : reflection.GetUInt64(message, &field));
   }
   return repeated ? reflection.GetRepeatedDouble(message, &field, index)
                   : reflection.GetDouble(message, &field);

@@ -31,6 +31,18 @@ std::string NameOf(const Model& model) {
                           : std::filesystem::path(model.file()).filename().string();
 }
 
+/// A picture has no size of its own, and a cloud has its place already.
+void PlaceByKind(const Model& model, Placement& placement) {
+  const auto kind = KindOf(model);
+  if (kind == ModelKind::kImage && !placement.has_unit_mm() &&
+      placement.fit_case() == Placement::FIT_NOT_SET) {
+    placement.set_fit_block(true);
+  }
+  if (kind == ModelKind::kCloud && !placement.has_centre_in_block()) {
+    placement.set_centre_in_block(false);
+  }
+}
+
 void FillPlacement(Placement& placement) {
   if (!placement.has_unit_mm()) placement.set_unit_mm(1);
   if (!placement.has_scale_ratio())
@@ -85,10 +97,10 @@ void Fill(HalftoneMethod& halftone, double spacing_mm) {
   if (!halftone.has_distance_mm()) halftone.set_distance_mm(spacing_mm);
   if (!halftone.has_threshold_ratio()) halftone.set_threshold_ratio(0.5);
   if (!halftone.has_brightness()) halftone.set_brightness(0);
-  if (!halftone.has_contrast()) halftone.set_contrast(0);
+  if (!halftone.has_contrast_ratio()) halftone.set_contrast_ratio(1);
   if (!halftone.has_gamma()) halftone.set_gamma(1);
   if (!halftone.has_layer_count()) halftone.set_layer_count(1);
-  if (!halftone.has_layer_distance_mm()) halftone.set_layer_distance_mm(2 * spacing_mm);
+  if (!halftone.has_layer_distance_mm()) halftone.set_layer_distance_mm(2 * halftone.distance_mm());
 }
 
 void Fill(ReliefMethod& relief, double spacing_mm) {
@@ -167,11 +179,12 @@ void FillMethodOf(Model& model, double spacing_mm) {
 }
 
 void FillModel(Model& model, const Discretization& discretization) {
+  PlaceByKind(model, *model.mutable_placement());
   FillPlacement(*model.mutable_placement());
   if (model.has_text()) {
     Text& text = *model.mutable_text();
     if (!text.has_height_mm()) text.set_height_mm(kDefaultTextMm);
-    if (!text.has_line_ratio()) text.set_line_ratio(1.6);
+    if (!text.has_line_ratio()) text.set_line_ratio(1);
   }
   if (model.has_copies()) {
     Copies& copies = *model.mutable_copies();

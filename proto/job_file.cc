@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "engrave/drawing/font_outline.h"
 #include "engrave/formats/atomic_file.h"
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
@@ -126,6 +127,17 @@ void MakeAbsolute(std::string& file, const fs::path& folder) {
   if (!file.empty()) file = (folder / file).lexically_normal().string();
 }
 
+/// Families become the files that this machine has for them; what is not found stays, and
+/// the check says so.
+void NameFontFiles(JobSpec& job) {
+  for (Model& model : *job.mutable_models()) {
+    if (!model.has_text() || model.text().font().empty()) continue;
+    std::string& font = *model.mutable_text()->mutable_font();
+    if (fs::path(font).has_extension()) continue;
+    if (auto file = drawing::FindFontFile(font)) font = std::move(*file);
+  }
+}
+
 }  // namespace
 
 Result<JobSpec> ParseJob(std::string_view text, JobFileFormat format,
@@ -150,6 +162,7 @@ Result<JobSpec> ReadJobFile(const fs::path& path) {
   JobSpec job;
   if (auto read = ReadMessage(path, job); !read) return tl::unexpected(read.error());
   const fs::path folder = fs::absolute(path).parent_path();
+  NameFontFiles(job);
   ForEachFile(job,
               [&](std::string& file, const std::string&) { MakeAbsolute(file, folder); });
   MakeAbsolute(*job.mutable_machine_file(), folder);

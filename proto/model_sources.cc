@@ -17,6 +17,7 @@
 #include "engrave/mesh/mesh_diagnosis.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
+#include "proto/flat_models.h"
 #include "proto/model_kind.h"
 #include "proto/options.h"
 
@@ -56,6 +57,9 @@ class Files {
   std::size_t next_ = 0;
 };
 
+/// Stands for the number of a copy in a text.
+constexpr std::string_view kNumber = "{n}";
+
 std::string ExtensionOf(const std::string& file) {
   return std::filesystem::path(file).extension().string();
 }
@@ -78,7 +82,8 @@ bool HoldsPointsOnly(const Model& model, const FileBytes& file) {
 class Maker {
  public:
   Maker(const JobSpec& job, std::vector<FileBytes> files, JobSources& made)
-      : block_(job.block()),
+      : job_(job),
+        block_(job.block()),
         block_size_mm_(BlockSizeOf(job)),
         files_(std::move(files)),
         made_(made) {}
@@ -100,9 +105,42 @@ class Maker {
         return HoldsPointsOnly(model, file) ? OfCloud(model, file) : OfMesh(model, file);
       case ModelKind::kCloud:
         return OfCloud(model, file);
-      default:
-        return Fail(ErrorCode::kUnsupported, "not yet");
+      case ModelKind::kDrawing:
+        return MakeDrawing(job_, model, TextOf(file), made_.warnings);
+      case ModelKind::kImage:
+        return OfPicture(model, file);
+      case ModelKind::kText:
+        return OfText(model, file);
     }
+    throw PreconditionError("a model of no kind");
+  }
+
+  Result<Source> OfPicture(const Model& model, const FileBytes& file) {
+    if (model.relief().photo().empty()) {
+      return MakePicture(job_, model, TextOf(file), {});
+    }
+    const FileBytes photo = files_.Take();
+    return MakePicture(job_, model, TextOf(file), TextOf(photo));
+  }
+
+  /// Copies of a numbered text are texts of their own.
+  Result<Source> OfText(const Model& model, const FileBytes& font) {
+    const std::string& text = model.text().text();
+    if (text.find(kNumber) == std::string::npos) {
+      return MakeText(job_, model, text, TextOf(font));
+    }
+    std::vector<Source> pieces;
+    for (const Vec3& offset_mm : OffsetsOf(model)) {
+      std::string numbered = text;
+      for (auto at = numbered.find(kNumber); at != std::string::npos;
+           at = numbered.find(kNumber, at)) {
+        numbered.replace(at, kNumber.size(), std::to_string(pieces.size() + 1));
+      }
+      auto piece = MakeText(job_, model, numbered, TextOf(font));
+      if (!piece) return piece;
+      pieces.push_back(discretize::MakeShifted(std::move(*piece), offset_mm));
+    }
+    return discretize::MakeSeveral(std::move(pieces));
   }
 
   Result<Source> OfMesh(const Model& model, const FileBytes& file) {
@@ -113,7 +151,17 @@ class Maker {
                                      block_size_mm_);
     if (!placed) return tl::unexpected(placed.error());
     Diagnose(model, *placed);
-    return discretize::MakeSource(std::move(*placed), MeshMethodOf(model));
+    discretize::MeshMethod method = MeshMethodOf(job_, model, *placed);
+    if (model.even().has_image()) {
+      const FileBytes image = files_.Take();
+      auto density = DensityOfPicture(TextOf(image), placed->Bounds());
+      if (!density) {
+        return Fail(density.error().code,
+                    model.even().image() + ": " + density.error().message);
+      }
+      std::get<discretize::EvenOptions>(method).density = std::move(*density);
+    }
+    return discretize::MakeSource(std::move(*placed), method);
   }
 
   void Diagnose(const Model& model, const mesh::TriangleMesh& placed) {
@@ -145,22 +193,28 @@ class Maker {
                                   block_size_mm_);
   }
 
-  static Result<Source> WithCopies(const Model& model, Source source) {
-    if (!model.has_copies()) return source;
+  static PointList OffsetsOf(const Model& model) {
+    if (!model.has_copies()) return {Vec3::Zero()};
     const Copies& copies = model.copies();
     const Eigen::Vector3i count(static_cast<int>(copies.count_x()),
                                 static_cast<int>(copies.count_y()),
                                 static_cast<int>(copies.count_z()));
-    const PointList offsets_mm = discretize::GridOffsets(
-        count, Vec3Of(copies.step_mm()), model.placement().centre_in_block());
+    return discretize::GridOffsets(count, Vec3Of(copies.step_mm()),
+                                   model.placement().centre_in_block());
+  }
+
+  static Source WithCopies(const Model& model, Source source) {
+    const bool numbered = model.text().text().find(kNumber) != std::string::npos;
+    if (!model.has_copies() || numbered) return source;
     const std::shared_ptr<const discretize::PointSource> one = std::move(source);
     std::vector<Source> all;
-    for (const Vec3& offset_mm : offsets_mm) {
+    for (const Vec3& offset_mm : OffsetsOf(model)) {
       all.push_back(discretize::MakeShifted(one, offset_mm));
     }
     return discretize::MakeSeveral(std::move(all));
   }
 
+  const JobSpec& job_;
   const Block& block_;
   Vec3 block_size_mm_;
   Files files_;

@@ -103,7 +103,34 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
   return result;
 }
 
-discretize::MeshMethod MeshMethodOf(const Model& model) {
+namespace {
+
+discretize::EvenOptions EvenOptionsOf(const EvenMethod& asked,
+                                      const mesh::TriangleMesh& placed) {
+  discretize::EvenOptions options;
+  options.distance_mm = asked.distance_mm();
+  options.sparse_distance_mm = asked.sparse_distance_mm();
+  options.surface = false;
+  for (const double depth_mm : asked.shell_depths_mm()) {
+    if (depth_mm == 0) {
+      options.surface = true;
+    } else {
+      options.depths_mm.push_back(depth_mm);
+    }
+  }
+  if (asked.has_curvature_radius_mm()) {
+    options.density =
+        discretize::DensityByCurvature(placed, 1 / asked.curvature_radius_mm());
+  } else if (asked.has_light()) {
+    options.density = discretize::DensityByLight(placed, Vec3Of(asked.light()));
+  }
+  return options;
+}
+
+}  // namespace
+
+discretize::MeshMethod MeshMethodOf(const JobSpec& job, const Model& model,
+                                    const mesh::TriangleMesh& placed) {
   switch (model.method_case()) {
     case Model::kSections:
       return SectionOptionsOf(model.sections(), model.placement());
@@ -115,6 +142,11 @@ discretize::MeshMethod MeshMethodOf(const Model& model) {
           model.rays().distance_mm(),
           DirectionOf(model.rays().axis(), model.rays().rotate_deg()),
           model.rays().interior_only()};
+    case Model::kEven:
+      return EvenOptionsOf(model.even(), placed);
+    case Model::kSolid:
+      return discretize::SolidOptions{model.solid().distance_mm(),
+                                      job.discretization().height_ratio()};
     default:
       throw PreconditionError("a mesh has no method: the defaults are not filled in");
   }

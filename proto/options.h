@@ -31,8 +31,10 @@ Box3 PermittedBoxOf(const JobSpec& job);
 /// The way of a model into the job's block.
 mesh::Placement PlacementOf(const Placement& placement, const Block& block);
 
-/// How a mesh of a job becomes points.
-discretize::MeshMethod MeshMethodOf(const Model& model);
+/// How a placed mesh (glass frame) of a job becomes points. Density by an image is not in
+/// it: that takes the image (model_sources.h).
+discretize::MeshMethod MeshMethodOf(const JobSpec& job, const Model& model,
+                                    const mesh::TriangleMesh& placed);
 
 /// The beam above a point, and what the cracks of the job's lens take of it.
 sort::BeamCone BeamConeOf(const FrozenJob& job);

@@ -4,8 +4,6 @@
 
 #include <utility>
 
-#include "engrave/discretize/fixed_points.h"
-
 namespace intaglio::discretize {
 namespace {
 
@@ -15,17 +13,20 @@ Made Make(mesh::TriangleMesh mesh, const SectionOptions& options) {
   return MakeSections(std::move(mesh), options);
 }
 
-Made Make(const mesh::TriangleMesh& mesh, const FillOptions& options) {
-  PointCloud points;
-  const auto statistics = FillTriangles(mesh, options, 0, {}, points);
-  if (!statistics) return tl::unexpected(statistics.error());
-  SpacedCloud cloud;
-  for (const Vec3& p : points.points_mm) cloud.Add(p, 0);
-  return MakeFixedPoints(std::move(cloud), *statistics);
+Made Make(mesh::TriangleMesh mesh, const FillOptions& options) {
+  return MakeFill(std::move(mesh), options);
 }
 
 Made Make(mesh::TriangleMesh mesh, const RayOptions& options) {
   return MakeRays(std::move(mesh), options);
+}
+
+Made Make(mesh::TriangleMesh mesh, const EvenOptions& options) {
+  return MakeEven(std::move(mesh), options);
+}
+
+Made Make(const mesh::TriangleMesh& mesh, const SolidOptions& options) {
+  return MakeSolid(mesh, options);
 }
 
 }  // namespace
@@ -50,6 +51,14 @@ std::vector<std::string> WarningsOf(const MethodStatistics& statistics,
     warnings.push_back(fmt::format(
         "{} of {} rays cross the surface an odd number of times: the model is not closed",
         statistics.odd_ray_count, statistics.ray_count));
+  }
+  if (statistics.shallow_count > 0) {
+    warnings.push_back(fmt::format(
+        "{:.0f} % of the places for points lie where the model is too thin for its "
+        "shells, "
+        "and were left out: take smaller depths (shell_depths_mm)",
+        100 * static_cast<double>(statistics.shallow_count) /
+            static_cast<double>(statistics.shallow_count + statistics.point_count)));
   }
   if (statistics.rejected_triangle_count > 0) {
     warnings.push_back(fmt::format("{} triangles have no area and were left out",

@@ -9,16 +9,18 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/discretize/even.h"
 #include "engrave/discretize/fill.h"
 #include "engrave/discretize/point_source.h"
 #include "engrave/discretize/rays.h"
 #include "engrave/discretize/sections.h"
+#include "engrave/discretize/solid.h"
 #include "engrave/discretize/statistics.h"
 #include "engrave/mesh/mesh.h"
 
 namespace intaglio::discretize {
 
-using MeshMethod = std::variant<SectionOptions, FillOptions, RayOptions>;
+using MeshMethod = std::variant<SectionOptions, FillOptions, RayOptions, EvenOptions, SolidOptions>;
 
 /// The mesh in the glass frame, mm. Errors are those of the methods.
 Result<std::unique_ptr<PointSource>> MakeSource(mesh::TriangleMesh mesh,

@@ -11,8 +11,10 @@
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/job_file.h"
+#include "proto/model_kind.h"
 #include "proto/model_sources.h"
 #include "proto/options.h"
+#include "proto/series.h"
 #include "services/cli/child_process.h"
 
 namespace intaglio::cli {
@@ -32,32 +34,55 @@ void Set(Vector3* to, const std::vector<double>& from) {
   to->set_z(from[2]);
 }
 
-Status SetMethod(const JobFlags& flags, Discretization& d) {
-  const std::string method = flags.method.value_or("");
-  if (method == "sections") d.mutable_sections();
-  if (method == "fill") d.mutable_fill();
-  if (method == "rays") d.mutable_rays();
-  if (!method.empty() && method != "sections" && method != "fill" && method != "rays") {
+/// The method of the meshes, by its name.
+Status ChooseMethod(const std::string& method, Discretization& d) {
+  const auto* field = Discretization::descriptor()->FindFieldByName(method);
+  if (field == nullptr || field->real_containing_oneof() == nullptr) {
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("--method '{}': there are sections, fill and rays", method),
+                fmt::format("--method '{}': there are sections, fill, rays, even and "
+                            "solid",
+                            method),
                 method);
+  }
+  d.GetReflection()->MutableMessage(&d, field);
+  return {};
+}
+
+/// --vertex: along a contour, a row, a grid or all over.
+void SetDistance(double distance_mm, JobSpec& job) {
+  Discretization& d = *job.mutable_discretization();
+  if (d.has_sections()) d.mutable_sections()->set_vertex_distance_mm(distance_mm);
+  if (d.has_fill()) d.mutable_fill()->set_vertex_distance_mm(distance_mm);
+  if (d.has_rays()) d.mutable_rays()->set_distance_mm(distance_mm);
+  if (d.has_even()) d.mutable_even()->set_distance_mm(distance_mm);
+  if (d.has_solid()) d.mutable_solid()->set_distance_mm(distance_mm);
+  for (Model& model : *job.mutable_models()) {
+    const auto kind = KindOf(model);
+    if (model.has_relief()) {
+      model.mutable_relief()->set_distance_mm(distance_mm);
+    } else if (kind == ModelKind::kImage) {
+      model.mutable_halftone()->set_distance_mm(distance_mm);
+    } else if (kind == ModelKind::kDrawing || kind == ModelKind::kText) {
+      model.mutable_curves()->set_distance_mm(distance_mm);
+    }
+  }
+}
+
+Status SetMethod(const JobFlags& flags, JobSpec& job) {
+  Discretization& d = *job.mutable_discretization();
+  if (flags.method) {
+    if (auto chosen = ChooseMethod(*flags.method, d); !chosen) return chosen;
   }
   if (d.method_case() == Discretization::METHOD_NOT_SET) d.mutable_sections();
   if (flags.layer_mm && !d.has_sections()) {
     return Fail(ErrorCode::kInvalidValue,
                 fmt::format("--layer is a distance of the method sections, the method is "
                             "{}: leave one of them out",
-                            d.has_fill() ? "fill" : "rays"));
+                            flags.method.value_or("another")));
   }
   if (flags.spacing_mm) d.set_min_spacing_mm(*flags.spacing_mm);
-  if (d.has_sections()) {
-    if (flags.layer_mm) d.mutable_sections()->set_layer_distance_mm(*flags.layer_mm);
-    if (flags.vertex_mm) d.mutable_sections()->set_vertex_distance_mm(*flags.vertex_mm);
-  } else if (d.has_fill() && flags.vertex_mm) {
-    d.mutable_fill()->set_vertex_distance_mm(*flags.vertex_mm);
-  } else if (d.has_rays() && flags.vertex_mm) {
-    d.mutable_rays()->set_distance_mm(*flags.vertex_mm);
-  }
+  if (flags.layer_mm) d.mutable_sections()->set_layer_distance_mm(*flags.layer_mm);
+  if (flags.vertex_mm) SetDistance(*flags.vertex_mm, job);
   return {};
 }
 
@@ -153,7 +178,7 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
     job.mutable_motion()->set_max_acceleration_mm_s2(*flags.acceleration_mm_s2);
   }
   if (flags.focal_mm) job.mutable_lens()->set_focal_length_mm(*flags.focal_mm);
-  if (auto set = SetMethod(flags, *job.mutable_discretization()); !set) return set;
+  if (auto set = SetMethod(flags, job); !set) return set;
   return SetOrderAndProfile(flags, job);
 }
 
@@ -172,12 +197,13 @@ Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine) {
   JobSpec complete = job;
   Set(complete.mutable_block()->mutable_size_mm(),
       {kAnyBlockMm, kAnyBlockMm, kAnyBlockMm});
-  for (const Model& model : job.models()) {
+  complete = WithDefaults(std::move(complete), machine);
+  for (const Model& model : complete.models()) {
     if (!model.placement().has_fit_block()) continue;
     return Fail(ErrorCode::kMissing,
                 model.file() + " is to fill the block: give its size with --block");
   }
-  const auto measured = SizeOf(WithDefaults(complete, machine));
+  const auto measured = SizeOf(complete);
   if (!measured) return tl::unexpected(measured.error());
   const Vec3& size = *measured;
   const std::vector<double> block = BlockFor(size);
@@ -223,11 +249,10 @@ Status SetBlock(JobAndMachine& built, const PointList* points_mm) {
 }
 
 /// points_mm: of a job whose points are there already, or null.
-Result<JobAndMachine> Build(const JobFlags& flags, const PointList* points_mm) {
-  auto read = ReadJob(flags, points_mm == nullptr);
-  if (!read) return tl::unexpected(read.error());
+Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
+                            const PointList* points_mm) {
   JobAndMachine built;
-  JobSpec& job = built.job = std::move(*read);
+  JobSpec& job = built.job = std::move(read);
   if (auto applied = Apply(flags, job); !applied) return tl::unexpected(applied.error());
   if (job.glass().empty() && flags.job_file.empty()) job.set_glass("N-BK7");
   if (flags.machine || job.machine_file().empty()) {
@@ -256,7 +281,8 @@ Result<JobAndMachine> Build(const JobFlags& flags, const PointList* points_mm) {
 void AddJobFlags(CLI::App& command, JobFlags& flags) {
   command.add_option("JOB", flags.job_file, "job file (.textproto or .json)");
   command.add_option("--mesh", flags.meshes,
-                     "model file; several are merged in one block");
+                     "model: a mesh, a drawing, an image or a cloud of points; several "
+                     "are merged in one block");
   command.add_option("--height", flags.height_mm, "scale to this height, mm");
   command.add_option("--size", flags.size_mm, "scale the largest extent to this, mm")
       ->excludes("--height");
@@ -270,7 +296,8 @@ void AddJobFlags(CLI::App& command, JobFlags& flags) {
                    "drop points outside the block instead of failing");
   command.add_option("--glass", flags.glass,
                      "glass (intaglio materials list), default N-BK7");
-  command.add_option("--method", flags.method, "sections (default), fill or rays");
+  command.add_option("--method", flags.method,
+                     "of meshes: sections (default), fill, rays, even or solid");
   command.add_option("--layer", flags.layer_mm, "sections: distance of the layers, mm");
   command.add_option("--vertex", flags.vertex_mm,
                      "distance of points along a contour, row or grid, mm");
@@ -318,11 +345,45 @@ Result<fs::path> FindMachineFile(const std::string& name_or_file) {
       name_or_file);
 }
 
-Result<JobAndMachine> BuildJob(const JobFlags& flags) { return Build(flags, nullptr); }
+Result<JobAndMachine> BuildJob(const JobFlags& flags) {
+  auto read = ReadJob(flags, true);
+  if (!read) return tl::unexpected(read.error());
+  return Build(flags, std::move(*read), nullptr);
+}
+
+Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
+                                               const fs::path& table) {
+  if (flags.name) {
+    return Fail(ErrorCode::kInvalidValue,
+                "--name would be the same for every piece: give the job file a name with "
+                "a column in it",
+                *flags.name);
+  }
+  const auto pattern = ReadJob(flags, true);
+  if (!pattern) return tl::unexpected(pattern.error());
+  const auto rows = formats::ReadCsv(table);
+  if (!rows) return tl::unexpected(rows.error());
+  auto jobs = MakeSeries(*pattern, *rows);
+  if (!jobs) return tl::unexpected(jobs.error());
+  std::vector<JobAndMachine> series;
+  for (std::size_t i = 0; i < jobs->size(); ++i) {
+    auto built = Build(flags, std::move((*jobs)[i]), nullptr);
+    if (!built) {
+      Error error = built.error();
+      error.message = fmt::format("{}, line {}: {}", table.string(),
+                                  rows->rows[i].line_number, error.message);
+      return tl::unexpected(std::move(error));
+    }
+    series.push_back(std::move(*built));
+  }
+  return series;
+}
 
 Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags,
                                        const PointList& points_mm) {
-  return Build(flags, &points_mm);
+  auto read = ReadJob(flags, false);
+  if (!read) return tl::unexpected(read.error());
+  return Build(flags, std::move(*read), &points_mm);
 }
 
 }  // namespace intaglio::cli

@@ -27,7 +27,7 @@ struct JobFlags {
   std::vector<double> block_mm;    // none or three
   std::optional<double> margin_mm;
   std::optional<std::string> glass;
-  std::optional<std::string> method;  // sections, fill, rays
+  std::optional<std::string> method;  // of the meshes, a field of Discretization
   std::optional<double> layer_mm, vertex_mm, spacing_mm;
   std::optional<std::string> order;  // of Ordering, - for _
   std::optional<double> order_tries, order_time_s;
@@ -51,6 +51,11 @@ struct JobAndMachine {
 /// The job with all paths absolute, and its machine. Every mistake is in the error, one
 /// a line, with the field's path.
 Result<JobAndMachine> BuildJob(const JobFlags& flags);
+
+/// A job for each row of a CSV file, from a job file that names its columns
+/// (proto/series.h); checked like any other.
+Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
+                                               const std::filesystem::path& table);
 
 /// The same for points that are there already, mm: no model is needed, nor looked for.
 /// Without a block and a model the points decide the block's size.

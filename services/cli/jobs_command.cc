@@ -31,6 +31,7 @@ struct JobsOptions {
   JobFlags job;
   std::string uid;
   std::string percent;
+  std::string series;
   bool arm = false;
   bool watch = false;
 };
@@ -127,16 +128,47 @@ int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind ki
   return kExitGood;
 }
 
+/// Gives the job to the job service.
+Result<JobView> SubmitOne(JobClient& client, const JobSpec& job) {
+  auto submitted = client.Submit(job, 15s);
+  if (submitted) {
+    std::cout << "job " << submitted->number << " (" << submitted->uid << ") is "
+              << NameOf(submitted->state) << "\n";
+  }
+  return submitted;
+}
+
+int SubmitSeries(const JobsOptions& options) {
+  if (options.arm || options.watch) {
+    return Complain({ErrorCode::kInvalidValue,
+                     "--arm and --watch are for one job: every piece of a series is "
+                     "armed by somebody who put its block in (intaglio arm JOB)",
+                     ""},
+                    kExitWrongInput);
+  }
+  const auto series = BuildSeries(options.job, options.series);
+  if (!series) return Complain(series.error(), kExitWrongInput);
+  bus::Bus bus(options.bus);
+  JobClient client(bus);
+  client.PollUntil([&] { return !client.services().empty(); }, kDiscoveryTime);
+  for (const JobAndMachine& piece : *series) {
+    const auto submitted = SubmitOne(client, piece.job);
+    if (!submitted) return Complain(submitted.error(), kExitWrongInput);
+  }
+  std::cout << series->size() << " jobs; intaglio list shows them\n";
+  client.Poll(500ms);
+  return kExitGood;
+}
+
 int Submit(const JobsOptions& options) {
+  if (!options.series.empty()) return SubmitSeries(options);
   auto job = BuildJob(options.job);
   if (!job) return Complain(job.error(), kExitWrongInput);
   bus::Bus bus(options.bus);
   JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, kDiscoveryTime);
-  const auto submitted = client.Submit(job->job, 15s);
+  const auto submitted = SubmitOne(client, job->job);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
-  std::cout << "job " << submitted->number << " (" << submitted->uid << ") is "
-            << NameOf(submitted->state) << "\n";
   if (options.arm) {
     const int armed = CommandJob(client, *submitted, intaglio_COMMAND_ARM);
     if (armed != kExitGood) return armed;
@@ -243,8 +275,12 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
   submit->add_flag("--arm", options->arm,
                    "you stand at the machine: it may fire at once");
   submit->add_flag("--watch", options->watch, "follow it to its end");
+  submit->add_option("--series", options->series,
+                     "CSV file: a job for each row; {column} in texts and file names of "
+                     "the job file becomes the row's field");
   submit->footer(
-      "Example: intaglio submit job.textproto --arm --watch\n"
+      "Examples: intaglio submit job.textproto --arm --watch\n"
+      "          intaglio submit cup.textproto --series names.csv\n"
       "Without --arm the job waits until somebody who stands at the machine types "
       "intaglio arm JOB.");
   submit->callback(

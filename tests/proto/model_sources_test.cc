@@ -51,6 +51,7 @@ TEST(ModelSources, ACloudIsTakenAsItIs) {
 TEST(ModelSources, CopiesStandInAGridAboutTheMiddle) {
   OneModel one;
   one.model.set_file("three.xyz");
+  one.model.mutable_placement()->set_centre_in_block(true);
   one.model.mutable_copies()->set_count_x(3);
   one.model.mutable_copies()->set_count_y(2);
   one.model.mutable_copies()->mutable_step_mm()->set_x(4);

@@ -119,7 +119,8 @@ TEST(Options, OptionalLimitsAreForTheMotionThatDoesNotStop) {
 }
 
 discretize::MeshMethod MethodOf(const JobSpec& job) {
-  return MeshMethodOf(WithDefaults(job, GoodMachine()).models(0));
+  const JobSpec whole = WithDefaults(job, GoodMachine());
+  return MeshMethodOf(whole, whole.models(0), {});
 }
 
 TEST(Options, AMeshTakesTheMethodOfTheJob) {
@@ -154,7 +155,22 @@ TEST(Options, AMeshTakesTheMethodOfTheJob) {
   EXPECT_EQ(rays.distance_mm, 0.3);
   EXPECT_EQ(rays.direction.axis, discretize::Axis::kY);
   EXPECT_TRUE(rays.interior_only);
-  EXPECT_THROW(MeshMethodOf(GoodJob().models(0)), PreconditionError);
+
+  auto& asked_even = *job.mutable_discretization()->mutable_even();
+  asked_even.add_shell_depths_mm(0);
+  asked_even.add_shell_depths_mm(2.5);
+  const auto even = std::get<discretize::EvenOptions>(MethodOf(job));
+  EXPECT_EQ(even.distance_mm, 0.3);
+  EXPECT_DOUBLE_EQ(even.sparse_distance_mm, 0.9);
+  EXPECT_TRUE(even.surface);
+  EXPECT_EQ(even.depths_mm, std::vector<double>{2.5});
+
+  job.mutable_discretization()->mutable_solid()->set_distance_mm(0.4);
+  job.mutable_discretization()->set_height_ratio(1.5);
+  const auto solid = std::get<discretize::SolidOptions>(MethodOf(job));
+  EXPECT_EQ(solid.distance_mm, 0.4);
+  EXPECT_EQ(solid.height_ratio, 1.5);
+  EXPECT_THROW(MeshMethodOf(GoodJob(), GoodJob().models(0), {}), PreconditionError);
 }
 
 TEST(Options, AModelsOwnMethodStandsBeforeTheJobs) {
