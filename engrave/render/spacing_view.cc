@@ -18,7 +18,7 @@ namespace intaglio::render {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr int kLeftPx = 54, kRightPx = 22, kTopPx = 50, kBottomPx = 50;
+constexpr int kLeftPx = 54, kRightPx = 22, kTopPx = 64, kBottomPx = 50;
 // Rounding of a lattice of exactly the minimum spacing is no fault.
 constexpr double kTooNear = 1 - 1e-8;
 
@@ -78,7 +78,8 @@ class Picture {
 
  private:
   void FindFront() {
-    const float radius_px = std::max(1.6F, 2 * radius_px_);
+    // So wide that the points of a square lattice leave no pixel out.
+    const float radius_px = std::max(1.1F, 1.7F * radius_px_);
     for (const Spot& spot : spots_) {
       OverDisc(spot.x_px, spot.y_px, radius_px, front_, [&](int x, int y, float) {
         front_.at(x, y) = std::min(front_.at(x, y), spot.depth_mm);
@@ -91,7 +92,7 @@ class Picture {
   bool IsSeen(const Spot& spot) const {
     const int x = static_cast<int>(spot.x_px), y = static_cast<int>(spot.y_px);
     const float behind_mm =
-        std::max(3 * static_cast<float>(map_.min_spacing_mm), 5 / px_per_mm_);
+        std::max(3 * static_cast<float>(map_.min_spacing_mm), 8 / px_per_mm_);
     return front_.Has(x, y) && spot.depth_mm <= front_.at(x, y) + behind_mm;
   }
 
