@@ -144,7 +144,7 @@ render::ViewsCaption CaptionOf(const MeasureOptions& options,
     figures.push_back({"largest uncovered disc",
                        fmt::format("{:.3f} mm", surface.uncovered_radius_mm())});
     figures.push_back({"greatest distance off surface",
-                       fmt::format("{:.4f} mm", surface.greatest_distance_mm())});
+                       fmt::format("{:.2f} µm", 1000 * surface.greatest_distance_mm())});
     figures.push_back({"density", fmt::format("{:.1f} /mm²", surface.points_per_mm2())});
     figures.push_back(
         {"density varies by", fmt::format("{:.1f} %", 100 * surface.variation_ratio())});

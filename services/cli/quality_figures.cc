@@ -117,12 +117,12 @@ void AddSurface(const CloudQuality& quality, Lines& lines) {
                             surface.on_surface_count();
   lines.Add(
       "off surface",
-      "greatest distance {:.6f} mm, of the point at {}; {} points ({}) are farther "
+      "greatest distance {:.3f} um, of the point at {}; {} points ({}) are farther "
       "than half a spacing, the others at most {:.6f} mm",
-      surface.greatest_distance_mm(), PlaceText(surface.farthest_point_mm()),
+      1000 * surface.greatest_distance_mm(), PlaceText(surface.farthest_point_mm()),
       GroupedDigits(off),
       Percent(static_cast<double>(off) / static_cast<double>(quality.point_count())),
-      surface.greatest_on_surface_mm());
+      1000 * surface.greatest_on_surface_mm());
   lines.Add(
       "density",
       "{:.2f} points/mm^2, {} of the densest; varies by {} over {} patches, {} empty",
