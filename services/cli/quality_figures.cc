@@ -118,7 +118,7 @@ void AddSurface(const CloudQuality& quality, Lines& lines) {
   lines.Add(
       "off surface",
       "greatest distance {:.3f} um, of the point at {}; {} points ({}) are farther "
-      "than half a spacing, the others at most {:.6f} mm",
+      "than half a spacing, the others at most {:.3f} um",
       1000 * surface.greatest_distance_mm(), PlaceText(surface.farthest_point_mm()),
       GroupedDigits(off),
       Percent(static_cast<double>(off) / static_cast<double>(quality.point_count())),
