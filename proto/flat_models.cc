@@ -90,6 +90,8 @@ discretize::HalftoneOptions OptionsOf(const JobSpec& job, const HalftoneMethod& 
   options.threshold = asked.threshold_ratio();
   options.layer_count = static_cast<int>(asked.layer_count());
   options.layer_distance_mm = asked.layer_distance_mm();
+  // Where one layer becomes full and the next begins a line would be seen.
+  options.sharing = discretize::LayerSharing::kEven;
   options.target_point_count = asked.point_count();
   options.seed = job.seed();
   return options;

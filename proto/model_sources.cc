@@ -100,7 +100,9 @@ class Maker {
  private:
   Result<Source> MakeOne(const Model& model) {
     const FileBytes file = files_.Take();
-    switch (KindOf(model).value()) {
+    const auto kind = KindOf(model);
+    if (!kind) return tl::unexpected(kind.error());
+    switch (*kind) {
       case ModelKind::kMesh:
         return HoldsPointsOnly(model, file) ? OfCloud(model, file) : OfMesh(model, file);
       case ModelKind::kCloud:

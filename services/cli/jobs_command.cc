@@ -279,8 +279,8 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
                      "CSV file: a job for each row; {column} in texts and file names of "
                      "the job file becomes the row's field");
   submit->footer(
-      "Examples: intaglio submit job.textproto --arm --watch\n"
-      "          intaglio submit cup.textproto --series names.csv\n"
+      "Example: intaglio submit job.textproto --arm --watch\n"
+      "Example: intaglio submit badge.textproto --series names.csv\n"
       "Without --arm the job waits until somebody who stands at the machine types "
       "intaglio arm JOB.");
   submit->callback(

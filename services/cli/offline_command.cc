@@ -36,7 +36,7 @@ struct OfflineOptions {
 Result<discretize::Discretized> MakePoints(const JobSpec& job) {
   auto files = ReadFilesOf(job);
   if (!files) return tl::unexpected(files.error());
-  Meter meter("discretize");
+  Meter meter("discretize", Meter::Of::kShares);
   auto sources = MakeSources(job, std::move(*files), meter.Sink());
   if (!sources) return tl::unexpected(sources.error());
   auto made = discretize::MakeCloud(sources->sources, CloudOptionsOf(job), {},

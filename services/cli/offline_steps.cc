@@ -11,8 +11,8 @@ int Complain(const Error& error, int exit_code) {
   return exit_code;
 }
 
-Meter::Meter(std::string stage)
-    : stage_(std::move(stage)), bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
+Meter::Meter(std::string stage, Of of)
+    : stage_(std::move(stage)), of_(of), bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
 
 Meter::~Meter() { bar_.Finish(); }
 
@@ -21,7 +21,12 @@ ProgressSink Meter::Sink() {
     const auto now = Clock::now();
     if (now - shown_ < std::chrono::milliseconds(100) && done != total) return true;
     shown_ = now;
-    bar_.Show(stage_, done, total, std::chrono::duration<double>(now - began_).count());
+    const double elapsed_s = std::chrono::duration<double>(now - began_).count();
+    if (of_ == Of::kShares) {
+      bar_.ShowShare(stage_, done, total, elapsed_s);
+    } else {
+      bar_.Show(stage_, done, total, elapsed_s);
+    }
     return true;
   };
 }

@@ -18,7 +18,10 @@ int Complain(const Error& error, int exit_code);
 /// A progress bar on the standard error stream, drawn ten times a second at most.
 class Meter {
  public:
-  explicit Meter(std::string stage);
+  /// What the stage counts: points, or shares of its work.
+  enum class Of { kPoints, kShares };
+
+  explicit Meter(std::string stage, Of of = Of::kPoints);
   ~Meter();
   Meter(const Meter&) = delete;
   Meter& operator=(const Meter&) = delete;
@@ -29,6 +32,7 @@ class Meter {
  private:
   using Clock = std::chrono::steady_clock;
   std::string stage_;
+  Of of_;
   ProgressBar bar_;
   Clock::time_point began_ = Clock::now(), shown_{};
 };

@@ -43,8 +43,9 @@ std::string ReadText(const fs::path& file) {
 }
 
 const std::vector<std::string> kCommands = {
-    "run",    "up",     "submit",     "list", "show", "watch",  "arm",    "pause",
-    "resume", "cancel", "discretize", "sort", "plan", "verify", "render", "materials"};
+    "run",  "up",      "submit", "list",   "show",       "watch",
+    "arm",  "pause",   "resume", "cancel", "discretize", "sort",
+    "plan", "measure", "verify", "render", "materials"};
 
 std::set<std::string> FlagsIn(const std::string& text) {
   std::set<std::string> flags;

@@ -29,7 +29,7 @@ inline auto AllOf(const MethodStatistics& s) {
   return std::tuple(s.point_count, s.plane_count, s.closed_contour_count,
                     s.open_contour_count, s.parallel_face_count, s.parallel_area_mm2,
                     s.small_triangle_count, s.rejected_triangle_count, s.ray_count,
-                    s.odd_ray_count);
+                    s.odd_ray_count, s.shallow_count);
 }
 
 /// The ranges between these heights, made by threads at once, are together what the
