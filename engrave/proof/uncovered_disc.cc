@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 // Let f(x) be the distance from x to the nearest point. On a triangle with the middle c
@@ -22,8 +23,8 @@
 namespace intaglio::proof {
 namespace {
 
-constexpr std::size_t kMostGathered = 64;  // worth keeping for the halves
-constexpr std::size_t kMostCells = 12;     // worth cutting into cells
+constexpr std::size_t kMostGathered = 160;  // worth keeping for the halves
+constexpr std::size_t kMostCells = 12;      // worth cutting into cells
 // A cut adds one corner; rounding that adds another finds room, too.
 constexpr std::size_t kMostPolygon = 2 * kMostCells + 8;
 constexpr std::size_t kFirstRound = 256;
@@ -133,18 +134,18 @@ class Search {
   };
 
   /// The part of the polygon that is not farther from p than from q.
-  static void KeepNearer(const Vec3& p, const Vec3& q, Polygon& polygon) {
+  static void KeepNearer(const Vec3& p, const Vec3& q, const Polygon& polygon,
+                         Polygon& kept) {
     // |x - q|^2 - |x - p|^2 is linear: 2 (p - q) x + |q|^2 - |p|^2. From their middle it
     // keeps its digits far from the origin.
     const Vec3 towards = p - q, between = 0.5 * (p + q);
-    Polygon kept;
+    kept.count = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
       const Vec3 &a = polygon.corners[i], &b = polygon.corners[(i + 1) % polygon.count];
       const double at_a = towards.dot(a - between), at_b = towards.dot(b - between);
       if (at_a >= 0) kept.Add(a);
       if ((at_a < 0) != (at_b < 0)) kept.Add(a + at_a / (at_a - at_b) * (b - a));
     }
-    polygon = kept;
   }
 
   void CutIntoCells(const Corners& triangle, const Middle& middle, Indices& near) {
@@ -153,16 +154,20 @@ class Search {
       return (points_mm_[a] - middle.at_mm).squaredNorm() <
              (points_mm_[b] - middle.at_mm).squaredNorm();
     });
+    std::array<Polygon, 2> cells;  // before and after a cut
     for (const std::uint32_t point : near) {
       const Vec3& p = points_mm_[point];
-      Polygon cell;
-      for (const Vec3& corner : triangle) cell.Add(corner);
+      Polygon *cell = &cells[0], *next = &cells[1];
+      cell->count = 0;
+      for (const Vec3& corner : triangle) cell->Add(corner);
       for (const std::uint32_t other : near) {
-        if (cell.count == 0 || cell.Farthest(p) <= best_.radius_mm) break;
-        if (other != point) KeepNearer(p, points_mm_[other], cell);
+        if (cell->count == 0 || cell->Farthest(p) <= best_.radius_mm) break;
+        if (other == point) continue;
+        KeepNearer(p, points_mm_[other], *cell, *next);
+        std::swap(cell, next);
       }
-      for (std::size_t i = 0; i < cell.count; ++i) {
-        Offer(cell.corners[i], (cell.corners[i] - p).norm());
+      for (std::size_t i = 0; i < cell->count; ++i) {
+        Offer(cell->corners[i], (cell->corners[i] - p).norm());
       }
     }
   }
