@@ -100,7 +100,8 @@ void Fill(HalftoneMethod& halftone, double spacing_mm) {
   if (!halftone.has_contrast_ratio()) halftone.set_contrast_ratio(1);
   if (!halftone.has_gamma()) halftone.set_gamma(1);
   if (!halftone.has_layer_count()) halftone.set_layer_count(1);
-  if (!halftone.has_layer_distance_mm()) halftone.set_layer_distance_mm(2 * halftone.distance_mm());
+  if (!halftone.has_layer_distance_mm())
+    halftone.set_layer_distance_mm(2 * halftone.distance_mm());
 }
 
 void Fill(ReliefMethod& relief, double spacing_mm) {

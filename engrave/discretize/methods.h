@@ -20,7 +20,8 @@
 
 namespace intaglio::discretize {
 
-using MeshMethod = std::variant<SectionOptions, FillOptions, RayOptions, EvenOptions, SolidOptions>;
+using MeshMethod =
+    std::variant<SectionOptions, FillOptions, RayOptions, EvenOptions, SolidOptions>;
 
 /// The mesh in the glass frame, mm. Errors are those of the methods.
 Result<std::unique_ptr<PointSource>> MakeSource(mesh::TriangleMesh mesh,

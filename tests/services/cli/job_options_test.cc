@@ -163,7 +163,8 @@ TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
   const auto refusal = [](const char* flag, const char* name) {
     return RefusalOf({"--mesh", kModel, "--height", "22", flag, name});
   };
-  EXPECT_THAT(refusal("--method", "slices"), HasSubstr("sections, fill, rays, even and solid"));
+  EXPECT_THAT(refusal("--method", "slices"),
+              HasSubstr("sections, fill, rays, even and solid"));
   EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz, layers, smooth, anneal"));
   EXPECT_THAT(refusal("--order-tries", "-1"), HasSubstr("tries_per_point"));
   EXPECT_THAT(refusal("--profile", "s-curve"),
