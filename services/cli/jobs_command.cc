@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include "services/cli/bus_flags.h"
@@ -191,9 +192,11 @@ int List(const JobsOptions& options) {
   }
   fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", "job", "state", "machine", "time",
              "progress", "name");
-  for (const auto& [uid, job] : client.jobs()) {
-    fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", job.number, NameOf(job.state),
-               job.cell, TimeOf(job), ProgressOf(job), job.name);
+  std::map<std::uint32_t, const JobView*> by_number;
+  for (const auto& [uid, job] : client.jobs()) by_number[job.number] = &job;
+  for (const auto& [number, job] : by_number) {
+    fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", number, NameOf(job->state),
+               job->cell, TimeOf(*job), ProgressOf(*job), job->name);
   }
   return kExitGood;
 }

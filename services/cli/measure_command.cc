@@ -28,8 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Other commands end with 3 when something is not good; this one is for `if measure ...`.
-constexpr int kExitTooNear = 1;
 // Copies of a model multiply its triangles.
 constexpr std::size_t kMostTriangles = 50'000'000;
 
@@ -190,7 +188,7 @@ int Measure(const MeasureOptions& options) {
                 : options.csv ? CsvOf(record)
                               : FiguresOf(record))
             << (options.csv && !options.json ? "" : "\n");
-  return record.keeps_spacing() ? kExitGood : kExitTooNear;
+  return record.keeps_spacing() ? kExitGood : kExitNotGood;
 }
 
 /// Those of a job that place its models and name its lens.
@@ -235,7 +233,7 @@ void AddMeasureCommand(CLI::App& app, std::function<int()>& selected) {
   measure->footer(
       "Example: intaglio measure cloud.ply --mesh bunny.obj --rotate 90 0 0 --height 40 "
       "--spacing 0.1 --picture map.png\n"
-      "Exit code: 0 the minimum spacing is kept, 1 it is not, 2 wrong input.");
+      "Exit code: 0 the minimum spacing is kept, 3 it is not, 2 wrong input.");
   measure->callback(
       [&selected, options] { selected = [options] { return Measure(*options); }; });
 }

@@ -7,13 +7,12 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
 
 #include "engrave/formats/atomic_file.h"
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
+#include "engrave/formats/whole_file.h"
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
@@ -35,18 +34,11 @@ struct Evidence {
   std::vector<formats::PointHistory> history;
 };
 
-Result<std::string> ReadText(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    return Fail(ErrorCode::kNotFound, fmt::format("cannot read {}", file.string()),
-                file.string());
-  }
-  return text.str();
-}
+// A job with its machine and glass is a few kilobytes.
+constexpr std::uint64_t kMaxTextBytes = 16 << 20;
 
 Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
-  const auto text = ReadText(file);
+  const auto text = formats::ReadWholeFile(file, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   FrozenJob job;
   const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &job);
@@ -301,10 +293,11 @@ void AddOutcomes(const ProofInputs& inputs, JobReport& report) {
   report.set_started_utc(inputs.started_utc);
   report.set_ended_utc(inputs.ended_utc);
   report.set_wall_time_s(inputs.wall_time_s);
-  for (const std::string& warning : inputs.warnings) report.add_warnings(warning);
-  for (const std::string& warning : WarningsOf(report.discretize(), report.job())) {
-    report.add_warnings(warning);
-  }
+  auto& warnings = *report.mutable_warnings();
+  warnings.Add(inputs.warnings.begin(), inputs.warnings.end());
+  const auto of_points = WarningsOf(report.discretize(), report.job());
+  warnings.Add(of_points.begin(), of_points.end());
+  warnings.MergeFrom(report.sort().warnings());
 }
 
 }  // namespace

@@ -1,13 +1,35 @@
 #include "services/sorter/sort_job.h"
 
 #include "engrave/discretize/cloud.h"
+#include "engrave/proof/cloud_quality.h"
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
+#include "proto/job_defaults.h"
 #include "proto/options.h"
 #include "services/host/worker_threads.h"
 
 namespace intaglio::sorter {
+namespace {
+
+/// What a measurer that had no part in making the points finds: points too near, places
+/// where the glass may break.
+void AddWarnings(const FrozenJob& job, const PointCloud& cloud, SortOutcome& outcome) {
+  proof::QualityOptions options;
+  options.min_spacing_mm = job.job().discretization().min_spacing_mm();
+  options.height_ratio = job.job().discretization().height_ratio();
+  if (const MachineLens* lens =
+          FindLens(job.machine(), job.job().lens().focal_length_mm())) {
+    options.crack_diameter_mm = lens->crack_diameter_mm();
+    options.crack_length_mm = lens->crack_length_mm();
+  }
+  options.executor = host::AllCores();
+  const auto quality = proof::MeasureCloud(cloud, {}, options);
+  if (!quality) return;  // no points: said before
+  for (const std::string& warning : quality->warnings) outcome.add_warnings(warning);
+}
+
+}  // namespace
 
 Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress) {
@@ -32,6 +54,7 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   cloud = {};
   outcome.set_shadow_violation_count(
       sort::CountShadowViolations(result.cloud.points_mm, job.optics().cone_tangent()));
+  AddWarnings(job, result.cloud, outcome);
   return result;
 }
 

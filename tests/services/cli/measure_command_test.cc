@@ -91,13 +91,13 @@ TEST_F(MeasureCommand, FindsTheLostFaceOfAPlacedCube) {
 
 TEST_F(MeasureCommand, EndsWithOneWhenPointsAreTooNear) {
   points_.points_mm.push_back(points_.points_mm[7] + Vec3(0.1, 0, 0));
-  EXPECT_EQ(Run({"--spacing", "0.5"}), 1);
+  EXPECT_EQ(Run({"--spacing", "0.5"}), 3);
   EXPECT_THAT(out_, HasSubstr("2 pairs below 0.5 mm"));
   EXPECT_THAT(out_, HasSubstr("least 0.100000 mm"));
   EXPECT_THAT(out_, HasSubstr("\nwarning"));
   EXPECT_EQ(Run({"--spacing", "0.09"}), 0);
   // In z cracks are longer: what is 0.5 mm apart there counts as 0.25.
-  EXPECT_EQ(Run({"--spacing", "0.09", "--height-ratio", "6"}), 1);
+  EXPECT_EQ(Run({"--spacing", "0.09", "--height-ratio", "6"}), 3);
   EXPECT_THAT(out_, HasSubstr("heights divided by 6"));
 }
 
@@ -107,7 +107,7 @@ TEST_F(MeasureCommand, TakesTheJobForItsModelsAndSpacing) {
          "block { size_mm { x: 20 y: 20 z: 20 } } glass: \"N-BK7\"\n"
          "discretization { min_spacing_mm: 0.6 }\n"
          "machine_file: \"" INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto\"\n";
-  EXPECT_EQ(Run({"--job", (folder_ / "job.textproto").string(), "--csv"}), 1) << err_;
+  EXPECT_EQ(Run({"--job", (folder_ / "job.textproto").string(), "--csv"}), 3) << err_;
   EXPECT_THAT(out_, HasSubstr("figure,value\n"));
   EXPECT_THAT(out_, HasSubstr("\nmin_spacing_mm,0.6\n"));
   EXPECT_THAT(out_, HasSubstr("\nkeeps_spacing,0\n"));
