@@ -134,6 +134,25 @@ void CheckRoom(const JobSpec& job, Findings& findings) {
   }
 }
 
+// The number of a picture's points is its brightness: none may be lost to the weld.
+void CheckTones(const JobSpec& job, Findings& findings) {
+  const double spacing_mm = job.discretization().min_spacing_mm();
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    const bool panel = model.has_halftone();
+    if (!panel && !model.has_relief()) continue;
+    const double distance_mm =
+        panel ? model.halftone().distance_mm() : model.relief().distance_mm();
+    if (distance_mm >= spacing_mm) continue;
+    findings.Wrong(
+        fmt::format("models[{}].{}.distance_mm", i, panel ? "halftone" : "relief"),
+        distance_mm,
+        "is less than the minimum spacing, {}: points would be left out, and the tone "
+        "would be wrong",
+        spacing_mm);
+  }
+}
+
 // Sort by layers, Trochimczuk 2008 annex E: not thinner than the layers of the sections.
 void CheckLayers(const JobSpec& job, Findings& findings) {
   if (!job.ordering().has_layers()) return;
@@ -277,6 +296,7 @@ std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& mach
   }
   CheckLens(whole.lens(), machine, findings);
   CheckLayers(whole, findings);
+  CheckTones(whole, findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaser(whole.laser(), machine, findings);
   return std::move(findings.errors());

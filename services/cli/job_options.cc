@@ -280,7 +280,7 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
 
 void AddJobFlags(CLI::App& command, JobFlags& flags) {
   command.add_option("JOB", flags.job_file, "job file (.textproto or .json)");
-  command.add_option("--mesh", flags.meshes,
+  command.add_option("--mesh,--model", flags.meshes,
                      "model: a mesh, a drawing, an image or a cloud of points; several "
                      "are merged in one block");
   command.add_option("--height", flags.height_mm, "scale to this height, mm");

@@ -202,5 +202,15 @@ TEST(JoinErrors, OneALine) {
   EXPECT_EQ(joined.code, ErrorCode::kMissing);
 }
 
+TEST(CheckJob, APicturesPointsStandAtLeastASpacingApart) {
+  JobSpec job = GoodJob();
+  job.mutable_models(0)->mutable_halftone()->set_distance_mm(0.25);
+  const auto errors = CheckJobOnMachine(job, GoodMachine());
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_THAT(errors[0].message, HasSubstr("models[0].halftone.distance_mm: 0.25 is"));
+  job.mutable_models(0)->mutable_halftone()->set_distance_mm(0.3);
+  EXPECT_TRUE(CheckJobOnMachine(job, GoodMachine()).empty());
+}
+
 }  // namespace
 }  // namespace intaglio
