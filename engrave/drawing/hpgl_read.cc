@@ -130,7 +130,8 @@ class HpglReader {
     if (!ok || numbers.size() >= least) return ok;
     return Refuse(
         ErrorCode::kInvalidValue,
-        fmt::format("{} numbers are needed, {} stand here", least, numbers.size()));
+        fmt::format("{} numbers are needed, {} stand here; plot the drawing again", least,
+                    numbers.size()));
   }
 
   bool Do() {

@@ -105,7 +105,8 @@ Result<Bitmap> ReadHeader(std::string_view bytes, const ImageLimits& limits) {
   const std::uint32_t header_size = b.U32(kFileHeader);
   const bool old = header_size == 12;
   if ((!old && header_size < 40) || !b.Has(kFileHeader, header_size)) {
-    return Fail(ErrorCode::kUnreadable, "the BMP's header has a size no BMP has",
+    return Fail(ErrorCode::kUnreadable,
+                "the BMP's header has a size no BMP has; save the picture again",
                 std::to_string(header_size));
   }
   const std::size_t at = kFileHeader + 4;

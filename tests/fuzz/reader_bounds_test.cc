@@ -12,8 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "engrave/drawing/dxf_read.h"
+#include "engrave/drawing/hpgl_read.h"
+#include "engrave/drawing/svg_read.h"
 #include "engrave/formats/csv.h"
 #include "engrave/formats/point_file_kinds.h"
+#include "engrave/formats/whole_file.h"
+#include "engrave/image/image_file.h"
 #include "engrave/mesh/mesh_import.h"
 
 // What any file may cost any reader: every seed of the fuzzers, and every broken file,
@@ -49,22 +54,36 @@ Status ReadAsCsv(const fs::path& file) {
   return formats::ReadCsv(file).map([](const auto&) {});
 }
 
-constexpr std::array<Reader, 16> kReaders = {{{"stl", ReadAsMesh},
-                                              {"obj", ReadAsMesh},
-                                              {"ply", ReadAsMesh},
-                                              {"3mf", ReadAsMesh},
-                                              {"gltf", ReadAsMesh},
-                                              {"glb", ReadAsMesh},
-                                              {"dae", ReadAsMesh},
-                                              {"3ds", ReadAsMesh},
-                                              {"ply", ReadAsPoints},
-                                              {"xyz", ReadAsPoints},
-                                              {"txt", ReadAsPoints},
-                                              {"cft", ReadAsPoints},
-                                              {"scl", ReadAsPoints},
-                                              {"dxf", ReadAsPoints},
-                                              {"none", ReadAsPoints},
-                                              {"csv", ReadAsCsv}}};
+constexpr std::uint64_t kMostFileBytes = std::uint64_t{1} << 28;
+
+template <typename Read>
+Status ReadDrawing(const fs::path& file, const Read& read) {
+  const auto text = formats::ReadWholeFile(file, kMostFileBytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto drawing = read(*text, drawing::ReadOptions{}, file.string());
+  return drawing ? Status() : tl::unexpected(drawing.error());
+}
+Status ReadAsDxf(const fs::path& file) { return ReadDrawing(file, drawing::ReadDxf); }
+Status ReadAsSvg(const fs::path& file) { return ReadDrawing(file, drawing::ReadSvg); }
+Status ReadAsHpgl(const fs::path& file) { return ReadDrawing(file, drawing::ReadHpgl); }
+
+/// Of whatever kind the bytes are; the file is named by who reads it.
+Status ReadAsImage(const fs::path& file) {
+  const auto text = formats::ReadWholeFile(file, kMostFileBytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto picture = image::ParseImage(*text);
+  if (picture) return {};
+  return Fail(picture.error().code, file.string() + ": " + picture.error().message);
+}
+
+constexpr std::array<Reader, 20> kReaders = {
+    {{"stl", ReadAsMesh},   {"obj", ReadAsMesh},   {"ply", ReadAsMesh},
+     {"3mf", ReadAsMesh},   {"gltf", ReadAsMesh},  {"glb", ReadAsMesh},
+     {"dae", ReadAsMesh},   {"3ds", ReadAsMesh},   {"ply", ReadAsPoints},
+     {"xyz", ReadAsPoints}, {"txt", ReadAsPoints}, {"cft", ReadAsPoints},
+     {"scl", ReadAsPoints}, {"dxf", ReadAsPoints}, {"none", ReadAsPoints},
+     {"csv", ReadAsCsv},    {"dxf", ReadAsDxf},    {"svg", ReadAsSvg},
+     {"plt", ReadAsHpgl},   {"png", ReadAsImage}}};
 
 double ProcessorSeconds() {
   rusage usage{};
@@ -75,11 +94,17 @@ double ProcessorSeconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-/// What is wrong with an error: it must name the file, then the problem; then the remedy.
+/// What is wrong with an error: it must name the file, and perhaps the place in it, then
+/// the problem; then the remedy.
 std::string FaultOf(const Error& error, const fs::path& file) {
-  const std::size_t name = error.message.find(file.filename().string() + ": ");
-  if (name == std::string::npos) return "does not name the file";
-  if (error.message.find("; ", name) == std::string::npos) return "names no remedy";
+  const std::string name = file.filename().string();
+  const std::size_t at = error.message.find(name);
+  if (at == std::string::npos) return "does not name the file";
+  const std::size_t problem = error.message.find(": ", at + name.size());
+  if (problem == std::string::npos) return "names no problem";
+  if (error.message.find_first_of(";:", problem + 2) == std::string::npos) {
+    return "names no remedy";
+  }
   return {};
 }
 
