@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <vector>
 
+#include "engrave/core/shared_progress.h"
 #include "engrave/sort/kdz.h"
 #include "engrave/sort/lowest_point.h"
 #include "engrave/sort/planned_ticks.h"
@@ -61,32 +61,6 @@ std::vector<Weights> WeightsToTry(const TickCost& cost, const PointList& points_
           {0.5F, 0, 2.5 * detour}};
 }
 
-/// How far all trials are, told by whichever of them comes by.
-class TrialProgress {
- public:
-  TrialProgress(const ProgressSink& sink, std::size_t trials, std::size_t points)
-      : sink_(sink), trials_(trials), points_(points) {}
-
-  /// Whether to go on, with `more` points ordered since the trial's last call. Of several
-  /// calls at the same time one asks.
-  bool GoesOn(std::size_t more) {
-    done_ += more;
-    if (!sink_ || asking_.test_and_set()) return !cancelled_;
-    if (!cancelled_ && !sink_(done_ / trials_, points_)) cancelled_ = true;
-    asking_.clear();
-    return !cancelled_;
-  }
-  bool cancelled() const { return cancelled_; }
-
- private:
-  const ProgressSink& sink_;
-  std::size_t trials_;
-  std::size_t points_;
-  std::atomic<std::uint64_t> done_ = 0;
-  std::atomic<bool> cancelled_ = false;
-  std::atomic_flag asking_;
-};
-
 class Walk {
  public:
   Walk(const PointList& points_mm, const OrderOptions& options, const Weights& weights)
@@ -99,7 +73,7 @@ class Walk {
                    DefaultUpRatio(options.cone)) {}
 
   /// Empty when `progress` asked for the end.
-  Order Make(TrialProgress& progress) {
+  Order Make(SharedProgress& progress) {
     Order order;
     order.reserve(points_mm_.size());
     now_mm_ = points_mm_[LowestPoint(points_mm_)];
@@ -173,7 +147,14 @@ Result<Order> OrderSmoothly(const PointList& points_mm, const OrderOptions& opti
   const std::vector<Weights> trials = WeightsToTry(cost, points_mm);
   std::vector<Order> orders(trials.size());
   std::vector<std::uint64_t> ticks(trials.size());
-  TrialProgress trial_progress(progress, trials.size(), points_mm.size());
+  // All trials are one order: their points are told of as its own.
+  const ProgressSink of_one =
+      progress
+          ? [&](std::uint64_t done,
+                std::
+                    uint64_t) { return progress(done / trials.size(), points_mm.size()); }
+          : ProgressSink();
+  SharedProgress trial_progress(of_one, trials.size() * points_mm.size());
   const auto make_trial = [&](std::size_t i) {
     if (trial_progress.cancelled()) return;
     orders[i] = Walk(points_mm, options, trials[i]).Make(trial_progress);
