@@ -132,7 +132,7 @@ class Maker {
       return MakeText(job_, model, text, TextOf(font));
     }
     std::vector<Source> pieces;
-    for (const Vec3& offset_mm : OffsetsOf(model)) {
+    for (const Vec3& offset_mm : CopyOffsetsOf(model)) {
       std::string numbered = text;
       for (auto at = numbered.find(kNumber); at != std::string::npos;
            at = numbered.find(kNumber, at)) {
@@ -195,22 +195,12 @@ class Maker {
                                   block_size_mm_);
   }
 
-  static PointList OffsetsOf(const Model& model) {
-    if (!model.has_copies()) return {Vec3::Zero()};
-    const Copies& copies = model.copies();
-    const Eigen::Vector3i count(static_cast<int>(copies.count_x()),
-                                static_cast<int>(copies.count_y()),
-                                static_cast<int>(copies.count_z()));
-    return discretize::GridOffsets(count, Vec3Of(copies.step_mm()),
-                                   model.placement().centre_in_block());
-  }
-
   static Source WithCopies(const Model& model, Source source) {
     const bool numbered = model.text().text().find(kNumber) != std::string::npos;
     if (!model.has_copies() || numbered) return source;
     const std::shared_ptr<const discretize::PointSource> one = std::move(source);
     std::vector<Source> all;
-    for (const Vec3& offset_mm : OffsetsOf(model)) {
+    for (const Vec3& offset_mm : CopyOffsetsOf(model)) {
       all.push_back(discretize::MakeShifted(one, offset_mm));
     }
     return discretize::MakeSeveral(std::move(all));
@@ -263,6 +253,16 @@ Result<Vec3> SizeOf(const JobSpec& job) {
     size_mm = size_mm.cwiseMax(source->Bounds().size_mm());
   }
   return size_mm;
+}
+
+PointList CopyOffsetsOf(const Model& model) {
+  if (!model.has_copies()) return {Vec3::Zero()};
+  const Copies& copies = model.copies();
+  const Eigen::Vector3i count(static_cast<int>(copies.count_x()),
+                              static_cast<int>(copies.count_y()),
+                              static_cast<int>(copies.count_z()));
+  return discretize::GridOffsets(count, Vec3Of(copies.step_mm()),
+                                 model.placement().centre_in_block());
 }
 
 discretize::CloudOptions CloudOptionsOf(const JobSpec& job) {

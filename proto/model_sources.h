@@ -30,6 +30,9 @@ struct JobSources {
 Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
                                const ProgressSink& progress);
 
+/// Where the copies of a model stand, from its own place; of one without, there alone.
+PointList CopyOffsetsOf(const Model& model);
+
 /// Weld, bounds and clip of a job with its defaults filled in.
 discretize::CloudOptions CloudOptionsOf(const JobSpec& job);
 

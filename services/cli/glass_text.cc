@@ -1,7 +1,6 @@
 #include "services/cli/glass_text.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include "engrave/core/check.h"
 #include "materials_db/numbers.h"
 #include "proto/material_record.h"
+#include "services/cli/json_text.h"
 
 namespace intaglio::cli {
 namespace {
@@ -84,14 +84,10 @@ std::vector<Row> KeptRows(const Material& material) {
 }
 
 std::string Json(const google::protobuf::Message& message) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  std::string json;
-  const auto printed =
-      google::protobuf::util::MessageToJsonString(message, &json, options);
-  Require(printed.ok(), "{} as JSON: {}", message.GetTypeName(), printed.ToString());
-  return json;
+  const auto json = JsonTextOf(message, JsonLayout::kOneLine);
+  Require(json.has_value(), "{} as JSON: {}", message.GetTypeName(),
+          json ? "" : json.error().message);
+  return *json;
 }
 
 }  // namespace

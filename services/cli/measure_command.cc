@@ -7,15 +7,15 @@
 #include <memory>
 #include <optional>
 
-#include "engrave/discretize/several.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "engrave/proof/cloud_quality.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/spacing_map.h"
-#include "proto/job_defaults.h"
 #include "proto/model_kind.h"
+#include "proto/model_sources.h"
 #include "proto/options.h"
+#include "proto/quality_options.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline_steps.h"
 #include "services/cli/progress_bar.h"
@@ -49,11 +49,7 @@ void Append(const mesh::TriangleMesh& one, const Vec3& offset_mm,
 
 Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one) {
   if (!model.has_copies()) return one;
-  const Eigen::Vector3i count(static_cast<int>(model.copies().count_x()),
-                              static_cast<int>(model.copies().count_y()),
-                              static_cast<int>(model.copies().count_z()));
-  const PointList offsets_mm = discretize::GridOffsets(
-      count, Vec3Of(model.copies().step_mm()), model.placement().centre_in_block());
+  const PointList offsets_mm = CopyOffsetsOf(model);
   if (offsets_mm.size() * one.triangles.size() > kMostTriangles) {
     return Fail(ErrorCode::kTooLarge,
                 fmt::format("{}: {} copies of {} triangles are more than {} together; "
@@ -107,16 +103,9 @@ Result<PointCloud> ReadCloud(const std::string& file) {
 }
 
 proof::QualityOptions OptionsOf(const MeasureOptions& options, const JobAndMachine& job) {
-  const Discretization& asked = job.job.discretization();
-  proof::QualityOptions quality{
-      .min_spacing_mm = asked.min_spacing_mm(),
-      .height_ratio = options.height_ratio.value_or(asked.height_ratio()),
-      .executor = host::AllCores()};
-  const MachineLens* lens = FindLens(job.machine, job.job.lens().focal_length_mm());
-  if (lens != nullptr) {
-    quality.crack_diameter_mm = lens->crack_diameter_mm();
-    quality.crack_length_mm = lens->crack_length_mm();
-  }
+  proof::QualityOptions quality = QualityOptionsOf(job.job, job.machine);
+  quality.height_ratio = options.height_ratio.value_or(quality.height_ratio);
+  quality.executor = host::AllCores();
   return quality;
 }
 

@@ -1,7 +1,6 @@
 #include "services/cli/path_figures.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +14,7 @@
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
 #include "proto/options.h"
+#include "services/cli/json_text.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_folder.h"
 
@@ -208,15 +208,10 @@ std::string ComparisonOf(const PlanReport& report) {
 }
 
 std::string JsonOf(const PlanReport& report) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  std::string json;
-  const auto printed =
-      google::protobuf::util::MessageToJsonString(report, &json, options);
-  Require(printed.ok(), "the plan's report cannot be written: {}", printed.ToString());
-  return json;
+  const auto json = JsonTextOf(report);
+  Require(json.has_value(), "the plan's report cannot be written: {}",
+          json ? "" : json.error().message);
+  return *json;
 }
 
 }  // namespace intaglio::cli

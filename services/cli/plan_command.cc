@@ -13,7 +13,7 @@
 #include "services/cli/path_job.h"
 #include "services/cli/run_command.h"
 #include "services/cli/segment_file.h"
-#include "services/host/worker_threads.h"
+#include "services/host/ordering.h"
 
 namespace intaglio::cli {
 namespace {
@@ -114,12 +114,7 @@ int Sort(const PathOptions& options) {
   formats::PointTable table;
   {
     Meter meter("order");
-    sort::OrderOptions order_options = OrderOptionsOf(*job);
-    order_options.executor = host::AllCores();
-    if (const AnnealOrder& anneal = job->job().ordering().anneal(); anneal.has_time_s()) {
-      order_options.anneal.used_share = host::ShareOfTime(anneal.time_s());
-    }
-    const auto order = sort::MakeOrder(*cloud_mm, order_options, meter.Sink());
+    const auto order = sort::MakeOrder(*cloud_mm, host::OrderingOf(*job), meter.Sink());
     if (!order) return Complain(order.error(), kExitWrongInput);
     table.points_mm.reserve(order->size());
     for (const std::uint32_t i : *order) table.points_mm.push_back((*cloud_mm)[i]);

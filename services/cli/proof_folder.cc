@@ -18,6 +18,7 @@
 #include "engrave/render/views.h"
 #include "engrave/sort/shadow.h"
 #include "proto/discretize_outcome.h"
+#include "services/cli/json_text.h"
 #include "services/cli/progress_bar.h"
 
 namespace intaglio::cli {
@@ -351,15 +352,9 @@ Result<JobReport> VerifyFolder(const fs::path& folder) {
 }
 
 Result<std::string> JsonOf(const JobReport& report) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  std::string json;
-  const auto printed =
-      google::protobuf::util::MessageToJsonString(report, &json, options);
-  if (printed.ok()) return json;
-  return Fail(ErrorCode::kInvalidValue, "report.json: " + printed.ToString());
+  auto json = JsonTextOf(report);
+  if (!json) return Fail(json.error().code, "report.json: " + json.error().message);
+  return json;
 }
 
 std::string SummaryOf(const JobReport& report) {

@@ -1,9 +1,9 @@
 #include "services/cli/quality_figures.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 
 #include "engrave/core/check.h"
+#include "services/cli/json_text.h"
 #include "services/cli/progress_bar.h"
 
 namespace intaglio::cli {
@@ -231,15 +231,10 @@ std::string FiguresOf(const CloudQuality& quality) {
 }
 
 std::string JsonOf(const CloudQuality& quality) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  std::string json;
-  const auto printed =
-      google::protobuf::util::MessageToJsonString(quality, &json, options);
-  Require(printed.ok(), "the figures cannot be written: {}", printed.ToString());
-  return json;
+  const auto json = JsonTextOf(quality);
+  Require(json.has_value(), "the figures cannot be written: {}",
+          json ? "" : json.error().message);
+  return *json;
 }
 
 std::string CsvOf(const CloudQuality& quality) {

@@ -5,8 +5,9 @@
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
-#include "proto/job_defaults.h"
 #include "proto/options.h"
+#include "proto/quality_options.h"
+#include "services/host/ordering.h"
 #include "services/host/worker_threads.h"
 
 namespace intaglio::sorter {
@@ -15,14 +16,7 @@ namespace {
 /// What a measurer that had no part in making the points finds: points too near, places
 /// where the glass may break.
 void AddWarnings(const FrozenJob& job, const PointCloud& cloud, SortOutcome& outcome) {
-  proof::QualityOptions options;
-  options.min_spacing_mm = job.job().discretization().min_spacing_mm();
-  options.height_ratio = job.job().discretization().height_ratio();
-  if (const MachineLens* lens =
-          FindLens(job.machine(), job.job().lens().focal_length_mm())) {
-    options.crack_diameter_mm = lens->crack_diameter_mm();
-    options.crack_length_mm = lens->crack_length_mm();
-  }
+  proof::QualityOptions options = QualityOptionsOf(job.job(), job.machine());
   options.executor = host::AllCores();
   const auto quality = proof::MeasureCloud(cloud, {}, options);
   if (!quality) return;  // no points: said before
@@ -35,12 +29,7 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress) {
   // No maker of a part can tell that the others are empty as well.
   if (cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
-  sort::OrderOptions options = OrderOptionsOf(job);
-  options.executor = host::AllCores();
-  if (const AnnealOrder& anneal = job.job().ordering().anneal(); anneal.has_time_s()) {
-    options.anneal.used_share = host::ShareOfTime(anneal.time_s());
-  }
-  const auto order = sort::MakeOrder(cloud.points_mm, options, progress);
+  const auto order = sort::MakeOrder(cloud.points_mm, host::OrderingOf(job), progress);
   if (!order) return tl::unexpected(order.error());
   host::StageResult result;
   SortOutcome& outcome = *result.outcome.mutable_sort();
