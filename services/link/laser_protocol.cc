@@ -26,6 +26,33 @@ tl::unexpected<Error> Unreadable(const char* frame) {
               std::string("laser line: a frame ") + frame + " is malformed", frame);
 }
 
+/// PulseReport or PastReport.
+template <typename Report>
+Bytes EncodeOutcomes(const Report& m) {
+  ByteWriter out;
+  out.Put(m.first_tick);
+  out.Put(static_cast<std::uint16_t>(m.outcome.size()));
+  for (const TickOutcome outcome : m.outcome) out.Put(static_cast<std::uint8_t>(outcome));
+  return out.Take();
+}
+
+template <typename Report>
+bool DecodeOutcomes(std::span<const std::byte> payload, TickOutcome highest, Report& m) {
+  ByteReader in(payload);
+  m.first_tick = in.Get<std::uint64_t>();
+  const auto count = in.Get<std::uint16_t>();
+  if (!in.good() || count == 0 || count > kMaxReportTicks ||
+      GoesRound(m.first_tick, count)) {
+    return false;
+  }
+  for (int i = 0; i < count; ++i) {
+    const auto outcome = in.Get<std::uint8_t>();
+    if (outcome > static_cast<std::uint8_t>(highest)) return false;
+    m.outcome.push_back(static_cast<TickOutcome>(outcome));
+  }
+  return in.finished();
+}
+
 }  // namespace
 
 Bytes Encode(const LampCommand& m) {
@@ -166,31 +193,43 @@ Result<LaserStatus> Decode(std::span<const std::byte> payload) {
   return m;
 }
 
-Bytes Encode(const PulseReport& m) {
+Bytes Encode(const PulseReport& m) { return EncodeOutcomes(m); }
+Bytes Encode(const PastReport& m) { return EncodeOutcomes(m); }
+
+template <>
+Result<PulseReport> Decode(std::span<const std::byte> payload) {
+  PulseReport m;
+  if (!DecodeOutcomes(payload, TickOutcome::kTooLate, m))
+    return Unreadable("PulseReport");
+  return m;
+}
+
+template <>
+Result<PastReport> Decode(std::span<const std::byte> payload) {
+  PastReport m;
+  if (!DecodeOutcomes(payload, TickOutcome::kNoLongerKnown, m)) {
+    return Unreadable("PastReport");
+  }
+  return m;
+}
+
+Bytes Encode(const PastRequest& m) {
   ByteWriter out;
   out.Put(m.first_tick);
-  out.Put(static_cast<std::uint16_t>(m.outcome.size()));
-  for (const TickOutcome outcome : m.outcome) out.Put(static_cast<std::uint8_t>(outcome));
+  out.Put(m.count);
   return out.Take();
 }
 
 template <>
-Result<PulseReport> Decode(std::span<const std::byte> payload) {
+Result<PastRequest> Decode(std::span<const std::byte> payload) {
   ByteReader in(payload);
-  PulseReport m;
+  PastRequest m;
   m.first_tick = in.Get<std::uint64_t>();
-  const auto count = in.Get<std::uint16_t>();
-  if (!in.good() || count == 0 || count > kMaxReportTicks ||
-      GoesRound(m.first_tick, count))
-    return Unreadable("PulseReport");
-  for (int i = 0; i < count; ++i) {
-    const auto outcome = in.Get<std::uint8_t>();
-    if (outcome > static_cast<std::uint8_t>(TickOutcome::kTooLate)) {
-      return Unreadable("PulseReport");
-    }
-    m.outcome.push_back(static_cast<TickOutcome>(outcome));
+  m.count = in.Get<std::uint16_t>();
+  if (!in.finished() || m.count == 0 || m.count > kMaxReportTicks ||
+      GoesRound(m.first_tick, m.count)) {
+    return Unreadable("PastRequest");
   }
-  if (!in.finished()) return Unreadable("PulseReport");
   return m;
 }
 

@@ -30,10 +30,12 @@ enum class LaserFrame : std::uint8_t {
   kLaserStop = 0x14,   ///< no payload: emergency stop; latched until kLaserReset
   kLaserReset = 0x15,  ///< no payload: leaves the safe state when its cause is gone
   kLaserStatusRequest = 0x16,  ///< no payload
+  kPastRequest = 0x17,
   // device -> host
   kLaserIdentity = 0x20,  ///< once after every handshake
   kLaserStatus = 0x21,    ///< on request, on every change of an interlock, every 20 ms
   kPulseReport = 0x22,
+  kPastReport = 0x23,  ///< the answer to every kPastRequest
 };
 
 struct LampCommand {
@@ -97,6 +99,7 @@ enum class TickOutcome : std::uint8_t {
   kLampNotReady = 5,
   kShutterClosed = 6,
   kTooLate = 7,
+  kNoLongerKnown = 8,  ///< only in a PastReport
 };
 
 /// Every decided tick is reported once, in order, without gap; a late one in a report
@@ -107,6 +110,21 @@ struct PulseReport {
 };
 inline constexpr std::size_t kMaxReportTicks = 512;
 
+/// What came of ticks that have passed, whoever decided them, in whatever session.
+struct PastRequest {
+  std::uint64_t first_tick = 0;
+  std::uint16_t count = 1;  ///< 1..kMaxReportTicks
+};
+
+/// A tick that was not decided, or has not passed, is kNotArmed. What was to fire and had
+/// not passed can still come: ask after a Disarm that a status counts.
+struct PastReport {
+  std::uint64_t first_tick = 0;
+  std::vector<TickOutcome> outcome;  ///< at most kMaxReportTicks, one a tick
+};
+/// A controller remembers at least this many ticks up to the newest, since its power-up.
+inline constexpr std::size_t kRememberedTicks = 65536;
+
 using Bytes = std::vector<std::byte>;
 Bytes Encode(const LampCommand& m);
 Bytes Encode(const ShutterCommand& m);
@@ -114,6 +132,8 @@ Bytes Encode(const ArmWindow& m);
 Bytes Encode(const LaserIdentity& m);
 Bytes Encode(const LaserStatus& m);
 Bytes Encode(const PulseReport& m);
+Bytes Encode(const PastRequest& m);
+Bytes Encode(const PastReport& m);
 
 /// Decode<T>: kUnreadable when the payload is shorter, longer or out of range.
 template <typename T>
@@ -130,5 +150,9 @@ template <>
 Result<LaserStatus> Decode(std::span<const std::byte> payload);
 template <>
 Result<PulseReport> Decode(std::span<const std::byte> payload);
+template <>
+Result<PastRequest> Decode(std::span<const std::byte> payload);
+template <>
+Result<PastReport> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link

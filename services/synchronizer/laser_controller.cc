@@ -7,9 +7,9 @@ using link::LaserFrame;
 LaserController::LaserController(link::StreamOpener open, link::SteadyClock clock)
     : session_(std::move(open), std::move(clock)) {}
 
-void LaserController::Poll(const ReportSink& sink) {
+void LaserController::Poll(const ReportSink& sink, const PastSink& past) {
   session_.Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
-    Handle(static_cast<LaserFrame>(type), payload, sink);
+    Handle(static_cast<LaserFrame>(type), payload, sink, past);
   });
   // Not merely silent for a moment: then the session goes on, and no identity comes
   // again.
@@ -21,7 +21,7 @@ void LaserController::Poll(const ReportSink& sink) {
 }
 
 void LaserController::Handle(LaserFrame type, std::span<const std::byte> payload,
-                             const ReportSink& sink) {
+                             const ReportSink& sink, const PastSink& past) {
   if (type == LaserFrame::kLaserIdentity) {
     const auto identity = link::Decode<link::LaserIdentity>(payload);
     if (!identity) return;
@@ -38,6 +38,9 @@ void LaserController::Handle(LaserFrame type, std::span<const std::byte> payload
     ++status_number_;
   } else if (type == LaserFrame::kPulseReport) {
     if (const auto report = link::Decode<link::PulseReport>(payload)) sink(*report);
+  } else if (type == LaserFrame::kPastReport) {
+    const auto report = link::Decode<link::PastReport>(payload);
+    if (report && past) past(*report);
   }
 }
 
@@ -65,6 +68,12 @@ Status LaserController::Disarm() {
 Status LaserController::Reset() { return SendFrame(LaserFrame::kLaserReset); }
 Status LaserController::RequestStatus() {
   return SendFrame(LaserFrame::kLaserStatusRequest);
+}
+
+bool LaserController::RequestPast(std::uint64_t first_tick, std::uint16_t count) {
+  return CanSend() &&
+         SendFrame(LaserFrame::kPastRequest, Encode(link::PastRequest{first_tick, count}))
+             .has_value();
 }
 
 }  // namespace intaglio::synchronizer

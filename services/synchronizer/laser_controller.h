@@ -15,11 +15,13 @@ namespace intaglio::synchronizer {
 class LaserController {
  public:
   using ReportSink = std::function<void(const link::PulseReport&)>;
+  using PastSink = std::function<void(const link::PastReport&)>;
 
   LaserController(link::StreamOpener open, link::SteadyClock clock);
 
-  /// Moves bytes and takes what came; `sink` gets every pulse report once, in order.
-  void Poll(const ReportSink& sink);
+  /// Moves bytes and takes what came; `sink` gets every pulse report once, in order,
+  /// `past` every answer to RequestPast.
+  void Poll(const ReportSink& sink, const PastSink& past = nullptr);
 
   /// Up, identified, and a status of this session has come.
   bool up() const { return session_.up() && identified_ && status_number_ > 0; }
@@ -45,10 +47,13 @@ class LaserController {
   Status Disarm();
   Status Reset();
   Status RequestStatus();
+  /// Asks what came of `count` ticks (1..link::kMaxReportTicks), whichever session armed
+  /// them. False: the line takes nothing now. A new session loses what was asked before.
+  bool RequestPast(std::uint64_t first_tick, std::uint16_t count);
 
  private:
   void Handle(link::LaserFrame type, std::span<const std::byte> payload,
-              const ReportSink& sink);
+              const ReportSink& sink, const PastSink& past);
   Status SendFrame(link::LaserFrame type, const link::Bytes& payload = {});
 
   link::LineSession session_;

@@ -33,6 +33,8 @@ Meaning MeaningOf(TickOutcome outcome) {
       return {PointOutcome::kSkipped, SkipReason::kShutter};
     case TickOutcome::kTooLate:
       return {PointOutcome::kSkipped, SkipReason::kLate};
+    case TickOutcome::kNoLongerKnown:
+      break;
   }
   return {PointOutcome::kUncertain, SkipReason::kNone};
 }
@@ -81,13 +83,33 @@ void PulseSchedule::SettleOne(Entry& entry, PointOutcome outcome, SkipReason rea
   sink({entry.tick, entry.point, outcome, reason});
 }
 
+bool PulseSchedule::AddArmed(std::uint64_t tick, std::uint32_t point) {
+  if (!entries_.empty() && entries_.back().tick >= tick) return false;
+  entries_.push_back({tick, point, true});
+  decided_ = entries_.size();
+  ++armed_count_;
+  return true;
+}
+
+void PulseSchedule::ApplyOne(std::uint64_t tick, TickOutcome outcome,
+                             const ResultSink& sink) {
+  Entry* entry = Find(tick);
+  if (entry == nullptr) return;
+  const Meaning meaning = MeaningOf(outcome);
+  SettleOne(*entry, meaning.outcome, meaning.reason, sink);
+}
+
 void PulseSchedule::Apply(const link::PulseReport& report, const ResultSink& sink) {
   for (std::size_t i = 0; i < report.outcome.size(); ++i) {
     if (report.outcome[i] == TickOutcome::kNotArmed) continue;
-    Entry* entry = Find(report.first_tick + i);
-    if (entry == nullptr) continue;
-    const Meaning meaning = MeaningOf(report.outcome[i]);
-    SettleOne(*entry, meaning.outcome, meaning.reason, sink);
+    ApplyOne(report.first_tick + i, report.outcome[i], sink);
+  }
+  PopSettled();
+}
+
+void PulseSchedule::Apply(const link::PastReport& report, const ResultSink& sink) {
+  for (std::size_t i = 0; i < report.outcome.size(); ++i) {
+    ApplyOne(report.first_tick + i, report.outcome[i], sink);
   }
   PopSettled();
 }

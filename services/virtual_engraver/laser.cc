@@ -87,6 +87,7 @@ TickOutcome Laser::OutcomeAt(bool armed, bool gated, bool in_position) const {
 
 std::uint8_t Laser::AdvanceTick(bool in_position) {
   ++tick_;
+  past_[tick_ % past_.size()] = TickOutcome::kNotArmed;
   machine_s_ += 1 / rate_hz_;
   if (lamp_on_) lamp_s_ += 1 / rate_hz_;
   rate_hz_ = next_rate_hz_;
@@ -106,7 +107,9 @@ std::uint8_t Laser::AdvanceTick(bool in_position) {
 }
 
 void Laser::Seen(bool crack) {
-  if (!crack) reports_.back().outcome.back() = TickOutcome::kFiredUnseen;
+  if (crack) return;
+  reports_.back().outcome.back() = TickOutcome::kFiredUnseen;
+  past_[tick_ % past_.size()] = TickOutcome::kFiredUnseen;
 }
 
 void Laser::Note(std::uint64_t tick, TickOutcome outcome) {
@@ -116,10 +119,26 @@ void Laser::Note(std::uint64_t tick, TickOutcome outcome) {
       reports_.back().outcome.size() < link::kMaxReportTicks;
   if (!follows) reports_.push_back({tick, {}});
   reports_.back().outcome.push_back(outcome);
+  past_[tick % past_.size()] = outcome;
 }
 
 std::vector<link::PulseReport> Laser::TakeReports() {
   return std::exchange(reports_, {});
+}
+
+link::PastReport Laser::Past(const link::PastRequest& asked) const {
+  link::PastReport report{asked.first_tick, {}};
+  for (std::uint64_t i = 0; i < asked.count; ++i) {
+    const std::uint64_t tick = asked.first_tick + i;
+    if (tick > tick_) {
+      report.outcome.push_back(TickOutcome::kNotArmed);
+    } else if (tick_ - tick >= past_.size()) {
+      report.outcome.push_back(TickOutcome::kNoLongerKnown);
+    } else {
+      report.outcome.push_back(past_[tick % past_.size()]);
+    }
+  }
+  return report;
 }
 
 link::LaserStatus Laser::Report() const {

@@ -8,6 +8,7 @@
 //
 // The first link that does not hold is the outcome. Not thread-safe; time is AdvanceTick.
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <vector>
@@ -64,6 +65,8 @@ class Laser {
   link::LaserIdentity Identity() const;
   /// Outcomes since the last call, late ones in reports of their own.
   std::vector<link::PulseReport> TakeReports();
+  /// What came of any ticks since power-up, whichever session they were decided in.
+  link::PastReport Past(const link::PastRequest& asked) const;
 
  private:
   bool interlocked() const;
@@ -85,6 +88,8 @@ class Laser {
   std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;
   std::uint32_t disarms_taken_ = 0;
   std::vector<link::PulseReport> reports_;
+  // Outcome of tick t at t modulo the size.
+  std::array<link::TickOutcome, link::kRememberedTicks> past_{};
 };
 
 }  // namespace intaglio::virtual_engraver

@@ -128,6 +128,11 @@ void Machine::HandleLaser(LaserFrame type, std::span<const std::byte> payload) {
     case LaserFrame::kLaserStatusRequest:
       laser_line_.status_asked = true;
       return;
+    case LaserFrame::kPastRequest:
+      if (const auto m = link::Decode<link::PastRequest>(payload)) {
+        laser_line_.Say(Number(LaserFrame::kPastReport), Encode(laser_.Past(*m)));
+      }
+      return;
     default:
       return;  // a frame of another version of the protocol
   }

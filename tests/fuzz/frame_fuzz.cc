@@ -36,6 +36,8 @@ void TryAll(std::span<const std::byte> payload) {
   Try<LaserIdentity>(payload);
   Try<LaserStatus>(payload);
   Try<PulseReport>(payload);
+  Try<PastRequest>(payload);
+  Try<PastReport>(payload);
   Try<BeginRun>(payload);
   Try<Segments>(payload);
   Try<MotionIdentity>(payload);

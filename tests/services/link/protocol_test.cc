@@ -78,6 +78,8 @@ const std::map<std::string, Taker> kTakers = {
     {"LaserIdentity", Taken<LaserIdentity>},
     {"LaserStatus", Taken<LaserStatus>},
     {"PulseReport", Taken<PulseReport>},
+    {"PastRequest", Taken<PastRequest>},
+    {"PastReport", Taken<PastReport>},
     {"BeginRun", Taken<BeginRun>},
     {"Segments", Taken<Segments>},
     {"MotionIdentity", Taken<MotionIdentity>},
@@ -126,6 +128,12 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {NAN}, ""})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(8)}})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {}})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(9)}})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {}})));
+  EXPECT_FALSE(Taken<PastReport>(
+      Encode(PastReport{1, std::vector<TickOutcome>(kMaxReportTicks + 1)})));
+  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{1, 0})));
+  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{1, kMaxReportTicks + 1})));
   const Segments one{1, 0, {WireSegment{1, 2, 3, 4, 5, 6, 7, false, false}}};
   EXPECT_TRUE(Taken<Segments>(Encode(one)));
   Segments still = one;
@@ -180,6 +188,10 @@ TEST(Protocols, TicksThatGoRoundAreRefused) {
   const std::vector<TickOutcome> outcome(4);
   EXPECT_TRUE(Taken<PulseReport>(Encode(PulseReport{kEnd - 4, outcome})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{kEnd - 3, outcome})));
+  EXPECT_TRUE(Taken<PastReport>(Encode(PastReport{kEnd - 4, outcome})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{kEnd - 3, outcome})));
+  EXPECT_TRUE(Taken<PastRequest>(Encode(PastRequest{kEnd - 4, 4})));
+  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{kEnd - 3, 4})));
   const std::vector<Positions::Position> positions(4);
   EXPECT_TRUE(Taken<Positions>(Encode(Positions{1, kEnd - 4, positions})));
   EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, kEnd - 3, positions})));

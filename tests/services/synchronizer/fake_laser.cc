@@ -22,6 +22,7 @@ void FakeLaser::PowerCycle(std::unique_ptr<link::ByteStream> end) {
   shutters_ = 0;
   decided_.clear();
   outcomes_.clear();
+  past_.clear();
   Plug(std::move(end));
 }
 
@@ -71,6 +72,9 @@ void FakeLaser::Receive(LaserFrame type, std::span<const std::byte> payload) {
     case LaserFrame::kLaserStatusRequest:
       status_asked_ = true;
       return;
+    case LaserFrame::kPastRequest:
+      return Say(LaserFrame::kPastReport,
+                 Encode(Past(*link::Decode<link::PastRequest>(payload))));
     default:
       return;
   }
@@ -138,11 +142,24 @@ void FakeLaser::AdvanceTick(bool in_position, const Vec3& at_mm) {
       OutcomeAt(found->second.fire, found->second.gated, in_position);
   decided_.erase(found);
   outcomes_.emplace_back(tick_, outcome);
+  past_[tick_] = outcome;
   if (outcome != TickOutcome::kFiredSeen && outcome != TickOutcome::kFiredUnseen) return;
   ++pulse_count_;
   last_fired_tick_ = tick_;
   newest_pulse_at_ = clock_();
   cracks_.push_back({power_up_, tick_, at_mm, !blind});
+}
+
+link::PastReport FakeLaser::Past(const link::PastRequest& asked) const {
+  link::PastReport report{asked.first_tick, {}};
+  for (std::uint64_t t = asked.first_tick; t < asked.first_tick + asked.count; ++t) {
+    const auto found = past_.find(t);
+    const bool lost = t <= tick_ && (forgets || t + link::kRememberedTicks <= tick_);
+    report.outcome.push_back(lost                   ? TickOutcome::kNoLongerKnown
+                             : found == past_.end() ? TickOutcome::kNotArmed
+                                                    : found->second);
+  }
+  return report;
 }
 
 void FakeLaser::Say(LaserFrame type, link::Bytes payload) {

@@ -63,6 +63,7 @@ class FakeLaser {
   bool shutter_stuck = false;  ///< closed, whatever is commanded
   bool blind = false;          ///< the photosensor sees no crack
   bool mute = false;           ///< keeps the line alive and says nothing of itself
+  bool forgets = false;        ///< nothing that was asked about the past is known
   /// Called with each tick that is about to be armed, before it is.
   std::function<void(std::uint64_t tick)> on_arm;
 
@@ -73,6 +74,7 @@ class FakeLaser {
   void Say(link::LaserFrame type, link::Bytes payload);
   void SayReports();
   void Tell();
+  link::PastReport Past(const link::PastRequest& asked) const;
   link::LaserStatus Status() const;
   bool warm() const { return burns() && lamp_s_ >= kWarmUpS; }
   bool burns() const { return lamp_on_ && !lamp_dead; }
@@ -99,6 +101,7 @@ class FakeLaser {
   std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;
   std::uint32_t disarms_taken_ = 0;
   std::vector<std::pair<std::uint64_t, link::TickOutcome>> outcomes_;
+  std::map<std::uint64_t, link::TickOutcome> past_;  // of decided ticks since power-up
   std::deque<std::pair<link::LaserFrame, link::Bytes>> waiting_;
   bool status_asked_ = false;
   std::uint32_t told_ = 0;

@@ -285,6 +285,44 @@ TEST(Laser, ANewHostFindsNothingArmed) {
   EXPECT_EQ(laser.Report().pulse_count, 1u) << "the counter is the machine's";
 }
 
+// The host that armed a tick may be dead when its outcome is asked for.
+TEST(Laser, RemembersWhatCameOfEveryTickOverSessions) {
+  Laser laser = ReadyLaser();  // at tick 10
+  laser.Decide({11, false, {true, false, true, true}});
+  laser.AdvanceTick(false);
+  laser.Seen(true);
+  laser.AdvanceTick(false);
+  laser.AdvanceTick(false);
+  laser.Seen(false);
+  laser.NewSession();  // tick 14 is armed no longer
+  laser.AdvanceTick(true);
+  laser.Decide(FireAt(15));
+  laser.Decide(FireAt(12));  // too late: that is not what came of tick 12
+  laser.SetDoor(false);
+  laser.AdvanceTick(false);
+  laser.Decide(FireAt(16));  // to come
+  const link::PastReport past = laser.Past({9, 9});
+  EXPECT_EQ(past.first_tick, 9u);
+  EXPECT_EQ(past.outcome, (std::vector{TickOutcome::kNotArmed, TickOutcome::kNotArmed,
+                                       TickOutcome::kFiredSeen, TickOutcome::kNotArmed,
+                                       TickOutcome::kFiredUnseen, TickOutcome::kNotArmed,
+                                       TickOutcome::kInterlocked, TickOutcome::kNotArmed,
+                                       TickOutcome::kNotArmed}));
+}
+
+TEST(Laser, RemembersTheNewestTicksAndSaysWhatItForgot) {
+  Laser laser = ReadyLaser();
+  laser.Decide({11, false, {true, true}});
+  while (laser.tick() < 11 + link::kRememberedTicks) laser.AdvanceTick(false);
+  EXPECT_EQ(laser.Past({11, 2}).outcome,
+            (std::vector{TickOutcome::kNoLongerKnown, TickOutcome::kFiredSeen}));
+  laser.AdvanceTick(false);
+  EXPECT_EQ(laser.Past({12, 2}).outcome,
+            (std::vector{TickOutcome::kNoLongerKnown, TickOutcome::kNotArmed}));
+  const std::uint64_t end = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(laser.Past({end - 2, 2}).outcome, std::vector(2, TickOutcome::kNotArmed));
+}
+
 // A host may send any number: a window at the end of the count must neither fire nor
 // hang.
 TEST(Laser, WildWindowsDoNothing) {
