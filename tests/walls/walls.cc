@@ -29,10 +29,11 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"proto", {"engrave/*", "materials_db", "proto"}},
     {"services/bus", {"engrave/core", "idl"}},
     {"services/link", {"engrave/core"}},
+    {"services/recording", {"engrave/core"}},
     {"services/host", {"engrave/core", "services/bus", "services/link", "idl", "proto"}},
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/bus", "services/link",
-      "services/host"}},
+      "services/host", "services/recording"}},
     {"services/virtual_engraver", {"engrave/core", "engrave/formats", "services/link"}},
 };
 

@@ -1,0 +1,109 @@
+#include "services/recording/append_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+#include <vector>
+
+#include "services/recording/mcap_records.h"
+
+namespace intaglio::recording {
+namespace {
+
+tl::unexpected<Error> Refused(const std::filesystem::path& path, const char* what) {
+  const int reason = errno;
+  const char* remedy = reason == ENOSPC || reason == EDQUOT
+                           ? "make room, or record elsewhere"
+                           : "check the folder, the permissions and the disk";
+  return Fail(ErrorCode::kIo,
+              fmt::format("cannot {} the recording {}: {}; {}", what, path.string(),
+                          std::strerror(reason), remedy),
+              path.string());
+}
+
+/// writev until everything is written; false with errno otherwise.
+bool WriteAll(int descriptor, std::vector<iovec>& pieces) {
+  std::size_t first = 0;
+  while (first < pieces.size()) {
+    if (pieces[first].iov_len == 0) {
+      ++first;
+      continue;
+    }
+    const ssize_t written = writev(descriptor, pieces.data() + first,
+                                   static_cast<int>(pieces.size() - first));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    auto left = static_cast<std::size_t>(written);
+    while (first < pieces.size() && left >= pieces[first].iov_len) {
+      left -= pieces[first++].iov_len;
+    }
+    if (left > 0) {
+      pieces[first].iov_base = static_cast<char*>(pieces[first].iov_base) + left;
+      pieces[first].iov_len -= left;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<AppendFile> AppendFile::Create(const std::filesystem::path& path) {
+  const int descriptor =
+      open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) return Refused(path, "make");
+  return AppendFile(descriptor, path);
+}
+
+AppendFile::AppendFile(int descriptor, std::filesystem::path path)
+    : descriptor_(descriptor), path_(std::move(path)) {}
+
+AppendFile::AppendFile(AppendFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      path_(std::move(other.path_)),
+      size_(other.size_),
+      crc_(other.crc_) {}
+
+AppendFile& AppendFile::operator=(AppendFile&& other) noexcept {
+  if (this == &other) return *this;
+  if (descriptor_ >= 0) close(descriptor_);
+  descriptor_ = std::exchange(other.descriptor_, -1);
+  path_ = std::move(other.path_);
+  size_ = other.size_;
+  crc_ = other.crc_;
+  return *this;
+}
+
+AppendFile::~AppendFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+Status AppendFile::Append(std::initializer_list<ByteView> pieces) {
+  std::vector<iovec> vectors;
+  std::uint64_t total = 0;
+  for (const ByteView piece : pieces) {
+    vectors.push_back({const_cast<std::byte*>(piece.data()), piece.size()});
+    total += piece.size();
+  }
+  if (!WriteAll(descriptor_, vectors)) {
+    auto refused = Refused(path_, "write");
+    // A torn record in mid-file would end every reading there.
+    if (ftruncate(descriptor_, static_cast<off_t>(size_)) == 0) {
+      (void)lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET);
+    }
+    return refused;
+  }
+  for (const ByteView piece : pieces) crc_ = Crc32(piece, crc_);
+  size_ += total;
+  return {};
+}
+
+Status AppendFile::Sync() {
+  if (fdatasync(descriptor_) != 0) return Refused(path_, "keep");
+  return {};
+}
+
+}  // namespace intaglio::recording

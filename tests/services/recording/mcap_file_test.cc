@@ -1,0 +1,283 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "services/recording/mcap_reader.h"
+#include "services/recording/mcap_writer.h"
+#include "services/recording/message_cursor.h"
+#include "tests/services/recording/recorded.h"
+
+namespace intaglio::recording {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr std::uint64_t kSecond = 1'000'000'000;
+
+Bytes Text(const std::string& text) {
+  const auto raw = std::as_bytes(std::span(text));
+  return {raw.begin(), raw.end()};
+}
+
+class McapFile : public ::testing::Test {
+ protected:
+  McapFile()
+      : folder_(fs::path(INTAGLIO_TEST_DIR) / "mcap_file" /
+                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+
+  /// Two topics over three seconds, in several chunks, with attachment and metadata.
+  std::vector<Recorded> WriteSession(const fs::path& file, bool compress,
+                                     bool close = true) const {
+    WriterOptions options{.library = "intaglio test", .chunk_bytes = 4000};
+    options.compress = compress;
+    auto writer = McapWriter::Create(file, options).value();
+    const auto schema = writer.AddSchema("shop::Status", "omgidl", "module shop {};");
+    const auto fast =
+        writer.AddChannel({0, schema, "Status", "cdr", {{"partition", "a"}}});
+    const auto slow = writer.AddChannel({0, 0, "Raw", "cdr", {}});
+    EXPECT_TRUE(writer.Write(Attachment{1, 2, "job", "text/plain", Text("a job")}));
+    std::mt19937 random(7);
+    std::vector<Recorded> all;
+    for (std::uint32_t i = 0; i < 300; ++i) {
+      Recorded message{i % 7 == 0 ? slow : fast, i, 5 * kSecond + i * kSecond / 100,
+                       4 * kSecond + i, Bytes(random() % 120)};
+      for (auto& byte : message.payload) byte = std::byte(random());
+      EXPECT_TRUE(writer.Write(message.view()));
+      all.push_back(std::move(message));
+    }
+    EXPECT_TRUE(writer.Write(Metadata{"missing", {{"topic", "Raw"}, {"count", "3"}}}));
+    if (close) {
+      EXPECT_TRUE(writer.Close());
+    } else {
+      EXPECT_TRUE(writer.Flush());
+    }
+    return all;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(McapFile, GivesBackWhatWasWritten) {
+  for (const bool compress : {false, true}) {
+    const auto written = WriteSession(folder_ / "a.mcap", compress);
+    const auto reader = McapReader::Open(folder_ / "a.mcap");
+    ASSERT_TRUE(reader) << reader.error().message;
+    const RecordingContents& contents = reader->contents();
+    EXPECT_TRUE(contents.complete);
+    EXPECT_THAT(contents.damages, IsEmpty());
+    EXPECT_EQ(contents.header.library, "intaglio test");
+    EXPECT_EQ(contents.header.profile, "");
+    ASSERT_THAT(contents.channels, SizeIs(2));
+    EXPECT_EQ(contents.channels.at(0).topic, "Status");
+    EXPECT_EQ(contents.channels.at(0).metadata.at("partition"), "a");
+    EXPECT_EQ(reader->SchemaOf(contents.channels.at(0))->text, "module shop {};");
+    EXPECT_EQ(reader->SchemaOf(contents.channels.at(1)), nullptr);
+    EXPECT_EQ(contents.statistics.message_count, 300u);
+    EXPECT_EQ(contents.statistics.start_ns, 5 * kSecond);
+    EXPECT_GT(contents.blocks.size(), 3u);
+    EXPECT_EQ(MessagesOf(*reader), written);
+    ASSERT_THAT(contents.attachments, SizeIs(1));
+    EXPECT_EQ(reader->Read(contents.attachments[0])->content, Text("a job"));
+    const auto missing = reader->ReadMetadata("missing");
+    ASSERT_TRUE(missing);
+    ASSERT_THAT(*missing, SizeIs(1));
+    EXPECT_EQ((*missing)[0].entries.at("count"), "3");
+  }
+}
+
+TEST_F(McapFile, AnEmptyRecordingIsWhole) {
+  auto writer = McapWriter::Create(folder_ / "a.mcap", {.library = "x"}).value();
+  ASSERT_TRUE(writer.Close());
+  const auto reader = McapReader::Open(folder_ / "a.mcap");
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->contents().complete);
+  EXPECT_THAT(MessagesOf(*reader), IsEmpty());
+}
+
+TEST_F(McapFile, SummaryAndWalkTellTheSame) {
+  WriteSession(folder_ / "a.mcap", true);
+  WriteSession(folder_ / "b.mcap", true, false);
+  const auto whole = McapReader::Open(folder_ / "a.mcap");
+  const auto open = McapReader::Open(folder_ / "b.mcap");
+  ASSERT_TRUE(whole && open);
+  EXPECT_FALSE(open->contents().complete);
+  EXPECT_EQ(open->contents().torn_bytes, 0u);
+  EXPECT_EQ(MessagesOf(*open), MessagesOf(*whole));
+  EXPECT_EQ(open->contents().channels, whole->contents().channels);
+  EXPECT_EQ(open->contents().schemas, whole->contents().schemas);
+  const Statistics& a = whole->contents().statistics;
+  const Statistics& b = open->contents().statistics;
+  EXPECT_EQ(a.message_counts, b.message_counts);
+  EXPECT_EQ(a.chunk_count, b.chunk_count);
+  EXPECT_EQ(a.start_ns, b.start_ns);
+  EXPECT_EQ(a.end_ns, b.end_ns);
+  EXPECT_EQ(a.attachment_count, b.attachment_count);
+  EXPECT_EQ(a.metadata_count, b.metadata_count);
+}
+
+TEST_F(McapFile, TimesAndChannelsSelect) {
+  const auto written = WriteSession(folder_ / "a.mcap", true);
+  const auto reader = McapReader::Open(folder_ / "a.mcap").value();
+  MessageQuery query{.from_ns = written[50].log_time_ns,
+                     .to_ns = written[90].log_time_ns,
+                     .channels = std::set<std::uint16_t>{1}};
+  std::vector<Recorded> expected;
+  for (std::size_t i = 50; i < 90; ++i) {
+    if (written[i].channel_id == 1) expected.push_back(written[i]);
+  }
+  EXPECT_EQ(MessagesOf(reader, query), expected);
+}
+
+TEST_F(McapFile, MessagesComeByTimeWhateverTheirChunks) {
+  WriterOptions options{.library = "x", .chunk_bytes = 200};
+  auto writer = McapWriter::Create(folder_ / "a.mcap", options).value();
+  const auto channel = writer.AddChannel({0, 0, "T", "cdr", {}});
+  std::mt19937 random(3);
+  std::vector<std::uint64_t> times;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    times.push_back(1000 + random() % 500);
+    const Bytes payload(16);
+    ASSERT_TRUE(writer.Write(MessageView{channel, i, times.back(), 0, payload}));
+  }
+  ASSERT_TRUE(writer.Close());
+  std::sort(times.begin(), times.end());
+  std::vector<std::uint64_t> read;
+  for (const auto& message : MessagesOf(McapReader::Open(folder_ / "a.mcap").value())) {
+    read.push_back(message.log_time_ns);
+  }
+  EXPECT_EQ(read, times);
+}
+
+TEST_F(McapFile, ChunkIsWrittenWhenItIsASecondOld) {
+  auto writer = McapWriter::Create(folder_ / "a.mcap", {.library = "x"}).value();
+  const auto channel = writer.AddChannel({0, 0, "T", "cdr", {}});
+  ASSERT_TRUE(writer.Write(MessageView{channel, 0, 10 * kSecond, 0, {}}));
+  ASSERT_TRUE(writer.FlushIfOld(11 * kSecond - 1));
+  EXPECT_EQ(writer.statistics().chunk_count, 0u);
+  ASSERT_TRUE(writer.FlushIfOld(11 * kSecond));
+  EXPECT_EQ(writer.statistics().chunk_count, 1u);
+  EXPECT_THAT(MessagesOf(McapReader::Open(folder_ / "a.mcap").value()), SizeIs(1));
+}
+
+// Every length from nothing to the whole file; the messages that are read are those of
+// the chunks that lie whole in front of the cut.
+TEST_F(McapFile, CutAtEveryByteIsReadUpToTheLastWholeChunk) {
+  const auto written = WriteSession(folder_ / "a.mcap", true);
+  const Bytes bytes = BytesOf(folder_ / "a.mcap");
+  const auto blocks = McapReader::Open(folder_ / "a.mcap")->contents().blocks;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const auto cut = McapReader::Open(
+        MakeMemorySource("cut", Bytes(bytes.begin(), bytes.begin() + long(size))));
+    if (size < kMagicSize) {
+      EXPECT_FALSE(cut);
+      continue;
+    }
+    ASSERT_TRUE(cut) << size << ": " << cut.error().message;
+    std::size_t whole = 0;
+    while (whole < blocks.size() && blocks[whole].offset + blocks[whole].length <= size) {
+      ++whole;
+    }
+    ASSERT_THAT(cut->contents().blocks, SizeIs(whole)) << size;
+    EXPECT_FALSE(cut->contents().complete);
+    EXPECT_THAT(cut->contents().damages, IsEmpty());
+    const bool at_a_chunk =
+        whole > 0 && blocks[whole - 1].offset + blocks[whole - 1].length == size;
+    if (!at_a_chunk) continue;
+    const auto read = MessagesOf(*cut);
+    ASSERT_LE(read.size(), written.size());
+    EXPECT_TRUE(std::equal(read.begin(), read.end(), written.begin())) << size;
+    EXPECT_EQ(read.back().log_time_ns, blocks[whole - 1].end_ns);
+  }
+}
+
+TEST_F(McapFile, DamagedChunkCostsItsOwnMessagesOnly) {
+  for (const bool close : {true, false}) {
+    const auto written = WriteSession(folder_ / "a.mcap", true, close);
+    Bytes bytes = BytesOf(folder_ / "a.mcap");
+    const auto blocks = McapReader::Open(folder_ / "a.mcap")->contents().blocks;
+    const MessageBlock& hit = blocks[1];
+    bytes[hit.offset + hit.length / 2] ^= std::byte(0x40);
+    const auto reader = McapReader::Open(MakeMemorySource("hit.mcap", bytes)).value();
+    MessageCursor cursor(reader);
+    std::size_t count = 0, errors = 0;
+    for (;;) {
+      const auto message = cursor.Next();
+      if (!message) {
+        ++errors;
+        EXPECT_THAT(message.error().message, HasSubstr("hit.mcap"));
+        EXPECT_THAT(message.error().message, HasSubstr(std::to_string(hit.offset)));
+        EXPECT_THAT(message.error().message, HasSubstr("repair"));
+        continue;
+      }
+      if (!*message) break;
+      ++count;
+    }
+    const auto lost = static_cast<std::size_t>(
+        std::count_if(written.begin(), written.end(), [&](const Recorded& message) {
+          return message.log_time_ns >= hit.start_ns && message.log_time_ns <= hit.end_ns;
+        }));
+    EXPECT_EQ(count, written.size() - lost);
+    EXPECT_EQ(errors + reader.contents().damages.size(), 1u);
+  }
+}
+
+// Any one bit: an error or a reading, never a crash, and never a message that was not
+// written.
+TEST_F(McapFile, FlippedBitMakesNoWrongMessage) {
+  const auto written = WriteSession(folder_ / "a.mcap", true);
+  const Bytes bytes = BytesOf(folder_ / "a.mcap");
+  std::mt19937 random(11);
+  for (int i = 0; i < 2000; ++i) {
+    Bytes hit = bytes;
+    hit[random() % hit.size()] ^= std::byte(1u << (random() % 8));
+    const auto reader = McapReader::Open(MakeMemorySource("hit", std::move(hit)));
+    if (!reader) continue;
+    for (const auto& message : MessagesOf(*reader)) {
+      ASSERT_LT(message.sequence, written.size());
+      EXPECT_EQ(message.payload, written[message.sequence].payload);
+    }
+  }
+}
+
+TEST_F(McapFile, WhatIsNoRecordingIsRefusedByName) {
+  std::ofstream(folder_ / "a.mcap") << "solid cube";
+  const auto text = McapReader::Open(folder_ / "a.mcap");
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().code, ErrorCode::kUnreadable);
+  EXPECT_THAT(text.error().message, HasSubstr("a.mcap"));
+  EXPECT_EQ(McapReader::Open(folder_ / "none").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(McapReader::Open(folder_).error().code, ErrorCode::kIo);
+}
+
+TEST_F(McapFile, ClaimedSizesAreBounded) {
+  Bytes bytes;
+  PutRaw(bytes, std::as_bytes(std::span(kMagic, kMagicSize)));
+  Encode(bytes, Header{"", "x"});
+  ChunkHead head{1, 2, 1ull << 60, 1, "zstd", 4};
+  EncodeChunkHead(bytes, head);
+  Put<std::uint32_t>(bytes, 0);
+  const auto reader = McapReader::Open(MakeMemorySource("bomb", bytes));
+  ASSERT_TRUE(reader);
+  EXPECT_THAT(reader->contents().blocks, IsEmpty());
+  EXPECT_THAT(reader->contents().damages, ElementsAre(HasSubstr("more than")));
+}
+
+TEST_F(McapFile, FullDiskIsToldWithTheRemedy) {
+  auto writer = McapWriter::Create("/dev/full", {.library = "x"});
+  ASSERT_FALSE(writer);
+  EXPECT_EQ(writer.error().code, ErrorCode::kIo);
+  EXPECT_THAT(writer.error().message, HasSubstr("make room"));
+}
+
+}  // namespace
+}  // namespace intaglio::recording
