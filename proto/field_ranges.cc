@@ -77,6 +77,7 @@ constexpr std::array kRanges = {
     FieldRange{"LaserOptions", "wavelength_nm", 200, 2000},
     FieldRange{"LaserOptions", "pulse_energy_mj", 0.001, 10000},
     FieldRange{"LaserOptions", "channels", 1, 4},
+    FieldRange{"JobSpec", "priority", -100, 100},
     FieldRange{"AxisLimits", "travel_min_mm", -10000, 10000},
     FieldRange{"AxisLimits", "travel_max_mm", -10000, 10000},
     FieldRange{"AxisLimits", "max_speed_mm_s", 0.1, 5000},
@@ -122,6 +123,10 @@ double NumberOf(const pb::Message& message, const pb::FieldDescriptor& field, in
   if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32) {
     return repeated ? reflection.GetRepeatedUInt32(message, &field, index)
                     : reflection.GetUInt32(message, &field);
+  }
+  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_INT32) {
+    return repeated ? reflection.GetRepeatedInt32(message, &field, index)
+                    : reflection.GetInt32(message, &field);
   }
   return repeated ? reflection.GetRepeatedDouble(message, &field, index)
                   : reflection.GetDouble(message, &field);

@@ -31,6 +31,11 @@ constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
   return intaglio_ROLE_SYNCHRONIZER;
 }
 
+/// Higher priorities first; of equal ones in the order of submission.
+std::pair<std::int32_t, std::uint32_t> TurnOf(const JobRecord& job) {
+  return {-job.priority, job.number};
+}
+
 // Failures that a neighbour's death causes as well: worth another attempt.
 bool MayBeANeighbours(const std::string& error_code) {
   return error_code == "link_lost" || error_code == "timed_out" ||
@@ -43,7 +48,7 @@ bool MayBeANeighbours(const std::string& error_code) {
 
 void JobQueue::Restore(std::vector<JobRecord> jobs, Nanoseconds now) {
   for (JobRecord& restored : jobs) {
-    by_number_[restored.number] = restored.uid;
+    in_turn_[TurnOf(restored)] = restored.uid;
     JobRecord& job = jobs_[restored.uid] = std::move(restored);
     if (job.active()) {
       RestoreOne(job, now);
@@ -69,7 +74,7 @@ void JobQueue::RestoreOne(JobRecord& job, Nanoseconds now) {
 }
 
 void JobQueue::Add(JobRecord job) {
-  by_number_[job.number] = job.uid;
+  in_turn_[TurnOf(job)] = job.uid;
   JobRecord& added = jobs_[job.uid] = std::move(job);
   Change(added, intaglio_JOB_QUEUED, "");
 }
@@ -120,7 +125,7 @@ bool JobQueue::IsBehindAnother(const JobRecord& job) const {
   if (CellIsTaken(job.cell)) return true;
   for (const auto& [uid, other] : jobs_) {
     if (other.state == intaglio_JOB_QUEUED && other.cell == job.cell &&
-        other.number < job.number) {
+        TurnOf(other) < TurnOf(job)) {
       return true;
     }
   }
@@ -130,9 +135,9 @@ bool JobQueue::IsBehindAnother(const JobRecord& job) const {
 void JobQueue::Turn(Nanoseconds now) {
   GiveUpSilent(now);
   // A discretizer is of more use to a job that is under way than to the next one.
-  for (const auto& [number, uid] : by_number_) GiveOpenParts(jobs_.at(uid), now);
+  for (const auto& [turn, uid] : in_turn_) GiveOpenParts(jobs_.at(uid), now);
   std::set<std::string> cells;  // whose first waiting job had its chance
-  for (const auto& [number, uid] : by_number_) {
+  for (const auto& [turn, uid] : in_turn_) {
     JobRecord& job = jobs_.at(uid);
     if (job.state != intaglio_JOB_QUEUED) continue;
     if (!cells.insert(job.cell).second || CellIsTaken(job.cell)) {

@@ -22,14 +22,16 @@
 // too often fails the job.
 //
 // One job at a time has a cell, from its first task to its end: a paused job keeps it,
-// for its block is in the machine. A job that may have pulses in the glass is never
-// handed out again by itself. Attempts are numbered per job; what an older attempt says
-// is dropped. Used from one thread.
+// for its block is in the machine. Of the jobs that wait the one of the highest priority
+// is next, of equal ones the first submitted. A job that may have pulses in the glass is
+// never handed out again by itself. Attempts are numbered per job; what an older attempt
+// says is dropped. Used from one thread.
 
 #include <array>
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/job_service/job_record.h"
@@ -188,8 +190,9 @@ class JobQueue {
 
   JobActions& actions_;
   WorkerBook workers_;
-  std::map<std::string, JobRecord> jobs_;           // by uid
-  std::map<std::uint32_t, std::string> by_number_;  // the queue's order
+  std::map<std::string, JobRecord> jobs_;  // by uid
+  // The queue's order: {-priority, number}.
+  std::map<std::pair<std::int32_t, std::uint32_t>, std::string> in_turn_;
 };
 
 }  // namespace intaglio::job_service

@@ -54,6 +54,8 @@ struct JobRecord {
   std::uint64_t epoch = 0;  ///< run of the job service that took it
   std::string name;
   std::string cell;
+  std::string material;
+  std::int32_t priority = 0;  ///< JobSpec.priority
   double rate_hz = 0;
   std::string result_directory;
   std::string frozen_job;  ///< serialized FrozenJob

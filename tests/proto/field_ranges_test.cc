@@ -72,6 +72,7 @@ TEST(FieldRanges, EveryNumberHasOne) {
         const bool number =
             field.type() == pb::FieldDescriptor::TYPE_DOUBLE ||
             field.type() == pb::FieldDescriptor::TYPE_UINT32 ||
+            field.type() == pb::FieldDescriptor::TYPE_INT32 ||
             (field.message_type() && field.message_type()->name() == "Vector3");
         if (number) {
           EXPECT_NE(FindRange(type.name(), field.name()), nullptr) << field.full_name();
@@ -100,6 +101,8 @@ std::unique_ptr<pb::Message> MessageWith(const FieldRange& range, double value) 
     } else {
       reflection.SetUInt32(message.get(), field, whole);
     }
+  } else if (field->type() == pb::FieldDescriptor::TYPE_INT32) {
+    reflection.SetInt32(message.get(), field, static_cast<std::int32_t>(value));
   } else if (field->is_repeated()) {
     reflection.AddDouble(message.get(), field, value);
   } else {
@@ -124,7 +127,8 @@ TEST(FieldRanges, AreEnforcedAtBothEnds) {
     const auto* type = pb::DescriptorPool::generated_pool()->FindMessageTypeByName(
         "intaglio." + std::string(range.message));
     const auto* field = type->FindFieldByName(std::string(range.field));
-    const bool whole = field->type() == pb::FieldDescriptor::TYPE_UINT32;
+    const bool whole = field->type() == pb::FieldDescriptor::TYPE_UINT32 ||
+                       field->type() == pb::FieldDescriptor::TYPE_INT32;
     const int components = field->message_type() != nullptr ? 3 : 1;
     EXPECT_EQ(ErrorsOf(range, range.min), 0);
     EXPECT_EQ(ErrorsOf(range, range.max), 0);

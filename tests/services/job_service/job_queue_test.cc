@@ -70,6 +70,34 @@ TEST_F(JobQueueTest, OneJobAtATimeHasACell) {
 
 // The block in the machine is the first job's: an arm for the second is not kept until
 // the machine is free, when that block would still be in it.
+TEST_F(JobQueueTest, OfThoseThatWaitTheHighestPriorityIsNext) {
+  Add(1);
+  Add(2, "c", -1);
+  Add(3);
+  Add(4, "c", 7);
+  const auto waits = HasSubstr("waits for its turn");
+  EXPECT_THAT(queue_.Find("j1")->message, waits);
+  EXPECT_THAT(queue_.Find("j4")->message, testing::Not(waits));
+  ReadyAll();
+  queue_.Turn(now_);
+  EXPECT_EQ(queue_.Find("j4")->state, intaglio_JOB_DISCRETIZING);
+  // What is under way stays; the others follow by priority, then by number.
+  Add(5, "c", 9);
+  for (const char* next : {"j5", "j1", "j3", "j2"}) {
+    for (const auto& [uid, job] : queue_.jobs()) {
+      if (!job.active()) continue;
+      queue_.Take(CommandView{uid, kEpoch, ++command_, intaglio_COMMAND_CANCEL, "ann"},
+                  now_);
+      break;
+    }
+    ReadyAll();
+    now_ += 2s;
+    ReadyAll();
+    queue_.Turn(now_);
+    EXPECT_EQ(queue_.Find(next)->state, intaglio_JOB_DISCRETIZING) << next;
+  }
+}
+
 TEST_F(JobQueueTest, AJobBehindAnotherCannotBeArmed) {
   Add(1);
   Add(2);

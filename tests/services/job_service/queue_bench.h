@@ -56,12 +56,14 @@ class JobQueueTest : public testing::Test {
     Ready("s", intaglio_ROLE_SORTER);
     Ready("y", intaglio_ROLE_SYNCHRONIZER);
   }
-  void Add(std::uint32_t number, const std::string& cell = "c") {
+  void Add(std::uint32_t number, const std::string& cell = "c",
+           std::int32_t priority = 0) {
     JobRecord job;
     job.number = number;
     job.uid = fmt::format("j{}", number);
     job.epoch = kEpoch;
     job.cell = cell;
+    job.priority = priority;
     queue_.Add(job);
     queue_.Turn(now_);
   }
