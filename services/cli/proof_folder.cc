@@ -18,7 +18,7 @@
 #include "engrave/render/views.h"
 #include "engrave/sort/shadow.h"
 #include "proto/discretize_outcome.h"
-#include "services/cli/json_text.h"
+#include "proto/json_text.h"
 #include "services/cli/progress_bar.h"
 
 namespace intaglio::cli {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engrave/core/check.h"
-#include "services/cli/json_text.h"
+#include "proto/json_text.h"
 #include "services/cli/progress_bar.h"
 
 namespace intaglio::cli {

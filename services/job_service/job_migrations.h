@@ -90,6 +90,28 @@ INSERT INTO tasks_in_parts SELECT job_uid, attempt, stage, 0, 0, worker, given_u
   revoked_utc, ended_utc, state, message, outcome FROM tasks;
 DROP TABLE tasks;
 ALTER TABLE tasks_in_parts RENAME TO tasks;
+)sql",
+    // The history: what became of a job, and where it lies (services/history). Texts are
+    // empty until they are known.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN priority INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN material TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN started_utc TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN engraving_utc TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN ended_utc TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN verdict TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN planned_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN made_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN missed_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN skipped_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN uncertain_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN used_ticks INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN report TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN recording TEXT NOT NULL DEFAULT '';
+CREATE INDEX jobs_history ON jobs (ended_utc, number);
+UPDATE jobs SET ended_utc = changed_utc WHERE ended = 1;
+UPDATE jobs SET started_utc = coalesce(
+  (SELECT min(given_utc) FROM tasks WHERE tasks.job_uid = jobs.uid), '');
 )sql"};
 
 }  // namespace intaglio::job_service

@@ -58,6 +58,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
     : options_(options),
       store_(options.database),
       materials_(OpenMaterials(options.materials)),
+      statistics_(store_),
       epoch_(store_.BeginRun()),
       submissions_(host.bus(), bus::kJobSubmission),
       commands_(host.bus(), bus::kJobCommand),
@@ -103,6 +104,11 @@ void JobService::TakeTasks(Nanoseconds now) {
       store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
     }
     queue_.Take(view, now);
+    // What a job that was ended from outside has left in the glass comes afterwards.
+    const JobRecord* job = queue_.Find(view.task.job_uid);
+    if (job != nullptr && job->ended() && view.stage == intaglio_STAGE_ENGRAVE) {
+      statistics_.Ended(*job);
+    }
   });
 }
 
@@ -186,6 +192,8 @@ void JobService::Submit(const intaglio_JobSubmission& submission) {
   if (!frozen) return Refuse(submission_uid, frozen.error().message);
   job.name = frozen->job().name();
   job.cell = frozen->machine().name();
+  job.material = frozen->job().glass();
+  job.priority = frozen->job().priority();
   job.rate_hz = frozen->job().laser().rate_hz();
   job.frozen_job = frozen->SerializeAsString();
   permissions_.Open(job.cell);
@@ -210,9 +218,17 @@ void JobService::Refuse(const std::string& submission_uid, const std::string& re
 void JobService::Changed(const JobRecord& job) {
   store_.Keep(job);
   Publish(job);
+  if (job.ended()) {
+    statistics_.Ended(job);
+  } else {
+    statistics_.Changed(job);
+  }
 }
 
-void JobService::Progressed(const JobRecord& job) { Publish(job); }
+void JobService::Progressed(const JobRecord& job) {
+  Publish(job);
+  statistics_.Progressed(job);
+}
 
 void JobService::Publish(const JobRecord& job) {
   std::vector<intaglio_StageProgress> progress;

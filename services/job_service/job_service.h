@@ -15,6 +15,7 @@
 #include "services/job_service/job_store.h"
 #include "services/job_service/model_feed.h"
 #include "services/job_service/permission_keeper.h"
+#include "services/job_service/statistics_writer.h"
 
 namespace intaglio::job_service {
 
@@ -60,6 +61,7 @@ class JobService : private JobActions {
   JobServiceOptions options_;
   JobStore store_;
   materials_db::MaterialStore materials_;
+  StatisticsWriter statistics_;
   std::uint64_t epoch_;
 
   bus::Reader<intaglio_JobSubmission> submissions_;

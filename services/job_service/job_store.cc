@@ -6,7 +6,9 @@
 #include <chrono>
 #include <random>
 
+#include "services/history/job_history.h"
 #include "services/job_service/job_migrations.h"
+#include "services/job_service/store_guard.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -23,8 +25,6 @@ void BindTask(SQLite::Statement& statement, intaglio_Stage stage, const TaskId& 
   statement.bind(5, task.part_attempt);
 }
 
-constexpr const char* kNow = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')";
-
 // SQLite's integers are signed; all of ours fit but epochs in theory, which go through
 // unchanged bit for bit.
 std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
@@ -32,16 +32,6 @@ std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(valu
 // More revisions than can have been published without being kept: progress ten times a
 // second for a month. Readers only look whether a revision is newer.
 constexpr std::uint64_t kRevisionLeap = 1u << 25;
-
-template <typename Body>
-auto Guarded(const SQLite::Database& database, Body&& body) {
-  try {
-    return body();
-  } catch (const SQLite::Exception& error) {
-    throw StoreError(fmt::format("job database {}: {}; check the disk",
-                                 database.getFilename(), error.what()));
-  }
-}
 
 std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -125,6 +115,8 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.epoch = u64("epoch");
   job.name = text("name");
   job.cell = text("cell");
+  job.material = text("material");
+  job.priority = row.getColumn("priority").getInt();
   job.rate_hz = row.getColumn("rate_hz").getDouble();
   job.result_directory = text("result_directory");
   job.frozen_job = text("frozen_job");
@@ -163,6 +155,7 @@ void JobStore::Migrate() {
       database_->exec(fmt::format("PRAGMA user_version = {}", next + 1));
       transaction.commit();
     }
+    if (version > 0 && version < history::kHistoryVersion) FillInHistory();
   });
 }
 
@@ -222,15 +215,27 @@ void JobStore::Keep(const JobRecord& job) {
     SQLite::Statement insert(
         *database_,
         fmt::format(
-            "INSERT INTO jobs VALUES "
-            "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, {}) "
+            "INSERT INTO jobs (number, uid, submission_uid, epoch, name, cell, rate_hz, "
+            "result_directory, frozen_job, state, ended, attempt, lost_attempts, "
+            "message, "
+            "estimate_ticks, revision, last_command, ever_granted, priority, material, "
+            "changed_utc, ended_utc) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
+            "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, {0}, "
+            "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
             "lost_attempts = excluded.lost_attempts, message = excluded.message, "
             "estimate_ticks = excluded.estimate_ticks, revision = excluded.revision, "
             "last_command = excluded.last_command, "
-            "ever_granted = excluded.ever_granted, changed_utc = excluded.changed_utc",
-            kNow));
+            "ever_granted = excluded.ever_granted, changed_utc = excluded.changed_utc, "
+            // The first time stays.
+            "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
+            "excluded.changed_utc ELSE started_utc END, "
+            "engraving_utc = CASE WHEN engraving_utc = '' AND excluded.state = {1} THEN "
+            "excluded.changed_utc ELSE engraving_utc END, "
+            "ended_utc = CASE WHEN ended_utc = '' THEN excluded.ended_utc ELSE ended_utc "
+            "END",
+            kNow, static_cast<int>(intaglio_JOB_ENGRAVING)));
     insert.bind(1, job.number);
     insert.bind(2, job.uid);
     insert.bind(3, job.submission_uid);
@@ -249,6 +254,8 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(16, Signed(job.revision));
     insert.bind(17, Signed(job.last_command));
     insert.bind(18, job.ever_granted ? 1 : 0);
+    insert.bind(19, job.priority);
+    insert.bind(20, job.material);
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();

@@ -6,9 +6,11 @@
 //
 // Tables: runs (epochs of the job service), jobs, submissions (what became of each, also
 // refused ones), commands and tasks (what was asked, for people, and what was handed out:
-// after a restart it is taken back from whoever has it).
+// after a restart it is taken back from whoever has it). The table of jobs is the shop's
+// history as well (services/history).
 // Used from one thread. A database that cannot be opened or written throws StoreError.
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -17,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/shop.pb.h"
 #include "services/job_service/job_queue.h"
 #include "services/job_service/job_record.h"
 
@@ -55,12 +58,22 @@ class JobStore {
   /// The end of a task with its outcome (StageOutcome, serialized).
   void KeepTaskEnd(const TaskView& task, const std::string& outcome);
 
+  /// The verdict of a job that has ended, by the outcome of its engraving, which may come
+  /// after the end; nothing of one that has not. `report`, `recording`: as in
+  /// JobStatistics.
+  void KeepVerdict(const std::string& job_uid, const std::string& report,
+                   const std::string& recording);
+  /// Of a job that was kept, as it stands now.
+  JobStatistics StatisticsOf(const JobRecord& job,
+                             std::chrono::system_clock::time_point now);
+
   /// All open jobs, with the parts that are handed out, and the newest `ended_count`
   /// ended ones, by number.
   std::vector<JobRecord> Load(int ended_count);
 
  private:
   void Migrate();
+  void FillInHistory();
   std::unique_ptr<SQLite::Database> database_;
 };
 

@@ -33,7 +33,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/host", {"engrave/core", "services/bus", "services/link", "idl", "proto"}},
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/bus", "services/link",
-      "services/host", "services/recording"}},
+      "services/host", "services/history", "services/recording"}},
+    {"services/history", {"engrave/core", "idl", "proto", "services/host"}},
     {"services/virtual_engraver", {"engrave/core", "engrave/formats", "services/link"}},
 };
 
@@ -45,8 +46,8 @@ struct Kept {
 };
 const std::vector<Kept> kKept = {
     {"dds/", false, {"services/bus"}},
-    {"SQLiteCpp", false, {"materials_db", "services/job_service"}},
-    {"sqlite3", false, {"materials_db", "services/job_service"}},
+    {"SQLiteCpp", false, {"materials_db", "services/history", "services/job_service"}},
+    {"sqlite3", false, {"materials_db", "services/history", "services/job_service"}},
     {"google/protobuf", false, {"proto", "services/"}},
     {"spdlog", false, {"services/"}},
     {"thread", true, {"services/"}},

@@ -1,9 +1,14 @@
 #include "services/job_service/job_store.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <filesystem>
+
+#include "proto/task.pb.h"
+#include "services/host/utc_time.h"
+#include "services/job_service/job_migrations.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -25,6 +30,8 @@ class JobStoreTest : public testing::Test {
     job.epoch = 0xabcdef0123456789;
     job.name = "a \"quoted\" name; DROP TABLE jobs";
     job.cell = "els-03";
+    job.material = "N-BK7";
+    job.priority = -3;
     job.rate_hz = 100;
     job.result_directory = "/results/" + job.uid;
     job.frozen_job = std::string("\0\1\2\xff", 4);
@@ -38,6 +45,39 @@ class JobStoreTest : public testing::Test {
     job.last_command = 18446744073709551615u;
     job.ever_granted = true;
     return job;
+  }
+
+  /// Empty, as that version made it.
+  SQLite::Database OldDatabase(int version) {
+    fs::create_directories(path_.parent_path());
+    SQLite::Database old(path_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    for (int i = 0; i < version; ++i) {
+      old.exec(kMigrations.at(static_cast<std::size_t>(i)));
+    }
+    old.exec(fmt::format("PRAGMA user_version = {}", version));
+    return old;
+  }
+  static TaskView EngraveEnd(intaglio_TaskState state) {
+    TaskView end;
+    end.task = {"1-abc", 2, 0, 0};
+    end.stage = intaglio_STAGE_ENGRAVE;
+    end.state = state;
+    return end;
+  }
+  static std::string Outcome(std::uint64_t planned, std::uint64_t made) {
+    StageOutcome outcome;
+    outcome.mutable_engrave()->set_planned_count(planned);
+    outcome.mutable_engrave()->set_made_count(made);
+    outcome.mutable_engrave()->set_missed_count(planned - made);
+    outcome.mutable_engrave()->set_used_ticks(2 * planned);
+    return outcome.SerializeAsString();
+  }
+  static void GiveEngraving(JobStore& store) {
+    TaskOrder order;
+    order.worker = "y";
+    order.stage = intaglio_STAGE_ENGRAVE;
+    order.task = {"1-abc", 2, 0, 0};
+    store.KeepTask(order);
   }
 
   fs::path path_;
@@ -55,6 +95,8 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(job.epoch, kept.epoch);
   EXPECT_EQ(job.name, kept.name);
   EXPECT_EQ(job.cell, kept.cell);
+  EXPECT_EQ(job.material, kept.material);
+  EXPECT_EQ(job.priority, kept.priority);
   EXPECT_EQ(job.rate_hz, kept.rate_hz);
   EXPECT_EQ(job.result_directory, kept.result_directory);
   EXPECT_EQ(job.frozen_job, kept.frozen_job);
@@ -166,23 +208,109 @@ TEST_F(JobStoreTest, LoadsThePartsThatAreHandedOut) {
 }
 
 TEST_F(JobStoreTest, TasksOfAnOlderDatabaseAreTakenOver) {
-  { JobStore store(path_); }
   {
     // As version 1 made it.
-    SQLite::Database old(path_.string(), SQLite::OPEN_READWRITE);
+    SQLite::Database old = OldDatabase(1);
     old.exec(
-        "DROP TABLE tasks; CREATE TABLE tasks (job_uid TEXT NOT NULL, attempt INTEGER "
-        "NOT NULL, stage INTEGER NOT NULL, worker TEXT NOT NULL, given_utc TEXT NOT "
-        "NULL, revoked_utc TEXT, ended_utc TEXT, state INTEGER, message TEXT, outcome "
-        "BLOB, PRIMARY KEY (job_uid, attempt, stage)); INSERT INTO tasks (job_uid, "
-        "attempt, stage, worker, given_utc) VALUES ('1-abc', 2, 0, 'd', 'then'); PRAGMA "
-        "user_version = 1");
+        "INSERT INTO tasks (job_uid, attempt, stage, worker, given_utc) VALUES "
+        "('1-abc', 2, 0, 'd', 'then')");
   }
   JobStore store(path_);
   store.Keep(Record(1, intaglio_JOB_DISCRETIZING));
   const auto parts = store.Load(0).at(0).parts;
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].worker, "d");
+}
+
+TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
+  JobStore store(path_);
+  JobRecord job = Record(1, intaglio_JOB_QUEUED);
+  job.attempt = 0;
+  const auto now = std::chrono::system_clock::now();
+  store.Keep(job);
+  JobStatistics told = store.StatisticsOf(job, now);
+  EXPECT_EQ(told.state(), "queued");
+  EXPECT_NE(told.submitted_utc(), "");
+  EXPECT_EQ(told.started_utc(), "");
+  job.attempt = 2;
+  job.state = intaglio_JOB_ENGRAVING;
+  job.estimate_ticks = 400;
+  store.Keep(job);
+  GiveEngraving(store);
+  job.stage(intaglio_STAGE_ENGRAVE) = {"y", false, 25, 100, 1.0};
+  const auto later = now + std::chrono::seconds(10);
+  told = store.StatisticsOf(job, later);
+  const std::string begun = told.engraving_utc();
+  EXPECT_NE(begun, "");
+  EXPECT_EQ(told.progress_ratio(), 0.25);
+  EXPECT_EQ(told.made(), 25u);
+  EXPECT_EQ(told.estimated_s(), 4);
+  // A quarter took one second: three are left.
+  EXPECT_EQ(told.expected_end_utc(), host::UtcText(later + std::chrono::seconds(3)));
+  EXPECT_EQ(told.verdict(), "");
+  store.KeepTaskEnd(EngraveEnd(intaglio_TASK_DONE), Outcome(100, 100));
+  job.state = intaglio_JOB_DONE;
+  store.Keep(job);
+  store.KeepVerdict(job.uid, "/r/report.json", "/r/all.mcap");
+  told = store.StatisticsOf(job, later);
+  EXPECT_EQ(told.verdict(), "good");
+  EXPECT_EQ(told.made(), 100u);
+  EXPECT_EQ(told.machining_s(), 2);
+  EXPECT_EQ(told.engraving_utc(), begun) << "the first time stays";
+  EXPECT_EQ(told.expected_end_utc(), "");
+  EXPECT_EQ(told.report(), "/r/report.json");
+  EXPECT_EQ(told.recording(), "/r/all.mcap");
+}
+
+// A cancelled job's synchronizer tells afterwards what it left in the glass.
+TEST_F(JobStoreTest, TheLastWordOfTheMachineChangesTheVerdict) {
+  JobStore store(path_);
+  JobRecord job = Record(1, intaglio_JOB_ENGRAVING);
+  store.Keep(job);
+  GiveEngraving(store);
+  job.state = intaglio_JOB_CANCELLED;
+  store.Keep(job);
+  store.KeepVerdict(job.uid, "", "");
+  const auto now = std::chrono::system_clock::now();
+  const JobStatistics before = store.StatisticsOf(job, now);
+  EXPECT_EQ(before.verdict(), "none");
+  store.KeepTaskEnd(EngraveEnd(intaglio_TASK_FAILED), Outcome(100, 40));
+  store.KeepVerdict(job.uid, "", "");
+  const JobStatistics after = store.StatisticsOf(job, now);
+  EXPECT_EQ(after.verdict(), "not_good");
+  EXPECT_EQ(after.made(), 40u);
+  EXPECT_EQ(after.ended_utc(), before.ended_utc());
+}
+
+TEST_F(JobStoreTest, JobsOfAnOlderDatabaseHaveAHistory) {
+  FrozenJob frozen;
+  frozen.mutable_job()->set_glass("K8");
+  {
+    SQLite::Database old = OldDatabase(2);
+    SQLite::Statement insert(
+        old,
+        "INSERT INTO jobs VALUES (1, '1-abc', 's1', 1, 'cup', 'els-03', 100, '/r', ?, ?, "
+        "1, 2, 0, '', 0, 1, 0, 1, '2026-01-02T03:04:05.678Z')");
+    const std::string bytes = frozen.SerializeAsString();
+    insert.bind(1, bytes.data(), static_cast<int>(bytes.size()));
+    insert.bind(2, static_cast<int>(intaglio_JOB_DONE));
+    insert.exec();
+    SQLite::Statement task(
+        old,
+        "INSERT INTO tasks VALUES ('1-abc', 2, 2, 0, 0, 'y', '2026-01-02T03:00:00.000Z', "
+        "NULL, NULL, 3, '', ?)");
+    const std::string outcome = Outcome(7, 7);
+    task.bind(1, outcome.data(), static_cast<int>(outcome.size()));
+    task.exec();
+  }
+  JobStore store(path_);
+  const JobStatistics told =
+      store.StatisticsOf(store.Load(1).at(0), std::chrono::system_clock::now());
+  EXPECT_EQ(told.material(), "K8");
+  EXPECT_EQ(told.verdict(), "good");
+  EXPECT_EQ(told.planned(), 7u);
+  EXPECT_EQ(told.ended_utc(), "2026-01-02T03:04:05.678Z");
+  EXPECT_NEAR(told.duration_s(), 245.678, 0.002);
 }
 
 TEST_F(JobStoreTest, ADatabaseOfANewerProgramIsRefused) {

@@ -1,8 +1,8 @@
-#include "services/cli/json_text.h"
+#include "proto/json_text.h"
 
 #include <google/protobuf/util/json_util.h>
 
-namespace intaglio::cli {
+namespace intaglio {
 
 Result<std::string> JsonTextOf(const google::protobuf::Message& message,
                                JsonLayout layout) {
@@ -17,4 +17,4 @@ Result<std::string> JsonTextOf(const google::protobuf::Message& message,
   return Fail(ErrorCode::kInvalidValue, printed.ToString());
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio

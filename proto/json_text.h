@@ -6,7 +6,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::cli {
+namespace intaglio {
 
 enum class JsonLayout { kLines, kOneLine };
 
@@ -15,4 +15,4 @@ enum class JsonLayout { kLines, kOneLine };
 Result<std::string> JsonTextOf(const google::protobuf::Message& message,
                                JsonLayout layout = JsonLayout::kLines);
 
-}  // namespace intaglio::cli
+}  // namespace intaglio

@@ -1,0 +1,224 @@
+#include "services/history/job_history.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "services/history/job_words.h"
+#include "services/host/utc_time.h"
+
+namespace intaglio::history {
+namespace {
+
+namespace fs = std::filesystem;
+using SystemTime = std::chrono::system_clock::time_point;
+
+constexpr std::array kVerdicts = {"good", "not_good", "none", "unknown"};
+
+// From this share on, the pace so far tells the end better than the plan does: it
+// knows of pauses and of the speed override.
+constexpr double kPaceIsKnown = 0.05;
+
+// Comes behind every text that begins like it: until a day is until its end.
+constexpr char kBehindAll[] = "\x7f";
+
+constexpr const char* kSelect = R"sql(
+SELECT j.number, j.uid, j.name, j.cell, j.material, j.state, j.verdict, j.attempt,
+  j.priority, j.message, j.result_directory, j.rate_hz, j.estimate_ticks, j.used_ticks,
+  j.planned_count, j.made_count, j.missed_count, j.skipped_count, j.uncertain_count,
+  coalesce(s.taken_utc, '') AS submitted_utc, j.started_utc, j.engraving_utc, j.ended_utc,
+  j.report, j.recording,
+  coalesce(e.done_count, 0) AS done_count, coalesce(e.total_count, 0) AS total_count,
+  CASE j.started_utc WHEN '' THEN 0 ELSE
+    (julianday(CASE j.ended_utc WHEN '' THEN ?1 ELSE j.ended_utc END)
+      - julianday(j.started_utc)) * 86400 END AS duration_s,
+  CASE j.engraving_utc WHEN '' THEN 0 ELSE
+    (julianday(?1) - julianday(j.engraving_utc)) * 86400 END AS engraving_s
+FROM jobs AS j
+LEFT JOIN submissions AS s ON s.submission_uid = j.submission_uid
+LEFT JOIN stages AS e ON e.job_uid = j.uid AND e.stage = 2
+)sql";
+
+/// The conditions of a filter, each with its value.
+class Conditions {
+ public:
+  explicit Conditions(const Filter& filter) {
+    if (filter.job) {
+      Add("j.number = {}", std::to_string(*filter.job));
+      return;
+    }
+    texts_.push_back("j.ended = 1");
+    Add("j.ended_utc >= {}", filter.since);
+    if (!filter.until.empty()) Add("j.ended_utc < {}", filter.until + kBehindAll);
+    Add("instr(lower(j.name), lower({})) > 0", filter.piece);
+    Add("lower(j.material) = lower({})", filter.material);
+    Add("j.verdict = {}", filter.verdict);
+    Add("j.cell = {}", filter.cell);
+  }
+
+  std::string Text() const {
+    return fmt::format("WHERE {} ORDER BY j.ended_utc, j.number",
+                       fmt::join(texts_, " AND "));
+  }
+  void Bind(SQLite::Statement& statement) const {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      statement.bind(static_cast<int>(i) + kFirst, values_[i]);
+    }
+  }
+
+ private:
+  static constexpr int kFirst = 2;  // ?1 is the time
+  void Add(const char* condition, const std::string& value) {
+    if (value.empty()) return;
+    values_.push_back(value);
+    const std::string place =
+        fmt::format("?{}", static_cast<int>(values_.size()) - 1 + kFirst);
+    texts_.push_back(fmt::format(fmt::runtime(condition), place));
+  }
+  std::vector<std::string> texts_, values_;
+};
+
+JobStatistics RowOf(SQLite::Statement& row) {
+  JobStatistics s;
+  const auto text = [&row](const char* column) {
+    return row.getColumn(column).getString();
+  };
+  const auto u32 = [&row](const char* column) { return row.getColumn(column).getUInt(); };
+  const auto number = [&row](const char* column) {
+    return row.getColumn(column).getDouble();
+  };
+  s.set_job(u32("number"));
+  s.set_uid(text("uid"));
+  s.set_name(text("name"));
+  s.set_cell(text("cell"));
+  s.set_material(text("material"));
+  s.set_state(StateWord(static_cast<intaglio_JobState>(row.getColumn("state").getInt())));
+  s.set_verdict(text("verdict"));
+  s.set_planned(u32("planned_count"));
+  s.set_made(u32("made_count"));
+  s.set_missed(u32("missed_count"));
+  s.set_skipped(u32("skipped_count"));
+  s.set_uncertain(u32("uncertain_count"));
+  s.set_submitted_utc(text("submitted_utc"));
+  s.set_started_utc(text("started_utc"));
+  s.set_engraving_utc(text("engraving_utc"));
+  s.set_ended_utc(text("ended_utc"));
+  s.set_duration_s(number("duration_s"));
+  const double rate_hz = number("rate_hz");
+  if (rate_hz > 0) {
+    s.set_estimated_s(number("estimate_ticks") / rate_hz);
+    s.set_machining_s(number("used_ticks") / rate_hz);
+  }
+  s.set_attempt(u32("attempt"));
+  s.set_priority(row.getColumn("priority").getInt());
+  s.set_message(text("message"));
+  s.set_result_directory(text("result_directory"));
+  s.set_report(text("report"));
+  s.set_recording(text("recording"));
+  return s;
+}
+
+bool IsTime(std::string_view text) {
+  constexpr std::string_view kPattern = "dddd-dd-ddTdd:dd:dd";
+  if (text.size() < 10 || text.size() > kPattern.size()) return false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool digit = std::isdigit(static_cast<unsigned char>(text[i])) != 0;
+    if (kPattern[i] == 'd' ? !digit : text[i] != kPattern[i]) return false;
+  }
+  return true;
+}
+
+Status CheckTime(const char* name, const std::string& text) {
+  if (text.empty() || IsTime(text)) return {};
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("{} '{}': write a day as 2026-11-21, or a day and a time as "
+                          "2026-11-21T15:30, UTC",
+                          name, text),
+              text);
+}
+
+}  // namespace
+
+void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
+                 double engraving_s, SystemTime now) {
+  if (total == 0) return;
+  const double share = static_cast<double>(done) / static_cast<double>(total);
+  job.set_progress_ratio(std::min(1.0, share));
+  if (!job.ended_utc().empty()) return;
+  job.set_planned(static_cast<std::uint32_t>(total));
+  job.set_made(static_cast<std::uint32_t>(done));
+  if (job.engraving_utc().empty()) return;
+  const double left_s = share > kPaceIsKnown ? engraving_s * (1 - share) / share
+                                             : job.estimated_s() * (1 - share);
+  job.set_expected_end_utc(
+      host::UtcText(now + std::chrono::duration_cast<SystemTime::duration>(
+                              std::chrono::duration<double>(std::min(left_s, 1e8)))));
+}
+
+Status CheckFilter(const Filter& filter) {
+  if (auto good = CheckTime("--since", filter.since); !good) return good;
+  if (auto good = CheckTime("--until", filter.until); !good) return good;
+  if (filter.verdict.empty() ||
+      std::find(kVerdicts.begin(), kVerdicts.end(), filter.verdict) != kVerdicts.end()) {
+    return {};
+  }
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("--verdict '{}': there are {}", filter.verdict,
+                          fmt::join(kVerdicts, ", ")),
+              filter.verdict);
+}
+
+std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& filter,
+                                      SystemTime now) {
+  const Conditions conditions(filter);
+  SQLite::Statement select(database, kSelect + conditions.Text());
+  select.bind(1, host::UtcText(now));
+  conditions.Bind(select);
+  std::vector<JobStatistics> jobs;
+  while (select.executeStep()) {
+    jobs.push_back(RowOf(select));
+    const auto count = [&select](const char* column) {
+      return static_cast<std::uint64_t>(select.getColumn(column).getInt64());
+    };
+    AddProgress(jobs.back(), count("done_count"), count("total_count"),
+                select.getColumn("engraving_s").getDouble(), now);
+  }
+  return jobs;
+}
+
+Result<std::vector<JobStatistics>> ReadHistory(const fs::path& path,
+                                               const Filter& filter) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: there is no such file: name the folder of the shop with "
+                            "--folder, or the job service's --database",
+                            path.string()),
+                path.string());
+  }
+  try {
+    SQLite::Database database(path.string(), SQLite::OPEN_READONLY, 2000);
+    const int version = database.execAndGet("PRAGMA user_version").getInt();
+    if (version < kHistoryVersion) {
+      return Fail(ErrorCode::kUnreadable,
+                  fmt::format("{}: is of version {}, without a history: a job service of "
+                              "today that is started on it adds one (intaglio up)",
+                              path.string(), version),
+                  path.string());
+    }
+    return SelectJobs(database, filter, std::chrono::system_clock::now());
+  } catch (const SQLite::Exception& error) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("{}: {}: is it the database of a job service, and may you "
+                            "read it and write in its folder?",
+                            path.string(), error.what()),
+                path.string());
+  }
+}
+
+}  // namespace intaglio::history

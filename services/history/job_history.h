@@ -1,0 +1,53 @@
+#pragma once
+
+// What became of the jobs of a shop, as the job service's database tells it
+// (services/job_service/job_migrations.h, from version kHistoryVersion on). Read-only,
+// and while the job service writes: it keeps a write-ahead log.
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "proto/shop.pb.h"
+
+namespace SQLite {
+class Database;
+}
+
+namespace intaglio::history {
+
+/// The first version of the database (PRAGMA user_version) that has what is asked here.
+inline constexpr int kHistoryVersion = 3;
+
+/// What is empty is not asked for.
+struct Filter {
+  /// Of the job's end, UTC: "2026-11-21", or with a time behind it, "2026-11-21T15:30".
+  /// Both ends are included: until a day is until its end.
+  std::string since{}, until{};
+  std::string piece{};  ///< part of the job's name, in any case
+  std::string material{}, verdict{}, cell{};
+  std::optional<std::uint32_t> job{};  ///< short number, also of a job that has not ended
+};
+
+/// kInvalidValue when a time or a verdict is none, with what is expected.
+Status CheckFilter(const Filter& filter);
+
+/// Jobs that have ended, oldest end first; kNotFound, kIo or kUnreadable with the remedy.
+/// Precondition: CheckFilter.
+Result<std::vector<JobStatistics>> ReadHistory(const std::filesystem::path& database,
+                                               const Filter& filter);
+
+/// The same from an open database; throws SQLite::Exception. `now` is for the progress
+/// and the expected end of a job that is engraved.
+std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& filter,
+                                      std::chrono::system_clock::time_point now);
+
+/// What a job that is engraved has come to: `done` of `total` points in `engraving_s`.
+void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
+                 double engraving_s, std::chrono::system_clock::time_point now);
+
+}  // namespace intaglio::history

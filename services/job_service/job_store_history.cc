@@ -1,0 +1,98 @@
+// What JobStore keeps of a job that has ended, and of those that ended before it did.
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "proto/task.pb.h"
+#include "proto/verdict.h"
+#include "services/history/job_history.h"
+#include "services/job_service/job_store.h"
+#include "services/job_service/store_guard.h"
+
+namespace intaglio::job_service {
+namespace {
+
+/// Of the job's newest engraving that told one.
+std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
+                                        const std::string& job_uid) {
+  SQLite::Statement select(
+      database,
+      "SELECT outcome FROM tasks WHERE job_uid = ? AND stage = ? AND "
+      "outcome IS NOT NULL ORDER BY attempt DESC LIMIT 1");
+  select.bind(1, job_uid);
+  select.bind(2, static_cast<int>(intaglio_STAGE_ENGRAVE));
+  if (!select.executeStep()) return {};
+  StageOutcome outcome;
+  if (!outcome.ParseFromString(select.getColumn(0).getString()) ||
+      !outcome.has_engrave()) {
+    return {};
+  }
+  return outcome.engrave();
+}
+
+}  // namespace
+
+void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report,
+                           const std::string& recording) {
+  Guarded(*database_, [&] {
+    const auto known = OutcomeIn(*database_, job_uid);
+    const EngraveOutcome outcome = known.value_or(EngraveOutcome());
+    SQLite::Statement ended(*database_,
+                            "SELECT state FROM jobs WHERE uid = ? AND ended = 1");
+    ended.bind(1, job_uid);
+    if (!ended.executeStep()) return;
+    const bool done = ended.getColumn(0).getInt() == static_cast<int>(intaglio_JOB_DONE);
+    SQLite::Statement update(
+        *database_,
+        "UPDATE jobs SET verdict = ?2, planned_count = ?3, made_count = ?4, "
+        "missed_count = ?5, skipped_count = ?6, uncertain_count = ?7, used_ticks = ?8, "
+        "report = ?9, recording = ?10 WHERE uid = ?1");
+    update.bind(1, job_uid);
+    update.bind(2, VerdictOf(done, known ? &outcome : nullptr).word);
+    int column = 3;
+    for (const std::uint64_t count :
+         {outcome.planned_count(), outcome.made_count(), outcome.missed_count(),
+          outcome.skipped_count(), outcome.uncertain_count(), outcome.used_ticks()}) {
+      update.bind(column++, static_cast<std::int64_t>(count));
+    }
+    update.bind(9, report);
+    update.bind(10, recording);
+    update.exec();
+  });
+}
+
+JobStatistics JobStore::StatisticsOf(const JobRecord& job,
+                                     std::chrono::system_clock::time_point now) {
+  return Guarded(*database_, [&] {
+    history::Filter filter;
+    filter.job = job.number;
+    JobStatistics statistics = history::SelectJobs(*database_, filter, now).at(0);
+    // Progress is told and not kept.
+    const StageRecord& engraving = job.stage(intaglio_STAGE_ENGRAVE);
+    history::AddProgress(statistics, engraving.done_count, engraving.total_count,
+                         engraving.elapsed_s, now);
+    return statistics;
+  });
+}
+
+void JobStore::FillInHistory() {
+  std::vector<std::pair<std::string, std::string>> glasses;
+  SQLite::Statement select(*database_, "SELECT uid, frozen_job FROM jobs");
+  while (select.executeStep()) {
+    FrozenJob frozen;
+    if (!frozen.ParseFromString(select.getColumn(1).getString())) continue;
+    glasses.emplace_back(select.getColumn(0).getString(), frozen.job().glass());
+  }
+  for (const auto& [uid, glass] : glasses) {
+    SQLite::Statement update(*database_, "UPDATE jobs SET material = ? WHERE uid = ?");
+    update.bind(1, glass);
+    update.bind(2, uid);
+    update.exec();
+    KeepVerdict(uid, "", "");
+  }
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,25 @@
+#pragma once
+
+// What the sources of JobStore share.
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+
+#include "services/job_service/job_store.h"
+
+namespace intaglio::job_service {
+
+/// The time in SQL, as host::UtcText.
+inline constexpr const char* kNow = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')";
+
+template <typename Body>
+auto Guarded(const SQLite::Database& database, Body&& body) {
+  try {
+    return body();
+  } catch (const SQLite::Exception& error) {
+    throw StoreError(fmt::format("job database {}: {}; check the disk",
+                                 database.getFilename(), error.what()));
+  }
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,128 @@
+#include "services/history/job_history.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "services/host/utc_time.h"
+#include "services/job_service/job_migrations.h"
+#include "services/job_service/job_store.h"
+
+namespace intaglio::history {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class JobHistoryTest : public testing::Test {
+ protected:
+  JobHistoryTest()
+      : path_(fs::path(INTAGLIO_TEST_DIR) / "job_history" /
+              testing::UnitTest::GetInstance()->current_test_info()->name() / "jobs.db") {
+    fs::remove_all(path_.parent_path());
+  }
+  void Keep(std::uint32_t number, const std::string& name, intaglio_JobState state,
+            const std::string& ended_utc) {
+    job_service::JobRecord job;
+    job.number = number;
+    job.uid = fmt::format("{}-abc", number);
+    job.submission_uid = fmt::format("s{}", number);
+    job.name = name;
+    job.cell = number % 2 == 0 ? "left" : "right";
+    job.material = "N-BK7";
+    job.state = state;
+    store().Keep(job);
+    store().KeepVerdict(job.uid, "", "");
+    SQLite::Database(path_.string(), SQLite::OPEN_READWRITE)
+        .exec(fmt::format("UPDATE jobs SET ended_utc = '{}' WHERE number = {}", ended_utc,
+                          number));
+  }
+  std::vector<std::uint32_t> Numbers(const Filter& filter) {
+    const auto jobs = ReadHistory(path_, filter);
+    EXPECT_TRUE(jobs.has_value()) << jobs.error().message;
+    std::vector<std::uint32_t> numbers;
+    for (const JobStatistics& job : jobs.value_or(std::vector<JobStatistics>())) {
+      numbers.push_back(job.job());
+    }
+    return numbers;
+  }
+  job_service::JobStore& store() {
+    if (!store_) store_ = std::make_unique<job_service::JobStore>(path_);
+    return *store_;
+  }
+  fs::path path_;
+  std::unique_ptr<job_service::JobStore> store_;
+};
+
+TEST_F(JobHistoryTest, AnswersByWhatIsAskedWhileTheServiceWrites) {
+  Keep(1, "Cup of Anna", intaglio_JOB_DONE, "2026-11-20T23:59:59.999Z");
+  Keep(2, "cup of Ben", intaglio_JOB_FAILED, "2026-11-21T00:00:00.000Z");
+  Keep(3, "Knot", intaglio_JOB_CANCELLED, "2026-11-21T23:59:59.999Z");
+  Keep(4, "Knot", intaglio_JOB_QUEUED, "");
+  Keep(5, "100% of '_'", intaglio_JOB_DONE, "2026-11-19T10:00:00.000Z");
+  EXPECT_THAT(Numbers({}), ElementsAre(5, 1, 2, 3)) << "by their end; 4 is still open";
+  EXPECT_THAT(Numbers({.since = "2026-11-21"}), ElementsAre(2, 3));
+  EXPECT_THAT(Numbers({.until = "2026-11-20"}), ElementsAre(5, 1)) << "until its end";
+  EXPECT_THAT(Numbers({.since = "2026-11-20", .until = "2026-11-21T00:00"}),
+              ElementsAre(1, 2));
+  EXPECT_THAT(Numbers({.piece = "CUP"}), ElementsAre(1, 2));
+  EXPECT_THAT(Numbers({.piece = "% of '_"}), ElementsAre(5)) << "no pattern";
+  EXPECT_THAT(Numbers({.material = "n-bk7", .cell = "left"}), ElementsAre(2));
+  EXPECT_THAT(Numbers({.material = "K8"}), IsEmpty());
+  EXPECT_THAT(Numbers({.verdict = "unknown"}), ElementsAre(5, 1));
+  EXPECT_THAT(Numbers({.verdict = "none"}), ElementsAre(2, 3));
+  EXPECT_THAT(Numbers({.job = 4}), ElementsAre(4)) << "one is told whatever its state";
+}
+
+TEST_F(JobHistoryTest, SaysWhatATimeAndAVerdictAre) {
+  for (const char* good : {"2026-11-21", "2026-11-21T15:30", "2026-11-21T15:30:00"}) {
+    EXPECT_TRUE(CheckFilter({.since = good})) << good;
+  }
+  for (const char* bad : {"21.11.2026", "2026-11", "yesterday", "2026-11-21 15:30"}) {
+    const auto checked = CheckFilter({.until = bad});
+    ASSERT_FALSE(checked) << bad;
+    EXPECT_THAT(checked.error().message, HasSubstr(bad));
+    EXPECT_THAT(checked.error().message, HasSubstr("--until"));
+    EXPECT_THAT(checked.error().message, HasSubstr("2026-11-21T15:30"));
+  }
+  const auto verdict = CheckFilter({.verdict = "bad"});
+  ASSERT_FALSE(verdict);
+  EXPECT_THAT(verdict.error().message, HasSubstr("good, not_good, none, unknown"));
+}
+
+TEST_F(JobHistoryTest, WhatIsNoHistoryIsAnErrorWithARemedy) {
+  EXPECT_EQ(ReadHistory(path_, {}).error().code, ErrorCode::kNotFound);
+  fs::create_directories(path_.parent_path());
+  std::ofstream(path_) << std::string(4096, 'x');
+  EXPECT_EQ(ReadHistory(path_, {}).error().code, ErrorCode::kIo);
+  fs::remove(path_);
+  {
+    SQLite::Database old(path_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+    old.exec(job_service::kMigrations[0]);
+    old.exec("PRAGMA user_version = 1");
+  }
+  const auto old = ReadHistory(path_, {});
+  ASSERT_FALSE(old);
+  EXPECT_EQ(old.error().code, ErrorCode::kUnreadable);
+  EXPECT_THAT(old.error().message, HasSubstr("intaglio up"));
+}
+
+TEST(Progress, AtFirstThePlanAndThenThePaceTellsTheEnd) {
+  const std::chrono::system_clock::time_point now{std::chrono::seconds(1'000'000'000)};
+  JobStatistics job;
+  job.set_engraving_utc("2001-09-09T01:40:00.000Z");
+  job.set_estimated_s(100);
+  AddProgress(job, 1, 100, 50, now);
+  EXPECT_EQ(job.expected_end_utc(), host::UtcText(now + std::chrono::seconds(99)));
+  AddProgress(job, 50, 100, 200, now);
+  EXPECT_EQ(job.expected_end_utc(), "2001-09-09T01:50:00.000Z");
+  EXPECT_EQ(job.progress_ratio(), 0.5);
+}
+
+}  // namespace
+}  // namespace intaglio::history
