@@ -20,16 +20,22 @@ void LineSession::TryOpen() {
     message_ = stream.error().message;
     return;
   }
-  link_ = std::make_unique<ReliableLink>(Side::kHost, std::move(*stream), clock_);
+  link_ = std::make_unique<ReliableLink>(Side::kHost, std::move(*stream), clock_,
+                                         LinkOptions{}, epoch_);
   link_session_ = 0;
   message_ = "the device does not answer yet";
 }
 
 void LineSession::Poll(const ReliableLink::Handler& handler) {
-  if (!link_) TryOpen();
+  if (!link_ && !fenced()) TryOpen();
   if (!link_) return;
   if (const auto polled = link_->Poll(handler); !polled) {
     message_ = polled.error().message;
+    link_.reset();
+    return;
+  }
+  if (fenced()) {
+    message_ = "another host has taken this machine over";
     link_.reset();
     return;
   }

@@ -30,6 +30,8 @@ class LineSession {
   /// Grows with every new session with the device, over all openings.
   std::uint32_t sessions() const { return sessions_; }
   int fd() const { return link_ ? link_->fd() : -1; }
+  /// A newer host has the device: this session is over for good, and says nothing more.
+  bool fenced() const { return epoch_->fenced; }
   /// Why the line is down; empty while it is up.
   const std::string& message() const { return message_; }
 
@@ -38,6 +40,7 @@ class LineSession {
 
   StreamOpener open_;
   SteadyClock clock_;
+  std::shared_ptr<LineEpoch> epoch_ = std::make_shared<LineEpoch>();
   std::unique_ptr<ReliableLink> link_;
   std::uint32_t link_session_ = 0;
   std::uint32_t sessions_ = 0;

@@ -2,13 +2,18 @@
 
 #include <array>
 #include <random>
+#include <utility>
 
 #include "engrave/core/check.h"
+#include "services/link/byte_codec.h"
 
 // Go-back-N. The receiver takes only the frame it expects; anything else it answers with
 // a NACK that says what it expects, at most once per `resend_after`, and the sender
 // starts again from there. A lost NACK or a lost last frame is healed by the sender's
 // timer; it stands still while the line has not even taken what was sent.
+//
+// A host takes a number above the highest that the device knows, a random step above: of
+// two that asked at the same time the lower is refused and fenced off.
 
 namespace intaglio::link {
 namespace {
@@ -16,11 +21,14 @@ namespace {
 using std::chrono::nanoseconds;
 
 enum ControlFrame : std::uint8_t {
-  kOpen = 0x01,       // host: payload is empty, the session is in the header
+  kOpen = 0x01,       // host: its epoch, 0 asks for the highest; session in the header
   kOpened = 0x02,     // device's answer
   kKeepAlive = 0x03,  // also a bare acknowledgement
   kNack = 0x04,       // resend from `acknowledged`
+  kRefused = 0x05,    // device's other answer: the highest epoch that opened it
 };
+
+constexpr std::uint64_t kMostEpochStep = 1u << 20;
 
 constexpr std::uint16_t kCredit = 256;
 // Beyond this the line is slower than what is said on it: wait for it. Few frames, since
@@ -37,11 +45,12 @@ std::uint16_t Next(std::uint16_t sequence) {
 
 struct ReliableLink::State {
   State(Side link_side, std::unique_ptr<ByteStream> byte_stream, SteadyClock steady_clock,
-        const LinkOptions& link_options)
+        const LinkOptions& link_options, std::shared_ptr<LineEpoch> line_epoch)
       : side(link_side),
         stream(std::move(byte_stream)),
         clock(std::move(steady_clock)),
         options(link_options),
+        epoch(std::move(line_epoch)),
         last_heard(clock()) {}
 
   struct Frame {
@@ -53,7 +62,10 @@ struct ReliableLink::State {
   void StartSession(std::uint32_t number);
   void Receive(const FrameHeader& header, std::span<const std::byte> payload,
                const Handler& handler);
-  bool ReceiveControl(const FrameHeader& header);
+  bool ReceiveControl(const FrameHeader& header, std::span<const std::byte> payload);
+  void ReceiveOpen(std::uint32_t of_session, std::span<const std::byte> payload);
+  void ReceiveRefusal(std::span<const std::byte> payload);
+  void KeepOpening(nanoseconds now);
   void TakeAcknowledgement(std::uint16_t acknowledged, bool resend);
   void GoBack();
   void Transmit(std::uint8_t type, std::uint16_t sequence,
@@ -69,6 +81,7 @@ struct ReliableLink::State {
   std::unique_ptr<ByteStream> stream;
   SteadyClock clock;
   LinkOptions options;
+  std::shared_ptr<LineEpoch> epoch;
   FrameParser parser;
   Counters counters;
 
@@ -114,16 +127,55 @@ void ReliableLink::State::TransmitControl(ControlFrame type) {
   if (!Backlogged()) Transmit(type, 0, {});
 }
 
-bool ReliableLink::State::ReceiveControl(const FrameHeader& header) {
+void ReliableLink::State::ReceiveOpen(std::uint32_t of_session,
+                                      std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  const auto number = in.Get<std::uint64_t>();
+  if (side != Side::kDevice || of_session == 0 || !in.finished()) return;
+  if (number == 0 || number < epoch->number) {
+    ByteWriter out;
+    out.Put(epoch->number);
+    if (!Backlogged()) {
+      AppendFrame({kRefused, of_session, 0, 1, kCredit}, out.Take(), unwritten);
+    }
+    return;
+  }
+  epoch->number = number;
+  if (of_session != session || !established) StartSession(of_session);
+  established = true;
+  last_heard = clock();
+  TransmitControl(kOpened);
+}
+
+void ReliableLink::State::ReceiveRefusal(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  const auto highest = in.Get<std::uint64_t>();
+  if (side != Side::kHost || !in.finished()) return;
+  if (epoch->number == 0) {
+    const std::uint64_t step = 1 + std::random_device{}() % kMostEpochStep;
+    epoch->number = highest + step;
+    epoch->fenced = epoch->number < highest;  // there is none above
+    last_open = clock() - options.resend_after;
+  } else if (highest > epoch->number) {
+    epoch->fenced = true;
+  }
+  if (!epoch->fenced) return;
+  established = false;
+  unwritten.clear();
+  written = 0;
+}
+
+bool ReliableLink::State::ReceiveControl(const FrameHeader& header,
+                                         std::span<const std::byte> payload) {
   if (header.type == kOpen) {
-    if (side != Side::kDevice || header.session == 0) return true;
-    if (header.session != session || !established) StartSession(header.session);
-    established = true;
-    last_heard = clock();
-    TransmitControl(kOpened);
+    ReceiveOpen(header.session, payload);
     return true;
   }
   if (header.session != session || session == 0) return true;
+  if (header.type == kRefused) {
+    ReceiveRefusal(payload);
+    return true;
+  }
   if (header.type == kOpened && side == Side::kHost && !established) {
     established = true;
     last_progress = clock();
@@ -136,7 +188,7 @@ bool ReliableLink::State::ReceiveControl(const FrameHeader& header) {
 void ReliableLink::State::Receive(const FrameHeader& header,
                                   std::span<const std::byte> payload,
                                   const Handler& handler) {
-  if (ReceiveControl(header)) return;
+  if (ReceiveControl(header, payload)) return;
   peer_credit = header.credit;
   TakeAcknowledgement(header.acknowledged, header.type == kNack);
   if (header.sequence == 0) return;
@@ -194,22 +246,25 @@ void ReliableLink::State::SendNew() {
   }
 }
 
+void ReliableLink::State::KeepOpening(nanoseconds now) {
+  if (established || session == 0) {
+    // A number no host of this line is likely to have used: a stale answer is nobody's.
+    StartSession(std::max<std::uint32_t>(1, std::random_device{}()));
+    established = false;
+    last_open = now - options.resend_after;
+  }
+  if (now - last_open < options.resend_after || !unwritten.empty()) return;
+  last_open = now;
+  ByteWriter out;
+  out.Put(epoch->number);
+  Transmit(kOpen, 0, out.Take());
+}
+
 void ReliableLink::State::KeepTime() {
+  if (epoch->fenced) return;
   const nanoseconds now = clock();
   const bool silent = now - last_heard > options.dead_after;
-  if (side == Side::kHost && (!established || silent)) {
-    if (established || session == 0) {
-      // A number no host of this line is likely to have used: a stale answer is nobody's.
-      StartSession(std::max<std::uint32_t>(1, std::random_device{}()));
-      established = false;
-      last_open = now - options.resend_after;
-    }
-    if (now - last_open >= options.resend_after && unwritten.empty()) {
-      last_open = now;
-      Transmit(kOpen, 0, {});
-    }
-    return;
-  }
+  if (side == Side::kHost && (!established || silent)) return KeepOpening(now);
   if (!established) return;
   if (sent_count > 0 && now - last_progress > options.resend_after) GoBack();
   SendNew();
@@ -237,9 +292,10 @@ Status ReliableLink::State::Write() {
 }
 
 ReliableLink::ReliableLink(Side side, std::unique_ptr<ByteStream> stream,
-                           SteadyClock clock, const LinkOptions& options)
-    : state_(
-          std::make_unique<State>(side, std::move(stream), std::move(clock), options)) {}
+                           SteadyClock clock, const LinkOptions& options,
+                           std::shared_ptr<LineEpoch> epoch)
+    : state_(std::make_unique<State>(side, std::move(stream), std::move(clock), options,
+                                     std::move(epoch))) {}
 
 ReliableLink::~ReliableLink() = default;
 

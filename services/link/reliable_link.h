@@ -4,14 +4,18 @@
 // delivers every frame once and in order, or says that it is down.
 //
 //   host                              device
-//    | -- kOpen(session) ------------> |   host draws a session number
+//    | -- kOpen(session, 0) ---------> |   host draws a session number, asks
+//    | <---- kRefused(session, 41) --- |   the newest host so far was 41
+//    | -- kOpen(session, 57) --------> |   57 > 41: it is the newest now
 //    | <------- kOpened(session) ----- |   both start counting at 1
 //    | == sequenced frames both ways, cumulative acknowledgements, go-back-N ==
 //    | -- kKeepAlive when idle ------> |   either side: silence of `dead_after` = down
 //
 // Frames of another session are dropped: what an earlier host left in the line does
-// nothing. The receiver's credit (frames it can still take) rides in every frame.
-// Not thread-safe; Poll and Send are called from one thread; nothing blocks.
+// nothing. A device obeys its newest host only (LineEpoch): an older one is refused, and
+// fenced off for good when it hears that. The receiver's credit (frames it can still
+// take) rides in every frame. Not thread-safe; Poll and Send are called from one thread;
+// nothing blocks.
 
 #include <chrono>
 #include <cstddef>
@@ -51,13 +55,21 @@ struct LinkOptions {
 
 enum class Side { kHost, kDevice };
 
+/// Who is the newest host of a device. The device's lives as long as its power is on,
+/// over all links; a host's as long as its process.
+struct LineEpoch {
+  std::uint64_t number = 0;  ///< device: highest that opened; host: its own, 0: none yet
+  bool fenced = false;       ///< of a host: a newer one has the device, for good
+};
+
 class ReliableLink {
  public:
   /// `type` is LaserFrame or MotionFrame as a number.
   using Handler = std::function<void(std::uint8_t type, std::span<const std::byte>)>;
 
   ReliableLink(Side side, std::unique_ptr<ByteStream> stream, SteadyClock clock,
-               const LinkOptions& options = {});
+               const LinkOptions& options = {},
+               std::shared_ptr<LineEpoch> epoch = std::make_shared<LineEpoch>());
   ~ReliableLink();
 
   /// Reads, delivers frames in order to `handler`, acknowledges, resends, keeps alive.

@@ -3,6 +3,10 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -74,6 +78,21 @@ tl::unexpected<Error> CannotOpen(const std::string& device, const std::string& w
       device);
 }
 
+bool IsPseudoTerminal(int descriptor) {
+  struct stat status {};
+  return fstat(descriptor, &status) == 0 && major(status.st_rdev) >= 136 &&
+         major(status.st_rdev) <= 143;
+}
+
+/// Against a second process of ours by a lock, against any other program by the
+/// terminal's own flag. A pseudo-terminal would keep the flag after the death of who set
+/// it, as long as its device holds it.
+bool TakeForOneself(int descriptor) {
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return false;
+  if (!IsPseudoTerminal(descriptor)) ioctl(descriptor, TIOCEXCL);
+  return true;
+}
+
 }  // namespace
 
 std::unique_ptr<ByteStream> WrapDescriptor(int descriptor, const std::string& name) {
@@ -99,6 +118,9 @@ Result<std::unique_ptr<ByteStream>> OpenSerialPort(const std::string& device,
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) {
     return CannotOpen(device, "it is no terminal device");
+  }
+  if (!TakeForOneself(descriptor)) {
+    return CannotOpen(device, "another process has it");
   }
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;

@@ -11,7 +11,8 @@
 namespace intaglio::link {
 
 /// 8 data bits, no parity, no flow control. `baud` is one of the usual rates from 1200
-/// to 4000000; pseudo-terminals ignore it. Errors name the device and the remedy.
+/// to 4000000; pseudo-terminals ignore it. No other process of this machine has it open
+/// by this function at the same time. Errors name the device and the remedy.
 Result<std::unique_ptr<ByteStream>> OpenSerialPort(const std::string& device,
                                                    std::uint32_t baud);
 

@@ -58,6 +58,7 @@ Bridge::Bridge(host::ServiceHost& host, std::string cell,
 
 void Bridge::Turn(std::chrono::nanoseconds now) {
   driver_->Poll();
+  if (driver_->state().taken_over) return;
   TakeStops();
   TakeBatches();
   // A line full of segments takes the abort as soon as it can.

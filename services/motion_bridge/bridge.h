@@ -28,7 +28,8 @@ class Bridge {
  public:
   Bridge(host::ServiceHost& host, std::string cell, std::unique_ptr<MotionDriver> driver);
 
-  /// One turn: serial line, batches, controller, publications. Never blocks.
+  /// One turn: serial line, batches, controller, publications. Never blocks. Nothing
+  /// more is done or said once state().taken_over.
   void Turn(std::chrono::nanoseconds now);
 
   bus::Reader<intaglio_MotionSegmentBatch>& batches() { return batches_; }

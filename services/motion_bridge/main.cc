@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "proto/job_file.h"
+#include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
 #include "services/motion_bridge/bridge.h"
 
@@ -32,6 +33,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
   loop.Attach(bridge.stops());
   while (!host.stopping()) {
     bridge.Turn(std::chrono::steady_clock::now().time_since_epoch());
+    if (bridge.state().taken_over) return host::EndTakenOver(host, "motion bridge");
     host.SetHealth(bridge.state().link_up ? intaglio_HEALTH_READY : intaglio_HEALTH_FAULT,
                    {}, bridge.state().message);
     host.KeepAlive();

@@ -22,6 +22,7 @@ namespace intaglio::motion_bridge {
 /// The controller's newest word on itself.
 struct DriverState {
   bool link_up = false;
+  bool taken_over = false;  ///< a newer host has the controller, for good
   std::uint64_t tick = 0;
   Vec3 position_mm = Vec3::Zero();
   Vec3 velocity_mm_s = Vec3::Zero();

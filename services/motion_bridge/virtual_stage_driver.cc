@@ -97,6 +97,7 @@ class VirtualStageDriver final : public MotionDriver {
     if (state_.link_up || state_.message != message) ++state_.number;
     identified_ = false;
     state_.link_up = false;
+    state_.taken_over = session_.fenced();
     state_.clock = 0;
     state_.fault = intaglio_MOTION_LINK_LOST;
     state_.message = message;

@@ -28,6 +28,8 @@ class LaserController {
   /// Not before the identity has come: a Disarm of a session that is not known yet would
   /// be counted by the controller and not by us.
   bool CanSend() const { return session_.CanSend() && identified_; }
+  /// A newer host has the controller; for good, and nothing more is said to it.
+  bool taken_over() const { return session_.fenced(); }
   const std::string& message() const { return session_.message(); }
   int fd() const { return session_.fd(); }
 

@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "proto/job_file.h"
+#include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
 #include "services/synchronizer/synchronizer.h"
 
@@ -35,9 +36,11 @@ int Serve(host::ServiceHost& host, const Options& options) {
     host.KeepAlive();
     loop.Wait(std::array{cell.laser_fd(), cell.journal_fd()}, 5ms);
   };
-  while (!host.stopping()) turn();
+  while (!host.stopping() && !cell.taken_over()) turn();
+  if (cell.taken_over()) return host::EndTakenOver(host, "synchronizer");
   cell.Stop();
-  for (const auto end = Now() + 3s; !cell.stopped() && Now() < end;) turn();
+  for (const auto end = Now() + 3s; !cell.stopped() && !cell.taken_over() && Now() < end;)
+    turn();
   return 0;
 }
 

@@ -98,6 +98,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   laser_.Poll([this](const link::PulseReport& report) {
     if (engraving_) engraving_->Take(report);
   });
+  if (laser_.taken_over()) return;
   credit_.Poll();
   TakePermission(now);
   TakeMotion(now);

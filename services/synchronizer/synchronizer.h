@@ -28,6 +28,8 @@ class Synchronizer {
   void Stop();
   bool stopped() const { return !engraving_; }
 
+  /// Another synchronizer has the laser: Turn does nothing more.
+  bool taken_over() const { return laser_.taken_over(); }
   int laser_fd() const { return laser_.fd(); }
   int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }
   template <typename Loop>

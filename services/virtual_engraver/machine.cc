@@ -34,9 +34,10 @@ void Machine::Line::Plug(std::unique_ptr<link::ByteStream> end,
                          const link::SteadyClock& clock) {
   waiting.clear();
   link.reset();
-  if (end)
-    link =
-        std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end), clock);
+  if (end) {
+    link = std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end),
+                                                clock, link::LinkOptions{}, epoch);
+  }
 }
 
 bool Machine::Line::Poll(const link::ReliableLink::Handler& handler) {

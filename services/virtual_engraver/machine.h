@@ -62,6 +62,7 @@ class Machine {
   /// One line's link, what waits to be said on it, and when it spoke last.
   struct Line {
     std::unique_ptr<link::ReliableLink> link;
+    std::shared_ptr<link::LineEpoch> epoch = std::make_shared<link::LineEpoch>();
     std::uint32_t session = 0;
     std::deque<std::pair<std::uint8_t, link::Bytes>> waiting;
     std::chrono::nanoseconds next_status{0};

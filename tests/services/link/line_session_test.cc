@@ -37,7 +37,8 @@ class DeviceAndSession : public ::testing::Test {
     device = std::make_unique<ReliableLink>(
         Side::kDevice,
         std::make_unique<FaultyEnd>(to_device, to_host, random, [this] { return now; }),
-        [this] { return now; });
+        [this] { return now; }, LinkOptions{}, epoch);
+    *epoch = {};
     ++power_up;
     told_session = 0;
   }
@@ -61,6 +62,7 @@ class DeviceAndSession : public ::testing::Test {
   std::shared_ptr<std::mt19937_64> random = std::make_shared<std::mt19937_64>(1);
   std::shared_ptr<FaultyPipe> to_device, to_host;
   bool plugged = false;
+  std::shared_ptr<LineEpoch> epoch = std::make_shared<LineEpoch>();
   std::unique_ptr<ReliableLink> device;
   std::uint32_t told_session = 0;
   std::uint8_t power_up = 0x40;  ///< the type of what the device says after a handshake
@@ -155,6 +157,27 @@ TEST_F(DeviceAndSession, ALineThatWasPulledOutIsOpenedAgain) {
   EXPECT_TRUE(session.up());
   EXPECT_EQ(session.sessions(), 2u);
   EXPECT_EQ(heard, (std::vector<std::uint8_t>{0x41, 0x42}));
+}
+
+// Somebody else has the device by then: this process has nothing to say to it any more.
+TEST_F(DeviceAndSession, WhoIsFencedOffSaysSoAndOpensNothing) {
+  PlugIn();
+  TurnFor(milliseconds(100));
+  ASSERT_TRUE(session.up());
+  EXPECT_FALSE(session.fenced());
+  epoch->number += 1u << 30;
+  to_host->cut = true;
+  TurnFor(milliseconds(300));
+  to_host->cut = false;
+  TurnFor(milliseconds(300));
+  EXPECT_TRUE(session.fenced());
+  EXPECT_FALSE(session.up());
+  EXPECT_EQ(session.message(), "another host has taken this machine over");
+  EXPECT_EQ(session.fd(), -1) << "the port is closed for whoever has it now";
+  const std::size_t opened = open_times.size();
+  TurnFor(milliseconds(2000));
+  EXPECT_EQ(open_times.size(), opened);
+  EXPECT_FALSE(session.Send(0x10));
 }
 
 }  // namespace

@@ -93,7 +93,8 @@ const std::map<std::string, Taker> kTakers = {
 TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
   std::size_t tried = 0;
   for (const SampleFrame& sample : SampleFrames()) {
-    if (sample.payload.empty()) continue;
+    // Those below 0x10 are the session's own: line_epoch_test.cc.
+    if (sample.payload.empty() || sample.type < 0x10) continue;
     const Taker taken = kTakers.at(sample.name);
     ++tried;
     EXPECT_TRUE(taken(sample.payload)) << sample.name;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "services/link/byte_codec.h"
 #include "services/link/frame.h"
 #include "services/link/laser_protocol.h"
 #include "services/link/motion_protocol.h"
@@ -18,6 +19,12 @@ struct SampleFrame {
   Bytes payload;
 };
 
+inline Bytes Epoch(std::uint64_t number) {
+  ByteWriter out;
+  out.Put(number);
+  return out.Take();
+}
+
 inline std::vector<SampleFrame> SampleFrames() {
   const auto laser = [](LaserFrame type) { return static_cast<std::uint8_t>(type); };
   const auto motion = [](MotionFrame type) { return static_cast<std::uint8_t>(type); };
@@ -25,10 +32,11 @@ inline std::vector<SampleFrame> SampleFrames() {
                                100000000, 65536,    true,     false};
   const WireSegment to_rest{1500000, -2500000, 20000000, 0, 0, 0, 98304, false, true};
   return {
-      {"Open", 0x01, {}},
+      {"Open", 0x01, Epoch(57)},
       {"Opened", 0x02, {}},
       {"KeepAlive", 0x03, {}},
       {"Nack", 0x04, {}},
+      {"Refused", 0x05, Epoch(41)},
       {"LampCommand", laser(LaserFrame::kLampCommand), Encode(LampCommand{true, 100})},
       {"ShutterCommand", laser(LaserFrame::kShutterCommand), Encode(ShutterCommand{1})},
       {"ArmWindow", laser(LaserFrame::kArmWindow),

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <pty.h>
+#include <signal.h>
+#include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -117,6 +119,39 @@ TEST(SerialPort, SetsTheRateAndEightBitsWithoutFlowControl) {
     EXPECT_EQ(settings.c_iflag & (IXON | ICRNL), 0u);
     EXPECT_EQ(settings.c_lflag & (ICANON | ECHO | ISIG), 0u);
   }
+}
+
+TEST(SerialPort, IsOpenOnceAtATime) {
+  Pty pty;
+  auto port = OpenSerialPort(pty.path(), 115200);
+  ASSERT_TRUE(port);
+  const auto second = OpenSerialPort(pty.path(), 115200);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr(pty.path()));
+  EXPECT_THAT(second.error().message, HasSubstr("another process has it"));
+  EXPECT_EQ((*port)->Write(EveryByte()), 256u) << "the first goes on";
+  port->reset();
+  EXPECT_TRUE(OpenSerialPort(pty.path(), 115200));
+}
+
+TEST(SerialPort, IsFreeAgainWhenItsProcessIsKilled) {
+  Pty pty;
+  std::array<int, 2> opened{};
+  ASSERT_EQ(pipe(opened.data()), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    const auto port = OpenSerialPort(pty.path(), 115200);
+    const char said = port ? 'o' : 'x';
+    if (write(opened[1], &said, 1) == 1) pause();
+    _exit(1);
+  }
+  char said = 0;
+  ASSERT_EQ(read(opened[0], &said, 1), 1);
+  EXPECT_EQ(said, 'o');
+  EXPECT_FALSE(OpenSerialPort(pty.path(), 115200));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_TRUE(OpenSerialPort(pty.path(), 115200));
 }
 
 TEST(SerialPort, AnUnusualRateIsRefused) {

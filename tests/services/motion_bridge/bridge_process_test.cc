@@ -10,6 +10,7 @@
 #include "services/bus/samples.h"
 #include "tests/services/bus/child_program.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
+#include "tests/services/virtual_engraver/taken_line.h"
 
 namespace intaglio::motion_bridge {
 namespace {
@@ -224,6 +225,23 @@ TEST_F(BridgeProcess, ALineThatIsGoneIsAFaultInItsState) {
       UntilState([](const auto& s) { return s.fault == intaglio_MOTION_LINK_LOST; }));
   EXPECT_NE(message_.find("motion line"), std::string::npos) << message_;
   EXPECT_TRUE(bridge_->running());
+}
+
+TEST_F(BridgeProcess, WhoseStageIsTakenOverEndsWithAFault) {
+  ASSERT_TRUE(virtual_engraver::TakeLineOver(engraver_.motion_line()));
+  std::string code, message;
+  EXPECT_TRUE(Eventually([&] {
+    alarms_.Take([&](const intaglio_Alarm& alarm) {
+      code = View(alarm.code);
+      message = View(alarm.message);
+    });
+    return !code.empty();
+  }));
+  EXPECT_EQ(code, "taken_over");
+  EXPECT_EQ(message,
+            "another motion bridge has taken this machine over; this process "
+            "ends");
+  EXPECT_EQ(bridge_->ExitCode(), 4);
 }
 
 TEST(BridgeOptions, AnUnknownDriverNamesWhatThereIs) {

@@ -9,8 +9,8 @@ using link::TickOutcome;
 using namespace std::chrono_literals;
 
 void FakeLaser::Plug(std::unique_ptr<link::ByteStream> end) {
-  line_ =
-      std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end), clock_);
+  line_ = std::make_unique<link::ReliableLink>(link::Side::kDevice, std::move(end),
+                                               clock_, link::LinkOptions{}, epoch_);
   session_ = 0;
   waiting_.clear();
 }
@@ -23,6 +23,7 @@ void FakeLaser::PowerCycle(std::unique_ptr<link::ByteStream> end) {
   decided_.clear();
   outcomes_.clear();
   past_.clear();
+  *epoch_ = {};
   Plug(std::move(end));
 }
 

@@ -89,6 +89,7 @@ class FakeLaser {
   bool lockstep_;
   link::SteadyClock clock_;
   std::unique_ptr<link::ReliableLink> line_;
+  std::shared_ptr<link::LineEpoch> epoch_ = std::make_shared<link::LineEpoch>();
   std::uint32_t session_ = 0;
   std::uint32_t power_up_ = 1;
   std::uint64_t tick_ = 0;

@@ -110,7 +110,8 @@ class MachineBench : public ::testing::Test {
     auto out = std::make_shared<BenchLine::Wire>();
     machine->PlugLaserLine(std::make_unique<BenchLine>(laser_in, out));
     laser_host = std::make_unique<link::ReliableLink>(
-        link::Side::kHost, std::make_unique<BenchLine>(out, laser_in), clock);
+        link::Side::kHost, std::make_unique<BenchLine>(out, laser_in), clock,
+        link::LinkOptions{}, laser_epoch);
   }
   void PlugMotion() {
     motion_in = std::make_shared<BenchLine::Wire>();
@@ -161,6 +162,7 @@ class MachineBench : public ::testing::Test {
   std::unique_ptr<Machine> machine;
   std::unique_ptr<link::ReliableLink> laser_host, motion_host;
   std::shared_ptr<BenchLine::Wire> laser_in, motion_in;  // towards the machine
+  std::shared_ptr<link::LineEpoch> laser_epoch = std::make_shared<link::LineEpoch>();
   Heard heard;
 };
 

@@ -203,6 +203,24 @@ TEST_F(MachineSafety, FaultsAndInterlocksAreToldAtOnce) {
   EXPECT_EQ(heard.laser_statuses.back().interlocks & link::kDoorClosed, 0);
 }
 
+// The newest host has the machine, whatever line it comes by.
+TEST_F(MachineSafety, AnOlderHostThatComesBackFiresNothing) {
+  Start(PlainOptions(false));
+  const auto older = laser_epoch;
+  Connect();
+  laser_epoch = std::make_shared<link::LineEpoch>();
+  PlugLaser();
+  Connect();
+  EXPECT_GT(laser_epoch->number, older->number);
+  EXPECT_FALSE(older->fenced) << "it has not heard of it";
+  laser_epoch = older;
+  PlugLaser();
+  Pass(500ms);
+  EXPECT_TRUE(older->fenced);
+  EXPECT_FALSE(laser_host->up());
+  EXPECT_FALSE(laser_host->CanSend());
+}
+
 TEST_F(MachineSafety, AStageInTroubleDoesNotFireWhereItShouldNotBe) {
   // Gated pulses on a stage that is stuck: in position never comes on.
   Start(PlainOptions(false));
