@@ -1,7 +1,6 @@
 #include "services/cli/jobs_command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -10,12 +9,13 @@
 #include <memory>
 
 #include "services/cli/bus_flags.h"
-#include "services/cli/interrupt.h"
+#include "services/cli/event_lines.h"
 #include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/run_command.h"
 #include "services/cli/stage_bars.h"
+#include "services/cli/watch_job.h"
 
 namespace intaglio::cli {
 namespace {
@@ -35,6 +35,10 @@ struct JobsOptions {
   std::string series;
   bool arm = false;
   bool watch = false;
+  bool events = false;
+
+  /// Where text for people goes.
+  std::ostream& human() const { return events ? std::cerr : std::cout; }
 };
 
 int Complain(const Error& error, int exit_code) {
@@ -54,41 +58,9 @@ std::string ProgressOf(const JobView& job) {
                      GroupedDigits(p->total_count));
 }
 
-/// What a person has to know of the job now.
-std::string NoteOf(const JobView& job) {
-  std::string note = job.message.empty() ? std::string(NameOf(job.state)) : job.message;
-  if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
-  if (job.state != intaglio_JOB_PAUSED) return note;
-  if (note.find("resume") != std::string::npos) return "paused: " + note;
-  return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
-}
-
-void TellState(const JobView& job) {
-  std::cout << "job " << job.number << " is " << NameOf(job.state)
-            << (job.message.empty() ? "" : ": " + job.message) << "\n";
-}
-
-int WatchJob(JobClient& client, const std::string& uid) {
-  CatchInterrupts();
-  ProgressBar bar(std::cerr, isatty(STDERR_FILENO) != 0);
-  StageBars bars(bar);
-  for (;;) {
-    const JobView& job = client.jobs().at(uid);
-    bars.Show(job, NoteOf(job));
-    if (job.ended()) {
-      bar.Finish();
-      std::cout << "job " << job.number << " " << NameOf(job.state)
-                << (job.message.empty() ? "" : ": " + job.message) << "\n";
-      if (job.state == intaglio_JOB_DONE) return kExitGood;
-      return job.state == intaglio_JOB_CANCELLED ? kExitCancelled : kExitMachine;
-    }
-    if (Interrupts() > 0) {
-      bar.Finish();
-      std::cerr << "the job goes on; intaglio cancel " << job.number << " ends it\n";
-      return kExitGood;
-    }
-    client.Poll(100ms);
-  }
+void TellState(const JobView& job, std::ostream& out) {
+  out << "job " << job.number << " is " << NameOf(job.state)
+      << (job.message.empty() ? "" : ": " + job.message) << "\n";
 }
 
 /// Where a command leads when nothing is in its way.
@@ -106,7 +78,8 @@ bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
   return true;
 }
 
-int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind) {
+int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind,
+               std::ostream& out) {
   if (job.ended()) {
     return Complain(
         {ErrorCode::kRefused,
@@ -125,18 +98,25 @@ int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind ki
   // The machine may take a moment, or want a person first: then its message says so.
   client.PollUntil([&] { return Reached(client.jobs().at(job.uid), kind); },
                    kMachineTime);
-  TellState(client.jobs().at(job.uid));
+  TellState(client.jobs().at(job.uid), out);
   return kExitGood;
 }
 
 /// Gives the job to the job service.
-Result<JobView> SubmitOne(JobClient& client, const JobSpec& job) {
+Result<JobView> SubmitOne(JobClient& client, const JobSpec& job,
+                          const JobsOptions& options) {
   auto submitted = client.Submit(job, 15s);
   if (submitted) {
-    std::cout << "job " << submitted->number << " (" << submitted->uid << ") is "
-              << NameOf(submitted->state) << "\n";
+    if (options.events) EventLines(std::cout).Submitted(*submitted);
+    options.human() << "job " << submitted->number << " (" << submitted->uid << ") is "
+                    << NameOf(submitted->state) << "\n";
   }
   return submitted;
+}
+
+int Watch(JobClient& client, const std::string& uid, const JobsOptions& options) {
+  EventLines events(std::cout);
+  return WatchJob(client, uid, options.events ? &events : nullptr);
 }
 
 int SubmitSeries(const JobsOptions& options) {
@@ -153,10 +133,10 @@ int SubmitSeries(const JobsOptions& options) {
   JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, kDiscoveryTime);
   for (const JobAndMachine& piece : *series) {
-    const auto submitted = SubmitOne(client, piece.job);
+    const auto submitted = SubmitOne(client, piece.job, options);
     if (!submitted) return Complain(submitted.error(), kExitWrongInput);
   }
-  std::cout << series->size() << " jobs; intaglio list shows them\n";
+  options.human() << series->size() << " jobs; intaglio list shows them\n";
   client.Poll(500ms);
   return kExitGood;
 }
@@ -168,15 +148,16 @@ int Submit(const JobsOptions& options) {
   bus::Bus bus(options.bus);
   JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, kDiscoveryTime);
-  const auto submitted = SubmitOne(client, job->job);
+  const auto submitted = SubmitOne(client, job->job, options);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
   if (options.arm) {
-    const int armed = CommandJob(client, *submitted, intaglio_COMMAND_ARM);
+    const int armed =
+        CommandJob(client, *submitted, intaglio_COMMAND_ARM, options.human());
     if (armed != kExitGood) return armed;
   }
-  if (options.watch) return WatchJob(client, submitted->uid);
+  if (options.watch) return Watch(client, submitted->uid, options);
   if (!options.arm)
-    std::cout << "intaglio arm " << submitted->number << " lets it fire\n";
+    options.human() << "intaglio arm " << submitted->number << " lets it fire\n";
   client.Poll(500ms);
   return kExitGood;
 }
@@ -206,7 +187,8 @@ int WithJob(const JobsOptions& options,
             const std::function<int(JobClient&, const JobView&)>& act) {
   bus::Bus bus(options.bus);
   JobClient client(bus);
-  client.PollUntil([&] { return client.Find(options.uid).has_value(); }, kDiscoveryTime);
+  client.PollUntil([&] { return client.Find(options.uid).has_value(); },
+                   kDiscoveryTime);
   const auto job = client.Find(options.uid);
   return job ? act(client, *job) : Complain(job.error(), kExitWrongInput);
 }
@@ -278,6 +260,7 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
   submit->add_flag("--arm", options->arm,
                    "you stand at the machine: it may fire at once");
   submit->add_flag("--watch", options->watch, "follow it to its end");
+  AddEventsFlag(*submit, options->events);
   submit->add_option("--series", options->series,
                      "CSV file: a job for each row; {column} in texts and file names of "
                      "the job file becomes the row's field");
@@ -304,14 +287,18 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
     command->callback([options, act, &selected] {
       selected = [options, act] { return WithJob(*options, act); };
     });
+    return command;
   };
   add("show", "all about one job",
       [](JobClient&, const JobView& job) { return ShowJob(job); });
-  add("watch", "follow a job to its end",
-      [](JobClient& client, const JobView& job) { return WatchJob(client, job.uid); });
+  AddEventsFlag(*add("watch", "follow a job to its end",
+                     [options](JobClient& client, const JobView& job) {
+                       return Watch(client, job.uid, *options);
+                     }),
+                options->events);
   const auto command = [](intaglio_JobCommandKind kind) {
     return [kind](JobClient& client, const JobView& job) {
-      return CommandJob(client, job, kind);
+      return CommandJob(client, job, kind, std::cout);
     };
   };
   add("arm", "you stand at the machine: the job may fire", command(intaglio_COMMAND_ARM));

@@ -1,6 +1,7 @@
 #include "services/cli/run_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,7 @@
 #include <random>
 
 #include "materials_db/material_store.h"
+#include "services/cli/event_lines.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
@@ -37,6 +39,7 @@ struct RunOptions {
   std::string out;
   std::string materials_db;
   bool lockstep = false;
+  bool events = false;
   double speed = 1;
   double clock_drift_ppm = 0;
   double line_jitter_ms = 0;
@@ -75,6 +78,7 @@ class RunSession {
   int Engrave(ServiceSet& services);
   int Follow(ServiceSet& services, JobClient& client, JobView job);
   void Show(const JobView& job);
+  void TellEnd(JobClient& client, const JobView& job);
   bool TryToResume(JobClient& client, const JobView& job);
   void Cancel(JobClient& client, const JobView& job, const std::string& why);
   int Prove(const JobView& job, const JobClient& client, const ServiceSet& services);
@@ -85,6 +89,8 @@ class RunSession {
   materials_db::OpticalValues optics_;
   ProgressBar bar_;
   StageBars bars_{bar_};
+  EventLines events_{std::cout};
+  ShopVerdict proved_;  // by the glass; no word: there was nothing to prove
   fs::path out_, session_;
   std::string started_utc_ = UtcNow();
   Clock::time_point started_ = Clock::now();
@@ -163,6 +169,7 @@ int RunSession::Engrave(ServiceSet& services) {
   job.set_machine_file(services.machine_file().string());
   auto submitted = client.Submit(job, 20s);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
+  if (options_.events) events_.Submitted(*submitted);
   // Whoever types `run` stands at the machine: that is the operator's arm.
   if (auto armed = client.Command(*submitted, intaglio_COMMAND_ARM); !armed) {
     return Complain(armed.error(), kExitInternal);
@@ -171,6 +178,7 @@ int RunSession::Engrave(ServiceSet& services) {
 }
 
 void RunSession::Show(const JobView& job) {
+  if (options_.events && !job.ended()) events_.Show(job);
   const JobView::Progress* p = StageAtWork(job);
   if (p == nullptr) return;
   std::string note;
@@ -245,12 +253,19 @@ int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
       job.state == intaglio_JOB_FAILED ? 200ms : 2000ms);
   services.Stop();
   const int proved = Prove(job, client, services);
+  if (options_.events) TellEnd(client, job);
   if (fault) return Complain(*fault, kExitMachine);
   if (cancelled_) return kExitCancelled;
   if (job.state != intaglio_JOB_DONE) {
     return Complain({ErrorCode::kFault, job.message, ""}, kExitMachine);
   }
   return proved;
+}
+
+void RunSession::TellEnd(JobClient& client, const JobView& job) {
+  JobEnd end = EndOf(client, job);
+  if (!proved_.word.empty()) end.verdict = proved_;
+  events_.Ended(job, end);
 }
 
 int RunSession::Prove(const JobView& job, const JobClient& client,
@@ -272,9 +287,12 @@ int RunSession::Prove(const JobView& job, const JobClient& client,
   if (!report) return Complain(report.error(), kExitWrongInput);
   for (const std::string& warning : report->warnings())
     std::cerr << "warning    " << warning << "\n";
-  std::cout << SummaryOf(*report) << "\n";
-  std::cout << "folder      " << out_.string()
-            << "  (report.json, glass.ply, path.ply, views.png)\n";
+  std::ostream& human = options_.events ? std::cerr : std::cout;
+  human << SummaryOf(*report) << "\n";
+  human << "folder      " << out_.string()
+        << "  (report.json, glass.ply, path.ply, views.png)\n";
+  proved_.word = report->verdict().good() ? "good" : "not_good";
+  proved_.reason = fmt::format("{}", fmt::join(report->verdict().reasons(), "; "));
   return report->verdict().good() ? kExitGood : kExitNotGood;
 }
 
@@ -312,6 +330,7 @@ void AddRunCommand(CLI::App& app, std::function<int()>& selected) {
       "machine "
       "fault, 5 cancelled.");
   AddJobFlags(*run, options->job);
+  AddEventsFlag(*run, options->events);
   run->add_option("--out", options->out,
                   "folder of the proof, default intaglio-out/NAME-TIME");
   auto* lockstep = run->add_flag("--lockstep", options->lockstep,

@@ -1,0 +1,126 @@
+#include "services/cli/event_lines.h"
+
+#include <algorithm>
+#include <limits>
+#include <ostream>
+
+#include "proto/json_text.h"
+#include "services/cli/run_command.h"
+#include "services/cli/stage_bars.h"
+#include "services/history/job_words.h"
+#include "services/host/utc_time.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+// The job's last state and its stage's last word come from two processes.
+constexpr auto kLastWord = 2s;
+
+std::uint32_t Count(std::uint64_t count) {
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(count, std::numeric_limits<std::uint32_t>::max()));
+}
+
+}  // namespace
+
+JobEnd EndOf(JobClient& client, const JobView& job) {
+  const auto told = [&] {
+    return client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE).has_value();
+  };
+  const bool engraved = std::any_of(
+      job.progress.begin(), job.progress.end(), [](const JobView::Progress& p) {
+        return p.stage == intaglio_STAGE_ENGRAVE && p.total_count > 0;
+      });
+  if (engraved) client.PollUntil(told, kLastWord);
+  const auto outcome = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
+  const bool known = outcome && outcome->has_engrave();
+  JobEnd end;
+  if (known) end.counts = outcome->engrave();
+  end.verdict = VerdictOf(job.state == intaglio_JOB_DONE, known ? &end.counts : nullptr);
+  return end;
+}
+
+int ExitCodeOf(const JobView& job, const ShopVerdict& verdict) {
+  if (job.state == intaglio_JOB_CANCELLED) return kExitCancelled;
+  if (job.state != intaglio_JOB_DONE) return kExitMachine;
+  return verdict.word == "not_good" ? kExitNotGood : kExitGood;
+}
+
+JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
+  JobEvent line;
+  line.set_event(event);
+  line.set_id(id);
+  line.set_job(job.number);
+  line.set_uid(job.uid);
+  line.set_name(job.name);
+  line.set_cell(job.cell);
+  line.set_state(history::StateWord(job.state));
+  line.set_attempt(job.attempt);
+  line.set_message(job.message);
+  const JobView::Progress* stage = StageAtWork(job);
+  if (stage == nullptr || job.state == intaglio_JOB_QUEUED) return line;
+  line.set_stage(NameOf(stage->stage));
+  line.set_done(Count(stage->done_count));
+  line.set_total(Count(stage->total_count));
+  line.set_elapsed_s(stage->elapsed_s);
+  if (stage->elapsed_s > 0) {
+    line.set_rate(static_cast<double>(stage->done_count) / stage->elapsed_s);
+  }
+  return line;
+}
+
+EventLines::EventLines(std::ostream& out, Clock clock)
+    : out_(out), clock_(std::move(clock)) {}
+
+void EventLines::Submitted(const JobView& job, const std::string& id) {
+  Write(EventOf("submitted", job, id));
+}
+
+void EventLines::Show(const JobView& job, const std::string& id) {
+  const auto now = clock_();
+  const bool first = !told_.contains(job.uid);
+  Told& told = told_[job.uid];
+  const JobEvent line = EventOf("progress", job, id);
+  const bool state = first || line.state() != told.state;
+  const bool message = line.message() != told.message;
+  const auto stage =
+      static_cast<std::uint32_t>(StageAtWork(job) ? StageAtWork(job)->stage : 0);
+  const bool moved =
+      stage != told.stage || line.done() != told.done || line.total() != told.total;
+  const bool whole = line.total() > 0 && line.done() == line.total();
+  const bool due = moved && (whole || now - told.at >= kPeriod);
+  if (!state && !message && !due) return;
+  told = {line.state(), line.message(), stage, line.done(), line.total(), now};
+  JobEvent event = line;
+  event.set_event(state ? "state" : message ? "message" : "progress");
+  Write(std::move(event));
+}
+
+void EventLines::Ended(const JobView& job, const JobEnd& end, const std::string& id) {
+  JobEvent event = EventOf("ended", job, id);
+  event.set_verdict(end.verdict.word);
+  event.set_planned(Count(end.counts.planned_count()));
+  event.set_made(Count(end.counts.made_count()));
+  event.set_missed(Count(end.counts.missed_count()));
+  event.set_skipped(Count(end.counts.skipped_count()));
+  event.set_uncertain(Count(end.counts.uncertain_count()));
+  if (event.message().empty()) event.set_message(end.verdict.reason);
+  told_.erase(job.uid);
+  Write(std::move(event));
+}
+
+void EventLines::Write(JobEvent event) {
+  event.set_time(host::UtcText(clock_()));
+  // A name or message that is not UTF-8 came from a file; the line is told without it.
+  auto json = JsonTextOf(event, JsonLayout::kOneLine);
+  if (!json) {
+    event.clear_name();
+    event.clear_message();
+    json = JsonTextOf(event, JsonLayout::kOneLine);
+  }
+  if (json) out_ << *json << '\n' << std::flush;
+}
+
+}  // namespace intaglio::cli

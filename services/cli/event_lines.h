@@ -1,0 +1,66 @@
+#pragma once
+
+// --events: what happens to jobs as lines of JSON for programs, one JobEvent
+// (proto/shop.proto) a line; docs/cli.md says what each field means.
+
+#include <chrono>
+#include <functional>
+#include <iosfwd>
+#include <map>
+#include <string>
+
+#include "proto/shop.pb.h"
+#include "proto/verdict.h"
+#include "services/cli/job_client.h"
+
+namespace CLI {
+class App;
+}
+
+namespace intaglio::cli {
+
+/// --events.
+void AddEventsFlag(CLI::App& command, bool& events);
+
+/// What became of a job that has ended.
+struct JobEnd {
+  ShopVerdict verdict;
+  EngraveOutcome counts;  ///< zeros when the engraving never began
+};
+
+/// Polls until the job's last word is there, for a moment at most.
+JobEnd EndOf(JobClient& client, const JobView& job);
+
+class EventLines {
+ public:
+  using Clock = std::function<std::chrono::system_clock::time_point()>;
+  explicit EventLines(std::ostream& out, Clock clock = std::chrono::system_clock::now);
+
+  void Submitted(const JobView& job, const std::string& id = {});
+  /// Lines for what is new since the last call: the state, the message, and progress at
+  /// most every kPeriod.
+  void Show(const JobView& job, const std::string& id = {});
+  void Ended(const JobView& job, const JobEnd& end, const std::string& id = {});
+  /// Any other; the time is filled in.
+  void Write(JobEvent event);
+
+  static constexpr std::chrono::milliseconds kPeriod{500};
+
+ private:
+  struct Told {
+    std::string state, message;
+    std::uint32_t stage = 0, done = 0, total = 0;
+    std::chrono::system_clock::time_point at;
+  };
+  std::ostream& out_;
+  Clock clock_;
+  std::map<std::string, Told> told_;  // by uid
+};
+
+/// The fields that a JobStatus has.
+JobEvent EventOf(const char* event, const JobView& job, const std::string& id);
+
+/// 0 done and good, 3 not good, 4 failed, 5 cancelled (docs/cli.md).
+int ExitCodeOf(const JobView& job, const ShopVerdict& verdict);
+
+}  // namespace intaglio::cli

@@ -1,0 +1,62 @@
+#include "services/cli/watch_job.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <iostream>
+
+#include "services/cli/interrupt.h"
+#include "services/cli/progress_bar.h"
+#include "services/cli/run_command.h"
+#include "services/cli/stage_bars.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What a person has to know of the job now.
+std::string NoteOf(const JobView& job) {
+  std::string note = job.message.empty() ? std::string(NameOf(job.state)) : job.message;
+  if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
+  if (job.state != intaglio_JOB_PAUSED) return note;
+  if (note.find("resume") != std::string::npos) return "paused: " + note;
+  return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
+}
+
+int TellEnd(JobClient& client, const JobView& job, EventLines* events) {
+  const JobEnd end = EndOf(client, job);
+  if (events != nullptr) events->Ended(job, end);
+  std::ostream& human = events != nullptr ? std::cerr : std::cout;
+  human << "job " << job.number << " " << NameOf(job.state)
+        << (job.message.empty() ? "" : ": " + job.message) << "\n";
+  if (!end.verdict.reason.empty()) {
+    human << "verdict: " << end.verdict.word << ", " << end.verdict.reason << "\n";
+  }
+  return ExitCodeOf(job, end.verdict);
+}
+
+}  // namespace
+
+int WatchJob(JobClient& client, const std::string& uid, EventLines* events) {
+  CatchInterrupts();
+  ProgressBar bar(std::cerr, isatty(STDERR_FILENO) != 0);
+  StageBars bars(bar);
+  for (;;) {
+    const JobView& job = client.jobs().at(uid);
+    bars.Show(job, NoteOf(job));
+    if (job.ended()) {
+      bar.Finish();
+      return TellEnd(client, JobView(job), events);
+    }
+    if (events != nullptr) events->Show(job);
+    if (Interrupts() > 0) {
+      bar.Finish();
+      std::cerr << "the job goes on; intaglio cancel " << job.number << " ends it\n";
+      return kExitGood;
+    }
+    client.Poll(100ms);
+  }
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,128 @@
+#include "services/cli/event_lines.h"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <sstream>
+#include <vector>
+
+#include "services/cli/run_command.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+
+class EventLinesTest : public testing::Test {
+ protected:
+  EventLinesTest() {
+    job_.uid = "7-abc";
+    job_.number = 7;
+    job_.name = "cup \"of\" Anna\n";
+    job_.cell = "els-03";
+    job_.state = intaglio_JOB_DISCRETIZING;
+    job_.progress = {{intaglio_STAGE_DISCRETIZE, 0, 0, 0}};
+  }
+  std::vector<JobEvent> Lines() {
+    std::vector<JobEvent> events;
+    std::istringstream in(out_.str());
+    for (std::string line; std::getline(in, line);) {
+      events.emplace_back();
+      EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(line, &events.back()).ok())
+          << line;
+    }
+    out_.str("");
+    return events;
+  }
+  std::vector<std::string> Kinds() {
+    std::vector<std::string> kinds;
+    for (const JobEvent& event : Lines()) kinds.push_back(event.event());
+    return kinds;
+  }
+
+  JobView job_;
+  std::ostringstream out_;
+  std::chrono::system_clock::time_point now_{1'000'000'000s};
+  EventLines lines_{out_, [this] { return now_; }};
+};
+
+TEST_F(EventLinesTest, TellsWhatIsNewAndNothingTwice) {
+  lines_.Show(job_);
+  EXPECT_THAT(Kinds(), ElementsAre("state"));
+  lines_.Show(job_);
+  EXPECT_THAT(Kinds(), ElementsAre());
+  job_.message = "waits";
+  lines_.Show(job_);
+  EXPECT_THAT(Kinds(), ElementsAre("message"));
+  job_.progress[0] = {intaglio_STAGE_DISCRETIZE, 30, 100, 2};
+  lines_.Show(job_);
+  EXPECT_THAT(Kinds(), ElementsAre()) << "too soon";
+  now_ += EventLines::kPeriod;
+  lines_.Show(job_);
+  const auto progress = Lines();
+  ASSERT_EQ(progress.size(), 1u);
+  EXPECT_EQ(progress[0].event(), "progress");
+  EXPECT_EQ(progress[0].time(), "2001-09-09T01:46:40.500Z");
+  EXPECT_EQ(progress[0].job(), 7u);
+  EXPECT_EQ(progress[0].name(), job_.name);
+  EXPECT_EQ(progress[0].stage(), "discretize");
+  EXPECT_EQ(progress[0].done(), 30u);
+  EXPECT_EQ(progress[0].total(), 100u);
+  EXPECT_EQ(progress[0].rate(), 15);
+  job_.progress[0].done_count = 100;
+  lines_.Show(job_);
+  EXPECT_THAT(Kinds(), ElementsAre("progress")) << "the end of a stage is never late";
+}
+
+TEST_F(EventLinesTest, TheEndHasTheVerdictAndTheCounts) {
+  JobEnd end;
+  end.counts.set_planned_count(10);
+  end.counts.set_made_count(9);
+  end.counts.set_missed_count(1);
+  end.verdict = VerdictOf(true, &end.counts);
+  job_.state = intaglio_JOB_DONE;
+  lines_.Ended(job_, end, "a1");
+  const auto events = Lines();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].event(), "ended");
+  EXPECT_EQ(events[0].id(), "a1");
+  EXPECT_EQ(events[0].state(), "done");
+  EXPECT_EQ(events[0].verdict(), "not_good");
+  EXPECT_EQ(events[0].made(), 9u);
+  EXPECT_EQ(events[0].missed(), 1u);
+  EXPECT_EQ(events[0].message(), "of 10 points 1 missed");
+}
+
+// A name from a file may be anything.
+TEST_F(EventLinesTest, ALineIsWrittenWhateverTheName) {
+  job_.name = "\xff\xfe";
+  lines_.Submitted(job_);
+  const auto events = Lines();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].uid(), "7-abc");
+}
+
+// A shell that tests for a field finds it in every line.
+TEST_F(EventLinesTest, EveryLineHasEveryField) {
+  lines_.Write({});
+  for (int i = 0; i < JobEvent::descriptor()->field_count(); ++i) {
+    EXPECT_THAT(out_.str(), testing::HasSubstr(
+                                "\"" + JobEvent::descriptor()->field(i)->name() + "\":"));
+  }
+}
+
+TEST(ExitCode, FollowsTheStateAndTheVerdict) {
+  JobView job;
+  job.state = intaglio_JOB_DONE;
+  EXPECT_EQ(ExitCodeOf(job, {"good", ""}), kExitGood);
+  EXPECT_EQ(ExitCodeOf(job, {"not_good", "x"}), kExitNotGood);
+  EXPECT_EQ(ExitCodeOf(job, {"unknown", "x"}), kExitGood);
+  job.state = intaglio_JOB_FAILED;
+  EXPECT_EQ(ExitCodeOf(job, {"none", ""}), kExitMachine);
+  job.state = intaglio_JOB_CANCELLED;
+  EXPECT_EQ(ExitCodeOf(job, {"not_good", ""}), kExitCancelled);
+}
+
+}  // namespace
+}  // namespace intaglio::cli
