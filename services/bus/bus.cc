@@ -4,19 +4,22 @@
 #include <fmt/format.h>
 
 #include "services/bus/bus_entities.h"
+#include "services/bus/identity.h"
 #include "services/bus/qos.h"
 
 namespace intaglio::bus {
 namespace {
 
 constexpr int kMaxDomain = 100;
+constexpr std::chrono::milliseconds kDiscoveryTime{1500};
+constexpr std::chrono::milliseconds kSecureDiscoveryTime{4000};
 
 // Only what differs from the library's defaults; {0} interface, {1} its attributes, {2}
-// tag. Killed peers are noticed after the lease; discovery repeats often enough that a
-// cut network heals within a second. A lost sample, or a retained one for a late joiner,
-// is asked for within milliseconds: with the default delays the hand-shake of a task took
-// 200 ms. A writer that is deleted waits for readers that have not acknowledged, maybe
-// dead ones: 200 ms at most, because a service has several.
+// tag, {3} security. Killed peers are noticed after the lease; discovery repeats often
+// enough that a cut network heals within a second. A lost sample, or a retained one for a
+// late joiner, is asked for within milliseconds: with the default delays the hand-shake
+// of a task took 200 ms. A writer that is deleted waits for readers that have not
+// acknowledged, maybe dead ones: 200 ms at most, because a service has several.
 constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
   <General><Interfaces><NetworkInterface name="{0}"{1}/></Interfaces></General>
   <Discovery>{2}
@@ -29,14 +32,35 @@ constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
     <AutoReschedNackDelay>10ms</AutoReschedNackDelay>
     <HeartbeatInterval min="2ms" minsched="5ms">10ms</HeartbeatInterval>
     <WriterLingerDuration>200ms</WriterLingerDuration>
-  </Internal>
+  </Internal>{3}
 </Domain></CycloneDDS>)";
 
-std::string ConfigurationOf(const BusOptions& options) {
+std::string ConfigurationOf(const BusOptions& options, const std::string& security) {
   const std::string multicast = options.interface == "lo" ? " multicast=\"true\"" : "";
   const std::string tag =
       options.tag.empty() ? "" : fmt::format("<Tag>{}</Tag>", options.tag);
-  return fmt::format(kConfiguration, options.interface, multicast, tag);
+  return fmt::format(kConfiguration, options.interface, multicast, tag, security);
+}
+
+/// The identity's part of the configuration; empty without one, on loopback.
+std::string SecurityOf(const BusOptions& options, std::chrono::sys_seconds& end) {
+  if (options.security.empty()) {
+    if (options.interface == "lo") return {};
+    throw BusError(fmt::format(
+        "--interface {}: nobody leaves this machine without an identity, because whoever "
+        "reaches that network could command the laser; give --security FOLDER (make one "
+        "with `intaglio security new`), or stay on --interface lo",
+        options.interface));
+  }
+  const auto now =
+      std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  const auto identity = ReadIdentity(IdentityFolder(options.security, options.roles),
+                                     options.control_domain, now);
+  if (!identity) throw BusError(identity.error().message);
+  const auto text = SecurityConfiguration(*identity);
+  if (!text) throw BusError(text.error().message);
+  end = identity->not_after;
+  return *text;
 }
 
 struct Domains {
@@ -55,6 +79,9 @@ Domains& AllDomains() {
 }
 
 dds_entity_t Must(dds_entity_t entity, const std::string& what) {
+  if (entity == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
+    throw NotAllowedError(what + ": the identity's permissions do not allow it");
+  }
   if (entity < 0) throw BusError(what + ": " + dds_strretcode(entity));
   return entity;
 }
@@ -68,7 +95,8 @@ dds_entity_t ParticipantIn(int domain, const BusOptions& options) {
 
 }  // namespace
 
-DomainHold::DomainHold(int domain, const BusOptions& options) : domain_(domain) {
+DomainHold::DomainHold(int domain, const BusOptions& options, const std::string& security)
+    : domain_(domain) {
   if (options.control_domain < 0 || options.control_domain >= kMaxDomain) {
     throw BusError(fmt::format("control_domain is {}, allowed are 0..{}",
                                options.control_domain, kMaxDomain - 1));
@@ -80,7 +108,7 @@ DomainHold::DomainHold(int domain, const BusOptions& options) : domain_(domain) 
   Domains& domains = AllDomains();
   const std::lock_guard lock(domains.mutex);
   Domains::Held& held = domains.held[domain];
-  const std::string configuration = ConfigurationOf(options);
+  const std::string configuration = ConfigurationOf(options, security);
   if (held.count > 0 && held.configuration != configuration) {
     throw BusError(fmt::format(
         "DDS domain {} is already used in this process with other settings", domain));
@@ -104,8 +132,9 @@ DomainHold::~DomainHold() {
 
 Bus::Entities::Entities(const BusOptions& bus_options)
     : options(bus_options),
-      control_domain(bus_options.control_domain, bus_options),
-      bulk_domain(bus_options.control_domain + 1, bus_options),
+      security(SecurityOf(bus_options, identity_end)),
+      control_domain(bus_options.control_domain, bus_options, security),
+      bulk_domain(bus_options.control_domain + 1, bus_options, security),
       control(ParticipantIn(bus_options.control_domain, bus_options)) {
   try {
     bulk = ParticipantIn(bus_options.control_domain + 1, bus_options);
@@ -134,6 +163,12 @@ std::int32_t Bus::Entities::TopicOf(const internal::TopicView& view) {
 Bus::Bus(const BusOptions& options) : entities_(std::make_unique<Entities>(options)) {}
 Bus::~Bus() = default;
 const BusOptions& Bus::options() const { return entities_->options; }
+
+std::chrono::milliseconds Bus::discovery_time() const {
+  return entities_->security.empty() ? kDiscoveryTime : kSecureDiscoveryTime;
+}
+
+std::chrono::sys_seconds Bus::identity_end() const { return entities_->identity_end; }
 
 struct WaitSet::Impl {
   dds_entity_t wait_set = 0;

@@ -21,6 +21,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "engrave/core/result.h"
 #include "services/bus/raw_entities.h"
@@ -33,11 +34,21 @@ class BusError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The identity of this process may not do it.
+class NotAllowedError : public BusError {
+ public:
+  using BusError::BusError;
+};
+
 struct BusOptions {
   int control_domain = 40;       ///< 0..100; bulk is the next one
   std::string interface = "lo";  ///< network interface; "lo" stays on this machine
   std::string tag;   ///< participants of another tag are not seen; empty: none
   std::string cell;  ///< partition of the cell topics; empty: sees every cell
+  /// Folder of this process's identity (identity.h), or of several: then the first of
+  /// `roles` that is there. Empty: nothing is protected, and the interface has to be lo.
+  std::string security;
+  std::vector<std::string> roles = {};
 };
 
 /// Both domains of a process. Lives longer than its readers and writers.
@@ -46,6 +57,11 @@ class Bus {
   explicit Bus(const BusOptions& options);
   ~Bus();
   const BusOptions& options() const;
+  /// Who is there already is seen by then, on a host that is not overloaded. Identities
+  /// are proved first, one participant after the other.
+  std::chrono::milliseconds discovery_time() const;
+  /// When the identity ends; max() without one.
+  std::chrono::sys_seconds identity_end() const;
 
   struct Entities;  // handles; services/bus only
   Entities& entities() { return *entities_; }

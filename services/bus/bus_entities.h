@@ -15,7 +15,8 @@ namespace intaglio::bus {
 /// first Bus that needs it and deleted by the last.
 class DomainHold {
  public:
-  DomainHold(int domain, const BusOptions& options);
+  /// `security`: that part of the library's configuration, or empty.
+  DomainHold(int domain, const BusOptions& options, const std::string& security);
   ~DomainHold();
   DomainHold(const DomainHold&) = delete;
   DomainHold& operator=(const DomainHold&) = delete;
@@ -35,6 +36,8 @@ struct Bus::Entities {
   std::int32_t TopicOf(const internal::TopicView& view);
 
   BusOptions options;
+  std::chrono::sys_seconds identity_end = std::chrono::sys_seconds::max();
+  std::string security;
   DomainHold control_domain, bulk_domain;
   std::int32_t control = 0, bulk = 0;
   std::mutex mutex;

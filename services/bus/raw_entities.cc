@@ -16,6 +16,12 @@ namespace {
 constexpr std::size_t kTakeAtOnce = 64;
 
 dds_entity_t Must(dds_entity_t entity, const char* what, const char* topic) {
+  if (entity == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
+    throw NotAllowedError(
+        fmt::format("cannot create a {} of {}: the identity's permissions do "
+                    "not allow it (`intaglio security roles` says who may)",
+                    what, topic));
+  }
   if (entity < 0) {
     throw BusError(
         fmt::format("cannot create a {} of {}: {}", what, topic, dds_strretcode(entity)));

@@ -15,6 +15,12 @@ void AddBusFlags(CLI::App& command, bus::BusOptions& options) {
                   "network interface; lo stays on this machine")
       ->capture_default_str();
   command.add_option("--tag", options.tag, "only participants of the same tag are seen");
+  command
+      .add_option("--security", options.security,
+                  "folder of the operator's or observer's identity, or of all roles; "
+                  "needed beyond lo")
+      ->envname("INTAGLIO_SECURITY");
+  options.roles = {"operator", "observer"};
 }
 
 }  // namespace intaglio::cli

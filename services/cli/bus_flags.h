@@ -8,7 +8,7 @@ class App;
 
 namespace intaglio::cli {
 
-/// --domain, --interface, --tag: which shop is talked to.
+/// --domain, --interface, --tag, --security: which shop is talked to, and as whom.
 void AddBusFlags(CLI::App& command, bus::BusOptions& options);
 
 }  // namespace intaglio::cli

@@ -79,14 +79,21 @@ std::string OperatorName() {
   return fmt::format("{}@{}", user != nullptr ? user : "operator", host);
 }
 
+JobClient::Commands::Commands(bus::Bus& bus)
+    : submissions(bus, bus::kJobSubmission),
+      commands(bus, bus::kJobCommand),
+      speeds(bus, bus::kSpeedOverride) {}
+
 JobClient::JobClient(bus::Bus& bus)
-    : submissions_(bus, bus::kJobSubmission),
-      commands_(bus, bus::kJobCommand),
-      speeds_(bus, bus::kSpeedOverride),
-      statuses_(bus, bus::kJobStatus),
+    : statuses_(bus, bus::kJobStatus),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
       wait_(bus) {
+  try {
+    commands_ = std::make_unique<Commands>(bus);
+  } catch (const bus::NotAllowedError& error) {
+    not_allowed_ = error.what();
+  }
   wait_.Attach(statuses_);
   wait_.Attach(tasks_);
   wait_.Attach(health_);
@@ -166,6 +173,7 @@ bool JobClient::PollUntil(const std::function<bool()>& condition,
 }
 
 Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds timeout) {
+  if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
   const std::string uid = NewSubmissionUid();
   const std::string client = OperatorName();
   const std::string text = job.SerializeAsString();
@@ -175,7 +183,7 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   sample.client = Borrow(client);
   Borrow(sample.job, bytes);
   sample.steady_ns = SteadyNs();
-  if (auto written = submissions_.Write(sample); !written) {
+  if (auto written = commands_->submissions.Write(sample); !written) {
     return tl::unexpected(written.error());
   }
   const JobView* found = nullptr;
@@ -194,6 +202,7 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
 }
 
 Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind) {
+  if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
   const std::string name = OperatorName();
   intaglio_JobCommand sample{};
   sample.job_uid = Borrow(job.uid);
@@ -202,10 +211,11 @@ Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind) {
   sample.number = static_cast<std::uint64_t>(SteadyNs());
   sample.kind = kind;
   sample.operator_name = Borrow(name);
-  return commands_.Write(sample);
+  return commands_->commands.Write(sample);
 }
 
 Status JobClient::SetSpeed(const JobView& job, std::uint32_t speed_percent) {
+  if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
   const std::string name = OperatorName();
   intaglio_SpeedOverride sample{};
   sample.job_uid = Borrow(job.uid);
@@ -213,7 +223,7 @@ Status JobClient::SetSpeed(const JobView& job, std::uint32_t speed_percent) {
   sample.number = static_cast<std::uint64_t>(SteadyNs());
   sample.speed_percent = speed_percent;
   sample.operator_name = Borrow(name);
-  return speeds_.Write(sample);
+  return commands_->speeds.Write(sample);
 }
 
 Result<JobView> JobClient::Find(const std::string& uid_or_number) const {

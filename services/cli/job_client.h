@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,6 +51,8 @@ struct ServiceView {
   int pid = 0;
 };
 
+/// Seen by all, commanded by those whose identity allows it: the commands are refused
+/// (kRefused) to the others.
 class JobClient {
  public:
   explicit JobClient(bus::Bus& bus);
@@ -84,9 +87,14 @@ class JobClient {
   void Take(const intaglio_JobStatus& status);
   void Take(const intaglio_TaskStatus& status);
 
-  bus::Writer<intaglio_JobSubmission> submissions_;
-  bus::Writer<intaglio_JobCommand> commands_;
-  bus::Writer<intaglio_SpeedOverride> speeds_;
+  struct Commands {
+    explicit Commands(bus::Bus& bus);
+    bus::Writer<intaglio_JobSubmission> submissions;
+    bus::Writer<intaglio_JobCommand> commands;
+    bus::Writer<intaglio_SpeedOverride> speeds;
+  };
+  std::unique_ptr<Commands> commands_;  // null: not allowed
+  std::string not_allowed_;             // and why
   bus::Reader<intaglio_JobStatus> statuses_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;

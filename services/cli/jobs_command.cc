@@ -22,8 +22,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Retained topics reach a newcomer within a few discovery rounds.
-constexpr auto kDiscoveryTime = 1500ms;
 constexpr auto kAnswerTime = 5s;
 constexpr auto kMachineTime = 2s;
 
@@ -131,7 +129,7 @@ int SubmitSeries(const JobsOptions& options) {
   if (!series) return Complain(series.error(), kExitWrongInput);
   bus::Bus bus(options.bus);
   JobClient client(bus);
-  client.PollUntil([&] { return !client.services().empty(); }, kDiscoveryTime);
+  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
   for (const JobAndMachine& piece : *series) {
     const auto submitted = SubmitOne(client, piece.job, options);
     if (!submitted) return Complain(submitted.error(), kExitWrongInput);
@@ -147,7 +145,7 @@ int Submit(const JobsOptions& options) {
   if (!job) return Complain(job.error(), kExitWrongInput);
   bus::Bus bus(options.bus);
   JobClient client(bus);
-  client.PollUntil([&] { return !client.services().empty(); }, kDiscoveryTime);
+  client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
   const auto submitted = SubmitOne(client, job->job, options);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
   if (options.arm) {
@@ -165,7 +163,7 @@ int Submit(const JobsOptions& options) {
 int List(const JobsOptions& options) {
   bus::Bus bus(options.bus);
   JobClient client(bus);
-  client.PollUntil([] { return false; }, kDiscoveryTime);
+  client.PollUntil([] { return false; }, bus.discovery_time());
   if (client.services().empty()) {
     std::cerr << "intaglio: no services are seen: start them (intaglio up), or check "
                  "--domain, --interface and --tag\n";
@@ -188,7 +186,7 @@ int WithJob(const JobsOptions& options,
   bus::Bus bus(options.bus);
   JobClient client(bus);
   client.PollUntil([&] { return client.Find(options.uid).has_value(); },
-                   kDiscoveryTime);
+                   bus.discovery_time());
   const auto job = client.Find(options.uid);
   return job ? act(client, *job) : Complain(job.error(), kExitWrongInput);
 }

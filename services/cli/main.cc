@@ -3,12 +3,14 @@
 #include <functional>
 #include <iostream>
 
+#include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/materials_command.h"
 #include "services/cli/measure_command.h"
 #include "services/cli/offline_command.h"
 #include "services/cli/plan_command.h"
 #include "services/cli/run_command.h"
+#include "services/cli/security_command.h"
 #include "services/cli/up_command.h"
 
 namespace {
@@ -35,10 +37,12 @@ int main(int argc, char** argv) {
   intaglio::cli::AddRunCommand(app, selected);
   intaglio::cli::AddUpCommand(app, selected);
   intaglio::cli::AddJobsCommands(app, selected);
+  intaglio::cli::AddHistoryCommand(app, selected);
   intaglio::cli::AddOfflineCommands(app, selected);
   intaglio::cli::AddMeasureCommand(app, selected);
   intaglio::cli::AddPathCommands(app, selected);
   intaglio::cli::AddMaterialsCommand(app, selected);
+  intaglio::cli::AddSecurityCommand(app, selected);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

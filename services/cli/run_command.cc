@@ -12,6 +12,7 @@
 
 #include "materials_db/material_store.h"
 #include "services/cli/event_lines.h"
+#include "services/cli/bus_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
@@ -348,11 +349,8 @@ void AddRunCommand(CLI::App& app, std::function<int()>& selected) {
                   "services that are started elsewhere, e.g. discretizer");
   run->add_option("--materials", options->materials_db,
                   "material base, default the user's");
-  run->add_option("--domain", options->bus.control_domain,
-                  "DDS domain of the private processes")
-      ->check(CLI::Range(0, 100));
-  run->add_option("--interface", options->bus.interface, "network interface, default lo");
-  run->add_option("--tag", options->bus.tag, "DDS tag, default a private one");
+  AddBusFlags(*run, options->bus);
+  run->get_option("--tag")->description("DDS tag, default a private one");
   run->callback(
       [options, &selected] { selected = [options] { return RunJob(*options); }; });
 }

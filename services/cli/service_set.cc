@@ -193,6 +193,8 @@ Status ServiceSet::StartService(const ServiceSetOptions& options, const std::str
   command.arguments.insert(command.arguments.end(), common.begin(), common.end());
   if (!bus.tag.empty())
     command.arguments.insert(command.arguments.end(), {"--tag", bus.tag});
+  if (!bus.security.empty())
+    command.arguments.insert(command.arguments.end(), {"--security", bus.security});
   if (options.die_with_parent) command.arguments.push_back("--die-with-parent");
   auto started = ChildProcess::Start(command);
   if (!started) return tl::unexpected(started.error());

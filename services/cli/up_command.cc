@@ -23,8 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-// Who is there already is seen within a few discovery rounds.
-constexpr auto kDiscoveryTime = 1000ms;
 // A shop that was killed a moment ago needs this long to go.
 constexpr auto kLeaveTime = 5s;
 
@@ -104,7 +102,7 @@ int Up(const UpOptions& options) {
   if (!lock) return Complain(lock.error(), kExitWrongInput);
   bus::Bus bus(set.bus);
   JobClient client(bus);
-  client.PollUntil([] { return false; }, kDiscoveryTime);
+  client.PollUntil([] { return false; }, bus.discovery_time());
   Status alone;
   const auto is_alone = [&] {
     return (alone = CheckNobodyServes(client, set)).has_value();

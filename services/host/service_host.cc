@@ -21,6 +21,7 @@ namespace {
 using bus::Borrow;
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kHealthPeriod{200};
+constexpr std::chrono::days kExpiryWarning{30};
 
 std::string HostName() {
   char name[256] = "localhost";
@@ -46,6 +47,7 @@ struct CommonOptions {
   std::string log_level = "info";
   bool die_with_parent = false;
   bool real_time = false;
+  bool allow_root = false;
 };
 
 void AddCommonOptions(CLI::App& app, CommonOptions& options) {
@@ -58,6 +60,11 @@ void AddCommonOptions(CLI::App& app, CommonOptions& options) {
       ->capture_default_str();
   app.add_option("--tag", options.bus.tag, "only participants of the same tag are seen");
   app.add_option("--cell", options.bus.cell, "machine cell that is served");
+  app.add_option("--security", options.bus.security,
+                 "folder of this service's identity, or of all roles; needed beyond lo")
+      ->envname("INTAGLIO_SECURITY");
+  app.add_flag("--allow-root", options.allow_root, "serve a network even as root")
+      ->envname("INTAGLIO_ALLOW_ROOT");
   app.add_option("--log-file", options.log_file, "log there besides to stderr");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning or error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
@@ -66,6 +73,51 @@ void AddCommonOptions(CLI::App& app, CommonOptions& options) {
                "end when the process that started this one does");
   app.add_flag("--real-time", options.real_time,
                "ask the system for real-time scheduling and locked memory");
+}
+
+/// Whose identity it takes from a folder of several: services/security/roles.h.
+std::string RoleName(intaglio_ServiceRole role, const std::string& cell) {
+  switch (role) {
+    case intaglio_ROLE_JOB_SERVICE:
+      return "job-service";
+    case intaglio_ROLE_DISCRETIZER:
+    case intaglio_ROLE_SORTER:
+      return "stage-worker";
+    case intaglio_ROLE_SYNCHRONIZER:
+    case intaglio_ROLE_MOTION_BRIDGE:
+      return "cell-" + cell;
+    case intaglio_ROLE_RECORDER:
+    case intaglio_ROLE_REPLAYER:
+      return "recorder";
+    case intaglio_ROLE_CONSOLE:
+      return "operator";
+  }
+  return "observer";
+}
+
+/// A service that others can reach has no business with the rights of root.
+void CheckUser(const CommonOptions& options) {
+  if (geteuid() != 0 || options.allow_root || options.bus.interface == "lo") return;
+  throw bus::BusError(fmt::format(
+      "--interface {}: not as root; run it as a user of its own (deploy/systemd has "
+      "units for that), or say --allow-root",
+      options.bus.interface));
+}
+
+/// The identity of a cell is that of one machine.
+void CheckCell(const ServiceDescription& description, const bus::BusOptions& options) {
+  const bool of_cell = description.role == intaglio_ROLE_SYNCHRONIZER ||
+                       description.role == intaglio_ROLE_MOTION_BRIDGE;
+  if (!of_cell || options.security.empty() || !options.cell.empty()) return;
+  throw bus::BusError("--security needs --cell too: the identity is that of one machine");
+}
+
+void WarnOfExpiry(const bus::Bus& bus) {
+  const auto left = bus.identity_end() - std::chrono::system_clock::now();
+  if (left > kExpiryWarning) return;
+  spdlog::warn("the identity in {} expires in {} days: intaglio security renew",
+               bus.options().security,
+               std::chrono::floor<std::chrono::days>(left).count());
 }
 
 void SetUpLog(const ServiceDescription& description, const CommonOptions& options) {
@@ -201,7 +253,11 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
       const std::string refused = link::AskForRealTime();
       if (!refused.empty()) spdlog::warn("not granted: {}", refused);
     }
+    CheckUser(options);
+    CheckCell(description, options.bus);
+    options.bus.roles = {RoleName(description.role, options.bus.cell)};
     ServiceHost host(description, options.bus);
+    WarnOfExpiry(host.bus());
     spdlog::info("{} starts", host.instance());
     try {
       const int code = body(host);

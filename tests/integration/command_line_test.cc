@@ -45,7 +45,12 @@ std::string ReadText(const fs::path& file) {
 const std::vector<std::string> kCommands = {
     "run",  "up",      "submit", "list",   "show",       "watch",
     "arm",  "pause",   "resume", "cancel", "discretize", "sort",
-    "plan", "measure", "verify", "render", "materials"};
+    "plan", "measure", "verify", "render", "materials",  "security"};
+
+const std::vector<std::vector<std::string>> kSecondCommands = {{"security", "new"},
+                                                               {"security", "renew"},
+                                                               {"security", "check"},
+                                                               {"security", "roles"}};
 
 std::set<std::string> FlagsIn(const std::string& text) {
   std::set<std::string> flags;
@@ -73,8 +78,14 @@ TEST(CommandLine, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
                                ReadText(INTAGLIO_SOURCE_DIR "/docs/materials.md");
   const std::set<std::string> documented = FlagsIn(document);
   std::set<std::string> known = {"--help"};
-  for (const std::string& command : kCommands) {
-    const Ended ended = Type({command, "--help"});
+  std::vector<std::vector<std::string>> commands = kSecondCommands;
+  for (const std::string& command : kCommands) commands.push_back({command});
+  for (const std::vector<std::string>& words : commands) {
+    std::vector<std::string> asked = words;
+    asked.push_back("--help");
+    const Ended ended = Type(asked);
+    const std::string command =
+        words.size() > 1 ? words[0] + " " + words[1] : words.front();
     EXPECT_EQ(ended.exit_code, 0) << command;
     EXPECT_THAT(ended.output, HasSubstr("Example: intaglio " + command));
     EXPECT_THAT(document, HasSubstr(command));

@@ -33,7 +33,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/host", {"engrave/core", "services/bus", "services/link", "idl", "proto"}},
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/bus", "services/link",
-      "services/host", "services/history", "services/recording"}},
+      "services/host", "services/history", "services/recording", "services/security"}},
     {"services/history", {"engrave/core", "idl", "proto", "services/host"}},
     {"services/virtual_engraver", {"engrave/core", "engrave/formats", "services/link"}},
 };

@@ -1,0 +1,175 @@
+#include "services/cli/security_command.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "services/bus/identity.h"
+#include "services/cli/run_command.h"
+#include "services/security/identity_folders.h"
+#include "services/security/roles.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SecurityOptions {
+  std::string folder;
+  security::ShopOptions shop;
+  security::Lifetime lifetime;
+};
+
+int Complain(const Error& error) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return kExitWrongInput;
+}
+
+std::chrono::sys_seconds Now() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+int TellFolders(const SecurityOptions& options, const security::ShopOptions& shop) {
+  for (const security::Role& role : security::RolesOf(shop.cells)) {
+    std::cout << (fs::path(options.folder) / role.name).string() << "\n";
+  }
+  std::cerr << "valid for " << options.lifetime.identity_days
+            << " days; copy each of these folders to the hosts of that role "
+               "(docs/deployment.md), and keep "
+            << (fs::path(options.folder) / "authority").string()
+            << " where nobody else comes\n";
+  return kExitGood;
+}
+
+int New(SecurityOptions options) {
+  options.lifetime.now = Now();
+  if (options.shop.cells.empty()) options.shop.cells = {"els-03"};
+  if (auto made = security::NewIdentities(options.folder, options.shop, options.lifetime);
+      !made) {
+    return Complain(made.error());
+  }
+  return TellFolders(options, options.shop);
+}
+
+int Renew(SecurityOptions options) {
+  options.lifetime.now = Now();
+  const auto shop =
+      security::RenewIdentities(options.folder, options.shop.cells, options.lifetime);
+  return shop ? TellFolders(options, *shop) : Complain(shop.error());
+}
+
+/// One identity as a program would take it.
+bool Check(const fs::path& folder, int domain) {
+  const auto identity = bus::ReadIdentity(folder, domain, Now());
+  if (!identity) {
+    std::cout << identity.error().message << "\n";
+    return false;
+  }
+  std::cout << fmt::format(
+      "{}: good for domain {} until {:%Y-%m-%d %H:%M} UTC, {}\n", identity->role, domain,
+      fmt::gmtime(std::chrono::system_clock::to_time_t(identity->not_after)),
+      identity->folder.string());
+  return true;
+}
+
+int CheckAll(const SecurityOptions& options) {
+  const fs::path folder = options.folder;
+  const int domain = options.shop.domains.front();
+  std::error_code error;
+  if (fs::exists(folder / bus::kCertificateFile, error)) {
+    return Check(folder, domain) ? kExitGood : kExitWrongInput;
+  }
+  std::vector<fs::path> roles;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_directory() && entry.path().filename() != "authority")
+      roles.push_back(entry.path());
+  }
+  if (roles.empty()) {
+    return Complain(
+        {ErrorCode::kNotFound,
+         fmt::format("{} is no identity, and there are none in it", folder.string()),
+         folder.string()});
+  }
+  std::sort(roles.begin(), roles.end());
+  bool good = true;
+  for (const fs::path& role : roles) good = Check(role, domain) && good;
+  return good ? kExitGood : kExitWrongInput;
+}
+
+int TellRoles() {
+  const auto names = [](const std::vector<security::RoleTopic>& topics) {
+    std::vector<std::string> all;
+    for (const security::RoleTopic& topic : topics) all.push_back(topic.name);
+    return all.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(all, ", "));
+  };
+  for (const security::Role& role : security::RolesOf({"NAME"})) {
+    std::cout << fmt::format("{}\n  writes  {}\n  reads   {}\n", role.name,
+                             names(role.writes), names(role.reads));
+  }
+  return kExitGood;
+}
+
+void AddDays(CLI::App& command, security::Lifetime& lifetime) {
+  command
+      .add_option("--days", lifetime.identity_days,
+                  "how long identities and permissions are valid")
+      ->check(CLI::Range(1, 36500))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void AddSecurityCommand(CLI::App& app, std::function<int()>& selected) {
+  auto options = std::make_shared<SecurityOptions>();
+  CLI::App* group = app.add_subcommand("security", "who may command the machines");
+  group->require_subcommand(1);
+  group->footer("Example: intaglio security new shop-keys --cell els-03");
+  const auto add = [&](const char* name, const char* text, auto action) {
+    CLI::App* command = group->add_subcommand(name, text);
+    command->footer(fmt::format("Example: intaglio security {}{}", name,
+                                name == std::string("roles") ? "" : " shop-keys"));
+    command->callback([&selected, options, action] {
+      selected = [options, action] { return action(*options); };
+    });
+    return command;
+  };
+  const auto add_folder = [&](CLI::App* command, const char* text) {
+    command->add_option("FOLDER", options->folder, text)->required();
+  };
+  CLI::App* fresh = add("new", "make authorities and the identities of all roles", New);
+  add_folder(fresh, "an empty or new folder");
+  fresh->add_option("--cell", options->shop.cells,
+                    "machines, as named in their profiles; els-03 when not given");
+  fresh->add_option("--domain", options->shop.domains, "control domains of the shop")
+      ->check(CLI::Range(0, 99))
+      ->capture_default_str();
+  fresh->add_option("--name", options->shop.name, "name of the shop")
+      ->capture_default_str();
+  AddDays(*fresh, options->lifetime);
+  fresh
+      ->add_option("--authority-days", options->lifetime.authority_days,
+                   "how long the authorities are valid")
+      ->check(CLI::Range(1, 36500))
+      ->capture_default_str();
+  CLI::App* renew =
+      add("renew", "make new keys and permissions before the old ones expire", Renew);
+  add_folder(renew, "the folder that `new` made");
+  renew->add_option("--cell", options->shop.cells, "machines to add");
+  AddDays(*renew, options->lifetime);
+  CLI::App* check =
+      add("check", "look through an identity, or all in a folder", CheckAll);
+  add_folder(check, "an identity, or a folder of several");
+  check->add_option("--domain", options->shop.domains, "control domain")
+      ->check(CLI::Range(0, 99))
+      ->expected(1)
+      ->capture_default_str();
+  add("roles", "say which role writes and reads what",
+      [](const SecurityOptions&) { return TellRoles(); });
+}
+
+}  // namespace intaglio::cli
