@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
 #include "services/job_service/job_service.h"
 
@@ -10,11 +11,14 @@ using namespace intaglio;
 
 int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options) {
   const auto now = [] { return std::chrono::steady_clock::now().time_since_epoch(); };
+  host::OnlyInstance only(host, intaglio_ROLE_JOB_SERVICE);
+  if (only.AwaitTurn()) return only.EndAsSecond("job service");
   job_service::JobService service(host, options, now());
   host::PollLoop loop(host.bus());
   service.AttachTo(loop);
   host.SetHealth(intaglio_HEALTH_READY);
   while (!host.stopping()) {
+    if (only.MustEnd()) return only.EndAsSecond("job service");
     service.Turn(now());
     host.KeepAlive();
     loop.Wait({}, job_service::PermissionKeeper::kPeriod / 2);

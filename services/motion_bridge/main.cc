@@ -27,6 +27,8 @@ int Serve(host::ServiceHost& host, const Options& options) {
     std::cerr << options.machine_file << ": " << driver.error().message << "\n";
     return 2;
   }
+  host::OnlyInstance only(host, intaglio_ROLE_MOTION_BRIDGE);
+  if (only.AwaitTurn()) return only.EndAsSecond("motion bridge");
   motion_bridge::Bridge bridge(host, machine->name(), std::move(*driver));
   host::PollLoop loop(host.bus());
   loop.Attach(bridge.batches());

@@ -27,6 +27,8 @@ int Serve(host::ServiceHost& host, const Options& options) {
     return 2;
   }
   if (!options.device.empty()) machine->mutable_laser_line()->set_device(options.device);
+  host::OnlyInstance only(host, intaglio_ROLE_SYNCHRONIZER);
+  if (only.AwaitTurn()) return only.EndAsSecond("synchronizer");
   synchronizer::Synchronizer cell(host, *machine);
   host::PollLoop loop(host.bus());
   cell.AttachTo(loop);

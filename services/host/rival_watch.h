@@ -1,0 +1,66 @@
+#pragma once
+
+// Whether another process does already what this one is about to do. Pure: who is heard
+// comes in, a verdict goes out.
+//
+//   starting:  a rival that works                 -> kEnd
+//              a rival that starts, too           -> kEnd for the greater instance name
+//              a rival that ends, or was heard only once (it may be dead: its last word
+//              outlives it)                       -> kWait, until it is silent for kStale
+//              nobody, for the time of a look     -> kGoOn
+//   working:   a rival that works, too            -> kEnd for the greater instance name
+//
+// So of two that start at once one stays, also when only one of them sees the other.
+
+#include <chrono>
+#include <map>
+#include <string>
+
+#include "idl/service.h"
+
+namespace intaglio::host {
+
+struct Rival {
+  std::string instance;
+  std::string host;
+  std::int32_t pid = 0;
+  intaglio_HealthState state = intaglio_HEALTH_STARTING;
+};
+
+class RivalWatch {
+ public:
+  using Nanoseconds = std::chrono::nanoseconds;
+  enum class Verdict { kGoOn, kWait, kEnd };
+  /// Health comes every 200 ms, and the lease of a dead process lasts as long.
+  static constexpr std::chrono::milliseconds kStale{1500};
+
+  /// `look`: how long nobody has to be heard of before this one goes on.
+  RivalWatch(std::string own_instance, Nanoseconds began, Nanoseconds look)
+      : own_instance_(std::move(own_instance)), began_(began), look_(look) {}
+
+  void Hear(const Rival& rival, Nanoseconds now);
+  void Lose(const std::string& instance) { heard_.erase(instance); }
+
+  Verdict JudgeStart(Nanoseconds now);
+  /// kGoOn or kEnd.
+  Verdict JudgeWork(Nanoseconds now);
+  /// Whom the last kEnd was for.
+  const Rival& rival() const { return rival_; }
+
+ private:
+  struct Heard {
+    Rival rival;
+    int count = 0;
+    Nanoseconds last{0};
+  };
+  bool IsStale(const Heard& heard, Nanoseconds now) const {
+    return now - heard.last > kStale;
+  }
+
+  std::string own_instance_;
+  Nanoseconds began_, look_;
+  std::map<std::string, Heard> heard_;
+  Rival rival_;
+};
+
+}  // namespace intaglio::host
