@@ -3,6 +3,7 @@
 #include <functional>
 #include <iostream>
 
+#include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/materials_command.h"
 #include "services/cli/measure_command.h"
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
   intaglio::cli::AddRunCommand(app, selected);
   intaglio::cli::AddUpCommand(app, selected);
   intaglio::cli::AddJobsCommands(app, selected);
+  intaglio::cli::AddHistoryCommand(app, selected);
   intaglio::cli::AddOfflineCommands(app, selected);
   intaglio::cli::AddMeasureCommand(app, selected);
   intaglio::cli::AddPathCommands(app, selected);

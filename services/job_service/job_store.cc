@@ -231,11 +231,12 @@ void JobStore::Keep(const JobRecord& job) {
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
             "excluded.changed_utc ELSE started_utc END, "
-            "engraving_utc = CASE WHEN engraving_utc = '' AND excluded.state = {1} THEN "
+            "engraving_utc = CASE WHEN engraving_utc = '' AND excluded.ever_granted = 1 "
+            "THEN "
             "excluded.changed_utc ELSE engraving_utc END, "
             "ended_utc = CASE WHEN ended_utc = '' THEN excluded.ended_utc ELSE ended_utc "
             "END",
-            kNow, static_cast<int>(intaglio_JOB_ENGRAVING)));
+            kNow));
     insert.bind(1, job.number);
     insert.bind(2, job.uid);
     insert.bind(3, job.submission_uid);

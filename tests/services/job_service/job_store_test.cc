@@ -226,6 +226,7 @@ TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
   JobStore store(path_);
   JobRecord job = Record(1, intaglio_JOB_QUEUED);
   job.attempt = 0;
+  job.ever_granted = false;
   const auto now = std::chrono::system_clock::now();
   store.Keep(job);
   JobStatistics told = store.StatisticsOf(job, now);
@@ -233,6 +234,7 @@ TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
   EXPECT_NE(told.submitted_utc(), "");
   EXPECT_EQ(told.started_utc(), "");
   job.attempt = 2;
+  job.ever_granted = true;
   job.state = intaglio_JOB_ENGRAVING;
   job.estimate_ticks = 400;
   store.Keep(job);

@@ -1,0 +1,53 @@
+#include "services/cli/message_csv.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/descriptor.h>
+
+namespace intaglio::cli {
+namespace {
+
+namespace pb = google::protobuf;
+
+std::string Quoted(const std::string& text) {
+  if (text.find_first_of(",;\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string FieldText(const pb::Message& message, const pb::FieldDescriptor& field) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  switch (field.cpp_type()) {
+    case pb::FieldDescriptor::CPPTYPE_STRING:
+      return Quoted(reflection.GetString(message, &field));
+    case pb::FieldDescriptor::CPPTYPE_UINT32:
+      return fmt::format("{}", reflection.GetUInt32(message, &field));
+    case pb::FieldDescriptor::CPPTYPE_INT32:
+      return fmt::format("{}", reflection.GetInt32(message, &field));
+    case pb::FieldDescriptor::CPPTYPE_DOUBLE:
+      return fmt::format("{:.6g}", reflection.GetDouble(message, &field));
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+std::string CsvHeader(const pb::Descriptor& type) {
+  std::string line;
+  for (int i = 0; i < type.field_count(); ++i) {
+    line += (i == 0 ? "" : ",") + type.field(i)->name();
+  }
+  return line + "\n";
+}
+
+std::string CsvLine(const pb::Message& message) {
+  const pb::Descriptor& type = *message.GetDescriptor();
+  std::string line;
+  for (int i = 0; i < type.field_count(); ++i) {
+    line += (i == 0 ? "" : ",") + FieldText(message, *type.field(i));
+  }
+  return line + "\n";
+}
+
+}  // namespace intaglio::cli

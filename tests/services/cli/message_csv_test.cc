@@ -1,0 +1,30 @@
+#include "services/cli/message_csv.h"
+
+#include <gtest/gtest.h>
+
+#include "engrave/formats/csv.h"
+#include "proto/shop.pb.h"
+
+namespace intaglio::cli {
+namespace {
+
+// What is written reads back by the product's own reader of tables.
+TEST(MessageCsv, ReadsBack) {
+  JobStatistics job;
+  job.set_job(12);
+  job.set_name("cup, \"Anna\";\nsecond line");
+  job.set_duration_s(12.5);
+  job.set_priority(-3);
+  const auto table =
+      formats::ParseCsv(CsvHeader(*JobStatistics::descriptor()) + CsvLine(job));
+  ASSERT_TRUE(table.has_value()) << table.error().message;
+  ASSERT_EQ(table->rows.size(), 1u);
+  EXPECT_EQ(*table->Find(table->rows[0], "job"), "12");
+  EXPECT_EQ(*table->Find(table->rows[0], "name"), job.name());
+  EXPECT_EQ(*table->Find(table->rows[0], "duration_s"), "12.5");
+  EXPECT_EQ(*table->Find(table->rows[0], "priority"), "-3");
+  EXPECT_EQ(*table->Find(table->rows[0], "recording"), "");
+}
+
+}  // namespace
+}  // namespace intaglio::cli
