@@ -1,0 +1,99 @@
+#include "services/security/roles.h"
+
+#include <initializer_list>
+
+namespace intaglio::security {
+namespace {
+
+template <typename T>
+constexpr RoleTopic Of(const bus::Topic<T>& topic) {
+  return {topic.name, topic.domain, topic.scope};
+}
+
+using Topics = std::vector<RoleTopic>;
+
+Topics Join(std::initializer_list<Topics> parts) {
+  Topics all;
+  for (const Topics& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+// Every service says how it is.
+Topics OwnWords() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
+
+// What can be seen of a shop without seeing what is engraved.
+Topics ShopState() {
+  return {Of(bus::kJobStatus), Of(bus::kTaskStatus), Of(bus::kServiceHealth),
+          Of(bus::kAlarm)};
+}
+
+Topics CellState() {
+  return {Of(bus::kMotionState),  Of(bus::kPositionReport), Of(bus::kLampSync),
+          Of(bus::kInterlock),    Of(bus::kPermission),     Of(bus::kPulseEventBatch),
+          Of(bus::kEmergencyStop)};
+}
+
+Role Operator() {
+  return {"operator",
+          "*",
+          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kSpeedOverride),
+           Of(bus::kEmergencyStop)},
+          Join({ShopState(), CellState()})};
+}
+
+Role JobService() {
+  return {"job-service",
+          "*",
+          Join({OwnWords(),
+                {Of(bus::kJobStatus), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
+                 Of(bus::kEngraveTask), Of(bus::kModelChunk), Of(bus::kPermission)}}),
+          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kSpeedOverride),
+           Of(bus::kTaskStatus), Of(bus::kServiceHealth), Of(bus::kCredit)}};
+}
+
+Role StageWorker() {
+  return {"stage-worker",
+          "*",
+          Join({OwnWords(),
+                {Of(bus::kTaskStatus), Of(bus::kCredit), Of(bus::kPointBatch),
+                 Of(bus::kPathBatch)}}),
+          {Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kModelChunk),
+           Of(bus::kPointBatch), Of(bus::kCredit)}};
+}
+
+// Health tells a second synchronizer or bridge of the same machine that it is one.
+Role Cell(const std::string& cell) {
+  return {
+      kCellPrefix + cell,
+      cell,
+      Join({OwnWords(),
+            {Of(bus::kTaskStatus), Of(bus::kCredit), Of(bus::kMotionSegmentBatch),
+             Of(bus::kMotionState), Of(bus::kPositionReport), Of(bus::kLampSync),
+             Of(bus::kPulseEventBatch), Of(bus::kInterlock)}}),
+      {Of(bus::kServiceHealth), Of(bus::kEngraveTask), Of(bus::kPathBatch),
+       Of(bus::kCredit), Of(bus::kPermission), Of(bus::kEmergencyStop),
+       Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport)}};
+}
+
+Role Recorder() {
+  return {"recorder", "*", OwnWords(),
+          Join({ShopState(),
+                CellState(),
+                {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kSpeedOverride),
+                 Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
+                 Of(bus::kCredit), Of(bus::kMotionSegmentBatch), Of(bus::kModelChunk),
+                 Of(bus::kPointBatch), Of(bus::kPathBatch)}})};
+}
+
+Role Observer() { return {"observer", "*", {}, Join({ShopState(), CellState()})}; }
+
+}  // namespace
+
+std::vector<Role> RolesOf(const std::vector<std::string>& cells) {
+  std::vector<Role> roles = {Operator(), JobService(), StageWorker(), Recorder(),
+                             Observer()};
+  for (const std::string& cell : cells) roles.push_back(Cell(cell));
+  return roles;
+}
+
+}  // namespace intaglio::security
