@@ -1,6 +1,34 @@
 #include "services/synchronizer/permission_chain.h"
 
+#include <algorithm>
+
 namespace intaglio::synchronizer {
+namespace {
+
+// Who lets go of one gives a new permission. What a line that is down said last is not
+// known to hold or not.
+Missing OpenInterlock(const ChainLinks& links) {
+  if (!links.stop_not_pressed) return Missing::kEmergencyStop;
+  if (!links.laser_line_up) return Missing::kNothing;
+  if (!links.key_on) return Missing::kKey;
+  if (!links.door_closed) return Missing::kDoor;
+  if (!links.stop_released) return Missing::kEmergencyStop;
+  return Missing::kNothing;
+}
+
+// The one that a Reset closes, and no other.
+bool OnlyMachineStopIsOpen(const ChainLinks& links) {
+  ChainLinks released = links;
+  released.stop_released = true;
+  return !links.stop_released && links.laser_line_up &&
+         OpenInterlock(released) == Missing::kNothing;
+}
+
+bool IsGranted(const ChainLinks& links) {
+  return links.permission_fresh && links.permission_granted;
+}
+
+}  // namespace
 
 Missing FirstMissing(const ChainLinks& links, bool with_shutters) {
   if (!links.permission_fresh || !links.permission_granted) return Missing::kPermission;
@@ -44,6 +72,57 @@ std::string TextOf(Missing missing) {
       return "the shutter does not open: check its drive, then resume";
   }
   return "";
+}
+
+void PermissionChain::Spend() {
+  spent_ = std::max(spent_, grant_);
+  state_ = State::kLatched;
+}
+
+void PermissionChain::Latch() { Spend(); }
+
+Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds now) {
+  grant_ = std::max(grant_, links.grant);
+  const bool newer = grant_ > spent_;
+  const Missing open = OpenInterlock(links);
+  const bool may_clear = links.laser_line_up && IsGranted(links);
+  switch (state_) {
+    case State::kClear:
+      if (open == Missing::kNothing) return Missing::kNothing;
+      break;
+    case State::kLatched:
+      if (!newer) return Missing::kNothing;
+      if (open == Missing::kNothing || OnlyMachineStopIsOpen(links)) {
+        if (!may_clear) return Missing::kNothing;
+        state_ = open == Missing::kNothing ? State::kClear : State::kResetting;
+        resetting_since_ = now;
+        return Missing::kNothing;
+      }
+      break;
+    case State::kResetting:
+      if (may_clear && open == Missing::kNothing) {
+        state_ = State::kClear;
+        return Missing::kNothing;
+      }
+      if (may_clear && OnlyMachineStopIsOpen(links) &&
+          now - resetting_since_ <= kResetTime) {
+        return Missing::kNothing;
+      }
+      break;
+  }
+  Spend();
+  return newer ? open : Missing::kNothing;
+}
+
+Missing PermissionChain::WhatIsMissing(const ChainLinks& links,
+                                       bool with_shutters) const {
+  const Missing missing = FirstMissing(links, with_shutters);
+  const bool worth = state_ == State::kClear && links.grant > spent_;
+  return missing == Missing::kNothing && !worth ? Missing::kPermission : missing;
+}
+
+bool PermissionChain::may_reset(const ChainLinks& links) const {
+  return state_ != State::kLatched && IsGranted(links) && links.grant > spent_;
 }
 
 }  // namespace intaglio::synchronizer

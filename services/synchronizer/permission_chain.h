@@ -1,14 +1,41 @@
 #pragma once
 
-// Whether a pulse is allowed. Every link has to hold, all fresh; one missing is enough.
+// Whether a pulse is allowed: one state machine, pure. Every link has to hold, all fresh;
+// one missing is enough to fire nothing:
 //
-//   operator's arm (this job, this epoch, fresh) -> no emergency stop on the bus ->
-//   laser line up -> key on -> door closed -> stop released -> no safe state ->
+//   operator's arm (this job, this epoch, fresh, not spent) -> no emergency stop on the
+//   bus -> laser line up -> key on -> door closed -> stop released -> no safe state ->
 //   lamp on and warm -> motion state fresh, no fault -> [shutters open]
 //
-// The last link is asked for only by whoever is about to arm: the shutters open when
-// all the others hold.
+// Each arm by a person is a grant with a number of its own, greater than those before. It
+// is spent when key, door or a stop lets go, before the first run, too, and by every
+// fault of a run. A spent grant is worth nothing any more, however often it is repeated
+// and whatever was withdrawn in between: only a greater one counts.
+//
+//             an interlock is open, or a fault: the newest grant is spent
+//         +------------------------------------------------------------+
+//         |                                                            v
+//     +--------+      a greater grant, every interlock held       +----------+
+//     | kClear | <----------------------------------------------- | kLatched |
+//     +--------+                                                  +----------+
+//         ^                                                          |  ^  |  ^
+//         |  every interlock held          a greater grant, only the |  |  +--+ a greater
+//         |                                machine's stop open       |  |  grant, another
+//         |                               +------------+             |  |  interlock
+//         open:
+//         +------------------------------ | kResetting | <-----------+  |  it is spent,
+//         too
+//                                         +------------+                |
+//                                               +-----------------------+
+//      longer than kResetTime (the button is still pressed), another interlock open, the
+//      line down, a fault, or the grant withdrawn: it is spent
+//
+// Interlocks: the stop on the bus always; key, door and the machine's stop as far as the
+// line tells: nothing gets to kClear while it is down. The machine keeps its stop latched
+// until it is reset, which is allowed in kResetting, and, for a safe state, in kClear:
+// who arms means that, too.
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -17,6 +44,7 @@ namespace intaglio::synchronizer {
 struct ChainLinks {
   bool permission_fresh = false;
   bool permission_granted = false;
+  std::uint64_t grant = 0;        ///< newest of this job, granted or not; 0: none yet
   bool stop_not_pressed = false;  ///< no EmergencyStop on the bus
   bool laser_line_up = false;
   bool key_on = false;
@@ -43,10 +71,43 @@ enum class Missing : std::uint8_t {
   kShutter,
 };
 
-/// The first link that does not hold; shutters are looked at when `with_shutters`.
+/// The first link that does not hold by itself, whatever is spent; shutters are looked at
+/// when `with_shutters`, which is what whoever is about to arm does: they open when all
+/// the others hold.
 Missing FirstMissing(const ChainLinks& links, bool with_shutters);
 
 /// What to do about it, in one sentence; empty for kNothing.
 std::string TextOf(Missing missing);
+
+class PermissionChain {
+ public:
+  enum class State : std::uint8_t { kClear, kLatched, kResetting };
+  /// The machine answers a Reset with a status within 20 ms, a loaded computer later.
+  static constexpr std::chrono::milliseconds kResetTime{500};
+
+  /// Once a turn, before anything is asked. The interlock that spent a grant in this
+  /// turn, or kNothing.
+  Missing Turn(const ChainLinks& links, std::chrono::nanoseconds now);
+  /// A fault of a run: the grant it ran with is spent.
+  void Latch();
+
+  /// What keeps a pulse from being fired; kNothing: it may be. kPermission when all links
+  /// hold and the grant is spent.
+  Missing WhatIsMissing(const ChainLinks& links, bool with_shutters) const;
+  State state() const { return state_; }
+  bool latched() const { return state_ != State::kClear; }
+  /// Latched, and it has cost a grant.
+  bool has_spent() const { return latched() && spent_ > 0; }
+  /// The machine may be told to leave its safe state and its latched stop.
+  bool may_reset(const ChainLinks& links) const;
+
+ private:
+  void Spend();
+
+  State state_ = State::kClear;
+  std::uint64_t grant_ = 0;  // the newest
+  std::uint64_t spent_ = 0;  // this and all before it
+  std::chrono::nanoseconds resetting_since_{0};
+};
 
 }  // namespace intaglio::synchronizer
