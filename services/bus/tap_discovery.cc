@@ -3,6 +3,7 @@
 #include <dds/dds.h>
 #include <fmt/format.h>
 
+#include <cstring>
 #include <vector>
 
 #include "services/bus/endpoint_qos.h"
@@ -44,6 +45,15 @@ internal::QosPointer ReaderQosFor(const dds_qos_t* writer) {
   dds_qset_durability(qos.get(), durability);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
   return qos;
+}
+
+/// The library (0.10.2) says of every discovered type with a string key that its keys are
+/// of a fixed, short length, and writes longer ones past the end of their storage. Said
+/// of none, it handles them all.
+void AdmitLongKeys(dds_topic_descriptor_t& descriptor) {
+  const std::uint32_t flags =
+      descriptor.m_flagset & ~(DDS_TOPIC_FIXED_KEY | DDS_TOPIC_FIXED_KEY_XCDR2);
+  std::memcpy(const_cast<std::uint32_t*>(&descriptor.m_flagset), &flags, sizeof flags);
 }
 
 }  // namespace
@@ -130,6 +140,7 @@ void TopicTap::Impl::MakeReader(Domain& domain, const dds_builtintopic_endpoint_
   const std::unique_ptr<dds_topic_descriptor_t, void (*)(dds_topic_descriptor_t*)>
       descriptor(made,
                  [](dds_topic_descriptor_t* d) { (void)dds_delete_topic_descriptor(d); });
+  AdmitLongKeys(*made);
   const dds_entity_t entity = dds_create_topic(domain.participant, descriptor.get(),
                                                writer.topic_name, nullptr, nullptr);
   const dds_entity_t reader =

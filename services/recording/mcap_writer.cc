@@ -3,12 +3,39 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "engrave/core/check.h"
 #include "services/recording/append_file.h"
 #include "services/recording/chunk_codec.h"
 
 namespace intaglio::recording {
+
+namespace {
+
+/// A chunk that gathers.
+struct Gathered {
+  Bytes records;
+  ChunkHead head;
+  std::map<std::uint16_t, MessageIndex> indexes;
+
+  void Add(const MessageView& message) {
+    if (records.empty()) head.start_ns = head.end_ns = message.log_time_ns;
+    head.start_ns = std::min(head.start_ns, message.log_time_ns);
+    head.end_ns = std::max(head.end_ns, message.log_time_ns);
+    MessageIndex& index = indexes[message.channel_id];
+    index.channel_id = message.channel_id;
+    index.entries.push_back({message.log_time_ns, records.size()});
+    Encode(records, message);
+  }
+  void Clear() {
+    records.clear();
+    indexes.clear();
+    head = {};
+  }
+};
+
+}  // namespace
 
 struct McapWriter::Impl {
   Impl(AppendFile&& target, const WriterOptions& given)
@@ -21,35 +48,28 @@ struct McapWriter::Impl {
     return file.Append({scratch});
   }
   Status WriteDefinitions();
-  Status WriteChunk();
-  void CountChunk(const ChunkIndex& index);
-  void DropChunk();
-  void BeginChunk();
+  Status WriteChunk(Gathered& chunk);
+  Status WriteChunks();
+  void CountChunk(const Gathered& chunk, const ChunkIndex& index);
   Status WriteSummary();
+  Gathered& ChunkOf(Lane lane) { return lanes[lane == Lane::kSmall ? 0 : 1]; }
 
   AppendFile file;
   WriterOptions options;
   ChunkCompressor compressor;
   std::vector<Schema> schemas;    // by id - 1
   std::vector<Channel> channels;  // by id
+  std::vector<Lane> lane_of;      // by id of the channel
   std::size_t schemas_written = 0, channels_written = 0;
-  Bytes records;  // of the chunk
-  ChunkHead head;
-  std::map<std::uint16_t, MessageIndex> indexes;
+  std::array<Gathered, 2> lanes;
+  bool refused = false;  // by the disk; chunks gather until a flush succeeds
   std::vector<ChunkIndex> chunks;
   std::vector<AttachmentIndex> attachments;
   std::vector<MetadataIndex> metadata;
   Statistics statistics;
-  std::map<std::uint16_t, Lost> lost;
   Bytes scratch;
   bool closed = false;
 };
-
-void McapWriter::Impl::BeginChunk() {
-  records.clear();
-  indexes.clear();
-  head = {};
-}
 
 Status McapWriter::Impl::WriteDefinitions() {
   for (; schemas_written < schemas.size(); ++schemas_written) {
@@ -63,23 +83,29 @@ Status McapWriter::Impl::WriteDefinitions() {
   return {};
 }
 
+Status McapWriter::Impl::WriteChunks() {
+  for (Gathered& chunk : lanes) {
+    auto written = WriteChunk(chunk);
+    refused = !written.has_value();
+    if (refused) return written;
+  }
+  return {};
+}
+
 // The whole group of records in one write: a reader that comes in between sees all of it
 // or a torn end.
-Status McapWriter::Impl::WriteChunk() {
-  if (records.empty()) return {};
-  auto written = WriteDefinitions();
-  if (!written) {
-    DropChunk();
-    return written;
-  }
-  ByteView packed = records;
+Status McapWriter::Impl::WriteChunk(Gathered& chunk) {
+  if (chunk.records.empty()) return {};
+  if (auto written = WriteDefinitions(); !written) return written;
+  ChunkHead& head = chunk.head;
+  ByteView packed = chunk.records;
   head.compression.clear();
   if (options.compress) {
-    packed = compressor.Compress(records);
+    packed = compressor.Compress(chunk.records);
     head.compression = kZstd;
   }
-  head.uncompressed_size = records.size();
-  head.uncompressed_crc = Crc32(records);
+  head.uncompressed_size = chunk.records.size();
+  head.uncompressed_crc = Crc32(chunk.records);
   head.compressed_size = packed.size();
   Bytes front;
   EncodeChunkHead(front, head);
@@ -93,45 +119,27 @@ Status McapWriter::Impl::WriteChunk() {
                    head.compressed_size,
                    head.uncompressed_size};
   scratch.clear();
-  for (const auto& [channel, entries] : indexes) {
+  for (const auto& [channel, entries] : chunk.indexes) {
     index.message_index_offsets[channel] = index.offset + index.length + scratch.size();
     Encode(scratch, entries);
   }
   index.message_index_length = scratch.size();
-  written = file.Append({front, packed, scratch});
-  if (!written) {
-    DropChunk();
-    return written;
-  }
-  CountChunk(index);
-  BeginChunk();
+  if (auto written = file.Append({front, packed, scratch}); !written) return written;
+  CountChunk(chunk, index);
+  chunk.Clear();
   return {};
 }
 
-void McapWriter::Impl::CountChunk(const ChunkIndex& index) {
+void McapWriter::Impl::CountChunk(const Gathered& chunk, const ChunkIndex& index) {
   if (statistics.message_count == 0) statistics.start_ns = index.start_ns;
   statistics.start_ns = std::min(statistics.start_ns, index.start_ns);
   statistics.end_ns = std::max(statistics.end_ns, index.end_ns);
-  for (const auto& [channel, entries] : indexes) {
+  for (const auto& [channel, entries] : chunk.indexes) {
     statistics.message_count += entries.entries.size();
     statistics.message_counts[channel] += entries.entries.size();
   }
   ++statistics.chunk_count;
   chunks.push_back(index);
-}
-
-void McapWriter::Impl::DropChunk() {
-  for (const auto& [channel, index] : indexes) {
-    const auto [first, last] = std::minmax_element(
-        index.entries.begin(), index.entries.end(),
-        [](const auto& a, const auto& b) { return a.log_time_ns < b.log_time_ns; });
-    Lost& entry = lost[channel];
-    entry.from_ns = entry.count == 0 ? first->log_time_ns
-                                     : std::min(entry.from_ns, first->log_time_ns);
-    entry.to_ns = std::max(entry.to_ns, last->log_time_ns);
-    entry.count += index.entries.size();
-  }
-  BeginChunk();
 }
 
 // The specification wants equal opcodes of the summary beside each other.
@@ -201,7 +209,7 @@ std::uint16_t McapWriter::AddSchema(const std::string& name, const std::string& 
   return id;
 }
 
-std::uint16_t McapWriter::AddChannel(Channel channel) {
+std::uint16_t McapWriter::AddChannel(Channel channel, Lane lane) {
   auto& channels = impl_->channels;
   for (const Channel& known : channels) {
     channel.id = known.id;
@@ -212,6 +220,7 @@ std::uint16_t McapWriter::AddChannel(Channel channel) {
           channel.topic, channel.schema_id, impl_->schemas.size());
   channel.id = static_cast<std::uint16_t>(channels.size());
   channels.push_back(std::move(channel));
+  impl_->lane_of.push_back(lane);
   return channels.back().id;
 }
 
@@ -219,18 +228,14 @@ Status McapWriter::Write(const MessageView& message) {
   Impl& impl = *impl_;
   Require(!impl.closed && message.channel_id < impl.channels.size(),
           "a message of channel {}, of {}", message.channel_id, impl.channels.size());
-  if (impl.records.empty()) {
-    impl.head.start_ns = impl.head.end_ns = message.log_time_ns;
-  }
-  impl.head.start_ns = std::min(impl.head.start_ns, message.log_time_ns);
-  impl.head.end_ns = std::max(impl.head.end_ns, message.log_time_ns);
-  MessageIndex& index = impl.indexes[message.channel_id];
-  index.channel_id = message.channel_id;
-  index.entries.push_back({message.log_time_ns, impl.records.size()});
-  Encode(impl.records, message);
-  if (impl.records.size() < impl.options.chunk_bytes)
-    return FlushIfOld(message.log_time_ns);
-  return impl.WriteChunk();
+  Gathered& chunk = impl.ChunkOf(impl.lane_of[message.channel_id]);
+  chunk.Add(message);
+  if (impl.refused) return {};
+  const bool old = message.log_time_ns >= chunk.head.start_ns + impl.options.chunk_ns;
+  if (!old && chunk.records.size() < impl.options.chunk_bytes) return {};
+  auto written = impl.WriteChunk(chunk);
+  impl.refused = !written.has_value();
+  return written;
 }
 
 Status McapWriter::Write(const Metadata& record) {
@@ -256,16 +261,32 @@ Status McapWriter::Write(const Attachment& record) {
 }
 
 Status McapWriter::FlushIfOld(std::uint64_t now_ns) {
-  if (impl_->records.empty() || now_ns < impl_->head.start_ns + impl_->options.chunk_ns)
-    return {};
-  return impl_->WriteChunk();
+  const auto& lanes = impl_->lanes;
+  const bool old = std::any_of(lanes.begin(), lanes.end(), [&](const Gathered& chunk) {
+    return !chunk.records.empty() &&
+           now_ns >= chunk.head.start_ns + impl_->options.chunk_ns;
+  });
+  return old ? impl_->WriteChunks() : Status();
 }
 
-Status McapWriter::Flush() { return impl_->WriteChunk(); }
+Status McapWriter::Flush() { return impl_->WriteChunks(); }
+
+std::map<std::uint16_t, McapWriter::Dropped> McapWriter::Drop(Lane lane) {
+  Gathered& chunk = impl_->ChunkOf(lane);
+  std::map<std::uint16_t, Dropped> dropped;
+  for (const auto& [channel, index] : chunk.indexes) {
+    const auto [first, last] = std::minmax_element(
+        index.entries.begin(), index.entries.end(),
+        [](const auto& a, const auto& b) { return a.log_time_ns < b.log_time_ns; });
+    dropped[channel] = {index.entries.size(), first->log_time_ns, last->log_time_ns};
+  }
+  chunk.Clear();
+  return dropped;
+}
 
 Status McapWriter::Close() {
   Require(!impl_->closed, "a recording is closed once");
-  if (auto written = impl_->WriteChunk(); !written) return written;
+  if (auto written = impl_->WriteChunks(); !written) return written;
   if (auto written = impl_->WriteDefinitions(); !written) return written;
   if (auto written = impl_->WriteSummary(); !written) return written;
   impl_->closed = true;
@@ -274,12 +295,10 @@ Status McapWriter::Close() {
 
 Status McapWriter::Sync() { return impl_->file.Sync(); }
 
-std::map<std::uint16_t, McapWriter::Lost> McapWriter::TakeLost() {
-  return std::exchange(impl_->lost, {});
-}
-
 std::uint64_t McapWriter::file_bytes() const { return impl_->file.size(); }
-std::uint64_t McapWriter::chunk_bytes() const { return impl_->records.size(); }
+std::uint64_t McapWriter::gathered_bytes(Lane lane) const {
+  return impl_->ChunkOf(lane).records.size();
+}
 const Statistics& McapWriter::statistics() const { return impl_->statistics; }
 const std::filesystem::path& McapWriter::file() const { return impl_->file.path(); }
 

@@ -5,9 +5,14 @@
 //
 // Messages gather in a chunk that is written when it is full (1 MB) or old (1 s): that
 // much and no more is lost with the process. Schemas and channels go before the chunk
-// that needs them first, not into it: a damaged chunk does not take them along. A write
-// that the disk refuses leaves the file at the end of the last whole record, and the
-// writer may go on.
+// that needs them first, not into it: a damaged chunk does not take them along.
+//
+// Messages of two lanes gather in chunks of their own, so that small things are read
+// without unpacking large ones, and large ones may be given up without the small ones.
+//
+// When the disk refuses a chunk, the file ends with the last whole record and the chunk
+// is kept; messages go on gathering in memory, and the next Flush tries again. Drop gives
+// a lane's chunk up.
 //
 // From one thread. Times are given, never taken: no clock in here.
 
@@ -29,8 +34,16 @@ struct WriterOptions {
   int compression_level = 1;               ///< of zstd, -7..19
 };
 
+enum class Lane { kSmall, kLarge };
+
 class McapWriter {
  public:
+  /// Messages that were given up.
+  struct Dropped {
+    std::uint64_t count = 0;
+    std::uint64_t from_ns = 0, to_ns = 0;  ///< log time
+  };
+
   /// Makes the file anew. kIo with path and remedy.
   static Result<McapWriter> Create(const std::filesystem::path& file,
                                    const WriterOptions& options);
@@ -44,31 +57,28 @@ class McapWriter {
                           const std::string& text);
   /// The id of the channel in this file; `channel.id` is not looked at, and an equal one
   /// is not made twice. At most 65 535 channels.
-  std::uint16_t AddChannel(Channel channel);
+  std::uint16_t AddChannel(Channel channel, Lane lane = Lane::kSmall);
 
-  /// May write the chunk. An error says what the disk refused; the chunk's messages are
-  /// then dropped: TakeLost tells them.
+  /// Takes the message in any case. May write the lane's chunk: an error says what the
+  /// disk refused.
   Status Write(const MessageView& message);
+  /// An error: not written.
   Status Write(const Metadata& metadata);
   Status Write(const Attachment& attachment);
-  /// Writes the chunk if its first message is chunk_ns old.
+  /// Writes the chunks whose first message is chunk_ns old.
   Status FlushIfOld(std::uint64_t now_ns);
-  /// Writes the chunk.
+  /// Writes the chunks.
   Status Flush();
+  /// Gives up what has gathered in a lane: how many messages of each channel.
+  std::map<std::uint16_t, Dropped> Drop(Lane lane);
   /// Writes the rest and the summary; nothing may be written afterwards.
   Status Close();
   /// Until what was written is on the disk.
   Status Sync();
 
-  /// Messages a channel that were dropped with chunks the disk refused, since last asked.
-  struct Lost {
-    std::uint64_t count = 0;
-    std::uint64_t from_ns = 0, to_ns = 0;  ///< log time
-  };
-  std::map<std::uint16_t, Lost> TakeLost();
-
-  std::uint64_t file_bytes() const;   ///< written so far
-  std::uint64_t chunk_bytes() const;  ///< gathered and not yet written, not compressed
+  std::uint64_t file_bytes() const;  ///< written so far
+  /// Gathered and not yet written, not compressed.
+  std::uint64_t gathered_bytes(Lane lane) const;
   const Statistics& statistics() const;
   const std::filesystem::path& file() const;
 

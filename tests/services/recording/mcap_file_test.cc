@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <filesystem>
 #include <fstream>
@@ -272,11 +274,80 @@ TEST_F(McapFile, ClaimedSizesAreBounded) {
   EXPECT_THAT(reader->contents().damages, ElementsAre(HasSubstr("more than")));
 }
 
+TEST_F(McapFile, LanesGatherInChunksOfTheirOwn) {
+  auto writer = McapWriter::Create(folder_ / "a.mcap", {.library = "x"}).value();
+  const auto small = writer.AddChannel({0, 0, "S", "cdr", {}}, Lane::kSmall);
+  const auto large = writer.AddChannel({0, 0, "L", "cdr", {}}, Lane::kLarge);
+  const Bytes payload(100);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    ASSERT_TRUE(writer.Write(MessageView{i % 2 == 0 ? small : large, i, i, 0, payload}));
+  }
+  ASSERT_TRUE(writer.Close());
+  const auto reader = McapReader::Open(folder_ / "a.mcap").value();
+  ASSERT_THAT(reader.contents().blocks, SizeIs(2));
+  EXPECT_THAT(reader.contents().blocks[0].channels, ElementsAre(small));
+  EXPECT_THAT(reader.contents().blocks[1].channels, ElementsAre(large));
+  const auto messages = MessagesOf(reader);
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(messages[i].sequence, i);
+}
+
 TEST_F(McapFile, FullDiskIsToldWithTheRemedy) {
   auto writer = McapWriter::Create("/dev/full", {.library = "x"});
   ASSERT_FALSE(writer);
   EXPECT_EQ(writer.error().code, ErrorCode::kIo);
   EXPECT_THAT(writer.error().message, HasSubstr("make room"));
+}
+
+/// The system's limit on the size of files stands in for a disk that is full.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+// One lane is given up, the other is kept in memory and written when there is room again;
+// the file is readable at any time.
+TEST_F(McapFile, RefusedChunkIsKeptUntilThereIsRoom) {
+  WriterOptions options{.library = "x", .chunk_bytes = 1000};
+  options.compress = false;
+  auto writer = McapWriter::Create(folder_ / "a.mcap", options).value();
+  const auto small = writer.AddChannel({0, 0, "S", "cdr", {}}, Lane::kSmall);
+  const auto large = writer.AddChannel({0, 0, "L", "cdr", {}}, Lane::kLarge);
+  const Bytes payload(300);
+  ASSERT_TRUE(writer.Write(MessageView{small, 0, 0, 0, payload}));
+  ASSERT_TRUE(writer.Flush());
+  {
+    const FileSizeLimit full(writer.file_bytes() + 100);
+    bool refused = false;
+    for (std::uint32_t i = 1; i < 20; ++i) {
+      refused =
+          !writer.Write(MessageView{i % 2 == 0 ? small : large, i, i, 0, payload}) ||
+          refused;
+    }
+    EXPECT_TRUE(refused);
+    EXPECT_FALSE(writer.Flush());
+    EXPECT_EQ(fs::file_size(folder_ / "a.mcap"), writer.file_bytes());
+    EXPECT_THAT(MessagesOf(McapReader::Open(folder_ / "a.mcap").value()), SizeIs(1));
+    const auto dropped = writer.Drop(Lane::kLarge);
+    ASSERT_TRUE(dropped.contains(large));
+    EXPECT_EQ(dropped.at(large).count, 10u);
+    EXPECT_EQ(dropped.at(large).from_ns, 1u);
+    EXPECT_EQ(dropped.at(large).to_ns, 19u);
+  }
+  ASSERT_TRUE(writer.Close());
+  const auto reader = McapReader::Open(folder_ / "a.mcap").value();
+  EXPECT_TRUE(reader.contents().complete);
+  const auto messages = MessagesOf(reader);
+  ASSERT_THAT(messages, SizeIs(10));
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(messages[i].sequence, 2 * i);
 }
 
 }  // namespace

@@ -1,0 +1,32 @@
+#pragma once
+
+// What belongs to a job besides its messages, as attachments: its specification, the
+// machine, the material's values, and the software, from the tasks of the job.
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "services/bus/bus.h"
+#include "services/recording/mcap_records.h"
+
+namespace intaglio::recorder {
+
+/// Attachments of a task's frozen job (serialized intaglio.FrozenJob); none when it
+/// cannot be read. `now_ns` is the time they carry.
+std::vector<recording::Attachment> PapersOf(recording::ByteView frozen_job,
+                                            std::uint64_t now_ns);
+
+/// Watches the tasks of all stages. From one thread.
+class JobPapers {
+ public:
+  explicit JobPapers(bus::Bus& bus);
+  /// The papers of jobs that are new since the last call.
+  std::vector<recording::Attachment> Take(std::uint64_t now_ns);
+
+ private:
+  bus::Reader<intaglio_StageTask> discretize_, sort_, engrave_;
+  std::set<std::string> known_;  // jobs
+};
+
+}  // namespace intaglio::recorder

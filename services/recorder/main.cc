@@ -1,0 +1,126 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "services/host/service_host.h"
+#include "services/recorder/job_papers.h"
+#include "services/recorder/recorder.h"
+
+namespace {
+
+using namespace intaglio;
+using namespace std::chrono_literals;
+
+struct Options {
+  std::string file;
+  double split_mb = 0, split_min = 0, keep_mb = 0, keep_h = 0, queue_mb = 64;
+  int compression = 1;
+  recorder::TopicFilter filter;
+};
+
+void AddOptions(CLI::App& app, Options& options) {
+  app.add_option("--out", options.file,
+                 "file to write; when it is there, NAME-0002.mcap and so on")
+      ->required();
+  const auto names = [&app](const std::string& what, recorder::NameFilter& filter) {
+    app.add_option("--" + what, filter.only,
+                   "record these only; a " + what + ", or a pattern with * and ?");
+    app.add_option("--not-" + what, filter.not_, "record all but these");
+  };
+  names("topic", options.filter.topic);
+  names("partition", options.filter.partition);
+  names("type", options.filter.type);
+  const auto amount = [&app](const char* flag, double& value, const char* what) {
+    app.add_option(flag, value, what)->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  };
+  amount("--split-mb", options.split_mb, "begin a new file at this size, MB; 0: never");
+  amount("--split-min", options.split_min, "or after this time, minutes; 0: never");
+  amount("--keep-mb", options.keep_mb,
+         "remove the oldest files beyond this size together, MB; 0: keep all");
+  amount("--keep-h", options.keep_h,
+         "remove files last written so many hours ago; 0: keep all");
+  amount("--queue-mb", options.queue_mb,
+         "memory for what waits for the disk, MB; beyond it bulk is left out");
+  app.add_option("--compression", options.compression, "level of zstd; 0: none")
+      ->check(CLI::Range(0, 19))
+      ->capture_default_str();
+}
+
+recorder::RecorderOptions RecorderOptionsOf(const Options& options) {
+  constexpr double kMb = 1e6, kMinuteNs = 60e9, kHourNs = 3600e9;
+  recorder::RecorderOptions made;
+  made.filter = options.filter;
+  made.queue.large_bytes = static_cast<std::uint64_t>(options.queue_mb * kMb);
+  made.queue.total_bytes = 4 * made.queue.large_bytes;
+  recorder::SeriesOptions& series = made.series;
+  series.file = options.file;
+  series.split_bytes = static_cast<std::uint64_t>(options.split_mb * kMb);
+  series.split_ns = static_cast<std::uint64_t>(options.split_min * kMinuteNs);
+  series.keep_bytes = static_cast<std::uint64_t>(options.keep_mb * kMb);
+  series.keep_ns = static_cast<std::uint64_t>(options.keep_h * kHourNs);
+  series.version = host::SoftwareVersion();
+  char host_name[256] = "localhost";
+  gethostname(host_name, sizeof host_name - 1);
+  series.host = host_name;
+  series.writer.compress = options.compression > 0;
+  series.writer.compression_level = std::max(1, options.compression);
+  // Half of what may be lost, so that a busy host has the other half.
+  series.writer.chunk_ns = 500'000'000;
+  return made;
+}
+
+/// Tells troubles once, when they begin.
+void Report(host::ServiceHost& host, const recorder::Recorder::State& state,
+            bool& in_trouble) {
+  if (state.trouble) {
+    host.SetHealth(intaglio_HEALTH_FAULT, {}, state.trouble->message);
+    if (!in_trouble) {
+      host.RaiseAlarm(intaglio_ALARM_WARNING, ErrorCodeName(state.trouble->code),
+                      state.trouble->message);
+    }
+  } else {
+    host.SetHealth(intaglio_HEALTH_READY, {}, "records into " + state.file);
+  }
+  in_trouble = state.trouble.has_value();
+}
+
+int Serve(host::ServiceHost& host, const Options& options) {
+  auto recorder = recorder::Recorder::Start(host.bus(), RecorderOptionsOf(options));
+  if (!recorder) {
+    std::cerr << recorder.error().message << "\n";
+    return 2;
+  }
+  recorder::JobPapers papers(host.bus());
+  bool in_trouble = false;
+  while (!host.stopping()) {
+    (*recorder)->Turn(100ms);
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    for (auto& paper : papers.Take(static_cast<std::uint64_t>(now / 1ns))) {
+      (*recorder)->Attach(std::move(paper));
+    }
+    Report(host, (*recorder)->state(), in_trouble);
+    host.KeepAlive();
+  }
+  host.SetHealth(intaglio_HEALTH_STOPPING);
+  const auto stopped = (*recorder)->Stop();
+  const auto state = (*recorder)->state();
+  std::cerr << state.message_count << " messages in " << state.file;
+  if (state.missing_count > 0) std::cerr << ", " << state.missing_count << " missing";
+  std::cerr << "\n";
+  if (stopped) return 0;
+  std::cerr << stopped.error().message << "\n";
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  const host::ServiceDescription description{
+      intaglio_ROLE_RECORDER, "recorder", "records every topic into an MCAP file",
+      [&options](CLI::App& app) { AddOptions(app, options); }};
+  return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
+    return Serve(host, options);
+  });
+}

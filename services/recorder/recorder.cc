@@ -1,0 +1,215 @@
+#include "services/recorder/recorder.h"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <variant>
+
+#include "services/bus/topic_tap.h"
+
+namespace intaglio::recorder {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kTurn = 100ms;
+// Services that end with this one say so within this time.
+constexpr auto kLastWords = 300ms;
+// Behind everybody who computes or moves something.
+constexpr int kWriterNice = 10;
+
+std::uint64_t WallNow() {
+  return static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch() /
+                                    1ns);
+}
+
+std::uint64_t Unsigned(std::int64_t ns) {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, ns));
+}
+
+recording::SampleKind KindOf(bus::TapKind kind) {
+  switch (kind) {
+    case bus::TapKind::kDisposed:
+      return recording::SampleKind::kDisposed;
+    case bus::TapKind::kNoWriter:
+      return recording::SampleKind::kNoWriter;
+    default:
+      return recording::SampleKind::kValue;
+  }
+}
+
+struct Unrecorded {
+  std::string topic, why;
+};
+using Item = std::variant<bus::TapSample, recording::Attachment, Unrecorded>;
+
+/// What was refused at the queue, one entry a channel and kind.
+struct Refused {
+  std::uint64_t count = 0;
+  std::uint64_t from_ns = 0, to_ns = 0;
+};
+
+}  // namespace
+
+struct Recorder::Impl {
+  Impl(bus::Bus& bus, const RecorderOptions& options, RecordingSeries&& files)
+      : series(std::move(files)),
+        queue(options.queue),
+        tap(
+            bus,
+            [filter = options.filter](const bus::TapChannel& channel) {
+              return filter.Accepts(channel.topic, channel.partition, channel.type);
+            },
+            [this](const std::string& topic, const std::string& why) {
+              spdlog::warn("{} is not recorded: {}", topic, why);
+              (void)queue.Push(Unrecorded{topic, why}, 0, false);
+            }) {}
+
+  void Hear(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      tap.Take(kTurn, [this](bus::TapSample&& sample) { HandOver(std::move(sample)); });
+    }
+  }
+  void HandOver(bus::TapSample&& sample);
+  void Write(const std::stop_token& stop);
+  void WriteAll(std::vector<Item>&& items);
+  void WriteOne(const bus::TapSample& sample);
+  std::uint32_t StreamOf(std::uint32_t channel, bus::TapKind kind);
+  void TellRefused();
+  void Publish();
+
+  RecordingSeries series;  // of the writer thread
+  WriteQueue<Item> queue;
+  bus::TopicTap tap;
+  std::map<std::pair<std::uint32_t, bus::TapKind>, std::uint32_t> streams;  // of it, too
+  std::mutex refused_mutex;
+  std::map<std::pair<std::uint32_t, bus::TapKind>, Refused> refused;
+  mutable std::mutex state_mutex;
+  State state;
+  std::jthread hearing, writing;
+};
+
+void Recorder::Impl::HandOver(bus::TapSample&& sample) {
+  const bool bulk = tap.channel(sample.channel()).domain == bus::DomainKind::kBulk;
+  const std::uint64_t bytes = sample.bytes().size() + sizeof(Item);
+  const std::pair key(sample.channel(), sample.kind());
+  const std::uint64_t received_ns = Unsigned(sample.received_ns());
+  Item item(std::move(sample));
+  if (queue.Push(std::move(item), bytes, bulk)) return;
+  const std::lock_guard lock(refused_mutex);
+  Refused& entry = refused[key];
+  if (entry.count++ == 0) entry.from_ns = received_ns;
+  entry.to_ns = received_ns;
+}
+
+std::uint32_t Recorder::Impl::StreamOf(std::uint32_t channel, bus::TapKind kind) {
+  const auto [known, added] = streams.try_emplace({channel, kind}, 0);
+  if (added) {
+    const bus::TapChannel& heard = tap.channel(channel);
+    known->second =
+        series.AddStream({heard.topic, heard.type, heard.domain == bus::DomainKind::kBulk,
+                          heard.partition, KindOf(kind), heard.keyed, heard.qos},
+                         {heard.idl, heard.key_idl, heard.recipe});
+  }
+  return known->second;
+}
+
+void Recorder::Impl::WriteOne(const bus::TapSample& sample) {
+  series.Write(StreamOf(sample.channel(), sample.kind()), Unsigned(sample.received_ns()),
+               Unsigned(sample.source_ns()), sample.bytes());
+}
+
+void Recorder::Impl::WriteAll(std::vector<Item>&& items) {
+  for (Item& item : items) {
+    if (const auto* sample = std::get_if<bus::TapSample>(&item)) {
+      WriteOne(*sample);
+    } else if (auto* attachment = std::get_if<recording::Attachment>(&item)) {
+      series.Attach(std::move(*attachment));
+    } else if (const auto* unrecorded = std::get_if<Unrecorded>(&item)) {
+      series.TellUnrecorded(unrecorded->topic, unrecorded->why);
+    }
+  }
+}
+
+void Recorder::Impl::TellRefused() {
+  std::map<std::pair<std::uint32_t, bus::TapKind>, Refused> told;
+  {
+    const std::lock_guard lock(refused_mutex);
+    told.swap(refused);
+  }
+  for (const auto& [key, entry] : told) {
+    const std::uint32_t stream = StreamOf(key.first, key.second);
+    series.CountMissing(stream, entry.from_ns, "the disk is too slow", entry.count);
+    series.CountMissing(stream, entry.to_ns, "the disk is too slow", 0);
+  }
+}
+
+void Recorder::Impl::Publish() {
+  const std::lock_guard lock(state_mutex);
+  state = {series.file().string(), series.message_count(), series.missing_count(),
+           series.trouble()};
+}
+
+void Recorder::Impl::Write(const std::stop_token& stop) {
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kWriterNice);
+  while (!stop.stop_requested()) {
+    WriteAll(queue.Take(kTurn));
+    TellRefused();
+    series.Turn(WallNow());
+    Publish();
+  }
+  WriteAll(queue.Take(0ms));
+  TellRefused();
+}
+
+Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Recorder::~Recorder() {
+  impl_->hearing.request_stop();
+  impl_->writing.request_stop();
+}
+
+Result<std::unique_ptr<Recorder>> Recorder::Start(bus::Bus& bus,
+                                                  const RecorderOptions& options) {
+  auto series = RecordingSeries::Open(options.series, WallNow());
+  if (!series) return tl::unexpected(series.error());
+  auto impl = std::make_unique<Impl>(bus, options, std::move(*series));
+  Impl* const shared = impl.get();
+  shared->Publish();
+  shared->hearing =
+      std::jthread([shared](const std::stop_token& stop) { shared->Hear(stop); });
+  shared->writing =
+      std::jthread([shared](const std::stop_token& stop) { shared->Write(stop); });
+  return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
+}
+
+void Recorder::Turn(std::chrono::milliseconds timeout) { impl_->tap.Discover(timeout); }
+
+void Recorder::Attach(recording::Attachment attachment) {
+  const std::uint64_t bytes = attachment.content.size();
+  (void)impl_->queue.Push(std::move(attachment), bytes, false);
+}
+
+Status Recorder::Stop() {
+  const auto end = std::chrono::steady_clock::now() + kLastWords;
+  while (std::chrono::steady_clock::now() < end) Turn(20ms);
+  impl_->hearing.request_stop();
+  impl_->tap.Wake();
+  impl_->hearing.join();
+  impl_->writing.request_stop();
+  impl_->writing.join();
+  auto closed = impl_->series.Close();
+  impl_->Publish();
+  return closed;
+}
+
+Recorder::State Recorder::state() const {
+  const std::lock_guard lock(impl_->state_mutex);
+  return impl_->state;
+}
+
+}  // namespace intaglio::recorder

@@ -1,0 +1,55 @@
+#pragma once
+
+// Hears both domains and writes a series of files. Three threads: whoever owns it finds
+// new topics (Turn), one hears and only hands over, one writes. The queue between the two
+// (write_queue.h) is where a slow disk shows; nobody on the bus waits for it.
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engrave/core/result.h"
+#include "services/bus/bus.h"
+#include "services/recorder/recording_series.h"
+#include "services/recorder/topic_filter.h"
+#include "services/recorder/write_queue.h"
+
+namespace intaglio::recorder {
+
+struct RecorderOptions {
+  SeriesOptions series;
+  TopicFilter filter;
+  QueueLimits queue;
+};
+
+class Recorder {
+ public:
+  /// Opens the first file and begins to hear.
+  static Result<std::unique_ptr<Recorder>> Start(bus::Bus& bus,
+                                                 const RecorderOptions& options);
+  ~Recorder();
+
+  /// Waits for new topics, and reads from them from then on. Often, from one thread.
+  void Turn(std::chrono::milliseconds timeout);
+  /// Into every file from now on. From the thread of Turn.
+  void Attach(recording::Attachment attachment);
+  /// Hears what is still under way, writes everything and completes the file.
+  Status Stop();
+
+  struct State {
+    std::string file;
+    std::uint64_t message_count = 0;
+    std::uint64_t missing_count = 0;
+    std::optional<Error> trouble;  ///< what the disk refuses at the moment
+  };
+  State state() const;
+
+ private:
+  struct Impl;
+  explicit Recorder(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace intaglio::recorder

@@ -1,0 +1,34 @@
+#include "services/recorder/topic_filter.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+
+namespace intaglio::recorder {
+namespace {
+
+bool MatchesAny(const std::vector<std::string>& patterns, const std::string& name) {
+  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+    return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+  });
+}
+
+}  // namespace
+
+bool NameFilter::Accepts(const std::string& name) const {
+  return (only.empty() || MatchesAny(only, name)) && !MatchesAny(not_, name);
+}
+
+bool TopicFilter::Accepts(const std::string& topic_name, const std::string& partitions,
+                          const std::string& type_name) const {
+  if (!topic.Accepts(topic_name) || !type.Accepts(type_name)) return false;
+  if (partitions.empty()) return true;
+  for (std::size_t at = 0; at <= partitions.size();) {
+    const auto end = std::min(partitions.find(',', at), partitions.size());
+    if (partition.Accepts(partitions.substr(at, end - at))) return true;
+    at = end + 1;
+  }
+  return false;
+}
+
+}  // namespace intaglio::recorder
