@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <optional>
 
 namespace intaglio::formats {
 namespace {
 
 constexpr char kMagic[] = "INTJRNL1";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 // A record's point may not make the reader allocate without bound.
 constexpr std::uint64_t kMaxPoints = 100'000'000;
 
@@ -42,6 +43,25 @@ bool CrcHolds(std::span<const std::byte> bytes) {
   return Crc(bytes.first(end)) == Get<std::uint32_t>(bytes, end);
 }
 
+std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
+                                          const JournalHeader& header) {
+  const auto kind = static_cast<JournalKind>(bytes[0]);
+  const bool of_point = kind == JournalKind::kIntent || kind == JournalKind::kOutcome;
+  const auto point = Get<std::uint32_t>(bytes, 16);
+  if (!CrcHolds(bytes) || (!of_point && kind != JournalKind::kSession) ||
+      (of_point && point >= header.point_count) ||
+      bytes[1] > static_cast<std::byte>(PointOutcome::kUncertain)) {
+    return std::nullopt;
+  }
+  return JournalRecord{kind,
+                       static_cast<PointOutcome>(bytes[1]),
+                       static_cast<std::uint8_t>(bytes[2]),
+                       Get<std::uint32_t>(bytes, 4),
+                       Get<std::uint64_t>(bytes, 8),
+                       point,
+                       Get<std::uint32_t>(bytes, 24)};
+}
+
 }  // namespace
 
 std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
@@ -52,6 +72,7 @@ std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
   Put<std::uint32_t>(bytes, 12, kJournalRecordSize);
   Put<std::uint64_t>(bytes, 16, header.point_count);
   Put<std::uint64_t>(bytes, 24, header.epoch);
+  Put<std::uint32_t>(bytes, 32, header.path_crc);
   Put<std::uint32_t>(bytes, 60, Crc(std::span(bytes).first(60)));
   return bytes;
 }
@@ -85,26 +106,22 @@ Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
   Journal journal;
   journal.header.point_count = Get<std::uint64_t>(bytes, 16);
   journal.header.epoch = Get<std::uint64_t>(bytes, 24);
+  journal.header.path_crc = Get<std::uint32_t>(bytes, 32);
   if (journal.header.point_count > kMaxPoints) {
     return Fail(ErrorCode::kTooLarge, "the journal names too many points",
                 fmt::format("{}", journal.header.point_count));
   }
-  std::size_t offset = kJournalHeaderSize;
-  for (; offset + kJournalRecordSize <= bytes.size(); offset += kJournalRecordSize) {
-    const auto record = bytes.subspan(offset, kJournalRecordSize);
-    const auto kind = static_cast<JournalKind>(record[0]);
-    const bool known = kind == JournalKind::kIntent || kind == JournalKind::kOutcome;
-    const auto point = Get<std::uint32_t>(record, 16);
-    if (!CrcHolds(record) || !known || point >= journal.header.point_count ||
-        record[1] > static_cast<std::byte>(PointOutcome::kUncertain)) {
-      break;
-    }
-    journal.records.push_back(
-        {kind, static_cast<PointOutcome>(record[1]), static_cast<std::uint8_t>(record[2]),
-         Get<std::uint32_t>(record, 4), Get<std::uint64_t>(record, 8), point,
-         Get<std::uint32_t>(record, 24)});
+  std::size_t behind_last = kJournalHeaderSize;
+  for (std::size_t offset = kJournalHeaderSize;
+       offset + kJournalRecordSize <= bytes.size(); offset += kJournalRecordSize) {
+    const auto record =
+        DecodeRecord(bytes.subspan(offset, kJournalRecordSize), journal.header);
+    if (!record) continue;
+    journal.damaged_records += (offset - behind_last) / kJournalRecordSize;
+    behind_last = offset + kJournalRecordSize;
+    journal.records.push_back(*record);
   }
-  journal.torn_bytes = bytes.size() - offset;
+  journal.torn_bytes = bytes.size() - behind_last;
   return journal;
 }
 
@@ -130,9 +147,15 @@ Result<Journal> ReadJournal(const std::filesystem::path& file) {
 
 std::vector<PointHistory> HistoryOf(const Journal& journal) {
   std::vector<PointHistory> history(journal.header.point_count);
+  std::uint32_t power_up = 0;
   for (const JournalRecord& record : journal.records) {
+    if (record.kind == JournalKind::kSession) {
+      power_up = record.point;
+      continue;
+    }
     PointHistory& point = history[record.point];
     point.tick = record.tick;
+    point.power_up = power_up;
     if (record.kind == JournalKind::kIntent) {
       point.open_intent = true;
       continue;
@@ -140,10 +163,7 @@ std::vector<PointHistory> HistoryOf(const Journal& journal) {
     point.open_intent = false;
     point.outcome = record.outcome;
     point.reason = record.reason;
-    if (record.outcome == PointOutcome::kMade ||
-        record.outcome == PointOutcome::kMissed) {
-      ++point.fired_count;
-    }
+    if (IsFired(record.outcome)) ++point.fired_count;
   }
   return history;
 }

@@ -1,16 +1,18 @@
 #pragma once
 
 // The journal of an engraving: what was about to be fired, and what became of it. The
-// synchronizer appends; reports, resume and checks read. Fixed-size records with a
-// checksum each: a file cut anywhere is readable up to the cut.
+// synchronizer appends, over all its lives; reports, resume and checks read. Fixed-size
+// records with a checksum each, at fixed places: a file that is cut anywhere, or whose
+// last blocks reached the disk in another order, tells all that it has.
 //
 //   offset  size  header (64 bytes)
 //        0     8  "INTJRNL1"
-//        8     4  version, 1
+//        8     4  version, 2
 //       12     4  record size, 32
 //       16     8  points of the job
 //       24     8  epoch of the job
-//       32    28  zero
+//       32     4  CRC-32 of the path: x, y, z of each point in the order, doubles, mm
+//       36    24  zero
 //       60     4  CRC-32 of bytes 0..59
 //
 //   offset  size  record (32 bytes)
@@ -24,7 +26,8 @@
 //       20     4  zero
 //       24     4  pulses counted by the controller
 //       28     4  CRC-32 of bytes 0..27
-// All numbers little endian.
+// A record of kind session has at 16 the controller's power-up, and at 24 the pulses that
+// it had counted and that are not this job's. All numbers little endian.
 
 #include <array>
 #include <cstddef>
@@ -40,6 +43,7 @@ namespace intaglio::formats {
 enum class JournalKind : std::uint8_t {
   kIntent = 1,   ///< the point may fire at this tick; on disk before it can
   kOutcome = 2,  ///< what became of it
+  kSession = 3,  ///< the ticks from here on are of this power-up of the controller
 };
 
 enum class PointOutcome : std::uint8_t {
@@ -50,13 +54,18 @@ enum class PointOutcome : std::uint8_t {
   kUncertain = 4,  ///< nobody knows; never fired again by itself
 };
 
+/// A crack was tried: such a point is never fired again.
+constexpr bool IsFired(PointOutcome outcome) {
+  return outcome == PointOutcome::kMade || outcome == PointOutcome::kMissed;
+}
+
 struct JournalRecord {
   JournalKind kind = JournalKind::kIntent;
   PointOutcome outcome = PointOutcome::kNone;
   std::uint8_t reason = 0;
   std::uint32_t run = 0;
   std::uint64_t tick = 0;
-  std::uint32_t point = 0;
+  std::uint32_t point = 0;  ///< kSession: power-up
   std::uint32_t pulse_count = 0;
   bool operator==(const JournalRecord&) const = default;
 };
@@ -64,6 +73,8 @@ struct JournalRecord {
 struct JournalHeader {
   std::uint64_t point_count = 0;
   std::uint64_t epoch = 0;
+  std::uint32_t path_crc = 0;
+  bool operator==(const JournalHeader&) const = default;
 };
 
 inline constexpr std::size_t kJournalHeaderSize = 64;
@@ -79,6 +90,9 @@ struct Journal {
   std::vector<JournalRecord> records;
   /// Bytes after the last whole record with a right checksum: a cut, never an error.
   std::uint64_t torn_bytes = 0;
+  /// Unreadable records with readable ones behind them: what a power failure leaves of
+  /// blocks that no sync had confirmed, or a damaged disk.
+  std::uint64_t damaged_records = 0;
 };
 
 /// kUnreadable when the header is not a journal's.
@@ -90,6 +104,7 @@ struct PointHistory {
   PointOutcome outcome = PointOutcome::kNone;
   std::uint8_t reason = 0;
   std::uint64_t tick = 0;
+  std::uint32_t power_up = 0;     ///< that the tick is of; 0: not known
   std::uint32_t fired_count = 0;  ///< outcomes made or missed
   bool open_intent = false;       ///< an intent without an outcome: uncertain
 };

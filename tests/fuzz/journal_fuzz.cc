@@ -1,4 +1,4 @@
-// Any bytes as a journal: a whole prefix of records or an error with a message. The same
+// Any bytes as a journal: its whole records or an error with a message. The same
 // bytes as the fields of a journal, whose checksums hold: what is read and written again
 // reads the same, and the history of its points stays in bounds.
 
@@ -34,13 +34,14 @@ void Try(std::span<const std::byte> bytes) {
     if (journal.error().message.empty()) std::abort();
     return;
   }
-  if (kJournalHeaderSize + journal->records.size() * kJournalRecordSize +
-          journal->torn_bytes !=
+  const std::size_t records = journal->records.size() + journal->damaged_records;
+  if (kJournalHeaderSize + records * kJournalRecordSize + journal->torn_bytes !=
       bytes.size()) {
     std::abort();
   }
   const auto again = ParseJournal(Written(journal->header, journal->records));
-  if (!again || again->records != journal->records || again->torn_bytes != 0) {
+  if (!again || again->records != journal->records || again->torn_bytes != 0 ||
+      again->header != journal->header || again->damaged_records != 0) {
     std::abort();
   }
   if (journal->header.point_count > kMaxPointsHere) return;

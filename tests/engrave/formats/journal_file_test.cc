@@ -18,6 +18,7 @@ std::vector<std::byte> BytesOf(const JournalHeader& header,
 }
 
 const std::vector<JournalRecord> kRecords = {
+    {JournalKind::kSession, PointOutcome::kNone, 0, 0, 99, 0xdeadbeef, 17},
     {JournalKind::kIntent, PointOutcome::kNone, 0, 1, 100, 0, 0},
     {JournalKind::kIntent, PointOutcome::kNone, 0, 1, 102, 1, 0},
     {JournalKind::kOutcome, PointOutcome::kMade, 0, 1, 100, 0, 1},
@@ -25,10 +26,12 @@ const std::vector<JournalRecord> kRecords = {
     {JournalKind::kIntent, PointOutcome::kNone, 0, 2, 1ull << 40, 1, 1}};
 
 TEST(JournalFile, ReadsBackWhatWasWritten) {
-  const auto journal = ParseJournal(BytesOf({3, 77}, kRecords));
+  const auto journal = ParseJournal(BytesOf({3, 77, 0xcafe}, kRecords));
   ASSERT_TRUE(journal.has_value());
   EXPECT_EQ(journal->header.point_count, 3u);
   EXPECT_EQ(journal->header.epoch, 77u);
+  EXPECT_EQ(journal->header.path_crc, 0xcafeu);
+  EXPECT_EQ(journal->damaged_records, 0u);
   EXPECT_EQ(journal->records, kRecords);
   EXPECT_EQ(journal->torn_bytes, 0u);
 }
@@ -46,13 +49,42 @@ TEST(JournalFile, CutAnywhereKeepsEveryWholeRecord) {
   }
 }
 
-TEST(JournalFile, DamagedByteEndsTheReading) {
+TEST(JournalFile, ADamagedRecordIsPassedOverAndCounted) {
   for (std::size_t i = 0; i < kJournalRecordSize; ++i) {
     auto bytes = BytesOf({3, 77}, kRecords);
     bytes[kJournalHeaderSize + kJournalRecordSize + i] ^= std::byte{0x10};
     const auto journal = ParseJournal(bytes);
     ASSERT_TRUE(journal.has_value());
-    EXPECT_EQ(journal->records.size(), 1u) << "byte " << i;
+    auto expected = kRecords;
+    expected.erase(expected.begin() + 1);
+    EXPECT_EQ(journal->records, expected) << "byte " << i;
+    EXPECT_EQ(journal->damaged_records, 1u);
+    EXPECT_EQ(journal->torn_bytes, 0u);
+  }
+}
+
+// Blocks of a file that were not synced reach the disk in any order, or not at all.
+TEST(JournalFile, EverySubsetOfBlocksTellsAllThatItHas) {
+  constexpr std::size_t kBlocks = 6;
+  for (unsigned subset = 0; subset < (1u << kBlocks); ++subset) {
+    auto bytes = BytesOf({3, 77}, kRecords);
+    std::vector<JournalRecord> expected;
+    std::size_t behind_last = 0;
+    for (std::size_t i = 0; i < kBlocks; ++i) {
+      if ((subset >> i & 1u) != 0) {
+        expected.push_back(kRecords[i]);
+        behind_last = i + 1;
+        continue;
+      }
+      const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(
+                                             kJournalHeaderSize + i * kJournalRecordSize);
+      std::fill(begin, begin + kJournalRecordSize, std::byte{0});
+    }
+    const auto journal = ParseJournal(bytes);
+    ASSERT_TRUE(journal.has_value());
+    EXPECT_EQ(journal->records, expected);
+    EXPECT_EQ(journal->damaged_records, behind_last - expected.size());
+    EXPECT_EQ(journal->torn_bytes, (kBlocks - behind_last) * kJournalRecordSize);
   }
 }
 
@@ -63,6 +95,7 @@ TEST(JournalFile, HistoryTellsOpenIntentsFromOutcomes) {
   ASSERT_EQ(history.size(), 3u);
   EXPECT_EQ(history[0].outcome, PointOutcome::kMade);
   EXPECT_EQ(history[0].fired_count, 1u);
+  EXPECT_EQ(history[0].power_up, 0xdeadbeefu);
   EXPECT_FALSE(history[0].open_intent);
   EXPECT_TRUE(history[1].open_intent) << "armed again in run 2, nobody said what became";
   EXPECT_EQ(history[1].tick, 1ull << 40);
