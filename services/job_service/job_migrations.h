@@ -112,6 +112,12 @@ CREATE INDEX jobs_history ON jobs (ended_utc, number);
 UPDATE jobs SET ended_utc = changed_utc WHERE ended = 1;
 UPDATE jobs SET started_utc = coalesce(
   (SELECT min(given_utc) FROM tasks WHERE tasks.job_uid = jobs.uid), '');
+)sql",
+    // Whether a job goes on by itself after a loss.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN armed INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN operator_name TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN asks_before_resume INTEGER NOT NULL DEFAULT 1;
 )sql"};
 
 }  // namespace intaglio::job_service

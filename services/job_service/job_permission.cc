@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/result.h"
 #include "services/job_service/job_queue.h"
 
 // The part of the queue that has to do with the operator: arm, pause, resume, cancel, and
@@ -56,26 +57,20 @@ bool JobQueue::Take(const SpeedView& speed) {
 }
 
 void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
-  const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
   const bool paused = job.state == intaglio_JOB_PAUSED;
-  if (paused &&
-      (!workers_.IsAlive(synchronizer) ||
-       !workers_.IsAssigned(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE)))) {
-    return Change(
-        job, job.state,
-        fmt::format("cannot go on: {} that engraved it is gone, and the glass may "
-                    "hold a part of the points already; take the block out and "
-                    "cancel the job",
-                    synchronizer));
-  }
   // Its block is not in the machine: another job's is, or will be. Armed now, it would be
   // fired into that one as soon as that one is finished.
   if (IsBehindAnother(job)) return Change(job, job.state, job.message);
-  job.operator_name = command.operator_name;
-  if (!job.armed) {
-    job.armed = true;
-    job.armed_at = std::max(now, job.withdrawn_at + kHold);
+  if (stopped_cells_.contains(job.cell)) {
+    return Change(job, job.state,
+                  fmt::format("the emergency stop of {0} is pressed: see to the machine, "
+                              "reset it (intaglio stop {0} --reset), then resume",
+                              job.cell));
   }
+  job.operator_name = command.operator_name;
+  job.losses = 0;
+  job.armed = true;
+  job.armed_at = std::max(now, job.withdrawn_at + kHold);
   Change(job, job.state,
          paused
              ? fmt::format("resumed by {}; waits for the machine", command.operator_name)
@@ -91,6 +86,19 @@ void JobQueue::Pause(JobRecord& job, const CommandView& command, Nanoseconds now
                 : job.message);
 }
 
+void JobQueue::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
+  if (!pressed) {
+    stopped_cells_.erase(cell);
+    return;
+  }
+  if (!stopped_cells_.insert(cell).second) return;
+  for (auto& [uid, job] : jobs_) {
+    if (job.ended() || job.cell != cell || !job.armed) continue;
+    Disarm(job, now);
+    Change(job, job.state, "the emergency stop of " + cell + " was pressed");
+  }
+}
+
 void JobQueue::Disarm(JobRecord& job, Nanoseconds now) {
   if (!job.armed) return;
   job.armed = false;
@@ -101,7 +109,10 @@ void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds n
   const bool fault = !task.error_code.empty();
   const bool outdated = fault && job.armed && now < job.armed_at + kHold;
   if (outdated) return Tell(job, job.state, job.message);
-  if (fault) Disarm(job, now);
+  if (fault && job.armed) {
+    Disarm(job, now);
+    if (task.error_code == ErrorCodeName(ErrorCode::kLinkLost)) GoOn(job, now);
+  }
   // Who is paused by an operator or a fault keeps that reason.
   const bool keep = !fault && !job.armed && job.state == intaglio_JOB_PAUSED;
   Tell(job, intaglio_JOB_PAUSED, keep ? job.message : task.message);
@@ -116,14 +127,16 @@ std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {
                        job.state == intaglio_JOB_ENGRAVING ||
                        job.state == intaglio_JOB_PAUSED;
     const bool granted =
-        ready && job.armed && now >= job.armed_at &&
+        ready && job.armed && now >= job.armed_at && !stopped_cells_.contains(job.cell) &&
         workers_.IsAssigned(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
     if (granted && !job.ever_granted) {
       job.ever_granted = true;
       Change(job, job.state, job.message);
     }
-    permissions.push_back(
-        {job.cell, uid, job.epoch, granted, job.operator_name, job.speed_percent});
+    // Every arm is a command, and commands are numbered and kept over a restart; the arm
+    // of a submission comes before them.
+    permissions.push_back({job.cell, uid, job.epoch, granted, job.operator_name,
+                           job.speed_percent, job.last_command + 1, job.renewal});
   }
   return permissions;
 }

@@ -19,6 +19,9 @@ constexpr Nanoseconds kAnswerWithin = 10s;
 // tries.
 constexpr Nanoseconds kPartPause = 2s;
 
+// Nobody changes a block and walks away in less.
+constexpr Nanoseconds kShortAbsence = 30s;
+
 constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
   switch (stage) {
     case intaglio_STAGE_DISCRETIZE:
@@ -46,27 +49,33 @@ bool MayBeANeighbours(const std::string& error_code) {
 
 // ---- Jobs ---------------------------------------------------------------------------
 
-void JobQueue::Restore(std::vector<JobRecord> jobs, Nanoseconds now) {
+void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> absence,
+                       Nanoseconds now) {
+  const bool was_short = absence && *absence <= kShortAbsence;
   for (JobRecord& restored : jobs) {
     in_turn_[TurnOf(restored)] = restored.uid;
     JobRecord& job = jobs_[restored.uid] = std::move(restored);
     if (job.active()) {
-      RestoreOne(job, now);
+      RestoreOne(job, was_short, now);
     } else {
       actions_.Progressed(job);
     }
   }
 }
 
-void JobQueue::RestoreOne(JobRecord& job, Nanoseconds now) {
+void JobQueue::RestoreOne(JobRecord& job, bool was_short, Nanoseconds now) {
+  const bool goes_on = job.armed && was_short;
+  job.armed = false;
   if (job.ever_granted) {
     const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
     workers_.Assign(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE), now);
     workers_.Answered(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
-    return Change(
-        job, intaglio_JOB_PAUSED,
-        "the job service was restarted while this job was engraved; resume it if "
-        "the block was not touched, or cancel it");
+    if (goes_on) GoOn(job, now);
+    return Change(job, intaglio_JOB_PAUSED,
+                  job.armed
+                      ? "the job service was restarted; the job goes on by itself"
+                      : "the job service was restarted while this job was engraved; "
+                        "resume it if the block was not touched, or cancel it");
   }
   job.last_loss = "the job service was restarted";
   Change(job, intaglio_JOB_QUEUED, job.last_loss);
@@ -136,6 +145,7 @@ void JobQueue::Turn(Nanoseconds now) {
   GiveUpSilent(now);
   // A discretizer is of more use to a job that is under way than to the next one.
   for (const auto& [turn, uid] : in_turn_) GiveOpenParts(jobs_.at(uid), now);
+  for (const auto& [turn, uid] : in_turn_) TakeUp(jobs_.at(uid), now);
   std::set<std::string> cells;  // whose first waiting job had its chance
   for (const auto& [turn, uid] : in_turn_) {
     JobRecord& job = jobs_.at(uid);
@@ -245,13 +255,7 @@ void JobQueue::LoseStage(JobRecord& job, intaglio_Stage stage, const std::string
   if (job.stage(stage).done || !job.active()) return;
   if (stage != intaglio_STAGE_ENGRAVE || !job.ever_granted)
     return LoseAttempt(job, why, now);
-  Disarm(job, now);
-  Change(
-      job, intaglio_JOB_PAUSED,
-      why +
-          ": the glass may hold a part of the points already, so the job is not started "
-          "again by itself; take the block out and cancel the job");
-  RevokeAll(job, now);
+  LoseEngraving(job, why, now);
 }
 
 void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now) {
@@ -303,6 +307,7 @@ void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now
   const bool glass_is_clear = task.stage != intaglio_STAGE_ENGRAVE || !job.ever_granted;
   if (job.stage(task.stage).done) return;
   const std::string what = fmt::format("{}: {}", task.worker, task.message);
+  if (NothingWasMade(job, task)) return LoseAttempt(job, what, now);
   if (glass_is_clear && MayBeANeighbours(task.error_code)) {
     return in_parts ? LosePart(job, task.task.part, what, kPartPause, now)
                     : LoseAttempt(job, what, now);

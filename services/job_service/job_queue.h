@@ -2,20 +2,19 @@
 
 // What becomes of every job: pure decisions, without bus, clock, disk or thread.
 //
-//             three workers free        discretizer done          path in the
-//             synchronizer
-//   kQueued ---------------------> kDiscretizing ----------> kSorting -----------------+
-//      ^                               |   |                    |                      v
-//      |   a worker is lost, and no    |   |                    | kWaitingForArm
-//      +---permission was ever given---+---|--------------------+---------------------|
-//          (a new attempt; the third         \                                        |
-//          pulses loss fails the job)                \     fault, pause, lost
-//          synchronizer   v
-//                                              \  kPaused <---------------------->
-//                                              kEngraving
-//   any --cancel--> kCancelled                  \     (resume: same synchronizer)     |
-//   done any --a worker gives up--> kFailed v
-//                                                                                   kDone
+// clang-format off
+//            workers free            points made            path is there
+//   kQueued -------------> kDiscretizing -------> kSorting ---------------> kWaitingForArm
+//      ^                      |                      |                            |
+//      +--- a worker lost ----+----------------------+                            | armed
+//      |    (the third: kFailed)                                                  v
+//      |                                                                     kEngraving --> kDone
+//      |                                  fault, pause, loss of the synchronizer |  ^
+//      |                                                                         v  | resumed, or
+//      +------- nothing was made, as it turns out ---------------------------- kPaused  by itself
+//
+//   any --cancel--> kCancelled      any --a worker gives up--> kFailed
+// clang-format on
 //
 // Discretizing is cut into parts, which free discretizers take one after another; a lost
 // discretizer costs its part's time and no attempt (job_parts.cc). A part that is lost
@@ -23,13 +22,17 @@
 //
 // One job at a time has a cell, from its first task to its end: a paused job keeps it,
 // for its block is in the machine. Of the jobs that wait the one of the highest priority
-// is next, of equal ones the first submitted. A job that may have pulses in the glass is
-// never handed out again by itself. Attempts are numbered per job; what an older attempt
-// says is dropped. Used from one thread.
+// is next, of equal ones the first submitted. A job that may have pulses in the glass
+// never begins anew: the next synchronizer of its cell takes it up from its journal, and
+// after a loss, not after a fault, it goes on without the operator (job_take_up.cc).
+// Attempts are numbered per job; what an older attempt says is dropped. Used from one
+// thread.
 
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,6 +49,7 @@ struct TaskOrder {
   TaskId task;
   std::string consumer;  ///< instance that takes the output; empty: none
   bool revoked = false;
+  bool take_up = false;  ///< what another worker began: path and journal are on disk
 };
 
 /// What the queue decides is done by somebody else.
@@ -104,6 +108,7 @@ struct PermissionView {
   bool granted = false;
   std::string operator_name;
   std::uint32_t speed_percent = 100;
+  std::uint64_t grant = 0, renewal = 0;
 };
 
 /// Chains of a job that may break before it is given up.
@@ -118,8 +123,11 @@ class JobQueue {
   explicit JobQueue(JobActions& actions) : actions_(actions) {}
 
   /// Jobs of an earlier run of the job service, before any other call.
-  /// Chains in hand start over; jobs that may have pulses in the glass are paused.
-  void Restore(std::vector<JobRecord> jobs, Nanoseconds now);
+  /// Chains in hand start over; jobs that may have pulses in the glass are paused, and go
+  /// on by themselves if `absence`, for how long there was no job service on this machine
+  /// since it was switched on, is short. nullopt: not known.
+  void Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> absence,
+               Nanoseconds now);
   void Add(JobRecord job);
 
   void Take(const WorkerView& worker, Nanoseconds now);
@@ -135,6 +143,10 @@ class JobQueue {
   /// Hands out what can be handed out. After any of the above, and now and then.
   void Turn(Nanoseconds now);
 
+  /// An emergency stop is pressed there, or not any more: what is armed there is not any
+  /// more, and is not armed anew while it is pressed.
+  void SetStop(const std::string& cell, bool pressed, Nanoseconds now);
+
   /// For every cell that has a job. A first grant is kept (Changed) before it is told.
   std::vector<PermissionView> Permissions(Nanoseconds now);
 
@@ -143,7 +155,7 @@ class JobQueue {
 
  private:
   JobRecord* FindOpen(const std::string& job_uid);
-  void RestoreOne(JobRecord& job, Nanoseconds now);
+  void RestoreOne(JobRecord& job, bool was_short, Nanoseconds now);
   void HandOut(JobRecord& job, Nanoseconds now);
   /// The workers of the three stages, of the last two one each.
   void Begin(JobRecord& job, const std::array<std::vector<std::string>, 3>& workers,
@@ -185,12 +197,20 @@ class JobQueue {
   void FinishParts(JobRecord& job, Nanoseconds now);
   void TellDiscretizing(JobRecord& job);
 
+  // After the loss of a synchronizer or a line: job_take_up.cc.
+  void LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds now);
+  void TakeUp(JobRecord& job, Nanoseconds now);
+  bool NothingWasMade(const JobRecord& job, const TaskView& task) const;
+  /// Arms it as it was armed, a while later; not for ever without a point made.
+  void GoOn(JobRecord& job, Nanoseconds now);
+
   void EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now);
   void EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds now);
 
   JobActions& actions_;
   WorkerBook workers_;
   std::map<std::string, JobRecord> jobs_;  // by uid
+  std::set<std::string> stopped_cells_;    // an emergency stop is pressed there
   // The queue's order: {-priority, number}.
   std::map<std::pair<std::int32_t, std::uint32_t>, std::string> in_turn_;
 };

@@ -72,16 +72,26 @@ struct JobRecord {
   /// A permission was, or may have been, given: pulses may exist in the glass.
   bool ever_granted = false;
 
-  // Not kept over a restart: an arm is a person's word about the machine as it is now.
+  /// After a loss it waits for the operator (JobSpec.ask_before_resume).
+  bool asks_before_resume = false;
+  /// An arm is a person's word about the machine as it is now: over a restart it is kept
+  /// only if that was short.
   bool armed = false;
+  std::string operator_name;
+
+  // Not kept over a restart.
   std::uint32_t speed_percent = 100;  ///< override, 10..100
   std::uint64_t last_speed = 0;       ///< number of the override that was taken last
-  std::string operator_name;
-  std::string last_loss;  ///< why the attempt before this one broke
+  std::string last_loss;              ///< why the attempt before this one broke
   std::string part_loss;  ///< why a part of this one began again, the last time
   std::chrono::nanoseconds discretizing_since{0};
   std::chrono::nanoseconds withdrawn_at{0};
   std::chrono::nanoseconds armed_at{0};
+  std::uint64_t renewal = 0;  ///< of the arm, when it was let go on by itself
+  bool taken_up = false;      ///< the newest engraving task: begun by another worker
+  std::uint32_t losses = 0;   ///< without a point made between them
+  std::uint64_t done_at_loss = 0;
+  std::chrono::nanoseconds first_loss_at{0};
 
   StageRecord& stage(intaglio_Stage s) { return stages[s]; }
   const StageRecord& stage(intaglio_Stage s) const { return stages[s]; }

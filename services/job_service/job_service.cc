@@ -70,13 +70,14 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       sort_tasks_(host.bus(), bus::kSortTask),
       engrave_tasks_(host.bus(), bus::kEngraveTask),
       permissions_(host.bus()),
+      seen_(options_.database.string() + ".seen"),
       feed_(host.bus()),
       queue_(*this) {
   std::vector<JobRecord> jobs = store_.Load(kRememberedJobs);
   for (const JobRecord& job : jobs) {
     if (!job.ended()) permissions_.Open(job.cell);
   }
-  queue_.Restore(std::move(jobs), now);
+  queue_.Restore(std::move(jobs), seen_.absence(), now);
 }
 
 JobService::~JobService() = default;
@@ -91,7 +92,11 @@ void JobService::Turn(Nanoseconds now) {
   for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {
     queue_.FeedFailed(failure.job_uid, failure.attempt, failure.message, now);
   }
+  for (const auto& [cell, pressed] : permissions_.TakeStops()) {
+    queue_.SetStop(cell, pressed, now);
+  }
   queue_.Turn(now);
+  seen_.Note();
   permissions_.Publish(queue_.Permissions(now), now);
 }
 
@@ -194,6 +199,7 @@ void JobService::Submit(const intaglio_JobSubmission& submission) {
   job.cell = frozen->machine().name();
   job.material = frozen->job().glass();
   job.priority = frozen->job().priority();
+  job.asks_before_resume = frozen->job().ask_before_resume();
   job.rate_hz = frozen->job().laser().rate_hz();
   job.frozen_job = frozen->SerializeAsString();
   permissions_.Open(job.cell);
@@ -252,6 +258,7 @@ void JobService::Publish(const JobRecord& job) {
   sample.cell = Borrow(job.cell);
   sample.revision = job.revision;
   sample.speed_percent = job.speed_percent;
+  sample.armed = job.armed;
   if (auto written = statuses_.Write(sample); !written) {
     spdlog::warn("status of job {}: {}", job.uid, written.error().message);
   }
@@ -273,6 +280,7 @@ void JobService::Give(const TaskOrder& order, const JobRecord& job) {
   sample.part_attempt = order.task.part_attempt;
   sample.input_part_count = order.stage == intaglio_STAGE_SORT ? part_count : 1;
   sample.revoked = order.revoked;
+  sample.take_up = order.take_up;
   Borrow(sample.frozen_job, frozen);
   sample.consumer = Borrow(order.consumer);
   bus::Writer<intaglio_StageTask>& writer =

@@ -13,6 +13,7 @@
 #include "services/host/service_host.h"
 #include "services/job_service/job_queue.h"
 #include "services/job_service/job_store.h"
+#include "services/job_service/last_seen.h"
 #include "services/job_service/model_feed.h"
 #include "services/job_service/permission_keeper.h"
 #include "services/job_service/statistics_writer.h"
@@ -74,6 +75,7 @@ class JobService : private JobActions {
   bus::Writer<intaglio_StageTask> sort_tasks_;
   bus::Writer<intaglio_StageTask> engrave_tasks_;
   PermissionKeeper permissions_;
+  LastSeen seen_;
   ModelFeed feed_;
   JobQueue queue_;
 };

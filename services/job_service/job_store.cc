@@ -128,6 +128,9 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.revision = u64("revision") + kRevisionLeap;
   job.last_command = u64("last_command");
   job.ever_granted = row.getColumn("ever_granted").getInt() != 0;
+  job.armed = row.getColumn("armed").getInt() != 0;
+  job.operator_name = text("operator_name");
+  job.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
   return job;
 }
 
@@ -219,15 +222,17 @@ void JobStore::Keep(const JobRecord& job) {
             "result_directory, frozen_job, state, ended, attempt, lost_attempts, "
             "message, "
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
-            "changed_utc, ended_utc) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
-            "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, {0}, "
+            "armed, operator_name, asks_before_resume, changed_utc, ended_utc) VALUES "
+            "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
+            "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, {0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
             "lost_attempts = excluded.lost_attempts, message = excluded.message, "
             "estimate_ticks = excluded.estimate_ticks, revision = excluded.revision, "
             "last_command = excluded.last_command, "
-            "ever_granted = excluded.ever_granted, changed_utc = excluded.changed_utc, "
+            "ever_granted = excluded.ever_granted, armed = excluded.armed, "
+            "operator_name = excluded.operator_name, changed_utc = excluded.changed_utc, "
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
             "excluded.changed_utc ELSE started_utc END, "
@@ -257,6 +262,9 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(18, job.ever_granted ? 1 : 0);
     insert.bind(19, job.priority);
     insert.bind(20, job.material);
+    insert.bind(21, job.armed ? 1 : 0);
+    insert.bind(22, job.operator_name);
+    insert.bind(23, job.asks_before_resume ? 1 : 0);
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();

@@ -12,9 +12,24 @@ void PermissionKeeper::Open(const std::string& cell) {
       cells_
           .emplace(
               cell,
-              Cell{bus::Writer<intaglio_Permission>(bus_, bus::kPermission, cell), {}, 0})
+              Cell{bus::Writer<intaglio_Permission>(bus_, bus::kPermission, cell),
+                   bus::Reader<intaglio_EmergencyStop>(bus_, bus::kEmergencyStop, cell),
+                   {},
+                   {},
+                   0})
           .first->second;
   opened.told.cell = cell;
+}
+
+std::vector<std::pair<std::string, bool>> PermissionKeeper::TakeStops() {
+  std::vector<std::pair<std::string, bool>> pressed;
+  for (auto& [name, cell] : cells_) {
+    cell.stops.Take([&cell = cell](const intaglio_EmergencyStop& stop) {
+      cell.stop.Take(stop.pressed, stop.number);
+    });
+    pressed.emplace_back(name, cell.stop.pressed());
+  }
+  return pressed;
 }
 
 void PermissionKeeper::Publish(const std::vector<PermissionView>& permissions,
@@ -27,9 +42,10 @@ void PermissionKeeper::Publish(const std::vector<PermissionView>& permissions,
     for (const PermissionView& permission : permissions) {
       if (permission.cell == name) wanted = permission;
     }
-    const bool changed = wanted.granted != cell.told.granted ||
-                         wanted.job_uid != cell.told.job_uid ||
-                         wanted.speed_percent != cell.told.speed_percent;
+    const bool changed =
+        wanted.granted != cell.told.granted || wanted.job_uid != cell.told.job_uid ||
+        wanted.grant != cell.told.grant || wanted.renewal != cell.told.renewal ||
+        wanted.speed_percent != cell.told.speed_percent;
     cell.told = wanted;
     if (changed || due) Write(cell);
   }
@@ -44,6 +60,8 @@ void PermissionKeeper::Write(Cell& cell) {
   sample.operator_name = bus::Borrow(cell.told.operator_name);
   sample.number = ++cell.number;
   sample.speed_percent = cell.told.speed_percent;
+  sample.grant = cell.told.grant;
+  sample.renewal = cell.told.renewal;
   if (auto written = cell.writer.Write(sample); !written) {
     spdlog::warn("permission of {}: {}", cell.told.cell, written.error().message);
   }

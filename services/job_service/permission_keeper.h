@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/bus/bus.h"
+#include "services/host/stop_latch.h"
 #include "services/job_service/job_queue.h"
 
 namespace intaglio::job_service {
@@ -25,11 +27,15 @@ class PermissionKeeper {
   void Open(const std::string& cell);
   /// Publishes a cell at once when its permission has changed, and all when it is time. A
   /// cell that is not in `permissions` has no job and gets none.
+  /// What was heard of the emergency stops: every open cell, and whether it is pressed.
+  std::vector<std::pair<std::string, bool>> TakeStops();
   void Publish(const std::vector<PermissionView>& permissions, Nanoseconds now);
 
  private:
   struct Cell {
     bus::Writer<intaglio_Permission> writer;
+    bus::Reader<intaglio_EmergencyStop> stops;
+    host::StopLatch stop;
     PermissionView told;
     std::uint64_t number = 0;
   };

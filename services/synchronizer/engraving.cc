@@ -42,12 +42,15 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
       journal_(journal),
       results_(std::move(results)),
       ledger_(job_.machine_points_mm.size()),
-      open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent) {}
+      open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent) {
+  if (!job_.earlier.points.empty()) TakeUp();
+}
 
 ChainLinks Engraving::LinksOf(const EngravingInputs& inputs) const {
   ChainLinks links;
   links.permission_fresh = inputs.permission_fresh;
   links.permission_granted = inputs.permission_granted;
+  links.grant = inputs.grant;
   links.stop_not_pressed = !inputs.stop_pressed;
   links.laser_line_up = laser_.up() && inputs.now - status_at_ < kStatusLease;
   links.key_on = laser_.Has(link::kKeyOn);
@@ -85,9 +88,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
     status_at_ = inputs.now;
     clock_.Observe(laser_.status(), inputs.now);
   }
-  // A permission that is only late was not withdrawn by anybody.
-  if (!inputs.permission_granted) needs_new_grant_ = false;
-  LatchInterlocks(inputs);
+  TurnChain(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
   if (phase_ != Phase::kRunning && flushed_ != journal_.appended()) {
     flushed_ = journal_.appended();
@@ -115,9 +116,7 @@ void Engraving::Take(const link::PulseReport& report) {
 }
 
 void Engraving::Record(const PulseResult& result) {
-  const bool fired =
-      result.outcome == PointOutcome::kMade || result.outcome == PointOutcome::kMissed;
-  if (fired) {
+  if (formats::IsFired(result.outcome)) {
     ++fired_count_;
     if (first_fired_tick_ == 0) first_fired_tick_ = result.tick;
     last_fired_tick_ = result.tick;
@@ -130,8 +129,7 @@ void Engraving::Record(const PulseResult& result) {
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
                    static_cast<std::uint8_t>(result.reason), run_, result.tick,
-                   result.point,
-                   static_cast<std::uint32_t>(pulses_before_job_ + fired_count_)});
+                   result.point, pulses_before_job_ + fired_count_});
   results_(result);
 }
 
@@ -144,20 +142,24 @@ void Engraving::Await(const EngravingInputs& inputs) {
   LeaveSafeState(inputs);
   ChainLinks links = LinksOf(inputs);
   // A stage's fault is cleared by the bridge when it begins the run.
-  if (!needs_new_grant_ && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
+  if (!chain_.latched() && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
     links.motion_without_fault = true;
   }
   const bool closed = ShuttersClosed(inputs);
-  const Missing missing = FirstMissing(links, false);
-  if (missing != Missing::kNothing || needs_new_grant_) {
+  const Missing missing = chain_.WhatIsMissing(links, false);
+  if (missing != Missing::kNothing) {
     starts_again_ = false;
-    if (!needs_new_grant_) message_ = TextFor(missing, inputs.motion);
+    if (!faulted()) message_ = TextFor(missing, inputs.motion);
     return;
   }
   // How far ahead to plan is not known before the lamp's pace is.
   if (!laser_.identity().lockstep && !clock_.settled()) return;
   if (!MotionClockSettles(inputs)) return;
   // The plan begins where the stage stands, and with a shutter that is seen to open.
+  if (!inputs.motion.at_rest && run_count_ == 0) {
+    AbortEarlierRun(inputs);
+    return KeepIdleTicksPassing();
+  }
   if (!closed || !inputs.motion.at_rest) return;
   StartRun(inputs);
 }
@@ -166,7 +168,7 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   if (!laser_.CanSend() || !laser_.OpenShutters(job_.shutter_mask)) return;
   (void)laser_.RequestStatus();
   const link::LaserStatus& status = laser_.status();
-  if (run_count_ == 0 || power_up_ != laser_.identity().power_up) TakeCounters();
+  if (!started() || power_up_ != laser_.identity().power_up) TakeCounters();
   session_ = laser_.session();
   run_ = std::max(run_, inputs.motion.highest_run) + 1;
   ++run_count_;
@@ -204,7 +206,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
     links.motion_without_fault = true;
   }
   shutters_seen_open_ = shutters_seen_open_ || links.shutters_open;
-  const Missing missing = FirstMissing(links, shutters_seen_open_);
+  const Missing missing = chain_.WhatIsMissing(links, shutters_seen_open_);
   if (missing != Missing::kNothing) {
     const bool fault = missing != Missing::kPermission;
     return Halt(

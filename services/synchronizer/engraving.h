@@ -13,9 +13,10 @@
 //
 // A run is a pass over the open points from rest to rest. kHalting takes back what has
 // not fired (Disarm), brakes the stage and closes the shutters, then settles every armed
-// point: by report, by the controller's counters after a lost line, or as uncertain.
-// After a fault (anything but a withdrawn permission) a permission has to be withdrawn
-// and given anew: nothing restarts by itself.
+// point: by report, by what the controller remembers when reports were lost, or, after
+// another power-up of it, as uncertain. A job that an earlier life left begins there.
+// After a fault (anything but a withdrawn permission) only a new grant counts: nothing
+// restarts by itself (permission_chain.h).
 //
 // No pulse without: an intent on disk, the motion for its tick in the controller, and
 // the whole permission chain at the moment of arming. Used from one thread; no waits.
@@ -27,6 +28,7 @@
 #include <string>
 
 #include "idl/motion.h"
+#include "services/synchronizer/earlier_work.h"
 #include "services/synchronizer/journal_writer.h"
 #include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/motion_feed.h"
@@ -57,6 +59,7 @@ struct EngravingInputs {
   std::chrono::nanoseconds now{0};  ///< monotonic
   bool permission_fresh = false;
   bool permission_granted = false;
+  Grant grant;  ///< of this job; granted or withdrawn
   bool stop_pressed = false;
   std::uint32_t speed_percent = 100;  ///< override, 10..100
   MotionView motion;
@@ -70,6 +73,7 @@ struct EngravingJob {
   double cone_tangent = 0;      ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
   std::uint8_t shutter_mask = 1;
+  EarlierWork earlier = {};
 };
 
 class Engraving {
@@ -82,23 +86,26 @@ class Engraving {
   void Turn(const EngravingInputs& inputs);
   /// The controller's report, as LaserController::Poll hands it over.
   void Take(const link::PulseReport& report);
+  void Take(const link::PastReport& report);
   /// Shutters closed, lamp off, motion braked; what is armed is settled over the next
-  /// turns. For cancelled jobs and the end of the process.
+  /// turns, or left open in the journal when the line stays down. For cancelled jobs and
+  /// the end of the process.
   void Stop(const std::string& why);
 
   Phase phase() const { return phase_; }
   const PointLedger& ledger() const { return ledger_; }
   /// What it waits for or why it halted; empty while all is well.
   const std::string& message() const { return message_; }
-  /// Halted by a fault, not by a withdrawn permission.
-  bool faulted() const { return needs_new_grant_; }
+  /// Halted by a fault, not by a withdrawn permission: the grant is spent.
+  bool faulted() const { return chain_.has_spent(); }
   /// What was lost is a line or a neighbour, not the machine's safety: it may be resumed
   /// without anybody walking to the machine.
   bool lost_a_line() const { return lost_a_line_; }
-  bool started() const { return run_count_ > 0; }
+  bool started() const { return run_count_ > 0 || taken_up_; }
   /// It fires nothing until somebody or something outside lets it.
   bool waits() const {
-    return started() && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
+    return (started() || faulted()) && phase_ != Phase::kRunning && !starts_again_ &&
+           !message_.empty();
   }
   std::uint32_t run_count() const { return run_count_; }
   std::uint64_t first_fired_tick() const { return first_fired_tick_; }
@@ -106,7 +113,8 @@ class Engraving {
   /// Least speed override that motion was planned with, and how often it changed.
   std::uint32_t least_speed_percent() const { return least_speed_percent_; }
   std::uint32_t speed_changes() const { return speed_changes_; }
-  std::uint64_t settled_by_counter() const { return settled_by_counter_; }
+  /// Points made that no report told of, but the controller's memory.
+  std::uint64_t settled_by_memory() const { return settled_by_memory_; }
 
  private:
   ChainLinks LinksOf(const EngravingInputs& inputs) const;
@@ -120,7 +128,7 @@ class Engraving {
   std::string WhatPreparationWaitsFor(const EngravingInputs& inputs);
   void LeaveSafeState(const EngravingInputs& inputs);
   void LightLamp(const EngravingInputs& inputs);
-  void LatchInterlocks(const EngravingInputs& inputs);
+  void TurnChain(const EngravingInputs& inputs);
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   void StartRun(const EngravingInputs& inputs);
@@ -136,7 +144,11 @@ class Engraving {
   void SettleHalted(const EngravingInputs& inputs);
   bool AskToDisarm();
   void LetTheStageBrake();
-  void SettleByCounter();
+  void TakeUp();
+  void AbortEarlierRun(const EngravingInputs& inputs);
+  void SettleByMemory(bool late);
+  void AskForThePast();
+  void CompareCounters();
   void TakeCounters();
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
   void AwaitShutter(const EngravingInputs& inputs);
@@ -161,17 +173,18 @@ class Engraving {
 
   Phase phase_ = Phase::kPreparing;
   std::string message_;
-  bool needs_new_grant_ = false;
+  PermissionChain chain_;
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
   bool stopping_ = false;
+  bool taken_up_ = false;      // from an earlier life
+  bool session_told_ = false;  // to the journal
   std::uint32_t run_ = 0;
   std::uint32_t run_count_ = 0;
   bool passed_by_ = false;  // a point of this run was reached and not fired
   SkipReason passed_by_reason_ = SkipReason::kNone;
   std::uint64_t passed_by_tick_ = 0;
   bool shutters_seen_open_ = false;  // in this run
-  bool interlocks_held_ = false;     // key, door and stop, at the last turn
   std::uint64_t ended_before_run_ = 0;
   int idle_runs_ = 0;
   int fruitless_runs_ = 0;
@@ -186,9 +199,11 @@ class Engraving {
   std::uint64_t reported_through_ = 0;
   std::uint64_t session_ = 0;
   std::uint32_t power_up_ = 0;
-  std::uint64_t pulses_before_job_ = 0;
-  std::uint64_t fired_count_ = 0;
-  std::uint64_t settled_by_counter_ = 0;
+  // Both modulo 2^32: what the controller counted before, and what it made for us.
+  std::uint32_t pulses_before_job_ = 0;
+  std::uint32_t fired_count_ = 0;
+  std::uint64_t uncertain_before_halt_ = 0;
+  std::uint64_t settled_by_memory_ = 0;
   std::uint64_t first_fired_tick_ = 0;
   std::uint64_t last_fired_tick_ = 0;
   std::chrono::nanoseconds now_{0};
@@ -203,7 +218,8 @@ class Engraving {
   TickClock clock_;
   std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number
   std::chrono::nanoseconds status_at_{0};
-  std::chrono::nanoseconds next_request_{0}, next_close_{0};
+  std::chrono::nanoseconds next_request_{0}, next_close_{0}, next_past_{0},
+      next_abort_{0};
   std::uint64_t lamp_session_ = 0;
   std::uint64_t flushed_ = 0;
 };

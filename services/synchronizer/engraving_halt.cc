@@ -51,19 +51,20 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
   SettleAs(schedule_.ArmedWithin(sent_through_ + 1, UINT64_MAX), PointOutcome::kSkipped);
   Explain(missing, text, fault);
   halted_at_ = now_;
+  uncertain_before_halt_ = ledger_.count(PointState::kUncertain);
   brakes_ = false;
   phase_ = Phase::kHalting;
 }
 
 void Engraving::Explain(Missing missing, const std::string& text, bool fault) {
   message_ = text;
-  needs_new_grant_ = fault;
   starts_again_ = missing == Missing::kNothing && !fault;
   lost_a_line_ =
       missing == Missing::kLaserLine || missing == Missing::kMotionState ||
       missing == Missing::kSafeState ||
       (missing == Missing::kMotionFault && motion_fault_ != intaglio_MOTION_LIMIT &&
        motion_fault_ != intaglio_MOTION_FOLLOWING_ERROR);
+  if (fault) chain_.Latch(lost_a_line_);
 }
 
 // What comes later in the order may lie in the beam of what was passed by, so the run
@@ -71,7 +72,7 @@ void Engraving::Explain(Missing missing, const std::string& text, bool fault) {
 void Engraving::HaltOverSkipped() {
   switch (passed_by_reason_) {
     case SkipReason::kInterlock:
-      return Halt(Missing::kSafeState,
+      return Halt(Missing::kDoor,
                   "an interlock of the machine held a pulse back: see to key, door and "
                   "stop, then resume",
                   true);
@@ -111,23 +112,11 @@ void Engraving::LookForFaultBehindSkips(const EngravingInputs& inputs) {
           true);
 }
 
-// Key, door and stop latch also between two runs: who let go of one gives a new
-// permission.
-void Engraving::LatchInterlocks(const EngravingInputs& inputs) {
-  if (!laser_.up()) return;
-  Missing missing = Missing::kNothing;
-  if (!laser_.Has(link::kDoorClosed)) missing = Missing::kDoor;
-  if (!laser_.Has(link::kKeyOn)) missing = Missing::kKey;
-  if (inputs.stop_pressed || !laser_.Has(link::kStopReleased)) {
-    missing = Missing::kEmergencyStop;
-  }
-  const bool let_go = interlocks_held_ && missing != Missing::kNothing;
-  interlocks_held_ = missing == Missing::kNothing;
+// Key, door and stop latch also before and between runs.
+void Engraving::TurnChain(const EngravingInputs& inputs) {
+  const Missing missing = chain_.Turn(LinksOf(inputs), inputs.now);
   // kRunning halts by itself.
-  if (!let_go || phase_ == Phase::kRunning || !started() || !inputs.permission_granted) {
-    return;
-  }
-  needs_new_grant_ = true;
+  if (missing == Missing::kNothing || phase_ == Phase::kRunning || stopping_) return;
   starts_again_ = lost_a_line_ = false;
   message_ = TextOf(missing);
 }
@@ -152,26 +141,20 @@ bool Engraving::AskToDisarm() {
 }
 
 void Engraving::SettleHalted(const EngravingInputs& inputs) {
+  if (halted_at_.count() == 0) halted_at_ = inputs.now;
   const bool late = inputs.now - halted_at_ > kSettleTimeout;
   if (!disarm_asked_ || disarm_session_ != laser_.session()) (void)AskToDisarm();
   const bool disarmed = laser_.disarmed() && disarm_asked_;
   LookForFaultBehindSkips(inputs);
+  AbortEarlierRun(inputs);
   if (disarmed) {
     if (!disarm_seen_) decided_ = laser_.status().decided_through;
     disarm_seen_ = true;
-    if (laser_.session() != session_) {
-      SettleByCounter();
-    } else {
-      SettleAs(schedule_.ArmedWithin(laser_.status().decided_through + 1, UINT64_MAX),
-               PointOutcome::kSkipped);
-      // The rest was reported before that status; what is not is lost for good.
-      if (late) SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
-    }
+    SettleByMemory(late);
   }
-  // Who is ending does not wait for a line that may never come back.
-  if (late && stopping_) {
-    SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
-  }
+  // Who is ending does not wait for a line that may never come back: the intents stay
+  // open in the journal, and who takes the job up asks the controller.
+  if (late && stopping_) return Finish();
   if (!schedule_.empty()) return;
   if (laser_.up() && !disarmed && !late) return;
   if (starts_again_ && inputs.motion.tick < passed_by_tick_ && !late) return;
@@ -187,44 +170,6 @@ void Engraving::LetTheStageBrake() {
   if (!brakes_) decided_ = laser_.status().decided_through;
   brakes_ = true;
   KeepIdleTicksPassing();
-}
-
-// A lost line took the reports with it. The controller's counters are the truth: ticks
-// after the last one fired did not fire, that one did, and the others all did or none if
-// the count says so.
-void Engraving::SettleByCounter() {
-  const link::LaserStatus& status = laser_.status();
-  if (laser_.identity().power_up != power_up_) {
-    SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
-    return TakeCounters();
-  }
-  SettleAs(schedule_.ArmedWithin(status.last_fired_tick + 1, UINT64_MAX),
-           PointOutcome::kSkipped);
-  auto candidates = schedule_.ArmedWithin(0, status.last_fired_tick);
-  std::uint64_t fired = status.pulse_count - pulses_before_job_ - fired_count_;
-  if (fired > 0 && fired <= candidates.size() &&
-      candidates.back().tick == status.last_fired_tick) {
-    ++settled_by_counter_;
-    SettleAs({candidates.back()}, PointOutcome::kMade);
-    candidates.pop_back();
-    --fired;
-  }
-  if (fired == 0) {
-    SettleAs(candidates, PointOutcome::kSkipped);
-  } else if (fired == candidates.size()) {
-    settled_by_counter_ += fired;
-    SettleAs(candidates, PointOutcome::kMade);
-  } else {
-    SettleAs(candidates, PointOutcome::kUncertain);
-  }
-  TakeCounters();
-}
-
-// The controller's count, less what is told of: with nothing armed they begin afresh.
-// Else the pulses of uncertain points would be taken for those of the next lost line.
-void Engraving::TakeCounters() {
-  power_up_ = laser_.identity().power_up;
-  pulses_before_job_ = laser_.status().pulse_count - fired_count_;
 }
 
 void Engraving::SettleAs(std::vector<PulseResult> points, PointOutcome outcome) {

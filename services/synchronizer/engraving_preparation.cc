@@ -21,7 +21,7 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
   if (stopping_) return Finish();
   const std::string wait = WhatPreparationWaitsFor(inputs);
   // A fault that waits for the operator keeps its word.
-  if (!needs_new_grant_) message_ = wait;
+  if (!faulted()) message_ = wait;
   if (wait.empty()) phase_ = Phase::kWaiting;
 }
 
@@ -65,8 +65,8 @@ void Engraving::KeepIdleTicksPassing() {
 
 // On the operator's word, which is the grant.
 void Engraving::LeaveSafeState(const EngravingInputs& inputs) {
-  const bool granted = inputs.permission_fresh && inputs.permission_granted;
-  if (!granted || needs_new_grant_ || !laser_.Has(link::kSafeState)) return;
+  const bool latched = laser_.Has(link::kSafeState) || !laser_.Has(link::kStopReleased);
+  if (!latched || !chain_.may_reset(LinksOf(inputs))) return;
   if (!laser_.CanSend() || inputs.now < next_request_) return;
   next_request_ = inputs.now + kRequestPeriod;
   (void)laser_.Reset();

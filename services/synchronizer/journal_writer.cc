@@ -23,11 +23,27 @@ bool WriteAll(int file, std::span<const std::byte> bytes) {
   return true;
 }
 
+bool SyncFolderOf(const std::filesystem::path& file) {
+  const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
+  const int handle = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (handle < 0) return false;
+  // A file system that cannot sync a folder keeps its names without.
+  const bool synced = fsync(handle) == 0 || errno == EINVAL;
+  close(handle);
+  return synced;
+}
+
 std::string DiskError(const std::filesystem::path& path, int error_number) {
   return fmt::format(
       "cannot write the journal {}: {}; make room on the disk or choose "
       "another result directory",
       path.string(), std::strerror(error_number));
+}
+
+tl::unexpected<Error> GiveUp(int handle, const std::filesystem::path& file) {
+  const int error_number = errno;
+  close(handle);
+  return Fail(ErrorCode::kIo, DiskError(file, error_number), file.string());
 }
 
 }  // namespace
@@ -37,14 +53,35 @@ Result<std::unique_ptr<JournalWriter>> JournalWriter::Create(
   const int handle = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (handle < 0) return Fail(ErrorCode::kIo, DiskError(file, errno), file.string());
   const auto head = formats::EncodeJournalHeader(header);
-  if (!WriteAll(handle, head) || fdatasync(handle) != 0) {
-    const int error_number = errno;
-    close(handle);
-    return Fail(ErrorCode::kIo, DiskError(file, error_number), file.string());
+  if (!WriteAll(handle, head) || fdatasync(handle) != 0 || !SyncFolderOf(file)) {
+    return GiveUp(handle, file);
   }
+  return Take(handle, file);
+}
+
+Result<std::unique_ptr<JournalWriter>> JournalWriter::Continue(
+    const std::filesystem::path& file) {
+  const int handle = open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (handle < 0) return Fail(ErrorCode::kIo, DiskError(file, errno), file.string());
+  const off_t end = lseek(handle, 0, SEEK_END);
+  if (end < 0) return GiveUp(handle, file);
+  const auto records = (end - static_cast<off_t>(formats::kJournalHeaderSize)) /
+                       static_cast<off_t>(formats::kJournalRecordSize);
+  const off_t whole = static_cast<off_t>(formats::kJournalHeaderSize) +
+                      records * static_cast<off_t>(formats::kJournalRecordSize);
+  if (ftruncate(handle, whole) != 0 || lseek(handle, whole, SEEK_SET) != whole ||
+      fdatasync(handle) != 0) {
+    return GiveUp(handle, file);
+  }
+  return Take(handle, file);
+}
+
+Result<std::unique_ptr<JournalWriter>> JournalWriter::Take(int handle,
+                                                           std::filesystem::path file) {
   const int event = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
   Require(event >= 0, "eventfd failed with errno {}", errno);
-  return std::unique_ptr<JournalWriter>(new JournalWriter(handle, event, file));
+  return std::unique_ptr<JournalWriter>(
+      new JournalWriter(handle, event, std::move(file)));
 }
 
 JournalWriter::JournalWriter(int file, int event, std::filesystem::path path)

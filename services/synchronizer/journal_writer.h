@@ -24,9 +24,12 @@ namespace intaglio::synchronizer {
 class JournalWriter {
  public:
   /// Creates the file (which must not exist: a journal is never written over) with its
-  /// header on disk.
+  /// header, and its name in the folder, on disk.
   static Result<std::unique_ptr<JournalWriter>> Create(
       const std::filesystem::path& file, const formats::JournalHeader& header);
+  /// Goes on behind the last whole record of a journal that is there; a torn one is cut.
+  static Result<std::unique_ptr<JournalWriter>> Continue(
+      const std::filesystem::path& file);
   ~JournalWriter();
 
   /// From one thread; neither allocates, locks nor waits. False: the ring is full, or
@@ -46,6 +49,8 @@ class JournalWriter {
   void ClearEvent();
 
  private:
+  static Result<std::unique_ptr<JournalWriter>> Take(int handle,
+                                                     std::filesystem::path file);
   JournalWriter(int file, int event, std::filesystem::path path);
   void Run(const std::stop_token& stop);
   bool WriteOut(std::uint64_t from, std::uint64_t to);

@@ -66,6 +66,7 @@ Status LaserController::Disarm() {
   return sent;
 }
 Status LaserController::Reset() { return SendFrame(LaserFrame::kLaserReset); }
+Status LaserController::Stop() { return SendFrame(LaserFrame::kLaserStop); }
 Status LaserController::RequestStatus() {
   return SendFrame(LaserFrame::kLaserStatusRequest);
 }

@@ -48,6 +48,8 @@ class LaserController {
   Status Arm(const link::ArmWindow& window);
   Status Disarm();
   Status Reset();
+  /// Emergency stop, which the controller keeps latched until Reset.
+  Status Stop();
   Status RequestStatus();
   /// Asks what came of `count` ticks (1..link::kMaxReportTicks), whichever session armed
   /// them. False: the line takes nothing now. A new session loses what was asked before.

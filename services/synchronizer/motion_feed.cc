@@ -168,7 +168,8 @@ bool MotionFeed::Send(bool last) {
   return true;
 }
 
-Status MotionFeed::Abort() {
+Status MotionFeed::Abort(std::uint32_t run) {
+  run_ = std::max(run_, run);
   sent_all_ = planned_all_ = true;
   pending_.clear();
   scheduled_ = 0;

@@ -1,9 +1,12 @@
 #include "services/synchronizer/permission_chain.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace intaglio::synchronizer {
 namespace {
+
+constexpr std::uint64_t kEveryRenewal = std::numeric_limits<std::uint64_t>::max();
 
 // Who lets go of one gives a new permission. What a line that is down said last is not
 // known to hold or not.
@@ -75,15 +78,19 @@ std::string TextOf(Missing missing) {
 }
 
 void PermissionChain::Spend() {
+  spent_ = {std::max(spent_.number, grant_.number), kEveryRenewal};
+  state_ = State::kLatched;
+}
+
+void PermissionChain::Latch(bool only_renewal) {
+  if (!only_renewal) return Spend();
   spent_ = std::max(spent_, grant_);
   state_ = State::kLatched;
 }
 
-void PermissionChain::Latch() { Spend(); }
-
 Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds now) {
   grant_ = std::max(grant_, links.grant);
-  const bool newer = grant_ > spent_;
+  const bool newer = grant_ > spent_, armed_anew = grant_.number > spent_.number;
   const Missing open = OpenInterlock(links);
   const bool may_clear = links.laser_line_up && IsGranted(links);
   switch (state_) {
@@ -91,13 +98,14 @@ Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds 
       if (open == Missing::kNothing) return Missing::kNothing;
       break;
     case State::kLatched:
-      if (!newer) return Missing::kNothing;
-      if (open == Missing::kNothing || OnlyMachineStopIsOpen(links)) {
+      if (open == Missing::kNothing ? newer
+                                    : armed_anew && OnlyMachineStopIsOpen(links)) {
         if (!may_clear) return Missing::kNothing;
         state_ = open == Missing::kNothing ? State::kClear : State::kResetting;
         resetting_since_ = now;
         return Missing::kNothing;
       }
+      if (open == Missing::kNothing) return Missing::kNothing;
       break;
     case State::kResetting:
       if (may_clear && open == Missing::kNothing) {

@@ -10,7 +10,9 @@
 // Each arm by a person is a grant with a number of its own, greater than those before. It
 // is spent when key, door or a stop lets go, before the first run, too, and by every
 // fault of a run. A spent grant is worth nothing any more, however often it is repeated
-// and whatever was withdrawn in between: only a greater one counts.
+// and whatever was withdrawn in between: only a greater one counts. A line or a neighbour
+// that was lost costs only the grant's renewal, which the job service may replace by a
+// greater one on the word that was given before; unless an interlock is open meanwhile.
 //
 //             an interlock is open, or a fault: the newest grant is spent
 //         +------------------------------------------------------------+
@@ -19,8 +21,8 @@
 //     | kClear | <----------------------------------------------- | kLatched |
 //     +--------+                                                  +----------+
 //         ^                                                          |  ^  |  ^
-//         |  every interlock held          a greater grant, only the |  |  +--+ a greater
-//         |                                machine's stop open       |  |  grant, another
+//         |  every interlock held          a greater number, only    |  |  +--+ a greater
+//         |                                the machine's stop open   |  |  grant, another
 //         |                               +------------+             |  |  interlock
 //         open:
 //         +------------------------------ | kResetting | <-----------+  |  it is spent,
@@ -36,15 +38,23 @@
 // who arms means that, too.
 
 #include <chrono>
+#include <compare>
 #include <cstdint>
 #include <string>
 
 namespace intaglio::synchronizer {
 
+/// Ordered by number, then by renewal.
+struct Grant {
+  std::uint64_t number = 0;   ///< of the person's arm; 0: none yet
+  std::uint64_t renewal = 0;  ///< greater each time it was let go on by itself
+  auto operator<=>(const Grant&) const = default;
+};
+
 struct ChainLinks {
   bool permission_fresh = false;
   bool permission_granted = false;
-  std::uint64_t grant = 0;        ///< newest of this job, granted or not; 0: none yet
+  Grant grant;                    ///< newest of this job, granted or withdrawn
   bool stop_not_pressed = false;  ///< no EmergencyStop on the bus
   bool laser_line_up = false;
   bool key_on = false;
@@ -88,8 +98,9 @@ class PermissionChain {
   /// Once a turn, before anything is asked. The interlock that spent a grant in this
   /// turn, or kNothing.
   Missing Turn(const ChainLinks& links, std::chrono::nanoseconds now);
-  /// A fault of a run: the grant it ran with is spent.
-  void Latch();
+  /// A fault of a run: the grant it ran with is spent. `only_renewal`: what was lost is a
+  /// line or a neighbour, and a renewal of it will do.
+  void Latch(bool only_renewal);
 
   /// What keeps a pulse from being fired; kNothing: it may be. kPermission when all links
   /// hold and the grant is spent.
@@ -97,7 +108,7 @@ class PermissionChain {
   State state() const { return state_; }
   bool latched() const { return state_ != State::kClear; }
   /// Latched, and it has cost a grant.
-  bool has_spent() const { return latched() && spent_ > 0; }
+  bool has_spent() const { return latched() && spent_.number > 0; }
   /// The machine may be told to leave its safe state and its latched stop.
   bool may_reset(const ChainLinks& links) const;
 
@@ -105,8 +116,8 @@ class PermissionChain {
   void Spend();
 
   State state_ = State::kClear;
-  std::uint64_t grant_ = 0;  // the newest
-  std::uint64_t spent_ = 0;  // this and all before it
+  Grant grant_;  // the newest
+  Grant spent_;  // this and all before it
   std::chrono::nanoseconds resetting_since_{0};
 };
 

@@ -90,19 +90,25 @@ void Publisher::Flush(std::chrono::nanoseconds now, bool all) {
   tick_.clear(), point_.clear(), outcome_.clear(), reason_.clear();
 }
 
-void Publisher::TellLaser(const LaserController& laser, std::chrono::nanoseconds now) {
+void Publisher::TellLaser(const LaserController& laser, const host::StopLatch& stop,
+                          std::chrono::nanoseconds now) {
   if (laser.up() && laser.status_number() != told_status_) {
     told_status_ = laser.status_number();
     TellLampSync(laser);
   }
   const std::uint32_t interlocks =
-      laser.up()
-          ? laser.status().interlocks | laser.status().shutters_open << 8 | 1u << 16
-          : 0;
-  if (interlocks == told_interlocks_ && now < next_interlock_) return;
+      (laser.up()
+           ? laser.status().interlocks | laser.status().shutters_open << 8 | 1u << 16
+           : 0) |
+      (stop.pressed() ? 1u << 17 : 0u);
+  if (interlocks == told_interlocks_ && stop.number() == told_stop_ &&
+      now < next_interlock_) {
+    return;
+  }
   told_interlocks_ = interlocks;
+  told_stop_ = stop.number();
   next_interlock_ = now + kInterlockPeriod;
-  TellInterlock(laser);
+  TellInterlock(laser, stop);
 }
 
 void Publisher::TellLampSync(const LaserController& laser) {
@@ -118,8 +124,10 @@ void Publisher::TellLampSync(const LaserController& laser) {
   (void)lamp_.Write(sample);
 }
 
-void Publisher::TellInterlock(const LaserController& laser) {
+void Publisher::TellInterlock(const LaserController& laser, const host::StopLatch& stop) {
   intaglio_Interlock sample{};
+  sample.bus_stop_pressed = stop.pressed();
+  sample.bus_stop_number = stop.number();
   sample.cell = Borrow(cell_);
   sample.laser_link_up = laser.up();
   sample.message = Borrow(laser.message());

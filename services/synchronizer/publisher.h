@@ -9,6 +9,7 @@
 
 #include "proto/task.pb.h"
 #include "services/bus/bus.h"
+#include "services/host/stop_latch.h"
 #include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/pulse_schedule.h"
 
@@ -40,11 +41,12 @@ class Publisher {
   void Flush(std::chrono::nanoseconds now, bool all);
   /// The lamp's clock with every status of the controller; interlocks when they change
   /// and once a second.
-  void TellLaser(const LaserController& laser, std::chrono::nanoseconds now);
+  void TellLaser(const LaserController& laser, const host::StopLatch& stop,
+                 std::chrono::nanoseconds now);
 
  private:
   void TellLampSync(const LaserController& laser);
-  void TellInterlock(const LaserController& laser);
+  void TellInterlock(const LaserController& laser, const host::StopLatch& stop);
 
   std::string cell_;
   std::string worker_;
@@ -63,6 +65,7 @@ class Publisher {
   std::chrono::nanoseconds next_pulses_{0};
   std::uint64_t told_status_ = 0;
   std::uint32_t told_interlocks_ = 0xffffffff;
+  std::uint64_t told_stop_ = 0;
   std::chrono::nanoseconds next_interlock_{0};
 };
 

@@ -47,8 +47,14 @@ class PulseSchedule {
                          const std::function<void(std::uint64_t, std::uint32_t)>& armed,
                          const std::function<void(std::uint32_t)>& late);
 
+  /// A point that an earlier life armed for this tick, and nobody knows yet what became
+  /// of; before any Add. False: the tick does not follow the last one.
+  bool AddArmed(std::uint64_t tick, std::uint32_t point);
+
   /// Takes the controller's word; ticks that were not armed by us are passed over.
   void Apply(const link::PulseReport& report, const ResultSink& sink);
+  /// Its word on what is past, after a Disarm: what it calls not armed was not fired.
+  void Apply(const link::PastReport& report, const ResultSink& sink);
 
   /// Armed points without a result whose tick is within first..last.
   std::vector<PulseResult> ArmedWithin(std::uint64_t first, std::uint64_t last) const;
@@ -73,6 +79,7 @@ class PulseSchedule {
     bool settled = false;
   };
   Entry* Find(std::uint64_t tick);
+  void ApplyOne(std::uint64_t tick, link::TickOutcome outcome, const ResultSink& sink);
   void SettleOne(Entry& entry, formats::PointOutcome outcome, SkipReason reason,
                  const ResultSink& sink);
   void PopSettled();

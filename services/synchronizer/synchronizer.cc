@@ -25,15 +25,38 @@ namespace fs = std::filesystem;
 constexpr auto kPermissionLease = 250ms;
 constexpr auto kMotionLease = 500ms;
 
+constexpr const char* kPathFile = "path.ply";
+constexpr const char* kJournalFile = "journal.bin";
+
 link::StreamOpener LaserLineOf(const MachineSpec& machine) {
   return [line = machine.laser_line()]() -> Result<std::unique_ptr<link::ByteStream>> {
     return link::OpenSerialPort(line.device(), line.baud());
   };
 }
 
+Status MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("cannot make the result directory {}: {}", folder.string(),
+                            error.message()),
+                folder.string());
+  }
+  return {};
+}
+
 template <typename T>
 void Mix(uLong& crc, const T& value) {
   crc = crc32(crc, reinterpret_cast<const Bytef*>(&value), sizeof value);
+}
+
+std::uint32_t CrcOf(const PointCloud& path) {
+  uLong crc = crc32(0, nullptr, 0);
+  for (const Vec3& p : path.points_mm) {
+    for (int axis = 0; axis < 3; ++axis) Mix(crc, p[axis]);
+  }
+  return static_cast<std::uint32_t>(crc);
 }
 
 // The plan as if nothing were ever paused: what two runs of one job are compared by.
@@ -95,9 +118,10 @@ Synchronizer::~Synchronizer() = default;
 void Synchronizer::Turn(std::chrono::nanoseconds now) {
   now_ = now;
   if (journal_) journal_->ClearEvent();
-  laser_.Poll([this](const link::PulseReport& report) {
+  const auto take = [this](const auto& report) {
     if (engraving_) engraving_->Take(report);
-  });
+  };
+  laser_.Poll(take, take);
   if (laser_.taken_over()) return;
   credit_.Poll();
   TakePermission(now);
@@ -106,16 +130,16 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   TakeTasks();
   if (job_ && !engraving_) TakePath();
   if (engraving_) Engrave(now);
-  publisher_.TellLaser(laser_, now);
+  publisher_.TellLaser(laser_, stop_, now);
   publisher_.Flush(now, false);
 }
 
 void Synchronizer::Stop() {
-  cancelled_ = true;
+  leaves_ = true;
   if (engraving_) {
     engraving_->Stop("the synchronizer was stopped");
   } else if (job_) {
-    EndTask(intaglio_TASK_FAILED, "cancelled", "the synchronizer was stopped");
+    DropTask();
   }
 }
 
@@ -156,9 +180,14 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   began_at_ = now_;
   estimate_ticks_ = 0;
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
+  if (task.take_up) {
+    const auto path = ReadPath();
+    if (!path) return FailTask(path.error());
+    if (auto started = StartEngraving(*path, true); !started) FailTask(started.error());
+    return;
+  }
   if (auto opened = intake_.Open(job_->job_uid(), attempt_); !opened) {
-    return EndTask(intaglio_TASK_FAILED, ErrorCodeName(opened.error().code),
-                   opened.error().message);
+    return FailTask(opened.error());
   }
   publisher_.Tell({.job_uid = job_->job_uid(), .attempt = attempt_}, now_);
 }
@@ -173,11 +202,26 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
         permission_at_ = now;
         permission_granted_ = sample.granted;
         permission_epoch_ = sample.epoch;
+        permission_grant_ = {sample.grant, sample.renewal};
         permission_job_ = View(sample.job_uid);
         speed_percent_ = std::clamp(sample.speed_percent, 10u, 100u);
       });
-  stops_.Take(
-      [this](const intaglio_EmergencyStop& stop) { stop_pressed_ = stop.pressed; });
+  stops_.Take([this](const intaglio_EmergencyStop& stop) {
+    if (stop_.Take(stop.pressed, stop.number)) {
+      spdlog::warn("emergency stop by {}: {}", View(stop.source), View(stop.reason));
+    }
+  });
+  TellStop();
+}
+
+// The controller keeps it latched by itself, over the end of this process, too.
+void Synchronizer::TellStop() {
+  if (!stop_.pressed()) {
+    stop_told_session_ = 0;
+  } else if (stop_told_session_ != laser_.session() && laser_.CanSend() &&
+             laser_.Stop()) {
+    stop_told_session_ = laser_.session();
+  }
 }
 
 void Synchronizer::TakeMotion(std::chrono::nanoseconds now) {
@@ -214,20 +258,34 @@ void Synchronizer::TakePositions() {
   });
 }
 
+void Synchronizer::FailTask(const Error& error) {
+  EndTask(intaglio_TASK_FAILED, ErrorCodeName(error.code), error.message);
+}
+
 void Synchronizer::TakePath() {
-  if (auto taken = intake_.Poll(); !taken) {
-    return EndTask(intaglio_TASK_FAILED, ErrorCodeName(taken.error().code),
-                   taken.error().message);
-  }
+  if (auto taken = intake_.Poll(); !taken) return FailTask(taken.error());
   if (!intake_.complete()) return;
-  if (auto started = StartEngraving(); !started) {
-    EndTask(intaglio_TASK_FAILED, ErrorCodeName(started.error().code),
-            started.error().message);
+  if (auto started = StartEngraving(intake_.path(), false); !started) {
+    FailTask(started.error());
   }
 }
 
-Status Synchronizer::StartEngraving() {
-  const PointCloud& path = intake_.path();
+// What another life of this service wrote before it fired anything.
+Result<PointCloud> Synchronizer::ReadPath() const {
+  const fs::path file = Folder() / kPathFile;
+  if (!fs::exists(file)) {
+    return Fail(ErrorCode::kNotFound,
+                file.string() + " is not there: nothing of it was engraved",
+                file.string());
+  }
+  auto table = formats::ReadPly(file);
+  if (!table) return tl::unexpected(table.error());
+  PointCloud path;
+  for (const Vec3& point : table->points_mm) path.Add(point, 0);
+  return path;
+}
+
+Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   if (path.size() == 0) {
     return Fail(ErrorCode::kInvalidValue, "the job has no points: nothing to engrave");
   }
@@ -247,12 +305,24 @@ Status Synchronizer::StartEngraving() {
   estimate_ticks_ = plan.ticks;
   checksum_ = plan.checksum;
   moves_ = plan.moves;
-  if (auto written = WritePlan(); !written) return written;
-  auto journal = JournalWriter::Create(
-      fs::path(job_->result_directory()) / fmt::format("journal-{}.bin", attempt_),
-      {path.size(), job_->epoch()});
+  if (auto made = MakeFolder(Folder()); !made) return made;
+  // Before the plan is written over: it may be refused for another's pulses.
+  auto journal =
+      OpenJournal(Folder() / kJournalFile, {path.size(), job_->epoch(), CrcOf(path)});
   if (!journal) return tl::unexpected(journal.error());
-  journal_ = std::move(*journal);
+  if (!on_disk) {
+    if (auto written = WritePlan(path); !written) return written;
+  }
+  journal_ = std::move(journal->writer);
+  job.earlier = std::move(journal->earlier);
+  if (job.earlier.damaged_records > 0) {
+    host_.RaiseAlarm(
+        intaglio_ALARM_WARNING, ErrorCodeName(ErrorCode::kUnreadable),
+        fmt::format("{} records of {} are damaged: look at the block before "
+                    "you resume",
+                    job.earlier.damaged_records, (Folder() / kJournalFile).string()),
+        job.uid);
+  }
   publisher_.BeginJob(job.uid);
   logged_message_.clear();
   engraving_ = std::make_unique<Engraving>(
@@ -262,22 +332,14 @@ Status Synchronizer::StartEngraving() {
   return {};
 }
 
-Status Synchronizer::WritePlan() const {
-  const fs::path folder = job_->result_directory();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    return Fail(ErrorCode::kIo,
-                fmt::format("cannot make the result directory {}: {}", folder.string(),
-                            error.message()),
-                folder.string());
-  }
+Status Synchronizer::WritePlan(const PointCloud& path) const {
+  const fs::path folder = Folder();
   formats::PointTable table;
-  table.points_mm = intake_.path().points_mm;
+  table.points_mm = path.points_mm;
   table.comments = {"path of job " + job_->job_uid() +
                     ", glass frame, mm, in the order of engraving"};
-  table.columns.push_back({"source", intake_.path().source});
-  if (auto written = formats::WritePly(folder / "path.ply", table); !written)
+  table.columns.push_back({"source", path.source});
+  if (auto written = formats::WritePly(folder / kPathFile, table); !written)
     return written;
   std::string json;
   google::protobuf::util::JsonPrintOptions options;
@@ -292,9 +354,11 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
   inputs.now = now;
   inputs.permission_fresh =
       permission_at_.count() >= 0 && now - permission_at_ < kPermissionLease;
-  inputs.permission_granted = permission_granted_ && permission_epoch_ == job_->epoch() &&
-                              permission_job_ == job_->job_uid();
-  inputs.stop_pressed = stop_pressed_;
+  const bool ours =
+      permission_epoch_ == job_->epoch() && permission_job_ == job_->job_uid();
+  inputs.permission_granted = permission_granted_ && ours;
+  if (ours) inputs.grant = permission_grant_;
+  inputs.stop_pressed = stop_.pressed();
   inputs.speed_percent = permission_job_ == job_->job_uid() ? speed_percent_ : 100;
   inputs.motion = motion_view_;
   if (motion_view_.clock != 0) inputs.motion_clock = &motion_clock_;
@@ -306,6 +370,7 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   const PointLedger& ledger = engraving_->ledger();
   if (engraving_->phase() == Engraving::Phase::kDone) {
     publisher_.Flush(now, true);
+    if (leaves_ && !ledger.all_ended()) return DropTask();
     if (cancelled_) {
       return EndTask(intaglio_TASK_FAILED, "cancelled", engraving_->message());
     }
@@ -338,7 +403,8 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_missed_count(ledger.count(PointState::kMissed));
   outcome.set_skipped_count(ledger.count(PointState::kSkipped) +
                             ledger.count(PointState::kPlanned));
-  outcome.set_uncertain_count(ledger.count(PointState::kUncertain));
+  outcome.set_uncertain_count(ledger.count(PointState::kUncertain) +
+                              ledger.count(PointState::kArmed));
   outcome.set_estimate_ticks(estimate_ticks_);
   outcome.set_first_tick(engraving_->first_fired_tick());
   outcome.set_last_tick(engraving_->last_fired_tick());
@@ -348,7 +414,7 @@ EngraveOutcome Synchronizer::Outcome() const {
   }
   outcome.set_controller_pulse_count(laser_.status().pulse_count);
   outcome.set_run_count(engraving_->run_count());
-  outcome.set_settled_by_counter_count(engraving_->settled_by_counter());
+  outcome.set_settled_by_memory_count(engraving_->settled_by_memory());
   outcome.set_plan_checksum(checksum_);
   outcome.set_planned_max_move_um(1e3 * moves_.max_mm);
   outcome.set_planned_rms_move_um(1e3 * moves_.rms_mm());
@@ -372,13 +438,17 @@ void Synchronizer::EndTask(intaglio_TaskState state, const std::string& code,
     report.done_count = outcome.engrave().made_count() + outcome.engrave().missed_count();
   }
   report.outcome = outcome.SerializeAsString();
+  DropTask();
+  publisher_.Tell(report, now_);
+  host_.SetHealth(intaglio_HEALTH_READY);
+}
+
+// The journal's last records are on disk before anybody hears that the job is over.
+void Synchronizer::DropTask() {
   engraving_.reset();
-  // The journal's last records are on disk before anybody hears that the job is over.
   journal_.reset();
   intake_.Close();
   job_.reset();
-  publisher_.Tell(report, now_);
-  host_.SetHealth(intaglio_HEALTH_READY);
 }
 
 }  // namespace intaglio::synchronizer

@@ -4,6 +4,7 @@
 // bus what is going on. Everything that decides about a pulse is in engraving.h.
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
 #include "services/host/service_host.h"
+#include "services/host/stop_latch.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/path_intake.h"
 #include "services/synchronizer/publisher.h"
@@ -24,12 +26,13 @@ class Synchronizer {
 
   /// One turn of the loop; never blocks.
   void Turn(std::chrono::nanoseconds now);
-  /// No more pulses: disarms, closes the shutters. Turn until stopped().
+  /// No more pulses: disarms, closes the shutters. Turn until stopped(). The job is not
+  /// over: whoever is given it next takes it up from the journal.
   void Stop();
   bool stopped() const { return !engraving_; }
-
   /// Another synchronizer has the laser: Turn does nothing more.
   bool taken_over() const { return laser_.taken_over(); }
+
   int laser_fd() const { return laser_.fd(); }
   int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }
   template <typename Loop>
@@ -47,12 +50,18 @@ class Synchronizer {
   void TakeTasks();
   void Begin(const intaglio_StageTask& task);
   void TakePermission(std::chrono::nanoseconds now);
+  void TellStop();
   void TakeMotion(std::chrono::nanoseconds now);
   void TakePositions();
   void TakePath();
-  Status StartEngraving();
-  Status WritePlan() const;
+  Result<PointCloud> ReadPath() const;
+  /// `on_disk`: the path is the one that lies in the job's folder.
+  Status StartEngraving(const PointCloud& path, bool on_disk);
+  Status WritePlan(const PointCloud& path) const;
+  std::filesystem::path Folder() const { return job_->result_directory(); }
+  void FailTask(const Error& error);
   void Engrave(std::chrono::nanoseconds now);
+  void DropTask();
   void EndTask(intaglio_TaskState state, const std::string& code,
                const std::string& message);
   EngraveOutcome Outcome() const;
@@ -81,6 +90,7 @@ class Synchronizer {
   std::uint64_t estimate_ticks_ = 0;
   motion::PointMoves moves_;  ///< Of the plan.
   bool cancelled_ = false;
+  bool leaves_ = false;
   std::string logged_message_;
   std::chrono::nanoseconds now_{0};
   std::chrono::nanoseconds began_at_{0};
@@ -98,9 +108,11 @@ class Synchronizer {
   std::chrono::nanoseconds permission_at_{-1};
   bool permission_granted_ = false;
   std::uint64_t permission_epoch_ = 0;
+  Grant permission_grant_;
   std::string permission_job_;
   std::uint32_t speed_percent_ = 100;
-  bool stop_pressed_ = false;
+  host::StopLatch stop_;
+  std::uint64_t stop_told_session_ = 0;  ///< to the laser; 0: not
 };
 
 }  // namespace intaglio::synchronizer

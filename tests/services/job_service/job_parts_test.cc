@@ -318,7 +318,7 @@ TEST_F(JobPartsTest, ARestartRevokesEveryPart) {
   BeginWithTwo();
   RecordingActions actions;
   JobQueue queue(actions);
-  queue.Restore({actions_.kept.at("j1")}, now_);
+  queue.Restore({actions_.kept.at("j1")}, std::nullopt, now_);
   EXPECT_THAT(actions.Orders(), ElementsAre("revoke d j1 1 0.0/8", "revoke d2 j1 1 1.0/8",
                                             "revoke s j1 1", "revoke y j1 1"));
   EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_QUEUED);

@@ -227,32 +227,6 @@ TEST_F(JobQueueTest, LostSynchronizerBeforeAnyPermissionIsAnotherAttempt) {
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
 }
 
-TEST_F(JobQueueTest, LostSynchronizerWhileEngravingIsNeverRepeated) {
-  ReadyAll();
-  Add(1);
-  LoadPath();
-  Engrave();
-  Lose("y");
-  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  EXPECT_THAT(job().message, HasSubstr("y was lost: the glass may hold a part"));
-  Ready("y2", intaglio_ROLE_SYNCHRONIZER);
-  now_ += 60s;
-  ReadyAll();
-  queue_.Turn(now_);
-  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
-  now_ += 1s;
-  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  EXPECT_THAT(job().message, HasSubstr("cannot go on"));
-  EXPECT_FALSE(Granted());
-  Add(2);
-  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED)
-      << "its block is in the machine";
-  EXPECT_TRUE(Command(intaglio_COMMAND_CANCEL));
-  EXPECT_EQ(job().state, intaglio_JOB_CANCELLED);
-  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_DISCRETIZING);
-}
-
 TEST_F(JobQueueTest, FailuresOfAStage) {
   ReadyAll();
   Add(1);
@@ -414,7 +388,7 @@ TEST_F(JobQueueTest, RestartTakesUpAQueuedAndABrokenChain) {
   Add(2);
   RecordingActions actions;
   JobQueue queue(actions);
-  queue.Restore({actions_.kept.at("j1"), actions_.kept.at("j2")}, now_);
+  queue.Restore({actions_.kept.at("j1"), actions_.kept.at("j2")}, 1s, now_);
   EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_QUEUED);
   EXPECT_THAT(actions.Orders(),
               ElementsAre("revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
@@ -437,18 +411,14 @@ TEST_F(JobQueueTest, RestartPausesAnEngravingAndGoesOnWithTheSameSynchronizer) {
   LoadPath();
   Engrave();
   JobRecord kept = actions_.kept.at("j1");
-  kept.armed = false;  // not kept on disk
   RecordingActions actions;
   JobQueue queue(actions);
-  queue.Restore({kept}, now_);
+  queue.Restore({kept}, std::nullopt, now_);
   EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_PAUSED);
   EXPECT_THAT(actions.Orders(), IsEmpty());
   now_ += 5s;
   queue.Turn(now_);
   EXPECT_FALSE(queue.Permissions(now_).at(0).granted);
-  queue.Take(CommandView{"j1", kEpoch, 9, intaglio_COMMAND_RESUME, ""}, now_);
-  EXPECT_THAT(queue.Find("j1")->message, HasSubstr("is gone"))
-      << "nobody has seen it yet";
   queue.Take(WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY, "c", ""},
              now_);
   queue.Take(CommandView{"j1", kEpoch, 10, intaglio_COMMAND_RESUME, ""}, now_);

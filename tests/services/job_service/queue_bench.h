@@ -29,8 +29,11 @@ class RecordingActions : public JobActions {
     const bool part = order.stage == intaglio_STAGE_DISCRETIZE && job.parts.size() > 1;
     const TaskId& task = order.task;
     orders.push_back(fmt::format(
-        "{}{} {} {}{}{}{}", order.revoked ? "revoke " : "", order.worker, task.job_uid,
-        task.attempt,
+        "{}{} {} {}{}{}{}",
+        order.revoked   ? "revoke "
+        : order.take_up ? "take up "
+                        : "",
+        order.worker, task.job_uid, task.attempt,
         part ? fmt::format(" {}.{}/{}", task.part, task.part_attempt, job.parts.size())
              : "",
         order.consumer.empty() ? "" : " > ", order.consumer));

@@ -168,7 +168,7 @@ TEST_P(Chain, WithoutALinkNothingFiresAndEveryPointIsAccountedFor) {
   EXPECT_NE(cell_.phase(), Phase::kDone);
   // Without the line the controller closes them by itself, and what it fired is unknown.
   EXPECT_EQ(cell_.laser.shutters(), 0);
-  if (cell_.controller.up() && !cell_.laser.mute) {
+  if (cell_.controller->up() && !cell_.laser.mute) {
     EXPECT_EQ(cell_.Count(PointState::kArmed), 0);
   }
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());

@@ -47,7 +47,7 @@ class EngravingLoss : public testing::Test {
   FakeCell cell_{{.points = 160}};
 };
 
-TEST_F(EngravingLoss, TheCounterTellsOfPulsesFiredWhileTheLineWasDown) {
+TEST_F(EngravingLoss, TheControllerTellsOfPulsesFiredWhileTheLineWasDown) {
   MakeAndLoseTheLine(40);
   const std::uint64_t known = cell_.made();
   cell_.StepFor(1000ms);
@@ -55,13 +55,13 @@ TEST_F(EngravingLoss, TheCounterTellsOfPulsesFiredWhileTheLineWasDown) {
   EXPECT_GT(cell_.Count(PointState::kArmed), 0);
   RestoreAndSettle();
   EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
-  EXPECT_EQ(cell_.engraving->settled_by_counter(), cell_.made() - known);
+  EXPECT_EQ(cell_.engraving->settled_by_memory(), cell_.made() - known);
   EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
   GoOnToTheEnd();
   EXPECT_EQ(cell_.made(), 160);
 }
 
-TEST_F(EngravingLoss, TheCounterTellsThatNothingFiredWhileTheLineWasDown) {
+TEST_F(EngravingLoss, TheControllerTellsThatNothingFiredWhileTheLineWasDown) {
   MakeAndLoseTheLine(40);
   cell_.laser.EnterSafeState();
   cell_.StepFor(1000ms);
@@ -72,8 +72,22 @@ TEST_F(EngravingLoss, TheCounterTellsThatNothingFiredWhileTheLineWasDown) {
   EXPECT_EQ(cell_.made(), 160);
 }
 
-// Some of the armed ticks found the stage elsewhere: the count cannot say which.
-TEST_F(EngravingLoss, AnAmbiguousCountLeavesPointsUncertainAndUntouched) {
+// Some of the armed ticks found the stage elsewhere: a count could not say which.
+TEST_F(EngravingLoss, TheControllerTellsWhichOfTheArmedTicksFired) {
+  MakeAndLoseTheLine(40);
+  cell_.StepFor(20ms);
+  cell_.stage.behind = true;
+  cell_.StepFor(60ms);
+  cell_.stage.behind = false;
+  cell_.StepFor(1000ms);
+  RestoreAndSettle();
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
+  EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
+  GoOnToTheEnd();
+}
+
+TEST_F(EngravingLoss, WhatTheControllerHasForgottenIsUncertainAndUntouched) {
+  cell_.laser.forgets = true;
   MakeAndLoseTheLine(40);
   cell_.StepFor(20ms);
   cell_.stage.behind = true;
@@ -92,6 +106,7 @@ TEST_F(EngravingLoss, AnAmbiguousCountLeavesPointsUncertainAndUntouched) {
 // Pulses of uncertain points are in the controller's count for good. Taken for pulses of
 // the next loss they would make points "made" that never fired.
 TEST_F(EngravingLoss, OldUncertainPulsesAreNotCountedAgain) {
+  cell_.laser.forgets = true;
   MakeAndLoseTheLine(20);
   cell_.StepFor(20ms);
   cell_.stage.behind = true;
@@ -101,8 +116,8 @@ TEST_F(EngravingLoss, OldUncertainPulsesAreNotCountedAgain) {
   RestoreAndSettle();
   const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
   ASSERT_GT(uncertain, 0);
+  cell_.laser.forgets = false;
   GoOnAndLoseTheLineAfter(20);
-  // In this loss every armed tick fired or came after the last that did.
   EXPECT_EQ(cell_.Count(PointState::kUncertain), uncertain);
   GoOnToTheEnd();
 }
@@ -177,8 +192,13 @@ TEST_F(EngravingLoss, WhoStopsDoesNotWaitForALineThatNeverComesBack) {
   cell_.StepFor(500ms);
   cell_.engraving->Stop("the job was cancelled");
   ASSERT_TRUE(cell_.StepUntilDone());
-  EXPECT_GT(cell_.Count(PointState::kUncertain), 0);
-  EXPECT_EQ(cell_.Count(PointState::kArmed), 0);
+  EXPECT_GT(cell_.Count(PointState::kArmed), 0);
+  // Whoever takes it up when the line is back knows of each.
+  cell_.CutLine(false);
+  cell_.DieAndTakeUp();
+  ASSERT_TRUE(cell_.StepUntil([this] { return cell_.Count(PointState::kArmed) == 0; }));
+  EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
+  EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
   // Nobody is left to close the shutters: the controller does.
   EXPECT_EQ(cell_.laser.shutters(), 0);

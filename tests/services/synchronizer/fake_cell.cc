@@ -63,26 +63,41 @@ FakeCell::FakeCell(const CellOptions& options)
       to_host(std::make_shared<link::FaultyPipe>()),
       laser([this] { return now; }, options.lockstep),
       journal_file(NewJournalFile()),
-      journal(*JournalWriter::Create(journal_file, {options.points, 1})),
-      controller(
-          [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
-          [this] { return now; }),
-      feed(
-          [this](const intaglio_MotionSegmentBatch& batch) {
-            return stage.Take(batch, now);
-          },
-          [this](const std::string& stream) { return stage.GrantOf(stream); }),
       points_mm(ManyPoints(options.points)),
       next_tick_(now) {
   laser.Plug(LineEnd(false));
+  Begin();
+}
+
+// What a process that is started has: the disk, the line and the bus, and nothing else.
+void FakeCell::Begin() {
+  controller = std::make_unique<LaserController>(
+      [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
+      [this] { return now; });
+  feed = std::make_unique<MotionFeed>(
+      [this](const intaglio_MotionSegmentBatch& batch) { return stage.Take(batch, now); },
+      [this](const std::string& stream) { return stage.GrantOf(stream); });
+  auto opened = OpenJournal(journal_file, {points_mm.size(), 1, 7});
+  if (!opened) throw std::runtime_error(opened.error().message);
+  journal = std::move(opened->writer);
   EngravingJob job;
   job.uid = "job";
   job.machine_points_mm = points_mm;
   job.plan.rate_hz = FakeLaser::kRateHz;
   job.plan.profile = motion::Profile::kMix;
+  job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
-      std::move(job), controller, feed, *journal,
+      std::move(job), *controller, *feed, *journal,
       [this](const PulseResult& result) { results.push_back(result); });
+}
+
+void FakeCell::DieAndTakeUp(const std::function<void(const fs::path&)>& keep) {
+  engraving.reset();
+  journal.reset();
+  feed.reset();
+  controller.reset();
+  if (keep) keep(journal_file);
+  Begin();
 }
 
 FakeCell::~FakeCell() {
@@ -107,7 +122,8 @@ void FakeCell::Step() {
   PassTicks();
   laser.Poll();
   stage.Poll(now, laser.tick());
-  controller.Poll([this](const link::PulseReport& report) { engraving->Take(report); });
+  const auto take = [this](const auto& report) { engraving->Take(report); };
+  controller->Poll(take, take);
   engraving->Turn(Inputs());
   while (wait_for_disk && !journal->failed() &&
          journal->durable() < journal->appended()) {
@@ -139,6 +155,7 @@ EngravingInputs FakeCell::Inputs() {
   inputs.now = now;
   inputs.permission_fresh = permission_fresh;
   inputs.permission_granted = permission_granted;
+  inputs.grant = grant;
   inputs.stop_pressed = stop_pressed;
   inputs.speed_percent = speed_percent;
   inputs.motion = stage.view();
@@ -170,7 +187,7 @@ void FakeCell::PowerCycle(milliseconds time) {
 }
 
 std::string FakeCell::Description() const {
-  const link::LaserStatus& told = controller.status();
+  const link::LaserStatus& told = controller->status();
   const MotionView& view = stage.view();
   return fmt::format(
       "phase {} '{}', tick {} (told {}, decided {}), interlocks {:#x}, shutters {}, {} "
@@ -178,7 +195,7 @@ std::string FakeCell::Description() const {
       static_cast<int>(phase()), engraving->message(), laser.tick(), told.tick,
       told.decided_through, told.interlocks, told.shutters_open, made(),
       Count(PointState::kArmed), view.run, view.highest_run, view.at_rest,
-      static_cast<int>(view.fault), view.covered_through_tick, controller.up());
+      static_cast<int>(view.fault), view.covered_through_tick, controller->up());
 }
 
 formats::Journal FakeCell::JournalOnDisk() const {
@@ -236,6 +253,7 @@ void FakeCell::CheckJournal(std::vector<std::string>& wrong) const {
   std::set<std::uint32_t> open;
   std::set<std::pair<std::uint64_t, std::uint32_t>> intents;
   for (const formats::JournalRecord& record : journal_now.records) {
+    if (record.kind == JournalKind::kSession) continue;
     const bool intent = record.kind == JournalKind::kIntent;
     if (intent != open.insert(record.point).second) {
       wrong.push_back(fmt::format("point {}: {} out of turn at tick {}", record.point,

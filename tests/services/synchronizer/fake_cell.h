@@ -42,12 +42,25 @@ class FakeCell {
     return StepUntil([this, count] { return laser.cracks().size() >= count; });
   }
 
-  void Grant() { permission_granted = true; }
+  void Grant() {
+    permission_granted = true;
+    ++grant.number;
+  }
+  /// The same one again, and as the job service renews it after a lost line.
+  void RepeatGrant() { permission_granted = true; }
+  void RenewGrant() {
+    permission_granted = true;
+    ++grant.renewal;
+  }
   void Withdraw() { permission_granted = false; }
   /// What an operator's resume is: the permission withdrawn, and given anew.
   void GrantAnew();
 
   void CutLine(bool cut);
+  /// As kill -9 of the synchronizer and a new one: what it knew is lost but for the
+  /// journal, of which `keep` says what came to the disk.
+  void DieAndTakeUp(
+      const std::function<void(const std::filesystem::path&)>& keep = nullptr);
   /// As the laser's mains switch: the line is silent for `time`, then another power-up.
   void PowerCycle(std::chrono::milliseconds time);
 
@@ -66,13 +79,14 @@ class FakeCell {
   std::chrono::nanoseconds now = std::chrono::seconds(1);
   std::uint32_t speed_percent = 100;
   bool permission_fresh = true, permission_granted = false, stop_pressed = false;
+  synchronizer::Grant grant;
   std::shared_ptr<link::FaultyPipe> to_laser, to_host;
   FakeLaser laser;
   FakeStage stage;
   std::filesystem::path journal_file;
   std::unique_ptr<JournalWriter> journal;
-  LaserController controller;
-  MotionFeed feed;
+  std::unique_ptr<LaserController> controller;
+  std::unique_ptr<MotionFeed> feed;
   std::unique_ptr<Engraving> engraving;
   PointList points_mm;
   std::vector<PulseResult> results;
@@ -83,6 +97,7 @@ class FakeCell {
 
  private:
   std::unique_ptr<link::ByteStream> LineEnd(bool host);
+  void Begin();
   EngravingInputs Inputs();
   void PassTicks();
   void CheckGlass(std::vector<std::string>& wrong) const;

@@ -32,7 +32,7 @@ constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
 constexpr unsigned kAll = (1u << kLinks) - 1;
 constexpr unsigned kShutters = 1u << 11;
 
-ChainLinks LinksOfBits(unsigned bits, std::uint64_t grant = 1) {
+ChainLinks LinksOfBits(unsigned bits, Grant grant = {1, 0}) {
   ChainLinks links;
   for (unsigned i = 0; i < kLinks; ++i) links.*kMember[i] = (bits >> i & 1u) != 0;
   links.grant = grant;
@@ -58,10 +58,12 @@ TEST(PermissionLinks, EveryMissingLinkSaysWhatToDo) {
   EXPECT_TRUE(TextOf(Missing::kNothing).empty());
 }
 
-// The machine by a table, in the words of a person at the cell. What an arm is worth:
-// kOld was spent, kNew is greater than all that were.
-enum class Arm { kNone, kOld, kNew };
-enum class Event { kTurn, kLateTurn, kFault };  // late: after kResetTime
+// The machine by a table, in the words of a person at the cell. Soft: latched by a lost
+// line, so that the job service may renew the grant. Of the arms, kOld was spent,
+// kRenewed is the same with a greater renewal, kNew is a greater number.
+enum class From { kClear, kSoft, kLatched, kResetting };
+enum class Arm { kNone, kOld, kRenewed, kNew };
+enum class Event { kTurn, kLateTurn, kFault, kLostLine };  // late: after kResetTime
 
 struct Situation {
   bool armed;         // the operator's word is fresh and granted
@@ -73,140 +75,180 @@ struct Situation {
   bool any_open() const { return bus_stop || (line && (key_or_door || machine_stop)); }
 };
 
+// What is left of the arm afterwards: all it was worth, what a renewal of it is worth, or
+// nothing.
+enum class Left { kWhole, kRenewal, kNothing };
+
 struct Row {
   const char* what;
-  State from;
+  From from;
   std::function<bool(const Situation&, Arm, Event)> when;
   State to;
-  bool spends;
+  Left left;
 };
 
 // The first row that fits is what happens. Not derived from the code's order of tests.
 const std::vector<Row>& Table() {
   using S = const Situation&;
+  const auto fault = [](S, Arm, Event e) { return e == Event::kFault; };
+  const auto lost = [](S, Arm, Event e) { return e == Event::kLostLine; };
+  const auto always = [](S, Arm, Event) { return true; };
   static const std::vector<Row> table = {
-      {"fault", State::kClear, [](S, Arm, Event e) { return e == Event::kFault; },
-       State::kLatched, true},
-      // What comes after it was given after it.
-      {"fault", State::kLatched, [](S, Arm, Event e) { return e == Event::kFault; },
-       State::kLatched, false},
-      {"fault", State::kResetting, [](S, Arm, Event e) { return e == Event::kFault; },
-       State::kLatched, true},
+      {"fault", From::kClear, fault, State::kLatched, Left::kNothing},
+      {"lost line", From::kClear, lost, State::kLatched, Left::kRenewal},
+      {"all held", From::kClear, [](S s, Arm, Event) { return !s.any_open(); },
+       State::kClear, Left::kWhole},
+      {"let go", From::kClear, always, State::kLatched, Left::kNothing},
 
-      {"all held", State::kClear, [](S s, Arm, Event) { return !s.any_open(); },
-       State::kClear, false},
-      {"let go", State::kClear, [](S s, Arm, Event) { return s.any_open(); },
-       State::kLatched, true},
+      // An arm that comes after a fault was given after it.
+      {"fault, then a new arm", From::kLatched,
+       [](S, Arm a, Event e) { return e >= Event::kFault && a == Arm::kNew; },
+       State::kLatched, Left::kWhole},
+      {"fault again", From::kLatched, [](S, Arm, Event e) { return e >= Event::kFault; },
+       State::kLatched, Left::kNothing},
+      {"only a person ends it", From::kLatched,
+       [](S, Arm a, Event) { return a != Arm::kNew; }, State::kLatched, Left::kNothing},
+      {"arm at a stop of the bus", From::kLatched,
+       [](S s, Arm, Event) { return s.bus_stop; }, State::kLatched, Left::kNothing},
+      {"arm without a line", From::kLatched, [](S s, Arm, Event) { return !s.line; },
+       State::kLatched, Left::kWhole},
+      {"arm at an open door", From::kLatched,
+       [](S s, Arm, Event) { return s.key_or_door; }, State::kLatched, Left::kNothing},
+      {"greater number, withdrawn or stale", From::kLatched,
+       [](S s, Arm, Event) { return !s.armed; }, State::kLatched, Left::kWhole},
+      {"arm at a latched machine", From::kLatched,
+       [](S s, Arm, Event) { return s.machine_stop; }, State::kResetting, Left::kWhole},
+      {"arm", From::kLatched, always, State::kClear, Left::kWhole},
 
-      {"old or no arm", State::kLatched, [](S, Arm a, Event) { return a != Arm::kNew; },
-       State::kLatched, false},
-      {"arm at a stop of the bus", State::kLatched,
-       [](S s, Arm, Event) { return s.bus_stop; }, State::kLatched, true},
-      {"arm without a line", State::kLatched, [](S s, Arm, Event) { return !s.line; },
-       State::kLatched, false},
-      {"arm at an open door", State::kLatched,
-       [](S s, Arm, Event) { return s.key_or_door; }, State::kLatched, true},
-      {"greater number, withdrawn or stale", State::kLatched,
-       [](S s, Arm, Event) { return !s.armed; }, State::kLatched, false},
-      {"arm at a latched machine", State::kLatched,
-       [](S s, Arm, Event) { return s.machine_stop; }, State::kResetting, false},
-      {"arm", State::kLatched, [](S, Arm, Event) { return true; }, State::kClear, false},
+      {"fault behind a lost line, then a new arm", From::kSoft,
+       [](S, Arm a, Event e) { return e >= Event::kFault && a == Arm::kNew; },
+       State::kLatched, Left::kWhole},
+      {"fault behind a lost line", From::kSoft, fault, State::kLatched, Left::kNothing},
+      {"lost again, renewed after it", From::kSoft,
+       [](S, Arm a, Event e) { return e == Event::kLostLine && a == Arm::kRenewed; },
+       State::kLatched, Left::kWhole},
+      {"lost again", From::kSoft, lost, State::kLatched, Left::kRenewal},
+      {"old arm, all held", From::kSoft,
+       [](S s, Arm a, Event) { return a <= Arm::kOld && !s.any_open(); }, State::kLatched,
+       Left::kRenewal},
+      {"let go while latched", From::kSoft,
+       [](S s, Arm a, Event) { return a != Arm::kNew && s.any_open(); }, State::kLatched,
+       Left::kNothing},
+      {"new arm at a stop of the bus", From::kSoft,
+       [](S s, Arm, Event) { return s.bus_stop; }, State::kLatched, Left::kNothing},
+      {"new arm or renewal without a line", From::kSoft,
+       [](S s, Arm, Event) { return !s.line; }, State::kLatched, Left::kWhole},
+      {"new arm at an open door", From::kSoft,
+       [](S s, Arm, Event) { return s.key_or_door; }, State::kLatched, Left::kNothing},
+      {"not granted", From::kSoft, [](S s, Arm, Event) { return !s.armed; },
+       State::kLatched, Left::kWhole},
+      {"new arm at a latched machine", From::kSoft,
+       [](S s, Arm, Event) { return s.machine_stop; }, State::kResetting, Left::kWhole},
+      {"new arm or renewal", From::kSoft, always, State::kClear, Left::kWhole},
 
-      {"withdrawn", State::kResetting, [](S s, Arm, Event) { return !s.armed; },
-       State::kLatched, true},
-      {"line lost", State::kResetting, [](S s, Arm, Event) { return !s.line; },
-       State::kLatched, true},
-      {"another let go", State::kResetting,
+      {"fault in a reset", From::kResetting, fault, State::kLatched, Left::kNothing},
+      {"line lost by a run in a reset", From::kResetting, lost, State::kLatched,
+       Left::kRenewal},
+      {"withdrawn", From::kResetting, [](S s, Arm, Event) { return !s.armed; },
+       State::kLatched, Left::kNothing},
+      {"line down", From::kResetting, [](S s, Arm, Event) { return !s.line; },
+       State::kLatched, Left::kNothing},
+      {"another let go", From::kResetting,
        [](S s, Arm, Event) { return s.bus_stop || s.key_or_door; }, State::kLatched,
-       true},
-      {"released", State::kResetting, [](S s, Arm, Event) { return !s.machine_stop; },
-       State::kClear, false},
-      {"button held", State::kResetting,
-       [](S, Arm, Event e) { return e == Event::kLateTurn; }, State::kLatched, true},
-      {"being reset", State::kResetting, [](S, Arm, Event) { return true; },
-       State::kResetting, false},
+       Left::kNothing},
+      {"released", From::kResetting, [](S s, Arm, Event) { return !s.machine_stop; },
+       State::kClear, Left::kWhole},
+      {"button held", From::kResetting,
+       [](S, Arm, Event e) { return e == Event::kLateTurn; }, State::kLatched,
+       Left::kNothing},
+      {"being reset", From::kResetting, always, State::kResetting, Left::kWhole},
   };
   return table;
 }
 
-constexpr unsigned kWhole = kAll;
-constexpr std::uint64_t kOldGrant = 7, kNewGrant = 8;
+constexpr Grant kOldGrant{7, 3}, kRenewedGrant{7, 4}, kNewGrant{8, 0};
+constexpr unsigned kStopped = kAll & ~(1u << 6);
 
-/// A chain in `state`. kClear: the grant kOldGrant is spent, and kNewGrant, when `arm` is
-/// kNew, not seen yet; else no grant was ever seen.
-PermissionChain ChainIn(State state, Arm arm) {
+Grant GrantOf(Arm arm) {
+  switch (arm) {
+    case Arm::kNone:
+      return {};
+    case Arm::kOld:
+      return kOldGrant;
+    case Arm::kRenewed:
+      return kRenewedGrant;
+    case Arm::kNew:
+      break;
+  }
+  return kNewGrant;
+}
+
+/// A chain in that state, which in kClear and kResetting has seen the arm already.
+PermissionChain ChainIn(From state, Arm arm) {
   PermissionChain chain;
-  const auto turn = [&](unsigned bits, std::uint64_t grant) {
+  const auto turn = [&](unsigned bits, Grant grant) {
     chain.Turn(LinksOfBits(bits, grant), 1s);
   };
-  const unsigned stopped = kWhole & ~(1u << 6);
-  if (arm == Arm::kNone) {
-    // Without any grant there is no way out of kLatched.
-    if (state == State::kLatched) turn(stopped, 0);
-    return chain;
-  }
-  if (state == State::kClear && arm == Arm::kOld) {
-    turn(kWhole, kOldGrant);
-    return chain;
-  }
-  turn(kWhole, kOldGrant);
-  turn(stopped, kOldGrant);
-  if (state == State::kLatched) return chain;
-  if (state == State::kResetting) turn(stopped, kNewGrant);
-  if (state == State::kClear) turn(kWhole, kNewGrant);
+  const Grant before = arm == Arm::kNone ? Grant{} : kOldGrant;
+  turn(kAll, state == From::kClear ? GrantOf(arm) : before);
+  if (state == From::kSoft) chain.Latch(true);
+  if (state == From::kLatched || state == From::kResetting) turn(kStopped, before);
+  if (state == From::kResetting) turn(kStopped, GrantOf(arm));
   return chain;
 }
 
-std::uint64_t GrantOf(Arm arm) {
-  return arm == Arm::kNone ? 0 : arm == Arm::kOld ? kOldGrant : kNewGrant;
+bool CanBeIn(From state, Arm arm) {
+  return state != From::kResetting || arm == Arm::kNew;
+}
+
+/// Under the best of circumstances: does this grant let it fire, now or after a turn?
+bool Revives(PermissionChain chain, Grant grant) {
+  const ChainLinks best = LinksOfBits(kAll, grant);
+  chain.Turn(best, 10s);
+  return grant.number > 0 && chain.WhatIsMissing(best, true) == Missing::kNothing;
+}
+
+void Check(From from, Arm arm, Event event, unsigned bits,
+           std::map<std::string, int>& used) {
+  PermissionChain chain = ChainIn(from, arm);
+  const ChainLinks links = LinksOfBits(bits, GrantOf(arm));
+  const Situation situation{links.permission_fresh && links.permission_granted,
+                            !links.stop_not_pressed, links.laser_line_up,
+                            !links.key_on || !links.door_closed, !links.stop_released};
+  if (event == Event::kTurn) chain.Turn(links, 1s + 10ms);
+  if (event == Event::kLateTurn) {
+    chain.Turn(links, 1s + PermissionChain::kResetTime + 1ms);
+  }
+  if (event >= Event::kFault) chain.Latch(event == Event::kLostLine);
+  const auto row = std::find_if(Table().begin(), Table().end(), [&](const Row& r) {
+    return r.from == from && r.when(situation, arm, event);
+  });
+  ASSERT_NE(row, Table().end());
+  ++used[row->what];
+  const std::string where =
+      fmt::format("{} arm {} event {} links {:012b}", row->what, static_cast<int>(arm),
+                  static_cast<int>(event), bits);
+  ASSERT_EQ(chain.state(), row->to) << where;
+  const bool fires = chain.WhatIsMissing(links, true) == Missing::kNothing;
+  ASSERT_EQ(fires, row->to == State::kClear && bits == kAll && arm != Arm::kNone)
+      << where;
+  if (arm == Arm::kNone) return;
+  ASSERT_EQ(Revives(chain, GrantOf(arm)), row->left == Left::kWhole) << where;
+  const Grant renewed{GrantOf(arm).number, GrantOf(arm).renewal + 1};
+  ASSERT_EQ(Revives(chain, renewed), row->left != Left::kNothing) << where;
+  ASSERT_TRUE(Revives(chain, {GrantOf(arm).number + 1, 0})) << where;
 }
 
 TEST(PermissionChain, EveryStateAndEventGoesWhereTheTableSays) {
   std::map<std::string, int> used;
-  for (const State state : {State::kClear, State::kLatched, State::kResetting}) {
-    for (const Arm arm : {Arm::kNone, Arm::kOld, Arm::kNew}) {
-      if (state == State::kResetting && arm != Arm::kNew) continue;  // there is no way
-      for (const Event event : {Event::kTurn, Event::kLateTurn, Event::kFault}) {
+  for (const From from : {From::kClear, From::kSoft, From::kLatched, From::kResetting}) {
+    for (const Arm arm : {Arm::kNone, Arm::kOld, Arm::kRenewed, Arm::kNew}) {
+      if (!CanBeIn(from, arm)) continue;
+      for (const Event event :
+           {Event::kTurn, Event::kLateTurn, Event::kFault, Event::kLostLine}) {
         for (unsigned bits = 0; bits <= kAll; ++bits) {
-          PermissionChain chain = ChainIn(state, arm);
-          ASSERT_EQ(chain.state(), state);
-          const ChainLinks links = LinksOfBits(bits, GrantOf(arm));
-          const Situation situation{links.permission_fresh && links.permission_granted,
-                                    !links.stop_not_pressed, links.laser_line_up,
-                                    !links.key_on || !links.door_closed,
-                                    !links.stop_released};
-          if (event == Event::kFault) {
-            chain.Latch();
-          } else {
-            chain.Turn(links, event == Event::kTurn
-                                  ? 1s + 10ms
-                                  : 1s + PermissionChain::kResetTime + 1ms);
-          }
-          const auto& table = Table();
-          const auto row = std::find_if(table.begin(), table.end(), [&](const Row& r) {
-            return r.from == state && r.when(situation, arm, event);
-          });
-          ASSERT_NE(row, table.end());
-          ++used[fmt::format("{}/{}", static_cast<int>(row->from), row->what)];
-          const std::string where =
-              fmt::format("{} arm {} event {} links {:012b}", row->what,
-                          static_cast<int>(arm), static_cast<int>(event), bits);
-          ASSERT_EQ(chain.state(), row->to) << where;
-          // Whatever was spent stays so under the best of circumstances.
-          const bool worth = chain.WhatIsMissing(LinksOfBits(kWhole, GrantOf(arm)),
-                                                 true) == Missing::kNothing;
-          const bool unspent = arm != Arm::kNone && !row->spends &&
-                               !(arm == Arm::kOld && state != State::kClear);
-          ASSERT_EQ(worth, unspent && row->to == State::kClear) << where;
-          PermissionChain later = chain;
-          later.Turn(LinksOfBits(kWhole, GrantOf(arm)), 10s);
-          later.Turn(LinksOfBits(kWhole, GrantOf(arm)), 10s);
-          const bool revived = later.WhatIsMissing(LinksOfBits(kWhole, GrantOf(arm)),
-                                                   true) == Missing::kNothing;
-          ASSERT_EQ(revived, unspent) << where;
-          // And a pulse is allowed at this very turn only with everything.
-          const bool fires = chain.WhatIsMissing(links, true) == Missing::kNothing;
-          ASSERT_EQ(fires, worth && bits == kAll) << where;
+          Check(from, arm, event, bits, used);
+          if (HasFatalFailure()) return;
         }
       }
     }
@@ -227,15 +269,15 @@ TEST(PermissionChain, APermissionThatIsOnlyLateIsNotSpent) {
 // an old one.
 TEST(PermissionChain, ANewArmIsToldFromAnOldOneByItsNumberAlone) {
   PermissionChain chain;
-  chain.Turn(LinksOfBits(kAll, 4), 1s);
-  chain.Latch();
+  chain.Turn(LinksOfBits(kAll, {4, 0}), 1s);
+  chain.Latch(false);
   EXPECT_TRUE(chain.has_spent());
-  chain.Turn(LinksOfBits(kAll & ~2u, 4), 2s);  // withdrawn
-  chain.Turn(LinksOfBits(kAll, 4), 3s);        // the same again
-  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, 4), true), Missing::kPermission);
-  chain.Turn(LinksOfBits(kAll, 5), 4s);
-  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, 5), true), Missing::kNothing);
-  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, 4), true), Missing::kPermission);
+  chain.Turn(LinksOfBits(kAll & ~2u, {4, 0}), 2s);  // withdrawn
+  chain.Turn(LinksOfBits(kAll, {4, 0}), 3s);        // the same again
+  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, {4, 0}), true), Missing::kPermission);
+  chain.Turn(LinksOfBits(kAll, {5, 0}), 4s);
+  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, {5, 0}), true), Missing::kNothing);
+  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, {4, 0}), true), Missing::kPermission);
 }
 
 TEST(PermissionChain, TellsWhichInterlockSpentAGrantAndOnlyOnce) {
@@ -246,11 +288,12 @@ TEST(PermissionChain, TellsWhichInterlockSpentAGrantAndOnlyOnce) {
   for (const auto& [link, missing] : interlocks) {
     PermissionChain chain;
     const unsigned open = kAll & ~(1u << link);
-    EXPECT_EQ(chain.Turn(LinksOfBits(open, 0), 1s), Missing::kNothing) << "no arm yet";
+    EXPECT_EQ(chain.Turn(LinksOfBits(open, {0, 0}), 1s), Missing::kNothing)
+        << "no arm yet";
     EXPECT_FALSE(chain.has_spent());
-    chain.Turn(LinksOfBits(kAll, 1), 2s);
-    EXPECT_EQ(chain.Turn(LinksOfBits(open, 1), 3s), missing);
-    EXPECT_EQ(chain.Turn(LinksOfBits(open, 1), 4s), Missing::kNothing);
+    chain.Turn(LinksOfBits(kAll, {1, 0}), 2s);
+    EXPECT_EQ(chain.Turn(LinksOfBits(open, {1, 0}), 3s), missing);
+    EXPECT_EQ(chain.Turn(LinksOfBits(open, {1, 0}), 4s), Missing::kNothing);
   }
 }
 
@@ -258,15 +301,15 @@ TEST(PermissionChain, TellsWhichInterlockSpentAGrantAndOnlyOnce) {
 TEST(PermissionChain, AnArmAtAPressedButtonIsSpent) {
   PermissionChain chain;
   const unsigned stopped = kAll & ~(1u << 6);
-  chain.Turn(LinksOfBits(kAll, 1), 1s);
-  chain.Turn(LinksOfBits(stopped, 1), 2s);
-  EXPECT_FALSE(chain.may_reset(LinksOfBits(stopped, 1)));
-  chain.Turn(LinksOfBits(stopped, 2), 3s);
-  EXPECT_TRUE(chain.may_reset(LinksOfBits(stopped, 2)));
-  EXPECT_EQ(chain.Turn(LinksOfBits(stopped, 2), 4s), Missing::kEmergencyStop);
-  EXPECT_FALSE(chain.may_reset(LinksOfBits(stopped, 2)));
-  chain.Turn(LinksOfBits(kAll, 2), 5s);
-  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, 2), true), Missing::kPermission);
+  chain.Turn(LinksOfBits(kAll, {1, 0}), 1s);
+  chain.Turn(LinksOfBits(stopped, {1, 0}), 2s);
+  EXPECT_FALSE(chain.may_reset(LinksOfBits(stopped, {1, 0})));
+  chain.Turn(LinksOfBits(stopped, {2, 0}), 3s);
+  EXPECT_TRUE(chain.may_reset(LinksOfBits(stopped, {2, 0})));
+  EXPECT_EQ(chain.Turn(LinksOfBits(stopped, {2, 0}), 4s), Missing::kEmergencyStop);
+  EXPECT_FALSE(chain.may_reset(LinksOfBits(stopped, {2, 0})));
+  chain.Turn(LinksOfBits(kAll, {2, 0}), 5s);
+  EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, {2, 0}), true), Missing::kPermission);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ namespace intaglio::synchronizer {
 namespace {
 
 using formats::PointOutcome;
+using link::PulseReport;
 using link::TickOutcome;
 
 struct Recorder {
@@ -54,9 +55,9 @@ TEST(PulseSchedule, LateReportOutOfOrderSettlesItsPointAlone) {
   Recorder recorder;
   for (std::uint32_t i = 0; i < 4; ++i) schedule.Add(10 + i, i);
   schedule.Decide(10, 13, kIgnoreArmed, kNoLate);
-  schedule.Apply({12, {TickOutcome::kTooLate}}, recorder.sink());
+  schedule.Apply(PulseReport{12, {TickOutcome::kTooLate}}, recorder.sink());
   EXPECT_EQ(recorder.results.at(2).reason, SkipReason::kLate);
-  schedule.Apply({10, {TickOutcome::kFiredSeen, TickOutcome::kFiredUnseen}},
+  schedule.Apply(PulseReport{10, {TickOutcome::kFiredSeen, TickOutcome::kFiredUnseen}},
                  recorder.sink());
   EXPECT_EQ(recorder.results.at(0).outcome, PointOutcome::kMade);
   EXPECT_EQ(recorder.results.at(1).outcome, PointOutcome::kMissed);
@@ -67,7 +68,7 @@ TEST(PulseSchedule, ReportsOfTicksNobodyArmedChangeNothing) {
   PulseSchedule schedule;
   Recorder recorder;
   schedule.Add(10, 0);
-  schedule.Apply({9, {TickOutcome::kFiredSeen, TickOutcome::kFiredSeen}},
+  schedule.Apply(PulseReport{9, {TickOutcome::kFiredSeen, TickOutcome::kFiredSeen}},
                  recorder.sink());
   EXPECT_TRUE(recorder.results.empty()) << "tick 10 was planned, not armed";
 }
@@ -90,7 +91,7 @@ TEST(PulseSchedule, EveryArmedPointGetsItsOwnResultOnce) {
     for (std::uint64_t first = 100; first <= tick;) {
       const std::uint64_t last = std::min(tick, first + random() % 20);
       const auto window = schedule.Decide(first, last, kIgnoreArmed, kNoLate);
-      link::PulseReport report{first, {}};
+      PulseReport report{first, {}};
       for (std::size_t i = 0; i < window.fire.size(); ++i) {
         EXPECT_EQ(window.fire[i], plan.contains(first + i));
         report.outcome.push_back(window.fire[i]

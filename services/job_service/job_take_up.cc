@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engrave/core/result.h"
+#include "services/job_service/job_queue.h"
+
+// The part of the queue that has to do with an engraving whose synchronizer, or whose
+// line, was lost: the block is still in the machine, and the journal knows what is in it.
+//
+// The operator's arm stands for the machine as it was left, and nothing that a person has
+// to look at has happened: so the job goes on by itself. Not after a fault or an opened
+// interlock, which the synchronizer tells apart; not when it was not armed; and not when
+// it has come to nothing for kGoesOnFor, for then somebody is needed.
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kGoesOnFor = 5min;
+constexpr Nanoseconds kFirstWait = 300ms;
+constexpr Nanoseconds kLongestWait = 3s;
+
+}  // namespace
+
+void JobQueue::GoOn(JobRecord& job, Nanoseconds now) {
+  if (job.asks_before_resume || stopped_cells_.contains(job.cell)) return;
+  const std::uint64_t done = job.stage(intaglio_STAGE_ENGRAVE).done_count;
+  if (job.losses == 0 || done != job.done_at_loss) {
+    job.losses = 0;
+    job.first_loss_at = now;
+  }
+  job.done_at_loss = done;
+  if (now - job.first_loss_at > kGoesOnFor) return;
+  const Nanoseconds wait =
+      std::min(kLongestWait, kFirstWait * (1 << std::min(job.losses, 8u)));
+  ++job.losses;
+  job.armed = true;
+  job.armed_at = now + wait;
+  // Greater than before, also over a restart.
+  job.renewal = job.revision + 1;
+}
+
+void JobQueue::LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds now) {
+  const bool was_armed = job.armed;
+  Disarm(job, now);
+  if (was_armed) GoOn(job, now);
+  Change(job, intaglio_JOB_PAUSED,
+         fmt::format("{}: the next synchronizer of {} takes the job up where the journal "
+                     "ends{}",
+                     why, job.cell, job.armed ? "" : "; then resume it"));
+  RevokeAll(job, now);
+  job.stage(intaglio_STAGE_ENGRAVE).worker.clear();
+}
+
+void JobQueue::TakeUp(JobRecord& job, Nanoseconds now) {
+  if (job.state != intaglio_JOB_PAUSED || !job.ever_granted) return;
+  StageRecord& stage = job.stage(intaglio_STAGE_ENGRAVE);
+  if (workers_.IsAlive(stage.worker)) return;
+  const auto free = workers_.Free(intaglio_ROLE_SYNCHRONIZER, job.cell);
+  if (free.empty()) return;
+  stage.worker = free.front();
+  job.taken_up = true;
+  Change(job, job.state,
+         job.armed ? fmt::format("{} takes the job up", stage.worker)
+                   : fmt::format("{} takes the job up; resume it if the block was not "
+                                 "touched, or cancel it",
+                                 stage.worker));
+  workers_.Assign(stage.worker, job.TaskOf(intaglio_STAGE_ENGRAVE), now);
+  actions_.Give({.worker = stage.worker,
+                 .stage = intaglio_STAGE_ENGRAVE,
+                 .task = job.TaskOf(intaglio_STAGE_ENGRAVE),
+                 .consumer = {},
+                 .take_up = true},
+                job);
+}
+
+// A permission was given, and the synchronizer died before there was a path to fire.
+bool JobQueue::NothingWasMade(const JobRecord& job, const TaskView& task) const {
+  return task.stage == intaglio_STAGE_ENGRAVE && job.taken_up &&
+         task.error_code == ErrorCodeName(ErrorCode::kNotFound);
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,72 @@
+#include "services/synchronizer/earlier_work.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace intaglio::synchronizer {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::JournalKind;
+
+Result<OpenedJournal> BeginJournal(const fs::path& file,
+                                   const formats::JournalHeader& header) {
+  auto writer = JournalWriter::Create(file, header);
+  if (!writer) return tl::unexpected(writer.error());
+  return OpenedJournal{std::move(*writer), {}};
+}
+
+// Nothing fires before its intent is in the file.
+bool TellsOfNothing(const formats::Journal& journal) {
+  return std::none_of(
+      journal.records.begin(), journal.records.end(),
+      [](const auto& record) { return record.kind != JournalKind::kSession; });
+}
+
+}  // namespace
+
+EarlierWork EarlierWorkOf(const formats::Journal& journal) {
+  EarlierWork earlier;
+  earlier.damaged_records = journal.damaged_records;
+  if (TellsOfNothing(journal)) return earlier;
+  earlier.points = formats::HistoryOf(journal);
+  for (const formats::JournalRecord& record : journal.records) {
+    earlier.highest_run = std::max(earlier.highest_run, record.run);
+    if (record.kind != JournalKind::kSession) continue;
+    earlier.power_up = record.point;
+    earlier.pulses_before_job = record.pulse_count;
+  }
+  return earlier;
+}
+
+Result<OpenedJournal> OpenJournal(const fs::path& file,
+                                  const formats::JournalHeader& header) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  // A header that did not reach the disk whole was never followed by anything.
+  if (error || size < formats::kJournalHeaderSize) {
+    fs::remove(file, error);
+    return BeginJournal(file, header);
+  }
+  const auto journal = formats::ReadJournal(file);
+  if (!journal) return tl::unexpected(journal.error());
+  const bool same_path = journal->header.point_count == header.point_count &&
+                         journal->header.path_crc == header.path_crc;
+  if (!same_path && !TellsOfNothing(*journal)) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} tells of pulses along another path of {} points: take "
+                            "the block out and cancel the job",
+                            file.string(), journal->header.point_count),
+                file.string());
+  }
+  if (!same_path) {
+    fs::remove(file, error);
+    return BeginJournal(file, header);
+  }
+  auto writer = JournalWriter::Continue(file);
+  if (!writer) return tl::unexpected(writer.error());
+  return OpenedJournal{std::move(*writer), EarlierWorkOf(*journal)};
+}
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,38 @@
+#pragma once
+
+// What earlier lives of the synchronizer left of a job: its journal is read once, when
+// the job is taken up, and then continued.
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "engrave/formats/journal_file.h"
+#include "services/synchronizer/journal_writer.h"
+
+namespace intaglio::synchronizer {
+
+struct EarlierWork {
+  /// By place in the order; empty: nothing was ever about to fire.
+  std::vector<formats::PointHistory> points;
+  std::uint32_t power_up = 0;  ///< of the controller, at the newest session; 0: none
+  std::uint32_t pulses_before_job = 0;  ///< that it had counted by then, modulo 2^32
+  std::uint32_t highest_run = 0;
+  std::uint64_t damaged_records = 0;
+};
+
+EarlierWork EarlierWorkOf(const formats::Journal& journal);
+
+struct OpenedJournal {
+  std::unique_ptr<JournalWriter> writer;
+  EarlierWork earlier;
+};
+
+/// Begins the journal, or goes on with the one that is there. kRefused when it tells of
+/// pulses made along another path (the block in the machine is not as this job left it),
+/// kUnreadable when it may hold pulses and cannot be read, kIo.
+Result<OpenedJournal> OpenJournal(const std::filesystem::path& file,
+                                  const formats::JournalHeader& header);
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "services/synchronizer/engraving.h"
+
+// What became of points whose reports never came: a line was lost, or an earlier life of
+// this process. The controller's memory is the truth, its counter the check of it.
+
+namespace intaglio::synchronizer {
+namespace {
+
+using formats::JournalKind;
+using formats::PointOutcome;
+using namespace std::chrono_literals;
+
+constexpr auto kRequestPeriod = 20ms;
+constexpr auto kAbortPeriod = 200ms;
+
+}  // namespace
+
+// The ledger as the journal has it. What was armed is asked of the controller if it has
+// not been switched off since; else nobody knows, and nobody fires it again.
+void Engraving::TakeUp() {
+  taken_up_ = true;
+  phase_ = Phase::kHalting;
+  skip_reason_ = SkipReason::kLink;
+  message_ = "the job is taken up again: what was armed is asked of the laser controller";
+  const EarlierWork& earlier = job_.earlier;
+  run_ = earlier.highest_run;
+  power_up_ = earlier.power_up;
+  pulses_before_job_ = earlier.pulses_before_job;
+  std::vector<PulseResult> armed;
+  for (std::uint32_t point = 0; point < earlier.points.size(); ++point) {
+    const formats::PointHistory& history = earlier.points[point];
+    if (history.open_intent) {
+      ledger_.Arm(point);
+      armed.push_back({history.tick, point});
+    } else if (history.outcome != PointOutcome::kNone) {
+      ledger_.Arm(point);
+      ledger_.Resolve(point, history.outcome);
+      if (formats::IsFired(history.outcome)) ++fired_count_;
+    }
+  }
+  std::sort(armed.begin(), armed.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.tick, a.point) < std::pair(b.tick, b.point);
+  });
+  for (PulseResult& one : armed) {
+    const bool askable =
+        power_up_ != 0 && earlier.points[one.point].power_up == power_up_;
+    if (askable && schedule_.AddArmed(one.tick, one.point)) continue;
+    one.outcome = PointOutcome::kUncertain;
+    Record(one);
+  }
+  uncertain_before_halt_ = ledger_.count(PointState::kUncertain);
+}
+
+// Nobody feeds the stage any more; in lockstep it would wait for ever.
+void Engraving::AbortEarlierRun(const EngravingInputs& inputs) {
+  if (run_count_ > 0 || !inputs.motion.fresh || inputs.motion.at_rest ||
+      inputs.now < next_abort_) {
+    return;
+  }
+  next_abort_ = inputs.now + kAbortPeriod;
+  run_ = std::max(run_, inputs.motion.highest_run);
+  (void)feed_.Abort(run_);
+}
+
+// In the session that armed them, ticks behind the last decided one never fire, and the
+// reports of the others were sent before that status.
+void Engraving::SettleByMemory(bool late) {
+  if (laser_.identity().power_up != power_up_) {
+    SettleAs(schedule_.ArmedWithin(0, UINT64_MAX), PointOutcome::kUncertain);
+    return TakeCounters();
+  }
+  const bool lost = laser_.session() != session_;
+  if (!lost) {
+    SettleAs(schedule_.ArmedWithin(laser_.status().decided_through + 1, UINT64_MAX),
+             PointOutcome::kSkipped);
+  }
+  if (schedule_.armed_count() > 0 && (lost || late)) return AskForThePast();
+  if (lost && schedule_.armed_count() == 0) CompareCounters();
+}
+
+void Engraving::AskForThePast() {
+  if (now_ < next_past_ || !laser_.CanSend()) return;
+  next_past_ = now_ + kRequestPeriod;
+  const std::uint64_t first = schedule_.front_tick();
+  const auto asked = schedule_.ArmedWithin(first, first + link::kMaxReportTicks - 1);
+  if (asked.empty()) return;
+  (void)laser_.RequestPast(first,
+                           static_cast<std::uint16_t>(asked.back().tick - first + 1));
+}
+
+void Engraving::Take(const link::PastReport& report) {
+  if (phase_ != Phase::kHalting || !disarm_seen_) return;
+  schedule_.Apply(report, [this](const PulseResult& result) {
+    if (formats::IsFired(result.outcome)) ++settled_by_memory_;
+    Record(result);
+  });
+}
+
+// A pulse that the controller counted and nobody asked for is in the glass somewhere.
+void Engraving::CompareCounters() {
+  const auto counted = static_cast<std::uint32_t>(laser_.status().pulse_count);
+  const std::uint32_t known = pulses_before_job_ + fired_count_;
+  const bool explained = ledger_.count(PointState::kUncertain) > uncertain_before_halt_;
+  if (counted != known && !explained) {
+    Explain(Missing::kLaserLine,
+            fmt::format("the laser controller counts {} pulses where {} are known: look "
+                        "at the block, then resume or cancel",
+                        counted, known),
+            true);
+    lost_a_line_ = false;
+  }
+  TakeCounters();
+}
+
+// With nothing armed they begin afresh: else the pulses of uncertain points would be
+// taken for some of the next lost line.
+void Engraving::TakeCounters() {
+  const std::uint32_t before =
+      static_cast<std::uint32_t>(laser_.status().pulse_count) - fired_count_;
+  if (power_up_ == laser_.identity().power_up && pulses_before_job_ == before &&
+      session_told_) {
+    return;
+  }
+  session_told_ = true;
+  power_up_ = laser_.identity().power_up;
+  pulses_before_job_ = before;
+  journal_.Append({JournalKind::kSession, PointOutcome::kNone, 0, run_,
+                   laser_.status().tick, power_up_, pulses_before_job_});
+}
+
+}  // namespace intaglio::synchronizer

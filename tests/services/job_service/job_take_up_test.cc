@@ -1,0 +1,213 @@
+// A synchronizer, a line or the job service itself is lost while pulses are in the glass.
+
+#include "tests/services/job_service/queue_bench.h"
+
+namespace intaglio::job_service {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class TakeUpTest : public JobQueueTest {
+ protected:
+  void EngraveAndLose() {
+    ReadyAll();
+    Add(1);
+    LoadPath();
+    Engrave();
+    actions_.Orders();
+    Lose("y");
+  }
+  void NextSynchronizer() {
+    Ready("y2", intaglio_ROLE_SYNCHRONIZER);
+    queue_.Turn(now_);
+  }
+  void Lost() {
+    Ready("y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost",
+         "the laser line is down");
+  }
+};
+
+TEST_F(TakeUpTest, TheNextSynchronizerTakesItUpAndItGoesOn) {
+  EngraveAndLose();
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_THAT(job().message, HasSubstr("the next synchronizer of c takes the job up"));
+  EXPECT_FALSE(Granted());
+  actions_.Orders();
+  NextSynchronizer();
+  EXPECT_THAT(actions_.Orders(), ElementsAre("take up y2 j1 1"));
+  now_ += 1s;
+  EXPECT_TRUE(Granted());
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 50, 100);
+  EXPECT_EQ(job().state, intaglio_JOB_ENGRAVING);
+  EXPECT_EQ(job().attempt, 1u);
+}
+
+TEST_F(TakeUpTest, WhoAsksIsWaitedFor) {
+  ReadyAll();
+  JobRecord record;
+  record.number = 1;
+  record.uid = "j1";
+  record.epoch = kEpoch;
+  record.cell = "c";
+  record.asks_before_resume = true;
+  queue_.Add(record);
+  queue_.Turn(now_);
+  LoadPath();
+  Engrave();
+  Lose("y");
+  EXPECT_THAT(job().message, HasSubstr("then resume it"));
+  NextSynchronizer();
+  now_ += 5s;
+  EXPECT_FALSE(Granted());
+  Ready("y2", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  now_ += 1s;
+  EXPECT_TRUE(Granted());
+}
+
+TEST_F(TakeUpTest, AJobThatWasPausedStaysPaused) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
+  Lose("y");
+  NextSynchronizer();
+  now_ += 60s;
+  EXPECT_FALSE(Granted());
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+}
+
+TEST_F(TakeUpTest, ItsBlockKeepsTheMachine) {
+  EngraveAndLose();
+  Add(2);
+  NextSynchronizer();
+  EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED);
+  EXPECT_TRUE(Command(intaglio_COMMAND_CANCEL));
+  EXPECT_EQ(job().state, intaglio_JOB_CANCELLED);
+}
+
+// It only seemed lost: it is told to let go, and may take it up itself.
+TEST_F(TakeUpTest, AFrozenSynchronizerLetsGoBeforeItTakesItUpAgain) {
+  EngraveAndLose();
+  EXPECT_THAT(actions_.Orders(), Contains("revoke y j1 1"));
+  Ready("y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
+  queue_.Turn(now_);
+  EXPECT_THAT(actions_.Orders(), IsEmpty());
+  TaskView over;
+  over.task = {"j1", 1, 0, 0};
+  over.stage = intaglio_STAGE_ENGRAVE;
+  over.worker = "y";
+  over.state = intaglio_TASK_FAILED;
+  over.error_code = "cancelled";
+  queue_.Take(over, now_);
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED) << "its end is not the job's";
+  Ready("y", intaglio_ROLE_SYNCHRONIZER);
+  queue_.Turn(now_);
+  EXPECT_THAT(actions_.Orders(), ElementsAre("take up y j1 1"));
+}
+
+TEST_F(TakeUpTest, WhenNothingWasMadeItBeginsAnew) {
+  EngraveAndLose();
+  NextSynchronizer();
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, "not_found",
+       "path.ply is not there");
+  EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
+  EXPECT_EQ(job().attempt, 2u);
+}
+
+TEST_F(TakeUpTest, AJournalOfAnotherPathFailsTheJob) {
+  EngraveAndLose();
+  NextSynchronizer();
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, "refused",
+       "take the block out");
+  EXPECT_EQ(job().state, intaglio_JOB_FAILED);
+  EXPECT_EQ(job().message, "take the block out");
+}
+
+// A withdrawal stands for long enough to be seen, and then the arm stands again.
+TEST_F(TakeUpTest, ALostLineIsResumedByItself) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  now_ += 1s;
+  Lost();
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  EXPECT_TRUE(job().armed);
+  EXPECT_FALSE(Granted());
+  now_ += 250ms;
+  EXPECT_FALSE(Granted());
+  now_ += 51ms;
+  EXPECT_TRUE(Granted());
+}
+
+// A cable that stays out: for five minutes it is tried, then somebody has to come.
+TEST_F(TakeUpTest, ALineThatStaysDownIsGivenUp) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  int grants = 0;
+  bool granted = false;
+  for (int i = 0; i < 3 * 600; ++i) {
+    now_ += 100ms;
+    Lost();
+    const bool is = Granted();
+    grants += is && !granted ? 1 : 0;
+    granted = is;
+  }
+  EXPECT_GT(grants, 50);
+  EXPECT_TRUE(job().armed);
+  for (int i = 0; i < 3 * 600; ++i) {
+    now_ += 100ms;
+    Lost();
+    (void)Granted();
+  }
+  EXPECT_FALSE(job().armed);
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_TRUE(job().armed);
+}
+
+TEST_F(TakeUpTest, AJobServiceThatWasAwayForAMomentGoesOn) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  const JobRecord kept = actions_.kept.at("j1");
+  ASSERT_TRUE(kept.armed);
+  for (const auto& [absence, goes_on] :
+       {std::pair<std::optional<Nanoseconds>, bool>{2s, true},
+        {30s, true},
+        {31s, false},
+        {std::nullopt, false}}) {
+    RecordingActions actions;
+    JobQueue queue(actions);
+    queue.Restore({kept}, absence, now_);
+    EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_PAUSED);
+    EXPECT_FALSE(queue.Permissions(now_).at(0).granted);
+    EXPECT_EQ(queue.Permissions(now_ + 1s).at(0).granted, goes_on);
+  }
+}
+
+// Everything died: who is there now takes the place of who is not.
+TEST_F(TakeUpTest, AfterARestartAnotherSynchronizerTakesItUp) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  RecordingActions actions;
+  JobQueue queue(actions);
+  queue.Restore({actions_.kept.at("j1")}, std::nullopt, now_);
+  queue.Take(WorkerView{"y2", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""},
+             now_);
+  queue.Turn(now_);
+  EXPECT_THAT(actions.Orders(), ElementsAre("take up y2 j1 1"));
+}
+
+}  // namespace
+}  // namespace intaglio::job_service

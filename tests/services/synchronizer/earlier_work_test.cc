@@ -1,0 +1,109 @@
+#include "services/synchronizer/earlier_work.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace intaglio::synchronizer {
+namespace {
+
+using formats::JournalKind;
+using formats::PointOutcome;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr formats::JournalHeader kHeader{3, 77, 0xcafe};
+const formats::JournalRecord kSession{
+    JournalKind::kSession, PointOutcome::kNone, 0, 0, 9, 0xfeed, 17};
+const formats::JournalRecord kIntent{
+    JournalKind::kIntent, PointOutcome::kNone, 0, 4, 10, 1, 17};
+const formats::JournalRecord kMade{
+    JournalKind::kOutcome, PointOutcome::kMade, 0, 4, 10, 1, 18};
+
+class OpenJournalTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("earlier-" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    file_ = folder_ / "journal.bin";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void Write(const std::vector<formats::JournalRecord>& records) {
+    auto opened = OpenJournal(file_, kHeader);
+    ASSERT_TRUE(opened) << opened.error().message;
+    for (const auto& record : records) ASSERT_TRUE(opened->writer->Append(record));
+  }
+
+  fs::path folder_, file_;
+};
+
+TEST_F(OpenJournalTest, ANewOneTellsOfNothing) {
+  const auto opened = OpenJournal(file_, kHeader);
+  ASSERT_TRUE(opened);
+  EXPECT_TRUE(opened->earlier.points.empty());
+  EXPECT_EQ(formats::ReadJournal(file_)->header, kHeader);
+}
+
+TEST_F(OpenJournalTest, GoesOnWithWhatIsThere) {
+  Write({kSession, kIntent});
+  Write({kMade});
+  const auto opened = OpenJournal(file_, kHeader);
+  ASSERT_TRUE(opened);
+  const EarlierWork& earlier = opened->earlier;
+  ASSERT_EQ(earlier.points.size(), 3u);
+  EXPECT_EQ(earlier.points[1].outcome, PointOutcome::kMade);
+  EXPECT_EQ(earlier.power_up, 0xfeedu);
+  EXPECT_EQ(earlier.pulses_before_job, 17u);
+  EXPECT_EQ(earlier.highest_run, 4u);
+}
+
+TEST_F(OpenJournalTest, ATornRecordIsCutAndTheNextOneReadable) {
+  Write({kSession, kIntent});
+  fs::resize_file(file_, fs::file_size(file_) + 13);
+  Write({kMade});
+  const auto journal = formats::ReadJournal(file_);
+  ASSERT_TRUE(journal);
+  EXPECT_THAT(journal->records, testing::ElementsAre(kSession, kIntent, kMade));
+}
+
+TEST_F(OpenJournalTest, AHeaderThatNeverCameToTheDiskIsBegunAnew) {
+  std::ofstream(file_) << "INTJ";
+  const auto opened = OpenJournal(file_, kHeader);
+  ASSERT_TRUE(opened);
+  EXPECT_TRUE(opened->earlier.points.empty());
+}
+
+TEST_F(OpenJournalTest, PulsesAlongAnotherPathAreRefused) {
+  Write({kSession, kIntent});
+  const auto opened = OpenJournal(file_, {3, 77, 0xbeef});
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kRefused);
+  EXPECT_THAT(opened.error().message, HasSubstr("cancel the job"));
+  EXPECT_EQ(formats::ReadJournal(file_)->records.size(), 2u) << "and nothing is lost";
+}
+
+TEST_F(OpenJournalTest, AnotherPathBeforeAnyPulseIsANewBeginning) {
+  Write({kSession});
+  const auto opened = OpenJournal(file_, {4, 77, 0xbeef});
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(formats::ReadJournal(file_)->header.point_count, 4u);
+}
+
+TEST_F(OpenJournalTest, ADamagedHeaderIsRefused) {
+  Write({kSession, kIntent});
+  {
+    std::fstream out(file_, std::ios::in | std::ios::out | std::ios::binary);
+    out.seekp(20);
+    out.put('x');
+  }
+  const auto opened = OpenJournal(file_, kHeader);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kUnreadable);
+  EXPECT_THAT(opened.error().message, HasSubstr(file_.string()));
+}
+
+}  // namespace
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,175 @@
+// A synchronizer that dies at any instant, and another that takes its job up: held
+// against the fake glass.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "tests/services/synchronizer/fake_cell.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using formats::JournalKind;
+using testing::IsEmpty;
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t kPoints = 120;
+
+std::size_t OffsetOf(std::size_t record) {
+  return formats::kJournalHeaderSize + record * formats::kJournalRecordSize;
+}
+
+/// Records behind the last intent: outcomes that no arm has waited for, so that a power
+/// failure may take any of them.
+std::size_t FirstUnconfirmed(const formats::Journal& journal) {
+  std::size_t first = journal.records.size();
+  while (first > 0 && journal.records[first - 1].kind == JournalKind::kOutcome) --first;
+  return first;
+}
+
+void Blank(const fs::path& file, std::size_t record) {
+  std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
+  out.seekp(static_cast<std::streamoff>(OffsetOf(record)));
+  const std::vector<char> zeros(formats::kJournalRecordSize, 0);
+  out.write(zeros.data(), static_cast<std::streamsize>(zeros.size()));
+}
+
+void GoOnToTheEnd(FakeCell& cell) {
+  cell.GrantAnew();
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  EXPECT_EQ(cell.made() + cell.Count(PointState::kUncertain), kPoints);
+}
+
+class TakeUp : public testing::TestWithParam<bool> {
+ protected:
+  bool lockstep() const { return GetParam(); }
+};
+
+INSTANTIATE_TEST_SUITE_P(Engraving, TakeUp, testing::Bool(), [](const auto& param) {
+  return std::string(param.param ? "Lockstep" : "RealTime");
+});
+
+TEST_P(TakeUp, AtAnyInstantNothingIsDoubledAndNothingUnknown) {
+  int killed_with_armed = 0;
+  for (int instant_ms = 1; instant_ms < 900; instant_ms += lockstep() ? 7 : 61) {
+    SCOPED_TRACE(testing::Message() << instant_ms << " ms");
+    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    cell.Grant();
+    cell.StepFor(std::chrono::milliseconds(instant_ms));
+    if (cell.done()) break;
+    killed_with_armed += cell.Count(PointState::kArmed) > 0 ? 1 : 0;
+    cell.DieAndTakeUp();
+    GoOnToTheEnd(cell);
+    EXPECT_EQ(cell.Count(PointState::kUncertain), 0u);
+  }
+  EXPECT_GT(killed_with_armed, 0) << "or the test tests nothing";
+}
+
+TEST_P(TakeUp, AgainAndAgain) {
+  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  for (int life = 0; life < 20 && !cell.done(); ++life) {
+    cell.GrantAnew();
+    cell.StepFor(std::chrono::milliseconds(lockstep() ? 3 : 60));
+    if (life % 2 == 0) cell.StepFor(600ms);
+    cell.DieAndTakeUp();
+    cell.StepFor(std::chrono::milliseconds(life * 13));
+  }
+  GoOnToTheEnd(cell);
+  EXPECT_EQ(cell.Count(PointState::kUncertain), 0u);
+}
+
+// Nothing fires before somebody who stands there has said so again.
+TEST_P(TakeUp, WaitsForAPermission) {
+  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(40));
+  cell.Withdraw();
+  cell.DieAndTakeUp();
+  cell.StepFor(500ms);
+  const std::size_t cracks = cell.laser.cracks().size();
+  cell.StepFor(2000ms);
+  EXPECT_EQ(cell.laser.cracks().size(), cracks);
+  EXPECT_EQ(cell.made(), cracks);
+  EXPECT_TRUE(cell.engraving->waits());
+  EXPECT_EQ(cell.laser.shutters(), 0);
+  GoOnToTheEnd(cell);
+}
+
+TEST_P(TakeUp, AControllerThatWasSwitchedOffLeavesOneWindowUncertain) {
+  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(40));
+  const std::uint64_t armed = cell.Count(PointState::kArmed);
+  cell.PowerCycle(100ms);
+  cell.DieAndTakeUp();
+  GoOnToTheEnd(cell);
+  EXPECT_LE(cell.Count(PointState::kUncertain), armed);
+}
+
+// Whatever a power failure leaves of the records that no arm had waited for, byte by
+// byte.
+TEST_P(TakeUp, AJournalCutAtAnyByteBehindTheLastIntent) {
+  std::size_t cut = 0, last = 1;
+  for (std::size_t taken = 0; taken < last; taken += 151) {
+    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    cell.Grant();
+    ASSERT_TRUE(cell.StepUntilMade(50));
+    cell.Withdraw();
+    cell.StepFor(400ms);
+    cell.DieAndTakeUp([&](const fs::path& file) {
+      const std::size_t size = fs::file_size(file);
+      last = size - OffsetOf(FirstUnconfirmed(*formats::ReadJournal(file)));
+      cut = size - taken;
+      fs::resize_file(file, cut);
+    });
+    SCOPED_TRACE(testing::Message() << "cut at " << cut);
+    GoOnToTheEnd(cell);
+    EXPECT_EQ(cell.Count(PointState::kUncertain), 0u);
+  }
+  EXPECT_GT(last, formats::kJournalRecordSize) << "or the test tests nothing";
+}
+
+// As above, in any order; and even outcomes of long ago are in the controller's memory.
+TEST_P(TakeUp, AnyOutcomesMayBeMissingInTheJournal) {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 12; ++round) {
+    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    cell.Grant();
+    ASSERT_TRUE(cell.StepUntilMade(60));
+    cell.DieAndTakeUp([&](const fs::path& file) {
+      const auto records = formats::ReadJournal(file)->records;
+      for (std::size_t i = 0; i < records.size(); ++i) {
+        if (records[i].kind == JournalKind::kOutcome && random() % 3 == 0) Blank(file, i);
+      }
+    });
+    cell.GrantAnew();
+    ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+    EXPECT_EQ(cell.made(), kPoints);
+    EXPECT_EQ(cell.laser.cracks().size(), kPoints) << "round " << round;
+  }
+}
+
+TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
+  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(50));
+  cell.Withdraw();
+  cell.StepFor(1000ms);
+  const std::uint64_t made = cell.made();
+  cell.DieAndTakeUp();
+  cell.results.clear();
+  GoOnToTheEnd(cell);
+  ASSERT_EQ(cell.results.size(), kPoints - made);
+  for (std::size_t i = 0; i < cell.results.size(); ++i) {
+    EXPECT_EQ(cell.results[i].point, made + i) << "the order is kept";
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::synchronizer
