@@ -31,6 +31,7 @@ class ChildProcess {
   ~ChildProcess();
 
   const std::string& name() const { return command_.name; }
+  const Command& command() const { return command_; }
   pid_t pid() const { return pid_; }
   bool running();
   /// Exit code, or 128 + signal, once it has ended.

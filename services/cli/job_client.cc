@@ -118,6 +118,7 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.rate_hz = status.rate_hz;
   view.revision = status.revision;
   view.speed_percent = status.speed_percent;
+  view.armed = status.armed;
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {
@@ -129,9 +130,8 @@ void JobClient::Take(const intaglio_TaskStatus& status) {
   const std::pair key(std::string(View(status.job_uid)), static_cast<int>(status.stage));
   StageWords& words = words_[key];
   if (status.attempt < words.attempt) return;
-  if (status.attempt > words.attempt) words = {status.attempt, 1, {}, {}};
+  if (status.attempt > words.attempt) words = {status.attempt, 1, {}};
   words.part_count = status.part_count;
-  words.errors[status.part] = View(status.error_code);
   const auto bytes = View(status.outcome);
   StageOutcome outcome;
   if (bytes.empty() ||
@@ -243,7 +243,7 @@ std::optional<StageOutcome> JobClient::OutcomeOf(const std::string& job_uid,
                                                  intaglio_Stage stage) const {
   const auto found = words_.find({job_uid, static_cast<int>(stage)});
   if (found == words_.end()) return std::nullopt;
-  const auto& [attempt, part_count, parts, errors] = found->second;
+  const auto& [attempt, part_count, parts] = found->second;
   if (parts.empty() || parts.size() < part_count) return std::nullopt;
   StageOutcome all = parts.begin()->second;
   for (auto part = std::next(parts.begin()); part != parts.end(); ++part) {
@@ -251,18 +251,6 @@ std::optional<StageOutcome> JobClient::OutcomeOf(const std::string& job_uid,
     AddPart(part->second.discretize(), *all.mutable_discretize());
   }
   return all;
-}
-
-std::string JobClient::ErrorOf(const std::string& job_uid, intaglio_Stage stage) const {
-  const auto found = words_.find({job_uid, static_cast<int>(stage)});
-  if (found == words_.end()) return {};
-  std::string cancelled;
-  for (const auto& [part, error] : found->second.errors) {
-    if (error.empty()) continue;
-    if (error != ErrorCodeName(ErrorCode::kCancelled)) return error;
-    cancelled = error;
-  }
-  return cancelled;
 }
 
 std::vector<ServiceView> JobClient::services() const {

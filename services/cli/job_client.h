@@ -34,6 +34,7 @@ struct JobView {
   double rate_hz = 0;
   std::uint64_t revision = 0;
   std::uint32_t speed_percent = 100;
+  bool armed = false;  ///< the operator's word stands: what is paused goes on by itself
 
   /// Done, failed or cancelled.
   bool ended() const;
@@ -77,9 +78,6 @@ class JobClient {
   /// time of all workers.
   std::optional<StageOutcome> OutcomeOf(const std::string& job_uid,
                                         intaglio_Stage stage) const;
-  /// Error code of the newest words of the stage (ErrorCodeName); empty: none. Of several
-  /// parts that one which others were cancelled for.
-  std::string ErrorOf(const std::string& job_uid, intaglio_Stage stage) const;
   /// Living services.
   std::vector<ServiceView> services() const;
 
@@ -104,7 +102,6 @@ class JobClient {
   struct StageWords {
     std::uint32_t attempt = 0, part_count = 1;
     std::map<std::uint32_t, StageOutcome> outcomes;  // by part
-    std::map<std::uint32_t, std::string> errors;     // by part
   };
   std::map<std::pair<std::string, int>, StageWords> words_;  // by job and stage
   std::map<std::string, ServiceView> services_;

@@ -265,23 +265,6 @@ Status CopyInto(const fs::path& from, const fs::path& to) {
       to.string());
 }
 
-/// The journal of the last attempt: journal-10.bin comes after journal-9.bin.
-fs::path NewestJournal(const fs::path& folder) {
-  fs::path newest;
-  unsigned newest_attempt = 0;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    unsigned attempt = 0;
-    if (std::sscanf(name.c_str(), "journal-%u.bin", &attempt) == 1 &&
-        attempt >= newest_attempt) {
-      newest = entry.path();
-      newest_attempt = attempt;
-    }
-  }
-  return newest;
-}
-
 void AddOutcomes(const ProofInputs& inputs, JobReport& report) {
   if (inputs.discretize) *report.mutable_discretize() = inputs.discretize->discretize();
   if (inputs.sort) *report.mutable_sort() = inputs.sort->sort();
@@ -319,7 +302,7 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
   for (const auto& [from, to] :
        {std::pair{inputs.job_folder / "path.ply", "path.ply"},
         std::pair{inputs.job_folder / "job.json", "job.json"},
-        std::pair{NewestJournal(inputs.job_folder), "journal.bin"}}) {
+        std::pair{inputs.job_folder / "journal.bin", "journal.bin"}}) {
     if (auto copied = CopyInto(from, inputs.folder / to); !copied) {
       return tl::unexpected(copied.error());
     }

@@ -17,7 +17,7 @@ namespace intaglio::cli {
 
 struct ProofInputs {
   std::filesystem::path folder;        ///< where the four files go
-  std::filesystem::path job_folder;    ///< the cell's: job.json, path.ply, journal-N.bin
+  std::filesystem::path job_folder;    ///< the cell's: job.json, path.ply, journal.bin
   std::filesystem::path glass_record;  ///< the machine's own
   std::optional<StageOutcome> discretize, sort, engrave;
   std::vector<std::string> warnings;

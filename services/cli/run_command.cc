@@ -11,8 +11,8 @@
 #include <random>
 
 #include "materials_db/material_store.h"
-#include "services/cli/event_lines.h"
 #include "services/cli/bus_flags.h"
+#include "services/cli/event_lines.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
@@ -29,10 +29,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kSessionFolder = "session";
-constexpr int kMaxResumes = 10;
-constexpr int kResumeTries = 3;  // after one pause
-constexpr auto kResumeTimeout = 2s;
-constexpr auto kPermissionTimeout = 5s;
+constexpr auto kPatience = 20s;  // with a loss
 constexpr auto kCancelTimeout = 10s;
 
 struct RunOptions {
@@ -80,7 +77,8 @@ class RunSession {
   int Follow(ServiceSet& services, JobClient& client, JobView job);
   void Show(const JobView& job);
   void TellEnd(JobClient& client, const JobView& job);
-  bool TryToResume(JobClient& client, const JobView& job);
+  void Say(const std::vector<std::string>& sentences);
+  bool GoesOn(const JobView& job);
   void Cancel(JobClient& client, const JobView& job, const std::string& why);
   int Prove(const JobView& job, const JobClient& client, const ServiceSet& services);
 
@@ -96,7 +94,7 @@ class RunSession {
   std::string started_utc_ = UtcNow();
   Clock::time_point started_ = Clock::now();
   bool cancelled_ = false;
-  int resumes_ = 0;
+  std::optional<Clock::time_point> paused_since_;
   Clock::time_point give_up_ = Clock::time_point::max();
 };
 
@@ -192,33 +190,26 @@ void RunSession::Show(const JobView& job) {
   bars_.Show(job, note);
 }
 
-// A line that was silent for a moment is no reason to spoil a block: what was armed is
-// settled by the controller's counters, so the job may go on. Everything else that pauses
-// a machine is for a person to look at.
-bool RunSession::TryToResume(JobClient& client, const JobView& job) {
+// What was lost is resumed by the job service. Everything else that pauses a machine is
+// for a person to look at, and so is a loss that lasts.
+bool RunSession::GoesOn(const JobView& job) {
+  if (job.state != intaglio_JOB_PAUSED) {
+    paused_since_.reset();
+    return true;
+  }
   // Somebody's own pause (job_permission.cc) ends when they say so.
   if (job.message.starts_with("paused by ")) return true;
-  const std::string error = client.ErrorOf(job.uid, intaglio_STAGE_ENGRAVE);
-  const bool lost = error == ErrorCodeName(ErrorCode::kLinkLost);
-  // No fault: on a busy host a permission that was late for a moment comes by itself.
-  if (!lost && !error.empty()) return false;
-  const auto goes_on = [&] {
-    const intaglio_JobState state = client.jobs().at(job.uid).state;
-    return state != intaglio_JOB_PAUSED || Interrupts() > 0;
-  };
-  if (!lost) return client.PollUntil(goes_on, kPermissionTimeout);
-  bar_.Finish();
-  std::cerr << "paused: " << job.message << "\n";
-  for (int i = 0; i < kResumeTries && resumes_ < kMaxResumes; ++i) {
-    ++resumes_;
-    // A synchronizer on a busy host may not have seen the permission withdrawn, and
-    // waits for a new one: it is withdrawn once more.
-    if (i > 0) (void)client.Command(job, intaglio_COMMAND_PAUSE);
-    (void)client.Command(job, intaglio_COMMAND_RESUME);
-    if (client.PollUntil(goes_on, kResumeTimeout)) return true;
-    if (client.ErrorOf(job.uid, intaglio_STAGE_ENGRAVE) != error) return false;
+  if (!paused_since_) {
+    paused_since_ = Clock::now();
+    bar_.Finish();
+    std::cerr << "paused: " << job.message << "\n";
   }
-  return false;
+  return job.armed && Clock::now() - *paused_since_ < kPatience;
+}
+
+void RunSession::Say(const std::vector<std::string>& sentences) {
+  if (!sentences.empty()) bar_.Finish();
+  for (const std::string& sentence : sentences) std::cerr << sentence << "\n";
 }
 
 void RunSession::Cancel(JobClient& client, const JobView& job, const std::string& why) {
@@ -237,12 +228,13 @@ int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
     job = client.jobs().at(job.uid);
     if (!cancelled_) Show(job);
     if (Interrupts() > 0) Cancel(client, job, "interrupted: the job is cancelled");
-    if (auto alive = services.CheckAlive(); !alive && !fault) {
-      fault = alive.error();
+    const auto revived = services.Revive();
+    if (!revived && !fault) {
+      fault = revived.error();
       Cancel(client, job, "a process has died: the job is cancelled");
     }
-    if (job.state == intaglio_JOB_PAUSED && !fault && !cancelled_ &&
-        !TryToResume(client, job)) {
+    if (revived) Say(*revived);
+    if (!fault && !cancelled_ && !GoesOn(job)) {
       fault = Error{ErrorCode::kFault, job.message, ""};
       Cancel(client, job, "the machine has paused: the job is cancelled");
     }

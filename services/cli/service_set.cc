@@ -27,13 +27,6 @@ std::string RatesOf(const MachineSpec& machine) {
   return text;
 }
 
-Status DiedWith(const ChildProcess& process) {
-  return Fail(ErrorCode::kFault,
-              fmt::format("{} has ended by itself (exit code {}); its last words:\n{}",
-                          process.name(), process.exit_code().value_or(-1),
-                          process.LastOutput()));
-}
-
 struct Expected {
   intaglio_ServiceRole role;
   const char* name;
@@ -172,7 +165,9 @@ Status ServiceSet::AwaitLines() {
   const auto end = std::chrono::steady_clock::now() + kLinesTimeout;
   while (!fs::exists(machine_.laser_line().device()) ||
          !fs::exists(machine_.motion_line().device())) {
-    if (!engraver_.front()->running()) return DiedWith(*engraver_.front());
+    if (!engraver_.front()->running()) {
+      return tl::unexpected(EndOf(*engraver_.front()));
+    }
     if (std::chrono::steady_clock::now() > end) {
       return Fail(ErrorCode::kTimedOut, "the virtual engraver does not open its lines");
     }
@@ -196,27 +191,33 @@ Status ServiceSet::StartService(const ServiceSetOptions& options, const std::str
   if (!bus.security.empty())
     command.arguments.insert(command.arguments.end(), {"--security", bus.security});
   if (options.die_with_parent) command.arguments.push_back("--die-with-parent");
-  auto started = ChildProcess::Start(command);
+  auto started = KeptProcess::Start(command);
   if (!started) return tl::unexpected(started.error());
-  services_.push_back(std::make_unique<ChildProcess>(std::move(*started)));
+  services_.push_back(std::make_unique<KeptProcess>(std::move(*started)));
   return {};
 }
 
-Status ServiceSet::CheckAlive() {
-  for (auto* group : {&engraver_, &services_}) {
-    for (auto& process : *group) {
-      if (!process->running()) return DiedWith(*process);
-    }
+Result<std::vector<std::string>> ServiceSet::Revive() {
+  for (const auto& engraver : engraver_) {
+    if (!engraver->running()) return tl::unexpected(EndOf(*engraver));
   }
-  return {};
+  std::vector<std::string> revived;
+  for (const auto& service : services_) {
+    const auto said = service->Revive(std::chrono::steady_clock::now());
+    if (!said) return tl::unexpected(said.error());
+    if (*said) revived.push_back(**said);
+  }
+  return revived;
 }
 
 Status ServiceSet::AwaitReady(JobClient& client) {
   std::string missing;
   Status alive;
   const auto ready = [&] {
-    alive = CheckAlive();
-    if (!alive) return true;
+    if (const auto revived = Revive(); !revived) {
+      alive = tl::unexpected(revived.error());
+      return true;
+    }
     missing.clear();
     const auto services = client.services();
     for (const Expected& expected : kExpected) {
@@ -236,19 +237,19 @@ Status ServiceSet::AwaitReady(JobClient& client) {
 }
 
 void ServiceSet::Stop() {
-  for (auto& service : services_) service->Terminate();
-  for (auto& service : services_) service->WaitForEnd(4s);
+  for (auto& service : services_) service->process().Terminate();
+  for (auto& service : services_) service->process().WaitForEnd(4s);
   services_.clear();
   engraver_.clear();
 }
 
 std::vector<std::string> ServiceSet::Processes() {
   std::vector<std::string> lines;
-  for (auto* group : {&engraver_, &services_}) {
-    for (auto& process : *group) {
-      lines.push_back(fmt::format("{} {}", process->name(), process->pid()));
-    }
-  }
+  const auto add = [&](const ChildProcess& process) {
+    lines.push_back(fmt::format("{} {}", process.name(), process.pid()));
+  };
+  for (const auto& engraver : engraver_) add(*engraver);
+  for (const auto& service : services_) add(service->process());
   return lines;
 }
 

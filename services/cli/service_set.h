@@ -15,6 +15,7 @@
 #include "services/bus/bus.h"
 #include "services/cli/child_process.h"
 #include "services/cli/job_client.h"
+#include "services/cli/kept_process.h"
 
 namespace CLI {
 class App;
@@ -62,8 +63,9 @@ class ServiceSet {
   /// Until every service has said that it is ready, or kTimedOut with the names of those
   /// that have not; kFault with the last words of one that has died.
   Status AwaitReady(JobClient& client);
-  /// kFault with its last words when a process has ended by itself.
-  Status CheckAlive();
+  /// Starts the services again that have ended by themselves, and says which. kFault with
+  /// its last words when it was the machine, or a service that does so again and again.
+  Result<std::vector<std::string>> Revive();
   /// Ends the services, then the machine, so that the glass has everything.
   void Stop();
   /// "name pid" of each process.
@@ -79,7 +81,7 @@ class ServiceSet {
   std::filesystem::path machine_file_, glass_record_, panel_;
   std::set<std::string> without_;
   std::vector<std::unique_ptr<ChildProcess>> engraver_;  // none or one
-  std::vector<std::unique_ptr<ChildProcess>> services_;
+  std::vector<std::unique_ptr<KeptProcess>> services_;
 };
 
 }  // namespace intaglio::cli

@@ -126,10 +126,12 @@ int Up(const UpOptions& options) {
       << std::flush;
   while (Interrupts() == 0) {
     client.Poll(200ms);
-    if (auto alive = services->CheckAlive(); !alive) {
+    const auto revived = services->Revive();
+    if (!revived) {
       services->Stop();
-      return Complain(alive.error(), kExitMachine);
+      return Complain(revived.error(), kExitMachine);
     }
+    for (const std::string& said : *revived) std::cerr << said << "\n";
   }
   services->Stop();
   return kExitGood;

@@ -217,14 +217,11 @@ TEST_F(ProofFolderTest, WhatIsNotThereOrNotWhatItShouldBeIsNamed) {
   EXPECT_THAT(no_tick.error().message, HasSubstr("no column 'tick'"));
 }
 
-// Attempt 10 comes after attempt 9, which a plain sort of names gets wrong.
-TEST_F(ProofFolderTest, IsMadeFromTheNewestJournalAndReadsBackTheSame) {
+TEST_F(ProofFolderTest, IsMadeFromTheCellsFilesAndReadsBackTheSame) {
   const fs::path cell = folder_ / "cell";
   fs::create_directories(cell);
   WriteJob(cell);
-  WriteJournal(cell / "journal-10.bin");
-  outcomes_.assign(4, PointOutcome::kSkipped);
-  WriteJournal(cell / "journal-9.bin");
+  WriteJournal(cell / "journal.bin");
   formats::PointTable plan;
   plan.points_mm = plan_mm_;
   ASSERT_TRUE(formats::WritePly(cell / "path.ply", plan));

@@ -1,0 +1,45 @@
+#include "services/cli/kept_process.h"
+
+#include <fmt/format.h>
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kMostEnds = 5;
+constexpr auto kWithin = 60s;
+
+}  // namespace
+
+Error EndOf(const ChildProcess& process) {
+  return {
+      ErrorCode::kFault,
+      fmt::format("{} has ended by itself (exit code {}); its last words:\n{}",
+                  process.name(), process.exit_code().value_or(-1), process.LastOutput()),
+      process.name()};
+}
+
+Result<KeptProcess> KeptProcess::Start(const ChildProcess::Command& command) {
+  auto started = ChildProcess::Start(command);
+  if (!started) return tl::unexpected(started.error());
+  return KeptProcess(std::move(*started));
+}
+
+Result<std::optional<std::string>> KeptProcess::Revive(
+    std::chrono::steady_clock::time_point now) {
+  if (process_.running()) return std::optional<std::string>();
+  ends_.push_back(now);
+  while (now - ends_.front() > kWithin) ends_.pop_front();
+  if (ends_.size() >= kMostEnds) return tl::unexpected(EndOf(process_));
+  const int exit_code = process_.exit_code().value_or(-1);
+  auto started = ChildProcess::Start(process_.command());
+  if (!started) return tl::unexpected(started.error());
+  process_ = std::move(*started);
+  return std::optional(
+      fmt::format("{} has ended by itself (exit code {}) and was started "
+                  "again as process {}",
+                  process_.name(), exit_code, process_.pid()));
+}
+
+}  // namespace intaglio::cli
