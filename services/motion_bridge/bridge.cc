@@ -59,8 +59,8 @@ Bridge::Bridge(host::ServiceHost& host, std::string cell,
 void Bridge::Turn(std::chrono::nanoseconds now) {
   driver_->Poll();
   if (driver_->state().taken_over) return;
-  TakeStops();
   TakeBatches();
+  TakeStops();
   // A line full of segments takes the abort as soon as it can.
   if (abort_owed_) abort_owed_ = !driver_->AbortRun();
   if (abort_owed_) return PublishAll(now);
@@ -132,18 +132,18 @@ void Bridge::AbortRun() {
 }
 
 void Bridge::TakeStops() {
-  bool pressed = stop_pressed_;
-  stops_.Take([&](const intaglio_EmergencyStop& stop) { pressed = stop.pressed; });
-  if (pressed && !stop_pressed_) {
+  stops_.Take([this](const intaglio_EmergencyStop& stop) {
+    if (!stop_.Take(stop.pressed, stop.number)) return;
     AbortRun();
     spdlog::warn("emergency stop: the stage brakes");
-  }
-  stop_pressed_ = pressed;
+  });
+  // What came while it was pressed does not begin when it is reset.
+  if (stop_.pressed() && phase_ != Phase::kIdle) AbortRun();
 }
 
 void Bridge::Begin(std::chrono::nanoseconds now) {
   const DriverState& state = driver_->state();
-  if (!state.link_up || stop_pressed_) return;
+  if (!state.link_up) return;
   if (state.fault == intaglio_MOTION_OK && state.at_rest) {
     if (driver_->BeginRun(run_, start_tick_, start_controller_ns_))
       phase_ = Phase::kFeeding;

@@ -20,6 +20,7 @@
 
 #include "services/bus/flow.h"
 #include "services/host/service_host.h"
+#include "services/host/stop_latch.h"
 #include "services/motion_bridge/motion_driver.h"
 
 namespace intaglio::motion_bridge {
@@ -81,7 +82,7 @@ class Bridge {
   std::chrono::nanoseconds next_state_{0};
   std::uint64_t published_number_ = 0;
   std::uint64_t position_number_ = 0;
-  bool stop_pressed_ = false;
+  host::StopLatch stop_;
 };
 
 }  // namespace intaglio::motion_bridge
