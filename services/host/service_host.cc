@@ -13,6 +13,7 @@
 #include <iostream>
 
 #include "services/bus/samples.h"
+#include "services/host/init_system.h"
 #include "services/link/real_time.h"
 
 namespace intaglio::host {
@@ -166,6 +167,7 @@ struct ServiceHost::Impl {
       spdlog::warn("health: {}", written.error().message);
     }
     next_publication = Clock::now() + kHealthPeriod;
+    TellInitAlive();
   }
 
   ServiceDescription description;
@@ -200,10 +202,13 @@ void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_u
                             const std::string& message) {
   if (state == impl_->state && job_uid == impl_->job_uid && message == impl_->message)
     return;
+  const bool began =
+      impl_->state == intaglio_HEALTH_STARTING && state != intaglio_HEALTH_STOPPING;
   impl_->state = state;
   impl_->job_uid = job_uid;
   impl_->message = message;
   impl_->Publish();
+  if (began) TellInitReady(impl_->instance);
 }
 
 void ServiceHost::KeepAlive() {
@@ -261,6 +266,7 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
     spdlog::info("{} starts", host.instance());
     try {
       const int code = body(host);
+      TellInitStopping();
       host.SetHealth(intaglio_HEALTH_STOPPING);
       spdlog::info("ends with exit code {}", code);
       return code;
