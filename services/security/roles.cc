@@ -48,7 +48,8 @@ Role JobService() {
                 {Of(bus::kJobStatus), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
                  Of(bus::kEngraveTask), Of(bus::kModelChunk), Of(bus::kPermission)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kSpeedOverride),
-           Of(bus::kTaskStatus), Of(bus::kServiceHealth), Of(bus::kCredit)}};
+           Of(bus::kTaskStatus), Of(bus::kServiceHealth), Of(bus::kCredit),
+           Of(bus::kEmergencyStop)}};
 }
 
 Role StageWorker() {
