@@ -161,12 +161,15 @@ Result<MachineSpec> ParseMachine(std::string_view text, JobFileFormat format,
 Result<JobSpec> ReadJobFile(const fs::path& path) {
   JobSpec job;
   if (auto read = ReadMessage(path, job); !read) return tl::unexpected(read.error());
-  const fs::path folder = fs::absolute(path).parent_path();
+  ResolveFiles(job, fs::absolute(path).parent_path());
+  return job;
+}
+
+void ResolveFiles(JobSpec& job, const fs::path& folder) {
   NameFontFiles(job);
   ForEachFile(job,
               [&](std::string& file, const std::string&) { MakeAbsolute(file, folder); });
   MakeAbsolute(*job.mutable_machine_file(), folder);
-  return job;
 }
 
 Result<MachineSpec> ReadMachineFile(const fs::path& path) {

@@ -25,6 +25,10 @@ enum class JobFileFormat { kText, kJson };
 /// models and machine file are made absolute: they are relative to the job file's folder.
 Result<JobSpec> ReadJobFile(const std::filesystem::path& path);
 
+/// Paths relative to `folder`, which is absolute, become absolute; families of fonts the
+/// files that this machine has for them.
+void ResolveFiles(JobSpec& job, const std::filesystem::path& folder);
+
 /// Also checks (CheckMachine, all errors in one message, one a line) and fills in the
 /// defaults: nobody should drive a machine from an unchecked profile.
 Result<MachineSpec> ReadMachineFile(const std::filesystem::path& path);

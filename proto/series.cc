@@ -4,7 +4,12 @@
 #include <fmt/ranges.h>
 #include <google/protobuf/descriptor.h>
 
+#include <sstream>
+
+#include "proto/field_path.h"
 #include "proto/field_ranges.h"
+#include "proto/job_check.h"
+#include "proto/job_file.h"
 
 namespace intaglio {
 namespace {
@@ -14,50 +19,46 @@ namespace pb = google::protobuf;
 /// Puts one row's fields into texts.
 class Row {
  public:
-  Row(const formats::CsvTable& table, const formats::CsvRow& row)
-      : table_(table), row_(row) {}
+  Row(const formats::CsvTable& table, const formats::CsvRow& row,
+      std::vector<Error>& errors)
+      : table_(table), row_(row), errors_(errors) {}
 
   /// Every text of the message, at any depth.
-  Status FillIn(pb::Message& message, const std::string& path) {
+  void FillIn(pb::Message& message, const std::string& path) {
     const pb::Descriptor& type = *message.GetDescriptor();
     const pb::Reflection& reflection = *message.GetReflection();
     for (int i = 0; i < type.field_count(); ++i) {
       const pb::FieldDescriptor& field = *type.field(i);
       const std::string here = JoinPath(path, field.name());
-      Status done;
       if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
-        done = FillInMessages(message, field, here);
+        FillInMessages(message, field, here);
       } else if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING &&
                  !field.is_repeated() &&
                  (!field.has_presence() || reflection.HasField(message, &field))) {
-        auto text = FilledIn(reflection.GetString(message, &field), here);
-        if (!text) return tl::unexpected(text.error());
-        reflection.SetString(&message, &field, std::move(*text));
+        reflection.SetString(&message, &field,
+                             FilledIn(reflection.GetString(message, &field), here));
       }
-      if (!done) return done;
     }
-    return {};
   }
 
-  bool used() const { return used_; }
+  /// Columns that were named in a text.
+  const std::set<std::string>& used() const { return used_; }
 
  private:
-  Status FillInMessages(pb::Message& message, const pb::FieldDescriptor& field,
-                        const std::string& path) {
+  void FillInMessages(pb::Message& message, const pb::FieldDescriptor& field,
+                      const std::string& path) {
     const pb::Reflection& reflection = *message.GetReflection();
     if (!field.is_repeated()) {
-      if (!reflection.HasField(message, &field)) return {};
+      if (!reflection.HasField(message, &field)) return;
       return FillIn(*reflection.MutableMessage(&message, &field), path);
     }
     for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
-      const auto done = FillIn(*reflection.MutableRepeatedMessage(&message, &field, k),
-                               fmt::format("{}[{}]", path, k));
-      if (!done) return done;
+      FillIn(*reflection.MutableRepeatedMessage(&message, &field, k),
+             fmt::format("{}[{}]", path, k));
     }
-    return {};
   }
 
-  Result<std::string> FilledIn(const std::string& text, const std::string& path) {
+  std::string FilledIn(const std::string& text, const std::string& path) {
     std::string filled;
     std::size_t at = 0;
     for (;;) {
@@ -70,47 +71,114 @@ class Row {
       const std::string* field = table_.Find(row_, name);
       if (field != nullptr) {
         filled += *field;
-        used_ = true;
-      } else if (name == "n") {
-        filled += "{n}";
-      } else {
-        return Fail(ErrorCode::kNotFound,
-                    fmt::format("{}: the table has no column '{}'; it has: {}", path,
-                                name, fmt::join(table_.names, ", ")),
-                    name);
+        used_.insert(name);
+        continue;
       }
+      filled += fmt::format("{{{}}}", name);
+      if (name == "n") continue;
+      errors_.push_back({ErrorCode::kNotFound,
+                         fmt::format("{}: the table has no column '{}'; it has: {}", path,
+                                     name, fmt::join(table_.names, ", ")),
+                         name});
     }
   }
 
   const formats::CsvTable& table_;
   const formats::CsvRow& row_;
-  bool used_ = false;
+  std::vector<Error>& errors_;
+  std::set<std::string> used_;
 };
+
+/// Sets the columns that are fields by their path, and looks that none takes another's
+/// place.
+void SetColumns(const formats::CsvTable& table, const formats::CsvRow& row,
+                const std::set<std::string>& passed_over, JobSpec& job,
+                std::vector<Error>& errors) {
+  std::vector<std::string> set;
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    const std::string& name = table.names[i];
+    if (passed_over.contains(name) || name.starts_with('#')) continue;
+    if (!BeginsWithField(*JobSpec::descriptor(), name)) {
+      errors.push_back(
+          {ErrorCode::kMissing,
+           fmt::format("column '{0}': is no field of a job, and no text or file name of "
+                       "the job file has {{{0}}} in it: correct it, or call it '#{0}' to "
+                       "have it passed over",
+                       name),
+           name});
+    } else if (!row.fields[i].empty()) {
+      const auto done = SetField(job, name, row.fields[i]);
+      if (done) set.push_back(name);
+      if (!done) errors.push_back(done.error());
+    }
+  }
+  for (const std::string& name : set) {
+    if (IsSet(job, name)) continue;
+    errors.push_back({ErrorCode::kInvalidValue,
+                      fmt::format("{}: excludes another column of this row; leave one of "
+                                  "the two empty",
+                                  name),
+                      name});
+  }
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
 
 }  // namespace
 
+Result<JobSpec> FillRow(const JobSpec& pattern, const formats::CsvTable& table,
+                        const formats::CsvRow& row, const std::filesystem::path& folder,
+                        const std::set<std::string>& passed_over) {
+  std::vector<Error> errors;
+  JobSpec job = pattern;
+  Row fields(table, row, errors);
+  fields.FillIn(job, "");
+  std::set<std::string> others = passed_over;
+  others.insert(fields.used().begin(), fields.used().end());
+  SetColumns(table, row, others, job, errors);
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  ResolveFiles(job, folder);
+  return job;
+}
+
+void TellApart(JobSpec& job, const JobSpec& pattern, const std::string& what) {
+  if (job.name() != pattern.name()) return;
+  job.set_name(job.name() + (job.name().empty() ? "" : " ") + what);
+}
+
 Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern,
-                                        const formats::CsvTable& table) {
+                                        const formats::CsvTable& table,
+                                        const std::filesystem::path& folder) {
   if (table.rows.empty()) {
     return Fail(ErrorCode::kMissing, "the table has no rows: write a piece in each");
   }
   std::vector<JobSpec> jobs;
+  std::vector<Error> errors;
+  std::set<std::string> told;  // also of another row
   for (const formats::CsvRow& row : table.rows) {
-    JobSpec job = pattern;
-    Row fields(table, row);
-    if (auto done = fields.FillIn(job, ""); !done) return tl::unexpected(done.error());
-    if (!fields.used()) {
-      return Fail(ErrorCode::kMissing,
-                  fmt::format("the job names no column of the table, all pieces would be "
-                              "alike: write {{{}}} in a text, a name or a file",
-                              fmt::join(table.names, "} or {")));
+    auto job = FillRow(pattern, table, row, folder);
+    if (job) {
+      TellApart(*job, pattern, std::to_string(jobs.size() + 1));
+      jobs.push_back(std::move(*job));
+      continue;
     }
-    if (job.name() == pattern.name()) {
-      job.set_name(fmt::format("{}{}{}", pattern.name(),
-                               pattern.name().empty() ? "" : " ", jobs.size() + 1));
+    Error error = std::move(job.error());
+    std::string news;
+    for (const std::string& line : Lines(error.message)) {
+      if (!told.insert(line).second) continue;
+      news +=
+          fmt::format("{}line {}: {}", news.empty() ? "" : "\n", row.line_number, line);
     }
-    jobs.push_back(std::move(job));
+    if (news.empty()) continue;
+    error.message = std::move(news);
+    errors.push_back(std::move(error));
   }
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   return jobs;
 }
 

@@ -14,7 +14,6 @@
 #include "proto/model_kind.h"
 #include "proto/model_sources.h"
 #include "proto/options.h"
-#include "proto/series.h"
 #include "services/cli/child_process.h"
 
 namespace intaglio::cli {
@@ -351,32 +350,18 @@ Result<JobAndMachine> BuildJob(const JobFlags& flags) {
   return Build(flags, std::move(*read), nullptr);
 }
 
-Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
-                                               const fs::path& table) {
+Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job) {
+  return Build(flags, std::move(job), nullptr);
+}
+
+Result<JobSpec> ReadPattern(const JobFlags& flags) {
   if (flags.name) {
     return Fail(ErrorCode::kInvalidValue,
                 "--name would be the same for every piece: give the job file a name with "
                 "a column in it",
                 *flags.name);
   }
-  const auto pattern = ReadJob(flags, true);
-  if (!pattern) return tl::unexpected(pattern.error());
-  const auto rows = formats::ReadCsv(table);
-  if (!rows) return tl::unexpected(rows.error());
-  auto jobs = MakeSeries(*pattern, *rows);
-  if (!jobs) return tl::unexpected(jobs.error());
-  std::vector<JobAndMachine> series;
-  for (std::size_t i = 0; i < jobs->size(); ++i) {
-    auto built = Build(flags, std::move((*jobs)[i]), nullptr);
-    if (!built) {
-      Error error = built.error();
-      error.message = fmt::format("{}, line {}: {}", table.string(),
-                                  rows->rows[i].line_number, error.message);
-      return tl::unexpected(std::move(error));
-    }
-    series.push_back(std::move(*built));
-  }
-  return series;
+  return ReadJob(flags, true);
 }
 
 Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags,

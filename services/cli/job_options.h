@@ -52,13 +52,14 @@ struct JobAndMachine {
 /// a line, with the field's path.
 Result<JobAndMachine> BuildJob(const JobFlags& flags);
 
-/// A job for each row of a CSV file, from a job file that names its columns
-/// (proto/series.h); checked like any other.
-Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
-                                               const std::filesystem::path& table);
+/// The same for a job that was read by somebody else: flags, machine, defaults, checks.
+Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job);
 
-/// The same for points that are there already, mm: no model is needed, nor looked for.
-/// Without a block and a model the points decide the block's size.
+/// The job file of a series, as it stands; --name is refused.
+Result<JobSpec> ReadPattern(const JobFlags& flags);
+
+/// As BuildJob, for points that are there already, mm: no model is needed, nor looked
+/// for. Without a block and a model the points decide the block's size.
 Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags, const PointList& points_mm);
 
 /// A supplied machine profile by name ("els-03"), or a file. kNotFound lists the

@@ -12,6 +12,7 @@
 #include "services/cli/event_lines.h"
 #include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
+#include "services/cli/job_series.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/run_command.h"
 #include "services/cli/stage_bars.h"

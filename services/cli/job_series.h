@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "services/cli/job_options.h"
+
+namespace intaglio::cli {
+
+/// A job for each row of a CSV file, from a job file (proto/series.h), checked like any
+/// other. Every mistake of every row is in the error, each with file and line.
+Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
+                                               const std::filesystem::path& table);
+
+/// The message with this before each of its lines.
+Error Prefixed(Error error, const std::string& prefix);
+
+}  // namespace intaglio::cli
