@@ -1,0 +1,256 @@
+#include "tests/integration/campaign/cell_under_fire.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "engrave/formats/glass_record.h"
+#include "engrave/formats/journal_file.h"
+#include "engrave/formats/point_file.h"
+
+namespace intaglio::campaign {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using formats::PointOutcome;
+using testing::Eventually;
+using testing::Program;
+using testing::Running;
+
+constexpr const char* kDomain = "48";
+// A crack within this of a point is the point's; neighbours are ten times as far.
+constexpr double kNearMm = 0.03;
+
+fs::path SourceFolder() { return INTAGLIO_SOURCE_DIR; }
+
+// The published machine, with its lines at the virtual one.
+void WriteProfile(const fs::path& file, const fs::path& laser, const fs::path& motion) {
+  std::ifstream in(SourceFolder() / "deploy/machines/els-03.textproto");
+  std::ofstream out(file);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("laser_line") || line.starts_with("motion_line")) continue;
+    out << line << '\n';
+  }
+  out << "laser_line { protocol: \"virtual-laser\" device: \"" << laser.string()
+      << "\" baud: 115200 }\n"
+      << "motion_line { protocol: \"virtual-stage\" device: \"" << motion.string()
+      << "\" baud: 115200 }\n";
+}
+
+std::size_t SizeOf(const fs::path& file) {
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  return error ? 0 : size;
+}
+
+}  // namespace
+
+CellUnderFire::CellUnderFire(fs::path folder, std::string tag, double speed)
+    : folder_(std::move(folder)), tag_(std::move(tag)) {
+  fs::create_directories(folder_);
+  WriteProfile(folder_ / "machine.textproto", folder_ / "laser", folder_ / "motion");
+  machine_ =
+      std::make_unique<Running>(Program("virtual-engraver"),
+                                std::vector<std::string>{"--laser-line",
+                                                         (folder_ / "laser").string(),
+                                                         "--motion-line",
+                                                         (folder_ / "motion").string(),
+                                                         "--panel",
+                                                         (folder_ / "panel").string(),
+                                                         "--glass-record",
+                                                         (folder_ / "glass.rec").string(),
+                                                         "--rates",
+                                                         "50,100,200",
+                                                         "--warm-up",
+                                                         "0",
+                                                         "--travel-min",
+                                                         "-2,-2,-2",
+                                                         "--travel-max",
+                                                         "172,172,172",
+                                                         "--position-tolerance-um",
+                                                         "30",
+                                                         "--block-size",
+                                                         "50,50,30",
+                                                         "--refractive-index",
+                                                         "1.51947",
+                                                         "--na",
+                                                         "0.2",
+                                                         "--channels",
+                                                         "4",
+                                                         "--speed",
+                                                         std::to_string(speed)},
+                                folder_ / "machine.log");
+  Eventually([this] { return fs::exists(folder_ / "motion"); }, 10s);
+}
+
+CellUnderFire::~CellUnderFire() {
+  if (!shop_) return;
+  shop_->Signal(SIGTERM);
+  shop_->WaitForEnd(20s);
+}
+
+std::vector<std::string> CellUnderFire::OnTheBus(std::vector<std::string> words) const {
+  words.insert(words.end(), {"--domain", kDomain, "--tag", tag_});
+  return words;
+}
+
+bool CellUnderFire::OpenShop() {
+  shop_ = std::make_unique<Running>(
+      Program("intaglio"),
+      OnTheBus({"up", "--real-machine", "--machine",
+                (folder_ / "machine.textproto").string(), "--folder",
+                (folder_ / "shop").string(), "--materials",
+                (folder_ / "materials.db").string()}),
+      folder_ / "shop.log");
+  return Eventually(
+      [this] { return shop_->Output().find("the shop is open") != std::string::npos; },
+      40s);
+}
+
+void CellUnderFire::KillShop() {
+  for (const pid_t process : testing::ProcessesWith({"intaglio-", tag_})) {
+    kill(process, SIGKILL);
+  }
+  shop_->Signal(SIGKILL);
+}
+
+void CellUnderFire::AwaitShopGone() {
+  shop_->WaitForEnd(5s);
+  const auto gone = [this] {
+    return testing::ProcessesWith({"intaglio-", tag_}).empty();
+  };
+  Eventually(gone, 10s);
+}
+
+std::string CellUnderFire::Type(const std::vector<std::string>& words) {
+  Running run(Program("intaglio"), OnTheBus(words),
+              folder_ / ("typed" + std::to_string(++typed_ % 10) + ".txt"));
+  return run.WaitForEnd(60s).output;
+}
+
+bool CellUnderFire::Submit() {
+  const std::string said =
+      Type({"submit", (SourceFolder() / "deploy/jobs/sample.textproto").string(),
+            "--height", "3.2", "--rate", "100", "--machine",
+            (folder_ / "shop/machine.textproto").string(), "--arm"});
+  return said.find("job 1") != std::string::npos;
+}
+
+std::string CellUnderFire::Show() { return Type({"show", "1"}); }
+
+std::string CellUnderFire::Press(const std::string& command) const {
+  // Through the folder's descriptor: a socket's path has room for 107 characters only.
+  const int folder = open(folder_.c_str(), O_PATH | O_DIRECTORY);
+  const std::string path = "/proc/self/fd/" + std::to_string(folder) + "/panel";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+  std::string answer(4096, '\0');
+  ssize_t got = -1;
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      write(fd, (command + "\n").data(), command.size() + 1) > 0) {
+    got = read(fd, answer.data(), answer.size());
+  }
+  close(fd);
+  close(folder);
+  answer.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  return answer;
+}
+
+pid_t CellUnderFire::ProcessOf(const std::string& service) const {
+  const auto found = testing::ProcessesWith({"/" + service, tag_});
+  return found.empty() ? 0 : found.front();
+}
+
+std::size_t CellUnderFire::Cracks() const {
+  const std::size_t size = SizeOf(folder_ / "glass.rec");
+  return size < formats::kGlassHeaderSize
+             ? 0
+             : (size - formats::kGlassHeaderSize) / formats::kGlassRecordSize;
+}
+
+bool CellUnderFire::AwaitCracks(std::size_t count,
+                                std::chrono::milliseconds bound) const {
+  return Eventually([&] { return Cracks() >= count; }, bound);
+}
+
+bool CellUnderFire::AwaitDone(std::chrono::seconds bound) {
+  return AwaitEnd(bound, false);
+}
+
+bool CellUnderFire::AwaitDoneResuming(std::chrono::seconds bound) {
+  return AwaitEnd(bound, true);
+}
+
+bool CellUnderFire::AwaitEnd(std::chrono::seconds bound, bool resuming) {
+  return Eventually(
+      [&] {
+        const std::string shown = Show();
+        if (resuming && shown.find("state      paused") != std::string::npos) {
+          Type({"resume", "1"});
+        }
+        return shown.find("state      done") != std::string::npos;
+      },
+      bound);
+}
+
+fs::path CellUnderFire::JobFolder() const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_ / "shop/jobs", error)) {
+    return entry.path();
+  }
+  return {};
+}
+
+// Written apart from the product's own proof: brute force, and the journal's last word.
+Verdict CellUnderFire::Judge() const {
+  Verdict verdict;
+  const auto path = formats::ReadPly(JobFolder() / "path.ply");
+  const auto journal = formats::ReadJournal(JobFolder() / "journal.bin");
+  const auto glass = formats::ReadGlassRecord(folder_ / "glass.rec");
+  if (!path || !journal || !glass) {
+    verdict.trouble = !path      ? path.error().message
+                      : !journal ? journal.error().message
+                                 : glass.error().message;
+    return verdict;
+  }
+  verdict.points = path->points_mm.size();
+  std::vector<int> cracks(verdict.points, 0);
+  for (const formats::GlassCrack& crack : glass->cracks) {
+    std::size_t nearest = verdict.points;
+    for (std::size_t i = 0; i < verdict.points; ++i) {
+      if ((path->points_mm[i] - crack.position_mm).norm() < kNearMm) nearest = i;
+    }
+    if (nearest == verdict.points) {
+      ++verdict.stray;
+    } else {
+      ++cracks[nearest];
+    }
+  }
+  std::vector<PointOutcome> last(verdict.points, PointOutcome::kNone);
+  std::vector<bool> open(verdict.points, false);
+  for (const formats::JournalRecord& record : journal->records) {
+    if (record.kind == formats::JournalKind::kSession) continue;
+    open.at(record.point) = record.kind == formats::JournalKind::kIntent;
+    if (!open[record.point]) last[record.point] = record.outcome;
+  }
+  for (std::size_t i = 0; i < verdict.points; ++i) {
+    verdict.made += cracks[i] > 0 ? 1 : 0;
+    verdict.doubled += cracks[i] > 1 ? 1 : 0;
+    const bool uncertain = open[i] || last[i] == PointOutcome::kUncertain;
+    verdict.uncertain += uncertain ? 1 : 0;
+    if (!uncertain && formats::IsFired(last[i]) != (cracks[i] > 0)) ++verdict.unknown;
+  }
+  return verdict;
+}
+
+}  // namespace intaglio::campaign

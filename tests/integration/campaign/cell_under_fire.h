@@ -1,0 +1,76 @@
+#pragma once
+
+// A shop and a machine of a campaign's own. The machine is a process apart from the shop,
+// as a real one is: it survives whatever is done to the services, and its glass is the
+// judge.
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/integration/run_program.h"
+
+namespace intaglio::campaign {
+
+/// What glass and journal say after a job, point by point.
+struct Verdict {
+  std::size_t points = 0;
+  std::size_t made = 0;       ///< points with a crack
+  std::size_t doubled = 0;    ///< points with more than one
+  std::size_t stray = 0;      ///< cracks at no point
+  std::size_t unknown = 0;    ///< points of which journal and glass disagree
+  std::size_t uncertain = 0;  ///< points that the journal calls so
+  std::string trouble;        ///< a file that cannot be read; empty: none
+
+  bool good() const {
+    return trouble.empty() && points > 0 && made == points && doubled + stray == 0 &&
+           unknown + uncertain == 0;
+  }
+};
+
+class CellUnderFire {
+ public:
+  /// `speed`: the machine's time against real time.
+  CellUnderFire(std::filesystem::path folder, std::string tag, double speed);
+  ~CellUnderFire();
+
+  /// The shop's services, by `intaglio up`; also again, after all of them were killed.
+  bool OpenShop();
+  /// kill -9 of `intaglio up` and, with it, of every service; they are gone a moment later.
+  void KillShop();
+  void AwaitShopGone();
+  /// A job of about 500 points at 100 Hz, armed.
+  bool Submit();
+  /// State and message as `intaglio show` has them.
+  std::string Show();
+  std::string Type(const std::vector<std::string>& words);
+  /// One line for another on the machine's panel.
+  std::string Press(const std::string& command) const;
+  /// Process of a service, e.g. "intaglio-sorter"; 0: there is none.
+  pid_t ProcessOf(const std::string& service) const;
+  /// Cracks made so far.
+  std::size_t Cracks() const;
+  bool AwaitCracks(std::size_t count, std::chrono::milliseconds bound) const;
+  /// Follows the job until it is done, resuming nothing by itself.
+  bool AwaitDone(std::chrono::seconds bound);
+  /// The same, and an operator who resumes what waits for one.
+  bool AwaitDoneResuming(std::chrono::seconds bound);
+
+  Verdict Judge() const;
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  std::vector<std::string> OnTheBus(std::vector<std::string> words) const;
+  std::filesystem::path JobFolder() const;
+  bool AwaitEnd(std::chrono::seconds bound, bool resuming);
+
+  std::filesystem::path folder_;
+  std::string tag_;
+  std::unique_ptr<testing::Running> machine_, shop_;
+  int typed_ = 0;
+};
+
+}  // namespace intaglio::campaign

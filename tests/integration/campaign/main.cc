@@ -1,0 +1,233 @@
+// Faults by the dozen, at seeded random instants of real jobs through real processes,
+// each in a cell of its own; the glass is held against the journal point by point.
+//
+//   campaign FAULT [--runs N] [--seed S] [--speed N] [--keep]
+//
+// Ends with 0 when no run doubled a point, lost one, or did not come to its end.
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <random>
+
+#include "tests/integration/campaign/cell_under_fire.h"
+
+namespace {
+
+using namespace intaglio;
+using namespace intaglio::campaign;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kPoints = 400;  // a little less than the job has
+constexpr auto kBound = 90s;
+
+double Milliseconds(Clock::duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+/// One run: what was done to the cell, and how long it took until no crack came any more.
+struct Outcome {
+  Verdict verdict;
+  bool done = false;
+  double beam_off_ms = -1;  ///< -1: not asked for
+};
+
+/// Until the glass has been still for longer than anything that is under way takes.
+double StillAfter(const CellUnderFire& cell, Clock::time_point from) {
+  auto last = from;
+  std::size_t cracks = cell.Cracks();
+  while (Clock::now() - last < 700ms && Clock::now() - from < 3s) {
+    const std::size_t now = cell.Cracks();
+    if (now != cracks) {
+      cracks = now;
+      last = Clock::now();
+    }
+    usleep(500);
+  }
+  return Milliseconds(last - from);
+}
+
+using Fault = std::function<void(CellUnderFire&, std::mt19937&, Outcome&)>;
+
+Fault KillOf(const std::string& service) {
+  return [service](CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
+    const pid_t victim = cell.ProcessOf(service);
+    const auto at = Clock::now();
+    if (victim > 0) kill(victim, SIGKILL);
+    // Who is not needed any more costs nothing.
+    const bool matters =
+        service != "intaglio-discretizer" && service != "intaglio-sorter";
+    if (matters) outcome.beam_off_ms = StillAfter(cell, at);
+    outcome.done = cell.AwaitDone(kBound);
+  };
+}
+
+void KillAll(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
+  const auto at = Clock::now();
+  cell.KillShop();
+  outcome.beam_off_ms = StillAfter(cell, at);
+  cell.AwaitShopGone();
+  outcome.done = cell.OpenShop() && cell.AwaitDone(kBound);
+}
+
+/// What a person has to see to: the operator sets it right, and resumes.
+Fault PressAndSetRight(const std::string& wrong, const std::string& right) {
+  return [wrong, right](CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
+    const auto at = Clock::now();
+    cell.Press(wrong);
+    outcome.beam_off_ms = StillAfter(cell, at);
+    const std::size_t cracks = cell.Cracks();
+    cell.Press(right);
+    usleep(1'500'000);
+    if (cell.Cracks() != cracks) {
+      outcome.verdict.trouble = "it went on without a new arm";
+      return;
+    }
+    outcome.done = cell.AwaitDoneResuming(kBound);
+  };
+}
+
+Fault PressForAWhile(const std::string& wrong, const std::string& right) {
+  return [wrong, right](CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
+    cell.Press(wrong);
+    usleep(100'000 + random() % 2'000'000);
+    cell.Press(right);
+    outcome.done = cell.AwaitDone(kBound);
+  };
+}
+
+Fault StopFor(const std::string& service) {
+  return [service](CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
+    const pid_t victim = cell.ProcessOf(service);
+    if (victim > 0) kill(victim, SIGSTOP);
+    usleep(50'000 + random() % 5'000'000);
+    if (victim > 0) kill(victim, SIGCONT);
+    outcome.done = cell.AwaitDone(kBound);
+  };
+}
+
+const std::map<std::string, Fault>& Faults() {
+  static const std::map<std::string, Fault> faults = {
+      {"kill-job-service", KillOf("intaglio-job-service")},
+      {"kill-discretizer", KillOf("intaglio-discretizer")},
+      {"kill-sorter", KillOf("intaglio-sorter")},
+      {"kill-synchronizer", KillOf("intaglio-synchronizer")},
+      {"kill-motion-bridge", KillOf("intaglio-motion-bridge")},
+      {"kill-all", KillAll},
+      {"freeze-synchronizer", StopFor("intaglio-synchronizer")},
+      {"freeze-motion-bridge", StopFor("intaglio-motion-bridge")},
+      {"freeze-job-service", StopFor("intaglio-job-service")},
+      {"emergency-stop", PressAndSetRight("estop press", "estop release")},
+      {"door", PressAndSetRight("door open", "door close")},
+      {"key", PressAndSetRight("key off", "key on")},
+      {"unplug-laser", PressForAWhile("unplug laser", "plug laser")},
+      {"unplug-motion", PressForAWhile("unplug motion", "plug motion")},
+      {"drop-bytes-laser",
+       PressForAWhile("drop-bytes 0.002 laser", "drop-bytes 0 laser")},
+      {"drop-bytes-motion",
+       PressForAWhile("drop-bytes 0.002 motion", "drop-bytes 0 motion")},
+  };
+  return faults;
+}
+
+struct Options {
+  std::string fault;
+  int runs = 3;
+  unsigned seed = 1;
+  double speed = 4;
+  bool keep = false;
+};
+
+Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
+  const auto folder =
+      testing::FreshFolder(fmt::format("campaign-{}-{}", options.fault, getpid()));
+  Outcome outcome;
+  {
+    CellUnderFire cell(folder, fmt::format("campaign-{}-{}", getpid(), run),
+                       options.speed);
+    const std::size_t at = 1 + random() % kPoints;
+    if (!cell.OpenShop() || !cell.Submit() || !cell.AwaitCracks(at, 60s)) {
+      outcome.verdict.trouble = "the job did not begin: " + cell.Show();
+      return outcome;
+    }
+    Faults().at(options.fault)(cell, random, outcome);
+    const std::string trouble = outcome.verdict.trouble;
+    outcome.verdict = cell.Judge();
+    if (!trouble.empty()) outcome.verdict.trouble = trouble;
+    if (!outcome.done) outcome.verdict.trouble += " not done: " + cell.Show();
+  }
+  if (!options.keep && outcome.verdict.good()) std::filesystem::remove_all(folder);
+  return outcome;
+}
+
+int RunCampaign(const Options& options) {
+  std::mt19937 random(options.seed);
+  std::vector<double> beam_off_ms;
+  std::size_t points = 0, made = 0, doubled = 0, stray = 0, unknown = 0, uncertain = 0;
+  int completed = 0, good = 0;
+  for (int run = 0; run < options.runs; ++run) {
+    const Outcome outcome = RunOnce(options, run, random);
+    const Verdict& v = outcome.verdict;
+    points += v.points, made += v.made, doubled += v.doubled, stray += v.stray;
+    unknown += v.unknown, uncertain += v.uncertain;
+    completed += outcome.done ? 1 : 0;
+    good += v.good() ? 1 : 0;
+    if (outcome.beam_off_ms >= 0) beam_off_ms.push_back(outcome.beam_off_ms);
+    if (!v.good()) {
+      std::cerr << fmt::format(
+          "seed {}, run {}: {} of {} made, {} doubled, {} stray, {} "
+          "unknown, {} uncertain; {}\n",
+          options.seed, run, v.made, v.points, v.doubled, v.stray, v.unknown, v.uncertain,
+          v.trouble);
+    }
+  }
+  std::sort(beam_off_ms.begin(), beam_off_ms.end());
+  const std::string off =
+      beam_off_ms.empty()
+          ? "-"
+          : fmt::format("{:.0f} / {:.0f}", beam_off_ms[beam_off_ms.size() / 2],
+                        beam_off_ms.back());
+  std::cout << fmt::format("| {} | {} | {} | {} of {} | {} | {} | {} | {} | {} |\n",
+                           options.fault, options.runs, completed, made, points, doubled,
+                           stray, unknown, uncertain, off);
+  return good == options.runs ? 0 : 1;
+}
+
+int Usage() {
+  std::cerr
+      << "campaign FAULT [--runs N] [--seed S] [--speed N] [--keep], a row of\n"
+         "| fault | runs | completed | made | doubled | stray | unknown | uncertain "
+         "| last crack after, ms (median / most) |\nFAULT:";
+  for (const auto& [name, fault] : Faults()) std::cerr << ' ' << name;
+  std::cerr << '\n';
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--keep") {
+      options.keep = true;
+    } else if (word.starts_with("--") && i + 1 < argc) {
+      const double value = std::strtod(argv[++i], nullptr);
+      if (word == "--runs") options.runs = static_cast<int>(value);
+      if (word == "--seed") options.seed = static_cast<unsigned>(value);
+      if (word == "--speed") options.speed = value;
+    } else {
+      options.fault = word;
+    }
+  }
+  if (!Faults().contains(options.fault) || options.runs < 1) return Usage();
+  return RunCampaign(options);
+}
