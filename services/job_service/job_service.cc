@@ -97,7 +97,7 @@ void JobService::Turn(Nanoseconds now) {
   }
   queue_.Turn(now);
   seen_.Note();
-  permissions_.Publish(queue_.Permissions(now), now);
+  permissions_.Decide(queue_.Permissions(now));
 }
 
 void JobService::TakeTasks(Nanoseconds now) {

@@ -8,6 +8,7 @@
 namespace {
 
 using namespace intaglio;
+using namespace std::chrono_literals;
 
 int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options) {
   const auto now = [] { return std::chrono::steady_clock::now().time_since_epoch(); };
@@ -21,7 +22,7 @@ int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options
     if (only.MustEnd()) return only.EndAsSecond("job service");
     service.Turn(now());
     host.KeepAlive();
-    loop.Wait({}, job_service::PermissionKeeper::kPeriod / 2);
+    loop.Wait({}, 20ms);
   }
   return 0;
 }

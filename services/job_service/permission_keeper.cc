@@ -6,7 +6,21 @@
 
 namespace intaglio::job_service {
 
+PermissionKeeper::PermissionKeeper(bus::Bus& bus)
+    : bus_(bus), repeating_([this](const std::stop_token& stop) { Repeat(stop); }) {}
+
+void PermissionKeeper::Repeat(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    if (std::chrono::steady_clock::now() - decided_at_ < kPatience) {
+      for (auto& [name, cell] : cells_) Write(cell);
+    }
+    ends_.wait_for(lock, stop, kPeriod, [] { return false; });
+  }
+}
+
 void PermissionKeeper::Open(const std::string& cell) {
+  const std::lock_guard lock(mutex_);
   if (cells_.contains(cell)) return;
   Cell& opened =
       cells_
@@ -22,6 +36,7 @@ void PermissionKeeper::Open(const std::string& cell) {
 }
 
 std::vector<std::pair<std::string, bool>> PermissionKeeper::TakeStops() {
+  const std::lock_guard lock(mutex_);
   std::vector<std::pair<std::string, bool>> pressed;
   for (auto& [name, cell] : cells_) {
     cell.stops.Take([&cell = cell](const intaglio_EmergencyStop& stop) {
@@ -32,10 +47,9 @@ std::vector<std::pair<std::string, bool>> PermissionKeeper::TakeStops() {
   return pressed;
 }
 
-void PermissionKeeper::Publish(const std::vector<PermissionView>& permissions,
-                               Nanoseconds now) {
-  const bool due = now >= next_;
-  if (due) next_ = now + kPeriod;
+void PermissionKeeper::Decide(const std::vector<PermissionView>& permissions) {
+  const std::lock_guard lock(mutex_);
+  decided_at_ = std::chrono::steady_clock::now();
   for (auto& [name, cell] : cells_) {
     PermissionView wanted = cell.told;
     wanted.granted = false;
@@ -47,7 +61,7 @@ void PermissionKeeper::Publish(const std::vector<PermissionView>& permissions,
         wanted.grant != cell.told.grant || wanted.renewal != cell.told.renewal ||
         wanted.speed_percent != cell.told.speed_percent;
     cell.told = wanted;
-    if (changed || due) Write(cell);
+    if (changed) Write(cell);
   }
 }
 

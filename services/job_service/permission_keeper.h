@@ -2,12 +2,20 @@
 
 // Keeps the permission of every cell fresh on the safety profile: granted or not, every
 // cell that ever had a job is told every kPeriod. Silence means no permission as well.
+//
+// A cell stops firing after 90 ms of silence, and the thread that decides may wait longer
+// than that for its disk. So a thread of this class repeats what was decided, as long as
+// it was decided anew within kPatience: a job service that hangs is a silent one.
 // Used from one thread.
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <map>
+#include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -19,17 +27,18 @@ namespace intaglio::job_service {
 
 class PermissionKeeper {
  public:
-  static constexpr std::chrono::milliseconds kPeriod{50};
+  static constexpr std::chrono::milliseconds kPeriod{20};
+  static constexpr std::chrono::milliseconds kPatience{1000};
 
-  explicit PermissionKeeper(bus::Bus& bus) : bus_(bus) {}
+  explicit PermissionKeeper(bus::Bus& bus);
 
   /// A cell that will need it: its synchronizer has time to find the writer.
   void Open(const std::string& cell);
-  /// Publishes a cell at once when its permission has changed, and all when it is time. A
-  /// cell that is not in `permissions` has no job and gets none.
   /// What was heard of the emergency stops: every open cell, and whether it is pressed.
   std::vector<std::pair<std::string, bool>> TakeStops();
-  void Publish(const std::vector<PermissionView>& permissions, Nanoseconds now);
+  /// What is to be repeated from now on; told at once when it is another. A cell that is
+  /// not in `permissions` has no job and gets none.
+  void Decide(const std::vector<PermissionView>& permissions);
 
  private:
   struct Cell {
@@ -40,10 +49,14 @@ class PermissionKeeper {
     std::uint64_t number = 0;
   };
   void Write(Cell& cell);
+  void Repeat(const std::stop_token& stop);
 
   bus::Bus& bus_;
+  std::mutex mutex_;  // of what follows
   std::map<std::string, Cell> cells_;
-  Nanoseconds next_{0};
+  std::chrono::steady_clock::time_point decided_at_;
+  std::condition_variable_any ends_;
+  std::jthread repeating_;
 };
 
 }  // namespace intaglio::job_service

@@ -21,8 +21,8 @@ using bus::View;
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-// Permission is written every 50 ms; a lost sample or a busy host is no withdrawal yet.
-constexpr auto kPermissionLease = 250ms;
+// Permission is written every 20 ms; a lost sample or two is no withdrawal yet.
+constexpr auto kPermissionLease = 90ms;
 constexpr auto kMotionLease = 500ms;
 
 constexpr const char* kPathFile = "path.ply";
@@ -151,7 +151,7 @@ void Synchronizer::TakeTasks() {
       if (!ours || task.attempt != attempt_) return;
       cancelled_ = true;
       if (engraving_) {
-        engraving_->Stop("the job was cancelled");
+        engraving_->Stop("the job was cancelled", task.take_up);
       } else {
         EndTask(intaglio_TASK_FAILED, "cancelled", "the job was cancelled");
       }

@@ -133,10 +133,21 @@ Status Finish(Options& o) {
   return {};
 }
 
-void WaitFor(const Machine& machine, const Panel* panel, std::chrono::nanoseconds time) {
+// A host that closes its port is a lost line, before any silence tells.
+void TakeHangUps(Machine& machine, Plugs& plugs) {
+  if (plugs.laser && plugs.laser->HostHasGone()) {
+    machine.PlugLaserLine(plugs.laser->MachineEnd());
+  }
+  if (plugs.motion && plugs.motion->HostHasGone()) {
+    machine.PlugMotionLine(plugs.motion->MachineEnd());
+  }
+}
+
+void WaitFor(const Plugs& plugs, const Panel* panel, std::chrono::nanoseconds time) {
   std::vector<pollfd> fds;
-  for (const int fd : {machine.laser_fd(), machine.motion_fd()}) {
-    if (fd >= 0) fds.push_back({fd, POLLIN, 0});
+  for (const auto* line : {&plugs.laser, &plugs.motion}) {
+    // A line without a host is ready at any time.
+    if (*line && (*line)->host_there()) fds.push_back({(*line)->fd(), POLLIN, 0});
   }
   if (panel != nullptr) {
     for (const int fd : panel->fds()) fds.push_back({fd, POLLIN, 0});
@@ -174,6 +185,7 @@ int Serve(Options& options) {
   std::cout << "ready laser=" << options.laser_line << " motion=" << options.motion_line
             << std::endl;
   while (stop_asked == 0 && !commands.quit()) {
+    TakeHangUps(machine, plugs);
     const auto idle = machine.Turn();
     std::erase_if(faults, [&](const ScheduledFault& fault) {
       if (machine.laser().tick() < fault.tick) return false;
@@ -183,7 +195,7 @@ int Serve(Options& options) {
     });
     if (panel)
       panel->Poll([&](const std::string& command) { return commands.Do(command); });
-    if (idle.count() > 0) WaitFor(machine, panel ? &*panel : nullptr, idle);
+    if (idle.count() > 0) WaitFor(plugs, panel ? &*panel : nullptr, idle);
   }
   machine.laser().EnterSafeState();
   const auto flushed = machine.glass().Flush();

@@ -2,8 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <pty.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -23,12 +23,18 @@ struct PtyLine::Loss {
 
 namespace {
 
+bool HostThere(int master) {
+  pollfd line{master, 0, 0};
+  return poll(&line, 1, 0) >= 0 && (line.revents & POLLHUP) == 0;
+}
+
 class LossyStream final : public link::ByteStream {
  public:
   LossyStream(std::unique_ptr<link::ByteStream> inner, std::function<bool()> loses)
       : inner_(std::move(inner)), loses_(std::move(loses)) {}
 
   Result<std::size_t> Read(std::span<std::byte> buffer) override {
+    if (!HostThere(inner_->fd())) return std::size_t{0};
     auto got = inner_->Read(buffer);
     if (!got) return got;
     std::size_t kept = 0;
@@ -37,7 +43,9 @@ class LossyStream final : public link::ByteStream {
     }
     return kept;
   }
+  // Nobody listens: the bytes leave the machine all the same.
   Result<std::size_t> Write(std::span<const std::byte> bytes) override {
+    if (!HostThere(inner_->fd())) return bytes.size();
     return inner_->Write(bytes);
   }
   int fd() const override { return inner_->fd(); }
@@ -63,13 +71,12 @@ Result<PtyLine> PtyLine::Open(const std::filesystem::path& link_path,
   line.name_ = name;
   line.loss_ = std::make_shared<Loss>();
   std::array<char, 256> device{};
-  termios settings{};
-  cfmakeraw(&settings);
-  if (openpty(&line.master_, &line.held_slave_, device.data(), &settings, nullptr) != 0) {
+  int slave = -1;
+  if (openpty(&line.master_, &slave, device.data(), nullptr, nullptr) != 0) {
     return CannotOpen(link_path, std::strerror(errno));
   }
+  close(slave);
   fcntl(line.master_, F_SETFD, FD_CLOEXEC);
-  fcntl(line.held_slave_, F_SETFD, FD_CLOEXEC);
   std::error_code error;
   if (std::filesystem::is_symlink(link_path)) std::filesystem::remove(link_path, error);
   std::filesystem::create_symlink(device.data(), link_path, error);
@@ -81,14 +88,14 @@ PtyLine::PtyLine(PtyLine&& other) noexcept
     : link_path_(std::exchange(other.link_path_, {})),
       name_(std::move(other.name_)),
       master_(std::exchange(other.master_, -1)),
-      held_slave_(std::exchange(other.held_slave_, -1)),
+      host_was_there_(other.host_was_there_),
       loss_(std::move(other.loss_)) {}
 
 PtyLine& PtyLine::operator=(PtyLine&& other) noexcept {
   std::swap(link_path_, other.link_path_);
   std::swap(name_, other.name_);
   std::swap(master_, other.master_);
-  std::swap(held_slave_, other.held_slave_);
+  std::swap(host_was_there_, other.host_was_there_);
   std::swap(loss_, other.loss_);
   return *this;
 }
@@ -96,8 +103,14 @@ PtyLine& PtyLine::operator=(PtyLine&& other) noexcept {
 PtyLine::~PtyLine() {
   std::error_code error;
   if (!link_path_.empty()) std::filesystem::remove(link_path_, error);
-  if (held_slave_ >= 0) close(held_slave_);
   if (master_ >= 0) close(master_);
+}
+
+bool PtyLine::host_there() const { return HostThere(master_); }
+
+bool PtyLine::HostHasGone() {
+  const bool was = std::exchange(host_was_there_, host_there());
+  return was && !host_was_there_;
 }
 
 std::unique_ptr<link::ByteStream> PtyLine::MachineEnd() {

@@ -1,7 +1,8 @@
 #pragma once
 
-// A serial line as a pseudo-terminal: the host opens the symbolic link. The host's side
-// is held open here, too, so that the death of a host is silence and not a hang-up.
+// A serial line as a pseudo-terminal: the host opens the symbolic link. When it closes
+// its port, or dies, the machine is told at once, as by a line's DTR; a host that hangs,
+// and a cable that breaks, are silence.
 
 #include <filesystem>
 #include <memory>
@@ -25,6 +26,10 @@ class PtyLine {
   /// Of every byte that comes in, this share is lost, 0..1; drawn from `seed`.
   void DropBytes(double ratio, unsigned seed);
   int fd() const { return master_; }
+  /// A host has its end open.
+  bool host_there() const;
+  /// True once each time when the host has gone.
+  bool HostHasGone();
 
  private:
   PtyLine() = default;
@@ -32,7 +37,7 @@ class PtyLine {
   std::filesystem::path link_path_;
   std::string name_;
   int master_ = -1;
-  int held_slave_ = -1;
+  bool host_was_there_ = false;
   std::shared_ptr<Loss> loss_;
 };
 
