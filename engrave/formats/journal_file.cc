@@ -50,7 +50,7 @@ std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
   const auto point = Get<std::uint32_t>(bytes, 16);
   if (!CrcHolds(bytes) || (!of_point && kind != JournalKind::kSession) ||
       (of_point && point >= header.point_count) ||
-      bytes[1] > static_cast<std::byte>(PointOutcome::kUncertain)) {
+      bytes[1] > static_cast<std::byte>(PointOutcome::kLeftOut)) {
     return std::nullopt;
   }
   return JournalRecord{kind,

@@ -52,6 +52,7 @@ enum class PointOutcome : std::uint8_t {
   kMissed = 2,     ///< fired, and no crack was seen
   kSkipped = 3,    ///< not fired; may be tried again
   kUncertain = 4,  ///< nobody knows; never fired again by itself
+  kLeftOut = 5,    ///< not fired, and never will be: the operator's word
 };
 
 /// A crack was tried: such a point is never fired again.

@@ -119,6 +119,8 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.revision = status.revision;
   view.speed_percent = status.speed_percent;
   view.armed = status.armed;
+  view.last_command = status.last_command;
+  view.last_speed = status.last_speed;
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {
@@ -201,15 +203,18 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   return *found;
 }
 
-Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind) {
+Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind,
+                          std::uint32_t from_point) {
   if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
   const std::string name = OperatorName();
   intaglio_JobCommand sample{};
   sample.job_uid = Borrow(job.uid);
   sample.epoch = job.epoch;
-  // Grows from command to command also over several clients of one machine.
-  sample.number = static_cast<std::uint64_t>(SteadyNs());
+  // One more than the job service has seen, whichever host's it was.
+  sample.number = std::max(job.last_command, told_[job.uid]) + 1;
+  told_[job.uid] = sample.number;
   sample.kind = kind;
+  sample.from_point = from_point;
   sample.operator_name = Borrow(name);
   return commands_->commands.Write(sample);
 }
@@ -220,7 +225,8 @@ Status JobClient::SetSpeed(const JobView& job, std::uint32_t speed_percent) {
   intaglio_SpeedOverride sample{};
   sample.job_uid = Borrow(job.uid);
   sample.epoch = job.epoch;
-  sample.number = static_cast<std::uint64_t>(SteadyNs());
+  sample.number = std::max(job.last_speed, told_speed_[job.uid]) + 1;
+  told_speed_[job.uid] = sample.number;
   sample.speed_percent = speed_percent;
   sample.operator_name = Borrow(name);
   return commands_->speeds.Write(sample);

@@ -34,6 +34,7 @@ struct JobView {
   double rate_hz = 0;
   std::uint64_t revision = 0;
   std::uint32_t speed_percent = 100;
+  std::uint64_t last_command = 0, last_speed = 0;  ///< numbers taken last
   bool armed = false;  ///< the operator's word stands: what is paused goes on by itself
 
   /// Done, failed or cancelled.
@@ -67,7 +68,9 @@ class JobClient {
   /// The job as the job service took it; kRefused with its reasons; kTimedOut when no
   /// job service answers.
   Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout);
-  Status Command(const JobView& job, intaglio_JobCommandKind kind);
+  /// `from_point`, of a resume: open points before that place in the order are left out.
+  Status Command(const JobView& job, intaglio_JobCommandKind kind,
+                 std::uint32_t from_point = 0);
   Status SetSpeed(const JobView& job, std::uint32_t speed_percent);
 
   /// By uid; of the last revision seen.
@@ -103,6 +106,7 @@ class JobClient {
     std::uint32_t attempt = 0, part_count = 1;
     std::map<std::uint32_t, StageOutcome> outcomes;  // by part
   };
+  std::map<std::string, std::uint64_t> told_, told_speed_;   // newest numbers, by job
   std::map<std::pair<std::string, int>, StageWords> words_;  // by job and stage
   std::map<std::string, ServiceView> services_;
 };

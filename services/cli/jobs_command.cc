@@ -32,6 +32,7 @@ struct JobsOptions {
   std::string uid;
   std::string percent;
   std::string series;
+  std::uint32_t from_point = 0;
   bool arm = false;
   bool watch = false;
   bool events = false;
@@ -78,18 +79,20 @@ bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
 }
 
 int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind,
-               std::ostream& out) {
+               std::ostream& out, std::uint32_t from_point = 0) {
   if (job.ended()) {
     return Complain(
         {ErrorCode::kRefused,
          fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
         kExitWrongInput);
   }
-  if (auto sent = client.Command(job, kind); !sent) {
+  if (auto sent = client.Command(job, kind, from_point); !sent) {
     return Complain(sent.error(), kExitInternal);
   }
-  const auto changed = [&] { return client.jobs().at(job.uid).revision != job.revision; };
-  if (!client.PollUntil(changed, kAnswerTime)) {
+  const auto taken = [&] {
+    return client.jobs().at(job.uid).last_command > job.last_command;
+  };
+  if (!client.PollUntil(taken, kAnswerTime)) {
     return Complain({ErrorCode::kTimedOut,
                      "the job service did not answer within 5 s: is it running?", ""},
                     kExitInternal);
@@ -295,14 +298,16 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
                        return Watch(client, job.uid, *options);
                      }),
                 options->events);
-  const auto command = [](intaglio_JobCommandKind kind) {
-    return [kind](JobClient& client, const JobView& job) {
-      return CommandJob(client, job, kind, std::cout);
+  const auto command = [options](intaglio_JobCommandKind kind) {
+    return [kind, options](JobClient& client, const JobView& job) {
+      return CommandJob(client, job, kind, std::cout, options->from_point);
     };
   };
   add("arm", "you stand at the machine: the job may fire", command(intaglio_COMMAND_ARM));
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
-  add("resume", "go on at the first point not made", command(intaglio_COMMAND_RESUME));
+  add("resume", "go on at the first point not made", command(intaglio_COMMAND_RESUME))
+      ->add_option("--from", options->from_point,
+                   "leave out what is not made before this place in the order, from 0");
   add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
 
   CLI::App* speed =

@@ -88,8 +88,9 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
     const bool crack = glass.cracks_of_point[i] > 0;
     const bool made = said.outcome == PointOutcome::kMade;
     if (crack && made) continue;
-    const bool never_tried =
-        said.outcome == PointOutcome::kSkipped || said.outcome == PointOutcome::kNone;
+    const bool never_tried = said.outcome == PointOutcome::kSkipped ||
+                             said.outcome == PointOutcome::kLeftOut ||
+                             said.outcome == PointOutcome::kNone;
     if (!crack && never_tried && !said.open_intent) {
       ++skipped;
     } else if (!crack && said.outcome == PointOutcome::kMissed) {

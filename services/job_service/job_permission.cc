@@ -68,6 +68,7 @@ void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) 
                               job.cell));
   }
   job.operator_name = command.operator_name;
+  job.first_point = std::max(job.first_point, command.from_point);
   job.losses = 0;
   job.armed = true;
   job.armed_at = std::max(now, job.withdrawn_at + kHold);
@@ -136,7 +137,8 @@ std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {
     // Every arm is a command, and commands are numbered and kept over a restart; the arm
     // of a submission comes before them.
     permissions.push_back({job.cell, uid, job.epoch, granted, job.operator_name,
-                           job.speed_percent, job.last_command + 1, job.renewal});
+                           job.speed_percent, job.last_command + 1, job.renewal,
+                           job.first_point});
   }
   return permissions;
 }

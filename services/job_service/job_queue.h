@@ -74,6 +74,7 @@ struct CommandView {
   std::uint64_t number = 0;
   intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
   std::string operator_name;
+  std::uint32_t from_point = 0;
 };
 
 /// SpeedOverride.
@@ -109,6 +110,7 @@ struct PermissionView {
   std::string operator_name;
   std::uint32_t speed_percent = 100;
   std::uint64_t grant = 0, renewal = 0;
+  std::uint32_t first_point = 0;
 };
 
 /// Chains of a job that may break before it is given up.

@@ -139,6 +139,7 @@ void JobService::TakeCommands(Nanoseconds now) {
     command.number = sample.number;
     command.kind = sample.kind;
     command.operator_name = View(sample.operator_name);
+    command.from_point = sample.from_point;
     if (queue_.Take(command, now)) {
       store_.KeepCommand(command);
       spdlog::info("job {}: command {} of {}", command.job_uid,
@@ -259,6 +260,8 @@ void JobService::Publish(const JobRecord& job) {
   sample.revision = job.revision;
   sample.speed_percent = job.speed_percent;
   sample.armed = job.armed;
+  sample.last_command = job.last_command;
+  sample.last_speed = job.last_speed;
   if (auto written = statuses_.Write(sample); !written) {
     spdlog::warn("status of job {}: {}", job.uid, written.error().message);
   }

@@ -76,6 +76,7 @@ void PermissionKeeper::Write(Cell& cell) {
   sample.speed_percent = cell.told.speed_percent;
   sample.grant = cell.told.grant;
   sample.renewal = cell.told.renewal;
+  sample.first_point = cell.told.first_point;
   if (auto written = cell.writer.Write(sample); !written) {
     spdlog::warn("permission of {}: {}", cell.told.cell, written.error().message);
   }

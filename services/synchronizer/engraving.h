@@ -62,6 +62,7 @@ struct EngravingInputs {
   Grant grant;  ///< of this job; granted or withdrawn
   bool stop_pressed = false;
   std::uint32_t speed_percent = 100;  ///< override, 10..100
+  std::uint32_t first_point = 0;      ///< open points before it are left out
   MotionView motion;
   /// Of a controller with a clock of its own; lives as long as the Engraving.
   MotionClock* motion_clock = nullptr;
@@ -131,6 +132,7 @@ class Engraving {
   void TurnChain(const EngravingInputs& inputs);
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
+  void LeaveOutBefore(std::uint32_t point);
   void StartRun(const EngravingInputs& inputs);
   void Run(const EngravingInputs& inputs);
   void DecideTicks(const EngravingInputs& inputs);
@@ -177,6 +179,7 @@ class Engraving {
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
   bool stopping_ = false;
+  std::uint32_t left_out_before_ = 0;
   bool taken_up_ = false;      // from an earlier life
   bool session_told_ = false;  // to the journal
   std::uint32_t run_ = 0;

@@ -36,6 +36,8 @@ void Engraving::TakeUp() {
     if (history.open_intent) {
       ledger_.Arm(point);
       armed.push_back({history.tick, point});
+    } else if (history.outcome == PointOutcome::kLeftOut) {
+      ledger_.LeaveOut(point);
     } else if (history.outcome != PointOutcome::kNone) {
       ledger_.Arm(point);
       ledger_.Resolve(point, history.outcome);

@@ -17,6 +17,7 @@ PointState StateAfter(formats::PointOutcome outcome) {
       return PointState::kSkipped;
     case formats::PointOutcome::kUncertain:
       return PointState::kUncertain;
+    case formats::PointOutcome::kLeftOut:
     case formats::PointOutcome::kNone:
       break;
   }
@@ -32,6 +33,14 @@ std::optional<std::uint32_t> PointLedger::NextOpen(std::uint32_t from) const {
     }
   }
   return std::nullopt;
+}
+
+void PointLedger::LeaveOut(std::uint32_t point) {
+  const PointState before = states_.at(point);
+  Require(before == PointState::kPlanned || before == PointState::kSkipped,
+          "point {} is in state {} and cannot be left out", point,
+          static_cast<int>(before));
+  Move(point, PointState::kLeftOut);
 }
 
 void PointLedger::Arm(std::uint32_t point) {

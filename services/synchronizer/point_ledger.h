@@ -7,7 +7,8 @@
 //      |                  |   \--nobody knows-----> kUncertain
 //      +--new run-- kSkipped <--not fired
 //
-// kMade, kMissed and kUncertain are ends: such a point is never armed again.
+// kMade, kMissed, kUncertain and kLeftOut, which a planned or skipped point becomes by
+// the operator's word, are ends: such a point is never armed again.
 
 #include <cstdint>
 #include <optional>
@@ -24,6 +25,7 @@ enum class PointState : std::uint8_t {
   kMissed,
   kSkipped,
   kUncertain,
+  kLeftOut,
 };
 
 class PointLedger {
@@ -50,13 +52,15 @@ class PointLedger {
 
   /// Throws PreconditionError unless the point is planned or skipped.
   void Arm(std::uint32_t point);
+  /// For good, by the operator's word. Throws unless the point is planned or skipped.
+  void LeaveOut(std::uint32_t point);
   /// Throws PreconditionError unless the point is armed; `outcome` is not kNone.
   void Resolve(std::uint32_t point, formats::PointOutcome outcome);
 
  private:
   void Move(std::uint32_t point, PointState to);
   std::vector<PointState> states_;
-  std::uint64_t counts_[6] = {};
+  std::uint64_t counts_[7] = {};
   std::uint32_t ended_below_ = 0;
 };
 

@@ -23,6 +23,7 @@ intaglio_PulseOutcome WireOutcome(PointOutcome outcome) {
     case PointOutcome::kUncertain:
       return intaglio_PULSE_UNCERTAIN;
     case PointOutcome::kSkipped:
+    case PointOutcome::kLeftOut:
     case PointOutcome::kNone:
       break;
   }

@@ -23,6 +23,7 @@ enum class SkipReason : std::uint8_t {
   kPosition,
   kLate,
   kLink,
+  kLeftOut,
 };
 
 /// What became of one armed point.

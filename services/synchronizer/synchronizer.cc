@@ -203,6 +203,7 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
         permission_granted_ = sample.granted;
         permission_epoch_ = sample.epoch;
         permission_grant_ = {sample.grant, sample.renewal};
+        first_point_ = sample.first_point;
         permission_job_ = View(sample.job_uid);
         speed_percent_ = std::clamp(sample.speed_percent, 10u, 100u);
       });
@@ -358,6 +359,7 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
       permission_epoch_ == job_->epoch() && permission_job_ == job_->job_uid();
   inputs.permission_granted = permission_granted_ && ours;
   if (ours) inputs.grant = permission_grant_;
+  if (ours) inputs.first_point = first_point_;
   inputs.stop_pressed = stop_.pressed();
   inputs.speed_percent = permission_job_ == job_->job_uid() ? speed_percent_ : 100;
   inputs.motion = motion_view_;
@@ -402,7 +404,8 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_made_count(ledger.count(PointState::kMade));
   outcome.set_missed_count(ledger.count(PointState::kMissed));
   outcome.set_skipped_count(ledger.count(PointState::kSkipped) +
-                            ledger.count(PointState::kPlanned));
+                            ledger.count(PointState::kPlanned) +
+                            ledger.count(PointState::kLeftOut));
   outcome.set_uncertain_count(ledger.count(PointState::kUncertain) +
                               ledger.count(PointState::kArmed));
   outcome.set_estimate_ticks(estimate_ticks_);

@@ -109,6 +109,7 @@ class Synchronizer {
   bool permission_granted_ = false;
   std::uint64_t permission_epoch_ = 0;
   Grant permission_grant_;
+  std::uint32_t first_point_ = 0;
   std::string permission_job_;
   std::uint32_t speed_percent_ = 100;
   host::StopLatch stop_;

@@ -155,6 +155,28 @@ TEST_P(TakeUp, AnyOutcomesMayBeMissingInTheJournal) {
   }
 }
 
+// Also in a later life they stay left out.
+TEST_P(TakeUp, WhatTheOperatorLeavesOutIsNeverFired) {
+  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  cell.lockstep_ticks_a_step = 1;
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(20));
+  cell.Withdraw();
+  cell.StepFor(1000ms);
+  const std::uint64_t made = cell.made();
+  ASSERT_LT(made, 100u);
+  cell.first_point = 100;
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(made + 5));
+  cell.DieAndTakeUp();
+  cell.first_point = 0;
+  cell.GrantAnew();
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  EXPECT_EQ(cell.Count(PointState::kLeftOut), 100 - made);
+  EXPECT_EQ(cell.made(), made + kPoints - 100);
+}
+
 TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
   FakeCell cell({.points = kPoints, .lockstep = lockstep()});
   cell.Grant();

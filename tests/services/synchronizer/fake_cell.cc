@@ -50,6 +50,8 @@ PointState StateOf(PointOutcome outcome) {
       return PointState::kMissed;
     case PointOutcome::kSkipped:
       return PointState::kSkipped;
+    case PointOutcome::kLeftOut:
+      return PointState::kLeftOut;
     case PointOutcome::kUncertain:
       break;
   }
@@ -158,6 +160,7 @@ EngravingInputs FakeCell::Inputs() {
   inputs.grant = grant;
   inputs.stop_pressed = stop_pressed;
   inputs.speed_percent = speed_percent;
+  inputs.first_point = first_point;
   inputs.motion = stage.view();
   if (!stage.silent) view_at_ = now;
   inputs.motion.fresh = now - view_at_ < kMotionLease;
@@ -255,6 +258,10 @@ void FakeCell::CheckJournal(std::vector<std::string>& wrong) const {
   for (const formats::JournalRecord& record : journal_now.records) {
     if (record.kind == JournalKind::kSession) continue;
     const bool intent = record.kind == JournalKind::kIntent;
+    if (record.outcome == PointOutcome::kLeftOut) {
+      last[record.point] = PointState::kLeftOut;
+      continue;
+    }
     if (intent != open.insert(record.point).second) {
       wrong.push_back(fmt::format("point {}: {} out of turn at tick {}", record.point,
                                   intent ? "intent" : "outcome", record.tick));

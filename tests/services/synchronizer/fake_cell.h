@@ -78,6 +78,7 @@ class FakeCell {
 
   std::chrono::nanoseconds now = std::chrono::seconds(1);
   std::uint32_t speed_percent = 100;
+  std::uint32_t first_point = 0;
   bool permission_fresh = true, permission_granted = false, stop_pressed = false;
   synchronizer::Grant grant;
   std::shared_ptr<link::FaultyPipe> to_laser, to_host;
