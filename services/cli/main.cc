@@ -3,6 +3,7 @@
 #include <functional>
 #include <iostream>
 
+#include "services/cli/batch_command.h"
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/materials_command.h"
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
   intaglio::cli::AddRunCommand(app, selected);
   intaglio::cli::AddUpCommand(app, selected);
   intaglio::cli::AddJobsCommands(app, selected);
+  intaglio::cli::AddBatchCommand(app, selected);
   intaglio::cli::AddHistoryCommand(app, selected);
   intaglio::cli::AddOfflineCommands(app, selected);
   intaglio::cli::AddMeasureCommand(app, selected);
