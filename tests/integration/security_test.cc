@@ -1,22 +1,7 @@
-// Who may command the laser. One participant of the shop sits in this process, strangers
-// come as processes of their own (stranger.cc). That somebody was not heard is believed
-// only when somebody with the right identity, who came later, was.
+// Who may command the laser: strangers who are not heard.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <fstream>
-#include <map>
-#include <regex>
-#include <sstream>
-
-#include "services/bus/bus.h"
-#include "services/bus/identity.h"
 #include "services/bus/samples.h"
-#include "services/security/certificates.h"
-#include "services/security/identity_folders.h"
-#include "tests/integration/run_program.h"
+#include "tests/integration/secured_strangers.h"
 
 namespace intaglio {
 namespace {
@@ -25,165 +10,12 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::Eventually;
 using ::testing::HasSubstr;
+using testing::kAbsence;
+using testing::kArrival;
 using ::testing::Not;
-using testing::Running;
-
-// After the right one was heard, the wrong one gets this long again.
-constexpr auto kAbsence = 1000ms;
-// A busy host proves an identity in seconds.
-constexpr auto kArrival = 60s;
-
-std::chrono::sys_seconds Now() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
-security::ShopOptions TwoCells() {
-  security::ShopOptions shop;
-  shop.cells = {"els-03", "els-04"};
-  return shop;
-}
-
-class Security : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (!bus::SecurityConfiguration({folder_, {}, {}})) {
-      GTEST_SKIP() << "the DDS library is here without its security plugins";
-    }
-    ASSERT_TRUE(security::NewIdentities(folder_ / "shop", TwoCells(), {Now()}));
-  }
-
-  fs::path Of(const std::string& role) const { return folder_ / "shop" / role; }
-  /// A copy of a role's folder, to be spoilt.
-  fs::path CopyOf(const std::string& role, const std::string& name) const {
-    fs::copy(Of(role), folder_ / name);
-    return folder_ / name;
-  }
-  bus::BusOptions As(const std::string& role, const std::string& cell = {}) const {
-    bus::BusOptions options;
-    options.tag = Tag();
-    options.cell = cell;
-    options.security = Of(role);
-    return options;
-  }
-  static std::string Tag() { return "security" + std::to_string(getpid()); }
-
-  std::unique_ptr<Running> Stranger(const std::string& name, const fs::path& identity,
-                                    std::vector<std::string> deed) const {
-    deed.insert(deed.begin(), {Tag(), identity.empty() ? "-" : identity.string()});
-    return std::make_unique<Running>(fs::path(INTAGLIO_STRANGER), deed,
-                                     folder_ / (name + ".txt"));
-  }
-
-  /// Writes `topic` with a spoilt identity at first and with the good one then, until
-  /// the reader has heard the good one. Returns how often each was heard.
-  template <typename T>
-  std::map<std::string, int> Hear(bus::Reader<T>& reader, char* T::*word,
-                                  const fs::path& wrong, const fs::path& right,
-                                  const std::string& cell = "") {
-    const std::string topic = TopicName(reader);
-    std::map<std::string, int> heard;
-    wrong_ = Stranger("wrong", wrong, {"write", topic, cell, "wrong"});
-    EXPECT_TRUE(Eventually([&] { return !wrong_->Output().empty(); }, kArrival));
-    const auto good = Stranger("right", right, {"write", topic, cell, "right"});
-    const auto listen = [&] {
-      reader.Take([&](const T& sample) { ++heard[sample.*word]; });
-      return heard["right"] > 0;
-    };
-    EXPECT_TRUE(Eventually(listen, kArrival)) << good->Output();
-    Eventually([&] { return listen() && false; }, kAbsence);
-    Print(topic, heard);
-    return heard;
-  }
-  void Print(const std::string& what, std::map<std::string, int>& heard) const {
-    std::cout << "  " << what << ": the right one was heard " << heard["right"]
-              << " times, the wrong one " << heard["wrong"] << " times; it said: "
-              << std::regex_replace(wrong_->Output(), std::regex("\n"), "; ") << "\n";
-  }
-  static std::string TopicName(const bus::Reader<intaglio_JobCommand>&) {
-    return "JobCommand";
-  }
-  static std::string TopicName(const bus::Reader<intaglio_EmergencyStop>&) {
-    return "EmergencyStop";
-  }
-  static std::string TopicName(const bus::Reader<intaglio_Permission>&) {
-    return "Permission";
-  }
-  static std::string TopicName(const bus::Reader<intaglio_MotionState>&) {
-    return "MotionState";
-  }
-
-  /// The job service hears commands of the operator and none of `wrong`.
-  void ExpectNoCommandOf(const fs::path& wrong) {
-    bus::Bus bus(As("job-service"));
-    bus::Reader<intaglio_JobCommand> commands(bus, bus::kJobCommand);
-    auto heard =
-        Hear(commands, &intaglio_JobCommand::operator_name, wrong, Of("operator"));
-    EXPECT_EQ(heard["wrong"], 0);
-    EXPECT_GT(heard["right"], 0);
-  }
-  /// A cell hears permissions of the job service and none of `wrong`.
-  void ExpectNoPermissionOf(const fs::path& wrong) {
-    bus::Bus bus(As("cell-els-03", "els-03"));
-    bus::Reader<intaglio_Permission> permissions(bus, bus::kPermission);
-    auto heard = Hear(permissions, &intaglio_Permission::operator_name, wrong,
-                      Of("job-service"), "els-03");
-    EXPECT_EQ(heard["wrong"], 0);
-    EXPECT_GT(heard["right"], 0);
-  }
-  void ExpectNoStopOf(const fs::path& wrong) {
-    bus::Bus bus(As("cell-els-03", "els-03"));
-    bus::Reader<intaglio_EmergencyStop> stops(bus, bus::kEmergencyStop);
-    auto heard =
-        Hear(stops, &intaglio_EmergencyStop::source, wrong, Of("operator"), "els-03");
-    EXPECT_EQ(heard["wrong"], 0);
-    EXPECT_GT(heard["right"], 0);
-  }
-
-  /// The role's certificate with permissions for everything, signed by `signer`.
-  fs::path WithForgedPermissions(const std::string& role, const security::KeyPair& signer,
-                                 bool own_governance) const {
-    const fs::path folder = CopyOf(role, role + "-forged");
-    const std::string certificate = TextIn(folder / bus::kCertificateFile);
-    security::Role all;
-    for (const security::Role& each : security::RolesOf({"els-03"})) {
-      all.writes.insert(all.writes.end(), each.writes.begin(), each.writes.end());
-      all.reads.insert(all.reads.end(), each.reads.begin(), each.reads.end());
-    }
-    all.name = role;
-    all.partition = "*";
-    const security::Validity validity{Now() - 1h, Now() + 24h};
-    const std::string subject = security::SubjectOf(certificate).value();
-    Put(folder / bus::kPermissionsFile,
-        security::Sign(signer, security::PermissionsText(all, subject, {40}, validity))
-            .value());
-    if (own_governance) {
-      Put(folder / bus::kGovernanceFile,
-          security::Sign(signer, security::GovernanceText({40})).value());
-      Put(folder / bus::kPermissionsAuthorityFile, signer.certificate);
-    }
-    return folder;
-  }
-  static std::string TextIn(const fs::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
-  static void Put(const fs::path& file, const std::string& text) {
-    std::ofstream(file) << text;
-  }
-  static void Replace(const fs::path& file, const std::string& from,
-                      const std::string& to) {
-    std::string text = TextIn(file);
-    const auto at = text.find(from);
-    ASSERT_NE(at, std::string::npos);
-    Put(file, text.replace(at, from.size(), to));
-  }
-
-  fs::path folder_ = testing::FreshFolder(
-      std::string("security_") +
-      ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  std::unique_ptr<Running> wrong_;
-};
+using testing::Now;
+using testing::Security;
+using testing::TwoCells;
 
 TEST_F(Security, NoCertificateIsNotHeard) {
   ExpectNoCommandOf({});
@@ -218,11 +50,8 @@ TEST_F(Security, TheOperatorMayNotPermitFiringPastTheJobService) {
 }
 
 TEST_F(Security, ACellMaySpeakForItselfOnly) {
-  bus::Bus bus(As("cell-els-03", "els-03"));
-  bus::Reader<intaglio_MotionState> states(bus, bus::kMotionState);
-  auto heard = Hear(states, &intaglio_MotionState::message, Of("cell-els-04"),
-                    Of("cell-els-03"), "els-03");
-  EXPECT_EQ(heard["wrong"], 0);
+  Expect(
+      Hear("MotionState", "els-03", "cell-els-03", Of("cell-els-04"), Of("cell-els-03")));
   EXPECT_THAT(wrong_->Output(), HasSubstr("writer refused"));
 }
 

@@ -4,16 +4,21 @@
 //
 //   stranger TAG FOLDER|- write TOPIC CELL WORD    WORD: who it says it is
 //   stranger TAG FOLDER|- read TOPIC CELL
+// And somebody who belongs there, who joins as the services do:
+//   stranger TAG FOLDER hear TOPIC CELL            says each WORD and how often
 // Says on its standard output what became of it, a line each.
 
 #include <dds/dds.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <iostream>
+#include <map>
 #include <string>
 #include <thread>
 
+#include "services/bus/bus.h"
 #include "services/bus/identity.h"
 #include "services/bus/qos.h"
 #include "services/bus/samples.h"
@@ -112,10 +117,42 @@ void Read(const Place& place, const Topic<T>& topic) {
   }
 }
 
+/// As a service does it. A process joins once in its life: so does each of these.
+template <typename T>
+void Hear(Bus& bus, const Topic<T>& topic, char* T::*word) {
+  Reader<T> reader(bus, topic);
+  Say("hears");
+  std::map<std::string, int> heard;
+  for (;;) {
+    const int count = reader.Take([&](const T& sample) { ++heard[sample.*word]; });
+    if (count > 0) Say(fmt::format("heard {}", fmt::join(heard, " ")));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+int HearAs(const std::string& tag, const std::string& folder, const std::string& topic,
+           const std::string& cell) {
+  BusOptions options;
+  options.tag = tag;
+  options.security = folder;
+  options.cell = cell;
+  Bus bus(options);
+  if (topic == "JobCommand") {
+    Hear(bus, kJobCommand, &intaglio_JobCommand::operator_name);
+  } else if (topic == "EmergencyStop") {
+    Hear(bus, kEmergencyStop, &intaglio_EmergencyStop::source);
+  } else if (topic == "Permission") {
+    Hear(bus, kPermission, &intaglio_Permission::operator_name);
+  } else if (topic == "MotionState") {
+    Hear(bus, kMotionState, &intaglio_MotionState::message);
+  }
+  return 2;
+}
+
 int Try(const Place& place, const std::string& verb, const std::string& topic,
         const std::string& word) {
   if (verb == "read" && topic == "JobStatus") Read(place, kJobStatus);
-  if (verb == "read" && topic == "ModelChunk") Read(place, kModelChunk);
+  if (verb == "read" && topic == "JobCommand") Read(place, kJobCommand);
   if (topic == "JobCommand") {
     intaglio_JobCommand sample{};
     sample.job_uid = Borrow(word);
@@ -148,6 +185,7 @@ int Try(const Place& place, const std::string& verb, const std::string& topic,
 
 int main(int argc, char** argv) {
   if (argc < 6) return 2;
+  if (argv[3] == std::string("hear")) return HearAs(argv[1], argv[2], argv[4], argv[5]);
   const Place place{Join(argv[1], argv[2]), argv[5]};
   return Try(place, argv[3], argv[4], argc > 6 ? argv[6] : "");
 }

@@ -1,0 +1,124 @@
+// The units of deploy/systemd against what systemd makes of them, and against the options
+// that the programs have.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "tests/integration/run_program.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::Ended;
+using testing::Program;
+using testing::Running;
+
+constexpr char kAnalyze[] = "/usr/bin/systemd-analyze";
+// In tenths, as systemd-analyze takes it: below 2.0 it says OK.
+constexpr char kMostExposed[] = "20";
+
+std::string TextIn(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class Units : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!fs::exists(kAnalyze)) GTEST_SKIP() << "there is no systemd-analyze";
+    fs::copy(fs::path(INTAGLIO_SOURCE_DIR) / "deploy" / "systemd", folder_,
+             fs::copy_options::recursive);
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      if (entry.path().extension() != ".service") continue;
+      // The programs are where they were built.
+      const std::string text = std::regex_replace(
+          TextIn(entry.path()), std::regex("/usr/local/bin"), INTAGLIO_BIN_DIR);
+      std::ofstream(entry.path()) << text;
+      std::string name = entry.path().filename().string();
+      const auto at = name.find("@.");
+      if (at != std::string::npos) name.insert(at + 1, "els-03");
+      units_.push_back(name);
+    }
+    ASSERT_GE(units_.size(), 5u);
+    setenv("SYSTEMD_UNIT_PATH", (folder_.string() + ":").c_str(), 1);
+  }
+  static std::string FileOf(const std::string& unit) {
+    return std::regex_replace(unit, std::regex("@[^.]*"), "@");
+  }
+  Ended Analyze(std::vector<std::string> words) {
+    Running run(kAnalyze, words, folder_ / "said.txt");
+    return run.WaitForEnd(60s);
+  }
+
+  fs::path folder_ = testing::FreshFolder(
+      std::string("units_") +
+      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::vector<std::string> units_;
+};
+
+TEST_F(Units, HaveNothingThatSystemdComplainsOf) {
+  for (const std::string& unit : units_) {
+    const Ended ended = Analyze({"verify", (folder_ / unit).string()});
+    EXPECT_EQ(ended.exit_code, 0) << unit;
+    EXPECT_EQ(ended.output.find(unit), std::string::npos) << ended.output;
+  }
+}
+
+TEST_F(Units, LeaveLittleExposed) {
+  for (const std::string& unit : units_) {
+    const Ended ended =
+        Analyze({"security", "--offline=true", "--no-pager",
+                 std::string("--threshold=") + kMostExposed, (folder_ / unit).string()});
+    EXPECT_EQ(ended.exit_code, 0) << ended.output;
+    const auto line = ended.output.rfind("Overall");
+    ASSERT_NE(line, std::string::npos) << ended.output;
+    std::cout << "  " << ended.output.substr(line);
+  }
+}
+
+TEST_F(Units, GiveEveryProgramOptionsThatItHas) {
+  const std::regex start("ExecStart=(\\S+)(.*)"), flag("--[a-z-]+");
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    const std::string unit = TextIn(entry.path());
+    std::smatch found;
+    if (entry.path().extension() != ".service") continue;
+    ASSERT_TRUE(std::regex_search(unit, found, start)) << entry.path();
+    const std::string options = found[2];
+    Running run(found[1].str(), {"--help"}, folder_ / "said.txt");
+    const Ended help = run.WaitForEnd(30s);
+    EXPECT_EQ(help.exit_code, 0);
+    for (std::sregex_iterator at(options.begin(), options.end(), flag), end; at != end;
+         ++at) {
+      EXPECT_THAT(help.output, ::testing::HasSubstr(at->str())) << entry.path();
+    }
+  }
+}
+
+// Devices and real time are for who talks to the machine: asked of systemd, because a
+// file that is read later may take back what one before it gave.
+TEST_F(Units, OnlyTheCellsMayReachTheMachine) {
+  for (const std::string& unit : units_) {
+    const bool of_cell = unit.find('@') != std::string::npos;
+    const Ended ended =
+        Analyze({"security", "--offline=true", "--no-pager", (folder_ / unit).string()});
+    for (const char* open :
+         {"\u2717 PrivateDevices=", "\u2717 RestrictRealtime=", "char-ttyUSB:rw"}) {
+      EXPECT_EQ(ended.output.find(open) != std::string::npos, of_cell)
+          << unit << " " << open << "\n"
+          << ended.output;
+    }
+    const std::string text = TextIn(folder_ / FileOf(unit));
+    EXPECT_EQ(text.find("--real-time") != std::string::npos, of_cell) << unit;
+  }
+}
+
+}  // namespace
+}  // namespace intaglio

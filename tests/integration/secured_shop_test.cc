@@ -1,0 +1,169 @@
+// Real programs with identities: a whole job, an observer who may look and not touch, and
+// what is said to who has no identity or a wrong one.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <regex>
+
+#include "services/bus/identity.h"
+#include "tests/integration/run_program.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using testing::Ended;
+using testing::Eventually;
+using ::testing::HasSubstr;
+using testing::Program;
+using testing::Running;
+
+constexpr char kSample[] = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto";
+
+class SecuredShop : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!bus::SecurityConfiguration({folder_, {}, {}})) {
+      GTEST_SKIP() << "the DDS library is here without its security plugins";
+    }
+    setenv("INTAGLIO_MATERIALS_DB", (folder_ / "materials.db").c_str(), 1);
+    unsetenv("INTAGLIO_SECURITY");
+    const Ended made = Type({"security", "new", keys_.string(), "--domain", "46"});
+    ASSERT_EQ(made.exit_code, 0) << made.output;
+  }
+
+  Ended Type(const std::vector<std::string>& words,
+             const std::string& program = "intaglio") {
+    Running run(Program(program), words,
+                folder_ / ("typed" + std::to_string(++typed_) + ".txt"));
+    const Ended ended = run.WaitForEnd(120s);
+    std::cout << "  " << program;
+    for (const std::string& word : words) std::cout << " " << word;
+    std::cout << "\n    -> " << ended.exit_code << ": " << ended.output.substr(0, 400)
+              << "\n";
+    return ended;
+  }
+  std::vector<std::string> As(const std::string& identity,
+                              std::vector<std::string> words) const {
+    words.insert(words.end(),
+                 {"--domain", "46", "--tag", "secured" + std::to_string(getpid()),
+                  "--security", identity});
+    return words;
+  }
+
+  fs::path folder_ = testing::FreshFolder(
+      std::string("secured_") +
+      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path keys_ = folder_ / "keys";
+  int typed_ = 0;
+};
+
+TEST_F(SecuredShop, EngravesAWholeJob) {
+  const Ended ended =
+      Type(As(keys_.string(), {"run", kSample, "--height", "5", "--lockstep", "--out",
+                               (folder_ / "out").string()}));
+  EXPECT_TRUE(ended.in_time);
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "report.json"));
+}
+
+// In real time, with commands from other processes: each with the identity of its role.
+TEST_F(SecuredShop, LetsTheObserverLookAndTheOperatorCommand) {
+  Running up(Program("intaglio"),
+             As(keys_.string(), {"up", "--folder", (folder_ / "shop").string(), "--block",
+                                 "50", "50", "30"}),
+             folder_ / "up.txt");
+  ASSERT_TRUE(Eventually(
+      [&] { return up.Output().find("the shop is open") != std::string::npos; }, 90s))
+      << up.Output();
+  const std::string observer = keys_ / "observer", operator_keys = keys_ / "operator";
+  const Ended submitted = Type(As(operator_keys, {"submit", kSample, "--height", "5"}));
+  EXPECT_EQ(submitted.exit_code, 0);
+  const Ended seen = Type(As(observer, {"list"}));
+  EXPECT_EQ(seen.exit_code, 0);
+  EXPECT_THAT(seen.output, HasSubstr("trefoil knot"));
+
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"arm", "1"}, {"cancel", "1"}, {"speed", "1", "50"}, {"submit", kSample}}) {
+    const Ended refused = Type(As(observer, words));
+    EXPECT_NE(refused.exit_code, 0);
+    EXPECT_THAT(refused.output, HasSubstr("permissions do not allow it"));
+  }
+  // Who comes without an identity finds nobody.
+  const Ended plain =
+      Type({"list", "--domain", "46", "--tag", "secured" + std::to_string(getpid())});
+  EXPECT_EQ(plain.exit_code, 2);
+
+  const Ended cancelled = Type(As(operator_keys, {"cancel", "1"}));
+  EXPECT_EQ(cancelled.exit_code, 0);
+  EXPECT_TRUE(Eventually(
+      [&] {
+        return Type(As(observer, {"show", "1"})).output.find("cancelled") !=
+               std::string::npos;
+      },
+      60s));
+  up.Signal(SIGINT);
+  EXPECT_EQ(up.WaitForEnd(30s).exit_code, 0);
+}
+
+TEST_F(SecuredShop, NoProgramLeavesLoopbackWithoutAnIdentity) {
+  for (const char* program : {"intaglio-sorter", "intaglio-discretizer"}) {
+    const Ended ended = Type({"--interface", "eth0", "--allow-root"}, program);
+    EXPECT_EQ(ended.exit_code, 1);
+    EXPECT_THAT(ended.output,
+                AllOf(HasSubstr("--interface eth0"), HasSubstr("--security"),
+                      HasSubstr("intaglio security new")));
+  }
+  const Ended list = Type({"list", "--interface", "eth0"});
+  EXPECT_NE(list.exit_code, 0);
+  EXPECT_THAT(list.output, HasSubstr("--security"));
+}
+
+TEST_F(SecuredShop, NoServiceServesANetworkAsRoot) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can be refused as root";
+  const Ended ended =
+      Type(As(keys_.string(), {"--interface", "eth0"}), "intaglio-sorter");
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_THAT(ended.output, HasSubstr("not as root"));
+}
+
+TEST_F(SecuredShop, AWrongRoleSaysWhichTopicItMayNotHave) {
+  const Ended ended = Type(As(keys_ / "observer", {}), "intaglio-sorter");
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_THAT(ended.output, HasSubstr("ServiceHealth"));
+  EXPECT_THAT(ended.output, HasSubstr("permissions do not allow it"));
+}
+
+// The words and the exit code; the files are gone through in identity_test.
+TEST_F(SecuredShop, AMissingFileIsNamed) {
+  fs::remove(keys_ / "stage-worker" / bus::kGovernanceFile);
+  const Ended ended = Type(As(keys_.string(), {}), "intaglio-sorter");
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_THAT(ended.output, AllOf(HasSubstr("stage-worker/governance.p7s"),
+                                  HasSubstr("No such file"), HasSubstr("copy")));
+  EXPECT_EQ(Type({"security", "check", keys_.string(), "--domain", "46"}).exit_code, 2);
+}
+
+TEST_F(SecuredShop, RenewsWhatItMade) {
+  const fs::path key = keys_ / "operator" / bus::kPrivateKeyFile;
+  const auto before = fs::last_write_time(key);
+  EXPECT_EQ(Type({"security", "new", keys_.string()}).exit_code, 2);  // not over it
+  EXPECT_EQ(Type({"security", "renew", keys_.string(), "--cell", "els-04"}).exit_code, 0);
+  EXPECT_NE(fs::last_write_time(key), before);
+  struct stat status = {};
+  ASSERT_EQ(stat(key.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0600u);
+  const Ended all = Type({"security", "check", keys_.string(), "--domain", "46"});
+  EXPECT_EQ(all.exit_code, 0);
+  EXPECT_THAT(all.output, HasSubstr("cell-els-04: good"));
+}
+
+}  // namespace
+}  // namespace intaglio
