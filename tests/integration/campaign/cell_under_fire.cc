@@ -53,7 +53,7 @@ std::size_t SizeOf(const fs::path& file) {
 
 }  // namespace
 
-CellUnderFire::CellUnderFire(fs::path folder, std::string tag, double speed)
+CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string& speed)
     : folder_(std::move(folder)), tag_(std::move(tag)) {
   fs::create_directories(folder_);
   WriteProfile(folder_ / "machine.textproto", folder_ / "laser", folder_ / "motion");
@@ -68,7 +68,7 @@ CellUnderFire::CellUnderFire(fs::path folder, std::string tag, double speed)
                                                          "--glass-record",
                                                          (folder_ / "glass.rec").string(),
                                                          "--rates",
-                                                         "50,100,200",
+                                                         "1,50,100,200",
                                                          "--warm-up",
                                                          "0",
                                                          "--travel-min",
@@ -86,7 +86,7 @@ CellUnderFire::CellUnderFire(fs::path folder, std::string tag, double speed)
                                                          "--channels",
                                                          "4",
                                                          "--speed",
-                                                         std::to_string(speed)},
+                                                         speed},
                                 folder_ / "machine.log");
   Eventually([this] { return fs::exists(folder_ / "motion"); }, 10s);
 }
@@ -136,15 +136,17 @@ std::string CellUnderFire::Type(const std::vector<std::string>& words) {
   return run.WaitForEnd(60s).output;
 }
 
-bool CellUnderFire::Submit() {
+bool CellUnderFire::Submit(const std::string& rate_hz) {
+  ++jobs_;
+  cracks_before_ = Cracks();
   const std::string said =
       Type({"submit", (SourceFolder() / "deploy/jobs/sample.textproto").string(),
-            "--height", "3.2", "--rate", "100", "--machine",
+            "--height", "3.2", "--rate", rate_hz, "--machine",
             (folder_ / "shop/machine.textproto").string(), "--arm"});
-  return said.find("job 1") != std::string::npos;
+  return said.find("job " + std::to_string(jobs_)) != std::string::npos;
 }
 
-std::string CellUnderFire::Show() { return Type({"show", "1"}); }
+std::string CellUnderFire::Show() { return Type({"show", std::to_string(jobs_)}); }
 
 std::string CellUnderFire::Press(const std::string& command) const {
   // Through the folder's descriptor: a socket's path has room for 107 characters only.
@@ -196,7 +198,7 @@ bool CellUnderFire::AwaitEnd(std::chrono::seconds bound, bool resuming) {
       [&] {
         const std::string shown = Show();
         if (resuming && shown.find("state      paused") != std::string::npos) {
-          Type({"resume", "1"});
+          Type({"resume", std::to_string(jobs_)});
         }
         return shown.find("state      done") != std::string::npos;
       },
@@ -206,9 +208,17 @@ bool CellUnderFire::AwaitEnd(std::chrono::seconds bound, bool resuming) {
 fs::path CellUnderFire::JobFolder() const {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder_ / "shop/jobs", error)) {
-    return entry.path();
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(std::to_string(jobs_) + "-")) return entry.path();
   }
   return {};
+}
+
+double CellUnderFire::TicksOfJob() const {
+  const auto glass = formats::ReadGlassRecord(folder_ / "glass.rec");
+  if (!glass || glass->cracks.size() <= cracks_before_) return 0;
+  return static_cast<double>(glass->cracks.back().tick -
+                             glass->cracks[cracks_before_].tick + 1);
 }
 
 // Written apart from the product's own proof: brute force, and the journal's last word.
@@ -225,7 +235,8 @@ Verdict CellUnderFire::Judge() const {
   }
   verdict.points = path->points_mm.size();
   std::vector<int> cracks(verdict.points, 0);
-  for (const formats::GlassCrack& crack : glass->cracks) {
+  for (std::size_t at = cracks_before_; at < glass->cracks.size(); ++at) {
+    const formats::GlassCrack& crack = glass->cracks[at];
     std::size_t nearest = verdict.points;
     for (std::size_t i = 0; i < verdict.points; ++i) {
       if ((path->points_mm[i] - crack.position_mm).norm() < kNearMm) nearest = i;

@@ -36,8 +36,8 @@ struct Verdict {
 
 class CellUnderFire {
  public:
-  /// `speed`: the machine's time against real time.
-  CellUnderFire(std::filesystem::path folder, std::string tag, double speed);
+  /// `speed`: the machine's time against real time, or "lockstep".
+  CellUnderFire(std::filesystem::path folder, std::string tag, const std::string& speed);
   ~CellUnderFire();
 
   /// The shop's services, by `intaglio up`; also again, after all of them were killed.
@@ -46,9 +46,10 @@ class CellUnderFire {
   /// later.
   void KillShop();
   void AwaitShopGone();
-  /// A job of about 500 points at 100 Hz, armed.
-  bool Submit();
-  /// State and message as `intaglio show` has them.
+  /// A job of about 500 points, armed. The next one's block is another: its cracks are
+  /// those that come from now on.
+  bool Submit(const std::string& rate_hz = "100");
+  /// State and message of the newest job as `intaglio show` has them.
   std::string Show();
   std::string Type(const std::vector<std::string>& words);
   /// One line for another on the machine's panel.
@@ -64,6 +65,8 @@ class CellUnderFire {
   bool AwaitDoneResuming(std::chrono::seconds bound);
 
   Verdict Judge() const;
+  /// From the first crack of the newest job to the last.
+  double TicksOfJob() const;
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
@@ -73,6 +76,8 @@ class CellUnderFire {
 
   std::filesystem::path folder_;
   std::string tag_;
+  int jobs_ = 0;
+  std::size_t cracks_before_ = 0;  // this job
   std::unique_ptr<testing::Running> machine_, shop_;
   int typed_ = 0;
 };
