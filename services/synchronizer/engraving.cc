@@ -323,7 +323,7 @@ bool Engraving::Prearm(std::uint64_t first, std::uint64_t last) {
         passed_by_ = true;
         passed_by_reason_ = SkipReason::kLate;
       });
-  if (!kept) {
+  if (!kept || journal_.failed()) {
     Halt(Missing::kNothing,
          journal_.failed() ? journal_.error()
                            : "the journal's disk does not keep up: the run is stopped",

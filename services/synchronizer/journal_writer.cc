@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 
 #include "engrave/core/check.h"
@@ -13,10 +14,13 @@
 namespace intaglio::synchronizer {
 namespace {
 
+constexpr std::chrono::milliseconds kTryAgain{500};
+
 bool WriteAll(int file, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(file, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
+    if (written == 0) errno = ENOSPC;
     if (written <= 0) return false;
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
@@ -85,7 +89,11 @@ Result<std::unique_ptr<JournalWriter>> JournalWriter::Take(int handle,
 }
 
 JournalWriter::JournalWriter(int file, int event, std::filesystem::path path)
-    : ring_(kRingSize), file_(file), event_fd_(event), path_(std::move(path)) {
+    : ring_(kRingSize),
+      file_(file),
+      event_fd_(event),
+      path_(std::move(path)),
+      end_(lseek(file, 0, SEEK_CUR)) {
   thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
 }
 
@@ -99,7 +107,7 @@ JournalWriter::~JournalWriter() {
 
 bool JournalWriter::Append(const formats::JournalRecord& record) {
   const std::uint64_t head = head_.load(std::memory_order_relaxed);
-  if (failed() || head - durable() >= kRingSize) return false;
+  if (head - durable() >= kRingSize) return false;
   ring_[head % kRingSize] = record;
   head_.store(head + 1, std::memory_order_release);
   return true;
@@ -110,14 +118,22 @@ void JournalWriter::ClearEvent() {
   [[maybe_unused]] const auto got = read(event_fd_, &count, sizeof count);
 }
 
+std::string JournalWriter::error() const {
+  return DiskError(path_, failed_.load(std::memory_order_acquire));
+}
+
 void JournalWriter::Run(const std::stop_token& stop) {
   for (;;) {
-    work_.acquire();
+    if (!failed()) {
+      work_.acquire();
+    } else if (!stop.stop_requested()) {
+      (void)work_.try_acquire_for(kTryAgain);
+    }
     const bool last_round = stop.stop_requested();
     const std::uint64_t from = durable_.load(std::memory_order_relaxed);
     const std::uint64_t to = head_.load(std::memory_order_acquire);
-    if (from != to && !failed()) {
-      if (!WriteOut(from, to)) FailWith(errno);
+    if (from != to) {
+      failed_.store(WriteOut(from, to) ? 0 : errno, std::memory_order_release);
       const std::uint64_t one = 1;
       [[maybe_unused]] const auto signalled = write(event_fd_, &one, sizeof one);
     }
@@ -131,14 +147,13 @@ bool JournalWriter::WriteOut(std::uint64_t from, std::uint64_t to) {
     const auto bytes = formats::EncodeJournalRecord(ring_[i % kRingSize]);
     block_.insert(block_.end(), bytes.begin(), bytes.end());
   }
+  // Behind a part of a block that had no room.
+  if (failed() && (ftruncate(file_, end_) != 0 || lseek(file_, end_, SEEK_SET) != end_))
+    return false;
   if (!WriteAll(file_, block_) || fdatasync(file_) != 0) return false;
+  end_ += static_cast<std::int64_t>(block_.size());
   durable_.store(to, std::memory_order_release);
   return true;
-}
-
-void JournalWriter::FailWith(int error_number) {
-  error_ = DiskError(path_, error_number);
-  failed_.store(true, std::memory_order_release);
 }
 
 }  // namespace intaglio::synchronizer

@@ -6,6 +6,9 @@
 //
 //   tick path: Append(intent) ... number = appended()   ring   writer: write, fdatasync
 //              fires once durable() >= number          <------ durable() = number
+//
+// What a full disk refuses stays in the ring and is tried again twice a second, from the
+// end of the last whole block on: once there is room nothing is missing.
 
 #include <atomic>
 #include <cstdint>
@@ -32,8 +35,7 @@ class JournalWriter {
       const std::filesystem::path& file);
   ~JournalWriter();
 
-  /// From one thread; neither allocates, locks nor waits. False: the ring is full, or
-  /// the disk has failed.
+  /// From one thread; neither allocates, locks nor waits. False: the ring is full.
   bool Append(const formats::JournalRecord& record);
   /// Lets the writer know that there is something to write.
   void Flush() { work_.release(); }
@@ -41,9 +43,10 @@ class JournalWriter {
   /// Records appended, and how many of them are on disk.
   std::uint64_t appended() const { return head_.load(std::memory_order_relaxed); }
   std::uint64_t durable() const { return durable_.load(std::memory_order_acquire); }
-  bool failed() const { return failed_.load(std::memory_order_acquire); }
-  /// What the disk said; valid once failed().
-  const std::string& error() const { return error_; }
+  /// The disk refuses what is to be written, as yet.
+  bool failed() const { return failed_.load(std::memory_order_acquire) != 0; }
+  /// What the disk says while it does, and the remedy.
+  std::string error() const;
   /// Readable when durable() has grown since the last ClearEvent.
   int event_fd() const { return event_fd_; }
   void ClearEvent();
@@ -54,19 +57,18 @@ class JournalWriter {
   JournalWriter(int file, int event, std::filesystem::path path);
   void Run(const std::stop_token& stop);
   bool WriteOut(std::uint64_t from, std::uint64_t to);
-  void FailWith(int error_number);
 
   static constexpr std::uint64_t kRingSize = 1u << 16;  ///< a power of two
   std::vector<formats::JournalRecord> ring_;
   std::vector<std::byte> block_;
   std::atomic<std::uint64_t> head_{0};
   std::atomic<std::uint64_t> durable_{0};
-  std::atomic<bool> failed_{false};
+  std::atomic<int> failed_{0};  ///< errno
   std::counting_semaphore<> work_{0};
   int file_;
   int event_fd_;
   std::filesystem::path path_;
-  std::string error_;
+  std::int64_t end_ = 0;  ///< of the last whole block in the file
   std::jthread thread_;
 };
 

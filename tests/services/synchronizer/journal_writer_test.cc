@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -76,6 +78,45 @@ TEST(JournalWriter, FullDiskIsAFaultAndNothingIsDurable) {
   const auto journal = JournalWriter::Create(file, {1, 1});
   ASSERT_FALSE(journal.has_value());
   EXPECT_EQ(journal.error().code, ErrorCode::kIo);
+}
+
+// A limit of the file's size is a disk without room: it takes a part of a block, too.
+TEST(JournalWriter, GoesOnWhenTheDiskHasRoomAgain) {
+  const fs::path file = FreshFile("room.bin");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  signal(SIGXFSZ, SIG_IGN);
+  const auto append = [](JournalWriter& journal, std::uint32_t point) {
+    return journal.Append(
+        {JournalKind::kIntent, PointOutcome::kNone, 0, 1, point, point, 0});
+  };
+  {
+    auto journal = JournalWriter::Create(file, {1000, 7});
+    ASSERT_TRUE(journal.has_value());
+    ASSERT_TRUE(append(**journal, 0));
+    (*journal)->Flush();
+    AwaitDurable(**journal, 1);
+    rlimit tight = before;
+    tight.rlim_cur = formats::kJournalHeaderSize + 5 * formats::kJournalRecordSize / 2;
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    for (std::uint32_t i = 1; i < 10; ++i) ASSERT_TRUE(append(**journal, i));
+    (*journal)->Flush();
+    for (int i = 0; i < 500 && !(*journal)->failed(); ++i) usleep(1000);
+    EXPECT_TRUE((*journal)->failed());
+    EXPECT_EQ((*journal)->durable(), 1u);
+    EXPECT_THAT((*journal)->error(), testing::HasSubstr("room.bin"));
+    EXPECT_THAT((*journal)->error(), testing::HasSubstr("make room"));
+    // What comes meanwhile is kept.
+    ASSERT_TRUE(append(**journal, 10));
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+    AwaitDurable(**journal, 11);
+    for (int i = 0; i < 500 && (*journal)->failed(); ++i) usleep(1000);
+    EXPECT_FALSE((*journal)->failed());
+  }
+  const auto read = formats::ReadJournal(file);
+  ASSERT_TRUE(read.has_value());
+  ASSERT_EQ(read->records.size(), 11u);
+  for (std::uint32_t i = 0; i < 11; ++i) EXPECT_EQ(read->records[i].point, i);
 }
 
 }  // namespace
