@@ -217,7 +217,9 @@ void JobQueue::RevokeAll(JobRecord& job, Nanoseconds now) {
 
 void JobQueue::Revoke(JobRecord& job, const GivenTask& given, Nanoseconds now) {
   workers_.Revoke(given.worker, given.task, now);
-  actions_.Give({given.worker, given.stage, given.task, {}, true}, job);
+  const bool goes_on =
+      given.stage == intaglio_STAGE_ENGRAVE && job.ever_granted && !job.ended();
+  actions_.Give({given.worker, given.stage, given.task, {}, true, goes_on}, job);
 }
 
 // ---- Workers ------------------------------------------------------------------------

@@ -49,7 +49,9 @@ struct TaskOrder {
   TaskId task;
   std::string consumer;  ///< instance that takes the output; empty: none
   bool revoked = false;
-  bool take_up = false;  ///< what another worker began: path and journal are on disk
+  /// What another worker began: path and journal are on disk. Of a revocation: it will
+  /// be taken up again.
+  bool take_up = false;
 };
 
 /// What the queue decides is done by somebody else.

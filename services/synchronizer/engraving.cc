@@ -361,13 +361,14 @@ void Engraving::FinishRun() {
 
 // While the line is up the next turn tries again: nobody comes after it to say "off".
 void Engraving::Finish() {
-  const bool told =
-      laser_.CanSend() && laser_.OpenShutters(0) && laser_.Lamp(false, job_.plan.rate_hz);
+  const bool told = laser_.CanSend() && laser_.OpenShutters(0) &&
+                    (lamp_stays_ || laser_.Lamp(false, job_.plan.rate_hz));
   if (told || !laser_.up()) phase_ = Phase::kDone;
 }
 
-void Engraving::Stop(const std::string& why) {
+void Engraving::Stop(const std::string& why, bool lamp_stays) {
   stopping_ = true;
+  lamp_stays_ = lamp_stays;
   message_ = why;
   if (phase_ == Phase::kPreparing) Finish();
 }

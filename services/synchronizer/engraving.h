@@ -90,8 +90,8 @@ class Engraving {
   void Take(const link::PastReport& report);
   /// Shutters closed, lamp off, motion braked; what is armed is settled over the next
   /// turns, or left open in the journal when the line stays down. For cancelled jobs and
-  /// the end of the process.
-  void Stop(const std::string& why);
+  /// the end of the process; `lamp_stays` for a job that will be taken up again.
+  void Stop(const std::string& why, bool lamp_stays = false);
 
   Phase phase() const { return phase_; }
   const PointLedger& ledger() const { return ledger_; }
@@ -179,6 +179,7 @@ class Engraving {
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
   bool stopping_ = false;
+  bool lamp_stays_ = false;
   std::uint32_t left_out_before_ = 0;
   bool taken_up_ = false;      // from an earlier life
   bool session_told_ = false;  // to the journal
