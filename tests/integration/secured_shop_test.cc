@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <regex>
 
@@ -72,6 +73,59 @@ TEST_F(SecuredShop, EngravesAWholeJob) {
   EXPECT_TRUE(ended.in_time);
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_TRUE(fs::exists(folder_ / "out" / "report.json"));
+}
+
+/// Two hosts of their own on this one, and a cable between them; gone with the test.
+class TwoHosts {
+ public:
+  TwoHosts() {
+    made_ = Do("ip netns add " + Host("a")) && Do("ip netns add " + Host("b")) &&
+            Do("ip link add " + Link("a") + " netns " + Host("a") +
+               " type veth peer name " + Link("b") + " netns " + Host("b")) &&
+            Raise("a", "10.77.0.1") && Raise("b", "10.77.0.2");
+  }
+  ~TwoHosts() {
+    Do("ip netns delete " + Host("a"));
+    Do("ip netns delete " + Host("b"));
+  }
+  bool made() const { return made_; }
+  std::string Host(const std::string& side) const { return name_ + side; }
+  std::string Link(const std::string& side) const { return "v" + name_ + side; }
+
+ private:
+  static bool Do(const std::string& command) {
+    return std::system((command + " 2>/dev/null").c_str()) == 0;
+  }
+  bool Raise(const std::string& side, const std::string& address) const {
+    const std::string at = "ip -n " + Host(side) + " ";
+    return Do(at + "address add " + address + "/24 dev " + Link(side)) &&
+           Do(at + "link set lo up") && Do(at + "link set " + Link(side) + " up");
+  }
+  std::string name_ = "t" + std::to_string(getpid());
+  bool made_ = false;
+};
+
+// As docs/services.md says it: the other host has no key but that of its role.
+TEST_F(SecuredShop, SpansTwoHosts) {
+  const TwoHosts hosts;
+  if (!hosts.made()) GTEST_SKIP() << "this user may not make network namespaces";
+  setenv("INTAGLIO_ALLOW_ROOT", "1", 1);
+  const fs::path worker = folder_ / "stage-worker";
+  fs::copy(keys_ / "stage-worker", worker);
+  std::vector<std::string> there =
+      As(worker, {"netns", "exec", hosts.Host("b"), Program("intaglio-discretizer"),
+                  "--interface", hosts.Link("b")});
+  Running discretizer("/usr/sbin/ip", there, folder_ / "discretizer.txt");
+  std::vector<std::string> here =
+      As(keys_, {"netns", "exec", hosts.Host("a"), Program("intaglio"), "run", kSample,
+                 "--height", "5", "--lockstep", "--without", "discretizer", "--interface",
+                 hosts.Link("a"), "--out", (folder_ / "out").string()});
+  Running run("/usr/sbin/ip", here, folder_ / "run.txt");
+  const Ended ended = run.WaitForEnd(120s);
+  unsetenv("INTAGLIO_ALLOW_ROOT");
+  std::cout << "  " << discretizer.Output() << "\n";
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_NE(discretizer.Output().find("done, "), std::string::npos);
 }
 
 // In real time, with commands from other processes: each with the identity of its role.
