@@ -171,13 +171,14 @@ TEST_F(McapFile, ChunkIsWrittenWhenItIsASecondOld) {
   EXPECT_THAT(MessagesOf(McapReader::Open(folder_ / "a.mcap").value()), SizeIs(1));
 }
 
-// Every length from nothing to the whole file; the messages that are read are those of
-// the chunks that lie whole in front of the cut.
+// Every length from the last chunk on, and every 13th before it; the messages that are
+// read are those of the chunks that lie whole in front of the cut.
 TEST_F(McapFile, CutAtEveryByteIsReadUpToTheLastWholeChunk) {
   const auto written = WriteSession(folder_ / "a.mcap", true);
   const Bytes bytes = BytesOf(folder_ / "a.mcap");
   const auto blocks = McapReader::Open(folder_ / "a.mcap")->contents().blocks;
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
+  const std::size_t last = blocks.back().offset;
+  for (std::size_t size = 0; size < bytes.size(); size += size < last ? 13 : 1) {
     const auto cut = McapReader::Open(
         MakeMemorySource("cut", Bytes(bytes.begin(), bytes.begin() + long(size))));
     if (size < kMagicSize) {
