@@ -8,6 +8,7 @@
 
 #include "proto/discretize_outcome.h"
 #include "services/bus/samples.h"
+#include "services/history/job_words.h"
 
 namespace intaglio::cli {
 namespace {
@@ -37,27 +38,8 @@ bool JobView::ended() const {
 }
 
 const char* NameOf(intaglio_JobState state) {
-  switch (state) {
-    case intaglio_JOB_QUEUED:
-      return "queued";
-    case intaglio_JOB_DISCRETIZING:
-      return "discretizing";
-    case intaglio_JOB_SORTING:
-      return "ordering";
-    case intaglio_JOB_WAITING_FOR_ARM:
-      return "waiting for arm";
-    case intaglio_JOB_ENGRAVING:
-      return "engraving";
-    case intaglio_JOB_PAUSED:
-      return "paused";
-    case intaglio_JOB_DONE:
-      return "done";
-    case intaglio_JOB_FAILED:
-      return "failed";
-    case intaglio_JOB_CANCELLED:
-      return "cancelled";
-  }
-  return "unknown";
+  return state == intaglio_JOB_WAITING_FOR_ARM ? "waiting for arm"
+                                               : history::StateWord(state);
 }
 
 const char* NameOf(intaglio_Stage stage) {
