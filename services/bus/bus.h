@@ -92,12 +92,16 @@ TopicView ViewOf(const Topic<T>& topic) {
 }
 }  // namespace internal
 
+enum class Hears { kEverybody, kOtherProcesses };
+
 template <typename T>
 class Reader {
  public:
   /// `cell` overrides the options' cell for a cell topic.
-  Reader(Bus& bus, const Topic<T>& topic, const std::string& cell = {})
-      : raw_(std::make_unique<internal::RawReader>(bus, internal::ViewOf(topic), cell)) {}
+  Reader(Bus& bus, const Topic<T>& topic, const std::string& cell = {},
+         Hears hears = Hears::kEverybody)
+      : raw_(std::make_unique<internal::RawReader>(bus, internal::ViewOf(topic), cell,
+                                                   hears == Hears::kOtherProcesses)) {}
 
   /// Takes what is there and calls sink(sample) for each live sample; the sample is
   /// valid during the call only. Returns how many were taken.

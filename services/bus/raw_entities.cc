@@ -42,7 +42,24 @@ QosPointer PartitionOf(const Bus::Entities& bus, const TopicView& topic,
 
 }  // namespace
 
-RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell)
+bool IsMatched(std::int32_t writer, const Guid& reader) {
+  std::array<dds_instance_handle_t, 256> handles;
+  const auto count =
+      dds_get_matched_subscriptions(writer, handles.data(), handles.size());
+  for (std::int32_t i = 0; i < count && i < static_cast<std::int32_t>(handles.size());
+       ++i) {
+    dds_builtintopic_endpoint_t* endpoint =
+        dds_get_matched_subscription_data(writer, handles[static_cast<std::size_t>(i)]);
+    if (endpoint == nullptr) continue;
+    const bool same = std::memcmp(endpoint->key.v, reader.data(), reader.size()) == 0;
+    dds_builtintopic_free_endpoint(endpoint);
+    if (same) return true;
+  }
+  return false;
+}
+
+RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell,
+                     bool others_only)
     : keyed_(topic.descriptor->m_nkeys > 0) {
   auto& entities = bus.entities();
   const dds_entity_t topic_entity = entities.TopicOf(topic);
@@ -50,9 +67,10 @@ RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell)
       Must(dds_create_subscriber(entities.participant(topic.domain),
                                  PartitionOf(entities, topic, cell).get(), nullptr),
            "subscriber", topic.name);
-  reader_ = Must(
-      dds_create_reader(subscriber_, topic_entity, QosOf(topic.profile).get(), nullptr),
-      "reader", topic.name);
+  const QosPointer qos = QosOf(topic.profile);
+  if (others_only) dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
+  reader_ = Must(dds_create_reader(subscriber_, topic_entity, qos.get(), nullptr),
+                 "reader", topic.name);
   condition_ =
       Must(dds_create_readcondition(reader_, DDS_ANY_STATE), "condition", topic.name);
 }
@@ -154,19 +172,7 @@ int RawWriter::matched_count() const {
 }
 
 bool RawWriter::IsMatched(const Guid& reader) const {
-  std::array<dds_instance_handle_t, 256> handles;
-  const auto count =
-      dds_get_matched_subscriptions(writer_, handles.data(), handles.size());
-  for (std::int32_t i = 0; i < count && i < static_cast<std::int32_t>(handles.size());
-       ++i) {
-    dds_builtintopic_endpoint_t* endpoint =
-        dds_get_matched_subscription_data(writer_, handles[static_cast<std::size_t>(i)]);
-    if (endpoint == nullptr) continue;
-    const bool same = std::memcmp(endpoint->key.v, reader.data(), reader.size()) == 0;
-    dds_builtintopic_free_endpoint(endpoint);
-    if (same) return true;
-  }
-  return false;
+  return internal::IsMatched(writer_, reader);
 }
 
 Status RawWriter::WaitForAcknowledgements(std::chrono::milliseconds timeout) {

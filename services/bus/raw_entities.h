@@ -28,11 +28,15 @@ struct TopicView {
   Scope scope;
 };
 
+/// Whether the writer has found the reader.
+bool IsMatched(std::int32_t writer, const Guid& reader);
+
 class RawReader {
  public:
   using Sink = void (*)(void* context, const void* sample, const SampleOrigin& origin);
 
-  RawReader(Bus& bus, const TopicView& topic, const std::string& cell);
+  RawReader(Bus& bus, const TopicView& topic, const std::string& cell,
+            bool others_only = false);
   ~RawReader();
   RawReader(const RawReader&) = delete;
   RawReader& operator=(const RawReader&) = delete;
