@@ -10,6 +10,8 @@
 #include "services/cli/measure_command.h"
 #include "services/cli/offline_command.h"
 #include "services/cli/plan_command.h"
+#include "services/cli/record_command.h"
+#include "services/cli/recording_command.h"
 #include "services/cli/run_command.h"
 #include "services/cli/security_command.h"
 #include "services/cli/up_command.h"
@@ -44,6 +46,8 @@ int main(int argc, char** argv) {
   intaglio::cli::AddMeasureCommand(app, selected);
   intaglio::cli::AddPathCommands(app, selected);
   intaglio::cli::AddMaterialsCommand(app, selected);
+  intaglio::cli::AddRecordCommand(app, selected);
+  intaglio::cli::AddRecordingCommand(app, selected);
   intaglio::cli::AddSecurityCommand(app, selected);
   try {
     app.parse(argc, argv);

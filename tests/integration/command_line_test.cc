@@ -45,12 +45,19 @@ std::string ReadText(const fs::path& file) {
 const std::vector<std::string> kCommands = {
     "run",  "up",      "submit", "list",   "show",       "watch",
     "arm",  "pause",   "resume", "cancel", "discretize", "sort",
-    "plan", "measure", "verify", "render", "materials", "history", "batch",  "security"};
+    "plan", "measure", "verify", "render", "materials", "history", "batch",  "security",
+    "record", "recording"};
 
 const std::vector<std::vector<std::string>> kSecondCommands = {{"security", "new"},
                                                                {"security", "renew"},
                                                                {"security", "check"},
-                                                               {"security", "roles"}};
+                                                               {"security", "roles"},
+                                                               {"recording", "info"},
+                                                               {"recording", "list"},
+                                                               {"recording", "export"},
+                                                               {"recording", "repair"},
+                                                               {"recording", "merge"},
+                                                               {"recording", "cut"}};
 
 std::set<std::string> FlagsIn(const std::string& text) {
   std::set<std::string> flags;
@@ -107,7 +114,8 @@ TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
   std::set<std::string> known = {"--arm", "--watch", "--without"};  // of the examples
   for (const char* program :
        {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
-        "intaglio-synchronizer", "intaglio-motion-bridge", "virtual-engraver"}) {
+        "intaglio-synchronizer", "intaglio-motion-bridge", "intaglio-recorder",
+        "virtual-engraver"}) {
     Running run(Program(program), {"--help"},
                 FreshFolder("command_line_services") / "output.txt");
     const Ended ended = run.WaitForEnd(30s);
