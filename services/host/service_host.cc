@@ -23,6 +23,7 @@ using bus::Borrow;
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kHealthPeriod{200};
 constexpr std::chrono::days kExpiryWarning{30};
+constexpr std::chrono::hours kExpiryPeriod{24};
 
 std::string HostName() {
   char name[256] = "localhost";
@@ -113,14 +114,6 @@ void CheckCell(const ServiceDescription& description, const bus::BusOptions& opt
   throw bus::BusError("--security needs --cell too: the identity is that of one machine");
 }
 
-void WarnOfExpiry(const bus::Bus& bus) {
-  const auto left = bus.identity_end() - std::chrono::system_clock::now();
-  if (left > kExpiryWarning) return;
-  spdlog::warn("the identity in {} expires in {} days: intaglio security renew",
-               bus.options().security,
-               std::chrono::floor<std::chrono::days>(left).count());
-}
-
 void SetUpLog(const ServiceDescription& description, const CommonOptions& options) {
   std::vector<spdlog::sink_ptr> sinks = {
       std::make_shared<spdlog::sinks::stderr_sink_mt>()};
@@ -177,7 +170,7 @@ struct ServiceHost::Impl {
   std::string host, instance;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   std::string job_uid, message;
-  Clock::time_point next_publication{};
+  Clock::time_point next_publication{}, next_expiry_look{};
   std::uint64_t alarm_number = 0;
   std::stop_source stop;
 };
@@ -214,6 +207,19 @@ void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_u
 void ServiceHost::KeepAlive() {
   (void)stop();  // hands a signal on to whoever waits on the stop token
   if (Clock::now() >= impl_->next_publication) impl_->Publish();
+  if (Clock::now() >= impl_->next_expiry_look) WarnOfExpiry();
+}
+
+// Whoever could renew it should know before the machine stops, and not look into logs.
+void ServiceHost::WarnOfExpiry() {
+  impl_->next_expiry_look = Clock::now() + kExpiryPeriod;
+  const auto left = bus().identity_end() - std::chrono::system_clock::now();
+  if (left > kExpiryWarning) return;
+  RaiseAlarm(intaglio_ALARM_WARNING, "identity_expires",
+             fmt::format("the identity in {} expires in {} days; then nobody hears this "
+                         "service any more: intaglio security renew",
+                         bus().options().security,
+                         std::chrono::floor<std::chrono::days>(left).count()));
 }
 
 void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string& code,
@@ -262,7 +268,6 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
     CheckCell(description, options.bus);
     options.bus.roles = {RoleName(description.role, options.bus.cell)};
     ServiceHost host(description, options.bus);
-    WarnOfExpiry(host.bus());
     spdlog::info("{} starts", host.instance());
     try {
       const int code = body(host);

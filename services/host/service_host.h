@@ -54,6 +54,7 @@ class ServiceHost {
                   const std::string& message, const std::string& job_uid = {});
 
  private:
+  void WarnOfExpiry();
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

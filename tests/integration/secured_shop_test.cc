@@ -205,6 +205,17 @@ TEST_F(SecuredShop, AMissingFileIsNamed) {
   EXPECT_EQ(Type({"security", "check", keys_.string(), "--domain", "46"}).exit_code, 2);
 }
 
+TEST_F(SecuredShop, AnIdentityThatEndsSoonIsAnAlarm) {
+  ASSERT_EQ(Type({"security", "renew", keys_.string(), "--days", "5"}).exit_code, 0);
+  Running sorter(Program("intaglio-sorter"), As(keys_.string(), {}),
+                 folder_ / "sorter.txt");
+  EXPECT_TRUE(Eventually(
+      [&] { return sorter.Output().find("expires in 4 days") != std::string::npos; },
+      60s))
+      << sorter.Output();
+  EXPECT_THAT(sorter.Output(), HasSubstr("identity_expires"));
+}
+
 TEST_F(SecuredShop, RenewsWhatItMade) {
   const fs::path key = keys_ / "operator" / bus::kPrivateKeyFile;
   const auto before = fs::last_write_time(key);
