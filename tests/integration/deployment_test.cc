@@ -3,6 +3,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -118,6 +122,62 @@ TEST_F(Units, OnlyTheCellsMayReachTheMachine) {
     const std::string text = TextIn(folder_ / FileOf(unit));
     EXPECT_EQ(text.find("--real-time") != std::string::npos, of_cell) << unit;
   }
+}
+
+/// Where systemd would listen to a service.
+class NotifySocket {
+ public:
+  explicit NotifySocket(const fs::path& path)
+      : fd_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address = {};
+    address.sun_family = AF_UNIX;
+    path.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    bound_ = bind(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+    const timeval patience{0, 100'000};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  }
+  ~NotifySocket() {
+    unsetenv("NOTIFY_SOCKET");
+    close(fd_);
+  }
+  bool bound() const { return bound_; }
+  /// Whether it comes within the time; what else comes is thrown away.
+  bool Hears(const std::string& word, std::chrono::seconds bound) const {
+    return testing::Eventually(
+        [&] {
+          char text[512] = {};
+          const ssize_t size = recv(fd_, text, sizeof text - 1, 0);
+          return size > 0 && std::string(text).find(word) != std::string::npos;
+        },
+        bound);
+  }
+
+ private:
+  int fd_;
+  bool bound_ = false;
+};
+
+TEST(Service, TellsItsInitSystemHowItIs) {
+  const fs::path folder = testing::FreshFolder("notify");
+  // A path of a socket may have 107 letters, and a build folder more.
+  const fs::path path =
+      fs::temp_directory_path() / ("intaglio-notify-" + std::to_string(getpid()));
+  const NotifySocket system(path);
+  ASSERT_TRUE(system.bound()) << path;
+  Running sorter(Program("intaglio-sorter"),
+                 {"--tag", "notify" + std::to_string(getpid())}, folder / "said.txt");
+  EXPECT_TRUE(system.Hears("READY=1", 30s)) << sorter.Output();
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(system.Hears("WATCHDOG=1", 10s));
+  sorter.Signal(SIGSTOP);  // a loop that does not turn says nothing
+  while (system.Hears("WATCHDOG=1", 1s)) {
+  }  // what was under way; then a second of silence
+  sorter.Signal(SIGCONT);
+  EXPECT_TRUE(system.Hears("WATCHDOG=1", 10s));
+  sorter.Signal(SIGTERM);
+  EXPECT_TRUE(system.Hears("STOPPING=1", 10s));
+  EXPECT_EQ(sorter.WaitForEnd(30s).exit_code, 0);
+  fs::remove(path);
 }
 
 }  // namespace
