@@ -44,6 +44,7 @@ struct RunOptions {
   double warm_up_s = -1;
   std::vector<std::string> faults;
   std::vector<std::string> without;
+  bool record = true;
   bus::BusOptions bus;
 };
 
@@ -110,6 +111,12 @@ Status RunSession::MakeFolders() {
        {"report.json", "glass.ply", "path.ply", "views.png", "journal.bin", "job.json"}) {
     fs::remove(out_ / file, error);
   }
+  for (const auto& entry : fs::directory_iterator(out_, error)) {
+    const fs::path& file = entry.path();
+    if (file.extension() == ".mcap" && file.stem().string().starts_with(kSessionFolder)) {
+      fs::remove(file, error);
+    }
+  }
   fs::create_directories(session_, error);
   if (!error) return {};
   return Fail(
@@ -128,6 +135,7 @@ Result<ServiceSet> RunSession::StartServices() {
   options_.bus.cell = job_.machine.name();
   set.bus = options_.bus;
   set.without = {options_.without.begin(), options_.without.end()};
+  if (options_.record) set.recording = out_ / "session.mcap";
   VirtualMachine machine;
   const Vector3& block = job_.job.block().size_mm();
   machine.block_size_mm = Vec3(block.x(), block.y(), block.z());
@@ -283,7 +291,8 @@ int RunSession::Prove(const JobView& job, const JobClient& client,
   std::ostream& human = options_.events ? std::cerr : std::cout;
   human << SummaryOf(*report) << "\n";
   human << "folder      " << out_.string()
-        << "  (report.json, glass.ply, path.ply, views.png)\n";
+        << "  (report.json, glass.ply, path.ply, views.png"
+        << (options_.record ? ", session.mcap)\n" : ")\n");
   proved_.word = report->verdict().good() ? "good" : "not_good";
   proved_.reason = fmt::format("{}", fmt::join(report->verdict().reasons(), "; "));
   return report->verdict().good() ? kExitGood : kExitNotGood;
@@ -337,6 +346,8 @@ void AddRunCommand(CLI::App& app, std::function<int()>& selected) {
       ->check(CLI::Range(0.0, 3600.0));
   run->add_option("--fault", options->faults,
                   "let the machine misbehave: \"AT_TICK COMMAND\" (docs/protocols.md)");
+  run->add_flag("--record,!--no-record", options->record,
+                "keep all that was said in session.mcap; on by default");
   run->add_option("--without", options->without,
                   "services that are started elsewhere, e.g. discretizer");
   run->add_option("--materials", options->materials_db,

@@ -35,7 +35,8 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
                                   {intaglio_ROLE_DISCRETIZER, "discretizer"},
                                   {intaglio_ROLE_SORTER, "sorter"},
                                   {intaglio_ROLE_SYNCHRONIZER, "synchronizer"},
-                                  {intaglio_ROLE_MOTION_BRIDGE, "motion-bridge"}};
+                                  {intaglio_ROLE_MOTION_BRIDGE, "motion-bridge"},
+                                  {intaglio_ROLE_RECORDER, "recorder"}};
 
 }  // namespace
 
@@ -57,6 +58,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   ServiceSet set;
   set.machine_ = options.machine;
   set.without_ = options.without;
+  set.records_ = !options.recording.empty();
   std::error_code error;
   fs::create_directories(options.folder, error);
   if (!error) fs::create_directories(options.results, error);
@@ -80,7 +82,9 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   const std::vector<std::string> at_the_machine =
       lockstep ? std::vector<std::string>{"--machine", machine}
                : std::vector<std::string>{"--machine", machine, "--real-time"};
+  // The recorder first: what is said before it listens is not recorded.
   const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
+      {"recorder", {"--out", options.recording.string()}},
       {"job-service",
        {"--database", (options.folder / "jobs.db").string(), "--materials-db",
         options.materials_db.string(), "--results", options.results.string()}},
@@ -89,7 +93,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
       {"motion-bridge", at_the_machine},
       {"synchronizer", at_the_machine}};
   for (const auto& [name, arguments] : services) {
-    if (options.without.contains(name)) continue;
+    if (options.without.contains(name) || (name == "recorder" && !set.records_)) continue;
     if (auto started = set.StartService(options, name, arguments); !started) {
       return tl::unexpected(started.error());
     }
@@ -204,6 +208,8 @@ Result<std::vector<std::string>> ServiceSet::Revive() {
   std::vector<std::string> revived;
   for (const auto& service : services_) {
     const auto said = service->Revive(std::chrono::steady_clock::now());
+    // No job is given up for its recording.
+    if (!said && service->process().name() == "recorder") continue;
     if (!said) return tl::unexpected(said.error());
     if (*said) revived.push_back(**said);
   }
@@ -221,6 +227,7 @@ Status ServiceSet::AwaitReady(JobClient& client) {
     missing.clear();
     const auto services = client.services();
     for (const Expected& expected : kExpected) {
+      if (expected.role == intaglio_ROLE_RECORDER && !records_) continue;
       const bool there =
           std::any_of(services.begin(), services.end(), [&](const ServiceView& service) {
             return service.role == expected.role &&

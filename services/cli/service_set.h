@@ -45,7 +45,8 @@ struct ServiceSetOptions {
   std::filesystem::path materials_db;
   MachineSpec machine;
   bus::BusOptions bus;
-  std::set<std::string> without;  ///< services that run elsewhere, e.g. "discretizer"
+  std::set<std::string> without;    ///< services that run elsewhere, e.g. "discretizer"
+  std::filesystem::path recording;  ///< file of a recorder; empty: none
   bool die_with_parent = true;
 };
 
@@ -80,6 +81,7 @@ class ServiceSet {
   MachineSpec machine_;
   std::filesystem::path machine_file_, glass_record_, panel_;
   std::set<std::string> without_;
+  bool records_ = false;
   std::vector<std::unique_ptr<ChildProcess>> engraver_;  // none or one
   std::vector<std::unique_ptr<KeptProcess>> services_;
 };
