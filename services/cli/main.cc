@@ -14,6 +14,7 @@
 #include "services/cli/recording_command.h"
 #include "services/cli/run_command.h"
 #include "services/cli/security_command.h"
+#include "services/cli/stop_command.h"
 #include "services/cli/up_command.h"
 
 namespace {
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
   intaglio::cli::AddUpCommand(app, selected);
   intaglio::cli::AddJobsCommands(app, selected);
   intaglio::cli::AddBatchCommand(app, selected);
+  intaglio::cli::AddStopCommand(app, selected);
   intaglio::cli::AddHistoryCommand(app, selected);
   intaglio::cli::AddOfflineCommands(app, selected);
   intaglio::cli::AddMeasureCommand(app, selected);

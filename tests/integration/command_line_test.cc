@@ -46,7 +46,7 @@ const std::vector<std::string> kCommands = {
     "run",  "up",      "submit", "list",   "show",       "watch",
     "arm",  "pause",   "resume", "cancel", "discretize", "sort",
     "plan", "measure", "verify", "render", "materials", "history", "batch",  "security",
-    "record", "recording"};
+    "record", "recording", "stop"};
 
 const std::vector<std::vector<std::string>> kSecondCommands = {{"security", "new"},
                                                                {"security", "renew"},

@@ -124,6 +124,26 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
 }
 
+TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {
+  const std::string job = Submit({});
+  ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
+  EXPECT_EQ(Type({"arm", job}).exit_code, 0);
+  ASSERT_TRUE(RunsTo(job, "engraving")) << last_;
+  const Ended stopped = Type({"stop", "--reason", "a hand in the machine"});
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.output;
+  EXPECT_THAT(stopped.output, HasSubstr("els-03: stopped"));
+  ASSERT_TRUE(Reaches(job, "paused")) << last_;
+  const Ended resumed = Type({"resume", job});
+  EXPECT_THAT(resumed.output, HasSubstr("paused"));
+  EXPECT_THAT(resumed.output, HasSubstr("intaglio stop els-03 --reset"));
+  const Ended reset = Type({"stop", "els-03", "--reset"});
+  EXPECT_EQ(reset.exit_code, 0) << reset.output;
+  std::this_thread::sleep_for(1s);  // nothing starts by itself
+  EXPECT_THAT(Type({"show", job}).output, HasSubstr("state      paused"));
+  Type({"resume", job});
+  EXPECT_TRUE(RunsTo(job, "done")) << last_;
+}
+
 // Two queues on one database, or two synchronizers on one laser, would spoil a block.
 TEST_F(Shop, IsNotOpenedASecondTime) {
   ASSERT_TRUE(Eventually([&] { return Type({"list"}).exit_code == 0; }, 20s));
