@@ -5,6 +5,7 @@
 
 #include "services/bus/bus_entities.h"
 #include "services/bus/identity.h"
+#include "services/bus/library_log.h"
 #include "services/bus/qos.h"
 
 namespace intaglio::bus {
@@ -60,6 +61,7 @@ std::string SecurityOf(const BusOptions& options, std::chrono::sys_seconds& end)
   const auto text = SecurityConfiguration(*identity);
   if (!text) throw BusError(text.error().message);
   end = identity->not_after;
+  KeepLibraryLogShort();
   return *text;
 }
 
