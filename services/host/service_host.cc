@@ -213,7 +213,9 @@ void ServiceHost::KeepAlive() {
 // Whoever could renew it should know before the machine stops, and not look into logs.
 void ServiceHost::WarnOfExpiry() {
   impl_->next_expiry_look = Clock::now() + kExpiryPeriod;
-  const auto left = bus().identity_end() - std::chrono::system_clock::now();
+  // In seconds: without an identity the end is farther than nanoseconds count.
+  const auto left = bus().identity_end() - std::chrono::floor<std::chrono::seconds>(
+                                               std::chrono::system_clock::now());
   if (left > kExpiryWarning) return;
   RaiseAlarm(intaglio_ALARM_WARNING, "identity_expires",
              fmt::format("the identity in {} expires in {} days; then nobody hears this "
