@@ -17,6 +17,7 @@
 #include "services/cli/run_command.h"
 #include "services/cli/stage_bars.h"
 #include "services/cli/watch_job.h"
+#include "services/history/job_history.h"
 
 namespace intaglio::cli {
 namespace {
@@ -32,6 +33,8 @@ struct JobsOptions {
   std::string uid;
   std::string percent;
   std::string series;
+  std::string folder = "intaglio-shop";
+  std::string database;
   std::uint32_t from_point = 0;
   bool arm = false;
   bool watch = false;
@@ -143,14 +146,11 @@ int SubmitSeries(const JobsOptions& options) {
   return kExitGood;
 }
 
-int Submit(const JobsOptions& options) {
-  if (!options.series.empty()) return SubmitSeries(options);
-  auto job = BuildJob(options.job);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+int SubmitJob(const JobSpec& job, const JobsOptions& options) {
   bus::Bus bus(options.bus);
   JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
-  const auto submitted = SubmitOne(client, job->job, options);
+  const auto submitted = SubmitOne(client, job, options);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
   if (options.arm) {
     const int armed =
@@ -162,6 +162,22 @@ int Submit(const JobsOptions& options) {
     options.human() << "intaglio arm " << submitted->number << " lets it fire\n";
   client.Poll(500ms);
   return kExitGood;
+}
+
+int Submit(const JobsOptions& options) {
+  if (!options.series.empty()) return SubmitSeries(options);
+  const auto job = BuildJob(options.job);
+  if (!job) return Complain(job.error(), kExitWrongInput);
+  return SubmitJob(job->job, options);
+}
+
+/// The next piece of a job: the same once more, on a new block.
+int Again(const JobsOptions& options) {
+  const auto job = history::ReadJob(
+      options.database.empty() ? options.folder + "/jobs.db" : options.database,
+      options.uid);
+  if (!job) return Complain(job.error(), kExitWrongInput);
+  return SubmitJob(*job, options);
 }
 
 int List(const JobsOptions& options) {
@@ -251,6 +267,33 @@ int ShowJob(const JobView& job) {
   return kExitGood;
 }
 
+void AddArmAndWatch(CLI::App& command, JobsOptions& options) {
+  command.add_flag("--arm", options.arm, "you stand at the machine: it may fire at once");
+  command.add_flag("--watch", options.watch, "follow it to its end");
+  AddEventsFlag(command, options.events);
+}
+
+void AddAgain(CLI::App& app, const std::shared_ptr<JobsOptions>& options,
+              std::function<int()>& selected) {
+  CLI::App* again =
+      app.add_subcommand("again", "the next piece: a job once more, on a new block");
+  again->add_option("JOB", options->uid, "number or uid (intaglio history)")->required();
+  auto* folder =
+      again->add_option("--folder", options->folder, "of the shop, as for intaglio up")
+          ->capture_default_str();
+  again
+      ->add_option("--database", options->database,
+                   "or the job service's file, as its --database")
+      ->excludes(folder);
+  AddArmAndWatch(*again, *options);
+  AddBusFlags(*again, options->bus);
+  again->footer(
+      "Example: intaglio again 12 --arm --watch\n"
+      "It gets a number of its own, and is made from its files as they are now.");
+  again->callback(
+      [options, &selected] { selected = [options] { return Again(*options); }; });
+}
+
 }  // namespace
 
 void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
@@ -259,10 +302,7 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
       app.add_subcommand("submit", "give a job to the running job service");
   AddJobFlags(*submit, options->job);
   AddBusFlags(*submit, options->bus);
-  submit->add_flag("--arm", options->arm,
-                   "you stand at the machine: it may fire at once");
-  submit->add_flag("--watch", options->watch, "follow it to its end");
-  AddEventsFlag(*submit, options->events);
+  AddArmAndWatch(*submit, *options);
   submit->add_option("--series", options->series,
                      "CSV file: a job for each row; {column} in texts and file names of "
                      "the job file becomes the row's field");
@@ -273,6 +313,8 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
       "intaglio arm JOB.");
   submit->callback(
       [options, &selected] { selected = [options] { return Submit(*options); }; });
+
+  AddAgain(app, options, selected);
 
   CLI::App* list = app.add_subcommand("list", "the jobs of the running job service");
   AddBusFlags(*list, options->bus);

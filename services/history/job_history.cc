@@ -9,6 +9,7 @@
 #include <cctype>
 #include <string_view>
 
+#include "proto/task.pb.h"
 #include "services/history/job_words.h"
 #include "services/host/utc_time.h"
 
@@ -191,8 +192,11 @@ std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& 
   return jobs;
 }
 
-Result<std::vector<JobStatistics>> ReadHistory(const fs::path& path,
-                                               const Filter& filter) {
+namespace {
+
+/// What `read` makes of the opened database.
+template <typename T, typename Read>
+Result<T> Opened(const fs::path& path, const Read& read) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) {
     return Fail(ErrorCode::kNotFound,
@@ -211,7 +215,7 @@ Result<std::vector<JobStatistics>> ReadHistory(const fs::path& path,
                               path.string(), version),
                   path.string());
     }
-    return SelectJobs(database, filter, std::chrono::system_clock::now());
+    return read(database);
   } catch (const SQLite::Exception& error) {
     return Fail(ErrorCode::kIo,
                 fmt::format("{}: {}: is it the database of a job service, and may you "
@@ -219,6 +223,37 @@ Result<std::vector<JobStatistics>> ReadHistory(const fs::path& path,
                             path.string(), error.what()),
                 path.string());
   }
+}
+
+}  // namespace
+
+Result<std::vector<JobStatistics>> ReadHistory(const fs::path& path,
+                                               const Filter& filter) {
+  using Jobs = std::vector<JobStatistics>;
+  return Opened<Jobs>(path, [&filter](SQLite::Database& database) -> Result<Jobs> {
+    return SelectJobs(database, filter, std::chrono::system_clock::now());
+  });
+}
+
+Result<JobSpec> ReadJob(const fs::path& path, const std::string& uid_or_number) {
+  return Opened<JobSpec>(path, [&](SQLite::Database& database) -> Result<JobSpec> {
+    SQLite::Statement select(
+        database,
+        "SELECT frozen_job FROM jobs WHERE uid = ?1 OR CAST(number AS TEXT) = ?1");
+    select.bind(1, uid_or_number);
+    if (!select.executeStep()) {
+      return Fail(ErrorCode::kNotFound,
+                  fmt::format("{}: there is no job '{}'; intaglio history lists them",
+                              path.string(), uid_or_number),
+                  uid_or_number);
+    }
+    FrozenJob frozen;
+    if (frozen.ParseFromString(select.getColumn(0).getString())) return frozen.job();
+    return Fail(ErrorCode::kUnreadable,
+                fmt::format("{}: job {} cannot be read; submit its job file again",
+                            path.string(), uid_or_number),
+                uid_or_number);
+  });
 }
 
 }  // namespace intaglio::history

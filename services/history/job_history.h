@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "proto/job.pb.h"
 #include "proto/shop.pb.h"
 
 namespace SQLite {
@@ -41,8 +42,13 @@ Status CheckFilter(const Filter& filter);
 Result<std::vector<JobStatistics>> ReadHistory(const std::filesystem::path& database,
                                                const Filter& filter);
 
-/// The same from an open database; throws SQLite::Exception. `now` is for the progress
-/// and the expected end of a job that is engraved.
+/// A job as it was made, every default filled in, by its uid or short number. Errors as
+/// above, and kNotFound for a job that is none of this shop's.
+Result<JobSpec> ReadJob(const std::filesystem::path& database,
+                        const std::string& uid_or_number);
+
+/// As ReadHistory, from an open database; throws SQLite::Exception. `now` is for the
+/// progress and the expected end of a job that is engraved.
 std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& filter,
                                       std::chrono::system_clock::time_point now);
 

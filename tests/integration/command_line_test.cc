@@ -45,7 +45,7 @@ std::string ReadText(const fs::path& file) {
 const std::vector<std::string> kCommands = {
     "run",  "up",      "submit", "list",   "show",       "watch",
     "arm",  "pause",   "resume", "cancel", "discretize", "sort",
-    "plan", "measure", "verify", "render", "materials", "history", "batch",  "security",
+    "plan", "measure", "verify", "render", "materials", "history", "batch", "again",  "security",
     "record", "recording", "stop"};
 
 const std::vector<std::vector<std::string>> kSecondCommands = {{"security", "new"},

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "proto/task.pb.h"
 #include "services/host/utc_time.h"
 #include "services/job_service/job_migrations.h"
 #include "services/job_service/job_store.h"
@@ -77,6 +78,22 @@ TEST_F(JobHistoryTest, AnswersByWhatIsAskedWhileTheServiceWrites) {
   EXPECT_THAT(Numbers({.verdict = "unknown"}), ElementsAre(5, 1));
   EXPECT_THAT(Numbers({.verdict = "none"}), ElementsAre(2, 3));
   EXPECT_THAT(Numbers({.job = 4}), ElementsAre(4)) << "one is told whatever its state";
+}
+
+TEST_F(JobHistoryTest, GivesAJobBackAsItWasMade) {
+  FrozenJob frozen;
+  frozen.mutable_job()->set_name("cup");
+  job_service::JobRecord job;
+  job.number = 12;
+  job.uid = "12-abc";
+  job.submission_uid = "s12";
+  job.frozen_job = frozen.SerializeAsString();
+  store().Keep(job);
+  EXPECT_EQ(ReadJob(path_, "12")->name(), "cup");
+  EXPECT_EQ(ReadJob(path_, "12-abc")->name(), "cup");
+  for (const char* other : {"1", "2", "012", "12-ab", "", "x' OR 1"}) {
+    EXPECT_EQ(ReadJob(path_, other).error().code, ErrorCode::kNotFound) << other;
+  }
 }
 
 TEST_F(JobHistoryTest, SaysWhatATimeAndAVerdictAre) {
