@@ -172,6 +172,12 @@ std::chrono::milliseconds Bus::discovery_time() const {
 
 std::chrono::sys_seconds Bus::identity_end() const { return entities_->identity_end; }
 
+void Bus::Leave(std::chrono::milliseconds duration) {
+  for (const dds_entity_t participant : {entities_->control, entities_->bulk}) {
+    (void)dds_domain_set_deafmute(participant, true, true, DDS_MSECS(duration.count()));
+  }
+}
+
 struct WaitSet::Impl {
   dds_entity_t wait_set = 0;
   dds_entity_t guard = 0;

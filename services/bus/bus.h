@@ -62,6 +62,8 @@ class Bus {
   std::chrono::milliseconds discovery_time() const;
   /// When the identity ends; max() without one.
   std::chrono::sys_seconds identity_end() const;
+  /// Neither says nor hears anything for so long, in both domains; comes back by itself.
+  void Leave(std::chrono::milliseconds duration);
 
   struct Entities;  // handles; services/bus only
   Entities& entities() { return *entities_; }

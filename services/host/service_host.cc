@@ -14,6 +14,7 @@
 
 #include "services/bus/samples.h"
 #include "services/host/init_system.h"
+#include "services/host/one_sided_loss.h"
 #include "services/link/real_time.h"
 
 namespace intaglio::host {
@@ -129,6 +130,12 @@ void SetUpLog(const ServiceDescription& description, const CommonOptions& option
   spdlog::set_default_logger(std::move(log));
 }
 
+int EndByFault(ServiceHost& host, const char* code, const std::string& why) {
+  host.SetHealth(intaglio_HEALTH_FAULT, {}, why);
+  host.RaiseAlarm(intaglio_ALARM_FAULT, code, why);
+  return 1;
+}
+
 }  // namespace
 
 const char* SoftwareVersion() { return INTAGLIO_VERSION; }
@@ -156,6 +163,7 @@ struct ServiceHost::Impl {
     sample.version = Borrow(version);
     sample.message = Borrow(message);
     sample.steady_ns = Clock::now().time_since_epoch().count();
+    LeaveWhoLostUs();
     if (auto written = health.Write(sample); !written) {
       spdlog::warn("health: {}", written.error().message);
     }
@@ -163,10 +171,24 @@ struct ServiceHost::Impl {
     TellInitAlive();
   }
 
+  // Before the next sample, so that the last one had its time.
+  void LeaveWhoLostUs() {
+    if (bus.options().security.empty()) return;
+    const bool all_acknowledged =
+        health.WaitForAcknowledgements(std::chrono::milliseconds(0)).has_value();
+    if (!loss.Turn(all_acknowledged, Clock::now())) return;
+    spdlog::warn(
+        "somebody on the network does not hear this service any more: it leaves the bus "
+        "for {} ms, so that all find each other anew",
+        OneSidedLoss::kAway.count());
+    bus.Leave(OneSidedLoss::kAway);
+  }
+
   ServiceDescription description;
   bus::Bus bus;
   bus::Writer<intaglio_ServiceHealth> health;
   bus::Writer<intaglio_Alarm> alarms;
+  OneSidedLoss loss;
   std::string host, instance;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   std::string job_uid, message;
@@ -277,10 +299,12 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
       host.SetHealth(intaglio_HEALTH_STOPPING);
       spdlog::info("ends with exit code {}", code);
       return code;
+    } catch (const std::bad_alloc&) {
+      return EndByFault(host, "no_memory",
+                        "the system gives no more memory: take a limit away, or make the "
+                        "job smaller; this service ends and may be started again");
     } catch (const std::exception& error) {
-      host.SetHealth(intaglio_HEALTH_FAULT, {}, error.what());
-      host.RaiseAlarm(intaglio_ALARM_FAULT, "internal", error.what());
-      return 1;
+      return EndByFault(host, "internal", error.what());
     }
   } catch (const std::exception& error) {
     std::cerr << "intaglio-" << description.name << ": " << error.what() << "\n";
