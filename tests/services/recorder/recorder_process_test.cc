@@ -53,7 +53,10 @@ class RecorderProcess : public ::testing::Test {
   /// The file as it is at the moment, by the way a killed one is read.
   bool Holds(std::size_t topics) const {
     const auto reader = McapReader::Open(file_);
-    return reader && TopicsOf(*reader).size() >= topics;
+    if (!reader) return false;
+    const auto& counts = reader->contents().statistics.message_counts;
+    return TopicsOf(*reader).size() >= topics &&
+           counts.size() == reader->contents().channels.size();
   }
   static std::set<std::string> TopicsOf(const McapReader& reader) {
     std::set<std::string> topics;
