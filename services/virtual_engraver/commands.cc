@@ -68,6 +68,48 @@ std::string Commands::Line(const std::string& verb, const std::string& which) {
   return plugged ? "ok" : "error " + plugged.error().message;
 }
 
+std::string Commands::DoLamp(const std::vector<std::string>& words) {
+  if (words.size() == 2 && words[0] == "lamp" && words[1] == "cold") {
+    machine_.laser().CoolLamp();
+    return "ok";
+  }
+  if (words.size() != 3 || words[0] != "lamp-sync") return "";
+  const auto count = NumberOf<std::uint32_t>(words[2]);
+  const auto late_ms = NumberOf<double>(words[2]);
+  if (words[1] == "miss" && count && *count <= 100000) {
+    machine_.DelaySync(*count / machine_.laser().rate_hz());
+    return "ok";
+  }
+  if (words[1] == "late" && late_ms && *late_ms >= 0 && *late_ms <= 60000) {
+    machine_.DelaySync(*late_ms / 1000);
+    return "ok";
+  }
+  return "error lamp-sync miss 0..100000 or late 0..60000, in ms";
+}
+
+std::string Commands::DoStage(const std::vector<std::string>& words) {
+  const std::string& verb = words[0];
+  const std::string what = words.size() > 1 ? words[1] : "";
+  if (verb == "unstick") {
+    machine_.stage().Unstick();
+    return "ok";
+  }
+  if (verb == "stick" && (what == "all" || what == "x" || what == "y" || what == "z")) {
+    machine_.stage().Stick(what == "all" ? -1 : what[0] - 'x');
+    return "ok";
+  }
+  if (verb == "limit" && words.size() == 1) {
+    machine_.stage().Fail(link::StageFault::kLimit);
+    return "ok";
+  }
+  if (verb == "buffer" && (what == "starved" || what == "full")) {
+    machine_.stage().Fail(what == "full" ? link::StageFault::kBadSequence
+                                         : link::StageFault::kStarved);
+    return "ok";
+  }
+  return "";
+}
+
 std::string Commands::DoWords(const std::vector<std::string>& words) {
   const std::string& verb = words[0];
   const std::string what = words.size() > 1 ? words[1] : "";
@@ -98,18 +140,13 @@ std::string Commands::DoWords(const std::vector<std::string>& words) {
     if (*pressed) machine_.stage().Abort();
     return "ok";
   }
-  if (verb == "unstick") {
-    machine_.stage().Unstick();
-    return "ok";
-  }
-  if (verb == "stick" && (what == "all" || what == "x" || what == "y" || what == "z")) {
-    machine_.stage().Stick(what == "all" ? -1 : what[0] - 'x');
-    return "ok";
-  }
-  if (verb == "miss") {
+  if (const std::string done = DoStage(words); !done.empty()) return done;
+  if (verb == "lamp" || verb == "lamp-sync") return DoLamp(words);
+  if (verb == "miss" || verb == "blind") {
     const auto count = NumberOf<std::uint64_t>(what);
-    if (count) machine_.MissPulses(*count);
-    return count ? "ok" : "";
+    if (!count) return "";
+    verb == "miss" ? machine_.MissPulses(*count) : machine_.BlindSensor(*count);
+    return "ok";
   }
   if (verb == "drop-bytes" && words.size() == 3) {
     const auto ratio = NumberOf<double>(what);

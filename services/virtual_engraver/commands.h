@@ -4,6 +4,8 @@
 //
 //   key on|off            door open|close         estop press|release
 //   stick x|y|z|all       unstick                 miss N
+//   blind N               lamp cold               lamp-sync miss N | late MS
+//   limit                 buffer starved|full
 //   drop-bytes RATIO laser|motion                 unplug laser|motion
 //   plug laser|motion     clock-drift PPM         status
 //   quit
@@ -38,6 +40,8 @@ class Commands {
 
  private:
   std::string DoWords(const std::vector<std::string>& words);
+  std::string DoLamp(const std::vector<std::string>& words);
+  std::string DoStage(const std::vector<std::string>& words);
   std::string Line(const std::string& verb, const std::string& which);
   Machine& machine_;
   Plugs& plugs_;

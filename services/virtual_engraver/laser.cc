@@ -85,11 +85,12 @@ TickOutcome Laser::OutcomeAt(bool armed, bool gated, bool in_position) const {
   return TickOutcome::kFiredSeen;  // Seen() says whether it was
 }
 
-std::uint8_t Laser::AdvanceTick(bool in_position) {
+std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   ++tick_;
   past_[tick_ % past_.size()] = TickOutcome::kNotArmed;
-  machine_s_ += 1 / rate_hz_;
-  if (lamp_on_) lamp_s_ += 1 / rate_hz_;
+  const double period_s = 1 / rate_hz_ + late_s;
+  machine_s_ += period_s;
+  if (lamp_on_) lamp_s_ += period_s;
   rate_hz_ = next_rate_hz_;
   while (!windows_.empty() &&
          windows_.front().first_tick + windows_.front().fire.size() <= tick_) {

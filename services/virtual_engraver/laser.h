@@ -46,6 +46,8 @@ class Laser {
   void SetKey(bool on) { key_on_ = on; }
   void SetDoor(bool closed) { door_closed_ = closed; }
   void SetStopButton(bool pressed);
+  /// The lamp has gone cold: it warms up from the beginning, if it burns.
+  void CoolLamp() { lamp_s_ = 0; }
   /// Shutters closed, nothing decided, until Reset.
   void EnterSafeState();
 
@@ -53,8 +55,9 @@ class Laser {
   bool NextIsDecided() const { return tick_ + 1 <= decided_through_; }
   /// Something could still fire without another word of the host.
   bool MayFire() const { return shutters_ != 0 || !windows_.empty(); }
-  /// One lamp sync later. Returns the mask of channels that fire; 0: no pulse.
-  std::uint8_t AdvanceTick(bool in_position);
+  /// One lamp sync later, which comes `late_s` after its time. Returns the mask of
+  /// channels that fire; 0: no pulse.
+  std::uint8_t AdvanceTick(bool in_position, double late_s = 0);
   /// What the photosensors saw of the pulse that AdvanceTick returned.
   void Seen(bool crack);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "services/virtual_engraver/late_line.h"
 
@@ -182,9 +183,15 @@ bool Machine::MayPassTick() const {
          motion_line_.waiting.size() < kMaxWaiting;
 }
 
+void Machine::DelaySync(double seconds) {
+  sync_late_s_ += seconds;
+  next_tick_at_ += nanoseconds(static_cast<std::int64_t>(1e9 * seconds / options_.speed));
+}
+
 void Machine::PassTick() {
-  stage_.AdvanceTick(laser_.rate_hz());
-  const std::uint8_t channels = laser_.AdvanceTick(stage_.in_position());
+  const double late_s = std::exchange(sync_late_s_, 0);
+  stage_.AdvanceTick(1 / (1 / laser_.rate_hz() + late_s));
+  const std::uint8_t channels = laser_.AdvanceTick(stage_.in_position(), late_s);
   if (channels != 0) Fire(channels);
   next_tick_at_ +=
       nanoseconds(static_cast<std::int64_t>(1e9 / (laser_.rate_hz() * options_.speed)));
@@ -200,7 +207,8 @@ bool Machine::PassTicks() {
 }
 
 void Machine::Fire(std::uint8_t channels) {
-  bool seen = true;
+  bool seen = to_overlook_ == 0;
+  if (to_overlook_ > 0) --to_overlook_;
   for (std::uint8_t channel = 0; channel < 4; ++channel) {
     if ((channels >> channel & 1) == 0) continue;
     if (to_miss_ > 0) {

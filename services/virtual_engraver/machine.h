@@ -52,6 +52,10 @@ class Machine {
   Glass& glass() { return glass_; }
   /// The next pulses make no crack.
   void MissPulses(std::uint64_t count) { to_miss_ += count; }
+  /// The photosensor sees none of the next cracks.
+  void BlindSensor(std::uint64_t count) { to_overlook_ += count; }
+  /// The next lamp sync comes `seconds` of machine time late.
+  void DelaySync(double seconds);
   /// Descriptors to wait for; -1 where a line is unplugged.
   int laser_fd() const { return laser_line_.fd(); }
   int motion_fd() const { return motion_line_.fd(); }
@@ -98,7 +102,8 @@ class Machine {
   Line laser_line_, motion_line_;
   unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;
-  std::uint64_t to_miss_ = 0;
+  std::uint64_t to_miss_ = 0, to_overlook_ = 0;
+  double sync_late_s_ = 0;
   std::uint32_t told_interlocks_ = 0;
   link::StageFault told_fault_ = link::StageFault::kNone;
 };

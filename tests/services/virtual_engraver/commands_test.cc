@@ -57,6 +57,37 @@ TEST_F(PanelWords, TheStopButtonStopsLaserAndStage) {
   EXPECT_NE(interlocks() & link::kStopReleased, 0);
 }
 
+TEST_F(PanelWords, AColdLampWarmsUpAgain) {
+  MachineOptions options = PlainOptions(false);
+  options.laser.warm_up_s = 0.1;
+  Start(options);
+  Plugs cold_plugs{"", "", {}, {}, 0};
+  Commands cold(*machine, cold_plugs);
+  machine->laser().SetLamp({true, 100});
+  Pass(std::chrono::milliseconds(150));
+  ASSERT_NE(interlocks() & link::kLampWarm, 0);
+  EXPECT_EQ(cold.Do("lamp cold"), "ok");
+  EXPECT_EQ(interlocks() & link::kLampWarm, 0);
+  EXPECT_NE(interlocks() & link::kLampOn, 0);
+  Pass(std::chrono::milliseconds(150));
+  EXPECT_NE(interlocks() & link::kLampWarm, 0);
+}
+
+TEST_F(PanelWords, TheStagesFaultsAreThoseOfTheProtocol) {
+  struct Case {
+    const char* command;
+    link::StageFault fault;
+  };
+  for (const Case& c : {Case{"limit", link::StageFault::kLimit},
+                        Case{"buffer starved", link::StageFault::kStarved},
+                        Case{"buffer full", link::StageFault::kBadSequence}}) {
+    EXPECT_EQ(commands->Do(c.command), "ok");
+    EXPECT_EQ(machine->stage().fault(), c.fault) << c.command;
+    machine->stage().Reset();
+    EXPECT_EQ(machine->stage().fault(), link::StageFault::kNone);
+  }
+}
+
 TEST_F(PanelWords, StatusIsOneLineOfEverything) {
   const std::string status = commands->Do("status");
   EXPECT_EQ(status.rfind("ok {", 0), 0u);
@@ -82,6 +113,18 @@ TEST_F(PanelWords, RefusesWhatItDoesNotKnow) {
                               "miss -1",
                               "miss 1.5",
                               "miss many",
+                              "blind",
+                              "blind -1",
+                              "lamp",
+                              "lamp hot",
+                              "lamp-sync",
+                              "lamp-sync miss",
+                              "lamp-sync miss -1",
+                              "lamp-sync late nan",
+                              "lamp-sync late 60001",
+                              "limit x",
+                              "buffer",
+                              "buffer empty",
                               "drop-bytes",
                               "drop-bytes 0.1",
                               "drop-bytes 2 laser",

@@ -198,6 +198,40 @@ TEST_F(PointRow, MissesAsManyPulsesAsTold) {
   EXPECT_EQ(outcomes, (std::vector{unseen, unseen, unseen, seen, seen}));
 }
 
+TEST_F(PointRow, ABlindSensorSeesNothingOfCracksThatAreThere) {
+  MachineOptions options = PlainOptions(true);
+  options.block.refractive_index = 1;  // the stage's zero is in the glass
+  Start(options);
+  Connect();
+  OpenShutterAndLamp();
+  machine->BlindSensor(2);
+  SayWindows(std::vector<bool>(4, true), false);
+  Pass(50ms);
+  EXPECT_EQ(Cracks().size(), 4u);
+  std::vector<TickOutcome> outcomes;
+  for (const auto& report : heard.reports)
+    outcomes.insert(outcomes.end(), report.outcome.begin(), report.outcome.end());
+  const auto seen = TickOutcome::kFiredSeen, unseen = TickOutcome::kFiredUnseen;
+  EXPECT_EQ(outcomes, (std::vector{unseen, unseen, seen, seen}));
+}
+
+// A sync that does not come is no tick: both controllers count what comes.
+TEST_F(PointRow, ALateLampSyncMakesATickLongerAndCountsNone) {
+  Start(PlainOptions(false));  // 100 Hz
+  Connect();
+  Pass(100ms);
+  const std::uint64_t before = machine->laser().tick();
+  const std::uint64_t clock_us = machine->laser().Report().machine_us;
+  machine->DelaySync(0.055);
+  Pass(200ms);
+  const std::uint64_t passed = machine->laser().tick() - before;
+  EXPECT_NEAR(static_cast<double>(passed), 14.5, 1);
+  // The controller's own clock has not stood still.
+  EXPECT_NEAR(static_cast<double>(machine->laser().Report().machine_us - clock_us),
+              static_cast<double>(passed) * 10000 + 55000, 1.5)
+      << "whole microseconds";
+}
+
 TEST_F(PointRow, APulseBesideTheBlockIsRecordedAndUnseen) {
   MachineOptions options = PlainOptions(true);
   options.block.origin_mm = Vec3(50, 50, 0);
