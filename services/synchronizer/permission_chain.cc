@@ -112,7 +112,9 @@ Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds 
         state_ = State::kClear;
         return Missing::kNothing;
       }
-      if (may_clear && OnlyMachineStopIsOpen(links) &&
+      // A word that is only late is waited for, too.
+      if (links.permission_granted && links.laser_line_up &&
+          (open == Missing::kNothing || OnlyMachineStopIsOpen(links)) &&
           now - resetting_since_ <= kResetTime) {
         return Missing::kNothing;
       }

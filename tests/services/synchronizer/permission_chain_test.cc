@@ -66,7 +66,8 @@ enum class Arm { kNone, kOld, kRenewed, kNew };
 enum class Event { kTurn, kLateTurn, kFault, kLostLine };  // late: after kResetTime
 
 struct Situation {
-  bool armed;         // the operator's word is fresh and granted
+  bool granted;       // the operator's newest word
+  bool armed;         // it is fresh, too
   bool bus_stop;      // pressed on the bus
   bool line;          // the laser line is up
   bool key_or_door;   // key off or door open
@@ -149,16 +150,17 @@ const std::vector<Row>& Table() {
       {"fault in a reset", From::kResetting, fault, State::kLatched, Left::kNothing},
       {"line lost by a run in a reset", From::kResetting, lost, State::kLatched,
        Left::kRenewal},
-      {"withdrawn", From::kResetting, [](S s, Arm, Event) { return !s.armed; },
+      {"withdrawn", From::kResetting, [](S s, Arm, Event) { return !s.granted; },
        State::kLatched, Left::kNothing},
       {"line down", From::kResetting, [](S s, Arm, Event) { return !s.line; },
        State::kLatched, Left::kNothing},
       {"another let go", From::kResetting,
        [](S s, Arm, Event) { return s.bus_stop || s.key_or_door; }, State::kLatched,
        Left::kNothing},
-      {"released", From::kResetting, [](S s, Arm, Event) { return !s.machine_stop; },
-       State::kClear, Left::kWhole},
-      {"button held", From::kResetting,
+      {"released", From::kResetting,
+       [](S s, Arm, Event) { return !s.machine_stop && s.armed; }, State::kClear,
+       Left::kWhole},
+      {"button held, or the word late, for too long", From::kResetting,
        [](S, Arm, Event e) { return e == Event::kLateTurn; }, State::kLatched,
        Left::kNothing},
       {"being reset", From::kResetting, always, State::kResetting, Left::kWhole},
@@ -212,9 +214,12 @@ void Check(From from, Arm arm, Event event, unsigned bits,
            std::map<std::string, int>& used) {
   PermissionChain chain = ChainIn(from, arm);
   const ChainLinks links = LinksOfBits(bits, GrantOf(arm));
-  const Situation situation{links.permission_fresh && links.permission_granted,
-                            !links.stop_not_pressed, links.laser_line_up,
-                            !links.key_on || !links.door_closed, !links.stop_released};
+  const Situation situation{links.permission_granted,
+                            links.permission_fresh && links.permission_granted,
+                            !links.stop_not_pressed,
+                            links.laser_line_up,
+                            !links.key_on || !links.door_closed,
+                            !links.stop_released};
   if (event == Event::kTurn) chain.Turn(links, 1s + 10ms);
   if (event == Event::kLateTurn) {
     chain.Turn(links, 1s + PermissionChain::kResetTime + 1ms);
