@@ -22,18 +22,17 @@ class OneSidedLoss {
   /// `all_acknowledged`: everybody who is matched has all that was written before now.
   /// True when it is time to leave for kAway.
   bool Turn(bool all_acknowledged, Time now) {
-    if (all_acknowledged || now < back_ || heard_ == Time{}) {
+    if (all_acknowledged || heard_ == Time{}) {
       heard_ = now;
       return false;
     }
     if (now - heard_ < kNotice) return false;
-    back_ = now + kAway;
+    heard_ = now + kAway;
     return true;
   }
 
  private:
-  Time heard_{};  // all was acknowledged, or we were away
-  Time back_{};
+  Time heard_{};  // all was acknowledged, or we are back
 };
 
 }  // namespace intaglio::host
