@@ -285,6 +285,7 @@ void JobQueue::FeedFailed(const std::string& job_uid, std::uint32_t attempt,
 void JobQueue::Take(const TaskView& task, Nanoseconds now) {
   const bool over =
       task.state == intaglio_TASK_DONE || task.state == intaglio_TASK_FAILED;
+  if (AnswersAnOldRevocation(task)) return;
   if (over) {
     workers_.Release(task.worker, task.task);
   } else {

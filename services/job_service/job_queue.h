@@ -204,6 +204,7 @@ class JobQueue {
   // After the loss of a synchronizer or a line: job_take_up.cc.
   void LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds now);
   void TakeUp(JobRecord& job, Nanoseconds now);
+  bool AnswersAnOldRevocation(const TaskView& task) const;
   bool NothingWasMade(const JobRecord& job, const TaskView& task) const;
   /// Arms it as it was armed, a while later; not for ever without a point made.
   void GoOn(JobRecord& job, Nanoseconds now);

@@ -76,6 +76,15 @@ void JobQueue::TakeUp(JobRecord& job, Nanoseconds now) {
                 job);
 }
 
+// Topics overtake each other after a network was away: a synchronizer may say that it is
+// ready, and get the job again, before its word on the revocation arrives.
+bool JobQueue::AnswersAnOldRevocation(const TaskView& task) const {
+  const JobRecord* job = Find(task.task.job_uid);
+  return task.stage == intaglio_STAGE_ENGRAVE && task.state == intaglio_TASK_FAILED &&
+         task.error_code == "cancelled" && job != nullptr && job->taken_up &&
+         workers_.IsAssigned(task.worker, task.task);
+}
+
 // A permission was given, and the synchronizer died before there was a path to fire.
 bool JobQueue::NothingWasMade(const JobRecord& job, const TaskView& task) const {
   return task.stage == intaglio_STAGE_ENGRAVE && job.taken_up &&

@@ -46,6 +46,23 @@ TEST_F(TakeUpTest, TheNextSynchronizerTakesItUpAndItGoesOn) {
   EXPECT_EQ(job().attempt, 1u);
 }
 
+// The network was away for longer than a lease, and the same synchronizer is back.
+TEST_F(TakeUpTest, ALateWordOnTheRevocationIsNotOneOnTheJob) {
+  EngraveAndLose();
+  actions_.Orders();
+  now_ += 2s;
+  Ready("y", intaglio_ROLE_SYNCHRONIZER);
+  queue_.Turn(now_);
+  EXPECT_THAT(actions_.Orders(), ElementsAre("take up y j1 1"));
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 12, 100, "cancelled",
+       "the job was cancelled");
+  EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
+  now_ += 1s;
+  EXPECT_TRUE(Granted());
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 50, 100);
+  EXPECT_EQ(job().state, intaglio_JOB_ENGRAVING);
+}
+
 TEST_F(TakeUpTest, WhoAsksIsWaitedFor) {
   ReadyAll();
   JobRecord record;
