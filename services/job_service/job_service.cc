@@ -237,6 +237,17 @@ void JobService::Progressed(const JobRecord& job) {
   statistics_.Progressed(job);
 }
 
+void JobService::TellFault(const std::string& why) {
+  for (const auto& [uid, job] : queue_.jobs()) {
+    if (!job.active()) continue;
+    JobRecord told = job;
+    if (told.state == intaglio_JOB_ENGRAVING) told.state = intaglio_JOB_PAUSED;
+    told.message = why;
+    ++told.revision;
+    Publish(told);
+  }
+}
+
 void JobService::Publish(const JobRecord& job) {
   std::vector<intaglio_StageProgress> progress;
   for (const intaglio_Stage stage : kStages) {

@@ -33,6 +33,8 @@ class JobService : private JobActions {
   ~JobService() override;
 
   void Turn(Nanoseconds now);
+  /// To whoever watches the jobs, as the last word of this life.
+  void TellFault(const std::string& why);
 
   template <typename Loop>
   void AttachTo(Loop& loop) {

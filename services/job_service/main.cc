@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <thread>
 
 #include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
@@ -10,19 +11,52 @@ namespace {
 using namespace intaglio;
 using namespace std::chrono_literals;
 
-int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options) {
-  const auto now = [] { return std::chrono::steady_clock::now().time_since_epoch(); };
-  host::OnlyInstance only(host, intaglio_ROLE_JOB_SERVICE);
-  if (only.AwaitTurn()) return only.EndAsSecond("job service");
-  job_service::JobService service(host, options, now());
+std::chrono::nanoseconds Now() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+/// One life of the queue; `opened` once it is there.
+int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& options,
+               host::OnlyInstance& only, bool& opened) {
+  job_service::JobService service(host, options, Now());
   host::PollLoop loop(host.bus());
   service.AttachTo(loop);
   host.SetHealth(intaglio_HEALTH_READY);
+  opened = true;
+  try {
+    while (!host.stopping()) {
+      if (only.MustEnd()) return only.EndAsSecond("job service");
+      service.Turn(Now());
+      host.KeepAlive();
+      loop.Wait({}, 20ms);
+    }
+  } catch (const job_service::StoreError& error) {
+    service.TellFault(error.what());
+    throw;
+  }
+  return 0;
+}
+
+// Nothing may follow from what is not kept. With a disk that is full the queue is given
+// up, and every permission with it; it is read again as soon as it can be written.
+int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options) {
+  host::OnlyInstance only(host, intaglio_ROLE_JOB_SERVICE);
+  if (only.AwaitTurn()) return only.EndAsSecond("job service");
+  bool opened = false;
+  std::string told;
   while (!host.stopping()) {
-    if (only.MustEnd()) return only.EndAsSecond("job service");
-    service.Turn(now());
-    host.KeepAlive();
-    loop.Wait({}, 20ms);
+    try {
+      return ServeQueue(host, options, only, opened);
+    } catch (const job_service::StoreError& error) {
+      if (!opened) throw;
+      host.SetHealth(intaglio_HEALTH_FAULT, {}, error.what());
+      if (told != error.what()) host.RaiseAlarm(intaglio_ALARM_FAULT, "io", error.what());
+      told = error.what();
+    }
+    for (const auto end = Now() + 1s; Now() < end && !host.stopping();) {
+      host.KeepAlive();
+      std::this_thread::sleep_for(50ms);
+    }
   }
   return 0;
 }

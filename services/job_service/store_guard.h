@@ -17,8 +17,10 @@ auto Guarded(const SQLite::Database& database, Body&& body) {
   try {
     return body();
   } catch (const SQLite::Exception& error) {
-    throw StoreError(fmt::format("job database {}: {}; check the disk",
-                                 database.getFilename(), error.what()));
+    throw StoreError(
+        fmt::format("job database {}: {}; make room on its disk, or see to it: the "
+                    "job service then goes on by itself",
+                    database.getFilename(), error.what()));
   }
 }
 
