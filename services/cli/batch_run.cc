@@ -181,7 +181,9 @@ void BatchRun::Fail(std::size_t job, const std::string& state,
   Tell(fmt::format("{} {}: {}", jobs_[job].id, state, message));
   if (events_ != nullptr) {
     JobEvent event;
-    event.set_event("refused");
+    event.set_event(state == "refused" ? "refused" : "left");
+    event.set_job(told.job());
+    event.set_uid(told.uid());
     event.set_id(jobs_[job].id);
     event.set_name(jobs_[job].name);
     event.set_cell(told.cell());
