@@ -34,6 +34,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/bus", "services/link",
       "services/host", "services/history", "services/recording", "services/security"}},
+    {"services/replayer",
+     {"engrave/core", "idl", "proto", "services/bus", "services/recording",
+      "services/recorder"}},
     {"services/history", {"engrave/core", "idl", "proto", "services/host"}},
     {"services/virtual_engraver", {"engrave/core", "engrave/formats", "services/link"}},
 };

@@ -1,0 +1,26 @@
+#pragma once
+
+// Who serves on a bus: the services that would obey or believe what is played there.
+// Recorders, replayers and consoles only listen, and do not count.
+
+#include <map>
+#include <string>
+
+#include "services/bus/bus.h"
+
+namespace intaglio::replayer {
+
+class Bystanders {
+ public:
+  /// Somebody is known after the bus's discovery time.
+  explicit Bystanders(bus::Bus& bus);
+  /// Instances that serve now, as "synchronizer of els-03 (synchronizer-host-12-3)";
+  /// never those of this process.
+  const std::map<std::string, std::string>& Look();
+
+ private:
+  bus::Reader<intaglio_ServiceHealth> health_;
+  std::map<std::string, std::string> serving_;  // words by instance
+};
+
+}  // namespace intaglio::replayer

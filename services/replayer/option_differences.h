@@ -1,0 +1,17 @@
+#pragma once
+
+// Which options two frozen jobs do not have alike.
+
+#include <vector>
+
+#include "proto/replay.pb.h"
+#include "proto/task.pb.h"
+
+namespace intaglio::replayer {
+
+/// By field, in the order of the messages. Names of the job, folders and the software's
+/// version are no options.
+std::vector<OptionDifference> OptionDifferences(const FrozenJob& then,
+                                                const FrozenJob& now);
+
+}  // namespace intaglio::replayer

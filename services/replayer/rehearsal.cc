@@ -1,0 +1,286 @@
+#include "services/replayer/rehearsal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "services/bus/bus.h"
+#include "services/recording/conventions.h"
+#include "services/replayer/comparison.h"
+#include "services/replayer/option_differences.h"
+#include "services/replayer/stage_bench.h"
+
+namespace intaglio::replayer {
+namespace {
+
+using Extents = std::map<StreamId, StreamExtent>;
+
+/// Over all bits of the batches, for telling two runs apart.
+std::uint32_t Checksum(const CloudBatch& batch, std::uint32_t before) {
+  const auto add = [&before](const auto& values) {
+    before = recording::Crc32(std::as_bytes(std::span(values)), before);
+  };
+  add(batch.x_mm);
+  add(batch.y_mm);
+  add(batch.z_mm);
+  add(batch.source);
+  return before;
+}
+
+class Rehearsal {
+ public:
+  Rehearsal(bus::Bus& bus, const recording::McapReader& reader,
+            const RehearsalOptions& options, const KeepOn& keep_on)
+      : bus_(bus),
+        reader_(reader),
+        options_(options),
+        keep_on_(keep_on),
+        sort_(options.stage == Stage::kSort),
+        task_topic_(sort_ ? bus::kSortTask.name : bus::kDiscretizeTask.name),
+        input_topic_(sort_ ? bus::kPointBatch.name : bus::kModelChunk.name),
+        output_topic_(sort_ ? bus::kPathBatch.name : bus::kPointBatch.name) {}
+
+  Result<ReplayComparison> Run();
+
+ private:
+  struct Performed {
+    TaskComparison counts;
+    std::optional<SampleDifference> first;
+    std::uint32_t checksum = 0;
+  };
+  Status ReadRecording();
+  Status ReadTasks();
+  bool HasInput(const RecordedTask& task);
+  void TellMissing();
+  Status ChangeOptions(RecordedTask& task);
+  Result<Performed> Perform(const RecordedTask& task, const std::string& job_uid);
+  Status FindCause(const RecordedTask& task, const Performed& performed);
+
+  bus::Bus& bus_;
+  const recording::McapReader& reader_;
+  const RehearsalOptions& options_;
+  const KeepOn& keep_on_;
+  bool sort_;
+  std::string task_topic_, input_topic_, output_topic_;
+  std::vector<RecordedTask> tasks_;
+  Extents inputs_, outputs_;
+  std::map<std::string, StreamId> models_;  // a whole stream, by job
+  std::unique_ptr<StageBench> bench_;
+  ReplayComparison result_;
+};
+
+Status Rehearsal::ReadTasks() {
+  std::set<StreamId> known;
+  RecordedValues values(reader_, task_topic_);
+  for (;;) {
+    const auto value = values.Next();
+    if (!value) return tl::unexpected(value.error());
+    if (!*value) return {};
+    auto task = ReadTask(**value);
+    if (!task || task->revoked || !outputs_.contains(task->id)) continue;
+    if (!known.insert(task->id).second) continue;
+    task->log_time_ns = values.log_time_ns();
+    tasks_.push_back(std::move(*task));
+  }
+}
+
+Status Rehearsal::ReadRecording() {
+  for (const auto& [topic, extents] :
+       {std::pair(&output_topic_, &outputs_), {&input_topic_, &inputs_}}) {
+    auto found = ExtentsOf(reader_, *topic);
+    if (!found) return tl::unexpected(found.error());
+    *extents = std::move(*found);
+  }
+  if (!sort_) {
+    for (const auto& [id, extent] : inputs_) {
+      if (extent.whole) models_.try_emplace(id.job_uid, id);
+    }
+  }
+  if (auto read = ReadTasks(); !read) return read;
+  if (tasks_.empty()) {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("the recording has no {} whose {} was recorded: nothing to "
+                            "compare",
+                            task_topic_, output_topic_));
+  }
+  TellMissing();
+  return {};
+}
+
+/// What the recorder itself says is not in the file.
+void Rehearsal::TellMissing() {
+  const auto records = reader_.ReadMetadata(recording::kMissingRecord);
+  if (!records) return;
+  for (const recording::Metadata& record : *records) {
+    const auto entry = [&record](const char* name) {
+      const auto found = record.entries.find(name);
+      return found == record.entries.end() ? std::string() : found->second;
+    };
+    if (entry("topic") != input_topic_ && entry("topic") != output_topic_) continue;
+    result_.add_input(fmt::format("{} samples of {} were not recorded: {}",
+                                  entry("count"), entry("topic"), entry("reason")));
+  }
+}
+
+bool Rehearsal::HasInput(const RecordedTask& task) {
+  const auto lacks = [&](const std::string& what) {
+    result_.add_input(
+        fmt::format("{} of job {} is not whole in the recording", what, task.id.job_uid));
+    return false;
+  };
+  if (!sort_) return models_.contains(task.id.job_uid) || lacks(input_topic_);
+  for (std::uint32_t part = 0; part < task.input_part_count; ++part) {
+    const bool whole =
+        std::any_of(inputs_.begin(), inputs_.end(), [&](const auto& input) {
+          const StreamId& id = input.first;
+          return id.job_uid == task.id.job_uid && id.attempt == task.id.attempt &&
+                 id.part == part && input.second.whole;
+        });
+    if (!whole) return lacks(fmt::format("part {} of {}", part, input_topic_));
+  }
+  return true;
+}
+
+Status Rehearsal::ChangeOptions(RecordedTask& task) {
+  FrozenJob then;
+  if (!then.ParseFromString(task.frozen_job)) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("the job of a recorded {} cannot be read", task_topic_));
+  }
+  result_.set_version_then(then.software_version());
+  if (!options_.change) return {};
+  FrozenJob now = then;
+  if (auto changed = options_.change(now); !changed) return changed;
+  if (result_.options().empty()) {
+    for (OptionDifference& difference : OptionDifferences(then, now))
+      *result_.add_options() = std::move(difference);
+  }
+  task.frozen_job = now.SerializeAsString();
+  return {};
+}
+
+Result<Rehearsal::Performed> Rehearsal::Perform(const RecordedTask& task,
+                                                const std::string& job_uid) {
+  Performed performed;
+  TaskComparison& counts = performed.counts;
+  counts.set_job_uid(task.id.job_uid);
+  counts.set_attempt(task.id.attempt);
+  counts.set_part(task.id.part);
+  counts.set_part_attempt(task.id.part_attempt);
+  const StreamExtent& extent = outputs_.at(task.id);
+  counts.set_recorded_in_part(!extent.whole);
+  RecordedValues values(reader_, output_topic_, task.log_time_ns);
+  Status damage;
+  std::uint64_t number = 0;
+  const auto next_then = [&]() -> std::optional<CloudBatch> {
+    while (number < extent.count) {
+      auto value = values.Next();
+      if (!value) damage = tl::unexpected(value.error());
+      if (!value || !*value) return std::nullopt;
+      auto batch = ReadBatch(**value);
+      if (!batch || batch->id != task.id || batch->sequence_number != number) continue;
+      ++number;
+      return batch;
+    }
+    return std::nullopt;
+  };
+  const auto note = [&](const CloudBatch* then, const CloudBatch* now) {
+    counts.set_batch_count(counts.batch_count() + 1);
+    if (then != nullptr) counts.set_point_count(counts.point_count() + then->x_mm.size());
+    auto difference = Compare(then, now);
+    if (!difference) return;
+    difference->set_topic(output_topic_);
+    counts.set_different_batch_count(counts.different_batch_count() + 1);
+    if (!performed.first) performed.first = std::move(difference);
+  };
+  const auto failure = bench_->Perform(
+      task, job_uid,
+      [&](CloudBatch&& now) {
+        performed.checksum = Checksum(now, performed.checksum);
+        const auto then = next_then();
+        if (then || extent.whole) note(then ? &*then : nullptr, &now);
+      },
+      keep_on_);
+  if (!failure) return tl::unexpected(failure.error());
+  while (const auto then = next_then()) note(&*then, nullptr);
+  if (!damage) return tl::unexpected(damage.error());
+  if (!failure->empty() && performed.first)
+    performed.first->set_now("none: the task failed, " + *failure);
+  return performed;
+}
+
+/// Of the first task that made something else.
+Status Rehearsal::FindCause(const RecordedTask& task, const Performed& performed) {
+  const auto say = [this](const char* cause, std::string explanation) {
+    result_.set_cause(cause);
+    result_.set_explanation(std::move(explanation));
+  };
+  if (!result_.options().empty()) {
+    const OptionDifference& option = result_.options(0);
+    say("option", fmt::format("{} was {} then and is {} now", option.field(),
+                              option.then().empty() ? "not there" : option.then(),
+                              option.now().empty() ? "not there" : option.now()));
+    return {};
+  }
+  if (!result_.input().empty()) {
+    say("input", result_.input(0));
+    return {};
+  }
+  const auto again = Perform(task, task.id.job_uid + "-again");
+  if (!again) return tl::unexpected(again.error());
+  if (again->checksum != performed.checksum) {
+    say("chance", "the same task, done twice now, makes two results");
+  } else if (result_.version_then() != result_.version_now()) {
+    say("version", fmt::format("version {} made it then, {} makes it now",
+                               result_.version_then(), result_.version_now()));
+  } else {
+    say("code", fmt::format("same input, options and version {}: the code has changed",
+                            result_.version_now()));
+  }
+  return {};
+}
+
+Result<ReplayComparison> Rehearsal::Run() {
+  result_.set_service(sort_ ? "sorter" : "discretizer");
+  if (auto read = ReadRecording(); !read) return tl::unexpected(read.error());
+  bench_ = MakeBench(bus_, reader_, options_.stage, models_);
+  const auto version = bench_->FindService(keep_on_);
+  if (!version) return tl::unexpected(version.error());
+  result_.set_version_now(*version);
+  bool all_performed = true;
+  std::optional<std::pair<const RecordedTask*, Performed>> different;
+  for (RecordedTask& task : tasks_) {
+    if (!HasInput(task)) {
+      all_performed = false;
+      continue;
+    }
+    if (auto changed = ChangeOptions(task); !changed)
+      return tl::unexpected(changed.error());
+    auto performed = Perform(task, task.id.job_uid);
+    if (!performed) return tl::unexpected(performed.error());
+    *result_.add_tasks() = performed->counts;
+    if (performed->first && !different) different.emplace(&task, std::move(*performed));
+  }
+  result_.set_identical(!different && all_performed);
+  if (different) {
+    *result_.mutable_first() = *different->second.first;
+    if (auto found = FindCause(*different->first, different->second); !found)
+      return tl::unexpected(found.error());
+  } else if (!all_performed) {
+    result_.set_cause("input");
+    result_.set_explanation(result_.input(result_.input_size() - 1));
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+Result<ReplayComparison> Rehearse(bus::Bus& bus, const recording::McapReader& reader,
+                                  const RehearsalOptions& options,
+                                  const KeepOn& keep_on) {
+  return Rehearsal(bus, reader, options, keep_on).Run();
+}
+
+}  // namespace intaglio::replayer

@@ -1,0 +1,77 @@
+#include "services/replayer/selection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace intaglio::replayer {
+namespace {
+
+constexpr std::array<std::string_view, 9> kCommands = {
+    "JobSubmission", "JobCommand",         "SpeedOverride", "DiscretizeTask", "SortTask",
+    "EngraveTask",   "MotionSegmentBatch", "Permission",    "EmergencyStop"};
+constexpr std::array<std::string_view, 11> kBelieved = {
+    "JobStatus", "TaskStatus",  "ServiceHealth",  "Credit",   "ModelChunk", "PointBatch",
+    "PathBatch", "MotionState", "PositionReport", "LampSync", "Interlock"};
+
+bool Contains(const auto& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Empty: it is played.
+std::string WhyNot(const std::string& recorded, const std::string& played,
+                   const SelectionOptions& options) {
+  if (!options.topics.Accepts(recorded)) return "not chosen";
+  const Weight weight = WeightOf(played);
+  if (options.credit_is_given && played == "Credit")
+    return "the consumers' own credit paces what is sent";
+  if (options.with_commands) return {};
+  if (weight == Weight::kCommand) return "somebody would obey it; --with-commands";
+  if (weight == Weight::kBelieved && options.services_live)
+    return "the services of this bus would believe it; --with-commands";
+  return {};
+}
+
+}  // namespace
+
+Weight WeightOf(const std::string& topic) {
+  if (Contains(kCommands, topic)) return Weight::kCommand;
+  return Contains(kBelieved, topic) ? Weight::kBelieved : Weight::kShown;
+}
+
+Result<Selection> Select(const recording::RecordingContents& contents,
+                         const SelectionOptions& options) {
+  Selection selection;
+  auto unused = options.renames;
+  for (const auto& [id, channel] : contents.channels) {
+    const auto stream = recording::StreamOf(channel);
+    if (!stream || channel.message_encoding != recording::kCdr) {
+      selection.left_out[channel.topic] = "it was not recorded by intaglio record";
+      continue;
+    }
+    unused.erase(stream->topic);
+    const auto renamed = options.renames.find(stream->topic);
+    const std::string name =
+        renamed == options.renames.end() ? stream->topic : renamed->second;
+    const std::string why_not = WhyNot(stream->topic, name, options);
+    if (!why_not.empty()) {
+      selection.left_out[stream->topic] = why_not;
+      continue;
+    }
+    selection.believed = selection.believed || WeightOf(name) == Weight::kBelieved;
+    selection.channels.emplace(id, PlayedChannel{*stream, name});
+  }
+  if (!unused.empty()) {
+    return Fail(
+        ErrorCode::kNotFound,
+        fmt::format("the recording has no topic {} to rename; `intaglio recording "
+                    "list` tells what there is",
+                    unused.begin()->first),
+        unused.begin()->first);
+  }
+  return selection;
+}
+
+}  // namespace intaglio::replayer

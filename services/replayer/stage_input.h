@@ -1,0 +1,58 @@
+#pragma once
+
+// What a stage was given, given to it once more, under its credit.
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "services/bus/flow.h"
+#include "services/replayer/recorded_samples.h"
+
+namespace intaglio::replayer {
+
+class StageInput {
+ public:
+  virtual ~StageInput() = default;
+  /// Sends what may be sent; false while some is left. Never blocks.
+  virtual Result<bool> Advance(const bus::CreditBook& credit) = 0;
+};
+
+/// All parts and turns of the points of a sort, in the order in which they were recorded.
+class PointInput final : public StageInput {
+ public:
+  /// Of the task; under `job_uid`.
+  PointInput(bus::Writer<intaglio_PointBatch>& writer,
+             const recording::McapReader& reader, const RecordedTask& task,
+             std::string job_uid);
+  Result<bool> Advance(const bus::CreditBook& credit) override;
+
+ private:
+  Status FindNext();
+  bus::Writer<intaglio_PointBatch>& writer_;
+  RecordedValues values_;
+  StreamId task_;
+  std::string job_uid_;
+  std::optional<CloudBatch> next_;
+  bool ended_ = false;
+};
+
+/// The models of a job, from a stream that is whole, as the task's own stream. Nobody may
+/// ask for them: a discretizer keeps them from part to part.
+class ModelInput final : public StageInput {
+ public:
+  ModelInput(bus::Writer<intaglio_ModelChunk>& writer,
+             const recording::McapReader& reader, const StreamId& recorded,
+             const StreamId& played);
+  Result<bool> Advance(const bus::CreditBook& credit) override;
+
+ private:
+  Status FindNext();
+  bus::Writer<intaglio_ModelChunk>& writer_;
+  RecordedValues values_;
+  StreamId recorded_, played_;
+  std::optional<ModelPiece> next_;
+  bool ended_ = false;
+};
+
+}  // namespace intaglio::replayer
