@@ -43,21 +43,16 @@ std::string ReadText(const fs::path& file) {
 }
 
 const std::vector<std::string> kCommands = {
-    "run",  "up",      "submit", "list",   "show",       "watch",
-    "arm",  "pause",   "resume", "cancel", "discretize", "sort",
-    "plan", "measure", "verify", "render", "materials", "history", "batch", "again",  "security",
-    "record", "recording", "stop"};
+    "run",   "up",      "submit",   "list",   "show",       "watch",
+    "arm",   "pause",   "resume",   "cancel", "discretize", "sort",
+    "plan",  "measure", "verify",   "render", "materials",  "history",
+    "batch", "again",   "security", "stop",   "record",     "recording"};
 
-const std::vector<std::vector<std::string>> kSecondCommands = {{"security", "new"},
-                                                               {"security", "renew"},
-                                                               {"security", "check"},
-                                                               {"security", "roles"},
-                                                               {"recording", "info"},
-                                                               {"recording", "list"},
-                                                               {"recording", "export"},
-                                                               {"recording", "repair"},
-                                                               {"recording", "merge"},
-                                                               {"recording", "cut"}};
+const std::vector<std::vector<std::string>> kSecondCommands = {
+    {"security", "new"},     {"security", "renew"},   {"security", "check"},
+    {"security", "roles"},   {"recording", "info"},   {"recording", "list"},
+    {"recording", "export"}, {"recording", "repair"}, {"recording", "merge"},
+    {"recording", "cut"}};
 
 std::set<std::string> FlagsIn(const std::string& text) {
   std::set<std::string> flags;

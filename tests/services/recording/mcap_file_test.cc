@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -95,6 +96,18 @@ TEST_F(McapFile, GivesBackWhatWasWritten) {
     ASSERT_THAT(*missing, SizeIs(1));
     EXPECT_EQ((*missing)[0].entries.at("count"), "3");
   }
+}
+
+// Files of today have to be read for ever, and a change of what is written has to be
+// meant: INTAGLIO_WRITE_GOLDEN=1 writes the golden file anew.
+TEST_F(McapFile, IsTheGoldenFileByteForByte) {
+  const fs::path golden = INTAGLIO_SOURCE_DIR "/tests/data/formats/recording.mcap";
+  const auto written = WriteSession(folder_ / "a.mcap", false);
+  if (std::getenv("INTAGLIO_WRITE_GOLDEN") != nullptr) {
+    fs::copy_file(folder_ / "a.mcap", golden, fs::copy_options::overwrite_existing);
+  }
+  EXPECT_EQ(BytesOf(folder_ / "a.mcap"), BytesOf(golden));
+  EXPECT_EQ(MessagesOf(McapReader::Open(golden).value()), written);
 }
 
 TEST_F(McapFile, AnEmptyRecordingIsWhole) {
