@@ -126,6 +126,8 @@ void Engraving::Record(const PulseResult& result) {
     passed_by_reason_ = result.reason;
     passed_by_tick_ = result.tick;
   }
+  if (result.outcome == PointOutcome::kMissed) ++missed_in_a_row_;
+  if (result.outcome == PointOutcome::kMade) missed_in_a_row_ = 0;
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
                    static_cast<std::uint8_t>(result.reason), run_, result.tick,
@@ -188,6 +190,7 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   ++run_count_;
   open_points_.Rewind();
   passed_by_ = false;
+  missed_in_a_row_ = 0;
   passed_by_tick_ = 0;
   shutters_seen_open_ = false;
   ended_before_run_ =
@@ -229,6 +232,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
         fault);
   }
   if (passed_by_) return HaltOverSkipped();
+  if (missed_in_a_row_ >= job_.missed_in_a_row) return HaltOverMissed();
   if (feed_.dropped()) {
     return Halt(Missing::kMotionState, "the motion bridge has dropped the run; resume",
                 true);

@@ -74,6 +74,7 @@ struct EngravingJob {
   double cone_tangent = 0;      ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
   std::uint8_t shutter_mask = 1;
+  int missed_in_a_row = 5;  ///< pulses that no crack was seen of, until it pauses
   EarlierWork earlier = {};
 };
 
@@ -142,6 +143,7 @@ class Engraving {
   void Halt(Missing missing, const std::string& text, bool fault);
   void Explain(Missing missing, const std::string& text, bool fault);
   void HaltOverSkipped();
+  void HaltOverMissed();
   void LookForFaultBehindSkips(const EngravingInputs& inputs);
   void SettleHalted(const EngravingInputs& inputs);
   bool AskToDisarm();
@@ -192,6 +194,7 @@ class Engraving {
   std::uint64_t ended_before_run_ = 0;
   int idle_runs_ = 0;
   int fruitless_runs_ = 0;
+  int missed_in_a_row_ = 0;  // in this run
   int late_starts_ = 0;
   std::uint32_t speed_percent_ = 100;  // of the motion planned last
   std::uint32_t least_speed_percent_ = 100;

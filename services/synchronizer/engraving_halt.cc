@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "services/synchronizer/engraving.h"
 
 // What happens to points that were armed when a run is halted.
@@ -98,6 +100,15 @@ void Engraving::HaltOverSkipped() {
        true);
 }
 
+// A dead beam or a blind sensor would go on through the whole block.
+void Engraving::HaltOverMissed() {
+  Halt(Missing::kNothing,
+       fmt::format("no crack was seen of {} pulses in a row: see to lens, block, pulse "
+                   "energy and photosensor, then resume",
+                   missed_in_a_row_),
+       true);
+}
+
 // The laser's word on a skipped pulse may come before the stage's word on why, or before
 // the controller's own: then the run does not start again by itself.
 void Engraving::LookForFaultBehindSkips(const EngravingInputs& inputs) {
@@ -114,7 +125,10 @@ void Engraving::LookForFaultBehindSkips(const EngravingInputs& inputs) {
 
 // Key, door and stop latch also before and between runs.
 void Engraving::TurnChain(const EngravingInputs& inputs) {
-  const Missing missing = chain_.Turn(LinksOf(inputs), inputs.now);
+  ChainLinks links = LinksOf(inputs);
+  // An arm is heard when there is somebody to act on it: a Reset is sent between runs.
+  if (phase_ == Phase::kHalting) links.permission_fresh = false;
+  const Missing missing = chain_.Turn(links, inputs.now);
   // kRunning halts by itself.
   if (missing == Missing::kNothing || phase_ == Phase::kRunning || stopping_) return;
   starts_again_ = lost_a_line_ = false;

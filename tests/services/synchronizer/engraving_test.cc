@@ -186,11 +186,11 @@ TEST_F(EngravingTest, APulseThatNoSensorSawIsMissedAndNotRepeated) {
   cell_.Grant();
   ASSERT_TRUE(cell_.StepUntilMade(20));
   cell_.laser.blind = true;
-  ASSERT_TRUE(cell_.StepUntilMade(25));
+  ASSERT_TRUE(cell_.StepUntilMade(24));
   cell_.laser.blind = false;
   ASSERT_TRUE(cell_.StepUntilDone());
-  EXPECT_EQ(cell_.Count(PointState::kMissed), 5);
-  EXPECT_EQ(cell_.made(), 55);
+  EXPECT_EQ(cell_.Count(PointState::kMissed), 4);
+  EXPECT_EQ(cell_.made(), 56);
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 

@@ -1,0 +1,70 @@
+// The grant that a permission carries, and the emergency stop that takes it away.
+
+#include "tests/services/job_service/queue_bench.h"
+
+namespace intaglio::job_service {
+namespace {
+
+using testing::HasSubstr;
+
+class JobGrantTest : public JobQueueTest {};
+
+// What the synchronizer tells a new arm by.
+TEST_F(JobGrantTest, EveryArmIsAGreaterGrantAndNothingElseIs) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  const auto grant = [this] { return queue_.Permissions(now_).at(0).grant; };
+  const std::uint64_t first = grant();
+  EXPECT_GT(first, 0u);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 12, 100);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault", "the door");
+  now_ += 1s;
+  EXPECT_EQ(grant(), first);
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  const std::uint64_t second = grant();
+  EXPECT_GT(second, first);
+  // Resumed before the word of another fault was here: a person has said it all the same.
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_TRUE(Granted());
+  EXPECT_GT(grant(), second);
+}
+
+TEST_F(JobGrantTest, ALostLineRenewsTheGrantAndAnArmDoesNotNeedTo) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  const PermissionView before = queue_.Permissions(now_).at(0);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost", "the line");
+  now_ += 5s;
+  const PermissionView after = queue_.Permissions(now_).at(0);
+  EXPECT_TRUE(after.granted);
+  EXPECT_EQ(after.grant, before.grant);
+  EXPECT_GT(after.renewal, before.renewal);
+}
+
+TEST_F(JobGrantTest, AnEmergencyStopDisarmsItsCellAndKeepsItSo) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  queue_.SetStop("another cell", true, now_);
+  EXPECT_TRUE(Granted());
+  queue_.SetStop("c", true, now_);
+  EXPECT_FALSE(Granted());
+  // Nor by itself: the line was lost at the same time.
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost", "the line");
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_THAT(job().message, HasSubstr("intaglio stop c --reset"));
+  now_ += 5s;
+  EXPECT_FALSE(Granted());
+  queue_.SetStop("c", false, now_);
+  EXPECT_FALSE(Granted()) << "a reset is no arm";
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_TRUE(Granted());
+}
+
+}  // namespace
+}  // namespace intaglio::job_service
