@@ -12,6 +12,7 @@
 #include "services/cli/plan_command.h"
 #include "services/cli/record_command.h"
 #include "services/cli/recording_command.h"
+#include "services/cli/replay_command.h"
 #include "services/cli/run_command.h"
 #include "services/cli/security_command.h"
 #include "services/cli/stop_command.h"
@@ -50,6 +51,7 @@ int main(int argc, char** argv) {
   intaglio::cli::AddMaterialsCommand(app, selected);
   intaglio::cli::AddRecordCommand(app, selected);
   intaglio::cli::AddRecordingCommand(app, selected);
+  intaglio::cli::AddReplayCommand(app, selected);
   intaglio::cli::AddSecurityCommand(app, selected);
   try {
     app.parse(argc, argv);

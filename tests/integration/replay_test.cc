@@ -1,0 +1,246 @@
+// `intaglio replay` with golden recordings: what comes over the bus is what was recorded,
+// and the services of today make the same of it.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <tuple>
+
+#include "proto/replay.pb.h"
+#include "services/bus/topic_tap.h"
+#include "services/recording/conventions.h"
+#include "services/recording/message_cursor.h"
+#include "services/replayer/bystanders.h"
+#include "tests/integration/run_program.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr auto kBound = 60s;
+
+fs::path Golden(const std::string& name) {
+  return fs::path(INTAGLIO_SOURCE_DIR) / "tests/data/recordings" / (name + ".mcap");
+}
+
+struct Sample {
+  std::int64_t source_ns = 0;
+  std::string bytes;
+  bool operator==(const Sample&) const = default;
+};
+/// By topic, partition and kind of sample.
+using Heard =
+    std::map<std::tuple<std::string, std::string, std::string>, std::vector<Sample>>;
+
+std::string Text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Heard InRecording(const std::string& name, double from_s = 0) {
+  const auto reader = recording::McapReader::Open(Golden(name));
+  EXPECT_TRUE(reader) << reader.error().message;
+  Heard heard;
+  recording::MessageCursor cursor(*reader,
+                                  {.from_ns = reader->contents().statistics.start_ns +
+                                              static_cast<std::uint64_t>(from_s * 1e9),
+                                   .channels = {}});
+  for (auto next = cursor.Next(); next && *next; next = cursor.Next()) {
+    const auto& message = **next;
+    const auto stream =
+        recording::StreamOf(reader->contents().channels.at(message.channel_id));
+    heard[{stream->topic, stream->partition, recording::NameOf(stream->kind)}].push_back(
+        {static_cast<std::int64_t>(message.publish_time_ns), Text(message.payload)});
+  }
+  return heard;
+}
+
+class Replay : public ::testing::Test {
+ protected:
+  Replay()
+      : folder_(testing::FreshFolder(
+            std::string("replay_") +
+            ::testing::UnitTest::GetInstance()->current_test_info()->name())),
+        bus_([] {
+          bus::BusOptions options;
+          options.tag = "replay-test-" + std::to_string(getpid());
+          return options;
+        }()),
+        tap_(
+            bus_, [](const auto&) { return true; },
+            [](const std::string& topic, const std::string& why) {
+              ADD_FAILURE() << topic << ": " << why;
+            }) {}
+
+  /// Plays until it ends, and a little longer.
+  testing::Ended Play(std::vector<std::string> words) {
+    words.insert(words.begin(), "replay");
+    words.insert(words.end(), {"--tag", bus_.options().tag});
+    testing::Running run(testing::Program("intaglio"), words, folder_ / "output.txt");
+    while (run.running()) Listen();
+    for (int i = 0; i < 20; ++i) Listen();
+    return run.WaitForEnd(kBound);
+  }
+  void Listen() {
+    tap_.Discover(1ms);
+    tap_.Take(5ms, [this](bus::TapSample&& sample) {
+      const bus::TapChannel& channel = tap_.channel(sample.channel());
+      const char* kind = sample.kind() == bus::TapKind::kValue      ? "value"
+                         : sample.kind() == bus::TapKind::kDisposed ? "disposed"
+                                                                    : "no_writer";
+      heard_[{channel.topic, channel.partition, kind}].push_back(
+          {sample.source_ns(), Text(sample.bytes())});
+      qos_[channel.topic] = channel.qos;
+    });
+  }
+  testing::Ended Against(std::vector<std::string> words) {
+    words.insert(words.begin(), "replay");
+    testing::Running run(testing::Program("intaglio"), words, folder_ / "output.txt");
+    return run.WaitForEnd(kBound);
+  }
+
+  fs::path folder_;
+  bus::Bus bus_;
+  bus::TopicTap tap_;
+  Heard heard_;
+  std::map<std::string, std::map<std::string, std::string>> qos_;
+};
+
+// Values with bytes and source time stamps. Best-effort topics may lose some on the way;
+// what is heard of them is in order.
+TEST_F(Replay, IsTheRecordingByteForByte) {
+  const auto ended = Play({Golden("pyramid").string(), "--with-commands"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  for (const auto& [key, recorded] : InRecording("pyramid")) {
+    const auto& [topic, partition, kind] = key;
+    auto& heard = heard_[key];
+    if (topic == "MotionState" || topic == "LampSync") {
+      EXPECT_GT(heard.size(), recorded.size() / 2) << topic;
+      continue;
+    }
+    ASSERT_EQ(heard.size(), recorded.size()) << topic << " " << kind;
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      EXPECT_EQ(heard[i].bytes, recorded[i].bytes) << topic << " " << kind << " " << i;
+      if (kind == "value") {
+        EXPECT_EQ(heard[i].source_ns, recorded[i].source_ns) << topic << " " << i;
+      }
+    }
+  }
+  EXPECT_EQ(qos_["Permission"]["liveliness"], "manual_by_topic");
+  EXPECT_EQ(qos_["Permission"]["durability"], "transient_local");
+  EXPECT_EQ(qos_["MotionState"]["reliability"], "best_effort");
+  EXPECT_EQ(qos_["MotionState"]["deadline_ns"], "500000000");
+}
+
+TEST_F(Replay, KeepsCommandsBackAndRenames) {
+  const auto ended =
+      Play({Golden("pyramid").string(), "--rate", "10", "--topic", "JobStatus",
+            "Permission", "SortTask", "--rename", "JobStatus=Old/JobStatus"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("Permission"));
+  for (const auto& [key, samples] : heard_) EXPECT_EQ(std::get<0>(key), "Old/JobStatus");
+  const auto recorded = InRecording("pyramid");
+  EXPECT_EQ((heard_[{"Old/JobStatus", "", "value"}]),
+            (recorded.at({"JobStatus", "", "value"})));
+}
+
+TEST_F(Replay, SeekingToTheMiddleRestoresWhatWasRetained) {
+  constexpr double kMiddle = 0.3;
+  const auto ended =
+      Play({Golden("pyramid").string(), "--fast", "--start", std::to_string(kMiddle),
+            "--with-commands", "--topic", "SortTask", "JobStatus", "JobSubmission"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("retained"));
+  const auto all = InRecording("pyramid"), later = InRecording("pyramid", kMiddle);
+  // Said before the middle and never again: only a late reader's share brings it.
+  for (const char* topic : {"SortTask", "JobSubmission"}) {
+    ASSERT_FALSE(later.contains({topic, "", "value"})) << topic;
+    EXPECT_EQ((heard_[{topic, "", "value"}]), (all.at({topic, "", "value"}))) << topic;
+  }
+  // The newest one before the middle, and then the rest.
+  const auto rest = later.find({"JobStatus", "", "value"});
+  const std::size_t rest_count = rest == later.end() ? 0 : rest->second.size();
+  EXPECT_EQ((heard_[{"JobStatus", "", "value"}]).size(), rest_count + 1);
+}
+
+TEST_F(Replay, WhereServicesLiveNothingIsPlayedThatTheyBelieve) {
+  testing::Running sorter(testing::Program("intaglio-sorter"),
+                          {"--tag", bus_.options().tag}, folder_ / "sorter.txt");
+  replayer::Bystanders bystanders(bus_);
+  ASSERT_TRUE(testing::Eventually([&] { return !bystanders.Look().empty(); }, 20s));
+  const auto refused = Play({Golden("pyramid").string(), "--topic", "MotionState"});
+  EXPECT_EQ(refused.exit_code, 2) << refused.output;
+  EXPECT_THAT(refused.output, HasSubstr("sorter"));
+  EXPECT_TRUE(heard_[(std::tuple{"MotionState", "els-03", "value"})].empty());
+}
+
+TEST_F(Replay, StopsWhenAServiceComes) {
+  testing::Running play(testing::Program("intaglio"),
+                        {"replay", Golden("pyramid").string(), "--rate", "0.005", "--tag",
+                         bus_.options().tag},
+                        folder_ / "play.txt");
+  ASSERT_TRUE(testing::Eventually(
+      [&] {
+        Listen();
+        return !heard_.empty();
+      },
+      20s));
+  testing::Running sorter(testing::Program("intaglio-sorter"),
+                          {"--tag", bus_.options().tag}, folder_ / "sorter.txt");
+  const auto ended = play.WaitForEnd(30s);
+  EXPECT_EQ(ended.exit_code, 4) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("services came"));
+}
+
+TEST_F(Replay, TheServicesOfTodayMakeTheSame) {
+  for (const char* recording : {"pyramid", "two_makers"}) {
+    for (const char* service : {"sorter", "discretizer"}) {
+      const auto ended = Against({Golden(recording).string(), "--against", service});
+      EXPECT_EQ(ended.exit_code, 0) << recording << "\n" << ended.output;
+      EXPECT_THAT(ended.output, HasSubstr("IDENTICAL"));
+    }
+  }
+}
+
+TEST_F(Replay, AChangedOptionIsNamed) {
+  const auto ended = Against({Golden("pyramid").string(), "--against", "discretizer",
+                              "--set", "discretization.min_spacing_mm=1.3", "--json"});
+  ASSERT_EQ(ended.exit_code, 3) << ended.output;
+  ReplayComparison result;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(ended.output, &result).ok())
+      << ended.output;
+  EXPECT_FALSE(result.identical());
+  EXPECT_EQ(result.cause(), "option");
+  ASSERT_EQ(result.options_size(), 1);
+  EXPECT_EQ(result.options(0).field(), "job.discretization.min_spacing_mm");
+  EXPECT_EQ(result.options(0).then(), "1.2");
+  EXPECT_EQ(result.options(0).now(), "1.3");
+  EXPECT_EQ(result.first().topic(), "PointBatch");
+  EXPECT_EQ(result.first().batch(), 0u);
+  EXPECT_FALSE(result.first().member().empty());
+}
+
+TEST_F(Replay, ARecordingWithoutTheServiceIsSaidToBeOne) {
+  const fs::path cut = folder_ / "cut.mcap";
+  testing::Running cutting(testing::Program("intaglio"),
+                           {"recording", "cut", Golden("pyramid").string(), "--topic",
+                            "JobStatus", "--out", cut.string()},
+                           folder_ / "cut.txt");
+  ASSERT_EQ(cutting.WaitForEnd(kBound).exit_code, 0) << cutting.Output();
+  const auto ended = Against({cut.string(), "--against", "sorter"});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.output, HasSubstr("nothing to compare"));
+}
+
+}  // namespace
+}  // namespace intaglio
