@@ -1,0 +1,305 @@
+#include "tests/integration/shop_floor.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <regex>
+#include <sstream>
+
+#include "engrave/formats/point_file.h"
+
+namespace intaglio::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+constexpr char kSource[] = INTAGLIO_SOURCE_DIR;
+constexpr char kLaser[] = "laser", kMotion[] = "motion";
+constexpr double kSamePlaceMm = 0.03;
+
+const std::vector<std::string> kSmallJob = {"--height", "4.2",    "--spacing",
+                                            "0.5",      "--rate", "100"};
+
+std::vector<std::string> Joined(std::vector<std::string> words,
+                                const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+std::vector<std::string> Sample(const std::string& command,
+                                const std::vector<std::string>& options) {
+  return Joined({command, std::string(kSource) + "/deploy/jobs/sample.textproto"},
+                options);
+}
+
+std::string TextOf(const fs::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// Sets variables for the processes that are started while it lives.
+class Environment {
+ public:
+  explicit Environment(const std::map<std::string, std::string>& values)
+      : values_(values) {
+    for (const auto& [name, value] : values_) setenv(name.c_str(), value.c_str(), 1);
+  }
+  ~Environment() {
+    for (const auto& [name, value] : values_) unsetenv(name.c_str());
+  }
+
+ private:
+  std::map<std::string, std::string> values_;
+};
+
+/// A socket's path has room for 107 characters only: through the folder's descriptor.
+std::string AskPanel(const fs::path& folder, const std::string& command) {
+  const int handle = open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  const std::string path = fmt::format("/proc/self/fd/{}/panel", handle);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const timeval patience{1, 0};
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  const std::string line = command + "\n";
+  std::string answer(4096, '\0');
+  ssize_t got = -1;
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      write(fd, line.data(), line.size()) > 0) {
+    got = read(fd, answer.data(), answer.size());
+  }
+  close(fd);
+  close(handle);
+  answer.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  return answer;
+}
+
+PointList MakeUndisturbed() {
+  const fs::path folder = FreshFolder("undisturbed");
+  std::vector<std::string> words = Sample("run", kSmallJob);
+  words = Joined(words, {"--lockstep", "--out", (folder / "out").string(), "--materials",
+                         (folder / "materials.db").string()});
+  Running run(Program("intaglio"), words, folder / "output.txt");
+  if (const Ended ended = run.WaitForEnd(60s); ended.exit_code != 0) {
+    std::cerr << ended.output;
+    return {};
+  }
+  const auto glass = formats::ReadPly(folder / "out" / "glass.ply");
+  return glass ? glass->points_mm : PointList{};
+}
+
+}  // namespace
+
+bool LongTests() {
+  const char* asked = std::getenv("INTAGLIO_LONG");
+  return asked != nullptr && std::string(asked) == "1";
+}
+
+const PointList& UndisturbedPoints() {
+  static const PointList points = MakeUndisturbed();
+  return points;
+}
+
+std::string DifferenceOf(const std::vector<formats::GlassCrack>& cracks) {
+  const PointList& points = UndisturbedPoints();
+  std::vector<int> made(points.size(), 0);
+  std::string text;
+  for (const formats::GlassCrack& crack : cracks) {
+    std::size_t nearest = 0;
+    double least = 1e9;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double distance = (points[i] - crack.position_mm).norm();
+      if (distance < least) {
+        least = distance;
+        nearest = i;
+      }
+    }
+    if (least > kSamePlaceMm) {
+      text += fmt::format("tick {}: {:.3f} mm from any point\n", crack.tick, least);
+    } else if (++made[nearest] == 2) {
+      text +=
+          fmt::format("point {} is made twice, again at tick {}\n", nearest, crack.tick);
+    }
+  }
+  const auto missing = std::count(made.begin(), made.end(), 0);
+  if (missing > 0) text += fmt::format("{} points are missing\n", missing);
+  if (points.empty()) text += "the undisturbed run was not good\n";
+  return text;
+}
+
+ShopFloor::ShopFloor(fs::path folder, Options options)
+    : folder_(std::move(folder)), options_(std::move(options)) {
+  if (options_.results.empty()) options_.results = folder_ / "results";
+  if (options_.database.empty()) options_.database = folder_ / "jobs.db";
+}
+
+std::vector<std::string> ShopFloor::With(std::vector<std::string> words) const {
+  return Joined(std::move(words), options_.bus);
+}
+
+const TestHost* ShopFloor::HostOf(const std::string& service) const {
+  return service == kSynchronizer || service == kBridge ? options_.cell : options_.office;
+}
+
+std::vector<std::string> ShopFloor::ArgumentsOf(const std::string& service) const {
+  const std::string machine = std::string(kSource) + "/deploy/machines/els-03.textproto";
+  std::vector<std::string> words = With({"--cell", "els-03"});
+  if (service == kJobService) {
+    return Joined(words, {"--database", options_.database.string(), "--results",
+                          options_.results.string(), "--materials-db",
+                          (folder_ / "materials.db").string()});
+  }
+  if (service == kSynchronizer) {
+    return Joined(words, {"--machine", machine, "--real-time", "--device",
+                          (folder_ / kLaser).string()});
+  }
+  if (service == kBridge) {
+    return Joined(words, {"--machine", machine, "--real-time", "--device",
+                          (folder_ / kMotion).string()});
+  }
+  return words;
+}
+
+void ShopFloor::StartMachine() {
+  running_["machine"] = std::make_unique<Running>(
+      Program("virtual-engraver"),
+      std::vector<std::string>{"--laser-line",
+                               (folder_ / kLaser).string(),
+                               "--motion-line",
+                               (folder_ / kMotion).string(),
+                               "--panel",
+                               (folder_ / "panel").string(),
+                               "--glass-record",
+                               (folder_ / "glass.rec").string(),
+                               "--rates",
+                               "1,2,5,10,25,50,100,200",
+                               "--warm-up",
+                               "4",
+                               "--travel-min",
+                               "-2,-2,-2",
+                               "--travel-max",
+                               "172,172,172",
+                               "--stage-lag",
+                               "0.0002",
+                               "--position-tolerance-um",
+                               "30",
+                               "--block-size",
+                               "50,50,30",
+                               "--refractive-index",
+                               "1.5195",
+                               "--na",
+                               "0.2",
+                               "--channels",
+                               "4",
+                               "--speed",
+                               fmt::format("{}", options_.machine_speed)},
+      folder_ / "machine.log");
+  Eventually([&] { return fs::exists(folder_ / kMotion); }, 5s);
+}
+
+void ShopFloor::Start(const std::string& service,
+                      const std::map<std::string, std::string>& environment) {
+  const Environment set(environment);
+  std::optional<TestHost::Visit> visit;
+  if (const TestHost* host = HostOf(service)) visit.emplace(*host);
+  running_[service] = std::make_unique<Running>(
+      Program(service), ArgumentsOf(service),
+      folder_ / fmt::format("{}.{}.log", service, ++starts_[service]));
+}
+
+void ShopFloor::StartAll() {
+  StartMachine();
+  for (const char* service : {kJobService, kDiscretizer, kSorter, kBridge, kSynchronizer})
+    Start(service);
+}
+
+Ended ShopFloor::Type(const std::vector<std::string>& words) {
+  std::unique_ptr<Running> run;
+  {
+    std::optional<TestHost::Visit> visit;
+    if (options_.office != nullptr) visit.emplace(*options_.office);
+    run = std::make_unique<Running>(Program("intaglio"), With(words),
+                                    folder_ / fmt::format("typed{}.txt", ++typed_));
+  }
+  return run->WaitForEnd(60s);
+}
+
+bool ShopFloor::Opens() {
+  return Eventually([&] { return Type({"list"}).exit_code == 0; }, 40s);
+}
+
+std::optional<std::string> ShopFloor::Engrave(const std::vector<std::string>& options) {
+  if (!Opens()) return std::nullopt;
+  const Ended submitted =
+      Type(Joined(Sample("submit", options.empty() ? kSmallJob : options), {"--arm"}));
+  std::smatch number;
+  if (submitted.exit_code != 0 ||
+      !std::regex_search(submitted.output, number, std::regex("job ([0-9]+)"))) {
+    std::cerr << submitted.output << Logs();
+    return std::nullopt;
+  }
+  std::optional<TestHost::Visit> visit;
+  if (options_.office != nullptr) visit.emplace(*options_.office);
+  watch_ = std::make_unique<Running>(Program("intaglio"),
+                                     With({"watch", number[1], "--events"}),
+                                     folder_ / "events.txt");
+  return number[1];
+}
+
+std::string ShopFloor::Events() const {
+  return watch_ == nullptr ? std::string() : watch_->Output();
+}
+
+std::string ShopFloor::Newest(const std::string& field) const {
+  const std::string text = Events(), key = "\"" + field + "\":\"";
+  const auto at = text.rfind(key);
+  if (at == std::string::npos) return {};
+  const auto from = at + key.size();
+  return text.substr(from, text.find('"', from) - from);
+}
+
+bool ShopFloor::Reaches(const std::string& state, std::chrono::milliseconds bound) const {
+  return Eventually([&] { return Newest("state") == state; }, bound);
+}
+
+std::int64_t ShopFloor::Panel(const std::string& field) const {
+  const std::string answer = AskPanel(folder_, "status");
+  const std::string key = "\"" + field + "\": ";
+  const auto at = answer.find(key);
+  return at == std::string::npos
+             ? -1
+             : std::strtoll(answer.c_str() + at + key.size(), nullptr, 10);
+}
+
+bool ShopFloor::AwaitCracks(std::int64_t count, std::chrono::milliseconds bound) const {
+  return Eventually([&] { return Panel("cracks") >= count; }, bound);
+}
+
+std::vector<formats::GlassCrack> ShopFloor::Cracks() const {
+  const auto record = formats::ReadGlassRecord(folder_ / "glass.rec");
+  return record ? record->cracks : std::vector<formats::GlassCrack>{};
+}
+
+std::string ShopFloor::Logs() const {
+  std::string text;
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    if (entry.path().extension() != ".log") continue;
+    const std::string log = TextOf(entry.path());
+    text += entry.path().filename().string() + ":\n" +
+            log.substr(log.size() - std::min<std::size_t>(log.size(), 2500)) + "\n";
+  }
+  return text + Events();
+}
+
+}  // namespace intaglio::testing
