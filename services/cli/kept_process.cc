@@ -9,6 +9,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMostEnds = 5;
 constexpr auto kWithin = 60s;
+// Of services/host/only_instance.h.
+constexpr int kExitSecond = 3, kExitTakenOver = 4;
 
 }  // namespace
 
@@ -29,10 +31,14 @@ Result<KeptProcess> KeptProcess::Start(const ChildProcess::Command& command) {
 Result<std::optional<std::string>> KeptProcess::Revive(
     std::chrono::steady_clock::time_point now) {
   if (process_.running()) return std::optional<std::string>();
+  const int exit_code = process_.exit_code().value_or(-1);
+  // Another process has its work: started again it would take it from that one.
+  if (exit_code == kExitSecond || exit_code == kExitTakenOver) {
+    return tl::unexpected(EndOf(process_));
+  }
   ends_.push_back(now);
   while (now - ends_.front() > kWithin) ends_.pop_front();
   if (ends_.size() >= kMostEnds) return tl::unexpected(EndOf(process_));
-  const int exit_code = process_.exit_code().value_or(-1);
   auto started = ChildProcess::Start(process_.command());
   if (!started) return tl::unexpected(started.error());
   process_ = std::move(*started);
