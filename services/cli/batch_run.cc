@@ -73,6 +73,11 @@ BatchResults BatchRun::Run() {
   while (!plan_.over() && Interrupts() == 0) Turn();
   if (!plan_.over()) Leave();
   bar_.Finish();
+  for (BatchJobResult& job : *results_.mutable_jobs()) {
+    if (job.state() != "not_submitted") continue;
+    job.set_message(interrupted_ ? "interrupted before its turn came"
+                                 : "not begun after one that is not good (--keep-going)");
+  }
   results_.set_ended_utc(host::UtcText(std::chrono::system_clock::now()));
   results_.set_time_s(Seconds(Clock::now() - began_));
   Count(results_);

@@ -121,8 +121,9 @@ TEST(Batch, CtrlCLeavesTheBlockInTheMachineAndCancelsTheRest) {
   EXPECT_THAT(ended.output, HasSubstr("goes on: intaglio watch 1"));
   EXPECT_THAT(ended.output, HasSubstr("\"event\":\"left\""));
   EXPECT_THAT(ended.output, HasSubstr("1 cancelled, 2 not made"));
+  // A host that is too busy for the machine's lines may have paused it.
   const Ended show = Type(with({"show", "1"}), folder);
-  EXPECT_THAT(show.output, ::testing::ContainsRegex("state      (engraving|done)"));
+  EXPECT_THAT(show.output, ::testing::ContainsRegex("state      (engraving|paused|done)"));
   Type(with({"cancel", "1"}), folder);
 }
 
