@@ -123,7 +123,8 @@ TEST(Batch, CtrlCLeavesTheBlockInTheMachineAndCancelsTheRest) {
   EXPECT_THAT(ended.output, HasSubstr("1 cancelled, 2 not made"));
   // A host that is too busy for the machine's lines may have paused it.
   const Ended show = Type(with({"show", "1"}), folder);
-  EXPECT_THAT(show.output, ::testing::ContainsRegex("state      (engraving|paused|done)"));
+  EXPECT_THAT(show.output,
+              ::testing::ContainsRegex("state      (engraving|paused|done)"));
   Type(with({"cancel", "1"}), folder);
 }
 
