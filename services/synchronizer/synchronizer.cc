@@ -1,97 +1,31 @@
 #include "services/synchronizer/synchronizer.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 #include <spdlog/spdlog.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <filesystem>
 
-#include "engrave/formats/atomic_file.h"
-#include "engrave/formats/point_file.h"
 #include "proto/options.h"
 #include "services/bus/samples.h"
 #include "services/link/serial_port.h"
+#include "services/synchronizer/job_folder.h"
+#include "services/synchronizer/plan_summary.h"
 
 namespace intaglio::synchronizer {
 namespace {
 
 using bus::View;
 using namespace std::chrono_literals;
-namespace fs = std::filesystem;
 
 // Permission is written every 20 ms; a lost sample or two is no withdrawal yet.
 constexpr auto kPermissionLease = 90ms;
 constexpr auto kMotionLease = 500ms;
 
-constexpr const char* kPathFile = "path.ply";
-constexpr const char* kJournalFile = "journal.bin";
-
 link::StreamOpener LaserLineOf(const MachineSpec& machine) {
   return [line = machine.laser_line()]() -> Result<std::unique_ptr<link::ByteStream>> {
     return link::OpenSerialPort(line.device(), line.baud());
   };
-}
-
-Status MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    return Fail(ErrorCode::kIo,
-                fmt::format("cannot make the result directory {}: {}", folder.string(),
-                            error.message()),
-                folder.string());
-  }
-  return {};
-}
-
-template <typename T>
-void Mix(uLong& crc, const T& value) {
-  crc = crc32(crc, reinterpret_cast<const Bytef*>(&value), sizeof value);
-}
-
-std::uint32_t CrcOf(const PointCloud& path) {
-  uLong crc = crc32(0, nullptr, 0);
-  for (const Vec3& p : path.points_mm) {
-    for (int axis = 0; axis < 3; ++axis) Mix(crc, p[axis]);
-  }
-  return static_cast<std::uint32_t>(crc);
-}
-
-// The plan as if nothing were ever paused: what two runs of one job are compared by.
-struct PlanSummary {
-  std::uint64_t ticks = 0;
-  std::string checksum;
-  motion::PointMoves moves;
-};
-
-PlanSummary Summarize(const PointList& machine_points_mm,
-                      const motion::PlanOptions& plan) {
-  const auto planner = motion::MakePlanner(plan, machine_points_mm.front());
-  uLong crc = crc32(0, nullptr, 0);
-  std::uint64_t subticks = 0, subticks_of_last_point = 0;
-  std::vector<motion::Segment> segments;
-  const auto take = [&] {
-    for (const motion::Segment& segment : segments) {
-      for (int axis = 0; axis < 3; ++axis) {
-        Mix(crc, segment.end_position_mm[axis]);
-        Mix(crc, segment.end_velocity_mm_s[axis]);
-      }
-      Mix(crc, segment.duration_subticks);
-      subticks += segment.duration_subticks;
-      if (segment.point >= 0) subticks_of_last_point = subticks;
-    }
-    segments.clear();
-  };
-  for (std::size_t i = 0; i < machine_points_mm.size(); ++i) {
-    planner->Append(machine_points_mm[i], static_cast<std::int32_t>(i), true, segments);
-    take();
-  }
-  planner->Finish(segments);
-  take();
-  return {subticks_of_last_point / motion::kSubticksPerTick, fmt::format("{:08x}", crc),
-          planner->moves()};
 }
 
 }  // namespace
@@ -181,7 +115,7 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   estimate_ticks_ = 0;
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
   if (task.take_up) {
-    const auto path = ReadPath();
+    const auto path = ReadPath(Folder());
     if (!path) return FailTask(path.error());
     if (auto started = StartEngraving(*path, true); !started) FailTask(started.error());
     return;
@@ -271,21 +205,6 @@ void Synchronizer::TakePath() {
   }
 }
 
-// What another life of this service wrote before it fired anything.
-Result<PointCloud> Synchronizer::ReadPath() const {
-  const fs::path file = Folder() / kPathFile;
-  if (!fs::exists(file)) {
-    return Fail(ErrorCode::kNotFound,
-                file.string() + " is not there: nothing of it was engraved",
-                file.string());
-  }
-  auto table = formats::ReadPly(file);
-  if (!table) return tl::unexpected(table.error());
-  PointCloud path;
-  for (const Vec3& point : table->points_mm) path.Add(point, 0);
-  return path;
-}
-
 Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   if (path.size() == 0) {
     return Fail(ErrorCode::kInvalidValue, "the job has no points: nothing to engrave");
@@ -306,13 +225,13 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   estimate_ticks_ = plan.ticks;
   checksum_ = plan.checksum;
   moves_ = plan.moves;
-  if (auto made = MakeFolder(Folder()); !made) return made;
+  if (auto made = MakeJobFolder(Folder()); !made) return made;
   // Before the plan is written over: it may be refused for another's pulses.
   auto journal =
       OpenJournal(Folder() / kJournalFile, {path.size(), job_->epoch(), CrcOf(path)});
   if (!journal) return tl::unexpected(journal.error());
   if (!on_disk) {
-    if (auto written = WritePlan(path); !written) return written;
+    if (auto written = WritePlan(Folder(), *job_, path); !written) return written;
   }
   journal_ = std::move(journal->writer);
   job.earlier = std::move(journal->earlier);
@@ -331,23 +250,6 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
       [this](const PulseResult& result) { publisher_.Add(result); });
   intake_.Close();
   return {};
-}
-
-Status Synchronizer::WritePlan(const PointCloud& path) const {
-  const fs::path folder = Folder();
-  formats::PointTable table;
-  table.points_mm = path.points_mm;
-  table.comments = {"path of job " + job_->job_uid() +
-                    ", glass frame, mm, in the order of engraving"};
-  table.columns.push_back({"source", path.source});
-  if (auto written = formats::WritePly(folder / kPathFile, table); !written)
-    return written;
-  std::string json;
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  (void)google::protobuf::util::MessageToJsonString(*job_, &json, options);
-  return formats::WriteFileAtomically(folder / "job.json", json);
 }
 
 EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {

@@ -54,10 +54,8 @@ class Synchronizer {
   void TakeMotion(std::chrono::nanoseconds now);
   void TakePositions();
   void TakePath();
-  Result<PointCloud> ReadPath() const;
   /// `on_disk`: the path is the one that lies in the job's folder.
   Status StartEngraving(const PointCloud& path, bool on_disk);
-  Status WritePlan(const PointCloud& path) const;
   std::filesystem::path Folder() const { return job_->result_directory(); }
   void FailTask(const Error& error);
   void Engrave(std::chrono::nanoseconds now);

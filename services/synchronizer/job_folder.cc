@@ -1,0 +1,64 @@
+#include "services/synchronizer/job_folder.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
+#include <zlib.h>
+
+#include "engrave/formats/atomic_file.h"
+#include "engrave/formats/point_file.h"
+
+namespace intaglio::synchronizer {
+
+namespace fs = std::filesystem;
+
+Status MakeJobFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("cannot make the result directory {}: {}", folder.string(),
+                            error.message()),
+                folder.string());
+  }
+  return {};
+}
+
+Status WritePlan(const fs::path& folder, const FrozenJob& job, const PointCloud& path) {
+  formats::PointTable table;
+  table.points_mm = path.points_mm;
+  table.comments = {"path of job " + job.job_uid() +
+                    ", glass frame, mm, in the order of engraving"};
+  table.columns.push_back({"source", path.source});
+  if (auto written = formats::WritePly(folder / kPathFile, table); !written)
+    return written;
+  std::string json;
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  (void)google::protobuf::util::MessageToJsonString(job, &json, options);
+  return formats::WriteFileAtomically(folder / "job.json", json);
+}
+
+Result<PointCloud> ReadPath(const fs::path& folder) {
+  const fs::path file = folder / kPathFile;
+  if (!fs::exists(file)) {
+    return Fail(ErrorCode::kNotFound,
+                file.string() + " is not there: nothing of it was engraved",
+                file.string());
+  }
+  auto table = formats::ReadPly(file);
+  if (!table) return tl::unexpected(table.error());
+  PointCloud path;
+  for (const Vec3& point : table->points_mm) path.Add(point, 0);
+  return path;
+}
+
+std::uint32_t CrcOf(const PointCloud& path) {
+  uLong crc = crc32(0, nullptr, 0);
+  for (const Vec3& p : path.points_mm) {
+    crc = crc32(crc, reinterpret_cast<const Bytef*>(p.data()), 3 * sizeof(double));
+  }
+  return static_cast<std::uint32_t>(crc);
+}
+
+}  // namespace intaglio::synchronizer

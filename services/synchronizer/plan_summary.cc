@@ -1,0 +1,46 @@
+#include "services/synchronizer/plan_summary.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <vector>
+
+namespace intaglio::synchronizer {
+namespace {
+
+template <typename T>
+void Mix(uLong& crc, const T& value) {
+  crc = crc32(crc, reinterpret_cast<const Bytef*>(&value), sizeof value);
+}
+
+}  // namespace
+
+PlanSummary Summarize(const PointList& machine_points_mm,
+                      const motion::PlanOptions& plan) {
+  const auto planner = motion::MakePlanner(plan, machine_points_mm.front());
+  uLong crc = crc32(0, nullptr, 0);
+  std::uint64_t subticks = 0, subticks_of_last_point = 0;
+  std::vector<motion::Segment> segments;
+  const auto take = [&] {
+    for (const motion::Segment& segment : segments) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Mix(crc, segment.end_position_mm[axis]);
+        Mix(crc, segment.end_velocity_mm_s[axis]);
+      }
+      Mix(crc, segment.duration_subticks);
+      subticks += segment.duration_subticks;
+      if (segment.point >= 0) subticks_of_last_point = subticks;
+    }
+    segments.clear();
+  };
+  for (std::size_t i = 0; i < machine_points_mm.size(); ++i) {
+    planner->Append(machine_points_mm[i], static_cast<std::int32_t>(i), true, segments);
+    take();
+  }
+  planner->Finish(segments);
+  take();
+  return {subticks_of_last_point / motion::kSubticksPerTick, fmt::format("{:08x}", crc),
+          planner->moves()};
+}
+
+}  // namespace intaglio::synchronizer
