@@ -269,7 +269,7 @@ TEST_F(Resources, AServiceWithoutMemoryEndsAndTheJobWaitsForTheNext) {
   EXPECT_THAT(ended.output, HasSubstr("no more memory"));
   EXPECT_EQ(floor.Panel("cracks"), 0);
   floor.Start(testing::kSorter);
-  EXPECT_TRUE(floor.AwaitCracks(10, 40s)) << floor.Logs();
+  EXPECT_TRUE(floor.AwaitCracks(10, 90s)) << floor.Logs();
 }
 
 }  // namespace

@@ -155,10 +155,11 @@ const TestHost* ShopFloor::HostOf(const std::string& service) const {
 std::vector<std::string> ShopFloor::ArgumentsOf(const std::string& service) const {
   const std::string machine = std::string(kSource) + "/deploy/machines/els-03.textproto";
   std::vector<std::string> words = With({"--cell", "els-03"});
+  // In real time: what shares this computer with a test is not what it tests.
   if (service == kJobService) {
     return Joined(words, {"--database", options_.database.string(), "--results",
                           options_.results.string(), "--materials-db",
-                          (folder_ / "materials.db").string()});
+                          (folder_ / "materials.db").string(), "--real-time"});
   }
   if (service == kSynchronizer) {
     return Joined(words, {"--machine", machine, "--real-time", "--device",
