@@ -43,10 +43,10 @@ std::string ReadText(const fs::path& file) {
 }
 
 const std::vector<std::string> kCommands = {
-    "run",   "up",      "submit",   "list",   "show",       "watch",
-    "arm",   "pause",   "resume",   "cancel", "discretize", "sort",
-    "plan",  "measure", "verify",   "render", "materials",  "history",
-    "batch", "again",   "security", "stop",   "record",     "recording"};
+    "run",    "up",     "submit",    "list",       "show",  "watch", "arm",
+    "pause",  "resume", "cancel",    "discretize", "sort",  "plan",  "measure",
+    "verify", "render", "materials", "history",    "batch", "again", "security",
+    "stop",   "record", "recording", "replay"};
 
 const std::vector<std::vector<std::string>> kSecondCommands = {
     {"security", "new"},     {"security", "renew"},   {"security", "check"},
