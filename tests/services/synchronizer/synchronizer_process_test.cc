@@ -2,11 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <memory>
 #include <optional>
+#include <thread>
 
+#include "engrave/formats/point_file.h"
 #include "services/bus/bus.h"
 #include "services/bus/samples.h"
 #include "tests/services/bus/private_bus.h"
+#include "tests/services/host/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
 #include "tests/services/virtual_engraver/taken_line.h"
 
@@ -25,7 +30,8 @@ class SynchronizerProcess : public ::testing::Test {
       : folder_(intaglio::testing::FreshFolder(
             std::string("synchronizer_") +
             ::testing::UnitTest::GetInstance()->current_test_info()->name())),
-        engraver_(folder_, {}),
+        engraver_(folder_, {"--rates", "1,2,5,10,25,50,100,200", "--travel-min",
+                            "-2,-2,-2", "--travel-max", "172,172,172"}),
         bus_(test::PrivateBusOptions(kCell)),
         interlocks_(bus_, bus::kInterlock, kCell) {}
 
@@ -65,6 +71,140 @@ TEST_F(SynchronizerProcess, WhoseLaserIsTakenOverEndsWithAFault) {
                 "another synchronizer has taken this machine over; this process ends"),
             std::string::npos)
       << ended.output;
+}
+
+/// A job of twenty points whose path lies in its folder already, and what is said of it.
+class WithAJob : public SynchronizerProcess {
+ protected:
+  static constexpr std::uint64_t kEpoch = 2000;
+
+  WithAJob()
+      : tasks_(bus_, bus::kEngraveTask),
+        permissions_(bus_, bus::kPermission, kCell),
+        stops_(bus_, bus::kEmergencyStop, kCell),
+        commands_(bus_, bus::kJobCommand),
+        health_(bus_, bus::kServiceHealth) {}
+
+  void SetUp() override {
+    SynchronizerProcess::SetUp();
+    formats::PointTable path;
+    for (int i = 0; i < 20; ++i) path.points_mm.push_back(Vec3(5 + 0.5 * i, 5, 5));
+    ASSERT_TRUE(formats::WritePly(folder_ / "path.ply", path));
+  }
+  void StartBridge() {
+    bridge_ = std::make_unique<Running>(
+        intaglio::testing::Program("intaglio-motion-bridge"),
+        std::vector<std::string>{"--machine",
+                                 INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto",
+                                 "--device", engraver_.motion_line(), "--tag",
+                                 test::PrivateTag(), "--cell", kCell},
+        folder_ / "bridge.log");
+  }
+  /// To the synchronizer of this process id, when it is ready.
+  bool Give(pid_t worker) {
+    std::string instance;
+    const bool ready = Eventually([&] {
+      health_.Take([&](const intaglio_ServiceHealth& s) {
+        if (s.pid == worker && s.state == intaglio_HEALTH_READY)
+          instance = bus::View(s.instance);
+      });
+      return !instance.empty();
+    });
+    FrozenJob job = test::FrozenJobOf(kJob, {});
+    job.set_epoch(kEpoch);
+    job.set_result_directory(folder_.string());
+    const std::string text = job.SerializeAsString();
+    const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+    intaglio_StageTask task{};
+    task.job_uid = bus::Borrow(kJob);
+    task.attempt = 1;
+    task.stage = intaglio_STAGE_ENGRAVE;
+    task.worker = bus::Borrow(instance);
+    task.take_up = true;
+    bus::Borrow(task.frozen_job, bytes);
+    return ready && tasks_.Write(task).has_value();
+  }
+  void Permit(std::uint64_t epoch, std::uint64_t grant) {
+    const std::string who = "ann";
+    intaglio_Permission sample{};
+    sample.cell = bus::Borrow(kCell);
+    sample.job_uid = bus::Borrow(kJob);
+    sample.epoch = epoch;
+    sample.granted = true;
+    sample.operator_name = bus::Borrow(who);
+    sample.number = ++permission_number_;
+    sample.speed_percent = 100;
+    sample.grant = grant;
+    EXPECT_TRUE(permissions_.Write(sample));
+  }
+  void SayStop(bool pressed, std::uint64_t number) {
+    const std::string who = "test";
+    intaglio_EmergencyStop sample{};
+    sample.cell = bus::Borrow(kCell);
+    sample.pressed = pressed;
+    sample.source = sample.reason = bus::Borrow(who);
+    sample.number = number;
+    EXPECT_TRUE(stops_.Write(sample));
+  }
+  void SayArm(std::uint64_t epoch) {
+    const std::string who = "ann";
+    intaglio_JobCommand sample{};
+    sample.job_uid = bus::Borrow(kJob);
+    sample.epoch = epoch;
+    sample.number = 77;
+    sample.kind = intaglio_COMMAND_ARM;
+    sample.operator_name = bus::Borrow(who);
+    EXPECT_TRUE(commands_.Write(sample));
+  }
+  /// Pulses within the time, the permission being told every 20 ms.
+  bool FiresWithin(std::chrono::milliseconds time, std::uint64_t epoch,
+                   std::uint64_t grant) {
+    const auto end = std::chrono::steady_clock::now() + time;
+    while (std::chrono::steady_clock::now() < end) {
+      Permit(epoch, grant);
+      std::this_thread::sleep_for(20ms);
+      if (permission_number_ % 10 == 0 && engraver_.StatusOf("pulses") != "0")
+        return true;
+    }
+    return engraver_.StatusOf("pulses") != "0";
+  }
+
+  const std::string kJob = "job-of-an-earlier-day";
+  bus::Writer<intaglio_StageTask> tasks_;
+  bus::Writer<intaglio_Permission> permissions_;
+  bus::Writer<intaglio_EmergencyStop> stops_;
+  bus::Writer<intaglio_JobCommand> commands_;
+  bus::Reader<intaglio_ServiceHealth> health_;
+  std::unique_ptr<Running> bridge_;
+  std::uint64_t permission_number_ = 0;
+};
+
+// All of it is retained, so a service that starts is told of it at once.
+TEST_F(WithAJob, WhatWasSaidInAnEarlierRunFiresNothing) {
+  Permit(kEpoch - 1, 1u << 20);
+  SayStop(false, std::numeric_limits<std::uint64_t>::max());
+  SayArm(kEpoch - 1);
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log");
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  EXPECT_FALSE(FiresWithin(2s, kEpoch - 1, 1u << 20)) << "kept fresh all the time";
+  // The same with its own epoch does.
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 1)) << synchronizer->Output();
+}
+
+TEST_F(WithAJob, AStopPressedBeforeItStartedHoldsUntilItIsResetAndArmedAnew) {
+  SayStop(true, 7);
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log");
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
+  SayStop(false, 7);  // no higher number
+  EXPECT_FALSE(FiresWithin(500ms, kEpoch, 2));
+  SayStop(false, 8);
+  EXPECT_FALSE(FiresWithin(1s, kEpoch, 2)) << "armed while it was pressed";
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 3)) << synchronizer->Output();
 }
 
 }  // namespace
