@@ -79,15 +79,20 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   // A machine that waits for us leaves the processor to the others.
   const bool lockstep =
       virtual_machine != nullptr && virtual_machine->speed == "lockstep";
-  const std::vector<std::string> at_the_machine =
-      lockstep ? std::vector<std::string>{"--machine", machine}
-               : std::vector<std::string>{"--machine", machine, "--real-time"};
+  std::vector<std::string> at_the_machine = {"--machine", machine};
+  std::vector<std::string> of_the_queue = {
+      "--database",     (options.folder / "jobs.db").string(),
+      "--materials-db", options.materials_db.string(),
+      "--results",      options.results.string()};
+  // Whose word a machine waits for less than a tenth of a second.
+  if (!lockstep) {
+    at_the_machine.push_back("--real-time");
+    of_the_queue.push_back("--real-time");
+  }
   // The recorder first: what is said before it listens is not recorded.
   const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
       {"recorder", {"--out", options.recording.string()}},
-      {"job-service",
-       {"--database", (options.folder / "jobs.db").string(), "--materials-db",
-        options.materials_db.string(), "--results", options.results.string()}},
+      {"job-service", of_the_queue},
       {"discretizer", {}},
       {"sorter", {}},
       {"motion-bridge", at_the_machine},
