@@ -22,8 +22,9 @@ std::chrono::nanoseconds LookOf(const bus::BusOptions& options) {
   return options.interface == "lo" && options.security.empty() ? 250ms : 1500ms;
 }
 
+// Stopping, not at fault: who has a fault serves on, and whoever starts would give way.
 int End(ServiceHost& host, const std::string& code, const std::string& text, int result) {
-  host.SetHealth(intaglio_HEALTH_FAULT, {}, text);
+  host.SetHealth(intaglio_HEALTH_STOPPING, {}, text);
   host.RaiseAlarm(intaglio_ALARM_FAULT, code, text);
   return result;
 }
