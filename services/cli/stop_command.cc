@@ -188,8 +188,7 @@ void AddStopCommand(CLI::App& app, std::function<int()>& selected) {
   command->footer(
       "It goes by network and programs: who stands at a machine uses its button.\n"
       "Ends with 0 when the machine has confirmed it, with 4 when it has not.\n"
-      "Examples:\n"
-      "  intaglio stop                  every machine that is seen\n"
+      "Example: intaglio stop           every machine that is seen\n"
       "  intaglio stop els-03 --reset   then: intaglio resume JOB");
   command->callback(
       [options, &selected] { selected = [options] { return Stop(*options); }; });
