@@ -267,7 +267,8 @@ TEST_F(RunJob, ServicesAreSeparateProcesses) {
 class KillOne : public RunJob, public ::testing::WithParamInterface<std::string> {};
 
 TEST_P(KillOne, CostsAPauseAndNoPoint) {
-  Running run(Program("intaglio"), Arguments({"--speed", "1", "--warm-up", "0"}),
+  Running run(Program("intaglio"),
+              Arguments({"--height", "5", "--speed", "1", "--warm-up", "0"}),
               folder_ / "output.txt");
   ASSERT_TRUE(AwaitCracks(20));
   const auto victims = ProcessesWith({GetParam(), "run-" + std::to_string(run.pid())});
