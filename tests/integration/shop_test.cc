@@ -125,7 +125,7 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
 }
 
 TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {
-  const std::string job = Submit({});
+  const std::string job = Submit({"--rate", "10"});  // long enough to be stopped in it
   ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
   EXPECT_EQ(Type({"arm", job}).exit_code, 0);
   ASSERT_TRUE(RunsTo(job, "engraving")) << last_;
