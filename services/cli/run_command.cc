@@ -29,7 +29,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kSessionFolder = "session";
-constexpr auto kPatience = 20s;  // with a loss
+constexpr auto kPatience = 10s;  // with a loss
 constexpr auto kCancelTimeout = 10s;
 
 struct RunOptions {

@@ -39,6 +39,9 @@ class ClockStep : public ::testing::TestWithParam<std::pair<const char*, long>> 
 
 TEST_P(ClockStep, OfOneServiceCostsNothing) {
   const auto [stepped, seconds] = GetParam();
+  if (stepped != std::string("all") && !testing::LongTests()) {
+    GTEST_SKIP() << "as all at once: INTAGLIO_LONG=1";
+  }
   ASSERT_FALSE(testing::UndisturbedPoints().empty());
   ShopFloor::Options options;
   options.bus = {"--domain", "54", "--tag", "clock" + std::to_string(getpid())};

@@ -153,7 +153,9 @@ TEST_F(Network, ACutOfASecondPausesAndTheJobGoesOn) {
   ExpectSafe(outage, 0.30);
 }
 
+// The two of one direction go beyond the leases as well.
 TEST_F(Network, ACutBeyondAllLeases) {
+  if (!LongTests()) GTEST_SKIP() << "as the two below: INTAGLIO_LONG=1";
   const Outage outage = Survive(true, true, 5s);
   ExpectSafe(outage, 0.30);
 }
@@ -166,6 +168,7 @@ TEST_F(Network, TheMachineHearsNobody) {
 // The permission still comes, and so does an emergency stop: the machine goes on until
 // the job service misses it, by the lease of its health.
 TEST_F(Network, NobodyHearsTheMachine) {
+  if (!LongTests()) GTEST_SKIP() << "INTAGLIO_LONG=1";
   const Outage outage = Survive(false, true, 5s);
   ExpectSafe(outage, 1.5 + 0.30);
 }
