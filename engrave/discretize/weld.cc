@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "engrave/core/channels.h"
 #include "engrave/core/check.h"
 #include "engrave/discretize/weld_front.h"
 
@@ -77,14 +78,19 @@ class Welder {
          const SpacedCloud& taken)
       : candidates_(candidates),
         taken_(taken),
-        reach_mm_(options.min_spacing_mm * options.height_ratio) {
+        reach_mm_(options.min_spacing_mm * options.height_ratio),
+        channels_of_source_(options.channels_of_source) {
     Examine(candidates);
     candidate_bounds_ = bounds_;
     Examine(taken);
     if (candidates.size() == 0) return;
-    fronts_.emplace_back(options, bounds_, candidates.size(), extents_);
-    if (taken.size() > 0) {
-      fronts_.emplace_back(options, bounds_, taken.size(), extents_);
+    for (const ChannelMask channel : TellingChannels(MasksOfSources())) {
+      const SourceExtents extents = ExtentsIn(channel);
+      kept_fronts_.push_back(
+          {channel, WeldFront(options, bounds_, candidates.size(), extents)});
+      if (taken.size() == 0) continue;
+      taken_fronts_.push_back(
+          {channel, WeldFront(options, bounds_, taken.size(), extents)});
     }
   }
 
@@ -144,6 +150,23 @@ class Welder {
     }
   }
 
+  ChannelMask MaskOf(std::uint32_t source) const {
+    if (channels_of_source_.empty()) return kAnyChannel;
+    return channels_of_source_.at(source);
+  }
+  std::vector<ChannelMask> MasksOfSources() const {
+    std::vector<ChannelMask> masks;
+    for (const auto& [source, unused] : extents_) masks.push_back(MaskOf(source));
+    return masks;
+  }
+  SourceExtents ExtentsIn(ChannelMask channel) const {
+    SourceExtents extents = extents_;
+    std::erase_if(extents, [&](const auto& extent) {
+      return !ShareChannel(MaskOf(extent.first), channel);
+    });
+    return extents;
+  }
+
   void SortIntoSheets(const Sheets& sheets) {
     begin_.assign(sheets.count() + 1, 0);
     std::vector<std::uint16_t> sheet_of(candidates_.size());
@@ -175,13 +198,30 @@ class Welder {
     for (; next_taken_ < taken_order_.size(); ++next_taken_) {
       const WeldPoint point = PointOf(taken_, taken_order_[next_taken_]);
       if (point.p_mm.z() > high_mm) return;
-      fronts_[1].Add(point);
+      AddTo(taken_fronts_, point);
+    }
+  }
+
+  /// The points of one channel; one is enough when all have the same.
+  struct ChannelFront {
+    ChannelMask channel;
+    WeldFront front;
+  };
+
+  void AddTo(std::vector<ChannelFront>& fronts, const WeldPoint& point) {
+    const ChannelMask mask = MaskOf(point.source);
+    for (auto& [channel, front] : fronts) {
+      if (ShareChannel(mask, channel)) front.Add(point);
     }
   }
 
   bool IsTooNear(const WeldPoint& point) {
-    return std::any_of(fronts_.begin(), fronts_.end(),
-                       [&](WeldFront& front) { return front.IsTooNear(point); });
+    const ChannelMask mask = MaskOf(point.source);
+    const auto near = [&](ChannelFront& one) {
+      return ShareChannel(mask, one.channel) && one.front.IsTooNear(point);
+    };
+    return std::any_of(kept_fronts_.begin(), kept_fronts_.end(), near) ||
+           std::any_of(taken_fronts_.begin(), taken_fronts_.end(), near);
   }
 
   /// Keeps of the points, which come after all kept, what it can, in order. Those of the
@@ -217,7 +257,7 @@ class Welder {
     for (const WeldPoint& point : points) {
       TakeUpTo(point.p_mm.z());
       if (IsTooNear(point)) continue;
-      fronts_[0].Add(point);
+      AddTo(kept_fronts_, point);
       kept_.Add(point.p_mm, point.source, point.spacing_mm);
     }
   }
@@ -225,9 +265,10 @@ class Welder {
   const SpacedCloud& candidates_;
   const SpacedCloud& taken_;
   double reach_mm_;  // in height, of any rule
+  const std::vector<ChannelMask>& channels_of_source_;
   Box3 candidate_bounds_, bounds_;
   SourceExtents extents_;
-  std::vector<WeldFront> fronts_;     // of the points kept, and of those taken
+  std::vector<ChannelFront> kept_fronts_, taken_fronts_;
   std::vector<std::uint32_t> begin_;  // of each sheet in order_
   std::vector<std::uint32_t> order_;
   std::vector<std::uint32_t> taken_order_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
@@ -9,6 +10,7 @@
 #include "engrave/core/check.h"
 #include "engrave/sort/anneal.h"
 #include "engrave/sort/boustrophedon.h"
+#include "engrave/sort/channel_groups.h"
 #include "engrave/sort/kdz.h"
 #include "engrave/sort/layers.h"
 #include "engrave/sort/published_kdz.h"
@@ -96,6 +98,62 @@ Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
     return tl::unexpected(status.error());
   }
   return row.make(points_mm, options, progress);
+}
+
+namespace {
+
+/// Of the time that all have, and of their progress, what belongs to the points from
+/// `begin` to `end` of `size`.
+OrderOptions WithShareOfTime(OrderOptions options, double begin, double end,
+                             double size) {
+  const auto& used = options.anneal.used_share;
+  if (!used) return options;
+  options.anneal.used_share = [used, begin, end, size] {
+    return std::clamp((used() * size - begin) / (end - begin), 0.0, 1.0);
+  };
+  return options;
+}
+
+ProgressSink PartOf(const ProgressSink& progress, std::uint64_t begin, std::uint64_t end,
+                    std::uint64_t size) {
+  if (!progress) return nullptr;
+  return [=, &progress](std::uint64_t done, std::uint64_t total) {
+    return progress(begin + (end - begin) * done / std::max<std::uint64_t>(total, 1),
+                    size);
+  };
+}
+
+}  // namespace
+
+Result<Order> MakeChannelOrder(const PointList& points_mm,
+                               std::span<const ChannelMask> masks,
+                               const OrderOptions& options,
+                               const ProgressSink& progress) {
+  Require(masks.size() == points_mm.size() &&
+              std::find(masks.begin(), masks.end(), 0) == masks.end(),
+          "{} points have {} masks, or one without a channel", points_mm.size(),
+          masks.size());
+  if (DistinctMasks(masks).size() < 2) return MakeOrder(points_mm, options, progress);
+  if (const Status status = CheckPoints(points_mm); !status) {
+    return tl::unexpected(status.error());
+  }
+  const auto groups = GroupByChannels(points_mm, masks, options.cone, progress);
+  if (groups.empty()) return Fail(ErrorCode::kCancelled, "the sort was cancelled");
+  Order order;
+  order.reserve(points_mm.size());
+  for (const auto& group : groups) {
+    PointList group_mm;
+    for (const std::uint32_t index : group) group_mm.push_back(points_mm[index]);
+    const std::size_t begin = order.size(), end = begin + group.size();
+    const auto of_group = MakeOrder(
+        group_mm,
+        WithShareOfTime(options, static_cast<double>(begin), static_cast<double>(end),
+                        static_cast<double>(points_mm.size())),
+        PartOf(progress, begin, end, points_mm.size()));
+    if (!of_group) return of_group;
+    for (const std::uint32_t index : *of_group) order.push_back(group[index]);
+  }
+  return order;
 }
 
 }  // namespace intaglio::sort

@@ -7,9 +7,11 @@
 // order breaks that. Deterministic: the same points and options give the same order.
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
+#include "engrave/core/channels.h"
 #include "engrave/core/executor.h"
 #include "engrave/core/geometry.h"
 #include "engrave/core/progress.h"
@@ -93,5 +95,14 @@ Status CheckOrderOptions(const OrderOptions& options);
 /// and with kCancelled.
 Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
                         const ProgressSink& progress = {});
+
+/// The same of points that are made in the channels of their masks, one a point, not 0:
+/// those of one mask stand together in groups (channel_groups.h), each ordered by the
+/// method, and no point is made through an earlier crack of a channel of its own. Of
+/// equal masks, the order is that of MakeOrder.
+Result<Order> MakeChannelOrder(const PointList& points_mm,
+                               std::span<const ChannelMask> masks,
+                               const OrderOptions& options,
+                               const ProgressSink& progress = {});
 
 }  // namespace intaglio::sort

@@ -164,6 +164,29 @@ std::uint64_t CountShadowViolations(const PointList& made_mm, const BeamCone& co
   return violations;
 }
 
+std::uint64_t CountShadowViolations(const PointList& made_mm,
+                                    std::span<const ChannelMask> masks,
+                                    const BeamCone& cone) {
+  Require(masks.size() == made_mm.size(), "{} points have {} masks", made_mm.size(),
+          masks.size());
+  std::vector<bool> violated(made_mm.size(), false);
+  for (int i = 0; i < kMaxChannels; ++i) {
+    PointList in_channel_mm;
+    std::vector<std::uint32_t> index_of;
+    for (std::uint32_t at = 0; at < made_mm.size(); ++at) {
+      if ((masks[at] >> i & 1) == 0) continue;
+      in_channel_mm.push_back(made_mm[at]);
+      index_of.push_back(at);
+    }
+    RequireRanges(in_channel_mm, cone);
+    const CrackTree tree(in_channel_mm, cone);
+    for (std::uint32_t rank = 0; rank < in_channel_mm.size(); ++rank) {
+      if (tree.IsViolated(rank)) violated[index_of[rank]] = true;
+    }
+  }
+  return static_cast<std::uint64_t>(std::count(violated.begin(), violated.end(), true));
+}
+
 std::uint64_t CountShadowViolationsBruteForce(const PointList& made_mm,
                                               const BeamCone& cone) {
   RequireRanges(made_mm, cone);

@@ -7,8 +7,10 @@
 // (beam_cone.h; Trochimczuk 2008 ch. 1 and 6.7).
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
 #include "engrave/sort/beam_cone.h"
 #include "engrave/sort/order.h"
@@ -37,6 +39,12 @@ ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
 /// The number alone, of points as they were made one after another. About half a
 /// microsecond a point, several where many are violated.
 std::uint64_t CountShadowViolations(const PointList& made_mm, const BeamCone& cone);
+
+/// Of points that are made in the channels of their masks, one a point: a crack is in the
+/// way only in its own channels. A point that is violated in several counts once.
+std::uint64_t CountShadowViolations(const PointList& made_mm,
+                                    std::span<const ChannelMask> masks,
+                                    const BeamCone& cone);
 
 /// The same number from the definition, every pair compared: for small clouds and as the
 /// oracle of the other.

@@ -57,6 +57,11 @@ std::vector<Key> Keys(const SpacedCloud& cloud) {
 bool AreTooNear(const Key& a, const Key& b, const WeldOptions& options) {
   const double dx = std::get<2>(a) - std::get<2>(b), dy = std::get<1>(a) - std::get<1>(b);
   const double dz = std::get<0>(a) - std::get<0>(b);
+  const auto& channels = options.channels_of_source;
+  if (!channels.empty() &&
+      (channels.at(std::get<3>(a)) & channels.at(std::get<3>(b))) == 0) {
+    return false;
+  }
   const double flat = dz / options.height_ratio;
   if (dx * dx + dy * dy + flat * flat < options.min_spacing_mm * options.min_spacing_mm) {
     return true;
@@ -114,6 +119,22 @@ INSTANTIATE_TEST_SUITE_P(
     All, WeldOfRandomClouds,
     testing::Combine(testing::Values(Own::kNone, Own::kEqualBySource, Own::kAnything),
                      testing::Values(1.0, 2.5), testing::Bool(), testing::Bool()));
+
+// Each channel has a block of its own: who shares none is not in the way.
+TEST(Weld, PointsOfDifferentChannelsAreNotTooNear) {
+  const std::vector<std::vector<ChannelMask>> masks = {{1, 1, 1}, {1, 2, 4},   {7, 2, 4},
+                                                       {1, 3, 6}, {15, 4, 15}, {3, 5, 6}};
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const WeldOptions options{0.25, seed % 2 == 0 ? 1.0 : 2.5,
+                              masks[seed % masks.size()]};
+    const SpacedCloud cloud = RandomCloud({.seed = seed, .own = Own::kEqualBySource});
+    const SpacedCloud taken =
+        RandomCloud({.seed = seed + 50, .count = 60, .shift_mm = Vec3(0.4, -3, 1)});
+    EXPECT_EQ(Keys(Weld(cloud, options, taken)),
+              WeldedByBruteForce(cloud, options, taken))
+        << seed;
+  }
+}
 
 // A horizontal face: all candidates are of one height, and the finer sheets are rows.
 TEST(Weld, AFlatCloudIsAsByBruteForce) {

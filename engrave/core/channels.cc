@@ -1,0 +1,35 @@
+#include "engrave/core/channels.h"
+
+#include <algorithm>
+
+namespace intaglio {
+
+std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks) {
+  std::vector<ChannelMask> distinct(masks.begin(), masks.end());
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  return distinct;
+}
+
+// A channel says nothing that another does not, which all of its masks have, too.
+std::vector<ChannelMask> TellingChannels(std::span<const ChannelMask> masks) {
+  const std::vector<ChannelMask> distinct = DistinctMasks(masks);
+  const auto implies = [&distinct](ChannelMask a, ChannelMask b) {
+    return std::all_of(distinct.begin(), distinct.end(), [a, b](ChannelMask mask) {
+      return !ShareChannel(mask, a) || ShareChannel(mask, b);
+    });
+  };
+  std::vector<ChannelMask> telling;
+  for (int i = 0; i < kMaxChannels; ++i) {
+    const auto channel = static_cast<ChannelMask>(1 << i);
+    bool told = implies(channel, 0);  // by no mask at all
+    for (int j = 0; j < kMaxChannels && !told; ++j) {
+      const auto other = static_cast<ChannelMask>(1 << j);
+      told = j != i && implies(channel, other) && (j < i || !implies(other, channel));
+    }
+    if (!told) telling.push_back(channel);
+  }
+  return telling;
+}
+
+}  // namespace intaglio

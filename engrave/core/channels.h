@@ -1,0 +1,27 @@
+#pragma once
+
+// The machine splits its beam into up to four channels, each with a block of its own. A
+// point is made in the channels of its mask; points without a channel in common are in
+// different blocks and know nothing of one another.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace intaglio {
+
+using ChannelMask = std::uint8_t;  ///< bit 0..3: channels 1..4
+
+inline constexpr int kMaxChannels = 4;
+inline constexpr ChannelMask kAnyChannel = 0x0f;
+
+inline bool ShareChannel(ChannelMask a, ChannelMask b) { return (a & b) != 0; }
+
+/// The masks that occur, each once, rising.
+std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks);
+
+/// Single channels, as few as are needed so that any two of `masks` that share a channel
+/// share one of these. One when all masks are equal.
+std::vector<ChannelMask> TellingChannels(std::span<const ChannelMask> masks);
+
+}  // namespace intaglio
