@@ -163,21 +163,24 @@ void Engraving::Await(const EngravingInputs& inputs) {
     return KeepIdleTicksPassing();
   }
   if (!closed || !inputs.motion.at_rest) return;
-  LeaveOutBefore(inputs.first_point);
-  StartRun(inputs);
+  if (LeaveOutBefore(inputs.first_point)) StartRun(inputs);
 }
 
-// For good: the journal tells every later life of it.
-void Engraving::LeaveOutBefore(std::uint32_t point) {
+// For good: the journal tells every later life of it. They may be more than the journal's
+// ring takes at once; false: the next turns go on.
+bool Engraving::LeaveOutBefore(std::uint32_t point) {
   for (auto next = ledger_.NextOpen(left_out_before_); next && *next < point;
        next = ledger_.NextOpen(*next)) {
+    if (!journal_.Append({JournalKind::kOutcome, PointOutcome::kLeftOut,
+                          static_cast<std::uint8_t>(SkipReason::kLeftOut), run_, 0, *next,
+                          pulses_before_job_ + fired_count_})) {
+      return false;
+    }
     ledger_.LeaveOut(*next);
-    journal_.Append({JournalKind::kOutcome, PointOutcome::kLeftOut,
-                     static_cast<std::uint8_t>(SkipReason::kLeftOut), run_, 0, *next,
-                     pulses_before_job_ + fired_count_});
     results_({0, *next, PointOutcome::kSkipped, SkipReason::kLeftOut});
+    left_out_before_ = *next + 1;
   }
-  left_out_before_ = std::max(left_out_before_, point);
+  return true;
 }
 
 void Engraving::StartRun(const EngravingInputs& inputs) {

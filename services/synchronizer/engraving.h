@@ -133,7 +133,7 @@ class Engraving {
   void TurnChain(const EngravingInputs& inputs);
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
-  void LeaveOutBefore(std::uint32_t point);
+  bool LeaveOutBefore(std::uint32_t point);
   void StartRun(const EngravingInputs& inputs);
   void Run(const EngravingInputs& inputs);
   void DecideTicks(const EngravingInputs& inputs);

@@ -177,6 +177,23 @@ TEST_P(TakeUp, WhatTheOperatorLeavesOutIsNeverFired) {
   EXPECT_EQ(cell.made(), made + kPoints - 100);
 }
 
+// More than the journal takes at once: none of them is forgotten by a later life.
+TEST_P(TakeUp, NoneOfManyThatAreLeftOutIsForgotten) {
+  constexpr std::uint32_t kMany = 150'000;
+  FakeCell cell({.points = kMany, .lockstep = lockstep()});
+  cell.first_point = kMany - 5;
+  cell.Grant();
+  const auto two_are_made = [&cell] { return cell.laser.cracks().size() >= 2; };
+  // The way to them is long.
+  ASSERT_TRUE(cell.StepUntil(two_are_made, 10min)) << cell.Description();
+  cell.DieAndTakeUp();
+  cell.first_point = 0;
+  cell.GrantAnew();
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+  EXPECT_EQ(cell.Count(PointState::kLeftOut), kMany - 5);
+  EXPECT_EQ(cell.laser.cracks().size(), 5u);
+}
+
 TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
   FakeCell cell({.points = kPoints, .lockstep = lockstep()});
   cell.Grant();
