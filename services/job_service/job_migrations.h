@@ -118,6 +118,10 @@ UPDATE jobs SET started_utc = coalesce(
 ALTER TABLE jobs ADD COLUMN armed INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE jobs ADD COLUMN operator_name TEXT NOT NULL DEFAULT '';
 ALTER TABLE jobs ADD COLUMN asks_before_resume INTEGER NOT NULL DEFAULT 1;
+)sql",
+    // What the operator leaves out.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN first_point INTEGER NOT NULL DEFAULT 0;
 )sql"};
 
 }  // namespace intaglio::job_service

@@ -8,10 +8,10 @@
 // The part of the queue that has to do with the operator: arm, pause, resume, cancel, and
 // the permission that follows from them.
 //
-// After a fault the synchronizer wants to see the permission withdrawn before it takes a
-// new one. Its lease is 250 ms and only the newest sample is kept, so a withdrawal stands
-// for kHold at least, and what the synchronizer says of a fault within kHold after a new
-// grant was still about the old one.
+// After a fault the synchronizer counts a newer grant only; they are numbered. A
+// withdrawal stands for kHold at least, longer than the permission's lease, and what the
+// synchronizer says of a fault within kHold after a new grant was still about the old
+// one.
 
 namespace intaglio::job_service {
 namespace {
@@ -113,6 +113,7 @@ void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds n
   if (fault && job.armed) {
     Disarm(job, now);
     if (task.error_code == ErrorCodeName(ErrorCode::kLinkLost)) GoOn(job, now);
+    return Change(job, intaglio_JOB_PAUSED, task.message);  // a restart knows of it
   }
   // Who is paused by an operator or a fault keeps that reason.
   const bool keep = !fault && !job.armed && job.state == intaglio_JOB_PAUSED;

@@ -55,28 +55,32 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
   for (JobRecord& restored : jobs) {
     in_turn_[TurnOf(restored)] = restored.uid;
     JobRecord& job = jobs_[restored.uid] = std::move(restored);
+    const bool arm_stands = job.armed && was_short && !job.asks_before_resume;
     if (job.active()) {
-      RestoreOne(job, was_short, now);
+      RestoreOne(job, arm_stands, now);
     } else {
+      job.armed = arm_stands;
       actions_.Progressed(job);
     }
   }
 }
 
-void JobQueue::RestoreOne(JobRecord& job, bool was_short, Nanoseconds now) {
-  const bool goes_on = job.armed && was_short;
+void JobQueue::RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now) {
   job.armed = false;
   if (job.ever_granted) {
     const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
-    workers_.Assign(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE), now);
-    workers_.Answered(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
-    if (goes_on) GoOn(job, now);
+    if (!synchronizer.empty()) {
+      workers_.Assign(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE), now);
+      workers_.Answered(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
+    }
+    if (arm_stands) GoOn(job, now);
     return Change(job, intaglio_JOB_PAUSED,
                   job.armed
                       ? "the job service was restarted; the job goes on by itself"
                       : "the job service was restarted while this job was engraved; "
                         "resume it if the block was not touched, or cancel it");
   }
+  job.armed = arm_stands;
   job.last_loss = "the job service was restarted";
   Change(job, intaglio_JOB_QUEUED, job.last_loss);
   for (const GivenTask& given : job.GivenTasks()) Revoke(job, given, now);
@@ -209,8 +213,13 @@ void JobQueue::GiveTask(JobRecord& job, intaglio_Stage stage, const std::string&
 }
 
 void JobQueue::RevokeAll(JobRecord& job, Nanoseconds now) {
+  Revoke(job, job.GivenTasks(), now);
+}
+
+void JobQueue::Revoke(JobRecord& job, const std::vector<GivenTask>& tasks,
+                      Nanoseconds now) {
   actions_.StopFeed(job.uid);
-  for (const GivenTask& given : job.GivenTasks()) {
+  for (const GivenTask& given : tasks) {
     if (workers_.IsAssigned(given.worker, given.task)) Revoke(job, given, now);
   }
 }
@@ -310,7 +319,6 @@ void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now
   const bool glass_is_clear = task.stage != intaglio_STAGE_ENGRAVE || !job.ever_granted;
   if (job.stage(task.stage).done) return;
   const std::string what = fmt::format("{}: {}", task.worker, task.message);
-  if (NothingWasMade(job, task)) return LoseAttempt(job, what, now);
   if (glass_is_clear && MayBeANeighbours(task.error_code)) {
     return in_parts ? LosePart(job, task.task.part, what, kPartPause, now)
                     : LoseAttempt(job, what, now);

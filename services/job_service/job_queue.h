@@ -155,11 +155,13 @@ class JobQueue {
   std::vector<PermissionView> Permissions(Nanoseconds now);
 
   const JobRecord* Find(const std::string& job_uid) const;
+  /// It is about an engraving that this worker was given anew since.
+  bool AnswersAnOldRevocation(const TaskView& task) const;
   const std::map<std::string, JobRecord>& jobs() const { return jobs_; }
 
  private:
   JobRecord* FindOpen(const std::string& job_uid);
-  void RestoreOne(JobRecord& job, bool was_short, Nanoseconds now);
+  void RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now);
   void HandOut(JobRecord& job, Nanoseconds now);
   /// The workers of the three stages, of the last two one each.
   void Begin(JobRecord& job, const std::array<std::vector<std::string>, 3>& workers,
@@ -177,6 +179,7 @@ class JobQueue {
   void EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
               Nanoseconds now);
   void RevokeAll(JobRecord& job, Nanoseconds now);
+  void Revoke(JobRecord& job, const std::vector<GivenTask>& tasks, Nanoseconds now);
   void Revoke(JobRecord& job, const GivenTask& given, Nanoseconds now);
   void LoseTask(const std::string& instance, const TaskId& task, const std::string& why,
                 Nanoseconds now);
@@ -204,8 +207,6 @@ class JobQueue {
   // After the loss of a synchronizer or a line: job_take_up.cc.
   void LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds now);
   void TakeUp(JobRecord& job, Nanoseconds now);
-  bool AnswersAnOldRevocation(const TaskView& task) const;
-  bool NothingWasMade(const JobRecord& job, const TaskView& task) const;
   /// Arms it as it was armed, a while later; not for ever without a point made.
   void GoOn(JobRecord& job, Nanoseconds now);
 

@@ -78,6 +78,7 @@ struct JobRecord {
   /// only if that was short.
   bool armed = false;
   std::string operator_name;
+  std::uint32_t first_point = 0;  ///< as in Permission: for good
 
   // Not kept over a restart.
   std::uint32_t speed_percent = 100;  ///< override, 10..100
@@ -87,10 +88,9 @@ struct JobRecord {
   std::chrono::nanoseconds discretizing_since{0};
   std::chrono::nanoseconds withdrawn_at{0};
   std::chrono::nanoseconds armed_at{0};
-  std::uint32_t first_point = 0;  ///< as in Permission
-  std::uint64_t renewal = 0;      ///< of the arm, when it was let go on by itself
-  bool taken_up = false;          ///< the newest engraving task: begun by another worker
-  std::uint32_t losses = 0;       ///< without a point made between them
+  std::uint64_t renewal = 0;  ///< of the arm, when it was let go on by itself
+  bool taken_up = false;      ///< the newest engraving task: begun by another worker
+  std::uint32_t losses = 0;   ///< without a point made between them
   std::uint64_t done_at_loss = 0;
   std::chrono::nanoseconds first_loss_at{0};
 

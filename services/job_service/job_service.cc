@@ -104,14 +104,17 @@ void JobService::TakeTasks(Nanoseconds now) {
   tasks_.Take([&](const intaglio_TaskStatus& status) {
     const TaskView view = ViewOf(status);
     if (view.stage > intaglio_STAGE_ENGRAVE) return;
-    if (view.state == intaglio_TASK_DONE || view.state == intaglio_TASK_FAILED) {
+    const bool over =
+        view.state == intaglio_TASK_DONE || view.state == intaglio_TASK_FAILED;
+    if (over && !queue_.AnswersAnOldRevocation(view)) {
       const auto bytes = View(status.outcome);
       store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
     }
+    const JobRecord* job = queue_.Find(view.task.job_uid);
+    const bool had_ended = job != nullptr && job->ended();
     queue_.Take(view, now);
     // What a job that was ended from outside has left in the glass comes afterwards.
-    const JobRecord* job = queue_.Find(view.task.job_uid);
-    if (job != nullptr && job->ended() && view.stage == intaglio_STAGE_ENGRAVE) {
+    if (over && had_ended && view.stage == intaglio_STAGE_ENGRAVE) {
       statistics_.Ended(*job);
     }
   });

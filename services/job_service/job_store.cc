@@ -130,6 +130,7 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.ever_granted = row.getColumn("ever_granted").getInt() != 0;
   job.armed = row.getColumn("armed").getInt() != 0;
   job.operator_name = text("operator_name");
+  job.first_point = u32("first_point");
   job.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
   return job;
 }
@@ -222,9 +223,12 @@ void JobStore::Keep(const JobRecord& job) {
             "result_directory, frozen_job, state, ended, attempt, lost_attempts, "
             "message, "
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
-            "armed, operator_name, asks_before_resume, changed_utc, ended_utc) VALUES "
+            "armed, operator_name, asks_before_resume, first_point, changed_utc, "
+            "ended_utc) "
+            "VALUES "
             "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
-            "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, {0}, "
+            "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
+            "{0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
@@ -232,7 +236,8 @@ void JobStore::Keep(const JobRecord& job) {
             "estimate_ticks = excluded.estimate_ticks, revision = excluded.revision, "
             "last_command = excluded.last_command, "
             "ever_granted = excluded.ever_granted, armed = excluded.armed, "
-            "operator_name = excluded.operator_name, changed_utc = excluded.changed_utc, "
+            "operator_name = excluded.operator_name, first_point = excluded.first_point, "
+            "changed_utc = excluded.changed_utc, "
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
             "excluded.changed_utc ELSE started_utc END, "
@@ -265,6 +270,7 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(21, job.armed ? 1 : 0);
     insert.bind(22, job.operator_name);
     insert.bind(23, job.asks_before_resume ? 1 : 0);
+    insert.bind(24, job.first_point);
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();
@@ -307,12 +313,13 @@ void JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
     SQLite::Statement update(
         *database_,
         fmt::format("UPDATE tasks SET ended_utc = {}, state = ?6, message = ?7, "
-                    "outcome = ?8 WHERE {} AND ended_utc IS NULL",
+                    "outcome = ?8 WHERE {} AND worker = ?9 AND ended_utc IS NULL",
                     kNow, kWhereTask));
     BindTask(update, task.stage, task.task);
     update.bind(6, static_cast<int>(task.state));
     update.bind(7, task.message);
     update.bind(8, outcome.data(), static_cast<int>(outcome.size()));
+    update.bind(9, task.worker);
     update.exec();
   });
 }

@@ -46,12 +46,15 @@ void JobQueue::LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds
   const bool was_armed = job.armed;
   Disarm(job, now);
   if (was_armed) GoOn(job, now);
+  // What is kept names no worker: a word of the lost one, heard after a restart, is not
+  // about this job any more.
+  const std::vector<GivenTask> given = job.GivenTasks();
+  job.stage(intaglio_STAGE_ENGRAVE).worker.clear();
   Change(job, intaglio_JOB_PAUSED,
          fmt::format("{}: the next synchronizer of {} takes the job up where the journal "
                      "ends{}",
                      why, job.cell, job.armed ? "" : "; then resume it"));
-  RevokeAll(job, now);
-  job.stage(intaglio_STAGE_ENGRAVE).worker.clear();
+  Revoke(job, given, now);
 }
 
 void JobQueue::TakeUp(JobRecord& job, Nanoseconds now) {
@@ -83,12 +86,6 @@ bool JobQueue::AnswersAnOldRevocation(const TaskView& task) const {
   return task.stage == intaglio_STAGE_ENGRAVE && task.state == intaglio_TASK_FAILED &&
          task.error_code == "cancelled" && job != nullptr && job->taken_up &&
          workers_.IsAssigned(task.worker, task.task);
-}
-
-// A permission was given, and the synchronizer died before there was a path to fire.
-bool JobQueue::NothingWasMade(const JobRecord& job, const TaskView& task) const {
-  return task.stage == intaglio_STAGE_ENGRAVE && job.taken_up &&
-         task.error_code == ErrorCodeName(ErrorCode::kNotFound);
 }
 
 }  // namespace intaglio::job_service

@@ -405,6 +405,31 @@ TEST_F(JobQueueTest, RestartTakesUpAQueuedAndABrokenChain) {
   EXPECT_EQ(queue.Find("j2")->state, intaglio_JOB_QUEUED);
 }
 
+// It is armed for the block that was in the machine then.
+TEST_F(JobQueueTest, TheArmOfAJobThatHasNotBegunStandsOverAShortRestartOnly) {
+  Add(1);
+  EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
+  ASSERT_TRUE(actions_.kept.at("j1").armed);
+  for (const auto& [absence, stands] :
+       {std::pair<std::optional<Nanoseconds>, bool>{2s, true},
+        {31s, false},
+        {std::nullopt, false}}) {
+    for (const intaglio_JobState state :
+         {intaglio_JOB_QUEUED, intaglio_JOB_DISCRETIZING, intaglio_JOB_SORTING}) {
+      JobRecord kept = actions_.kept.at("j1");
+      kept.state = state;
+      RecordingActions actions;
+      JobQueue queue(actions);
+      queue.Restore({kept}, absence, now_);
+      EXPECT_EQ(queue.Find("j1")->armed, stands) << state;
+      kept.asks_before_resume = true;
+      JobQueue asking(actions);
+      asking.Restore({kept}, absence, now_);
+      EXPECT_FALSE(asking.Find("j1")->armed) << state;
+    }
+  }
+}
+
 TEST_F(JobQueueTest, RestartPausesAnEngravingAndGoesOnWithTheSameSynchronizer) {
   ReadyAll();
   Add(1);

@@ -44,6 +44,7 @@ class JobStoreTest : public testing::Test {
     job.revision = 9;
     job.last_command = 18446744073709551615u;
     job.ever_granted = true;
+    job.first_point = 17;
     return job;
   }
 
@@ -61,6 +62,7 @@ class JobStoreTest : public testing::Test {
     TaskView end;
     end.task = {"1-abc", 2, 0, 0};
     end.stage = intaglio_STAGE_ENGRAVE;
+    end.worker = "y";
     end.state = state;
     return end;
   }
@@ -107,6 +109,7 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(job.estimate_ticks, kept.estimate_ticks);
   EXPECT_EQ(job.last_command, kept.last_command);
   EXPECT_TRUE(job.ever_granted);
+  EXPECT_EQ(job.first_point, kept.first_point);
   EXPECT_FALSE(job.armed);
   EXPECT_GT(job.revision, kept.revision) << "what was told since the last Keep is older";
   const StageRecord& stage = job.stage(intaglio_STAGE_SORT);
@@ -168,6 +171,10 @@ TEST_F(JobStoreTest, TasksKeepTheirFirstEnd) {
   TaskView end;
   end.task = order.task;
   end.stage = intaglio_STAGE_ENGRAVE;
+  end.state = intaglio_TASK_FAILED;
+  end.worker = "had it before w took it up";
+  store.KeepTaskEnd(end, "of another life");
+  end.worker = "w";
   end.state = intaglio_TASK_DONE;
   store.KeepTaskEnd(end, "outcome");
   end.state = intaglio_TASK_FAILED;
@@ -194,6 +201,7 @@ TEST_F(JobStoreTest, LoadsThePartsThatAreHandedOut) {
   store.KeepTask(lost);
   TaskView done;
   done.task = give(2, 1, 0, "done").task;
+  done.worker = "done";
   done.state = intaglio_TASK_DONE;
   store.KeepTaskEnd(done, "");
   give(2, 0, 1, "again");

@@ -128,13 +128,55 @@ TEST_F(TakeUpTest, AFrozenSynchronizerLetsGoBeforeItTakesItUpAgain) {
   EXPECT_THAT(actions_.Orders(), ElementsAre("take up y j1 1"));
 }
 
-TEST_F(TakeUpTest, WhenNothingWasMadeItBeginsAnew) {
+// The folder may be away for a while: what is in the glass is not.
+TEST_F(TakeUpTest, AMissingPathFailsTheJobAndEngravesNothingAnew) {
   EngraveAndLose();
   NextSynchronizer();
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, "not_found",
        "path.ply is not there");
-  EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
-  EXPECT_EQ(job().attempt, 2u);
+  EXPECT_EQ(job().state, intaglio_JOB_FAILED);
+  EXPECT_EQ(job().attempt, 1u);
+  EXPECT_EQ(job().message, "path.ply is not there");
+}
+
+// The restart falls between the loss and the next synchronizer, and the lost one is back.
+TEST_F(TakeUpTest, AfterARestartTheLostOnesLastWordIsNotOneOnTheJob) {
+  EngraveAndLose();
+  RecordingActions actions;
+  JobQueue queue(actions);
+  queue.Restore({actions_.kept.at("j1")}, 2s, now_);
+  TaskView late;
+  late.task = {"j1", 1, 0, 0};
+  late.stage = intaglio_STAGE_ENGRAVE;
+  late.worker = "y";
+  late.state = intaglio_TASK_FAILED;
+  late.error_code = "cancelled";
+  queue.Take(late, now_);
+  EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_PAUSED);
+  queue.Take(WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""},
+             now_);
+  queue.Turn(now_);
+  EXPECT_THAT(actions.Orders(), ElementsAre("take up y j1 1"));
+  EXPECT_TRUE(queue.Permissions(now_ + 4s).at(0).granted);
+}
+
+// Resumed, and a fault before it has begun: the state is the same, the arm is not.
+TEST_F(TakeUpTest, AFaultWhilePausedIsKept) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  const auto open_door = [this] {
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "interlock", "the door");
+  };
+  now_ += 1s;
+  open_door();
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  ASSERT_EQ(job().state, intaglio_JOB_PAUSED);
+  ASSERT_TRUE(actions_.kept.at("j1").armed);
+  now_ += 2s;
+  open_door();
+  EXPECT_FALSE(actions_.kept.at("j1").armed);
 }
 
 TEST_F(TakeUpTest, AJournalOfAnotherPathFailsTheJob) {
