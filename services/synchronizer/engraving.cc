@@ -163,7 +163,14 @@ void Engraving::Await(const EngravingInputs& inputs) {
     return KeepIdleTicksPassing();
   }
   if (!closed || !inputs.motion.at_rest) return;
-  if (LeaveOutBefore(inputs.first_point)) StartRun(inputs);
+  if (LeaveOutBefore(inputs.first_point) && JournalIsWritten()) StartRun(inputs);
+}
+
+// With room for what a run appends, and nothing that only this process knows.
+bool Engraving::JournalIsWritten() {
+  if (journal_.durable() == journal_.appended()) return true;
+  if (journal_.failed()) message_ = journal_.error();
+  return false;
 }
 
 // For good: the journal tells every later life of it. They may be more than the journal's
@@ -368,6 +375,7 @@ void Engraving::FinishRun() {
 
 // While the line is up the next turn tries again: nobody comes after it to say "off".
 void Engraving::Finish() {
+  if (!stopping_ && !JournalIsWritten()) return;
   const bool told = laser_.CanSend() && laser_.OpenShutters(0) &&
                     (lamp_stays_ || laser_.Lamp(false, job_.plan.rate_hz));
   if (told || !laser_.up()) phase_ = Phase::kDone;

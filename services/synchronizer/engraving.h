@@ -134,6 +134,7 @@ class Engraving {
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);
+  bool JournalIsWritten();
   void StartRun(const EngravingInputs& inputs);
   void Run(const EngravingInputs& inputs);
   void DecideTicks(const EngravingInputs& inputs);

@@ -43,7 +43,9 @@ Result<PointCloud> ReadPath(const fs::path& folder) {
   const fs::path file = folder / kPathFile;
   if (!fs::exists(file)) {
     return Fail(ErrorCode::kNotFound,
-                file.string() + " is not there: nothing of it was engraved",
+                file.string() +
+                    " is not there, but the job was begun: see that the folder "
+                    "of its results is mounted, and look at the block",
                 file.string());
   }
   auto table = formats::ReadPly(file);

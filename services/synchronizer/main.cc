@@ -43,6 +43,8 @@ int Serve(host::ServiceHost& host, const Options& options) {
   cell.Stop();
   for (const auto end = Now() + 3s; !cell.stopped() && !cell.taken_over() && Now() < end;)
     turn();
+  // What the last turn queued, the lamp off among it, is sent by the next.
+  for (int i = 0; i < 2; ++i) turn();
   return 0;
 }
 
