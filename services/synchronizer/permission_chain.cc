@@ -88,11 +88,15 @@ void PermissionChain::Latch(bool only_renewal) {
   state_ = State::kLatched;
 }
 
+bool PermissionChain::IsNewestGranted(const ChainLinks& links) const {
+  return IsGranted(links) && IsNewest(links);
+}
+
 Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds now) {
   grant_ = std::max(grant_, links.grant);
   const bool newer = grant_ > spent_, armed_anew = grant_.number > spent_.number;
   const Missing open = OpenInterlock(links);
-  const bool may_clear = links.laser_line_up && IsGranted(links);
+  const bool may_clear = links.laser_line_up && IsNewestGranted(links);
   switch (state_) {
     case State::kClear:
       if (open == Missing::kNothing) return Missing::kNothing;
@@ -127,12 +131,12 @@ Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds 
 Missing PermissionChain::WhatIsMissing(const ChainLinks& links,
                                        bool with_shutters) const {
   const Missing missing = FirstMissing(links, with_shutters);
-  const bool worth = state_ == State::kClear && links.grant > spent_;
+  const bool worth = state_ == State::kClear && IsNewest(links) && links.grant > spent_;
   return missing == Missing::kNothing && !worth ? Missing::kPermission : missing;
 }
 
 bool PermissionChain::may_reset(const ChainLinks& links) const {
-  return state_ != State::kLatched && IsGranted(links) && links.grant > spent_;
+  return state_ != State::kLatched && IsNewestGranted(links) && links.grant > spent_;
 }
 
 }  // namespace intaglio::synchronizer

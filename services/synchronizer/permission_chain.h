@@ -13,7 +13,9 @@
 // and whatever was withdrawn in between: only a greater one counts. A line or a neighbour
 // that was lost costs only the grant's renewal, which the job service may replace by a
 // greater one on the word that was given before; unless an interlock is open meanwhile.
+// An older grant than the newest that was seen, granted or withdrawn, is worth nothing.
 //
+// clang-format off
 //             an interlock is open, or a fault: the newest grant is spent
 //         +------------------------------------------------------------+
 //         |                                                            v
@@ -23,14 +25,13 @@
 //         ^                                                          |  ^  |  ^
 //         |  every interlock held          a greater number, only    |  |  +--+ a greater
 //         |                                the machine's stop open   |  |  grant, another
-//         |                               +------------+             |  |  interlock
-//         open:
-//         +------------------------------ | kResetting | <-----------+  |  it is spent,
-//         too
+//         |                               +------------+             |  |  interlock open:
+//         +------------------------------ | kResetting | <-----------+  |  it is spent, too
 //                                         +------------+                |
 //                                               +-----------------------+
 //      longer than kResetTime (the button is still pressed), another interlock open, the
 //      line down, a fault, or the grant withdrawn: it is spent
+// clang-format on
 //
 // Interlocks: the stop on the bus always; key, door and the machine's stop as far as the
 // line tells: nothing gets to kClear while it is down. The machine keeps its stop latched
@@ -114,6 +115,9 @@ class PermissionChain {
 
  private:
   void Spend();
+  /// Not one from before the newest, repeated by somebody who was away meanwhile.
+  bool IsNewest(const ChainLinks& links) const { return links.grant >= grant_; }
+  bool IsNewestGranted(const ChainLinks& links) const;
 
   State state_ = State::kClear;
   Grant grant_;  // the newest

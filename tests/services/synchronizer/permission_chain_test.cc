@@ -285,6 +285,26 @@ TEST(PermissionChain, ANewArmIsToldFromAnOldOneByItsNumberAlone) {
   EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, {4, 0}), true), Missing::kPermission);
 }
 
+// A job service that was frozen wakes and repeats what it said before another one, in its
+// place, told of a pause.
+TEST(PermissionChain, AnOlderGrantIsWorthNothingAfterAWithdrawal) {
+  const ChainLinks older = LinksOfBits(kAll, {4, 0});
+  PermissionChain chain;
+  chain.Turn(older, 1s);
+  EXPECT_EQ(chain.WhatIsMissing(older, true), Missing::kNothing);
+  chain.Turn(LinksOfBits(kAll & ~2u, {5, 0}), 2s);
+  chain.Turn(older, 3s);
+  EXPECT_EQ(chain.WhatIsMissing(older, true), Missing::kPermission);
+  EXPECT_FALSE(chain.may_reset(older));
+  // Nor after a fault, with a newer one withdrawn meanwhile.
+  chain.Latch(true);
+  chain.Turn(LinksOfBits(kAll & ~2u, {6, 0}), 4s);
+  chain.Turn(LinksOfBits(kAll, {5, 0}), 5s);
+  EXPECT_TRUE(chain.latched());
+  chain.Turn(LinksOfBits(kAll, {6, 0}), 6s);
+  EXPECT_FALSE(chain.latched());
+}
+
 TEST(PermissionChain, TellsWhichInterlockSpentAGrantAndOnlyOnce) {
   const std::pair<unsigned, Missing> interlocks[] = {{2, Missing::kEmergencyStop},
                                                      {4, Missing::kKey},
