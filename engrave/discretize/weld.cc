@@ -112,7 +112,8 @@ class Welder {
         }
         points.push_back(PointOf(candidates_, order_[at]));
       }
-      KeepFrom(points, 2);
+      TakeUpTo(points);
+      KeepFrom(LookedThrough(points, taken_fronts_), 2, Looked::kAtNone);
     }
     return std::move(kept_);
   }
@@ -192,9 +193,13 @@ class Welder {
               });
   }
 
-  /// Adds the taken points that reach down to this height or below to their front.
-  void TakeUpTo(double z_mm) {
-    const double high_mm = z_mm + reach_mm_ * kReachAllowance;
+  /// Adds the taken points that reach down to these or lie below to their fronts.
+  void TakeUpTo(std::span<const WeldPoint> points) {
+    if (points.empty() || next_taken_ == taken_order_.size()) return;
+    const auto highest = std::max_element(
+        points.begin(), points.end(),
+        [](const auto& a, const auto& b) { return a.p_mm.z() < b.p_mm.z(); });
+    const double high_mm = highest->p_mm.z() + reach_mm_ * kReachAllowance;
     for (; next_taken_ < taken_order_.size(); ++next_taken_) {
       const WeldPoint point = PointOf(taken_, taken_order_[next_taken_]);
       if (point.p_mm.z() > high_mm) return;
@@ -215,26 +220,36 @@ class Welder {
     }
   }
 
-  bool IsTooNear(const WeldPoint& point) {
-    const ChannelMask mask = MaskOf(point.source);
-    const auto near = [&](ChannelFront& one) {
-      return ShareChannel(mask, one.channel) && one.front.IsTooNear(point);
-    };
-    return std::any_of(kept_fronts_.begin(), kept_fronts_.end(), near) ||
-           std::any_of(taken_fronts_.begin(), taken_fronts_.end(), near);
+  /// Those of the points that are not too near to any of the fronts', in any sequence.
+  std::span<WeldPoint> LookedThrough(std::span<WeldPoint> points,
+                                     std::vector<ChannelFront>& fronts) const {
+    if (fronts.size() == 1) return points.first(fronts[0].front.KeepFar(points));
+    for (auto& [channel, front] : fronts) {
+      const auto concerned = std::partition(
+          points.begin(), points.end(),
+          [&](const auto& p) { return !ShareChannel(MaskOf(p.source), channel); });
+      const std::size_t others = static_cast<std::size_t>(concerned - points.begin());
+      points = points.first(others + front.KeepFar(points.subspan(others)));
+    }
+    return points;
   }
 
   /// Keeps of the points, which come after all kept, what it can, in order. Those of the
-  /// axes above `axis` are equal.
-  void KeepFrom(std::span<WeldPoint> points, int axis) {
-    if (points.size() <= kFew || axis < 0) return KeepInOrder(points);
+  /// axes above `axis` are equal. Looked::kAtAll: none is too near to what is kept.
+  enum class Looked { kAtNone, kAtAll };
+  void KeepFrom(std::span<WeldPoint> points, int axis, Looked looked) {
+    const auto in_order = [&] {
+      KeepInOrder(looked == Looked::kAtAll ? points
+                                           : LookedThrough(points, kept_fronts_));
+    };
+    if (points.size() <= kFew || axis < 0) return in_order();
     const auto [low, high] = std::minmax_element(
         points.begin(), points.end(),
         [axis](const auto& a, const auto& b) { return a.p_mm[axis] < b.p_mm[axis]; });
     const double low_mm = low->p_mm[axis], high_mm = high->p_mm[axis];
-    if (low_mm == high_mm) return KeepFrom(points, axis - 1);
+    if (low_mm == high_mm) return KeepFrom(points, axis - 1, looked);
     const Sheets sheets(low_mm, high_mm, points.size() / kPointsPerFineSheet);
-    if (sheets.count() == 1) return KeepInOrder(points);
+    if (sheets.count() == 1) return in_order();
     std::vector<std::uint32_t> next(sheets.count() + 1, 0);
     for (const WeldPoint& point : points) ++next[sheets.Of(point.p_mm[axis]) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
@@ -246,20 +261,38 @@ class Welder {
     for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
       const std::span part(&sorted[begin], &sorted[0] + next[sheet]);
       begin = next[sheet];
-      const auto end = std::remove_if(part.begin(), part.end(),
-                                      [&](const auto& p) { return IsTooNear(p); });
-      KeepFrom({part.begin(), end}, axis);
+      KeepFrom(LookedThrough(part, kept_fronts_), axis, Looked::kAtAll);
     }
   }
 
+  /// Not many as a rule; none is too near to what was kept before.
   void KeepInOrder(std::span<WeldPoint> points) {
     std::sort(points.begin(), points.end(), IsLower);
+    for (std::size_t begin = 0; begin < points.size(); begin += kFew) {
+      std::span few = points.subspan(begin, std::min(kFew, points.size() - begin));
+      if (begin > 0) {
+        few = LookedThrough(few, kept_fronts_);
+        std::sort(few.begin(), few.end(), IsLower);
+      }
+      KeepFew(few);
+    }
+  }
+  void KeepFew(std::span<WeldPoint> points) {
+    std::size_t kept = 0;
     for (const WeldPoint& point : points) {
-      TakeUpTo(point.p_mm.z());
-      if (IsTooNear(point)) continue;
+      if (IsTooNear(point, points.first(kept))) continue;
+      points[kept++] = point;
       AddTo(kept_fronts_, point);
       kept_.Add(point.p_mm, point.source, point.spacing_mm);
     }
+  }
+
+  bool IsTooNear(const WeldPoint& point, std::span<const WeldPoint> others) const {
+    const WeldFront& rules = kept_fronts_.front().front;
+    return std::any_of(others.begin(), others.end(), [&](const WeldPoint& other) {
+      return rules.AreTooNear(point, other) &&
+             ShareChannel(MaskOf(point.source), MaskOf(other.source));
+    });
   }
 
   const SpacedCloud& candidates_;

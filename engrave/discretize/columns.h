@@ -1,0 +1,146 @@
+#pragma once
+
+// Points by their places in x and y, for the question whether one is too near to any.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+
+namespace intaglio::discretize {
+
+struct WeldPoint {
+  Vec3 p_mm;
+  std::uint32_t source;
+  float spacing_mm;
+};
+
+/// A grid of columns in x and y, each with its points from the newest down. Points are
+/// added in rising z, so what is near to a place at their upper end is found at the
+/// beginning of a few columns: the part of them that is read stays in the cache.
+///
+/// A column is as wide as two reaches, so all that a point can be too near to stands in
+/// four of them. The newest eight of a column stand in single precision beside one
+/// another, too: they tell in a few instructions, without a branch, that most candidates
+/// are too near, and of most others that they are not.
+class Columns {
+ public:
+  /// For points within the bounds and questions that reach `reach_mm` or a little
+  /// farther, with heights divided by height_ratio; the columns are wider when
+  /// `point_count` points do not justify as many.
+  Columns(const Box3& bounds, double reach_mm, double height_ratio,
+          std::size_t point_count);
+
+  bool empty() const { return entries_.empty(); }
+  void Add(const Vec3& p_mm, float spacing_mm);
+
+  /// What a look in haste tells of a point: another is nearer than near_mm, or none is
+  /// nearer than far_mm (which must not be more than reach_mm), heights divided by
+  /// height_ratio, by more than any rounding. by_own: or than the point's own spacing,
+  /// where that is larger.
+  enum class Hasty : std::uint8_t { kNear, kFar, kUnsure };
+  struct Distances {
+    double near_mm, far_mm;
+    bool by_own;
+  };
+
+  /// Moves the points that are not too near to any to the front and tells how many they
+  /// are. is_too_near(point, what the look said) is asked unless that is kNear.
+  template <typename IsTooNear>
+  std::size_t KeepFar(std::span<WeldPoint> points, const Distances& distances,
+                      const IsTooNear& is_too_near) const {
+    std::array<Hasty, kMostAtOnce> looks;
+    std::size_t kept = 0;
+    for (std::size_t begin = 0; begin < points.size(); begin += kMostAtOnce) {
+      const std::span some =
+          points.subspan(begin, std::min(kMostAtOnce, points.size() - begin));
+      (this->*look_)(some, distances, looks.data());
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        if (looks[i] == Hasty::kNear || is_too_near(some[i], looks[i])) continue;
+        points[kept++] = some[i];
+      }
+    }
+    return kept;
+  }
+
+  /// Whether too_near(q, spacing of q) is true of a point q whose x and y differ from
+  /// those of p by less than reach_mm and which is not lower by reach_z_mm or more.
+  template <typename TooNear>
+  bool Any(const Vec3& p_mm, double reach_mm, double reach_z_mm,
+           const TooNear& too_near) const {
+    const double stop_mm = p_mm.z() - reach_z_mm;
+    const auto at = [this](double offset_mm, std::size_t count) {
+      return static_cast<std::size_t>(
+          std::clamp(offset_mm * per_side_ + 1, 0.0, static_cast<double>(count - 1)));
+    };
+    const double x = p_mm.x() - origin_.x(), y = p_mm.y() - origin_.y();
+    const std::size_t x_end = at(x + reach_mm, width_), y_end = at(y + reach_mm, depth_);
+    for (std::size_t j = at(y - reach_mm, depth_); j <= y_end; ++j) {
+      for (std::size_t i = at(x - reach_mm, width_); i <= x_end; ++i) {
+        for (std::uint32_t in = newest_[j * width_ + i].entry; in != kNone;
+             in = entries_[in].below) {
+          const Entry& q = entries_[in];
+          if (q.p_mm.z() <= stop_mm) break;  // and all below it
+          if (too_near(q.p_mm, q.spacing_mm)) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  static constexpr std::size_t kNewest = 8;
+  static constexpr std::size_t kMostAtOnce = 64;
+
+  struct Entry {
+    Vec3 p_mm;
+    std::uint32_t below;  ///< in the same column
+    float spacing_mm;
+  };
+  /// Of a column; from its lower corner, heights divided by height_ratio.
+  struct alignas(64) Newest {
+    float x[kNewest], y[kNewest], z[kNewest];
+    float older_z;        ///< all that are not among them are no higher
+    std::uint32_t entry;  ///< the last one
+    std::uint32_t next_lane;
+  };
+  /// What is asked of a point's own column, of the nearer one beside it and of those two
+  /// behind: from the own one's corner it is x, y away, from theirs other_x and other_y.
+  struct Question {
+    float x, other_x, y, other_y, z;
+    float near_square, far_square, low_z;
+    std::array<std::uint32_t, 4> columns;
+  };
+  static Hasty AnswerTo(const Question& q, float least_square, float older_z) {
+    if (least_square < q.near_square) return Hasty::kNear;
+    const bool unsure = least_square < q.far_square || older_z >= q.low_z;
+    return unsure ? Hasty::kUnsure : Hasty::kFar;
+  }
+  using LookFunction = void (Columns::*)(std::span<const WeldPoint>, const Distances&,
+                                         Hasty*) const;
+
+  void Ask(std::span<const WeldPoint> points, const Distances& distances,
+           Question* questions) const;
+  // At up to kMostAtOnce points; with what every processor has, and with AVX2.
+  void LookByFour(std::span<const WeldPoint> points, const Distances& distances,
+                  Hasty* looks) const;
+  void LookByEight(std::span<const WeldPoint> points, const Distances& distances,
+                   Hasty* looks) const;
+  static LookFunction FastestLook();
+
+  Vec3 origin_;
+  double flatten_;
+  double side_mm_, per_side_;
+  double error_mm_;  // more than that of a distance in single precision
+  // A border of empty columns all around saves the question whether there is one.
+  std::size_t width_, depth_;
+  LookFunction look_ = FastestLook();
+  std::vector<Newest> newest_;  // of each column
+  std::vector<Entry> entries_;
+};
+
+}  // namespace intaglio::discretize
