@@ -9,11 +9,13 @@
 #include <optional>
 
 #include "proto/field_path.h"
+#include "proto/job_file.h"
 #include "proto/json_text.h"
 #include "services/bus/bus.h"
 #include "services/cli/child_process.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/run_command.h"
+#include "services/replayer/cell_rehearsal.h"
 #include "services/replayer/rehearsal.h"
 
 namespace intaglio::cli {
@@ -60,19 +62,45 @@ Status Change(FrozenJob& job, const std::string& words) {
   return SetField(job, path, value);
 }
 
-void Print(const ReplayComparison& result) {
-  std::uint64_t batches = 0, points = 0, different = 0;
+void PrintCounts(const ReplayComparison& result) {
+  std::uint64_t batches = 0, points = 0, runs = 0, segments = 0, pulses = 0;
   for (const TaskComparison& task : result.tasks()) {
     batches += task.batch_count();
     points += task.point_count();
-    different += task.different_batch_count();
+    runs += task.run_count();
+    segments += task.segment_count();
+    pulses += task.pulse_count();
   }
-  fmt::print("{}  {} tasks, {} batches, {} points compared\n", result.service(),
-             result.tasks_size(), batches, points);
+  if (result.service() == "synchronizer") {
+    fmt::print("{}  {} tasks, {} runs, {} segments, {} points compared\n",
+               result.service(), result.tasks_size(), runs, segments, pulses);
+  } else {
+    fmt::print("{}  {} tasks, {} batches, {} points compared\n", result.service(),
+               result.tasks_size(), batches, points);
+  }
   for (const TaskComparison& task : result.tasks()) {
-    if (task.recorded_in_part())
-      fmt::print("recorded in part  job {} part {}\n", task.job_uid(), task.part());
+    if (!task.recorded_in_part()) continue;
+    fmt::print("recorded in part  job {} part {}{}{}\n", task.job_uid(), task.part(),
+               task.part_reason().empty() ? "" : ": ", task.part_reason());
   }
+}
+
+void PrintFirst(const ReplayComparison& result) {
+  const SampleDifference& first = result.first();
+  fmt::print("first       {} of job {} attempt {}", first.topic(), first.job_uid(),
+             first.attempt());
+  if (result.service() == "synchronizer") {
+    if (first.run() != 0) fmt::print(" run {}: place {}", first.run(), first.index());
+    if (first.topic() == "PulseEventBatch") fmt::print(", point {}", first.point());
+  } else {
+    fmt::print(" part {}: batch {}, point {} ({} of the part)", first.part(),
+               first.batch(), first.index(), first.point());
+  }
+  fmt::print(": {} then {}, now {}\n", first.member(), first.then(), first.now());
+}
+
+void Print(const ReplayComparison& result) {
+  PrintCounts(result);
   fmt::print("version     then {}, now {}\n", result.version_then(),
              result.version_now());
   for (const OptionDifference& option : result.options())
@@ -83,25 +111,64 @@ void Print(const ReplayComparison& result) {
     fmt::print("verdict     IDENTICAL\n");
     return;
   }
-  if (result.has_first()) {
-    const SampleDifference& first = result.first();
-    fmt::print(
-        "first       {} of job {} attempt {} part {}: batch {}, point {} ({} of the "
-        "part): {} then {}, now {}\n",
-        first.topic(), first.job_uid(), first.attempt(), first.part(), first.batch(),
-        first.index(), first.point(), first.member(), first.then(), first.now());
-  }
+  if (result.has_first()) PrintFirst(result);
   fmt::print("cause       {}: {}\n", result.cause(), result.explanation());
-  fmt::print("verdict     DIFFERENT, {} batches\n", different);
+  std::uint64_t different = 0;
+  for (const TaskComparison& task : result.tasks())
+    different += task.different_batch_count();
+  fmt::print("verdict     DIFFERENT");
+  if (different > 0) fmt::print(", {} batches", different);
+  fmt::print("\n");
 }
 
-ChildProcess::Command CommandOf(const AgainstOptions& options, const bus::BusOptions& bus,
-                                const fs::path& folder) {
-  return {options.service,
-          ProgramFolder() / ("intaglio-" + options.service),
-          {"--domain", std::to_string(bus.control_domain), "--tag", bus.tag,
-           "--die-with-parent"},
-          folder / "service.log"};
+struct Bench {
+  const AgainstOptions& options;
+  const recording::McapReader& reader;
+  const bus::BusOptions& bus;
+  fs::path folder;
+  fs::path laser_line() const { return folder / "laser"; }
+};
+
+/// With the machine profile of the session, and a laser line at which nobody is yet.
+Result<ChildProcess> StartService(const Bench& bench) {
+  const std::string& service = bench.options.service;
+  ChildProcess::Command command{service,
+                                ProgramFolder() / ("intaglio-" + service),
+                                {"--domain", std::to_string(bench.bus.control_domain),
+                                 "--tag", bench.bus.tag, "--die-with-parent"},
+                                bench.folder / "service.log"};
+  if (service == "synchronizer") {
+    auto machine = replayer::MachineOf(bench.reader);
+    if (!machine) return tl::unexpected(machine.error());
+    const fs::path file = bench.folder / "machine.textproto";
+    if (auto written = WriteMachineFile(file, *machine); !written)
+      return tl::unexpected(written.error());
+    command.arguments.insert(command.arguments.end(),
+                             {"--machine", file.string(), "--device",
+                              bench.laser_line().string(), "--cell", machine->name()});
+  }
+  return ChildProcess::Start(command);
+}
+
+Result<ReplayComparison> Compare(const Bench& bench, bus::Bus& bus,
+                                 const replayer::KeepOn& keep_on) {
+  std::function<Status(FrozenJob & job)> change;
+  if (!bench.options.changes.empty()) {
+    change = [&changes = bench.options.changes](FrozenJob& job) -> Status {
+      for (const std::string& words : changes) {
+        if (auto changed = Change(job, words); !changed) return changed;
+      }
+      return {};
+    };
+  }
+  if (bench.options.service == "synchronizer") {
+    return replayer::RehearseCell(bus, bench.reader,
+                                  {bench.laser_line(), bench.folder, std::move(change)},
+                                  keep_on);
+  }
+  const auto stage = bench.options.service == "sorter" ? replayer::Stage::kSort
+                                                       : replayer::Stage::kDiscretize;
+  return replayer::Rehearse(bus, bench.reader, {stage, std::move(change)}, keep_on);
 }
 
 }  // namespace
@@ -113,21 +180,11 @@ int ReplayAgainst(const AgainstOptions& options) {
   bus::BusOptions bus_options;
   bus_options.tag = fmt::format("against-{}", getpid());
   const ScratchFolder folder("intaglio-" + bus_options.tag);
+  const Bench bench{options, *reader, bus_options, folder.path()};
   bus::Bus bus(bus_options);
-  auto service = ChildProcess::Start(CommandOf(options, bus_options, folder.path()));
+  auto service = StartService(bench);
   if (!service) return Complain(service.error());
-  replayer::RehearsalOptions rehearsal;
-  rehearsal.stage =
-      options.service == "sorter" ? replayer::Stage::kSort : replayer::Stage::kDiscretize;
-  if (!options.changes.empty()) {
-    rehearsal.change = [&options](FrozenJob& job) -> Status {
-      for (const std::string& words : options.changes) {
-        if (auto changed = Change(job, words); !changed) return changed;
-      }
-      return {};
-    };
-  }
-  auto result = replayer::Rehearse(bus, *reader, rehearsal, [&service]() -> Status {
+  auto result = Compare(bench, bus, [&service]() -> Status {
     if (Interrupts() > 0) return Fail(ErrorCode::kCancelled, "interrupted");
     if (service->running()) return {};
     return Fail(ErrorCode::kFault, "the service ended: " + service->LastOutput());

@@ -10,7 +10,7 @@ namespace intaglio::cli {
 
 struct AgainstOptions {
   std::string file;
-  std::string service;               ///< "sorter" or "discretizer"
+  std::string service;               ///< "sorter", "discretizer" or "synchronizer"
   std::vector<std::string> changes;  ///< PATH=VALUE, options of the job
   bool json = false;
 };

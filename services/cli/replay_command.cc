@@ -261,8 +261,9 @@ void AddAgainstFlags(CLI::App& replay, AgainstOptions& options) {
   auto* against =
       replay
           .add_option("--against", options.service,
-                      "sorter or discretizer: does it make the same today, bit by bit?")
-          ->check(CLI::IsMember({"sorter", "discretizer"}));
+                      "sorter, discretizer or synchronizer: does it make the same today, "
+                      "bit by bit?")
+          ->check(CLI::IsMember({"sorter", "discretizer", "synchronizer"}));
   replay
       .add_option("--set", options.changes,
                   "PATH=VALUE: with another option of the job, e.g. "

@@ -3,62 +3,14 @@
 #include <fmt/format.h>
 
 #include <set>
-#include <type_traits>
 
 #include "services/recording/conventions.h"
+#include "services/replayer/recorded_members.h"
 
 namespace intaglio::replayer {
 namespace {
 
 using recording::Value;
-
-/// Reads members by name; good() is false once one was not there or of another kind.
-class Members {
- public:
-  explicit Members(const Value& value) : value_(value) {}
-
-  template <typename T>
-  requires std::is_unsigned_v<T>
-  void Get(const char* name, T& out) {
-    if constexpr (std::is_same_v<T, bool>) {
-      if (const bool* held = As<bool>(name)) out = *held;
-    } else if (const auto* held = As<std::uint64_t>(name)) {
-      out = static_cast<T>(*held);
-    }
-  }
-  void Get(const char* name, std::string& out) {
-    if (const auto* held = As<std::string>(name)) out = *held;
-  }
-  void Get(const char* name, std::vector<double>& out) {
-    if (const auto* held = As<std::vector<double>>(name)) out = *held;
-  }
-  template <typename T>
-  requires std::is_unsigned_v<T>
-  void Get(const char* name, std::vector<T>& out) {
-    if (const auto* held = As<std::vector<std::uint64_t>>(name)) {
-      out.reserve(held->size());
-      for (const std::uint64_t number : *held) out.push_back(static_cast<T>(number));
-    }
-  }
-  void Get(StreamId& id) {
-    Get("job_uid", id.job_uid);
-    Get("attempt", id.attempt);
-    Get("part", id.part);
-    Get("part_attempt", id.part_attempt);
-  }
-  bool good() const { return good_; }
-
- private:
-  template <typename T>
-  const T* As(const char* name) {
-    const Value* member = value_.Find(name);
-    const T* held = member == nullptr ? nullptr : member->As<T>();
-    good_ = good_ && held != nullptr;
-    return held;
-  }
-  const Value& value_;
-  bool good_ = true;
-};
 
 std::set<std::uint16_t> ValueChannelsOf(const recording::McapReader& reader,
                                         const std::string& topic) {
@@ -81,6 +33,9 @@ std::optional<RecordedTask> ReadTask(const Value& value) {
   members.Get("part_count", task.part_count);
   members.Get("input_part_count", task.input_part_count);
   members.Get("revoked", task.revoked);
+  if (const Value* member = value.Find("take_up")) {  // younger than the others
+    if (const bool* held = member->As<bool>()) task.take_up = *held;
+  }
   std::vector<std::uint8_t> job;
   members.Get("frozen_job", job);
   task.frozen_job.assign(job.begin(), job.end());
@@ -146,6 +101,7 @@ Result<std::optional<Value>> RecordedValues::Next() {
   if (!message) return tl::unexpected(message.error());
   if (!*message) return std::nullopt;
   log_time_ns_ = (*message)->log_time_ns;
+  publish_time_ns_ = (*message)->publish_time_ns;
   auto value = Decode(**message);
   if (!value) return tl::unexpected(value.error());
   return std::optional(std::move(*value));

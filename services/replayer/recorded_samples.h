@@ -23,10 +23,10 @@ struct StreamId {
 
 struct RecordedTask {
   StreamId id;
-  std::uint64_t log_time_ns = 0;
+  std::uint64_t log_time_ns = 0, publish_time_ns = 0;
   std::uint64_t epoch = 0;
   std::uint32_t part_count = 1, input_part_count = 1;
-  bool revoked = false;
+  bool revoked = false, take_up = false;
   std::string frozen_job;  ///< intaglio.FrozenJob, serialized
 };
 
@@ -62,13 +62,14 @@ class RecordedValues {
   /// Nothing at the end; an error once for a place that cannot be read.
   Result<std::optional<recording::Value>> Next();
   std::uint64_t log_time_ns() const { return log_time_ns_; }  ///< of the last
+  std::uint64_t publish_time_ns() const { return publish_time_ns_; }
 
  private:
   Result<recording::Value> Decode(const recording::MessageView& message);
   const recording::McapReader& reader_;
   recording::MessageCursor cursor_;
   std::map<std::uint16_t, recording::IdlTypes> types_;  // by schema
-  std::uint64_t log_time_ns_ = 0;
+  std::uint64_t log_time_ns_ = 0, publish_time_ns_ = 0;
 };
 
 /// How much of a stream there is.

@@ -8,6 +8,7 @@
 
 #include "services/bus/bus.h"
 #include "services/recording/conventions.h"
+#include "services/replayer/cause.h"
 #include "services/replayer/comparison.h"
 #include "services/replayer/option_differences.h"
 #include "services/replayer/stage_bench.h"
@@ -213,33 +214,11 @@ Result<Rehearsal::Performed> Rehearsal::Perform(const RecordedTask& task,
 
 /// Of the first task that made something else.
 Status Rehearsal::FindCause(const RecordedTask& task, const Performed& performed) {
-  const auto say = [this](const char* cause, std::string explanation) {
-    result_.set_cause(cause);
-    result_.set_explanation(std::move(explanation));
-  };
-  if (!result_.options().empty()) {
-    const OptionDifference& option = result_.options(0);
-    say("option", fmt::format("{} was {} then and is {} now", option.field(),
-                              option.then().empty() ? "not there" : option.then(),
-                              option.now().empty() ? "not there" : option.now()));
-    return {};
-  }
-  if (!result_.input().empty()) {
-    say("input", result_.input(0));
-    return {};
-  }
-  const auto again = Perform(task, task.id.job_uid + "-again");
-  if (!again) return tl::unexpected(again.error());
-  if (again->checksum != performed.checksum) {
-    say("chance", "the same task, done twice now, makes two results");
-  } else if (result_.version_then() != result_.version_now()) {
-    say("version", fmt::format("version {} made it then, {} makes it now",
-                               result_.version_then(), result_.version_now()));
-  } else {
-    say("code", fmt::format("same input, options and version {}: the code has changed",
-                            result_.version_now()));
-  }
-  return {};
+  return NameCause(result_, [&]() -> Result<bool> {
+    const auto again = Perform(task, task.id.job_uid + "-again");
+    if (!again) return tl::unexpected(again.error());
+    return again->checksum != performed.checksum;
+  });
 }
 
 Result<ReplayComparison> Rehearsal::Run() {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/bus/samples.h"
+#include "services/replayer/found_service.h"
 
 namespace intaglio::replayer {
 namespace {
@@ -14,7 +15,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr char kOwnName[] = "intaglio-replay";
 constexpr std::uint32_t kWindowBatches = 32;
-constexpr auto kStart = 30s;
 // A service that computes tells its progress ten times a second.
 constexpr auto kPatience = 60s;
 constexpr auto kTurn = 5ms;
@@ -115,21 +115,11 @@ CloudBatch Copied(const Batch& sample) {
 
 template <typename Batch>
 Result<std::string> Bench<Batch>::FindService(const KeepOn& keep_on) {
-  const auto role = sort_ ? intaglio_ROLE_SORTER : intaglio_ROLE_DISCRETIZER;
-  const auto end = Clock::now() + kStart;
-  std::string version;
-  while (instance_.empty()) {
-    if (auto on = keep_on(); !on) return tl::unexpected(on.error());
-    if (Clock::now() > end)
-      return Fail(ErrorCode::kTimedOut, "the service does not become ready");
-    health_.Take([&](const intaglio_ServiceHealth& sample) {
-      if (sample.role != role || sample.state != intaglio_HEALTH_READY) return;
-      instance_ = bus::View(sample.instance);
-      version = bus::View(sample.version);
-    });
-    (void)wait_.Wait(kTurn);
-  }
-  return version;
+  auto found = AwaitService(
+      health_, wait_, sort_ ? intaglio_ROLE_SORTER : intaglio_ROLE_DISCRETIZER, keep_on);
+  if (!found) return tl::unexpected(found.error());
+  instance_ = found->instance;
+  return found->version;
 }
 
 template <typename Batch>

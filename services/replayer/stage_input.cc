@@ -27,15 +27,26 @@ Result<bool> Sent(const Status& written) {
 
 }  // namespace
 
-PointInput::PointInput(bus::Writer<intaglio_PointBatch>& writer,
-                       const recording::McapReader& reader, const RecordedTask& task,
-                       std::string job_uid)
+template <>
+const bus::Topic<intaglio_PointBatch>& PointInput::topic() {
+  return bus::kPointBatch;
+}
+template <>
+const bus::Topic<intaglio_PathBatch>& PathInput::topic() {
+  return bus::kPathBatch;
+}
+
+template <typename Batch>
+CloudInput<Batch>::CloudInput(bus::Writer<Batch>& writer,
+                              const recording::McapReader& reader,
+                              const RecordedTask& task, std::string job_uid)
     : writer_(writer),
-      values_(reader, bus::kPointBatch.name),
+      values_(reader, topic().name),
       task_(task.id),
       job_uid_(std::move(job_uid)) {}
 
-Status PointInput::FindNext() {
+template <typename Batch>
+Status CloudInput<Batch>::FindNext() {
   while (!next_ && !ended_) {
     auto value = values_.Next();
     if (!value) return tl::unexpected(value.error());
@@ -48,19 +59,19 @@ Status PointInput::FindNext() {
   return {};
 }
 
-Result<bool> PointInput::Advance(const bus::CreditBook& credit) {
+template <typename Batch>
+Result<bool> CloudInput<Batch>::Advance(const bus::CreditBook& credit) {
   for (;;) {
     if (auto found = FindNext(); !found) return tl::unexpected(found.error());
     if (!next_) return true;
     const CloudBatch& batch = *next_;
-    const auto turn =
-        TurnOf(credit,
-               bus::PartStreamName(job_uid_, batch.id.attempt, bus::kPointBatch.name,
-                                   batch.id.part, batch.id.part_attempt),
-               batch.sequence_number, writer_);
+    const auto turn = TurnOf(credit,
+                             bus::PartStreamName(job_uid_, batch.id.attempt, topic().name,
+                                                 batch.id.part, batch.id.part_attempt),
+                             batch.sequence_number, writer_);
     if (turn == Turn::kWait) return false;
     if (turn == Turn::kSend) {
-      intaglio_PointBatch sample{};
+      Batch sample{};
       sample.job_uid = bus::Borrow(job_uid_);
       sample.attempt = batch.id.attempt;
       sample.part = batch.id.part;
@@ -80,6 +91,9 @@ Result<bool> PointInput::Advance(const bus::CreditBook& credit) {
     next_.reset();
   }
 }
+
+template class CloudInput<intaglio_PointBatch>;
+template class CloudInput<intaglio_PathBatch>;
 
 ModelInput::ModelInput(bus::Writer<intaglio_ModelChunk>& writer,
                        const recording::McapReader& reader, const StreamId& recorded,

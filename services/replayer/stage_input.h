@@ -18,24 +18,28 @@ class StageInput {
   virtual Result<bool> Advance(const bus::CreditBook& credit) = 0;
 };
 
-/// All parts and turns of the points of a sort, in the order in which they were recorded.
-class PointInput final : public StageInput {
+/// All parts and turns of the points of a sort, or the path of an engraving, in the order
+/// in which they were recorded.
+template <typename Batch>
+class CloudInput final : public StageInput {
  public:
   /// Of the task; under `job_uid`.
-  PointInput(bus::Writer<intaglio_PointBatch>& writer,
-             const recording::McapReader& reader, const RecordedTask& task,
-             std::string job_uid);
+  CloudInput(bus::Writer<Batch>& writer, const recording::McapReader& reader,
+             const RecordedTask& task, std::string job_uid);
   Result<bool> Advance(const bus::CreditBook& credit) override;
 
  private:
+  static const bus::Topic<Batch>& topic();
   Status FindNext();
-  bus::Writer<intaglio_PointBatch>& writer_;
+  bus::Writer<Batch>& writer_;
   RecordedValues values_;
   StreamId task_;
   std::string job_uid_;
   std::optional<CloudBatch> next_;
   bool ended_ = false;
 };
+using PointInput = CloudInput<intaglio_PointBatch>;
+using PathInput = CloudInput<intaglio_PathBatch>;
 
 /// The models of a job, from a stream that is whole, as the task's own stream. Nobody may
 /// ask for them: a discretizer keeps them from part to part.

@@ -209,7 +209,7 @@ TEST_F(Replay, StopsWhenAServiceComes) {
 
 TEST_F(Replay, TheServicesOfTodayMakeTheSame) {
   for (const char* recording : {"pyramid", "two_makers"}) {
-    for (const char* service : {"sorter", "discretizer"}) {
+    for (const char* service : {"sorter", "discretizer", "synchronizer"}) {
       const auto ended = Against({Golden(recording).string(), "--against", service});
       EXPECT_EQ(ended.exit_code, 0) << recording << "\n" << ended.output;
       EXPECT_THAT(ended.output, HasSubstr("IDENTICAL"));
@@ -235,6 +235,35 @@ TEST_F(Replay, AChangedOptionIsNamed) {
   EXPECT_FALSE(result.first().member().empty());
 }
 
+TEST_F(Replay, AChangedOptionOfTheMotionIsNamed) {
+  const auto ended = Against({Golden("pyramid").string(), "--against", "synchronizer",
+                              "--set", "motion.max_speed_mm_s=70", "--json"});
+  ASSERT_EQ(ended.exit_code, 3) << ended.output;
+  ReplayComparison result;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(ended.output, &result).ok())
+      << ended.output;
+  EXPECT_FALSE(result.identical());
+  EXPECT_EQ(result.cause(), "option");
+  ASSERT_EQ(result.options_size(), 1);
+  EXPECT_EQ(result.options(0).field(), "job.motion.max_speed_mm_s");
+  EXPECT_EQ(result.options(0).now(), "70");
+  EXPECT_EQ(result.first().topic(), "MotionSegmentBatch");
+  EXPECT_EQ(result.first().run(), 1u);
+}
+
+// Paused in its middle and resumed by a person, in real time, on a busy host.
+TEST_F(Replay, APausedSessionIsMadeAgain) {
+  const auto ended =
+      Against({Golden("paused").string(), "--against", "synchronizer", "--json"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  ReplayComparison result;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(ended.output, &result).ok());
+  ASSERT_EQ(result.tasks_size(), 1);
+  EXPECT_EQ(result.tasks(0).run_count(), 2u);
+  EXPECT_EQ(result.tasks(0).pulse_count(), 272u);
+  EXPECT_FALSE(result.tasks(0).recorded_in_part());
+}
+
 TEST_F(Replay, ARecordingWithoutTheServiceIsSaidToBeOne) {
   const fs::path cut = folder_ / "cut.mcap";
   testing::Running cutting(testing::Program("intaglio"),
@@ -242,9 +271,11 @@ TEST_F(Replay, ARecordingWithoutTheServiceIsSaidToBeOne) {
                             "JobStatus", "--out", cut.string()},
                            folder_ / "cut.txt");
   ASSERT_EQ(cutting.WaitForEnd(kBound).exit_code, 0) << cutting.Output();
-  const auto ended = Against({cut.string(), "--against", "sorter"});
-  EXPECT_EQ(ended.exit_code, 2);
-  EXPECT_THAT(ended.output, HasSubstr("nothing to compare"));
+  for (const char* service : {"sorter", "synchronizer"}) {
+    const auto ended = Against({cut.string(), "--against", service});
+    EXPECT_EQ(ended.exit_code, 2);
+    EXPECT_THAT(ended.output, HasSubstr("nothing to compare"));
+  }
 }
 
 }  // namespace

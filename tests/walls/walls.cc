@@ -36,8 +36,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "services/host", "services/history", "services/recording", "services/replayer",
       "services/security"}},
     {"services/replayer",
-     {"engrave/core", "idl", "proto", "services/bus", "services/recording",
-      "services/recorder"}},
+     {"engrave/core", "idl", "proto", "services/bus", "services/link",
+      "services/recording", "services/recorder", "services/virtual_engraver"}},
     {"services/history", {"engrave/core", "idl", "proto", "services/host"}},
     {"services/virtual_engraver", {"engrave/core", "engrave/formats", "services/link"}},
 };

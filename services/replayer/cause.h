@@ -1,0 +1,18 @@
+#pragma once
+
+// Why a service makes something else now than it made then.
+
+#include <functional>
+
+#include "engrave/core/result.h"
+#include "proto/replay.pb.h"
+
+namespace intaglio::replayer {
+
+/// Fills in `cause` and `explanation` of a comparison whose options, input and versions
+/// are there; the causes in the order of rehearsal.h. `differs_again`: the same done once
+/// more makes a third result.
+Status NameCause(ReplayComparison& result,
+                 const std::function<Result<bool>()>& differs_again);
+
+}  // namespace intaglio::replayer

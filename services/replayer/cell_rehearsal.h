@@ -1,0 +1,29 @@
+#pragma once
+
+// Has a synchronizer engrave once more what it engraved in a recording, alone on a bus of
+// its own and at a laser that is not there, and compares what it says now with what it
+// said then (cell_comparison.h). Causes as in rehearsal.h. From one thread.
+
+#include <filesystem>
+
+#include "proto/machine.pb.h"
+#include "services/replayer/rehearsal.h"
+
+namespace intaglio::replayer {
+
+/// The machine whose sessions are rehearsed: that of the first engraving task. kMissing:
+/// nothing was engraved in the recording.
+Result<MachineSpec> MachineOf(const recording::McapReader& reader);
+
+struct CellRehearsalOptions {
+  std::filesystem::path laser_line;  ///< where the synchronizer looks for its laser
+  std::filesystem::path results;     ///< folder for job folders; is there
+  std::function<Status(FrozenJob& job)> change;  ///< may be null
+};
+
+/// As Rehearse().
+Result<ReplayComparison> RehearseCell(bus::Bus& bus, const recording::McapReader& reader,
+                                      const CellRehearsalOptions& options,
+                                      const KeepOn& keep_on);
+
+}  // namespace intaglio::replayer

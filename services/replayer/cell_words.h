@@ -1,0 +1,125 @@
+#pragma once
+
+// What a synchronizer says of one task: the motion that it has the stage make, what
+// became of the points, how the task ended. Read from a recording, or as it is said.
+//
+// A run is a pass from rest to rest (MotionSegmentBatch.run). How its segments are cut
+// into batches, and pulses into theirs, is a matter of moments: neither is kept.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "idl/job.h"
+#include "idl/laser.h"
+#include "idl/motion.h"
+#include "proto/task.pb.h"
+#include "services/recording/cdr_value.h"
+
+namespace intaglio::replayer {
+
+/// A MotionSegmentBatch.
+struct SegmentWords {
+  std::string job_uid;
+  std::uint32_t run = 0;
+  std::uint64_t number = 0, start_tick = 0;
+  bool abort = false, last = false;
+  std::array<std::vector<double>, 6> columns;  ///< x y z vx vy vz; mm, mm/s
+  std::vector<std::uint32_t> duration_subticks;
+  std::vector<std::uint8_t> pulse;
+};
+/// A PulseEventBatch.
+struct PulseWords {
+  std::string job_uid;
+  std::vector<std::uint64_t> tick;
+  std::vector<std::uint32_t> point;
+  std::vector<std::uint8_t> outcome, reason;  ///< intaglio_PulseOutcome, _SkipReason
+};
+/// A TaskStatus of the engraving stage.
+struct StatusWords {
+  std::string job_uid;
+  std::uint32_t attempt = 0;
+  std::string stage, state, error_code, message;  ///< enums by name
+  std::uint64_t done_count = 0, total_count = 0, estimate_ticks = 0;
+  std::string outcome;  ///< intaglio.StageOutcome, serialized
+  bool ended() const { return state == "TASK_DONE" || state == "TASK_FAILED"; }
+};
+
+// Nothing for a value that has not all the members, or columns of several lengths.
+std::optional<SegmentWords> ReadSegments(const recording::Value& value);
+std::optional<PulseWords> ReadPulses(const recording::Value& value);
+std::optional<StatusWords> ReadStatus(const recording::Value& value);
+SegmentWords WordsOf(const intaglio_MotionSegmentBatch& sample);
+PulseWords WordsOf(const intaglio_PulseEventBatch& sample);
+StatusWords WordsOf(const intaglio_TaskStatus& sample);
+
+struct RunPulse {
+  std::uint64_t tick = 0;
+  std::uint32_t point = 0;
+  std::uint8_t outcome = 0, reason = 0;
+  bool fired() const { return outcome == intaglio_PULSE_MADE || missed(); }
+  bool missed() const { return outcome == intaglio_PULSE_MISSED; }
+};
+
+struct CellRun {
+  std::uint32_t number = 0;
+  std::uint64_t start_tick = 0;
+  std::uint64_t begun_ns = 0, ended_ns = 0;  ///< first batch; abort or last batch
+  bool aborted = false, whole = false;
+  bool respeeded = false;  ///< of a recording: the speed override changed meanwhile
+  std::array<std::vector<double>, 6> columns;
+  std::vector<std::uint32_t> duration_subticks;
+  std::vector<std::uint8_t> pulse;
+  /// Armed points by tick, up to the last one that fired. Those behind it were taken back
+  /// when the run was broken off: how many is a matter of moments.
+  std::vector<RunPulse> pulses;
+
+  /// It ended as planned, with all its points fired.
+  bool undisturbed() const;
+};
+
+struct CellWords {
+  std::vector<CellRun> runs;
+  std::vector<std::uint32_t> left_out;  ///< points, by the operator's word
+  std::vector<std::string> states;      ///< of the task, each once in a row
+  std::optional<StatusWords> end;
+  std::size_t given_up_count = 0;   ///< runs of which nothing had fired
+  std::uint32_t uncertain_run = 0;  ///< first of whose pulses nobody knows; 0: none
+  bool disturbed() const;
+};
+
+/// Gathers them in the order in which they are said.
+class CellListener {
+ public:
+  explicit CellListener(std::string job_uid) : job_uid_(std::move(job_uid)) {}
+  /// `at_ns`: when it was said. True when it begins a run.
+  bool Take(const SegmentWords& words, std::uint64_t at_ns);
+  void Take(const PulseWords& words, std::uint64_t at_ns);
+  void Take(const StatusWords& words);
+  const std::vector<CellRun>& runs() const { return words_.runs; }
+  /// Of all runs.
+  std::size_t fired_count() const { return fired_count_; }
+  const std::string& message() const { return message_; }  ///< of the newest status
+  const std::optional<StatusWords>& end() const { return words_.end; }
+  /// With the pulses in their runs, and without the runs that were given up before
+  /// anything of them had fired: they come and go with the speed of a host.
+  CellWords Words() const;
+
+ private:
+  struct SaidPulse {
+    RunPulse pulse;
+    std::uint64_t at_ns = 0;
+  };
+  bool MayBeOf(const CellRun& run, const SaidPulse& said) const;
+
+  std::string job_uid_;
+  CellWords words_;
+  std::vector<SaidPulse> pulses_;
+  std::size_t fired_count_ = 0;
+  std::string message_;
+};
+
+}  // namespace intaglio::replayer

@@ -1,0 +1,55 @@
+#pragma once
+
+// A laser controller at the other end of a pseudo-terminal, whose pulses end as they are
+// told to. Lamp, shutters, decided ticks and interlocks are those of the virtual laser;
+// its ticks pass as far as they are decided and no further than the next armed tick whose
+// end is not known yet. From one thread; nothing blocks.
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "proto/machine.pb.h"
+#include "services/link/reliable_link.h"
+#include "services/virtual_engraver/laser.h"
+#include "services/virtual_engraver/pty_line.h"
+
+namespace intaglio::replayer {
+
+enum class PulseEnd { kSeen, kUnseen, kNotInPosition };
+/// Asked for each armed tick when its turn comes, with how many are armed from it on;
+/// nothing: it does not come yet.
+using EndOfPulse = std::function<std::optional<PulseEnd>(std::size_t armed_count)>;
+
+class LaserStandIn {
+ public:
+  /// `link`: symbolic link to make for the line. kIo.
+  static Result<std::unique_ptr<LaserStandIn>> Make(const std::filesystem::path& link,
+                                                    const MachineSpec& machine);
+  void Turn(std::chrono::nanoseconds now, const EndOfPulse& end_of_pulse);
+  virtual_engraver::Laser& laser() { return laser_; }
+
+ private:
+  LaserStandIn(virtual_engraver::PtyLine line, virtual_engraver::LaserOptions options);
+  void PollLine();
+  void Take(link::LaserFrame type, std::span<const std::byte> payload);
+  bool PassTick(const EndOfPulse& end_of_pulse);
+  void Tell(std::chrono::nanoseconds now, bool at_once);
+  void Say(link::LaserFrame type, link::Bytes payload);
+
+  virtual_engraver::PtyLine line_;
+  virtual_engraver::Laser laser_;
+  link::ReliableLink link_;
+  std::uint32_t session_ = 0;
+  std::deque<std::uint64_t> armed_;  // ticks that are to fire and have not passed
+  std::deque<std::pair<link::LaserFrame, link::Bytes>> waiting_;
+  std::chrono::nanoseconds next_status_{0};
+  std::uint32_t told_ = 0;
+  bool status_asked_ = false;
+};
+
+}  // namespace intaglio::replayer
