@@ -19,6 +19,7 @@ using recording::Metadata;
 constexpr std::uint64_t kMaxWaitingBytes = 64u << 20;
 constexpr std::uint64_t kQuietNs = 1'000'000'000;
 constexpr std::uint64_t kLongSpanNs = 5'000'000'000;
+constexpr std::uint64_t kSyncPeriodNs = 200'000'000;
 
 std::string UtcText(std::uint64_t ns) {
   const auto seconds = static_cast<std::time_t>(ns / 1'000'000'000);
@@ -185,11 +186,21 @@ void RecordingSeries::Turn(std::uint64_t now_ns) {
   Note(written);
   WritePending();
   WriteMissing(now_ns);
+  SyncIfDue(now_ns);
   const bool full =
       options_.split_bytes > 0 && writer_->file_bytes() >= options_.split_bytes;
   const bool long_enough =
       options_.split_ns > 0 && now_ns >= file_began_ns_ + options_.split_ns;
   if (!trouble_ && (full || long_enough)) BeginNext(now_ns);
+}
+
+// As seldom at full speed as when little is said: a disk takes its time for it. A clock
+// that was set back begins anew.
+void RecordingSeries::SyncIfDue(std::uint64_t now_ns) {
+  const bool early = now_ns >= synced_ns_ && now_ns < synced_ns_ + kSyncPeriodNs;
+  if (trouble_ || early || writer_->synced_bytes() == writer_->file_bytes()) return;
+  synced_ns_ = now_ns;
+  Note(writer_->Sync());
 }
 
 // The old file is left only when the new one is there.
@@ -204,7 +215,9 @@ void RecordingSeries::BeginNext(std::uint64_t now_ns) {
     Note(opened);
     return;
   }
-  Note(before.Close());
+  auto closed = before.Close();
+  if (closed) closed = before.Sync();
+  Note(closed);
   RemoveOldest();
 }
 
@@ -217,6 +230,7 @@ Status RecordingSeries::Close() {
   WritePending();
   WriteMissing(std::numeric_limits<std::uint64_t>::max());
   auto closed = writer_->Close();
+  if (closed) closed = writer_->Sync();
   Note(closed);
   return closed;
 }

@@ -49,13 +49,29 @@ bool WriteAll(int descriptor, std::vector<iovec>& pieces) {
   return true;
 }
 
+/// A file is found again after a power failure when its folder is on the disk, too.
+bool KeepName(const std::filesystem::path& path) {
+  const auto parent = path.parent_path();
+  const int folder =
+      open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return false;
+  // Some file systems know no such thing for folders, and need none.
+  const bool kept = fsync(folder) == 0 || errno == EINVAL;
+  const int reason = errno;
+  close(folder);
+  errno = reason;
+  return kept;
+}
+
 }  // namespace
 
 Result<AppendFile> AppendFile::Create(const std::filesystem::path& path) {
   const int descriptor =
       open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) return Refused(path, "make");
-  return AppendFile(descriptor, path);
+  AppendFile made(descriptor, path);
+  if (!KeepName(path)) return Refused(path, "make");
+  return made;
 }
 
 AppendFile::AppendFile(int descriptor, std::filesystem::path path)
@@ -65,6 +81,7 @@ AppendFile::AppendFile(AppendFile&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       path_(std::move(other.path_)),
       size_(other.size_),
+      synced_size_(other.synced_size_),
       crc_(other.crc_) {}
 
 AppendFile& AppendFile::operator=(AppendFile&& other) noexcept {
@@ -73,6 +90,7 @@ AppendFile& AppendFile::operator=(AppendFile&& other) noexcept {
   descriptor_ = std::exchange(other.descriptor_, -1);
   path_ = std::move(other.path_);
   size_ = other.size_;
+  synced_size_ = other.synced_size_;
   crc_ = other.crc_;
   return *this;
 }
@@ -103,6 +121,7 @@ Status AppendFile::Append(std::initializer_list<ByteView> pieces) {
 
 Status AppendFile::Sync() {
   if (fdatasync(descriptor_) != 0) return Refused(path_, "keep");
+  synced_size_ = size_;
   return {};
 }
 

@@ -13,7 +13,7 @@ namespace intaglio::recording {
 
 class AppendFile {
  public:
-  /// Makes the file anew. kIo with path and remedy.
+  /// Makes the file anew, its name on the disk. kIo with path and remedy.
   static Result<AppendFile> Create(const std::filesystem::path& path);
   AppendFile(AppendFile&& other) noexcept;
   AppendFile& operator=(AppendFile&& other) noexcept;
@@ -25,6 +25,7 @@ class AppendFile {
   Status Sync();
 
   std::uint64_t size() const { return size_; }
+  std::uint64_t synced_size() const { return synced_size_; }  ///< on the disk for certain
   std::uint32_t crc() const { return crc_; }  ///< CRC-32 of all bytes so far
   const std::filesystem::path& path() const { return path_; }
 
@@ -32,7 +33,7 @@ class AppendFile {
   AppendFile(int descriptor, std::filesystem::path path);
   int descriptor_ = -1;
   std::filesystem::path path_;
-  std::uint64_t size_ = 0;
+  std::uint64_t size_ = 0, synced_size_ = 0;
   std::uint32_t crc_ = 0;
 };
 

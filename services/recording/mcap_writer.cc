@@ -296,6 +296,7 @@ Status McapWriter::Close() {
 Status McapWriter::Sync() { return impl_->file.Sync(); }
 
 std::uint64_t McapWriter::file_bytes() const { return impl_->file.size(); }
+std::uint64_t McapWriter::synced_bytes() const { return impl_->file.synced_size(); }
 std::uint64_t McapWriter::gathered_bytes(Lane lane) const {
   return impl_->ChunkOf(lane).records.size();
 }

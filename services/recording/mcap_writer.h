@@ -76,7 +76,8 @@ class McapWriter {
   /// Until what was written is on the disk.
   Status Sync();
 
-  std::uint64_t file_bytes() const;  ///< written so far
+  std::uint64_t file_bytes() const;    ///< written so far
+  std::uint64_t synced_bytes() const;  ///< of them on the disk for certain
   /// Gathered and not yet written, not compressed.
   std::uint64_t gathered_bytes(Lane lane) const;
   const Statistics& statistics() const;

@@ -222,5 +222,34 @@ TEST(WriteQueue, RefusesLargeOnesFirst) {
   EXPECT_TRUE(queue.Push(7, 1000, true));
 }
 
+// A power failure leaves what was synced and nothing else: at any of these moments that
+// is a recording that lacks no more than its last second.
+TEST_F(Series, APowerFailureCostsASecondAtMost) {
+  constexpr std::uint64_t kTurnNs = kSecond / 10, kMessages = 20;
+  options_.writer.chunk_ns = kSecond / 2;  // as the recorder has it
+  auto series = Open();
+  const auto stream = series.AddStream(control_, types_);
+  const fs::path left = folder_ / "left.mcap";
+  for (std::uint64_t turn = 0; turn < 50; ++turn) {
+    const std::uint64_t begin = turn * kTurnNs;
+    for (std::uint64_t i = 0; i < kMessages; ++i) {
+      const std::uint64_t at = begin + i * kTurnNs / kMessages;
+      series.Write(stream, at, at, payload_);
+    }
+    series.Turn(begin + kTurnNs);
+    const std::uint64_t now = begin + kTurnNs;
+    if (now < kSecond) continue;
+    fs::copy_file(series.file(), left, fs::copy_options::overwrite_existing);
+    fs::resize_file(left, series.synced_bytes());
+    const auto reader = McapReader::Open(left);
+    ASSERT_TRUE(reader) << "at " << now << ": " << reader.error().message;
+    // Until the next turn nothing more reaches the disk.
+    EXPECT_GE(reader->contents().statistics.end_ns + kSecond, now + kTurnNs)
+        << "at " << now;
+  }
+  ASSERT_TRUE(series.Close());
+  EXPECT_EQ(series.synced_bytes(), fs::file_size(series.file()));
+}
+
 }  // namespace
 }  // namespace intaglio::recorder
