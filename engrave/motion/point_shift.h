@@ -27,6 +27,11 @@ struct PointMoves {
     square_mm2 += move_mm * move_mm;
     ++points;
   }
+  void Add(const PointMoves& other) {
+    max_mm = std::max(max_mm, other.max_mm);
+    square_mm2 += other.square_mm2;
+    points += other.points;
+  }
   double rms_mm() const {
     return points == 0 ? 0 : std::sqrt(square_mm2 / static_cast<double>(points));
   }

@@ -42,7 +42,7 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
       journal_(journal),
       results_(std::move(results)),
       ledger_(job_.machine_points_mm.size()),
-      open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent) {
+      open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent, job_.masks) {
   if (!job_.earlier.points.empty()) TakeUp();
 }
 
@@ -60,8 +60,8 @@ ChainLinks Engraving::LinksOf(const EngravingInputs& inputs) const {
   links.lamp_warm = laser_.Has(link::kLampOn) && laser_.Has(link::kLampWarm);
   links.motion_fresh = inputs.motion.fresh;
   links.motion_without_fault = inputs.motion.fault == intaglio_MOTION_OK;
-  links.shutters_open =
-      (laser_.status().shutters_open & job_.shutter_mask) == job_.shutter_mask;
+  // Another one that is open would let the pulses into another block.
+  links.shutters_open = run_mask_ != 0 && laser_.status().shutters_open == run_mask_;
   return links;
 }
 
@@ -162,6 +162,9 @@ void Engraving::Await(const EngravingInputs& inputs) {
     AbortEarlierRun(inputs);
     return KeepIdleTicksPassing();
   }
+  if (!closed && inputs.now - closing_since_ > kShutterTimeout) {
+    message_ = "a shutter does not close: see to it, then the job goes on";
+  }
   if (!closed || !inputs.motion.at_rest) return;
   if (LeaveOutBefore(inputs.first_point) && JournalIsWritten()) StartRun(inputs);
 }
@@ -190,15 +193,22 @@ bool Engraving::LeaveOutBefore(std::uint32_t point) {
   return true;
 }
 
+// Nothing can be fired: any will do.
+ChannelMask Engraving::MaskOfNextRun() {
+  open_points_.Rewind();
+  return open_points_.mask() != 0 ? open_points_.mask() : job_.shutter_mask;
+}
+
 void Engraving::StartRun(const EngravingInputs& inputs) {
-  if (!laser_.CanSend() || !laser_.OpenShutters(job_.shutter_mask)) return;
+  const ChannelMask mask = MaskOfNextRun();
+  if (!laser_.CanSend() || !laser_.OpenShutters(mask)) return;
+  run_mask_ = mask;
   (void)laser_.RequestStatus();
   const link::LaserStatus& status = laser_.status();
   if (!started() || power_up_ != laser_.identity().power_up) TakeCounters();
   session_ = laser_.session();
   run_ = std::max(run_, inputs.motion.highest_run) + 1;
   ++run_count_;
-  open_points_.Rewind();
   passed_by_ = false;
   missed_in_a_row_ = 0;
   passed_by_tick_ = 0;

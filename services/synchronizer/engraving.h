@@ -11,7 +11,8 @@
 //                                  finished)     | | | a link of the chain lost
 //                                  +--- all armed settled, at rest --- kHalting
 //
-// A run is a pass over the open points from rest to rest. kHalting takes back what has
+// A run is a pass over the open points from rest to rest, as far as they are made in the
+// same channels: shutters are moved between runs. kHalting takes back what has
 // not fired (Disarm), brakes the stage and closes the shutters, then settles every armed
 // point: by report, by what the controller remembers when reports were lost, or, after
 // another power-up of it, as uncertain. A job that an earlier life left begins there.
@@ -26,7 +27,9 @@
 #include <deque>
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "engrave/core/channels.h"
 #include "idl/motion.h"
 #include "services/synchronizer/earlier_work.h"
 #include "services/synchronizer/journal_writer.h"
@@ -73,7 +76,9 @@ struct EngravingJob {
   PointList machine_points_mm;  ///< in the order of engraving, machine frame
   double cone_tangent = 0;      ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
-  std::uint8_t shutter_mask = 1;
+  ChannelMask shutter_mask = 1;  ///< of all points
+  /// Of each point, when they differ: it is made with these shutters open and no other.
+  std::vector<ChannelMask> masks = {};
   int missed_in_a_row = 5;  ///< pulses that no crack was seen of, until it pauses
   EarlierWork earlier = {};
 };
@@ -135,6 +140,7 @@ class Engraving {
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);
   bool JournalIsWritten();
+  ChannelMask MaskOfNextRun();
   void StartRun(const EngravingInputs& inputs);
   void Run(const EngravingInputs& inputs);
   void DecideTicks(const EngravingInputs& inputs);
@@ -191,7 +197,9 @@ class Engraving {
   bool passed_by_ = false;  // a point of this run was reached and not fired
   SkipReason passed_by_reason_ = SkipReason::kNone;
   std::uint64_t passed_by_tick_ = 0;
-  bool shutters_seen_open_ = false;  // in this run
+  ChannelMask run_mask_ = 0;                    // shutters of this run
+  bool shutters_seen_open_ = false;             // in this run
+  std::chrono::nanoseconds closing_since_{-1};  // outside a run; -1: all are closed
   std::uint64_t ended_before_run_ = 0;
   int idle_runs_ = 0;
   int fruitless_runs_ = 0;

@@ -5,12 +5,26 @@ namespace {
 constexpr double kInsideMm = 1e-9;
 }  // namespace
 
+void OpenPoints::Rewind() {
+  cursor_ = 0;
+  mask_ = 0;
+  if (masks_.empty()) return;
+  if (const auto first = Look()) mask_ = masks_[*first];
+}
+
 std::optional<std::uint32_t> OpenPoints::Next() {
+  const auto point = Look();
+  // What comes later in the order, in these channels again, may lie above this one.
+  if (!point || (!masks_.empty() && masks_[*point] != mask_)) return std::nullopt;
+  cursor_ = *point + 1;
+  return point;
+}
+
+std::optional<std::uint32_t> OpenPoints::Look() {
   for (;;) {
     const auto point = ledger_.NextOpen(cursor_);
-    if (!point) return std::nullopt;
+    if (!point || !Shadowed(*point)) return point;
     cursor_ = *point + 1;
-    if (!Shadowed(*point)) return point;
   }
 }
 
@@ -23,6 +37,7 @@ bool OpenPoints::Shadowed(std::uint32_t point) const {
     const bool crack = state == PointState::kMade || state == PointState::kMissed ||
                        state == PointState::kUncertain;
     if (!crack) continue;
+    if (!masks_.empty() && !ShareChannel(masks_[later], masks_[point])) continue;
     const Vec3 above = points_mm_[later] - apex;
     if (above.z() <= 0) continue;
     const double radius_mm = cone_tangent_ * above.z() - kInsideMm;

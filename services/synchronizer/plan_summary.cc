@@ -15,9 +15,10 @@ void Mix(uLong& crc, const T& value) {
 
 }  // namespace
 
-PlanSummary Summarize(const PointList& machine_points_mm,
-                      const motion::PlanOptions& plan) {
-  const auto planner = motion::MakePlanner(plan, machine_points_mm.front());
+PlanSummary Summarize(const PointList& machine_points_mm, const motion::PlanOptions& plan,
+                      std::span<const ChannelMask> masks) {
+  auto planner = motion::MakePlanner(plan, machine_points_mm.front());
+  motion::PointMoves moves;
   uLong crc = crc32(0, nullptr, 0);
   std::uint64_t subticks = 0, subticks_of_last_point = 0;
   std::vector<motion::Segment> segments;
@@ -33,14 +34,22 @@ PlanSummary Summarize(const PointList& machine_points_mm,
     }
     segments.clear();
   };
+  const auto rest = [&] {
+    planner->Finish(segments);
+    take();
+    moves.Add(planner->moves());
+  };
   for (std::size_t i = 0; i < machine_points_mm.size(); ++i) {
+    if (i > 0 && !masks.empty() && masks[i] != masks[i - 1]) {
+      rest();
+      planner = motion::MakePlanner(plan, machine_points_mm[i - 1]);
+    }
     planner->Append(machine_points_mm[i], static_cast<std::int32_t>(i), true, segments);
     take();
   }
-  planner->Finish(segments);
-  take();
+  rest();
   return {subticks_of_last_point / motion::kSubticksPerTick, fmt::format("{:08x}", crc),
-          planner->moves()};
+          moves};
 }
 
 }  // namespace intaglio::synchronizer

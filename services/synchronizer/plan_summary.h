@@ -4,8 +4,10 @@
 // runs of one job are compared by.
 
 #include <cstdint>
+#include <span>
 #include <string>
 
+#include "engrave/core/channels.h"
 #include "engrave/motion/planner.h"
 
 namespace intaglio::synchronizer {
@@ -16,8 +18,9 @@ struct PlanSummary {
   motion::PointMoves moves;
 };
 
-/// `machine_points_mm`: in the order of engraving, machine frame, one at least.
-PlanSummary Summarize(const PointList& machine_points_mm,
-                      const motion::PlanOptions& plan);
+/// `machine_points_mm`: in the order of engraving, machine frame, one at least. `masks`:
+/// of each point, for the stage rests where they change; empty: they never do.
+PlanSummary Summarize(const PointList& machine_points_mm, const motion::PlanOptions& plan,
+                      std::span<const ChannelMask> masks = {});
 
 }  // namespace intaglio::synchronizer

@@ -92,7 +92,11 @@ class Campaign : public testing::TestWithParam<std::uint64_t> {
   }
 
   std::mt19937_64 random_{GetParam()};
-  FakeCell cell_{{.points = kPoints, .lockstep = GetParam() % 4 == 0}};
+  // In every fifth, shutters change in mid job.
+  FakeCell cell_{{.points = kPoints,
+                  .lockstep = GetParam() % 4 == 0,
+                  .masks = GetParam() % 5 == 0 ? MasksInStretches(kPoints)
+                                               : std::vector<ChannelMask>{}}};
   std::string said_;
 };
 

@@ -60,12 +60,20 @@ PointState StateOf(PointOutcome outcome) {
 
 }  // namespace
 
+std::vector<ChannelMask> MasksInStretches(std::uint32_t count) {
+  constexpr ChannelMask kMasks[] = {15, 1, 2, 15, 8, 3};
+  std::vector<ChannelMask> masks;
+  for (std::uint32_t i = 0; i < count; ++i) masks.push_back(kMasks[i / 17 % 6]);
+  return masks;
+}
+
 FakeCell::FakeCell(const CellOptions& options)
     : to_laser(std::make_shared<link::FaultyPipe>()),
       to_host(std::make_shared<link::FaultyPipe>()),
       laser([this] { return now; }, options.lockstep),
       journal_file(NewJournalFile()),
       points_mm(ManyPoints(options.points)),
+      masks(options.masks),
       next_tick_(now) {
   laser.Plug(LineEnd(false));
   Begin();
@@ -87,6 +95,7 @@ void FakeCell::Begin() {
   job.machine_points_mm = points_mm;
   job.plan.rate_hz = FakeLaser::kRateHz;
   job.plan.profile = motion::Profile::kMix;
+  job.masks = masks;
   job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
       std::move(job), *controller, *feed, *journal,
@@ -216,7 +225,8 @@ std::vector<std::string> FakeCell::Disagreements() const {
   return wrong;
 }
 
-// Every crack lies at a point, none is doubled, and the ledger knows of it.
+// Every crack lies at a point and in its channels, none is doubled, and the ledger knows
+// of it.
 void FakeCell::CheckGlass(std::vector<std::string>& wrong) const {
   std::map<std::uint32_t, std::vector<Crack>> at_point;
   for (const Crack& crack : laser.cracks()) {
@@ -227,7 +237,13 @@ void FakeCell::CheckGlass(std::vector<std::string>& wrong) const {
     if (found == points_mm.end()) {
       wrong.push_back(fmt::format("tick {} fired at no point", crack.tick));
     } else {
-      at_point[static_cast<std::uint32_t>(found - points_mm.begin())].push_back(crack);
+      const auto point = static_cast<std::uint32_t>(found - points_mm.begin());
+      at_point[point].push_back(crack);
+      const ChannelMask meant = masks.empty() ? ChannelMask{1} : masks.at(point);
+      if (crack.channels != meant) {
+        wrong.push_back(fmt::format("point {} of channels {:#x} fired in {:#x}", point,
+                                    meant, crack.channels));
+      }
     }
   }
   std::uint64_t sum = 0;

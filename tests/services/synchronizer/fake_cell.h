@@ -22,7 +22,11 @@ namespace intaglio::synchronizer {
 struct CellOptions {
   std::uint32_t points = 40;
   bool lockstep = false;
+  std::vector<ChannelMask> masks = {};  ///< of the points; empty: all in channel 1
 };
+
+/// An order whose shutters change every few points.
+std::vector<ChannelMask> MasksInStretches(std::uint32_t count);
 
 class FakeCell {
  public:
@@ -90,6 +94,7 @@ class FakeCell {
   std::unique_ptr<MotionFeed> feed;
   std::unique_ptr<Engraving> engraving;
   PointList points_mm;
+  std::vector<ChannelMask> masks;
   std::vector<PulseResult> results;
   /// The journal's disk is as slow as it likes; otherwise every turn waits for it.
   bool wait_for_disk = true;

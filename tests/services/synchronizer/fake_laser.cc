@@ -19,7 +19,7 @@ void FakeLaser::PowerCycle(std::unique_ptr<link::ByteStream> end) {
   ++power_up_;
   tick_ = decided_through_ = pulse_count_ = last_fired_tick_ = 0;
   lamp_on_ = safe_ = stop_latched_ = false;
-  shutters_ = 0;
+  shutters_ = shutters_asked_ = 0;
   decided_.clear();
   outcomes_.clear();
   past_.clear();
@@ -32,6 +32,7 @@ void FakeLaser::Poll() {
     Receive(static_cast<LaserFrame>(type), payload);
   };
   (void)line_->Poll(receive);
+  MoveShutters();
   if (line_->up() && line_->session() != session_) {
     session_ = line_->session();
     Disarm();
@@ -39,7 +40,7 @@ void FakeLaser::Poll() {
     outcomes_.clear();
     waiting_.clear();
     Say(LaserFrame::kLaserIdentity,
-        Encode(link::LaserIdentity{power_up_, lockstep_, 1, {kRateHz}, "test"}));
+        Encode(link::LaserIdentity{power_up_, lockstep_, 4, {kRateHz}, "test"}));
   }
   if (!line_->up() && (shutters_ != 0 || !decided_.empty())) EnterSafeState();
   Tell();
@@ -58,8 +59,8 @@ void FakeLaser::Receive(LaserFrame type, std::span<const std::byte> payload) {
       return;
     }
     case LaserFrame::kShutterCommand:
-      shutters_ = safe_ ? 0 : link::Decode<link::ShutterCommand>(payload)->open_mask & 1;
-      return;
+      AskShutters(link::Decode<link::ShutterCommand>(payload)->open_mask);
+      return MoveShutters();
     case LaserFrame::kArmWindow:
       return Decide(*link::Decode<link::ArmWindow>(payload));
     case LaserFrame::kDisarm:
@@ -111,9 +112,20 @@ void FakeLaser::Disarm() {
 
 void FakeLaser::EnterSafeState() {
   safe_ = true;
-  shutters_ = 0;
+  shutters_ = shutters_asked_ = 0;
   decided_.clear();
   decided_through_ = std::min(decided_through_, tick_);
+}
+
+// The same again does not begin the movement anew.
+void FakeLaser::AskShutters(std::uint8_t open_mask) {
+  if (safe_) open_mask = 0;
+  if (open_mask != shutters_asked_) shutters_move_at_ = clock_() + shutter_travel;
+  shutters_asked_ = open_mask;
+}
+
+void FakeLaser::MoveShutters() {
+  if (clock_() >= shutters_move_at_) shutters_ = shutters_asked_;
 }
 
 void FakeLaser::PressStop(bool pressed) {
@@ -148,7 +160,7 @@ void FakeLaser::AdvanceTick(bool in_position, const Vec3& at_mm) {
   ++pulse_count_;
   last_fired_tick_ = tick_;
   newest_pulse_at_ = clock_();
-  cracks_.push_back({power_up_, tick_, at_mm, !blind});
+  cracks_.push_back({power_up_, tick_, at_mm, !blind, OpenNow()});
 }
 
 link::PastReport FakeLaser::Past(const link::PastRequest& asked) const {

@@ -25,6 +25,7 @@ struct Crack {
   std::uint64_t tick = 0;
   Vec3 at_mm = Vec3::Zero();
   bool seen = true;
+  std::uint8_t channels = 0;  ///< whose shutters were open
 };
 
 class FakeLaser {
@@ -59,11 +60,13 @@ class FakeLaser {
   void EnterSafeState();
 
   bool key_on = true, door_closed = true;
-  bool lamp_dead = false;      ///< does not burn, whatever is commanded
-  bool shutter_stuck = false;  ///< closed, whatever is commanded
-  bool blind = false;          ///< the photosensor sees no crack
-  bool mute = false;           ///< keeps the line alive and says nothing of itself
-  bool forgets = false;        ///< nothing that was asked about the past is known
+  bool lamp_dead = false;       ///< does not burn, whatever is commanded
+  bool shutter_stuck = false;   ///< closed, whatever is commanded
+  std::uint8_t stuck_open = 0;  ///< shutters that are open, whatever is commanded
+  std::chrono::nanoseconds shutter_travel{0};  ///< from the command to the movement
+  bool blind = false;                          ///< the photosensor sees no crack
+  bool mute = false;     ///< keeps the line alive and says nothing of itself
+  bool forgets = false;  ///< nothing that was asked about the past is known
   /// Called with each tick that is about to be armed, before it is.
   std::function<void(std::uint64_t tick)> on_arm;
 
@@ -78,7 +81,12 @@ class FakeLaser {
   link::LaserStatus Status() const;
   bool warm() const { return burns() && lamp_s_ >= kWarmUpS; }
   bool burns() const { return lamp_on_ && !lamp_dead; }
-  std::uint8_t OpenNow() const { return shutter_stuck ? std::uint8_t{0} : shutters_; }
+  std::uint8_t OpenNow() const {
+    return shutter_stuck ? std::uint8_t{0}
+                         : static_cast<std::uint8_t>(shutters_ | stuck_open);
+  }
+  void AskShutters(std::uint8_t open_mask);
+  void MoveShutters();
   link::TickOutcome OutcomeAt(bool fire, bool gated, bool in_position) const;
 
   struct Decision {
@@ -95,7 +103,8 @@ class FakeLaser {
   std::uint64_t tick_ = 0;
   bool lamp_on_ = false;
   double lamp_s_ = 0;
-  std::uint8_t shutters_ = 0;
+  std::uint8_t shutters_ = 0, shutters_asked_ = 0;
+  std::chrono::nanoseconds shutters_move_at_{-1};
   bool stop_pressed_ = false, stop_latched_ = false, safe_ = false;
   std::map<std::uint64_t, Decision> decided_;  // ticks to come
   std::uint64_t decided_through_ = 0;

@@ -46,6 +46,41 @@ TEST(OpenPoints, OneUnderALaterCrackStaysOpen) {
   }
 }
 
+TEST(OpenPoints, ARunEndsWhereTheChannelsChange) {
+  const PointList points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  const std::vector<ChannelMask> masks = {1, 1, 2, 1};
+  PointLedger ledger(4);
+  OpenPoints open(points, ledger, 0.2, masks);
+  open.Rewind();
+  EXPECT_EQ(open.mask(), 1);
+  EXPECT_EQ(open.Next(), 0u);
+  EXPECT_EQ(open.Next(), 1u);
+  EXPECT_EQ(open.Next(), std::nullopt);
+  EXPECT_EQ(open.Next(), std::nullopt) << "and does not pass over the change";
+  End(ledger, 0, PointOutcome::kMade);
+  End(ledger, 1, PointOutcome::kMade);
+  open.Rewind();
+  EXPECT_EQ(open.mask(), 2);
+  EXPECT_EQ(open.Next(), 2u);
+  EXPECT_EQ(open.Next(), std::nullopt);
+  for (const std::uint32_t point : {2, 3}) End(ledger, point, PointOutcome::kMade);
+  open.Rewind();
+  EXPECT_EQ(open.mask(), 0);
+  EXPECT_EQ(open.Next(), std::nullopt);
+}
+
+TEST(OpenPoints, OnlyCracksOfItsOwnChannelsAreInTheWay) {
+  const PointList points = {{0, 0, 0}, {0, 0, 1}};
+  for (const ChannelMask later : {ChannelMask{2}, ChannelMask{3}}) {
+    const std::vector<ChannelMask> masks = {1, later};
+    PointLedger ledger(2);
+    End(ledger, 1, PointOutcome::kMade);
+    OpenPoints open(points, ledger, 0.2, masks);
+    open.Rewind();
+    EXPECT_EQ(open.Next().has_value(), later == 2);
+  }
+}
+
 // Whatever is skipped in whatever passes: what is made in the end has no violation, by
 // the independent checker.
 TEST(OpenPoints, RandomSkipsNeverLeadThroughACrack) {
