@@ -17,6 +17,7 @@
 #include "engrave/drawing/svg_read.h"
 #include "engrave/image/image_file.h"
 #include "engrave/image/resample.h"
+#include "proto/channels.h"
 #include "proto/options.h"
 
 namespace intaglio {
@@ -26,8 +27,9 @@ using Source = std::unique_ptr<discretize::PointSource>;
 
 Result<Source> PointsOf(const JobSpec& job, const Model& model,
                         const drawing::Drawing& drawing, discretize::CurveFill fill) {
+  const Block block = BlockOf(job, model);
   const auto placed = discretize::PlaceDrawing(
-      drawing, PlacementOf(model.placement(), job.block()), BlockSizeOf(job));
+      drawing, PlacementOf(model.placement(), block), Vec3Of(block.size_mm()));
   if (!placed) return tl::unexpected(placed.error());
   const CurvesMethod& asked = model.curves();
   discretize::CurveOptions options;
@@ -70,9 +72,10 @@ Result<mesh::GlassFromModel> PlacementOfPicture(const JobSpec& job, const Model&
                                                 double distance_mm, double thickness_mm) {
   const auto size_mm = discretize::PanelSizeOf(picture, kPixels, distance_mm);
   if (!size_mm) return tl::unexpected(size_mm.error());
+  const Block block = BlockOf(job, model);
   return mesh::GlassFromModelOf(discretize::PanelCorners(*size_mm, thickness_mm),
-                                PlacementOf(model.placement(), job.block()),
-                                BlockSizeOf(job));
+                                PlacementOf(model.placement(), block),
+                                Vec3Of(block.size_mm()));
 }
 
 discretize::HalftoneOptions OptionsOf(const JobSpec& job, const HalftoneMethod& asked) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <set>
 
 #include "engrave/core/check.h"
@@ -166,6 +167,74 @@ void CheckLayers(const JobSpec& job, Findings& findings) {
   }
 }
 
+/// Each of `channels` once, and one that the laser opens.
+template <typename Channels>
+void CheckAmongLasers(const Channels& channels, const LaserOptions& laser,
+                      const std::function<std::string(int)>& path_of,
+                      Findings& findings) {
+  std::set<std::uint32_t> seen;
+  int i = 0;
+  for (const std::uint32_t channel : channels) {
+    const std::string path = path_of(i++);
+    const auto& open = laser.channels();
+    if (std::find(open.begin(), open.end(), channel) == open.end()) {
+      findings.Wrong(path, channel,
+                     "is not among laser.channels, {}; add it there or leave it out",
+                     fmt::join(open, " "));
+    } else if (!seen.insert(channel).second) {
+      findings.Wrong(path, channel, "is there twice");
+    }
+  }
+}
+
+void CheckChannelBlock(const ChannelBlock& own, const Block& block,
+                       const std::string& path, Findings& findings) {
+  if (!own.has_size_mm()) {
+    return findings.Missing(path + ".size_mm",
+                            "give the block's size, 1..1000 mm each way");
+  }
+  const Vector3& size = own.size_mm();
+  const Vector3& largest = block.size_mm();
+  const auto check_side = [&](const char* axis, double size_mm, double most_mm) {
+    if (size_mm > most_mm) {
+      findings.Wrong(path + ".size_mm." + axis, size_mm,
+                     "is more than that of the block, {}; give the size of the largest "
+                     "as block.size_mm",
+                     most_mm);
+    } else if (size_mm <= 2 * block.margin_mm()) {
+      findings.Wrong(path + ".size_mm." + axis, size_mm,
+                     "leaves no room between the margins; lower block.margin_mm, {}",
+                     block.margin_mm());
+    }
+  };
+  check_side("x", size.x(), largest.x());
+  check_side("y", size.y(), largest.y());
+  if (size.z() != largest.z()) {
+    findings.Wrong(path + ".size_mm.z", size.z(),
+                   "is not the height of the block, {}; all channels are focused alike: "
+                   "take blocks of one height",
+                   largest.z());
+  }
+}
+
+void CheckChannels(const JobSpec& job, Findings& findings) {
+  for (int i = 0; i < job.models_size(); ++i) {
+    CheckAmongLasers(
+        job.models(i).channels(), job.laser(),
+        [i](int at) { return fmt::format("models[{}].channels[{}]", i, at); }, findings);
+  }
+  const auto path_of = [](int i) { return fmt::format("channel_blocks[{}]", i); };
+  std::vector<std::uint32_t> with_block;
+  for (const ChannelBlock& own : job.channel_blocks()) {
+    CheckChannelBlock(own, job.block(), path_of(static_cast<int>(with_block.size())),
+                      findings);
+    with_block.push_back(own.channel());
+  }
+  CheckAmongLasers(
+      with_block, job.laser(), [&](int at) { return path_of(at) + ".channel"; },
+      findings);
+}
+
 void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
                 Findings& findings) {
   const LaserHead& head = machine.laser();
@@ -299,6 +368,7 @@ std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& mach
   CheckTones(whole, findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaser(whole.laser(), machine, findings);
+  CheckChannels(whole, findings);
   return std::move(findings.errors());
 }
 

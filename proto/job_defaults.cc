@@ -244,6 +244,18 @@ void FillLaser(LaserOptions& laser, const LaserHead& head) {
   if (!laser.has_photosensor_feedback()) laser.set_photosensor_feedback(true);
 }
 
+void FillChannels(JobSpec& job) {
+  for (Model& model : *job.mutable_models()) {
+    if (!model.channels().empty()) continue;
+    for (const std::uint32_t channel : job.laser().channels()) {
+      const auto& known = model.channels();
+      if (std::find(known.begin(), known.end(), channel) == known.end()) {
+        model.add_channels(channel);
+      }
+    }
+  }
+}
+
 void FillLens(Lens& lens, const MachineSpec& machine) {
   if (!lens.has_focal_length_mm() && machine.lenses_size() > 0) {
     lens.set_focal_length_mm(machine.lenses(0).focal_length_mm());
@@ -273,6 +285,7 @@ JobSpec WithDefaults(JobSpec job, const MachineSpec& machine) {
   FillOrdering(*job.mutable_ordering(), job.discretization().min_spacing_mm());
   FillMotion(*job.mutable_motion(), machine);
   FillLaser(*job.mutable_laser(), machine.laser());
+  FillChannels(job);
   return job;
 }
 

@@ -17,6 +17,7 @@
 #include "engrave/mesh/mesh_diagnosis.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
+#include "proto/channels.h"
 #include "proto/flat_models.h"
 #include "proto/model_kind.h"
 #include "proto/options.h"
@@ -82,11 +83,7 @@ bool HoldsPointsOnly(const Model& model, const FileBytes& file) {
 class Maker {
  public:
   Maker(const JobSpec& job, std::vector<FileBytes> files, JobSources& made)
-      : job_(job),
-        block_(job.block()),
-        block_size_mm_(BlockSizeOf(job)),
-        files_(std::move(files)),
-        made_(made) {}
+      : job_(job), files_(std::move(files)), made_(made) {}
 
   Result<Source> Make(const Model& model) {
     auto source = MakeOne(model);
@@ -149,8 +146,9 @@ class Maker {
     auto imported =
         mesh::ImportMeshFromMemory(file, ExtensionOf(model.file()), {}, model.file());
     if (!imported) return tl::unexpected(imported.error());
-    auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block_),
-                                     block_size_mm_);
+    const Block block = BlockOf(job_, model);
+    auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
+                                     Vec3Of(block.size_mm()));
     if (!placed) return tl::unexpected(placed.error());
     Diagnose(model, *placed);
     discretize::MeshMethod method = MeshMethodOf(job_, model, *placed);
@@ -173,8 +171,9 @@ class Maker {
     for (std::string& warning : mesh::Warnings(found, name)) {
       made_.warnings.push_back(std::move(warning));
     }
+    const Vec3 block_size_mm = Vec3Of(BlockOf(job_, model).size_mm());
     if (auto warning =
-            mesh::SizeWarning(found.bounds_mm.size_mm(), block_size_mm_, name)) {
+            mesh::SizeWarning(found.bounds_mm.size_mm(), block_size_mm, name)) {
       made_.warnings.push_back(std::move(*warning));
     }
   }
@@ -191,8 +190,9 @@ class Maker {
 
   Result<mesh::GlassFromModel> PlaceIn(const PointList& points,
                                        const Model& model) const {
-    return mesh::GlassFromModelOf(points, PlacementOf(model.placement(), block_),
-                                  block_size_mm_);
+    const Block block = BlockOf(job_, model);
+    return mesh::GlassFromModelOf(points, PlacementOf(model.placement(), block),
+                                  Vec3Of(block.size_mm()));
   }
 
   static Source WithCopies(const Model& model, Source source) {
@@ -207,8 +207,6 @@ class Maker {
   }
 
   const JobSpec& job_;
-  const Block& block_;
-  Vec3 block_size_mm_;
   Files files_;
   JobSources& made_;
 };
@@ -269,7 +267,13 @@ discretize::CloudOptions CloudOptionsOf(const JobSpec& job) {
   discretize::CloudOptions options;
   options.weld.min_spacing_mm = job.discretization().min_spacing_mm();
   options.weld.height_ratio = job.discretization().height_ratio();
-  options.permitted_mm = PermittedBoxOf(job);
+  options.permitted_mm = PermittedBoxOf(job.block());
+  std::vector<ChannelMask> masks = ChannelsOfModels(job);
+  if (DistinctMasks(masks).size() > 1) options.weld.channels_of_source = std::move(masks);
+  for (const Model& model : job.models()) {
+    if (job.channel_blocks().empty()) break;
+    options.permitted_of_source_mm.push_back(PermittedBoxOf(BlockOf(job, model)));
+  }
   options.clip = job.block().clip();
   return options;
 }

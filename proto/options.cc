@@ -78,10 +78,10 @@ Vec3 Vec3Of(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
 Vec3 BlockSizeOf(const JobSpec& job) { return Vec3Of(job.block().size_mm()); }
 
-Box3 PermittedBoxOf(const JobSpec& job) {
-  Require(job.block().has_margin_mm(), "the job's defaults are not filled in");
-  const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
-  return {margin_mm, BlockSizeOf(job) - margin_mm};
+Box3 PermittedBoxOf(const Block& block) {
+  Require(block.has_margin_mm(), "the job's defaults are not filled in");
+  const Vec3 margin_mm = Vec3::Constant(block.margin_mm());
+  return {margin_mm, Vec3Of(block.size_mm()) - margin_mm};
 }
 
 mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
@@ -164,7 +164,7 @@ namespace {
 /// The stage's, as they are felt in the glass: a step in depth is a shorter one of the
 /// stage.
 motion::Limits GlassLimitsOf(const FrozenJob& job) {
-  motion::Limits limits = MotionOptionsOf(job).plan.limits;
+  motion::Limits limits = MotionOptionsOf(job).limits;
   const double ratio = job.optics().stage_per_glass_ratio();
   limits.max_speed_mm_s.z() /= ratio;
   limits.max_acceleration_mm_s2.z() /= ratio;
@@ -246,7 +246,7 @@ void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
 
 }  // namespace
 
-MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {
+motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
   const MotionOptions& asked = job.job().motion();
   Require(asked.has_max_speed_mm_s() && job.job().laser().has_rate_hz(),
           "the job's defaults are not filled in");
@@ -256,30 +256,26 @@ MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job) {
   const Vec3 acceleration_mm_s2(machine.x().max_acceleration_mm_s2(),
                                 machine.y().max_acceleration_mm_s2(),
                                 machine.z().max_acceleration_mm_s2());
-  MotionOptionsOfJob result;
-  result.plan.limits.max_speed_mm_s =
+  motion::PlanOptions result;
+  result.limits.max_speed_mm_s =
       speed_mm_s.cwiseMin(Vec3::Constant(asked.max_speed_mm_s()));
-  result.plan.limits.max_acceleration_mm_s2 =
+  result.limits.max_acceleration_mm_s2 =
       acceleration_mm_s2.cwiseMin(Vec3::Constant(asked.max_acceleration_mm_s2()));
-  result.plan.limits.travel_mm = {
+  result.limits.travel_mm = {
       Vec3(machine.x().travel_min_mm(), machine.y().travel_min_mm(),
            machine.z().travel_min_mm()),
       Vec3(machine.x().travel_max_mm(), machine.y().travel_max_mm(),
            machine.z().travel_max_mm())};
-  result.plan.rate_hz = job.job().laser().rate_hz();
-  result.plan.continuous = asked.profile() == MOTION_PROFILE_CONTINUOUS;
-  if (!result.plan.continuous) {
+  result.rate_hz = job.job().laser().rate_hz();
+  result.continuous = asked.profile() == MOTION_PROFILE_CONTINUOUS;
+  if (!result.continuous) {
     const auto profile = motion::ProfileByName(ProfileName(asked.profile()));
     Require(profile.has_value(), "motion.profile: {} is no profile",
             static_cast<int>(asked.profile()));
-    result.plan.profile = *profile;
+    result.profile = *profile;
   }
-  result.plan.stage_lag_s = machine.stage_lag_s();
-  if (result.plan.continuous) SetOptionalLimits(job, result.plan);
-  for (const std::uint32_t channel : job.job().laser().channels()) {
-    Require(channel >= 1 && channel <= 4, "channel {} is outside 1..4", channel);
-    result.shutter_mask |= static_cast<std::uint8_t>(1u << (channel - 1));
-  }
+  result.stage_lag_s = machine.stage_lag_s();
+  if (result.continuous) SetOptionalLimits(job, result);
   return result;
 }
 

@@ -26,7 +26,7 @@ Vec3 Vec3Of(const Vector3& v);
 Vec3 BlockSizeOf(const JobSpec& job);
 
 /// Where points may lie: the block minus its margin. Frame glass, mm.
-Box3 PermittedBoxOf(const JobSpec& job);
+Box3 PermittedBoxOf(const Block& block);
 
 /// The way of a model into the job's block.
 mesh::Placement PlacementOf(const Placement& placement, const Block& block);
@@ -50,13 +50,9 @@ optics::Lens LensOf(const JobSpec& job);
 /// number that is none.
 std::string ProfileName(MotionProfile profile);
 
-/// How the stage and the laser of a job are driven.
-struct MotionOptionsOfJob {
-  motion::PlanOptions
-      plan;  ///< limits: the machine's, capped by the job's, and its travel
-  std::uint8_t shutter_mask = 0;  ///< bit 0..3: channels 1..4
-};
-MotionOptionsOfJob MotionOptionsOf(const FrozenJob& job);
+/// How the stage of a job is driven. Limits: the machine's, capped by the job's, and its
+/// travel.
+motion::PlanOptions MotionOptionsOf(const FrozenJob& job);
 
 /// Glass frame to machine frame, focus depth included.
 optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job);

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "engrave/core/check.h"
+
 namespace intaglio::discretize {
 namespace {
 
@@ -41,11 +43,14 @@ void BoundsReport::Add(const BoundsReport& other) {
   }
 }
 
-BoundsReport TakeOutside(const Box3& permitted_mm, SpacedCloud& cloud) {
+namespace {
+
+template <typename BoxOf>
+BoundsReport TakeOutsideOf(const BoxOf& permitted_mm, SpacedCloud& cloud) {
   BoundsReport report;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!IsInside(cloud.points_mm[i], permitted_mm, report)) continue;
+    if (!IsInside(cloud.points_mm[i], permitted_mm(cloud.source[i]), report)) continue;
     cloud.points_mm[kept] = cloud.points_mm[i];
     cloud.source[kept] = cloud.source[i];
     cloud.spacing_mm[kept] = cloud.spacing_mm[i];
@@ -53,6 +58,23 @@ BoundsReport TakeOutside(const Box3& permitted_mm, SpacedCloud& cloud) {
   }
   cloud.Resize(kept);
   return report;
+}
+
+}  // namespace
+
+BoundsReport TakeOutside(const Box3& permitted_mm, SpacedCloud& cloud) {
+  return TakeOutsideOf([&](std::uint32_t) -> const Box3& { return permitted_mm; }, cloud);
+}
+
+BoundsReport TakeOutside(std::span<const Box3> permitted_of_source_mm,
+                         SpacedCloud& cloud) {
+  for (const std::uint32_t source : cloud.source) {
+    Require(source < permitted_of_source_mm.size(), "source {} of {} boxes", source,
+            permitted_of_source_mm.size());
+  }
+  return TakeOutsideOf(
+      [&](std::uint32_t source) -> const Box3& { return permitted_of_source_mm[source]; },
+      cloud);
 }
 
 Error OutsideBlock(const BoundsReport& report, std::uint64_t point_count) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "engrave/core/geometry.h"
@@ -26,6 +27,9 @@ struct BoundsReport {
 
 /// Takes the points outside out of the cloud, and tells of them.
 BoundsReport TakeOutside(const Box3& permitted_mm, SpacedCloud& cloud);
+/// The same with a box for each source.
+BoundsReport TakeOutside(std::span<const Box3> permitted_of_source_mm,
+                         SpacedCloud& cloud);
 
 /// kOutsideBlock: how many of the points, on which sides and by how much.
 Error OutsideBlock(const BoundsReport& report, std::uint64_t point_count);

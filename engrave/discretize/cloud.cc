@@ -80,7 +80,9 @@ class SlabMaker {
       result.models[i].Add(*added);
     }
     const std::size_t offered = candidates.size();
-    result.outside.Add(TakeOutside(options_.permitted_mm, candidates));
+    const auto& of_source = options_.permitted_of_source_mm;
+    result.outside.Add(of_source.empty() ? TakeOutside(options_.permitted_mm, candidates)
+                                         : TakeOutside(of_source, candidates));
     if (!progress_.GoesOn(1)) return Cancelled();
     result.candidate_count += offered;
     SpacedCloud kept = Weld(candidates, options_.weld, taken);

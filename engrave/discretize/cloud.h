@@ -20,6 +20,8 @@ namespace intaglio::discretize {
 struct CloudOptions {
   WeldOptions weld;   ///< over the whole block
   Box3 permitted_mm;  ///< the block minus its margin, glass frame
+  /// By the number of a source, when their blocks differ; empty: permitted_mm.
+  std::vector<Box3> permitted_of_source_mm = {};
   bool clip = false;  ///< drop points outside instead of failing
 };
 

@@ -1,9 +1,12 @@
 #include "engrave/proof/glass_comparison.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "engrave/core/check.h"
 #include "engrave/proof/point_tree.h"
@@ -32,46 +35,141 @@ struct ErrorSums {
   }
 };
 
-}  // namespace
+/// The points of a plan that are made in one channel, and where to find the nearest.
+class ChannelPlan {
+ public:
+  ChannelPlan(const PointList& plan_mm, std::span<const ChannelMask> masks,
+              ChannelMask channel)
+      : index_of_(IndicesIn(masks, channel)),
+        points_mm_(Picked(plan_mm, index_of_)),
+        tree_(points_mm_),
+        cracks_(index_of_.size(), 0) {}
 
-GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>& cracks,
-                             double match_radius_mm) {
-  Require(match_radius_mm > 0, "match_radius_mm must be positive, is {}",
-          match_radius_mm);
-  GlassComparison result;
-  result.planned_count = plan_mm.size();
-  result.cracks_of_point.assign(plan_mm.size(), 0);
+  /// By place in the plan: the point that the crack belongs to.
+  std::optional<std::uint32_t> Take(const Vec3& at_mm, double match_radius_mm) {
+    if (points_mm_.empty()) return std::nullopt;
+    const PointTree::Neighbour nearest = tree_.Nearest(at_mm);
+    if (!(nearest.square < match_radius_mm * match_radius_mm)) return std::nullopt;
+    ++cracks_[nearest.index];
+    return index_of_[nearest.index];
+  }
+
+  void CountInto(ChannelGlass& glass, std::vector<std::uint32_t>& least,
+                 std::vector<std::uint32_t>& most) const {
+    glass.planned_count = cracks_.size();
+    for (std::size_t i = 0; i < cracks_.size(); ++i) {
+      const std::uint32_t count = cracks_[i];
+      ++(count == 0   ? glass.empty_count
+         : count == 1 ? glass.made_count
+                      : glass.doubled_count);
+      least[index_of_[i]] = std::min(least[index_of_[i]], count);
+      most[index_of_[i]] = std::max(most[index_of_[i]], count);
+    }
+  }
+
+ private:
+  static std::vector<std::uint32_t> IndicesIn(std::span<const ChannelMask> masks,
+                                              ChannelMask channel) {
+    std::vector<std::uint32_t> indices;
+    for (std::uint32_t i = 0; i < masks.size(); ++i) {
+      if (ShareChannel(masks[i], channel)) indices.push_back(i);
+    }
+    return indices;
+  }
+  static PointList Picked(const PointList& plan_mm,
+                          const std::vector<std::uint32_t>& indices) {
+    PointList picked;
+    for (const std::uint32_t i : indices) picked.push_back(plan_mm[i]);
+    return picked;
+  }
+
+  std::vector<std::uint32_t> index_of_;
+  PointList points_mm_;
+  PointTree tree_;
+  std::vector<std::uint32_t> cracks_;
+};
+
+std::vector<std::uint32_t> ByTick(const std::vector<Crack>& cracks) {
   std::vector<std::uint32_t> by_tick(cracks.size());
   std::iota(by_tick.begin(), by_tick.end(), 0);
   std::stable_sort(by_tick.begin(), by_tick.end(), [&](std::uint32_t a, std::uint32_t b) {
     return cracks[a].tick < cracks[b].tick;
   });
+  return by_tick;
+}
+
+void CountPoints(const std::vector<std::uint32_t>& most, GlassComparison& result) {
+  for (std::size_t i = 0; i < most.size(); ++i) {
+    ++(most[i] > 1                      ? result.doubled_count
+       : result.cracks_of_point[i] == 0 ? result.empty_count
+                                        : result.made_count);
+  }
+}
+
+}  // namespace
+
+GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>& cracks,
+                             double match_radius_mm) {
+  return CompareGlass(plan_mm, std::vector<ChannelMask>(plan_mm.size(), 1), cracks,
+                      match_radius_mm);
+}
+
+GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMask> masks,
+                             const std::vector<Crack>& cracks, double match_radius_mm) {
+  Require(match_radius_mm > 0, "match_radius_mm must be positive, is {}",
+          match_radius_mm);
+  Require(masks.size() == plan_mm.size(), "{} points have {} masks", plan_mm.size(),
+          masks.size());
+  GlassComparison result;
+  result.planned_count = plan_mm.size();
+  const std::vector<std::uint32_t> by_tick = ByTick(cracks);
   if (!by_tick.empty()) {
     result.first_tick = cracks[by_tick.front()].tick;
     result.last_tick = cracks[by_tick.back()].tick;
   }
-  const PointTree tree(plan_mm);
+  std::deque<ChannelPlan> plans;
+  for (int i = 0; i < kMaxChannels; ++i) {
+    plans.emplace_back(plan_mm, masks, static_cast<ChannelMask>(1 << i));
+  }
   ErrorSums sums;
+  std::vector<bool> seen(plan_mm.size(), false);
   for (const std::uint32_t index : by_tick) {
-    const Vec3& at = cracks[index].position_mm;
-    PointTree::Neighbour nearest;
-    if (!plan_mm.empty()) nearest = tree.Nearest(at);
-    if (!(nearest.square < match_radius_mm * match_radius_mm)) {
+    const Crack& crack = cracks[index];
+    const auto channel = static_cast<std::size_t>(std::countr_zero(crack.channel));
+    Require(channel < plans.size(), "crack {} is in no channel", index);
+    const auto point = plans[channel].Take(crack.position_mm, match_radius_mm);
+    if (!point) {
       ++result.stray_count;
+      ++result.channels[channel].stray_count;
       continue;
     }
-    if (result.cracks_of_point[nearest.index]++ == 0) {
-      result.made_order.push_back(nearest.index);
-    }
-    sums.Add(at - plan_mm[nearest.index]);
+    if (!seen[*point]) result.made_order.push_back(*point);
+    seen[*point] = true;
+    sums.Add(crack.position_mm - plan_mm[*point]);
   }
-  for (const std::uint32_t count : result.cracks_of_point) {
-    ++(count == 0   ? result.empty_count
-       : count == 1 ? result.made_count
-                    : result.doubled_count);
+  result.cracks_of_point.assign(plan_mm.size(),
+                                std::numeric_limits<std::uint32_t>::max());
+  std::vector<std::uint32_t> most(plan_mm.size(), 0);
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    plans[i].CountInto(result.channels[i], result.cracks_of_point, most);
   }
+  CountPoints(most, result);
   result.errors = sums.Finish();
   return result;
+}
+
+double LeastSpacing(const PointList& points_mm, std::span<const ChannelMask> masks) {
+  double least_mm = std::numeric_limits<double>::infinity();
+  for (const ChannelMask channel : TellingChannels(masks)) {
+    PointList in_channel_mm;
+    for (std::size_t i = 0; i < points_mm.size(); ++i) {
+      if (ShareChannel(masks[i], channel)) in_channel_mm.push_back(points_mm[i]);
+    }
+    if (in_channel_mm.size() > 1) {
+      least_mm = std::min(least_mm, LeastSpacing(in_channel_mm));
+    }
+  }
+  return least_mm;
 }
 
 double LeastSpacing(const PointList& points_mm) {

@@ -2,15 +2,19 @@
 
 // What the glass says of a job: every crack is matched to the plan. Frame glass, mm.
 //
-// A crack belongs to the planned point nearest to it, if that is nearer than the match
-// radius: half the least spacing of the plan, so that no crack can belong to two points.
-// A crack that belongs to none is stray. The comparison knows nothing of the journal or
+// A crack belongs to the planned point of its channel nearest to it, if that is nearer
+// than the match radius: half the least spacing of the plan, so that no crack can belong
+// to two points. A crack that belongs to none is stray. A point is made when each of its
+// channels holds one crack of it. The comparison knows nothing of the journal or
 // of any service's bookkeeping.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
 
 namespace intaglio::proof {
@@ -18,7 +22,14 @@ namespace intaglio::proof {
 /// One crack as the glass holds it.
 struct Crack {
   Vec3 position_mm = Vec3::Zero();
-  std::uint64_t tick = 0;  ///< when it was made
+  std::uint64_t tick = 0;   ///< when it was made
+  ChannelMask channel = 1;  ///< in whose glass, a single one
+};
+
+/// What one channel's glass says of the points that have this channel.
+struct ChannelGlass {
+  std::uint64_t planned_count = 0, made_count = 0, doubled_count = 0, empty_count = 0,
+                stray_count = 0;
 };
 
 struct AxisErrors {
@@ -29,12 +40,13 @@ struct AxisErrors {
 
 struct GlassComparison {
   std::uint64_t planned_count = 0;
-  std::uint64_t made_count = 0;     ///< points with exactly one crack
-  std::uint64_t doubled_count = 0;  ///< points with more than one
-  std::uint64_t empty_count = 0;    ///< points without any
+  std::uint64_t made_count = 0;     ///< points with exactly one crack, in each channel
+  std::uint64_t doubled_count = 0;  ///< points with more than one in a channel
+  std::uint64_t empty_count = 0;    ///< the others: points without any in a channel
   std::uint64_t stray_count = 0;    ///< cracks that belong to no point
   AxisErrors errors;                ///< over the matched cracks
-  /// Cracks of each point, by its place in the plan.
+  std::array<ChannelGlass, kMaxChannels> channels;
+  /// Cracks of each point, by its place in the plan: of its channels the fewest.
   std::vector<std::uint32_t> cracks_of_point;
   /// Points that have a crack, in the order of their first cracks' ticks.
   std::vector<std::uint32_t> made_order;
@@ -42,11 +54,18 @@ struct GlassComparison {
   std::uint64_t last_tick = 0;
 };
 
-/// match_radius_mm > 0. `cracks` in any order; of equal ticks the given order counts.
+/// match_radius_mm > 0. `cracks` in any order; of equal ticks the given order counts. All
+/// points are made in channel 1.
 GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>& cracks,
                              double match_radius_mm);
 
+/// The same of points that are made in the channels of `masks`, one a point, not 0.
+GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMask> masks,
+                             const std::vector<Crack>& cracks, double match_radius_mm);
+
 /// Least distance between two of the points, mm; infinity for fewer than two.
 double LeastSpacing(const PointList& points_mm);
+/// The same of points in different channels: two count only if they share one.
+double LeastSpacing(const PointList& points_mm, std::span<const ChannelMask> masks);
 
 }  // namespace intaglio::proof

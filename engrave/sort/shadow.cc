@@ -170,11 +170,11 @@ std::uint64_t CountShadowViolations(const PointList& made_mm,
   Require(masks.size() == made_mm.size(), "{} points have {} masks", made_mm.size(),
           masks.size());
   std::vector<bool> violated(made_mm.size(), false);
-  for (int i = 0; i < kMaxChannels; ++i) {
+  for (const ChannelMask channel : TellingChannels(masks)) {
     PointList in_channel_mm;
     std::vector<std::uint32_t> index_of;
     for (std::uint32_t at = 0; at < made_mm.size(); ++at) {
-      if ((masks[at] >> i & 1) == 0) continue;
+      if (!ShareChannel(masks[at], channel)) continue;
       in_channel_mm.push_back(made_mm[at]);
       index_of.push_back(at);
     }

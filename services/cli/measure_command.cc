@@ -12,6 +12,7 @@
 #include "engrave/proof/cloud_quality.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/spacing_map.h"
+#include "proto/channels.h"
 #include "proto/model_kind.h"
 #include "proto/model_sources.h"
 #include "proto/options.h"
@@ -35,6 +36,7 @@ struct MeasureOptions {
   JobFlags job;
   std::string cloud, picture;
   std::optional<double> height_ratio;
+  std::optional<std::uint32_t> channel;
   bool json = false, csv = false;
 };
 
@@ -62,9 +64,11 @@ Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one
   return all;
 }
 
-/// The surfaces of the job's models in the block; of those that are no meshes, without
-/// triangles. None when there is no mesh.
-Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const JobSpec& job) {
+/// The surfaces of the job's models in the block; of those that are no meshes or not of
+/// the channel, without triangles. None when there is no mesh.
+Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options,
+                                                   const JobSpec& job) {
+  const std::vector<ChannelMask> masks = ChannelsOfModels(job);
   std::vector<mesh::TriangleMesh> surfaces(static_cast<std::size_t>(job.models_size()));
   bool any = false;
   for (int i = 0; i < job.models_size(); ++i) {
@@ -74,10 +78,15 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const JobSpec& job) {
       return Fail(kind.error().code, model.file() + " " + kind.error().message);
     }
     if (*kind != ModelKind::kMesh) continue;
+    if (options.channel &&
+        (masks[static_cast<std::size_t>(i)] >> (*options.channel - 1) & 1) == 0) {
+      continue;
+    }
     const auto imported = mesh::ImportMesh(model.file());
     if (!imported) return tl::unexpected(imported.error());
-    auto placed = mesh::PlaceInBlock(
-        *imported, PlacementOf(model.placement(), job.block()), BlockSizeOf(job));
+    const Block block = BlockOf(job, model);
+    auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
+                                     Vec3Of(block.size_mm()));
     if (!placed) return tl::unexpected(placed.error());
     auto copied = WithCopies(model, std::move(*placed));
     if (!copied) return tl::unexpected(copied.error());
@@ -88,18 +97,57 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const JobSpec& job) {
   return surfaces;
 }
 
-Result<PointCloud> ReadCloud(const std::string& file) {
+struct MeasuredCloud {
+  PointCloud cloud;
+  std::vector<ChannelMask> masks;  ///< of cracks, the channel that each is in
+};
+
+Result<MeasuredCloud> ReadCloud(const std::string& file) {
   auto table = ReadPoints(file);
   if (!table) return tl::unexpected(table.error());
   if (table->points_mm.empty()) {
     return Fail(ErrorCode::kMissing,
                 file + " has no points; name a file with one point or more");
   }
-  PointCloud cloud;
-  if (const auto* sources = table->Find<std::uint32_t>("source")) cloud.source = *sources;
-  cloud.points_mm = std::move(table->points_mm);
-  cloud.source.resize(cloud.points_mm.size(), 0);
-  return cloud;
+  MeasuredCloud read;
+  if (const auto* sources = table->Find<std::uint32_t>("source")) {
+    read.cloud.source = *sources;
+  }
+  if (const auto* channels = table->Find<std::uint8_t>("channel")) {
+    for (const std::uint8_t channel : *channels) {
+      read.masks.push_back(static_cast<ChannelMask>(1U << (channel % kMaxChannels)));
+    }
+  }
+  read.cloud.points_mm = std::move(table->points_mm);
+  read.cloud.source.resize(read.cloud.points_mm.size(), 0);
+  return read;
+}
+
+/// What is in the block of one channel: told of cracks by the file, of points by their
+/// models.
+Result<PointCloud> InChannel(const MeasureOptions& options, const JobSpec& job,
+                             MeasuredCloud read) {
+  if (read.masks.empty()) {
+    auto masks = ChannelsOfPoints(job, read.cloud.source);
+    if (!masks) return tl::unexpected(masks.error());
+    read.masks = std::move(*masks);
+  }
+  if (!options.channel) {
+    if (DistinctMasks(read.masks).size() == 1) return std::move(read.cloud);
+    return Fail(ErrorCode::kMissing,
+                "--channel: is missing; the points are in different blocks, say which "
+                "one to measure");
+  }
+  PointCloud in_channel;
+  for (std::size_t i = 0; i < read.cloud.size(); ++i) {
+    if ((read.masks[i] >> (*options.channel - 1) & 1) == 0) continue;
+    in_channel.Add(read.cloud.points_mm[i], read.cloud.source[i]);
+  }
+  if (in_channel.size() == 0) {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("--channel: {} has no points", *options.channel));
+  }
+  return in_channel;
 }
 
 proof::QualityOptions OptionsOf(const MeasureOptions& options, const JobAndMachine& job) {
@@ -158,11 +206,13 @@ Status DrawPicture(const MeasureOptions& options, const PointList& points_mm,
 }
 
 int Measure(const MeasureOptions& options) {
-  const auto cloud = ReadCloud(options.cloud);
-  if (!cloud) return Complain(cloud.error(), kExitWrongInput);
-  const auto job = BuildJobOfPoints(options.job, cloud->points_mm);
+  auto all = ReadCloud(options.cloud);
+  if (!all) return Complain(all.error(), kExitWrongInput);
+  const auto job = BuildJobOfPoints(options.job, all->cloud.points_mm);
   if (!job) return Complain(job.error(), kExitWrongInput);
-  auto surfaces = SurfacesOf(job->job);
+  auto cloud = InChannel(options, job->job, std::move(*all));
+  if (!cloud) return Complain(cloud.error(), kExitWrongInput);
+  auto surfaces = SurfacesOf(options, job->job);
   if (!surfaces) return Complain(surfaces.error(), kExitWrongInput);
   const proof::QualityOptions quality_options = OptionsOf(options, *job);
   const auto quality = proof::MeasureCloud(*cloud, *surfaces, quality_options);
@@ -214,6 +264,10 @@ void AddMeasureCommand(CLI::App& app, std::function<int()>& selected) {
       ->add_option("--height-ratio", options->height_ratio,
                    "heights count by this part only, 1..10, default the job's, or 1")
       ->check(CLI::Range(1.0, 10.0));
+  measure
+      ->add_option("--channel", options->channel,
+                   "of a job that engraves several blocks, the one of this channel")
+      ->check(CLI::Range(1, 4));
   measure->add_flag("--json", options->json, "the figures for programs");
   measure->add_flag("--csv", options->csv, "the figures for spreadsheets")
       ->excludes("--json");

@@ -113,7 +113,7 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
   const sort::Travel travel = sort::MeasureTravel(path_mm, as_given);
   report.set_travel_mm(travel.largest_axis_mm);
   report.set_longest_step_mm(travel.longest_step_mm);
-  const motion::PlanOptions plan = MotionOptionsOf(job).plan;
+  const motion::PlanOptions plan = MotionOptionsOf(job);
   report.set_machine(job.machine().name());
   report.set_rate_hz(plan.rate_hz);
   report.set_max_speed_mm_s(plan.limits.max_speed_mm_s.minCoeff());
@@ -124,7 +124,7 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
 Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path_mm,
                                  const SegmentSink& sink, const ProgressSink& progress) {
   Require(!path_mm.empty(), "a path without points");
-  motion::PlanOptions plan = MotionOptionsOf(job).plan;
+  motion::PlanOptions plan = MotionOptionsOf(job);
   plan.stage_lag_s = 0;
   MotionMeter meter(plan, path_mm, sink);
   for (std::size_t begin = 0; begin < path_mm.size(); begin += kPointsATime) {

@@ -2,17 +2,16 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 #include <zlib.h>
 
+#include <bit>
 #include <cmath>
 #include <cstdio>
 
+#include "engrave/core/channels.h"
 #include "engrave/formats/atomic_file.h"
 #include "engrave/formats/glass_record.h"
-#include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
-#include "engrave/formats/whole_file.h"
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
@@ -20,61 +19,13 @@
 #include "proto/discretize_outcome.h"
 #include "proto/json_text.h"
 #include "services/cli/progress_bar.h"
+#include "services/cli/proof_evidence.h"
 
 namespace intaglio::cli {
 namespace {
 
 namespace fs = std::filesystem;
 using formats::PointOutcome;
-
-/// What a finished folder holds.
-struct Evidence {
-  FrozenJob job;
-  PointList plan_mm;
-  std::vector<proof::Crack> cracks;
-  std::vector<formats::PointHistory> history;
-};
-
-// A job with its machine and glass is a few kilobytes.
-constexpr std::uint64_t kMaxTextBytes = 16 << 20;
-
-Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
-  const auto text = formats::ReadWholeFile(file, kMaxTextBytes);
-  if (!text) return tl::unexpected(text.error());
-  FrozenJob job;
-  const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &job);
-  if (!parsed.ok()) {
-    return Fail(ErrorCode::kUnreadable, fmt::format("{} is not a frozen job: {}",
-                                                    file.string(), parsed.ToString()));
-  }
-  return job;
-}
-
-Result<Evidence> ReadEvidence(const fs::path& folder) {
-  Evidence evidence;
-  auto job = ReadFrozenJob(folder / "job.json");
-  if (!job) return tl::unexpected(job.error());
-  evidence.job = std::move(*job);
-  auto plan = formats::ReadPly(folder / "path.ply");
-  if (!plan) return tl::unexpected(plan.error());
-  evidence.plan_mm = std::move(plan->points_mm);
-  const auto glass = formats::ReadPly(folder / "glass.ply");
-  if (!glass) return tl::unexpected(glass.error());
-  const auto* tick = glass->Find<double>("tick");
-  if (tick == nullptr) {
-    return Fail(ErrorCode::kMissing, fmt::format("{} has no column 'tick' of type double",
-                                                 (folder / "glass.ply").string()));
-  }
-  for (std::size_t i = 0; i < tick->size(); ++i) {
-    evidence.cracks.push_back(
-        {glass->points_mm[i], static_cast<std::uint64_t>((*tick)[i])});
-  }
-  const auto journal = formats::ReadJournal(folder / "journal.bin");
-  if (!journal) return tl::unexpected(journal.error());
-  evidence.history = formats::HistoryOf(*journal);
-  evidence.history.resize(evidence.plan_mm.size());
-  return evidence;
-}
 
 void Count(const Evidence& evidence, const proof::GlassComparison& glass,
            PointCounts& counts) {
@@ -102,6 +53,23 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
   counts.set_skipped(skipped);
   counts.set_missed(missed);
   counts.set_unaccounted(unaccounted);
+}
+
+void AddChannels(const proof::GlassComparison& glass,
+                 const std::vector<ChannelMask>& masks, JobReport& report) {
+  ChannelMask used = 0;
+  for (const ChannelMask mask : masks) used |= mask;
+  if (std::has_single_bit(used)) return;
+  for (std::uint32_t i = 0; i < kMaxChannels; ++i) {
+    const proof::ChannelGlass& channel = glass.channels[i];
+    if (channel.planned_count + channel.stray_count == 0) continue;
+    ChannelCounts& counts = *report.add_channels();
+    counts.set_channel(i + 1);
+    counts.set_planned(channel.planned_count);
+    counts.set_made(channel.made_count);
+    counts.set_doubled(channel.doubled_count);
+    counts.set_stray(channel.stray_count);
+  }
 }
 
 /// Errors are from where the points were asked for, moved or not.
@@ -150,9 +118,10 @@ JobReport ReportOf(const Evidence& evidence) {
   *report.mutable_material() = frozen.material();
   *report.mutable_optics() = frozen.optics();
   const double spacing_mm = frozen.job().discretization().min_spacing_mm();
-  const auto glass =
-      proof::CompareGlass(evidence.plan_mm, evidence.cracks, spacing_mm / 2);
+  const auto glass = proof::CompareGlass(evidence.plan_mm, evidence.masks,
+                                         evidence.cracks, spacing_mm / 2);
   Count(evidence, glass, *report.mutable_points());
+  AddChannels(glass, evidence.masks, report);
   PositionErrors& errors = *report.mutable_position_errors();
   errors.set_rms_um(glass.errors.rms_um);
   errors.set_max_um(glass.errors.max_um);
@@ -166,24 +135,31 @@ JobReport ReportOf(const Evidence& evidence) {
   // The plan's own positions in the order in which the glass got them: what a crack is
   // off by says nothing about the order.
   PointList made_mm;
+  std::vector<ChannelMask> made_masks;
   made_mm.reserve(glass.made_order.size());
-  for (const std::uint32_t point : glass.made_order)
+  for (const std::uint32_t point : glass.made_order) {
     made_mm.push_back(evidence.plan_mm[point]);
+    made_masks.push_back(evidence.masks[point]);
+  }
   report.set_shadow_violations(
-      sort::CountShadowViolations(made_mm, frozen.optics().cone_tangent()));
+      sort::CountShadowViolations(made_mm, made_masks, frozen.optics().cone_tangent()));
   report.set_min_spacing_mm(spacing_mm);
   if (evidence.plan_mm.size() > 1) {
-    report.set_least_spacing_mm(proof::LeastSpacing(evidence.plan_mm));
+    report.set_least_spacing_mm(proof::LeastSpacing(evidence.plan_mm, evidence.masks));
   }
   PointList cracks_mm;
-  for (const proof::Crack& crack : evidence.cracks)
+  std::vector<ChannelMask> crack_channels;
+  for (const proof::Crack& crack : evidence.cracks) {
     cracks_mm.push_back(crack.position_mm);
-  if (cracks_mm.size() > 1)
-    report.set_least_spacing_in_glass_mm(proof::LeastSpacing(cracks_mm));
+    crack_channels.push_back(crack.channel);
+  }
+  if (cracks_mm.size() > 1) {
+    report.set_least_spacing_in_glass_mm(proof::LeastSpacing(cracks_mm, crack_channels));
+  }
   if (!evidence.cracks.empty()) {
     const std::uint64_t ticks = glass.last_tick - glass.first_tick + 1;
     report.set_ticks(ticks);
-    report.set_utilisation(static_cast<double>(evidence.cracks.size()) /
+    report.set_utilisation(static_cast<double>(glass.made_order.size()) /
                            static_cast<double>(ticks));
     report.set_machining_time_s(static_cast<double>(ticks) /
                                 frozen.job().laser().rate_hz());
@@ -232,6 +208,32 @@ Status WriteViews(const fs::path& file, const Evidence& evidence,
   PointList cracks_mm;
   for (const proof::Crack& crack : evidence.cracks)
     cracks_mm.push_back(crack.position_mm);
+  return render::WritePng(
+      file,
+      render::RenderViews(cracks_mm, Vec3(block.x(), block.y(), block.z()), caption));
+}
+
+/// What the block of one channel looks like.
+Status WriteChannelViews(const fs::path& file, const Evidence& evidence,
+                         const JobReport& report, const ChannelCounts& counts) {
+  using render::Tone;
+  const auto good_if = [](bool good) { return good ? Tone::kGood : Tone::kBad; };
+  const auto channel = static_cast<ChannelMask>(1 << (counts.channel() - 1));
+  const Vector3& block = report.job().block().size_mm();
+  render::ViewsCaption caption;
+  caption.title_lines = {report.name(), fmt::format("channel {}", counts.channel())};
+  caption.figures = {
+      {"points planned", GroupedDigits(counts.planned())},
+      {"made", GroupedDigits(counts.made()), good_if(counts.made() == counts.planned())},
+      {"doubled", GroupedDigits(counts.doubled()), good_if(counts.doubled() == 0)},
+      {"stray", GroupedDigits(counts.stray()), good_if(counts.stray() == 0)}};
+  const bool good = counts.made() == counts.planned() && counts.stray() == 0;
+  caption.verdict = good ? "COMPLETE" : "NOT GOOD";
+  caption.verdict_tone = good_if(good);
+  PointList cracks_mm;
+  for (const proof::Crack& crack : evidence.cracks) {
+    if (crack.channel == channel) cracks_mm.push_back(crack.position_mm);
+  }
   return render::WritePng(
       file,
       render::RenderViews(cracks_mm, Vec3(block.x(), block.y(), block.z()), caption));
@@ -320,6 +322,13 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
       !written) {
     return tl::unexpected(written.error());
   }
+  for (const ChannelCounts& counts : report.channels()) {
+    const auto file = fmt::format("views-channel-{}.png", counts.channel());
+    if (auto written = WriteChannelViews(inputs.folder / file, *evidence, report, counts);
+        !written) {
+      return tl::unexpected(written.error());
+    }
+  }
   const auto json = JsonOf(report);
   if (!json) return tl::unexpected(json.error());
   if (auto written = formats::WriteFileAtomically(inputs.folder / "report.json", *json);
@@ -357,6 +366,12 @@ std::string SummaryOf(const JobReport& report) {
       report.position_errors().tolerance_um(), ShortDuration(report.machining_time_s()),
       report.job().laser().rate_hz(), GroupedDigits(report.ticks()),
       report.utilisation());
+  for (const ChannelCounts& channel : report.channels()) {
+    text += fmt::format("channel {}   {} planned, {} made, {} doubled, {} stray\n",
+                        channel.channel(), GroupedDigits(channel.planned()),
+                        GroupedDigits(channel.made()), GroupedDigits(channel.doubled()),
+                        GroupedDigits(channel.stray()));
+  }
   if (report.position_errors().allowed_move_um() > 0) {
     text += fmt::format(
         "moves       {:.2f} um allowed, the plan's {:.2f} um at most, {:.2f} um rms\n",

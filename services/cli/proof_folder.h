@@ -1,7 +1,8 @@
 #pragma once
 
-// The proof of a job: glass.ply (the cracks), path.ply (the plan), report.json and
-// views.png, and the verdict, from what the machine's glass holds.
+// The proof of a job: glass.ply (the cracks), path.ply (the plan), report.json, views.png
+// (of several channels, one each as well), and the verdict, from what the machine's glass
+// holds.
 
 #include <filesystem>
 #include <optional>

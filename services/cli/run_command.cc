@@ -113,7 +113,10 @@ Status RunSession::MakeFolders() {
   }
   for (const auto& entry : fs::directory_iterator(out_, error)) {
     const fs::path& file = entry.path();
-    if (file.extension() == ".mcap" && file.stem().string().starts_with(kSessionFolder)) {
+    const std::string stem = file.stem().string();
+    const bool recording =
+        file.extension() == ".mcap" && stem.starts_with(kSessionFolder);
+    if (recording || (file.extension() == ".png" && stem.starts_with("views-channel-"))) {
       fs::remove(file, error);
     }
   }

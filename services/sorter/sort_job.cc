@@ -1,10 +1,16 @@
 #include "services/sorter/sort_job.h"
 
+#include <fmt/format.h>
+
+#include <bit>
+
+#include "engrave/core/channels.h"
 #include "engrave/discretize/cloud.h"
 #include "engrave/proof/cloud_quality.h"
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
+#include "proto/channels.h"
 #include "proto/options.h"
 #include "proto/quality_options.h"
 #include "services/host/ordering.h"
@@ -13,14 +19,40 @@
 namespace intaglio::sorter {
 namespace {
 
+PointCloud InChannel(const PointCloud& cloud, const std::vector<ChannelMask>& masks,
+                     ChannelMask channel) {
+  PointCloud in_channel;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!ShareChannel(masks[i], channel)) continue;
+    in_channel.Add(cloud.points_mm[i], cloud.source[i]);
+  }
+  return in_channel;
+}
+
 /// What a measurer that had no part in making the points finds: points too near, places
-/// where the glass may break.
-void AddWarnings(const FrozenJob& job, const PointCloud& cloud, SortOutcome& outcome) {
+/// where the glass may break. Of each block that has points of its own.
+void AddWarnings(const FrozenJob& job, const PointCloud& cloud,
+                 const std::vector<ChannelMask>& masks, SortOutcome& outcome) {
   proof::QualityOptions options = QualityOptionsOf(job.job(), job.machine());
   options.executor = host::AllCores();
-  const auto quality = proof::MeasureCloud(cloud, {}, options);
-  if (!quality) return;  // no points: said before
-  for (const std::string& warning : quality->warnings) outcome.add_warnings(warning);
+  const std::vector<ChannelMask> channels = TellingChannels(masks);
+  const bool one = channels.size() == 1;
+  for (const ChannelMask channel : channels) {
+    const PointCloud part = one ? PointCloud() : InChannel(cloud, masks, channel);
+    const auto quality = proof::MeasureCloud(one ? cloud : part, {}, options);
+    if (!quality) continue;  // no points: said before
+    for (const std::string& warning : quality->warnings) {
+      outcome.add_warnings(
+          one ? warning
+              : fmt::format("channel {}: {}", std::countr_zero(channel) + 1, warning));
+    }
+  }
+}
+
+std::uint64_t CountChanges(const std::vector<ChannelMask>& masks) {
+  std::uint64_t changes = 0;
+  for (std::size_t i = 1; i < masks.size(); ++i) changes += masks[i] != masks[i - 1];
+  return changes;
 }
 
 }  // namespace
@@ -29,7 +61,10 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress) {
   // No maker of a part can tell that the others are empty as well.
   if (cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
-  const auto order = sort::MakeOrder(cloud.points_mm, host::OrderingOf(job), progress);
+  const auto of_cloud = ChannelsOfPoints(job.job(), cloud.source);
+  if (!of_cloud) return tl::unexpected(of_cloud.error());
+  const auto order =
+      sort::MakeChannelOrder(cloud.points_mm, *of_cloud, host::OrderingOf(job), progress);
   if (!order) return tl::unexpected(order.error());
   host::StageResult result;
   SortOutcome& outcome = *result.outcome.mutable_sort();
@@ -37,13 +72,17 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   outcome.set_travel_mm(sort::MeasureTravel(cloud.points_mm, *order).largest_axis_mm);
   result.cloud.points_mm.reserve(order->size());
   result.cloud.source.reserve(order->size());
+  std::vector<ChannelMask> masks;
+  masks.reserve(order->size());
   for (const std::uint32_t index : *order) {
     result.cloud.Add(cloud.points_mm[index], cloud.source[index]);
+    masks.push_back((*of_cloud)[index]);
   }
   cloud = {};
-  outcome.set_shadow_violation_count(
-      sort::CountShadowViolations(result.cloud.points_mm, job.optics().cone_tangent()));
-  AddWarnings(job, result.cloud, outcome);
+  outcome.set_shadow_violation_count(sort::CountShadowViolations(
+      result.cloud.points_mm, masks, job.optics().cone_tangent()));
+  outcome.set_shutter_change_count(CountChanges(masks));
+  AddWarnings(job, result.cloud, masks, outcome);
   return result;
 }
 

@@ -193,12 +193,6 @@ bool Engraving::LeaveOutBefore(std::uint32_t point) {
   return true;
 }
 
-// Nothing can be fired: any will do.
-ChannelMask Engraving::MaskOfNextRun() {
-  open_points_.Rewind();
-  return open_points_.mask() != 0 ? open_points_.mask() : job_.shutter_mask;
-}
-
 void Engraving::StartRun(const EngravingInputs& inputs) {
   const ChannelMask mask = MaskOfNextRun();
   if (!laser_.CanSend() || !laser_.OpenShutters(mask)) return;

@@ -88,4 +88,10 @@ bool Engraving::MotionClockSettles(const EngravingInputs& inputs) {
   return false;
 }
 
+// Where nothing can be fired, any will do.
+ChannelMask Engraving::MaskOfNextRun() {
+  open_points_.Rewind();
+  return open_points_.mask() != 0 ? open_points_.mask() : job_.shutter_mask;
+}
+
 }  // namespace intaglio::synchronizer

@@ -50,8 +50,15 @@ Result<PointCloud> ReadPath(const fs::path& folder) {
   }
   auto table = formats::ReadPly(file);
   if (!table) return tl::unexpected(table.error());
+  const auto* source = table->Find<std::uint32_t>("source");
+  if (source == nullptr) {
+    return Fail(ErrorCode::kUnreadable,
+                file.string() + " has no column 'source': the job cannot be taken up",
+                file.string());
+  }
   PointCloud path;
-  for (const Vec3& point : table->points_mm) path.Add(point, 0);
+  path.source = *source;
+  path.points_mm = std::move(table->points_mm);
   return path;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "proto/channels.h"
 #include "proto/options.h"
 #include "services/bus/samples.h"
 #include "services/link/serial_port.h"
@@ -211,9 +212,11 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   }
   EngravingJob job;
   job.uid = job_->job_uid();
-  const MotionOptionsOfJob motion = MotionOptionsOf(*job_);
-  job.plan = motion.plan;
-  job.shutter_mask = motion.shutter_mask;
+  job.plan = MotionOptionsOf(*job_);
+  auto masks = ChannelsOfPoints(job_->job(), path.source);
+  if (!masks) return tl::unexpected(masks.error());
+  job.shutter_mask = masks->front();
+  if (DistinctMasks(*masks).size() > 1) job.masks = std::move(*masks);
   const auto machine_from_glass = MachineFromGlassOf(*job_);
   job.machine_points_mm.reserve(path.size());
   for (const Vec3& p : path.points_mm) {
@@ -221,7 +224,7 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   }
   job.cone_tangent =
       job_->optics().cone_tangent() / machine_from_glass.stage_per_glass_ratio;
-  const PlanSummary plan = Summarize(job.machine_points_mm, job.plan);
+  const PlanSummary plan = Summarize(job.machine_points_mm, job.plan, job.masks);
   estimate_ticks_ = plan.ticks;
   checksum_ = plan.checksum;
   moves_ = plan.moves;

@@ -48,24 +48,21 @@ TEST(Options, FitBlockLeavesTheMargin) {
   const mesh::Placement placement = PlacementOf(job.models(0).placement(), job.block());
   ASSERT_TRUE(std::holds_alternative<mesh::FitBox>(placement.fit));
   EXPECT_EQ(std::get<mesh::FitBox>(placement.fit).size_mm, Vec3(44, 44, 24));
-  EXPECT_EQ(PermittedBoxOf(job).min_mm, Vec3(3, 3, 3));
-  EXPECT_EQ(PermittedBoxOf(job).max_mm, Vec3(47, 47, 27));
+  EXPECT_EQ(PermittedBoxOf(job.block()).min_mm, Vec3(3, 3, 3));
+  EXPECT_EQ(PermittedBoxOf(job.block()).max_mm, Vec3(47, 47, 27));
 }
 
 TEST(Options, MotionIsCappedAxisByAxis) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_max_speed_mm_s(50);
   job.mutable_motion()->set_profile(MOTION_PROFILE_CUBIC);
-  job.mutable_laser()->add_channels(1);
-  job.mutable_laser()->add_channels(3);
   FrozenJob frozen = Frozen(job);
   frozen.mutable_machine()->mutable_z()->set_max_speed_mm_s(20);
-  const MotionOptionsOfJob motion = MotionOptionsOf(frozen);
-  EXPECT_EQ(motion.plan.limits.max_speed_mm_s, Vec3(50, 50, 20));
-  EXPECT_EQ(motion.plan.limits.max_acceleration_mm_s2, Vec3(7000, 7000, 7000));
-  EXPECT_EQ(motion.plan.rate_hz, 200);
-  EXPECT_EQ(motion.plan.profile, motion::Profile::kCubic);
-  EXPECT_EQ(motion.shutter_mask, 0b0101);
+  const motion::PlanOptions motion = MotionOptionsOf(frozen);
+  EXPECT_EQ(motion.limits.max_speed_mm_s, Vec3(50, 50, 20));
+  EXPECT_EQ(motion.limits.max_acceleration_mm_s2, Vec3(7000, 7000, 7000));
+  EXPECT_EQ(motion.rate_hz, 200);
+  EXPECT_EQ(motion.profile, motion::Profile::kCubic);
 }
 
 TEST(Options, EveryProfileOfAJobIsOneOfThePlanner) {
@@ -74,7 +71,7 @@ TEST(Options, EveryProfileOfAJobIsOneOfThePlanner) {
     const auto profile = static_cast<MotionProfile>(number);
     JobSpec job = GoodJob();
     job.mutable_motion()->set_profile(profile);
-    const motion::PlanOptions plan = MotionOptionsOf(Frozen(job)).plan;
+    const motion::PlanOptions plan = MotionOptionsOf(Frozen(job));
     EXPECT_EQ(plan.continuous, profile == MOTION_PROFILE_CONTINUOUS);
     if (plan.continuous) continue;
     ++stopping;
@@ -89,7 +86,7 @@ TEST(Options, ThePlannersKnowWhereTheTravelEnds) {
   FrozenJob frozen = Frozen(GoodJob());
   frozen.mutable_machine()->mutable_y()->set_travel_min_mm(-7);
   frozen.mutable_machine()->mutable_z()->set_travel_max_mm(99);
-  const Box3 travel_mm = MotionOptionsOf(frozen).plan.limits.travel_mm;
+  const Box3 travel_mm = MotionOptionsOf(frozen).limits.travel_mm;
   EXPECT_EQ(travel_mm.min_mm.y(), -7);
   EXPECT_EQ(travel_mm.max_mm.z(), 99);
 }
@@ -98,7 +95,7 @@ TEST(Options, OptionalLimitsAreForTheMotionThatDoesNotStop) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_tolerance_um(15);
   FrozenJob frozen = Frozen(job);
-  const motion::Limits none = MotionOptionsOf(frozen).plan.limits;
+  const motion::Limits none = MotionOptionsOf(frozen).limits;
   EXPECT_EQ(none.max_jerk_mm_s3, Vec3::Constant(motion::kUnlimited));
   EXPECT_EQ(none.max_speed_norm_mm_s, motion::kUnlimited);
   MachineSpec& machine = *frozen.mutable_machine();
@@ -106,14 +103,14 @@ TEST(Options, OptionalLimitsAreForTheMotionThatDoesNotStop) {
   machine.set_max_speed_norm_mm_s(90);
   machine.set_max_acceleration_norm_mm_s2(8000);
   frozen.mutable_optics()->set_stage_per_glass_ratio(0.6);
-  const motion::PlanOptions plan = MotionOptionsOf(frozen).plan;
+  const motion::PlanOptions plan = MotionOptionsOf(frozen);
   EXPECT_EQ(plan.limits.max_jerk_mm_s3,
             Vec3(motion::kUnlimited, 2e6, motion::kUnlimited));
   EXPECT_EQ(plan.limits.max_speed_norm_mm_s, 90);
   EXPECT_EQ(plan.limits.max_acceleration_norm_mm_s2, 8000);
   EXPECT_NEAR(plan.tolerance_mm, 0.009, 1e-15) << "15 um in the glass, along the beam";
   frozen.mutable_job()->mutable_motion()->set_profile(MOTION_PROFILE_MIX);
-  const motion::PlanOptions stopping = MotionOptionsOf(frozen).plan;
+  const motion::PlanOptions stopping = MotionOptionsOf(frozen);
   EXPECT_EQ(stopping.limits.max_jerk_mm_s3.y(), motion::kUnlimited);
   EXPECT_EQ(stopping.tolerance_mm, 0);
 }

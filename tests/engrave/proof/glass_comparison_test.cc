@@ -97,5 +97,33 @@ TEST(LeastSpacing, EqualsBruteForce) {
   EXPECT_EQ(LeastSpacing({Vec3(1, 2, 3), Vec3(1, 2, 3)}), 0.0);
 }
 
+// The same places in three blocks, each with some points of its own.
+TEST(CompareGlass, EveryChannelIsMatchedToItsOwnPoints) {
+  const PointList plan = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {2, 0, 0}};
+  const std::vector<ChannelMask> masks = {1, 3, 2, 4};
+  const std::vector<Crack> cracks = {{plan[0], 1, 1}, {plan[1], 2, 1}, {plan[1], 2, 2},
+                                     {plan[2], 3, 2}, {plan[3], 4, 1}, {plan[2], 5, 2}};
+  const GlassComparison glass = CompareGlass(plan, masks, cracks, 0.1);
+  EXPECT_EQ(glass.made_count, 2u);
+  EXPECT_EQ(glass.doubled_count, 1u);
+  EXPECT_EQ(glass.empty_count, 1u);
+  EXPECT_EQ(glass.stray_count, 1u) << "in the first block, and planned in the third";
+  EXPECT_EQ(glass.cracks_of_point, (std::vector<std::uint32_t>{1, 1, 2, 0}));
+  EXPECT_EQ(glass.made_order, (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(glass.channels[0].made_count, 2u);
+  EXPECT_EQ(glass.channels[0].stray_count, 1u);
+  EXPECT_EQ(glass.channels[1].planned_count, 2u);
+  EXPECT_EQ(glass.channels[1].doubled_count, 1u);
+  EXPECT_EQ(glass.channels[2].empty_count, 1u);
+  EXPECT_EQ(glass.channels[3].planned_count, 0u);
+}
+
+TEST(LeastSpacing, IsThatOfEachChannel) {
+  const PointList points = {{0, 0, 0}, {0.1, 0, 0}, {0.4, 0, 0}};
+  EXPECT_NEAR(LeastSpacing(points, std::vector<ChannelMask>{1, 2, 3}), 0.3, 1e-12);
+  EXPECT_NEAR(LeastSpacing(points, std::vector<ChannelMask>{1, 3, 2}), 0.1, 1e-12);
+  EXPECT_TRUE(std::isinf(LeastSpacing(points, std::vector<ChannelMask>{1, 2, 4})));
+}
+
 }  // namespace
 }  // namespace intaglio::proof

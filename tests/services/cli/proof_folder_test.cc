@@ -48,6 +48,9 @@ class ProofFolderTest : public ::testing::Test {
     job.set_name("four points");
     job.mutable_discretization()->set_min_spacing_mm(kSpacingMm);
     job.mutable_laser()->set_rate_hz(100);
+    job.mutable_laser()->add_channels(1);
+    source_.assign(plan_mm_.size(), 0);
+    channels_.assign(plan_mm_.size(), 0);
     Vector3& size = *job.mutable_block()->mutable_size_mm();
     size.set_x(20);
     size.set_y(20);
@@ -85,9 +88,12 @@ class ProofFolderTest : public ::testing::Test {
     WriteJournal(folder_ / "journal.bin");
     formats::PointTable plan, glass;
     plan.points_mm = plan_mm_;
+    plan.columns = {{"source", source_}};
     ASSERT_TRUE(formats::WritePly(folder_ / "path.ply", plan));
     glass.points_mm = cracks_mm_;
-    glass.columns = {{"tick", ticks_}};
+    std::vector<std::uint8_t> channels = channels_;
+    channels.resize(cracks_mm_.size(), 0);
+    glass.columns = {{"tick", ticks_}, {"channel", channels}};
     ASSERT_TRUE(formats::WritePly(folder_ / "glass.ply", glass));
   }
   JobReport Verified() const {
@@ -112,6 +118,8 @@ class ProofFolderTest : public ::testing::Test {
   fs::path folder_;
   FrozenJob frozen_;
   PointList plan_mm_, cracks_mm_;
+  std::vector<std::uint32_t> source_;
+  std::vector<std::uint8_t> channels_;
   std::vector<double> ticks_;
   std::vector<PointOutcome> outcomes_;
 };
@@ -217,6 +225,70 @@ TEST_F(ProofFolderTest, WhatIsNotThereOrNotWhatItShouldBeIsNamed) {
   EXPECT_THAT(no_tick.error().message, HasSubstr("no column 'tick'"));
 }
 
+/// Two blocks: the upper layer in both, the lower in the second alone.
+class ProofOfTwoBlocksTest : public ProofFolderTest {
+ protected:
+  ProofOfTwoBlocksTest() {
+    JobSpec& job = *frozen_.mutable_job();
+    job.mutable_laser()->add_channels(2);
+    job.add_models()->add_channels(2);
+    job.add_models();
+    job.mutable_models(1)->add_channels(1);
+    job.mutable_models(1)->add_channels(2);
+    source_ = {0, 0, 1, 1};
+    cracks_mm_ = {plan_mm_[0], plan_mm_[1], plan_mm_[2],
+                  plan_mm_[2], plan_mm_[3], plan_mm_[3]};
+    channels_ = {1, 1, 0, 1, 0, 1};
+    ticks_ = {1000, 1002, 1004, 1004, 1006, 1006};
+  }
+};
+
+TEST_F(ProofOfTwoBlocksTest, EachHoldsItsOwn) {
+  const JobReport report = Verified();
+  EXPECT_TRUE(report.verdict().good()) << SummaryOf(report);
+  EXPECT_EQ(report.points().made(), 4u);
+  ASSERT_EQ(report.channels_size(), 2);
+  EXPECT_EQ(report.channels(0).channel(), 1u);
+  EXPECT_EQ(report.channels(0).planned(), 2u);
+  EXPECT_EQ(report.channels(0).made(), 2u);
+  EXPECT_EQ(report.channels(1).planned(), 4u);
+  EXPECT_EQ(report.channels(1).made(), 4u);
+  EXPECT_THAT(SummaryOf(report), HasSubstr("channel 2   4 planned, 4 made"));
+}
+
+TEST_F(ProofOfTwoBlocksTest, ACrackInTheWrongBlockIsStray) {
+  channels_[0] = 0;
+  const JobReport report = Verified();
+  EXPECT_FALSE(report.verdict().good());
+  EXPECT_EQ(report.points().stray(), 1u);
+  EXPECT_EQ(report.points().unaccounted(), 1u) << "made, says the journal";
+  EXPECT_EQ(report.channels(0).stray(), 1u);
+  EXPECT_EQ(report.channels(1).made(), 3u);
+}
+
+TEST_F(ProofOfTwoBlocksTest, APointThatOneBlockLacksIsNotMade) {
+  cracks_mm_.pop_back();
+  ticks_.pop_back();
+  const JobReport report = Verified();
+  EXPECT_FALSE(report.verdict().good());
+  EXPECT_EQ(report.points().made(), 3u);
+  EXPECT_EQ(report.channels(0).made(), 2u);
+  EXPECT_EQ(report.channels(1).made(), 3u);
+}
+
+// One above the other, in different blocks; then in the same.
+TEST_F(ProofOfTwoBlocksTest, OnlyCracksOfTheSameBlockAreInTheWay) {
+  frozen_.mutable_job()->mutable_models(1)->clear_channels();
+  frozen_.mutable_job()->mutable_models(1)->add_channels(1);
+  cracks_mm_ = {plan_mm_[2], plan_mm_[3], plan_mm_[0], plan_mm_[1]};
+  channels_ = {0, 0, 1, 1};
+  ticks_ = {1000, 1002, 1004, 1006};
+  EXPECT_EQ(Verified().shadow_violations(), 0u);
+  frozen_.mutable_job()->mutable_models(1)->set_channels(0, 2);
+  channels_ = {1, 1, 1, 1};
+  EXPECT_EQ(Verified().shadow_violations(), 2u);
+}
+
 TEST_F(ProofFolderTest, IsMadeFromTheCellsFilesAndReadsBackTheSame) {
   const fs::path cell = folder_ / "cell";
   fs::create_directories(cell);
@@ -224,6 +296,7 @@ TEST_F(ProofFolderTest, IsMadeFromTheCellsFilesAndReadsBackTheSame) {
   WriteJournal(cell / "journal.bin");
   formats::PointTable plan;
   plan.points_mm = plan_mm_;
+  plan.columns = {{"source", source_}};
   ASSERT_TRUE(formats::WritePly(cell / "path.ply", plan));
   std::vector<std::byte> record =
       formats::EncodeGlassHeader({Vec3(20, 20, 20), 1.5, 0.1});

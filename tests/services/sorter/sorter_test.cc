@@ -152,6 +152,33 @@ TEST_F(SorterTest, OrdersTheCloudWithoutShadows) {
   EXPECT_NEAR(end->outcome.sort().travel_mm(), travel_mm, 1e-6);
 }
 
+// One model in two blocks, the other in one of them.
+TEST_F(SorterTest, OrdersByChannelsWithFewChanges) {
+  JobSpec spec = SortSpec();
+  spec.add_models()->set_file("/nowhere/ball.stl");
+  spec.mutable_laser()->add_channels(1);
+  spec.mutable_laser()->add_channels(2);
+  spec.mutable_models(1)->add_channels(2);
+  const PointCloud cloud = RandomCloud(3000);
+  OpenPath("channels");
+  shop.Give(FrozenJobOf("channels", spec), 1, "synchronizer");
+  ASSERT_TRUE(shop.AwaitHealth(intaglio_HEALTH_BUSY));
+  const auto ordered = Stream("channels", cloud, true);
+  ASSERT_TRUE(ordered) << ordered.error().message;
+  EXPECT_EQ(Rows(*ordered), Rows(cloud));
+  // All are in the second block: none is made through an earlier crack.
+  EXPECT_EQ(ShadowViolations(ordered->points_mm, 0.1), 0u);
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < ordered->size(); ++i) {
+    changes += ordered->source[i] != ordered->source[i - 1] ? 1 : 0;
+  }
+  const auto end = shop.AwaitEnd("channels", 1);
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->outcome.sort().shadow_violation_count(), 0u);
+  EXPECT_EQ(end->outcome.sort().shutter_change_count(), changes);
+  EXPECT_LT(changes, 40u) << "of 3000 points, every other one of the other channels";
+}
+
 TEST_F(SorterTest, StreamsMoreThanItsCreditWithoutLoss) {
   const PointCloud cloud = RandomCloud(60'000);  // 8 batches under a window of 2
   OpenPath("long");

@@ -1,0 +1,146 @@
+// Four blocks at once: the example as a user types it, and the glass of each channel
+// counted here again, with nothing of the product's own proof.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "engrave/formats/glass_record.h"
+#include "engrave/formats/point_file.h"
+#include "proto/report.pb.h"
+#include "tests/integration/run_program.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::Ended;
+using testing::Eventually;
+using testing::FreshFolder;
+using ::testing::HasSubstr;
+using testing::ProcessesWith;
+using testing::Program;
+using testing::Running;
+
+constexpr auto kBound = 90s;
+constexpr std::uint32_t kChannels = 4;
+// The machine's tolerance is 30 um.
+constexpr double kNearMm = 0.03;
+
+class FourBlocks : public ::testing::Test {
+ protected:
+  FourBlocks()
+      : folder_(FreshFolder(
+            std::string("four_blocks_") +
+            ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
+
+  std::vector<std::string> Arguments(std::vector<std::string> more) const {
+    const fs::path job =
+        fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/four_blocks.textproto";
+    std::vector<std::string> words = {"run",         job.string(),
+                                      "--out",       (folder_ / "out").string(),
+                                      "--materials", (folder_ / "materials.db").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  JobReport Report() const {
+    std::ifstream in(folder_ / "out/report.json");
+    std::ostringstream text;
+    text << in.rdbuf();
+    JobReport report;
+    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text.str(), &report).ok());
+    return report;
+  }
+
+  /// The first model is in all blocks, the others in one each. Every crack of a block is
+  /// at a point of it, and every point has one.
+  void ExpectEachBlockHoldsItsOwn() const {
+    const auto glass = formats::ReadPly(folder_ / "out/glass.ply");
+    const auto path = formats::ReadPly(folder_ / "out/path.ply");
+    ASSERT_TRUE(glass && path);
+    const auto& source = *path->Find<std::uint32_t>("source");
+    const auto& channel = *glass->Find<std::uint8_t>("channel");
+    for (std::uint32_t block = 0; block < kChannels; ++block) {
+      PointList planned_mm, cracks_mm;
+      bool named = false;
+      for (std::size_t i = 0; i < source.size(); ++i) {
+        if (source[i] != 0 && source[i] != block + 1) continue;
+        named = named || source[i] != 0;
+        planned_mm.push_back(path->points_mm[i]);
+      }
+      for (std::size_t i = 0; i < channel.size(); ++i) {
+        if (channel[i] == block) cracks_mm.push_back(glass->points_mm[i]);
+      }
+      EXPECT_TRUE(named);
+      ASSERT_EQ(cracks_mm.size(), planned_mm.size()) << "channel " << block + 1;
+      std::vector<int> cracks_of(planned_mm.size(), 0);
+      for (const Vec3& crack : cracks_mm) {
+        const auto at =
+            std::find_if(planned_mm.begin(), planned_mm.end(),
+                         [&](const Vec3& p) { return (p - crack).norm() < kNearMm; });
+        ASSERT_NE(at, planned_mm.end()) << "a stray crack in channel " << block + 1;
+        ++cracks_of[static_cast<std::size_t>(at - planned_mm.begin())];
+      }
+      EXPECT_EQ(std::count(cracks_of.begin(), cracks_of.end(), 1),
+                static_cast<std::ptrdiff_t>(cracks_of.size()))
+          << "channel " << block + 1;
+    }
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(FourBlocks, HoldTheSameKnotAndANameEach) {
+  Running run(Program("intaglio"), Arguments({"--lockstep"}), folder_ / "output.txt");
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time);
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  const JobReport report = Report();
+  EXPECT_TRUE(report.verdict().good());
+  EXPECT_EQ(report.shadow_violations(), 0u);
+  EXPECT_GE(report.least_spacing_mm(), 0.25);
+  EXPECT_EQ(report.engrave().run_count(), 5u) << "a run for each set of shutters";
+  EXPECT_EQ(report.sort().shutter_change_count(), 4u);
+  ASSERT_EQ(report.channels_size(), static_cast<int>(kChannels));
+  for (const ChannelCounts& channel : report.channels()) {
+    EXPECT_GT(channel.planned(), 500u);
+    EXPECT_EQ(channel.made(), channel.planned());
+    EXPECT_THAT(ended.output, HasSubstr("channel " + std::to_string(channel.channel())));
+  }
+  ExpectEachBlockHoldsItsOwn();
+}
+
+// The one who has the masks in its head dies; the next one has them from the disk.
+TEST_F(FourBlocks, TakenUpByAnotherSynchronizerNoneGetsWhatIsNotItsOwn) {
+  Running run(Program("intaglio"),
+              Arguments({"--speed", "4", "--warm-up", "0", "--spacing", "0.8"}),
+              folder_ / "output.txt");
+  for (const std::size_t cracks : {30U, 250U}) {
+    ASSERT_TRUE(Eventually(
+        [&] {
+          const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
+          return glass && glass->cracks.size() >= cracks;
+        },
+        40s))
+        << run.Output();
+    const auto victims =
+        ProcessesWith({"intaglio-synchronizer", "run-" + std::to_string(run.pid())});
+    ASSERT_EQ(victims.size(), 1u);
+    kill(victims[0], SIGKILL);
+  }
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time) << ended.output;
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("synchronizer has ended by itself"));
+  EXPECT_TRUE(Report().verdict().good());
+  ExpectEachBlockHoldsItsOwn();
+}
+
+}  // namespace
+}  // namespace intaglio
