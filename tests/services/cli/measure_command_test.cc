@@ -114,6 +114,42 @@ TEST_F(MeasureCommand, TakesTheJobForItsModelsAndSpacing) {
   EXPECT_THAT(out_, HasSubstr("\nsurface.triangle_count,12\n"));
 }
 
+// Two cubes in one place, but in different blocks.
+TEST_F(MeasureCommand, OfSeveralBlocksItMeasuresTheOneAskedFor) {
+  const std::string model = "models { file: \"cube.obj\" placement { fit_size_mm: 10 } ";
+  std::ofstream(folder_ / "job.textproto")
+      << "name: \"cubes\" " << model << "channels: 1 } " << model << "channels: 2 }\n"
+      << "block { size_mm { x: 20 y: 20 z: 20 } } glass: \"N-BK7\"\n"
+         "discretization { min_spacing_mm: 0.5 } laser { channels: [1, 2] }\n"
+         "machine_file: \"" INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto\"\n";
+  const PointList one_mm = points_.points_mm;
+  std::vector<std::uint32_t> source(one_mm.size(), 0);
+  std::vector<std::uint8_t> channel(one_mm.size(), 0);
+  points_.points_mm.push_back(one_mm[0]);
+  source.push_back(1);
+  channel.push_back(1);
+  points_.points_mm.push_back(one_mm[1]);
+  source.push_back(1);
+  channel.push_back(1);
+  const std::vector<std::string> job = {"--job", (folder_ / "job.textproto").string()};
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), job.begin(), job.end());
+    return Run(more);
+  };
+  for (const bool cracks : {false, true}) {
+    points_.columns = {{"source", source}};
+    if (cracks) points_.columns = {{"channel", channel}};
+    EXPECT_EQ(run({}), 2);
+    EXPECT_THAT(err_, HasSubstr("--channel: is missing"));
+    EXPECT_EQ(run({"--channel", "1", "--csv"}), 0) << err_ << out_;
+    EXPECT_THAT(out_, HasSubstr("\nsurface.triangle_count,12\n")) << "of one cube";
+    EXPECT_EQ(run({"--channel", "2", "--csv"}), 0) << err_;
+    EXPECT_THAT(out_, HasSubstr("point_count,2\n"));
+    EXPECT_EQ(run({"--channel", "3"}), 2);
+    EXPECT_THAT(err_, HasSubstr("3 has no points"));
+  }
+}
+
 TEST_F(MeasureCommand, DrawsThePicture) {
   EXPECT_EQ(Run({"--picture", (folder_ / "map.png").string(), "--spacing", "0.5"}), 0);
   EXPECT_GT(fs::file_size(folder_ / "map.png"), 10000u);

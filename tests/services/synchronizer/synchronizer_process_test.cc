@@ -89,6 +89,7 @@ class WithAJob : public SynchronizerProcess {
     SynchronizerProcess::SetUp();
     formats::PointTable path;
     for (int i = 0; i < 20; ++i) path.points_mm.push_back(Vec3(5 + 0.5 * i, 5, 5));
+    path.columns = {{"source", std::vector<std::uint32_t>(20, 0)}};
     ASSERT_TRUE(formats::WritePly(folder_ / "path.ply", path));
   }
   void StartBridge() {
