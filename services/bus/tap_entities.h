@@ -28,7 +28,8 @@ struct TopicTap::Impl {
   };
   struct Domain {
     DomainKind kind{};
-    std::int32_t participant = 0, subscriber = 0, writers = 0;  // writers: built-in topic
+    std::int32_t participant = 0, writers = 0;  // writers: built-in topic
+    std::int32_t subscriber = 0, unparted = 0;  // of every partition; of none
     std::set<std::string> tapped;
     std::map<std::string, int> tries;  // of topics whose type is not known yet
   };

@@ -75,6 +75,32 @@ TEST_F(SecuredShop, EngravesAWholeJob) {
   EXPECT_TRUE(fs::exists(folder_ / "out" / "report.json"));
 }
 
+// The recorder's identity writes nothing but its health, and hears everything.
+TEST_F(SecuredShop, RecordsEverythingAndReplaysAsWhoMayWriteIt) {
+  const std::string session = (folder_ / "out" / "session.mcap").string();
+  ASSERT_EQ(Type(As(keys_.string(), {"run", kSample, "--height", "5", "--lockstep",
+                                     "--out", (folder_ / "out").string()}))
+                .exit_code,
+            0);
+  const Ended list = Type({"recording", "list", session});
+  for (const char* topic :
+       {"JobSubmission", "JobStatus", "EngraveTask", "TaskStatus", "Permission",
+        "MotionSegmentBatch", "PulseEventBatch", "ModelChunk", "PointBatch", "PathBatch"})
+    EXPECT_THAT(list.output, HasSubstr(topic));
+  EXPECT_THAT(Type({"recording", "info", session}).output,
+              ::testing::Not(HasSubstr("missing")));
+  for (const char* service : {"discretizer", "sorter", "synchronizer"})
+    EXPECT_EQ(Type({"replay", session, "--against", service}).exit_code, 0) << service;
+  const std::vector<std::string> play = {"replay", session, "--fast", "--topic",
+                                         "LampSync"};
+  EXPECT_EQ(Type(As((keys_ / "cell-els-03").string(), play)).exit_code, 0);
+  for (const char* reader : {"observer", "recorder"}) {
+    const Ended refused = Type(As((keys_ / reader).string(), play));
+    EXPECT_NE(refused.exit_code, 0) << reader;
+    EXPECT_THAT(refused.output, HasSubstr("permissions do not allow"));
+  }
+}
+
 /// Two hosts of their own on this one, and a cable between them; gone with the test.
 class TwoHosts {
  public:
