@@ -84,6 +84,9 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
       "--database",     (options.folder / "jobs.db").string(),
       "--materials-db", options.materials_db.string(),
       "--results",      options.results.string()};
+  if (set.records_) {
+    of_the_queue.insert(of_the_queue.end(), {"--recording", options.recording.string()});
+  }
   // Whose word a machine waits for less than a tenth of a second.
   if (!lockstep) {
     at_the_machine.push_back("--real-time");

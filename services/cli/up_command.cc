@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -16,6 +17,7 @@
 #include "services/cli/job_options.h"
 #include "services/cli/run_command.h"
 #include "services/cli/service_set.h"
+#include "services/host/utc_time.h"
 
 namespace intaglio::cli {
 namespace {
@@ -34,6 +36,7 @@ struct UpOptions {
   std::vector<std::string> without;
   bool real_machine = false;
   bool lockstep = false;
+  bool record = false;
   double speed = 1;
   double clock_drift_ppm = 0;
   double line_jitter_ms = 0;
@@ -83,6 +86,19 @@ Status CheckNobodyServes(const JobClient& client, const ServiceSetOptions& set) 
   return {};
 }
 
+/// A file for each time that the shop is open.
+Result<fs::path> NewRecording(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return Fail(ErrorCode::kIo, fmt::format("cannot make the folder {}: {}",
+                                            folder.string(), error.message()));
+  }
+  std::string name = host::UtcText(std::chrono::system_clock::now());
+  std::replace(name.begin(), name.end(), ':', '-');
+  return folder / (name + ".mcap");
+}
+
 int Up(const UpOptions& options) {
   CatchInterrupts();
   const auto file = FindMachineFile(options.machine);
@@ -100,6 +116,11 @@ int Up(const UpOptions& options) {
   set.without = {options.without.begin(), options.without.end()};
   const auto lock = FolderLock::Take(set.folder);
   if (!lock) return Complain(lock.error(), kExitWrongInput);
+  if (options.record) {
+    const auto recording = NewRecording(set.folder / "recordings");
+    if (!recording) return Complain(recording.error(), kExitWrongInput);
+    set.recording = *recording;
+  }
   bus::Bus bus(set.bus);
   JobClient client(bus);
   client.PollUntil([] { return false; }, bus.discovery_time());
@@ -151,6 +172,8 @@ void AddUpCommand(CLI::App& app, std::function<int()>& selected) {
   up->add_option("--materials", options->materials_db,
                  "material base, default the user's");
   up->add_option("--without", options->without, "services that run elsewhere");
+  up->add_flag("--record", options->record,
+               "keep all that is said in a file of the folder's recordings");
   up->add_flag("--real-machine", options->real_machine,
                "no virtual engraver: the profile's serial devices are used");
   auto* lockstep = up->add_flag("--lockstep", options->lockstep,

@@ -58,7 +58,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
     : options_(options),
       store_(options.database),
       materials_(OpenMaterials(options.materials)),
-      statistics_(store_),
+      statistics_(store_, options.recording.string()),
       epoch_(store_.BeginRun()),
       submissions_(host.bus(), bus::kJobSubmission),
       commands_(host.bus(), bus::kJobCommand),

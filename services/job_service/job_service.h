@@ -24,6 +24,9 @@ struct JobServiceOptions {
   std::filesystem::path database;   ///< the queue; made when it is not there
   std::filesystem::path materials;  ///< the material base
   std::filesystem::path results;    ///< a job's results go to results/<job_uid>/
+  /// Where all that is said is recorded: what the history names for a job that has no
+  /// recording of its own. Empty: nowhere.
+  std::filesystem::path recording;
 };
 
 class JobService : private JobActions {

@@ -75,6 +75,8 @@ int main(int argc, char** argv) {
             ->capture_default_str();
         app.add_option("--results", options.results, "folder of the jobs' results")
             ->required();
+        app.add_option("--recording", options.recording,
+                       "where the shop is recorded, for the history");
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);

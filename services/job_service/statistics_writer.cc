@@ -38,8 +38,10 @@ Status WriteStatistics(const JobStatistics& statistics) {
 
 }  // namespace
 
-StatisticsWriter::StatisticsWriter(JobStore& store)
-    : store_(store), thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+StatisticsWriter::StatisticsWriter(JobStore& store, std::string recording)
+    : store_(store),
+      recording_(std::move(recording)),
+      thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 
 StatisticsWriter::~StatisticsWriter() {
   thread_.request_stop();
@@ -62,7 +64,9 @@ void StatisticsWriter::Ended(const JobRecord& job) {
   const fs::path folder = job.result_directory;
   std::string report = FindFile(folder, "/report.json");
   if (report.empty()) report = (folder / kFile).string();
-  store_.KeepVerdict(job.uid, report, FindFile(folder, ".mcap"));
+  std::string recording = FindFile(folder, ".mcap");
+  if (recording.empty()) recording = recording_;
+  store_.KeepVerdict(job.uid, report, recording);
   Write(job);
   written_.erase(job.uid);
 }

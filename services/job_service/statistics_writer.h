@@ -22,8 +22,8 @@ namespace intaglio::job_service {
 
 class StatisticsWriter {
  public:
-  /// `store` has to outlive this.
-  explicit StatisticsWriter(JobStore& store);
+  /// `store` has to outlive this. `recording`: of jobs without one in their folder.
+  StatisticsWriter(JobStore& store, std::string recording);
   /// What was told before is on the disk when this returns.
   ~StatisticsWriter();
 
@@ -41,6 +41,7 @@ class StatisticsWriter {
   void Run(const std::stop_token& stop);
 
   JobStore& store_;
+  std::string recording_;
   std::map<std::string, std::chrono::steady_clock::time_point> written_;  // by job
   std::mutex mutex_;
   std::condition_variable_any wake_;

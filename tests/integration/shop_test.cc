@@ -29,7 +29,7 @@ class Shop : public ::testing::Test {
         Program("intaglio"),
         With({"up", "--folder", (folder_ / "shop").string(), "--materials",
               (folder_ / "materials.db").string(), "--speed", "20", "--block", "50", "50",
-              "30"}),
+              "30", "--record"}),
         folder_ / "up.txt");
   }
 
@@ -122,6 +122,25 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
   const Ended ended = up_->WaitForEnd(15s);
   EXPECT_TRUE(ended.in_time);
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
+}
+
+TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {
+  const std::string job = Submit({"--arm"});
+  ASSERT_TRUE(RunsTo(job, "done")) << last_;
+  Running asked(Program("intaglio"),
+                {"history", "--folder", (folder_ / "shop").string(), "--json"},
+                folder_ / "history.txt");
+  const Ended history = asked.WaitForEnd(30s);
+  ASSERT_EQ(history.exit_code, 0) << history.output;
+  std::smatch name;
+  ASSERT_TRUE(std::regex_search(history.output, name,
+                                std::regex("\"recording\": *\"([^\"]+mcap)\"")))
+      << history.output;
+  up_.reset();  // what is said last is in it once the shop is closed
+  Running info(Program("intaglio"), {"recording", "info", name[1]}, folder_ / "info.txt");
+  const Ended told = info.WaitForEnd(30s);
+  EXPECT_EQ(told.exit_code, 0) << told.output;
+  EXPECT_THAT(told.output, HasSubstr("frozen_job.binpb"));
 }
 
 TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {
