@@ -42,6 +42,10 @@ Status PathIntake::Poll() {
   return status;
 }
 
+void PathIntake::Drop() {
+  reader_.Take([](const intaglio_PathBatch&) {});
+}
+
 Status PathIntake::Accept(const intaglio_PathBatch& batch) {
   const auto x = bus::View(batch.x_mm), y = bus::View(batch.y_mm),
              z = bus::View(batch.z_mm);

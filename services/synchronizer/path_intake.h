@@ -20,6 +20,9 @@ class PathIntake {
   Status Open(const std::string& job_uid, std::uint32_t attempt);
   /// Takes what has come. kFault when a batch is missing or its columns disagree.
   Status Poll();
+  /// Takes what comes when none is wanted, be it the word that a sorter has gone: left
+  /// untaken it would wake the loop again and again.
+  void Drop();
   /// Tells the sorter that no more is wanted.
   void Close();
 

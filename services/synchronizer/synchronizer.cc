@@ -63,7 +63,11 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   TakeMotion(now);
   TakePositions();
   TakeTasks();
-  if (job_ && !engraving_) TakePath();
+  if (job_ && !engraving_) {
+    TakePath();
+  } else {
+    intake_.Drop();
+  }
   if (engraving_) Engrave(now);
   publisher_.TellLaser(laser_, stop_, now);
   publisher_.Flush(now, false);
