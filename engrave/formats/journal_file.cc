@@ -59,7 +59,8 @@ std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
                        Get<std::uint32_t>(bytes, 4),
                        Get<std::uint64_t>(bytes, 8),
                        point,
-                       Get<std::uint32_t>(bytes, 24)};
+                       Get<std::uint32_t>(bytes, 24),
+                       Get<std::uint32_t>(bytes, 20)};
 }
 
 }  // namespace
@@ -86,6 +87,7 @@ std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
   Put<std::uint32_t>(bytes, 4, record.run);
   Put<std::uint64_t>(bytes, 8, record.tick);
   Put<std::uint32_t>(bytes, 16, record.point);
+  Put<std::uint32_t>(bytes, 20, record.openings);
   Put<std::uint32_t>(bytes, 24, record.pulse_count);
   Put<std::uint32_t>(bytes, 28, Crc(std::span(bytes).first(28)));
   return bytes;

@@ -23,11 +23,12 @@
 //        4     4  run
 //        8     8  tick
 //       16     4  point: place in the order
-//       20     4  zero
+//       20     4  kind session: times an interlock was opened; else zero
 //       24     4  pulses counted by the controller
 //       28     4  CRC-32 of bytes 0..27
-// A record of kind session has at 16 the controller's power-up, and at 24 the pulses that
-// it had counted and that are not this job's. All numbers little endian.
+// A record of kind session has at 16 the controller's power-up, at 24 the pulses that it
+// had counted and that are not this job's, and at 20 how often key, door or stop button
+// had been opened since that power-up. All numbers little endian.
 
 #include <array>
 #include <cstddef>
@@ -68,6 +69,7 @@ struct JournalRecord {
   std::uint64_t tick = 0;
   std::uint32_t point = 0;  ///< kSession: power-up
   std::uint32_t pulse_count = 0;
+  std::uint32_t openings = 0;  ///< kSession alone
   bool operator==(const JournalRecord&) const = default;
 };
 

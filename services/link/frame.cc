@@ -11,7 +11,7 @@ namespace intaglio::link {
 namespace {
 
 constexpr std::byte kSync0{0xA5}, kSync1{0x5A};
-constexpr std::uint8_t kVersion = 2;
+constexpr std::uint8_t kVersion = 3;
 constexpr std::size_t kHeaderSize = 16;
 
 template <typename T>

@@ -168,6 +168,7 @@ Bytes Encode(const LaserStatus& m) {
   out.Put(m.last_fired_tick);
   out.Put(m.decided_through);
   out.Put(m.disarms_taken);
+  out.Put(m.openings);
   return out.Take();
 }
 
@@ -185,6 +186,7 @@ Result<LaserStatus> Decode(std::span<const std::byte> payload) {
   m.last_fired_tick = in.Get<std::uint64_t>();
   m.decided_through = in.Get<std::uint64_t>();
   m.disarms_taken = in.Get<std::uint32_t>();
+  m.openings = in.Get<std::uint32_t>();
   if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0 ||
       !(m.warm_ratio >= 0 && m.warm_ratio <= 1) || m.interlocks > kAllInterlocks ||
       m.shutters_open > kAllShutters) {

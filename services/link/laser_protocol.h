@@ -87,6 +87,9 @@ struct LaserStatus {
   /// kDisarm frames taken in this session: a status that counts the newest one tells for
   /// certain which of the armed ticks never fired.
   std::uint32_t disarms_taken = 0;
+  /// How often key, door or the stop button let go since power-up: somebody may have
+  /// reached into the machine while nobody listened, or between two statuses.
+  std::uint32_t openings = 0;
 };
 // The pulse reports of every tick up to and with LaserStatus::tick are sent before it.
 

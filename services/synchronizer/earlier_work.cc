@@ -36,6 +36,7 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
     if (record.kind != JournalKind::kSession) continue;
     earlier.power_up = record.point;
     earlier.pulses_before_job = record.pulse_count;
+    earlier.openings = record.openings;
   }
   return earlier;
 }

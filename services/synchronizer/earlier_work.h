@@ -18,6 +18,7 @@ struct EarlierWork {
   std::vector<formats::PointHistory> points;
   std::uint32_t power_up = 0;  ///< of the controller, at the newest session; 0: none
   std::uint32_t pulses_before_job = 0;  ///< that it had counted by then, modulo 2^32
+  std::uint32_t openings = 0;           ///< of interlocks, that had been seen by then
   std::uint32_t highest_run = 0;
   std::uint64_t damaged_records = 0;
 };

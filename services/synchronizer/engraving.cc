@@ -200,6 +200,10 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   (void)laser_.RequestStatus();
   const link::LaserStatus& status = laser_.status();
   if (!started() || power_up_ != laser_.identity().power_up) TakeCounters();
+  if (openings_accepted_ != openings_) {
+    openings_accepted_ = openings_;
+    TellSession();
+  }
   session_ = laser_.session();
   run_ = std::max(run_, inputs.motion.highest_run) + 1;
   ++run_count_;

@@ -136,6 +136,7 @@ class Engraving {
   void LeaveSafeState(const EngravingInputs& inputs);
   void LightLamp(const EngravingInputs& inputs);
   void TurnChain(const EngravingInputs& inputs);
+  bool WasOpened(const ChainLinks& links);
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);
@@ -161,6 +162,7 @@ class Engraving {
   void AskForThePast();
   void CompareCounters();
   void TakeCounters();
+  void TellSession();
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
   void AwaitShutter(const EngravingInputs& inputs);
   void KeepIdleTicksPassing();
@@ -218,6 +220,9 @@ class Engraving {
   // Both modulo 2^32: what the controller counted before, and what it made for us.
   std::uint32_t pulses_before_job_ = 0;
   std::uint32_t fired_count_ = 0;
+  // Of interlocks: acted on, in which power-up (0: none yet), and those that a run was
+  // begun in spite of, which are what later lives need not ask about.
+  std::uint32_t openings_ = 0, openings_power_up_ = 0, openings_accepted_ = 0;
   std::uint64_t uncertain_before_halt_ = 0;
   std::uint64_t settled_by_memory_ = 0;
   std::uint64_t first_fired_tick_ = 0;

@@ -15,6 +15,9 @@ constexpr auto kSettleTimeout = 2s;
 // Passes in a row that were broken off over a skipped point before they made any.
 constexpr int kMaxFruitlessRuns = 5;
 constexpr auto kRequestPeriod = 20ms;
+constexpr const char* kOpenedUnseen =
+    "key, door or stop button was opened while nobody watched: look at the block, then "
+    "resume or cancel";
 
 SkipReason ReasonOf(Missing missing) {
   switch (missing) {
@@ -128,11 +131,34 @@ void Engraving::TurnChain(const EngravingInputs& inputs) {
   ChainLinks links = LinksOf(inputs);
   // An arm is heard when there is somebody to act on it: a Reset is sent between runs.
   if (phase_ == Phase::kHalting) links.permission_fresh = false;
+  const bool opened = WasOpened(links);
+  if (opened) links.door_closed = false;
   const Missing missing = chain_.Turn(links, inputs.now);
+  if (opened && missing != Missing::kNothing && !stopping_) {
+    if (phase_ == Phase::kRunning) return Halt(missing, kOpenedUnseen, true);
+    starts_again_ = lost_a_line_ = false;
+    message_ = kOpenedUnseen;
+    return;
+  }
   // kRunning halts by itself.
   if (missing == Missing::kNothing || phase_ == Phase::kRunning || stopping_) return;
   starts_again_ = lost_a_line_ = false;
   message_ = TextOf(missing);
+}
+
+// Opened while nobody listened to the machine, or for less than a status: what is seen to
+// be open is none of this. A job that is taken up waits for its grant, which is what an
+// opening costs; a new power-up counts from the beginning.
+bool Engraving::WasOpened(const ChainLinks& links) {
+  if (!links.laser_line_up || (taken_up_ && links.grant.number == 0)) return false;
+  const std::uint32_t power_up = laser_.identity().power_up;
+  const std::uint32_t told = laser_.status().openings;
+  const std::uint32_t known = openings_power_up_ == power_up ? openings_
+                              : openings_power_up_ != 0      ? 0
+                                                             : told;
+  openings_ = told;
+  openings_power_up_ = power_up;
+  return told != known && links.key_on && links.door_closed && links.stop_released;
 }
 
 // Outside a run no shutter is open, whatever happened before.

@@ -30,6 +30,8 @@ void Engraving::TakeUp() {
   run_ = earlier.highest_run;
   power_up_ = earlier.power_up;
   pulses_before_job_ = earlier.pulses_before_job;
+  openings_ = openings_accepted_ = earlier.openings;
+  openings_power_up_ = power_up_;
   std::vector<PulseResult> armed;
   for (std::uint32_t point = 0; point < earlier.points.size(); ++point) {
     const formats::PointHistory& history = earlier.points[point];
@@ -123,15 +125,19 @@ void Engraving::CompareCounters() {
 void Engraving::TakeCounters() {
   const std::uint32_t before =
       static_cast<std::uint32_t>(laser_.status().pulse_count) - fired_count_;
-  if (power_up_ == laser_.identity().power_up && pulses_before_job_ == before &&
-      session_told_) {
-    return;
-  }
-  session_told_ = true;
+  const bool same_power_up = power_up_ == laser_.identity().power_up;
+  if (same_power_up && pulses_before_job_ == before && session_told_) return;
+  if (!same_power_up) openings_accepted_ = 0;
   power_up_ = laser_.identity().power_up;
   pulses_before_job_ = before;
+  TellSession();
+}
+
+void Engraving::TellSession() {
+  session_told_ = true;
   journal_.Append({JournalKind::kSession, PointOutcome::kNone, 0, run_,
-                   laser_.status().tick, power_up_, pulses_before_job_});
+                   laser_.status().tick, power_up_, pulses_before_job_,
+                   openings_accepted_});
 }
 
 }  // namespace intaglio::synchronizer

@@ -50,7 +50,7 @@ void Laser::Disarm() {
 }
 
 void Laser::Reset() {
-  if (!stop_pressed_) stop_latched_ = false;
+  if (stop_released_) stop_latched_ = false;
   if (!stop_latched_) safe_state_ = false;
 }
 
@@ -60,8 +60,13 @@ void Laser::NewSession() {
   reports_.clear();
 }
 
+void Laser::Set(bool& holds, bool now) {
+  if (holds && !now) ++openings_;
+  holds = now;
+}
+
 void Laser::SetStopButton(bool pressed) {
-  stop_pressed_ = pressed;
+  Set(stop_released_, !pressed);
   if (pressed) Stop();
 }
 
@@ -73,7 +78,7 @@ void Laser::EnterSafeState() {
 }
 
 bool Laser::interlocked() const {
-  return !key_on_ || !door_closed_ || stop_pressed_ || stop_latched_ || safe_state_;
+  return !key_on_ || !door_closed_ || !stop_released_ || stop_latched_ || safe_state_;
 }
 
 TickOutcome Laser::OutcomeAt(bool armed, bool gated, bool in_position) const {
@@ -156,7 +161,7 @@ link::LaserStatus Laser::Report() const {
   };
   set(key_on_, link::kKeyOn);
   set(door_closed_, link::kDoorClosed);
-  set(!stop_pressed_ && !stop_latched_, link::kStopReleased);
+  set(stop_released_ && !stop_latched_, link::kStopReleased);
   set(lamp_on_, link::kLampOn);
   set(lamp_on_ && lamp_s_ >= options_.warm_up_s, link::kLampWarm);
   set(safe_state_, link::kSafeState);
@@ -165,6 +170,7 @@ link::LaserStatus Laser::Report() const {
   status.last_fired_tick = last_fired_tick_;
   status.decided_through = decided_through_;
   status.disarms_taken = disarms_taken_;
+  status.openings = openings_;
   return status;
 }
 

@@ -43,8 +43,8 @@ class Laser {
   void NewSession();
 
   // From the machine.
-  void SetKey(bool on) { key_on_ = on; }
-  void SetDoor(bool closed) { door_closed_ = closed; }
+  void SetKey(bool on) { Set(key_on_, on); }
+  void SetDoor(bool closed) { Set(door_closed_, closed); }
   void SetStopButton(bool pressed);
   /// The lamp has gone cold: it warms up from the beginning, if it burns.
   void CoolLamp() { lamp_s_ = 0; }
@@ -72,6 +72,8 @@ class Laser {
   link::PastReport Past(const link::PastRequest& asked) const;
 
  private:
+  /// One of the interlocks, counted when it lets go.
+  void Set(bool& holds, bool now);
   bool interlocked() const;
   link::TickOutcome OutcomeAt(bool armed, bool gated, bool in_position) const;
   void Note(std::uint64_t tick, link::TickOutcome outcome);
@@ -84,12 +86,12 @@ class Laser {
   bool lamp_on_ = false;
   double lamp_s_ = 0;
   std::uint8_t shutters_ = 0;
-  bool key_on_ = true, door_closed_ = true, stop_pressed_ = false;
+  bool key_on_ = true, door_closed_ = true, stop_released_ = true;
   bool stop_latched_ = false, safe_state_ = false;
   std::uint64_t decided_through_ = 0;
   std::deque<link::ArmWindow> windows_;
   std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;
-  std::uint32_t disarms_taken_ = 0;
+  std::uint32_t disarms_taken_ = 0, openings_ = 0;
   std::vector<link::PulseReport> reports_;
   // Outcome of tick t at t modulo the size.
   std::array<link::TickOutcome, link::kRememberedTicks> past_{};

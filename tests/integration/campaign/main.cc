@@ -101,6 +101,23 @@ Fault PressAndSetRight(const std::string& wrong, const std::string& right) {
   };
 }
 
+/// The door is opened and shut while nobody lives who could see it.
+void OpenTheDoorUnseen(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
+  const pid_t victim = cell.ProcessOf("intaglio-synchronizer");
+  const auto at = Clock::now();
+  if (victim > 0) kill(victim, SIGKILL);
+  cell.Press("door open");
+  cell.Press("door close");
+  outcome.beam_off_ms = StillAfter(cell, at);
+  const std::size_t cracks = cell.Cracks();
+  usleep(5'000'000);
+  if (cell.Cracks() != cracks) {
+    outcome.verdict.trouble = "it went on without a new arm";
+    return;
+  }
+  outcome.done = cell.AwaitDoneResuming(kBound);
+}
+
 Fault PressForAWhile(const std::string& wrong, const std::string& right) {
   return [wrong, right](CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
     cell.Press(wrong);
@@ -133,6 +150,7 @@ const std::map<std::string, Fault>& Faults() {
       {"freeze-job-service", StopFor("intaglio-job-service")},
       {"emergency-stop", PressAndSetRight("estop press", "estop release")},
       {"door", PressAndSetRight("door open", "door close")},
+      {"door-unseen", OpenTheDoorUnseen},
       {"key", PressAndSetRight("key off", "key on")},
       {"unplug-laser", PressForAWhile("unplug laser", "plug laser")},
       {"unplug-motion", PressForAWhile("unplug motion", "plug motion")},

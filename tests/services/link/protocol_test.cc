@@ -218,6 +218,7 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   EXPECT_EQ(status->machine_us, 47200000u);
   EXPECT_EQ(status->interlocks, 0x1f);
   EXPECT_EQ(status->disarms_taken, 2u);
+  EXPECT_EQ(status->openings, 7u);
   const auto segments = Decode<Segments>(PayloadOf("Segments"));
   ASSERT_TRUE(segments);
   ASSERT_EQ(segments->segments.size(), 2u);

@@ -50,7 +50,7 @@ inline std::vector<SampleFrame> SampleFrames() {
       {"LaserIdentity", laser(LaserFrame::kLaserIdentity),
        Encode(LaserIdentity{0xC0FFEE, true, 4, {50, 100}, "virtual"})},
       {"LaserStatus", laser(LaserFrame::kLaserStatus),
-       Encode(LaserStatus{4720, 47200000, 100, 1, 0x1f, 1, 3, 4719, 4725, 2})},
+       Encode(LaserStatus{4720, 47200000, 100, 1, 0x1f, 1, 3, 4719, 4725, 2, 7})},
       {"PulseReport", laser(LaserFrame::kPulseReport),
        Encode(PulseReport{4711,
                           {TickOutcome::kFiredSeen, TickOutcome::kNotArmed,

@@ -122,6 +122,23 @@ TEST_P(Latch, ALostLineIsNoWayRoundIt) {
   EXPECT_TRUE(EndsWell());
 }
 
+TEST_P(Latch, OpenedWhileTheLineWasDownItStaysOpen) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(10));
+  cell_.CutLine(true);
+  cell_.StepFor(300ms);
+  GetParam().let_go(cell_);
+  cell_.StepFor(300ms);
+  GetParam().hold(cell_);
+  cell_.StepFor(300ms);
+  cell_.CutLine(false);
+  cell_.StepFor(500ms);
+  cell_.RenewGrant();
+  EXPECT_FALSE(FiresWithin(2000ms));
+  cell_.Grant();
+  EXPECT_TRUE(EndsWell());
+}
+
 TEST(EngravingLatch, ALostLineIsGotOverByARenewal) {
   FakeCell cell;
   cell.Grant();

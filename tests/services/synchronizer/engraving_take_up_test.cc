@@ -210,5 +210,31 @@ TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
   }
 }
 
+// Somebody has reached into the machine, and nobody was there to see it.
+TEST(TakenUp, ADoorThatWasOpenedMeanwhileWantsAPerson) {
+  FakeCell cell({.points = kPoints});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(20)) << cell.Description();
+  ++cell.laser.openings;
+  cell.DieAndTakeUp();
+  const std::size_t made = cell.laser.cracks().size();
+  cell.RenewGrant();
+  cell.StepFor(2s);
+  EXPECT_EQ(cell.laser.cracks().size(), made);
+  EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("was opened"));
+  // One who looks away before anybody has come knows no more.
+  cell.DieAndTakeUp();
+  cell.RenewGrant();
+  cell.StepFor(2s);
+  EXPECT_EQ(cell.laser.cracks().size(), made);
+  GoOnToTheEnd(cell);
+  // Told to the journal: it costs one arm only.
+  const formats::Journal journal = *formats::ReadJournal(cell.journal_file);
+  const auto newest = std::find_if(
+      journal.records.rbegin(), journal.records.rend(),
+      [](const auto& record) { return record.kind == JournalKind::kSession; });
+  EXPECT_EQ(newest->openings, cell.laser.openings);
+}
+
 }  // namespace
 }  // namespace intaglio::synchronizer

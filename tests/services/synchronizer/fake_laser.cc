@@ -18,6 +18,7 @@ void FakeLaser::Plug(std::unique_ptr<link::ByteStream> end) {
 void FakeLaser::PowerCycle(std::unique_ptr<link::ByteStream> end) {
   ++power_up_;
   tick_ = decided_through_ = pulse_count_ = last_fired_tick_ = 0;
+  openings = 0;
   lamp_on_ = safe_ = stop_latched_ = false;
   shutters_ = shutters_asked_ = 0;
   decided_.clear();
@@ -28,6 +29,9 @@ void FakeLaser::PowerCycle(std::unique_ptr<link::ByteStream> end) {
 }
 
 void FakeLaser::Poll() {
+  const bool shut = key_on && door_closed && !stop_pressed_;
+  if (was_shut_ && !shut) ++openings;
+  was_shut_ = shut;
   const auto receive = [this](std::uint8_t type, std::span<const std::byte> payload) {
     Receive(static_cast<LaserFrame>(type), payload);
   };
@@ -230,6 +234,7 @@ link::LaserStatus FakeLaser::Status() const {
   status.last_fired_tick = last_fired_tick_;
   status.decided_through = decided_through_;
   status.disarms_taken = disarms_taken_;
+  status.openings = openings;
   return status;
 }
 

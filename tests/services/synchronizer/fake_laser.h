@@ -60,7 +60,9 @@ class FakeLaser {
   void EnterSafeState();
 
   bool key_on = true, door_closed = true;
-  bool lamp_dead = false;       ///< does not burn, whatever is commanded
+  std::uint32_t openings =
+      0;                   ///< of these and the stop; a test adds what no status shows
+  bool lamp_dead = false;  ///< does not burn, whatever is commanded
   bool shutter_stuck = false;   ///< closed, whatever is commanded
   std::uint8_t stuck_open = 0;  ///< shutters that are open, whatever is commanded
   std::chrono::nanoseconds shutter_travel{0};  ///< from the command to the movement
@@ -101,6 +103,7 @@ class FakeLaser {
   std::uint32_t session_ = 0;
   std::uint32_t power_up_ = 1;
   std::uint64_t tick_ = 0;
+  bool was_shut_ = true;
   bool lamp_on_ = false;
   double lamp_s_ = 0;
   std::uint8_t shutters_ = 0, shutters_asked_ = 0;

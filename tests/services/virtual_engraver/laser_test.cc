@@ -323,6 +323,24 @@ TEST(Laser, RemembersTheNewestTicksAndSaysWhatItForgot) {
   EXPECT_EQ(laser.Past({end - 2, 2}).outcome, std::vector(2, TickOutcome::kNotArmed));
 }
 
+// However short, and whether or not anybody listens.
+TEST(Laser, CountsHowOftenAnInterlockLetGo) {
+  Laser laser = ReadyLaser();
+  EXPECT_EQ(laser.Report().openings, 0u);
+  laser.SetDoor(false);
+  laser.SetDoor(false);
+  laser.SetDoor(true);
+  EXPECT_EQ(laser.Report().openings, 1u);
+  laser.SetKey(false);
+  laser.SetKey(true);
+  laser.SetStopButton(true);
+  laser.SetStopButton(false);
+  laser.NewSession();
+  laser.Stop();
+  laser.Reset();
+  EXPECT_EQ(laser.Report().openings, 3u);
+}
+
 // A host may send any number: a window at the end of the count must neither fire nor
 // hang.
 TEST(Laser, WildWindowsDoNothing) {
