@@ -13,8 +13,8 @@
 //   partition          absent: none; several are separated by commas
 //   sample             "value", "disposed" or "no_writer"
 //   keyed              "true" or "false"
-//   qos.<policy>       of the first writer: reliability, durability, deadline_ns,
-//                      liveliness, lease_ns
+//   qos.<policy>       of the first writer: reliability, durability, history,
+//                      deadline_ns, liveliness, lease_ns
 //
 // logTime is when the recorder took the sample, publishTime the writer's source time
 // stamp; sequence counts the messages of a channel from 0.
