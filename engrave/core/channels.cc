@@ -1,13 +1,18 @@
 #include "engrave/core/channels.h"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
 namespace intaglio {
 
 std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks) {
-  std::vector<ChannelMask> distinct(masks.begin(), masks.end());
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  std::array<bool, 256> occurs{};
+  for (const ChannelMask mask : masks) occurs[mask] = true;
+  std::vector<ChannelMask> distinct;
+  for (std::size_t mask = 0; mask < occurs.size(); ++mask) {
+    if (occurs[mask]) distinct.push_back(static_cast<ChannelMask>(mask));
+  }
   return distinct;
 }
 
