@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "services/bus/samples.h"
@@ -191,8 +192,11 @@ bool CellBench::IsDue(const Performance& performance) const {
     return performance.consumed >= count &&
            (event.time_ns <= run->ended_ns || performance.now()->aborted);
   }
-  std::size_t ended_then = 0;
-  while (ended_then < count && run->pulses[ended_then].tick <= event.tick) ++ended_then;
+  // Asked at every pulse.
+  const auto later = std::upper_bound(
+      run->pulses.begin(), run->pulses.end(), event.tick,
+      [](std::uint64_t tick, const RunPulse& pulse) { return tick < pulse.tick; });
+  const auto ended_then = static_cast<std::size_t>(later - run->pulses.begin());
   return performance.consumed >= ended_then &&
          (ended_then < count || RunIsOver(performance));
 }

@@ -14,6 +14,9 @@
 namespace intaglio::replayer {
 namespace {
 
+// On a busy host a line may fall silent, or a permission come too late, now as then.
+constexpr int kTries = 3;
+
 class CellRehearsal {
  public:
   CellRehearsal(bus::Bus& bus, const recording::McapReader& reader,
@@ -24,16 +27,16 @@ class CellRehearsal {
 
  private:
   struct Different {
-    CellSession* session;
-    std::string frozen_job;
+    const CellSession* session;
+    FrozenJob job;
     CellWords now;
   };
   Status ReadRecording();
   bool HasInput(const CellSession& session);
-  Result<std::string> FreezeAgain(const CellSession& session);
+  Result<FrozenJob> FreezeAgain(const CellSession& session);
+  Result<CellBench::Performed> Perform(const CellSession& session, FrozenJob job);
   Result<std::optional<SampleDifference>> Compare(CellSession& session,
-                                                  const std::string& frozen_job,
-                                                  CellWords& now);
+                                                  const FrozenJob& job, CellWords& now);
   Status CompareAll();
   Status FindCause();
 
@@ -85,11 +88,9 @@ bool CellRehearsal::HasInput(const CellSession& session) {
   return true;
 }
 
-Result<std::string> CellRehearsal::FreezeAgain(const CellSession& session) {
+Result<FrozenJob> CellRehearsal::FreezeAgain(const CellSession& session) {
   FrozenJob now = session.job;
   result_.set_version_then(now.software_version());
-  now.set_result_directory(
-      (options_.results / fmt::format("job-{}", ++folder_count_)).string());
   if (options_.change) {
     if (auto changed = options_.change(now); !changed)
       return tl::unexpected(changed.error());
@@ -98,12 +99,28 @@ Result<std::string> CellRehearsal::FreezeAgain(const CellSession& session) {
         *result_.add_options() = std::move(difference);
     }
   }
-  return now.SerializeAsString();
+  return now;
 }
 
-Result<std::optional<SampleDifference>> CellRehearsal::Compare(
-    CellSession& session, const std::string& frozen_job, CellWords& now) {
-  auto performed = bench_->Perform(session, frozen_job, keep_on_);
+/// In a folder of its own; once more when this host broke a run off that went on then.
+Result<CellBench::Performed> CellRehearsal::Perform(const CellSession& session,
+                                                    FrozenJob job) {
+  for (int tries = 1;; ++tries) {
+    job.set_result_directory(
+        (options_.results / fmt::format("job-{}", ++folder_count_)).string());
+    auto performed = bench_->Perform(session, job.SerializeAsString(), keep_on_);
+    if (!performed || tries == kTries) return performed;
+    const CellBench::Stillness& stillness = performed->stillness;
+    if ((stillness.why.empty() || stillness.by_recording) &&
+        performed->words.broken_count() <= session.words.broken_count())
+      return performed;
+  }
+}
+
+Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& session,
+                                                               const FrozenJob& job,
+                                                               CellWords& now) {
+  auto performed = Perform(session, job);
   if (!performed) return tl::unexpected(performed.error());
   now = std::move(performed->words);
   TaskComparison& counts = *result_.add_tasks();
@@ -138,26 +155,21 @@ Status CellRehearsal::CompareAll() {
       all_performed_ = false;
       continue;
     }
-    auto frozen_job = FreezeAgain(session);
-    if (!frozen_job) return tl::unexpected(frozen_job.error());
+    auto job = FreezeAgain(session);
+    if (!job) return tl::unexpected(job.error());
     CellWords now;
-    auto found = Compare(session, *frozen_job, now);
+    auto found = Compare(session, *job, now);
     if (!found) return tl::unexpected(found.error());
     if (!*found || different_) continue;
     *result_.mutable_first() = **found;
-    different_ = {&session, std::move(*frozen_job), std::move(now)};
+    different_ = {&session, std::move(*job), std::move(now)};
   }
   return {};
 }
 
-/// Done once more, in a folder of its own.
 Status CellRehearsal::FindCause() {
   return NameCause(result_, [this]() -> Result<bool> {
-    FrozenJob job;
-    job.ParseFromString(different_->frozen_job);
-    job.set_result_directory(job.result_directory() + "-again");
-    const auto again =
-        bench_->Perform(*different_->session, job.SerializeAsString(), keep_on_);
+    const auto again = Perform(*different_->session, different_->job);
     if (!again) return tl::unexpected(again.error());
     TaskComparison ignored;
     return CompareCells(different_->now, again->words, ignored).has_value();

@@ -148,6 +148,11 @@ bool CellWords::disturbed() const {
                       [](const CellRun& run) { return run.undisturbed(); });
 }
 
+std::size_t CellWords::broken_count() const {
+  return static_cast<std::size_t>(std::count_if(
+      runs.begin(), runs.end(), [](const CellRun& run) { return run.aborted; }));
+}
+
 bool CellListener::Take(const SegmentWords& words, std::uint64_t at_ns) {
   if (words.job_uid != job_uid_) return false;
   auto& runs = words_.runs;

@@ -89,6 +89,7 @@ struct CellWords {
   std::size_t given_up_count = 0;   ///< runs of which nothing had fired
   std::uint32_t uncertain_run = 0;  ///< first of whose pulses nobody knows; 0: none
   bool disturbed() const;
+  std::size_t broken_count() const;  ///< runs that were broken off
 };
 
 /// Gathers them in the order in which they are said.
