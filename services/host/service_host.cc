@@ -48,7 +48,7 @@ struct CommonOptions {
   bus::BusOptions bus;
   std::string log_file;
   std::string log_level = "info";
-  bool die_with_parent = false;
+  pid_t die_with_parent = 0;  // its process id; -1: whoever is the parent at first
   bool real_time = false;
   bool allow_root = false;
 };
@@ -72,8 +72,10 @@ void AddCommonOptions(CLI::App& app, CommonOptions& options) {
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning or error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
       ->capture_default_str();
-  app.add_flag("--die-with-parent", options.die_with_parent,
-               "end when the process that started this one does");
+  app.add_flag(
+      "--die-with-parent{-1}", options.die_with_parent,
+      "end when the process that started this one does; =PID names it, should it "
+      "be quicker");
   app.add_flag("--real-time", options.real_time,
                "ask the system for real-time scheduling and locked memory");
 }
@@ -278,9 +280,10 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
     return app.exit(error) == 0 ? 0 : 2;
   }
   CatchSignals();
-  if (options.die_with_parent) {
+  if (options.die_with_parent != 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) return 1;  // the parent was quicker
+    const pid_t starter = options.die_with_parent > 0 ? options.die_with_parent : parent;
+    if (getppid() != starter) return 1;  // it was quicker
   }
   try {
     SetUpLog(description, options);

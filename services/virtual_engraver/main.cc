@@ -33,7 +33,7 @@ struct Options {
   unsigned seed = 0;
   double clock_drift_ppm = 0;
   double line_jitter_ms = 0;
-  bool die_with_parent = false;
+  pid_t die_with_parent = 0;  // its process id; -1: whoever is the parent at first
 };
 
 Vec3 ToVec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
@@ -52,8 +52,9 @@ void AddOptions(CLI::App& app, Options& o) {
   app.add_option("--glass-record", o.glass_record, "file that remembers every crack")
       ->required();
   app.add_option("--panel", o.panel, "Unix socket for buttons and misbehaviour");
-  app.add_flag("--die-with-parent", o.die_with_parent,
-               "power off when the process that started this one ends");
+  app.add_flag("--die-with-parent{-1}", o.die_with_parent,
+               "power off when the process that started this one ends; =PID names it, "
+               "should it be quicker");
   app.add_option("--rates", m.laser.rates_hz,
                  "lamp sync rates, Hz; the first at power-up")
       ->delimiter(',')
@@ -223,9 +224,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (options.die_with_parent) {
+  if (options.die_with_parent != 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) return 1;  // the parent was quicker
+    const pid_t starter = options.die_with_parent > 0 ? options.die_with_parent : parent;
+    if (getppid() != starter) return 1;  // it was quicker
   }
   if (const auto finished = Finish(options); !finished) {
     std::cerr << "virtual-engraver: " << finished.error().message << "\n";

@@ -64,6 +64,16 @@ TEST(ServiceHost, DiesWithItsParentWhenToldTo) {
   EXPECT_TRUE(Eventually([&] { return look(), gone; }));
 }
 
+// Killed between the start of the process and its first instruction.
+TEST(ServiceHost, DoesNotBeginWithoutWhoStartedIt) {
+  ChildProgram starter("/bin/true", {});
+  const pid_t ended = starter.pid();
+  ASSERT_EQ(starter.ExitCode(), 0);
+  ChildProgram sorter(kSorter, {"--die-with-parent=" + std::to_string(ended), "--tag",
+                                test::PrivateTag()});
+  EXPECT_EQ(sorter.ExitCode(), 1);
+}
+
 TEST(PollLoop, WakesForSamplesForFilesAndWhenTold) {
   bus::Bus bus(test::PrivateBusOptions());
   bus::Reader<intaglio_Alarm> reader(bus, bus::kAlarm);
