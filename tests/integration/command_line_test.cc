@@ -8,7 +8,6 @@
 #include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "services/cli/run_command.h"
 #include "tests/integration/run_program.h"
@@ -24,6 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::Program;
 using testing::Running;
+using testing::TextIn;
 
 Ended Type(const std::vector<std::string>& words) {
   const fs::path folder =
@@ -33,13 +33,6 @@ Ended Type(const std::vector<std::string>& words) {
   setenv("INTAGLIO_MATERIALS_DB", (folder / "materials.db").c_str(), 1);
   Running run(Program("intaglio"), words, folder / "output.txt");
   return run.WaitForEnd(30s);
-}
-
-std::string ReadText(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 const std::vector<std::string> kCommands = {
@@ -76,8 +69,8 @@ TEST(CommandLine, TellsANewcomerWhatToDoNext) {
 }
 
 TEST(CommandLine, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
-  const std::string document = ReadText(INTAGLIO_SOURCE_DIR "/docs/cli.md") +
-                               ReadText(INTAGLIO_SOURCE_DIR "/docs/materials.md");
+  const std::string document = TextIn(INTAGLIO_SOURCE_DIR "/docs/cli.md") +
+                               TextIn(INTAGLIO_SOURCE_DIR "/docs/materials.md");
   const std::set<std::string> documented = FlagsIn(document);
   std::set<std::string> known = {"--help"};
   std::vector<std::vector<std::string>> commands = kSecondCommands;
@@ -98,14 +91,14 @@ TEST(CommandLine, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
     }
   }
   // And nothing is documented that is not there.
-  for (const std::string& flag : FlagsIn(ReadText(INTAGLIO_SOURCE_DIR "/docs/cli.md"))) {
+  for (const std::string& flag : FlagsIn(TextIn(INTAGLIO_SOURCE_DIR "/docs/cli.md"))) {
     EXPECT_TRUE(known.contains(flag)) << flag;
   }
 }
 
 TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
   const std::set<std::string> documented =
-      FlagsIn(ReadText(INTAGLIO_SOURCE_DIR "/docs/services.md"));
+      FlagsIn(TextIn(INTAGLIO_SOURCE_DIR "/docs/services.md"));
   std::set<std::string> known = {"--arm", "--watch", "--without"};  // of the examples
   for (const char* program :
        {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
@@ -186,7 +179,7 @@ TEST(CommandLine, AFolderThatCannotBeWrittenIsNamed) {
 
 // The table of docs/cli.md against the enumeration, so that neither changes alone.
 TEST(CommandLine, ExitCodesAreAsDocumented) {
-  const std::string document = ReadText(INTAGLIO_SOURCE_DIR "/docs/cli.md");
+  const std::string document = TextIn(INTAGLIO_SOURCE_DIR "/docs/cli.md");
   for (const auto& [code, word] : std::vector<std::pair<int, std::string>>{
            {cli::kExitGood, "good"},
            {cli::kExitInternal, "internal"},

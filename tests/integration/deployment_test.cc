@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "tests/integration/run_program.h"
 
@@ -23,16 +22,11 @@ using namespace std::chrono_literals;
 using testing::Ended;
 using testing::Program;
 using testing::Running;
+using testing::TextIn;
 
 constexpr char kAnalyze[] = "/usr/bin/systemd-analyze";
 // In tenths, as systemd-analyze takes it: below 2.0 it says OK.
 constexpr char kMostExposed[] = "20";
-
-std::string TextIn(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 class Units : public ::testing::Test {
  protected:

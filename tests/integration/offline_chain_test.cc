@@ -9,7 +9,6 @@
 #include <array>
 #include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "engrave/formats/point_file.h"
 #include "proto/plan_report.pb.h"
@@ -25,6 +24,7 @@ using testing::Ended;
 using ::testing::HasSubstr;
 using testing::Program;
 using testing::Running;
+using testing::TextIn;
 
 using Words = std::vector<std::string>;
 
@@ -49,13 +49,6 @@ void WriteCube(const fs::path& file) {
     }
   }
   out << "endsolid cube\n";
-}
-
-std::string ReadText(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 class OfflineChain : public ::testing::TestWithParam<Words> {
@@ -131,7 +124,7 @@ TEST_P(OfflineChain, GivesWhatRunGives) {
   JobReport ran;
   PlanReport plan;
   ASSERT_TRUE(
-      google::protobuf::util::JsonStringToMessage(ReadText(out + "/report.json"), &ran)
+      google::protobuf::util::JsonStringToMessage(TextIn(out + "/report.json"), &ran)
           .ok());
   ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(
                   planned.output.substr(planned.output.find("{\n")), &plan)

@@ -6,8 +6,6 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -23,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
+using testing::AskPanel;
 using testing::Ended;
 using testing::Eventually;
 using testing::FreshFolder;
@@ -76,23 +75,7 @@ class RunJob : public ::testing::Test {
         30s);
   }
   std::string Press(const std::string& command) const {
-    // Through the folder's descriptor: a socket's path has room for 107 characters only.
-    const int folder = open((folder_ / "out/session").c_str(), O_PATH | O_DIRECTORY);
-    const std::string path = "/proc/self/fd/" + std::to_string(folder) + "/panel";
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
-    std::string answer(4096, '\0');
-    ssize_t got = -1;
-    if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-        write(fd, (command + "\n").data(), command.size() + 1) > 0) {
-      got = read(fd, answer.data(), answer.size());
-    }
-    close(fd);
-    close(folder);
-    answer.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
-    return answer;
+    return AskPanel(folder_ / "out/session", command);
   }
   std::vector<pid_t> OurProcesses(const std::string& program) const {
     return ProcessesWith({program, (folder_ / "out").string()});

@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -98,6 +100,35 @@ std::vector<pid_t> ProcessesWith(const std::vector<std::string>& words) {
     }
   }
   return found;
+}
+
+// A socket's path has room for 107 characters only: through the folder's descriptor.
+std::string AskPanel(const fs::path& folder, const std::string& command) {
+  const int handle = open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  const std::string path = "/proc/self/fd/" + std::to_string(handle) + "/panel";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const timeval patience{1, 0};
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  const std::string line = command + "\n";
+  std::string answer(4096, '\0');
+  ssize_t got = -1;
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      write(fd, line.data(), line.size()) > 0) {
+    got = read(fd, answer.data(), answer.size());
+  }
+  close(fd);
+  close(handle);
+  answer.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  return answer;
+}
+
+std::string TextIn(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
 }
 
 }  // namespace intaglio::testing

@@ -46,6 +46,10 @@ std::filesystem::path Program(const std::string& name);
 std::filesystem::path FreshFolder(const std::string& name);
 /// Process ids of the programs whose command line has all of `words` in it.
 std::vector<pid_t> ProcessesWith(const std::vector<std::string>& words);
+/// What the panel of the machine in `folder` answers to one line; empty: nothing.
+std::string AskPanel(const std::filesystem::path& folder, const std::string& command);
+/// A whole file; empty when it cannot be read.
+std::string TextIn(const std::filesystem::path& file);
 /// Polls `condition` until it holds; false when the time is up first.
 template <typename Condition>
 bool Eventually(Condition condition, std::chrono::milliseconds bound);

@@ -10,7 +10,6 @@
 
 #include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "services/bus/bus.h"
 #include "services/bus/identity.h"
@@ -26,6 +25,7 @@ using testing::Eventually;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::Running;
+using testing::TextIn;
 
 // After the right one was heard, the wrong one gets this long again.
 inline constexpr auto kAbsence = 1000ms;
@@ -154,11 +154,6 @@ class Security : public ::testing::Test {
       Put(folder / bus::kPermissionsAuthorityFile, signer.certificate);
     }
     return folder;
-  }
-  static std::string TextIn(const fs::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
   }
   static void Put(const fs::path& file, const std::string& text) {
     std::ofstream(file) << text;

@@ -69,8 +69,8 @@ TEST_F(Security, PermissionsOfAnotherAuthorityAreRefusedByTheOthers) {
 
 // An identity signs nothing, although its issuer is trusted for identities.
 TEST_F(Security, PermissionsSignedByAnIdentityAreRefused) {
-  const security::KeyPair own{TextIn(Of("observer") / bus::kCertificateFile),
-                              TextIn(Of("observer") / bus::kPrivateKeyFile)};
+  const security::KeyPair own{testing::TextIn(Of("observer") / bus::kCertificateFile),
+                              testing::TextIn(Of("observer") / bus::kPrivateKeyFile)};
   ExpectNoPermissionOf(WithForgedPermissions("observer", own, false));
   EXPECT_THAT(wrong_->Output(), HasSubstr("participant refused"));
 }

@@ -2,16 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <regex>
-#include <sstream>
 
 #include "engrave/formats/point_file.h"
 
@@ -40,13 +36,6 @@ std::vector<std::string> Sample(const std::string& command,
                 options);
 }
 
-std::string TextOf(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 /// Sets variables for the processes that are started while it lives.
 class Environment {
  public:
@@ -61,29 +50,6 @@ class Environment {
  private:
   std::map<std::string, std::string> values_;
 };
-
-/// A socket's path has room for 107 characters only: through the folder's descriptor.
-std::string AskPanel(const fs::path& folder, const std::string& command) {
-  const int handle = open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  const std::string path = fmt::format("/proc/self/fd/{}/panel", handle);
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const timeval patience{1, 0};
-  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  const std::string line = command + "\n";
-  std::string answer(4096, '\0');
-  ssize_t got = -1;
-  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-      write(fd, line.data(), line.size()) > 0) {
-    got = read(fd, answer.data(), answer.size());
-  }
-  close(fd);
-  close(handle);
-  answer.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
-  return answer;
-}
 
 PointList MakeUndisturbed() {
   const fs::path folder = FreshFolder("undisturbed");
@@ -296,7 +262,7 @@ std::string ShopFloor::Logs() const {
   std::string text;
   for (const auto& entry : fs::directory_iterator(folder_)) {
     if (entry.path().extension() != ".log") continue;
-    const std::string log = TextOf(entry.path());
+    const std::string log = TextIn(entry.path());
     text += entry.path().filename().string() + ":\n" +
             log.substr(log.size() - std::min<std::size_t>(log.size(), 2500)) + "\n";
   }

@@ -2,14 +2,10 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
@@ -149,23 +145,7 @@ bool CellUnderFire::Submit(const std::string& rate_hz) {
 std::string CellUnderFire::Show() { return Type({"show", std::to_string(jobs_)}); }
 
 std::string CellUnderFire::Press(const std::string& command) const {
-  // Through the folder's descriptor: a socket's path has room for 107 characters only.
-  const int folder = open(folder_.c_str(), O_PATH | O_DIRECTORY);
-  const std::string path = "/proc/self/fd/" + std::to_string(folder) + "/panel";
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  path.copy(address.sun_path, sizeof address.sun_path - 1);
-  const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
-  std::string answer(4096, '\0');
-  ssize_t got = -1;
-  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-      write(fd, (command + "\n").data(), command.size() + 1) > 0) {
-    got = read(fd, answer.data(), answer.size());
-  }
-  close(fd);
-  close(folder);
-  answer.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
-  return answer;
+  return testing::AskPanel(folder_, command);
 }
 
 pid_t CellUnderFire::ProcessOf(const std::string& service) const {
