@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "engrave/formats/point_file.h"
-#include "services/recording/cdr_value.h"
 #include "services/recording/conventions.h"
+#include "services/recording/message_decoder.h"
 #include "services/recording/recording_copy.h"
 
 namespace intaglio::cli {
@@ -17,37 +17,11 @@ namespace {
 using recording::Value;
 constexpr std::uint64_t kMade = 0;  // idl PulseOutcome
 
-/// Decodes messages by their channels' schemas, which are parsed once each.
-class MessageDecoder {
- public:
-  explicit MessageDecoder(const recording::McapReader& reader) : reader_(reader) {}
-
-  Result<Value> Decode(const recording::MessageView& message) {
-    const auto& channel = reader_.contents().channels.at(message.channel_id);
-    const recording::Schema* schema = reader_.SchemaOf(channel);
-    if (schema == nullptr || schema->encoding != recording::kOmgIdl ||
-        channel.message_encoding != recording::kCdr) {
-      return Fail(ErrorCode::kUnsupported,
-                  fmt::format("topic {}: only cdr messages with omgidl schemas are read",
-                              channel.topic),
-                  channel.topic);
-    }
-    auto [types, added] = types_.try_emplace(schema->id);
-    if (added) types->second = recording::ParseIdl(schema->text);
-    if (!types->second) return tl::unexpected(types->second.error());
-    return recording::DecodeCdr(*types->second, schema->name, message.payload);
-  }
-
- private:
-  const recording::McapReader& reader_;
-  std::map<std::uint16_t, Result<recording::IdlTypes>> types_;
-};
-
 /// Calls visit(channel, message, value) while it returns a value.
 template <typename Visit>
 Status ForEachValue(const recording::McapReader& reader,
                     const recording::MessageQuery& query, Visit&& visit) {
-  MessageDecoder decoder(reader);
+  recording::MessageDecoder decoder(reader);
   recording::MessageCursor cursor(reader, query);
   for (;;) {
     const auto message = cursor.Next();

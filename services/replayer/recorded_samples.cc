@@ -76,25 +76,8 @@ std::optional<ModelPiece> ReadPiece(const Value& value) {
 
 RecordedValues::RecordedValues(const recording::McapReader& reader,
                                const std::string& topic, std::uint64_t from_ns)
-    : reader_(reader),
+    : decoder_(reader),
       cursor_(reader, {.from_ns = from_ns, .channels = ValueChannelsOf(reader, topic)}) {}
-
-Result<Value> RecordedValues::Decode(const recording::MessageView& message) {
-  const recording::Channel& channel = reader_.contents().channels.at(message.channel_id);
-  const recording::Schema* schema = reader_.SchemaOf(channel);
-  if (schema == nullptr) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("topic {}: its type is not in the recording", channel.topic),
-                channel.topic);
-  }
-  const auto [types, added] = types_.try_emplace(schema->id);
-  if (added) {
-    auto parsed = recording::ParseIdl(schema->text);
-    if (!parsed) return tl::unexpected(parsed.error());
-    types->second = std::move(*parsed);
-  }
-  return recording::DecodeCdr(types->second, schema->name, message.payload);
-}
 
 Result<std::optional<Value>> RecordedValues::Next() {
   const auto message = cursor_.Next();
@@ -102,7 +85,7 @@ Result<std::optional<Value>> RecordedValues::Next() {
   if (!*message) return std::nullopt;
   log_time_ns_ = (*message)->log_time_ns;
   publish_time_ns_ = (*message)->publish_time_ns;
-  auto value = Decode(**message);
+  auto value = decoder_.Decode(**message);
   if (!value) return tl::unexpected(value.error());
   return std::optional(std::move(*value));
 }

@@ -11,6 +11,7 @@
 
 #include "services/recording/cdr_value.h"
 #include "services/recording/message_cursor.h"
+#include "services/recording/message_decoder.h"
 
 namespace intaglio::replayer {
 
@@ -65,10 +66,8 @@ class RecordedValues {
   std::uint64_t publish_time_ns() const { return publish_time_ns_; }
 
  private:
-  Result<recording::Value> Decode(const recording::MessageView& message);
-  const recording::McapReader& reader_;
+  recording::MessageDecoder decoder_;
   recording::MessageCursor cursor_;
-  std::map<std::uint16_t, recording::IdlTypes> types_;  // by schema
   std::uint64_t log_time_ns_ = 0, publish_time_ns_ = 0;
 };
 
