@@ -30,11 +30,6 @@ struct BatchOptions {
   bool check = false;
 };
 
-int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return exit_code;
-}
-
 /// Before anything is made: a folder that is not there would be found after hours.
 Status CheckResultsFile(const std::string& file) {
   if (file.empty()) return {};

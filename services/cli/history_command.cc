@@ -27,11 +27,6 @@ struct HistoryOptions {
   bool csv = false;
 };
 
-int Complain(const Error& error) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return kExitWrongInput;
-}
-
 void PrintTable(const std::vector<JobStatistics>& jobs) {
   fmt::print("{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<9} {:>21}  {:>12}  {}\n", "job",
              "ended (UTC)", "machine", "glass", "state", "verdict", "made / planned",

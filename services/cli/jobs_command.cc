@@ -44,11 +44,6 @@ struct JobsOptions {
   std::ostream& human() const { return events ? std::cerr : std::cout; }
 };
 
-int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return exit_code;
-}
-
 std::string TimeOf(const JobView& job) {
   if (job.estimate_ticks == 0 || job.rate_hz <= 0) return "-";
   return ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);

@@ -6,11 +6,6 @@
 
 namespace intaglio::cli {
 
-int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return exit_code;
-}
-
 Meter::Meter(std::string stage, Of of)
     : stage_(std::move(stage)), of_(of), bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
 

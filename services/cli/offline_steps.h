@@ -12,9 +12,6 @@
 
 namespace intaglio::cli {
 
-/// Says on the standard error stream what is wrong; returns `exit_code`.
-int Complain(const Error& error, int exit_code);
-
 /// A progress bar on the standard error stream, drawn ten times a second at most.
 class Meter {
  public:

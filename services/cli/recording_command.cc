@@ -27,11 +27,6 @@ struct Options {
 };
 using Shared = std::shared_ptr<Options>;
 
-int Complain(const Error& error) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return kExitWrongInput;
-}
-
 Result<std::vector<McapReader>> OpenAll(const Options& options) {
   std::vector<McapReader> readers;
   for (const std::string& file : options.files) {

@@ -23,11 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int Complain(const Error& error, int code = kExitWrongInput) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return code;
-}
-
 /// A folder that goes with its holder.
 class ScratchFolder {
  public:

@@ -34,11 +34,6 @@ struct ReplayOptions {
   AgainstOptions against;
 };
 
-int Complain(const Error& error) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return kExitWrongInput;
-}
-
 Result<std::map<std::string, std::string>> RenamesOf(
     const std::vector<std::string>& words) {
   std::map<std::string, std::string> renames;

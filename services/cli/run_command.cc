@@ -48,11 +48,6 @@ struct RunOptions {
   bus::BusOptions bus;
 };
 
-int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return exit_code;
-}
-
 std::string RandomTag() {
   std::random_device random;
   return fmt::format("run-{}-{:08x}", getpid(), random());
@@ -321,6 +316,11 @@ int RunJob(const RunOptions& given) {
 }
 
 }  // namespace
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
 
 void AddRunCommand(CLI::App& app, std::function<int()>& selected) {
   auto options = std::make_shared<RunOptions>();

@@ -2,6 +2,8 @@
 
 #include <functional>
 
+#include "engrave/core/result.h"
+
 namespace CLI {
 class App;
 }
@@ -17,6 +19,10 @@ enum ExitCode : int {
   kExitMachine = 4,     ///< a machine or job fault ended it
   kExitCancelled = 5,   ///< somebody did
 };
+
+/// Says on the standard error stream what is wrong; the code, for the command to end
+/// with.
+int Complain(const Error& error, int exit_code = kExitWrongInput);
 
 /// `intaglio run`: engraves one job with a private set of processes, and proves it.
 /// Sets `selected` when the subcommand is chosen.

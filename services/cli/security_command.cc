@@ -25,11 +25,6 @@ struct SecurityOptions {
   security::Lifetime lifetime;
 };
 
-int Complain(const Error& error) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return kExitWrongInput;
-}
-
 std::chrono::sys_seconds Now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }

@@ -45,11 +45,6 @@ struct UpOptions {
   double numerical_aperture = 0;
 };
 
-int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return exit_code;
-}
-
 VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine) {
   VirtualMachine virtual_machine;
   virtual_machine.block_size_mm =
