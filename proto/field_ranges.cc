@@ -95,6 +95,7 @@ constexpr std::array kRanges = {
     FieldRange{"LaserHead", "pulse_energy_mj", 0.001, 10000},
     FieldRange{"LaserHead", "wavelength_nm", 200, 2000},
     FieldRange{"LaserHead", "channels", 1, 4},
+    FieldRange{"LaserHead", "max_missed_in_a_row", 1, 1000},
     FieldRange{"SerialLine", "baud", 1200, 4000000},
     FieldRange{"MachineSpec", "block_origin_mm", -10000, 10000},
     FieldRange{"MachineSpec", "repeatability_um", 0.1, 1000},

@@ -16,6 +16,7 @@ constexpr double kDefaultSparseRatio = 3;
 constexpr double kDefaultReliefMm = 10;
 constexpr double kDefaultTextMm = 5;
 constexpr double kDefaultStageLagS = 0.0002;
+constexpr std::uint32_t kDefaultMaxMissedInARow = 5;
 constexpr std::uint32_t kDefaultBaud = 115200;
 // Lens catalogues give focal lengths to 0.01 mm: nearer than this is the same lens.
 constexpr double kSameFocalLengthMm = 1e-3;
@@ -294,6 +295,9 @@ MachineSpec WithMachineDefaults(MachineSpec machine) {
     if (!line->has_baud()) line->set_baud(kDefaultBaud);
   }
   if (!machine.has_stage_lag_s()) machine.set_stage_lag_s(kDefaultStageLagS);
+  if (machine.has_laser() && !machine.laser().has_max_missed_in_a_row()) {
+    machine.mutable_laser()->set_max_missed_in_a_row(kDefaultMaxMissedInARow);
+  }
   return machine;
 }
 

@@ -115,26 +115,6 @@ void Engraving::Take(const link::PulseReport& report) {
   schedule_.Apply(report, [this](const PulseResult& result) { Record(result); });
 }
 
-void Engraving::Record(const PulseResult& result) {
-  if (formats::IsFired(result.outcome)) {
-    ++fired_count_;
-    if (first_fired_tick_ == 0) first_fired_tick_ = result.tick;
-    last_fired_tick_ = result.tick;
-  }
-  if (!passed_by_ && result.outcome == PointOutcome::kSkipped) {
-    passed_by_ = true;
-    passed_by_reason_ = result.reason;
-    passed_by_tick_ = result.tick;
-  }
-  if (result.outcome == PointOutcome::kMissed) ++missed_in_a_row_;
-  if (result.outcome == PointOutcome::kMade) missed_in_a_row_ = 0;
-  ledger_.Resolve(result.point, result.outcome);
-  journal_.Append({JournalKind::kOutcome, result.outcome,
-                   static_cast<std::uint8_t>(result.reason), run_, result.tick,
-                   result.point, pulses_before_job_ + fired_count_});
-  results_(result);
-}
-
 void Engraving::Await(const EngravingInputs& inputs) {
   if (stopping_ || !ledger_.NextOpen(0) || idle_runs_ >= kMaxIdleRuns) return Finish();
   if (!laser_.up() || !laser_.Has(link::kLampWarm)) {
@@ -250,7 +230,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
         fault);
   }
   if (passed_by_) return HaltOverSkipped();
-  if (missed_in_a_row_ >= job_.missed_in_a_row) return HaltOverMissed();
+  if (missed_in_a_row_ >= job_.max_missed_in_a_row) return HaltOverMissed();
   if (feed_.dropped()) {
     return Halt(Missing::kMotionState, "the motion bridge has dropped the run; resume",
                 true);

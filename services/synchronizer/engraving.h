@@ -79,7 +79,9 @@ struct EngravingJob {
   ChannelMask shutter_mask = 1;  ///< of all points
   /// Of each point, when they differ: it is made with these shutters open and no other.
   std::vector<ChannelMask> masks = {};
-  int missed_in_a_row = 5;  ///< pulses that no crack was seen of, until it pauses
+  /// Pulses that no crack was seen of, until it pauses.
+  std::uint32_t max_missed_in_a_row = 5;
+  bool photosensor_feedback = true;  ///< false: nothing sees cracks, fired is made
   EarlierWork earlier = {};
 };
 
@@ -166,7 +168,7 @@ class Engraving {
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
   void AwaitShutter(const EngravingInputs& inputs);
   void KeepIdleTicksPassing();
-  void Record(const PulseResult& result);
+  void Record(PulseResult result);
   void Finish();
 
   struct Window {
@@ -205,7 +207,7 @@ class Engraving {
   std::uint64_t ended_before_run_ = 0;
   int idle_runs_ = 0;
   int fruitless_runs_ = 0;
-  int missed_in_a_row_ = 0;  // in this run
+  std::uint32_t missed_in_a_row_ = 0;  // in this run
   int late_starts_ = 0;
   std::uint32_t speed_percent_ = 100;  // of the motion planned last
   std::uint32_t least_speed_percent_ = 100;

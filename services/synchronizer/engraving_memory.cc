@@ -4,8 +4,9 @@
 
 #include "services/synchronizer/engraving.h"
 
-// What became of points whose reports never came: a line was lost, or an earlier life of
-// this process. The controller's memory is the truth, its counter the check of it.
+// What became of points, also of those whose reports never came: a line was lost, or an
+// earlier life of this process. The controller's memory is the truth, its counter the
+// check of it.
 
 namespace intaglio::synchronizer {
 namespace {
@@ -18,6 +19,29 @@ constexpr auto kRequestPeriod = 20ms;
 constexpr auto kAbortPeriod = 200ms;
 
 }  // namespace
+
+void Engraving::Record(PulseResult result) {
+  if (result.outcome == PointOutcome::kMissed && !job_.photosensor_feedback) {
+    result.outcome = PointOutcome::kMade;
+  }
+  if (formats::IsFired(result.outcome)) {
+    ++fired_count_;
+    if (first_fired_tick_ == 0) first_fired_tick_ = result.tick;
+    last_fired_tick_ = result.tick;
+  }
+  if (!passed_by_ && result.outcome == PointOutcome::kSkipped) {
+    passed_by_ = true;
+    passed_by_reason_ = result.reason;
+    passed_by_tick_ = result.tick;
+  }
+  if (result.outcome == PointOutcome::kMissed) ++missed_in_a_row_;
+  if (result.outcome == PointOutcome::kMade) missed_in_a_row_ = 0;
+  ledger_.Resolve(result.point, result.outcome);
+  journal_.Append({JournalKind::kOutcome, result.outcome,
+                   static_cast<std::uint8_t>(result.reason), run_, result.tick,
+                   result.point, pulses_before_job_ + fired_count_});
+  results_(result);
+}
 
 // The ledger as the journal has it. What was armed is asked of the controller if it has
 // not been switched off since; else nobody knows, and nobody fires it again.

@@ -217,6 +217,8 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   EngravingJob job;
   job.uid = job_->job_uid();
   job.plan = MotionOptionsOf(*job_);
+  job.max_missed_in_a_row = machine_.laser().max_missed_in_a_row();
+  job.photosensor_feedback = job_->job().laser().photosensor_feedback();
   auto masks = ChannelsOfPoints(job_->job(), path.source);
   if (!masks) return tl::unexpected(masks.error());
   job.shutter_mask = masks->front();

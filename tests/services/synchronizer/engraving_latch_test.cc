@@ -203,5 +203,28 @@ TEST(EngravingLatch, FivePulsesInARowOfWhichNoCrackWasSeenPauseIt) {
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
 }
 
+// As the machine's profile says.
+TEST(EngravingLatch, HowManyItWaitsForIsTheMachinesChoice) {
+  FakeCell cell({.max_missed_in_a_row = 12});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(10));
+  cell.laser.blind = true;
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.engraving->faulted(); }));
+  EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("12 pulses in a row"));
+  EXPECT_GE(cell.Count(PointState::kMissed), 12u);
+}
+
+TEST(EngravingLatch, WithoutPhotosensorsWhatWasFiredIsMade) {
+  FakeCell cell({.photosensor_feedback = false});
+  cell.laser.blind = true;
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(20));
+  cell.DieAndTakeUp();
+  cell.GrantAnew();
+  ASSERT_TRUE(cell.StepUntilDone());
+  EXPECT_EQ(cell.made(), 40u);
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace intaglio::synchronizer

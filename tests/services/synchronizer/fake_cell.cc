@@ -73,7 +73,7 @@ FakeCell::FakeCell(const CellOptions& options)
       laser([this] { return now; }, options.lockstep),
       journal_file(NewJournalFile()),
       points_mm(ManyPoints(options.points)),
-      masks(options.masks),
+      options_(options),
       next_tick_(now) {
   laser.Plug(LineEnd(false));
   Begin();
@@ -95,7 +95,9 @@ void FakeCell::Begin() {
   job.machine_points_mm = points_mm;
   job.plan.rate_hz = FakeLaser::kRateHz;
   job.plan.profile = motion::Profile::kMix;
-  job.masks = masks;
+  job.masks = options_.masks;
+  job.max_missed_in_a_row = options_.max_missed_in_a_row;
+  job.photosensor_feedback = options_.photosensor_feedback;
   job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
       std::move(job), *controller, *feed, *journal,
@@ -239,7 +241,8 @@ void FakeCell::CheckGlass(std::vector<std::string>& wrong) const {
     } else {
       const auto point = static_cast<std::uint32_t>(found - points_mm.begin());
       at_point[point].push_back(crack);
-      const ChannelMask meant = masks.empty() ? ChannelMask{1} : masks.at(point);
+      const ChannelMask meant =
+          options_.masks.empty() ? ChannelMask{1} : options_.masks.at(point);
       if (crack.channels != meant) {
         wrong.push_back(fmt::format("point {} of channels {:#x} fired in {:#x}", point,
                                     meant, crack.channels));

@@ -23,6 +23,8 @@ struct CellOptions {
   std::uint32_t points = 40;
   bool lockstep = false;
   std::vector<ChannelMask> masks = {};  ///< of the points; empty: all in channel 1
+  std::uint32_t max_missed_in_a_row = 5;
+  bool photosensor_feedback = true;
 };
 
 /// An order whose shutters change every few points.
@@ -94,7 +96,6 @@ class FakeCell {
   std::unique_ptr<MotionFeed> feed;
   std::unique_ptr<Engraving> engraving;
   PointList points_mm;
-  std::vector<ChannelMask> masks;
   std::vector<PulseResult> results;
   /// The journal's disk is as slow as it likes; otherwise every turn waits for it.
   bool wait_for_disk = true;
@@ -109,6 +110,7 @@ class FakeCell {
   void CheckGlass(std::vector<std::string>& wrong) const;
   void CheckJournal(std::vector<std::string>& wrong) const;
 
+  CellOptions options_;
   std::shared_ptr<std::mt19937_64> random_ = std::make_shared<std::mt19937_64>(1);
   std::chrono::nanoseconds next_tick_;
   std::chrono::nanoseconds view_at_{0};
