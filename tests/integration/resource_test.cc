@@ -80,10 +80,9 @@ class StandsStill : public Resources,
                     public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(StandsStill, AndTheGlassIsTheSame) {
-  // Of the others the machine hears nothing.
-  const bool at_the_machine =
-      GetParam() == testing::kJobService || GetParam() == testing::kSynchronizer;
-  if (!at_the_machine && !testing::LongTests()) GTEST_SKIP() << "INTAGLIO_LONG=1";
+  if (GetParam() != testing::kSynchronizer && !testing::LongTests()) {
+    GTEST_SKIP() << "INTAGLIO_LONG=1";
+  }
   const auto duration = LongTests() ? 30s : 5s;
   ShopFloor floor = Floor();
   ASSERT_TRUE(Begin(floor)) << floor.Logs();
