@@ -15,7 +15,7 @@ ChannelMask MaskOf(const Channels& channels) {
   for (const std::uint32_t channel : channels) {
     Require(channel >= 1 && channel <= kMaxChannels, "channel {} is outside 1..{}",
             channel, kMaxChannels);
-    mask |= static_cast<ChannelMask>(1U << (channel - 1));
+    mask |= MaskOfChannel(channel);
   }
   return mask;
 }
@@ -60,7 +60,7 @@ Block BlockOf(const JobSpec& job, const Model& model) {
   Block block = job.block();
   const ChannelMask mask = MaskOf(job, model);
   for (const ChannelBlock& own : job.channel_blocks()) {
-    if ((mask >> (own.channel() - 1) & 1) == 0) continue;
+    if (!ShareChannel(mask, MaskOfChannel(own.channel()))) continue;
     Vector3& size = *block.mutable_size_mm();
     size.set_x(std::min(size.x(), own.size_mm().x()));
     size.set_y(std::min(size.y(), own.size_mm().y()));

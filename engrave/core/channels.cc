@@ -37,4 +37,14 @@ std::vector<ChannelMask> TellingChannels(std::span<const ChannelMask> masks) {
   return telling;
 }
 
+PointCloud PointsIn(ChannelMask channels, const PointCloud& cloud,
+                    std::span<const ChannelMask> masks) {
+  PointCloud in_channels;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!ShareChannel(masks[i], channels)) continue;
+    in_channels.Add(cloud.points_mm[i], cloud.source[i]);
+  }
+  return in_channels;
+}
+
 }  // namespace intaglio

@@ -8,12 +8,19 @@
 #include <span>
 #include <vector>
 
+#include "engrave/core/geometry.h"
+
 namespace intaglio {
 
 using ChannelMask = std::uint8_t;  ///< bit 0..3: channels 1..4
 
 inline constexpr int kMaxChannels = 4;
 inline constexpr ChannelMask kAnyChannel = 0x0f;
+
+/// Of one channel, by its number, 1..4.
+constexpr ChannelMask MaskOfChannel(std::uint32_t number) {
+  return static_cast<ChannelMask>(1U << (number - 1));
+}
 
 inline bool ShareChannel(ChannelMask a, ChannelMask b) { return (a & b) != 0; }
 
@@ -23,5 +30,9 @@ std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks);
 /// Single channels, as few as are needed so that any two of `masks` that share a channel
 /// share one of these. One when all masks are equal.
 std::vector<ChannelMask> TellingChannels(std::span<const ChannelMask> masks);
+
+/// The points that are made in any of `channels`, in their order; `masks`: one a point.
+PointCloud PointsIn(ChannelMask channels, const PointCloud& cloud,
+                    std::span<const ChannelMask> masks);
 
 }  // namespace intaglio

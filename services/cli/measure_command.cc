@@ -78,8 +78,8 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options
       return Fail(kind.error().code, model.file() + " " + kind.error().message);
     }
     if (*kind != ModelKind::kMesh) continue;
-    if (options.channel &&
-        (masks[static_cast<std::size_t>(i)] >> (*options.channel - 1) & 1) == 0) {
+    if (options.channel && !ShareChannel(masks[static_cast<std::size_t>(i)],
+                                         MaskOfChannel(*options.channel))) {
       continue;
     }
     const auto imported = mesh::ImportMesh(model.file());
@@ -115,7 +115,7 @@ Result<MeasuredCloud> ReadCloud(const std::string& file) {
   }
   if (const auto* channels = table->Find<std::uint8_t>("channel")) {
     for (const std::uint8_t channel : *channels) {
-      read.masks.push_back(static_cast<ChannelMask>(1U << (channel % kMaxChannels)));
+      read.masks.push_back(MaskOfChannel(channel % kMaxChannels + 1));
     }
   }
   read.cloud.points_mm = std::move(table->points_mm);
@@ -138,11 +138,8 @@ Result<PointCloud> InChannel(const MeasureOptions& options, const JobSpec& job,
                 "--channel: is missing; the points are in different blocks, say which "
                 "one to measure");
   }
-  PointCloud in_channel;
-  for (std::size_t i = 0; i < read.cloud.size(); ++i) {
-    if ((read.masks[i] >> (*options.channel - 1) & 1) == 0) continue;
-    in_channel.Add(read.cloud.points_mm[i], read.cloud.source[i]);
-  }
+  PointCloud in_channel =
+      PointsIn(MaskOfChannel(*options.channel), read.cloud, read.masks);
   if (in_channel.size() == 0) {
     return Fail(ErrorCode::kMissing,
                 fmt::format("--channel: {} has no points", *options.channel));

@@ -69,7 +69,7 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
     }
     evidence.cracks.push_back({glass->points_mm[i],
                                static_cast<std::uint64_t>((**tick)[i]),
-                               static_cast<ChannelMask>(1 << number)});
+                               MaskOfChannel(number + 1u)});
   }
   const auto journal = formats::ReadJournal(folder / "journal.bin");
   if (!journal) return tl::unexpected(journal.error());

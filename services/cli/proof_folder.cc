@@ -218,7 +218,7 @@ Status WriteChannelViews(const fs::path& file, const Evidence& evidence,
                          const JobReport& report, const ChannelCounts& counts) {
   using render::Tone;
   const auto good_if = [](bool good) { return good ? Tone::kGood : Tone::kBad; };
-  const auto channel = static_cast<ChannelMask>(1 << (counts.channel() - 1));
+  const auto channel = MaskOfChannel(counts.channel());
   const Vector3& block = report.job().block().size_mm();
   render::ViewsCaption caption;
   caption.title_lines = {report.name(), fmt::format("channel {}", counts.channel())};

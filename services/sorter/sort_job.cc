@@ -19,16 +19,6 @@
 namespace intaglio::sorter {
 namespace {
 
-PointCloud InChannel(const PointCloud& cloud, const std::vector<ChannelMask>& masks,
-                     ChannelMask channel) {
-  PointCloud in_channel;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!ShareChannel(masks[i], channel)) continue;
-    in_channel.Add(cloud.points_mm[i], cloud.source[i]);
-  }
-  return in_channel;
-}
-
 /// What a measurer that had no part in making the points finds: points too near, places
 /// where the glass may break. Of each block that has points of its own.
 void AddWarnings(const FrozenJob& job, const PointCloud& cloud,
@@ -38,7 +28,7 @@ void AddWarnings(const FrozenJob& job, const PointCloud& cloud,
   const std::vector<ChannelMask> channels = TellingChannels(masks);
   const bool one = channels.size() == 1;
   for (const ChannelMask channel : channels) {
-    const PointCloud part = one ? PointCloud() : InChannel(cloud, masks, channel);
+    const PointCloud part = one ? PointCloud() : PointsIn(channel, cloud, masks);
     const auto quality = proof::MeasureCloud(one ? cloud : part, {}, options);
     if (!quality) continue;  // no points: said before
     for (const std::string& warning : quality->warnings) {
