@@ -134,16 +134,14 @@ void Engraving::TurnChain(const EngravingInputs& inputs) {
   const bool opened = WasOpened(links);
   if (opened) links.door_closed = false;
   const Missing missing = chain_.Turn(links, inputs.now);
-  if (opened && missing != Missing::kNothing && !stopping_) {
-    if (phase_ == Phase::kRunning) return Halt(missing, kOpenedUnseen, true);
-    starts_again_ = lost_a_line_ = false;
-    message_ = kOpenedUnseen;
+  if (missing == Missing::kNothing || stopping_) return;
+  if (phase_ == Phase::kRunning) {
+    // What is seen to be open halts it by itself.
+    if (opened) Halt(missing, kOpenedUnseen, true);
     return;
   }
-  // kRunning halts by itself.
-  if (missing == Missing::kNothing || phase_ == Phase::kRunning || stopping_) return;
   starts_again_ = lost_a_line_ = false;
-  message_ = TextOf(missing);
+  message_ = opened ? kOpenedUnseen : TextOf(missing);
 }
 
 // Opened while nobody listened to the machine, or for less than a status: what is seen to
