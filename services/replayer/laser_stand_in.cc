@@ -68,31 +68,20 @@ void LaserStandIn::PollLine() {
   Say(LaserFrame::kLaserIdentity, Encode(laser_.Identity()));
 }
 
+void LaserStandIn::Note(std::span<const std::byte> window) {
+  const auto m = link::Decode<link::ArmWindow>(window);
+  if (!m) return;
+  for (std::size_t i = 0; i < m->fire.size(); ++i) {
+    const std::uint64_t tick = m->first_tick + i;
+    if (m->fire[i] && tick > laser_.tick()) armed_.push_back(tick);
+  }
+}
+
 void LaserStandIn::Take(LaserFrame type, std::span<const std::byte> payload) {
+  if (type == LaserFrame::kDisarm) armed_.clear();
+  if (type == LaserFrame::kArmWindow) Note(payload);
+  if (laser_.Obey(type, payload)) return;
   switch (type) {
-    case LaserFrame::kLampCommand:
-      if (const auto m = link::Decode<link::LampCommand>(payload)) laser_.SetLamp(*m);
-      return;
-    case LaserFrame::kShutterCommand:
-      if (const auto m = link::Decode<link::ShutterCommand>(payload))
-        laser_.SetShutters(m->open_mask);
-      return;
-    case LaserFrame::kArmWindow:
-      if (const auto m = link::Decode<link::ArmWindow>(payload)) {
-        laser_.Decide(*m);
-        for (std::size_t i = 0; i < m->fire.size(); ++i) {
-          const std::uint64_t tick = m->first_tick + i;
-          if (m->fire[i] && tick > laser_.tick()) armed_.push_back(tick);
-        }
-      }
-      return;
-    case LaserFrame::kDisarm:
-      armed_.clear();
-      return laser_.Disarm();
-    case LaserFrame::kLaserStop:
-      return laser_.Stop();
-    case LaserFrame::kLaserReset:
-      return laser_.Reset();
     case LaserFrame::kLaserStatusRequest:
       status_asked_ = true;
       return;

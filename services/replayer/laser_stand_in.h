@@ -37,6 +37,7 @@ class LaserStandIn {
   LaserStandIn(virtual_engraver::PtyLine line, virtual_engraver::LaserOptions options);
   void PollLine();
   void Take(link::LaserFrame type, std::span<const std::byte> payload);
+  void Note(std::span<const std::byte> window);
   bool PassTick(const EndOfPulse& end_of_pulse);
   void Tell(std::chrono::nanoseconds now, bool at_once);
   void Say(link::LaserFrame type, link::Bytes payload);

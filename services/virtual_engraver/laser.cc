@@ -5,6 +5,7 @@
 
 namespace intaglio::virtual_engraver {
 
+using link::LaserFrame;
 using link::TickOutcome;
 
 Laser::Laser(LaserOptions options)
@@ -18,6 +19,33 @@ void Laser::SetLamp(const link::LampCommand& command) {
   const auto& rates = options_.rates_hz;
   if (std::find(rates.begin(), rates.end(), command.rate_hz) != rates.end()) {
     next_rate_hz_ = command.rate_hz;
+  }
+}
+
+bool Laser::Obey(LaserFrame type, std::span<const std::byte> payload) {
+  switch (type) {
+    case LaserFrame::kLampCommand:
+      if (const auto m = link::Decode<link::LampCommand>(payload)) SetLamp(*m);
+      return true;
+    case LaserFrame::kShutterCommand:
+      if (const auto m = link::Decode<link::ShutterCommand>(payload)) {
+        SetShutters(m->open_mask);
+      }
+      return true;
+    case LaserFrame::kArmWindow:
+      if (const auto m = link::Decode<link::ArmWindow>(payload)) Decide(*m);
+      return true;
+    case LaserFrame::kDisarm:
+      Disarm();
+      return true;
+    case LaserFrame::kLaserStop:
+      Stop();
+      return true;
+    case LaserFrame::kLaserReset:
+      Reset();
+      return true;
+    default:
+      return false;
   }
 }
 

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <span>
 #include <vector>
 
 #include "services/link/laser_protocol.h"
@@ -30,6 +31,9 @@ class Laser {
   explicit Laser(LaserOptions options);
 
   // From the line.
+  /// Obeys what a frame commands; false: it commands nothing (a question, or a frame of
+  /// another version).
+  bool Obey(link::LaserFrame type, std::span<const std::byte> payload);
   void SetLamp(const link::LampCommand& command);
   void SetShutters(std::uint8_t open_mask);
   void Decide(const link::ArmWindow& window);

@@ -109,24 +109,8 @@ void Machine::PollLines() {
 }
 
 void Machine::HandleLaser(LaserFrame type, std::span<const std::byte> payload) {
+  if (laser_.Obey(type, payload)) return;
   switch (type) {
-    case LaserFrame::kLampCommand:
-      if (const auto m = link::Decode<link::LampCommand>(payload)) laser_.SetLamp(*m);
-      return;
-    case LaserFrame::kShutterCommand:
-      if (const auto m = link::Decode<link::ShutterCommand>(payload)) {
-        laser_.SetShutters(m->open_mask);
-      }
-      return;
-    case LaserFrame::kArmWindow:
-      if (const auto m = link::Decode<link::ArmWindow>(payload)) laser_.Decide(*m);
-      return;
-    case LaserFrame::kDisarm:
-      return laser_.Disarm();
-    case LaserFrame::kLaserStop:
-      return laser_.Stop();
-    case LaserFrame::kLaserReset:
-      return laser_.Reset();
     case LaserFrame::kLaserStatusRequest:
       laser_line_.status_asked = true;
       return;
