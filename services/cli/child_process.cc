@@ -21,6 +21,8 @@ constexpr auto kTerminateTimeout = 3s;
 constexpr auto kPollPeriod = 10ms;
 }  // namespace
 
+std::string DieWithUs() { return fmt::format("--die-with-parent={}", getpid()); }
+
 fs::path ProgramFolder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
 
 Result<ChildProcess> ChildProcess::Start(const Command& command) {

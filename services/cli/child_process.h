@@ -50,6 +50,10 @@ class ChildProcess {
   std::optional<int> exit_code_;
 };
 
+/// The flag that ends a service with this process. Named: who is killed while it starts a
+/// service is not the service's parent any more.
+std::string DieWithUs();
+
 /// Folder of the program that runs: the services lie beside it.
 std::filesystem::path ProgramFolder();
 

@@ -127,12 +127,11 @@ struct Bench {
 /// With the machine profile of the session, and a laser line at which nobody is yet.
 Result<ChildProcess> StartService(const Bench& bench) {
   const std::string& service = bench.options.service;
-  ChildProcess::Command command{
-      service,
-      ProgramFolder() / ("intaglio-" + service),
-      {"--domain", std::to_string(bench.bus.control_domain), "--tag", bench.bus.tag,
-       fmt::format("--die-with-parent={}", getpid())},
-      bench.folder / "service.log"};
+  ChildProcess::Command command{service,
+                                ProgramFolder() / ("intaglio-" + service),
+                                {"--domain", std::to_string(bench.bus.control_domain),
+                                 "--tag", bench.bus.tag, DieWithUs()},
+                                bench.folder / "service.log"};
   if (service == "synchronizer") {
     auto machine = replayer::MachineOf(bench.reader);
     if (!machine) return tl::unexpected(machine.error());

@@ -1,7 +1,6 @@
 #include "services/cli/service_set.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,9 +10,6 @@
 
 namespace intaglio::cli {
 namespace {
-
-// Named: who is killed while it starts a service is not the service's parent any more.
-std::string WithUs() { return fmt::format("--die-with-parent={}", getpid()); }
 
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
@@ -166,7 +162,7 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   for (const std::string& fault : machine.faults) {
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }
-  if (options.die_with_parent) command.arguments.push_back(WithUs());
+  if (options.die_with_parent) command.arguments.push_back(DieWithUs());
   auto started = ChildProcess::Start(command);
   if (!started) return tl::unexpected(started.error());
   engraver_.push_back(std::make_unique<ChildProcess>(std::move(*started)));
@@ -206,7 +202,7 @@ Status ServiceSet::StartService(const ServiceSetOptions& options, const std::str
     command.arguments.insert(command.arguments.end(), {"--tag", bus.tag});
   if (!bus.security.empty())
     command.arguments.insert(command.arguments.end(), {"--security", bus.security});
-  if (options.die_with_parent) command.arguments.push_back(WithUs());
+  if (options.die_with_parent) command.arguments.push_back(DieWithUs());
   auto started = KeptProcess::Start(command);
   if (!started) return tl::unexpected(started.error());
   services_.push_back(std::make_unique<KeptProcess>(std::move(*started)));
