@@ -68,7 +68,7 @@ TEST_P(ClockStep, OfOneServiceCostsNothing) {
       << std::chrono::duration<double>(std::chrono::steady_clock::now() - set_at).count()
       << " s after the step\n";
   EXPECT_EQ(DifferenceOf(floor.Cracks()), "") << floor.Logs();
-  // 0.6 s of warm-up and 3.5 s of machining, and no hour in any figure.
+  // Half a second of warm-up and 3.5 s of machining, and no hour in any figure.
   const std::string events = floor.Events();
   const auto at = events.rfind("\"elapsed_s\":");
   ASSERT_NE(at, std::string::npos);

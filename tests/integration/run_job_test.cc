@@ -251,7 +251,7 @@ class KillOne : public RunJob, public ::testing::WithParamInterface<std::string>
 
 TEST_P(KillOne, CostsAPauseAndNoPoint) {
   Running run(Program("intaglio"),
-              Arguments({"--height", "5", "--speed", "1", "--warm-up", "0"}),
+              Arguments({"--height", "5", "--speed", "4", "--warm-up", "0"}),
               folder_ / "output.txt");
   ASSERT_TRUE(AwaitCracks(20));
   const auto victims = ProcessesWith({GetParam(), "run-" + std::to_string(run.pid())});
