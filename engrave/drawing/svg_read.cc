@@ -11,6 +11,7 @@
 #include "engrave/drawing/pieces.h"
 #include "engrave/drawing/svg_path.h"
 #include "engrave/drawing/svg_shapes.h"
+#include "engrave/drawing/svg_style.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -25,34 +26,18 @@ struct Context {
   Vec2 page = Vec2(kDefaultWidth, kDefaultHeight);
   std::uint32_t layer = 0;
   std::uint32_t color = 0;
+  bool hidden = false;
   int depth = 0;
   int references = 0;
 };
 
-/// A property from the style attribute, else from the attribute of its name.
-std::string_view PropertyOf(const pugi::xml_node& node, std::string_view property) {
-  std::string_view style = node.attribute("style").value();
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const auto trimmed = [&](std::string_view text) {
-    const auto first = text.find_first_not_of(kBlanks);
-    if (first == text.npos) return std::string_view();
-    return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-  };
-  while (!style.empty()) {
-    const std::string_view part = style.substr(0, style.find(';'));
-    const auto colon = part.find(':');
-    if (colon != part.npos && trimmed(part.substr(0, colon)) == property) {
-      return trimmed(part.substr(colon + 1));
-    }
-    style.remove_prefix(std::min(style.size(), part.size() + 1));
-  }
-  return node.attribute(std::string(property).c_str()).value();
-}
-
 class SvgReader {
  public:
   SvgReader(std::string_view text, const ReadOptions& options, std::string_view name)
-      : text_(text), options_(options), builder_(name, options.limits) {}
+      : text_(text),
+        options_(options),
+        builder_(name, options.limits),
+        sheets_(builder_) {}
 
   Result<Drawing> Read() {
     if (CheckSize() && Parse()) {
@@ -60,7 +45,7 @@ class SvgReader {
       if (SvgName(root.name()) != "svg") {
         builder_.Refuse(ErrorCode::kUnreadable, "",
                         "there is no svg element; the file is no SVG", root.name());
-      } else if (NoteIds(root)) {
+      } else if (NoteIdsAndSheets(root)) {
         ReadPage(root);
       }
     }
@@ -105,7 +90,8 @@ class SvgReader {
 
   bool Parse() {
     const pugi::xml_parse_result parsed = document_.load_buffer(
-        text_.data(), text_.size(), pugi::parse_minimal | pugi::parse_escapes,
+        text_.data(), text_.size(),
+        pugi::parse_minimal | pugi::parse_escapes | pugi::parse_cdata,
         pugi::encoding_auto);
     if (parsed) return true;
     return builder_.Refuse(
@@ -116,14 +102,16 @@ class SvgReader {
                     parsed.description()));
   }
 
-  /// The elements by their ids, without recursion: files may be nested at will.
-  bool NoteIds(const pugi::xml_node& root) {
+  /// The elements by their ids and the style sheets, which hold wherever they stand;
+  /// without recursion: files may be nested at will.
+  bool NoteIdsAndSheets(const pugi::xml_node& root) {
     pugi::xml_node node = root;
     int depth = 0;
     while (true) {
       if (const char* id = node.attribute("id").value(); *id != '\0') {
         by_id_.try_emplace(id, node);
       }
+      if (SvgName(node.name()) == "style" && !TakeSheet(node)) return false;
       if (node.first_child()) {
         node = node.first_child();
         if (++depth > options_.limits.max_nesting) return RefuseDepth(node);
@@ -136,6 +124,19 @@ class SvgReader {
       if (node == root) return true;
       node = node.next_sibling();
     }
+  }
+  bool TakeSheet(const pugi::xml_node& node) {
+    const std::string_view type = node.attribute("type").value();
+    const std::string_view media = node.attribute("media").value();
+    if ((!type.empty() && type != "text/css") ||
+        (!media.empty() && media.find("all") == media.npos &&
+         media.find("screen") == media.npos)) {
+      builder_.LeaveOut("style sheet of another kind");
+      return true;
+    }
+    std::string css;
+    for (const pugi::xml_node part : node.children()) css += part.value();
+    return sheets_.AddSheet(css);
   }
   bool RefuseDepth(const pugi::xml_node& node) {
     return builder_.Refuse(
@@ -228,7 +229,11 @@ class SvgReader {
     if (!ApplyViewBox(root, size, page)) return false;
     const double mm = options_.unit_mm.value_or(kPx_mm);
     page.to_page = SvgTransform{mm, 0, 0, -mm, 0, mm * size.y()}.Then(page.to_page);
-    return ReadChildren(root, page);
+    bool displayed = true;
+    if (!TakeStyle(root, page, displayed)) return false;
+    if (displayed) return ReadChildren(root, page);
+    builder_.LeaveOut("invisible");
+    return true;
   }
 
   bool ReadChildren(const pugi::xml_node& node, const Context& context) {
@@ -239,10 +244,24 @@ class SvgReader {
     return true;
   }
 
+  /// What the element's style changes in the context; `displayed` as display says.
+  bool TakeStyle(const pugi::xml_node& node, Context& context, bool& displayed) {
+    if (context.references > 0 && !CountAgain(node, {"style", "class", "transform"})) {
+      return false;
+    }
+    SvgStyle style;
+    if (!sheets_.StyleOf(node, style)) return false;
+    displayed = style.displayed;
+    context.hidden = style.hidden.value_or(context.hidden);
+    if (!style.stroke.empty()) context.color = builder_.NameIndex(style.stroke);
+    return true;
+  }
+
   bool ReadElement(const pugi::xml_node& node, Context context) {
     const std::string_view element = SvgName(node.name());
-    if (PropertyOf(node, "display") == "none" ||
-        PropertyOf(node, "visibility") == "hidden") {
+    bool displayed = true;
+    if (!TakeStyle(node, context, displayed)) return false;
+    if (!displayed) {
       builder_.LeaveOut("invisible");
       return true;
     }
@@ -257,9 +276,6 @@ class SvgReader {
       }
       context.to_page = context.to_page.Then(*parsed);
     }
-    const std::string_view stroke = PropertyOf(node, "stroke");
-    if (!stroke.empty() && stroke != "inherit")
-      context.color = builder_.NameIndex(stroke);
     if (IsSvgShape(element)) return ReadShape(node, context);
     if (element == "g" || element == "a" || element == "switch") {
       return ReadGroup(node, context);
@@ -317,6 +333,8 @@ class SvgReader {
     }
     context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
     if (SvgName(found->second.name()) == "symbol") {
+      bool displayed = true;  // said of the symbol itself, which is never drawn
+      if (!TakeStyle(found->second, context, displayed)) return false;
       return ReadViewport(found->second, node, context);
     }
     return ReadElement(found->second, context);
@@ -325,8 +343,14 @@ class SvgReader {
   bool ReadShape(const pugi::xml_node& node, const Context& context) {
     std::vector<Curve> curves;
     // Lines are counted for errors alone: it takes the whole file.
-    if (!builder_.CountEntity("") || (context.references > 0 && !CountAgain(node)))
+    if (!builder_.CountEntity("") ||
+        (context.references > 0 && !CountAgain(node, {"d", "points"}))) {
       return false;
+    }
+    if (context.hidden) {
+      builder_.LeaveOut("invisible");
+      return true;
+    }
     DrawingBuilder probe("", options_.limits);
     if (!SvgShapeCurves(node, context.page, "", probe, curves)) {
       return SvgShapeCurves(node, context.page, PlaceOf(node), builder_, curves);
@@ -343,15 +367,19 @@ class SvgReader {
     }
     return true;
   }
-  bool CountAgain(const pugi::xml_node& node) {
-    const std::size_t bytes = std::string_view(node.attribute("d").value()).size() +
-                              std::string_view(node.attribute("points").value()).size();
-    return builder_.CountUnfolded(bytes + 100, "use");
+  bool CountAgain(const pugi::xml_node& node,
+                  std::initializer_list<const char*> attributes) {
+    std::size_t bytes = 50;
+    for (const char* attribute : attributes) {
+      bytes += std::string_view(node.attribute(attribute).value()).size();
+    }
+    return builder_.CountUnfolded(bytes, "use");
   }
 
   std::string_view text_;
   ReadOptions options_;
   DrawingBuilder builder_;
+  SvgStyleSheets sheets_;
   pugi::xml_document document_;
   std::unordered_map<std::string_view, pugi::xml_node> by_id_;
 };

@@ -1,0 +1,77 @@
+#pragma once
+
+// What style sheets, style attributes and presentation attributes say of an element, in
+// the order of the cascade (CSS 2.1, 6.4): the attribute of the property's name, the
+// rules of sheets by specificity and then by order, the style attribute; !important
+// before all.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <pugixml.hpp>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "engrave/drawing/drawing_builder.h"
+
+namespace intaglio::drawing {
+
+/// The properties that a reader of outlines needs.
+struct SvgStyle {
+  bool displayed = true;       ///< display is not none
+  std::optional<bool> hidden;  ///< by visibility; none: as the parent is
+  std::string stroke;          ///< at most 255 bytes; empty: as the parent's
+};
+
+/// The rules of all style sheets of a file. Selectors are an element, classes and an id,
+/// alone or together, and *; rules of others are counted as left out when they would set
+/// one of the properties above, and at-rules by their name.
+class SvgStyleSheets {
+ public:
+  explicit SvgStyleSheets(DrawingBuilder& builder) : builder_(builder) {}
+
+  /// Takes the rules of one sheet behind all before. False: more selectors than a
+  /// tenth of DrawingLimits::max_entities.
+  bool AddSheet(std::string_view css);
+
+  /// What holds for the element. False: comparing with rules has cost more than
+  /// DrawingLimits::max_unfolded_bytes.
+  bool StyleOf(const pugi::xml_node& node, SvgStyle& style);
+
+ private:
+  struct Declared {
+    std::string value;
+    std::uint64_t rank = 0;  ///< the greater wins
+  };
+  using Declarations = std::array<std::optional<Declared>, 3>;
+  struct Selector {
+    std::string element;  ///< empty: any
+    std::string id;
+    std::vector<std::string> classes;
+  };
+  struct Rule {
+    Selector selector;
+    Declarations declarations;
+  };
+
+  static std::optional<Selector> SelectorOf(std::string_view text);
+  static bool Declare(std::string_view block, std::uint64_t rank,
+                      Declarations& declarations);
+  static void Prefer(const Declarations& from, Declarations& winners);
+  bool AddRule(std::string_view selectors, std::string_view block);
+  Rule& RuleOf(const Selector& selector);
+  bool CountCompared(std::uint64_t bytes);
+  bool TakeFrom(std::string_view key, const pugi::xml_node& node, Declarations& winners);
+
+  DrawingBuilder& builder_;
+  std::vector<Rule> rules_;
+  std::unordered_map<std::string, std::size_t> rule_by_selector_;
+  /// "#id", else ".class", else the element, else "": the first that a selector names.
+  std::unordered_map<std::string, std::vector<std::size_t>> rules_by_key_;
+  std::uint64_t selector_count_ = 0;
+  std::uint64_t compared_bytes_ = 0;
+};
+
+}  // namespace intaglio::drawing
