@@ -108,7 +108,7 @@ Result<Source> MakeDrawing(const JobSpec& job, const Model& model, std::string_v
   if (!drawing) return tl::unexpected(drawing.error());
   for (const auto& [kind, count] : drawing->left_out) {
     warnings.push_back(fmt::format(
-        "{}: {} {} are not curves and were left out",
+        "{}: left out {} times: {}",
         std::filesystem::path(model.file()).filename().string(), count, kind));
   }
   return PointsOf(job, model, *drawing, discretize::CurveFill::kEvenOdd);

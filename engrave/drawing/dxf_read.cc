@@ -10,6 +10,7 @@
 #include "engrave/core/check.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/dxf_curves.h"
+#include "engrave/drawing/dxf_layers.h"
 #include "engrave/drawing/pieces.h"
 
 namespace intaglio::drawing {
@@ -57,6 +58,13 @@ struct Block {
   Vec3 base = Vec3::Zero();
 };
 
+/// Where entities stand: in the drawing, or in a block that is inserted.
+struct Standing {
+  Affine place;
+  std::vector<std::string_view> blocks;  ///< from the outermost to the innermost
+  std::string_view layer;                ///< of the insertion; what is on "0" is on it
+};
+
 /// The numbers of an INSERT that matter.
 struct Insert {
   std::string_view block;
@@ -77,10 +85,10 @@ class DxfReader {
 
   Result<Drawing> Read() {
     if (CheckKind() && ReadSections()) {
-      Affine to_mm;
-      to_mm.linear *= options_.unit_mm.value_or(unit_mm_);
+      Standing in_drawing;
+      in_drawing.place.linear *= options_.unit_mm.value_or(unit_mm_);
       for (const DxfText& section : entities_) {
-        if (!Unfold(section, to_mm, {})) break;
+        if (!Unfold(section, in_drawing)) break;
       }
     }
     return builder_.Take();
@@ -134,6 +142,7 @@ class DxfReader {
       if (group.code == 0 && group.value == "ENDSEC") {
         const DxfText text{groups.From(begin, end), first_line};
         if (section == "ENTITIES") entities_.push_back(text);
+        if (section == "TABLES") return layers_.Read(text, builder_);
         return section != "BLOCKS" || ReadBlocks(text);
       }
       if (group.code == 9) variable = group.value;
@@ -205,37 +214,48 @@ class DxfReader {
     return groups.good();
   }
 
-  using Names = std::vector<std::string_view>;
-
-  bool Unfold(const DxfText& text, const Affine& place, const Names& within) {
+  bool Unfold(const DxfText& text, const Standing& in) {
     DxfEntities entities(text, builder_);
     DxfEntity entity;
     while (entities.Next(entity)) {
       if (entity.type == "INSERT") {
-        if (!UnfoldInsert(entity, place, within)) return false;
+        if (!UnfoldInsert(entity, in)) return false;
       } else if (!IsDxfCurve(entity.type)) {
         if (entity.type != "SEQEND") builder_.LeaveOut(entity.type);
-      } else if (!AddCurve(entity, place)) {
+      } else if (!AddCurve(entity, in)) {
         return false;
       }
     }
     return entities.good();
   }
 
-  bool IsShown(const DxfCommon& common) {
-    if (common.paper_space) builder_.LeaveOut("on a sheet");
-    if (common.invisible && !common.paper_space) builder_.LeaveOut("invisible");
-    return !common.paper_space && !common.invisible;
+  static std::string_view LayerOf(const DxfCommon& common, const Standing& in) {
+    const bool floats = common.layer.empty() || common.layer == "0";
+    return floats && !in.layer.empty() ? in.layer : common.layer;
   }
 
-  bool AddCurve(const DxfEntity& entity, const Affine& place) {
+  /// Of a block that is inserted on a layer that is off the entities of others are shown.
+  bool IsShown(const DxfCommon& common, std::string_view layer, bool is_insert) {
+    const DxfLayers::State state = layers_.StateOf(layer);
+    std::string_view reason;
+    if (state.off && !is_insert) reason = "on a layer that is off";
+    if (state.frozen) reason = "on a frozen layer";
+    if (common.invisible) reason = "invisible";
+    if (common.paper_space) reason = "on a sheet";
+    if (!reason.empty()) builder_.LeaveOut(reason);
+    return reason.empty();
+  }
+
+  bool AddCurve(const DxfEntity& entity, const Standing& in) {
     DxfCurve result;
     if (!builder_.CountEntity(entity.Place()) || !DxfCurveOf(entity, builder_, result)) {
       return false;
     }
-    if (!IsShown(result.common)) return true;
+    if (!IsShown(result.common, LayerOf(result.common, in), false)) return true;
     if (result.curve.pieces.empty()) builder_.LeaveOut(entity.type);
-    for (Piece& piece : result.curve.pieces) Transform(place.linear, place.offset, piece);
+    for (Piece& piece : result.curve.pieces) {
+      Transform(in.place.linear, in.place.offset, piece);
+    }
     result.curve.layer = builder_.NameIndex(result.common.layer);
     result.curve.color = builder_.NameIndex(result.common.color);
     return builder_.Add(std::move(result.curve), entity.Place());
@@ -284,7 +304,7 @@ class DxfReader {
     return groups.good();
   }
 
-  bool CheckInsert(const DxfEntity& entity, const Insert& insert, const Names& within) {
+  bool CheckInsert(const DxfEntity& entity, const Insert& insert, const Standing& in) {
     const auto refuse = [&](ErrorCode code, std::string_view sentence) {
       return builder_.Refuse(code, entity.Place(), sentence, insert.block);
     };
@@ -293,11 +313,11 @@ class DxfReader {
                     "the block that it inserts is not in the file; bind external "
                     "references before the export");
     }
-    if (std::ranges::find(within, insert.block) != within.end()) {
+    if (std::ranges::find(in.blocks, insert.block) != in.blocks.end()) {
       return refuse(ErrorCode::kInvalidValue,
                     "the block holds itself; explode it in the drawing program");
     }
-    if (within.size() >= static_cast<std::size_t>(options_.limits.max_nesting)) {
+    if (in.blocks.size() >= static_cast<std::size_t>(options_.limits.max_nesting)) {
       return refuse(ErrorCode::kTooLarge,
                     fmt::format("blocks stand more than {} deep in blocks; explode them "
                                 "in the drawing program",
@@ -309,14 +329,15 @@ class DxfReader {
     return true;
   }
 
-  bool UnfoldInsert(const DxfEntity& entity, const Affine& place, const Names& within) {
+  bool UnfoldInsert(const DxfEntity& entity, const Standing& in) {
     Insert insert;
     if (!ReadInsert(entity, insert)) return false;
-    if (!IsShown(insert.common)) return true;
-    if (!CheckInsert(entity, insert, within)) return false;
+    const std::string_view layer = LayerOf(insert.common, in);
+    if (!IsShown(insert.common, layer, true)) return true;
+    if (!CheckInsert(entity, insert, in)) return false;
     const Block& block = blocks_.at(insert.block);
-    Names deeper = within;
-    deeper.push_back(insert.block);
+    Standing deeper{{}, in.blocks, layer};
+    deeper.blocks.push_back(insert.block);
     // Files write 0 for "no array"; the entity limit bounds the loops.
     const double columns = std::max(1.0, insert.columns);
     const double rows = std::max(1.0, insert.rows);
@@ -327,8 +348,8 @@ class DxfReader {
           return false;
         }
         const Vec3 cell(column * insert.column_step, row * insert.row_step, 0);
-        const Affine block_place = place.Then(PlaceOf(insert, block.base, cell));
-        if (!Unfold(block.text, block_place, deeper)) return false;
+        deeper.place = in.place.Then(PlaceOf(insert, block.base, cell));
+        if (!Unfold(block.text, deeper)) return false;
       }
     }
     return true;
@@ -350,6 +371,7 @@ class DxfReader {
   ReadOptions options_;
   DrawingBuilder builder_;
   double unit_mm_ = 1;
+  DxfLayers layers_;
   std::vector<DxfText> entities_;
   std::unordered_map<std::string_view, Block> blocks_;
 };

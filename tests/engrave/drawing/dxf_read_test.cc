@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/engrave/drawing/dxf_text.h"
 #include "tests/engrave/drawing/lengths.h"
 
 namespace intaglio::drawing {
@@ -15,26 +16,6 @@ namespace {
 
 using std::numbers::pi;
 using ::testing::HasSubstr;
-
-/// A file from "code value|code value|..." behind the sections' own lines.
-std::string Groups(const std::string& pairs) {
-  std::string text;
-  std::string_view rest = pairs;
-  while (!rest.empty()) {
-    const auto bar = rest.find('|');
-    const std::string_view pair = rest.substr(0, bar);
-    const auto blank = pair.find(' ');
-    text += fmt::format("{}\n{}\n", pair.substr(0, blank), pair.substr(blank + 1));
-    rest = bar == rest.npos ? "" : rest.substr(bar + 1);
-  }
-  return text;
-}
-std::string Entities(const std::string& pairs) {
-  return Groups("0 SECTION|2 ENTITIES|" + pairs + "|0 ENDSEC|0 EOF");
-}
-std::string WithBlocks(const std::string& blocks, const std::string& entities) {
-  return Groups("0 SECTION|2 BLOCKS|" + blocks + "|0 ENDSEC") + Entities(entities);
-}
 
 FlatDrawing FlatOf(const std::string& text, const ReadOptions& options = {}) {
   const auto drawing = ReadDxf(text, options);
