@@ -33,6 +33,11 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
   earlier.points = formats::HistoryOf(journal);
   for (const formats::JournalRecord& record : journal.records) {
     earlier.highest_run = std::max(earlier.highest_run, record.run);
+    if (record.kind == JournalKind::kIntent) {
+      earlier.uncertain_unanswered = false;
+    } else if (record.outcome == formats::PointOutcome::kUncertain) {
+      earlier.uncertain_unanswered = true;
+    }
     if (record.kind != JournalKind::kSession) continue;
     earlier.power_up = record.point;
     earlier.pulses_before_job = record.pulse_count;

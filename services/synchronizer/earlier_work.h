@@ -20,6 +20,8 @@ struct EarlierWork {
   std::uint32_t pulses_before_job = 0;  ///< that it had counted by then, modulo 2^32
   std::uint32_t openings = 0;           ///< of interlocks, that had been seen by then
   std::uint32_t highest_run = 0;
+  /// Points became uncertain, and no run has begun since.
+  bool uncertain_unanswered = false;
   std::uint64_t damaged_records = 0;
 };
 

@@ -21,8 +21,6 @@ constexpr std::uint64_t kLockstepWindowTicks = 512;
 // With a clock of its own also the controller's time is extrapolated that far.
 constexpr std::uint64_t kLeastOwnClockTicks = 64;
 constexpr std::uint64_t kTicksToRest = 4;
-// Passes over points that were skipped, as long as a pass makes at least one.
-constexpr int kMaxIdleRuns = 2;
 constexpr int kMaxLateStarts = 5;
 // A status comes every 20 ms; without one nothing is known of the interlocks.
 constexpr auto kStatusLease = 500ms;
@@ -89,6 +87,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
     clock_.Observe(laser_.status(), inputs.now);
   }
   TurnChain(inputs);
+  AskOverUncertain(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
   if (phase_ != Phase::kRunning && flushed_ != journal_.appended()) {
     flushed_ = journal_.appended();
@@ -116,7 +115,7 @@ void Engraving::Take(const link::PulseReport& report) {
 }
 
 void Engraving::Await(const EngravingInputs& inputs) {
-  if (stopping_ || !ledger_.NextOpen(0) || idle_runs_ >= kMaxIdleRuns) return Finish();
+  if (stopping_ || NothingIsLeft(inputs)) return Finish();
   if (!laser_.up() || !laser_.Has(link::kLampWarm)) {
     phase_ = Phase::kPreparing;
     return;
@@ -187,6 +186,7 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   session_ = laser_.session();
   run_ = std::max(run_, inputs.motion.highest_run) + 1;
   ++run_count_;
+  asks_ = asked_ = false;
   passed_by_ = false;
   missed_in_a_row_ = 0;
   passed_by_tick_ = 0;

@@ -17,7 +17,8 @@
 // point: by report, by what the controller remembers when reports were lost, or, after
 // another power-up of it, as uncertain. A job that an earlier life left begins there.
 // After a fault (anything but a withdrawn permission) only a new grant counts: nothing
-// restarts by itself (permission_chain.h).
+// restarts by itself (permission_chain.h). So it is, if the job says so, when points are
+// left of which nobody knows whether they were fired, even if nothing else is left.
 //
 // No pulse without: an intent on disk, the motion for its tick in the controller, and
 // the whole permission chain at the moment of arming. Used from one thread; no waits.
@@ -30,6 +31,7 @@
 #include <vector>
 
 #include "engrave/core/channels.h"
+#include "engrave/optics/machine_frame.h"
 #include "idl/motion.h"
 #include "services/synchronizer/earlier_work.h"
 #include "services/synchronizer/journal_writer.h"
@@ -74,7 +76,8 @@ struct EngravingInputs {
 struct EngravingJob {
   std::string uid;
   PointList machine_points_mm;  ///< in the order of engraving, machine frame
-  double cone_tangent = 0;      ///< half angle of the beam above a point, machine frame
+  optics::MachineFromGlass machine_from_glass = {};  ///< for what people are told
+  double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
   ChannelMask shutter_mask = 1;  ///< of all points
   /// Of each point, when they differ: it is made with these shutters open and no other.
@@ -82,6 +85,8 @@ struct EngravingJob {
   /// Pulses that no crack was seen of, until it pauses.
   std::uint32_t max_missed_in_a_row = 5;
   bool photosensor_feedback = true;  ///< false: nothing sees cracks, fired is made
+  /// Points of which nobody knows whether they were fired: a person is asked.
+  bool asks_when_uncertain = false;
   EarlierWork earlier = {};
 };
 
@@ -111,6 +116,8 @@ class Engraving {
   /// without anybody walking to the machine.
   bool lost_a_line() const { return lost_a_line_; }
   bool started() const { return run_count_ > 0 || taken_up_; }
+  /// Of points that nobody knows of, and nobody has answered yet.
+  bool asks() const { return asks_; }
   /// It fires nothing until somebody or something outside lets it.
   bool waits() const {
     return (started() || faulted()) && phase_ != Phase::kRunning && !starts_again_ &&
@@ -142,6 +149,9 @@ class Engraving {
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);
+  void AskOverUncertain(const EngravingInputs& inputs);
+  std::string QuestionOverUncertain() const;
+  bool NothingIsLeft(const EngravingInputs& inputs) const;
   bool JournalIsWritten();
   ChannelMask MaskOfNextRun();
   void StartRun(const EngravingInputs& inputs);
@@ -171,6 +181,9 @@ class Engraving {
   void Record(PulseResult result);
   void Finish();
 
+  // Passes over points that were skipped, as long as a pass makes at least one.
+  static constexpr int kMaxIdleRuns = 2;
+
   struct Window {
     std::uint64_t journal_number = 0;  // sent once this many records are durable
     link::ArmWindow arm;
@@ -191,6 +204,7 @@ class Engraving {
   PermissionChain chain_;
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
+  bool asks_ = false, asked_ = false;  // of uncertain points: not answered; said
   bool stopping_ = false;
   bool lamp_stays_ = false;
   std::uint32_t left_out_before_ = 0;

@@ -142,6 +142,7 @@ void Engraving::TurnChain(const EngravingInputs& inputs) {
   }
   starts_again_ = lost_a_line_ = false;
   message_ = opened ? kOpenedUnseen : TextOf(missing);
+  if (asked_) message_ += "; " + QuestionOverUncertain();
 }
 
 // Opened while nobody listened to the machine, or for less than a status: what is seen to

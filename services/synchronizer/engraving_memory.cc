@@ -36,6 +36,10 @@ void Engraving::Record(PulseResult result) {
   }
   if (result.outcome == PointOutcome::kMissed) ++missed_in_a_row_;
   if (result.outcome == PointOutcome::kMade) missed_in_a_row_ = 0;
+  if (result.outcome == PointOutcome::kUncertain && job_.asks_when_uncertain) {
+    asks_ = true;
+    asked_ = false;
+  }
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
                    static_cast<std::uint8_t>(result.reason), run_, result.tick,
@@ -56,6 +60,7 @@ void Engraving::TakeUp() {
   pulses_before_job_ = earlier.pulses_before_job;
   openings_ = openings_accepted_ = earlier.openings;
   openings_power_up_ = power_up_;
+  asks_ = job_.asks_when_uncertain && earlier.uncertain_unanswered;
   std::vector<PulseResult> armed;
   for (std::uint32_t point = 0; point < earlier.points.size(); ++point) {
     const formats::PointHistory& history = earlier.points[point];

@@ -219,11 +219,13 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   job.plan = MotionOptionsOf(*job_);
   job.max_missed_in_a_row = machine_.laser().max_missed_in_a_row();
   job.photosensor_feedback = job_->job().laser().photosensor_feedback();
+  job.asks_when_uncertain = job_->job().when_uncertain() == UNCERTAIN_POINTS_ASK;
   auto masks = ChannelsOfPoints(job_->job(), path.source);
   if (!masks) return tl::unexpected(masks.error());
   job.shutter_mask = masks->front();
   if (DistinctMasks(*masks).size() > 1) job.masks = std::move(*masks);
   const auto machine_from_glass = MachineFromGlassOf(*job_);
+  job.machine_from_glass = machine_from_glass;
   job.machine_points_mm.reserve(path.size());
   for (const Vec3& p : path.points_mm) {
     job.machine_points_mm.push_back(machine_from_glass.ToMachine(p));
@@ -283,7 +285,7 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   const PointLedger& ledger = engraving_->ledger();
   if (engraving_->phase() == Engraving::Phase::kDone) {
     publisher_.Flush(now, true);
-    if (leaves_ && !ledger.all_ended()) return DropTask();
+    if (leaves_ && (!ledger.all_ended() || engraving_->asks())) return DropTask();
     if (cancelled_) {
       return EndTask(intaglio_TASK_FAILED, "cancelled", engraving_->message());
     }

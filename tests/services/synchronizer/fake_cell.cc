@@ -98,6 +98,7 @@ void FakeCell::Begin() {
   job.masks = options_.masks;
   job.max_missed_in_a_row = options_.max_missed_in_a_row;
   job.photosensor_feedback = options_.photosensor_feedback;
+  job.asks_when_uncertain = options_.asks_when_uncertain;
   job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
       std::move(job), *controller, *feed, *journal,

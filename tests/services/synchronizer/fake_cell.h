@@ -25,6 +25,7 @@ struct CellOptions {
   std::vector<ChannelMask> masks = {};  ///< of the points; empty: all in channel 1
   std::uint32_t max_missed_in_a_row = 5;
   bool photosensor_feedback = true;
+  bool asks_when_uncertain = false;
 };
 
 /// An order whose shutters change every few points.
