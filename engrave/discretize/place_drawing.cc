@@ -21,7 +21,7 @@ Result<PlacedDrawing> PlaceDrawing(const drawing::Drawing& drawing,
   }
   if (points.empty()) {
     return Fail(ErrorCode::kMissing,
-                "the drawing has no curves; convert its texts and hatches to paths");
+                "the drawing has no curves; convert its texts to paths");
   }
   const auto glass = mesh::GlassFromModelOf(points, placement, block_size_mm);
   if (!glass) return tl::unexpected(glass.error());
@@ -30,6 +30,8 @@ Result<PlacedDrawing> PlaceDrawing(const drawing::Drawing& drawing,
   auto flat = drawing::Flatten(moved, flatten);
   if (!flat) return tl::unexpected(flat.error());
   if (join_mm > 0) drawing::JoinOpenCurves(join_mm, *flat);
+  // Two flattened images of one curve are apart by their two tolerances.
+  drawing::RemoveRepeatedContours(join_mm + 2 * flatten.chord_tolerance_mm, *flat);
   const Vec3 normal = glass->linear.col(0).cross(glass->linear.col(1)).normalized();
   return PlacedDrawing{std::move(*flat), normal};
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "engrave/drawing/dxf_spline.h"
 #include "engrave/drawing/pieces.h"
 
 namespace intaglio::drawing {
@@ -22,18 +23,11 @@ constexpr int kMesh = 16;
 constexpr int kPolyface = 64;
 constexpr int kFrameVertex = 16;  // of a VERTEX: control point of a smoothed polyline
 
-constexpr int kMaxDegree = 15;
 // tan(1e-6) of a quarter of the sweep: less than 1 nm away from the line in a chord of
 // 2 mm, and a radius that no drawing means.
 constexpr double kLeastBulge = 1e-6;
 
 double Radians(double degrees) { return degrees * pi / 180; }
-
-/// Counter-clockwise from begin to end, in (0, 2 pi].
-double SweepOf(double begin_rad, double end_rad) {
-  const double sweep = std::fmod(end_rad - begin_rad, 2 * pi);
-  return sweep > 1e-12 ? sweep : sweep + 2 * pi;
-}
 
 struct Values {
   std::array<double, 80> number{};
@@ -89,7 +83,7 @@ bool CircleOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result
   }
   const bool full = entity.type == "CIRCLE";
   const double begin = full ? 0 : Radians(v.number[50]);
-  const double sweep = full ? 2 * pi : SweepOf(begin, Radians(v.number[51]));
+  const double sweep = full ? 2 * pi : DxfSweep(begin, Radians(v.number[51]));
   EllipticArc arc{v.Point(10), radius * Vec3::UnitX(), radius * Vec3::UnitY(),
                   std::fmod(begin, 2 * pi), sweep};
   result.curve.closed = full;
@@ -109,52 +103,20 @@ bool EllipseOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& resul
   }
   const Vec3 minor = ratio * WorldFromEntity(result.common.extrusion).col(2).cross(major);
   const double begin = v.number[41];
-  const double sweep = SweepOf(begin, v.has[42] ? v.number[42] : begin + 2 * pi);
+  const double sweep = DxfSweep(begin, v.has[42] ? v.number[42] : begin + 2 * pi);
   result.curve.closed = sweep > 2 * pi - 1e-9;
   result.curve.pieces.push_back(
       EllipticArc{v.Point(10), major, minor, std::fmod(begin, 2 * pi), sweep});
   return true;
 }
 
-struct Vertex {
-  Vec3 p = Vec3::Zero();
-  double bulge = 0;
-};
-
-std::vector<Piece> PiecesThrough(const std::vector<Vertex>& vertices, bool closed,
-                                 std::size_t bulged) {
-  std::vector<Piece> pieces;
-  pieces.reserve(2 * bulged + 1);
-  Polyline straight;
-  const std::size_t n = vertices.size();
-  for (std::size_t i = 0; i < (closed ? n : n - 1); ++i) {
-    const Vertex& from = vertices[i];
-    const Vec3& to = vertices[(i + 1) % n].p;
-    Piece piece = BulgedSegment(from.p, to, from.bulge);
-    if (std::holds_alternative<Polyline>(piece)) {
-      if (straight.points_mm.empty()) straight.points_mm.push_back(from.p);
-      straight.points_mm.push_back(to);
-      continue;
-    }
-    if (!straight.points_mm.empty()) pieces.push_back(std::exchange(straight, {}));
-    pieces.push_back(std::move(piece));
-  }
-  if (!straight.points_mm.empty()) pieces.push_back(std::move(straight));
-  if (pieces.empty()) pieces.push_back(Polyline{{vertices.front().p}});
-  return pieces;
-}
-
 /// The curve through the vertices; `in_plane`: their coordinates are the entity's own.
-bool TakeVertices(const std::vector<Vertex>& vertices, bool closed, bool in_plane,
+bool TakeVertices(const std::vector<DxfVertex>& vertices, bool closed, bool in_plane,
                   const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result) {
-  if (vertices.empty()) return true;
-  const auto bulged = static_cast<std::size_t>(
-      std::ranges::count_if(vertices, [](const Vertex& v) { return v.bulge != 0; }));
-  if (2 * bulged + vertices.size() > builder.limits().max_points) {
-    return builder.CountPoints(builder.limits().max_points + 1, entity.Place());
-  }
   result.curve.closed = closed && vertices.size() > 1;
-  result.curve.pieces = PiecesThrough(vertices, result.curve.closed, bulged);
+  if (!DxfPolyline(vertices, result.curve.closed, entity, builder, result.curve.pieces)) {
+    return false;
+  }
   if (in_plane) {
     const Mat3 world = WorldFromEntity(result.common.extrusion);
     for (Piece& piece : result.curve.pieces) Transform(world, Vec3::Zero(), piece);
@@ -163,7 +125,7 @@ bool TakeVertices(const std::vector<Vertex>& vertices, bool closed, bool in_plan
 }
 
 bool LightPolylineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result) {
-  std::vector<Vertex> vertices;
+  std::vector<DxfVertex> vertices;
   double elevation = 0, flags = 0;
   const auto visit = [&](int code, double number) {
     if (code == 10) {
@@ -183,7 +145,7 @@ bool LightPolylineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve&
     return true;
   };
   if (!ForEachNumber(entity, builder, result.common, visit)) return false;
-  for (Vertex& vertex : vertices) vertex.p.z() = elevation;
+  for (DxfVertex& vertex : vertices) vertex.p.z() = elevation;
   const bool closed = (static_cast<int>(std::clamp(flags, 0.0, 255.0)) & kClosed) != 0;
   return TakeVertices(vertices, closed, true, entity, builder, result);
 }
@@ -194,7 +156,7 @@ bool PolylineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& resu
   DxfGroup group;
   Values own, part;
   DxfCommon of_vertex;
-  std::vector<Vertex> vertices;
+  std::vector<DxfVertex> vertices;
   bool in_vertex = false;
   const auto take_vertex = [&] {
     if (!in_vertex || (part.Flags() & kFrameVertex) != 0) return true;
@@ -225,7 +187,7 @@ bool PolylineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& resu
   const int flags = own.Flags();
   if ((flags & (kMesh | kPolyface)) != 0) return true;
   const bool in_space = (flags & k3dPolyline) != 0;
-  for (Vertex& vertex : vertices) {
+  for (DxfVertex& vertex : vertices) {
     if (in_space) {
       vertex.bulge = 0;
     } else {
@@ -236,99 +198,13 @@ bool PolylineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& resu
                       result);
 }
 
-struct SplineValues {
-  Nurbs nurbs;
-  PointList through;
-  Vec3 begin_tangent = Vec3::Zero();
-  Vec3 end_tangent = Vec3::Zero();
-  double degree = 3;
-
-  void Take(int code, double number) {
-    PointList& points = code % 10 == 0 ? nurbs.control_mm : through;
-    const int axis = code / 10 - 1;
-    if (code == 10 || code == 11) {
-      points.emplace_back(number, 0, 0);
-    } else if (code == 20 || code == 21 || code == 30 || code == 31) {
-      if (!points.empty()) points.back()[axis] = number;
-    } else if (code % 10 == 2 && code < 40) {
-      begin_tangent[axis] = number;
-    } else if (code % 10 == 3 && code < 40) {
-      end_tangent[axis] = number;
-    } else if (code == 40) {
-      nurbs.knots.push_back(number);
-    } else if (code == 41) {
-      nurbs.weights.push_back(number);
-    } else if (code == 71) {
-      degree = number;
-    }
-  }
-};
-
-bool CheckNurbs(const DxfEntity& entity, DrawingBuilder& builder, const Nurbs& nurbs,
-                double degree) {
-  if (!(degree >= 1 && degree <= kMaxDegree) || degree != std::floor(degree)) {
-    return Refuse(entity, builder, "the degree of a spline must be 1 to 15", degree);
-  }
-  const std::size_t controls = nurbs.control_mm.size();
-  const std::size_t wanted = controls + static_cast<std::size_t>(degree) + 1;
-  if (controls < static_cast<std::size_t>(degree) + 1 || nurbs.knots.size() != wanted) {
-    return Refuse(
-        entity, builder,
-        fmt::format("{} control points of degree {} and {} knots make no spline "
-                    "(one more knot than both together is needed, and more "
-                    "control points than the degree); export the drawing again",
-                    controls, degree, nurbs.knots.size()),
-        static_cast<double>(nurbs.knots.size()));
-  }
-  const auto falls = std::ranges::adjacent_find(nurbs.knots, std::greater<>());
-  if (falls != nurbs.knots.end()) {
-    return Refuse(entity, builder, "the knots of a spline must ascend", *falls);
-  }
-  if (!(nurbs.knots[static_cast<std::size_t>(degree)] < nurbs.knots[controls])) {
-    return Refuse(entity, builder, "the knots of the spline span nothing",
-                  nurbs.knots[controls]);
-  }
-  if (!nurbs.weights.empty() && nurbs.weights.size() != controls) {
-    return Refuse(entity, builder, "a spline needs as many weights as control points",
-                  static_cast<double>(nurbs.weights.size()));
-  }
-  for (const double weight : nurbs.weights) {
-    if (!(weight > 1e-9 && weight < 1e9)) {
-      return Refuse(entity, builder, "a weight of a spline must be 1e-9 to 1e9", weight);
-    }
-  }
-  return true;
-}
-
 bool SplineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result) {
-  SplineValues spline;
-  std::uint64_t numbers = 0;
+  DxfSpline spline;
   const auto visit = [&](int code, double number) {
-    // A point has three numbers, and a knot or a weight none of its own.
-    if (++numbers / 5 > builder.limits().max_points) {
-      return builder.CountPoints(numbers, entity.Place());
-    }
-    spline.Take(code, number);
-    return true;
+    return spline.Take(code, number, entity, builder);
   };
-  if (!ForEachNumber(entity, builder, result.common, visit)) return false;
-  Nurbs& nurbs = spline.nurbs;
-  if (!nurbs.control_mm.empty()) {
-    if (!CheckNurbs(entity, builder, nurbs, spline.degree)) return false;
-    nurbs.degree = static_cast<int>(spline.degree);
-    result.curve.pieces.push_back(std::move(nurbs));
-    return true;
-  }
-  PointList& through = spline.through;
-  // Not std::ranges::unique: clang 14, which builds the fuzz targets, cannot.
-  const auto same = [](const Vec3& p, const Vec3& q) { return (p - q).norm() <= 1e-12; };
-  through.erase(std::unique(through.begin(), through.end(), same), through.end());
-  if (through.size() < 2) {
-    return Refuse(entity, builder, "a spline needs control points or two fit points",
-                  static_cast<double>(through.size()));
-  }
-  result.curve.pieces = SplineThrough(through, spline.begin_tangent, spline.end_tangent);
-  return true;
+  return ForEachNumber(entity, builder, result.common, visit) &&
+         spline.AddPieces(entity, builder, result.curve.pieces);
 }
 
 bool LineOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result) {
@@ -359,6 +235,40 @@ bool IsDxfCurve(std::string_view type) { return ReaderOf(type) != nullptr; }
 
 bool DxfCurveOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result) {
   return ReaderOf(entity.type)(entity, builder, result);
+}
+
+bool DxfPolyline(const std::vector<DxfVertex>& vertices, bool closed,
+                 const DxfEntity& entity, DrawingBuilder& builder,
+                 std::vector<Piece>& pieces) {
+  const std::size_t n = vertices.size();
+  if (n == 0) return true;
+  const auto bulged = static_cast<std::size_t>(
+      std::ranges::count_if(vertices, [](const DxfVertex& v) { return v.bulge != 0; }));
+  if (2 * bulged + n > builder.limits().max_points) {
+    return builder.CountPoints(builder.limits().max_points + 1, entity.Place());
+  }
+  pieces.reserve(2 * bulged + 1);
+  Polyline straight;
+  for (std::size_t i = 0; i < (closed ? n : n - 1); ++i) {
+    const DxfVertex& from = vertices[i];
+    const Vec3& to = vertices[(i + 1) % n].p;
+    Piece piece = BulgedSegment(from.p, to, from.bulge);
+    if (std::holds_alternative<Polyline>(piece)) {
+      if (straight.points_mm.empty()) straight.points_mm.push_back(from.p);
+      straight.points_mm.push_back(to);
+      continue;
+    }
+    if (!straight.points_mm.empty()) pieces.push_back(std::exchange(straight, {}));
+    pieces.push_back(std::move(piece));
+  }
+  if (!straight.points_mm.empty()) pieces.push_back(std::move(straight));
+  if (pieces.empty()) pieces.push_back(Polyline{{vertices.front().p}});
+  return true;
+}
+
+double DxfSweep(double begin_rad, double end_rad) {
+  const double sweep = std::fmod(end_rad - begin_rad, 2 * pi);
+  return sweep > 1e-12 ? sweep : sweep + 2 * pi;
 }
 
 Piece BulgedSegment(const Vec3& p, const Vec3& q, double bulge) {

@@ -17,12 +17,18 @@ bool IsDxfCurve(std::string_view type);
 /// The curve of an entity. False: the builder has the error.
 bool DxfCurveOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result);
 
-/// The cubic spline of two continuous derivatives through the points, with the chords as
-/// parameter; ends as the tangents say, which may be zero: then free of bend. Closed when
-/// first and last point are the same: then periodic. At least two points, no two
-/// neighbours the same (de Boor 1978, ch. IV).
-std::vector<Piece> SplineThrough(const PointList& points, const Vec3& begin_tangent,
-                                 const Vec3& end_tangent);
+struct DxfVertex {
+  Vec3 p = Vec3::Zero();
+  double bulge = 0;  ///< of the segment to the next vertex
+};
+
+/// Adds the pieces through the vertices. False: too many points.
+bool DxfPolyline(const std::vector<DxfVertex>& vertices, bool closed,
+                 const DxfEntity& entity, DrawingBuilder& builder,
+                 std::vector<Piece>& pieces);
+
+/// Counter-clockwise from begin to end, in (0, 2 pi].
+double DxfSweep(double begin_rad, double end_rad);
 
 /// From p to q with bulge = tan(sweep / 4), positive to the left; a line when the bulge
 /// is too small to be seen.

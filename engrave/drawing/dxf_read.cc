@@ -10,6 +10,8 @@
 #include "engrave/core/check.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/dxf_curves.h"
+#include "engrave/drawing/dxf_hatch.h"
+#include "engrave/drawing/dxf_insert.h"
 #include "engrave/drawing/dxf_layers.h"
 #include "engrave/drawing/pieces.h"
 
@@ -44,15 +46,6 @@ constexpr double kUnits_mm[] = {1,
                                 3 * kSurveyFoot_mm,
                                 5280 * kSurveyFoot_mm};
 
-struct Affine {
-  Mat3 linear = Mat3::Identity();
-  Vec3 offset = Vec3::Zero();
-
-  Affine Then(const Affine& inner) const {
-    return {linear * inner.linear, linear * inner.offset + offset};
-  }
-};
-
 struct Block {
   DxfText text;
   Vec3 base = Vec3::Zero();
@@ -60,22 +53,9 @@ struct Block {
 
 /// Where entities stand: in the drawing, or in a block that is inserted.
 struct Standing {
-  Affine place;
+  DxfAffine place;
   std::vector<std::string_view> blocks;  ///< from the outermost to the innermost
   std::string_view layer;                ///< of the insertion; what is on "0" is on it
-};
-
-/// The numbers of an INSERT that matter.
-struct Insert {
-  std::string_view block;
-  DxfCommon common;
-  Vec3 at = Vec3::Zero();
-  Vec3 scale = Vec3::Ones();
-  double rotation_deg = 0;
-  double columns = 1;
-  double rows = 1;
-  double column_step = 0;
-  double row_step = 0;
 };
 
 class DxfReader {
@@ -220,6 +200,8 @@ class DxfReader {
     while (entities.Next(entity)) {
       if (entity.type == "INSERT") {
         if (!UnfoldInsert(entity, in)) return false;
+      } else if (entity.type == "HATCH") {
+        if (!AddHatch(entity, in)) return false;
       } else if (!IsDxfCurve(entity.type)) {
         if (entity.type != "SEQEND") builder_.LeaveOut(entity.type);
       } else if (!AddCurve(entity, in)) {
@@ -253,58 +235,31 @@ class DxfReader {
     }
     if (!IsShown(result.common, LayerOf(result.common, in), false)) return true;
     if (result.curve.pieces.empty()) builder_.LeaveOut(entity.type);
-    for (Piece& piece : result.curve.pieces) {
+    return Place(std::move(result.curve), result.common, entity, in);
+  }
+
+  bool AddHatch(const DxfEntity& entity, const Standing& in) {
+    DxfHatch hatch;
+    if (!ReadDxfHatch(entity, builder_, hatch)) return false;
+    if (!IsShown(hatch.common, LayerOf(hatch.common, in), false)) return true;
+    if (hatch.has_lines) builder_.LeaveOut("pattern of a HATCH");
+    for (Curve& contour : hatch.contours) {
+      if (!Place(std::move(contour), hatch.common, entity, in)) return false;
+    }
+    return true;
+  }
+
+  bool Place(Curve curve, const DxfCommon& common, const DxfEntity& entity,
+             const Standing& in) {
+    for (Piece& piece : curve.pieces) {
       Transform(in.place.linear, in.place.offset, piece);
     }
-    result.curve.layer = builder_.NameIndex(result.common.layer);
-    result.curve.color = builder_.NameIndex(result.common.color);
-    return builder_.Add(std::move(result.curve), entity.Place());
+    curve.layer = builder_.NameIndex(common.layer);
+    curve.color = builder_.NameIndex(common.color);
+    return builder_.Add(std::move(curve), entity.Place());
   }
 
-  bool ReadInsert(const DxfEntity& entity, Insert& insert) {
-    DxfGroups groups(entity.groups, builder_);
-    DxfGroup group;
-    while (groups.Next(group)) {
-      if (!TakeCommon(group, entity, builder_, insert.common)) return false;
-      double* number = nullptr;
-      switch (group.code) {
-        case 2:
-          insert.block = group.value;
-          break;
-        case 10:
-        case 20:
-        case 30:
-          number = &insert.at[group.code / 10 - 1];
-          break;
-        case 41:
-        case 42:
-        case 43:
-          number = &insert.scale[group.code - 41];
-          break;
-        case 44:
-          number = &insert.column_step;
-          break;
-        case 45:
-          number = &insert.row_step;
-          break;
-        case 50:
-          number = &insert.rotation_deg;
-          break;
-        case 70:
-          number = &insert.columns;
-          break;
-        case 71:
-          number = &insert.rows;
-          break;
-        default:
-          break;
-      }
-      if (number != nullptr && !DxfNumber(group, entity, builder_, *number)) return false;
-    }
-    return groups.good();
-  }
-
-  bool CheckInsert(const DxfEntity& entity, const Insert& insert, const Standing& in) {
+  bool CheckInsert(const DxfEntity& entity, const DxfInsert& insert, const Standing& in) {
     const auto refuse = [&](ErrorCode code, std::string_view sentence) {
       return builder_.Refuse(code, entity.Place(), sentence, insert.block);
     };
@@ -330,8 +285,8 @@ class DxfReader {
   }
 
   bool UnfoldInsert(const DxfEntity& entity, const Standing& in) {
-    Insert insert;
-    if (!ReadInsert(entity, insert)) return false;
+    DxfInsert insert;
+    if (!ReadDxfInsert(entity, builder_, insert)) return false;
     const std::string_view layer = LayerOf(insert.common, in);
     if (!IsShown(insert.common, layer, true)) return true;
     if (!CheckInsert(entity, insert, in)) return false;
@@ -348,23 +303,11 @@ class DxfReader {
           return false;
         }
         const Vec3 cell(column * insert.column_step, row * insert.row_step, 0);
-        deeper.place = in.place.Then(PlaceOf(insert, block.base, cell));
+        deeper.place = in.place.Then(DxfPlaceOf(insert, block.base, cell));
         if (!Unfold(block.text, deeper)) return false;
       }
     }
     return true;
-  }
-
-  /// The block's frame in that of the drawing: base to origin, scale, cell of the array,
-  /// turn, insertion point, extrusion.
-  static Affine PlaceOf(const Insert& insert, const Vec3& base, const Vec3& cell) {
-    const double turn = insert.rotation_deg * std::numbers::pi / 180;
-    Mat3 turned = Mat3::Identity();
-    turned.topLeftCorner<2, 2>() << std::cos(turn), -std::sin(turn), std::sin(turn),
-        std::cos(turn);
-    const Mat3 world = WorldFromEntity(insert.common.extrusion);
-    const Mat3 linear = world * turned * insert.scale.asDiagonal();
-    return {linear, world * (insert.at + turned * cell) - linear * base};
   }
 
   std::string_view text_;

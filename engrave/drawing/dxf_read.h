@@ -3,10 +3,10 @@
 // Reads DXF in text form, of every release.
 //
 // What is read: LINE, POINT, CIRCLE, ARC, ELLIPSE, LWPOLYLINE and POLYLINE with bulges,
-// SPLINE by control points and weights or by fit points, INSERT of blocks with scale,
-// rotation and arrays, blocks in blocks, extrusion directions. What is not (texts,
-// hatches, dimensions, meshes, sheets, what is invisible or on a layer that is off or
-// frozen) is counted in left_out.
+// SPLINE by control points and weights or by fit points, the boundary of HATCH, INSERT of
+// blocks with scale, rotation and arrays, blocks in blocks, extrusion directions. What is
+// not (texts, dimensions, patterns, meshes, sheets, what is invisible or on a layer that
+// is off or frozen) is counted in left_out.
 // Units: $INSUNITS; millimetres when the file names none.
 //
 // Own code, not dxflib 3.26: of seven damaged files of a hundred bytes it ended the

@@ -40,6 +40,12 @@ Result<FlatDrawing> Flatten(const Drawing& drawing, const FlattenOptions& option
 /// an outline as single lines and arcs. The order of curves is that of their first part.
 void JoinOpenCurves(double tolerance_mm, FlatDrawing& flat);
 
+/// Of closed curves that run along each other, either way and from wherever, the first
+/// stays: drawings hold a shape as its hatch and its outline, and what is inside both
+/// would by even-odd be outside. The tolerance is positive; what is beyond half a second
+/// of comparing stays.
+void RemoveRepeatedContours(double tolerance_mm, FlatDrawing& flat);
+
 /// Of all points, mm; empty when there are none.
 Box3 ExtentOf(const FlatDrawing& flat);
 

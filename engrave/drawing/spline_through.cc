@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "engrave/drawing/dxf_curves.h"
+#include "engrave/drawing/dxf_spline.h"
 
 // Hermite form: derivatives m_i at the points p_i, h_i the chord from p_i to p_{i+1}.
 // That the second derivative is continuous at p_i says
