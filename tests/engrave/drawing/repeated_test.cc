@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 #include "engrave/drawing/dxf_read.h"
@@ -104,10 +104,10 @@ TEST(RepeatedContours, ManyAlikeEndSoon) {
     }
     alike.push_back(std::move(wave));
   }
-  const auto begin = std::chrono::steady_clock::now();
+  // Of the processor: others may be busy.
+  const std::clock_t begin = std::clock();
   EXPECT_EQ(CountLeft(std::move(alike)), 200U);
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-  EXPECT_LT(spent.count(), 2);
+  EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <ctime>
 #include <optional>
 
 #include "engrave/drawing/svg_read.h"
@@ -129,10 +129,10 @@ std::string Repeated(const std::string& part, int count) {
 
 TEST(SvgStyle, SheetsWithoutEndAreRefusedOrReadSoon) {
   const auto code_of = [](const std::string& content) -> std::optional<ErrorCode> {
-    const auto begin = std::chrono::steady_clock::now();
+    // Of the processor: others may be busy.
+    const std::clock_t begin = std::clock();
     const auto drawing = ReadSvg("<svg>" + content + "</svg>");
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-    EXPECT_LT(spent.count(), 2) << content.substr(0, 50);
+    EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << content.substr(0, 50);
     if (drawing) return std::nullopt;
     return drawing.error().code;
   };
