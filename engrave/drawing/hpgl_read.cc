@@ -9,6 +9,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/drawing_builder.h"
+#include "engrave/drawing/hpgl_scale.h"
 #include "engrave/drawing/pieces.h"
 
 namespace intaglio::drawing {
@@ -141,9 +142,10 @@ class HpglReader {
     if (name_ == "EA" || name_ == "ER" || name_ == "RA" || name_ == "RR") return Box();
     if (name_ == "EW" || name_ == "WG") return Wedge();
     if (name_ == "SP") return SelectPen();
-    if (name_ == "SC") return Scale();
+    if (name_ == "SC" || name_ == "IP" || name_ == "IR") return Scale();
     if (name_ == "IN" || name_ == "DF") {
       any_ = true;
+      name_ == "IN" ? scale_.Initialize() : scale_.SwitchOff();
       relative_ = down_ = false;
       return EndLine();
     }
@@ -170,7 +172,8 @@ class HpglReader {
       const std::optional<double> y = NextNumber(ok);
       if (!ok) return false;
       if (!y) return Refuse(ErrorCode::kInvalidValue, "a coordinate lacks its y");
-      pen_ = (relative_ ? pen_ : Vec3(Vec3::Zero())) + Vec3(*x, *y, 0);
+      if (!UnitsKnown()) return false;
+      pen_ = PointAtUser(*x, *y, relative_);
       if (!down_) continue;
       line_.push_back(pen_);
       if (line_.size() > limits_.max_points) {
@@ -183,11 +186,13 @@ class HpglReader {
   /// x, y of the centre, sweep in degrees, chord angle (not needed: arcs are exact).
   bool Arc() {
     std::vector<double> n;
-    if (!Numbers(3, n)) return false;
-    const Vec3 center = (name_ == "AR" ? pen_ : Vec3(Vec3::Zero())) + Vec3(n[0], n[1], 0);
-    const Vec3 u = pen_ - center;
+    if (!Numbers(3, n) || !UnitsKnown()) return false;
+    const Vec3 center = PointAtUser(n[0], n[1], name_ == "AR");
+    // Round in user units: where these are stretched, an ellipse.
+    const Vec2 u = (pen_ - center).head<2>().cwiseQuotient(scale_.factor());
     const double sweep = std::clamp(n[2], -360.0, 360.0) * pi / 180;
-    const EllipticArc arc{center, u, {-u.y(), u.x(), 0}, 0, sweep};
+    const EllipticArc arc{center, AxisOfUser(u.x(), u.y()), AxisOfUser(-u.y(), u.x()), 0,
+                          sweep};
     pen_ = PointAt(arc, 1);
     if (!down_) return true;
     FlushLine();
@@ -199,29 +204,27 @@ class HpglReader {
 
   bool Circle() {
     std::vector<double> n;
-    if (!Numbers(1, n)) return false;
+    if (!Numbers(1, n) || !UnitsKnown()) return false;
     const double r = std::abs(n[0]);
     if (!(r > 0)) return Refuse(ErrorCode::kInvalidValue, "the radius must not be 0");
-    return Shape({EllipticArc{pen_, {r, 0, 0}, {0, r, 0}, 0, 2 * pi}});
+    return Shape({EllipticArc{pen_, AxisOfUser(r, 0), AxisOfUser(0, r), 0, 2 * pi}});
   }
 
   bool Box() {
     std::vector<double> n;
-    if (!Numbers(2, n)) return false;
+    if (!Numbers(2, n) || !UnitsKnown()) return false;
     const bool from_pen = name_ == "ER" || name_ == "RR";
     const Vec3 p = pen_;
-    const Vec3 q = (from_pen ? pen_ : Vec3(Vec3::Zero())) + Vec3(n[0], n[1], 0);
+    const Vec3 q = PointAtUser(n[0], n[1], from_pen);
     return Shape({Polyline{{p, {q.x(), p.y(), 0}, q, {p.x(), q.y(), 0}}}});
   }
 
   /// Radius, beginning and sweep in degrees, about the pen.
   bool Wedge() {
     std::vector<double> n;
-    if (!Numbers(3, n)) return false;
+    if (!Numbers(3, n) || !UnitsKnown()) return false;
     const double r = n[0];
-    const EllipticArc arc{pen_,
-                          {r, 0, 0},
-                          {0, r, 0},
+    const EllipticArc arc{pen_, AxisOfUser(r, 0), AxisOfUser(0, r),
                           std::fmod(n[1], 360) * pi / 180,
                           std::clamp(n[2], -360.0, 360.0) * pi / 180};
     return Shape({Polyline{{pen_}}, arc});
@@ -237,12 +240,28 @@ class HpglReader {
   }
 
   bool Scale() {
+    any_ = true;
     std::vector<double> n;
     if (!Numbers(0, n)) return false;
-    if (n.empty()) return true;
-    return Refuse(ErrorCode::kUnsupported,
-                  "the drawing has a scale of its own; export it in plotter units, "
-                  "without SC");
+    if (name_ == "IR" && !n.empty()) {
+      scale_.TakePointsOfPage();
+      return true;
+    }
+    const auto wrong = name_ == "SC" ? scale_.TakeScale(n) : scale_.TakePoints(n);
+    return !wrong || Refuse(wrong->code, wrong->sentence);
+  }
+  bool UnitsKnown() {
+    const auto& wrong = scale_.wrong();
+    return !wrong || Refuse(wrong->code, wrong->sentence);
+  }
+
+  /// Plotter units of a vector and of a point in user units.
+  Vec3 AxisOfUser(double x, double y) const {
+    return {scale_.factor().x() * x, scale_.factor().y() * y, 0};
+  }
+  Vec3 PointAtUser(double x, double y, bool from_pen) const {
+    const Vec3 origin(scale_.offset().x(), scale_.offset().y(), 0);
+    return (from_pen ? pen_ : origin) + AxisOfUser(x, y);
   }
 
   bool Shape(std::vector<Piece> pieces) {
@@ -282,7 +301,8 @@ class HpglReader {
   bool down_ = false;
   bool relative_ = false;
   std::uint32_t layer_ = 0;
-  Vec3 pen_ = Vec3::Zero();
+  HpglScale scale_;
+  Vec3 pen_ = Vec3::Zero();  ///< plotter units, as all that is stored
   PointList line_;
   std::vector<Piece> pieces_;
 };
