@@ -224,5 +224,31 @@ TEST(PlaceDrawing, CirclesAreExactWhereTheyStand) {
   EXPECT_FALSE(PlaceDrawing({}, placement, {60, 30, 80}).has_value());
 }
 
+// A disc as its outline and again, from another point and in two halves, as a hatch of it
+// is written: its inside is filled as that of the outline alone.
+TEST(PlaceDrawing, WhatStandsTwiceIsFilledOnce) {
+  const drawing::EllipticArc whole{{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, 0, 2 * pi};
+  drawing::EllipticArc half = whole, other = whole;
+  half.begin_rad = 1;
+  half.sweep_rad = other.sweep_rad = pi;
+  other.begin_rad = 1 + pi;
+  drawing::Drawing once;
+  once.curves.push_back({{whole}, true});
+  drawing::Drawing twice = once;
+  twice.curves.push_back({{half, other}, true});
+  CurveOptions options;
+  options.distance_mm = 0.5;
+  options.fill = CurveFill::kEvenOdd;
+  const auto points_of = [&](const drawing::Drawing& drawing) {
+    const auto placed = PlaceDrawing(drawing, {}, {40, 40, 40});
+    EXPECT_TRUE(placed.has_value());
+    return placed ? PointsOf(placed->flat, options) : PointList{};
+  };
+  const PointList points = points_of(twice);
+  // About a point for each square of the distance.
+  EXPECT_GT(static_cast<double>(points.size()), 0.9 * 81 * pi / 0.25);
+  EXPECT_EQ(points, points_of(once));
+}
+
 }  // namespace
 }  // namespace intaglio::discretize
