@@ -46,10 +46,11 @@ bool CrcHolds(std::span<const std::byte> bytes) {
 std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
                                           const JournalHeader& header) {
   const auto kind = static_cast<JournalKind>(bytes[0]);
-  const bool of_point = kind == JournalKind::kIntent || kind == JournalKind::kOutcome;
+  const bool of_point = IsOfPoint(kind);
+  const bool known =
+      of_point || kind == JournalKind::kSession || kind == JournalKind::kWord;
   const auto point = Get<std::uint32_t>(bytes, 16);
-  if (!CrcHolds(bytes) || (!of_point && kind != JournalKind::kSession) ||
-      (of_point && point >= header.point_count) ||
+  if (!CrcHolds(bytes) || !known || (of_point && point >= header.point_count) ||
       bytes[1] > static_cast<std::byte>(PointOutcome::kLeftOut)) {
     return std::nullopt;
   }
@@ -151,11 +152,16 @@ std::vector<PointHistory> HistoryOf(const Journal& journal) {
   std::vector<PointHistory> history(journal.header.point_count);
   std::uint32_t power_up = 0;
   for (const JournalRecord& record : journal.records) {
-    if (record.kind == JournalKind::kSession) {
-      power_up = record.point;
+    if (record.kind == JournalKind::kSession) power_up = record.point;
+    if (!IsOfPoint(record.kind)) continue;
+    PointHistory& point = history[record.point];
+    if (record.kind == JournalKind::kReopened) {
+      // Of anything else it says nothing: an outcome may be missing in the file.
+      if (point.outcome != PointOutcome::kUncertain || point.open_intent) continue;
+      point.outcome = PointOutcome::kNone;
+      point.reopened = true;
       continue;
     }
-    PointHistory& point = history[record.point];
     point.tick = record.tick;
     point.power_up = power_up;
     if (record.kind == JournalKind::kIntent) {

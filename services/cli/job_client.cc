@@ -186,7 +186,7 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
 }
 
 Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind,
-                          std::uint32_t from_point) {
+                          std::uint32_t from_point, bool fire_uncertain) {
   if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
   const std::string name = OperatorName();
   intaglio_JobCommand sample{};
@@ -197,6 +197,7 @@ Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind,
   told_[job.uid] = sample.number;
   sample.kind = kind;
   sample.from_point = from_point;
+  sample.fire_uncertain = fire_uncertain;
   sample.operator_name = Borrow(name);
   return commands_->commands.Write(sample);
 }

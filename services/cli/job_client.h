@@ -69,8 +69,9 @@ class JobClient {
   /// job service answers.
   Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout);
   /// `from_point`, of a resume: open points before that place in the order are left out.
+  /// `fire_uncertain`, of a resume: what nobody knows of is fired again.
   Status Command(const JobView& job, intaglio_JobCommandKind kind,
-                 std::uint32_t from_point = 0);
+                 std::uint32_t from_point = 0, bool fire_uncertain = false);
   Status SetSpeed(const JobView& job, std::uint32_t speed_percent);
 
   /// By uid; of the last revision seen.

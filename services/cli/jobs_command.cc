@@ -36,6 +36,7 @@ struct JobsOptions {
   std::string folder = "intaglio-shop";
   std::string database;
   std::uint32_t from_point = 0;
+  bool fire_uncertain = false;
   bool arm = false;
   bool watch = false;
   bool events = false;
@@ -77,14 +78,15 @@ bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
 }
 
 int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind,
-               std::ostream& out, std::uint32_t from_point = 0) {
+               std::ostream& out, std::uint32_t from_point = 0,
+               bool fire_uncertain = false) {
   if (job.ended()) {
     return Complain(
         {ErrorCode::kRefused,
          fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
         kExitWrongInput);
   }
-  if (auto sent = client.Command(job, kind, from_point); !sent) {
+  if (auto sent = client.Command(job, kind, from_point, fire_uncertain); !sent) {
     return Complain(sent.error(), kExitInternal);
   }
   const auto taken = [&] {
@@ -337,14 +339,20 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
                 options->events);
   const auto command = [options](intaglio_JobCommandKind kind) {
     return [kind, options](JobClient& client, const JobView& job) {
-      return CommandJob(client, job, kind, std::cout, options->from_point);
+      return CommandJob(client, job, kind, std::cout, options->from_point,
+                        options->fire_uncertain);
     };
   };
   add("arm", "you stand at the machine: the job may fire", command(intaglio_COMMAND_ARM));
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
-  add("resume", "go on at the first point not made", command(intaglio_COMMAND_RESUME))
-      ->add_option("--from", options->from_point,
-                   "leave out what is not made before this place in the order, from 0");
+  CLI::App* resume = add("resume", "go on at the first point not made",
+                         command(intaglio_COMMAND_RESUME));
+  resume->add_option("--from", options->from_point,
+                     "leave out what is not made before this place in the order, from 0");
+  resume->add_flag(
+      "--fire-uncertain", options->fire_uncertain,
+      "you looked at the block: fire again, once, the points of which nobody "
+      "knows whether they were fired");
   add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
 
   CLI::App* speed =

@@ -42,7 +42,7 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
     const bool never_tried = said.outcome == PointOutcome::kSkipped ||
                              said.outcome == PointOutcome::kLeftOut ||
                              said.outcome == PointOutcome::kNone;
-    if (!crack && never_tried && !said.open_intent) {
+    if (!crack && never_tried && !said.open_intent && !said.reopened) {
       ++skipped;
     } else if (!crack && said.outcome == PointOutcome::kMissed) {
       ++missed;

@@ -122,6 +122,10 @@ ALTER TABLE jobs ADD COLUMN asks_before_resume INTEGER NOT NULL DEFAULT 1;
     // What the operator leaves out.
     R"sql(
 ALTER TABLE jobs ADD COLUMN first_point INTEGER NOT NULL DEFAULT 0;
+)sql",
+    // And the word to fire what is uncertain, of the newest command.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN fire_uncertain INTEGER NOT NULL DEFAULT 0;
 )sql"};
 
 }  // namespace intaglio::job_service

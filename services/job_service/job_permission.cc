@@ -29,6 +29,8 @@ bool JobQueue::Take(const CommandView& command, Nanoseconds now) {
     return false;
   }
   job->last_command = command.number;
+  // A word of the grant that it came with: the next command is another one.
+  job->fire_uncertain = false;
   switch (command.kind) {
     case intaglio_COMMAND_ARM:
     case intaglio_COMMAND_RESUME:
@@ -69,13 +71,15 @@ void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) 
   }
   job.operator_name = command.operator_name;
   job.first_point = std::max(job.first_point, command.from_point);
+  job.fire_uncertain = command.fire_uncertain && command.kind == intaglio_COMMAND_RESUME;
   job.losses = 0;
   job.armed = true;
   job.armed_at = std::max(now, job.withdrawn_at + kHold);
   Change(job, job.state,
-         paused
-             ? fmt::format("resumed by {}; waits for the machine", command.operator_name)
-             : job.message);
+         paused ? fmt::format("resumed by {}{}; waits for the machine",
+                              command.operator_name,
+                              job.fire_uncertain ? ", uncertain points are fired" : "")
+                : job.message);
 }
 
 void JobQueue::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) {
@@ -139,7 +143,7 @@ std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {
     // of a submission comes before them.
     permissions.push_back({job.cell, uid, job.epoch, granted, job.operator_name,
                            job.speed_percent, job.last_command + 1, job.renewal,
-                           job.first_point});
+                           job.first_point, job.fire_uncertain});
   }
   return permissions;
 }

@@ -77,6 +77,7 @@ struct CommandView {
   intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
   std::string operator_name;
   std::uint32_t from_point = 0;
+  bool fire_uncertain = false;
 };
 
 /// SpeedOverride.
@@ -113,6 +114,7 @@ struct PermissionView {
   std::uint32_t speed_percent = 100;
   std::uint64_t grant = 0, renewal = 0;
   std::uint32_t first_point = 0;
+  bool fire_uncertain = false;
 };
 
 /// Chains of a job that may break before it is given up.

@@ -79,6 +79,7 @@ struct JobRecord {
   bool armed = false;
   std::string operator_name;
   std::uint32_t first_point = 0;  ///< as in Permission: for good
+  bool fire_uncertain = false;    ///< as in Permission: of the newest command alone
 
   // Not kept over a restart.
   std::uint32_t speed_percent = 100;  ///< override, 10..100

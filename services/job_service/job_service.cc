@@ -143,6 +143,7 @@ void JobService::TakeCommands(Nanoseconds now) {
     command.kind = sample.kind;
     command.operator_name = View(sample.operator_name);
     command.from_point = sample.from_point;
+    command.fire_uncertain = sample.fire_uncertain;
     if (queue_.Take(command, now)) {
       store_.KeepCommand(command);
       spdlog::info("job {}: command {} of {}", command.job_uid,

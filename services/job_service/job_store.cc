@@ -131,6 +131,7 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.armed = row.getColumn("armed").getInt() != 0;
   job.operator_name = text("operator_name");
   job.first_point = u32("first_point");
+  job.fire_uncertain = row.getColumn("fire_uncertain").getInt() != 0;
   job.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
   return job;
 }
@@ -223,12 +224,12 @@ void JobStore::Keep(const JobRecord& job) {
             "result_directory, frozen_job, state, ended, attempt, lost_attempts, "
             "message, "
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
-            "armed, operator_name, asks_before_resume, first_point, changed_utc, "
-            "ended_utc) "
+            "armed, operator_name, asks_before_resume, first_point, "
+            "fire_uncertain, changed_utc, ended_utc) "
             "VALUES "
             "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
             "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
-            "{0}, "
+            "?25, {0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
@@ -237,6 +238,7 @@ void JobStore::Keep(const JobRecord& job) {
             "last_command = excluded.last_command, "
             "ever_granted = excluded.ever_granted, armed = excluded.armed, "
             "operator_name = excluded.operator_name, first_point = excluded.first_point, "
+            "fire_uncertain = excluded.fire_uncertain, "
             "changed_utc = excluded.changed_utc, "
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
@@ -271,6 +273,7 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(22, job.operator_name);
     insert.bind(23, job.asks_before_resume ? 1 : 0);
     insert.bind(24, job.first_point);
+    insert.bind(25, job.fire_uncertain ? 1 : 0);
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();

@@ -77,6 +77,7 @@ void PermissionKeeper::Write(Cell& cell) {
   sample.grant = cell.told.grant;
   sample.renewal = cell.told.renewal;
   sample.first_point = cell.told.first_point;
+  sample.fire_uncertain = cell.told.fire_uncertain;
   if (auto written = cell.writer.Write(sample); !written) {
     spdlog::warn("permission of {}: {}", cell.told.cell, written.error().message);
   }

@@ -281,6 +281,7 @@ void CellBench::KeepPermission(Performance& performance, bool at_once) {
   sample.speed_percent = word.speed_percent;
   sample.grant = word.grant;
   sample.first_point = word.first_point;
+  sample.fire_uncertain = word.fire_uncertain;
   sample.renewal = word.renewal;
   (void)permissions_.Write(sample);
 }

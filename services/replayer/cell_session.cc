@@ -114,6 +114,9 @@ Status SessionReader::ReadPermission() {
                         members.Get("grant", word.grant);
                         members.Get("first_point", word.first_point);
                         members.Get("renewal", word.renewal);
+                        // Older recordings have none.
+                        if (value.Find("fire_uncertain") != nullptr)
+                          members.Get("fire_uncertain", word.fire_uncertain);
                         if (!members.good()) return false;
                         if (job_uid != session_.task.id.job_uid || at_ns >= to_ns_)
                           return true;

@@ -28,6 +28,7 @@ struct PermissionWord {
   std::uint64_t epoch = 0, grant = 0, renewal = 0;
   bool granted = false;
   std::uint32_t speed_percent = 100, first_point = 0;
+  bool fire_uncertain = false;
   bool operator==(const PermissionWord&) const = default;
 };
 struct StopWord {

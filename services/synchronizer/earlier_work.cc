@@ -19,9 +19,8 @@ Result<OpenedJournal> BeginJournal(const fs::path& file,
 
 // Nothing fires before its intent is in the file.
 bool TellsOfNothing(const formats::Journal& journal) {
-  return std::none_of(
-      journal.records.begin(), journal.records.end(),
-      [](const auto& record) { return record.kind != JournalKind::kSession; });
+  return std::none_of(journal.records.begin(), journal.records.end(),
+                      [](const auto& record) { return formats::IsOfPoint(record.kind); });
 }
 
 }  // namespace
@@ -29,6 +28,11 @@ bool TellsOfNothing(const formats::Journal& journal) {
 EarlierWork EarlierWorkOf(const formats::Journal& journal) {
   EarlierWork earlier;
   earlier.damaged_records = journal.damaged_records;
+  for (const formats::JournalRecord& record : journal.records) {
+    if (record.kind != JournalKind::kWord && record.kind != JournalKind::kReopened)
+      continue;
+    earlier.word_grant = std::max(earlier.word_grant, record.tick);
+  }
   if (TellsOfNothing(journal)) return earlier;
   earlier.points = formats::HistoryOf(journal);
   for (const formats::JournalRecord& record : journal.records) {

@@ -41,6 +41,7 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
       results_(std::move(results)),
       ledger_(job_.machine_points_mm.size()),
       open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent, job_.masks) {
+  word_grant_ = job_.earlier.word_grant;
   if (!job_.earlier.points.empty()) TakeUp();
 }
 
@@ -87,6 +88,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
     clock_.Observe(laser_.status(), inputs.now);
   }
   TurnChain(inputs);
+  HearWord(inputs);
   AskOverUncertain(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
   if (phase_ != Phase::kRunning && flushed_ != journal_.appended()) {
@@ -145,7 +147,10 @@ void Engraving::Await(const EngravingInputs& inputs) {
     message_ = "a shutter does not close: see to it, then the job goes on";
   }
   if (!closed || !inputs.motion.at_rest) return;
-  if (LeaveOutBefore(inputs.first_point) && JournalIsWritten()) StartRun(inputs);
+  if (LeaveOutBefore(inputs.first_point) && ReopenUncertain(inputs) &&
+      JournalIsWritten()) {
+    StartRun(inputs);
+  }
 }
 
 // With room for what a run appends, and nothing that only this process knows.

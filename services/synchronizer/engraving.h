@@ -68,6 +68,8 @@ struct EngravingInputs {
   bool stop_pressed = false;
   std::uint32_t speed_percent = 100;  ///< override, 10..100
   std::uint32_t first_point = 0;      ///< open points before it are left out
+  /// With the grant: a person's word to fire again what is uncertain when it is heard.
+  bool fire_uncertain = false;
   MotionView motion;
   /// Of a controller with a clock of its own; lives as long as the Engraving.
   MotionClock* motion_clock = nullptr;
@@ -149,6 +151,9 @@ class Engraving {
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);
+  void HearWord(const EngravingInputs& inputs);
+  bool WordStands(const EngravingInputs& inputs) const;
+  bool ReopenUncertain(const EngravingInputs& inputs);
   void AskOverUncertain(const EngravingInputs& inputs);
   std::string QuestionOverUncertain() const;
   bool NothingIsLeft(const EngravingInputs& inputs) const;
@@ -204,7 +209,9 @@ class Engraving {
   PermissionChain chain_;
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
-  bool asks_ = false, asked_ = false;  // of uncertain points: not answered; said
+  bool asks_ = false, asked_ = false;   // of uncertain points: not answered; said
+  std::uint64_t word_grant_ = 0;        // greatest whose word to fire them was heard
+  std::vector<std::uint32_t> word_of_;  // what was uncertain then and is not open yet
   bool stopping_ = false;
   bool lamp_stays_ = false;
   std::uint32_t left_out_before_ = 0;

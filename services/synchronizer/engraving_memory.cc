@@ -48,7 +48,8 @@ void Engraving::Record(PulseResult result) {
 }
 
 // The ledger as the journal has it. What was armed is asked of the controller if it has
-// not been switched off since; else nobody knows, and nobody fires it again.
+// not been switched off since; else nobody knows, and it is not fired again by
+// itself.
 void Engraving::TakeUp() {
   taken_up_ = true;
   phase_ = Phase::kHalting;
@@ -60,10 +61,14 @@ void Engraving::TakeUp() {
   pulses_before_job_ = earlier.pulses_before_job;
   openings_ = openings_accepted_ = earlier.openings;
   openings_power_up_ = power_up_;
-  asks_ = job_.asks_when_uncertain && earlier.uncertain_unanswered;
   std::vector<PulseResult> armed;
   for (std::uint32_t point = 0; point < earlier.points.size(); ++point) {
     const formats::PointHistory& history = earlier.points[point];
+    if (history.reopened) {
+      ledger_.Arm(point);
+      ledger_.Resolve(point, PointOutcome::kUncertain);
+      ledger_.Reopen(point);
+    }
     if (history.open_intent) {
       ledger_.Arm(point);
       armed.push_back({history.tick, point});
@@ -75,6 +80,8 @@ void Engraving::TakeUp() {
       if (formats::IsFired(history.outcome)) ++fired_count_;
     }
   }
+  asks_ = job_.asks_when_uncertain && earlier.uncertain_unanswered &&
+          ledger_.count(PointState::kUncertain) > 0;
   std::sort(armed.begin(), armed.end(), [](const auto& a, const auto& b) {
     return std::pair(a.tick, a.point) < std::pair(b.tick, b.point);
   });

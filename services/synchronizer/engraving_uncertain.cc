@@ -3,9 +3,49 @@
 #include "services/synchronizer/engraving.h"
 
 // What is done about points of which nobody knows whether they were fired: they are left,
-// and a job that says so waits until a person has looked at the block.
+// and a job that says so waits until a person has looked at the block. They are fired
+// again by a person's word alone, which comes with a grant and counts once: for what is
+// uncertain when it is heard. So the journal has it before anything more is armed; what
+// becomes uncertain later, in this life or another, is not meant by it, nor is what a
+// life did not come to open before it ended.
 
 namespace intaglio::synchronizer {
+
+using formats::JournalKind;
+using formats::PointOutcome;
+
+// What lies before the place that is engraved from is left for good.
+void Engraving::HearWord(const EngravingInputs& inputs) {
+  if (!inputs.fire_uncertain || inputs.grant.number <= word_grant_ || stopping_) return;
+  if (!journal_.Append({JournalKind::kWord, PointOutcome::kNone, 0, run_,
+                        inputs.grant.number, 0, pulses_before_job_ + fired_count_})) {
+    return;
+  }
+  word_grant_ = inputs.grant.number;
+  word_of_.clear();
+  for (std::uint32_t point = inputs.first_point; point < ledger_.size(); ++point) {
+    if (ledger_.state(point) == PointState::kUncertain) word_of_.push_back(point);
+  }
+}
+
+bool Engraving::WordStands(const EngravingInputs& inputs) const {
+  return inputs.fire_uncertain && inputs.grant.number == word_grant_ && !word_of_.empty();
+}
+
+// Once the chain is whole. As with what is left out, they may be more than the journal's
+// ring takes at once; false: the next turns go on.
+bool Engraving::ReopenUncertain(const EngravingInputs& inputs) {
+  for (; WordStands(inputs); word_of_.pop_back()) {
+    const std::uint32_t point = word_of_.back();
+    if (!journal_.Append({JournalKind::kReopened, PointOutcome::kNone, 0, run_,
+                          word_grant_, point, pulses_before_job_ + fired_count_})) {
+      return false;
+    }
+    ledger_.Reopen(point);
+    idle_runs_ = 0;
+  }
+  return true;
+}
 
 // Also when nothing is open any more: it costs the grant, as a fault does, and the answer
 // is a newer one. Before any was heard of, there is none that could be spent.
@@ -30,7 +70,8 @@ std::string Engraving::QuestionOverUncertain() const {
   return fmt::format(
       "points of which nobody knows whether they were fired: {}, at places {}..{} of the "
       "order (from 0), the first at {:.3f}, {:.3f}, {:.3f} mm of the block; look at the "
-      "block; `intaglio resume JOB` leaves them as they are",
+      "block; `intaglio resume JOB` leaves them as they are, "
+      "`intaglio resume JOB --fire-uncertain` makes them",
       ledger_.count(PointState::kUncertain), first, last, at_mm.x(), at_mm.y(),
       at_mm.z());
 }
@@ -38,6 +79,7 @@ std::string Engraving::QuestionOverUncertain() const {
 // A question that is open is a reason to wait: only a grant that came after it is the
 // answer.
 bool Engraving::NothingIsLeft(const EngravingInputs& inputs) const {
+  if (WordStands(inputs)) return false;
   const bool granted = inputs.permission_fresh && inputs.permission_granted;
   if (asks_ && (!asked_ || chain_.latched() || !granted)) return false;
   return !ledger_.NextOpen(0) || idle_runs_ >= kMaxIdleRuns;

@@ -24,6 +24,11 @@ PointState StateAfter(formats::PointOutcome outcome) {
   throw PreconditionError("an armed point cannot be resolved to nothing");
 }
 
+bool IsNotFired(PointState state) {
+  return state == PointState::kPlanned || state == PointState::kSkipped ||
+         state == PointState::kLeftOut;
+}
+
 }  // namespace
 
 std::optional<std::uint32_t> PointLedger::NextOpen(std::uint32_t from) const {
@@ -60,7 +65,19 @@ void PointLedger::Resolve(std::uint32_t point, formats::PointOutcome outcome) {
   }
 }
 
+void PointLedger::Reopen(std::uint32_t point) {
+  Require(states_.at(point) == PointState::kUncertain,
+          "point {} is in state {}, not uncertain", point,
+          static_cast<int>(states_[point]));
+  reopened_[point] = true;
+  Move(point, PointState::kPlanned);
+}
+
 void PointLedger::Move(std::uint32_t point, PointState to) {
+  if (reopened_[point]) {
+    if (IsNotFired(states_[point])) --doubted_count_;
+    if (IsNotFired(to)) ++doubted_count_;
+  }
   --counts_[static_cast<std::size_t>(states_[point])];
   states_[point] = to;
   ++counts_[static_cast<std::size_t>(to)];

@@ -3,12 +3,13 @@
 // What is known of every point of a job, by its place in the order.
 //
 //   kPlanned --armed--> kArmed --fired, seen------> kMade
-//      ^                  |  \---fired, unseen----> kMissed
-//      |                  |   \--nobody knows-----> kUncertain
-//      +--new run-- kSkipped <--not fired
+//    ^ ^                  |  \---fired, unseen----> kMissed
+//    | |                  |   \--nobody knows-----> kUncertain --+
+//    | +--new run-- kSkipped <--not fired                         |
+//    +----------------- a person's word: fire it again -----------+
 //
-// kMade, kMissed, kUncertain and kLeftOut, which a planned or skipped point becomes by
-// the operator's word, are ends: such a point is never armed again.
+// kMade, kMissed and kLeftOut, which a planned or skipped point becomes by the operator's
+// word, are ends: such a point is never armed again. So is kUncertain without that word.
 
 #include <cstdint>
 #include <optional>
@@ -30,7 +31,8 @@ enum class PointState : std::uint8_t {
 
 class PointLedger {
  public:
-  explicit PointLedger(std::size_t count) : states_(count, PointState::kPlanned) {
+  explicit PointLedger(std::size_t count)
+      : states_(count, PointState::kPlanned), reopened_(count, false) {
     counts_[static_cast<std::size_t>(PointState::kPlanned)] = count;
   }
 
@@ -40,9 +42,13 @@ class PointLedger {
     return counts_[static_cast<std::size_t>(state)];
   }
 
+  /// Planned, skipped or left out, and uncertain before: nobody knows whether they hold a
+  /// crack, as long as they are not fired.
+  std::uint64_t doubted_count() const { return doubted_count_; }
+
   /// First point at or after `from` that may be armed: planned, or skipped earlier.
   std::optional<std::uint32_t> NextOpen(std::uint32_t from) const;
-  /// No point at or after this place was made, missed or left uncertain.
+  /// No point at or after this place was ever made, missed or uncertain.
   std::uint32_t ended_below() const { return ended_below_; }
   bool all_ended() const {
     return count(PointState::kPlanned) + count(PointState::kSkipped) +
@@ -54,13 +60,17 @@ class PointLedger {
   void Arm(std::uint32_t point);
   /// For good, by the operator's word. Throws unless the point is planned or skipped.
   void LeaveOut(std::uint32_t point);
+  /// By a person's word. Throws PreconditionError unless the point is uncertain.
+  void Reopen(std::uint32_t point);
   /// Throws PreconditionError unless the point is armed; `outcome` is not kNone.
   void Resolve(std::uint32_t point, formats::PointOutcome outcome);
 
  private:
   void Move(std::uint32_t point, PointState to);
   std::vector<PointState> states_;
+  std::vector<bool> reopened_;  // once
   std::uint64_t counts_[7] = {};
+  std::uint64_t doubted_count_ = 0;
   std::uint32_t ended_below_ = 0;
 };
 

@@ -143,6 +143,7 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
         permission_epoch_ = sample.epoch;
         permission_grant_ = {sample.grant, sample.renewal};
         first_point_ = sample.first_point;
+        fire_uncertain_ = sample.fire_uncertain;
         permission_job_ = View(sample.job_uid);
         speed_percent_ = std::clamp(sample.speed_percent, 10u, 100u);
       });
@@ -271,8 +272,11 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
   const bool ours =
       permission_epoch_ == job_->epoch() && permission_job_ == job_->job_uid();
   inputs.permission_granted = permission_granted_ && ours;
-  if (ours) inputs.grant = permission_grant_;
-  if (ours) inputs.first_point = first_point_;
+  if (ours) {
+    inputs.grant = permission_grant_;
+    inputs.first_point = first_point_;
+    inputs.fire_uncertain = fire_uncertain_;
+  }
   inputs.stop_pressed = stop_.pressed();
   inputs.speed_percent = permission_job_ == job_->job_uid() ? speed_percent_ : 100;
   inputs.motion = motion_view_;
@@ -318,9 +322,9 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_missed_count(ledger.count(PointState::kMissed));
   outcome.set_skipped_count(ledger.count(PointState::kSkipped) +
                             ledger.count(PointState::kPlanned) +
-                            ledger.count(PointState::kLeftOut));
+                            ledger.count(PointState::kLeftOut) - ledger.doubted_count());
   outcome.set_uncertain_count(ledger.count(PointState::kUncertain) +
-                              ledger.count(PointState::kArmed));
+                              ledger.count(PointState::kArmed) + ledger.doubted_count());
   outcome.set_estimate_ticks(estimate_ticks_);
   outcome.set_first_tick(engraving_->first_fired_tick());
   outcome.set_last_tick(engraving_->last_fired_tick());

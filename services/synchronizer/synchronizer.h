@@ -108,6 +108,7 @@ class Synchronizer {
   std::uint64_t permission_epoch_ = 0;
   Grant permission_grant_;
   std::uint32_t first_point_ = 0;
+  bool fire_uncertain_ = false;
   std::string permission_job_;
   std::uint32_t speed_percent_ = 100;
   host::StopLatch stop_;

@@ -102,6 +102,51 @@ TEST(JournalFile, HistoryTellsOpenIntentsFromOutcomes) {
   EXPECT_EQ(history[2].outcome, PointOutcome::kNone);
 }
 
+constexpr std::uint64_t kGrant = (1ull << 33) + 5;
+
+JournalRecord Of(JournalKind kind, std::uint32_t point, std::uint64_t tick,
+                 PointOutcome outcome = PointOutcome::kNone) {
+  return {kind, outcome, 0, 1, tick, point, 0};
+}
+
+TEST(JournalFile, AnUncertainPointIsOpenAgainByAWordAndFiredThenAsAnyOther) {
+  std::vector<JournalRecord> records;
+  for (std::uint32_t point = 0; point < 3; ++point) {
+    records.push_back(Of(JournalKind::kIntent, point, 100 + point));
+    records.push_back(
+        Of(JournalKind::kOutcome, point, 100 + point, PointOutcome::kUncertain));
+  }
+  records.push_back(Of(JournalKind::kWord, 0, kGrant));
+  records.push_back(Of(JournalKind::kReopened, 0, kGrant));
+  records.push_back(Of(JournalKind::kReopened, 1, kGrant));
+  records.push_back(Of(JournalKind::kIntent, 1, 300));
+  records.push_back(Of(JournalKind::kOutcome, 1, 300, PointOutcome::kMade));
+  const auto journal = ParseJournal(BytesOf({3, 77}, records));
+  ASSERT_TRUE(journal.has_value());
+  EXPECT_EQ(journal->records, records);
+  const auto history = HistoryOf(*journal);
+  EXPECT_EQ(history[0].outcome, PointOutcome::kNone);
+  EXPECT_TRUE(history[0].reopened) << "nobody knows whether it holds a crack";
+  EXPECT_EQ(history[1].outcome, PointOutcome::kMade);
+  EXPECT_EQ(history[1].fired_count, 1u);
+  EXPECT_EQ(history[2].outcome, PointOutcome::kUncertain);
+  EXPECT_FALSE(history[2].reopened);
+}
+
+// Whatever else is missing in the file: no word opens what was made, or is armed.
+TEST(JournalFile, OnlyWhatIsUncertainIsOpenedByAWord) {
+  const std::vector<JournalRecord> records = {
+      Of(JournalKind::kIntent, 0, 100),
+      Of(JournalKind::kOutcome, 0, 100, PointOutcome::kMade),
+      Of(JournalKind::kIntent, 1, 101), Of(JournalKind::kReopened, 0, kGrant),
+      Of(JournalKind::kReopened, 1, kGrant)};
+  const auto history = HistoryOf(*ParseJournal(BytesOf({2, 77}, records)));
+  EXPECT_EQ(history[0].outcome, PointOutcome::kMade);
+  EXPECT_FALSE(history[0].reopened);
+  EXPECT_TRUE(history[1].open_intent);
+  EXPECT_FALSE(history[1].reopened);
+}
+
 TEST(JournalFile, RefusesWhatIsNoJournal) {
   const auto empty = ParseJournal({});
   ASSERT_FALSE(empty.has_value());

@@ -7,6 +7,7 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "engrave/formats/glass_record.h"
@@ -81,6 +82,9 @@ class ProofFolderTest : public ::testing::Test {
       record.kind = JournalKind::kOutcome;
       record.outcome = outcomes_[i];
       put(formats::EncodeJournalRecord(record));
+      if (std::find(reopened_.begin(), reopened_.end(), i) == reopened_.end()) continue;
+      record.kind = JournalKind::kReopened;
+      put(formats::EncodeJournalRecord(record));
     }
   }
   void WriteFolder() const {
@@ -122,6 +126,7 @@ class ProofFolderTest : public ::testing::Test {
   std::vector<std::uint8_t> channels_;
   std::vector<double> ticks_;
   std::vector<PointOutcome> outcomes_;
+  std::vector<std::uint32_t> reopened_;  ///< after their outcomes
 };
 
 TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
@@ -190,6 +195,13 @@ TEST_F(ProofFolderTest, AJournalThatTheGlassContradictsIsNotGood) {
 
 TEST_F(ProofFolderTest, AnIntentWithoutAnOutcomeIsNotGood) {
   Unmake(3, PointOutcome::kNone);
+  EXPECT_THAT(Reason(), HasSubstr("1 points are unaccounted for"));
+}
+
+// Whether it was fired before is as unknown as it was.
+TEST_F(ProofFolderTest, AnUncertainPointThatWasNotFiredAgainIsUnaccountedFor) {
+  Unmake(3, PointOutcome::kUncertain);
+  reopened_ = {3};
   EXPECT_THAT(Reason(), HasSubstr("1 points are unaccounted for"));
 }
 

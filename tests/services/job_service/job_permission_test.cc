@@ -66,5 +66,48 @@ TEST_F(JobGrantTest, AnEmergencyStopDisarmsItsCellAndKeepsItSo) {
   EXPECT_TRUE(Granted());
 }
 
+TEST_F(JobGrantTest, TheWordToFireUncertainPointsIsOfItsOwnGrantAlone) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  const auto permission = [this] { return queue_.Permissions(now_).at(0); };
+  EXPECT_FALSE(permission().fire_uncertain);
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault", "look");
+  EXPECT_TRUE(ResumeFiringUncertain());
+  now_ += 1s;
+  const PermissionView said = permission();
+  EXPECT_TRUE(said.granted);
+  EXPECT_TRUE(said.fire_uncertain);
+  EXPECT_THAT(job().message, HasSubstr("uncertain points are fired"));
+  // Gone on with by itself, it is the same grant.
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost", "the line");
+  now_ += 5s;
+  EXPECT_EQ(permission().grant, said.grant);
+  EXPECT_TRUE(permission().fire_uncertain);
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_GT(permission().grant, said.grant);
+  EXPECT_FALSE(permission().fire_uncertain);
+}
+
+// Every command is another grant, whatever becomes of it.
+TEST_F(JobGrantTest, TheNextCommandTakesTheWordBack) {
+  ReadyAll();
+  Add(1);
+  LoadPath();
+  Engrave();
+  const auto says = [this] { return queue_.Permissions(now_).at(0).fire_uncertain; };
+  EXPECT_TRUE(ResumeFiringUncertain());
+  EXPECT_TRUE(says());
+  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
+  EXPECT_FALSE(says());
+  EXPECT_TRUE(ResumeFiringUncertain());
+  queue_.SetStop("c", true, now_);
+  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
+  EXPECT_FALSE(says());
+  EXPECT_TRUE(ResumeFiringUncertain()) << "refused: the stop is pressed";
+  EXPECT_FALSE(says());
+}
+
 }  // namespace
 }  // namespace intaglio::job_service

@@ -45,6 +45,7 @@ class JobStoreTest : public testing::Test {
     job.last_command = 18446744073709551615u;
     job.ever_granted = true;
     job.first_point = 17;
+    job.fire_uncertain = true;
     return job;
   }
 
@@ -110,6 +111,7 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(job.last_command, kept.last_command);
   EXPECT_TRUE(job.ever_granted);
   EXPECT_EQ(job.first_point, kept.first_point);
+  EXPECT_TRUE(job.fire_uncertain);
   EXPECT_FALSE(job.armed);
   EXPECT_GT(job.revision, kept.revision) << "what was told since the last Keep is older";
   const StageRecord& stage = job.stage(intaglio_STAGE_SORT);

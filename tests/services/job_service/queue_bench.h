@@ -123,6 +123,15 @@ class JobQueueTest : public testing::Test {
     queue_.Turn(now_);
     return taken;
   }
+  /// A resume with the word to fire uncertain points.
+  bool ResumeFiringUncertain() {
+    const bool taken =
+        queue_.Take(CommandView{"j1", kEpoch, ++command_, intaglio_COMMAND_RESUME,
+                                "ann@shop", 0, true},
+                    now_);
+    queue_.Turn(now_);
+    return taken;
+  }
   void Lose(const std::string& instance) {
     queue_.WorkerLost(instance, now_);
     queue_.Turn(now_);

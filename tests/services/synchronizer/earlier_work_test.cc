@@ -92,6 +92,35 @@ TEST_F(OpenJournalTest, AnotherPathBeforeAnyPulseIsANewBeginning) {
   EXPECT_EQ(formats::ReadJournal(file_)->header.point_count, 4u);
 }
 
+// It counts once, also when nothing was uncertain.
+TEST_F(OpenJournalTest, TheGreatestGrantWithAWordIsKnownInTheNextLife) {
+  const auto of_grant = [](JournalKind kind, std::uint64_t grant) {
+    return formats::JournalRecord{kind, PointOutcome::kNone, 0, 4, grant, 0, 17};
+  };
+  Write({kSession, of_grant(JournalKind::kWord, 7)});
+  auto opened = OpenJournal(file_, kHeader);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->earlier.word_grant, 7u);
+  EXPECT_TRUE(opened->earlier.points.empty()) << "nothing was about to fire";
+  opened->writer.reset();
+  // The word's own record may be missing on the disk.
+  Write({kIntent, of_grant(JournalKind::kReopened, 9)});
+  opened = OpenJournal(file_, kHeader);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->earlier.word_grant, 9u);
+}
+
+TEST_F(OpenJournalTest, WhatIsUncertainIsUnansweredUntilARunBegins) {
+  formats::JournalRecord uncertain = kMade;
+  uncertain.outcome = PointOutcome::kUncertain;
+  Write({kSession, kIntent, uncertain});
+  EXPECT_TRUE(OpenJournal(file_, kHeader)->earlier.uncertain_unanswered);
+  formats::JournalRecord next = kIntent;
+  next.point = 2;
+  Write({next});
+  EXPECT_FALSE(OpenJournal(file_, kHeader)->earlier.uncertain_unanswered);
+}
+
 TEST_F(OpenJournalTest, ADamagedHeaderIsRefused) {
   Write({kSession, kIntent});
   {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/services/synchronizer/fake_cell.h"
 
 namespace intaglio::synchronizer {
@@ -185,6 +187,187 @@ TEST_P(Uncertain, ADoorThatIsOpenedMeanwhileDoesNotHideTheQuestion) {
   cell.StepFor(100ms);
   ExpectItWaits(cell);
   LeaveThemAndEnd(cell);
+}
+
+// ---- The word to fire them ------------------------------------------------------------
+
+std::size_t ReopenedIn(const FakeCell& cell) {
+  const auto records = cell.JournalOnDisk().records;
+  return static_cast<std::size_t>(std::count_if(
+      records.begin(), records.end(),
+      [](const auto& record) { return record.kind == formats::JournalKind::kReopened; }));
+}
+
+void FireThemAndEnd(FakeCell& cell) {
+  const std::uint64_t uncertain = cell.Count(PointState::kUncertain);
+  const std::size_t reopened = ReopenedIn(cell);
+  cell.GrantFiringUncertain();
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  EXPECT_EQ(cell.made(), cell.points_mm.size());
+  EXPECT_EQ(cell.engraving->ledger().doubted_count(), 0u);
+  EXPECT_EQ(ReopenedIn(cell), reopened + uncertain) << "each once";
+  EXPECT_LE(cell.laser.cracks().size(), cell.points_mm.size() + reopened + uncertain);
+}
+
+TEST_P(Uncertain, APersonsWordMakesEachOnceMore) {
+  FakeCell cell(Asking());
+  LeaveSomeUncertain(cell, 40);
+  ExpectItWaits(cell);
+  FireThemAndEnd(cell);
+}
+
+TEST_P(Uncertain, TheWordCountsAlsoInAJobThatDoesNotAsk) {
+  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  LeaveSomeUncertain(cell, 40);
+  FireThemAndEnd(cell);
+}
+
+TEST_P(Uncertain, TheWordCountsWhenNothingElseIsLeft) {
+  FakeCell cell(Asking(4));
+  cell.laser.on_arm = [&cell](std::uint64_t) { cell.PowerCycle(50ms); };
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kUncertain) == 4; }));
+  cell.laser.on_arm = nullptr;
+  ExpectItWaits(cell);
+  FireThemAndEnd(cell);
+}
+
+TEST_P(Uncertain, ANewArmWithoutTheWordTakesItBack) {
+  FakeCell cell(Asking());
+  LeaveSomeUncertain(cell, 40);
+  ExpectItWaits(cell);
+  // Said, and taken back before the machine let it fire.
+  cell.GrantFiringUncertain();
+  cell.Withdraw();
+  cell.StepFor(500ms);
+  LeaveThemAndEnd(cell);
+  EXPECT_EQ(ReopenedIn(cell), 0u);
+}
+
+// Whoever says it twice in the same arm has said it once, whatever becomes uncertain.
+TEST_P(Uncertain, WhatBecomesUncertainLaterIsNotMeant) {
+  for (const bool dies : {false, true}) {
+    SCOPED_TRACE(dies);
+    FakeCell cell({.points = kMoreThanAWindow, .lockstep = lockstep()});
+    LeaveSomeUncertain(cell, 20);
+    const std::uint64_t before = cell.Count(PointState::kUncertain);
+    cell.GrantFiringUncertain();
+    ASSERT_TRUE(cell.StepUntilMade(cell.laser.cracks().size() + 5));
+    EXPECT_EQ(ReopenedIn(cell), before);
+    ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kArmed) > 0; }));
+    cell.PowerCycle(100ms);
+    if (dies) cell.DieAndTakeUp();
+    ASSERT_TRUE(cell.StepUntil([&] {
+      return cell.Count(PointState::kUncertain) > 0 &&
+             cell.Count(PointState::kArmed) == 0;
+    }));
+    const std::uint64_t after = cell.Count(PointState::kUncertain);
+    cell.RenewGrant();
+    ASSERT_TRUE(cell.fire_uncertain);
+    ASSERT_TRUE(cell.StepUntilMade(cell.laser.cracks().size() + 20))
+        << cell.Description();
+    EXPECT_EQ(ReopenedIn(cell), before);
+    EXPECT_EQ(cell.Count(PointState::kUncertain), after);
+    EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  }
+}
+
+// There was nothing that it could have meant.
+TEST_P(Uncertain, AWordBeforeAnythingIsUncertainIsVoid) {
+  for (const bool dies : {false, true}) {
+    SCOPED_TRACE(dies);
+    FakeCell cell({.points = kMoreThanAWindow, .lockstep = lockstep()});
+    cell.Grant();
+    cell.fire_uncertain = true;
+    ASSERT_TRUE(cell.StepUntilMade(20));
+    ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kArmed) > 0; }));
+    cell.PowerCycle(100ms);
+    if (dies) cell.DieAndTakeUp();
+    ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kUncertain) > 0; }));
+    const std::uint64_t uncertain = cell.Count(PointState::kUncertain);
+    cell.RenewGrant();
+    ASSERT_TRUE(cell.StepUntilMade(cell.laser.cracks().size() + 20))
+        << cell.Description();
+    EXPECT_EQ(cell.Count(PointState::kUncertain), uncertain);
+    EXPECT_EQ(ReopenedIn(cell), 0u);
+  }
+}
+
+TEST_P(Uncertain, WhatLiesBeforeThePlaceToGoOnFromIsNotFired) {
+  FakeCell cell(Asking(kMoreThanAWindow));
+  LeaveSomeUncertain(cell, 20);
+  ExpectItWaits(cell);
+  const std::uint64_t uncertain = cell.Count(PointState::kUncertain);
+  cell.first_point = kMoreThanAWindow - 5;
+  cell.GrantFiringUncertain();
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+  EXPECT_EQ(cell.Count(PointState::kUncertain), uncertain);
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+}
+
+// The grant that is heard in the next life is the one that was answered with: nothing of
+// it is left but what was open on disk.
+TEST_P(Uncertain, KilledAtAnyInstantAfterTheWordNothingIsFiredByItAnew) {
+  for (int instant_ms = 0; instant_ms < 700; instant_ms += lockstep() ? 1 : 17) {
+    SCOPED_TRACE(testing::Message() << instant_ms << " ms");
+    FakeCell cell(Asking());
+    LeaveSomeUncertain(cell, 40);
+    cell.StepFor(500ms);
+    cell.GrantFiringUncertain();
+    cell.StepFor(std::chrono::milliseconds(instant_ms));
+    if (cell.done()) break;
+    cell.DieAndTakeUp();
+    const std::size_t reopened = ReopenedIn(cell);
+    cell.RenewGrant();
+    cell.StepFor(1s);
+    EXPECT_EQ(ReopenedIn(cell), reopened);
+    EXPECT_THAT(cell.Disagreements(), IsEmpty());
+    if (cell.done()) continue;
+    cell.GrantFiringUncertain();
+    ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+    EXPECT_THAT(cell.Disagreements(), IsEmpty());
+    EXPECT_EQ(cell.made(), kPoints);
+  }
+}
+
+/// As a controller that was switched off again and again would leave it.
+void MakeUncertain(const std::filesystem::path& file, std::uint32_t count) {
+  auto writer = JournalWriter::Continue(file);
+  ASSERT_TRUE(writer) << writer.error().message;
+  for (std::uint32_t point = 0; point < count;) {
+    const bool kept =
+        (*writer)->Append({formats::JournalKind::kIntent, formats::PointOutcome::kNone, 0,
+                           1, 10 + point, point, 0}) &&
+        (*writer)->Append({formats::JournalKind::kOutcome,
+                           formats::PointOutcome::kUncertain, 0, 1, 10 + point, point,
+                           0});
+    if (kept) ++point;
+    while ((*writer)->appended() - (*writer)->durable() > 60'000) (*writer)->Flush();
+  }
+}
+
+// More than the journal takes at once: whoever dies in between opens no more of them.
+TEST_P(Uncertain, OfManyNoneIsOpenedByTheSameWordInAnotherLife) {
+  constexpr std::uint32_t kMany = 150'000;
+  FakeCell cell({.points = kMany, .lockstep = lockstep()});
+  cell.DieAndTakeUp([](const auto& file) { MakeUncertain(file, kMany - 1); });
+  ASSERT_EQ(cell.Count(PointState::kUncertain), kMany - 1);
+  cell.GrantFiringUncertain();
+  ASSERT_TRUE(cell.StepUntil([&] {
+    return cell.Count(PointState::kUncertain) < kMany - 1;
+  })) << cell.Description();
+  const std::uint64_t left = cell.Count(PointState::kUncertain);
+  ASSERT_GT(left, 0u) << "or the test tests nothing";
+  EXPECT_EQ(cell.engraving->ledger().doubted_count(), kMany - 1 - left);
+  cell.DieAndTakeUp();
+  EXPECT_EQ(cell.Count(PointState::kUncertain), left);
+  EXPECT_EQ(cell.engraving->ledger().doubted_count(), kMany - 1 - left);
+  cell.RenewGrant();
+  cell.StepFor(1s);
+  EXPECT_EQ(cell.Count(PointState::kUncertain), left);
+  cell.GrantFiringUncertain();
+  EXPECT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kUncertain) == 0; }));
 }
 
 }  // namespace

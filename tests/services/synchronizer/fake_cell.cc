@@ -173,6 +173,7 @@ EngravingInputs FakeCell::Inputs() {
   inputs.stop_pressed = stop_pressed;
   inputs.speed_percent = speed_percent;
   inputs.first_point = first_point;
+  inputs.fire_uncertain = fire_uncertain;
   inputs.motion = stage.view();
   if (!stage.silent) view_at_ = now;
   inputs.motion.fresh = now - view_at_ < kMotionLease;
@@ -250,16 +251,23 @@ void FakeCell::CheckGlass(std::vector<std::string>& wrong) const {
       }
     }
   }
+  // By a person's word, each time once more.
+  std::vector<std::size_t> allowed(points_mm.size(), 1);
+  for (const formats::JournalRecord& record : JournalOnDisk().records) {
+    if (record.kind == JournalKind::kReopened) ++allowed[record.point];
+  }
   std::uint64_t sum = 0;
   for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
     const PointState state = engraving->ledger().state(i);
     const auto found = at_point.find(i);
     const std::size_t count = found == at_point.end() ? 0 : found->second.size();
     sum += state != PointState::kArmed ? 1 : 0;
-    if (count > 1) wrong.push_back(fmt::format("point {} fired {} times", i, count));
+    if (count > allowed[i])
+      wrong.push_back(fmt::format("point {} fired {} times", i, count));
     const bool claimed = state == PointState::kMade || state == PointState::kMissed;
     const bool open = state == PointState::kUncertain || state == PointState::kArmed;
-    if (!open && claimed != (count > 0)) {
+    const bool known = !open && (claimed || allowed[i] == 1);
+    if (known && claimed != (count > 0)) {
       wrong.push_back(fmt::format("point {} is in state {} and fired {} times", i,
                                   static_cast<int>(state), count));
     }
@@ -276,7 +284,15 @@ void FakeCell::CheckJournal(std::vector<std::string>& wrong) const {
   std::set<std::uint32_t> open;
   std::set<std::pair<std::uint64_t, std::uint32_t>> intents;
   for (const formats::JournalRecord& record : journal_now.records) {
-    if (record.kind == JournalKind::kSession) continue;
+    if (!formats::IsOfPoint(record.kind)) continue;
+    if (record.kind == JournalKind::kReopened) {
+      if (last[record.point] != PointState::kUncertain || open.contains(record.point)) {
+        wrong.push_back(
+            fmt::format("point {} is opened again and was not uncertain", record.point));
+      }
+      last[record.point] = PointState::kPlanned;
+      continue;
+    }
     const bool intent = record.kind == JournalKind::kIntent;
     if (record.outcome == PointOutcome::kLeftOut) {
       last[record.point] = PointState::kLeftOut;

@@ -52,12 +52,18 @@ class FakeCell {
   void Grant() {
     permission_granted = true;
     ++grant.number;
+    fire_uncertain = false;
   }
   /// The same one again, and as the job service renews it after a lost line.
   void RepeatGrant() { permission_granted = true; }
   void RenewGrant() {
     permission_granted = true;
     ++grant.renewal;
+  }
+  /// As a person's resume with the word to fire what is uncertain.
+  void GrantFiringUncertain() {
+    GrantAnew();
+    fire_uncertain = true;
   }
   void Withdraw() { permission_granted = false; }
   /// What an operator's resume is: the permission withdrawn, and given anew.
@@ -86,6 +92,7 @@ class FakeCell {
   std::chrono::nanoseconds now = std::chrono::seconds(1);
   std::uint32_t speed_percent = 100;
   std::uint32_t first_point = 0;
+  bool fire_uncertain = false;
   bool permission_fresh = true, permission_granted = false, stop_pressed = false;
   synchronizer::Grant grant;
   std::shared_ptr<link::FaultyPipe> to_laser, to_host;

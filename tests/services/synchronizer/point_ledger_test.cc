@@ -55,6 +55,44 @@ TEST(PointLedger, SkippedPointIsOpenAgain) {
   EXPECT_TRUE(ledger.all_ended());
 }
 
+TEST(PointLedger, AnUncertainPointIsOpenAgainByAWordAlone) {
+  PointLedger ledger(2);
+  EXPECT_THROW(ledger.Reopen(0), PreconditionError) << "planned";
+  ledger.Arm(0);
+  EXPECT_THROW(ledger.Reopen(0), PreconditionError) << "armed";
+  ledger.Resolve(0, PointOutcome::kUncertain);
+  EXPECT_EQ(ledger.NextOpen(0), 1u);
+  ledger.Reopen(0);
+  EXPECT_EQ(ledger.NextOpen(0), 0u);
+  EXPECT_EQ(ledger.count(PointState::kUncertain), 0u);
+  ledger.Arm(0);
+  ledger.Resolve(0, PointOutcome::kMade);
+  EXPECT_THROW(ledger.Reopen(0), PreconditionError) << "made";
+  EXPECT_EQ(ledger.NextOpen(0), 1u);
+}
+
+// Nobody knows of it any more than before, until it is fired.
+TEST(PointLedger, AReopenedPointIsInDoubtUntilItIsFired) {
+  PointLedger ledger(3);
+  for (std::uint32_t i = 0; i < 3; ++i) ledger.Arm(i);
+  ledger.Resolve(0, PointOutcome::kUncertain);
+  ledger.Resolve(1, PointOutcome::kUncertain);
+  ledger.Resolve(2, PointOutcome::kSkipped);
+  EXPECT_EQ(ledger.doubted_count(), 0u);
+  ledger.Reopen(0);
+  ledger.Reopen(1);
+  EXPECT_EQ(ledger.doubted_count(), 2u);
+  ledger.Arm(0);
+  EXPECT_EQ(ledger.doubted_count(), 1u);
+  ledger.Resolve(0, PointOutcome::kSkipped);
+  EXPECT_EQ(ledger.doubted_count(), 2u);
+  ledger.LeaveOut(0);
+  EXPECT_EQ(ledger.doubted_count(), 2u);
+  ledger.Arm(1);
+  ledger.Resolve(1, PointOutcome::kMade);
+  EXPECT_EQ(ledger.doubted_count(), 1u);
+}
+
 TEST(PointLedger, ResolvesOnlyWhatIsArmed) {
   PointLedger ledger(1);
   EXPECT_THROW(ledger.Resolve(0, PointOutcome::kMade), PreconditionError);
