@@ -21,7 +21,7 @@ using testing::Eventually;
 using testing::Program;
 using testing::Running;
 
-constexpr const char* kDomain = "48";
+constexpr int kDomain = 48;
 // A crack within this of a point is the point's; neighbours are ten times as far.
 constexpr double kNearMm = 0.03;
 
@@ -88,13 +88,14 @@ CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string
 }
 
 CellUnderFire::~CellUnderFire() {
+  for (const auto& watcher : watchers_) watcher->Signal(SIGKILL);
   if (!shop_) return;
   shop_->Signal(SIGTERM);
   shop_->WaitForEnd(20s);
 }
 
 std::vector<std::string> CellUnderFire::OnTheBus(std::vector<std::string> words) const {
-  words.insert(words.end(), {"--domain", kDomain, "--tag", tag_});
+  words.insert(words.end(), {"--domain", std::to_string(kDomain), "--tag", tag_});
   return words;
 }
 
@@ -146,6 +147,27 @@ std::string CellUnderFire::Show() { return Type({"show", std::to_string(jobs_)})
 
 std::string CellUnderFire::Press(const std::string& command) const {
   return testing::AskPanel(folder_, command);
+}
+
+bus::BusOptions CellUnderFire::bus_options() const {
+  bus::BusOptions options;
+  options.control_domain = kDomain;
+  options.tag = tag_;
+  return options;
+}
+
+void CellUnderFire::AddWatchersThatStandStill(int count) {
+  for (int i = 0; i < count; ++i) {
+    const auto output = folder_ / ("watcher" + std::to_string(i) + ".txt");
+    watchers_.push_back(std::make_unique<Running>(
+        Program("intaglio"), OnTheBus({"watch", std::to_string(jobs_), "--events"}),
+        output));
+  }
+  for (std::size_t i = 0; i < watchers_.size(); ++i) {
+    const auto output = folder_ / ("watcher" + std::to_string(i) + ".txt");
+    Eventually([&] { return SizeOf(output) > 0; }, 10s);
+    watchers_[i]->Signal(SIGSTOP);
+  }
 }
 
 pid_t CellUnderFire::ProcessOf(const std::string& service) const {
@@ -230,7 +252,9 @@ Verdict CellUnderFire::Judge() const {
   std::vector<PointOutcome> last(verdict.points, PointOutcome::kNone);
   std::vector<bool> open(verdict.points, false);
   for (const formats::JournalRecord& record : journal->records) {
-    if (record.kind == formats::JournalKind::kSession) continue;
+    if (!formats::IsOfPoint(record.kind)) continue;
+    // Nobody knows of it more than before.
+    if (record.kind == formats::JournalKind::kReopened) continue;
     open.at(record.point) = record.kind == formats::JournalKind::kIntent;
     if (!open[record.point]) last[record.point] = record.outcome;
   }

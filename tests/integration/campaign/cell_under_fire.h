@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "services/bus/bus.h"
 #include "tests/integration/run_program.h"
 
 namespace intaglio::campaign {
@@ -54,6 +55,12 @@ class CellUnderFire {
   std::string Type(const std::vector<std::string>& words);
   /// One line for another on the machine's panel.
   std::string Press(const std::string& command) const;
+  /// Where its services are to be found.
+  bus::BusOptions bus_options() const;
+  static const char* cell() { return "els-03"; }
+  /// So many that follow the newest job with `intaglio watch`, and stand still from now
+  /// on as long as the cell lives: what is written to them is not read.
+  void AddWatchersThatStandStill(int count);
   /// Process of a service, e.g. "intaglio-sorter"; 0: there is none.
   pid_t ProcessOf(const std::string& service) const;
   /// Cracks made so far.
@@ -79,6 +86,7 @@ class CellUnderFire {
   int jobs_ = 0;
   std::size_t cracks_before_ = 0;  // this job
   std::unique_ptr<testing::Running> machine_, shop_;
+  std::vector<std::unique_ptr<testing::Running>> watchers_;
   int typed_ = 0;
 };
 

@@ -24,6 +24,7 @@
 #include <random>
 
 #include "tests/integration/campaign/cell_under_fire.h"
+#include "tests/integration/campaign/stop_button.h"
 
 namespace {
 
@@ -101,6 +102,33 @@ Fault PressAndSetRight(const std::string& wrong, const std::string& right) {
   };
 }
 
+/// The emergency stop on the bus, whoever else listens there and does not read.
+Fault StopOnTheBus(int watchers) {
+  return [watchers](CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
+    cell.AddWatchersThatStandStill(watchers);
+    StopButton button(cell.bus_options(), cell.cell());
+    if (!button.AwaitHeard(10s)) {
+      outcome.verdict.trouble = "nobody hears the stop";
+      return;
+    }
+    if (!cell.AwaitCracks(cell.Cracks() + 2, 500ms)) {
+      outcome.verdict.trouble = "nothing is engraved any more: take a lower --speed";
+      return;
+    }
+    const auto at = Clock::now();
+    button.Press();
+    outcome.beam_off_ms = StillAfter(cell, at);
+    const std::size_t cracks = cell.Cracks();
+    button.Reset();
+    usleep(1'500'000);
+    if (cell.Cracks() != cracks) {
+      outcome.verdict.trouble = "it went on without a new arm";
+      return;
+    }
+    outcome.done = cell.AwaitDoneResuming(kBound);
+  };
+}
+
 /// The door is opened and shut while nobody lives who could see it.
 void OpenTheDoorUnseen(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
   const pid_t victim = cell.ProcessOf("intaglio-synchronizer");
@@ -149,6 +177,8 @@ const std::map<std::string, Fault>& Faults() {
       {"freeze-motion-bridge", StopFor("intaglio-motion-bridge")},
       {"freeze-job-service", StopFor("intaglio-job-service")},
       {"emergency-stop", PressAndSetRight("estop press", "estop release")},
+      {"stop-on-the-bus", StopOnTheBus(0)},
+      {"stop-on-the-bus-watchers-frozen", StopOnTheBus(3)},
       {"door", PressAndSetRight("door open", "door close")},
       {"door-unseen", OpenTheDoorUnseen},
       {"key", PressAndSetRight("key off", "key on")},

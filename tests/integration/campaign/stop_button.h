@@ -1,0 +1,31 @@
+#pragma once
+
+// An emergency stop that stands ready on the bus, as an operator's panel has it: who
+// presses does not wait until services are found first.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "services/bus/bus.h"
+
+namespace intaglio::campaign {
+
+class StopButton {
+ public:
+  StopButton(const bus::BusOptions& options, std::string cell);
+  /// A service of the cell would hear it; false after the time.
+  bool AwaitHeard(std::chrono::milliseconds bound) const;
+  void Press() { Write(true); }
+  void Reset() { Write(false); }
+
+ private:
+  void Write(bool pressed);
+
+  std::string cell_;
+  bus::Bus bus_;
+  bus::Writer<intaglio_EmergencyStop> stops_;
+  std::uint64_t number_;
+};
+
+}  // namespace intaglio::campaign
