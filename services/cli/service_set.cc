@@ -238,8 +238,10 @@ Status ServiceSet::AwaitReady(JobClient& client) {
       if (expected.role == intaglio_ROLE_RECORDER && !records_) continue;
       const bool there =
           std::any_of(services.begin(), services.end(), [&](const ServiceView& service) {
+            // Busy: of a queue that was kept it has been given a job already.
             return service.role == expected.role &&
-                   service.state == intaglio_HEALTH_READY;
+                   (service.state == intaglio_HEALTH_READY ||
+                    service.state == intaglio_HEALTH_BUSY);
           });
       if (!there) missing += (missing.empty() ? "" : ", ") + std::string(expected.name);
     }
