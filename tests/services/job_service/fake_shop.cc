@@ -94,12 +94,13 @@ void FakeShop::Submit(const std::string& submission_uid, const JobSpec& job,
 }
 
 void FakeShop::Command(const StatusCopy& job, intaglio_JobCommandKind kind,
-                       std::uint64_t number) {
+                       std::uint64_t number, bool fire_uncertain) {
   intaglio_JobCommand sample{};
   sample.job_uid = Borrow(job.uid);
   sample.epoch = job.epoch;
   sample.number = number;
   sample.kind = kind;
+  sample.fire_uncertain = fire_uncertain;
   const std::string name = "ann@shop";
   sample.operator_name = Borrow(name);
   (void)commands_.Write(sample);
@@ -179,6 +180,7 @@ void FakeShop::Poll() {
   }
   permissions_.Take([this](const intaglio_Permission& permission) {
     granted_ = permission.granted;
+    fire_uncertain_ = permission.fire_uncertain;
     permission_at_ = std::chrono::steady_clock::now();
     ++permissions_seen_;
   });

@@ -53,7 +53,8 @@ class FakeShop {
 
   void Submit(const std::string& submission_uid, const JobSpec& job,
               std::uint64_t epoch = 0);
-  void Command(const StatusCopy& job, intaglio_JobCommandKind kind, std::uint64_t number);
+  void Command(const StatusCopy& job, intaglio_JobCommandKind kind, std::uint64_t number,
+               bool fire_uncertain = false);
   /// A worker says how it is; the first time it appears.
   void Health(intaglio_Stage stage, const std::string& instance,
               intaglio_HealthState state);
@@ -72,6 +73,8 @@ class FakeShop {
   TaskCopy Task(intaglio_Stage stage);
   /// As a synchronizer sees it: silence is no permission.
   bool granted() const;
+  /// The newest permission's word to fire uncertain points.
+  bool fire_uncertain() const { return fire_uncertain_; }
   int permissions_seen() const { return permissions_seen_; }
 
   /// Models of the task, as the discretizer gets them; true when all are there.
@@ -95,7 +98,7 @@ class FakeShop {
 
   std::map<std::string, StatusCopy> status_;  // by submission
   std::array<TaskCopy, 3> task_;
-  bool granted_ = false;
+  bool granted_ = false, fire_uncertain_ = false;
   int permissions_seen_ = 0;
   std::chrono::steady_clock::time_point permission_at_;
   std::string stream_;

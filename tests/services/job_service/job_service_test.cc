@@ -117,6 +117,12 @@ TEST_F(JobServiceTest, HappyPath) {
   ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 50);
   ASSERT_TRUE(Reaches(intaglio_JOB_ENGRAVING));
+  // A person's word goes with the permission that it came with, and with no other.
+  EXPECT_FALSE(shop_.fire_uncertain());
+  shop_.Command(Job(), intaglio_COMMAND_RESUME, 2, true);
+  EXPECT_TRUE(shop_.Until([&] { return shop_.fire_uncertain(); }));
+  shop_.Command(Job(), intaglio_COMMAND_RESUME, 3);
+  EXPECT_TRUE(shop_.Until([&] { return !shop_.fire_uncertain(); }));
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100);
   ASSERT_TRUE(Reaches(intaglio_JOB_DONE));
   ASSERT_TRUE(shop_.Until([&] { return !shop_.granted(); }));
