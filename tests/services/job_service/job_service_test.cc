@@ -53,8 +53,8 @@ class JobServiceTest : public testing::Test {
     shop_.Report(shop_.Task(stage), stage, state, done, 100, code, message);
   }
   // From submission to the path in the synchronizer.
-  void RunToArm() {
-    shop_.Submit("one", GoodJob());
+  void RunToArm(const JobSpec& job = GoodJob()) {
+    shop_.Submit("one", job);
     ReadyAll();
     ASSERT_TRUE(HasTasks(1));
     Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
@@ -63,8 +63,8 @@ class JobServiceTest : public testing::Test {
     Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, "", "waits for the arm");
     ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
   }
-  void RunToEngraving() {
-    RunToArm();
+  void RunToEngraving(const JobSpec& job = GoodJob()) {
+    RunToArm(job);
     shop_.Command(Job(), intaglio_COMMAND_ARM, 1);
     ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
     Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 10);
@@ -276,7 +276,9 @@ TEST_F(JobServiceTest, TheQueueSurvivesAKill) {
 }
 
 TEST_F(JobServiceTest, AKillWhileEngravingPausesAndTheSameSynchronizerGoesOn) {
-  RunToEngraving();
+  JobSpec job = GoodJob();
+  job.set_ask_before_resume(true);  // else it goes on by itself before long
+  RunToEngraving(job);
   service_->Kill();
   ASSERT_TRUE(shop_.Until([&] { return !shop_.granted(); }))
       << "silence is no permission";
