@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "engrave/core/check.h"
+#include "engrave/core/segment.h"
 #include "engrave/drawing/pieces.h"
 
 namespace intaglio::drawing {
@@ -18,13 +19,6 @@ constexpr double kSamePoint_mm = 1e-9;
 // Ends of pieces come from different formulas: they are one point within rounding.
 constexpr double kSameEnd_mm = 1e-6;
 constexpr int kMaxHalvings = 20;
-
-double DistanceFromSegment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 way = b - a;
-  const double square = way.squaredNorm();
-  const double share = square > 0 ? std::clamp((p - a).dot(way) / square, 0.0, 1.0) : 0.0;
-  return (p - a - share * way).norm();
-}
 
 double TurnBetween(const Vec3& u, const Vec3& v) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
@@ -111,10 +105,10 @@ class Flattener {
     const Vec3 between = at(middle);
     const Vec3 first = between - from, second = to - between;
     // At a cusp the turn never becomes small: there the tolerance alone decides.
-    const bool straight =
-        first.norm() + second.norm() <= options_.chord_tolerance_mm ||
-        (DistanceFromSegment(between, from, to) <= options_.chord_tolerance_mm &&
-         TurnBetween(first, second) <= options_.max_turn_rad);
+    const bool straight = first.norm() + second.norm() <= options_.chord_tolerance_mm ||
+                          (std::sqrt(SquaredDistanceFromSegment(between, from, to)) <=
+                               options_.chord_tolerance_mm &&
+                           TurnBetween(first, second) <= options_.max_turn_rad);
     if (straight || halvings == kMaxHalvings || too_many()) {
       Push(between);
       Push(to);

@@ -1,9 +1,9 @@
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
 
 #include "engrave/core/check.h"
+#include "engrave/drawing/cell.h"
 #include "engrave/drawing/flatten.h"
 
 namespace intaglio::drawing {
@@ -17,17 +17,7 @@ constexpr std::size_t kCrowd = 8;
 
 End OtherEnd(End end) { return end ^ 1; }
 
-using Cell = std::array<std::int64_t, 4>;  // layer, then place
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t part : cell) {
-      hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9E3779B97F4A7C15ULL;
-      hash ^= hash >> 29;
-    }
-    return hash;
-  }
-};
+using EndCell = Cell<4>;  // layer, then place
 
 class Joiner {
  public:
@@ -58,7 +48,7 @@ class Joiner {
     const PointList& points = curves_[end / 2].points_mm;
     return end % 2 == 0 ? points.front() : points.back();
   }
-  Cell CellOf(End end) const {
+  EndCell CellOf(End end) const {
     const Vec3 p = PointOf(end) / tolerance_mm_;
     return {curves_[end / 2].layer, std::llround(p.x()), std::llround(p.y()),
             std::llround(p.z())};
@@ -66,11 +56,11 @@ class Joiner {
 
   /// The one other end within the tolerance; none when there are more.
   End OnlyNeighbour(End end) const {
-    const Cell middle = CellOf(end);
+    const EndCell middle = CellOf(end);
     End only = kNoEnd;
     for (int step = 0; step < 27; ++step) {
-      const Cell cell{middle[0], middle[1] + step % 3 - 1, middle[2] + step / 3 % 3 - 1,
-                      middle[3] + step / 9 - 1};
+      const EndCell cell{middle[0], middle[1] + step % 3 - 1,
+                         middle[2] + step / 3 % 3 - 1, middle[3] + step / 9 - 1};
       const auto found = cells_.find(cell);
       if (found == cells_.end()) continue;
       if (found->second.size() > kCrowd) return kNoEnd;
@@ -133,7 +123,7 @@ class Joiner {
 
   double tolerance_mm_;
   std::vector<FlatCurve> curves_;
-  std::unordered_map<Cell, std::vector<End>, CellHash> cells_;
+  std::unordered_map<EndCell, std::vector<End>, CellHash> cells_;
   std::vector<End> partner_;
   std::vector<bool> used_;
 };

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/segment.h"
+#include "engrave/drawing/cell.h"
 #include "engrave/drawing/flatten.h"
 
 // Curves that run along each other have the same bounding box: boxes are looked up in a
@@ -24,17 +26,7 @@ constexpr double kLengthRatio = 0.01;
 // Distances from a segment, about 5 ns each.
 constexpr std::uint64_t kMostDistances = 100'000'000;
 
-using Cell = std::array<std::int64_t, 6>;
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t part : cell) {
-      hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9E3779B97F4A7C15ULL;
-      hash ^= hash >> 29;
-    }
-    return hash;
-  }
-};
+using BoxCell = Cell<6>;
 
 struct Shape {
   std::array<double, 6> box{};
@@ -54,13 +46,6 @@ Shape ShapeOf(const FlatCurve& curve) {
   return shape;
 }
 
-double SquaredDistance(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 along = b - a;
-  const double square = along.squaredNorm();
-  const double t = square > 0 ? std::clamp((p - a).dot(along) / square, 0.0, 1.0) : 0;
-  return (p - a - t * along).squaredNorm();
-}
-
 class Repeated {
  public:
   explicit Repeated(double tolerance_mm) : tolerance_mm_(tolerance_mm) {}
@@ -70,7 +55,7 @@ class Repeated {
     if (!curve.closed || curve.points_mm.size() < 2) return false;
     const Shape shape = ShapeOf(curve);
     const double cell_mm = kCellTolerances * tolerance_mm_;
-    Cell home{}, other{};
+    BoxCell home{}, other{};
     std::size_t straddled = 0;
     for (std::size_t i = 0; i < 6; ++i) {
       // Far out a cell is below the digits of the number; no integer holds it then.
@@ -82,7 +67,7 @@ class Repeated {
     }
     for (std::size_t choice = 0; choice < 64; ++choice) {
       if ((choice & ~straddled) != 0) continue;
-      Cell cell = home;
+      BoxCell cell = home;
       for (std::size_t i = 0; i < 6; ++i) {
         if ((choice >> i & 1) != 0) cell[i] = other[i];
       }
@@ -94,7 +79,7 @@ class Repeated {
   }
 
  private:
-  bool IsIn(const Cell& cell, const FlatCurve& curve, const Shape& shape,
+  bool IsIn(const BoxCell& cell, const FlatCurve& curve, const Shape& shape,
             const std::vector<FlatCurve>& kept) {
     const auto found = by_cell_.find(cell);
     if (found == by_cell_.end()) return false;
@@ -124,7 +109,7 @@ class Repeated {
     const PointList& points = curve.points_mm;
     const Vec3* last = &points.back();
     for (const Vec3& next : points) {
-      if (SquaredDistance(point, *last, next) <= most) return true;
+      if (SquaredDistanceFromSegment(point, *last, next) <= most) return true;
       last = &next;
     }
     return false;
@@ -132,7 +117,8 @@ class Repeated {
 
   double tolerance_mm_;
   std::uint64_t distances_ = 0;
-  std::unordered_map<Cell, std::vector<std::pair<std::size_t, Shape>>, CellHash> by_cell_;
+  std::unordered_map<BoxCell, std::vector<std::pair<std::size_t, Shape>>, CellHash>
+      by_cell_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/core/segment.h"
 
 // Coverage of a pixel by a shape is taken as clamp(0.5 - signed distance of the pixel's
 // centre to the shape's edge): exact for straight edges along the axes, and within a
@@ -17,13 +18,6 @@ float Coverage(double inside_px) {
 }
 
 Vec2 CenterOf(int x, int y) { return {x + 0.5, y + 0.5}; }
-
-double DistanceToSegment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double square = along.squaredNorm();
-  const double t = square > 0.0 ? std::clamp((p - a).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (p - a - t * along).norm();
-}
 
 /// Pixels whose centres may lie in low..high, cut to the canvas.
 struct PixelRange {
@@ -74,7 +68,8 @@ void DrawLine(Canvas& canvas, const Vec2& from_px, const Vec2& to_px, double wid
     for (int j = across.first; j <= across.last; ++j) {
       const int x = major == 0 ? i : j;
       const int y = major == 0 ? j : i;
-      const double distance = DistanceToSegment(CenterOf(x, y), from_px, to_px);
+      const double distance =
+          std::sqrt(SquaredDistanceFromSegment(CenterOf(x, y), from_px, to_px));
       canvas.Blend(x, y, paint.color, alpha * Coverage(half_px - distance));
     }
   }

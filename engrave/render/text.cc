@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/segment.h"
+
 // A glyph is a list of strokes, separated by blanks. A stroke begins with its kind,
 //   l  straight lines from point to point
 //   s  a smooth curve: the quadratic B-spline of the points, with its ends on the first
@@ -214,11 +216,7 @@ Glyph ParseGlyph(std::string_view strokes) {
 double DistanceTo(const Polyline& line, const Vec2& p) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-    const Vec2 along = line[i + 1] - line[i];
-    const double square = along.squaredNorm();
-    const double t =
-        square > 0.0 ? std::clamp((p - line[i]).dot(along) / square, 0.0, 1.0) : 0.0;
-    least = std::min(least, (p - line[i] - t * along).squaredNorm());
+    least = std::min(least, SquaredDistanceFromSegment(p, line[i], line[i + 1]));
   }
   return std::sqrt(least);
 }
