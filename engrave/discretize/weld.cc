@@ -224,12 +224,12 @@ class Welder {
   std::span<WeldPoint> LookedThrough(std::span<WeldPoint> points,
                                      std::vector<ChannelFront>& fronts) const {
     if (fronts.size() == 1) return points.first(fronts[0].front.KeepFar(points));
-    for (auto& [channel, front] : fronts) {
+    for (ChannelFront& of : fronts) {
       const auto concerned = std::partition(
           points.begin(), points.end(),
-          [&](const auto& p) { return !ShareChannel(MaskOf(p.source), channel); });
+          [&](const auto& p) { return !ShareChannel(MaskOf(p.source), of.channel); });
       const std::size_t others = static_cast<std::size_t>(concerned - points.begin());
-      points = points.first(others + front.KeepFar(points.subspan(others)));
+      points = points.first(others + of.front.KeepFar(points.subspan(others)));
     }
     return points;
   }

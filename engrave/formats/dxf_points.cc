@@ -182,7 +182,7 @@ std::string PointReader::PassedOver() const {
   int kinds = 0;
   for (const auto& [kind, count] : passed_over_) {
     if (++kinds > kMostKinds) return text + ", ...";
-    text += fmt::format("{}{:.30} {}", text.empty() ? "" : ", ", kind, count);
+    text += fmt::format("{}{:.30} {}", text.empty() ? "" : ", ", OneLine(kind), count);
   }
   return text;
 }

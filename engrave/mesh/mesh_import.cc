@@ -120,6 +120,35 @@ Status CheckPlyCounts(const ImportSource& source, std::string_view header,
   return {};
 }
 
+/// The library makes room for the rows of the first list of vertices, and of faces, and
+/// writes those of a second one behind it.
+Status CheckPlyElementsComeOnce(const ImportSource& source, std::string_view header) {
+  int vertex_lists = 0, face_lists = 0;
+  header = header.substr(0, header.find("\nend_header"));
+  for (std::size_t end = 0; end < header.size(); ++end) {
+    const std::size_t begin = end;
+    end = std::min(header.find_first_of("\r\n", begin), header.size());
+    std::string_view rest = header.substr(begin, end - begin);
+    const auto next_word = [&rest] {
+      rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
+      const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+      rest.remove_prefix(word.size());
+      return word;
+    };
+    if (next_word() != "element") continue;
+    const std::string_view name = next_word();
+    if (name == "vertex") ++vertex_lists;
+    if (name == "face" || name == "range_grid" || name == "tristrips") ++face_lists;
+  }
+  if (vertex_lists <= 1 && face_lists <= 1) return {};
+  return source.Refuse(
+      ErrorCode::kUnreadable,
+      fmt::format("it cannot be read as ply (its header declares {} lists "
+                  "of vertices and {} of faces); export it again as one "
+                  "mesh",
+                  vertex_lists, face_lists));
+}
+
 /// The library reads a DAE's index lists for ever where something else than a number is
 /// in them.
 Status CheckIndexLists(const ImportSource& source, std::string_view text) {
@@ -160,8 +189,9 @@ Status CheckContent(const ImportSource& source, std::string_view text,
                     std::uint64_t byte_count) {
   if (source.extension == "ply") {
     const std::string_view header = text.substr(0, kMaxPlyHeaderSize);
-    const Status ends = CheckPlyHeaderEnds(source, header);
-    return ends ? CheckPlyCounts(source, header, byte_count) : ends;
+    if (auto ends = CheckPlyHeaderEnds(source, header); !ends) return ends;
+    if (auto once = CheckPlyElementsComeOnce(source, header); !once) return once;
+    return CheckPlyCounts(source, header, byte_count);
   }
   if (source.extension == "dae") return CheckIndexLists(source, text);
   if (source.extension == "3mf") return CheckPackage(source, text);

@@ -53,6 +53,14 @@ TEST(DxfPoints, TakesOnlyThePointsOfTheModelSpace) {
                           "CIRCLE 1, LINE 2"));
 }
 
+// A carriage return inside a line is of a damaged file, or of an old Macintosh.
+TEST(DxfPoints, WhatWasPassedOverIsSaidInOneLine) {
+  const auto read = ParseDxf(Drawing("", std::string("0\nEND\rREC\n") + kPoint));
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  ASSERT_EQ(read->comments.size(), 1u);
+  EXPECT_EQ(read->comments[0].find_first_of("\r\n"), std::string::npos);
+}
+
 TEST(DxfPoints, ReadsWindowsLineEndsAndAPointWithoutZ) {
   const auto read = ParseDxf(
       "  0\r\nSECTION\r\n  2\r\nENTITIES\r\n  0\r\nPOINT\r\n 10\r\n"

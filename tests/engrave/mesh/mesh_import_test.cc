@@ -169,6 +169,24 @@ TEST(MeshImport, PlyThatClaimsMoreRowsThanItHasBytesIsAnError) {
   }
 }
 
+// The library writes the rows of the second one behind its array.
+TEST(MeshImport, PlyWithTwoListsOfAKindIsAnError) {
+  const std::string box = Ply(BoxMesh(kSize));
+  const std::size_t end = box.find("end_header");
+  for (const char* more :
+       {"element vertex 2\nproperty float x\n",
+        "\t element  vertex 2\nproperty float x\n",
+        "element face 1\nproperty list uchar int vertex_indices\n",
+        "element tristrips 1\nproperty list int int vertex_indices\n"}) {
+    std::string ply = box;
+    ply.insert(end, more);
+    ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "its header declares");
+  }
+  std::string ply = box;
+  ply.insert(end, "comment element vertex 2\n");
+  ExpectTheBox(Import(ply, "ply"), BoxMesh(kSize));
+}
+
 TEST(MeshImport, PlyElementMayHaveDigitsInItsName) {
   std::string ply = Ply(BoxMesh(kSize));
   ply.replace(ply.find("element face"), 0, "element row2000000000 0\nproperty float a\n");
