@@ -168,20 +168,24 @@ class Cracks {
 
 Status ExportJsonLines(const recording::McapReader& reader,
                        const recording::MessageQuery& query, std::ostream& out) {
-  return ForEachValue(reader, query,
-                      [&out](const recording::Channel& channel,
-                             const recording::MessageView& message, const Value& value) {
-                        const Value head{recording::ValueObject{
-                            {"topic", {channel.topic}},
-                            {"partition", {Entry(channel, "partition")}},
-                            {"sample", {Entry(channel, "sample")}},
-                            {"sequence", {std::uint64_t{message.sequence}}},
-                            {"log_time_ns", {message.log_time_ns}},
-                            {"publish_time_ns", {message.publish_time_ns}}}};
-                        std::string line = recording::JsonOf(head);
-                        line.back() = ',';
-                        out << line << "\"value\":" << recording::JsonOf(value) << "}\n";
-                      });
+  return ForEachValue(
+      reader, query,
+      [&out](const recording::Channel& channel, const recording::MessageView& message,
+             const Value& value) {
+        Value head{
+            recording::ValueObject{{"topic", {channel.topic}},
+                                   {"partition", {Entry(channel, "partition")}},
+                                   {"sample", {Entry(channel, "sample")}},
+                                   {"sequence", {std::uint64_t{message.sequence}}},
+                                   {"log_time_ns", {message.log_time_ns}},
+                                   {"publish_time_ns", {message.publish_time_ns}}}};
+        if (recording::IsRepeated(channel)) {
+          std::get<recording::ValueObject>(head.held).push_back({"repeated", {true}});
+        }
+        std::string line = recording::JsonOf(head);
+        line.back() = ',';
+        out << line << "\"value\":" << recording::JsonOf(value) << "}\n";
+      });
 }
 
 Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
@@ -189,7 +193,8 @@ Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
   recording::MessageQuery of_topic = query;
   of_topic.channels.emplace();
   for (const auto& [id, channel] : reader.contents().channels) {
-    if (channel.topic == topic) of_topic.channels->insert(id);
+    if (channel.topic == topic && !recording::IsRepeated(channel))
+      of_topic.channels->insert(id);
   }
   bool headed = false;
   return ForEachValue(reader, of_topic,

@@ -40,6 +40,38 @@ std::string MissingText(const recording::McapReader& reader) {
   return text;
 }
 
+std::uint64_t CountIn(const recording::RecordingContents& contents, std::uint16_t id) {
+  const auto found = contents.statistics.message_counts.find(id);
+  return found == contents.statistics.message_counts.end() ? 0 : found->second;
+}
+
+/// What the file has of an earlier one of its series.
+std::uint64_t RepeatedCount(const recording::RecordingContents& contents) {
+  std::uint64_t count = 0;
+  for (const auto& [id, channel] : contents.channels) {
+    if (recording::IsRepeated(channel)) count += CountIn(contents, id);
+  }
+  // A damaged summary may count otherwise.
+  return std::min(count, contents.statistics.message_count);
+}
+
+std::string RepeatedText(const recording::McapReader& reader) {
+  std::string text;
+  if (const std::uint64_t count = RepeatedCount(reader.contents()); count > 0) {
+    text += fmt::format("repeated    {} more at the beginning, retained from before it\n",
+                        GroupedDigits(count));
+  }
+  const auto records = reader.ReadMetadata(recording::kForgottenRecord);
+  if (!records) return text;
+  for (const recording::Metadata& record : *records) {
+    text += fmt::format(
+        "forgotten   {} retained samples before file {}: more than {} bytes of them\n",
+        Entry(record.entries, "count"), Entry(record.entries, "file_number"),
+        Entry(record.entries, "limit_bytes"));
+  }
+  return text;
+}
+
 std::string SummaryState(const recording::RecordingContents& contents) {
   if (contents.complete) return "whole";
   std::string text = "open: its writer was killed, is at work, or the copy was cut";
@@ -63,8 +95,9 @@ std::string InfoText(const recording::McapReader& reader) {
                         UtcText(statistics.end_ns), SecondsOf(statistics));
   }
   text += fmt::format("messages    {} in {} channels and {} chunks\n",
-                      GroupedDigits(statistics.message_count), contents.channels.size(),
-                      contents.blocks.size());
+                      GroupedDigits(statistics.message_count - RepeatedCount(contents)),
+                      contents.channels.size(), contents.blocks.size());
+  text += RepeatedText(reader);
   for (const auto& attachment : contents.attachments) {
     text += fmt::format("attachment  {}, {} bytes\n", attachment.name,
                         GroupedDigits(attachment.content_size));
@@ -86,14 +119,15 @@ std::string ChannelTable(const recording::McapReader& reader) {
   std::string text = fmt::format("{:<28} {:<10} {:>10} {:>9}  {}\n", "topic", "partition",
                                  "messages", "a second", "type");
   for (const recording::Channel* channel : channels) {
-    const auto found = contents.statistics.message_counts.find(channel->id);
-    const std::uint64_t count =
-        found == contents.statistics.message_counts.end() ? 0 : found->second;
+    const std::uint64_t count = CountIn(contents, channel->id);
+    const bool repeated = recording::IsRepeated(*channel);
     const recording::Schema* schema = reader.SchemaOf(*channel);
-    text += fmt::format("{:<28} {:<10} {:>10} {:>9.1f}  {}\n", channel->topic,
-                        Entry(channel->metadata, "partition"), GroupedDigits(count),
-                        seconds > 0 ? static_cast<double>(count) / seconds : 0.0,
-                        schema == nullptr ? "" : schema->name);
+    text +=
+        fmt::format("{:<28} {:<10} {:>10} {:>9.1f}  {}\n",
+                    channel->topic + (repeated ? ", repeated" : ""),
+                    Entry(channel->metadata, "partition"), GroupedDigits(count),
+                    seconds > 0 && !repeated ? static_cast<double>(count) / seconds : 0.0,
+                    schema == nullptr ? "" : schema->name);
   }
   return text;
 }

@@ -1,6 +1,5 @@
 #include "services/recorder/recorder.h"
 
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <variant>
 
 #include "services/bus/topic_tap.h"
+#include "services/host/log.h"
 
 namespace intaglio::recorder {
 namespace {
@@ -66,7 +66,7 @@ struct Recorder::Impl {
               return filter.Accepts(channel.topic, channel.partition, channel.type);
             },
             [this](const std::string& topic, const std::string& why) {
-              spdlog::warn("{} is not recorded: {}", topic, why);
+              host::LogWarning("{} is not recorded: {}", topic, why);
               (void)queue.Push(Unrecorded{topic, why}, 0, false);
             }) {}
 

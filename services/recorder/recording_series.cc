@@ -20,13 +20,39 @@ constexpr std::uint64_t kMaxWaitingBytes = 64u << 20;
 constexpr std::uint64_t kQuietNs = 1'000'000'000;
 constexpr std::uint64_t kLongSpanNs = 5'000'000'000;
 constexpr std::uint64_t kSyncPeriodNs = 200'000'000;
+constexpr std::uint64_t kRemovePeriodNs = 60'000'000'000;
 
 std::string UtcText(std::uint64_t ns) {
   const auto seconds = static_cast<std::time_t>(ns / 1'000'000'000);
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
 }
 
+/// What may be carried over from file to file: nothing when none follows, and not so much
+/// that a file has no room for what is new.
+std::uint64_t Carried(const SeriesOptions& options, std::uint64_t limit_bytes,
+                      std::uint64_t share) {
+  if (options.split_bytes == 0) return options.split_ns > 0 ? limit_bytes : 0;
+  return std::min(limit_bytes, options.split_bytes / share);
+}
+std::uint64_t RetainedLimit(const SeriesOptions& options) {
+  return Carried(options, options.retained_bytes, 2);
+}
+
+recording::SampleType TypeOf(const recording::Stream& stream, const StreamTypes& types) {
+  const bool value = stream.kind == recording::SampleKind::kValue;
+  const auto keys = types.recipe.find("keys");
+  return {value ? stream.type : stream.type + "_key", value ? types.idl : types.key_idl,
+          keys == types.recipe.end() ? "" : keys->second};
+}
+
 }  // namespace
+
+RecordingSeries::RecordingSeries(const SeriesOptions& options, std::uint64_t now_ns)
+    : options_(options),
+      file_began_ns_(now_ns),
+      retained_(RetainedLimit(options)),
+      retained_limit_bytes_(RetainedLimit(options)),
+      attachments_limit_bytes_(Carried(options, options.attachments_bytes, 4)) {}
 
 Result<RecordingSeries> RecordingSeries::Open(const SeriesOptions& options,
                                               std::uint64_t now_ns) {
@@ -42,13 +68,24 @@ Result<RecordingSeries> RecordingSeries::Open(const SeriesOptions& options,
 Status RecordingSeries::OpenNext(std::uint64_t now_ns) {
   recording::WriterOptions writer_options = options_.writer;
   writer_options.library = "intaglio " + options_.version;
-  auto writer = recording::McapWriter::Create(PathOf(options_.file, file_number_ + 1),
-                                              writer_options);
+  writer_options.keep_existing = true;
+  std::uint32_t number = file_number_;
+  Result<recording::McapWriter> writer = Fail(ErrorCode::kRefused, "");
+  // Another recorder may have taken the next name meanwhile.
+  while (!writer && writer.error().code == ErrorCode::kRefused) {
+    writer =
+        recording::McapWriter::Create(PathOf(options_.file, ++number), writer_options);
+  }
   if (!writer) return tl::unexpected(writer.error());
-  ++file_number_;
+  file_number_ = number;
+  ForgetOldAttachments();
   writer_ = std::move(*writer);
   file_began_ns_ = now_ns;
-  for (Known& known : streams_) known.channel.reset();
+  for (Known& known : streams_) {
+    known.channel.reset();
+    known.repeated.reset();
+  }
+  repeated_ = retained_.empty();
   stream_of_channel_.clear();
   types_written_.clear();
   attachments_written_ = unrecorded_written_ = 0;
@@ -57,6 +94,7 @@ Status RecordingSeries::OpenNext(std::uint64_t now_ns) {
                                 {"host", options_.host},
                                 {"started_utc", UtcText(now_ns)},
                                 {"file_number", std::to_string(file_number_)}}}));
+  TellForgotten();
   WritePending();
   return {};
 }
@@ -66,37 +104,71 @@ std::uint32_t RecordingSeries::AddStream(const recording::Stream& stream,
   for (std::uint32_t i = 0; i < streams_.size(); ++i) {
     if (streams_[i].stream == stream) return i;
   }
-  streams_.push_back({stream, types, std::nullopt, 0});
-  return static_cast<std::uint32_t>(streams_.size() - 1);
+  streams_.push_back({stream, types, std::nullopt, std::nullopt, 0});
+  const auto number = static_cast<std::uint32_t>(streams_.size() - 1);
+  if (retained_limit_bytes_ > 0 && recording::IsRetained(stream))
+    (void)retained_.Learn(number, stream, TypeOf(stream, types));
+  return number;
 }
 
-void RecordingSeries::Define(Known& known) {
-  const auto& [stream, types, channel, sequence] = known;
-  const bool value = stream.kind == recording::SampleKind::kValue;
-  const std::string& idl = value ? types.idl : types.key_idl;
+/// The stream's channel in this file.
+std::uint16_t RecordingSeries::Define(const Known& known, bool repeated) {
+  recording::Stream stream = known.stream;
+  stream.repeated = repeated;
+  const recording::SampleType type = TypeOf(stream, known.types);
   recording::Channel made = recording::ChannelOf(stream);
-  made.schema_id = writer_->AddSchema(value ? stream.type : stream.type + "_key",
-                                      idl.empty() ? "" : recording::kOmgIdl, idl);
-  known.channel =
+  made.schema_id =
+      writer_->AddSchema(type.name, type.idl.empty() ? "" : recording::kOmgIdl, type.idl);
+  const std::uint16_t channel =
       writer_->AddChannel(std::move(made), stream.bulk ? Lane::kLarge : Lane::kSmall);
-  stream_of_channel_[*known.channel] =
-      static_cast<std::uint32_t>(&known - streams_.data());
   const bool told = std::find(types_written_.begin(), types_written_.end(),
                               stream.type) != types_written_.end();
-  if (told || types.recipe.empty()) return;
-  const auto written = writer_->Write(Metadata{recording::kTypeRecord, types.recipe});
+  if (told || known.types.recipe.empty()) return channel;
+  const auto written =
+      writer_->Write(Metadata{recording::kTypeRecord, known.types.recipe});
   if (written) types_written_.push_back(stream.type);
   Note(written);
+  return channel;
+}
+
+// At the first message of the file, so that none in it is older: what waited in a queue
+// when the file began was received before that. In order, as one of its readers would.
+void RecordingSeries::Repeat(std::uint64_t log_time_ns) {
+  if (repeated_) return;
+  repeated_ = true;
+  for (const recording::RetainedSample* sample : retained_.Samples()) {
+    Known& known = streams_[sample->stream];
+    if (trouble_ && known.stream.bulk) continue;
+    if (!known.repeated) known.repeated = Define(known, true);
+    Note(writer_->Write(recording::MessageView{*known.repeated, sample->sequence,
+                                               log_time_ns, sample->publish_time_ns,
+                                               sample->payload}));
+  }
+}
+
+void RecordingSeries::TellForgotten() {
+  const std::uint64_t count = retained_.forgotten_count();
+  if (count == 0) return;
+  Note(
+      writer_->Write(Metadata{recording::kForgottenRecord,
+                              {{"file_number", std::to_string(file_number_)},
+                               {"count", std::to_string(count)},
+                               {"limit_bytes", std::to_string(retained_limit_bytes_)}}}));
 }
 
 void RecordingSeries::Write(std::uint32_t stream, std::uint64_t log_time_ns,
                             std::uint64_t publish_time_ns, recording::ByteView payload) {
   Known& known = streams_.at(stream);
+  Repeat(std::min(file_began_ns_, log_time_ns));
+  retained_.Take(stream, known.sequence, log_time_ns, publish_time_ns, payload);
   if (trouble_ && known.stream.bulk) {
     CountMissing(stream, log_time_ns, "the disk refused");
     return;
   }
-  if (!known.channel) Define(known);
+  if (!known.channel) {
+    known.channel = Define(known, false);
+    stream_of_channel_[*known.channel] = stream;
+  }
   ++message_count_;
   Note(writer_->Write(recording::MessageView{*known.channel, known.sequence++,
                                              log_time_ns, publish_time_ns, payload}));
@@ -114,7 +186,9 @@ void RecordingSeries::Note(const Status& written) {
 
 void RecordingSeries::GiveUp(Lane lane, const char* reason) {
   for (const auto& [channel, dropped] : writer_->Drop(lane)) {
-    const std::uint32_t stream = stream_of_channel_.at(channel);
+    const auto known = stream_of_channel_.find(channel);
+    if (known == stream_of_channel_.end()) continue;  // repeats
+    const std::uint32_t stream = known->second;
     CountMissing(stream, dropped.from_ns, reason, dropped.count);
     CountMissing(stream, dropped.to_ns, reason, 0);
     message_count_ -= dropped.count;
@@ -142,12 +216,25 @@ void RecordingSeries::Attach(recording::Attachment attachment) {
   WritePending();
 }
 
+// They were in the files before; the newest jobs matter most.
+void RecordingSeries::ForgetOldAttachments() {
+  std::uint64_t total = 0;
+  for (const recording::Attachment& attachment : attachments_)
+    total += attachment.content.size();
+  while (attachments_written_ > 0 && total > attachments_limit_bytes_) {
+    total -= attachments_.front().content.size();
+    attachments_.pop_front();
+    --attachments_written_;
+  }
+}
+
 void RecordingSeries::WritePending() {
   while (!trouble_ && attachments_written_ < attachments_.size()) {
     const auto written = writer_->Write(attachments_[attachments_written_]);
     if (written) ++attachments_written_;
     Note(written);
   }
+  if (attachments_limit_bytes_ == 0) ForgetOldAttachments();
   while (!trouble_ && unrecorded_written_ < unrecorded_.size()) {
     const auto written = writer_->Write(unrecorded_[unrecorded_written_]);
     if (written) ++unrecorded_written_;
@@ -181,6 +268,11 @@ void RecordingSeries::WriteMissing(std::uint64_t now_ns) {
 }
 
 void RecordingSeries::Turn(std::uint64_t now_ns) {
+  // A clock that was set back begins anew.
+  file_began_ns_ = std::min(file_began_ns_, now_ns);
+  if (split_refused_ns_ > now_ns) split_refused_ns_ = now_ns;
+  // By then nothing waits any more that was received before the file began.
+  if (now_ns >= file_began_ns_ + kQuietNs) Repeat(file_began_ns_);
   const auto written = trouble_ ? writer_->Flush() : writer_->FlushIfOld(now_ns);
   if (written) trouble_.reset();
   Note(written);
@@ -191,7 +283,14 @@ void RecordingSeries::Turn(std::uint64_t now_ns) {
       options_.split_bytes > 0 && writer_->file_bytes() >= options_.split_bytes;
   const bool long_enough =
       options_.split_ns > 0 && now_ns >= file_began_ns_ + options_.split_ns;
-  if (!trouble_ && (full || long_enough)) BeginNext(now_ns);
+  const bool soon_again = split_refused_ns_ && now_ns < *split_refused_ns_ + kQuietNs;
+  if (!trouble_ && (full || long_enough) && !soon_again) BeginNext(now_ns);
+  // Also while no file follows: files grow older, and a recorder that was restarted finds
+  // those of the one before.
+  if (removed_ns_ && now_ns >= *removed_ns_ && now_ns < *removed_ns_ + kRemovePeriodNs)
+    return;
+  removed_ns_ = now_ns;
+  RemoveOldest();
 }
 
 // As seldom at full speed as when little is said: a disk takes its time for it. A clock
@@ -203,8 +302,9 @@ void RecordingSeries::SyncIfDue(std::uint64_t now_ns) {
   Note(writer_->Sync());
 }
 
-// The old file is left only when the new one is there.
+// The old file is left only when the new one is there, and takes all until then.
 void RecordingSeries::BeginNext(std::uint64_t now_ns) {
+  Repeat(file_began_ns_);
   const auto flushed = writer_->Flush();
   Note(flushed);
   if (!flushed) return;
@@ -212,9 +312,12 @@ void RecordingSeries::BeginNext(std::uint64_t now_ns) {
   auto opened = OpenNext(now_ns);
   if (!opened) {
     writer_ = std::move(before);
-    Note(opened);
+    split_refused_ns_ = now_ns;
+    no_next_file_ = opened.error();
     return;
   }
+  split_refused_ns_.reset();
+  no_next_file_.reset();
   auto closed = before.Close();
   if (closed) closed = before.Sync();
   Note(closed);
@@ -222,6 +325,7 @@ void RecordingSeries::BeginNext(std::uint64_t now_ns) {
 }
 
 Status RecordingSeries::Close() {
+  Repeat(file_began_ns_);
   if (auto written = writer_->Flush(); !written) {
     Note(written);
     return written;
@@ -236,6 +340,7 @@ Status RecordingSeries::Close() {
 }
 
 void RecordingSeries::RemoveOldest() const {
+  if (options_.keep_bytes == 0 && options_.keep_ns == 0) return;
   auto files = FilesOf(options_.file);
   std::uint64_t total = 0;
   for (const SeriesFile& file : files) total += file.bytes;

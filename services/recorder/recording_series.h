@@ -4,6 +4,13 @@
 // another by size or time, and the oldest go when there are too many. Knows no threads
 // and no clock; from one thread.
 //
+// Every file stands alone: it has the types and the newest attachments of the files
+// before it, and begins with what was retained by then (conventions.h, "repeated"), as
+// far as that fits. A file that cannot be made is tried again each second; until then the
+// one before grows.
+//
+// Repeats count neither as messages nor, when the disk refuses them, as missing.
+//
 // What is missing in the files is said in them, as "missing" records: what the caller
 // could not even queue, bulk that was given up when the disk refused, and topics that
 // cannot be recorded. Control waits in memory until the disk takes it again, up to 64 MB.
@@ -13,6 +20,7 @@
 // second in a chunk, a tenth for a turn, a fifth here).
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -24,6 +32,7 @@
 #include "engrave/core/result.h"
 #include "services/recording/conventions.h"
 #include "services/recording/mcap_writer.h"
+#include "services/recording/retained_state.h"
 
 namespace intaglio::recorder {
 
@@ -35,7 +44,12 @@ struct SeriesOptions {
   std::uint64_t split_ns = 0;     ///< or after this time; 0: never
   std::uint64_t keep_bytes = 0;   ///< of all files of the series; 0: all
   std::uint64_t keep_ns = 0;      ///< since a file was last written; 0: for ever
-  std::string version;            ///< software version
+  /// Memory for what is retained, to be repeated in the next file; half of split_bytes
+  /// at most, so that a file has room for what is new.
+  std::uint64_t retained_bytes = 64u << 20;
+  /// The same for attachments, the newest; a quarter of split_bytes at most.
+  std::uint64_t attachments_bytes = 32u << 20;
+  std::string version;  ///< software version
   std::string host;
   recording::WriterOptions writer;
 };
@@ -62,7 +76,7 @@ class RecordingSeries {
                     const std::string& reason, std::uint64_t count = 1);
   /// A topic that is not recorded.
   void TellUnrecorded(const std::string& topic, const std::string& reason);
-  /// Goes into every file from now on.
+  /// Goes into this file and those that follow, until newer ones take its place.
   void Attach(recording::Attachment attachment);
 
   /// To be called some times a second: writes what is old, tries the disk again, begins
@@ -72,7 +86,9 @@ class RecordingSeries {
   Status Close();
 
   /// What the disk refuses at the moment.
-  const std::optional<Error>& trouble() const { return trouble_; }
+  const std::optional<Error>& trouble() const {
+    return trouble_ ? trouble_ : no_next_file_;
+  }
   const std::filesystem::path& file() const { return writer_->file(); }
   /// Of this file, on the disk for certain.
   std::uint64_t synced_bytes() const { return writer_->synced_bytes(); }
@@ -83,22 +99,25 @@ class RecordingSeries {
   struct Known {
     recording::Stream stream;
     StreamTypes types;
-    std::optional<std::uint16_t> channel;  // in the file that is open
+    std::optional<std::uint16_t> channel;   // in the file that is open
+    std::optional<std::uint16_t> repeated;  // so, too
     std::uint32_t sequence = 0;
   };
   struct Missing {
     std::uint64_t count = 0;
     std::uint64_t from_ns = 0, to_ns = 0;
   };
-  RecordingSeries(const SeriesOptions& options, std::uint64_t now_ns)
-      : options_(options), file_began_ns_(now_ns) {}
+  RecordingSeries(const SeriesOptions& options, std::uint64_t now_ns);
   Status OpenNext(std::uint64_t now_ns);
-  void Define(Known& known);
+  std::uint16_t Define(const Known& known, bool repeated);
+  void Repeat(std::uint64_t log_time_ns);
+  void TellForgotten();
   void Note(const Status& written);
   void GiveUp(recording::Lane lane, const char* reason);
   void WriteMissing(std::uint64_t now_ns);
   void BeginNext(std::uint64_t now_ns);
   void SyncIfDue(std::uint64_t now_ns);
+  void ForgetOldAttachments();
   void WritePending();
   void RemoveOldest() const;
 
@@ -109,12 +128,18 @@ class RecordingSeries {
   std::uint32_t file_number_ = 0;
   std::vector<Known> streams_;
   std::map<std::uint16_t, std::uint32_t> stream_of_channel_;
-  std::vector<recording::Attachment> attachments_;
+  recording::RetainedState retained_;
+  std::uint64_t retained_limit_bytes_ = 0;  // 0: no file will follow
+  bool repeated_ = true;                    // what was retained, in this file
+  std::deque<recording::Attachment> attachments_;
+  std::uint64_t attachments_limit_bytes_ = 0;
   std::vector<recording::Metadata> unrecorded_;
   std::size_t attachments_written_ = 0, unrecorded_written_ = 0;      // in this file
   std::vector<std::string> types_written_;                            // in this file
   std::map<std::pair<std::uint32_t, std::string>, Missing> missing_;  // by reason
   std::optional<Error> trouble_;
+  std::optional<Error> no_next_file_;
+  std::optional<std::uint64_t> split_refused_ns_, removed_ns_;
   std::uint64_t message_count_ = 0, missing_count_ = 0;
 };
 

@@ -65,12 +65,23 @@ bool KeepName(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<AppendFile> AppendFile::Create(const std::filesystem::path& path) {
+Result<AppendFile> AppendFile::Create(const std::filesystem::path& path,
+                                      Existing existing) {
+  const int when_there = existing == Existing::kKeep ? O_EXCL : O_TRUNC;
   const int descriptor =
-      open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+      open(path.c_str(), O_WRONLY | O_CREAT | when_there | O_CLOEXEC, 0666);
+  if (descriptor < 0 && errno == EEXIST) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} is there already; take another name", path.string()),
+                path.string());
+  }
   if (descriptor < 0) return Refused(path, "make");
   AppendFile made(descriptor, path);
-  if (!KeepName(path)) return Refused(path, "make");
+  if (!KeepName(path)) {
+    auto refused = Refused(path, "make");
+    if (existing == Existing::kKeep) (void)unlink(path.c_str());
+    return refused;
+  }
   return made;
 }
 

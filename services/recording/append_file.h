@@ -13,8 +13,11 @@ namespace intaglio::recording {
 
 class AppendFile {
  public:
-  /// Makes the file anew, its name on the disk. kIo with path and remedy.
-  static Result<AppendFile> Create(const std::filesystem::path& path);
+  /// What a file of that name is: written over, or left alone (kRefused).
+  enum class Existing { kReplace, kKeep };
+  /// Makes the file, its name on the disk. kIo with path and remedy.
+  static Result<AppendFile> Create(const std::filesystem::path& path,
+                                   Existing existing = Existing::kReplace);
   AppendFile(AppendFile&& other) noexcept;
   AppendFile& operator=(AppendFile&& other) noexcept;
   ~AppendFile();

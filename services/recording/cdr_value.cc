@@ -18,7 +18,7 @@ struct Stop {
 };
 
 constexpr std::size_t kHeaderSize = 4;
-constexpr int kMaxDepth = 32;
+constexpr int kMaxDepth = 32;  // of types in each other
 
 class Decoder {
  public:
@@ -40,6 +40,9 @@ class Decoder {
       throw Stop{ErrorCode::kUnsupported, "type " + name + " is not in the schema"};
     }
     if (++depth_ > kMaxDepth) throw Stop{ErrorCode::kUnsupported, "nested too deep"};
+    // Structs without bytes would let a short schema make millions of an empty message.
+    if (++struct_count_ > kMaxDepth * (bytes_.size() + 1))
+      throw Stop{ErrorCode::kUnreadable, "more parts than the message has bytes for"};
     if (found->second.appendable && second_) (void)Number<std::uint32_t>();
     ValueObject object;
     object.reserve(found->second.members.size());
@@ -196,6 +199,7 @@ class Decoder {
   std::size_t at_ = 0;
   bool swap_ = false, second_ = false;
   int depth_ = 0;
+  std::size_t struct_count_ = 0;
 };
 
 void PutJsonText(std::string& out, const std::string& text) {
@@ -218,7 +222,7 @@ void PutJson(std::string& out, const Value& value);
 /// JSON has no word for what is not finite.
 void PutJson(std::string& out, double number) {
   if (std::isfinite(number)) {
-    fmt::format_to(std::back_inserter(out), "{}", number);
+    out += fmt::format("{}", number);
   } else {
     out += "null";
   }

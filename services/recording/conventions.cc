@@ -30,6 +30,7 @@ Channel ChannelOf(const Stream& stream) {
                       {"domain", stream.bulk ? "bulk" : "control"},
                       {"sample", NameOf(stream.kind)},
                       {"keyed", stream.keyed ? "true" : "false"}};
+  if (stream.repeated) channel.metadata["repeated"] = "true";
   if (!stream.partition.empty()) channel.metadata["partition"] = stream.partition;
   for (const auto& [policy, value] : stream.qos) {
     channel.metadata[kQosPrefix + policy] = value;
@@ -48,6 +49,7 @@ std::optional<Stream> StreamOf(const Channel& channel) {
   stream.bulk = entry("domain") == "bulk";
   stream.partition = entry("partition");
   stream.keyed = entry("keyed") == "true";
+  stream.repeated = entry("repeated") == "true";
   for (const SampleKind kind : {SampleKind::kDisposed, SampleKind::kNoWriter}) {
     if (entry("sample") == NameOf(kind)) stream.kind = kind;
   }
@@ -56,6 +58,11 @@ std::optional<Stream> StreamOf(const Channel& channel) {
   }
   if (stream.topic.empty() || stream.type.empty()) return std::nullopt;
   return stream;
+}
+
+bool IsRepeated(const Channel& channel) {
+  const auto stream = StreamOf(channel);
+  return stream && stream->repeated;
 }
 
 }  // namespace intaglio::recording

@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <charconv>
+#include <limits>
 #include <optional>
 #include <set>
 
@@ -197,8 +198,10 @@ class Parser {
   IdlMember Type(const std::string& scope) {
     if (words_.Accept("sequence")) {
       words_.Expect("<");
+      // Before going into it: as deep as the text says would be as deep as the stack.
+      if (words_.now() == "sequence")
+        throw Stop{ErrorCode::kUnsupported, "sequence of sequences"};
       IdlMember element = Type(scope);
-      if (element.sequence) throw Stop{ErrorCode::kUnsupported, "sequence of sequences"};
       if (words_.Accept(",")) (void)words_.Number();
       words_.Expect(">");
       element.sequence = true;
@@ -231,7 +234,9 @@ class Parser {
     std::int64_t next = 0;
     do {
       next = TakeAnnotations().value.value_or(next);
-      made.names.emplace(next++, words_.Name());
+      made.names.emplace(next, words_.Name());
+      if (next == std::numeric_limits<std::int64_t>::max()) break;
+      ++next;
     } while (words_.Accept(","));
     words_.Expect("}");
     if (!types_.enums.emplace(name, std::move(made)).second) {

@@ -184,13 +184,17 @@ McapWriter::~McapWriter() = default;
 
 Result<McapWriter> McapWriter::Create(const std::filesystem::path& file,
                                       const WriterOptions& options) {
-  auto target = AppendFile::Create(file);
+  using Existing = AppendFile::Existing;
+  auto target = AppendFile::Create(
+      file, options.keep_existing ? Existing::kKeep : Existing::kReplace);
   if (!target) return tl::unexpected(target.error());
   auto impl = std::make_unique<Impl>(std::move(*target), options);
   Bytes begin;
   PutRaw(begin, std::as_bytes(std::span(kMagic, kMagicSize)));
   Encode(begin, Header{"", options.library});
   if (auto written = impl->file.Append({begin}); !written) {
+    std::error_code ignored;
+    if (options.keep_existing) std::filesystem::remove(file, ignored);
     return tl::unexpected(written.error());
   }
   return McapWriter(std::move(impl));

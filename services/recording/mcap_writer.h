@@ -32,6 +32,7 @@ struct WriterOptions {
   std::uint64_t chunk_ns = 1'000'000'000;  ///< or when its first message came so long ago
   bool compress = true;                    ///< zstd; otherwise chunks are stored as is
   int compression_level = 1;               ///< of zstd, -7..19
+  bool keep_existing = false;              ///< kRefused when the file is there
 };
 
 enum class Lane { kSmall, kLarge };
@@ -44,7 +45,8 @@ class McapWriter {
     std::uint64_t from_ns = 0, to_ns = 0;  ///< log time
   };
 
-  /// Makes the file anew. kIo with path and remedy.
+  /// Makes the file. kIo with path and remedy. With keep_existing nothing is left of one
+  /// that could not be begun.
   static Result<McapWriter> Create(const std::filesystem::path& file,
                                    const WriterOptions& options);
   McapWriter(McapWriter&&) noexcept;

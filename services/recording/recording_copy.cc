@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <tuple>
 
 #include "services/recording/conventions.h"
 #include "services/recording/mcap_writer.h"
@@ -28,10 +29,67 @@ struct Source {
     }
   }
 
+  /// At one time originals go first, so that repeats of them are known as such.
+  std::pair<std::uint64_t, bool> Place() const {
+    return {next->log_time_ns, repeated.contains(next->channel_id)};
+  }
+
   const McapReader* reader;
   MessageCursor cursor;
   std::optional<MessageView> next;
+  std::set<std::uint16_t> repeated;                // channels of repeats
+  std::map<std::uint16_t, std::uint32_t> stream;   // of repeats and originals
   std::map<std::uint16_t, std::uint16_t> channel;  // in the target, by that of the source
+};
+
+/// The samples that some source repeats, to be written once.
+class Repeats {
+ public:
+  /// Before the source's first message is asked for.
+  void Expect(Source& source, const MessageQuery& query) {
+    for (const auto& [id, channel] : source.reader->contents().channels) {
+      const auto stream = StreamOf(channel);
+      if (!stream || stream->kind != SampleKind::kValue ||
+          (query.channels && !query.channels->contains(id)))
+        continue;
+      const auto number = static_cast<std::uint32_t>(numbers_.size());
+      source.stream[id] =
+          numbers_
+              .try_emplace(std::tuple(stream->topic, stream->partition, stream->bulk),
+                           number)
+              .first->second;
+      if (stream->repeated) source.repeated.insert(id);
+    }
+    if (source.repeated.empty()) return;
+    MessageCursor cursor(*source.reader, {query.from_ns, query.to_ns, source.repeated});
+    for (;;) {
+      const auto message = cursor.Next();
+      if (!message) continue;  // told when it is copied
+      if (!*message) return;
+      const std::uint32_t stream = source.stream.at((*message)->channel_id);
+      written_[stream].emplace(IdOf(**message), false);
+    }
+  }
+  /// Is it in the target already?
+  bool IsAgain(const Source& source, const MessageView& message) {
+    const auto stream = source.stream.find(message.channel_id);
+    if (stream == source.stream.end()) return false;
+    const auto expected = written_.find(stream->second);
+    if (expected == written_.end()) return false;
+    const auto found = expected->second.find(IdOf(message));
+    if (found == expected->second.end()) return false;
+    if (found->second && source.repeated.contains(message.channel_id)) return true;
+    found->second = true;
+    return false;
+  }
+
+ private:
+  using Id = std::tuple<std::uint32_t, std::uint64_t, std::uint32_t>;
+  static Id IdOf(const MessageView& message) {
+    return {message.sequence, message.publish_time_ns, Crc32(message.payload)};
+  }
+  std::map<std::tuple<std::string, std::string, bool>, std::uint32_t> numbers_;
+  std::map<std::uint32_t, std::map<Id, bool>> written_;  // by number of the stream
 };
 
 class Copy {
@@ -44,8 +102,9 @@ class Copy {
     if (!channels) return tl::unexpected(channels.error());
     const auto& damages = reader.contents().damages;
     report_.damages.insert(report_.damages.end(), damages.begin(), damages.end());
-    Source& source = sources_.emplace_back(
-        reader, MessageQuery{options_.from_ns, options_.to_ns, std::move(*channels)});
+    const MessageQuery query{options_.from_ns, options_.to_ns, std::move(*channels)};
+    Source& source = sources_.emplace_back(reader, query);
+    repeats_.Expect(source, query);
     source.Advance(report_.damages);
     if (auto copied = CopyMetadata(reader); !copied) return copied;
     return CopyAttachments(reader);
@@ -53,13 +112,19 @@ class Copy {
 
   Result<CopyReport> Run() {
     for (;;) {
-      const auto first = std::min_element(
-          sources_.begin(), sources_.end(), [](const Source& a, const Source& b) {
-            if (!a.next || !b.next) return a.next.has_value();
-            return a.next->log_time_ns < b.next->log_time_ns;
-          });
+      const auto first = std::min_element(sources_.begin(), sources_.end(),
+                                          [](const Source& a, const Source& b) {
+                                            if (!a.next || !b.next)
+                                              return a.next.has_value();
+                                            return a.Place() < b.Place();
+                                          });
       if (first == sources_.end() || !first->next) return std::move(report_);
       MessageView message = *first->next;
+      if (repeats_.IsAgain(*first, message)) {
+        ++report_.repeat_count;
+        first->Advance(report_.damages);
+        continue;
+      }
       message.channel_id = TargetOf(*first, message.channel_id);
       if (auto written = writer_.Write(message); !written) {
         return tl::unexpected(written.error());
@@ -116,6 +181,7 @@ class Copy {
   McapWriter& writer_;
   const CopyOptions& options_;
   std::deque<Source> sources_;
+  Repeats repeats_;
   std::vector<Metadata> metadata_;
   std::set<std::pair<std::string, std::uint32_t>> attachments_;
   CopyReport report_;
@@ -150,15 +216,17 @@ Result<CopyReport> CopyRecordings(const std::vector<McapReader>& sources,
                                   const std::filesystem::path& target,
                                   const CopyOptions& options) {
   std::error_code error;
+  const std::filesystem::path temporary = target.string() + ".part";
   for (const McapReader& source : sources) {
-    if (std::filesystem::equivalent(source.name(), target, error)) {
+    // What a killed copy left behind may be a source, too.
+    for (const std::filesystem::path& written : {target, temporary}) {
+      if (!std::filesystem::equivalent(source.name(), written, error)) continue;
       return Fail(ErrorCode::kInvalidValue,
                   fmt::format("{} is read and cannot be written; name another file",
-                              target.string()),
-                  target.string());
+                              written.string()),
+                  written.string());
     }
   }
-  const std::filesystem::path temporary = target.string() + ".part";
   auto writer = McapWriter::Create(temporary, {.library = options.library});
   if (!writer) return tl::unexpected(writer.error());
   Copy copy(*writer, options);

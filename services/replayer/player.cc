@@ -122,9 +122,9 @@ bool Player::Write(std::uint16_t channel_id, std::uint64_t publish_time_ns,
 void Player::Restore(const PlayOptions& options, const PlayHooks& hooks,
                      PlayReport& report) {
   Retained retained(reader_, selection_);
-  for (const RetainedMessage& message : retained.Before(options.from_ns)) {
-    if (Write(message.channel_id, message.publish_time_ns, message.payload, hooks,
-              report))
+  for (const recording::RetainedSample& sample : retained.Before(options.from_ns)) {
+    if (Write(static_cast<std::uint16_t>(sample.stream), sample.publish_time_ns,
+              sample.payload, hooks, report))
       ++report.restored_count;
   }
   report.complaints.insert(report.complaints.end(), retained.complaints().begin(),
@@ -163,7 +163,7 @@ PlayReport Player::Play(const PlayOptions& options, const PlayHooks& hooks) {
         !WaitForCredit(channel, *writer_of_.at(view.channel_id), view.payload, hooks))
       return report;
     if (Write(view.channel_id, view.publish_time_ns, view.payload, hooks, report))
-      ++report.played_count;
+      ++(channel.stream.repeated ? report.restored_count : report.played_count);
   }
   // Silence at the end is part of it.
   report.whole =

@@ -36,7 +36,7 @@ struct PlayHooks {
 
 struct PlayReport {
   std::uint64_t played_count = 0;
-  std::uint64_t restored_count = 0;  ///< retained samples from before the start
+  std::uint64_t restored_count = 0;  ///< retained samples from before the start or file
   bool whole = false;                ///< to its end
   std::vector<std::string> complaints;
 };

@@ -17,7 +17,9 @@ std::set<std::uint16_t> ValueChannelsOf(const recording::McapReader& reader,
   std::set<std::uint16_t> channels;
   for (const auto& [id, channel] : reader.contents().channels) {
     const auto stream = recording::StreamOf(channel);
-    if (stream && stream->topic == topic && stream->kind == recording::SampleKind::kValue)
+    // A repeated task is one whose inputs and outputs lie in an earlier file.
+    if (stream && stream->topic == topic && !stream->repeated &&
+        stream->kind == recording::SampleKind::kValue)
       channels.insert(id);
   }
   return channels;

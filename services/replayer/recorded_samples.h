@@ -55,7 +55,8 @@ std::optional<RecordedTask> ReadTask(const recording::Value& value);
 std::optional<CloudBatch> ReadBatch(const recording::Value& value);
 std::optional<ModelPiece> ReadPiece(const recording::Value& value);
 
-/// The values of one topic in the order of their reception.
+/// The values of one topic in the order of their reception; repeats of an earlier file's
+/// (conventions.h) are not among them.
 class RecordedValues {
  public:
   RecordedValues(const recording::McapReader& reader, const std::string& topic,

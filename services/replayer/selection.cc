@@ -34,6 +34,23 @@ std::string WhyNot(const std::string& recorded, const std::string& played,
   return {};
 }
 
+/// A bus knows one type by a name.
+Status CheckTypes(const Selection& selection) {
+  std::map<std::pair<bool, std::string>, const PlayedChannel*> by_name;
+  for (const auto& [id, channel] : selection.channels) {
+    const PlayedChannel& first =
+        *by_name.try_emplace({channel.stream.bulk, channel.name}, &channel).first->second;
+    if (first.stream.type == channel.stream.type) continue;
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("{} would be of two types, {} and {}; rename it otherwise, or leave "
+                    "one out with --without-topic",
+                    channel.name, first.stream.type, channel.stream.type),
+        channel.name);
+  }
+  return {};
+}
+
 }  // namespace
 
 Weight WeightOf(const std::string& topic) {
@@ -71,6 +88,8 @@ Result<Selection> Select(const recording::RecordingContents& contents,
                     unused.begin()->first),
         unused.begin()->first);
   }
+  if (auto checked = CheckTypes(selection); !checked)
+    return tl::unexpected(checked.error());
   return selection;
 }
 

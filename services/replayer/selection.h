@@ -45,7 +45,8 @@ struct Selection {
   bool believed = false;  ///< something is played that services believe
 };
 
-/// kNotFound for a rename of a topic that is not there.
+/// kNotFound for a rename of a topic that is not there; kInvalidValue when two types
+/// would be played by one name.
 Result<Selection> Select(const recording::RecordingContents& contents,
                          const SelectionOptions& options);
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -176,6 +177,49 @@ TEST_F(Replay, SeekingToTheMiddleRestoresWhatWasRetained) {
   const auto rest = later.find({"JobStatus", "", "value"});
   const std::size_t rest_count = rest == later.end() ? 0 : rest->second.size();
   EXPECT_EQ((heard_[{"JobStatus", "", "value"}]).size(), rest_count + 1);
+}
+
+// A session is recorded by a recorder that splits; the file that begins after the task
+// was given has it all the same.
+TEST_F(Replay, TheNextFileOfASeriesHasWhatWasRetained) {
+  const std::string tag = bus_.options().tag + "-shop";
+  testing::Running recorder(
+      testing::Program("intaglio-recorder"),
+      {"--tag", tag, "--out", (folder_ / "s.mcap").string(), "--split-min", "0.01"},
+      folder_ / "recorder.txt");
+  ASSERT_TRUE(testing::Eventually([&] { return fs::exists(folder_ / "s.mcap"); }, 20s));
+  testing::Running session(testing::Program("intaglio"),
+                           {"replay", Golden("pyramid").string(), "--tag", tag,
+                            "--with-commands", "--rate", "0.3"},
+                           folder_ / "session.txt");
+  ASSERT_EQ(session.WaitForEnd(kBound).exit_code, 0) << session.Output();
+  recorder.Signal(SIGTERM);
+  ASSERT_EQ(recorder.WaitForEnd(kBound).exit_code, 0) << recorder.Output();
+  fs::path later;
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    if (entry.path().extension() != ".mcap") continue;
+    const auto reader = recording::McapReader::Open(entry.path());
+    ASSERT_TRUE(reader) << reader.error().message;
+    for (const auto& [id, channel] : reader->contents().channels) {
+      const auto stream = recording::StreamOf(channel);
+      if (stream->topic == "SortTask" && stream->repeated) later = entry.path();
+    }
+  }
+  ASSERT_FALSE(later.empty()) << "given and done within one file of 0.6 s";
+  const auto ended = Play({later.string(), "--with-commands", "--fast", "--start", "0.2",
+                           "--topic", "SortTask", "JobSubmission", "JobStatus"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("retained"));
+  const auto all = InRecording("pyramid");
+  for (const char* topic : {"SortTask", "JobSubmission"}) {
+    EXPECT_EQ((heard_[{topic, "", "value"}]), (all.at({topic, "", "value"}))) << topic;
+  }
+  EXPECT_FALSE((heard_[{"JobStatus", "", "value"}]).empty());
+  testing::Running look(testing::Program("intaglio"),
+                        {"recording", "list", later.string()}, folder_ / "list.txt");
+  EXPECT_THAT(look.WaitForEnd(kBound).output, HasSubstr("SortTask, repeated "));
+  // What the task was about lies elsewhere.
+  EXPECT_EQ(Against({later.string(), "--against", "sorter"}).exit_code, 2);
 }
 
 TEST_F(Replay, WhereServicesLiveNothingIsPlayedThatTheyBelieve) {

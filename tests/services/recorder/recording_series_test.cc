@@ -128,12 +128,107 @@ TEST_F(Series, OldestFilesGoWhenThereAreTooMany) {
   EXPECT_NE(Names().front(), "s.mcap");
 }
 
+// Of recorders before this one, which itself never splits.
+TEST_F(Series, OldFilesGoWithoutANewOne) {
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(Open().Close());
+  const auto now = fs::file_time_type::clock::now();
+  fs::last_write_time(folder_ / "s.mcap", now - std::chrono::hours(3));
+  options_.keep_ns = 7200 * kSecond;
+  auto series = Open();
+  series.Turn(kSecond);
+  EXPECT_THAT(Names(), ElementsAre("s-0002.mcap", "s-0003.mcap", "s-0004.mcap"));
+  fs::last_write_time(folder_ / "s-0002.mcap", now - std::chrono::hours(3));
+  for (std::uint64_t i = 1; i < 63; ++i) series.Turn(i * kSecond);
+  EXPECT_THAT(Names(), ElementsAre("s-0003.mcap", "s-0004.mcap"));
+}
+
 TEST_F(Series, NeverOverwrites) {
   for (int i = 0; i < 3; ++i) {
     auto series = Open();
     ASSERT_TRUE(series.Close());
   }
   EXPECT_THAT(Names(), ElementsAre("s.mcap", "s-0002.mcap", "s-0003.mcap"));
+}
+
+// Another recorder of the same name was begun meanwhile.
+TEST_F(Series, DoesNotTakeTheNameOfAnothersFile) {
+  options_.split_ns = 10 * kSecond;
+  auto series = Open();
+  const auto other = Open();
+  ASSERT_EQ(other.file(), folder_ / "s-0002.mcap");
+  const auto size = fs::file_size(other.file());
+  ASSERT_GT(size, 0u);
+  series.Turn(10 * kSecond);
+  EXPECT_EQ(series.file(), folder_ / "s-0003.mcap");
+  EXPECT_EQ(fs::file_size(other.file()), size);
+}
+
+TEST_F(Series, GoesOnWhenNoNextFileCanBeMade) {
+  options_.split_ns = 10 * kSecond;
+  auto series = Open();
+  const auto bulk = series.AddStream(bulk_, types_);
+  const fs::path aside = folder_.string() + "-aside";
+  fs::remove_all(aside);
+  fs::rename(folder_, aside);
+  for (std::uint64_t i = 10; i < 20; ++i) {
+    series.Turn(i * kSecond);
+    ASSERT_TRUE(series.trouble());
+    series.Write(bulk, i * kSecond, 0, payload_);
+  }
+  fs::rename(aside, folder_);
+  series.Turn(20 * kSecond);
+  EXPECT_FALSE(series.trouble());
+  EXPECT_EQ(series.missing_count(), 0u);
+  ASSERT_TRUE(series.Close());
+  EXPECT_EQ(MessagesIn("s.mcap"), 10u);
+  EXPECT_EQ(Names().size(), 2u);
+}
+
+TEST_F(Series, AFullDiskIsNotFilledWithBeginnings) {
+  options_.split_ns = 10 * kSecond;
+  auto series = Open();
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{0, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  for (std::uint64_t i = 10; i < 20; ++i) series.Turn(i * kSecond);
+  setrlimit(RLIMIT_FSIZE, &before);
+  ASSERT_TRUE(series.trouble());
+  EXPECT_THAT(Names(), ElementsAre("s.mcap"));
+  series.Turn(20 * kSecond);
+  EXPECT_FALSE(series.trouble());
+  ASSERT_TRUE(series.Close());
+  EXPECT_THAT(Names(), ElementsAre("s.mcap", "s-0002.mcap"));
+}
+
+// The papers of all jobs since the recorder was begun would fill memory and files.
+TEST_F(Series, CarriesTheNewestAttachmentsOver) {
+  options_.split_bytes = 20'000;
+  auto series = Open();
+  for (int i = 0; i < 100; ++i)
+    series.Attach({0, 0, std::to_string(i), "text/plain", payload_});
+  const auto stream = series.AddStream(control_, types_);
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    series.Turn(i * kSecond);
+    series.Write(stream, i * kSecond, i, payload_);
+  }
+  ASSERT_TRUE(series.Close());
+  EXPECT_LE(Names().size(), 6u);
+  EXPECT_THAT(McapReader::Open(folder_ / "s.mcap")->contents().attachments, SizeIs(100));
+  const auto later = McapReader::Open(folder_ / "s-0002.mcap").value();
+  ASSERT_THAT(later.contents().attachments, SizeIs(5));
+  EXPECT_EQ(later.contents().attachments.back().name, "99");
+}
+
+// After a clock was set back, files are as long as before.
+TEST_F(Series, SplitsByTimeAlsoWhenTheClockIsSetBack) {
+  options_.split_ns = 10 * kSecond;
+  auto series = Open();
+  for (std::uint64_t i = 1000; i < 1015; ++i) series.Turn(i * kSecond);
+  for (std::uint64_t i = 500; i < 515; ++i) series.Turn(i * kSecond);
+  ASSERT_TRUE(series.Close());
+  EXPECT_EQ(Names().size(), 4u);
 }
 
 TEST_F(Series, SaysWhatIsMissing) {

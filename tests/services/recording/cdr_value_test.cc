@@ -1,5 +1,6 @@
 #include "services/recording/cdr_value.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -96,6 +97,20 @@ TEST(CdrValue, LengthsBeyondTheMessageAreRefused) {
   EXPECT_THAT(DecodeCdr(types, "S", cdr.bytes()).error().message, HasSubstr("longer"));
 }
 
+// Doubled 29 times, from nothing: half a thousand million parts.
+TEST(CdrValue, PartsWithoutBytesAreBounded) {
+  std::string idl = "struct S0 { octet none[0]; };";
+  for (int i = 1; i < 30; ++i)
+    idl += fmt::format("struct S{} {{ S{} a; S{} b; }};", i, i - 1, i - 1);
+  idl += "struct Few { S2 a; };";
+  const auto types = ParseIdl(idl).value();
+  const Bytes empty = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+  const auto decoded = DecodeCdr(types, "S29", empty);
+  ASSERT_FALSE(decoded);
+  EXPECT_EQ(decoded.error().code, ErrorCode::kUnreadable);
+  EXPECT_TRUE(DecodeCdr(types, "Few", empty));
+}
+
 TEST(CdrValue, OtherByteOrderAndSecondVersion) {
   const auto types = ParseIdl("struct S { uint32 a; double b; };").value();
   // XCDR2: nothing is aligned to more than four bytes.
@@ -118,6 +133,15 @@ TEST(IdlTypes, WhatIsNotUnderstoodIsNamed) {
   EXPECT_EQ(ParseIdl("struct S { Unknown u; };").error().value, "Unknown");
   EXPECT_EQ(ParseIdl("struct S { uint32 a }").error().code, ErrorCode::kUnreadable);
   EXPECT_FALSE(ParseIdl("module m {"));
+}
+
+TEST(IdlTypes, NestsAsDeepAsItUnderstandsAndNoDeeper) {
+  EXPECT_EQ(ParseIdl("struct S { sequence<sequence<octet>> a; };").error().value,
+            "sequence of sequences");
+  std::string deep = "struct S { ";
+  for (int i = 0; i < 1'000'000; ++i) deep += "sequence<";
+  EXPECT_EQ(ParseIdl(deep).error().value, "sequence of sequences");
+  EXPECT_TRUE(ParseIdl("enum E { @value(9223372036854775807) last };"));
 }
 
 }  // namespace

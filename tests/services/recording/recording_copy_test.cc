@@ -114,6 +114,14 @@ TEST_F(RecordingCopy, DoesNotWriteOverWhatItReads) {
   EXPECT_EQ(MessagesOf(McapReader::Open(file).value()).size(), 60u);
 }
 
+TEST_F(RecordingCopy, DoesNotWriteOverWhatAKilledCopyLeft) {
+  const fs::path left = Write("a.mcap.part", 1000, false);
+  const auto sources = Open({left});
+  EXPECT_EQ(CopyRecordings(sources, folder_ / "a.mcap", {}).error().code,
+            ErrorCode::kInvalidValue);
+  EXPECT_EQ(MessagesOf(McapReader::Open(left).value()).size(), 60u);
+}
+
 TEST(Conventions, ChannelsTellTheirStream) {
   const Stream stream{
       "JobStatus", "intaglio::JobStatus",        true, "els-03", SampleKind::kNoWriter,

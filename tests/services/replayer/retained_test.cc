@@ -43,11 +43,12 @@ TEST(Retained, GivesTheNewestOfEachInstanceThatLives) {
   std::map<std::string, std::uint64_t> restored;
   Retained retained(reader, selection);
   std::uint64_t last = 0;
-  for (const RetainedMessage& message : retained.Before(middle)) {
+  for (const recording::RetainedSample& message : retained.Before(middle)) {
     EXPECT_LT(message.log_time_ns, middle);
     EXPECT_GE(message.log_time_ns, last);
     last = message.log_time_ns;
-    const auto& stream = selection.channels.at(message.channel_id).stream;
+    const auto& stream =
+        selection.channels.at(static_cast<std::uint16_t>(message.stream)).stream;
     if (stream.topic == "ServiceHealth")
       restored[InstanceOf(message.payload)] = message.log_time_ns;
   }
@@ -59,8 +60,9 @@ TEST(Retained, NothingIsKeptOfVolatileTopicsAndOfWhatHasEnded) {
   const auto reader = Golden("pyramid.mcap");
   const Selection selection = Everything(reader);
   Retained retained(reader, selection);
-  for (const RetainedMessage& message : retained.Before(~0ull)) {
-    const auto& stream = selection.channels.at(message.channel_id).stream;
+  for (const recording::RetainedSample& message : retained.Before(~0ull)) {
+    const auto& stream =
+        selection.channels.at(static_cast<std::uint16_t>(message.stream)).stream;
     EXPECT_EQ(stream.qos.at("durability"), "transient_local");
     // All services of the session ended before its recorder.
     EXPECT_NE(stream.topic, "Permission");

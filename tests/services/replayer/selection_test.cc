@@ -74,6 +74,17 @@ TEST(Selection, RenameOfATopicThatIsNotThereIsAnError) {
   EXPECT_THAT(selection.error().message, HasSubstr("Nothing"));
 }
 
+TEST(Selection, TwoTypesUnderOneNameAreAnError) {
+  const auto reader = Golden("pyramid.mcap");
+  const std::map<std::string, std::string> renames = {{"LampSync", "MotionState"}};
+  const auto both = Select(reader.contents(), {.renames = renames});
+  ASSERT_FALSE(both);
+  EXPECT_EQ(both.error().code, ErrorCode::kInvalidValue);
+  EXPECT_THAT(both.error().message, HasSubstr("intaglio::LampSync"));
+  EXPECT_TRUE(
+      Select(reader.contents(), {.topics = {{}, {"MotionState"}}, .renames = renames}));
+}
+
 TEST(Selection, SaysWhyATopicIsLeftOut) {
   const auto reader = Golden("pyramid.mcap");
   const auto selection = Select(reader.contents(), {.credit_is_given = true});
