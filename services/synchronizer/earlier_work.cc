@@ -23,6 +23,13 @@ bool TellsOfNothing(const formats::Journal& journal) {
                       [](const auto& record) { return formats::IsOfPoint(record.kind); });
 }
 
+// And nothing is armed before the session is: behind it records may have been lost.
+bool HasSession(const formats::Journal& journal) {
+  return std::any_of(
+      journal.records.begin(), journal.records.end(),
+      [](const auto& record) { return record.kind == JournalKind::kSession; });
+}
+
 }  // namespace
 
 EarlierWork EarlierWorkOf(const formats::Journal& journal) {
@@ -33,7 +40,7 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
       continue;
     earlier.word_grant = std::max(earlier.word_grant, record.tick);
   }
-  if (TellsOfNothing(journal)) return earlier;
+  if (TellsOfNothing(journal) && !HasSession(journal)) return earlier;
   earlier.points = formats::HistoryOf(journal);
   for (const formats::JournalRecord& record : journal.records) {
     earlier.highest_run = std::max(earlier.highest_run, record.run);
@@ -51,11 +58,20 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
 }
 
 Result<OpenedJournal> OpenJournal(const fs::path& file,
-                                  const formats::JournalHeader& header) {
+                                  const formats::JournalHeader& header, JobBegun begun) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(file, error);
-  // A header that did not reach the disk whole was never followed by anything.
   if (error || size < formats::kJournalHeaderSize) {
+    if (begun == JobBegun::kItsPathIsThere) {
+      return Fail(
+          ErrorCode::kUnreadable,
+          fmt::format("{} is gone or cut to nothing, but the job was begun: nobody "
+                      "knows what is in the block; look at it, cancel the job, "
+                      "and make it again on a new one (intaglio again)",
+                      file.string()),
+          file.string());
+    }
+    // A header that did not reach the disk whole was never followed by anything.
     fs::remove(file, error);
     return BeginJournal(file, header);
   }

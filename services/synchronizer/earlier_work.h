@@ -14,7 +14,7 @@
 namespace intaglio::synchronizer {
 
 struct EarlierWork {
-  /// By place in the order; empty: nothing was ever about to fire.
+  /// By place in the order; empty: no run ever began.
   std::vector<formats::PointHistory> points;
   std::uint32_t power_up = 0;  ///< of the controller, at the newest session; 0: none
   std::uint32_t pulses_before_job = 0;  ///< that it had counted by then, modulo 2^32
@@ -34,10 +34,14 @@ struct OpenedJournal {
   EarlierWork earlier;
 };
 
+/// What a job leaves on the disk from its beginning: the journal, and then its path.
+enum class JobBegun : std::uint8_t { kNo, kItsPathIsThere };
+
 /// Begins the journal, or goes on with the one that is there. kRefused when it tells of
 /// pulses made along another path (the block in the machine is not as this job left it),
-/// kUnreadable when it may hold pulses and cannot be read, kIo.
+/// kUnreadable when it may hold pulses and cannot be read, or is gone though the job was
+/// begun; kIo.
 Result<OpenedJournal> OpenJournal(const std::filesystem::path& file,
-                                  const formats::JournalHeader& header);
+                                  const formats::JournalHeader& header, JobBegun begun);
 
 }  // namespace intaglio::synchronizer

@@ -87,6 +87,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
     status_at_ = inputs.now;
     clock_.Observe(laser_.status(), inputs.now);
   }
+  HearDisarmed();
   TurnChain(inputs);
   HearWord(inputs);
   AskOverUncertain(inputs);
@@ -123,6 +124,13 @@ void Engraving::Await(const EngravingInputs& inputs) {
     return;
   }
   LeaveSafeState(inputs);
+  // In lockstep it brakes only while ticks pass, which in a safe state none does.
+  const bool seen =
+      inputs.motion.fresh && inputs.motion.fault != intaglio_MOTION_LINK_LOST;
+  if (seen && !inputs.motion.at_rest) {
+    AbortEarlierRun(inputs);
+    KeepIdleTicksPassing();
+  }
   ChainLinks links = LinksOf(inputs);
   // A stage's fault is cleared by the bridge when it begins the run.
   if (!chain_.latched() && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
@@ -139,10 +147,6 @@ void Engraving::Await(const EngravingInputs& inputs) {
   if (!laser_.identity().lockstep && !clock_.settled()) return;
   if (!MotionClockSettles(inputs)) return;
   // The plan begins where the stage stands, and with a shutter that is seen to open.
-  if (!inputs.motion.at_rest && run_count_ == 0) {
-    AbortEarlierRun(inputs);
-    return KeepIdleTicksPassing();
-  }
   if (!closed && inputs.now - closing_since_ > kShutterTimeout) {
     message_ = "a shutter does not close: see to it, then the job goes on";
   }

@@ -172,12 +172,13 @@ class Engraving {
   void LookForFaultBehindSkips(const EngravingInputs& inputs);
   void SettleHalted(const EngravingInputs& inputs);
   bool AskToDisarm();
-  void LetTheStageBrake();
+  void HearDisarmed();
   void TakeUp();
   void AbortEarlierRun(const EngravingInputs& inputs);
   void SettleByMemory(bool late);
   void AskForThePast();
   void CompareCounters();
+  bool DoubtNextPoints();
   void TakeCounters();
   void TellSession();
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
@@ -246,6 +247,7 @@ class Engraving {
   // Of interlocks: acted on, in which power-up (0: none yet), and those that a run was
   // begun in spite of, which are what later lives need not ask about.
   std::uint32_t openings_ = 0, openings_power_up_ = 0, openings_accepted_ = 0;
+  std::uint32_t doubts_left_ = 0;  // pulses that may have made the next open points
   std::uint64_t uncertain_before_halt_ = 0;
   std::uint64_t settled_by_memory_ = 0;
   std::uint64_t first_fired_tick_ = 0;
@@ -258,7 +260,6 @@ class Engraving {
   std::uint64_t disarm_session_ = 0;
   bool disarm_asked_ = false;
   bool disarm_seen_ = false;
-  bool brakes_ = false;
   TickClock clock_;
   std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number
   std::chrono::nanoseconds status_at_{0};

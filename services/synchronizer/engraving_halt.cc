@@ -57,7 +57,6 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
   Explain(missing, text, fault);
   halted_at_ = now_;
   uncertain_before_halt_ = ledger_.count(PointState::kUncertain);
-  brakes_ = false;
   phase_ = Phase::kHalting;
 }
 
@@ -183,36 +182,34 @@ bool Engraving::AskToDisarm() {
   return disarm_asked_;
 }
 
+// What was decided before it has to be decided anew, also when its answer comes late.
+void Engraving::HearDisarmed() {
+  if (disarm_seen_ || !disarm_asked_ || disarm_session_ != laser_.session() ||
+      !laser_.disarmed()) {
+    return;
+  }
+  decided_ = laser_.status().decided_through;
+  disarm_seen_ = true;
+}
+
 void Engraving::SettleHalted(const EngravingInputs& inputs) {
   if (halted_at_.count() == 0) halted_at_ = inputs.now;
   const bool late = inputs.now - halted_at_ > kSettleTimeout;
   if (!disarm_asked_ || disarm_session_ != laser_.session()) (void)AskToDisarm();
-  const bool disarmed = laser_.disarmed() && disarm_asked_;
+  const bool disarmed = laser_.up() && disarm_seen_;
   LookForFaultBehindSkips(inputs);
   AbortEarlierRun(inputs);
-  if (disarmed) {
-    if (!disarm_seen_) decided_ = laser_.status().decided_through;
-    disarm_seen_ = true;
-    SettleByMemory(late);
-  }
+  if (disarmed) SettleByMemory(late);
   // Who is ending does not wait for a line that may never come back: the intents stay
   // open in the journal, and who takes the job up asks the controller.
   if (late && stopping_) return Finish();
-  if (!schedule_.empty()) return;
+  if (!schedule_.empty() || doubts_left_ > 0) return;
   if (laser_.up() && !disarmed && !late) return;
   if (starts_again_ && inputs.motion.tick < passed_by_tick_ && !late) return;
   const bool moving = inputs.motion.fresh && !inputs.motion.at_rest;
-  if (moving && !late) return LetTheStageBrake();
+  if (moving && !late) return KeepIdleTicksPassing();
   if (stopping_) return Finish();
   phase_ = Phase::kWaiting;
-}
-
-// In lockstep even braking takes ticks, and the disarmed ones have to be decided anew.
-void Engraving::LetTheStageBrake() {
-  if (!laser_.identity().lockstep || !laser_.disarmed()) return;
-  if (!brakes_) decided_ = laser_.status().decided_through;
-  brakes_ = true;
-  KeepIdleTicksPassing();
 }
 
 void Engraving::SettleAs(std::vector<PulseResult> points, PointOutcome outcome) {

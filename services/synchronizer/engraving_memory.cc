@@ -140,20 +140,47 @@ void Engraving::Take(const link::PastReport& report) {
   });
 }
 
-// A pulse that the controller counted and nobody asked for is in the glass somewhere.
+// A pulse that the controller counted and nobody asked for is in the glass somewhere. Of
+// a journal whose end is gone it made the next points, as they are fired in the order.
 void Engraving::CompareCounters() {
   const auto counted = static_cast<std::uint32_t>(laser_.status().pulse_count);
   const std::uint32_t known = pulses_before_job_ + fired_count_;
   const bool explained = ledger_.count(PointState::kUncertain) > uncertain_before_halt_;
-  if (counted != known && !explained) {
+  if (counted != known && !explained && doubts_left_ == 0) {
+    const std::uint32_t more = counted - known;
+    if (taken_up_ && run_count_ == 0 && more <= ledger_.size()) doubts_left_ = more;
     Explain(Missing::kLaserLine,
-            fmt::format("the laser controller counts {} pulses where {} are known: look "
-                        "at the block, then resume or cancel",
-                        counted, known),
+            fmt::format(
+                "the laser controller counts {} pulses where {} are known{}: "
+                "look at the block, then resume or cancel",
+                counted, known,
+                doubts_left_ == 0
+                    ? ""
+                    : fmt::format(", so the next {} points are uncertain", doubts_left_)),
             true);
     lost_a_line_ = false;
   }
-  TakeCounters();
+  if (DoubtNextPoints()) TakeCounters();
+}
+
+// They may be more than the journal's ring takes at once; false: the next turns go on.
+bool Engraving::DoubtNextPoints() {
+  for (auto point = ledger_.NextOpen(0); doubts_left_ > 0 && point;
+       point = ledger_.NextOpen(*point)) {
+    const auto link = static_cast<std::uint8_t>(SkipReason::kLink);
+    if (!journal_.Append({JournalKind::kOutcome, PointOutcome::kUncertain, link, run_, 0,
+                          *point, pulses_before_job_ + fired_count_})) {
+      return false;
+    }
+    ledger_.Arm(*point);
+    ledger_.Resolve(*point, PointOutcome::kUncertain);
+    results_({0, *point, PointOutcome::kUncertain, SkipReason::kLink});
+    asks_ = job_.asks_when_uncertain;
+    asked_ = false;
+    --doubts_left_;
+  }
+  doubts_left_ = 0;
+  return true;
 }
 
 // With nothing armed they begin afresh: else the pulses of uncertain points would be

@@ -46,9 +46,14 @@ void Engraving::LightLamp(const EngravingInputs& inputs) {
   if (laser_.Lamp(true, job_.plan.rate_hz)) lamp_session_ = laser_.session();
 }
 
-// In lockstep no tick passes that nobody decided, and a lamp warms up by its ticks.
+// In lockstep no tick passes that nobody decided: a lamp warms up by ticks, and a stage
+// brakes by them.
 void Engraving::KeepIdleTicksPassing() {
   if (!laser_.identity().lockstep || !laser_.CanSend()) return;
+  if (disarm_session_ == laser_.session() && !disarm_seen_) {
+    if (!disarm_asked_) (void)AskToDisarm();
+    return;
+  }
   const link::LaserStatus& status = laser_.status();
   // In a safe state or another session it has forgotten what was decided.
   const bool forgotten = laser_.session() != session_ || laser_.Has(link::kSafeState);

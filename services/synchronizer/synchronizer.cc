@@ -1,7 +1,6 @@
 #include "services/synchronizer/synchronizer.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include "proto/channels.h"
 #include "proto/options.h"
 #include "services/bus/samples.h"
+#include "services/host/log.h"
 #include "services/link/serial_port.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/plan_summary.h"
@@ -98,8 +98,8 @@ void Synchronizer::TakeTasks() {
     }
     if (ours && task.attempt == attempt_) return;
     if (engraving_) {
-      spdlog::error("job {} is refused: {} is being engraved", View(task.job_uid),
-                    job_->job_uid());
+      host::LogError("job {} is refused: {} is being engraved", View(task.job_uid),
+                     job_->job_uid());
       return;
     }
     Begin(task);
@@ -110,7 +110,7 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   FrozenJob job;
   const auto bytes = View(task.frozen_job);
   if (!job.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    spdlog::error("task of job {} is not readable; it is ignored", View(task.job_uid));
+    host::LogError("task of job {} is not readable; it is ignored", View(task.job_uid));
     return;
   }
   job_ = std::move(job);
@@ -149,7 +149,7 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
       });
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
     if (stop_.Take(stop.pressed, stop.number)) {
-      spdlog::warn("emergency stop by {}: {}", View(stop.source), View(stop.reason));
+      host::LogWarning("emergency stop by {}: {}", View(stop.source), View(stop.reason));
     }
   });
   TellStop();
@@ -240,7 +240,8 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   if (auto made = MakeJobFolder(Folder()); !made) return made;
   // Before the plan is written over: it may be refused for another's pulses.
   auto journal =
-      OpenJournal(Folder() / kJournalFile, {path.size(), job_->epoch(), CrcOf(path)});
+      OpenJournal(Folder() / kJournalFile, {path.size(), job_->epoch(), CrcOf(path)},
+                  on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
   if (!journal) return tl::unexpected(journal.error());
   if (!on_disk) {
     if (auto written = WritePlan(Folder(), *job_, path); !written) return written;
@@ -309,7 +310,7 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   report.message = engraving_->message();
   if (report.message != logged_message_) {
     logged_message_ = report.message;
-    if (!logged_message_.empty()) spdlog::info("{}", logged_message_);
+    if (!logged_message_.empty()) host::LogInfo("{}", logged_message_);
   }
   publisher_.Tell(report, now);
 }

@@ -32,7 +32,7 @@ class OpenJournalTest : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   void Write(const std::vector<formats::JournalRecord>& records) {
-    auto opened = OpenJournal(file_, kHeader);
+    auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
     ASSERT_TRUE(opened) << opened.error().message;
     for (const auto& record : records) ASSERT_TRUE(opened->writer->Append(record));
   }
@@ -41,7 +41,7 @@ class OpenJournalTest : public testing::Test {
 };
 
 TEST_F(OpenJournalTest, ANewOneTellsOfNothing) {
-  const auto opened = OpenJournal(file_, kHeader);
+  const auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
   EXPECT_TRUE(opened->earlier.points.empty());
   EXPECT_EQ(formats::ReadJournal(file_)->header, kHeader);
@@ -50,7 +50,7 @@ TEST_F(OpenJournalTest, ANewOneTellsOfNothing) {
 TEST_F(OpenJournalTest, GoesOnWithWhatIsThere) {
   Write({kSession, kIntent});
   Write({kMade});
-  const auto opened = OpenJournal(file_, kHeader);
+  const auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
   const EarlierWork& earlier = opened->earlier;
   ASSERT_EQ(earlier.points.size(), 3u);
@@ -71,14 +71,37 @@ TEST_F(OpenJournalTest, ATornRecordIsCutAndTheNextOneReadable) {
 
 TEST_F(OpenJournalTest, AHeaderThatNeverCameToTheDiskIsBegunAnew) {
   std::ofstream(file_) << "INTJ";
-  const auto opened = OpenJournal(file_, kHeader);
+  const auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
   EXPECT_TRUE(opened->earlier.points.empty());
 }
 
+// The journal is on the disk before the path is.
+TEST_F(OpenJournalTest, OneThatIsGoneIsNotBegunAnewWhenTheJobWas) {
+  for (const std::size_t left : {0u, 1u, 63u}) {
+    std::ofstream(file_) << std::string(left, 'x');
+    const auto opened = OpenJournal(file_, kHeader, JobBegun::kItsPathIsThere);
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().code, ErrorCode::kUnreadable);
+    EXPECT_THAT(opened.error().message, HasSubstr(file_.string()));
+    EXPECT_EQ(fs::file_size(file_), left) << "it is left for whoever looks into it";
+  }
+  fs::remove(file_);
+  EXPECT_FALSE(OpenJournal(file_, kHeader, JobBegun::kItsPathIsThere));
+}
+
+TEST_F(OpenJournalTest, ASessionWithoutIntentsIsTakenUp) {
+  Write({kSession});
+  const auto opened = OpenJournal(file_, kHeader, JobBegun::kItsPathIsThere);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->earlier.points.size(), 3u);
+  EXPECT_EQ(opened->earlier.power_up, 0xfeedu);
+  EXPECT_EQ(opened->earlier.pulses_before_job, 17u);
+}
+
 TEST_F(OpenJournalTest, PulsesAlongAnotherPathAreRefused) {
   Write({kSession, kIntent});
-  const auto opened = OpenJournal(file_, {3, 77, 0xbeef});
+  const auto opened = OpenJournal(file_, {3, 77, 0xbeef}, JobBegun::kNo);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, ErrorCode::kRefused);
   EXPECT_THAT(opened.error().message, HasSubstr("cancel the job"));
@@ -87,7 +110,7 @@ TEST_F(OpenJournalTest, PulsesAlongAnotherPathAreRefused) {
 
 TEST_F(OpenJournalTest, AnotherPathBeforeAnyPulseIsANewBeginning) {
   Write({kSession});
-  const auto opened = OpenJournal(file_, {4, 77, 0xbeef});
+  const auto opened = OpenJournal(file_, {4, 77, 0xbeef}, JobBegun::kNo);
   ASSERT_TRUE(opened);
   EXPECT_EQ(formats::ReadJournal(file_)->header.point_count, 4u);
 }
@@ -98,14 +121,14 @@ TEST_F(OpenJournalTest, TheGreatestGrantWithAWordIsKnownInTheNextLife) {
     return formats::JournalRecord{kind, PointOutcome::kNone, 0, 4, grant, 0, 17};
   };
   Write({kSession, of_grant(JournalKind::kWord, 7)});
-  auto opened = OpenJournal(file_, kHeader);
+  auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
   EXPECT_EQ(opened->earlier.word_grant, 7u);
-  EXPECT_TRUE(opened->earlier.points.empty()) << "nothing was about to fire";
+  EXPECT_FALSE(opened->earlier.points.empty()) << "what came behind it may be lost";
   opened->writer.reset();
   // The word's own record may be missing on the disk.
   Write({kIntent, of_grant(JournalKind::kReopened, 9)});
-  opened = OpenJournal(file_, kHeader);
+  opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
   EXPECT_EQ(opened->earlier.word_grant, 9u);
 }
@@ -114,11 +137,11 @@ TEST_F(OpenJournalTest, WhatIsUncertainIsUnansweredUntilARunBegins) {
   formats::JournalRecord uncertain = kMade;
   uncertain.outcome = PointOutcome::kUncertain;
   Write({kSession, kIntent, uncertain});
-  EXPECT_TRUE(OpenJournal(file_, kHeader)->earlier.uncertain_unanswered);
+  EXPECT_TRUE(OpenJournal(file_, kHeader, JobBegun::kNo)->earlier.uncertain_unanswered);
   formats::JournalRecord next = kIntent;
   next.point = 2;
   Write({next});
-  EXPECT_FALSE(OpenJournal(file_, kHeader)->earlier.uncertain_unanswered);
+  EXPECT_FALSE(OpenJournal(file_, kHeader, JobBegun::kNo)->earlier.uncertain_unanswered);
 }
 
 TEST_F(OpenJournalTest, ADamagedHeaderIsRefused) {
@@ -128,7 +151,7 @@ TEST_F(OpenJournalTest, ADamagedHeaderIsRefused) {
     out.seekp(20);
     out.put('x');
   }
-  const auto opened = OpenJournal(file_, kHeader);
+  const auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error().code, ErrorCode::kUnreadable);
   EXPECT_THAT(opened.error().message, HasSubstr(file_.string()));

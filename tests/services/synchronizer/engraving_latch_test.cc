@@ -139,6 +139,31 @@ TEST_P(Latch, OpenedWhileTheLineWasDownItStaysOpen) {
   EXPECT_TRUE(EndsWell());
 }
 
+// The safe state lets no tick be decided, so the stage does not brake before the Reset.
+TEST(EngravingLatch, AStopAtAnyInstantInLockstepIsGotOverByANewArm) {
+  for (int instant_ms = 0; instant_ms < 40; ++instant_ms) {
+    for (const auto& interlock : kInterlocks) {
+      FakeCell cell({.points = 40, .lockstep = true});
+      cell.lockstep_ticks_a_step = 1;
+      cell.Grant();
+      ASSERT_TRUE(cell.StepUntilMade(1));
+      cell.StepFor(std::chrono::milliseconds(instant_ms));
+      interlock.let_go(cell);
+      cell.StepFor(3000ms);
+      interlock.hold(cell);
+      cell.StepFor(200ms);
+      const std::size_t made = cell.laser.cracks().size();
+      cell.StepFor(500ms);
+      EXPECT_EQ(cell.laser.cracks().size(), made);
+      cell.GrantAnew();
+      ASSERT_TRUE(cell.StepUntilDone())
+          << interlock.name << " at " << instant_ms << ": " << cell.Description();
+      EXPECT_EQ(cell.made(), 40U);
+      EXPECT_THAT(cell.Disagreements(), IsEmpty());
+    }
+  }
+}
+
 TEST(EngravingLatch, ALostLineIsGotOverByARenewal) {
   FakeCell cell;
   cell.Grant();

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -133,6 +134,50 @@ TEST_P(TakeUp, AJournalCutAtAnyByteBehindTheLastIntent) {
     EXPECT_EQ(cell.Count(PointState::kUncertain), 0u);
   }
   EXPECT_GT(last, formats::kJournalRecordSize) << "or the test tests nothing";
+}
+
+// A disk that had confirmed what it did not have. The controller's counter tells how many
+// records are gone, and the order which points they were about: a person is asked, and
+// nothing is fired twice.
+TEST_P(TakeUp, AJournalWithoutItsLast64KilobytesDoublesNothing) {
+  constexpr std::uint32_t kMany = 1300, kMade = 1150;
+  constexpr std::size_t kLost = 64 * 1024;
+  std::mt19937_64 random(5);
+  const std::size_t step = std::getenv("INTAGLIO_LONG") != nullptr ? 1 : 97;
+  for (std::size_t records = 0; records * formats::kJournalRecordSize < kLost;
+       records += step) {
+    FakeCell cell({.points = kMany, .lockstep = lockstep()});
+    cell.lockstep_ticks_a_step = 16;
+    cell.Grant();
+    ASSERT_TRUE(cell.StepUntilMade(kMade));
+    cell.Withdraw();
+    cell.StepFor(400ms);
+    std::uint64_t known = 0;
+    cell.DieAndTakeUp([&](const fs::path& file) {
+      const std::size_t whole = formats::kJournalRecordSize;
+      const std::size_t lost = records * whole + random() % whole;
+      ASSERT_GT(fs::file_size(file), kLost + formats::kJournalHeaderSize);
+      fs::resize_file(file, fs::file_size(file) - lost);
+      for (const auto& point : formats::HistoryOf(*formats::ReadJournal(file))) {
+        known += formats::IsFired(point.outcome) || point.open_intent ? 1 : 0;
+      }
+    });
+    SCOPED_TRACE(testing::Message() << records << " records are gone");
+    const std::size_t before = cell.laser.cracks().size();
+    cell.StepFor(500ms);
+    cell.Grant();
+    ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+    EXPECT_GE(cell.made(), known);
+    EXPECT_EQ(cell.made() + cell.Count(PointState::kUncertain), kMany);
+    EXPECT_EQ(cell.Count(PointState::kUncertain), before > known ? before - known : 0);
+    std::vector<Vec3> places;
+    for (const Crack& crack : cell.laser.cracks()) places.push_back(crack.at_mm);
+    std::sort(places.begin(), places.end(),
+              [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      ASSERT_GT((places[i] - places[i - 1]).norm(), 1e-3) << "a point was fired twice";
+    }
+  }
 }
 
 // As above, in any order; and even outcomes of long ago are in the controller's memory.

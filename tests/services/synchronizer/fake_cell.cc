@@ -75,6 +75,8 @@ FakeCell::FakeCell(const CellOptions& options)
       points_mm(ManyPoints(options.points)),
       options_(options),
       next_tick_(now) {
+  // In lockstep it comes to rest only when ticks pass, as a real one does.
+  if (options.lockstep) stage.braking_ticks = 20;
   laser.Plug(LineEnd(false));
   Begin();
 }
@@ -87,7 +89,7 @@ void FakeCell::Begin() {
   feed = std::make_unique<MotionFeed>(
       [this](const intaglio_MotionSegmentBatch& batch) { return stage.Take(batch, now); },
       [this](const std::string& stream) { return stage.GrantOf(stream); });
-  auto opened = OpenJournal(journal_file, {points_mm.size(), 1, 7});
+  auto opened = OpenJournal(journal_file, {points_mm.size(), 1, 7}, JobBegun::kNo);
   if (!opened) throw std::runtime_error(opened.error().message);
   journal = std::move(opened->writer);
   EngravingJob job;

@@ -41,7 +41,7 @@ void FakeStage::Accept(Batch batch, std::uint64_t tick) {
     run_ = highest_run_ = batch.run;
     taken_.clear();
     grant_.cancelled = true;
-    EndRun();
+    BreakOff();
     return;
   }
   if (batch.run > run_) {
@@ -66,6 +66,11 @@ void FakeStage::Accept(Batch batch, std::uint64_t tick) {
   if (batch.run != run_ || begun_run_ != run_ || batch.number != expected_) return;
   ++expected_;
   taken_.push_back(std::move(batch));
+}
+
+void FakeStage::BreakOff() {
+  if (running_) ticks_to_rest_ = braking_ticks;
+  EndRun();
 }
 
 void FakeStage::EndRun() {
@@ -99,7 +104,7 @@ void FakeStage::Poll(std::chrono::nanoseconds now, std::uint64_t tick) {
            begun_run_,
            highest_run_,
            queued_through_tick(),
-           !running_ && now >= rest_at_,
+           !running_ && ticks_to_rest_ == 0 && now >= rest_at_,
            fault_,
            message_};
 }
@@ -114,6 +119,7 @@ bool FakeStage::MayPassTick(std::uint64_t next_tick) const {
 
 void FakeStage::AdvanceTick(std::uint64_t tick) {
   in_position_ = false;
+  if (!running_ && ticks_to_rest_ > 0) --ticks_to_rest_;
   if (!running_ || tick <= start_tick_) return;
   const std::uint64_t passed = (tick - start_tick_) * kSubticks;
   while (!queue_.empty() &&
@@ -138,7 +144,7 @@ void FakeStage::AdvanceTick(std::uint64_t tick) {
 void FakeStage::Fail(intaglio_MotionFault fault, const std::string& message) {
   fault_ = fault;
   message_ = message;
-  EndRun();
+  BreakOff();
 }
 
 }  // namespace intaglio::synchronizer

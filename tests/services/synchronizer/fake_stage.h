@@ -46,6 +46,7 @@ class FakeStage {
   bool silent = false;                   ///< its state is not published
   bool behind = false;                   ///< following error: never in position
   bool deaf = false;                     ///< batches wait in front of it
+  std::uint64_t braking_ticks = 0;       ///< that it moves on when a run is broken off
 
  private:
   struct Segment {
@@ -62,6 +63,7 @@ class FakeStage {
     std::vector<Segment> segments;
   };
   void Accept(Batch batch, std::uint64_t tick);
+  void BreakOff();
   void EndRun();
 
   std::deque<Batch> arriving_;
@@ -73,6 +75,7 @@ class FakeStage {
   std::uint64_t expected_ = 0;
   std::uint64_t start_tick_ = 0;
   std::uint64_t queued_subticks_ = 0, passed_subticks_ = 0;
+  std::uint64_t ticks_to_rest_ = 0;
   bool running_ = false, ending_ = false, in_position_ = false;
   Vec3 at_mm_ = Vec3::Zero();
   intaglio_MotionFault fault_ = intaglio_MOTION_OK;

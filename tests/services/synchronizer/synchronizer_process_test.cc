@@ -10,6 +10,8 @@
 #include "engrave/formats/point_file.h"
 #include "services/bus/bus.h"
 #include "services/bus/samples.h"
+#include "services/synchronizer/job_folder.h"
+#include "services/synchronizer/journal_writer.h"
 #include "tests/services/bus/private_bus.h"
 #include "tests/services/host/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
@@ -73,7 +75,8 @@ TEST_F(SynchronizerProcess, WhoseLaserIsTakenOverEndsWithAFault) {
       << ended.output;
 }
 
-/// A job of twenty points whose path lies in its folder already, and what is said of it.
+/// A job of twenty points whose path and empty journal lie in its folder already, and
+/// what is said of it.
 class WithAJob : public SynchronizerProcess {
  protected:
   static constexpr std::uint64_t kEpoch = 2000;
@@ -90,7 +93,11 @@ class WithAJob : public SynchronizerProcess {
     formats::PointTable path;
     for (int i = 0; i < 20; ++i) path.points_mm.push_back(Vec3(5 + 0.5 * i, 5, 5));
     path.columns = {{"source", std::vector<std::uint32_t>(20, 0)}};
-    ASSERT_TRUE(formats::WritePly(folder_ / "path.ply", path));
+    ASSERT_TRUE(formats::WritePly(folder_ / kPathFile, path));
+    PointCloud cloud;
+    for (const Vec3& p : path.points_mm) cloud.Add(p, 0);
+    ASSERT_TRUE(
+        JournalWriter::Create(folder_ / kJournalFile, {20, kEpoch, CrcOf(cloud)}));
   }
   void StartBridge() {
     bridge_ = std::make_unique<Running>(
