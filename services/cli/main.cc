@@ -8,6 +8,7 @@
 #include "services/cli/jobs_command.h"
 #include "services/cli/materials_command.h"
 #include "services/cli/measure_command.h"
+#include "services/cli/misspelt.h"
 #include "services/cli/offline_command.h"
 #include "services/cli/plan_command.h"
 #include "services/cli/record_command.h"
@@ -55,6 +56,9 @@ int main(int argc, char** argv) {
   intaglio::cli::AddSecurityCommand(app, selected);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    std::cerr << intaglio::cli::TextOfUnknownWords(app) << "\n";
+    return intaglio::cli::kExitWrongInput;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : intaglio::cli::kExitWrongInput;
   }
