@@ -161,8 +161,11 @@ Status RawWriter::Write(const void* sample) {
   return Answer(dds_write(writer_, sample), "a write");
 }
 
+// What is only disposed the library keeps an instance of, here and in every reader.
 Status RawWriter::Dispose(const void* sample) {
-  return Answer(dds_dispose(writer_, sample), "a dispose");
+  const auto disposed = dds_dispose(writer_, sample);
+  if (disposed != DDS_RETCODE_OK) return Answer(disposed, "a dispose");
+  return Answer(dds_unregister_instance(writer_, sample), "an unregistration");
 }
 
 int RawWriter::matched_count() const {

@@ -127,6 +127,16 @@ void CellUnderFire::AwaitShopGone() {
   Eventually(gone, 10s);
 }
 
+void CellUnderFire::CutJournal(std::uint32_t choice) const {
+  constexpr std::size_t kLast = 64 * 1024;
+  constexpr std::size_t kLeast =
+      formats::kJournalHeaderSize + formats::kJournalRecordSize;
+  const fs::path file = JobFolder() / "journal.bin";
+  const std::size_t size = SizeOf(file);
+  if (size <= kLeast) return;
+  fs::resize_file(file, size - choice % std::min(kLast, size - kLeast));
+}
+
 std::string CellUnderFire::Type(const std::vector<std::string>& words) {
   Running run(Program("intaglio"), OnTheBus(words),
               folder_ / ("typed" + std::to_string(++typed_ % 10) + ".txt"));
@@ -216,13 +226,6 @@ fs::path CellUnderFire::JobFolder() const {
   return {};
 }
 
-double CellUnderFire::TicksOfJob() const {
-  const auto glass = formats::ReadGlassRecord(folder_ / "glass.rec");
-  if (!glass || glass->cracks.size() <= cracks_before_) return 0;
-  return static_cast<double>(glass->cracks.back().tick -
-                             glass->cracks[cracks_before_].tick + 1);
-}
-
 // Written apart from the product's own proof: brute force, and the journal's last word.
 Verdict CellUnderFire::Judge() const {
   Verdict verdict;
@@ -263,6 +266,7 @@ Verdict CellUnderFire::Judge() const {
     verdict.doubled += cracks[i] > 1 ? 1 : 0;
     const bool uncertain = open[i] || last[i] == PointOutcome::kUncertain;
     verdict.uncertain += uncertain ? 1 : 0;
+    verdict.skipped += !uncertain && cracks[i] == 0 ? 1 : 0;
     if (!uncertain && formats::IsFired(last[i]) != (cracks[i] > 0)) ++verdict.unknown;
   }
   return verdict;

@@ -26,12 +26,13 @@ struct Verdict {
   std::size_t uncertain = 0;  ///< points that the journal calls so
   /// Points that are not made, and the journal says so: passed by, and in the shadow of
   /// what was made since.
-  std::size_t skipped() const { return points - made - uncertain; }
-  std::string trouble;  ///< a file that cannot be read; empty: none
+  std::size_t skipped = 0;
+  bool may_leave_uncertain = false;  ///< a person is asked about these
+  std::string trouble;               ///< a file that cannot be read; empty: none
 
   bool good() const {
-    return trouble.empty() && points > 0 && doubled + stray + unknown + uncertain == 0 &&
-           100 * skipped() <= points;
+    return trouble.empty() && points > 0 && doubled + stray + unknown == 0 &&
+           (uncertain == 0 || may_leave_uncertain) && 100 * skipped <= points;
   }
 };
 
@@ -47,6 +48,9 @@ class CellUnderFire {
   /// later.
   void KillShop();
   void AwaitShopGone();
+  /// Of the newest job, at a byte of its last 64 KB that `choice` picks; its header and
+  /// its first session, which are on the disk before the job is begun, remain.
+  void CutJournal(std::uint32_t choice) const;
   /// A job of about 500 points, armed. The next one's block is another: its cracks are
   /// those that come from now on.
   bool Submit(const std::string& rate_hz = "100");
@@ -72,8 +76,6 @@ class CellUnderFire {
   bool AwaitDoneResuming(std::chrono::seconds bound);
 
   Verdict Judge() const;
-  /// From the first crack of the newest job to the last.
-  double TicksOfJob() const;
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
