@@ -47,7 +47,7 @@ Course CourseOver(std::uint64_t ticks, double rate_hz, const AxisLimits& unit) {
   const std::uint64_t stages =
       std::max(StagesFor(duration_w), ticks > kMaxSegmentTicks ? kMostStages : 0);
   const double stage_w = duration_w / static_cast<double>(stages);
-  const LqRecursion<2> recursion(
+  const LqRecursion recursion(
       AxisStage({}, {.position = 0.0, .speed = stage_w * stage_w, .control = 1.0}, 1.0),
       stages, Eigen::Matrix2d::Zero());
   Course course{.ticks = ticks, .states = {}};

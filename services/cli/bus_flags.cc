@@ -1,6 +1,6 @@
 #include "services/cli/bus_flags.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 namespace intaglio::cli {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cmath>

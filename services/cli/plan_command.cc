@@ -1,6 +1,6 @@
 #include "services/cli/plan_command.h"
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <iostream>
 #include <memory>
 #include <optional>

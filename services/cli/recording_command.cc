@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -69,7 +69,10 @@ int Copy(const Options& options, const std::string& default_ending) {
   for (const std::string& damage : report->damages) {
     std::cerr << "left out    " << damage << "\n";
   }
-  fmt::print("{} messages in {}\n", report->message_count, out.string());
+  fmt::print("{} messages in {}", report->message_count, out.string());
+  if (report->repeat_count > 0)
+    fmt::print("; {} repeats of messages that are there left out", report->repeat_count);
+  fmt::print("\n");
   return kExitGood;
 }
 

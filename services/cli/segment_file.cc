@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
-
 namespace intaglio::cli {
 
 Result<SegmentFile> SegmentFile::Create(const std::filesystem::path& file,
@@ -26,12 +24,10 @@ Status SegmentFile::Append(const motion::Segment& segment) {
 Status SegmentFile::WriteRow(const motion::KnotState& knot, std::int32_t point) {
   const double tick =
       static_cast<double>(subticks_) / static_cast<double>(motion::kSubticksPerTick);
-  fmt::memory_buffer row;
-  fmt::format_to(std::back_inserter(row), "{},{},{},{},{},{},{},{}\n", tick,
-                 knot.position_mm.x(), knot.position_mm.y(), knot.position_mm.z(),
-                 knot.velocity_mm_s.x(), knot.velocity_mm_s.y(), knot.velocity_mm_s.z(),
-                 point);
-  return file_.Write(std::string_view(row.data(), row.size()));
+  return file_.Write(fmt::format("{},{},{},{},{},{},{},{}\n", tick, knot.position_mm.x(),
+                                 knot.position_mm.y(), knot.position_mm.z(),
+                                 knot.velocity_mm_s.x(), knot.velocity_mm_s.y(),
+                                 knot.velocity_mm_s.z(), point));
 }
 
 }  // namespace intaglio::cli

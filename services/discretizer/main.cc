@@ -1,4 +1,4 @@
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include "proto/model_kind.h"
 #include "services/discretizer/discretize_job.h"

@@ -1,9 +1,6 @@
 #include "services/host/service_host.h"
 
 #include <signal.h>
-#include <spdlog/sinks/basic_file_sink.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -14,6 +11,7 @@
 
 #include "services/bus/samples.h"
 #include "services/host/init_system.h"
+#include "services/host/log.h"
 #include "services/host/one_sided_loss.h"
 #include "services/link/real_time.h"
 
@@ -117,21 +115,6 @@ void CheckCell(const ServiceDescription& description, const bus::BusOptions& opt
   throw bus::BusError("--security needs --cell too: the identity is that of one machine");
 }
 
-void SetUpLog(const ServiceDescription& description, const CommonOptions& options) {
-  std::vector<spdlog::sink_ptr> sinks = {
-      std::make_shared<spdlog::sinks::stderr_sink_mt>()};
-  if (!options.log_file.empty()) {
-    sinks.push_back(
-        std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.log_file));
-  }
-  auto log =
-      std::make_shared<spdlog::logger>(description.name, sinks.begin(), sinks.end());
-  log->set_level(spdlog::level::from_str(options.log_level));
-  log->set_pattern("%Y-%m-%dT%H:%M:%S.%e %n %l: %v");
-  log->flush_on(spdlog::level::info);
-  spdlog::set_default_logger(std::move(log));
-}
-
 int EndByFault(ServiceHost& host, const char* code, const std::string& why) {
   host.SetHealth(intaglio_HEALTH_FAULT, {}, why);
   host.RaiseAlarm(intaglio_ALARM_FAULT, code, why);
@@ -167,7 +150,7 @@ struct ServiceHost::Impl {
     sample.steady_ns = Clock::now().time_since_epoch().count();
     LeaveWhoLostUs();
     if (auto written = health.Write(sample); !written) {
-      spdlog::warn("health: {}", written.error().message);
+      LogWarning("health: {}", written.error().message);
     }
     next_publication = Clock::now() + kHealthPeriod;
     TellInitAlive();
@@ -179,7 +162,7 @@ struct ServiceHost::Impl {
     const bool all_acknowledged =
         health.WaitForAcknowledgements(std::chrono::milliseconds(0)).has_value();
     if (!loss.Turn(all_acknowledged, Clock::now())) return;
-    spdlog::warn(
+    LogWarning(
         "somebody on the network does not hear this service any more: it leaves the bus "
         "for {} ms, so that all find each other anew",
         OneSidedLoss::kAway.count());
@@ -250,10 +233,10 @@ void ServiceHost::WarnOfExpiry() {
 
 void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string& code,
                              const std::string& message, const std::string& job_uid) {
-  const auto level = severity == intaglio_ALARM_FAULT     ? spdlog::level::err
-                     : severity == intaglio_ALARM_WARNING ? spdlog::level::warn
-                                                          : spdlog::level::info;
-  spdlog::log(level, "{}: {}", code, message);
+  const LogLevel level = severity == intaglio_ALARM_FAULT     ? LogLevel::kError
+                         : severity == intaglio_ALARM_WARNING ? LogLevel::kWarning
+                                                              : LogLevel::kInfo;
+  Log(level, fmt::format("{}: {}", code, message));
   intaglio_Alarm sample{};
   sample.instance = Borrow(impl_->instance);
   sample.sequence_number = impl_->alarm_number++;
@@ -286,21 +269,21 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
     if (getppid() != starter) return 1;  // it was quicker
   }
   try {
-    SetUpLog(description, options);
+    OpenLog(description.name, options.log_level, options.log_file);
     if (options.real_time) {
       const std::string refused = link::AskForRealTime();
-      if (!refused.empty()) spdlog::warn("not granted: {}", refused);
+      if (!refused.empty()) LogWarning("not granted: {}", refused);
     }
     CheckUser(options);
     CheckCell(description, options.bus);
     options.bus.roles = {RoleName(description.role, options.bus.cell)};
     ServiceHost host(description, options.bus);
-    spdlog::info("{} starts", host.instance());
+    LogInfo("{} starts", host.instance());
     try {
       const int code = body(host);
       TellInitStopping();
       host.SetHealth(intaglio_HEALTH_STOPPING);
-      spdlog::info("ends with exit code {}", code);
+      LogInfo("ends with exit code {}", code);
       return code;
     } catch (const std::bad_alloc&) {
       return EndByFault(host, "no_memory",

@@ -1,8 +1,7 @@
 #include "services/host/stage_worker.h"
 
-#include <spdlog/spdlog.h>
-
 #include "services/bus/samples.h"
+#include "services/host/log.h"
 
 namespace intaglio::host {
 namespace {
@@ -95,7 +94,7 @@ void StageWorker::BeginPending() {
   progress_ = {};
   outcome_ = {};
   phase_ = Phase::kInput;
-  spdlog::info("{}: accepted", NameOf(task_));
+  LogInfo("{}: accepted", NameOf(task_));
   host_.SetHealth(intaglio_HEALTH_BUSY, task_.job_uid);
   reporter_.Accept(task_.job_uid, task_.attempt, task_.part, now_);
   const auto opened = OpenInput(readable && task_.part.valid());
@@ -158,11 +157,11 @@ void StageWorker::EndTask(intaglio_TaskState state, const Error& error) {
   input_.Close(withdrawn_.has_value(), now_);
   output_.End();
   if (state == intaglio_TASK_DONE) {
-    spdlog::info("{}: done, {} points in {:.2f} s", NameOf(task_), progress_.done_count,
-                 progress_.elapsed_s);
+    LogInfo("{}: done, {} points in {:.2f} s", NameOf(task_), progress_.done_count,
+            progress_.elapsed_s);
     reporter_.Done(progress_, outcome_);
   } else {
-    spdlog::warn("{}: {}: {}", NameOf(task_), ErrorCodeName(error.code), error.message);
+    LogWarning("{}: {}: {}", NameOf(task_), ErrorCodeName(error.code), error.message);
     reporter_.Failed(progress_, error);
   }
   withdrawn_.reset();

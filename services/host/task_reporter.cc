@@ -1,11 +1,10 @@
 #include "services/host/task_reporter.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <vector>
 
 #include "services/bus/samples.h"
+#include "services/host/log.h"
 
 namespace intaglio::host {
 namespace {
@@ -65,7 +64,7 @@ void TaskReporter::Publish(intaglio_TaskState state, const TaskProgress& progres
   sample.message = Borrow(error.message);
   Borrow(sample.outcome, bytes);
   if (auto written = writer_.Write(sample); !written) {
-    spdlog::warn("task status of job {}: {}", job_uid_, written.error().message);
+    LogWarning("task status of job {}: {}", job_uid_, written.error().message);
   }
 }
 

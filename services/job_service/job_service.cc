@@ -1,11 +1,11 @@
 #include "services/job_service/job_service.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "proto/model_kind.h"
 #include "proto/task.pb.h"
 #include "services/bus/samples.h"
+#include "services/host/log.h"
 #include "services/job_service/submission.h"
 
 namespace intaglio::job_service {
@@ -146,11 +146,11 @@ void JobService::TakeCommands(Nanoseconds now) {
     command.fire_uncertain = sample.fire_uncertain;
     if (queue_.Take(command, now)) {
       store_.KeepCommand(command);
-      spdlog::info("job {}: command {} of {}", command.job_uid,
-                   static_cast<int>(command.kind), command.operator_name);
+      host::LogInfo("job {}: command {} of {}", command.job_uid,
+                    static_cast<int>(command.kind), command.operator_name);
     } else {
-      spdlog::warn("job {}: command {} is stale or of no open job; it is ignored",
-                   command.job_uid, command.number);
+      host::LogWarning("job {}: command {} is stale or of no open job; it is ignored",
+                       command.job_uid, command.number);
     }
   });
 }
@@ -160,10 +160,10 @@ void JobService::TakeSpeeds() {
     const SpeedView speed{std::string(View(sample.job_uid)), sample.epoch, sample.number,
                           sample.speed_percent, std::string(View(sample.operator_name))};
     if (queue_.Take(speed)) {
-      spdlog::info("job {}: {} % speed by {}", speed.job_uid, speed.speed_percent,
-                   speed.operator_name);
+      host::LogInfo("job {}: {} % speed by {}", speed.job_uid, speed.speed_percent,
+                    speed.operator_name);
     } else {
-      spdlog::warn(
+      host::LogWarning(
           "job {}: {} % speed is stale, of no open job or outside {}..100; it is "
           "ignored",
           speed.job_uid, speed.speed_percent, kLeastSpeedPercent);
@@ -208,14 +208,14 @@ void JobService::Submit(const intaglio_JobSubmission& submission) {
   job.rate_hz = frozen->job().laser().rate_hz();
   job.frozen_job = frozen->SerializeAsString();
   permissions_.Open(job.cell);
-  spdlog::info("job {} \"{}\" of {} for {}", job.uid, job.name, View(submission.client),
-               job.cell);
+  host::LogInfo("job {} \"{}\" of {} for {}", job.uid, job.name, View(submission.client),
+                job.cell);
   queue_.Add(std::move(job));
 }
 
 void JobService::Refuse(const std::string& submission_uid, const std::string& reasons) {
   store_.KeepRefusal(submission_uid, reasons);
-  spdlog::info("submission {} is refused: {}", submission_uid, reasons);
+  host::LogInfo("submission {} is refused: {}", submission_uid, reasons);
   JobRecord refused;
   refused.submission_uid = submission_uid;
   refused.state = intaglio_JOB_FAILED;
@@ -278,7 +278,7 @@ void JobService::Publish(const JobRecord& job) {
   sample.last_command = job.last_command;
   sample.last_speed = job.last_speed;
   if (auto written = statuses_.Write(sample); !written) {
-    spdlog::warn("status of job {}: {}", job.uid, written.error().message);
+    host::LogWarning("status of job {}: {}", job.uid, written.error().message);
   }
 }
 
@@ -306,12 +306,12 @@ void JobService::Give(const TaskOrder& order, const JobRecord& job) {
       : order.stage == intaglio_STAGE_SORT     ? sort_tasks_
                                                : engrave_tasks_;
   if (order.stage == intaglio_STAGE_DISCRETIZE && !order.revoked) StartFeed(order, job);
-  spdlog::info("job {}, attempt {}, part {}.{}: {} {}", order.task.job_uid,
-               order.task.attempt, order.task.part, order.task.part_attempt,
-               order.revoked ? "revoked from" : "given to", order.worker);
+  host::LogInfo("job {}, attempt {}, part {}.{}: {} {}", order.task.job_uid,
+                order.task.attempt, order.task.part, order.task.part_attempt,
+                order.revoked ? "revoked from" : "given to", order.worker);
   if (auto written = writer.Write(sample); !written) {
     // A worker that does not answer costs the attempt (job_queue.h).
-    spdlog::warn("task of {}: {}", order.worker, written.error().message);
+    host::LogWarning("task of {}: {}", order.worker, written.error().message);
   }
 }
 

@@ -1,8 +1,7 @@
 #include "services/job_service/permission_keeper.h"
 
-#include <spdlog/spdlog.h>
-
 #include "services/bus/samples.h"
+#include "services/host/log.h"
 
 namespace intaglio::job_service {
 
@@ -79,7 +78,7 @@ void PermissionKeeper::Write(Cell& cell) {
   sample.first_point = cell.told.first_point;
   sample.fire_uncertain = cell.told.fire_uncertain;
   if (auto written = cell.writer.Write(sample); !written) {
-    spdlog::warn("permission of {}: {}", cell.told.cell, written.error().message);
+    host::LogWarning("permission of {}: {}", cell.told.cell, written.error().message);
   }
 }
 

@@ -1,13 +1,12 @@
 #include "services/job_service/statistics_writer.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "engrave/formats/atomic_file.h"
 #include "proto/json_text.h"
+#include "services/host/log.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -86,7 +85,7 @@ void StatisticsWriter::Run(const std::stop_token& stop) {
     lock.unlock();
     for (const auto& [uid, statistics] : taken) {
       if (auto written = WriteStatistics(statistics); !written) {
-        spdlog::warn("statistics of job {}: {}", uid, written.error().message);
+        host::LogWarning("statistics of job {}: {}", uid, written.error().message);
       }
     }
     lock.lock();

@@ -1,11 +1,10 @@
 #include "services/motion_bridge/bridge.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "services/bus/samples.h"
+#include "services/host/log.h"
 
 namespace intaglio::motion_bridge {
 namespace {
@@ -123,7 +122,7 @@ void Bridge::StartRun(const intaglio_MotionSegmentBatch& sample) {
   stream_ = bus::StreamName(std::string(View(sample.job_uid)), sample.run,
                             bus::kMotionSegmentBatch.name);
   if (auto opened = credit_.Open(stream_, batches_.guid(), kWindowBatches); !opened) {
-    spdlog::error("no credit for {}: {}", stream_, opened.error().message);
+    host::LogError("no credit for {}: {}", stream_, opened.error().message);
   }
   phase_ = Phase::kBeginning;
   next_preparation_ = {};
@@ -145,7 +144,7 @@ void Bridge::TakeStops() {
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
     if (!stop_.Take(stop.pressed, stop.number)) return;
     AbortRun();
-    spdlog::warn("emergency stop: the stage brakes");
+    host::LogWarning("emergency stop: the stage brakes");
   });
   // What came while it was pressed does not begin when it is reset.
   if (stop_.pressed() && phase_ != Phase::kIdle) AbortRun();

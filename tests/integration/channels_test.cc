@@ -40,9 +40,11 @@ class FourBlocks : public ::testing::Test {
             std::string("four_blocks_") +
             ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
 
-  std::vector<std::string> Arguments(std::vector<std::string> more) const {
-    const fs::path job =
-        fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/four_blocks.textproto";
+  static fs::path Example() {
+    return fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/four_blocks.textproto";
+  }
+  std::vector<std::string> Arguments(std::vector<std::string> more,
+                                     const fs::path& job = Example()) const {
     std::vector<std::string> words = {"run",         job.string(),
                                       "--out",       (folder_ / "out").string(),
                                       "--materials", (folder_ / "materials.db").string()};
@@ -114,6 +116,53 @@ TEST_F(FourBlocks, HoldTheSameKnotAndANameEach) {
     EXPECT_THAT(ended.output, HasSubstr("channel " + std::to_string(channel.channel())));
   }
   ExpectEachBlockHoldsItsOwn();
+}
+
+// What two blocks share lies where both have glass, and a name in the middle of its own.
+TEST_F(FourBlocks, OfDifferentSizesEachHasItsPointsWithinItself) {
+  const fs::path job = folder_ / "job.textproto";
+  {
+    std::ifstream in(Example());
+    std::ofstream out(job);
+    for (std::string line; std::getline(in, line);) {
+      for (const char* name : {"sample.obj", "../machines"}) {
+        const std::size_t at = line.find(name);
+        if (at != std::string::npos)
+          line.insert(at, Example().parent_path().string() + "/");
+      }
+      out << line << '\n';
+    }
+    out << "channel_blocks { channel: 2 size_mm { x: 30 y: 36 z: 40 } }\n"
+           "channel_blocks { channel: 4 size_mm { x: 34 y: 26 z: 40 } }\n";
+  }
+  Running run(Program("intaglio"), Arguments({"--lockstep", "--spacing", "0.5"}, job),
+              folder_ / "output.txt");
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time);
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  ExpectEachBlockHoldsItsOwn();
+  const auto glass = formats::ReadPly(folder_ / "out/glass.ply");
+  const auto path = formats::ReadPly(folder_ / "out/path.ply");
+  const auto& channel = *glass->Find<std::uint8_t>("channel");
+  const Vec3 sizes_mm[kChannels] = {
+      {40, 40, 40}, {30, 36, 40}, {40, 40, 40}, {34, 26, 40}};
+  for (std::size_t i = 0; i < channel.size(); ++i) {
+    const Box3 block{Vec3(Vec3::Zero()), sizes_mm[channel[i]]};
+    ASSERT_TRUE(block.Contains(glass->points_mm[i])) << "channel " << channel[i] + 1;
+  }
+  // Of each model: the knot, then the names.
+  const auto& source = *path->Find<std::uint32_t>("source");
+  for (std::uint32_t model = 0; model <= kChannels; ++model) {
+    Box3 bounds;
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      if (source[i] == model) bounds.Extend(path->points_mm[i]);
+    }
+    const Vec3 expected_mm =
+        model == 0 ? Vec3(30, 26, 0) / 2 : Vec3(sizes_mm[model - 1] / 2);
+    const Vec3 middle_mm = bounds.center_mm();
+    EXPECT_NEAR(middle_mm.x(), expected_mm.x(), 0.6) << "model " << model;
+    EXPECT_NEAR(middle_mm.y(), expected_mm.y(), 0.6) << "model " << model;
+  }
 }
 
 // The one who has the masks in its head dies; the next one has them from the disk.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
@@ -18,7 +19,7 @@ struct Course {
   std::vector<Vector2d> states;  // of the stages' starts, and the end
 };
 
-Course Follow(const LqRecursion<2>& recursion, Vector2d state) {
+Course Follow(const LqRecursion& recursion, Vector2d state) {
   Course run{VectorXd(recursion.count()), {state}};
   for (std::size_t j = 0; j < recursion.count(); ++j) {
     run.controls[static_cast<Eigen::Index>(j)] = recursion.ControlAt(j, state);
@@ -29,7 +30,7 @@ Course Follow(const LqRecursion<2>& recursion, Vector2d state) {
 }
 
 /// The cost of any controls, by going through the stages; `end` their weight of the end.
-double Cost(const LqStage<2>& stage, Vector2d state, const VectorXd& controls,
+double Cost(const LqStage& stage, Vector2d state, const VectorXd& controls,
             const Matrix2d& end) {
   double cost = 0.0;
   for (const double u : controls) {
@@ -40,7 +41,7 @@ double Cost(const LqStage<2>& stage, Vector2d state, const VectorXd& controls,
 }
 
 /// The end that controls lead to from 0: what a disturbance must not move.
-Vector2d EndOf(const LqStage<2>& stage, const VectorXd& controls) {
+Vector2d EndOf(const LqStage& stage, const VectorXd& controls) {
   Vector2d state = Vector2d::Zero();
   for (const double u : controls) state = stage.transition * state + stage.control * u;
   return state;
@@ -48,27 +49,28 @@ Vector2d EndOf(const LqStage<2>& stage, const VectorXd& controls) {
 
 TEST(Lq, TheScalarCaseIsFibonacci) {
   // A = B = Q = R = K[N] = 1: K = 1 + K / (K + 1), 1, 3/2, 8/5, 21/13 ...
-  LqStage<1> stage;
-  stage.transition << 1.0;
-  stage.control << 1.0;
-  stage.weight << 1.0;
+  // The second state is by itself.
+  LqStage stage;
+  stage.transition = Matrix2d::Identity();
+  stage.control << 1.0, 0.0;
+  stage.weight = Matrix2d::Identity();
   const std::size_t count = 40;
-  const LqRecursion<1> recursion(stage, count, Eigen::Matrix<double, 1, 1>(1.0));
+  const LqRecursion recursion(stage, count, Matrix2d::Identity());
   double upper = 1.0;
   double lower = 1.0;
   for (std::size_t j = count + 1; j-- > 0;) {
-    EXPECT_NEAR(1.0 / recursion.InverseAt(j)(0), upper / lower, 1e-14);
+    EXPECT_NEAR(1.0 / recursion.InverseAt(j)(0, 0), upper / lower, 1e-14);
     const double next = upper + lower;
     upper = next + upper;
     lower = next;
   }
   // The stationary one is the golden ratio.
-  EXPECT_NEAR(1.0 / recursion.InverseAt(0)(0), (1.0 + std::sqrt(5.0)) / 2, 1e-14);
+  EXPECT_NEAR(1.0 / recursion.InverseAt(0)(0, 0), (1.0 + std::sqrt(5.0)) / 2, 1e-14);
 }
 
 TEST(Lq, TheStationaryCaseSolvesTheAlgebraicEquation) {
-  const LqStage<2> stage = AxisStage({-3.0, 2.0}, {40.0, 0.7, 0.05}, 0.01);
-  const LqRecursion<2> recursion(stage, 3000, Matrix2d::Identity());
+  const LqStage stage = AxisStage({-3.0, 2.0}, {40.0, 0.7, 0.05}, 0.01);
+  const LqRecursion recursion(stage, 3000, Matrix2d::Identity());
   const Matrix2d k = recursion.InverseAt(0).inverse();
   // In the form without inverses of K, as textbooks have it.
   const Matrix2d& a = stage.transition;
@@ -91,9 +93,9 @@ TEST(Lq, ShortStagesTendToTheContinuousStationaryCase) {
   wanted << k12 * k22 / r, k12, k12, k22;
   double before = 0.0;
   for (const double stage_s : {0.02, 0.01, 0.005}) {
-    const LqRecursion<2> recursion(AxisStage({}, {q, s, r}, stage_s),
-                                   static_cast<std::size_t>(20 / stage_s),
-                                   Matrix2d::Identity());
+    const LqRecursion recursion(AxisStage({}, {q, s, r}, stage_s),
+                                static_cast<std::size_t>(20 / stage_s),
+                                Matrix2d::Identity());
     const double off = (recursion.InverseAt(0).inverse() - wanted).cwiseAbs().maxCoeff();
     EXPECT_LT(off, 10 * stage_s);
     // Of first order.
@@ -108,7 +110,7 @@ TEST(Lq, LeastEnergyIsTheClosedFormOfTheDoubleIntegrator) {
   // Q = 0, fixed end: K(0) = [12/T^3, 6/T^2; 6/T^2, 4/T] for short stages.
   const double t = 2.0;
   const std::size_t count = 400;
-  const LqRecursion<2> recursion(AxisStage({}, {}, t / count), count, Matrix2d::Zero());
+  const LqRecursion recursion(AxisStage({}, {}, t / count), count, Matrix2d::Zero());
   Matrix2d wanted;
   wanted << 12 / (t * t * t), 6 / (t * t), 6 / (t * t), 4 / t;
   EXPECT_LT((recursion.InverseAt(0).inverse() - wanted).cwiseAbs().maxCoeff(), 2e-5);
@@ -117,7 +119,7 @@ TEST(Lq, LeastEnergyIsTheClosedFormOfTheDoubleIntegrator) {
 TEST(Lq, LeastEnergyFromRestToRestIsLinearInTime) {
   // Of held controls exactly u[j] = 6 (N - 1 - 2 j) / (N (N^2 - 1)) in units of stages.
   for (const std::size_t count : {2u, 3u, 8u, 100u}) {
-    const LqRecursion<2> recursion(AxisStage({}, {}, 1.0), count, Matrix2d::Zero());
+    const LqRecursion recursion(AxisStage({}, {}, 1.0), count, Matrix2d::Zero());
     const Course run = Follow(recursion, {-1.0, 0.0});
     const double n = static_cast<double>(count);
     for (std::size_t j = 0; j < count; ++j) {
@@ -130,9 +132,9 @@ TEST(Lq, LeastEnergyFromRestToRestIsLinearInTime) {
 }
 
 TEST(Lq, NoOtherControlsToTheSameEndAreCheaper) {
-  const LqStage<2> stage = AxisStage({-4.0, 1.5}, {30.0, 5.0, 1.0}, 0.05);
+  const LqStage stage = AxisStage({-4.0, 1.5}, {30.0, 5.0, 1.0}, 0.05);
   const Eigen::Index count = 40;
-  const LqRecursion<2> recursion(stage, count, Matrix2d::Zero());
+  const LqRecursion recursion(stage, count, Matrix2d::Zero());
   const Vector2d start(-1.0, 0.3);
   const Course best = Follow(recursion, start);
   EXPECT_LT(best.states.back().norm(), 1e-12);
@@ -161,9 +163,9 @@ TEST(Lq, NoOtherControlsToTheSameEndAreCheaper) {
 }
 
 TEST(Lq, AWeightedEndIsNotReachedButCheapest) {
-  const LqStage<2> stage = AxisStage({-1.0, 1.0}, {2.0, 0.0, 1.0}, 0.1);
+  const LqStage stage = AxisStage({-1.0, 1.0}, {2.0, 0.0, 1.0}, 0.1);
   const Matrix2d end = Vector2d(50.0, 3.0).asDiagonal();
-  const LqRecursion<2> recursion(stage, 20, end.inverse());
+  const LqRecursion recursion(stage, 20, end.inverse());
   const Vector2d start(2.0, -1.0);
   const Course best = Follow(recursion, start);
   const double least = Cost(stage, start, best.controls, end);
@@ -180,7 +182,7 @@ TEST(Lq, AWeightedEndIsNotReachedButCheapest) {
 TEST(Lq, TheStageOfAnAxisIsItsIntegral) {
   for (const double alpha : {0.0, -1e-3, -0.02, -5.0, -80.0}) {
     const double stage_s = 0.01;
-    const LqStage<2> stage = AxisStage({alpha, 3.0}, {}, stage_s);
+    const LqStage stage = AxisStage({alpha, 3.0}, {}, stage_s);
     // Midpoint steps; their error is 1e-9 of the speed.
     double x = 0.2;
     double v = 7.0;
@@ -209,11 +211,11 @@ TEST(Lq, FrictionIsAWeightOfTheSpeed) {
   double before = 0.0;
   for (const std::size_t count : {100u, 1000u}) {
     const double stage_s = 1.0 / static_cast<double>(count);
-    const Course rough = Follow(LqRecursion<2>(AxisStage({alpha, beta}, weights, stage_s),
-                                               count, Matrix2d::Zero()),
-                                {-1.0, 0.0});
+    const Course rough = Follow(
+        LqRecursion(AxisStage({alpha, beta}, weights, stage_s), count, Matrix2d::Zero()),
+        {-1.0, 0.0});
     const Course smooth = Follow(
-        LqRecursion<2>(AxisStage({0.0, beta}, more, stage_s), count, Matrix2d::Zero()),
+        LqRecursion(AxisStage({0.0, beta}, more, stage_s), count, Matrix2d::Zero()),
         {-1.0, 0.0});
     double off = 0.0;
     for (std::size_t j = 0; j <= count; ++j) {
