@@ -20,6 +20,7 @@
 #include "engrave/formats/whole_file.h"
 #include "engrave/image/image_file.h"
 #include "engrave/mesh/mesh_import.h"
+#include "tests/test_folder.h"
 
 // What any file may cost any reader: every seed of the fuzzers, and every broken file,
 // is given to every reader under that reader's extension, in a process of its own.
@@ -183,9 +184,7 @@ std::vector<fs::path> Folders() {
 class ReaderBounds : public testing::TestWithParam<fs::path> {};
 
 TEST_P(ReaderBounds, HoldForEveryFileAndReader) {
-  const fs::path folder =
-      fs::path(INTAGLIO_TEST_DIR) / "reader_bounds" / GetParam().filename();
-  fs::create_directories(folder);
+  const fs::path folder = test::FreshFolder();
   std::string expected;
   for (const Reader& reader : kReaders) expected += fmt::format("{}\n", reader.extension);
   long peak_kilobytes = 0;

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::Ended;
-using testing::FreshFolder;
 using ::testing::HasSubstr;
 using testing::Program;
 using testing::Running;
@@ -31,7 +31,7 @@ Ended Type(const std::vector<std::string>& words, const fs::path& folder) {
 // All jobs but the bad one are good, over both machines, in the table, the results and
 // the history. INTAGLIO_BATCH_JOBS=50 takes as many as the example does by itself.
 TEST(Batch, TheExampleMakesAllButTheBadOne) {
-  const fs::path folder = FreshFolder("batch_example");
+  const fs::path folder = test::FreshFolder();
   const char* all = std::getenv("INTAGLIO_BATCH_JOBS");
   const std::string count = all != nullptr ? all : "10";
   Running script(
@@ -56,7 +56,7 @@ TEST(Batch, TheExampleMakesAllButTheBadOne) {
 
 // Nothing is submitted when a line is wrong, and no shop is needed to hear of it.
 TEST(Batch, EveryMistakeOfEveryLineIsToldBefore) {
-  const fs::path folder = FreshFolder("batch_mistakes");
+  const fs::path folder = test::FreshFolder();
   const std::string job = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto";
   std::ofstream(folder / "wrong.jsonl")
       << R"({"id":"a","job":")" << job
@@ -88,7 +88,7 @@ TEST(Batch, EveryMistakeOfEveryLineIsToldBefore) {
 // What is engraved goes on, what waits is cancelled, what is left is never submitted; the
 // state of each is told.
 TEST(Batch, CtrlCLeavesTheBlockInTheMachineAndCancelsTheRest) {
-  const fs::path folder = FreshFolder("batch_interrupted");
+  const fs::path folder = test::FreshFolder();
   const std::vector<std::string> bus = {"--domain", "48", "--tag",
                                         "interrupt" + std::to_string(getpid())};
   const auto with = [&bus](std::vector<std::string> words) {

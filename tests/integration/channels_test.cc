@@ -14,6 +14,7 @@
 #include "engrave/formats/point_file.h"
 #include "proto/report.pb.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -22,7 +23,6 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::Ended;
 using testing::Eventually;
-using testing::FreshFolder;
 using ::testing::HasSubstr;
 using testing::ProcessesWith;
 using testing::Program;
@@ -35,10 +35,7 @@ constexpr double kNearMm = 0.03;
 
 class FourBlocks : public ::testing::Test {
  protected:
-  FourBlocks()
-      : folder_(FreshFolder(
-            std::string("four_blocks_") +
-            ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
+  FourBlocks() : folder_(test::FreshFolder()) {}
 
   static fs::path Example() {
     return fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/four_blocks.textproto";

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "tests/integration/shop_floor.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -15,18 +16,13 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::DifferenceOf;
-using testing::FreshFolder;
 using testing::ShopFloor;
 
 constexpr long kHour = 3600;
 
 class ClockStep : public ::testing::TestWithParam<std::pair<const char*, long>> {
  protected:
-  ClockStep()
-      : folder_(FreshFolder(
-            "clock_" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) +
-            ::testing::UnitTest::GetInstance()->current_test_info()->name() +
-            std::to_string(getpid()))) {}
+  ClockStep() : folder_(test::FreshFolder()) {}
 
   void Set(const std::string& service, long seconds) const {
     std::fstream file(folder_ / (service + ".offset"),

@@ -11,6 +11,7 @@
 
 #include "services/cli/run_command.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -18,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::Ended;
-using testing::FreshFolder;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::Program;
@@ -26,9 +26,7 @@ using testing::Running;
 using testing::TextIn;
 
 Ended Type(const std::vector<std::string>& words) {
-  const fs::path folder =
-      FreshFolder(std::string("command_line_") +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  const fs::path folder = test::FreshFolder();
   // Not the base of whoever runs the tests.
   setenv("INTAGLIO_MATERIALS_DB", (folder / "materials.db").c_str(), 1);
   Running run(Program("intaglio"), words, folder / "output.txt");
@@ -105,7 +103,7 @@ TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
         "intaglio-synchronizer", "intaglio-motion-bridge", "intaglio-recorder",
         "virtual-engraver"}) {
     Running run(Program(program), {"--help"},
-                FreshFolder("command_line_services") / "output.txt");
+                test::FreshFolder("command_line_services") / "output.txt");
     const Ended ended = run.WaitForEnd(30s);
     EXPECT_EQ(ended.exit_code, 0) << program;
     for (const std::string& flag : FlagsIn(ended.output)) {
@@ -140,7 +138,7 @@ TEST(CommandLine, BrokenModelsAreNamedWithARemedyAndNothingIsMade) {
   for (const fs::path& file : fs::directory_iterator(broken)) {
     if (file.filename() == "busted.STL") continue;  // a sound surface without normals
     ++tried;
-    const fs::path out = FreshFolder("command_line_broken") / "out";
+    const fs::path out = test::FreshFolder("command_line_broken") / "out";
     for (const char* command : {"discretize", "run"}) {
       const Ended ended = Type(
           {command, "--mesh", file.string(), "--height", "20", "--out", out.string()});
@@ -157,7 +155,7 @@ TEST(CommandLine, BrokenModelsAreNamedWithARemedyAndNothingIsMade) {
 TEST(CommandLine, ASoundModelWithoutNormalsIsTaken) {
   const fs::path model = INTAGLIO_SOURCE_DIR "/../shared/data/broken/busted.STL";
   if (!fs::exists(model)) GTEST_SKIP() << "no " << model;
-  const fs::path out = FreshFolder("command_line_busted") / "cloud.ply";
+  const fs::path out = test::FreshFolder("command_line_busted") / "cloud.ply";
   const Ended ended = Type({"discretize", "--mesh", model.string(), "--height", "20",
                             "--spacing", "0.3", "--out", out.string()});
   EXPECT_EQ(ended.exit_code, 0) << ended.output;

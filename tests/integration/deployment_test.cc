@@ -13,6 +13,7 @@
 #include <regex>
 
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -56,9 +57,7 @@ class Units : public ::testing::Test {
     return run.WaitForEnd(60s);
   }
 
-  fs::path folder_ = testing::FreshFolder(
-      std::string("units_") +
-      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path folder_ = test::FreshFolder();
   std::vector<std::string> units_;
 };
 
@@ -155,7 +154,7 @@ class NotifySocket {
 };
 
 TEST(Service, TellsItsInitSystemHowItIs) {
-  const fs::path folder = testing::FreshFolder("notify");
+  const fs::path folder = test::FreshFolder();
   // A path of a socket may have 107 letters, and a build folder more.
   const fs::path path =
       fs::temp_directory_path() / ("intaglio-notify-" + std::to_string(getpid()));

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "tests/integration/shop_floor.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -21,7 +22,6 @@ using namespace std::chrono_literals;
 using testing::Cable;
 using testing::DifferenceOf;
 using testing::Eventually;
-using testing::FreshFolder;
 using testing::LongTests;
 using testing::ShopFloor;
 using testing::TestHost;
@@ -70,16 +70,13 @@ class Network : public ::testing::Test {
                    "--interface", "eth0",  "--security", Keys().string()};
     options.office = office_.get();
     options.cell = cell_.get();
-    floor_ = std::make_unique<ShopFloor>(
-        FreshFolder(std::string("network_") +
-                    ::testing::UnitTest::GetInstance()->current_test_info()->name()),
-        options);
+    floor_ = std::make_unique<ShopFloor>(test::FreshFolder(), options);
   }
 
   /// Identities of all roles; made once, which takes a second.
   static fs::path Keys() {
     static const fs::path keys = [] {
-      const fs::path folder = FreshFolder("network_keys");
+      const fs::path folder = test::FreshFolder("network_keys");
       testing::Running make(testing::Program("intaglio"),
                             {"security", "new", (folder / "keys").string(), "--domain",
                              kDomain, "--cell", "els-03"},

@@ -14,6 +14,7 @@
 #include "proto/plan_report.pb.h"
 #include "proto/report.pb.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -92,10 +93,7 @@ class OfflineChain : public ::testing::TestWithParam<Words> {
     return points;
   }
 
-  fs::path folder_ = testing::FreshFolder(
-      std::string("offline_chain_") +
-      std::to_string(::testing::UnitTest::GetInstance()->current_test_info()->line()) +
-      (GetParam().empty() ? "" : GetParam()[1]));
+  fs::path folder_ = test::FreshFolder();
 };
 
 TEST_P(OfflineChain, GivesWhatRunGives) {

@@ -19,6 +19,7 @@
 #include "services/recording/message_cursor.h"
 #include "services/replayer/bystanders.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -69,9 +70,7 @@ Heard InRecording(const std::string& name, double from_s = 0) {
 class Replay : public ::testing::Test {
  protected:
   Replay()
-      : folder_(testing::FreshFolder(
-            std::string("replay_") +
-            ::testing::UnitTest::GetInstance()->current_test_info()->name())),
+      : folder_(test::FreshFolder()),
         bus_([] {
           bus::BusOptions options;
           options.tag = "replay-test-" + std::to_string(getpid());

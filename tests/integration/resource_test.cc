@@ -18,6 +18,7 @@
 
 #include "engrave/formats/journal_file.h"
 #include "tests/integration/shop_floor.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -27,7 +28,6 @@ using namespace std::chrono_literals;
 using testing::DifferenceOf;
 using testing::Ended;
 using testing::Eventually;
-using testing::FreshFolder;
 using ::testing::HasSubstr;
 using testing::LongTests;
 using testing::ShopFloor;
@@ -47,10 +47,7 @@ double ResidentOf(pid_t pid) {
 
 class Resources : public ::testing::Test {
  protected:
-  Resources()
-      : folder_(FreshFolder(
-            std::string("resource_") +
-            ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
+  Resources() : folder_(test::FreshFolder()) {}
 
   void SetUp() override { ASSERT_FALSE(testing::UndisturbedPoints().empty()); }
 

@@ -15,6 +15,7 @@
 #include "engrave/formats/point_file.h"
 #include "proto/report.pb.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -24,7 +25,6 @@ using namespace std::chrono_literals;
 using testing::AskPanel;
 using testing::Ended;
 using testing::Eventually;
-using testing::FreshFolder;
 using ::testing::HasSubstr;
 using testing::ProcessesWith;
 using testing::Program;
@@ -41,10 +41,7 @@ fs::path SampleJob() {
 
 class RunJob : public ::testing::Test {
  protected:
-  RunJob()
-      : folder_(FreshFolder(
-            std::string("run_job_") +
-            ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
+  RunJob() : folder_(test::FreshFolder()) {}
 
   std::vector<std::string> Arguments(std::vector<std::string> more) const {
     std::vector<std::string> words = {"run",         SampleJob().string(),

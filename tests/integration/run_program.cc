@@ -74,13 +74,6 @@ std::string Running::Output() const {
 
 fs::path Program(const std::string& name) { return fs::path(INTAGLIO_BIN_DIR) / name; }
 
-fs::path FreshFolder(const std::string& name) {
-  fs::path folder = fs::path(INTAGLIO_TEST_DIR) / name;
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  return folder;
-}
-
 std::vector<pid_t> ProcessesWith(const std::vector<std::string>& words) {
   std::vector<pid_t> found;
   for (const auto& entry : fs::directory_iterator("/proc")) {

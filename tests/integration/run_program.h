@@ -42,8 +42,6 @@ class Running {
 
 /// A program beside the product's others, e.g. "intaglio".
 std::filesystem::path Program(const std::string& name);
-/// An empty folder of this test's own, below the build tree.
-std::filesystem::path FreshFolder(const std::string& name);
 /// Process ids of the programs whose command line has all of `words` in it.
 std::vector<pid_t> ProcessesWith(const std::vector<std::string>& words);
 /// What the panel of the machine in `folder` answers to one line; empty: nothing.

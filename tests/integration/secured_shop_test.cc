@@ -13,6 +13,7 @@
 
 #include "services/bus/identity.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -59,9 +60,7 @@ class SecuredShop : public ::testing::Test {
     return words;
   }
 
-  fs::path folder_ = testing::FreshFolder(
-      std::string("secured_") +
-      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path folder_ = test::FreshFolder();
   fs::path keys_ = folder_ / "keys";
   int typed_ = 0;
 };

@@ -16,6 +16,7 @@
 #include "services/security/certificates.h"
 #include "services/security/identity_folders.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::testing {
 
@@ -166,9 +167,7 @@ class Security : public ::testing::Test {
     Put(file, text.replace(at, from.size(), to));
   }
 
-  fs::path folder_ =
-      FreshFolder(std::string("security_") +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path folder_ = test::FreshFolder();
   std::unique_ptr<Running> wrong_;
 };
 

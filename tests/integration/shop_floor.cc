@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "engrave/formats/point_file.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::testing {
 namespace {
@@ -65,7 +66,7 @@ PointList MakeUndisturbed() {
   const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "undisturbed";
   const fs::path glass_file = folder / "out" / "glass.ply";
   if (!fs::exists(glass_file) || fs::last_write_time(glass_file) < BuiltAt()) {
-    FreshFolder("undisturbed");
+    test::FreshFolder("undisturbed");
     std::vector<std::string> words = Sample("run", kSmallJob);
     words = Joined(words, {"--lockstep", "--out", (folder / "out").string(),
                            "--materials", (folder / "materials.db").string()});

@@ -9,6 +9,7 @@
 #include <regex>
 
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -17,7 +18,6 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using testing::Ended;
 using testing::Eventually;
-using testing::FreshFolder;
 using ::testing::HasSubstr;
 using testing::Program;
 using testing::Running;
@@ -82,9 +82,7 @@ class Shop : public ::testing::Test {
         60s);
   }
 
-  fs::path folder_ =
-      FreshFolder(std::string("shop_") +
-                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path folder_ = test::FreshFolder();
   std::unique_ptr<Running> up_;
   std::string last_;
   int typed_ = 0;

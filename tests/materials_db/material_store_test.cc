@@ -10,8 +10,8 @@
 #include <optional>
 #include <thread>
 
-#include "tests/engrave/formats/test_folder.h"
 #include "tests/materials_db/test_glasses.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::materials_db {
 namespace {
@@ -120,27 +120,27 @@ TEST(MaterialStore, NoTextIsTakenForSql) {
 }
 
 TEST(MaterialStore, MakesItsFolder) {
-  const fs::path file = formats::FreshFolder() / "a/b/materials.db";
+  const fs::path file = test::FreshFolder() / "a/b/materials.db";
   ASSERT_TRUE(MaterialStore::Open(file));
   EXPECT_TRUE(fs::exists(file));
 }
 
 TEST(MaterialStore, RefusesWhatIsNoDatabase) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const fs::path text = folder / "notes.txt";
   std::ofstream(text) << std::string(4096, 'x');
   const auto store = MaterialStore::Open(text);
   ASSERT_FALSE(store);
   EXPECT_EQ(store.error().code, ErrorCode::kUnreadable);
   EXPECT_THAT(store.error().message, HasSubstr("notes.txt"));
-  EXPECT_EQ(formats::ContentOf(text), std::string(4096, 'x'));
+  EXPECT_EQ(test::ContentOf(text), std::string(4096, 'x'));
   // A folder, and a file in the place of a folder.
   EXPECT_EQ(MaterialStore::Open(folder).error().code, ErrorCode::kIo);
   EXPECT_EQ(MaterialStore::Open(text / "materials.db").error().code, ErrorCode::kIo);
 }
 
 TEST(MaterialStore, ADamagedDatabaseIsAnErrorNotACrash) {
-  const fs::path file = formats::FreshFolder() / "materials.db";
+  const fs::path file = test::FreshFolder() / "materials.db";
   ASSERT_TRUE(MaterialStore::Open(file));
   {
     std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
@@ -153,7 +153,7 @@ TEST(MaterialStore, ADamagedDatabaseIsAnErrorNotACrash) {
 
 TEST(MaterialStore, AFileThatMayNotBeWrittenCanBeRead) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const fs::path file = folder / "materials.db";
   ASSERT_TRUE(MaterialStore::Open(file));
   fs::permissions(file, fs::perms::owner_read);
@@ -172,7 +172,7 @@ TEST(MaterialStore, AFileThatMayNotBeWrittenCanBeRead) {
 
 // Several processes start with no base there: each opens the same new file.
 TEST(MaterialStore, OpensAtOnceFromSeveralPlaces) {
-  const fs::path file = formats::FreshFolder() / "materials.db";
+  const fs::path file = test::FreshFolder() / "materials.db";
   constexpr int kCount = 4;
   std::vector<std::optional<Result<MaterialStore>>> stores(kCount);
   {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "materials_db/material_store.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::materials_db {
 namespace {
@@ -19,8 +19,8 @@ SQLite::Database NewDatabase(const fs::path& file) {
 }
 
 std::string GoldenSql() {
-  return formats::ContentOf(fs::path(INTAGLIO_SOURCE_DIR) /
-                            "tests/materials_db/golden/version_1.sql");
+  return test::ContentOf(fs::path(INTAGLIO_SOURCE_DIR) /
+                         "tests/materials_db/golden/version_1.sql");
 }
 
 /// How SQLite says its tables were made.
@@ -40,7 +40,7 @@ TEST(Migrations, TheFirstIsWhatItWasWhenItWasReleased) {
 }
 
 TEST(Migrations, AnOldDatabaseIsBroughtUpAndKeepsItsGlasses) {
-  const fs::path file = formats::FreshFolder() / "old.db";
+  const fs::path file = test::FreshFolder() / "old.db";
   NewDatabase(file).exec(GoldenSql());
   const auto store = MaterialStore::Open(file);
   ASSERT_TRUE(store) << store.error().message;
@@ -57,7 +57,7 @@ TEST(Migrations, AnOldDatabaseIsBroughtUpAndKeepsItsGlasses) {
 }
 
 TEST(Migrations, AGlassThatWasRemovedStaysAway) {
-  const fs::path file = formats::FreshFolder() / "materials.db";
+  const fs::path file = test::FreshFolder() / "materials.db";
   {
     auto store = MaterialStore::Open(file);
     ASSERT_TRUE(store && store->Remove("N-BK7"));
@@ -66,25 +66,25 @@ TEST(Migrations, AGlassThatWasRemovedStaysAway) {
 }
 
 TEST(Migrations, ANewerDatabaseIsRefusedAndLeftAsItIs) {
-  const fs::path file = formats::FreshFolder() / "newer.db";
+  const fs::path file = test::FreshFolder() / "newer.db";
   ASSERT_TRUE(MaterialStore::Open(file));
   NewDatabase(file).exec("PRAGMA user_version = 99");
-  const std::string before = formats::ContentOf(file);
+  const std::string before = test::ContentOf(file);
   const auto store = MaterialStore::Open(file);
   ASSERT_FALSE(store);
   EXPECT_EQ(store.error().code, ErrorCode::kUnsupported);
   EXPECT_NE(store.error().message.find("version 99"), std::string::npos);
-  EXPECT_EQ(formats::ContentOf(file), before);
+  EXPECT_EQ(test::ContentOf(file), before);
 }
 
 TEST(Migrations, AnotherProgramsDatabaseIsRefusedAndLeftAsItIs) {
-  const fs::path file = formats::FreshFolder() / "jobs.db";
+  const fs::path file = test::FreshFolder() / "jobs.db";
   NewDatabase(file).exec("CREATE TABLE job (name TEXT)");
-  const std::string before = formats::ContentOf(file);
+  const std::string before = test::ContentOf(file);
   const auto store = MaterialStore::Open(file);
   ASSERT_FALSE(store);
   EXPECT_EQ(store.error().code, ErrorCode::kUnreadable);
-  EXPECT_EQ(formats::ContentOf(file), before);
+  EXPECT_EQ(test::ContentOf(file), before);
 }
 
 }  // namespace

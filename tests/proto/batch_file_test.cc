@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "tests/proto/test_job.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -107,8 +108,7 @@ TEST(BatchFile, TenThousandJobsInARow) {
 
 TEST(BatchFile, FilesAreNamedWithTheirEnding) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "batch_file";
-  fs::create_directories(folder);
+  const fs::path folder = test::FreshFolder();
   const auto write = [&](const char* name, const char* text) {
     std::ofstream(folder / name) << text;
     return ReadBatchFile(folder / name);

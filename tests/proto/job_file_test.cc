@@ -10,6 +10,7 @@
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "tests/proto/test_job.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -22,12 +23,7 @@ using testing::StartsWith;
 
 class JobFileTest : public testing::Test {
  protected:
-  JobFileTest()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) / "job_file" /
-                testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
+  JobFileTest() : folder_(test::FreshFolder()) {}
   fs::path Write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name, std::ios::binary) << text;
     return folder_ / name;

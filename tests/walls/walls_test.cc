@@ -5,6 +5,8 @@
 
 #include <fstream>
 
+#include "tests/test_folder.h"
+
 namespace intaglio::walls {
 namespace {
 
@@ -15,11 +17,7 @@ using ::testing::IsEmpty;
 
 class MadeUpTree : public ::testing::Test {
  protected:
-  MadeUpTree()
-      : root_(fs::path(INTAGLIO_TEST_DIR) / "walls" /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(root_);
-  }
+  MadeUpTree() : root_(test::FreshFolder()) { fs::remove_all(root_); }
   void Write(const std::string& path, const std::string& text) const {
     fs::create_directories((root_ / path).parent_path());
     std::ofstream(root_ / path) << text;

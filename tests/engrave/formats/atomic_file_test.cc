@@ -10,7 +10,7 @@
 #include "engrave/core/check.h"
 #include "engrave/formats/point_file.h"
 #include "tests/engrave/formats/small_disk.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -20,19 +20,19 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 TEST(AtomicFile, AppearsWholeWhenCommitted) {
-  const fs::path target = FreshFolder() / "report.json";
+  const fs::path target = test::FreshFolder() / "report.json";
   auto file = AtomicFile::Create(target);
   ASSERT_TRUE(file.has_value());
   ASSERT_TRUE(file->Write("one ").has_value());
   EXPECT_FALSE(fs::exists(target));
   ASSERT_TRUE(file->Write("two").has_value());
   ASSERT_TRUE(file->Commit().has_value());
-  EXPECT_EQ(ContentOf(target), "one two");
-  EXPECT_EQ(FileCountIn(target.parent_path()), 1u) << "the temporary file is gone";
+  EXPECT_EQ(test::ContentOf(target), "one two");
+  EXPECT_EQ(test::FileCountIn(target.parent_path()), 1u) << "the temporary file is gone";
 }
 
 TEST(AtomicFile, KeepsEveryByteOfALargeFile) {
-  const fs::path target = FreshFolder() / "cloud.ply";
+  const fs::path target = test::FreshFolder() / "cloud.ply";
   std::string content;  // several buffers long, and not a whole number of them
   for (int i = 0; content.size() < 1'000'003; ++i) content += std::to_string(i);
   auto file = AtomicFile::Create(target);
@@ -42,44 +42,44 @@ TEST(AtomicFile, KeepsEveryByteOfALargeFile) {
     ASSERT_TRUE(file->Write(std::string_view(content).substr(begin, piece)).has_value());
   }
   ASSERT_TRUE(file->Commit().has_value());
-  EXPECT_TRUE(ContentOf(target) == content);
+  EXPECT_TRUE(test::ContentOf(target) == content);
 }
 
 TEST(AtomicFile, AbandonedLeavesTheOldFileAndNothingElse) {
-  const fs::path target = FreshFolder() / "report.json";
+  const fs::path target = test::FreshFolder() / "report.json";
   ASSERT_TRUE(WriteFileAtomically(target, "old").has_value());
   {
     auto file = AtomicFile::Create(target);
     ASSERT_TRUE(file->Write("new").has_value());
     const AtomicFile moved = std::move(*file);
-    EXPECT_EQ(FileCountIn(target.parent_path()), 2u);
+    EXPECT_EQ(test::FileCountIn(target.parent_path()), 2u);
   }
-  EXPECT_EQ(ContentOf(target), "old");
-  EXPECT_EQ(FileCountIn(target.parent_path()), 1u);
+  EXPECT_EQ(test::ContentOf(target), "old");
+  EXPECT_EQ(test::FileCountIn(target.parent_path()), 1u);
 }
 
 TEST(AtomicFile, LastToCommitWins) {
-  const fs::path target = FreshFolder() / "report.json";
+  const fs::path target = test::FreshFolder() / "report.json";
   auto first = AtomicFile::Create(target);
   auto second = AtomicFile::Create(target);
   ASSERT_TRUE(first->Write("first").has_value());
   ASSERT_TRUE(second->Write("second").has_value());
   ASSERT_TRUE(second->Commit().has_value());
   ASSERT_TRUE(first->Commit().has_value());
-  EXPECT_EQ(ContentOf(target), "first");
+  EXPECT_EQ(test::ContentOf(target), "first");
 }
 
 TEST(AtomicFile, WritesThroughASymbolicLink) {
-  const fs::path folder = FreshFolder();
+  const fs::path folder = test::FreshFolder();
   ASSERT_TRUE(WriteFileAtomically(folder / "real", "old").has_value());
   fs::create_symlink("real", folder / "link");
   ASSERT_TRUE(WriteFileAtomically(folder / "link", "new").has_value());
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
-  EXPECT_EQ(ContentOf(folder / "real"), "new");
+  EXPECT_EQ(test::ContentOf(folder / "real"), "new");
 }
 
 TEST(AtomicFile, FollowsTheUmask) {
-  const fs::path target = FreshFolder() / "report.json";
+  const fs::path target = test::FreshFolder() / "report.json";
   const mode_t before = ::umask(027);
   const Status status = WriteFileAtomically(target, "x");
   ::umask(before);
@@ -88,7 +88,7 @@ TEST(AtomicFile, FollowsTheUmask) {
 }
 
 TEST(AtomicFile, SaysWhenTheFolderIsMissing) {
-  const fs::path target = FreshFolder() / "absent" / "report.json";
+  const fs::path target = test::FreshFolder() / "absent" / "report.json";
   const auto status = WriteFileAtomically(target, "x");
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code, ErrorCode::kIo);
@@ -97,7 +97,7 @@ TEST(AtomicFile, SaysWhenTheFolderIsMissing) {
 }
 
 TEST(AtomicFile, RefusesAFolderAsTarget) {
-  const fs::path folder = FreshFolder();
+  const fs::path folder = test::FreshFolder();
   EXPECT_FALSE(WriteFileAtomically(folder, "x").has_value());
   EXPECT_FALSE(WriteFileAtomically(folder / "", "x").has_value());
   EXPECT_TRUE(fs::is_directory(folder));
@@ -119,14 +119,14 @@ TEST(AtomicFile, SaysWhenADeviceIsFull) {
 }
 
 TEST(AtomicFile, MayNotBeWrittenAfterItsEnd) {
-  auto file = AtomicFile::Create(FreshFolder() / "report.json");
+  auto file = AtomicFile::Create(test::FreshFolder() / "report.json");
   ASSERT_TRUE(file->Commit().has_value());
   EXPECT_THROW((void)file->Write("x"), PreconditionError);
   EXPECT_THROW((void)file->Commit(), PreconditionError);
 }
 
 TEST(AtomicFile, FullDiskKeepsTheOldFileAndSaysSo) {
-  const fs::path folder = FreshFolder();
+  const fs::path folder = test::FreshFolder();
   if (!MountSmallDisk(folder, 64 * 1024)) GTEST_SKIP() << "no right to mount";
   const fs::path target = folder / "glass.ply";
   ASSERT_TRUE(WriteFileAtomically(target, "old").has_value());
@@ -140,8 +140,8 @@ TEST(AtomicFile, FullDiskKeepsTheOldFileAndSaysSo) {
     EXPECT_THAT(status.error().message,
                 AllOf(HasSubstr(target.string()), HasSubstr("No space left on device"),
                       HasSubstr("choose another folder")));
-    EXPECT_EQ(ContentOf(target), "old");
-    EXPECT_EQ(FileCountIn(folder), 1u)
+    EXPECT_EQ(test::ContentOf(target), "old");
+    EXPECT_EQ(test::FileCountIn(folder), 1u)
         << "the temporary file must not hold the disk full";
   }
   table.points_mm.resize(1'000);

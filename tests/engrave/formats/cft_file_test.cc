@@ -5,16 +5,17 @@
 #include <random>
 
 #include "engrave/formats/point_file.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
 
 TEST(CftFile, IsCoordinatesALineWithoutExponents) {
   PointTable table{{{0.1, 20, -3.25}, {1e-7, 1e20, 0}}, {}, {"not written"}};
-  const auto file = FreshFolder() / "two.cft";
+  const auto file = test::FreshFolder() / "two.cft";
   ASSERT_TRUE(WriteCft(file, table).has_value());
-  EXPECT_EQ(ContentOf(file), "0.1 20 -3.25\r\n0.0000001 100000000000000000000 0\r\n");
+  EXPECT_EQ(test::ContentOf(file),
+            "0.1 20 -3.25\r\n0.0000001 100000000000000000000 0\r\n");
 }
 
 TEST(CftFile, RoundTripKeepsEveryBit) {
@@ -28,7 +29,7 @@ TEST(CftFile, RoundTripKeepsEveryBit) {
                  std::bit_cast<double>(random()));
     if (p.allFinite()) table.points_mm.push_back(p);
   }
-  const auto file = FreshFolder() / "cloud.cft";
+  const auto file = test::FreshFolder() / "cloud.cft";
   ASSERT_TRUE(WriteCft(file, table).has_value());
   const auto read = ReadCft(file);
   ASSERT_TRUE(read.has_value()) << read.error().message;

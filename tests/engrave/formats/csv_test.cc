@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -102,7 +102,7 @@ TEST(Csv, KeepsItsLimits) {
 }
 
 TEST(Csv, ErrorsNameTheFile) {
-  const auto file = FreshFolder() / "series.csv";
+  const auto file = test::FreshFolder() / "series.csv";
   std::ofstream(file) << "a,b\n1\n";
   EXPECT_THAT(ReadCsv(file).error().message,
               HasSubstr("series.csv: line 2 has 1 fields"));

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engrave/formats/point_file.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -20,10 +20,10 @@ std::string Drawing(const std::string& header, const std::string& entities) {
 constexpr char kPoint[] = "0\nPOINT\n8\n0\n10\n1\n20\n2.5\n30\n-3\n";
 
 TEST(DxfPoints, AreWrittenAsPointEntities) {
-  const fs::path file = FreshFolder() / "one.dxf";
+  const fs::path file = test::FreshFolder() / "one.dxf";
   ASSERT_TRUE(WriteDxf(file, {{{0.1, 20, -1e-7}}, {}, {"mm"}}).has_value());
   EXPECT_EQ(
-      ContentOf(file),
+      test::ContentOf(file),
       "999\nmm\n0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n"
       "0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nPOINT\n8\npoints\n10\n0.1\n20\n20\n30\n"
       "-0.0000001\n0\nENDSEC\n0\nEOF\n");
@@ -31,7 +31,7 @@ TEST(DxfPoints, AreWrittenAsPointEntities) {
 
 TEST(DxfPoints, RoundTripKeepsEveryBit) {
   PointTable table{{{0.1, 1.0 / 3, -3e-17}, {1e17, 0, 2}}, {}, {"mm", "and so on"}};
-  const fs::path file = FreshFolder() / "cloud.DXF";
+  const fs::path file = test::FreshFolder() / "cloud.DXF";
   ASSERT_TRUE(WriteDxf(file, table).has_value());
   const auto read = ReadDxf(file);
   ASSERT_TRUE(read.has_value()) << read.error().message;

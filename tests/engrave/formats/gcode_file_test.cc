@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engrave/core/check.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -17,10 +17,10 @@ PointTable Path() {
 }
 
 TEST(GcodeFile, IsTheGoldenFile) {
-  const fs::path file = FreshFolder() / "path.nc";
+  const fs::path file = test::FreshFolder() / "path.nc";
   ASSERT_TRUE(WriteGcode(file, Path()).has_value());
-  EXPECT_EQ(ContentOf(file), ContentOf(fs::path(INTAGLIO_SOURCE_DIR) /
-                                       "tests/data/formats/path_default.nc"));
+  EXPECT_EQ(test::ContentOf(file), test::ContentOf(fs::path(INTAGLIO_SOURCE_DIR) /
+                                                   "tests/data/formats/path_default.nc"));
 }
 
 TEST(GcodeFile, IsTheGoldenFileOfAllItsOptions) {
@@ -31,14 +31,14 @@ TEST(GcodeFile, IsTheGoldenFileOfAllItsOptions) {
   options.origin_mm = Vec3(10, 20, 5);
   options.header = "G21 G90 G64\nG0 Z50";
   options.footer = "G0 Z50\nM30";
-  const fs::path file = FreshFolder() / "path.nc";
+  const fs::path file = test::FreshFolder() / "path.nc";
   ASSERT_TRUE(WriteGcode(file, Path(), options).has_value());
-  EXPECT_EQ(ContentOf(file), ContentOf(fs::path(INTAGLIO_SOURCE_DIR) /
-                                       "tests/data/formats/path_options.nc"));
+  EXPECT_EQ(test::ContentOf(file), test::ContentOf(fs::path(INTAGLIO_SOURCE_DIR) /
+                                                   "tests/data/formats/path_options.nc"));
 }
 
 TEST(GcodeFile, RefusesOptionsOutsideTheirRanges) {
-  const fs::path file = FreshFolder() / "path.nc";
+  const fs::path file = test::FreshFolder() / "path.nc";
   GcodeOptions options;
   options.decimals = 10;
   EXPECT_THROW((void)WriteGcode(file, Path(), options), PreconditionError);

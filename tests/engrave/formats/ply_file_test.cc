@@ -11,7 +11,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/formats/point_file.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -66,7 +66,7 @@ TEST(PlyFile, RoundTripKeepsEveryBit) {
                    {"place", place},
                    {"channel", channel}};
   table.comments = {"glass frame, mm", "", "  two blanks first"};
-  const fs::path file = FreshFolder() / "cloud.ply";
+  const fs::path file = test::FreshFolder() / "cloud.ply";
   ASSERT_TRUE(WritePly(file, table).has_value());
   const auto read = ReadPly(file);
   ASSERT_TRUE(read.has_value()) << read.error().message;
@@ -89,13 +89,13 @@ TEST(PlyFile, HasTheHeaderThatOtherProgramsRead) {
   table.columns = {{"tick", std::vector<double>{7}},
                    {"channel", std::vector<std::uint8_t>{65}}};
   table.comments = {"made by a test"};
-  const fs::path file = FreshFolder() / "one.ply";
+  const fs::path file = test::FreshFolder() / "one.ply";
   ASSERT_TRUE(WritePly(file, table).has_value());
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment made by a test\nelement vertex 1\n"
       "property double x\nproperty double y\nproperty double z\n"
       "property double tick\nproperty uchar channel\nend_header\n";
-  const std::string content = ContentOf(file);
+  const std::string content = test::ContentOf(file);
   EXPECT_EQ(content.substr(0, header.size()), header);
   ASSERT_EQ(content.size(), header.size() + 4 * 8 + 1);
   EXPECT_EQ(content.back(), 'A');
@@ -104,7 +104,7 @@ TEST(PlyFile, HasTheHeaderThatOtherProgramsRead) {
 }
 
 TEST(PlyFile, WithoutPointsIsStillAFile) {
-  const fs::path file = FreshFolder() / "none.ply";
+  const fs::path file = test::FreshFolder() / "none.ply";
   ASSERT_TRUE(WritePly(file, {}).has_value());
   const auto read = ReadPly(file);
   ASSERT_TRUE(read.has_value());
@@ -167,11 +167,11 @@ TEST(PlyFile, ReadsTheVerticesOfAScannedMesh) {
 }
 
 TEST(PlyFile, CutAnywhereIsAnErrorThatNamesTheRow) {
-  const fs::path file = FreshFolder() / "cut.ply";
+  const fs::path file = test::FreshFolder() / "cut.ply";
   PointTable table;
   table.points_mm = {{1, 2, 3}, {4, 5, 6}};
   ASSERT_TRUE(WritePly(file, table).has_value());
-  const std::string content = ContentOf(file);
+  const std::string content = test::ContentOf(file);
   for (std::size_t size = 0; size < content.size(); ++size) {
     const auto read = ParsePly(std::string_view(content).substr(0, size));
     ASSERT_FALSE(read.has_value()) << size;
@@ -228,7 +228,7 @@ TEST(PlyFile, AllocatesNothingForACountThatCannotBe) {
 }
 
 TEST(PlyFile, KeepsTheLimitOnTheFile) {
-  const fs::path file = FreshFolder() / "cloud.ply";
+  const fs::path file = test::FreshFolder() / "cloud.ply";
   ASSERT_TRUE(WritePly(file, {}).has_value());
   PointFileLimits limits;
   limits.max_file_bytes = fs::file_size(file) - 1;
@@ -240,7 +240,7 @@ TEST(PlyFile, KeepsTheLimitOnTheFile) {
 }
 
 TEST(PlyFile, RefusesToWriteWhatCouldNotBeRead) {
-  const fs::path file = FreshFolder() / "cloud.ply";
+  const fs::path file = test::FreshFolder() / "cloud.ply";
   PointTable table;
   table.points_mm = {{1, 2, std::numeric_limits<double>::quiet_NaN()}};
   EXPECT_THROW((void)WritePly(file, table), PreconditionError);

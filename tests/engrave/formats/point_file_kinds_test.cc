@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 TEST(PointFileKinds, EveryReadableKindGivesTheWrittenPointsBack) {
   const PointTable table{{{0.1, 2, -1.0 / 3}, {1e-9, 5, 6}}, {}, {}};
-  const fs::path folder = FreshFolder();
+  const fs::path folder = test::FreshFolder();
   for (const char* name :
        {"a.ply", "a.xyz", "a.txt", "a.cft", "a.scl", "a.dxf", "A.SCL", "b.Ply"}) {
     const fs::path file = folder / name;
@@ -21,18 +21,18 @@ TEST(PointFileKinds, EveryReadableKindGivesTheWrittenPointsBack) {
     const auto read = ReadPoints(file);
     ASSERT_TRUE(read.has_value()) << read.error().message;
     EXPECT_EQ(read->points_mm, table.points_mm) << name;
-    const auto parsed = ParsePoints(ContentOf(file), file.extension().string());
+    const auto parsed = ParsePoints(test::ContentOf(file), file.extension().string());
     ASSERT_TRUE(parsed.has_value()) << parsed.error().message;
     EXPECT_EQ(parsed->points_mm, table.points_mm) << name;
   }
 }
 
 TEST(PointFileKinds, WritesGcodeAndDoesNotReadIt) {
-  const fs::path folder = FreshFolder();
+  const fs::path folder = test::FreshFolder();
   for (const char* name : {"a.gcode", "a.nc", "a.NGC"}) {
     const fs::path file = folder / name;
     ASSERT_TRUE(WritePoints(file, {{{1, 2, 3}}, {}, {}}).has_value());
-    EXPECT_THAT(ContentOf(file), HasSubstr("G0 X1.000 Y2.000 Z3.000\n"));
+    EXPECT_THAT(test::ContentOf(file), HasSubstr("G0 X1.000 Y2.000 Z3.000\n"));
     const auto read = ReadPoints(file);
     EXPECT_EQ(read.error().code, ErrorCode::kUnsupported);
     EXPECT_THAT(read.error().message, HasSubstr("written but not read"));
@@ -40,7 +40,7 @@ TEST(PointFileKinds, WritesGcodeAndDoesNotReadIt) {
 }
 
 TEST(PointFileKinds, ErrorsNameTheFileAndWhatThereIs) {
-  const fs::path folder = FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const auto read = ReadPoints(folder / "cloud.las");
   EXPECT_EQ(read.error().code, ErrorCode::kUnsupported);
   EXPECT_THAT(read.error().message, HasSubstr("cloud.las: points of the kind 'las'"));
@@ -48,7 +48,7 @@ TEST(PointFileKinds, ErrorsNameTheFileAndWhatThereIs) {
   const auto written = WritePoints(folder / "cloud", {});
   EXPECT_EQ(written.error().code, ErrorCode::kUnsupported);
   EXPECT_THAT(written.error().message, HasSubstr("dxf, gcode, nc, ngc"));
-  EXPECT_EQ(FileCountIn(folder), 0u);
+  EXPECT_EQ(test::FileCountIn(folder), 0u);
   EXPECT_EQ(ParsePoints("1 2 3", "").error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(ReadPoints(folder / "absent.scl").error().code, ErrorCode::kNotFound);
 }
@@ -60,7 +60,7 @@ TEST(PointFileKinds, CommentsThatAreReadCanBeWritten) {
       "property float y\nproperty float z\nend_header\n1 2 3\n";
   const std::string dxf =
       "999\na\rb\n0\nSECTION\n2\nENTITIES\n0\nPOINT\n10\n1\n0\nENDSEC\n0\nEOF\n";
-  const fs::path folder = FreshFolder();
+  const fs::path folder = test::FreshFolder();
   for (const auto& [bytes, extension] :
        {std::pair<std::string, std::string>{"# a\rb\n1 2 3\n", "xyz"},
         {ply, "ply"},

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "engrave/formats/point_file.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 // The bytes are taken apart by offsets written out here and by a CRC-32 bit by bit, not
 // by the writer's own tables.
@@ -55,9 +55,9 @@ PointTable TwoPoints() {
 }
 
 std::string Written(const PointTable& table) {
-  const auto file = FreshFolder() / "cloud.scl";
+  const auto file = test::FreshFolder() / "cloud.scl";
   EXPECT_TRUE(WriteScl(file, table).has_value());
-  return ContentOf(file);
+  return test::ContentOf(file);
 }
 
 TEST(SclFile, HasItsPartsWhereTheFormatSaysSo) {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "engrave/formats/point_file.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
@@ -27,7 +27,7 @@ TEST(XyzFile, RoundTripKeepsEveryBit) {
     if (p.allFinite()) table.points_mm.push_back(p);
   }
   table.comments = {"glass frame, mm", "", "# twice"};
-  const fs::path file = FreshFolder() / "cloud.xyz";
+  const fs::path file = test::FreshFolder() / "cloud.xyz";
   ASSERT_TRUE(WriteXyz(file, table).has_value());
   const auto read = ReadXyz(file);
   ASSERT_TRUE(read.has_value()) << read.error().message;
@@ -45,9 +45,9 @@ TEST(XyzFile, IsShortText) {
   PointTable table;
   table.points_mm = {{0.1, 20, -3.25}};
   table.comments = {"one point"};
-  const fs::path file = FreshFolder() / "one.xyz";
+  const fs::path file = test::FreshFolder() / "one.xyz";
   ASSERT_TRUE(WriteXyz(file, table).has_value());
-  EXPECT_EQ(ContentOf(file), "# one point\n0.1 20 -3.25\n");
+  EXPECT_EQ(test::ContentOf(file), "# one point\n0.1 20 -3.25\n");
 }
 
 TEST(XyzFile, TakesAnySeparatorAndPassesOverTheRest) {
@@ -83,7 +83,7 @@ TEST(XyzFile, RefusesNoPointsAndTooMany) {
 }
 
 TEST(XyzFile, ErrorNamesTheFile) {
-  const fs::path file = FreshFolder() / "bad.xyz";
+  const fs::path file = test::FreshFolder() / "bad.xyz";
   std::ofstream(file) << "abc\n";
   EXPECT_THAT(ReadXyz(file).error().message, HasSubstr("bad.xyz: line 1 is not"));
   EXPECT_EQ(ReadXyz("/nonexistent.xyz").error().code, ErrorCode::kNotFound);

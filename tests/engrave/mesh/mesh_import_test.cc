@@ -14,6 +14,7 @@
 #include "engrave/mesh/mesh_diagnosis.h"
 #include "tests/engrave/mesh/handmade_files.h"
 #include "tests/engrave/mesh/test_meshes.h"
+#include "tests/test_folder.h"
 
 // A box of 1 x 2 x 3 is written in every format by hand and must come back as the same
 // set of triangles.
@@ -294,8 +295,7 @@ TEST(MeshImport, KeepsItsLimits) {
 }
 
 TEST(MeshImport, ReadsAFileAndSaysWhatIsWrongWithOne) {
-  const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "mesh_import";
-  fs::create_directories(folder);
+  const fs::path folder = test::FreshFolder();
   const fs::path file = folder / "Box.STL";
   const TriangleMesh box = BoxMesh(kSize);
   const std::string stl = BinaryStl(box);

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/test_folder.h"
+
 namespace intaglio::render {
 namespace {
 
@@ -57,15 +59,12 @@ TEST(PngFile, SrgbComesBackAsItWentIn) {
 }
 
 TEST(PngFile, TheFileHoldsTheBytes) {
-  std::filesystem::create_directories(INTAGLIO_TEST_DIR);
-  const std::filesystem::path path =
-      std::filesystem::path(INTAGLIO_TEST_DIR) / "png_file_test.png";
+  const std::filesystem::path path = test::FreshFolder() / "sample.png";
   ASSERT_TRUE(WritePng(path, Sample()).has_value());
   std::ifstream file(path, std::ios::binary);
   const std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
   const auto expected = EncodePng(Sample());
   EXPECT_EQ(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), expected);
-  std::filesystem::remove(path);
 }
 
 TEST(PngFile, AFolderThatIsNotThereIsAnError) {

@@ -25,6 +25,7 @@
 
 #include "tests/integration/campaign/cell_under_fire.h"
 #include "tests/integration/campaign/stop_button.h"
+#include "tests/test_folder.h"
 
 namespace {
 
@@ -216,7 +217,7 @@ struct Options {
 
 Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
   const auto folder =
-      testing::FreshFolder(fmt::format("campaign-{}-{}", options.fault, getpid()));
+      test::FreshFolder(fmt::format("campaign-{}-{}", options.fault, getpid()));
   Outcome outcome;
   {
     CellUnderFire cell(folder, fmt::format("campaign-{}-{}", getpid(), run),
@@ -340,7 +341,7 @@ int TellHoldings(Peaks before, const Peaks& now) {
 
 int RunSoak(const Options& options) {
   std::mt19937 random(options.seed);
-  const auto folder = testing::FreshFolder(fmt::format("soak-{}", getpid()));
+  const auto folder = test::FreshFolder(fmt::format("soak-{}", getpid()));
   CellUnderFire cell(folder, fmt::format("soak-{}", getpid()), "lockstep");
   if (!cell.OpenShop()) return 1;
   constexpr int kLeastJobs = 6;

@@ -6,6 +6,8 @@
 
 #include <thread>
 
+#include "tests/test_folder.h"
+
 namespace intaglio::cli {
 namespace {
 
@@ -15,10 +17,6 @@ using ::testing::HasSubstr;
 
 class ChildProcessTest : public ::testing::Test {
  protected:
-  ChildProcessTest() {
-    fs::create_directories(output_.parent_path());
-    fs::remove(output_);
-  }
   Result<ChildProcess> Shell(const std::string& script) {
     return ChildProcess::Start({"shell", "/bin/sh", {"-c", script}, output_});
   }
@@ -32,9 +30,7 @@ class ChildProcessTest : public ::testing::Test {
     return true;
   }
 
-  fs::path output_ = fs::path(INTAGLIO_TEST_DIR) /
-                     (std::string("child_") +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path output_ = test::FreshFolder() / "output";
 };
 
 TEST_F(ChildProcessTest, KeepsItsOutputAndItsExitCode) {

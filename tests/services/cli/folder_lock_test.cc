@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "services/cli/child_process.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::cli {
 namespace {
@@ -15,8 +16,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 TEST(FolderLock, IsHeldByOneAndGoesWithIt) {
-  const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "folder_lock";
-  fs::remove_all(folder);
+  const fs::path folder = test::FreshFolder();
   {
     const auto first = FolderLock::Take(folder);
     ASSERT_TRUE(first) << first.error().message;

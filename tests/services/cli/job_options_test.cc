@@ -9,6 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <fstream>
 
+#include "tests/test_folder.h"
+
 namespace intaglio::cli {
 namespace {
 
@@ -109,8 +111,7 @@ TEST(JobFlags, OfOrderMotionAndLaserLandInThem) {
 }
 
 TEST(JobFlags, OfTheMachineAreANameOrAFile) {
-  const fs::path own = fs::path(INTAGLIO_TEST_DIR) / "job_options_own.textproto";
-  fs::create_directories(own.parent_path());
+  const fs::path own = test::FreshFolder() / "own.textproto";
   std::ifstream in(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
   std::string text((std::istreambuf_iterator<char>(in)), {});
   text.replace(text.find("\"els-03\""), 8, "\"mine\"");

@@ -13,7 +13,7 @@
 #include "materials_db/material_store.h"
 #include "proto/material_record.h"
 #include "proto/report.pb.h"
-#include "tests/engrave/formats/test_folder.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::cli {
 namespace {
@@ -68,18 +68,18 @@ const std::vector<std::string> kAddCrown = {
     "2510",         "--source",      "old catalog"};
 
 TEST(MaterialsCommand, ListsTheGlasses) {
-  const Outcome list = RunMaterials(formats::FreshFolder(), {"list"});
+  const Outcome list = RunMaterials(test::FreshFolder(), {"list"});
   EXPECT_EQ(list.exit_code, 0);
   EXPECT_THAT(list.out, HasSubstr("N-BK7         SCHOTT        1.51947"));
   EXPECT_THAT(list.out, HasSubstr("n(532 nm)"));
   const Outcome infrared =
-      RunMaterials(formats::FreshFolder(), {"list", "--wavelength", "1064"});
+      RunMaterials(test::FreshFolder(), {"list", "--wavelength", "1064"});
   EXPECT_THAT(infrared.out, HasSubstr("1.50663"));
 }
 
 TEST(MaterialsCommand, ShowsAGlass) {
   const Outcome show = RunMaterials(
-      formats::FreshFolder(), {"show", "n-bk7", "--wavelength", "355", "--na", "0.2"});
+      test::FreshFolder(), {"show", "n-bk7", "--wavelength", "355", "--na", "0.2"});
   EXPECT_EQ(show.exit_code, 0);
   EXPECT_THAT(show.out, HasSubstr("1.53815"));
   EXPECT_THAT(show.out, HasSubstr("64.17"));
@@ -95,7 +95,7 @@ JobReport AsReport(const std::string& json) {
 }
 
 TEST(MaterialsCommand, ShowsAGlassToPrograms) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const Outcome show = RunMaterials(
       folder, {"show", "n-bk7", "--wavelength", "355", "--na", "0.2", "--json"});
   EXPECT_EQ(show.exit_code, 0);
@@ -115,7 +115,7 @@ TEST(MaterialsCommand, ShowsAGlassToPrograms) {
 }
 
 TEST(MaterialsCommand, ListsTheGlassesToPrograms) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   ASSERT_EQ(RunMaterials(folder, kAddCrown).exit_code, 0);
   // Beyond the range of the others; only fused silica goes so far.
   const Outcome list = RunMaterials(folder, {"list", "--wavelength", "5500", "--json"});
@@ -137,7 +137,7 @@ TEST(MaterialsCommand, ShowsWhatIsKeptAlsoOutsideTheWavelengths) {
        {std::vector<std::string>{}, std::vector<std::string>{"--json"}}) {
     std::vector<std::string> words = {"show", "N-BK7", "--wavelength", "10600"};
     words.insert(words.end(), more.begin(), more.end());
-    const Outcome show = RunMaterials(formats::FreshFolder(), words);
+    const Outcome show = RunMaterials(test::FreshFolder(), words);
     EXPECT_EQ(show.exit_code, 2);
     EXPECT_THAT(show.out, HasSubstr("2510"));
     EXPECT_THAT(show.err, HasSubstr("10600"));
@@ -145,7 +145,7 @@ TEST(MaterialsCommand, ShowsWhatIsKeptAlsoOutsideTheWavelengths) {
 }
 
 TEST(MaterialsCommand, SaysWhatIsWrong) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const Outcome unknown = RunMaterials(folder, {"show", "BK7"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("did you mean N-BK7?"));
@@ -161,7 +161,7 @@ TEST(MaterialsCommand, SaysWhatIsWrong) {
 }
 
 TEST(MaterialsCommand, AddsReplacesAndRemoves) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const Outcome add = RunMaterials(folder, kAddCrown);
   ASSERT_EQ(add.exit_code, 0) << add.err;
   EXPECT_EQ(RunMaterials(folder, kAddCrown).exit_code, 2);
@@ -179,7 +179,7 @@ TEST(MaterialsCommand, AddsReplacesAndRemoves) {
 }
 
 TEST(MaterialsCommand, CoefficientsMayBeOneText) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   EXPECT_EQ(
       RunMaterials(folder, {"add", "c", "--formula", "rii_formula_5", "--coefficients",
                             "1.5 0.004 -2", "--range", "0.3", "2"})
@@ -193,7 +193,7 @@ TEST(MaterialsCommand, CoefficientsMayBeOneText) {
 }
 
 TEST(MaterialsCommand, ReplacesFromAFile) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const auto file = WriteFile(folder / "melt.yml", kCauchyRecord);
   ASSERT_EQ(RunMaterials(
                 folder, {"replace", "n-bk7", "--from", file.string(), "--source", "melt"})
@@ -207,7 +207,7 @@ TEST(MaterialsCommand, ReplacesFromAFile) {
 }
 
 TEST(MaterialsCommand, ImportsUnderAName) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const std::string file = WriteFile(folder / "melt.yml", kCauchyRecord).string();
   EXPECT_EQ(RunMaterials(folder, {"import", file}).out, "melt\n");
   EXPECT_EQ(RunMaterials(folder, {"import", file}).exit_code, 2);
@@ -220,7 +220,7 @@ TEST(MaterialsCommand, ImportsUnderAName) {
 }
 
 TEST(MaterialsCommand, SkipsBadGlassesOnlyWhenAsked) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   const std::string file = WriteFile(folder / "half.agf",
                                      "NM good 5 0 0\nCD 1.5 0.01 0.001\nLD 0.4 0.7\n"
                                      "NM bad 5 0 0\nLD 0.4 0.7\n")
@@ -237,7 +237,7 @@ TEST(MaterialsCommand, SkipsBadGlassesOnlyWhenAsked) {
 }
 
 TEST(MaterialsCommand, WhatIsExportedImportsAsEqual) {
-  const fs::path folder = formats::FreshFolder();
+  const fs::path folder = test::FreshFolder();
   ASSERT_EQ(RunMaterials(folder, kAddCrown).exit_code, 0);
   const fs::path file = folder / "all.yml";
   ASSERT_EQ(RunMaterials(folder, {"export", "--out", file.string()}).exit_code, 0);

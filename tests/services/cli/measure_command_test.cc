@@ -12,6 +12,7 @@
 
 #include "engrave/formats/point_file.h"
 #include "proto/quality.pb.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::cli {
 namespace {
@@ -22,8 +23,6 @@ using ::testing::HasSubstr;
 class MeasureCommand : public ::testing::Test {
  protected:
   MeasureCommand() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     // A cube of 10 mm in an OBJ, and a lattice of 0.5 mm on all its faces but the upper
     // one, where the product puts it: in the middle of a block of 20 mm.
     std::ofstream(folder_ / "cube.obj")
@@ -65,7 +64,7 @@ class MeasureCommand : public ::testing::Test {
     return all;
   }
 
-  fs::path folder_ = fs::path(INTAGLIO_TEST_DIR) / "measure_command";
+  fs::path folder_ = test::FreshFolder();
   formats::PointTable points_;
   std::string out_, err_;
 };

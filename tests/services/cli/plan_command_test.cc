@@ -18,6 +18,7 @@
 #include "proto/job.pb.h"
 #include "proto/plan_report.pb.h"
 #include "services/cli/run_command.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::cli {
 namespace {
@@ -61,8 +62,6 @@ double CubicPlace(double p0, double v0, double p1, double v1, double d_s, double
 class PlanCommand : public ::testing::Test {
  protected:
   PlanCommand() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     setenv("INTAGLIO_MATERIALS_DB", (folder_ / "materials.db").c_str(), 1);
     // A walk of small steps with a leap now and then, in a block of 30 mm.
     std::mt19937 random(7);
@@ -102,9 +101,7 @@ class PlanCommand : public ::testing::Test {
     return report;
   }
 
-  fs::path folder_ = fs::path(INTAGLIO_TEST_DIR) /
-                     (std::string("plan_command_") +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path folder_ = test::FreshFolder();
   PointList path_mm_;
   std::string output_, errors_;
 };

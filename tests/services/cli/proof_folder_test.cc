@@ -13,6 +13,7 @@
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::cli {
 namespace {
@@ -32,12 +33,7 @@ constexpr std::uint64_t kFirstTick = 1000;
 /// Four points of two layers, fired from below, 0.4 mm apart, all as planned.
 class ProofFolderTest : public ::testing::Test {
  protected:
-  ProofFolderTest()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) /
-                (std::string("proof_") +
-                 ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  ProofFolderTest() : folder_(test::FreshFolder()) {
     plan_mm_ = {{10, 10, 10}, {10.4, 10, 10}, {10, 10, 10.4}, {10.4, 10, 10.4}};
     for (std::size_t i = 0; i < plan_mm_.size(); ++i) {
       cracks_mm_.push_back(plan_mm_[i]);

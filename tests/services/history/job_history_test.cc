@@ -11,6 +11,7 @@
 #include "services/host/utc_time.h"
 #include "services/job_service/job_migrations.h"
 #include "services/job_service/job_store.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::history {
 namespace {
@@ -22,11 +23,7 @@ using ::testing::IsEmpty;
 
 class JobHistoryTest : public testing::Test {
  protected:
-  JobHistoryTest()
-      : path_(fs::path(INTAGLIO_TEST_DIR) / "job_history" /
-              testing::UnitTest::GetInstance()->current_test_info()->name() / "jobs.db") {
-    fs::remove_all(path_.parent_path());
-  }
+  JobHistoryTest() : path_(test::FreshFolder() / "jobs.db") {}
   void Keep(std::uint32_t number, const std::string& name, intaglio_JobState state,
             const std::string& ended_utc) {
     job_service::JobRecord job;

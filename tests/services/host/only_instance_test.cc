@@ -10,6 +10,7 @@
 
 #include "tests/integration/run_program.h"
 #include "tests/services/bus/private_bus.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::host {
 namespace {
@@ -26,7 +27,7 @@ struct Single {
 class OnlyOne : public ::testing::TestWithParam<Single> {
  protected:
   OnlyOne()
-      : folder_(intaglio::testing::FreshFolder("only_one_" + GetParam().program)),
+      : folder_(test::FreshFolder()),
         bus_(test::PrivateBusOptions()),
         health_(bus_, bus::kServiceHealth) {}
 

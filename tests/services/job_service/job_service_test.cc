@@ -6,6 +6,7 @@
 
 #include "tests/proto/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -15,13 +16,7 @@ using testing::HasSubstr;
 
 class JobServiceTest : public testing::Test {
  protected:
-  JobServiceTest()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) / "job_service" /
-                testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    Start();
-  }
+  JobServiceTest() : folder_(test::FreshFolder()) { Start(); }
   void Start() { service_.emplace(folder_, test::PrivateTag()); }
 
   void ReadyAll() {

@@ -9,6 +9,7 @@
 #include "proto/task.pb.h"
 #include "services/host/utc_time.h"
 #include "services/job_service/job_migrations.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -17,11 +18,7 @@ namespace fs = std::filesystem;
 
 class JobStoreTest : public testing::Test {
  protected:
-  JobStoreTest()
-      : path_(fs::path(INTAGLIO_TEST_DIR) / "job_store" /
-              testing::UnitTest::GetInstance()->current_test_info()->name() / "jobs.db") {
-    fs::remove_all(path_.parent_path());
-  }
+  JobStoreTest() : path_(test::FreshFolder() / "jobs.db") {}
   static JobRecord Record(std::uint32_t number, intaglio_JobState state) {
     JobRecord job;
     job.number = number;

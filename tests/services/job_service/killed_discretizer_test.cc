@@ -13,6 +13,7 @@
 #include "tests/proto/test_job.h"
 #include "tests/services/bus/child_program.h"
 #include "tests/services/job_service/fake_shop.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -38,9 +39,7 @@ struct PartWord {
 
 class KilledDiscretizerTest : public testing::Test {
  protected:
-  KilledDiscretizerTest() : folder_(fs::path(INTAGLIO_TEST_DIR) / "killed_discretizer") {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  KilledDiscretizerTest() : folder_(test::FreshFolder()) {
     service_.emplace(folder_, test::PrivateTag());
   }
   static std::unique_ptr<ChildProgram> Discretizer() {

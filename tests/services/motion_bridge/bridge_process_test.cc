@@ -11,6 +11,7 @@
 #include "tests/services/bus/child_program.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
 #include "tests/services/virtual_engraver/taken_line.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::motion_bridge {
 namespace {
@@ -36,9 +37,7 @@ struct Piece {
 class BridgeProcess : public ::testing::Test {
  protected:
   BridgeProcess()
-      : folder_(intaglio::testing::FreshFolder(
-            std::string("bridge_") +
-            ::testing::UnitTest::GetInstance()->current_test_info()->name())),
+      : folder_(test::FreshFolder()),
         engraver_(folder_, {"--travel-min", "-2,-2,-2", "--travel-max", "172,172,172"}),
         bus_(test::PrivateBusOptions(kCell)),
         batches_(bus_, bus::kMotionSegmentBatch, kCell),
@@ -245,7 +244,7 @@ TEST_F(BridgeProcess, WhoseStageIsTakenOverEndsWithAFault) {
 }
 
 TEST(BridgeOptions, AnUnknownDriverNamesWhatThereIs) {
-  const auto folder = intaglio::testing::FreshFolder("bridge_unknown_driver");
+  const auto folder = test::FreshFolder();
   auto machine = ReadMachineFile(ProfileFile());
   ASSERT_TRUE(machine.has_value());
   machine->mutable_motion_line()->set_protocol("grbl");

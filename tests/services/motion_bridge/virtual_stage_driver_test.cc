@@ -7,11 +7,11 @@
 
 #include "tests/integration/run_program.h"
 #include "tests/services/motion_bridge/fake_stage.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::motion_bridge {
 namespace {
 
-using intaglio::testing::FreshFolder;
 using namespace std::chrono_literals;
 
 MachineSpec MachineAt(const std::string& device) {
@@ -27,10 +27,7 @@ class VirtualStageDriver : public ::testing::Test {
   static constexpr std::uint32_t kCapacity = 100;
 
   VirtualStageDriver()
-      : device(
-            FreshFolder(std::string("stage_driver_") +
-                        ::testing::UnitTest::GetInstance()->current_test_info()->name()) /
-            "motion"),
+      : device(test::FreshFolder() / "motion"),
         stage(device, kCapacity),
         driver(MakeVirtualStageDriver(MachineAt(device))) {}
 

@@ -15,6 +15,7 @@
 #include "tests/services/bus/all_topics.h"
 #include "tests/services/bus/child_program.h"
 #include "tests/services/recording/recorded.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -33,13 +34,7 @@ std::uint64_t WallNow() {
 
 class RecorderProcess : public ::testing::Test {
  protected:
-  RecorderProcess()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) / "recorder_process" /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()),
-        file_(folder_ / "s.mcap") {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
+  RecorderProcess() : folder_(test::FreshFolder()), file_(folder_ / "s.mcap") {}
   test::ChildProgram Start(std::vector<std::string> more = {}) const {
     std::vector<std::string> arguments = {"--tag",      test::PrivateTag(),
                                           "--out",      file_.string(),

@@ -10,6 +10,7 @@
 #include "services/recorder/write_queue.h"
 #include "services/recording/mcap_reader.h"
 #include "tests/services/recording/recorded.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::recorder {
 namespace {
@@ -26,11 +27,7 @@ constexpr std::uint64_t kSecond = 1'000'000'000;
 
 class Series : public ::testing::Test {
  protected:
-  Series()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) / "recording_series" /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  Series() : folder_(test::FreshFolder()) {
     options_.file = folder_ / "s.mcap";
     options_.version = "9.9";
     options_.host = "here";

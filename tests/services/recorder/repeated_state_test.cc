@@ -10,6 +10,7 @@
 #include "services/recording/recording_copy.h"
 #include "tests/services/recording/recorded.h"
 #include "tests/services/recording/status_samples.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::recorder {
 namespace {
@@ -52,11 +53,7 @@ std::vector<Told> Read(const fs::path& file, bool repeated) {
 
 class RepeatedState : public ::testing::Test {
  protected:
-  RepeatedState()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) / "repeated_state" /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  RepeatedState() : folder_(test::FreshFolder()) {
     options_.file = folder_ / "s.mcap";
     options_.split_ns = 10 * kSecond;
   }

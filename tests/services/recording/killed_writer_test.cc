@@ -11,6 +11,7 @@
 #include "services/recording/message_cursor.h"
 #include "tests/services/bus/child_program.h"
 #include "tests/services/recording/recorded.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::recording {
 namespace {
@@ -26,9 +27,7 @@ std::uint64_t WallNow() {
 // The instants are random, the file is read as the kill left it. The writer's chunks are
 // 20 ms old at most here; a second is what a loaded host may add.
 TEST(KilledWriter, EveryFileIsReadableAndLacksLessThanASecond) {
-  const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "killed_writer";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
+  const fs::path folder = test::FreshFolder();
   constexpr int kKills = 200;
   std::mt19937 random(2026);
   std::uint64_t longest_ns = 0;

@@ -12,6 +12,7 @@
 #include "services/recording/mcap_writer.h"
 #include "services/recording/message_cursor.h"
 #include "tests/services/recording/recorded.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::recording {
 namespace {
@@ -31,12 +32,7 @@ Bytes Text(const std::string& text) {
 
 class McapFile : public ::testing::Test {
  protected:
-  McapFile()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) / "mcap_file" /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
+  McapFile() : folder_(test::FreshFolder()) {}
 
   /// Two topics over three seconds, in several chunks, with attachment and metadata.
   std::vector<Recorded> WriteSession(const fs::path& file, bool compress,

@@ -6,6 +6,7 @@
 #include "services/recording/conventions.h"
 #include "services/recording/mcap_writer.h"
 #include "tests/services/recording/recorded.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::recording {
 namespace {
@@ -18,12 +19,7 @@ using ::testing::SizeIs;
 
 class RecordingCopy : public ::testing::Test {
  protected:
-  RecordingCopy()
-      : folder_(fs::path(INTAGLIO_TEST_DIR) / "recording_copy" /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
+  RecordingCopy() : folder_(test::FreshFolder()) {}
   /// Messages at `first_ns`, +10, +20 ... of topics A and B in turn.
   fs::path Write(const std::string& name, std::uint64_t first_ns, bool close = true) {
     const fs::path file = folder_ / name;

@@ -17,6 +17,7 @@
 #include "services/security/identity_folders.h"
 #include "services/security/roles.h"
 #include "tests/services/bus/all_topics.h"
+#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
@@ -39,8 +40,6 @@ std::string TextIn(const fs::path& file) {
 class IdentityFiles : public ::testing::Test {
  protected:
   void SetUp() override {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     const security::ShopOptions shop{"Test shop", {"els-03"}, {40, 60}};
     ASSERT_TRUE(security::NewIdentities(shop_, shop, {kNow, 10, 100}));
   }
@@ -71,9 +70,7 @@ class IdentityFiles : public ::testing::Test {
              fs::copy_options::overwrite_existing);
   }
 
-  fs::path folder_ = fs::path(INTAGLIO_TEST_DIR) /
-                     (std::string("identity_") +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path folder_ = test::FreshFolder();
   fs::path shop_ = folder_ / "shop";
   fs::path sorter_ = shop_ / "stage-worker";
 };

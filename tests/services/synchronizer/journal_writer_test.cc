@@ -9,19 +9,14 @@
 
 #include <filesystem>
 
+#include "tests/test_folder.h"
+
 namespace intaglio::synchronizer {
 namespace {
 
 namespace fs = std::filesystem;
 using formats::JournalKind;
 using formats::PointOutcome;
-
-fs::path FreshFile(const std::string& name) {
-  const fs::path folder = fs::path(INTAGLIO_TEST_DIR) / "journal_writer";
-  fs::create_directories(folder);
-  fs::remove(folder / name);
-  return folder / name;
-}
 
 void AwaitDurable(JournalWriter& journal, std::uint64_t number) {
   for (int i = 0; i < 500 && journal.durable() < number; ++i) {
@@ -33,7 +28,7 @@ void AwaitDurable(JournalWriter& journal, std::uint64_t number) {
 }
 
 TEST(JournalWriter, WhatIsDurableIsInTheFile) {
-  const fs::path file = FreshFile("durable.bin");
+  const fs::path file = test::FreshFolder() / "journal.bin";
   auto journal = JournalWriter::Create(file, {1000, 7});
   ASSERT_TRUE(journal.has_value());
   for (std::uint32_t i = 0; i < 1000; ++i) {
@@ -50,7 +45,7 @@ TEST(JournalWriter, WhatIsDurableIsInTheFile) {
 }
 
 TEST(JournalWriter, ClosingWritesTheRest) {
-  const fs::path file = FreshFile("closing.bin");
+  const fs::path file = test::FreshFolder() / "journal.bin";
   {
     auto journal = JournalWriter::Create(file, {2, 1});
     ASSERT_TRUE(journal.has_value());
@@ -63,16 +58,16 @@ TEST(JournalWriter, ClosingWritesTheRest) {
 }
 
 TEST(JournalWriter, NeverWritesOverAJournal) {
-  const fs::path file = FreshFile("twice.bin");
+  const fs::path file = test::FreshFolder() / "journal.bin";
   ASSERT_TRUE(JournalWriter::Create(file, {1, 1}).has_value());
   const auto again = JournalWriter::Create(file, {1, 1});
   ASSERT_FALSE(again.has_value());
-  EXPECT_THAT(again.error().message, testing::HasSubstr("twice.bin"));
+  EXPECT_THAT(again.error().message, testing::HasSubstr("journal.bin"));
 }
 
 TEST(JournalWriter, FullDiskIsAFaultAndNothingIsDurable) {
   if (access("/dev/full", W_OK) != 0) GTEST_SKIP() << "no /dev/full here";
-  const fs::path file = FreshFile("full.bin");
+  const fs::path file = test::FreshFolder() / "journal.bin";
   fs::create_symlink("/dev/full", file);
   // O_EXCL refuses the link, which is how a journal in the way is refused, too.
   const auto journal = JournalWriter::Create(file, {1, 1});
@@ -82,7 +77,7 @@ TEST(JournalWriter, FullDiskIsAFaultAndNothingIsDurable) {
 
 // A limit of the file's size is a disk without room: it takes a part of a block, too.
 TEST(JournalWriter, GoesOnWhenTheDiskHasRoomAgain) {
-  const fs::path file = FreshFile("room.bin");
+  const fs::path file = test::FreshFolder() / "journal.bin";
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   signal(SIGXFSZ, SIG_IGN);
@@ -104,7 +99,7 @@ TEST(JournalWriter, GoesOnWhenTheDiskHasRoomAgain) {
     for (int i = 0; i < 500 && !(*journal)->failed(); ++i) usleep(1000);
     EXPECT_TRUE((*journal)->failed());
     EXPECT_EQ((*journal)->durable(), 1u);
-    EXPECT_THAT((*journal)->error(), testing::HasSubstr("room.bin"));
+    EXPECT_THAT((*journal)->error(), testing::HasSubstr("journal.bin"));
     EXPECT_THAT((*journal)->error(), testing::HasSubstr("make room"));
     // What comes meanwhile is kept.
     ASSERT_TRUE(append(**journal, 10));

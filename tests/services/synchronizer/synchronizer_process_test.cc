@@ -16,6 +16,7 @@
 #include "tests/services/host/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
 #include "tests/services/virtual_engraver/taken_line.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::synchronizer {
 namespace {
@@ -29,9 +30,7 @@ const std::string kCell = "els-03";
 class SynchronizerProcess : public ::testing::Test {
  protected:
   SynchronizerProcess()
-      : folder_(intaglio::testing::FreshFolder(
-            std::string("synchronizer_") +
-            ::testing::UnitTest::GetInstance()->current_test_info()->name())),
+      : folder_(test::FreshFolder()),
         engraver_(folder_, {"--rates", "1,2,5,10,25,50,100,200", "--travel-min",
                             "-2,-2,-2", "--travel-max", "172,172,172"}),
         bus_(test::PrivateBusOptions(kCell)),

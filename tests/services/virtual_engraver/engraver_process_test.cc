@@ -5,27 +5,22 @@
 #include <signal.h>
 
 #include "tests/services/virtual_engraver/stage_path.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::virtual_engraver {
 namespace {
 
 using intaglio::testing::Eventually;
-using intaglio::testing::FreshFolder;
 using link::LaserFrame;
 using link::MotionFrame;
 using namespace std::chrono_literals;
-
-std::filesystem::path FolderOfThisTest() {
-  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  return FreshFolder(std::string("engraver_") + test->name());
-}
 
 link::ArmWindow AllFrom(std::uint64_t first_tick, std::size_t count, bool gated = false) {
   return {first_tick, gated, std::vector<bool>(count, true)};
 }
 
 TEST(EngraverProcess, EngravesAShortJobOverItsLines) {
-  EngraverProcess engraver(FolderOfThisTest(), {});
+  EngraverProcess engraver(test::FreshFolder(), {});
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   EngravingHost host(engraver);
   ASSERT_TRUE(host.Connect());
@@ -70,7 +65,7 @@ void FireForEver(const EngraverProcess& engraver) {
 
 TEST(EngraverProcess, AHostThatDiesOrHangsLeavesClosedShutters) {
   for (const int signal_number : {SIGKILL, SIGSTOP}) {
-    EngraverProcess engraver(FolderOfThisTest(), {});
+    EngraverProcess engraver(test::FreshFolder(), {});
     ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
     const ForkedHost host([&] { FireForEver(engraver); });
     ASSERT_TRUE(Eventually([&] { return engraver.StatusOf("shutters") == "1"; }, 5s));
@@ -93,7 +88,7 @@ TEST(EngraverProcess, AHostThatDiesOrHangsLeavesClosedShutters) {
 }
 
 TEST(EngraverProcess, KilledItLeavesARecordUpToTheLastCrackItToldOf) {
-  EngraverProcess engraver(FolderOfThisTest(), {"--rates", "1000"});
+  EngraverProcess engraver(test::FreshFolder(), {"--rates", "1000"});
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   EngravingHost host(engraver);
   ASSERT_TRUE(host.Connect());
@@ -113,8 +108,9 @@ TEST(EngraverProcess, KilledItLeavesARecordUpToTheLastCrackItToldOf) {
 }
 
 TEST(EngraverProcess, MisbehavesAtTheTickItWasTold) {
-  EngraverProcess engraver(FolderOfThisTest(), {"--rates", "1000", "--fault",
-                                                "30 door open", "--fault", "60 key off"});
+  EngraverProcess engraver(
+      test::FreshFolder(),
+      {"--rates", "1000", "--fault", "30 door open", "--fault", "60 key off"});
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   ASSERT_TRUE(Eventually(
       [&] {
@@ -129,7 +125,7 @@ TEST(EngraverProcess, MisbehavesAtTheTickItWasTold) {
 }
 
 TEST(EngraverProcess, RefusesOptionsThatCannotBe) {
-  const auto folder = FolderOfThisTest();
+  const auto folder = test::FreshFolder();
   for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
            {"--speed", "fast"},
            {"--speed", "0"},

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::virtual_engraver {
 namespace {
@@ -15,11 +16,7 @@ namespace fs = std::filesystem;
 
 const formats::GlassHeader kHeader = {Vec3(80, 60, 40), 1.52, 0.124};
 
-fs::path RecordOfThisTest() {
-  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  return intaglio::testing::FreshFolder(std::string("glass_") + test->name()) /
-         "glass.rec";
-}
+fs::path RecordOfThisTest() { return test::FreshFolder() / "glass.rec"; }
 
 formats::GlassCrack Crack(std::uint64_t tick) {
   const double t = static_cast<double>(tick);

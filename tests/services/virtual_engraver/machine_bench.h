@@ -13,6 +13,7 @@
 
 #include "services/virtual_engraver/machine.h"
 #include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -95,10 +96,7 @@ class MachineBench : public ::testing::Test {
   }
 
   void Start(const MachineOptions& options) {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    record_file = intaglio::testing::FreshFolder(std::string(test->test_suite_name()) +
-                                                 "_" + test->name()) /
-                  "glass.rec";
+    record_file = test::FreshFolder() / "glass.rec";
     auto glass = Glass::Create(record_file, {options.block.size_mm, 1.5, 0.1});
     ASSERT_TRUE(glass.has_value());
     machine = std::make_unique<Machine>(options, std::move(*glass), clock);
