@@ -8,13 +8,16 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <random>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "engrave/discretize/rays.h"
 #include "engrave/discretize/sections.h"
@@ -30,6 +33,7 @@ using namespace discretize;
 
 constexpr double kSpacingMm = 0.1;
 constexpr int kRuns = 9;
+constexpr std::size_t kRandomPoints = 7'600'000;
 const Vec3 kBlockMm(100, 100, 100);
 
 /// A tube along a (2, 3) torus knot.
@@ -186,18 +190,46 @@ void Rays(const mesh::TriangleMesh& mesh) {
       one_ms, two_ms, one_ms / two_ms);
 }
 
+/// Anywhere on the surface, as likely here as there.
+SpacedCloud RandomPoints(const mesh::TriangleMesh& mesh, std::size_t count) {
+  std::vector<double> area_below;
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b], &r = mesh.vertices[c];
+    area_below.push_back(area += (q - p).cross(r - p).norm() / 2);
+  }
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> share(0, 1);
+  SpacedCloud cloud;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto at =
+        std::upper_bound(area_below.begin(), area_below.end() - 1, area * share(random)) -
+        area_below.begin();
+    const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(at)];
+    const double u = std::sqrt(share(random)), v = share(random);
+    cloud.Add((1 - u) * mesh.vertices[a] + u * (1 - v) * mesh.vertices[b] +
+                  u * v * mesh.vertices[c],
+              0);
+  }
+  return cloud;
+}
+
+void Welding(const std::string& work, const SpacedCloud& candidates) {
+  WeldOptions weld;
+  weld.min_spacing_mm = kSpacingMm;
+  std::size_t kept = 0;
+  const double our_ms = BestMs(5, [&] { kept = Weld(candidates, weld).size(); });
+  Line(work, fmt::format("{} of {} points", kept, candidates.size()), our_ms,
+       "CloudCompare spatial", CloudCompareWeld(candidates.points_mm, kSpacingMm));
+}
+
 void Welding(const mesh::TriangleMesh& mesh) {
   SectionOptions options;
   options.layer_distance_mm = options.vertex_distance_mm = kSpacingMm / 2;
-  SpacedCloud candidates;
-  MakeSections(mesh, options).value()->AddPoints({}, 0, {}, candidates).value();
-  std::size_t kept = 0;
-  WeldOptions weld;
-  weld.min_spacing_mm = kSpacingMm;
-  const double our_ms = BestMs(3, [&] { kept = Weld(candidates, weld).size(); });
-  Line("weld of sections twice as dense",
-       fmt::format("{} of {} points", kept, candidates.size()), our_ms,
-       "CloudCompare spatial", CloudCompareWeld(candidates.points_mm, kSpacingMm));
+  SpacedCloud rows;
+  MakeSections(mesh, options).value()->AddPoints({}, 0, {}, rows).value();
+  Welding("weld of sections twice as dense", rows);
+  Welding("weld of random points", RandomPoints(mesh, kRandomPoints));
 }
 
 double LoadAverage() {
