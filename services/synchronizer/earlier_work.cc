@@ -23,37 +23,36 @@ bool TellsOfNothing(const formats::Journal& journal) {
                       [](const auto& record) { return formats::IsOfPoint(record.kind); });
 }
 
-// And nothing is armed before the session is: behind it records may have been lost.
-bool HasSession(const formats::Journal& journal) {
-  return std::any_of(
-      journal.records.begin(), journal.records.end(),
-      [](const auto& record) { return record.kind == JournalKind::kSession; });
-}
-
 }  // namespace
 
 EarlierWork EarlierWorkOf(const formats::Journal& journal) {
   EarlierWork earlier;
   earlier.damaged_records = journal.damaged_records;
+  bool begun = false;
   for (const formats::JournalRecord& record : journal.records) {
-    if (record.kind != JournalKind::kWord && record.kind != JournalKind::kReopened)
-      continue;
-    earlier.word_grant = std::max(earlier.word_grant, record.tick);
-  }
-  if (TellsOfNothing(journal) && !HasSession(journal)) return earlier;
-  earlier.points = formats::HistoryOf(journal);
-  for (const formats::JournalRecord& record : journal.records) {
+    // Nothing is armed before the session is: behind it records may have been lost.
+    begun |= record.kind == JournalKind::kSession || formats::IsOfPoint(record.kind);
     earlier.highest_run = std::max(earlier.highest_run, record.run);
-    if (record.kind == JournalKind::kIntent) {
-      earlier.uncertain_unanswered = false;
-    } else if (record.outcome == formats::PointOutcome::kUncertain) {
-      earlier.uncertain_unanswered = true;
+    switch (record.kind) {
+      case JournalKind::kIntent:
+        earlier.uncertain_unanswered = false;
+        break;
+      case JournalKind::kOutcome:
+        earlier.uncertain_unanswered |=
+            record.outcome == formats::PointOutcome::kUncertain;
+        break;
+      case JournalKind::kSession:
+        earlier.power_up = record.point;
+        earlier.pulses_before_job = record.pulse_count;
+        earlier.openings = record.openings;
+        break;
+      case JournalKind::kWord:
+      case JournalKind::kReopened:
+        earlier.word_grant = std::max(earlier.word_grant, record.tick);
+        break;
     }
-    if (record.kind != JournalKind::kSession) continue;
-    earlier.power_up = record.point;
-    earlier.pulses_before_job = record.pulse_count;
-    earlier.openings = record.openings;
   }
+  if (begun) earlier.points = formats::HistoryOf(journal);
   return earlier;
 }
 

@@ -133,6 +133,15 @@ TEST_F(OpenJournalTest, TheGreatestGrantWithAWordIsKnownInTheNextLife) {
   EXPECT_EQ(opened->earlier.word_grant, 9u);
 }
 
+// Heard before the first run, by a life that ended there.
+TEST_F(OpenJournalTest, AWordAloneIsKnownAndNoRunHasBegun) {
+  Write({{JournalKind::kWord, PointOutcome::kNone, 0, 0, 7, 0, 17}});
+  const auto opened = OpenJournal(file_, kHeader, JobBegun::kItsPathIsThere);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->earlier.word_grant, 7u);
+  EXPECT_TRUE(opened->earlier.points.empty());
+}
+
 TEST_F(OpenJournalTest, WhatIsUncertainIsUnansweredUntilARunBegins) {
   formats::JournalRecord uncertain = kMade;
   uncertain.outcome = PointOutcome::kUncertain;
