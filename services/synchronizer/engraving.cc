@@ -81,6 +81,8 @@ std::uint64_t Engraving::AheadTicks() const {
 void Engraving::Turn(const EngravingInputs& inputs) {
   now_ = inputs.now;
   motion_fault_ = inputs.motion.fault;
+  granted_ = inputs.permission_granted;
+  grant_heard_ = inputs.grant.number > 0;
   const std::pair status_number{laser_.session(), laser_.status_number()};
   if (laser_.up() && status_number != status_number_) {
     status_number_ = status_number;
@@ -119,7 +121,7 @@ void Engraving::Take(const link::PulseReport& report) {
 
 void Engraving::Await(const EngravingInputs& inputs) {
   if (stopping_ || NothingIsLeft(inputs)) return Finish();
-  if (!laser_.up() || !laser_.Has(link::kLampWarm)) {
+  if (!laser_.up() || !laser_.Has(link::kLampWarm) || !job_.block_misfit.empty()) {
     phase_ = Phase::kPreparing;
     return;
   }

@@ -15,7 +15,9 @@
 // same channels: shutters are moved between runs. kHalting takes back what has
 // not fired (Disarm), brakes the stage and closes the shutters, then settles every armed
 // point: by report, by what the controller remembers when reports were lost, or, after
-// another power-up of it, as uncertain. A job that an earlier life left begins there.
+// another power-up of it, as uncertain. It is not left before the controller has said
+// that nothing is armed, and its counter was looked at if the line was lost. A job that
+// an earlier life left begins there.
 // After a fault (anything but a withdrawn permission) only a new grant counts: nothing
 // restarts by itself (permission_chain.h). So it is, if the job says so, when points are
 // left of which nobody knows whether they were fired, even if nothing else is left.
@@ -68,7 +70,8 @@ struct EngravingInputs {
   bool stop_pressed = false;
   std::uint32_t speed_percent = 100;  ///< override, 10..100
   std::uint32_t first_point = 0;      ///< open points before it are left out
-  /// With the grant: a person's word to fire again what is uncertain when it is heard.
+  /// With the grant: a person's word to fire again what is uncertain when it is heard, or
+  /// becomes so of what was armed before it.
   bool fire_uncertain = false;
   MotionView motion;
   /// Of a controller with a clock of its own; lives as long as the Engraving.
@@ -89,6 +92,8 @@ struct EngravingJob {
   bool photosensor_feedback = true;  ///< false: nothing sees cracks, fired is made
   /// Points of which nobody knows whether they were fired: a person is asked.
   bool asks_when_uncertain = false;
+  /// Why nothing is to be fired into the block that is in the machine; empty: it is.
+  std::string block_misfit = {};
   EarlierWork earlier = {};
 };
 
@@ -122,8 +127,8 @@ class Engraving {
   bool asks() const { return asks_; }
   /// It fires nothing until somebody or something outside lets it.
   bool waits() const {
-    return (started() || faulted()) && phase_ != Phase::kRunning && !starts_again_ &&
-           !message_.empty();
+    const bool begun = started() || faulted() || (granted_ && !job_.block_misfit.empty());
+    return begun && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
   }
   std::uint32_t run_count() const { return run_count_; }
   std::uint64_t first_fired_tick() const { return first_fired_tick_; }
@@ -152,7 +157,9 @@ class Engraving {
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);
   void HearWord(const EngravingInputs& inputs);
+  bool WordIsOf(const Grant& grant) const;
   bool WordStands(const EngravingInputs& inputs) const;
+  bool WordAnswers(const EngravingInputs& inputs) const;
   bool ReopenUncertain(const EngravingInputs& inputs);
   void AskOverUncertain(const EngravingInputs& inputs);
   std::string QuestionOverUncertain() const;
@@ -208,11 +215,12 @@ class Engraving {
   Phase phase_ = Phase::kPreparing;
   std::string message_;
   PermissionChain chain_;
+  bool granted_ = false, grant_heard_ = false;  // by the newest word; of this job
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
   bool asks_ = false, asked_ = false;   // of uncertain points: not answered; said
   std::uint64_t word_grant_ = 0;        // greatest whose word to fire them was heard
-  std::vector<std::uint32_t> word_of_;  // what was uncertain then and is not open yet
+  std::vector<std::uint32_t> word_of_;  // what it is about and is not open yet
   bool stopping_ = false;
   bool lamp_stays_ = false;
   std::uint32_t left_out_before_ = 0;

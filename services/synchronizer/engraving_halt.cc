@@ -204,7 +204,7 @@ void Engraving::SettleHalted(const EngravingInputs& inputs) {
   // open in the journal, and who takes the job up asks the controller.
   if (late && stopping_) return Finish();
   if (!schedule_.empty() || doubts_left_ > 0) return;
-  if (laser_.up() && !disarmed && !late) return;
+  if (stopping_ ? laser_.up() && !disarmed : !disarmed || !grant_heard_) return;
   if (starts_again_ && inputs.motion.tick < passed_by_tick_ && !late) return;
   const bool moving = inputs.motion.fresh && !inputs.motion.at_rest;
   if (moving && !late) return KeepIdleTicksPassing();

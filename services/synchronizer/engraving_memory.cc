@@ -119,7 +119,8 @@ void Engraving::SettleByMemory(bool late) {
              PointOutcome::kSkipped);
   }
   if (schedule_.armed_count() > 0 && (lost || late)) return AskForThePast();
-  if (lost && schedule_.armed_count() == 0) CompareCounters();
+  // What it finds costs a grant: there is none before it is heard.
+  if (lost && schedule_.armed_count() == 0 && grant_heard_) CompareCounters();
 }
 
 void Engraving::AskForThePast() {
@@ -149,7 +150,7 @@ void Engraving::CompareCounters() {
   if (counted != known && !explained && doubts_left_ == 0) {
     const std::uint32_t more = counted - known;
     if (taken_up_ && run_count_ == 0 && more <= ledger_.size()) doubts_left_ = more;
-    Explain(Missing::kLaserLine,
+    Explain(Missing::kNothing,
             fmt::format(
                 "the laser controller counts {} pulses where {} are known{}: "
                 "look at the block, then resume or cancel",
@@ -158,7 +159,6 @@ void Engraving::CompareCounters() {
                     ? ""
                     : fmt::format(", so the next {} points are uncertain", doubts_left_)),
             true);
-    lost_a_line_ = false;
   }
   if (DoubtNextPoints()) TakeCounters();
 }

@@ -180,6 +180,80 @@ TEST_P(TakeUp, AJournalWithoutItsLast64KilobytesDoublesNothing) {
   }
 }
 
+/// A job of two runs, of whose second one the disk has kept nothing: every point that the
+/// journal knows of has its outcome.
+void LoseTheSecondRun(FakeCell& cell) {
+  cell.lockstep_ticks_a_step = 4;
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(20)) << cell.Description();
+  cell.Withdraw();
+  cell.StepFor(1s);
+  const std::size_t kept = cell.JournalOnDisk().records.size();
+  const std::size_t known = cell.laser.cracks().size();
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(known + 20)) << cell.Description();
+  cell.Withdraw();
+  cell.StepFor(1s);
+  ASSERT_EQ(cell.Count(PointState::kArmed), 0u);
+  cell.DieAndTakeUp([&](const fs::path& file) { fs::resize_file(file, OffsetOf(kept)); });
+  ASSERT_EQ(cell.made(), known);
+}
+
+void ExpectNoPointTwice(const FakeCell& cell) {
+  std::vector<double> places;
+  for (const Crack& crack : cell.laser.cracks()) places.push_back(crack.at_mm.x());
+  std::sort(places.begin(), places.end());
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    ASSERT_GT(places[i] - places[i - 1], 1e-3) << "a point was fired twice";
+  }
+}
+
+// Nothing is left to be asked of the controller, and yet its counter is looked at,
+// however late its line comes up: what it counts more is the glass's.
+TEST_P(TakeUp, AJournalWithoutItsLastRunDoublesNothing) {
+  for (const auto silence : {0ms, 3000ms}) {
+    SCOPED_TRACE(silence.count());
+    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    LoseTheSecondRun(cell);
+    const std::size_t before = cell.laser.cracks().size(), known = cell.made();
+    cell.CutLine(true);
+    cell.StepFor(silence);
+    cell.CutLine(false);
+    for (int renewals = 0; renewals < 2; ++renewals) {
+      cell.RenewGrant();
+      cell.StepFor(2s);
+    }
+    EXPECT_EQ(cell.laser.cracks().size(), before) << "a person is asked";
+    EXPECT_TRUE(cell.engraving->waits());
+    EXPECT_TRUE(cell.engraving->faulted());
+    EXPECT_FALSE(cell.engraving->lost_a_line());
+    EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("look at the block"));
+    cell.GrantAnew();
+    ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+    EXPECT_EQ(cell.Count(PointState::kUncertain), before - known);
+    EXPECT_EQ(cell.made() + cell.Count(PointState::kUncertain), kPoints);
+    ExpectNoPointTwice(cell);
+  }
+}
+
+// The word of before is heard when all of that is known already: it is none on it.
+TEST_P(TakeUp, AGrantThatIsHeardLateIsSpentByWhatIsFoundAllTheSame) {
+  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  LoseTheSecondRun(cell);
+  const std::size_t before = cell.laser.cracks().size();
+  const Grant grant = std::exchange(cell.grant, {});
+  cell.StepFor(3s);
+  cell.grant = grant;
+  cell.RepeatGrant();
+  cell.StepFor(2s);
+  EXPECT_EQ(cell.laser.cracks().size(), before);
+  EXPECT_TRUE(cell.engraving->faulted());
+  EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("look at the block"));
+  cell.GrantAnew();
+  ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+  ExpectNoPointTwice(cell);
+}
+
 // As above, in any order; and even outcomes of long ago are in the controller's memory.
 TEST_P(TakeUp, AnyOutcomesMayBeMissingInTheJournal) {
   std::mt19937_64 random(3);
