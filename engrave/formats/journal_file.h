@@ -45,7 +45,7 @@ enum class JournalKind : std::uint8_t {
   kIntent = 1,    ///< the point may fire at this tick; on disk before it can
   kOutcome = 2,   ///< what became of it
   kSession = 3,   ///< the ticks from here on are of this power-up of the controller
-  kWord = 4,      ///< a person's: what is uncertain by now may be fired again
+  kWord = 4,      ///< a person's: fire again what is uncertain, or armed and found so
   kReopened = 5,  ///< an uncertain point is open again, by such a word
 };
 

@@ -1,20 +1,26 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "services/synchronizer/engraving.h"
 
 // What is done about points of which nobody knows whether they were fired: they are left,
 // and a job that says so waits until a person has looked at the block. They are fired
 // again by a person's word alone, which comes with a grant and counts once: for what is
-// uncertain when it is heard. So the journal has it before anything more is armed; what
-// becomes uncertain later, in this life or another, is not meant by it, nor is what a
-// life did not come to open before it ended.
+// uncertain when it is heard, and for what becomes so because it was armed before and is
+// still being settled then. So the journal has it before anything more is armed; what is
+// armed later, in this life or another, is not meant by it, nor is what a life did not
+// come to open before it ended.
 
 namespace intaglio::synchronizer {
 
 using formats::JournalKind;
 using formats::PointOutcome;
 
-// What lies before the place that is engraved from is left for good.
+// What lies before the place that is engraved from is left for good. While it halts
+// nothing is armed any more, and nothing is before the first run that the word lets
+// begin: what is armed by now is what the person means, too. A run that goes on arms
+// more.
 void Engraving::HearWord(const EngravingInputs& inputs) {
   if (!inputs.fire_uncertain || inputs.grant.number <= word_grant_ || stopping_) return;
   if (!journal_.Append({JournalKind::kWord, PointOutcome::kNone, 0, run_,
@@ -23,20 +29,44 @@ void Engraving::HearWord(const EngravingInputs& inputs) {
   }
   word_grant_ = inputs.grant.number;
   word_of_.clear();
+  const bool settles = phase_ == Phase::kHalting;
   for (std::uint32_t point = inputs.first_point; point < ledger_.size(); ++point) {
-    if (ledger_.state(point) == PointState::kUncertain) word_of_.push_back(point);
+    const PointState state = ledger_.state(point);
+    if (state == PointState::kUncertain || (settles && state == PointState::kArmed)) {
+      word_of_.push_back(point);
+    }
   }
 }
 
-bool Engraving::WordStands(const EngravingInputs& inputs) const {
-  return inputs.fire_uncertain && inputs.grant.number == word_grant_ && !word_of_.empty();
+bool Engraving::WordIsOf(const Grant& grant) const {
+  return word_grant_ > 0 && grant.number == word_grant_;
 }
 
-// Once the chain is whole. As with what is left out, they may be more than the journal's
-// ring takes at once; false: the next turns go on.
+bool Engraving::WordStands(const EngravingInputs& inputs) const {
+  return inputs.fire_uncertain && WordIsOf(inputs.grant) &&
+         std::any_of(word_of_.begin(), word_of_.end(), [this](std::uint32_t point) {
+           return ledger_.state(point) == PointState::kUncertain;
+         });
+}
+
+// Said before the question was, and about all of it.
+bool Engraving::WordAnswers(const EngravingInputs& inputs) const {
+  if (!WordStands(inputs) || chain_.has_lost(inputs.grant)) return false;
+  const auto meant =
+      std::count_if(word_of_.begin(), word_of_.end(), [this](std::uint32_t point) {
+        return ledger_.state(point) == PointState::kUncertain;
+      });
+  return static_cast<std::uint64_t>(meant) == ledger_.count(PointState::kUncertain);
+}
+
+// Once the chain is whole, with nothing armed: what has been settled otherwise is not
+// meant any more. As with what is left out, they may be more than the journal's ring
+// takes at once; false: the next turns go on.
 bool Engraving::ReopenUncertain(const EngravingInputs& inputs) {
-  for (; WordStands(inputs); word_of_.pop_back()) {
+  if (!inputs.fire_uncertain || !WordIsOf(inputs.grant)) word_of_.clear();
+  for (; !word_of_.empty(); word_of_.pop_back()) {
     const std::uint32_t point = word_of_.back();
+    if (ledger_.state(point) != PointState::kUncertain) continue;
     if (!journal_.Append({JournalKind::kReopened, PointOutcome::kNone, 0, run_,
                           word_grant_, point, pulses_before_job_ + fired_count_})) {
       return false;
@@ -44,6 +74,7 @@ bool Engraving::ReopenUncertain(const EngravingInputs& inputs) {
     ledger_.Reopen(point);
     idle_runs_ = 0;
   }
+  asks_ = asks_ && ledger_.count(PointState::kUncertain) > 0;
   return true;
 }
 
@@ -52,6 +83,7 @@ bool Engraving::ReopenUncertain(const EngravingInputs& inputs) {
 void Engraving::AskOverUncertain(const EngravingInputs& inputs) {
   const bool settled = phase_ == Phase::kPreparing || phase_ == Phase::kWaiting;
   if (!asks_ || asked_ || stopping_ || !settled || inputs.grant.number == 0) return;
+  if (WordAnswers(inputs)) return;
   const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
   Explain(Missing::kNothing, why + QuestionOverUncertain(), true);
   asked_ = true;

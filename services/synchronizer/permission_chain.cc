@@ -135,6 +135,10 @@ Missing PermissionChain::WhatIsMissing(const ChainLinks& links,
   return missing == Missing::kNothing && !worth ? Missing::kPermission : missing;
 }
 
+bool PermissionChain::has_lost(const Grant& grant) const {
+  return Grant{grant.number, kEveryRenewal} <= spent_;
+}
+
 bool PermissionChain::may_reset(const ChainLinks& links) const {
   return state_ != State::kLatched && IsNewestGranted(links) && links.grant > spent_;
 }

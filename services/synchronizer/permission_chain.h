@@ -110,6 +110,8 @@ class PermissionChain {
   bool latched() const { return state_ != State::kClear; }
   /// Latched, and it has cost a grant.
   bool has_spent() const { return latched() && spent_.number > 0; }
+  /// No renewal of this one counts any more, but a greater number alone.
+  bool has_lost(const Grant& grant) const;
   /// The machine may be told to leave its safe state and its latched stop.
   bool may_reset(const ChainLinks& links) const;
 
