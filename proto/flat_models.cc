@@ -43,14 +43,17 @@ Result<Source> PointsOf(const JobSpec& job, const Model& model,
   return discretize::MakeCurvePoints(placed->flat, options);
 }
 
-Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file) {
+Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
+                                     const drawing::DrawingLimits& limits) {
   std::string ending = std::filesystem::path(name).extension().string();
   for (char& c : ending) {
     c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  if (ending == ".dxf") return drawing::ReadDxf(file, {}, name);
-  if (ending == ".svg") return drawing::ReadSvg(file, {}, name);
-  return drawing::ReadHpgl(file, {}, name);
+  drawing::ReadOptions options;
+  options.limits = limits;
+  if (ending == ".dxf") return drawing::ReadDxf(file, options, name);
+  if (ending == ".svg") return drawing::ReadSvg(file, options, name);
+  return drawing::ReadHpgl(file, options, name);
 }
 
 drawing::TextAlignment AlignmentOf(TextAlignment alignment) {
@@ -103,8 +106,8 @@ discretize::HalftoneOptions OptionsOf(const JobSpec& job, const HalftoneMethod& 
 }  // namespace
 
 Result<Source> MakeDrawing(const JobSpec& job, const Model& model, std::string_view file,
-                           std::vector<std::string>& warnings) {
-  const auto drawing = ReadDrawing(model.file(), file);
+                           const ReadLimits& limits, std::vector<std::string>& warnings) {
+  const auto drawing = ReadDrawing(model.file(), file, limits.drawings);
   if (!drawing) return tl::unexpected(drawing.error());
   for (const auto& [kind, count] : drawing->left_out) {
     warnings.push_back(fmt::format(
@@ -128,8 +131,10 @@ Result<Source> MakeText(const JobSpec& job, const Model& model, const std::strin
 }
 
 Result<Source> MakePicture(const JobSpec& job, const Model& model, std::string_view file,
-                           std::optional<std::string_view> photo) {
+                           std::optional<std::string_view> photo,
+                           const ReadLimits& limits) {
   image::ImageOptions reading;
+  reading.limits = limits.images;
   if (model.has_relief()) reading.samples = image::Samples::kAsStored;
   const auto picture = image::ParseImage(file, reading);
   if (!picture) return tl::unexpected(picture.error());
@@ -142,7 +147,9 @@ Result<Source> MakePicture(const JobSpec& job, const Model& model, std::string_v
   }
   std::optional<image::GreyImage> shade;
   if (photo) {
-    auto read = image::ParseImage(*photo);
+    image::ImageOptions of_light;
+    of_light.limits = limits.images;
+    auto read = image::ParseImage(*photo, of_light);
     if (!read) {
       Error error = read.error();
       error.message = model.relief().photo() + ": " + error.message;
@@ -166,8 +173,11 @@ Result<Source> MakePicture(const JobSpec& job, const Model& model, std::string_v
   return discretize::MakeRelief(*picture, shade, *placement, options);
 }
 
-Result<discretize::Density> DensityOfPicture(std::string_view file, const Box3& box_mm) {
-  const auto picture = image::ParseImage(file);
+Result<discretize::Density> DensityOfPicture(std::string_view file, const Box3& box_mm,
+                                             const image::ImageLimits& limits) {
+  image::ImageOptions reading;
+  reading.limits = limits;
+  const auto picture = image::ParseImage(file, reading);
   if (!picture) return tl::unexpected(picture.error());
   // Finer than any spacing; what is asked for is a value a point.
   constexpr int kLargest = 2048;

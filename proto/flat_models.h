@@ -13,13 +13,14 @@
 #include "engrave/discretize/density.h"
 #include "engrave/discretize/point_source.h"
 #include "proto/job.pb.h"
+#include "proto/read_limits.h"
 
 namespace intaglio {
 
 /// What a file holds that is not engraved is told in `warnings`.
 Result<std::unique_ptr<discretize::PointSource>> MakeDrawing(
     const JobSpec& job, const Model& model, std::string_view file,
-    std::vector<std::string>& warnings);
+    const ReadLimits& limits, std::vector<std::string>& warnings);
 
 /// The model's text in the font, with `text` in place of it.
 Result<std::unique_ptr<discretize::PointSource>> MakeText(const JobSpec& job,
@@ -29,9 +30,10 @@ Result<std::unique_ptr<discretize::PointSource>> MakeText(const JobSpec& job,
 
 Result<std::unique_ptr<discretize::PointSource>> MakePicture(
     const JobSpec& job, const Model& model, std::string_view file,
-    std::optional<std::string_view> photo);
+    std::optional<std::string_view> photo, const ReadLimits& limits);
 
 /// A picture laid over x and z of a box, seen from -y: bright is dense.
-Result<discretize::Density> DensityOfPicture(std::string_view file, const Box3& box_mm);
+Result<discretize::Density> DensityOfPicture(std::string_view file, const Box3& box_mm,
+                                             const image::ImageLimits& limits);
 
 }  // namespace intaglio

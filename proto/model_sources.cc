@@ -82,13 +82,14 @@ bool HoldsPointsOnly(const Model& model, const FileBytes& file) {
 
 class Maker {
  public:
-  Maker(const JobSpec& job, std::vector<FileBytes> files, JobSources& made)
-      : job_(job), files_(std::move(files)), made_(made) {}
+  Maker(const JobSpec& job, std::vector<FileBytes> files, const ReadLimits& limits,
+        JobSources& made)
+      : job_(job), files_(std::move(files)), limits_(limits), made_(made) {}
 
   Result<Source> Make(const Model& model) {
     auto source = MakeOne(model);
     if (source) return WithCopies(model, std::move(*source));
-    Error error = source.error();
+    Error error = WithRemedy(source.error(), limits_);
     const std::string name = model.has_text() ? model.text().text() : model.file();
     if (!error.message.starts_with(name)) error.message = name + ": " + error.message;
     return tl::unexpected(std::move(error));
@@ -105,7 +106,7 @@ class Maker {
       case ModelKind::kCloud:
         return OfCloud(model, file);
       case ModelKind::kDrawing:
-        return MakeDrawing(job_, model, TextOf(file), made_.warnings);
+        return MakeDrawing(job_, model, TextOf(file), limits_, made_.warnings);
       case ModelKind::kImage:
         return OfPicture(model, file);
       case ModelKind::kText:
@@ -116,10 +117,10 @@ class Maker {
 
   Result<Source> OfPicture(const Model& model, const FileBytes& file) {
     if (model.relief().photo().empty()) {
-      return MakePicture(job_, model, TextOf(file), {});
+      return MakePicture(job_, model, TextOf(file), {}, limits_);
     }
     const FileBytes photo = files_.Take();
-    return MakePicture(job_, model, TextOf(file), TextOf(photo));
+    return MakePicture(job_, model, TextOf(file), TextOf(photo), limits_);
   }
 
   /// Copies of a numbered text are texts of their own.
@@ -143,8 +144,8 @@ class Maker {
   }
 
   Result<Source> OfMesh(const Model& model, const FileBytes& file) {
-    auto imported =
-        mesh::ImportMeshFromMemory(file, ExtensionOf(model.file()), {}, model.file());
+    auto imported = mesh::ImportMeshFromMemory(file, ExtensionOf(model.file()),
+                                               limits_.meshes, model.file());
     if (!imported) return tl::unexpected(imported.error());
     const Block block = BlockOf(job_, model);
     auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
@@ -154,7 +155,7 @@ class Maker {
     discretize::MeshMethod method = MeshMethodOf(job_, model, *placed);
     if (model.even().has_image()) {
       const FileBytes image = files_.Take();
-      auto density = DensityOfPicture(TextOf(image), placed->Bounds());
+      auto density = DensityOfPicture(TextOf(image), placed->Bounds(), limits_.images);
       if (!density) {
         return Fail(density.error().code,
                     model.even().image() + ": " + density.error().message);
@@ -179,7 +180,8 @@ class Maker {
   }
 
   Result<Source> OfCloud(const Model& model, const FileBytes& file) {
-    const auto table = formats::ParsePoints(TextOf(file), ExtensionOf(model.file()));
+    const auto table =
+        formats::ParsePoints(TextOf(file), ExtensionOf(model.file()), limits_.points);
     if (!table) return tl::unexpected(table.error());
     const auto glass_from_model = PlaceIn(table->points_mm, model);
     if (!glass_from_model) return tl::unexpected(glass_from_model.error());
@@ -208,15 +210,16 @@ class Maker {
 
   const JobSpec& job_;
   Files files_;
+  const ReadLimits& limits_;
   JobSources& made_;
 };
 
 }  // namespace
 
 Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
-                               const ProgressSink& progress) {
+                               const ReadLimits& limits, const ProgressSink& progress) {
   JobSources made;
-  Maker maker(job, std::move(files), made);
+  Maker maker(job, std::move(files), limits, made);
   for (const Model& model : job.models()) {
     auto source = maker.Make(model);
     if (!source) return tl::unexpected(source.error());
@@ -228,23 +231,22 @@ Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
   return made;
 }
 
-Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job) {
-  constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 30;
+Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits) {
   std::vector<FileBytes> files;
   for (const std::string& path : FilesOf(job)) {
-    const auto text = formats::ReadWholeFile(path, kMaxFileBytes);
-    if (!text) return tl::unexpected(text.error());
+    const auto text = formats::ReadWholeFile(path, limits.max_file_bytes);
+    if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
     const auto bytes = std::as_bytes(std::span(*text));
     files.emplace_back(bytes.begin(), bytes.end());
   }
   return files;
 }
 
-Result<Vec3> SizeOf(const JobSpec& job) {
-  auto files = ReadFilesOf(job);
+Result<Vec3> SizeOf(const JobSpec& job, const ReadLimits& limits) {
+  auto files = ReadFilesOf(job, limits);
   if (!files) return tl::unexpected(files.error());
   // How many and how near does not matter: the fewest will do.
-  const auto made = MakeSources(job, std::move(*files), {});
+  const auto made = MakeSources(job, std::move(*files), limits, {});
   if (!made) return tl::unexpected(made.error());
   Vec3 size_mm = Vec3::Zero();
   for (const auto& source : made->sources) {

@@ -11,6 +11,7 @@
 #include "engrave/core/result.h"
 #include "engrave/discretize/cloud.h"
 #include "proto/job.pb.h"
+#include "proto/read_limits.h"
 #include "proto/task.pb.h"
 
 namespace intaglio {
@@ -28,7 +29,7 @@ struct JobSources {
 /// and freed one by one. Errors name the model's file. kCancelled when `progress` says
 /// so.
 Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
-                               const ProgressSink& progress);
+                               const ReadLimits& limits, const ProgressSink& progress);
 
 /// Where the copies of a model stand, from its own place; of one without, there alone.
 PointList CopyOffsetsOf(const Model& model);
@@ -37,10 +38,10 @@ PointList CopyOffsetsOf(const Model& model);
 discretize::CloudOptions CloudOptionsOf(const JobSpec& job);
 
 /// The files of a job that is made here, from this machine's disks.
-Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job);
+Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits);
 
 /// The largest extents of the placed models, mm: a block has to hold them. `job` with its
 /// defaults filled in, and a block of any size.
-Result<Vec3> SizeOf(const JobSpec& job);
+Result<Vec3> SizeOf(const JobSpec& job, const ReadLimits& limits);
 
 }  // namespace intaglio

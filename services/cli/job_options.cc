@@ -15,6 +15,7 @@
 #include "proto/model_sources.h"
 #include "proto/options.h"
 #include "services/cli/child_process.h"
+#include "services/cli/size_limits_flag.h"
 
 namespace intaglio::cli {
 namespace {
@@ -192,7 +193,8 @@ std::vector<double> BlockFor(const Vec3& size_mm) {
 }
 
 // Without a block the objects decide: their joint size and a margin, in whole steps.
-Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine) {
+Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine,
+                                const ReadLimits& limits) {
   JobSpec complete = job;
   Set(complete.mutable_block()->mutable_size_mm(),
       {kAnyBlockMm, kAnyBlockMm, kAnyBlockMm});
@@ -202,7 +204,7 @@ Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine) {
     return Fail(ErrorCode::kMissing,
                 model.file() + " is to fill the block: give its size with --block");
   }
-  const auto measured = SizeOf(complete);
+  const auto measured = SizeOf(complete, limits);
   if (!measured) return tl::unexpected(measured.error());
   const Vec3& size = *measured;
   const std::vector<double> block = BlockFor(size);
@@ -236,12 +238,13 @@ Result<JobSpec> ReadJob(const JobFlags& flags, bool needs_model) {
               "nothing to engrave: name a job file, or a model with --mesh");
 }
 
-Status SetBlock(JobAndMachine& built, const PointList* points_mm) {
+Status SetBlock(JobAndMachine& built, const PointList* points_mm,
+                const ReadLimits& limits) {
   if (points_mm != nullptr && built.job.models().empty()) {
     Set(built.job.mutable_block()->mutable_size_mm(), BlockAround(*points_mm));
     return {};
   }
-  auto note = ChooseBlock(built.job, built.machine);
+  auto note = ChooseBlock(built.job, built.machine, limits);
   if (!note) return tl::unexpected(note.error());
   built.notes.push_back(std::move(*note));
   return {};
@@ -266,7 +269,8 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
     job.mutable_discretization()->set_min_spacing_mm(0.1);
   }
   if (!job.block().has_size_mm() && flags.job_file.empty()) {
-    if (auto set = SetBlock(built, points_mm); !set) return tl::unexpected(set.error());
+    if (auto set = SetBlock(built, points_mm, ReadLimitsTimes(flags.size_limits)); !set)
+      return tl::unexpected(set.error());
   }
   job = WithDefaults(job, built.machine);
   auto errors = CheckAll(job, built.machine);
@@ -319,6 +323,7 @@ void AddJobFlags(CLI::App& command, JobFlags& flags) {
                      "stage acceleration limit, mm/s^2");
   command.add_option("--focal", flags.focal_mm,
                      "focal length of the lens, mm; one of the machine's");
+  AddSizeLimitsFlag(command, flags.size_limits);
   command.add_option("--name", flags.name, "name of the job, for people");
 }
 

@@ -17,11 +17,13 @@
 #include "proto/model_sources.h"
 #include "proto/options.h"
 #include "proto/quality_options.h"
+#include "proto/read_limits.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline_steps.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/quality_figures.h"
 #include "services/cli/run_command.h"
+#include "services/cli/size_limits_flag.h"
 #include "services/host/worker_threads.h"
 
 namespace intaglio::cli {
@@ -68,6 +70,7 @@ Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one
 /// the channel, without triangles. None when there is no mesh.
 Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options,
                                                    const JobSpec& job) {
+  const ReadLimits limits = ReadLimitsTimes(options.job.size_limits);
   const std::vector<ChannelMask> masks = ChannelsOfModels(job);
   std::vector<mesh::TriangleMesh> surfaces(static_cast<std::size_t>(job.models_size()));
   bool any = false;
@@ -82,8 +85,8 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options
                                          MaskOfChannel(*options.channel))) {
       continue;
     }
-    const auto imported = mesh::ImportMesh(model.file());
-    if (!imported) return tl::unexpected(imported.error());
+    const auto imported = mesh::ImportMesh(model.file(), limits.meshes);
+    if (!imported) return tl::unexpected(WithRemedy(imported.error(), limits));
     const Block block = BlockOf(job, model);
     auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
                                      Vec3Of(block.size_mm()));
@@ -102,9 +105,9 @@ struct MeasuredCloud {
   std::vector<ChannelMask> masks;  ///< of cracks, the channel that each is in
 };
 
-Result<MeasuredCloud> ReadCloud(const std::string& file) {
-  auto table = ReadPoints(file);
-  if (!table) return tl::unexpected(table.error());
+Result<MeasuredCloud> ReadCloud(const std::string& file, const ReadLimits& limits) {
+  auto table = ReadPoints(file, limits.points);
+  if (!table) return tl::unexpected(WithRemedy(table.error(), limits));
   if (table->points_mm.empty()) {
     return Fail(ErrorCode::kMissing,
                 file + " has no points; name a file with one point or more");
@@ -203,7 +206,7 @@ Status DrawPicture(const MeasureOptions& options, const PointList& points_mm,
 }
 
 int Measure(const MeasureOptions& options) {
-  auto all = ReadCloud(options.cloud);
+  auto all = ReadCloud(options.cloud, ReadLimitsTimes(options.job.size_limits));
   if (!all) return Complain(all.error(), kExitWrongInput);
   const auto job = BuildJobOfPoints(options.job, all->cloud.points_mm);
   if (!job) return Complain(job.error(), kExitWrongInput);
@@ -246,6 +249,7 @@ void AddPlacementFlags(CLI::App& measure, JobFlags& job) {
                      "machine profile: els-03 (default), or a file");
   measure.add_option("--focal", job.focal_mm,
                      "focal length of the lens, mm: its cracks decide what breaks");
+  AddSizeLimitsFlag(measure, job.size_limits);
 }
 
 }  // namespace

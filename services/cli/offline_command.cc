@@ -33,11 +33,11 @@ struct OfflineOptions {
 };
 
 /// The job's points, made here in one process.
-Result<discretize::Discretized> MakePoints(const JobSpec& job) {
-  auto files = ReadFilesOf(job);
+Result<discretize::Discretized> MakePoints(const JobSpec& job, const ReadLimits& limits) {
+  auto files = ReadFilesOf(job, limits);
   if (!files) return tl::unexpected(files.error());
   Meter meter("discretize", Meter::Of::kShares);
-  auto sources = MakeSources(job, std::move(*files), meter.Sink());
+  auto sources = MakeSources(job, std::move(*files), limits, meter.Sink());
   if (!sources) return tl::unexpected(sources.error());
   auto made = discretize::MakeCloud(sources->sources, CloudOptionsOf(job), {},
                                     host::AllCores(), meter.Sink());
@@ -52,7 +52,7 @@ Result<discretize::Discretized> MakePoints(const JobSpec& job) {
 int DiscretizeOffline(const OfflineOptions& options) {
   const auto job = BuildJob(options.job);
   if (!job) return Complain(job.error(), kExitWrongInput);
-  const auto cloud = MakePoints(job->job);
+  const auto cloud = MakePoints(job->job, ReadLimitsTimes(options.job.size_limits));
   if (!cloud) return Complain(cloud.error(), kExitWrongInput);
   formats::PointTable table;
   table.points_mm = cloud->cloud.points_mm;

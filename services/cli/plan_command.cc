@@ -8,6 +8,7 @@
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/sort/order.h"
 #include "proto/options.h"
+#include "proto/read_limits.h"
 #include "services/cli/offline_steps.h"
 #include "services/cli/path_figures.h"
 #include "services/cli/path_job.h"
@@ -32,10 +33,12 @@ struct Path {
 };
 
 Result<PointList> ReadPath(const PathOptions& options, const std::string& flag) {
-  auto table = ReadPoints(options.input);
+  const ReadLimits limits = ReadLimitsTimes(options.job.size_limits);
+  auto table = ReadPoints(options.input, limits.points);
   if (!table) {
-    table.error().message = flag + ": " + table.error().message;
-    return tl::unexpected(table.error());
+    Error error = WithRemedy(table.error(), limits);
+    error.message = flag + ": " + error.message;
+    return tl::unexpected(std::move(error));
   }
   if (table->points_mm.empty()) {
     return Fail(ErrorCode::kMissing,

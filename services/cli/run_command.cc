@@ -19,6 +19,7 @@
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_folder.h"
 #include "services/cli/service_set.h"
+#include "services/cli/size_limits_flag.h"
 #include "services/cli/stage_bars.h"
 
 namespace intaglio::cli {
@@ -145,6 +146,7 @@ Result<ServiceSet> RunSession::StartServices() {
   machine.faults = options_.faults;
   machine.clock_drift_ppm = options_.clock_drift_ppm;
   machine.line_jitter_ms = options_.line_jitter_ms;
+  HandOnSizeLimits(options_.job.size_limits);
   return ServiceSet::Start(set, &machine);
 }
 

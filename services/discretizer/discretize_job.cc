@@ -9,8 +9,9 @@ namespace intaglio::discretizer {
 
 Result<std::shared_ptr<const PreparedJob>> PrepareJob(const FrozenJob& job,
                                                       std::vector<FileBytes> files,
+                                                      const ReadLimits& limits,
                                                       const ProgressSink& progress) {
-  auto sources = MakeSources(job.job(), std::move(files), progress);
+  auto sources = MakeSources(job.job(), std::move(files), limits, progress);
   if (!sources) return tl::unexpected(sources.error());
   return std::make_shared<const PreparedJob>(PreparedJob{job.job(), std::move(*sources)});
 }

@@ -21,6 +21,7 @@ struct PreparedJob {
 /// `files` as FilesOf (proto/model_kind.h) names them. Errors name the model's file.
 Result<std::shared_ptr<const PreparedJob>> PrepareJob(const FrozenJob& job,
                                                       std::vector<FileBytes> files,
+                                                      const ReadLimits& limits,
                                                       const ProgressSink& progress);
 
 /// The points of one part of the job, glass frame, mm, from the lowest up; the parts one

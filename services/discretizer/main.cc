@@ -1,6 +1,7 @@
 #include <CLI/App.hpp>
 
 #include "proto/model_kind.h"
+#include "proto/read_limits.h"
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
@@ -15,8 +16,9 @@ using namespace intaglio;
 /// The job service's model files, for the first part of a job alone.
 class ModelInput final : public host::StageInput {
  public:
-  ModelInput(bus::Bus& bus, const std::string& instance, Executor executor)
-      : intake_(bus, instance), executor_(std::move(executor)) {}
+  ModelInput(bus::Bus& bus, const std::string& instance, const ReadLimits& limits,
+             Executor executor)
+      : limits_(limits), intake_(bus, instance, limits), executor_(std::move(executor)) {}
 
   Status Open(const host::StageTask& task) override {
     kept_.Begin(task.job_uid, task.attempt);
@@ -36,10 +38,10 @@ class ModelInput final : public host::StageInput {
   host::Computation<host::StageResult>::Function TakeComputation(
       const host::StageTask& task) override {
     return [job = task.job, part = task.part, kept = kept_.slot(), executor = executor_,
-            files = intake_.TakeFiles()](
+            limits = limits_, files = intake_.TakeFiles()](
                const ProgressSink& progress) mutable -> Result<host::StageResult> {
       if (*kept == nullptr) {
-        auto prepared = discretizer::PrepareJob(job, std::move(files), progress);
+        auto prepared = discretizer::PrepareJob(job, std::move(files), limits, progress);
         if (!prepared) return tl::unexpected(prepared.error());
         *kept = std::move(*prepared);
       }
@@ -50,13 +52,14 @@ class ModelInput final : public host::StageInput {
   bus::Reader<intaglio_ModelChunk>& reader() { return intake_.reader(); }
 
  private:
+  ReadLimits limits_;
   discretizer::ModelIntake intake_;
   Executor executor_;
   discretizer::KeptJob<std::shared_ptr<const discretizer::PreparedJob>> kept_;
 };
 
-int Serve(host::ServiceHost& host, std::size_t threads) {
-  ModelInput input(host.bus(), host.instance(),
+int Serve(host::ServiceHost& host, const ReadLimits& limits, std::size_t threads) {
+  ModelInput input(host.bus(), host.instance(), limits,
                    threads == 0 ? host::AllCores() : host::OnThreads(threads));
   host::CloudOutput<intaglio_PointBatch> output(host.bus(), bus::kPointBatch);
   bus::WaitSet wait(host.bus());
@@ -71,14 +74,21 @@ int Serve(host::ServiceHost& host, std::size_t threads) {
 
 int main(int argc, char** argv) {
   std::size_t threads = 0;
+  double size_limits = 1;
   const host::ServiceDescription description{
       intaglio_ROLE_DISCRETIZER, "discretizer", "makes points of the models of a job",
-      [&threads](CLI::App& app) {
+      [&](CLI::App& app) {
         app.add_option("--threads", threads,
                        "threads that compute; all cores when not given")
             ->check(CLI::Range(1, 1024));
+        app.add_option("--size-limits", size_limits,
+                       "factor on the largest files, pictures, meshes and clouds that "
+                       "are read (docs/jobs.md)")
+            ->envname(kSizeLimitsVariable)
+            ->check(CLI::Range(kLeastSizeLimits, kGreatestSizeLimits))
+            ->capture_default_str();
       }};
-  return host::RunService(description, argc, argv, [&threads](host::ServiceHost& host) {
-    return Serve(host, threads);
+  return host::RunService(description, argc, argv, [&](host::ServiceHost& host) {
+    return Serve(host, ReadLimitsTimes(size_limits), threads);
   });
 }

@@ -10,8 +10,9 @@ namespace {
 constexpr std::uint32_t kWindowChunks = 64;
 }  // namespace
 
-ModelIntake::ModelIntake(bus::Bus& bus, const std::string& instance)
-    : reader_(bus, bus::kModelChunk), credit_(bus, instance) {}
+ModelIntake::ModelIntake(bus::Bus& bus, const std::string& instance,
+                         const ReadLimits& limits)
+    : reader_(bus, bus::kModelChunk), credit_(bus, instance), limits_(limits) {}
 
 Status ModelIntake::Open(const std::string& job_uid, std::uint32_t attempt,
                          host::TaskPart part, std::size_t model_count) {
@@ -66,13 +67,14 @@ Status ModelIntake::Check(const intaglio_ModelChunk& chunk) const {
                 fmt::format("chunk {} of the models does not fit to the ones before it",
                             expected_));
   }
-  if (begins && (chunk.file_size > kMaxModelBytes ||
-                 total_bytes_ + chunk.file_size > kMaxModelBytes)) {
-    return Fail(ErrorCode::kTooLarge,
+  if (begins && (chunk.file_size > limits_.max_file_bytes ||
+                 total_bytes_ + chunk.file_size > limits_.max_file_bytes)) {
+    Error error{ErrorCode::kTooLarge,
                 fmt::format("the models of the job are larger than {} MiB together: "
-                            "simplify them",
-                            kMaxModelBytes >> 20),
-                std::to_string(total_bytes_ + chunk.file_size));
+                            "simplify them, or raise the limit",
+                            limits_.max_file_bytes >> 20),
+                std::to_string(total_bytes_ + chunk.file_size)};
+    return tl::unexpected(WithRemedy(std::move(error), limits_));
   }
   return {};
 }

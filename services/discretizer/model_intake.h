@@ -16,21 +16,18 @@
 
 namespace intaglio::discretizer {
 
-/// Of all models of a job together. 1 GiB is 21 million triangles of binary STL; more
-/// does not fit into the memory of a usual machine beside the mesh made from it.
-inline constexpr std::uint64_t kMaxModelBytes = std::uint64_t{1} << 30;
-
 /// The files in the order of FilesOf (proto/model_kind.h).
 class ModelIntake {
  public:
-  ModelIntake(bus::Bus& bus, const std::string& instance);
+  ModelIntake(bus::Bus& bus, const std::string& instance, const ReadLimits& limits);
 
   /// Gives the sender its credit for these many models; forgets an earlier stream.
   Status Open(const std::string& job_uid, std::uint32_t attempt, host::TaskPart part,
               std::size_t model_count);
   /// Takes what has come and drops what is not of the open stream, also when none is
   /// open; true when all models are whole. kLinkLost: a chunk is missing. kFault: a chunk
-  /// contradicts the ones before it. kTooLarge: above kMaxModelBytes.
+  /// contradicts the ones before it. kTooLarge: all models together are above
+  /// ReadLimits::max_file_bytes.
   Result<bool> Poll();
   void Close();
   /// The files in the order of the job, once.
@@ -43,6 +40,7 @@ class ModelIntake {
 
   bus::Reader<intaglio_ModelChunk> reader_;
   bus::CreditGrantor credit_;
+  ReadLimits limits_;
   std::string job_uid_, stream_;
   std::uint32_t attempt_ = 0;
   host::TaskPart part_;

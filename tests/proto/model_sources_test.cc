@@ -28,7 +28,7 @@ struct OneModel {
     std::vector<FileBytes> bytes;
     for (const std::string_view file : files) bytes.push_back(BytesOf(file));
     const JobSpec whole = WithDefaults(job, GoodMachine());
-    const auto sources = MakeSources(whole, std::move(bytes), {});
+    const auto sources = MakeSources(whole, std::move(bytes), {}, {});
     if (!sources) return tl::unexpected(sources.error());
     return discretize::MakeCloud(sources->sources, CloudOptionsOf(whole), {}, {}, {});
   }

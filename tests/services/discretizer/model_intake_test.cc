@@ -50,7 +50,7 @@ class ModelIntakeTest : public testing::Test {
   host::TaskPart part{3, 8, 1};
   bus::Bus bus{test::PrivateBusOptions()};
   bus::Writer<intaglio_ModelChunk> writer{bus, bus::kModelChunk};
-  ModelIntake intake{bus, "discretizer"};
+  ModelIntake intake{bus, "discretizer", {}};
   std::uint64_t number = 0;
 };
 
@@ -105,7 +105,7 @@ TEST_F(ModelIntakeTest, RefusesTooMuchBeforeItTakesTheMemory) {
   ExpectRefused(ErrorCode::kTooLarge);
   Open(2);
   Send(0, 0, 1, {1}, false);
-  Send(1, 0, kMaxModelBytes, {1}, false);
+  Send(1, 0, ReadLimits().max_file_bytes, {1}, false);
   ExpectRefused(ErrorCode::kTooLarge);
 }
 

@@ -1,0 +1,40 @@
+#pragma once
+
+// How large the files of a job may be that a process reads: bounds on what reading costs,
+// by kind of file. What is beyond them is kTooLarge, with the way to raise them.
+
+#include <cstdint>
+
+#include "engrave/core/result.h"
+#include "engrave/drawing/drawing.h"
+#include "engrave/formats/point_file.h"
+#include "engrave/image/image_file.h"
+#include "engrave/mesh/mesh_import.h"
+
+namespace intaglio {
+
+struct ReadLimits {
+  double factor = 1;  ///< by which all that follow are multiplied
+  /// Of a file, and of all files of a job together, bytes. 1 GiB is 21 million triangles
+  /// of binary STL; more does not fit into the memory of a usual machine beside the mesh
+  /// made from it.
+  std::uint64_t max_file_bytes = std::uint64_t{1} << 30;
+  mesh::ImportOptions meshes;
+  drawing::DrawingLimits drawings;
+  image::ImageLimits images;
+  formats::PointFileLimits points;
+};
+
+/// Of the factors that --size-limits takes.
+inline constexpr double kLeastSizeLimits = 0.001, kGreatestSizeLimits = 1000;
+/// In the environment of a service, and of what it starts.
+inline constexpr const char* kSizeLimitsVariable = "INTAGLIO_SIZE_LIMITS";
+
+/// The limits as they are when nobody sets any, all times `factor`: bytes, entities,
+/// points, pixels and triangles; not the depth of nesting, nor coordinates.
+ReadLimits ReadLimitsTimes(double factor);
+
+/// A kTooLarge of a reader with the option that raises its limits; others as they are.
+Error WithRemedy(Error error, const ReadLimits& limits);
+
+}  // namespace intaglio
