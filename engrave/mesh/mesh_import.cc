@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fstream>
 #include <new>
 #include <optional>
@@ -14,6 +13,7 @@
 
 #include "engrave/mesh/import_source.h"
 #include "engrave/mesh/library_import.h"
+#include "engrave/mesh/ply_header.h"
 #include "engrave/mesh/stl_file.h"
 #include "engrave/mesh/unpacked_size.h"
 
@@ -24,9 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 8> kExtensions = {"stl",  "obj", "ply", "3mf",
                                                          "gltf", "glb", "dae", "3ds"};
-
-// More than any header of a PLY.
-constexpr std::size_t kMaxPlyHeaderSize = 1 << 20;
 
 std::string LowerCaseExtension(std::string_view text) {
   if (!text.empty() && text.front() == '.') text.remove_prefix(1);
@@ -79,76 +76,6 @@ Status CheckFile(const ImportSource& source, const fs::path& file) {
   return CheckSize(source, byte_count);
 }
 
-/// The library reads on for ever where a PLY header does not end, as in a file cut short.
-/// `beginning` is the file or its first kMaxPlyHeaderSize bytes.
-Status CheckPlyHeaderEnds(const ImportSource& source, std::string_view beginning) {
-  constexpr std::string_view kEnd = "\nend_header";
-  const std::size_t at = beginning.find(kEnd);
-  if (at != std::string_view::npos) {
-    const std::string_view rest = beginning.substr(at + kEnd.size());
-    if (!rest.empty() && (rest.front() == '\n' || rest.front() == '\r')) return {};
-  }
-  return source.Refuse(ErrorCode::kUnreadable,
-                       "it cannot be read as ply (its header does not end with a line "
-                       "end_header); check that it is complete, or export it again");
-}
-
-/// The library makes room for as many rows as a PLY's header says there are: 20 GB for a
-/// file of 200 bytes. A row takes a byte at least.
-Status CheckPlyCounts(const ImportSource& source, std::string_view header,
-                      std::uint64_t byte_count) {
-  constexpr std::string_view kBegin = "element";  // wherever the library may see it
-  constexpr std::string_view kBlanks = " \t";
-  header = header.substr(0, header.find("\nend_header"));
-  for (std::size_t at = header.find(kBegin); at != std::string_view::npos;
-       at = header.find(kBegin, at)) {
-    at += kBegin.size();
-    const std::string_view line =
-        header.substr(at, header.find_first_of("\r\n", at) - at);
-    const std::size_t name = line.find_first_not_of(kBlanks);
-    const std::size_t number =
-        line.find_first_not_of(kBlanks, line.find_first_of(kBlanks, name));
-    if (name == std::string_view::npos || number == std::string_view::npos) continue;
-    std::uint64_t count = 0;
-    const auto parsed =
-        std::from_chars(line.data() + number, line.data() + line.size(), count);
-    if (parsed.ec == std::errc::result_out_of_range || count > byte_count) {
-      return source.RefuseAsUnreadable(fmt::format(
-          "it has {} bytes, too few for \"element{:.40}\"", byte_count, line));
-    }
-  }
-  return {};
-}
-
-/// The library makes room for the rows of the first list of vertices, and of faces, and
-/// writes those of a second one behind it.
-Status CheckPlyElementsComeOnce(const ImportSource& source, std::string_view header) {
-  int vertex_lists = 0, face_lists = 0;
-  header = header.substr(0, header.find("\nend_header"));
-  for (std::size_t end = 0; end < header.size(); ++end) {
-    const std::size_t begin = end;
-    end = std::min(header.find_first_of("\r\n", begin), header.size());
-    std::string_view rest = header.substr(begin, end - begin);
-    const auto next_word = [&rest] {
-      rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
-      const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
-      rest.remove_prefix(word.size());
-      return word;
-    };
-    if (next_word() != "element") continue;
-    const std::string_view name = next_word();
-    if (name == "vertex") ++vertex_lists;
-    if (name == "face" || name == "range_grid" || name == "tristrips") ++face_lists;
-  }
-  if (vertex_lists <= 1 && face_lists <= 1) return {};
-  return source.Refuse(
-      ErrorCode::kUnreadable,
-      fmt::format("it cannot be read as ply (its header declares {} lists "
-                  "of vertices and {} of faces); export it again as one "
-                  "mesh",
-                  vertex_lists, face_lists));
-}
-
 /// The library reads a DAE's index lists for ever where something else than a number is
 /// in them.
 Status CheckIndexLists(const ImportSource& source, std::string_view text) {
@@ -187,12 +114,7 @@ Status CheckPackage(const ImportSource& source, std::string_view archive) {
 /// What is checked of a file's content before the library sees it.
 Status CheckContent(const ImportSource& source, std::string_view text,
                     std::uint64_t byte_count) {
-  if (source.extension == "ply") {
-    const std::string_view header = text.substr(0, kMaxPlyHeaderSize);
-    if (auto ends = CheckPlyHeaderEnds(source, header); !ends) return ends;
-    if (auto once = CheckPlyElementsComeOnce(source, header); !once) return once;
-    return CheckPlyCounts(source, header, byte_count);
-  }
+  if (source.extension == "ply") return CheckPlyHeader(source, text, byte_count);
   if (source.extension == "dae") return CheckIndexLists(source, text);
   if (source.extension == "3mf") return CheckPackage(source, text);
   return {};
