@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -112,46 +111,41 @@ int Batch(const BatchOptions& given) {
 
 }  // namespace
 
-void AddBatchCommand(CLI::App& app, std::function<int()>& selected) {
+void AddBatchCommand(command_line::Command app) {
   auto options = std::make_shared<BatchOptions>();
-  CLI::App* batch =
-      app.add_subcommand("batch", "make a list of jobs, over the machines of a shop");
-  batch->add_option("FILE", options->source.file, "list of jobs: .jsonl or .csv")
-      ->required();
-  batch->add_option("--job", options->source.job_file,
-                    "job file of those that name none");
-  batch->add_option("--cells", options->source.cells,
-                    "machine profiles, by name or file, that share the jobs which name "
-                    "no cell");
+  command_line::Command batch =
+      app.AddCommand("batch", "make a list of jobs, over the machines of a shop");
+  batch.AddOption("FILE", options->source.file, "list of jobs: .jsonl or .csv").Require();
+  batch.AddOption("--job", options->source.job_file, "job file of those that name none");
+  batch.AddOption("--cells", options->source.cells,
+                  "machine profiles, by name or file, that share the jobs which name "
+                  "no cell");
   batch
-      ->add_option("--parallel", options->run.parallel,
-                   "jobs at a time over all machines, default one a machine")
-      ->check(CLI::Range(1, 1000));
-  batch->add_flag("--keep-going", options->run.keep_going,
-                  "go on after a job that is not good; what comes after it is skipped");
-  batch->add_flag("--arm", options->run.arm,
-                  "you stand at the machines and change the blocks: each job may fire "
-                  "when its turn comes");
+      .AddOption("--parallel", options->run.parallel,
+                 "jobs at a time over all machines, default one a machine")
+      .Within(1, 1000);
+  batch.AddFlag("--keep-going", options->run.keep_going,
+                "go on after a job that is not good; what comes after it is skipped");
+  batch.AddFlag("--arm", options->run.arm,
+                "you stand at the machines and change the blocks: each job may fire "
+                "when its turn comes");
   batch
-      ->add_option(
-          "--pause-limit", options->run.pause_limit_s,
-          "seconds after which a job that is paused is cancelled; default: never")
-      ->check(CLI::Range(0.0, 1e6));
-  batch->add_option("--results", options->results,
-                    "write what became of every job: JSON");
-  batch->add_flag("--check", options->check, "only say what is wrong; submit nothing");
-  batch->add_option("--materials", options->materials_db,
-                    "material base, default the user's");
-  AddEventsFlag(*batch, options->events);
-  AddBusFlags(*batch, options->bus);
-  batch->footer(
+      .AddOption("--pause-limit", options->run.pause_limit_s,
+                 "seconds after which a job that is paused is cancelled; default: never")
+      .Within(0.0, 1e6);
+  batch.AddOption("--results", options->results, "write what became of every job: JSON");
+  batch.AddFlag("--check", options->check, "only say what is wrong; submit nothing");
+  batch.AddOption("--materials", options->materials_db,
+                  "material base, default the user's");
+  AddEventsFlag(batch, options->events);
+  AddBusFlags(batch, options->bus);
+  batch.SetFooter(
       "Example: intaglio batch cups.csv --job cup.textproto --arm --keep-going\n"
       "Example: intaglio batch jobs.jsonl --cells left.textproto right.textproto --arm "
       "--results made.json\n"
       "Everything is checked before the first job is submitted. Ctrl-C cancels what "
       "waits; what is engraved goes on.");
-  batch->callback(
-      [options, &selected] { selected = [options] { return Batch(*options); }; });
+  batch.SetAction([options] { return Batch(*options); });
 }
 
 }  // namespace intaglio::cli

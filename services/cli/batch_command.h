@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio batch`: a list of jobs, over the machines of a shop.
-void AddBatchCommand(CLI::App& app, std::function<int()>& selected);
+void AddBatchCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

@@ -1,14 +1,11 @@
 #pragma once
 
 #include "services/bus/bus.h"
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// --domain, --interface, --tag, --security: which shop is talked to, and as whom.
-void AddBusFlags(CLI::App& command, bus::BusOptions& options);
+void AddBusFlags(command_line::Command command, bus::BusOptions& options);
 
 }  // namespace intaglio::cli

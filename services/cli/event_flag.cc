@@ -1,13 +1,12 @@
-#include <CLI/App.hpp>
 
 #include "services/cli/event_lines.h"
 
 namespace intaglio::cli {
 
-void AddEventsFlag(CLI::App& command, bool& events) {
-  command.add_flag("--events", events,
-                   "JSON lines for programs on the standard output, what people read on "
-                   "the standard error stream");
+void AddEventsFlag(command_line::Command command, bool& events) {
+  command.AddFlag("--events", events,
+                  "JSON lines for programs on the standard output, what people read on "
+                  "the standard error stream");
 }
 
 }  // namespace intaglio::cli

@@ -12,15 +12,12 @@
 #include "proto/shop.pb.h"
 #include "proto/verdict.h"
 #include "services/cli/job_client.h"
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// --events.
-void AddEventsFlag(CLI::App& command, bool& events);
+void AddEventsFlag(command_line::Command command, bool& events);
 
 /// What became of a job that has ended.
 struct JobEnd {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -74,34 +73,33 @@ int History(const HistoryOptions& options) {
 
 }  // namespace
 
-void AddHistoryCommand(CLI::App& app, std::function<int()>& selected) {
+void AddHistoryCommand(command_line::Command app) {
   auto options = std::make_shared<HistoryOptions>();
-  CLI::App* history = app.add_subcommand("history", "what a shop has made");
-  auto* folder =
-      history->add_option("--folder", options->folder, "of the shop, as for intaglio up")
-          ->capture_default_str();
+  command_line::Command history = app.AddCommand("history", "what a shop has made");
+  const auto folder =
+      history.AddOption("--folder", options->folder, "of the shop, as for intaglio up")
+          .ShowDefault();
   history
-      ->add_option("--database", options->database,
-                   "or the job service's file, as its --database")
-      ->excludes(folder);
-  history->add_option("--since", options->filter.since,
-                      "ended on this day or later, UTC: 2026-11-21, or 2026-11-21T15:30");
-  history->add_option("--until", options->filter.until,
-                      "ended on this day or earlier, UTC");
-  history->add_option("--name", options->filter.piece, "a part of the job's name");
-  history->add_option("--glass", options->filter.material, "the material");
-  history->add_option("--verdict", options->filter.verdict,
-                      "good, not_good, none or unknown");
-  history->add_option("--cell", options->filter.cell, "name of the machine");
-  history->add_option("--job", options->job, "one job by its number, ended or not");
-  auto* json = history->add_flag("--json", options->json, "for programs");
-  history->add_flag("--csv", options->csv, "for spreadsheets")->excludes(json);
-  history->footer(
+      .AddOption("--database", options->database,
+                 "or the job service's file, as its --database")
+      .Exclude(folder);
+  history.AddOption("--since", options->filter.since,
+                    "ended on this day or later, UTC: 2026-11-21, or 2026-11-21T15:30");
+  history.AddOption("--until", options->filter.until,
+                    "ended on this day or earlier, UTC");
+  history.AddOption("--name", options->filter.piece, "a part of the job's name");
+  history.AddOption("--glass", options->filter.material, "the material");
+  history.AddOption("--verdict", options->filter.verdict,
+                    "good, not_good, none or unknown");
+  history.AddOption("--cell", options->filter.cell, "name of the machine");
+  history.AddOption("--job", options->job, "one job by its number, ended or not");
+  const auto json = history.AddFlag("--json", options->json, "for programs");
+  history.AddFlag("--csv", options->csv, "for spreadsheets").Exclude(json);
+  history.SetFooter(
       "Example: intaglio history --since 2026-11-01 --verdict not_good\n"
       "Example: intaglio history --folder shop --csv > november.csv\n"
       "The shop may be open or closed: its database is only read.");
-  history->callback(
-      [options, &selected] { selected = [options] { return History(*options); }; });
+  history.SetAction([options] { return History(*options); });
 }
 
 }  // namespace intaglio::cli

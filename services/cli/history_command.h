@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio history`: what a shop has made.
-void AddHistoryCommand(CLI::App& app, std::function<int()>& selected);
+void AddHistoryCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

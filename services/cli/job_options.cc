@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 
-#include <CLI/App.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -281,50 +280,49 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
 
 }  // namespace
 
-void AddJobFlags(CLI::App& command, JobFlags& flags) {
-  command.add_option("JOB", flags.job_file, "job file (.textproto or .json)");
-  command.add_option("--mesh,--model", flags.meshes,
-                     "model: a mesh, a drawing, an image or a cloud of points; several "
-                     "are merged in one block");
-  command.add_option("--height", flags.height_mm, "scale to this height, mm");
-  command.add_option("--size", flags.size_mm, "scale the largest extent to this, mm")
-      ->excludes("--height");
-  command.add_option("--unit", flags.unit_mm,
-                     "mm that a file unit is long (inches 25.4, m 1000)");
-  command.add_option("--rotate", flags.rotate_deg, "turn about x, y, z, degrees")
-      ->expected(3);
-  command.add_option("--block", flags.block_mm, "block size x y z, mm")->expected(3);
-  command.add_option("--margin", flags.margin_mm, "glass left free at each wall, mm");
-  command.add_flag("--clip", flags.clip,
-                   "drop points outside the block instead of failing");
-  command.add_option("--glass", flags.glass,
-                     "glass (intaglio materials list), default N-BK7");
-  command.add_option("--method", flags.method,
-                     "of meshes: sections (default), fill, rays, even or solid");
-  command.add_option("--layer", flags.layer_mm, "sections: distance of the layers, mm");
-  command.add_option("--vertex", flags.vertex_mm,
-                     "distance of points along a contour, row or grid, mm");
-  command.add_option("--spacing", flags.spacing_mm,
-                     "no two points are nearer than this, mm");
-  command.add_option("--order", flags.order,
-                     "anneal (default), smooth, kdz, layers, boustrophedon or "
-                     "published-kdz");
-  command.add_option("--order-tries", flags.order_tries,
-                     "anneal: changes tried for each point; more make a better order");
-  command.add_option("--order-time", flags.order_time_s,
-                     "anneal: or for so many seconds");
-  command.add_option("--profile", flags.profile,
-                     "how the stage goes on, default continuous: " + ProfileNames());
-  command.add_option("--machine", flags.machine,
-                     "machine profile: els-03 (default), or a file");
-  command.add_option("--rate", flags.rate_hz, "lamp sync rate, Hz; one of the machine's");
-  command.add_option("--speed-limit", flags.speed_mm_s, "stage speed limit, mm/s");
-  command.add_option("--acceleration", flags.acceleration_mm_s2,
-                     "stage acceleration limit, mm/s^2");
-  command.add_option("--focal", flags.focal_mm,
-                     "focal length of the lens, mm; one of the machine's");
+void AddJobFlags(command_line::Command command, JobFlags& flags) {
+  command.AddOption("JOB", flags.job_file, "job file (.textproto or .json)");
+  command.AddOption("--mesh,--model", flags.meshes,
+                    "model: a mesh, a drawing, an image or a cloud of points; several "
+                    "are merged in one block");
+  command.AddOption("--height", flags.height_mm, "scale to this height, mm");
+  command.AddOption("--size", flags.size_mm, "scale the largest extent to this, mm")
+      .Exclude(command.OptionOf("--height"));
+  command.AddOption("--unit", flags.unit_mm,
+                    "mm that a file unit is long (inches 25.4, m 1000)");
+  command.AddOption("--rotate", flags.rotate_deg, "turn about x, y, z, degrees")
+      .TakeValues(3);
+  command.AddOption("--block", flags.block_mm, "block size x y z, mm").TakeValues(3);
+  command.AddOption("--margin", flags.margin_mm, "glass left free at each wall, mm");
+  command.AddFlag("--clip", flags.clip,
+                  "drop points outside the block instead of failing");
+  command.AddOption("--glass", flags.glass,
+                    "glass (intaglio materials list), default N-BK7");
+  command.AddOption("--method", flags.method,
+                    "of meshes: sections (default), fill, rays, even or solid");
+  command.AddOption("--layer", flags.layer_mm, "sections: distance of the layers, mm");
+  command.AddOption("--vertex", flags.vertex_mm,
+                    "distance of points along a contour, row or grid, mm");
+  command.AddOption("--spacing", flags.spacing_mm,
+                    "no two points are nearer than this, mm");
+  command.AddOption("--order", flags.order,
+                    "anneal (default), smooth, kdz, layers, boustrophedon or "
+                    "published-kdz");
+  command.AddOption("--order-tries", flags.order_tries,
+                    "anneal: changes tried for each point; more make a better order");
+  command.AddOption("--order-time", flags.order_time_s, "anneal: or for so many seconds");
+  command.AddOption("--profile", flags.profile,
+                    "how the stage goes on, default continuous: " + ProfileNames());
+  command.AddOption("--machine", flags.machine,
+                    "machine profile: els-03 (default), or a file");
+  command.AddOption("--rate", flags.rate_hz, "lamp sync rate, Hz; one of the machine's");
+  command.AddOption("--speed-limit", flags.speed_mm_s, "stage speed limit, mm/s");
+  command.AddOption("--acceleration", flags.acceleration_mm_s2,
+                    "stage acceleration limit, mm/s^2");
+  command.AddOption("--focal", flags.focal_mm,
+                    "focal length of the lens, mm; one of the machine's");
   AddSizeLimitsFlag(command, flags.size_limits);
-  command.add_option("--name", flags.name, "name of the job, for people");
+  command.AddOption("--name", flags.name, "name of the job, for people");
 }
 
 fs::path SuppliedFolder() {

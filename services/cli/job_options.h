@@ -12,10 +12,7 @@
 #include "engrave/core/result.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
@@ -40,7 +37,7 @@ struct JobFlags {
 };
 
 /// Adds the positional JOB and the flags.
-void AddJobFlags(CLI::App& command, JobFlags& flags);
+void AddJobFlags(command_line::Command command, JobFlags& flags);
 
 struct JobAndMachine {
   JobSpec job;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <charconv>
 #include <iostream>
 #include <map>
@@ -264,78 +263,73 @@ int ShowJob(const JobView& job) {
   return kExitGood;
 }
 
-void AddArmAndWatch(CLI::App& command, JobsOptions& options) {
-  command.add_flag("--arm", options.arm, "you stand at the machine: it may fire at once");
-  command.add_flag("--watch", options.watch, "follow it to its end");
+void AddArmAndWatch(command_line::Command command, JobsOptions& options) {
+  command.AddFlag("--arm", options.arm, "you stand at the machine: it may fire at once");
+  command.AddFlag("--watch", options.watch, "follow it to its end");
   AddEventsFlag(command, options.events);
 }
 
-void AddAgain(CLI::App& app, const std::shared_ptr<JobsOptions>& options,
-              std::function<int()>& selected) {
-  CLI::App* again =
-      app.add_subcommand("again", "the next piece: a job once more, on a new block");
-  again->add_option("JOB", options->uid, "number or uid (intaglio history)")->required();
-  auto* folder =
-      again->add_option("--folder", options->folder, "of the shop, as for intaglio up")
-          ->capture_default_str();
+void AddAgain(command_line::Command app, const std::shared_ptr<JobsOptions>& options) {
+  command_line::Command again =
+      app.AddCommand("again", "the next piece: a job once more, on a new block");
+  again.AddOption("JOB", options->uid, "number or uid (intaglio history)").Require();
+  const auto folder =
+      again.AddOption("--folder", options->folder, "of the shop, as for intaglio up")
+          .ShowDefault();
   again
-      ->add_option("--database", options->database,
-                   "or the job service's file, as its --database")
-      ->excludes(folder);
-  AddArmAndWatch(*again, *options);
-  AddBusFlags(*again, options->bus);
-  again->footer(
+      .AddOption("--database", options->database,
+                 "or the job service's file, as its --database")
+      .Exclude(folder);
+  AddArmAndWatch(again, *options);
+  AddBusFlags(again, options->bus);
+  again.SetFooter(
       "Example: intaglio again 12 --arm --watch\n"
       "It gets a number of its own, and is made from its files as they are now.");
-  again->callback(
-      [options, &selected] { selected = [options] { return Again(*options); }; });
+  again.SetAction([options] { return Again(*options); });
 }
 
 }  // namespace
 
-void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
+void AddJobsCommands(command_line::Command app) {
   auto options = std::make_shared<JobsOptions>();
-  CLI::App* submit =
-      app.add_subcommand("submit", "give a job to the running job service");
-  AddJobFlags(*submit, options->job);
-  AddBusFlags(*submit, options->bus);
-  AddArmAndWatch(*submit, *options);
-  submit->add_option("--series", options->series,
-                     "CSV file: a job for each row; {column} in texts and file names of "
-                     "the job file becomes the row's field");
-  submit->footer(
+  command_line::Command submit =
+      app.AddCommand("submit", "give a job to the running job service");
+  AddJobFlags(submit, options->job);
+  AddBusFlags(submit, options->bus);
+  AddArmAndWatch(submit, *options);
+  submit.AddOption("--series", options->series,
+                   "CSV file: a job for each row; {column} in texts and file names of "
+                   "the job file becomes the row's field");
+  submit.SetFooter(
       "Example: intaglio submit job.textproto --arm --watch\n"
       "Example: intaglio submit badge.textproto --series names.csv\n"
       "Without --arm the job waits until somebody who stands at the machine types "
       "intaglio arm JOB.");
-  submit->callback(
-      [options, &selected] { selected = [options] { return Submit(*options); }; });
+  submit.SetAction([options] { return Submit(*options); });
 
-  AddAgain(app, options, selected);
+  AddAgain(app, options);
 
-  CLI::App* list = app.add_subcommand("list", "the jobs of the running job service");
-  AddBusFlags(*list, options->bus);
-  list->footer("Example: intaglio list; then intaglio show 1");
-  list->callback(
-      [options, &selected] { selected = [options] { return List(*options); }; });
+  command_line::Command list =
+      app.AddCommand("list", "the jobs of the running job service");
+  AddBusFlags(list, options->bus);
+  list.SetFooter("Example: intaglio list; then intaglio show 1");
+  list.SetAction([options] { return List(*options); });
 
   const auto add = [&](const char* name, const char* purpose,
                        const std::function<int(JobClient&, const JobView&)>& act) {
-    CLI::App* command = app.add_subcommand(name, purpose);
-    command->add_option("JOB", options->uid, "number or uid (intaglio list)")->required();
-    AddBusFlags(*command, options->bus);
-    command->footer(fmt::format("Example: intaglio {} 1", name));
-    command->callback([options, act, &selected] {
-      selected = [options, act] { return WithJob(*options, act); };
-    });
+    command_line::Command command = app.AddCommand(name, purpose);
+    command.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
+    AddBusFlags(command, options->bus);
+    command.SetFooter(fmt::format("Example: intaglio {} 1", name));
+    command.SetAction([options, act] { return WithJob(*options, act); });
     return command;
   };
   add("show", "all about one job",
       [](JobClient&, const JobView& job) { return ShowJob(job); });
-  AddEventsFlag(*add("watch", "follow a job to its end",
-                     [options](JobClient& client, const JobView& job) {
-                       return Watch(client, job.uid, *options);
-                     }),
+  AddEventsFlag(add("watch", "follow a job to its end",
+                    [options](JobClient& client, const JobView& job) {
+                      return Watch(client, job.uid, *options);
+                    }),
                 options->events);
   const auto command = [options](intaglio_JobCommandKind kind) {
     return [kind, options](JobClient& client, const JobView& job) {
@@ -345,31 +339,28 @@ void AddJobsCommands(CLI::App& app, std::function<int()>& selected) {
   };
   add("arm", "you stand at the machine: the job may fire", command(intaglio_COMMAND_ARM));
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
-  CLI::App* resume = add("resume", "go on at the first point not made",
-                         command(intaglio_COMMAND_RESUME));
-  resume->add_option("--from", options->from_point,
-                     "leave out what is not made before this place in the order, from 0");
-  resume->add_flag(
-      "--fire-uncertain", options->fire_uncertain,
-      "you looked at the block: fire again, once, the points of which nobody "
-      "knows whether they were fired");
+  command_line::Command resume = add("resume", "go on at the first point not made",
+                                     command(intaglio_COMMAND_RESUME));
+  resume.AddOption("--from", options->from_point,
+                   "leave out what is not made before this place in the order, from 0");
+  resume.AddFlag("--fire-uncertain", options->fire_uncertain,
+                 "you looked at the block: fire again, once, the points of which nobody "
+                 "knows whether they were fired");
   add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
 
-  CLI::App* speed =
-      app.add_subcommand("speed", "let a job run more slowly, or as before");
-  speed->add_option("JOB", options->uid, "number or uid (intaglio list)")->required();
-  speed->add_option("PERCENT", options->percent, "of the job's speed limits, 10..100")
-      ->required();
-  AddBusFlags(*speed, options->bus);
-  speed->footer("Example: intaglio speed 1 30; then intaglio speed 1 100");
-  speed->callback([options, &selected] {
-    selected = [options] {
-      const auto percent = PercentOf(options->percent);
-      if (!percent) return Complain(percent.error(), kExitWrongInput);
-      return WithJob(*options, [&](JobClient& client, const JobView& job) {
-        return SetSpeed(client, job, *percent);
-      });
-    };
+  command_line::Command speed =
+      app.AddCommand("speed", "let a job run more slowly, or as before");
+  speed.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
+  speed.AddOption("PERCENT", options->percent, "of the job's speed limits, 10..100")
+      .Require();
+  AddBusFlags(speed, options->bus);
+  speed.SetFooter("Example: intaglio speed 1 30; then intaglio speed 1 100");
+  speed.SetAction([options] {
+    const auto percent = PercentOf(options->percent);
+    if (!percent) return Complain(percent.error(), kExitWrongInput);
+    return WithJob(*options, [&](JobClient& client, const JobView& job) {
+      return SetSpeed(client, job, *percent);
+    });
   });
 }
 

@@ -1,15 +1,11 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// The commands that talk to a running shop: submit, list, show, watch, arm, pause,
 /// resume, cancel.
-void AddJobsCommands(CLI::App& app, std::function<int()>& selected);
+void AddJobsCommands(command_line::Command app);
 
 }  // namespace intaglio::cli

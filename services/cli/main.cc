@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <exception>
-#include <functional>
 #include <iostream>
 
 #include "services/cli/batch_command.h"
@@ -8,7 +6,6 @@
 #include "services/cli/jobs_command.h"
 #include "services/cli/materials_command.h"
 #include "services/cli/measure_command.h"
-#include "services/cli/misspelt.h"
 #include "services/cli/offline_command.h"
 #include "services/cli/plan_command.h"
 #include "services/cli/record_command.h"
@@ -35,41 +32,30 @@ constexpr const char* kNext = R"(Where to begin:
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(kWelcome, "intaglio");
-  app.footer(kNext);
-  app.set_version_flag("--version", INTAGLIO_VERSION);
-  app.require_subcommand(0, 1);
-  std::function<int()> selected;
-  intaglio::cli::AddRunCommand(app, selected);
-  intaglio::cli::AddUpCommand(app, selected);
-  intaglio::cli::AddJobsCommands(app, selected);
-  intaglio::cli::AddBatchCommand(app, selected);
-  intaglio::cli::AddStopCommand(app, selected);
-  intaglio::cli::AddHistoryCommand(app, selected);
-  intaglio::cli::AddOfflineCommands(app, selected);
-  intaglio::cli::AddMeasureCommand(app, selected);
-  intaglio::cli::AddPathCommands(app, selected);
-  intaglio::cli::AddMaterialsCommand(app, selected);
-  intaglio::cli::AddRecordCommand(app, selected);
-  intaglio::cli::AddRecordingCommand(app, selected);
-  intaglio::cli::AddReplayCommand(app, selected);
-  intaglio::cli::AddSecurityCommand(app, selected);
+  using namespace intaglio::cli;
+  intaglio::command_line::Program program("intaglio", kWelcome);
+  program.SetVersion(INTAGLIO_VERSION);
+  const intaglio::command_line::Command root = program.root();
+  root.SetFooter(kNext);
+  AddRunCommand(root);
+  AddUpCommand(root);
+  AddJobsCommands(root);
+  AddBatchCommand(root);
+  AddStopCommand(root);
+  AddHistoryCommand(root);
+  AddOfflineCommands(root);
+  AddMeasureCommand(root);
+  AddPathCommands(root);
+  AddMaterialsCommand(root);
+  AddRecordCommand(root);
+  AddRecordingCommand(root);
+  AddReplayCommand(root);
+  AddSecurityCommand(root);
+  if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ExtrasError&) {
-    std::cerr << intaglio::cli::TextOfUnknownWords(app) << "\n";
-    return intaglio::cli::kExitWrongInput;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : intaglio::cli::kExitWrongInput;
-  }
-  if (!selected) {
-    std::cout << app.help();
-    return 0;
-  }
-  try {
-    return selected();
+    return program.Run();
   } catch (const std::exception& error) {
     std::cerr << "intaglio: " << error.what() << "\n";
-    return intaglio::cli::kExitInternal;
+    return kExitInternal;
   }
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -219,21 +218,21 @@ Status Export(const Flags& flags, MaterialStore& store) {
 
 // ---- The command line ----------------------------------------------------------
 
-void AddFieldFlags(CLI::App& command, Flags& flags) {
-  command.add_option("--manufacturer", flags.manufacturer, "who makes it");
-  command.add_option("--source", flags.source, "where the values come from");
-  command.add_option("--formula", flags.formula,
-                     "dispersion formula, e.g. sellmeier_1, schott, rii_formula_2");
-  command.add_option("--coefficients", flags.coefficients,
-                     "the formula's, in its catalog's order");
-  command.add_option("--range", flags.range_um, "wavelengths it holds for, um: MIN MAX")
-      ->expected(2);
+void AddFieldFlags(command_line::Command command, Flags& flags) {
+  command.AddOption("--manufacturer", flags.manufacturer, "who makes it");
+  command.AddOption("--source", flags.source, "where the values come from");
+  command.AddOption("--formula", flags.formula,
+                    "dispersion formula, e.g. sellmeier_1, schott, rii_formula_2");
+  command.AddOption("--coefficients", flags.coefficients,
+                    "the formula's, in its catalog's order");
+  command.AddOption("--range", flags.range_um, "wavelengths it holds for, um: MIN MAX")
+      .TakeValues(2);
   for (const PropertyRow& row : PropertyRows()) {
     std::string flag = fmt::format("--{}", row.name);
     std::replace(flag.begin(), flag.end(), '_', '-');
-    command.add_option(flag, flags.properties.*row.value,
-                       fmt::format("{}, {}{}{:g} to {:g}", row.title, row.unit,
-                                   *row.unit == '\0' ? "" : ", ", row.min, row.max));
+    command.AddOption(flag, flags.properties.*row.value,
+                      fmt::format("{}, {}{}{:g} to {:g}", row.title, row.unit,
+                                  *row.unit == '\0' ? "" : ", ", row.min, row.max));
   }
 }
 
@@ -252,71 +251,71 @@ int Run(const Flags& flags, Action action) {
 
 }  // namespace
 
-void AddMaterialsCommand(CLI::App& app, std::function<int()>& selected) {
+void AddMaterialsCommand(command_line::Command app) {
   auto flags = std::make_shared<Flags>();
-  CLI::App* materials = app.add_subcommand("materials", "the glasses that are known");
-  materials->require_subcommand(1);
-  materials->footer(
+  command_line::Command materials =
+      app.AddCommand("materials", "the glasses that are known");
+  materials.RequireCommand();
+  materials.SetFooter(
       "Example: intaglio materials list; then intaglio materials show N-BK7\n"
       "docs/materials.md has an example of each.");
-  materials->add_option("--db", flags->database,
-                        "material base, default $INTAGLIO_MATERIALS_DB or the user's");
+  materials.AddOption("--db", flags->database,
+                      "material base, default $INTAGLIO_MATERIALS_DB or the user's");
   const auto add = [&](const char* name, const char* text, Action action) {
-    CLI::App* command = materials->add_subcommand(name, text);
-    command->fallthrough();
-    command->callback([flags, action, &selected] {
-      selected = [flags, action] { return Run(*flags, action); };
-    });
+    command_line::Command command = materials.AddCommand(name, text);
+    command.TakeOptionsOfParent();
+    command.SetAction([flags, action] { return Run(*flags, action); });
     return command;
   };
 
-  const auto add_wavelength = [&](CLI::App* command) {
-    command->add_option("--wavelength", flags->wavelength_nm, "nm")
-        ->capture_default_str();
+  const auto add_wavelength = [&](command_line::Command command) {
+    command.AddOption("--wavelength", flags->wavelength_nm, "nm").ShowDefault();
   };
-  const auto add_json = [&](CLI::App* command) {
-    command->add_flag("--json", flags->json, "for programs, as in report.json");
+  const auto add_json = [&](command_line::Command command) {
+    command.AddFlag("--json", flags->json, "for programs, as in report.json");
   };
-  CLI::App* list = add("list", "all glasses, one a line", List);
+  command_line::Command list = add("list", "all glasses, one a line", List);
   add_wavelength(list);
   add_json(list);
 
-  CLI::App* show = add("show", "all of one glass, and its optical values", Show);
-  show->add_option("NAME", flags->name, "the glass")->required();
+  command_line::Command show =
+      add("show", "all of one glass, and its optical values", Show);
+  show.AddOption("NAME", flags->name, "the glass").Require();
   add_wavelength(show);
-  show->add_option("--na", flags->numerical_aperture, "the lens's, in air")
-      ->capture_default_str();
+  show.AddOption("--na", flags->numerical_aperture, "the lens's, in air").ShowDefault();
   add_json(show);
 
-  CLI::App* add_glass = add("add", "a new glass from values given here", Add);
-  add_glass->add_option("NAME", flags->name, "its name")->required();
-  AddFieldFlags(*add_glass, *flags);
+  command_line::Command add_glass = add("add", "a new glass from values given here", Add);
+  add_glass.AddOption("NAME", flags->name, "its name").Require();
+  AddFieldFlags(add_glass, *flags);
   for (const char* needed : {"--formula", "--coefficients", "--range"}) {
-    add_glass->get_option(needed)->required();
+    add_glass.OptionOf(needed).Require();
   }
 
-  CLI::App* replace = add("replace", "new values for a glass that is there", Replace);
-  replace->add_option("NAME", flags->name, "the glass")->required();
-  replace->add_option("--from", flags->from, "a file as for import: all values from it");
-  AddFieldFlags(*replace, *flags);
+  command_line::Command replace =
+      add("replace", "new values for a glass that is there", Replace);
+  replace.AddOption("NAME", flags->name, "the glass").Require();
+  replace.AddOption("--from", flags->from, "a file as for import: all values from it");
+  AddFieldFlags(replace, *flags);
 
   add("remove", "take a glass out", Remove)
-      ->add_option("NAME", flags->name, "the glass")
-      ->required();
+      .AddOption("NAME", flags->name, "the glass")
+      .Require();
 
-  CLI::App* import = add("import", "glasses from files", Import);
+  command_line::Command import = add("import", "glasses from files", Import);
   import
-      ->add_option("FILE", flags->files,
-                   "glass catalogs (.agf), refractiveindex.info records (.yml)")
-      ->required();
-  import->add_option("--as", flags->as, "the name of the one glass in the file");
-  import->add_flag("--replace", flags->replace, "glasses that are there are replaced");
-  import->add_flag("--skip-bad", flags->skip_bad,
-                   "the sound glasses of a file, although others have mistakes");
+      .AddOption("FILE", flags->files,
+                 "glass catalogs (.agf), refractiveindex.info records (.yml)")
+      .Require();
+  import.AddOption("--as", flags->as, "the name of the one glass in the file");
+  import.AddFlag("--replace", flags->replace, "glasses that are there are replaced");
+  import.AddFlag("--skip-bad", flags->skip_bad,
+                 "the sound glasses of a file, although others have mistakes");
 
-  CLI::App* export_ = add("export", "as refractiveindex.info records (YAML)", Export);
-  export_->add_option("NAME", flags->name, "one glass, default all");
-  export_->add_option("--out", flags->out, "file, default the standard output");
+  command_line::Command export_ =
+      add("export", "as refractiveindex.info records (YAML)", Export);
+  export_.AddOption("NAME", flags->name, "one glass, default all");
+  export_.AddOption("--out", flags->out, "file, default the standard output");
 }
 
 }  // namespace intaglio::cli

@@ -1,16 +1,12 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio materials list | show | add | replace | remove | import | export`: the
-/// glasses that are known. Sets `selected` when one of them is chosen; it returns
+/// glasses that are known. Each returns
 /// kExitGood or kExitWrongInput, and says on the standard error stream what was wrong.
-void AddMaterialsCommand(CLI::App& app, std::function<int()>& selected);
+void AddMaterialsCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

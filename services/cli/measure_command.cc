@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -231,55 +230,54 @@ int Measure(const MeasureOptions& options) {
 }
 
 /// Those of a job that place its models and name its lens.
-void AddPlacementFlags(CLI::App& measure, JobFlags& job) {
-  measure.add_option("--job", job.job_file,
-                     "job file: its models, spacing and lens; options win");
-  measure.add_option("--mesh", job.meshes, "model file that the cloud was made from");
-  measure.add_option("--height", job.height_mm, "scale it to this height, mm");
-  measure.add_option("--size", job.size_mm, "scale its largest extent to this, mm")
-      ->excludes("--height");
-  measure.add_option("--unit", job.unit_mm, "mm that a file unit is long");
-  measure.add_option("--rotate", job.rotate_deg, "turn it about x, y, z, degrees")
-      ->expected(3);
-  measure.add_option("--block", job.block_mm, "block size x y z, mm")->expected(3);
-  measure.add_option("--margin", job.margin_mm, "glass left free at each wall, mm");
-  measure.add_option("--spacing", job.spacing_mm,
-                     "no two points should be nearer than this, mm, default 0.1");
-  measure.add_option("--machine", job.machine,
-                     "machine profile: els-03 (default), or a file");
-  measure.add_option("--focal", job.focal_mm,
-                     "focal length of the lens, mm: its cracks decide what breaks");
+void AddPlacementFlags(command_line::Command measure, JobFlags& job) {
+  measure.AddOption("--job", job.job_file,
+                    "job file: its models, spacing and lens; options win");
+  measure.AddOption("--mesh", job.meshes, "model file that the cloud was made from");
+  measure.AddOption("--height", job.height_mm, "scale it to this height, mm");
+  measure.AddOption("--size", job.size_mm, "scale its largest extent to this, mm")
+      .Exclude(measure.OptionOf("--height"));
+  measure.AddOption("--unit", job.unit_mm, "mm that a file unit is long");
+  measure.AddOption("--rotate", job.rotate_deg, "turn it about x, y, z, degrees")
+      .TakeValues(3);
+  measure.AddOption("--block", job.block_mm, "block size x y z, mm").TakeValues(3);
+  measure.AddOption("--margin", job.margin_mm, "glass left free at each wall, mm");
+  measure.AddOption("--spacing", job.spacing_mm,
+                    "no two points should be nearer than this, mm, default 0.1");
+  measure.AddOption("--machine", job.machine,
+                    "machine profile: els-03 (default), or a file");
+  measure.AddOption("--focal", job.focal_mm,
+                    "focal length of the lens, mm: its cracks decide what breaks");
   AddSizeLimitsFlag(measure, job.size_limits);
 }
 
 }  // namespace
 
-void AddMeasureCommand(CLI::App& app, std::function<int()>& selected) {
+void AddMeasureCommand(command_line::Command app) {
   auto options = std::make_shared<MeasureOptions>();
-  CLI::App* measure =
-      app.add_subcommand("measure", "what a cloud is worth: even, complete, sound");
-  measure->add_option("CLOUD", options->cloud, "points, in any format that is read")
-      ->required();
-  AddPlacementFlags(*measure, options->job);
+  command_line::Command measure =
+      app.AddCommand("measure", "what a cloud is worth: even, complete, sound");
+  measure.AddOption("CLOUD", options->cloud, "points, in any format that is read")
+      .Require();
+  AddPlacementFlags(measure, options->job);
   measure
-      ->add_option("--height-ratio", options->height_ratio,
-                   "heights count by this part only, 1..10, default the job's, or 1")
-      ->check(CLI::Range(1.0, 10.0));
+      .AddOption("--height-ratio", options->height_ratio,
+                 "heights count by this part only, 1..10, default the job's, or 1")
+      .Within(1.0, 10.0);
   measure
-      ->add_option("--channel", options->channel,
-                   "of a job that engraves several blocks, the one of this channel")
-      ->check(CLI::Range(1, 4));
-  measure->add_flag("--json", options->json, "the figures for programs");
-  measure->add_flag("--csv", options->csv, "the figures for spreadsheets")
-      ->excludes("--json");
-  measure->add_option("--picture", options->picture,
-                      "map of the nearest distances, picture.png");
-  measure->footer(
+      .AddOption("--channel", options->channel,
+                 "of a job that engraves several blocks, the one of this channel")
+      .Within(1, 4);
+  measure.AddFlag("--json", options->json, "the figures for programs");
+  measure.AddFlag("--csv", options->csv, "the figures for spreadsheets")
+      .Exclude(measure.OptionOf("--json"));
+  measure.AddOption("--picture", options->picture,
+                    "map of the nearest distances, picture.png");
+  measure.SetFooter(
       "Example: intaglio measure cloud.ply --mesh bunny.obj --rotate 90 0 0 --height 40 "
       "--spacing 0.1 --picture map.png\n"
       "Exit code: 0 the minimum spacing is kept, 3 it is not, 2 wrong input.");
-  measure->callback(
-      [&selected, options] { selected = [options] { return Measure(*options); }; });
+  measure.SetAction([options] { return Measure(*options); });
 }
 
 }  // namespace intaglio::cli

@@ -1,15 +1,11 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio measure`: what a cloud of points is worth. Ends with 1 when it does not keep
 /// the minimum spacing.
-void AddMeasureCommand(CLI::App& app, std::function<int()>& selected);
+void AddMeasureCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <iostream>
 #include <memory>
 
@@ -104,40 +103,41 @@ int RenderOffline(const OfflineOptions& options) {
 
 }  // namespace
 
-void AddOfflineCommands(CLI::App& app, std::function<int()>& selected) {
+void AddOfflineCommands(command_line::Command app) {
   auto options = std::make_shared<OfflineOptions>();
-  const auto choose = [&selected, options](int (*act)(const OfflineOptions&)) {
-    return [&selected, options, act] {
-      selected = [options, act] { return act(*options); };
-    };
+  const auto with_options = [options](int (*act)(const OfflineOptions&)) {
+    return [options, act] { return act(*options); };
   };
-  CLI::App* discretize = app.add_subcommand("discretize", "models to a cloud of points");
-  AddJobFlags(*discretize, options->job);
+  command_line::Command discretize =
+      app.AddCommand("discretize", "models to a cloud of points");
+  AddJobFlags(discretize, options->job);
   discretize
-      ->add_option("--out", options->out, "cloud: " + formats::WritablePointExtensions())
-      ->required();
-  discretize->footer(
+      .AddOption("--out", options->out, "cloud: " + formats::WritablePointExtensions())
+      .Require();
+  discretize.SetFooter(
       "Example: intaglio discretize --mesh bunny.obj --height 40 --spacing 0.1 --out "
       "cloud.ply");
-  discretize->callback(choose(DiscretizeOffline));
+  discretize.SetAction(with_options(DiscretizeOffline));
 
-  CLI::App* verify = app.add_subcommand("verify", "check a finished folder again");
-  verify->add_option("FOLDER", options->input, "as `intaglio run` leaves it")->required();
-  verify->add_flag("--json", options->json, "for programs, as report.json");
-  verify->footer(
+  command_line::Command verify =
+      app.AddCommand("verify", "check a finished folder again");
+  verify.AddOption("FOLDER", options->input, "as `intaglio run` leaves it").Require();
+  verify.AddFlag("--json", options->json, "for programs, as report.json");
+  verify.SetFooter(
       "Example: intaglio verify intaglio-out/bunny\n"
       "Exit code: 0 good, 2 not a finished folder, 3 not good.");
-  verify->callback(choose(VerifyOffline));
+  verify.SetAction(with_options(VerifyOffline));
 
-  CLI::App* render = app.add_subcommand("render", "a picture of a cloud of points");
+  command_line::Command render =
+      app.AddCommand("render", "a picture of a cloud of points");
   render
-      ->add_option("CLOUD", options->input,
-                   "points: " + formats::ReadablePointExtensions())
-      ->required();
-  render->add_option("--block", options->block_mm, "block size x y z, mm")->expected(3);
-  render->add_option("--out", options->out, "picture.png")->required();
-  render->footer("Example: intaglio render cloud.ply --block 50 50 50 --out picture.png");
-  render->callback(choose(RenderOffline));
+      .AddOption("CLOUD", options->input, "points: " + formats::ReadablePointExtensions())
+      .Require();
+  render.AddOption("--block", options->block_mm, "block size x y z, mm").TakeValues(3);
+  render.AddOption("--out", options->out, "picture.png").Require();
+  render.SetFooter(
+      "Example: intaglio render cloud.ply --block 50 50 50 --out picture.png");
+  render.SetAction(with_options(RenderOffline));
 }
 
 }  // namespace intaglio::cli

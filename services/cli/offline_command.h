@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// Commands that need no services: discretize, verify, render.
-void AddOfflineCommands(CLI::App& app, std::function<int()>& selected);
+void AddOfflineCommands(command_line::Command app);
 
 }  // namespace intaglio::cli

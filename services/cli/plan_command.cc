@@ -1,6 +1,5 @@
 #include "services/cli/plan_command.h"
 
-#include <CLI/App.hpp>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -169,61 +168,60 @@ int Plan(const PathOptions& options) {
   return Tell(options, report);
 }
 
-void AddSort(CLI::App& app, std::function<int()>& selected) {
+void AddSort(command_line::Command app) {
   auto options = std::make_shared<PathOptions>();
-  CLI::App* sort =
-      app.add_subcommand("sort", "a cloud of points to the order of engraving");
-  sort->add_option("--cloud", options->input,
-                   "points: " + formats::ReadablePointExtensions())
-      ->required();
-  sort->add_option("--out", options->out, "path: " + formats::WritablePointExtensions())
-      ->required();
-  sort->add_option("--csv", options->csv, "the motion's segments, a row a knot");
-  sort->add_flag("--json", options->json, "the figures for programs");
-  sort->add_option("--materials", options->materials_db,
-                   "material base, default the user's");
-  AddJobFlags(*sort, options->job);
-  sort->footer(
+  command_line::Command sort =
+      app.AddCommand("sort", "a cloud of points to the order of engraving");
+  sort.AddOption("--cloud", options->input,
+                 "points: " + formats::ReadablePointExtensions())
+      .Require();
+  sort.AddOption("--out", options->out, "path: " + formats::WritablePointExtensions())
+      .Require();
+  sort.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
+  sort.AddFlag("--json", options->json, "the figures for programs");
+  sort.AddOption("--materials", options->materials_db,
+                 "material base, default the user's");
+  AddJobFlags(sort, options->job);
+  sort.SetFooter(
       "The job's machine, glass, lens and order count; its models only give the block.\n"
       "Example: intaglio sort --cloud cloud.ply --mesh bunny.obj --height 40 --out "
       "path.ply\n"
       "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
-  sort->callback(
-      [&selected, options] { selected = [options] { return Sort(*options); }; });
+  sort.SetAction([options] { return Sort(*options); });
 }
 
-void AddPlan(CLI::App& app, std::function<int()>& selected) {
+void AddPlan(command_line::Command app) {
   auto options = std::make_shared<PathOptions>();
-  CLI::App* plan = app.add_subcommand("plan", "the motion along a path, and its figures");
-  plan->add_option(
+  command_line::Command plan =
+      app.AddCommand("plan", "the motion along a path, and its figures");
+  plan.AddOption(
           "--path", options->input,
           "points in the order of engraving: " + formats::ReadablePointExtensions())
-      ->required();
-  plan->add_option("--frame", options->frame,
-                   "glass (default): the points lie in the block; machine: they are "
-                   "places of the stage, from a zero of their own")
-      ->check(CLI::IsMember({"glass", "machine"}));
-  plan->add_option("--csv", options->csv, "the motion's segments, a row a knot");
-  plan->add_option("--out", options->out,
-                   "the path again; .ply and .scl have the tick of each point");
-  plan->add_flag("--compare", options->compare, "a table of all planners");
-  plan->add_flag("--json", options->json, "the figures for programs");
-  plan->add_option("--materials", options->materials_db,
-                   "material base, default the user's");
-  AddJobFlags(*plan, options->job);
-  plan->footer(
+      .Require();
+  plan.AddOption("--frame", options->frame,
+                 "glass (default): the points lie in the block; machine: they are "
+                 "places of the stage, from a zero of their own")
+      .OneOf({"glass", "machine"});
+  plan.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
+  plan.AddOption("--out", options->out,
+                 "the path again; .ply and .scl have the tick of each point");
+  plan.AddFlag("--compare", options->compare, "a table of all planners");
+  plan.AddFlag("--json", options->json, "the figures for programs");
+  plan.AddOption("--materials", options->materials_db,
+                 "material base, default the user's");
+  AddJobFlags(plan, options->job);
+  plan.SetFooter(
       "The job's machine, glass, lens, rate and motion count.\n"
       "Example: intaglio plan --path path.ply --rate 100 --csv segments.csv --compare\n"
       "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
-  plan->callback(
-      [&selected, options] { selected = [options] { return Plan(*options); }; });
+  plan.SetAction([options] { return Plan(*options); });
 }
 
 }  // namespace
 
-void AddPathCommands(CLI::App& app, std::function<int()>& selected) {
-  AddSort(app, selected);
-  AddPlan(app, selected);
+void AddPathCommands(command_line::Command app) {
+  AddSort(app);
+  AddPlan(app);
 }
 
 }  // namespace intaglio::cli

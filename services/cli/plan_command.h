@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// Commands that make or take a path, without services: sort, plan.
-void AddPathCommands(CLI::App& app, std::function<int()>& selected);
+void AddPathCommands(command_line::Command app);
 
 }  // namespace intaglio::cli

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/App.hpp>
 #include <cstring>
 #include <ctime>
 #include <iostream>
@@ -77,24 +76,22 @@ int Record(const RecordOptions& options) {
 
 }  // namespace
 
-void AddRecordCommand(CLI::App& app, std::function<int()>& selected) {
+void AddRecordCommand(command_line::Command app) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* record =
-      app.add_subcommand("record", "record everything that a shop says, until Ctrl-C");
-  AddBusFlags(*record, options->bus);
-  record->add_option(
-      "--out", options->out,
-      "file, default recording-TIME.mcap; when it is there, NAME-0002.mcap "
-      "and so on");
+  command_line::Command record =
+      app.AddCommand("record", "record everything that a shop says, until Ctrl-C");
+  AddBusFlags(record, options->bus);
+  record.AddOption("--out", options->out,
+                   "file, default recording-TIME.mcap; when it is there, NAME-0002.mcap "
+                   "and so on");
   for (Handed& handed : options->handed) {
-    record->add_option(handed.flag, handed.values, handed.help);
+    record.AddOption(handed.flag, handed.values, handed.help);
   }
-  record->footer(
+  record.SetFooter(
       "Example: intaglio record --out night.mcap --split-min 60 --keep-mb 20000\n"
       "It slows nobody down: when the disk is too slow, models and points are left out, "
       "and the file says what is missing. `intaglio recording info FILE` tells.");
-  record->callback(
-      [options, &selected] { selected = [options] { return Record(*options); }; });
+  record.SetAction([options] { return Record(*options); });
 }
 
 }  // namespace intaglio::cli

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio record`: becomes intaglio-recorder, which Ctrl-C ends.
-void AddRecordCommand(CLI::App& app, std::function<int()>& selected);
+void AddRecordCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -117,94 +116,81 @@ int Export(const Options& options) {
   return done ? kExitGood : Complain(done.error());
 }
 
-void AddFile(CLI::App& command, const Shared& options) {
-  command.add_option("file", options->files, "recording, .mcap")->required()->expected(1);
+void AddFile(command_line::Command command, const Shared& options) {
+  command.AddOption("file", options->files, "recording, .mcap").Require().TakeValues(1);
 }
 
-void AddSpan(CLI::App& command, const Shared& options) {
-  command
-      .add_option("--from", options->from_s, "seconds after the recording's beginning")
-      ->check(CLI::Range(0.0, 1e9));
-  command.add_option("--to", options->to_s, "seconds after the recording's beginning")
-      ->check(CLI::Range(0.0, 1e9));
-  command.add_option("--topic", options->topics, "these topics only");
+void AddSpan(command_line::Command command, const Shared& options) {
+  command.AddOption("--from", options->from_s, "seconds after the recording's beginning")
+      .Within(0.0, 1e9);
+  command.AddOption("--to", options->to_s, "seconds after the recording's beginning")
+      .Within(0.0, 1e9);
+  command.AddOption("--topic", options->topics, "these topics only");
 }
 
-void AddLookCommands(CLI::App& group, std::function<int()>& selected,
-                     const Shared& options) {
-  CLI::App* info = group.add_subcommand(
+void AddLookCommands(command_line::Command group, const Shared& options) {
+  command_line::Command info = group.AddCommand(
       "info", "time, counts, attachments, and what is missing or damaged");
-  AddFile(*info, options);
-  info->footer("Example: intaglio recording info session.mcap");
-  info->callback([options, &selected] {
-    selected = [options] { return Print(*options, InfoText); };
-  });
-  CLI::App* list = group.add_subcommand("list", "topics, with counts and rates");
-  AddFile(*list, options);
-  list->footer("Example: intaglio recording list session.mcap");
-  list->callback([options, &selected] {
-    selected = [options] { return Print(*options, ChannelTable); };
-  });
-  CLI::App* exported =
-      group.add_subcommand("export", "messages as JSON lines or a table, or the cracks");
-  AddFile(*exported, options);
-  AddSpan(*exported, options);
+  AddFile(info, options);
+  info.SetFooter("Example: intaglio recording info session.mcap");
+  info.SetAction([options] { return Print(*options, InfoText); });
+  command_line::Command list = group.AddCommand("list", "topics, with counts and rates");
+  AddFile(list, options);
+  list.SetFooter("Example: intaglio recording list session.mcap");
+  list.SetAction([options] { return Print(*options, ChannelTable); });
+  command_line::Command exported =
+      group.AddCommand("export", "messages as JSON lines or a table, or the cracks");
+  AddFile(exported, options);
+  AddSpan(exported, options);
   exported
-      ->add_option("--format", options->format,
-                   "jsonl; csv: one topic as a table; ply: the pulses that were made")
-      ->check(CLI::IsMember({"jsonl", "csv", "ply"}))
-      ->capture_default_str();
-  exported->add_option("--out", options->out, "file, default standard output");
-  exported->add_option("--job", options->job,
-                       "of ply: uid of the job, default the first");
-  exported->add_option("--path", options->path,
-                       "of ply: the job's path.ply, when the recording has no points");
-  exported->footer(
+      .AddOption("--format", options->format,
+                 "jsonl; csv: one topic as a table; ply: the pulses that were made")
+      .OneOf({"jsonl", "csv", "ply"})
+      .ShowDefault();
+  exported.AddOption("--out", options->out, "file, default standard output");
+  exported.AddOption("--job", options->job, "of ply: uid of the job, default the first");
+  exported.AddOption("--path", options->path,
+                     "of ply: the job's path.ply, when the recording has no points");
+  exported.SetFooter(
       "Example: intaglio recording export session.mcap --topic JobStatus --format csv");
-  exported->callback(
-      [options, &selected] { selected = [options] { return Export(*options); }; });
+  exported.SetAction([options] { return Export(*options); });
 }
 
-void AddCopyCommands(CLI::App& group, std::function<int()>& selected,
-                     const Shared& options) {
-  CLI::App* repair = group.add_subcommand(
+void AddCopyCommands(command_line::Command group, const Shared& options) {
+  command_line::Command repair = group.AddCommand(
       "repair", "a whole file of what can be read of a cut or damaged one");
-  AddFile(*repair, options);
-  repair->add_option("--out", options->out, "file, default NAME-repaired.mcap");
-  repair->footer("Example: intaglio recording repair session.mcap");
-  repair->callback([options, &selected] {
-    selected = [options] { return Copy(*options, "-repaired.mcap"); };
-  });
-  CLI::App* merge = group.add_subcommand("merge", "several files as one, by time");
-  merge->add_option("files", options->files, "recordings, .mcap")
-      ->required()
-      ->expected(2, 1000);
-  merge->add_option("--out", options->out, "file, default NAME-merged.mcap");
-  merge->footer(
+  AddFile(repair, options);
+  repair.AddOption("--out", options->out, "file, default NAME-repaired.mcap");
+  repair.SetFooter("Example: intaglio recording repair session.mcap");
+  repair.SetAction([options] { return Copy(*options, "-repaired.mcap"); });
+  command_line::Command merge =
+      group.AddCommand("merge", "several files as one, by time");
+  merge.AddOption("files", options->files, "recordings, .mcap")
+      .Require()
+      .TakeValues(2, 1000);
+  merge.AddOption("--out", options->out, "file, default NAME-merged.mcap");
+  merge.SetFooter(
       "Example: intaglio recording merge session.mcap session-0002.mcap --out all.mcap");
-  merge->callback([options, &selected] {
-    selected = [options] { return Copy(*options, "-merged.mcap"); };
-  });
-  CLI::App* cut = group.add_subcommand("cut", "a span of time, or some topics");
-  AddFile(*cut, options);
-  AddSpan(*cut, options);
-  cut->add_option("--out", options->out, "file, default NAME-cut.mcap");
-  cut->footer(
+  merge.SetAction([options] { return Copy(*options, "-merged.mcap"); });
+  command_line::Command cut = group.AddCommand("cut", "a span of time, or some topics");
+  AddFile(cut, options);
+  AddSpan(cut, options);
+  cut.AddOption("--out", options->out, "file, default NAME-cut.mcap");
+  cut.SetFooter(
       "Example: intaglio recording cut session.mcap --from 60 --to 90 --out minute.mcap");
-  cut->callback([options, &selected] {
-    selected = [options] { return Copy(*options, "-cut.mcap"); };
-  });
+  cut.SetAction([options] { return Copy(*options, "-cut.mcap"); });
 }
 
 }  // namespace
 
-void AddRecordingCommand(CLI::App& app, std::function<int()>& selected) {
-  CLI::App* group = app.add_subcommand("recording", "look into a recording, or cut it");
-  group->require_subcommand(1);
+void AddRecordingCommand(command_line::Command app) {
+  command_line::Command group =
+      app.AddCommand("recording", "look into a recording, or cut it");
+  group.RequireCommand();
   const auto options = std::make_shared<Options>();
-  AddLookCommands(*group, selected, options);
-  AddCopyCommands(*group, selected, options);
-  group->footer(
+  AddLookCommands(group, options);
+  AddCopyCommands(group, options);
+  group.SetFooter(
       "Example: intaglio recording export session.mcap --topic JobStatus --format csv\n"
       "Files cut by a kill or a full disk are read as they are; repair makes them quick "
       "to "

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio recording info|list|export|repair|merge|cut`.
-void AddRecordingCommand(CLI::App& app, std::function<int()>& selected);
+void AddRecordingCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

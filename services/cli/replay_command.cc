@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -226,63 +225,63 @@ int Run(const ReplayOptions& options) {
   return Replay(options, std::move(*reader)).Run();
 }
 
-void AddFlags(CLI::App& replay, ReplayOptions& options) {
-  replay.add_option("file", options.file, "recording, .mcap")->required();
-  auto* rate = replay.add_option("--rate", options.rate, "times real time")
-                   ->check(CLI::Range(1e-3, 1e3))
-                   ->capture_default_str();
-  auto* fast = replay.add_flag("--fast", options.fast,
-                               "as fast as the consumers of points give credit");
-  auto* step = replay.add_flag("--step", options.step,
-                               "one sample at each Enter, N at N Enter; q ends");
-  rate->excludes(fast)->excludes(step);
+void AddFlags(command_line::Command replay, ReplayOptions& options) {
+  replay.AddOption("file", options.file, "recording, .mcap").Require();
+  const auto rate = replay.AddOption("--rate", options.rate, "times real time")
+                        .Within(1e-3, 1e3)
+                        .ShowDefault();
+  const auto fast = replay.AddFlag("--fast", options.fast,
+                                   "as fast as the consumers of points give credit");
+  const auto step = replay.AddFlag("--step", options.step,
+                                   "one sample at each Enter, N at N Enter; q ends");
+  rate.Exclude(fast).Exclude(step);
   replay
-      .add_option("--start", options.start_s,
-                  "seconds after the beginning; what was retained by then comes first")
-      ->check(CLI::Range(0.0, 1e9));
-  replay.add_option("--stop", options.stop_s, "seconds after the beginning")
-      ->check(CLI::Range(0.0, 1e9));
-  replay.add_flag("--loop", options.loop, "again and again, until Ctrl-C");
-  replay.add_option("--topic", options.topics,
-                    "these topics only; a name, or a pattern with * and ?");
-  replay.add_option("--without-topic", options.without, "all topics but these");
-  replay.add_option("--rename", options.renames, "OLD=NEW: under another name");
-  replay.add_flag("--with-commands", options.with_commands,
-                  "also what machines and services obey: tasks, commands, permission, "
-                  "motion");
+      .AddOption("--start", options.start_s,
+                 "seconds after the beginning; what was retained by then comes first")
+      .Within(0.0, 1e9);
+  replay.AddOption("--stop", options.stop_s, "seconds after the beginning")
+      .Within(0.0, 1e9);
+  replay.AddFlag("--loop", options.loop, "again and again, until Ctrl-C");
+  replay.AddOption("--topic", options.topics,
+                   "these topics only; a name, or a pattern with * and ?");
+  replay.AddOption("--without-topic", options.without, "all topics but these");
+  replay.AddOption("--rename", options.renames, "OLD=NEW: under another name");
+  replay.AddFlag("--with-commands", options.with_commands,
+                 "also what machines and services obey: tasks, commands, permission, "
+                 "motion");
 }
 
-void AddAgainstFlags(CLI::App& replay, AgainstOptions& options) {
-  auto* against =
+void AddAgainstFlags(command_line::Command replay, AgainstOptions& options) {
+  const auto against =
       replay
-          .add_option("--against", options.service,
-                      "sorter, discretizer or synchronizer: does it make the same today, "
-                      "bit by bit?")
-          ->check(CLI::IsMember({"sorter", "discretizer", "synchronizer"}));
+          .AddOption("--against", options.service,
+                     "sorter, discretizer or synchronizer: does it make the same today, "
+                     "bit by bit?")
+          .OneOf({"sorter", "discretizer", "synchronizer"});
   replay
-      .add_option("--set", options.changes,
-                  "PATH=VALUE: with another option of the job, e.g. "
-                  "discretization.min_spacing_mm=0.1")
-      ->needs(against);
-  replay.add_flag("--json", options.json, "the comparison for programs")->needs(against);
+      .AddOption("--set", options.changes,
+                 "PATH=VALUE: with another option of the job, e.g. "
+                 "discretization.min_spacing_mm=0.1")
+      .Need(against);
+  replay.AddFlag("--json", options.json, "the comparison for programs").Need(against);
 }
 
 }  // namespace
 
-void AddReplayCommand(CLI::App& app, std::function<int()>& selected) {
+void AddReplayCommand(command_line::Command app) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* replay = app.add_subcommand("replay", "put a recording back on a bus");
-  AddBusFlags(*replay, options->bus);
-  AddFlags(*replay, *options);
-  AddAgainstFlags(*replay, options->against);
-  replay->footer(
+  command_line::Command replay =
+      app.AddCommand("replay", "put a recording back on a bus");
+  AddBusFlags(replay, options->bus);
+  AddFlags(replay, *options);
+  AddAgainstFlags(replay, options->against);
+  replay.SetFooter(
       "Example: intaglio replay session.mcap --tag look --rate 10\n"
       "Nothing that a machine obeys is played unless --with-commands is said, and where "
       "services live nothing that they believe.\n"
       "With --against the service works alone on a bus of its own, and nobody else hears "
       "of it. Exit 0: identical; 3: different, and the report says where and why.");
-  replay->callback(
-      [options, &selected] { selected = [options] { return Run(*options); }; });
+  replay.SetAction([options] { return Run(*options); });
 }
 
 }  // namespace intaglio::cli

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio replay`: puts a recording back on a bus.
-void AddReplayCommand(CLI::App& app, std::function<int()>& selected);
+void AddReplayCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

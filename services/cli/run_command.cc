@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <CLI/App.hpp>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -324,43 +323,42 @@ int Complain(const Error& error, int exit_code) {
   return exit_code;
 }
 
-void AddRunCommand(CLI::App& app, std::function<int()>& selected) {
+void AddRunCommand(command_line::Command app) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* run = app.add_subcommand(
+  command_line::Command run = app.AddCommand(
       "run",
       "engrave one job in the virtual engraver, with processes of its own, and prove it");
-  run->footer(
+  run.SetFooter(
       "Example: intaglio run --mesh bunny.obj --height 40 --glass N-BK7 --method "
       "sections "
       "--layer 0.1 --spacing 0.1 --machine els-03 --rate 100 --lockstep --out DIR\n"
       "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, 4 "
       "machine "
       "fault, 5 cancelled.");
-  AddJobFlags(*run, options->job);
-  AddEventsFlag(*run, options->events);
-  run->add_option("--out", options->out,
-                  "folder of the proof, default intaglio-out/NAME-TIME");
-  auto* lockstep = run->add_flag("--lockstep", options->lockstep,
-                                 "the machine runs as fast as the data comes");
-  run->add_option("--speed", options->speed, "machine time against real time")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->excludes(lockstep);
-  AddClockFlags(*run, options->clock_drift_ppm, options->line_jitter_ms);
-  run->add_option("--warm-up", options->warm_up_s,
-                  "lamp warm-up, s, instead of the profile's")
-      ->check(CLI::Range(0.0, 3600.0));
-  run->add_option("--fault", options->faults,
-                  "let the machine misbehave: \"AT_TICK COMMAND\" (docs/protocols.md)");
-  run->add_flag("--record,!--no-record", options->record,
-                "keep all that was said in session.mcap; on by default");
-  run->add_option("--without", options->without,
-                  "services that are started elsewhere, e.g. discretizer");
-  run->add_option("--materials", options->materials_db,
-                  "material base, default the user's");
-  AddBusFlags(*run, options->bus);
-  run->get_option("--tag")->description("DDS tag, default a private one");
-  run->callback(
-      [options, &selected] { selected = [options] { return RunJob(*options); }; });
+  AddJobFlags(run, options->job);
+  AddEventsFlag(run, options->events);
+  run.AddOption("--out", options->out,
+                "folder of the proof, default intaglio-out/NAME-TIME");
+  const auto lockstep = run.AddFlag("--lockstep", options->lockstep,
+                                    "the machine runs as fast as the data comes");
+  run.AddOption("--speed", options->speed, "machine time against real time")
+      .Within(0.01, 1000.0)
+      .Exclude(lockstep);
+  AddClockFlags(run, options->clock_drift_ppm, options->line_jitter_ms);
+  run.AddOption("--warm-up", options->warm_up_s,
+                "lamp warm-up, s, instead of the profile's")
+      .Within(0.0, 3600.0);
+  run.AddOption("--fault", options->faults,
+                "let the machine misbehave: \"AT_TICK COMMAND\" (docs/protocols.md)");
+  run.AddFlag("--record,!--no-record", options->record,
+              "keep all that was said in session.mcap; on by default");
+  run.AddOption("--without", options->without,
+                "services that are started elsewhere, e.g. discretizer");
+  run.AddOption("--materials", options->materials_db,
+                "material base, default the user's");
+  AddBusFlags(run, options->bus);
+  run.OptionOf("--tag").Describe("DDS tag, default a private one");
+  run.SetAction([options] { return RunJob(*options); });
 }
 
 }  // namespace intaglio::cli

@@ -1,12 +1,7 @@
 #pragma once
 
-#include <functional>
-
 #include "engrave/core/result.h"
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
@@ -25,7 +20,6 @@ enum ExitCode : int {
 int Complain(const Error& error, int exit_code = kExitWrongInput);
 
 /// `intaglio run`: engraves one job with a private set of processes, and proves it.
-/// Sets `selected` when the subcommand is chosen.
-void AddRunCommand(CLI::App& app, std::function<int()>& selected);
+void AddRunCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

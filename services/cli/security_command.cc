@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/App.hpp>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -109,60 +108,59 @@ int TellRoles() {
   return kExitGood;
 }
 
-void AddDays(CLI::App& command, security::Lifetime& lifetime) {
+void AddDays(command_line::Command command, security::Lifetime& lifetime) {
   command
-      .add_option("--days", lifetime.identity_days,
-                  "how long identities and permissions are valid")
-      ->check(CLI::Range(1, 36500))
-      ->capture_default_str();
+      .AddOption("--days", lifetime.identity_days,
+                 "how long identities and permissions are valid")
+      .Within(1, 36500)
+      .ShowDefault();
 }
 
 }  // namespace
 
-void AddSecurityCommand(CLI::App& app, std::function<int()>& selected) {
+void AddSecurityCommand(command_line::Command app) {
   auto options = std::make_shared<SecurityOptions>();
-  CLI::App* group = app.add_subcommand("security", "who may command the machines");
-  group->require_subcommand(1);
-  group->footer("Example: intaglio security new shop-keys --cell els-03");
+  command_line::Command group =
+      app.AddCommand("security", "who may command the machines");
+  group.RequireCommand();
+  group.SetFooter("Example: intaglio security new shop-keys --cell els-03");
   const auto add = [&](const char* name, const char* text, auto action) {
-    CLI::App* command = group->add_subcommand(name, text);
-    command->footer(fmt::format("Example: intaglio security {}{}", name,
-                                name == std::string("roles") ? "" : " shop-keys"));
-    command->callback([&selected, options, action] {
-      selected = [options, action] { return action(*options); };
-    });
+    command_line::Command command = group.AddCommand(name, text);
+    command.SetFooter(fmt::format("Example: intaglio security {}{}", name,
+                                  name == std::string("roles") ? "" : " shop-keys"));
+    command.SetAction([options, action] { return action(*options); });
     return command;
   };
-  const auto add_folder = [&](CLI::App* command, const char* text) {
-    command->add_option("FOLDER", options->folder, text)->required();
+  const auto add_folder = [&](command_line::Command command, const char* text) {
+    command.AddOption("FOLDER", options->folder, text).Require();
   };
-  CLI::App* fresh = add("new", "make authorities and the identities of all roles", New);
+  command_line::Command fresh =
+      add("new", "make authorities and the identities of all roles", New);
   add_folder(fresh, "an empty or new folder");
-  fresh->add_option("--cell", options->shop.cells,
-                    "machines, as named in their profiles; els-03 when not given");
-  fresh->add_option("--domain", options->shop.domains, "control domains of the shop")
-      ->check(CLI::Range(0, 99))
-      ->capture_default_str();
-  fresh->add_option("--name", options->shop.name, "name of the shop")
-      ->capture_default_str();
-  AddDays(*fresh, options->lifetime);
+  fresh.AddOption("--cell", options->shop.cells,
+                  "machines, as named in their profiles; els-03 when not given");
+  fresh.AddOption("--domain", options->shop.domains, "control domains of the shop")
+      .Within(0, 99)
+      .ShowDefault();
+  fresh.AddOption("--name", options->shop.name, "name of the shop").ShowDefault();
+  AddDays(fresh, options->lifetime);
   fresh
-      ->add_option("--authority-days", options->lifetime.authority_days,
-                   "how long the authorities are valid")
-      ->check(CLI::Range(1, 36500))
-      ->capture_default_str();
-  CLI::App* renew =
+      .AddOption("--authority-days", options->lifetime.authority_days,
+                 "how long the authorities are valid")
+      .Within(1, 36500)
+      .ShowDefault();
+  command_line::Command renew =
       add("renew", "make new keys and permissions before the old ones expire", Renew);
   add_folder(renew, "the folder that `new` made");
-  renew->add_option("--cell", options->shop.cells, "machines to add");
-  AddDays(*renew, options->lifetime);
-  CLI::App* check =
+  renew.AddOption("--cell", options->shop.cells, "machines to add");
+  AddDays(renew, options->lifetime);
+  command_line::Command check =
       add("check", "look through an identity, or all in a folder", CheckAll);
   add_folder(check, "an identity, or a folder of several");
-  check->add_option("--domain", options->shop.domains, "control domain")
-      ->check(CLI::Range(0, 99))
-      ->expected(1)
-      ->capture_default_str();
+  check.AddOption("--domain", options->shop.domains, "control domain")
+      .Within(0, 99)
+      .TakeValues(1)
+      .ShowDefault();
   add("roles", "say which role writes and reads what",
       [](const SecurityOptions&) { return TellRoles(); });
 }

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio security`: makes and renews identities, and says who may do what.
-void AddSecurityCommand(CLI::App& app, std::function<int()>& selected);
+void AddSecurityCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

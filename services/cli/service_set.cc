@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <algorithm>
 #include <thread>
 
@@ -40,17 +39,17 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
 
 }  // namespace
 
-void AddClockFlags(CLI::App& command, double& clock_drift_ppm, double& line_jitter_ms) {
+void AddClockFlags(command_line::Command command, double& clock_drift_ppm,
+                   double& line_jitter_ms) {
   command
-      .add_option(
-          "--clock-drift", clock_drift_ppm,
-          "the virtual stage runs on a clock of its own, this much too fast, ppm; "
-          "0: on the laser's ticks")
-      ->check(CLI::Range(-200.0, 200.0));
+      .AddOption("--clock-drift", clock_drift_ppm,
+                 "the virtual stage runs on a clock of its own, this much too fast, ppm; "
+                 "0: on the laser's ticks")
+      .Within(-200.0, 200.0);
   command
-      .add_option("--line-jitter", line_jitter_ms,
-                  "what is said on a serial line arrives up to this much later, ms")
-      ->check(CLI::Range(0.0, 2.0));
+      .AddOption("--line-jitter", line_jitter_ms,
+                 "what is said on a serial line arrives up to this much later, ms")
+      .Within(0.0, 2.0);
 }
 
 Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,

@@ -16,10 +16,7 @@
 #include "services/cli/child_process.h"
 #include "services/cli/job_client.h"
 #include "services/cli/kept_process.h"
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
@@ -37,7 +34,8 @@ struct VirtualMachine {
 };
 
 /// --clock-drift and --line-jitter.
-void AddClockFlags(CLI::App& command, double& clock_drift_ppm, double& line_jitter_ms);
+void AddClockFlags(command_line::Command command, double& clock_drift_ppm,
+                   double& line_jitter_ms);
 
 struct ServiceSetOptions {
   std::filesystem::path folder;   ///< sockets, logs, database; made anew

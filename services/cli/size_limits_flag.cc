@@ -2,21 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <cstdlib>
 
 #include "proto/read_limits.h"
 
 namespace intaglio::cli {
 
-void AddSizeLimitsFlag(CLI::App& command, double& factor) {
+void AddSizeLimitsFlag(command_line::Command command, double& factor) {
   command
-      .add_option(
-          "--size-limits", factor,
-          "factor on the largest files, pictures, meshes and clouds that are read "
-          "(docs/jobs.md), default 1")
-      ->envname(kSizeLimitsVariable)
-      ->check(CLI::Range(kLeastSizeLimits, kGreatestSizeLimits));
+      .AddOption("--size-limits", factor,
+                 "factor on the largest files, pictures, meshes and clouds that are read "
+                 "(docs/jobs.md), default 1")
+      .FromEnvironment(kSizeLimitsVariable)
+      .Within(kLeastSizeLimits, kGreatestSizeLimits);
 }
 
 void HandOnSizeLimits(double factor) {

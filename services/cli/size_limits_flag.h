@@ -1,13 +1,11 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// --size-limits: the factor of proto/read_limits.h.
-void AddSizeLimitsFlag(CLI::App& command, double& factor);
+void AddSizeLimitsFlag(command_line::Command command, double& factor);
 
 /// The same for the programs that this one starts.
 void HandOnSizeLimits(double factor);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <chrono>
 #include <iostream>
 #include <map>
@@ -176,22 +175,21 @@ int Stop(const StopOptions& options) {
 
 }  // namespace
 
-void AddStopCommand(CLI::App& app, std::function<int()>& selected) {
-  CLI::App* command = app.add_subcommand(
+void AddStopCommand(command_line::Command app) {
+  command_line::Command command = app.AddCommand(
       "stop", "emergency stop: no more pulses, the stage comes to rest, latched");
   auto options = std::make_shared<StopOptions>();
-  AddBusFlags(*command, options->bus);
-  command->add_option("machine", options->cell, "its name; every one that is seen");
-  command->add_flag("--reset", options->reset,
-                    "release it again; nothing starts before an arm or a resume");
-  command->add_option("--reason", options->reason, "for the log")->capture_default_str();
-  command->footer(
+  AddBusFlags(command, options->bus);
+  command.AddOption("machine", options->cell, "its name; every one that is seen");
+  command.AddFlag("--reset", options->reset,
+                  "release it again; nothing starts before an arm or a resume");
+  command.AddOption("--reason", options->reason, "for the log").ShowDefault();
+  command.SetFooter(
       "It goes by network and programs: who stands at a machine uses its button.\n"
       "Ends with 0 when the machine has confirmed it, with 4 when it has not.\n"
       "Example: intaglio stop           every machine that is seen\n"
       "  intaglio stop els-03 --reset   then: intaglio resume JOB");
-  command->callback(
-      [options, &selected] { selected = [options] { return Stop(*options); }; });
+  command.SetAction([options] { return Stop(*options); });
 }
 
 }  // namespace intaglio::cli

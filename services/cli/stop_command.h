@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// intaglio stop: the emergency stop of machines, over the bus.
-void AddStopCommand(CLI::App& app, std::function<int()>& selected);
+void AddStopCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

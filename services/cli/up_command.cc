@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/App.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -155,41 +154,39 @@ int Up(const UpOptions& options) {
 
 }  // namespace
 
-void AddUpCommand(CLI::App& app, std::function<int()>& selected) {
+void AddUpCommand(command_line::Command app) {
   auto options = std::make_shared<UpOptions>();
-  CLI::App* up =
-      app.add_subcommand("up", "start the services of a shop and keep them running");
-  AddBusFlags(*up, options->bus);
-  up->add_option("--machine", options->machine, "machine profile: els-03, or a file")
-      ->capture_default_str();
-  up->add_option("--folder", options->folder, "queue, logs and job folders")
-      ->capture_default_str();
-  up->add_option("--materials", options->materials_db,
-                 "material base, default the user's");
-  up->add_option("--without", options->without, "services that run elsewhere");
-  up->add_flag("--record", options->record,
-               "keep all that is said in a file of the folder's recordings");
-  up->add_flag("--real-machine", options->real_machine,
-               "no virtual engraver: the profile's serial devices are used");
-  auto* lockstep = up->add_flag("--lockstep", options->lockstep,
-                                "the virtual machine runs as fast as the data comes");
-  up->add_option("--speed", options->speed, "virtual machine's time against real time")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->excludes(lockstep);
-  AddClockFlags(*up, options->clock_drift_ppm, options->line_jitter_ms);
-  up->add_option("--block", options->block_mm, "block in the virtual machine, mm")
-      ->expected(3);
-  up->add_option("--index", options->refractive_index, "its refractive index")
-      ->check(CLI::Range(1.0, 4.0))
-      ->capture_default_str();
-  up->add_option("--na", options->numerical_aperture,
-                 "numerical aperture of its lens, default the profile's first")
-      ->check(CLI::Range(0.0, 0.9));
-  up->footer(
+  command_line::Command up =
+      app.AddCommand("up", "start the services of a shop and keep them running");
+  AddBusFlags(up, options->bus);
+  up.AddOption("--machine", options->machine, "machine profile: els-03, or a file")
+      .ShowDefault();
+  up.AddOption("--folder", options->folder, "queue, logs and job folders").ShowDefault();
+  up.AddOption("--materials", options->materials_db, "material base, default the user's");
+  up.AddOption("--without", options->without, "services that run elsewhere");
+  up.AddFlag("--record", options->record,
+             "keep all that is said in a file of the folder's recordings");
+  up.AddFlag("--real-machine", options->real_machine,
+             "no virtual engraver: the profile's serial devices are used");
+  const auto lockstep = up.AddFlag("--lockstep", options->lockstep,
+                                   "the virtual machine runs as fast as the data comes");
+  up.AddOption("--speed", options->speed, "virtual machine's time against real time")
+      .Within(0.01, 1000.0)
+      .Exclude(lockstep);
+  AddClockFlags(up, options->clock_drift_ppm, options->line_jitter_ms);
+  up.AddOption("--block", options->block_mm, "block in the virtual machine, mm")
+      .TakeValues(3);
+  up.AddOption("--index", options->refractive_index, "its refractive index")
+      .Within(1.0, 4.0)
+      .ShowDefault();
+  up.AddOption("--na", options->numerical_aperture,
+               "numerical aperture of its lens, default the profile's first")
+      .Within(0.0, 0.9);
+  up.SetFooter(
       "Example: intaglio up --folder shop --block 60 60 40, and from another terminal: "
       "intaglio submit job.textproto --arm --watch\n"
       "Ctrl-C closes the shop; the queue is kept in its folder.");
-  up->callback([options, &selected] { selected = [options] { return Up(*options); }; });
+  up.SetAction([options] { return Up(*options); });
 }
 
 }  // namespace intaglio::cli

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::cli {
 
 /// `intaglio up`: the services of a shop with one machine, until Ctrl-C.
-void AddUpCommand(CLI::App& app, std::function<int()>& selected);
+void AddUpCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

@@ -1,7 +1,7 @@
-#include <CLI/App.hpp>
 
 #include "proto/model_kind.h"
 #include "proto/read_limits.h"
+#include "services/command_line/program.h"
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
@@ -77,16 +77,16 @@ int main(int argc, char** argv) {
   double size_limits = 1;
   const host::ServiceDescription description{
       intaglio_ROLE_DISCRETIZER, "discretizer", "makes points of the models of a job",
-      [&](CLI::App& app) {
-        app.add_option("--threads", threads,
-                       "threads that compute; all cores when not given")
-            ->check(CLI::Range(1, 1024));
-        app.add_option("--size-limits", size_limits,
-                       "factor on the largest files, pictures, meshes and clouds that "
-                       "are read (docs/jobs.md)")
-            ->envname(kSizeLimitsVariable)
-            ->check(CLI::Range(kLeastSizeLimits, kGreatestSizeLimits))
-            ->capture_default_str();
+      [&](command_line::Command app) {
+        app.AddOption("--threads", threads,
+                      "threads that compute; all cores when not given")
+            .Within(1, 1024);
+        app.AddOption("--size-limits", size_limits,
+                      "factor on the largest files, pictures, meshes and clouds that "
+                      "are read (docs/jobs.md)")
+            .FromEnvironment(kSizeLimitsVariable)
+            .Within(kLeastSizeLimits, kGreatestSizeLimits)
+            .ShowDefault();
       }};
   return host::RunService(description, argc, argv, [&](host::ServiceHost& host) {
     return Serve(host, ReadLimitsTimes(size_limits), threads);

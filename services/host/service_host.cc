@@ -4,7 +4,6 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <iostream>
@@ -51,31 +50,30 @@ struct CommonOptions {
   bool allow_root = false;
 };
 
-void AddCommonOptions(CLI::App& app, CommonOptions& options) {
-  app.add_option("--domain", options.bus.control_domain,
-                 "DDS domain of the control topics; the bulk topics take the next one")
-      ->check(CLI::Range(0, 99))
-      ->capture_default_str();
-  app.add_option("--interface", options.bus.interface,
-                 "network interface; lo stays on this machine")
-      ->capture_default_str();
-  app.add_option("--tag", options.bus.tag, "only participants of the same tag are seen");
-  app.add_option("--cell", options.bus.cell, "machine cell that is served");
-  app.add_option("--security", options.bus.security,
-                 "folder of this service's identity, or of all roles; needed beyond lo")
-      ->envname("INTAGLIO_SECURITY");
-  app.add_flag("--allow-root", options.allow_root, "serve a network even as root")
-      ->envname("INTAGLIO_ALLOW_ROOT");
-  app.add_option("--log-file", options.log_file, "log there besides to stderr");
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warning or error")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
-      ->capture_default_str();
-  app.add_flag(
-      "--die-with-parent{-1}", options.die_with_parent,
-      "end when the process that started this one does; =PID names it, should it "
-      "be quicker");
-  app.add_flag("--real-time", options.real_time,
-               "ask the system for real-time scheduling and locked memory");
+void AddCommonOptions(command_line::Command app, CommonOptions& options) {
+  app.AddOption("--domain", options.bus.control_domain,
+                "DDS domain of the control topics; the bulk topics take the next one")
+      .Within(0, 99)
+      .ShowDefault();
+  app.AddOption("--interface", options.bus.interface,
+                "network interface; lo stays on this machine")
+      .ShowDefault();
+  app.AddOption("--tag", options.bus.tag, "only participants of the same tag are seen");
+  app.AddOption("--cell", options.bus.cell, "machine cell that is served");
+  app.AddOption("--security", options.bus.security,
+                "folder of this service's identity, or of all roles; needed beyond lo")
+      .FromEnvironment("INTAGLIO_SECURITY");
+  app.AddFlag("--allow-root", options.allow_root, "serve a network even as root")
+      .FromEnvironment("INTAGLIO_ALLOW_ROOT");
+  app.AddOption("--log-file", options.log_file, "log there besides to stderr");
+  app.AddOption("--log-level", options.log_level, "trace, debug, info, warning or error")
+      .OneOf({"trace", "debug", "info", "warning", "error"})
+      .ShowDefault();
+  app.AddFlag("--die-with-parent{-1}", options.die_with_parent,
+              "end when the process that started this one does; =PID names it, should it "
+              "be quicker");
+  app.AddFlag("--real-time", options.real_time,
+              "ask the system for real-time scheduling and locked memory");
 }
 
 /// Whose identity it takes from a folder of several: services/security/roles.h.
@@ -251,17 +249,15 @@ void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string&
 int RunService(const ServiceDescription& description, int argc, char** argv,
                const std::function<int(ServiceHost&)>& body) {
   const pid_t parent = getppid();
-  CLI::App app(fmt::format("intaglio-{}: {}", description.name, description.purpose));
-  app.footer("Usually started by `intaglio run` or `intaglio up`; see docs/services.md.");
-  app.set_version_flag("--version", SoftwareVersion());
+  command_line::Program program("intaglio-" + description.name, description.purpose);
+  program.SetVersion(SoftwareVersion());
+  command_line::Command root = program.root();
+  root.SetFooter(
+      "Usually started by `intaglio run` or `intaglio up`; see docs/services.md.");
   CommonOptions options;
-  AddCommonOptions(app, options);
-  if (description.add_options) description.add_options(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  AddCommonOptions(root, options);
+  if (description.add_options) description.add_options(root);
+  if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   CatchSignals();
   if (options.die_with_parent != 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);

@@ -15,10 +15,7 @@
 #include <string>
 
 #include "services/bus/bus.h"
-
-namespace CLI {
-class App;
-}
+#include "services/command_line/program.h"
 
 namespace intaglio::host {
 
@@ -28,7 +25,7 @@ struct ServiceDescription {
       name;  ///< e.g. "sorter": program intaglio-sorter, in logs and instance names
   std::string purpose;  ///< one line for --help
   /// Adds the service's own options; may be empty.
-  std::function<void(CLI::App&)> add_options;
+  std::function<void(command_line::Command)> add_options;
 };
 
 class ServiceHost {

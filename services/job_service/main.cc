@@ -1,7 +1,7 @@
-#include <CLI/App.hpp>
 #include <chrono>
 #include <thread>
 
+#include "services/command_line/program.h"
 #include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
 #include "services/job_service/job_service.h"
@@ -69,14 +69,13 @@ int main(int argc, char** argv) {
   const host::ServiceDescription description{
       intaglio_ROLE_JOB_SERVICE, "job-service",
       "keeps the queue of jobs and hands their stages to workers",
-      [&options](CLI::App& app) {
-        app.add_option("--database", options.database, "file of the queue")->required();
-        app.add_option("--materials-db", options.materials, "material base")
-            ->capture_default_str();
-        app.add_option("--results", options.results, "folder of the jobs' results")
-            ->required();
-        app.add_option("--recording", options.recording,
-                       "where the shop is recorded, for the history");
+      [&options](command_line::Command app) {
+        app.AddOption("--database", options.database, "file of the queue").Require();
+        app.AddOption("--materials-db", options.materials, "material base").ShowDefault();
+        app.AddOption("--results", options.results, "folder of the jobs' results")
+            .Require();
+        app.AddOption("--recording", options.recording,
+                      "where the shop is recorded, for the history");
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);

@@ -1,7 +1,7 @@
-#include <CLI/App.hpp>
 #include <iostream>
 
 #include "proto/job_file.h"
+#include "services/command_line/program.h"
 #include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
 #include "services/motion_bridge/bridge.h"
@@ -51,11 +51,11 @@ int main(int argc, char** argv) {
   const host::ServiceDescription description{
       intaglio_ROLE_MOTION_BRIDGE, "motion-bridge",
       "hands motion to one machine's controller and its position back",
-      [&options](CLI::App& app) {
-        app.add_option("--machine", options.machine_file, "machine profile (.textproto)")
-            ->required();
-        app.add_option("--device", options.device,
-                       "serial device instead of the profile's motion_line.device");
+      [&options](command_line::Command app) {
+        app.AddOption("--machine", options.machine_file, "machine profile (.textproto)")
+            .Require();
+        app.AddOption("--device", options.device,
+                      "serial device instead of the profile's motion_line.device");
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);

@@ -1,8 +1,8 @@
 #include <unistd.h>
 
-#include <CLI/App.hpp>
 #include <iostream>
 
+#include "services/command_line/program.h"
 #include "services/host/service_host.h"
 #include "services/recorder/job_papers.h"
 #include "services/recorder/recorder.h"
@@ -19,20 +19,20 @@ struct Options {
   recorder::TopicFilter filter;
 };
 
-void AddOptions(CLI::App& app, Options& options) {
-  app.add_option("--out", options.file,
-                 "file to write; when it is there, NAME-0002.mcap and so on")
-      ->required();
+void AddOptions(command_line::Command app, Options& options) {
+  app.AddOption("--out", options.file,
+                "file to write; when it is there, NAME-0002.mcap and so on")
+      .Require();
   const auto names = [&app](const std::string& what, recorder::NameFilter& filter) {
-    app.add_option("--" + what, filter.only,
-                   "record these only; a " + what + ", or a pattern with * and ?");
-    app.add_option("--not-" + what, filter.not_, "record all but these");
+    app.AddOption("--" + what, filter.only,
+                  "record these only; a " + what + ", or a pattern with * and ?");
+    app.AddOption("--not-" + what, filter.not_, "record all but these");
   };
   names("topic", options.filter.topic);
   names("partition", options.filter.partition);
   names("type", options.filter.type);
   const auto amount = [&app](const char* flag, double& value, const char* what) {
-    app.add_option(flag, value, what)->check(CLI::Range(0.0, 1e9))->capture_default_str();
+    app.AddOption(flag, value, what).Within(0.0, 1e9).ShowDefault();
   };
   amount("--split-mb", options.split_mb, "begin a new file at this size, MB; 0: never");
   amount("--split-min", options.split_min, "or after this time, minutes; 0: never");
@@ -42,9 +42,9 @@ void AddOptions(CLI::App& app, Options& options) {
          "remove files last written so many hours ago; 0: keep all");
   amount("--queue-mb", options.queue_mb,
          "memory for what waits for the disk, MB; beyond it bulk is left out");
-  app.add_option("--compression", options.compression, "level of zstd; 0: none")
-      ->check(CLI::Range(0, 19))
-      ->capture_default_str();
+  app.AddOption("--compression", options.compression, "level of zstd; 0: none")
+      .Within(0, 19)
+      .ShowDefault();
 }
 
 recorder::RecorderOptions RecorderOptionsOf(const Options& options) {
@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
   Options options;
   const host::ServiceDescription description{
       intaglio_ROLE_RECORDER, "recorder", "records every topic into an MCAP file",
-      [&options](CLI::App& app) { AddOptions(app, options); }};
+      [&options](command_line::Command app) { AddOptions(app, options); }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);
   });

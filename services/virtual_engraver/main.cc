@@ -3,12 +3,12 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <random>
 
+#include "services/command_line/program.h"
 #include "services/link/line_session.h"
 #include "services/link/real_time.h"
 #include "services/virtual_engraver/commands.h"
@@ -38,67 +38,65 @@ struct Options {
 
 Vec3 ToVec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-void AddOptions(CLI::App& app, Options& o) {
+void AddOptions(command_line::Command app, Options& o) {
   const auto triple = [&app](const char* name, std::vector<double>& value,
                              const char* text) {
-    app.add_option(name, value, text)->delimiter(',')->expected(3)->capture_default_str();
+    app.AddOption(name, value, text).SplitAt(',').TakeValues(3).ShowDefault();
   };
   MachineOptions& m = o.machine;
-  app.add_option("--laser-line", o.laser_line, "symbolic link to make for the laser line")
-      ->required();
-  app.add_option("--motion-line", o.motion_line,
-                 "symbolic link to make for the motion line")
-      ->required();
-  app.add_option("--glass-record", o.glass_record, "file that remembers every crack")
-      ->required();
-  app.add_option("--panel", o.panel, "Unix socket for buttons and misbehaviour");
-  app.add_flag("--die-with-parent{-1}", o.die_with_parent,
-               "power off when the process that started this one ends; =PID names it, "
-               "should it be quicker");
-  app.add_option("--rates", m.laser.rates_hz,
-                 "lamp sync rates, Hz; the first at power-up")
-      ->delimiter(',')
-      ->check(CLI::Range(0.1, 100000.0))
-      ->capture_default_str();
-  app.add_option("--warm-up", m.laser.warm_up_s, "lamp warm-up, s of machine time")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
+  app.AddOption("--laser-line", o.laser_line, "symbolic link to make for the laser line")
+      .Require();
+  app.AddOption("--motion-line", o.motion_line,
+                "symbolic link to make for the motion line")
+      .Require();
+  app.AddOption("--glass-record", o.glass_record, "file that remembers every crack")
+      .Require();
+  app.AddOption("--panel", o.panel, "Unix socket for buttons and misbehaviour");
+  app.AddFlag("--die-with-parent{-1}", o.die_with_parent,
+              "power off when the process that started this one ends; =PID names it, "
+              "should it be quicker");
+  app.AddOption("--rates", m.laser.rates_hz, "lamp sync rates, Hz; the first at power-up")
+      .SplitAt(',')
+      .Within(0.1, 100000.0)
+      .ShowDefault();
+  app.AddOption("--warm-up", m.laser.warm_up_s, "lamp warm-up, s of machine time")
+      .Within(0.0, 3600.0)
+      .ShowDefault();
   triple("--travel-min", o.travel_min, "lower ends of the axes, mm");
   triple("--travel-max", o.travel_max, "upper ends of the axes, mm");
   triple("--block-size", o.block_size, "block, mm");
   triple("--block-origin", o.block_origin, "its corner in the machine frame, mm");
-  app.add_option("--stage-lag", m.stage.lag_s, "first-order lag of the stage, s")
-      ->check(CLI::Range(0.0, 0.1))
-      ->capture_default_str();
-  app.add_option("--position-tolerance-um", o.tolerance_um, "of the in-position output")
-      ->check(CLI::Range(0.001, 10000.0))
-      ->capture_default_str();
-  app.add_option("--brake-acceleration", m.stage.brake_acceleration_mm_s2, "mm/s^2")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str();
-  app.add_option("--refractive-index", m.block.refractive_index,
-                 "of the block at the wavelength")
-      ->check(CLI::Range(1.0, 4.0))
-      ->capture_default_str();
-  app.add_option("--na", m.block.numerical_aperture, "numerical aperture in air")
-      ->check(CLI::Range(0.001, 0.95))
-      ->capture_default_str();
-  app.add_option("--channels", o.channels, "channels with a shutter and a block each")
-      ->check(CLI::Range(1, 4))
-      ->capture_default_str();
-  app.add_option("--speed", o.speed, "1, N times real time, or lockstep")
-      ->capture_default_str();
-  app.add_option("--clock-drift-ppm", o.clock_drift_ppm,
-                 "the stage's controller runs on a clock of its own, this much too fast; "
-                 "0: on the laser's ticks")
-      ->check(CLI::Range(-200.0, 200.0))
-      ->capture_default_str();
-  app.add_option("--line-jitter-ms", o.line_jitter_ms,
-                 "what is said on a serial line arrives up to this much later")
-      ->check(CLI::Range(0.0, 2.0))
-      ->capture_default_str();
-  app.add_option("--fault", o.faults, "\"AT_TICK COMMAND\": misbehave by itself");
-  app.add_option("--seed", o.seed, "of random misbehaviour")->capture_default_str();
+  app.AddOption("--stage-lag", m.stage.lag_s, "first-order lag of the stage, s")
+      .Within(0.0, 0.1)
+      .ShowDefault();
+  app.AddOption("--position-tolerance-um", o.tolerance_um, "of the in-position output")
+      .Within(0.001, 10000.0)
+      .ShowDefault();
+  app.AddOption("--brake-acceleration", m.stage.brake_acceleration_mm_s2, "mm/s^2")
+      .Within(1.0, 1e6)
+      .ShowDefault();
+  app.AddOption("--refractive-index", m.block.refractive_index,
+                "of the block at the wavelength")
+      .Within(1.0, 4.0)
+      .ShowDefault();
+  app.AddOption("--na", m.block.numerical_aperture, "numerical aperture in air")
+      .Within(0.001, 0.95)
+      .ShowDefault();
+  app.AddOption("--channels", o.channels, "channels with a shutter and a block each")
+      .Within(1, 4)
+      .ShowDefault();
+  app.AddOption("--speed", o.speed, "1, N times real time, or lockstep").ShowDefault();
+  app.AddOption("--clock-drift-ppm", o.clock_drift_ppm,
+                "the stage's controller runs on a clock of its own, this much too fast; "
+                "0: on the laser's ticks")
+      .Within(-200.0, 200.0)
+      .ShowDefault();
+  app.AddOption("--line-jitter-ms", o.line_jitter_ms,
+                "what is said on a serial line arrives up to this much later")
+      .Within(0.0, 2.0)
+      .ShowDefault();
+  app.AddOption("--fault", o.faults, "\"AT_TICK COMMAND\": misbehave by itself");
+  app.AddOption("--seed", o.seed, "of random misbehaviour").ShowDefault();
 }
 
 Status Finish(Options& o) {
@@ -210,20 +208,16 @@ int Serve(Options& options) {
 
 int main(int argc, char** argv) {
   const pid_t parent = getppid();
-  CLI::App app("virtual-engraver: a laser engraving machine behind two pseudo-terminals");
-  app.footer(
+  command_line::Program program("virtual-engraver",
+                                "a laser engraving machine behind two pseudo-terminals");
+  program.root().SetFooter(
       "Example: virtual-engraver --laser-line /tmp/laser --motion-line /tmp/motion "
       "--glass-record /tmp/glass.rec --panel /tmp/panel --speed lockstep\n"
       "Usually started by `intaglio run` or `intaglio up`; docs/protocols.md says what "
-      "it "
-      "speaks.");
+      "it speaks.");
   Options options;
-  AddOptions(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  AddOptions(program.root(), options);
+  if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   if (options.die_with_parent != 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     const pid_t starter = options.die_with_parent > 0 ? options.die_with_parent : parent;

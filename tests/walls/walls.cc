@@ -30,16 +30,20 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/bus", {"engrave/core", "idl"}},
     {"services/link", {"engrave/core"}},
     {"services/recording", {"engrave/core"}},
-    {"services/host", {"engrave/core", "services/bus", "services/link", "idl", "proto"}},
+    {"services/command_line", {"engrave/core"}},
+    {"services/host",
+     {"engrave/core", "services/bus", "services/command_line", "services/link", "idl",
+      "proto"}},
     {"services/*",
-     {"engrave/*", "materials_db", "proto", "idl", "services/bus", "services/link",
-      "services/host", "services/history", "services/recording", "services/replayer",
-      "services/security"}},
+     {"engrave/*", "materials_db", "proto", "idl", "services/bus",
+      "services/command_line", "services/link", "services/host", "services/history",
+      "services/recording", "services/replayer", "services/security"}},
     {"services/replayer",
      {"engrave/core", "idl", "proto", "services/bus", "services/link",
       "services/recording", "services/recorder", "services/virtual_engraver"}},
     {"services/history", {"engrave/core", "idl", "proto", "services/host"}},
-    {"services/virtual_engraver", {"engrave/core", "engrave/formats", "services/link"}},
+    {"services/virtual_engraver",
+     {"engrave/core", "engrave/formats", "services/command_line", "services/link"}},
 };
 
 // Headers of libraries that have to stay in one place.
@@ -49,6 +53,7 @@ struct Kept {
   std::vector<std::string> folders;
 };
 const std::vector<Kept> kKept = {
+    {"CLI/", false, {"services/command_line"}},
     {"dds/", false, {"services/bus"}},
     {"SQLiteCpp", false, {"materials_db", "services/history", "services/job_service"}},
     {"sqlite3", false, {"materials_db", "services/history", "services/job_service"}},

@@ -44,6 +44,7 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"materials_db/a.cc", "#include \"proto/options.h\"\n"},
       {"proto/a.cc", "#include \"services/host/poll_loop.h\"\n"},
       {"services/cli/a.cc", "#include \"services/sorter/sort_job.h\"\n"},
+      {"services/cli/b.cc", "#include <CLI/App.hpp>\n"},
       {"services/sorter/a.cc", "#include <dds/dds.h>\n"},
       {"services/sorter/b.cc", "int x = dds_write(1, 2);\n"},
       {"services/virtual_engraver/a.cc", "#include \"engrave/optics/focus.h\"\n"},

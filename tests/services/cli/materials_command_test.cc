@@ -5,7 +5,6 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 
@@ -30,23 +29,18 @@ struct Outcome {
 
 /// Runs `intaglio materials WORDS` on the base in `folder`.
 Outcome RunMaterials(const fs::path& folder, std::vector<std::string> words) {
-  CLI::App app;
-  app.require_subcommand(1);
-  std::function<int()> selected;
-  AddMaterialsCommand(app, selected);
+  command_line::Program program("intaglio", "");
+  AddMaterialsCommand(program.root());
   words.insert(words.begin(), "materials");
   words.insert(words.end(), {"--db", (folder / "materials.db").string()});
-  std::reverse(words.begin(), words.end());  // as CLI11 wants it
   Outcome outcome;
-  try {
-    app.parse(words);
-  } catch (const CLI::ParseError& error) {
-    outcome.err = error.what();
+  if (const Status parsed = program.Parse(words); !parsed) {
+    outcome.err = parsed.error().message;
     return outcome;
   }
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  outcome.exit_code = selected ? selected() : -1;
+  outcome.exit_code = program.Run();
   outcome.out = testing::internal::GetCapturedStdout();
   outcome.err = testing::internal::GetCapturedStderr();
   return outcome;

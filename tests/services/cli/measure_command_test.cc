@@ -6,7 +6,6 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <fstream>
 
@@ -40,15 +39,13 @@ class MeasureCommand : public ::testing::Test {
 
   int Run(std::vector<std::string> arguments) {
     EXPECT_TRUE(formats::WritePly(folder_ / "cloud.ply", points_));
-    CLI::App app;
-    std::function<int()> selected;
-    AddMeasureCommand(app, selected);
+    command_line::Program program("intaglio", "");
+    AddMeasureCommand(program.root());
     arguments.insert(arguments.begin(), {"measure", (folder_ / "cloud.ply").string()});
-    std::reverse(arguments.begin(), arguments.end());
-    app.parse(arguments);
+    EXPECT_TRUE(program.Parse(arguments));
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
-    const int code = selected();
+    const int code = program.Run();
     out_ = ::testing::internal::GetCapturedStdout();
     err_ = ::testing::internal::GetCapturedStderr();
     return code;

@@ -7,7 +7,6 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -79,14 +78,12 @@ class PlanCommand : public ::testing::Test {
   fs::path csv() const { return folder_ / "segments.csv"; }
 
   int Type(std::vector<std::string> words) {
-    CLI::App app;
-    std::function<int()> selected;
-    AddPathCommands(app, selected);
-    std::reverse(words.begin(), words.end());  // CLI11 takes a stack of words
-    app.parse(words);
+    command_line::Program program("intaglio", "");
+    AddPathCommands(program.root());
+    EXPECT_TRUE(program.Parse(words));
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
-    const int code = selected();
+    const int code = program.Run();
     output_ = ::testing::internal::GetCapturedStdout();
     errors_ = ::testing::internal::GetCapturedStderr();
     return code;
