@@ -75,11 +75,9 @@ const T& Member(const Value& value, const char* name) {
 using Numbers = std::vector<std::uint64_t>;
 using Reals = std::vector<double>;
 
-struct Crack {
-  std::uint64_t tick = 0, point = 0;
-};
-
-/// Pulses and places of one job.
+/// Pulses and places of one job. A point may be told of twice: once more by the next life
+/// of a synchronizer, or fired after it was uncertain, by a person's word. The newest
+/// word that it was made counts; no later one undoes a crack.
 class Cracks {
  public:
   explicit Cracks(std::string job_uid) : job_uid_(std::move(job_uid)) {}
@@ -106,24 +104,25 @@ class Cracks {
 
   Status Write(const std::filesystem::path& path, const std::filesystem::path& target) {
     if (auto looked_up = LookUp(path); !looked_up) return looked_up;
-    std::stable_sort(cracks_.begin(), cracks_.end(),
-                     [](const Crack& a, const Crack& b) { return a.tick < b.tick; });
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> cracks;  // tick, point
+    for (const auto& [point, tick] : made_at_) cracks.emplace_back(tick, point);
+    std::sort(cracks.begin(), cracks.end());
     formats::PointTable table;
     table.comments = {"cracks of job " + job_uid_};
     Reals ticks;
     std::vector<std::uint32_t> points;
-    for (const Crack& crack : cracks_) {
-      const auto place = places_.find(crack.point);
+    for (const auto& [tick, point] : cracks) {
+      const auto place = places_.find(point);
       if (place == places_.end()) {
         return Fail(ErrorCode::kMissing,
                     fmt::format("the place of point {} is not in the recording; give the "
                                 "job's path.ply with --path",
-                                crack.point),
-                    std::to_string(crack.point));
+                                point),
+                    std::to_string(point));
       }
       table.points_mm.push_back(place->second);
-      ticks.push_back(static_cast<double>(crack.tick));
-      points.push_back(static_cast<std::uint32_t>(crack.point));
+      ticks.push_back(static_cast<double>(tick));
+      points.push_back(static_cast<std::uint32_t>(point));
     }
     table.columns = {{"tick", std::move(ticks)}, {"point", std::move(points)}};
     return formats::WritePly(target, table);
@@ -145,7 +144,7 @@ class Cracks {
     const auto& outcome = Member<Numbers>(value, "outcome");
     for (std::size_t i = 0; i < std::min({tick.size(), point.size(), outcome.size()});
          ++i) {
-      if (outcome[i] == kMade) cracks_.push_back({tick[i], point[i]});
+      if (outcome[i] == kMade) made_at_[point[i]] = tick[i];
     }
   }
   Status LookUp(const std::filesystem::path& path) {
@@ -161,7 +160,7 @@ class Cracks {
   std::string job_uid_;
   std::set<std::uint16_t> channels_;
   std::map<std::uint64_t, Vec3> places_;
-  std::vector<Crack> cracks_;
+  std::map<std::uint64_t, std::uint64_t> made_at_;  // tick, by point
 };
 
 }  // namespace

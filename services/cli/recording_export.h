@@ -22,8 +22,8 @@ Status ExportJsonLines(const recording::McapReader& reader,
 Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
                  const recording::MessageQuery& query, std::ostream& out);
 
-/// Every pulse that was made, at its point's place in the glass frame, mm, with the
-/// columns tick and point, in the order of the ticks: from PulseEventBatch and PathBatch.
+/// Every point that was made, once, at its place in the glass frame, mm, with the columns
+/// tick and point, in the order of the ticks: from PulseEventBatch and PathBatch.
 /// Points whose place is not in the recording are looked up in `path`, a path.ply; empty:
 /// none. kMissing when a place is nowhere.
 Status ExportCracks(const recording::McapReader& reader, const std::string& job_uid,

@@ -200,9 +200,10 @@ void CellListener::Take(const StatusWords& words) {
   if (words.ended()) words_.end = words;
 }
 
-// What is taken back of one run may lie at ticks of the next one.
+// What is taken back of one run may lie at ticks of the next one. And those of a laser
+// that was switched off in between begin again: a run that came later is not meant.
 bool CellListener::MayBeOf(const CellRun& run, const SaidPulse& said) const {
-  if (run.start_tick > said.pulse.tick) return false;
+  if (run.start_tick > said.pulse.tick || said.at_ns < run.begun_ns) return false;
   return said.pulse.fired() || said.at_ns > run.begun_ns + kGatheredNs;
 }
 

@@ -121,5 +121,37 @@ TEST(CellListener, RunsOfWhichNothingWasDecidedAreNotCompared) {
   EXPECT_EQ(words.runs[0].pulses.size(), 1u);
 }
 
+// The ticks begin again, and the points that nobody knows of are fired by a person's
+// word: what was said before them stays where it was.
+TEST(CellListener, RunsBeforeTheUncertainKeepTheirPulses) {
+  CellListener listener("job");
+  SegmentWords run;
+  run.job_uid = "job";
+  const auto begin = [&](std::uint32_t number, std::uint64_t start_tick,
+                         std::uint64_t at_ns) {
+    run.run = number;
+    run.start_tick = start_tick;
+    EXPECT_TRUE(listener.Take(run, at_ns));
+  };
+  const auto say = [&](std::uint64_t tick, std::uint32_t point, std::uint8_t outcome,
+                       std::uint64_t at_ns) {
+    listener.Take(PulseWords{"job", {tick}, {point}, {outcome}, {0}}, at_ns);
+  };
+  begin(1, 500, 10);
+  say(510, 0, intaglio_PULSE_MADE, 20);
+  begin(2, 600, 30);
+  say(610, 1, intaglio_PULSE_MADE, 40);
+  say(611, 2, intaglio_PULSE_UNCERTAIN, 300'000'000);
+  begin(3, 50, 400'000'000);
+  say(60, 2, intaglio_PULSE_MADE, 400'000'010);
+  const CellWords words = listener.Words();
+  ASSERT_EQ(words.runs.size(), 3u);
+  EXPECT_EQ(words.uncertain_run, 2u);
+  for (const CellRun& heard : words.runs) {
+    ASSERT_EQ(heard.pulses.size(), 1u) << "run " << heard.number;
+    EXPECT_EQ(heard.pulses[0].point, heard.number - 1);
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::replayer
