@@ -16,7 +16,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-constexpr double kRatio = 0.65;
+constexpr double kTravelRatio = 0.65;
 
 void Set(Vector3& v, double x, double y, double z) { v.set_x(x), v.set_y(y), v.set_z(z); }
 
@@ -41,7 +41,7 @@ JobSpec WithBlock(JobSpec job, std::uint32_t channel, double x, double y, double
 
 std::vector<std::string> Complaints(const JobSpec& job) {
   std::vector<std::string> said;
-  for (const Error& error : CheckAll(job, GoodMachine(), kRatio)) {
+  for (const Error& error : CheckAll(job, GoodMachine(), kTravelRatio)) {
     said.push_back(error.message);
   }
   return said;

@@ -22,7 +22,7 @@ constexpr const char* kTail = "|97 1|330 2F|75 1|76 1|98 1|10 3|20 2";
 std::string Hatch(const std::string& paths) {
   return Entities(kHead + std::string("91 1|") + paths + kTail);
 }
-FlatDrawing FlatOf(const std::string& text) {
+FlatDrawing FlatHatches(const std::string& text) {
   const auto drawing = ReadDxf(text);
   EXPECT_TRUE(drawing.has_value()) << (drawing ? "" : drawing.error().message);
   if (!drawing) return {};
@@ -32,7 +32,7 @@ FlatDrawing FlatOf(const std::string& text) {
 }
 /// The only contour of a hatch of these paths.
 FlatCurve ContourOf(const std::string& paths) {
-  const auto flat = FlatOf(Hatch(paths));
+  const auto flat = FlatHatches(Hatch(paths));
   EXPECT_EQ(flat.curves.size(), 1U);
   if (flat.curves.size() != 1) return {PointList{Vec3::Zero()}};
   EXPECT_TRUE(flat.curves[0].closed);
@@ -133,8 +133,8 @@ TEST(DxfHatch, PathsLayersFramesAndWhatIsLeftOut) {
 
 TEST(DxfHatch, EdgesInAnyOrderAreJoinedAsLinesOfADrawingAre) {
   auto flat =
-      FlatOf(Hatch("92 1|93 4|72 1|10 0|20 0|11 5|21 0|72 1|10 5|20 2|11 0|21 2|"
-                   "72 1|10 5|20 2|11 5|21 0|72 1|10 0|20 0|11 0|21 2"));
+      FlatHatches(Hatch("92 1|93 4|72 1|10 0|20 0|11 5|21 0|72 1|10 5|20 2|11 0|21 2|"
+                        "72 1|10 5|20 2|11 5|21 0|72 1|10 0|20 0|11 0|21 2"));
   ASSERT_EQ(flat.curves.size(), 4U);
   JoinOpenCurves(0.001, flat);
   ASSERT_EQ(flat.curves.size(), 1U);
@@ -144,7 +144,7 @@ TEST(DxfHatch, EdgesInAnyOrderAreJoinedAsLinesOfADrawingAre) {
 
 TEST(DxfHatch, InBlocksAHatchIsScaledAsOthersAre) {
   const std::string hatch = "0 HATCH|70 1|91 1|92 1|93 1|72 2|40 1|50 0|51 360|73 1";
-  const auto flat = FlatOf(
+  const auto flat = FlatHatches(
       WithBlocks("0 BLOCK|2 B|" + hatch + "|0 ENDBLK", "0 INSERT|2 B|41 3|42 2|10 9"));
   ASSERT_EQ(flat.curves.size(), 1U);
   EXPECT_NEAR(AreaOf(flat.curves[0]), 6 * pi, 6 * pi * 5e-4);

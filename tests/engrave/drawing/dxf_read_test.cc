@@ -17,7 +17,7 @@ namespace {
 using std::numbers::pi;
 using ::testing::HasSubstr;
 
-FlatDrawing FlatOf(const std::string& text, const ReadOptions& options = {}) {
+FlatDrawing FlatDxf(const std::string& text, const ReadOptions& options = {}) {
   const auto drawing = ReadDxf(text, options);
   EXPECT_TRUE(drawing.has_value()) << (drawing ? "" : drawing.error().message);
   if (!drawing) return {};
@@ -25,14 +25,14 @@ FlatDrawing FlatOf(const std::string& text, const ReadOptions& options = {}) {
   EXPECT_TRUE(flat.has_value());
   return flat ? *flat : FlatDrawing{};
 }
-Error ErrorOf(const std::string& text, const ReadOptions& options = {}) {
+Error DxfError(const std::string& text, const ReadOptions& options = {}) {
   const auto drawing = ReadDxf(text, options, "a.dxf");
   EXPECT_FALSE(drawing.has_value());
   return drawing ? Error{} : drawing.error();
 }
 
 TEST(DxfRead, LineAndPoint) {
-  const auto flat = FlatOf(
+  const auto flat = FlatDxf(
       Entities("0 LINE|8 cut|62 3|10 1|20 2|30 3|11 4|21 6|31 3|0 POINT|10 7|20 8"));
   ASSERT_EQ(flat.curves.size(), 2U);
   EXPECT_EQ(flat.curves[0].points_mm, (PointList{{1, 2, 3}, {4, 6, 3}}));
@@ -51,8 +51,8 @@ TEST(DxfRead, LayerAndColourAreNamed) {
 // The default flattening keeps lengths within 1.05e-4: angle^2 / 24.
 TEST(DxfRead, CircleAndArcLengths) {
   const auto flat =
-      FlatOf(Entities("0 CIRCLE|10 1|20 2|40 5|0 ARC|10 0|20 0|40 2|50 350|51 20|0 "
-                      "ARC|40 1|50 90|51 90"));
+      FlatDxf(Entities("0 CIRCLE|10 1|20 2|40 5|0 ARC|10 0|20 0|40 2|50 350|51 20|0 "
+                       "ARC|40 1|50 90|51 90"));
   ASSERT_EQ(flat.curves.size(), 3U);
   EXPECT_TRUE(flat.curves[0].closed);
   EXPECT_NEAR(LengthOf(flat.curves[0]), 10 * pi, 10 * pi * 1.1e-4);
@@ -66,14 +66,14 @@ TEST(DxfRead, CircleAndArcLengths) {
 TEST(DxfRead, ArcOfTurnedExtrusionIsMirrored) {
   // Extrusion -z: the arbitrary axis algorithm gives x = -x, y = y.
   const auto flat =
-      FlatOf(Entities("0 ARC|10 3|20 1|40 2|50 0|51 90|210 0|220 0|230 -1"));
+      FlatDxf(Entities("0 ARC|10 3|20 1|40 2|50 0|51 90|210 0|220 0|230 -1"));
   ASSERT_EQ(flat.curves.size(), 1U);
   EXPECT_LT((flat.curves[0].points_mm.front() - Vec3(-5, 1, 0)).norm(), 1e-12);
   EXPECT_LT((flat.curves[0].points_mm.back() - Vec3(-3, 3, 0)).norm(), 1e-12);
 }
 
 TEST(DxfRead, EllipseOfAnyTurn) {
-  const auto flat = FlatOf(
+  const auto flat = FlatDxf(
       Entities("0 ELLIPSE|10 1|20 1|11 3|21 4|40 0.25|41 0|42 6.283185307179586|"
                "0 ELLIPSE|11 5|21 0|40 0.5|41 1.5707963267948966|42 3.141592653589793"));
   ASSERT_EQ(flat.curves.size(), 2U);
@@ -90,7 +90,7 @@ TEST(DxfRead, EllipseOfAnyTurn) {
 TEST(DxfRead, BulgesAreArcsToTheLeftOfTheirChord) {
   // A stadium: two straight sides of 10, two half circles of radius 2.
   const std::string vertices = "10 0|20 0|10 10|20 0|42 1|10 10|20 4|10 0|20 4|42 1";
-  const auto flat = FlatOf(Entities("0 LWPOLYLINE|90 4|70 1|38 2.5|" + vertices));
+  const auto flat = FlatDxf(Entities("0 LWPOLYLINE|90 4|70 1|38 2.5|" + vertices));
   ASSERT_EQ(flat.curves.size(), 1U);
   const double length = 20 + 4 * pi, area = 40 + 4 * pi;
   EXPECT_NEAR(LengthOf(flat.curves[0]), length, length * 1.1e-4);
@@ -100,10 +100,10 @@ TEST(DxfRead, BulgesAreArcsToTheLeftOfTheirChord) {
 
 TEST(DxfRead, OldPolylineIsTheSameAsTheLightOne) {
   const auto old =
-      FlatOf(Entities("0 POLYLINE|66 1|70 1|10 0|20 0|30 2.5|0 VERTEX|10 0|20 0|0 "
-                      "VERTEX|10 10|20 0|42 0.3|"
-                      "0 VERTEX|10 10|20 4|42 -0.7|0 SEQEND|0 POINT|10 1"));
-  const auto light = FlatOf(Entities(
+      FlatDxf(Entities("0 POLYLINE|66 1|70 1|10 0|20 0|30 2.5|0 VERTEX|10 0|20 0|0 "
+                       "VERTEX|10 10|20 0|42 0.3|"
+                       "0 VERTEX|10 10|20 4|42 -0.7|0 SEQEND|0 POINT|10 1"));
+  const auto light = FlatDxf(Entities(
       "0 LWPOLYLINE|70 1|38 2.5|10 0|20 0|10 10|20 0|42 0.3|10 10|20 4|42 -0.7"));
   ASSERT_EQ(old.curves.size(), 2U);
   EXPECT_EQ(old.curves[0].points_mm, light.curves[0].points_mm);
@@ -124,7 +124,7 @@ TEST(DxfRead, PolylineInSpaceAndMeshes) {
 
 // A quarter circle as a rational quadratic: weights 1, cos 45 deg, 1.
 TEST(DxfRead, RationalSplineIsACircle) {
-  const auto flat = FlatOf(Entities(
+  const auto flat = FlatDxf(Entities(
       "0 SPLINE|70 4|71 2|72 6|73 3|40 0|40 0|40 0|40 1|40 1|40 1|41 1|"
       "41 0.70710678118654752|41 1|10 2|20 0|30 1|10 2|20 2|30 1|10 0|20 2|30 1"));
   ASSERT_EQ(flat.curves.size(), 1U);
@@ -157,7 +157,7 @@ TEST(DxfRead, SplineLengthByTheRecursion) {
   for (const Vec3& p : controls) {
     pairs += fmt::format("|10 {}|20 {}|30 {}", p.x(), p.y(), p.z());
   }
-  const auto flat = FlatOf(Entities(pairs));
+  const auto flat = FlatDxf(Entities(pairs));
   ASSERT_EQ(flat.curves.size(), 1U);
   const double length = DenseLength(
       [&](double t) {
@@ -180,7 +180,7 @@ TEST(DxfRead, SplineThroughFitPoints) {
     const double angle = 2 * pi * (i % 16) / 16;
     pairs += fmt::format("|11 {}|21 {}|31 0", 3 * std::cos(angle), 3 * std::sin(angle));
   }
-  const auto flat = FlatOf(Entities(pairs));
+  const auto flat = FlatDxf(Entities(pairs));
   ASSERT_EQ(flat.curves.size(), 1U);
   EXPECT_TRUE(flat.curves[0].closed);
   // h^4 / 384 of a circle of radius 3 with 16 chords: 3 * 0.39^4 / 384 = 2e-4 mm.
@@ -191,7 +191,7 @@ TEST(DxfRead, FitPointsWithTangentsGiveTheCubicBack) {
   // Any single cubic whose parameter is the chord's: p(t), 0..1, chord 1, ends of
   // slope 1.
   const auto flat =
-      FlatOf(Entities("0 SPLINE|71 3|11 0|21 0|11 1|21 0|12 0|22 1|13 0|23 1"));
+      FlatDxf(Entities("0 SPLINE|71 3|11 0|21 0|11 1|21 0|12 0|22 1|13 0|23 1"));
   ASSERT_EQ(flat.curves.size(), 1U);
   const double length = DenseLength([](double t) {
     return Vec3(3 * t * t - 2 * t * t * t, t * (1 - t) * (1 - t) - t * t * (1 - t), 0);
@@ -201,7 +201,7 @@ TEST(DxfRead, FitPointsWithTangentsGiveTheCubicBack) {
 
 TEST(DxfRead, BlocksAreScaledTurnedAndRepeated) {
   const std::string block = "0 BLOCK|2 B|10 1|20 0|0 LINE|10 1|20 0|11 2|21 1|0 ENDBLK";
-  const auto flat = FlatOf(
+  const auto flat = FlatDxf(
       WithBlocks(block, "0 INSERT|2 B|10 10|20 20|41 2|42 3|50 90|70 2|71 3|44 5|45 7"));
   ASSERT_EQ(flat.curves.size(), 6U);
   // Scaled (2, 3), turned by 90 degrees: the end lies at (-3, 2) from the insertion.
@@ -214,7 +214,7 @@ TEST(DxfRead, BlocksAreScaledTurnedAndRepeated) {
 TEST(DxfRead, ArcInUnevenlyScaledBlocksIsAnEllipse) {
   const std::string blocks =
       "0 BLOCK|2 A|0 CIRCLE|40 1|0 ENDBLK|0 BLOCK|2 B|0 INSERT|2 A|41 3|0 ENDBLK";
-  const auto flat = FlatOf(WithBlocks(blocks, "0 INSERT|2 B|50 30|42 2"));
+  const auto flat = FlatDxf(WithBlocks(blocks, "0 INSERT|2 B|50 30|42 2"));
   ASSERT_EQ(flat.curves.size(), 1U);
   const double length = DenseLength([](double t) {
     return Vec3(3 * std::cos(2 * pi * t), 2 * std::sin(2 * pi * t), 0);
@@ -225,11 +225,11 @@ TEST(DxfRead, ArcInUnevenlyScaledBlocksIsAnEllipse) {
 TEST(DxfRead, UnitsOfTheFileAndOfTheCaller) {
   const std::string head = Groups("0 SECTION|2 HEADER|9 $INSUNITS|70 1|0 ENDSEC");
   const std::string line = Entities("0 LINE|10 0|11 2");
-  EXPECT_EQ(FlatOf(head + line).curves[0].points_mm[1].x(), 50.8);
-  EXPECT_EQ(FlatOf(line).curves[0].points_mm[1].x(), 2);
+  EXPECT_EQ(FlatDxf(head + line).curves[0].points_mm[1].x(), 50.8);
+  EXPECT_EQ(FlatDxf(line).curves[0].points_mm[1].x(), 2);
   ReadOptions options;
   options.unit_mm = 10;
-  EXPECT_EQ(FlatOf(head + line, options).curves[0].points_mm[1].x(), 20);
+  EXPECT_EQ(FlatDxf(head + line, options).curves[0].points_mm[1].x(), 20);
 }
 
 TEST(DxfRead, SheetsAndInvisibleAreLeftOut) {
@@ -241,29 +241,29 @@ TEST(DxfRead, SheetsAndInvisibleAreLeftOut) {
 }
 
 TEST(DxfRead, ErrorsNameThePlaceTheValueAndTheRemedy) {
-  const Error number = ErrorOf(Entities("0 LINE|10 1|20 zwei"));
+  const Error number = DxfError(Entities("0 LINE|10 1|20 zwei"));
   EXPECT_EQ(number.code, ErrorCode::kInvalidValue);
   EXPECT_THAT(number.message, HasSubstr("a.dxf, line 10, LINE"));
   EXPECT_EQ(number.value, "zwei");
-  EXPECT_EQ(ErrorOf(Entities("0 LINE|10 nan")).code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(ErrorOf(Entities("0 LINE|10 1e300")).code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(ErrorOf(Entities("0 CIRCLE|40 -1")).code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(ErrorOf("").code, ErrorCode::kUnreadable);
-  EXPECT_EQ(ErrorOf("not a drawing\nat all\n").code, ErrorCode::kUnreadable);
-  EXPECT_EQ(ErrorOf("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n").code,
+  EXPECT_EQ(DxfError(Entities("0 LINE|10 nan")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(DxfError(Entities("0 LINE|10 1e300")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(DxfError(Entities("0 CIRCLE|40 -1")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(DxfError("").code, ErrorCode::kUnreadable);
+  EXPECT_EQ(DxfError("not a drawing\nat all\n").code, ErrorCode::kUnreadable);
+  EXPECT_EQ(DxfError("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n").code,
             ErrorCode::kUnreadable);
-  EXPECT_THAT(ErrorOf("0\nSECTION\n2\nENTITIES\n0\nLINE\n").message,
+  EXPECT_THAT(DxfError("0\nSECTION\n2\nENTITIES\n0\nLINE\n").message,
               HasSubstr("cut off"));
-  EXPECT_EQ(ErrorOf("AutoCAD Binary DXF\r\n").code, ErrorCode::kUnsupported);
-  EXPECT_EQ(ErrorOf("AC1018\n").code, ErrorCode::kUnsupported);
-  EXPECT_EQ(ErrorOf(Entities("0 INSERT|2 X")).code, ErrorCode::kNotFound);
-  EXPECT_EQ(ErrorOf(Entities("0 SPLINE|71 3|10 1|20 1")).code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(ErrorOf(Entities("0 SPLINE|72 2000000000|71 1000000")).code,
+  EXPECT_EQ(DxfError("AutoCAD Binary DXF\r\n").code, ErrorCode::kUnsupported);
+  EXPECT_EQ(DxfError("AC1018\n").code, ErrorCode::kUnsupported);
+  EXPECT_EQ(DxfError(Entities("0 INSERT|2 X")).code, ErrorCode::kNotFound);
+  EXPECT_EQ(DxfError(Entities("0 SPLINE|71 3|10 1|20 1")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(DxfError(Entities("0 SPLINE|72 2000000000|71 1000000")).code,
             ErrorCode::kInvalidValue);
 }
 
 TEST(DxfRead, BlocksWithoutEndEndInErrors) {
-  const Error loop = ErrorOf(
+  const Error loop = DxfError(
       WithBlocks("0 BLOCK|2 A|0 INSERT|2 B|0 ENDBLK|0 BLOCK|2 B|0 INSERT|2 A|0 ENDBLK",
                  "0 INSERT|2 A"));
   EXPECT_EQ(loop.code, ErrorCode::kInvalidValue);
@@ -276,10 +276,10 @@ TEST(DxfRead, BlocksWithoutEndEndInErrors) {
     for (int j = 0; j < 10; ++j) blocks += fmt::format("|0 INSERT|2 {}", i + 1);
     blocks += "|0 ENDBLK|";
   }
-  EXPECT_EQ(ErrorOf(WithBlocks(blocks + "0 BLOCK|2 10|0 ENDBLK", "0 INSERT|2 0")).code,
+  EXPECT_EQ(DxfError(WithBlocks(blocks + "0 BLOCK|2 10|0 ENDBLK", "0 INSERT|2 0")).code,
             ErrorCode::kTooLarge);
   EXPECT_EQ(
-      ErrorOf(WithBlocks("0 BLOCK|2 A|0 ENDBLK", "0 INSERT|2 A|70 1e9|71 1e9")).code,
+      DxfError(WithBlocks("0 BLOCK|2 A|0 ENDBLK", "0 INSERT|2 A|70 1e9|71 1e9")).code,
       ErrorCode::kTooLarge);
 }
 
@@ -288,23 +288,23 @@ TEST(DxfRead, LimitsAreThoseOfTheCaller) {
       Entities("0 LINE|11 1|0 LINE|11 2|0 LWPOLYLINE|10 1|10 2|10 3");
   ReadOptions options;
   options.limits.max_entities = 2;
-  EXPECT_THAT(ErrorOf(text, options).message, HasSubstr("more than 2 entities"));
+  EXPECT_THAT(DxfError(text, options).message, HasSubstr("more than 2 entities"));
   options = {};
   options.limits.max_points = 6;
-  EXPECT_THAT(ErrorOf(text, options).message, HasSubstr("more than 6 points"));
+  EXPECT_THAT(DxfError(text, options).message, HasSubstr("more than 6 points"));
   options = {};
   options.limits.max_file_bytes = 20;
-  EXPECT_EQ(ErrorOf(text, options).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(DxfError(text, options).code, ErrorCode::kTooLarge);
 }
 
 TEST(DxfRead, LargeFilesEndSoon) {
   // A line of 60 MB, and a file of 60 MB of the smallest entities.
   std::string text = "0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n";
   text += std::string(60U << 20, '1') + "\n0\nENDSEC\n";
-  EXPECT_EQ(ErrorOf(text).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(DxfError(text).code, ErrorCode::kInvalidValue);
   text.resize(text.find("10\n1"));
   while (text.size() < (60U << 20)) text += "0\nLINE\n";
-  EXPECT_EQ(ErrorOf(text + "0\nENDSEC\n").code, ErrorCode::kTooLarge);
+  EXPECT_EQ(DxfError(text + "0\nENDSEC\n").code, ErrorCode::kTooLarge);
 }
 
 TEST(DxfRead, RealFiles) {
@@ -313,7 +313,7 @@ TEST(DxfRead, RealFiles) {
   for (const char* name :
        {"drawings/wrench.dxf", "drawings/single_arc.dxf", "drawings/spline.DXF",
         "drawings/cycloidal.dxf", "broken/broken_loop.dxf", "broken/broken_pair.dxf"}) {
-    const auto flat = FlatOf(FileText(folder + name));
+    const auto flat = FlatDxf(FileText(folder + name));
     const Box3 box = ExtentOf(flat);
     EXPECT_FALSE(flat.curves.empty()) << name;
     EXPECT_TRUE(box.size_mm().allFinite()) << name;

@@ -23,7 +23,7 @@ std::string Page(const std::string& content) {
          "viewBox='0 0 100 80'>" +
          content + "</svg>";
 }
-FlatDrawing FlatOf(const std::string& text, const ReadOptions& options = {}) {
+FlatDrawing FlatSvg(const std::string& text, const ReadOptions& options = {}) {
   const auto drawing = ReadSvg(text, options);
   EXPECT_TRUE(drawing.has_value()) << (drawing ? "" : drawing.error().message);
   if (!drawing) return {};
@@ -31,8 +31,10 @@ FlatDrawing FlatOf(const std::string& text, const ReadOptions& options = {}) {
   EXPECT_TRUE(flat.has_value());
   return flat ? *flat : FlatDrawing{};
 }
-FlatDrawing PathOf(const std::string& d) { return FlatOf(Page("<path d='" + d + "'/>")); }
-Error ErrorOf(const std::string& text, const ReadOptions& options = {}) {
+FlatDrawing PathOf(const std::string& d) {
+  return FlatSvg(Page("<path d='" + d + "'/>"));
+}
+Error SvgError(const std::string& text, const ReadOptions& options = {}) {
   const auto drawing = ReadSvg(text, options, "a.svg");
   EXPECT_FALSE(drawing.has_value());
   return drawing ? Error{} : drawing.error();
@@ -105,7 +107,7 @@ TEST(SvgRead, ArcsWithRadiiTooSmallAreEnlargedAndFlatOnesAreLines) {
 }
 
 TEST(SvgRead, ShapesHaveTheirLengths) {
-  const auto flat = FlatOf(Page(
+  const auto flat = FlatSvg(Page(
       "<circle cx='10' cy='20' r='5'/><rect x='1' y='2' width='30' height='20' rx='3'/>"
       "<ellipse rx='3' ry='3'/><line x1='1' x2='4' y2='4'/><rect width='3' height='4'/>"
       "<polyline points='0,0 3,4 6 8'/><polygon points='0 0 3 0 3 4'/><circle r='0'/>"));
@@ -119,10 +121,10 @@ TEST(SvgRead, ShapesHaveTheirLengths) {
 
 TEST(SvgRead, TransformsAreAppliedFromTheInnermost) {
   const auto flat =
-      FlatOf(Page("<g transform='translate(10 20) rotate(90)'>"
-                  "<path transform='scale(2,3)' d='M1 0L0 1'/></g>"
-                  "<path transform='rotate(180 5 5)' d='M4 5L6 5'/>"
-                  "<path transform='matrix(1 2 3 4 5 6)' d='M1 1L0 0'/>"));
+      FlatSvg(Page("<g transform='translate(10 20) rotate(90)'>"
+                   "<path transform='scale(2,3)' d='M1 0L0 1'/></g>"
+                   "<path transform='rotate(180 5 5)' d='M4 5L6 5'/>"
+                   "<path transform='matrix(1 2 3 4 5 6)' d='M1 1L0 0'/>"));
   ASSERT_EQ(flat.curves.size(), 3U);
   ExpectPoints(flat.curves[0], {{10, 80 - 22, 0}, {7, 60, 0}});
   ExpectPoints(flat.curves[1], {{6, 75, 0}, {4, 75, 0}});
@@ -131,19 +133,19 @@ TEST(SvgRead, TransformsAreAppliedFromTheInnermost) {
 
 TEST(SvgRead, UnitsOfThePage) {
   // No viewBox: user units are px of 1/96 inch.
-  const auto px = FlatOf("<svg width='96' height='1in'><line x2='96'/></svg>");
+  const auto px = FlatSvg("<svg width='96' height='1in'><line x2='96'/></svg>");
   ExpectPoints(px.curves[0], {{0, 25.4, 0}, {25.4, 25.4, 0}});
   ReadOptions options;
   options.unit_mm = 1;
-  const auto one = FlatOf("<svg width='96' height='1in'><line x2='96'/></svg>", options);
+  const auto one = FlatSvg("<svg width='96' height='1in'><line x2='96'/></svg>", options);
   ExpectPoints(one.curves[0], {{0, 96, 0}, {96, 96, 0}});
-  const auto mixed = FlatOf(Page("<line x1='10%' x2='5cm' y1='80px' y2='0'/>"));
+  const auto mixed = FlatSvg(Page("<line x1='10%' x2='5cm' y1='80px' y2='0'/>"));
   ASSERT_EQ(mixed.curves.size(), 1U);
   EXPECT_NEAR(mixed.curves[0].points_mm[0].x(), 10, 1e-9);
 }
 
 TEST(SvgRead, UsesSymbolsAndInnerPages) {
-  const auto flat = FlatOf(Page(
+  const auto flat = FlatSvg(Page(
       "<defs><line id='a' x2='1'/><symbol id='s' viewBox='0 0 2 2'><line "
       "x2='2'/></symbol>"
       "</defs><use href='#a' x='5' y='6'/><use xlink:href='#s' width='10' height='10'/>"
@@ -169,42 +171,42 @@ TEST(SvgRead, NamesAndWhatIsLeftOut) {
 }
 
 TEST(SvgRead, ErrorsNameThePlaceTheValueAndTheRemedy) {
-  const Error path = ErrorOf(Page("\n<path id='p' d='M1 2 L3 x'/>"));
+  const Error path = SvgError(Page("\n<path id='p' d='M1 2 L3 x'/>"));
   EXPECT_EQ(path.code, ErrorCode::kInvalidValue);
   EXPECT_THAT(path.message, HasSubstr("a.svg, line 2, path \"p\": attribute d"));
   EXPECT_EQ(path.value, "x");
   for (const char* d : {"L1 2", "M", "M1", "Mnan 0", "M1e999 0", "M0 0 X",
                         "M0 0A1 1 0 2 0 1 1", "M1e300 0L2 2", "M0 0z1"}) {
-    EXPECT_EQ(ErrorOf(Page(fmt::format("<path d='{}'/>", d))).code,
+    EXPECT_EQ(SvgError(Page(fmt::format("<path d='{}'/>", d))).code,
               ErrorCode::kInvalidValue)
         << d;
   }
-  EXPECT_EQ(ErrorOf(Page("<g transform='turn(5)'/>")).code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(ErrorOf(Page("<circle r='5em'/>")).code, ErrorCode::kInvalidValue);
-  EXPECT_EQ(ErrorOf("").code, ErrorCode::kUnreadable);
-  EXPECT_EQ(ErrorOf("<svg><g></svg>").code, ErrorCode::kUnreadable);
-  EXPECT_EQ(ErrorOf("<html/>").code, ErrorCode::kUnreadable);
+  EXPECT_EQ(SvgError(Page("<g transform='turn(5)'/>")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(SvgError(Page("<circle r='5em'/>")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(SvgError("").code, ErrorCode::kUnreadable);
+  EXPECT_EQ(SvgError("<svg><g></svg>").code, ErrorCode::kUnreadable);
+  EXPECT_EQ(SvgError("<html/>").code, ErrorCode::kUnreadable);
 }
 
 TEST(SvgRead, DeepEndlessAndLargeFilesEndInErrors) {
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<g>";
   for (int i = 0; i < 100'000; ++i) deep += "</g>";
-  EXPECT_EQ(ErrorOf(Page(deep)).code, ErrorCode::kTooLarge);
-  EXPECT_EQ(ErrorOf(Page("<g id='a'><use href='#a'/></g>")).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(SvgError(Page(deep)).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(SvgError(Page("<g id='a'><use href='#a'/></g>")).code, ErrorCode::kTooLarge);
   std::string fan;
   for (int i = 0; i < 12; ++i) {
     fan += fmt::format("<g id='a{}'>", i);
     for (int j = 0; j < 10; ++j) fan += fmt::format("<use href='#a{}'/>", i + 1);
     fan += "</g>";
   }
-  EXPECT_EQ(ErrorOf(Page(fan)).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(SvgError(Page(fan)).code, ErrorCode::kTooLarge);
   std::string many;
   for (int i = 0; i < 600'000; ++i) many += "<a/>";
-  EXPECT_EQ(ErrorOf(Page(many)).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(SvgError(Page(many)).code, ErrorCode::kTooLarge);
   ReadOptions options;
   options.limits.max_points = 5;
-  EXPECT_EQ(ErrorOf(Page("<path d='M0 0h1h1h1h1h1h1h1'/>"), options).code,
+  EXPECT_EQ(SvgError(Page("<path d='M0 0h1h1h1h1h1h1h1'/>"), options).code,
             ErrorCode::kInvalidValue);
 }
 
@@ -212,7 +214,7 @@ TEST(SvgRead, RealFile) {
   const std::string text =
       FileText(std::string(INTAGLIO_SOURCE_DIR) + "/../shared/data/drawings/MIL.svg");
   if (text.empty()) GTEST_SKIP();
-  const auto flat = FlatOf(text);
+  const auto flat = FlatSvg(text);
   const Box3 box = ExtentOf(flat);
   EXPECT_FALSE(flat.curves.empty());
   // 2302.11 x 5329.134 px of 25.4 / 96 mm.

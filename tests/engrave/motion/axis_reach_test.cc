@@ -11,14 +11,14 @@ namespace {
 constexpr AxisLimits kLimits{80, 7000};
 
 /// Where `arcs` ends, by summing the three arcs, and how fast it went.
-struct Ride {
+struct ArcsRide {
   double distance_mm = 0;
   double peak_speed_mm_s = 0;
   double peak_acceleration_mm_s2 = 0;
 };
 
-Ride Follow(const Arcs& arcs, double start, double end, double seconds) {
-  Ride ride;
+ArcsRide Follow(const Arcs& arcs, double start, double end, double seconds) {
+  ArcsRide ride;
   const double cruise_s = seconds - arcs.first_s - arcs.last_s;
   ride.distance_mm = 0.5 * (start + arcs.cruise_mm_s) * arcs.first_s +
                      arcs.cruise_mm_s * cruise_s +
@@ -35,11 +35,11 @@ Ride Follow(const Arcs& arcs, double start, double end, double seconds) {
   return ride;
 }
 
-struct Step {
+struct AskedStep {
   double start, end, distance, seconds;
 };
 
-Step RandomStep(std::mt19937_64& random) {
+AskedStep RandomStep(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const double seconds = std::pow(10.0, -2.5 + unit(random));
   return {80 * unit(random), 80 * unit(random), 80 * seconds * unit(random) * 0.999,
@@ -49,12 +49,12 @@ Step RandomStep(std::mt19937_64& random) {
 TEST(GentlestArcs, GoTheWayInTheTimeWithinTheSpeed) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 20000; ++i) {
-    const Step s = RandomStep(random);
+    const AskedStep s = RandomStep(random);
     const Arcs arcs = GentlestArcs(s.start, s.end, s.distance, s.seconds, 80);
     ASSERT_GE(arcs.first_s, 0);
     ASSERT_GE(arcs.last_s, 0);
     ASSERT_LE(arcs.first_s + arcs.last_s, s.seconds * (1 + 1e-12));
-    const Ride ride = Follow(arcs, s.start, s.end, s.seconds);
+    const ArcsRide ride = Follow(arcs, s.start, s.end, s.seconds);
     EXPECT_NEAR(ride.distance_mm, s.distance, 1e-11);
     EXPECT_LE(ride.peak_speed_mm_s, 80 * (1 + 1e-12));
     EXPECT_LE(ride.peak_acceleration_mm_s2, arcs.peak_acceleration_mm_s2 * (1 + 1e-6));
@@ -87,13 +87,13 @@ TEST(HardestArcs, GoTheWayInTheTimeAndTurnBackAtFullAcceleration) {
   std::mt19937_64 random(5);
   int feasible = 0, turning = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Step s = RandomStep(random);
+    const AskedStep s = RandomStep(random);
     const Arcs gentle = GentlestArcs(s.start, s.end, s.distance, s.seconds, 80);
     if (gentle.peak_acceleration_mm_s2 > 7000) continue;
     ++feasible;
     const Arcs arcs = HardestArcs(s.start, s.end, s.distance, s.seconds, kLimits);
     ASSERT_LE(arcs.first_s + arcs.last_s, s.seconds * (1 + 1e-9));
-    const Ride ride = Follow(arcs, s.start, s.end, s.seconds);
+    const ArcsRide ride = Follow(arcs, s.start, s.end, s.seconds);
     EXPECT_NEAR(ride.distance_mm, s.distance, 1e-9);
     EXPECT_LE(ride.peak_speed_mm_s, 80 * (1 + 1e-9));
     EXPECT_LE(ride.peak_acceleration_mm_s2, 7000 * (1 + 1e-6));
@@ -116,7 +116,7 @@ TEST(ReachableEndSpeeds, AreThoseWithAFeasibleCourse) {
   std::uniform_real_distribution<double> unit(-1, 1);
   int usable_count = 0;
   for (int i = 0; i < 400; ++i) {
-    const Step s = RandomStep(random);
+    const AskedStep s = RandomStep(random);
     const double a = 80 * unit(random), b = 80 * unit(random);
     const SpeedInterval start =
         Intersection({std::min(a, b), std::max(a, b)},
@@ -153,7 +153,7 @@ TEST(ReachableEndSpeeds, AreThoseWithAFeasibleCourse) {
 TEST(ReachableEndSpeeds, ServesBackwardsToo) {
   std::mt19937_64 random(4);
   for (int i = 0; i < 2000; ++i) {
-    const Step s = RandomStep(random);
+    const AskedStep s = RandomStep(random);
     const SpeedInterval end{s.end, s.end};
     if (Intersection(end, UsableStartSpeeds(s.distance, s.seconds, kLimits)).empty()) {
       EXPECT_GT(

@@ -12,15 +12,15 @@
 namespace intaglio::motion {
 namespace {
 
-constexpr double kRateHz = 100.0;
+constexpr double kLqRateHz = 100.0;
 
-struct Step {
+struct LqStep {
   std::uint64_t ticks = 0;
   std::vector<Segment> segments;
 };
 
-Step Drive(const Vec3& to_mm, const Limits& limits, double rate_hz = kRateHz) {
-  Step step;
+LqStep Drive(const Vec3& to_mm, const Limits& limits, double rate_hz = kLqRateHz) {
+  LqStep step;
   step.ticks = LqProgram(limits, rate_hz).Append(Vec3::Zero(), to_mm, step.segments);
   return step;
 }
@@ -45,11 +45,11 @@ double ClosedForm(double t, double duration, double w) {
 
 TEST(LqProgram, FollowsTheClosedForm) {
   for (const double way_mm : {0.05, 0.5, 3.0, 20.0}) {
-    const Step step = Drive(Vec3(way_mm, 0, 0), {});
-    const double duration = static_cast<double>(step.ticks) / kRateHz;
+    const LqStep step = Drive(Vec3(way_mm, 0, 0), {});
+    const double duration = static_cast<double>(step.ticks) / kLqRateHz;
     double t = 0.0;
     for (const Segment& segment : step.segments) {
-      t += DurationSeconds(segment.duration_subticks, kRateHz);
+      t += DurationSeconds(segment.duration_subticks, kLqRateHz);
       // Of 2 stages in 1 / w.
       EXPECT_NEAR(segment.end_position_mm.x() / way_mm,
                   ClosedForm(t, duration, 7000.0 / 80.0), 0.01)
@@ -61,7 +61,7 @@ TEST(LqProgram, FollowsTheClosedForm) {
 TEST(LqProgram, AShortStepIsNearlyTheCubic) {
   // 1 / w is 11 ms; the step takes 1.
   const Limits limits;
-  const Step step = Drive(Vec3(1e-3, 0, 0), limits, 1000.0);
+  const LqStep step = Drive(Vec3(1e-3, 0, 0), limits, 1000.0);
   ASSERT_EQ(step.ticks, 1u);
   double u = 0.0;
   for (const Segment& segment : step.segments) {
@@ -73,7 +73,7 @@ TEST(LqProgram, AShortStepIsNearlyTheCubic) {
 
 TEST(LqProgram, ALongStepCruises) {
   const Limits limits;
-  const Step step = Drive(Vec3(60, 0, 0), limits);
+  const LqStep step = Drive(Vec3(60, 0, 0), limits);
   // s / V + 2 V / a = 772.9 ms.
   EXPECT_EQ(step.ticks, 78u);
   double top = 0.0;
@@ -90,10 +90,10 @@ TEST(LqProgram, TakesNoTickMoreThanItMust) {
   const AxisLimits axis{80.0, 7000.0};
   const double w = 7000.0 / 80.0;
   for (double way_mm = 0.01; way_mm < 60; way_mm *= 1.3) {
-    const Step step = Drive(Vec3(way_mm, 0, 0), {});
-    EXPECT_GE(step.ticks, WholeTicks(StopAndGoSeconds(way_mm, axis), kRateHz));
+    const LqStep step = Drive(Vec3(way_mm, 0, 0), {});
+    EXPECT_GE(step.ticks, WholeTicks(StopAndGoSeconds(way_mm, axis), kLqRateHz));
     if (step.ticks == 1) continue;
-    const double duration = static_cast<double>(step.ticks - 1) / kRateHz;
+    const double duration = static_cast<double>(step.ticks - 1) / kLqRateHz;
     const double z = w * duration / 2;
     const double scale = way_mm / (duration * std::cosh(z) - 2 / w * std::sinh(z));
     const double speed_ratio = scale * (std::cosh(z) - 1) / 80.0;
@@ -108,7 +108,7 @@ TEST(LqProgram, IsStraightAndItsEndNeedsNoMending) {
   const Limits limits;
   for (const double rate_hz : {50.0, 4000.0}) {
     for (const Vec3& way : {Vec3(0.01, -0.02, 0), Vec3(3, 1, -2), Vec3(200, 10, 30)}) {
-      const Step step = Drive(way, limits, rate_hz);
+      const LqStep step = Drive(way, limits, rate_hz);
       for (const Segment& segment : step.segments) {
         EXPECT_LT(segment.end_position_mm.cross(way).norm(), 1e-12 * way.squaredNorm());
       }

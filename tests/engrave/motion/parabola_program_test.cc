@@ -11,7 +11,7 @@
 namespace intaglio::motion {
 namespace {
 
-constexpr double kRateHz = 100.0;
+constexpr double kLeapRateHz = 100.0;
 struct Leap {
   std::uint64_t ticks = 0;
   std::vector<Segment> segments;
@@ -19,7 +19,7 @@ struct Leap {
 
 Leap LeapOver(const Vec3& from_mm, const Vec3& to_mm, const Limits& limits) {
   Leap leap;
-  leap.ticks = ParabolaProgram(limits, kRateHz).Append(from_mm, to_mm, leap.segments);
+  leap.ticks = ParabolaProgram(limits, kLeapRateHz).Append(from_mm, to_mm, leap.segments);
   leap.segments.back().point = 0;
   leap.segments.back().pulse = true;
   return leap;
@@ -31,7 +31,7 @@ void Sample(const Vec3& from_mm, const std::vector<Segment>& segments, Visit&& v
   KnotState from{from_mm, Vec3::Zero()};
   double start_s = 0.0;
   for (const Segment& segment : segments) {
-    const double duration_s = DurationSeconds(segment.duration_subticks, kRateHz);
+    const double duration_s = DurationSeconds(segment.duration_subticks, kLeapRateHz);
     for (int i = 1; i <= 37; ++i) {
       const double t = duration_s * i / 37;
       visit(start_s + t, HermitePosition(from, segment, t, duration_s),
@@ -72,7 +72,7 @@ TEST(ParabolaProgram, StaysOnItsParabola) {
 TEST(ParabolaProgram, TheSpeedAlongIsATrapezoid) {
   for (const Vec3& step : kSteps) {
     const Leap leap = LeapOver(Vec3::Zero(), step, {});
-    const double tau = static_cast<double>(leap.ticks) / kRateHz;
+    const double tau = static_cast<double>(leap.ticks) / kLeapRateHz;
     double top = 0.0;
     double length = 0.0;
     Vec3 before = Vec3::Zero();
@@ -95,7 +95,8 @@ TEST(ParabolaProgram, TheCentripetalAccelerationIsWithinTheLimits) {
   const Limits limits{Vec3(500, 500, 500), Vec3(7000, 7000, 300)};
   const PointList points = {Vec3(10, 0, 0)};
   const Leap leap = LeapOver(Vec3::Zero(), points[0], limits);
-  const MotionReport report = VerifyMotion({}, leap.segments, points, limits, kRateHz);
+  const MotionReport report =
+      VerifyMotion({}, leap.segments, points, limits, kLeapRateHz);
   EXPECT_TRUE(report.ok()) << report.violations[0];
   EXPECT_GT(report.max_acceleration_mm_s2.z(), 200.0);
   // V^2 2k = a_z at the apex, k = 4 h / (2b)^2.
@@ -112,7 +113,7 @@ TEST(ParabolaProgram, IsHardlySlowerThanTheLine) {
     const Leap leap = LeapOver(Vec3::Zero(), step, limits);
     // The arc is at most 2.6 % longer, cos theta takes 7 % of the speed across and the
     // centripetal share at most two fifths of the time.
-    EXPECT_LE(leap.ticks, WholeTicks(1.4 * line_s, kRateHz)) << step.transpose();
+    EXPECT_LE(leap.ticks, WholeTicks(1.4 * line_s, kLeapRateHz)) << step.transpose();
   }
 }
 
@@ -129,7 +130,7 @@ TEST(ParabolaProgram, LeapsWhereTheTravelLeavesRoom) {
     const PointList points = {Vec3(90, 100, z)};
     const Leap leap = LeapOver({10, 0, z}, points[0], limits);
     const MotionReport report = VerifyMotion({Vec3(10, 0, z), Vec3::Zero()},
-                                             leap.segments, points, limits, kRateHz);
+                                             leap.segments, points, limits, kLeapRateHz);
     EXPECT_TRUE(report.ok()) << report.violations[0];
   }
 }
@@ -140,7 +141,8 @@ TEST(ParabolaProgram, KeepsTheLengthsOfTheVectors) {
   limits.max_acceleration_norm_mm_s2 = 3000;
   const PointList points = {Vec3(20, 20, 3)};
   const Leap leap = LeapOver(Vec3::Zero(), points[0], limits);
-  const MotionReport report = VerifyMotion({}, leap.segments, points, limits, kRateHz);
+  const MotionReport report =
+      VerifyMotion({}, leap.segments, points, limits, kLeapRateHz);
   EXPECT_TRUE(report.ok()) << report.violations[0];
   EXPECT_GT(report.peak_speed_mm_s, 50);
 }

@@ -16,8 +16,9 @@ namespace {
 constexpr Profile kStretched[] = {Profile::kTriangle, Profile::kTrapezoid,
                                   Profile::kCubic, Profile::kMix};
 
-std::vector<Segment> Plan(const PointList& points, const Vec3& start,
-                          const Limits& limits, double rate_hz, Profile profile) {
+std::vector<Segment> PlannedSegments(const PointList& points, const Vec3& start,
+                                     const Limits& limits, double rate_hz,
+                                     Profile profile) {
   StopAndGoPlanner planner(limits, rate_hz, profile, start);
   std::vector<Segment> segments;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -64,7 +65,7 @@ TEST_P(EveryRate, KeepsToTheLimitsAndPassesEveryPointAtItsTick) {
       }
       const PointList points = RandomWalk(random, 100);
       const Vec3 start(1, 2, 3);
-      const auto segments = Plan(points, start, limits, rate_hz, profile);
+      const auto segments = PlannedSegments(points, start, limits, rate_hz, profile);
       const MotionReport report =
           VerifyMotion({start, Vec3::Zero()}, segments, points, limits, rate_hz);
       EXPECT_TRUE(report.ok()) << name << "\n" << Violations(report);
@@ -98,7 +99,8 @@ TEST(StopAndGo, TakesTheFewestWholeTicks) {
 TEST(StopAndGo, MixTakesTheSmoothestThatFits) {
   const Limits limits;
   const auto segments_of = [&](double step_mm) {
-    return Plan({Vec3(step_mm, 0, 0)}, Vec3::Zero(), limits, 100.0, Profile::kMix)
+    return PlannedSegments({Vec3(step_mm, 0, 0)}, Vec3::Zero(), limits, 100.0,
+                           Profile::kMix)
                .size() -
            1;  // without the end
   };
@@ -112,7 +114,8 @@ TEST(StopAndGo, NeverDrivesHarderThanTheTicksAskFor) {
   // A short step stretched over its whole tick, 4 s / T^2 and not the limit.
   const Limits limits;
   const PointList points = {Vec3(0.02, 0, 0)};
-  const auto segments = Plan(points, Vec3::Zero(), limits, 100.0, Profile::kTriangle);
+  const auto segments =
+      PlannedSegments(points, Vec3::Zero(), limits, 100.0, Profile::kTriangle);
   const MotionReport report = VerifyMotion({}, segments, points, limits, 100.0);
   EXPECT_NEAR(report.max_acceleration_mm_s2.x(), 4 * 0.02 / 1e-4, 1e-9);
 }
@@ -121,7 +124,7 @@ TEST(StopAndGo, HoldsForATickWhereItStands) {
   const Limits limits;
   for (const auto& [profile, name, make] : Profiles()) {
     const PointList points = {Vec3(1, 1, 1), Vec3(1, 1, 1), Vec3(1, 1, 1 + 1e-300)};
-    const auto segments = Plan(points, Vec3(1, 1, 1), limits, 100.0, profile);
+    const auto segments = PlannedSegments(points, Vec3(1, 1, 1), limits, 100.0, profile);
     const MotionReport report =
         VerifyMotion({Vec3(1, 1, 1), Vec3::Zero()}, segments, points, limits, 100.0);
     EXPECT_TRUE(report.ok()) << Violations(report);
@@ -135,7 +138,7 @@ TEST(StopAndGo, StepsTooLongForOneSegmentAreSplit) {
   const Limits limits{Vec3::Constant(0.001), Vec3::Constant(1.0)};
   const PointList points = {Vec3(100, 20, 0)};
   for (const auto& [profile, name, make] : Profiles()) {
-    const auto segments = Plan(points, Vec3::Zero(), limits, 4.0, profile);
+    const auto segments = PlannedSegments(points, Vec3::Zero(), limits, 4.0, profile);
     EXPECT_GT(segments.size(), 4u);
     const MotionReport report = VerifyMotion({}, segments, points, limits, 4.0);
     EXPECT_TRUE(report.ok()) << Violations(report);
@@ -151,7 +154,7 @@ TEST(StopAndGo, ATrapezoidThatEndsWithinASubtickOfTheTickStillKeepsToTheLimits) 
       const double s = 80.0 * (n / 100.0 * (1 - hair) - 80.0 / 7000.0);
       const PointList points = {Vec3(0, s, 0)};
       const auto segments =
-          Plan(points, Vec3::Zero(), limits, 100.0, Profile::kTrapezoid);
+          PlannedSegments(points, Vec3::Zero(), limits, 100.0, Profile::kTrapezoid);
       const MotionReport report = VerifyMotion({}, segments, points, limits, 100.0);
       EXPECT_TRUE(report.ok()) << Violations(report);
       EXPECT_LE(report.ticks, n + 2u);
@@ -167,7 +170,7 @@ TEST(StopAndGo, KeepsTheLengthsOfTheVectors) {
   limits.travel_mm = {Vec3::Constant(-170.0), Vec3::Constant(170.0)};
   const PointList points = RandomWalk(random, 300);
   for (const auto& [profile, name, make] : Profiles()) {
-    const auto segments = Plan(points, Vec3::Zero(), limits, 100.0, profile);
+    const auto segments = PlannedSegments(points, Vec3::Zero(), limits, 100.0, profile);
     const MotionReport report = VerifyMotion({}, segments, points, limits, 100.0);
     EXPECT_TRUE(report.ok()) << name << "\n" << Violations(report);
     EXPECT_GT(report.peak_speed_mm_s, 50.0) << name;
@@ -178,8 +181,8 @@ TEST(StopAndGo, KeepsTheLengthsOfTheVectors) {
 TEST(StopAndGo, IsTheSameBitForBit) {
   std::mt19937_64 random(9);
   const PointList points = RandomWalk(random, 500);
-  const auto first = Plan(points, Vec3::Zero(), {}, 200.0, Profile::kMix);
-  const auto second = Plan(points, Vec3::Zero(), {}, 200.0, Profile::kMix);
+  const auto first = PlannedSegments(points, Vec3::Zero(), {}, 200.0, Profile::kMix);
+  const auto second = PlannedSegments(points, Vec3::Zero(), {}, 200.0, Profile::kMix);
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].end_position_mm, second[i].end_position_mm);

@@ -29,14 +29,14 @@ PointList RandomWalk(std::size_t count, double step_mm, std::mt19937_64& random)
   return points;
 }
 
-struct Machine {
+struct AnyMachine {
   double rate_hz;
   Limits limits;
 };
 
 /// From slow to fast, the axes unlike each other.
-Machine RandomMachine(std::mt19937_64& random) {
-  Machine machine{std::pow(10, 1.7 + 1.9 * Unit(random)), {}};
+AnyMachine RandomMachine(std::mt19937_64& random) {
+  AnyMachine machine{std::pow(10, 1.7 + 1.9 * Unit(random)), {}};
   for (int axis = 0; axis < 3; ++axis) {
     machine.limits.max_speed_mm_s[axis] = std::pow(10, 1 + 2 * Unit(random));
     machine.limits.max_acceleration_mm_s2[axis] = std::pow(10, 2.5 + 2 * Unit(random));
@@ -44,7 +44,7 @@ Machine RandomMachine(std::mt19937_64& random) {
   return machine;
 }
 
-MotionReport PlanAndVerify(const PointList& points, const Machine& machine,
+MotionReport PlanAndVerify(const PointList& points, const AnyMachine& machine,
                            const VerifyOptions& verify = {}, double tolerance_mm = 0) {
   std::vector<Segment> segments;
   TickPlannerOptions options = OptionsForRate(machine.rate_hz);
@@ -60,7 +60,7 @@ MotionReport PlanAndVerify(const PointList& points, const Machine& machine,
 }
 
 /// Limits of jerk that are reached after a tenth of a tick to ten ticks.
-void LimitJerk(Machine& machine, std::mt19937_64& random) {
+void LimitJerk(AnyMachine& machine, std::mt19937_64& random) {
   for (int axis = 0; axis < 3; ++axis) {
     if (Unit(random) < 0.2) continue;
     machine.limits.max_jerk_mm_s3[axis] = machine.limits.max_acceleration_mm_s2[axis] *
@@ -69,7 +69,7 @@ void LimitJerk(Machine& machine, std::mt19937_64& random) {
   }
 }
 
-void LimitLengths(Machine& machine, std::mt19937_64& random) {
+void LimitLengths(AnyMachine& machine, std::mt19937_64& random) {
   const Limits& limits = machine.limits;
   machine.limits.max_speed_norm_mm_s =
       limits.max_speed_mm_s.norm() * (0.3 + Unit(random));
@@ -78,7 +78,7 @@ void LimitLengths(Machine& machine, std::mt19937_64& random) {
 }
 
 /// A box in which some of the points lie at the walls.
-void LimitTravel(Machine& machine, PointList& points, std::mt19937_64& random) {
+void LimitTravel(AnyMachine& machine, PointList& points, std::mt19937_64& random) {
   Box3 all;
   for (const Vec3& point : points) all.Extend(point);
   Box3& travel = machine.limits.travel_mm;
@@ -95,7 +95,7 @@ void LimitTravel(Machine& machine, PointList& points, std::mt19937_64& random) {
 TEST(TickPlannerOptions, KeepsTheLimitsOfJerkOfRandomMachines) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 100; ++trial) {
-    Machine machine = RandomMachine(random);
+    AnyMachine machine = RandomMachine(random);
     LimitJerk(machine, random);
     const PointList points = RandomWalk(100, std::pow(10, -2 + 2 * Unit(random)), random);
     const MotionReport report = PlanAndVerify(points, machine);
@@ -108,7 +108,7 @@ TEST(TickPlannerOptions, KeepsTheLimitsOfJerkOfRandomMachines) {
 TEST(TickPlannerOptions, KeepsTheLengthsOfTheVectorsOfRandomMachines) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 40; ++trial) {
-    Machine machine = RandomMachine(random);
+    AnyMachine machine = RandomMachine(random);
     LimitLengths(machine, random);
     const PointList points = RandomWalk(100, std::pow(10, -2 + 2 * Unit(random)), random);
     const MotionReport report = PlanAndVerify(points, machine);
@@ -120,7 +120,7 @@ TEST(TickPlannerOptions, StaysInsideTheTravelOfRandomMachines) {
   std::mt19937_64 random(3);
   int near = 0;
   for (int trial = 0; trial < 150; ++trial) {
-    Machine machine = RandomMachine(random);
+    AnyMachine machine = RandomMachine(random);
     PointList points = RandomWalk(100, std::pow(10, -2 + 2 * Unit(random)), random);
     LimitTravel(machine, points, random);
     const MotionReport report = PlanAndVerify(points, machine);
@@ -139,7 +139,7 @@ TEST(TickPlannerOptions, StaysInsideTheTravelOfRandomMachines) {
 TEST(TickPlannerOptions, KeepsThemAllAtOnce) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 40; ++trial) {
-    Machine machine = RandomMachine(random);
+    AnyMachine machine = RandomMachine(random);
     PointList points = RandomWalk(60, std::pow(10, -2 + 2 * Unit(random)), random);
     LimitJerk(machine, random);
     if (trial % 2 == 0) LimitLengths(machine, random);
@@ -153,7 +153,7 @@ TEST(TickPlannerOptions, MovesNoPointFurtherThanTheTolerance) {
   std::mt19937_64 random(5);
   std::uint64_t ticks = 0, fixed_ticks = 0;
   for (int trial = 0; trial < 80; ++trial) {
-    Machine machine = RandomMachine(random);
+    AnyMachine machine = RandomMachine(random);
     PointList points = RandomWalk(100, std::pow(10, -2 + 2 * Unit(random)), random);
     if (trial % 4 == 1) LimitJerk(machine, random);
     if (trial % 2 == 1) LimitTravel(machine, points, random);

@@ -52,7 +52,7 @@ class Listener {
   std::vector<bus::TapSample> heard;
 };
 
-test::ChildProgram Peer(std::vector<std::string> arguments) {
+test::ChildProgram TapPeer(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), test::PrivateTag());
   return {INTAGLIO_TAP_PEER, std::move(arguments)};
 }
@@ -71,7 +71,7 @@ TEST(TopicTap, HearsEverySampleAndTheEndOfTheInstance) {
   // Longer than the 16 bytes that the library has for keys that it takes for short ones.
   const std::string kName = "sorter-of-a-host-with-a-long-name-4711";
   Listener listener;
-  const auto peer = Peer({"instance", kName, std::to_string(kCount)});
+  const auto peer = TapPeer({"instance", kName, std::to_string(kCount)});
   ASSERT_TRUE(listener.Until([&] {
     return !listener.heard.empty() &&
            listener.heard.back().kind() == bus::TapKind::kDisposed;
@@ -106,7 +106,7 @@ TEST(TopicTap, HearsEverySampleAndTheEndOfTheInstance) {
 
 TEST(TopicTap, HearsThatTheWriterIsGone) {
   Listener listener;
-  auto peer = Peer({"topics", "a"});
+  auto peer = TapPeer({"topics", "a"});
   ASSERT_TRUE(listener.Until([&] { return listener.channels().contains("Interlock"); }));
   peer.Kill();
   EXPECT_TRUE(listener.Until([&] {
@@ -122,7 +122,7 @@ TEST(TopicTap, TellsEveryTopicOfTheProduct) {
   std::map<std::string, const dds_topic_descriptor*> descriptors;
   test::ForEachTopic(
       [&](const auto& topic) { descriptors[topic.name] = topic.descriptor; });
-  const auto peer = Peer({"topics", "els-7"});
+  const auto peer = TapPeer({"topics", "els-7"});
   ASSERT_TRUE(
       listener.Until([&] { return listener.tap.channel_count() == descriptors.size(); }));
   auto channels = listener.channels();
@@ -147,7 +147,7 @@ TEST(TopicTap, TellsEveryTopicOfTheProduct) {
 
 TEST(TopicTap, WritesTheTypeInIdl) {
   Listener listener([](const auto& channel) { return channel.topic == "TaskStatus"; });
-  const auto peer = Peer({"topics", "a"});
+  const auto peer = TapPeer({"topics", "a"});
   ASSERT_TRUE(listener.Until([&] { return listener.tap.channel_count() == 1; }));
   EXPECT_EQ(listener.tap.channel(0).idl, R"(module intaglio {
   enum Stage {
@@ -201,14 +201,14 @@ TEST(TopicTap, WritesTheTypeInIdl) {
 
 TEST(TopicTap, FilterKeepsReadersFromBeingMade) {
   Listener listener([](const auto& channel) { return channel.topic == "Alarm"; });
-  const auto peer = Peer({"topics", "a"});
+  const auto peer = TapPeer({"topics", "a"});
   ASSERT_TRUE(listener.Until([&] { return listener.heard.size() > 5; }));
   EXPECT_EQ(listener.tap.channel_count(), 1u);
 }
 
 TEST(TopicTap, CellsAreChannelsOfTheirOwn) {
   Listener listener([](const auto& channel) { return channel.topic == "Interlock"; });
-  const auto peer = Peer({"topics", "a", "b"});
+  const auto peer = TapPeer({"topics", "a", "b"});
   ASSERT_TRUE(listener.Until([&] { return listener.tap.channel_count() == 2; }));
   const std::set<std::string> cells{listener.tap.channel(0).partition,
                                     listener.tap.channel(1).partition};

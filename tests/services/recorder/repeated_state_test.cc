@@ -26,7 +26,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr std::uint64_t kSecond = 1'000'000'000;
+constexpr std::uint64_t kSecondNs = 1'000'000'000;
 
 /// A message as its readers see it, whatever the ids in its file.
 struct Told {
@@ -55,7 +55,7 @@ class RepeatedState : public ::testing::Test {
  protected:
   RepeatedState() : folder_(test::FreshFolder()) {
     options_.file = folder_ / "s.mcap";
-    options_.split_ns = 10 * kSecond;
+    options_.split_ns = 10 * kSecondNs;
   }
   void Open() {
     series_.emplace(RecordingSeries::Open(options_, 0).value());
@@ -91,10 +91,10 @@ class RepeatedState : public ::testing::Test {
     Say(4, values_, StatusOf(1, 11));
     Say(5, passing_, StatusOf(9, 90));
     Say(6, ends_, StatusKeyOf(3));
-    series_->Turn(10 * kSecond);
+    series_->Turn(10 * kSecondNs);
     Say(12, values_, StatusOf(2, 21));
     Say(13, passing_, StatusOf(9, 91));
-    series_->Turn(20 * kSecond);
+    series_->Turn(20 * kSecondNs);
     Say(22, values_, StatusOf(1, 12));
     ASSERT_TRUE(series_->Close());
   }
@@ -115,12 +115,14 @@ TEST_F(RepeatedState, EveryFileBeginsWithTheNewestOfWhatLives) {
   EXPECT_THAT(Read(File(1), true), IsEmpty());
   EXPECT_THAT(
       Read(File(2), true),
-      ElementsAre(Told{"Status", 1, 10 * kSecond, 2 * kSecond - kMs, StatusOf(2, 20)},
-                  Told{"Status", 3, 10 * kSecond, 4 * kSecond - kMs, StatusOf(1, 11)}));
+      ElementsAre(
+          Told{"Status", 1, 10 * kSecondNs, 2 * kSecondNs - kMs, StatusOf(2, 20)},
+          Told{"Status", 3, 10 * kSecondNs, 4 * kSecondNs - kMs, StatusOf(1, 11)}));
   EXPECT_THAT(
       Read(File(3), true),
-      ElementsAre(Told{"Status", 3, 20 * kSecond, 4 * kSecond - kMs, StatusOf(1, 11)},
-                  Told{"Status", 4, 20 * kSecond, 12 * kSecond - kMs, StatusOf(2, 21)}));
+      ElementsAre(
+          Told{"Status", 3, 20 * kSecondNs, 4 * kSecondNs - kMs, StatusOf(1, 11)},
+          Told{"Status", 4, 20 * kSecondNs, 12 * kSecondNs - kMs, StatusOf(2, 21)}));
   EXPECT_THAT(Read(File(2), false), SizeIs(2));
   EXPECT_THAT(Read(File(3), false), SizeIs(1));
   EXPECT_EQ(series_->message_count(), 9u);
@@ -156,7 +158,7 @@ TEST_F(RepeatedState, WhatNoSourceHasFromBeforeStaysRepeated) {
 TEST_F(RepeatedState, NothingInTheFileIsEarlier) {
   Open();
   Say(1, values_, StatusOf(1, 10));
-  series_->Turn(10 * kSecond);
+  series_->Turn(10 * kSecondNs);
   Say(9.9, values_, StatusOf(1, 11));
   ASSERT_TRUE(series_->Close());
   const auto repeats = Read(File(2), true);
@@ -171,11 +173,11 @@ TEST_F(RepeatedState, NothingInTheFileIsEarlier) {
 TEST_F(RepeatedState, AQuietFileHasItToo) {
   Open();
   Say(1, values_, StatusOf(1, 10));
-  series_->Turn(10 * kSecond);
-  series_->Turn(11 * kSecond);
-  series_->Turn(12 * kSecond);  // half of what is written a second after its log time
+  series_->Turn(10 * kSecondNs);
+  series_->Turn(11 * kSecondNs);
+  series_->Turn(12 * kSecondNs);  // half of what is written a second after its log time
   EXPECT_EQ(McapReader::Open(File(2))->contents().statistics.message_count, 1u);
-  series_->Turn(20 * kSecond);
+  series_->Turn(20 * kSecondNs);
   ASSERT_TRUE(series_->Close());
   for (const std::uint32_t number : {2u, 3u}) {
     EXPECT_THAT(Read(File(number), true), SizeIs(1)) << number;
@@ -189,7 +191,7 @@ TEST_F(RepeatedState, IsBoundedAndSaysWhatItForgot) {
   Open();
   for (std::uint32_t id = 0; id < 100; ++id)
     Say(1 + 0.01 * id, values_, StatusOf(id, id, 1000));
-  series_->Turn(10 * kSecond);
+  series_->Turn(10 * kSecondNs);
   ASSERT_TRUE(series_->Close());
   const auto repeats = Read(File(2), true);
   EXPECT_LT(fs::file_size(File(2)), 25'000u);
@@ -210,7 +212,7 @@ TEST_F(RepeatedState, LeavesAFileRoomForWhatIsNew) {
   Open();
   for (std::uint32_t i = 0; i < 300; ++i) {
     Say(1 + i, values_, StatusOf(i, i, 1000));
-    series_->Turn((1 + i) * kSecond);
+    series_->Turn((1 + i) * kSecondNs);
   }
   ASSERT_TRUE(series_->Close());
   EXPECT_LE(FilesOf(options_.file).size(), 300u * 1100 / 25'000 + 1);

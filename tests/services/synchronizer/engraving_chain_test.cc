@@ -13,7 +13,7 @@ namespace {
 using testing::IsEmpty;
 using namespace std::chrono_literals;
 using Phase = Engraving::Phase;
-constexpr std::uint32_t kPoints = 160;
+constexpr std::uint32_t kChainPoints = 160;
 
 struct Link {
   const char* name;
@@ -94,7 +94,7 @@ const Moment kMoments[] = {
        return began && c.laser.cracks().empty();
      }},
     {"Middle", [](FakeCell& c) { return Make(c, 40); }},
-    {"Tail", [](FakeCell& c) { return Make(c, kPoints - 2); }},
+    {"Tail", [](FakeCell& c) { return Make(c, kChainPoints - 2); }},
     {"SecondPass",
      [](FakeCell& c) {
        if (!Make(c, 40)) return false;
@@ -132,7 +132,7 @@ class Chain : public testing::TestWithParam<std::tuple<Link, Moment, bool>> {
 
   const Link link_ = std::get<0>(GetParam());
   const Moment moment_ = std::get<1>(GetParam());
-  FakeCell cell_{{.points = kPoints, .lockstep = std::get<2>(GetParam())}};
+  FakeCell cell_{{.points = kChainPoints, .lockstep = std::get<2>(GetParam())}};
 };
 
 INSTANTIATE_TEST_SUITE_P(Engraving, Chain,
@@ -155,7 +155,7 @@ TEST_P(Chain, WithoutALinkNothingFiresAndEveryPointIsAccountedFor) {
   // The longest is the time that a shutter has to open.
   cell_.StepFor(2600ms);
   if (cell_.done()) {  // it had nothing left to do before anybody could notice
-    EXPECT_EQ(cell_.made(), kPoints);
+    EXPECT_EQ(cell_.made(), kChainPoints);
     EXPECT_THAT(cell_.Disagreements(), IsEmpty());
     return;
   }
@@ -184,7 +184,7 @@ TEST_P(Chain, WithoutALinkNothingFiresAndEveryPointIsAccountedFor) {
   }
   cell_.GrantAnew();
   ASSERT_TRUE(cell_.StepUntilDone()) << cell_.Description();
-  EXPECT_EQ(cell_.made(), kPoints);
+  EXPECT_EQ(cell_.made(), kChainPoints);
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 

@@ -13,14 +13,15 @@ namespace {
 using testing::IsEmpty;
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t kPoints = 120;
+constexpr std::uint32_t kChannelPoints = 120;
 constexpr std::uint32_t kGroups = 8;  // of MasksInStretches
 
 class Channels : public testing::TestWithParam<bool> {
  protected:
   CellOptions Options() const {
-    return {
-        .points = kPoints, .lockstep = GetParam(), .masks = MasksInStretches(kPoints)};
+    return {.points = kChannelPoints,
+            .lockstep = GetParam(),
+            .masks = MasksInStretches(kChannelPoints)};
   }
 };
 
@@ -38,7 +39,7 @@ TEST_P(Channels, ARunForEachGroupUnderOneGrant) {
     return cell.done();
   })) << cell.Description();
   EXPECT_EQ(messages, std::set<std::string>{""});
-  EXPECT_EQ(cell.made(), kPoints);
+  EXPECT_EQ(cell.made(), kChannelPoints);
   EXPECT_EQ(cell.engraving->run_count(), kGroups);
   cell.StepFor(5ms);
   EXPECT_EQ(cell.laser.shutters(), 0);
@@ -53,7 +54,7 @@ TEST_P(Channels, ShuttersThatTakeTheirTime) {
   cell.laser.shutter_travel = 80ms;
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
-  EXPECT_EQ(cell.made(), kPoints);
+  EXPECT_EQ(cell.made(), kChannelPoints);
   EXPECT_EQ(cell.engraving->run_count(), kGroups);
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
 }
@@ -73,7 +74,7 @@ TEST_P(Channels, AnotherShutterThatOpensEndsTheRun) {
   EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("does not close"));
   cell.laser.stuck_open = 0;
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
-  EXPECT_EQ(cell.made(), kPoints);
+  EXPECT_EQ(cell.made(), kChannelPoints);
 }
 
 TEST_P(Channels, APauseInMidGroupGoesOnThere) {
@@ -87,7 +88,7 @@ TEST_P(Channels, APauseInMidGroupGoesOnThere) {
     cell.Grant();
   }
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
-  EXPECT_EQ(cell.made(), kPoints);
+  EXPECT_EQ(cell.made(), kChannelPoints);
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
 }
 
@@ -103,7 +104,7 @@ TEST_P(Channels, KilledAtAnyInstantItIsTakenUpInTheRightChannels) {
     cell.GrantAnew();
     ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
     EXPECT_THAT(cell.Disagreements(), IsEmpty());
-    EXPECT_EQ(cell.made(), kPoints);
+    EXPECT_EQ(cell.made(), kChannelPoints);
     if (testing::Test::HasFailure()) return;
   }
 }
@@ -114,7 +115,7 @@ TEST_P(Channels, WhatTheOperatorLeavesOutMayBeWholeGroups) {
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
   EXPECT_EQ(cell.Count(PointState::kLeftOut), 60u);
-  EXPECT_EQ(cell.made(), kPoints - 60);
+  EXPECT_EQ(cell.made(), kChannelPoints - 60);
   EXPECT_EQ(cell.engraving->run_count(), kGroups - 3);
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
 }

@@ -14,7 +14,7 @@ namespace {
 using testing::IsEmpty;
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t kPoints = 120;
+constexpr std::uint32_t kCampaignPoints = 120;
 
 class Campaign : public testing::TestWithParam<std::uint64_t> {
  protected:
@@ -93,9 +93,9 @@ class Campaign : public testing::TestWithParam<std::uint64_t> {
 
   std::mt19937_64 random_{GetParam()};
   // In every fifth, shutters change in mid job.
-  FakeCell cell_{{.points = kPoints,
+  FakeCell cell_{{.points = kCampaignPoints,
                   .lockstep = GetParam() % 4 == 0,
-                  .masks = GetParam() % 5 == 0 ? MasksInStretches(kPoints)
+                  .masks = GetParam() % 5 == 0 ? MasksInStretches(kCampaignPoints)
                                                : std::vector<ChannelMask>{}}};
   std::string said_;
 };
@@ -118,7 +118,7 @@ TEST_P(Campaign, EveryPointIsAccountedForAndNoneFiredTwice) {
   ASSERT_TRUE(cell_.done()) << cell_.Description() << said_;
   EXPECT_EQ(cell_.made() + cell_.Count(PointState::kMissed) +
                 cell_.Count(PointState::kUncertain),
-            kPoints)
+            kCampaignPoints)
       << said_;
   EXPECT_THAT(cell_.Disagreements(), IsEmpty()) << said_;
 }

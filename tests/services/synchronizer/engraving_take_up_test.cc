@@ -19,7 +19,7 @@ using testing::IsEmpty;
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-constexpr std::uint32_t kPoints = 120;
+constexpr std::uint32_t kTakeUpPoints = 120;
 
 std::size_t OffsetOf(std::size_t record) {
   return formats::kJournalHeaderSize + record * formats::kJournalRecordSize;
@@ -44,7 +44,7 @@ void GoOnToTheEnd(FakeCell& cell) {
   cell.GrantAnew();
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
-  EXPECT_EQ(cell.made() + cell.Count(PointState::kUncertain), kPoints);
+  EXPECT_EQ(cell.made() + cell.Count(PointState::kUncertain), kTakeUpPoints);
 }
 
 class TakeUp : public testing::TestWithParam<bool> {
@@ -60,7 +60,7 @@ TEST_P(TakeUp, AtAnyInstantNothingIsDoubledAndNothingUnknown) {
   int killed_with_armed = 0;
   for (int instant_ms = 1; instant_ms < 900; instant_ms += lockstep() ? 7 : 61) {
     SCOPED_TRACE(testing::Message() << instant_ms << " ms");
-    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
     cell.Grant();
     cell.StepFor(std::chrono::milliseconds(instant_ms));
     if (cell.done()) break;
@@ -73,7 +73,7 @@ TEST_P(TakeUp, AtAnyInstantNothingIsDoubledAndNothingUnknown) {
 }
 
 TEST_P(TakeUp, AgainAndAgain) {
-  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   for (int life = 0; life < 20 && !cell.done(); ++life) {
     cell.GrantAnew();
     cell.StepFor(std::chrono::milliseconds(lockstep() ? 3 : 60));
@@ -87,7 +87,7 @@ TEST_P(TakeUp, AgainAndAgain) {
 
 // Nothing fires before somebody who stands there has said so again.
 TEST_P(TakeUp, WaitsForAPermission) {
-  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(40));
   cell.Withdraw();
@@ -103,7 +103,7 @@ TEST_P(TakeUp, WaitsForAPermission) {
 }
 
 TEST_P(TakeUp, AControllerThatWasSwitchedOffLeavesOneWindowUncertain) {
-  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(40));
   const std::uint64_t armed = cell.Count(PointState::kArmed);
@@ -118,7 +118,7 @@ TEST_P(TakeUp, AControllerThatWasSwitchedOffLeavesOneWindowUncertain) {
 TEST_P(TakeUp, AJournalCutAtAnyByteBehindTheLastIntent) {
   std::size_t cut = 0, last = 1;
   for (std::size_t taken = 0; taken < last; taken += 151) {
-    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
     cell.Grant();
     ASSERT_TRUE(cell.StepUntilMade(50));
     cell.Withdraw();
@@ -213,7 +213,7 @@ void ExpectNoPointTwice(const FakeCell& cell) {
 TEST_P(TakeUp, AJournalWithoutItsLastRunDoublesNothing) {
   for (const auto silence : {0ms, 3000ms}) {
     SCOPED_TRACE(silence.count());
-    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
     LoseTheSecondRun(cell);
     const std::size_t before = cell.laser.cracks().size(), known = cell.made();
     cell.CutLine(true);
@@ -231,14 +231,14 @@ TEST_P(TakeUp, AJournalWithoutItsLastRunDoublesNothing) {
     cell.GrantAnew();
     ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
     EXPECT_EQ(cell.Count(PointState::kUncertain), before - known);
-    EXPECT_EQ(cell.made() + cell.Count(PointState::kUncertain), kPoints);
+    EXPECT_EQ(cell.made() + cell.Count(PointState::kUncertain), kTakeUpPoints);
     ExpectNoPointTwice(cell);
   }
 }
 
 // The word of before is heard when all of that is known already: it is none on it.
 TEST_P(TakeUp, AGrantThatIsHeardLateIsSpentByWhatIsFoundAllTheSame) {
-  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   LoseTheSecondRun(cell);
   const std::size_t before = cell.laser.cracks().size();
   const Grant grant = std::exchange(cell.grant, {});
@@ -258,7 +258,7 @@ TEST_P(TakeUp, AGrantThatIsHeardLateIsSpentByWhatIsFoundAllTheSame) {
 TEST_P(TakeUp, AnyOutcomesMayBeMissingInTheJournal) {
   std::mt19937_64 random(3);
   for (int round = 0; round < 12; ++round) {
-    FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+    FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
     cell.Grant();
     ASSERT_TRUE(cell.StepUntilMade(60));
     cell.DieAndTakeUp([&](const fs::path& file) {
@@ -269,14 +269,14 @@ TEST_P(TakeUp, AnyOutcomesMayBeMissingInTheJournal) {
     });
     cell.GrantAnew();
     ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
-    EXPECT_EQ(cell.made(), kPoints);
-    EXPECT_EQ(cell.laser.cracks().size(), kPoints) << "round " << round;
+    EXPECT_EQ(cell.made(), kTakeUpPoints);
+    EXPECT_EQ(cell.laser.cracks().size(), kTakeUpPoints) << "round " << round;
   }
 }
 
 // Also in a later life they stay left out.
 TEST_P(TakeUp, WhatTheOperatorLeavesOutIsNeverFired) {
-  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   cell.lockstep_ticks_a_step = 1;
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(20));
@@ -293,7 +293,7 @@ TEST_P(TakeUp, WhatTheOperatorLeavesOutIsNeverFired) {
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
   EXPECT_EQ(cell.Count(PointState::kLeftOut), 100 - made);
-  EXPECT_EQ(cell.made(), made + kPoints - 100);
+  EXPECT_EQ(cell.made(), made + kTakeUpPoints - 100);
 }
 
 // More than the journal takes at once: none of them is forgotten by a later life.
@@ -314,7 +314,7 @@ TEST_P(TakeUp, NoneOfManyThatAreLeftOutIsForgotten) {
 }
 
 TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
-  FakeCell cell({.points = kPoints, .lockstep = lockstep()});
+  FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(50));
   cell.Withdraw();
@@ -323,7 +323,7 @@ TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
   cell.DieAndTakeUp();
   cell.results.clear();
   GoOnToTheEnd(cell);
-  ASSERT_EQ(cell.results.size(), kPoints - made);
+  ASSERT_EQ(cell.results.size(), kTakeUpPoints - made);
   for (std::size_t i = 0; i < cell.results.size(); ++i) {
     EXPECT_EQ(cell.results[i].point, made + i) << "the order is kept";
   }
@@ -331,7 +331,7 @@ TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
 
 // Somebody has reached into the machine, and nobody was there to see it.
 TEST(TakenUp, ADoorThatWasOpenedMeanwhileWantsAPerson) {
-  FakeCell cell({.points = kPoints});
+  FakeCell cell({.points = kTakeUpPoints});
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(20)) << cell.Description();
   ++cell.laser.openings;
