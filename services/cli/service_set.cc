@@ -86,10 +86,16 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   if (set.records_) {
     of_the_queue.insert(of_the_queue.end(), {"--recording", options.recording.string()});
   }
+  std::vector<std::string> of_the_laser = at_the_machine;
+  if (virtual_machine != nullptr) {
+    of_the_laser.insert(of_the_laser.end(),
+                        {"--block", Triple(virtual_machine->block_size_mm)});
+  }
   // Whose word a machine waits for less than a tenth of a second.
   if (!lockstep) {
-    at_the_machine.push_back("--real-time");
-    of_the_queue.push_back("--real-time");
+    for (auto* arguments : {&at_the_machine, &of_the_laser, &of_the_queue}) {
+      arguments->push_back("--real-time");
+    }
   }
   // The recorder first: what is said before it listens is not recorded.
   const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
@@ -98,7 +104,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
       {"discretizer", {}},
       {"sorter", {}},
       {"motion-bridge", at_the_machine},
-      {"synchronizer", at_the_machine}};
+      {"synchronizer", of_the_laser}};
   for (const auto& [name, arguments] : services) {
     if (options.without.contains(name) || (name == "recorder" && !set.records_)) continue;
     if (auto started = set.StartService(options, name, arguments); !started) {

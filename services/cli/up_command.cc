@@ -133,6 +133,11 @@ int Up(const UpOptions& options) {
     return Complain(ready.error(), kExitInternal);
   }
   for (const std::string& process : services->Processes()) std::cout << process << "\n";
+  if (!options.real_machine) {
+    std::cout << fmt::format("block in the machine: {:g} x {:g} x {:g} mm (--block)\n",
+                             options.block_mm[0], options.block_mm[1],
+                             options.block_mm[2]);
+  }
   std::cout
       << "machine profile for jobs: " << services->machine_file().string() << "\n"
       << "the shop is open (domain " << set.bus.control_domain << ", interface "
@@ -174,8 +179,11 @@ void AddUpCommand(command_line::Command app) {
       .Within(0.01, 1000.0)
       .Exclude(lockstep);
   AddClockFlags(up, options->clock_drift_ppm, options->line_jitter_ms);
-  up.AddOption("--block", options->block_mm, "block in the virtual machine, mm")
-      .TakeValues(3);
+  up.AddOption("--block", options->block_mm,
+               "block in the virtual machine, mm; a job for another one is not fired")
+      .TakeValues(3)
+      .Positive()
+      .ShowDefault();
   up.AddOption("--index", options->refractive_index, "its refractive index")
       .Within(1.0, 4.0)
       .ShowDefault();

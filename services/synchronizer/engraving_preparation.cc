@@ -4,8 +4,9 @@
 
 #include "services/synchronizer/engraving.h"
 
-// What comes before a run: the lamp warm, the machine out of its safe state, the clocks
-// known. In lockstep ticks pass meanwhile that fire nothing.
+// What comes before a run: the right block in the machine, the lamp warm, the machine out
+// of its safe state, the clocks known. In lockstep ticks pass meanwhile that fire
+// nothing.
 
 namespace intaglio::synchronizer {
 namespace {
@@ -26,6 +27,7 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
 }
 
 std::string Engraving::WhatPreparationWaitsFor(const EngravingInputs& inputs) {
+  if (!job_.block_misfit.empty()) return job_.block_misfit;
   if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
   LightLamp(inputs);
   LeaveSafeState(inputs);

@@ -14,6 +14,7 @@ using namespace std::chrono_literals;
 struct Options {
   std::string machine_file;
   std::string device;
+  std::vector<double> block_mm;
 };
 
 std::chrono::nanoseconds Now() {
@@ -29,7 +30,10 @@ int Serve(host::ServiceHost& host, const Options& options) {
   if (!options.device.empty()) machine->mutable_laser_line()->set_device(options.device);
   host::OnlyInstance only(host, intaglio_ROLE_SYNCHRONIZER);
   if (only.AwaitTurn()) return only.EndAsSecond("synchronizer");
-  synchronizer::Synchronizer cell(host, *machine);
+  std::optional<Vec3> block_mm;
+  if (!options.block_mm.empty())
+    block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
+  synchronizer::Synchronizer cell(host, *machine, block_mm);
   host::PollLoop loop(host.bus());
   cell.AttachTo(loop);
   host.SetHealth(intaglio_HEALTH_READY);
@@ -60,6 +64,12 @@ int main(int argc, char** argv) {
             .Require();
         app.AddOption("--device", options.device,
                       "serial device instead of the profile's laser_line.device");
+        app.AddOption("--block", options.block_mm,
+                      "size of the block in the machine, x,y,z in mm: a job for another "
+                      "one is not fired; default: whoever arms has looked")
+            .SplitAt(',')
+            .TakeValues(3)
+            .Positive();
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);

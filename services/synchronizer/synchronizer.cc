@@ -10,6 +10,7 @@
 #include "services/bus/samples.h"
 #include "services/host/log.h"
 #include "services/link/serial_port.h"
+#include "services/synchronizer/block_fit.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/plan_summary.h"
 
@@ -31,9 +32,11 @@ link::StreamOpener LaserLineOf(const MachineSpec& machine) {
 
 }  // namespace
 
-Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine)
+Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
+                           const std::optional<Vec3>& block_mm)
     : host_(host),
       machine_(machine),
+      block_mm_(block_mm),
       cell_(machine.name()),
       tasks_(host.bus(), bus::kEngraveTask),
       permissions_(host.bus(), bus::kPermission, cell_),
@@ -221,6 +224,7 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
   job.max_missed_in_a_row = machine_.laser().max_missed_in_a_row();
   job.photosensor_feedback = job_->job().laser().photosensor_feedback();
   job.asks_when_uncertain = job_->job().when_uncertain() == UNCERTAIN_POINTS_ASK;
+  if (block_mm_) job.block_misfit = BlockMisfit(BlockSizeOf(job_->job()), *block_mm_);
   auto masks = ChannelsOfPoints(job_->job(), path.source);
   if (!masks) return tl::unexpected(masks.error());
   job.shutter_mask = masks->front();

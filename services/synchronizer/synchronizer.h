@@ -21,7 +21,9 @@ namespace intaglio::synchronizer {
 
 class Synchronizer {
  public:
-  Synchronizer(host::ServiceHost& host, const MachineSpec& machine);
+  /// `block_mm`: size of the block that is in the machine, where that is known.
+  Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
+               const std::optional<Vec3>& block_mm = std::nullopt);
   ~Synchronizer();
 
   /// One turn of the loop; never blocks.
@@ -67,6 +69,7 @@ class Synchronizer {
 
   host::ServiceHost& host_;
   MachineSpec machine_;
+  std::optional<Vec3> block_mm_;
   std::string cell_;
   bus::Reader<intaglio_StageTask> tasks_;
   bus::Reader<intaglio_Permission> permissions_;

@@ -24,13 +24,21 @@ using testing::Running;
 
 class Shop : public ::testing::Test {
  protected:
-  Shop() {
-    up_ = std::make_unique<Running>(
-        Program("intaglio"),
-        With({"up", "--folder", (folder_ / "shop").string(), "--materials",
-              (folder_ / "materials.db").string(), "--speed", "20", "--block", "50", "50",
-              "30", "--record"}),
-        folder_ / "up.txt");
+  Shop() { Open({"50", "50", "30"}); }
+
+  void Open(const std::vector<std::string>& block_mm) {
+    std::vector<std::string> words = {
+        "up",      "--folder", folder_ / "shop", "--materials", folder_ / "materials.db",
+        "--speed", "20",       "--record",       "--block"};
+    words.insert(words.end(), block_mm.begin(), block_mm.end());
+    up_ = std::make_unique<Running>(Program("intaglio"), With(words),
+                                    folder_ / ("up" + block_mm[0] + ".txt"));
+  }
+  void Close() {
+    up_->Signal(SIGINT);
+    const Ended ended = up_->WaitForEnd(15s);
+    EXPECT_TRUE(ended.in_time);
+    EXPECT_EQ(ended.exit_code, 0) << ended.output;
   }
 
   /// A domain of its own by the tag: other tests' participants are not seen.
@@ -116,10 +124,20 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
   EXPECT_THAT(list.output, HasSubstr("done"));
   EXPECT_THAT(list.output, HasSubstr("cancelled"));
 
-  up_->Signal(SIGINT);
-  const Ended ended = up_->WaitForEnd(15s);
-  EXPECT_TRUE(ended.in_time);
-  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  Close();
+}
+
+// Its points would come at other depths. Nothing is lost: the queue knows of the job.
+TEST_F(Shop, AJobForAnotherBlockIsNotFiredAndKeptForTheRightOne) {
+  const std::string job = Submit({"--block", "60", "55", "20", "--arm"});
+  ASSERT_TRUE(Reaches(job, "paused")) << last_;
+  EXPECT_THAT(last_, HasSubstr("for a block of 60 x 55 x 20 mm"));
+  EXPECT_THAT(last_, HasSubstr("the one in the machine has 50 x 50 x 30 mm"));
+  EXPECT_THAT(last_, HasSubstr("`intaglio up --block 60 55 20`"));
+  Close();
+  Open({"60", "55", "20"});
+  ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
+  EXPECT_TRUE(RunsTo(job, "done")) << last_;
 }
 
 TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {
@@ -160,6 +178,26 @@ TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {
   EXPECT_THAT(Type({"show", job}).output, HasSubstr("state      paused"));
   Type({"resume", job});
   EXPECT_TRUE(RunsTo(job, "done")) << last_;
+}
+
+// One that is at work is there, too: a computer more, for a shop that engraves.
+TEST_F(Shop, OpensBesideASynchronizerThatIsEngraving) {
+  const std::string job = Submit({"--rate", "1", "--arm"});  // for minutes
+  ASSERT_TRUE(RunsTo(job, "engraving")) << last_;
+  Running workers(Program("intaglio"),
+                  With({"up", "--folder", folder_ / "workers", "--materials",
+                        folder_ / "materials.db", "--real-machine", "--without",
+                        "job-service", "synchronizer", "motion-bridge"}),
+                  folder_ / "workers.txt");
+  EXPECT_TRUE(Eventually(
+      [&] { return workers.Output().find("the shop is open") != std::string::npos; },
+      25s))
+      << workers.Output();
+  EXPECT_THAT(Type({"show", job}).output,
+              ::testing::ContainsRegex("state      (engraving|paused)"))
+      << "or the test tests nothing";
+  workers.Signal(SIGINT);
+  EXPECT_EQ(workers.WaitForEnd(15s).exit_code, 0);
 }
 
 // Two queues on one database, or two synchronizers on one laser, would spoil a block.

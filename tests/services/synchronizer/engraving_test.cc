@@ -122,6 +122,44 @@ TEST_P(EngravingModes, StopsInAnyPhaseWithEveryPointAccountedFor) {
   }
 }
 
+TEST_P(EngravingModes, FiresNothingIntoAnotherBlock) {
+  FakeCell cell({.lockstep = GetParam(), .block_misfit = "another block"});
+  cell.StepFor(500ms);
+  EXPECT_EQ(cell.engraving->message(), "another block");
+  EXPECT_FALSE(cell.engraving->waits()) << "nobody has armed it";
+  cell.Grant();
+  cell.StepFor(2s);
+  EXPECT_TRUE(cell.laser.cracks().empty());
+  EXPECT_FALSE(cell.laser.lamp_on());
+  EXPECT_TRUE(cell.engraving->waits());
+  EXPECT_FALSE(cell.engraving->faulted());
+  EXPECT_EQ(cell.engraving->message(), "another block");
+  cell.engraving->Stop("cancelled");
+  EXPECT_TRUE(cell.StepUntilDone());
+}
+
+TEST_P(EngravingModes, GoesOnWhenItsBlockIsInTheMachineAgain) {
+  constexpr std::uint32_t kPoints = 3000;  // more than a window of a lockstep machine
+  FakeCell cell({.points = kPoints, .lockstep = GetParam()});
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(20));
+  cell.ChangeBlock("another block");
+  cell.DieAndTakeUp();
+  cell.StepFor(500ms);
+  const std::size_t made = cell.laser.cracks().size();
+  cell.GrantAnew();
+  cell.StepFor(3s);
+  EXPECT_EQ(cell.laser.cracks().size(), made);
+  EXPECT_TRUE(cell.engraving->waits());
+  EXPECT_EQ(cell.engraving->message(), "another block");
+  EXPECT_EQ(cell.Count(PointState::kArmed), 0) << "what was armed is settled";
+  cell.ChangeBlock("");
+  cell.DieAndTakeUp();
+  ASSERT_TRUE(cell.StepUntil([&] { return cell.done(); }, 60s)) << cell.Description();
+  EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  EXPECT_EQ(cell.made(), kPoints);
+}
+
 class EngravingTest : public testing::Test {
  protected:
   FakeCell cell_{{.points = 60}};

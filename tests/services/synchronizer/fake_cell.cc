@@ -101,6 +101,7 @@ void FakeCell::Begin() {
   job.max_missed_in_a_row = options_.max_missed_in_a_row;
   job.photosensor_feedback = options_.photosensor_feedback;
   job.asks_when_uncertain = options_.asks_when_uncertain;
+  job.block_misfit = options_.block_misfit;
   job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
       std::move(job), *controller, *feed, *journal,

@@ -26,6 +26,7 @@ struct CellOptions {
   std::uint32_t max_missed_in_a_row = 5;
   bool photosensor_feedback = true;
   bool asks_when_uncertain = false;
+  std::string block_misfit = {};
 };
 
 /// An order whose shutters change every few points.
@@ -74,6 +75,8 @@ class FakeCell {
   /// journal, of which `keep` says what came to the disk.
   void DieAndTakeUp(
       const std::function<void(const std::filesystem::path&)>& keep = nullptr);
+  /// The next life is told that the block is not the job's.
+  void ChangeBlock(const std::string& misfit) { options_.block_misfit = misfit; }
   /// As the laser's mains switch: the line is silent for `time`, then another power-up.
   void PowerCycle(std::chrono::milliseconds time);
 

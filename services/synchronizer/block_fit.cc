@@ -1,0 +1,28 @@
+#include "services/synchronizer/block_fit.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace intaglio::synchronizer {
+namespace {
+
+constexpr double kSameMm = 1e-3;
+
+}  // namespace
+
+std::string BlockMisfit(const Vec3& job_size_mm, const Vec3& in_machine_mm) {
+  const Vec3 missing_mm = job_size_mm - in_machine_mm;
+  if (missing_mm.x() <= kSameMm && missing_mm.y() <= kSameMm &&
+      std::abs(missing_mm.z()) <= kSameMm) {
+    return "";
+  }
+  return fmt::format(
+      "the job is for a block of {0:g} x {1:g} x {2:g} mm, the one in the machine has "
+      "{3:g} x {4:g} x {5:g} mm: nothing is fired; close the shop and open it with "
+      "`intaglio up --block {0:g} {1:g} {2:g}`, then resume the job",
+      job_size_mm.x(), job_size_mm.y(), job_size_mm.z(), in_machine_mm.x(),
+      in_machine_mm.y(), in_machine_mm.z());
+}
+
+}  // namespace intaglio::synchronizer

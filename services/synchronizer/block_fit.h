@@ -1,0 +1,17 @@
+#pragma once
+
+// Whether a job may be fired into the block that is known to be in the machine: into
+// another one its points would come at other depths, or beside the glass.
+
+#include <string>
+
+#include "engrave/core/geometry.h"
+
+namespace intaglio::synchronizer {
+
+/// Both sizes and the remedy; empty when it fits: the top faces, through which the beam
+/// is focused, are at one height, within 1 um, and the block in the machine is as wide
+/// and as deep at least. Sizes in mm, > 0.
+std::string BlockMisfit(const Vec3& job_size_mm, const Vec3& in_machine_mm);
+
+}  // namespace intaglio::synchronizer
