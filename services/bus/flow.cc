@@ -10,6 +10,7 @@
 namespace intaglio::bus {
 namespace {
 constexpr std::size_t kRememberedEnds = 256;
+constexpr std::chrono::seconds kTellAgain{1};
 }  // namespace
 
 std::string StreamName(const std::string& job_uid, std::uint32_t attempt,
@@ -26,22 +27,22 @@ std::string PartStreamName(const std::string& job_uid, std::uint32_t attempt,
 CreditGrantor::CreditGrantor(Bus& bus, std::string instance)
     : instance_(std::move(instance)), writer_(bus, kCredit) {}
 
-Status CreditGrantor::Publish(const std::string& name, const Stream& stream,
-                              bool cancelled) {
+Status CreditGrantor::Publish(const std::string& name, const Stream& stream) {
   intaglio_Credit sample{};
   sample.stream = Borrow(name);
   sample.consumer = Borrow(instance_);
   std::memcpy(sample.reader_guid, stream.reader.data(), stream.reader.size());
   sample.consumed = stream.consumed;
   sample.window = stream.window;
-  sample.cancelled = cancelled;
+  sample.cancelled = stream.cancelled;
   return writer_.Write(sample);
 }
 
 Status CreditGrantor::Open(const std::string& stream, const Guid& reader,
                            std::uint32_t window) {
-  Stream& opened = streams_[stream] = {reader, window, 0, 0};
-  return Publish(stream, opened, false);
+  told_again_ = std::chrono::steady_clock::now();
+  Stream& opened = streams_[stream] = {reader, window};
+  return Publish(stream, opened);
 }
 
 Status CreditGrantor::Consumed(const std::string& stream, std::uint64_t consumed,
@@ -55,14 +56,24 @@ Status CreditGrantor::Consumed(const std::string& stream, std::uint64_t consumed
       (!now && open.consumed < open.published + step)) {
     return {};
   }
-  auto written = Publish(stream, open, false);
+  auto written = Publish(stream, open);
   if (written) open.published = open.consumed;
   return written;
 }
 
 Status CreditGrantor::Cancel(const std::string& stream) {
   const auto found = streams_.find(stream);
-  return found == streams_.end() ? Status() : Publish(stream, found->second, true);
+  if (found == streams_.end()) return {};
+  found->second.cancelled = true;
+  return Publish(stream, found->second);
+}
+
+void CreditGrantor::TellAgain(std::chrono::steady_clock::time_point now) {
+  if (now - told_again_ < kTellAgain) return;
+  told_again_ = now;
+  for (auto& [name, stream] : streams_) {
+    if (Publish(name, stream)) stream.published = stream.consumed;
+  }
 }
 
 Status CreditGrantor::Close(const std::string& stream) {

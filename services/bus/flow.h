@@ -29,6 +29,11 @@ class CreditGrantor {
   /// Batches 0 .. consumed-1 are done with. Published at a quarter of the window, and
   /// at once when `now` is set.
   Status Consumed(const std::string& stream, std::uint64_t consumed, bool now = false);
+  /// Says again what every stream has been granted, once a second at most; to be called
+  /// while one is waited for. A producer that was away for longer than a lease (stopped,
+  /// or cut off) takes all of them for ended, and nobody else would tell it that they are
+  /// not.
+  void TellAgain(std::chrono::steady_clock::time_point now);
   /// No more of it, please.
   Status Cancel(const std::string& stream);
   /// The stream is over: its instance is disposed.
@@ -39,11 +44,13 @@ class CreditGrantor {
     Guid reader;
     std::uint32_t window = 0;
     std::uint64_t consumed = 0, published = 0;
+    bool cancelled = false;
   };
-  Status Publish(const std::string& name, const Stream& stream, bool cancelled);
+  Status Publish(const std::string& name, const Stream& stream);
   std::string instance_;
   Writer<intaglio_Credit> writer_;
   std::map<std::string, Stream> streams_;
+  std::chrono::steady_clock::time_point told_again_{};
 };
 
 /// Producer's side: knows how far each stream's consumer has come.

@@ -66,8 +66,11 @@ Result<bool> CloudIntake<Batch>::Poll() {
     status = Accept(batch);
   });
   if (!status) return tl::unexpected(status.error());
-  return !parts_.empty() && std::all_of(parts_.begin(), parts_.end(),
-                                        [](const Part& part) { return part.whole; });
+  if (parts_.empty()) return false;
+  const bool whole = std::all_of(parts_.begin(), parts_.end(),
+                                 [](const Part& part) { return part.whole; });
+  if (!whole) credit_.TellAgain(std::chrono::steady_clock::now());
+  return whole;
 }
 
 template <typename Batch>

@@ -68,6 +68,28 @@ TEST(Flow, CreditSaysHowFarTheProducerMayGo) {
   EXPECT_TRUE(Eventually([&] { return find().cancelled; }));
 }
 
+// A producer that was stopped for longer than a lease takes every stream for ended.
+TEST(Flow, WhatIsGrantedIsToldAgainOnceASecond) {
+  Bus bus(PrivateBusOptions());
+  CreditGrantor grantor(bus, "consumer");
+  CreditBook book(bus);
+  const auto find = [&](const char* stream) { return book.Poll(), book.Find(stream); };
+  const auto before = Clock::now();
+  for (const char* stream : {"s", "cancelled", "closed"}) {
+    ASSERT_TRUE(grantor.Open(stream, book.reader().guid(), 80));
+  }
+  ASSERT_TRUE(grantor.Cancel("cancelled"));
+  ASSERT_TRUE(grantor.Close("closed"));
+  ASSERT_TRUE(grantor.Consumed("s", 1));  // too little to be told
+  grantor.TellAgain(before);
+  EXPECT_FALSE(Eventually([&] { return find("s").consumed == 1; }, 100ms));
+  grantor.TellAgain(before + 60s);  // however long the above took
+  EXPECT_TRUE(Eventually([&] { return find("s").consumed == 1; }));
+  EXPECT_FALSE(find("s").cancelled);
+  EXPECT_TRUE(find("cancelled").cancelled);
+  EXPECT_TRUE(find("closed").cancelled);
+}
+
 // Sends `count` chunks of 64 KiB under the credit of `stream`; returns the seconds taken.
 class Producer {
  public:
