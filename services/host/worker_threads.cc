@@ -1,5 +1,6 @@
 #include "services/host/worker_threads.h"
 
+#include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -55,10 +56,19 @@ Executor AllCores() {
   return OnThreads(std::max(1U, std::thread::hardware_concurrency()));
 }
 
+// Both of this thread alone, as Linux has it; refused, nothing is lost. In real time nice
+// says nothing, and among equals who computes would never be interrupted.
 void GiveWay() {
   constexpr int kNice = 10;
-  // Of this thread alone, as Linux has it; refused, nothing is lost.
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  const int policy = sched_getscheduler(0);
+  sched_param of_process{};
+  const bool real_time = (policy & ~SCHED_RESET_ON_FORK) == SCHED_FIFO ||
+                         (policy & ~SCHED_RESET_ON_FORK) == SCHED_RR;
+  if (!real_time || sched_getparam(getpid(), &of_process) != 0) return;
+  const sched_param behind{
+      std::max(sched_get_priority_min(SCHED_RR), of_process.sched_priority - 1)};
+  (void)sched_setparam(0, &behind);
 }
 
 std::function<double()> ShareOfTime(double seconds) {

@@ -1,6 +1,8 @@
 #include "services/host/worker_threads.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -44,6 +46,27 @@ TEST(AllCores, PassesOnWhatWasThrown) {
   };
   EXPECT_THROW(AllCores()(kCount, work), std::runtime_error);
   EXPECT_LT(begun, kCount) << "the rest is not begun";
+}
+
+// A computation of a service in real time must not keep its heartbeat from a core.
+TEST(GiveWay, InRealTimeIsOnePriorityBehindTheProcess) {
+  const sched_param ten{10}, none{0};
+  if (sched_setscheduler(getpid(), SCHED_RR, &ten) != 0) {
+    GTEST_SKIP() << "real-time scheduling is not granted here";
+  }
+  int once = 0, again = 0;
+  std::thread([&] {
+    sched_param own{};
+    GiveWay();
+    (void)sched_getparam(0, &own);
+    once = own.sched_priority;
+    GiveWay();
+    (void)sched_getparam(0, &own);
+    again = own.sched_priority;
+  }).join();
+  (void)sched_setscheduler(getpid(), SCHED_OTHER, &none);
+  EXPECT_EQ(once, 9);
+  EXPECT_EQ(again, 9) << "helpers of a computation are not behind it";
 }
 
 TEST(ShareOfTime, GrowsToOneAndBeyond) {
