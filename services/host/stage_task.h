@@ -23,6 +23,10 @@ struct StageTask {
     return job_uid == other.job_uid && attempt == other.attempt &&
            part.index == other.part.index && part.attempt == other.part.attempt;
   }
+  /// Of the same chain: both are wanted, or neither is.
+  bool IsOfChain(const StageTask& other) const {
+    return job_uid == other.job_uid && attempt == other.attempt;
+  }
 };
 
 struct StageResult {

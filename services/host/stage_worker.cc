@@ -1,5 +1,8 @@
 #include "services/host/stage_worker.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "services/bus/samples.h"
 #include "services/host/log.h"
 
@@ -8,6 +11,9 @@ namespace {
 using bus::View;
 // Shorter than the period of the health, which the loop itself keeps fresh.
 constexpr std::chrono::milliseconds kTurnPeriod{50};
+constexpr std::chrono::milliseconds kTellPeriod{100};
+// Made and not sent yet, before the next one is begun.
+constexpr std::size_t kMostUnsent = 1;
 
 /// All but the job.
 StageTask TaskOf(const intaglio_StageTask& sample) {
@@ -41,19 +47,17 @@ StageWorker::~StageWorker() = default;
 void StageWorker::Turn(TimePoint now) {
   now_ = now;
   TakeTasks();
-  const auto advanced = Advance();
-  if (!advanced) {
-    EndTask(intaglio_TASK_FAILED, withdrawn_.value_or(advanced.error()));
-  } else if (*advanced) {
-    EndTask(intaglio_TASK_DONE, {});
+  Advance();
+  if (works_.empty() && pending_) {
+    Accept(*std::exchange(pending_, std::nullopt));
+    wake_();
   }
-  if (phase_ == Phase::kIdle && pending_) BeginPending();
 }
 
 void StageWorker::Stop() {
   pending_.reset();
-  if (phase_ == Phase::kIdle) return;
-  EndTask(intaglio_TASK_FAILED, {ErrorCode::kCancelled, "the service was stopped", ""});
+  const Error stopped{ErrorCode::kCancelled, "the service was stopped", ""};
+  while (!works_.empty()) End(0, &stopped);
 }
 
 void StageWorker::TakeTasks() {
@@ -68,105 +72,167 @@ void StageWorker::TakeTasks() {
 
 void StageWorker::Take(const intaglio_StageTask& sample) {
   StageTask task = TaskOf(sample);
-  if (sample.revoked) {
-    if (pending_ && pending_->task.SameAs(task)) pending_.reset();
-    if (task_.SameAs(task)) Withdraw(ErrorCode::kCancelled, "the task was revoked");
-    return;
-  }
-  if (task_.SameAs(task)) return;  // told again
-  Withdraw(ErrorCode::kCancelled, "a newer task was given");
+  if (sample.revoked) return Revoke(task);
+  if (newest_ && newest_->SameAs(task)) return;  // told again
+  newest_ = task;
   const auto bytes = View(sample.frozen_job);
-  pending_ = {std::move(task), std::string(bytes.begin(), bytes.end())};
+  Work work;
+  work.task = std::move(task);
+  work.frozen_job.assign(bytes.begin(), bytes.end());
+  const bool joins =
+      !works_.empty() && !withdrawn_ && !pending_ && work.task.part.valid() &&
+      std::all_of(works_.begin(), works_.end(), [&work](const Work& other) {
+        return other.task.IsOfChain(work.task) &&
+               other.task.part.index != work.task.part.index;
+      });
+  if (joins) return Accept(std::move(work));
+  Withdraw(ErrorCode::kCancelled, "a newer task was given");
+  pending_ = std::move(work);
+}
+
+void StageWorker::Revoke(const StageTask& task) {
+  if (pending_ && pending_->task.IsOfChain(task)) pending_.reset();
+  if (!works_.empty() && works_.front().task.IsOfChain(task)) {
+    Withdraw(ErrorCode::kCancelled, "the task was revoked");
+  }
 }
 
 void StageWorker::Withdraw(ErrorCode code, const std::string& reason) {
-  if (phase_ == Phase::kIdle || withdrawn_) return;
+  if (works_.empty() || withdrawn_) return;
   withdrawn_ = Error{code, reason, ""};
   if (computation_) computation_->Cancel();
-  phase_ = Phase::kCancelling;
+  output_.End();
 }
 
-void StageWorker::BeginPending() {
-  task_ = std::move(pending_->task);
-  const bool readable = task_.job.ParseFromString(pending_->frozen_job);
-  pending_.reset();
-  began_at_ = now_;
-  progress_ = {};
-  outcome_ = {};
-  phase_ = Phase::kInput;
-  LogInfo("{}: accepted", NameOf(task_));
-  host_.SetHealth(intaglio_HEALTH_BUSY, task_.job_uid);
-  reporter_.Accept(task_.job_uid, task_.attempt, task_.part, now_);
-  const auto opened = OpenInput(readable && task_.part.valid());
-  if (!opened) EndTask(intaglio_TASK_FAILED, opened.error());
+void StageWorker::Accept(Work work) {
+  LogInfo("{}: accepted", NameOf(work.task));
+  host_.SetHealth(intaglio_HEALTH_BUSY, work.task.job_uid);
+  reporter_.Accept(work.task);
+  work.told_at = now_;
+  works_.push_back(std::move(work));
 }
 
-Status StageWorker::OpenInput(bool readable) {
-  if (readable) return input_.Open(task_);
+void StageWorker::Advance() {
+  auto taken = input_.Poll(now_);
+  const auto sent = output_.Advance(now_);
+  if (works_.empty()) return;
+  if (withdrawn_) return EndWithdrawn();
+  while (Make(taken)) {
+  }
+  while (Send(sent)) {
+  }
+  while (Make(taken)) {  // the next one, when this has made room
+  }
+  for (Work& work : works_) Tell(work);
+}
+
+void StageWorker::EndWithdrawn() {
+  if (computation_ && !computation_->ready()) return;
+  while (!works_.empty()) End(0, &*withdrawn_);
+  withdrawn_.reset();
+}
+
+bool StageWorker::Make(Result<bool>& taken) {
+  const auto next = std::find_if(works_.begin(), works_.end(), [](const Work& work) {
+    return work.phase < Phase::kMade;
+  });
+  const auto place = static_cast<std::size_t>(next - works_.begin());
+  if (next == works_.end() || (next->phase == Phase::kWaiting && place > kMostUnsent)) {
+    return false;
+  }
+  const auto made = MakeOne(*next, taken);
+  if (!made) End(place, &made.error());
+  return !made || *made;
+}
+
+Result<bool> StageWorker::MakeOne(Work& work, Result<bool>& taken) {
+  if (work.phase == Phase::kWaiting) {
+    if (auto begun = Begin(work); !begun) return tl::unexpected(begun.error());
+    taken = input_.Poll(now_);  // it may be there already
+  }
+  work.progress.elapsed_s = std::chrono::duration<double>(now_ - work.began_at).count();
+  if (work.phase == Phase::kInput) {
+    if (!taken || !*taken) return taken;
+    computation_ = std::make_unique<Computation<StageResult>>(
+        input_.TakeComputation(work.task), wake_);
+    work.phase = Phase::kComputing;
+  }
+  work.progress.done_count = computation_->done();
+  work.progress.total_count = computation_->total();
+  if (!computation_->ready()) return false;
+  if (auto finished = FinishComputing(work); !finished) {
+    return tl::unexpected(finished.error());
+  }
+  return true;
+}
+
+Status StageWorker::Begin(Work& work) {
+  work.began_at = now_;
+  const bool readable = work.task.job.ParseFromString(work.frozen_job);
+  work.frozen_job.clear();
+  work.phase = Phase::kInput;
+  if (readable && work.task.part.valid()) return input_.Open(work.task);
   return Fail(ErrorCode::kUnreadable,
               "the task cannot be read: the job service is of another version");
 }
 
-Result<bool> StageWorker::Advance() {
-  const auto taken = input_.Poll(now_);
-  const auto sent = output_.Advance(now_);
-  if (phase_ == Phase::kIdle) return false;
-  progress_.elapsed_s = std::chrono::duration<double>(now_ - began_at_).count();
-  switch (phase_) {
-    case Phase::kIdle:
-      break;
-    case Phase::kInput:
-      if (!taken) return tl::unexpected(taken.error());
-      if (*taken) {
-        computation_ = std::make_unique<Computation<StageResult>>(
-            input_.TakeComputation(task_), wake_);
-        phase_ = Phase::kComputing;
-      }
-      break;
-    case Phase::kComputing:
-      progress_.done_count = computation_->done();
-      progress_.total_count = computation_->total();
-      if (computation_->ready()) return FinishComputing();
-      break;
-    case Phase::kSending:
-      if (!sent || *sent) return sent;
-      break;
-    case Phase::kCancelling:
-      if (!computation_ || computation_->ready()) return tl::unexpected(*withdrawn_);
-      break;
-  }
-  reporter_.Run(progress_, now_);
-  return false;
-}
-
-Result<bool> StageWorker::FinishComputing() {
+Status StageWorker::FinishComputing(Work& work) {
   auto result = computation_->Take();
   computation_.reset();
   if (!result) return tl::unexpected(result.error());
-  outcome_ = std::move(result->outcome);
-  progress_.done_count = progress_.total_count = result->cloud.size();
-  reporter_.Run(progress_, now_);
-  if (task_.consumer.empty()) return true;
-  output_.Begin(task_, std::move(result->cloud), now_);
-  phase_ = Phase::kSending;
-  return output_.Advance(now_);
+  input_.Close(false, now_);
+  work.task.job.Clear();
+  work.result = std::move(*result);
+  work.progress.done_count = work.progress.total_count = work.result.cloud.size();
+  work.phase = Phase::kMade;
+  return {};
 }
 
-void StageWorker::EndTask(intaglio_TaskState state, const Error& error) {
-  computation_.reset();
-  input_.Close(withdrawn_.has_value(), now_);
-  output_.End();
-  if (state == intaglio_TASK_DONE) {
-    LogInfo("{}: done, {} points in {:.2f} s", NameOf(task_), progress_.done_count,
-            progress_.elapsed_s);
-    reporter_.Done(progress_, outcome_);
-  } else {
-    LogWarning("{}: {}: {}", NameOf(task_), ErrorCodeName(error.code), error.message);
-    reporter_.Failed(progress_, error);
+bool StageWorker::Send(const Result<bool>& sent) {
+  if (works_.empty()) return false;
+  Work& work = works_.front();
+  if (work.phase < Phase::kMade) return false;
+  work.progress.elapsed_s = std::chrono::duration<double>(now_ - work.began_at).count();
+  Result<bool> all_sent = sent;
+  if (work.phase == Phase::kMade && !work.task.consumer.empty()) {
+    output_.Begin(work.task, std::exchange(work.result.cloud, {}), now_);
+    work.phase = Phase::kSending;
+    all_sent = output_.Advance(now_);
+  } else if (work.phase == Phase::kMade) {
+    all_sent = true;  // to nobody
   }
-  withdrawn_.reset();
-  phase_ = Phase::kIdle;
-  host_.SetHealth(intaglio_HEALTH_READY);
+  if (all_sent && !*all_sent) return false;
+  End(0, all_sent ? nullptr : &all_sent.error());
+  return true;
+}
+
+void StageWorker::Tell(Work& work) {
+  const bool begun = work.phase != Phase::kWaiting;
+  if (!begun || now_ - work.told_at < kTellPeriod) return;
+  work.told_at = now_;
+  reporter_.Run(work.task, work.progress);
+}
+
+void StageWorker::End(std::size_t place, const Error* error) {
+  Work work = std::move(works_.at(place));
+  works_.erase(works_.begin() + static_cast<std::ptrdiff_t>(place));
+  if (work.phase == Phase::kInput || work.phase == Phase::kComputing) {
+    computation_.reset();
+    input_.Close(withdrawn_.has_value(), now_);
+  } else if (withdrawn_) {
+    input_.Close(true, now_);
+  }
+  if (work.phase == Phase::kSending) output_.End();
+  if (error == nullptr) {
+    LogInfo("{}: done, {} points in {:.2f} s", NameOf(work.task),
+            work.progress.done_count, work.progress.elapsed_s);
+    reporter_.Done(work.task, work.progress, std::move(work.result.outcome));
+  } else {
+    LogWarning("{}: {}: {}", NameOf(work.task), ErrorCodeName(error->code),
+               error->message);
+    reporter_.Failed(work.task, work.progress, *error);
+  }
+  if (works_.empty()) host_.SetHealth(intaglio_HEALTH_READY);
 }
 
 int RunStageWorker(ServiceHost& host, bus::WaitSet& wait, StageWorker& worker) {

@@ -4,16 +4,23 @@
 // input under credit, computes in a thread of its own while the bus loop keeps the health
 // fresh, hands the points to its consumer under credit, and tells how it went.
 //
-//   idle -> taking input -> computing -> sending -> idle
+//   idle -> taking input -> computing -> made -> sending -> idle
 //
-// A task that is revoked, or superseded by a newer one, or whose job service has died is
-// cancelled at once; what still computes is waited for without holding up the loop. An
-// error ends the task (TASK_FAILED), never the process.
+// Another part of the chain that is at work waits for its turn: it computes while the one
+// before it is sent, so that a core never waits for the bus. At most one that is made
+// waits behind the one that is sent, which bounds the memory. Any other task takes the
+// place of all.
+//
+// What is revoked, or superseded, or whose job service has died is cancelled at once;
+// what still computes is waited for without holding up the loop. A revocation takes all
+// of its chain: one sample a worker is retained, so one for each part could be missed. An
+// error ends its task alone (TASK_FAILED), never the process.
 //
 // Every turn takes what has come from input and output, wanted or not: bulk topics carry
 // the streams of all workers, and what nobody takes would pile up and end every wait.
 
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -35,7 +42,8 @@ class StageInput {
   /// Takes what has come and drops what is not of the open task, also when none is open;
   /// true when all of its input is there. Once a turn. Never blocks.
   virtual Result<bool> Poll(TimePoint now) = 0;
-  /// The task has ended, `withdrawn` when before its time: nobody asks for its job again.
+  /// The task is computed or has ended, `withdrawn` when before its time: nobody asks for
+  /// its job again. The next one may be opened.
   virtual void Close(bool withdrawn, TimePoint now) = 0;
   /// Moves the input into a function that needs nothing else and runs in another thread.
   virtual Computation<StageResult>::Function TakeComputation(const StageTask& task) = 0;
@@ -69,16 +77,36 @@ class StageWorker {
   bus::Reader<intaglio_StageTask>& tasks() { return tasks_; }
 
  private:
-  enum class Phase { kIdle, kInput, kComputing, kSending, kCancelling };
+  enum class Phase { kWaiting, kInput, kComputing, kMade, kSending };
+
+  /// A task from its acceptance to its end.
+  struct Work {
+    StageTask task;          // its job when it begins
+    std::string frozen_job;  // serialized, until then
+    Phase phase = Phase::kWaiting;
+    StageResult result;  // when it is made
+    TaskProgress progress;
+    TimePoint began_at{}, told_at{};
+  };
 
   void TakeTasks();
   void Take(const intaglio_StageTask& sample);
+  void Revoke(const StageTask& task);
   void Withdraw(ErrorCode code, const std::string& reason);
-  void BeginPending();
-  Status OpenInput(bool readable);
-  Result<bool> Advance();
-  Result<bool> FinishComputing();
-  void EndTask(intaglio_TaskState state, const Error& error);
+  void Accept(Work work);
+  void Advance();
+  void EndWithdrawn();
+  /// The first that is not made yet goes on; false: there is nothing to go on with.
+  /// `taken` is what its input said last.
+  bool Make(Result<bool>& taken);
+  Result<bool> MakeOne(Work& work, Result<bool>& taken);
+  Status Begin(Work& work);
+  Status FinishComputing(Work& work);
+  /// The first is sent when it is made; false: as above.
+  bool Send(const Result<bool>& sent);
+  void Tell(Work& work);
+  /// Without an error: it is done.
+  void End(std::size_t place, const Error* error);
 
   ServiceHost& host_;
   bus::Reader<intaglio_StageTask> tasks_;
@@ -87,18 +115,12 @@ class StageWorker {
   StageOutput& output_;
   std::function<void()> wake_;
 
-  Phase phase_ = Phase::kIdle;
-  StageTask task_;  // the running or, when idle, the last one
-  struct Pending {
-    StageTask task;          // but for its job
-    std::string frozen_job;  // serialized
-  };
-  std::optional<Pending> pending_;  // begins when the running one has ended
+  std::deque<Work> works_;           // in the order of their making and sending
+  std::optional<Work> pending_;      // begins when all of these have ended
+  std::optional<StageTask> newest_;  // given last; it is told again when a link is back
   std::unique_ptr<Computation<StageResult>> computation_;
-  StageOutcome outcome_;
-  TaskProgress progress_;
   std::optional<Error> withdrawn_;
-  TimePoint now_{}, began_at_{};
+  TimePoint now_{};
 };
 
 /// Runs the worker on the wait set until the host is to stop. The wait set has the

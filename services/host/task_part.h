@@ -7,13 +7,17 @@
 
 namespace intaglio::host {
 
-/// About four for each discretizer, so that one that is slower or dies costs little; more
-/// than this many only cost hand-overs.
+/// About eight for each discretizer, so that one that is slower or dies costs little;
+/// more than this many only cost hand-overs.
 inline constexpr std::uint32_t kMaxParts = 32;
 
-/// Times that a part of one attempt is begun before the job is given up. The consumer
-/// grants credit for all of them at once: it need not hear when one is begun again.
-inline constexpr std::uint32_t kMaxPartAttempts = 3;
+/// Times that a part of one attempt is lost at work before the job is given up.
+inline constexpr std::uint32_t kMaxPartLosses = 3;
+
+/// Times that a part of one attempt is given: once it may be lost before it is begun. The
+/// consumer grants credit for all of them at once: it need not hear when one is begun
+/// again.
+inline constexpr std::uint32_t kMaxPartAttempts = kMaxPartLosses + 1;
 
 /// Part `index` of `count`, begun for the `attempt`th time (from 0); of a stage that is
 /// not cut, the only one.

@@ -9,7 +9,6 @@
 namespace intaglio::host {
 namespace {
 using bus::Borrow;
-constexpr std::chrono::milliseconds kPeriod{100};
 // A job service that was away asks for the outcome of what it had handed out, not for
 // everything that ever was.
 constexpr std::size_t kKeptTasks = 256;
@@ -18,44 +17,40 @@ constexpr std::size_t kKeptTasks = 256;
 TaskReporter::TaskReporter(bus::Bus& bus, std::string worker, intaglio_Stage stage)
     : writer_(bus, bus::kTaskStatus), worker_(std::move(worker)), stage_(stage) {}
 
-void TaskReporter::Accept(const std::string& job_uid, std::uint32_t attempt,
-                          TaskPart part, TimePoint now) {
-  job_uid_ = job_uid;
-  attempt_ = attempt;
-  part_ = part;
-  next_ = now + kPeriod;
-  Remember();
-  Publish(intaglio_TASK_ACCEPTED, {}, {ErrorCode::kInvalidValue, "", ""}, "");
+void TaskReporter::Accept(const StageTask& task) {
+  Remember(task);
+  Publish(task, intaglio_TASK_ACCEPTED, {}, {ErrorCode::kInvalidValue, "", ""}, "");
 }
 
-void TaskReporter::Run(const TaskProgress& progress, TimePoint now) {
-  if (now < next_) return;
-  next_ = now + kPeriod;
-  Publish(intaglio_TASK_RUNNING, progress, {ErrorCode::kInvalidValue, "", ""}, "");
+void TaskReporter::Run(const StageTask& task, const TaskProgress& progress) {
+  Publish(task, intaglio_TASK_RUNNING, progress, {ErrorCode::kInvalidValue, "", ""}, "");
 }
 
-void TaskReporter::Done(const TaskProgress& progress, StageOutcome outcome) {
+void TaskReporter::Done(const StageTask& task, const TaskProgress& progress,
+                        StageOutcome outcome) {
   outcome.set_elapsed_s(progress.elapsed_s);
-  Publish(intaglio_TASK_DONE, progress, {ErrorCode::kInvalidValue, "", ""},
+  Publish(task, intaglio_TASK_DONE, progress, {ErrorCode::kInvalidValue, "", ""},
           outcome.SerializeAsString());
 }
 
-void TaskReporter::Failed(const TaskProgress& progress, const Error& error) {
-  Publish(intaglio_TASK_FAILED, progress, error, "");
+void TaskReporter::Failed(const StageTask& task, const TaskProgress& progress,
+                          const Error& error) {
+  Publish(task, intaglio_TASK_FAILED, progress, error, "");
 }
 
-void TaskReporter::Publish(intaglio_TaskState state, const TaskProgress& progress,
-                           const Error& error, const std::string& outcome) {
+void TaskReporter::Publish(const StageTask& task, intaglio_TaskState state,
+                           const TaskProgress& progress, const Error& error,
+                           const std::string& outcome) {
   const std::string code = state == intaglio_TASK_FAILED ? ErrorCodeName(error.code) : "";
   const std::vector<std::uint8_t> bytes(outcome.begin(), outcome.end());
   intaglio_TaskStatus sample{};
-  sample.job_uid = Borrow(job_uid_);
+  sample.job_uid = Borrow(task.job_uid);
   sample.stage = stage_;
   sample.worker = Borrow(worker_);
-  sample.part = part_.index;
-  sample.part_count = part_.count;
-  sample.attempt = attempt_;
-  sample.part_attempt = part_.attempt;
+  sample.part = task.part.index;
+  sample.part_count = task.part.count;
+  sample.attempt = task.attempt;
+  sample.part_attempt = task.part.attempt;
   sample.state = state;
   sample.done_count = progress.done_count;
   sample.total_count = progress.total_count;
@@ -64,12 +59,12 @@ void TaskReporter::Publish(intaglio_TaskState state, const TaskProgress& progres
   sample.message = Borrow(error.message);
   Borrow(sample.outcome, bytes);
   if (auto written = writer_.Write(sample); !written) {
-    LogWarning("task status of job {}: {}", job_uid_, written.error().message);
+    LogWarning("task status of job {}: {}", task.job_uid, written.error().message);
   }
 }
 
-void TaskReporter::Remember() {
-  const std::pair told(job_uid_, part_.index);
+void TaskReporter::Remember(const StageTask& task) {
+  const std::pair told(task.job_uid, task.part.index);
   if (std::find(told_.begin(), told_.end(), told) != told_.end()) return;
   told_.push_back(told);
   if (told_.size() <= kKeptTasks) return;

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
 #include "services/host/task_part.h"
 #include "services/job_service/job_queue.h"
@@ -10,11 +11,17 @@
 // several discretizers work on at the same time. A part is made again from the beginning
 // when its worker is lost; the others go on, and so do the stages behind, which get the
 // same points whoever makes them.
+//
+// Who is at work gets its next part ahead, so that it does not wait while its points are
+// sent, and while what has ended and what is given is kept on the disk. Not towards the
+// end: a part that waits at one discretizer while another is idle would cost what it
+// saves. Two of a worker's tasks are never on their way to it at the same time, because
+// only the newest is retained: it gets one ahead when it has accepted what it has.
 
 namespace intaglio::job_service {
 namespace {
 
-constexpr std::uint32_t kPartsPerDiscretizer = 4;
+constexpr std::uint32_t kPartsPerDiscretizer = 8;
 
 // Units in which the progress of a part is told: parts count their work each in its own.
 constexpr std::uint64_t kPartUnits = 1000;
@@ -23,6 +30,14 @@ std::uint64_t UnitsDone(const PartRecord& part) {
   if (part.done) return kPartUnits;
   if (part.total_count == 0) return 0;
   return std::min(kPartUnits, kPartUnits * part.done_count / part.total_count);
+}
+
+/// For another attempt at it.
+void Reopen(PartRecord& part) {
+  PartRecord open;
+  open.attempt = part.attempt + 1;
+  open.losses = part.losses;
+  part = open;
 }
 
 std::string NameOf(const JobRecord& job, std::uint32_t part) {
@@ -66,11 +81,9 @@ void JobQueue::CutIntoParts(JobRecord& job, const std::vector<std::string>& disc
   job.discretizing_since = now;
 }
 
-void JobQueue::GivePart(JobRecord& job, std::uint32_t part, Nanoseconds now) {
-  const std::string& worker = job.parts[part].worker;
-  const TaskId task = job.TaskOf(intaglio_STAGE_DISCRETIZE, part);
-  workers_.Assign(worker, task, now);
-  actions_.Give({worker, intaglio_STAGE_DISCRETIZE, task,
+void JobQueue::GivePart(JobRecord& job, std::uint32_t part) {
+  actions_.Give({job.parts[part].worker, intaglio_STAGE_DISCRETIZE,
+                 job.TaskOf(intaglio_STAGE_DISCRETIZE, part),
                  job.stage(intaglio_STAGE_SORT).worker, false},
                 job);
 }
@@ -84,9 +97,38 @@ void JobQueue::GiveOpenParts(JobRecord& job, Nanoseconds now) {
     if (part.done || !part.worker.empty() || now < part.not_before) continue;
     part.worker = free.back();
     free.pop_back();
-    GivePart(job, i, now);
+    workers_.Assign(part.worker, job.TaskOf(intaglio_STAGE_DISCRETIZE, i), now);
+    GivePart(job, i);
   }
+  GivePartsAhead(job, now);
   TellDiscretizing(job);
+}
+
+// A part that was lost before is not given ahead: kMaxPartAttempts counts on it. Each
+// that is at work finds one more open that it can take when it has ended both.
+void JobQueue::GivePartsAhead(JobRecord& job, Nanoseconds now) {
+  const auto is_open = [](const PartRecord& part) {
+    return !part.done && part.worker.empty();
+  };
+  std::set<std::string> at_work;
+  for (const PartRecord& part : job.parts) {
+    if (!part.done && !part.worker.empty()) at_work.insert(part.worker);
+  }
+  auto open_count = std::count_if(job.parts.begin(), job.parts.end(), is_open);
+  auto part = job.parts.begin();
+  for (const std::string& worker :
+       workers_.WithoutNext(intaglio_ROLE_DISCRETIZER, job.uid, job.attempt)) {
+    if (open_count <= static_cast<std::ptrdiff_t>(at_work.size())) return;
+    part = std::find_if(part, job.parts.end(), [&](const PartRecord& candidate) {
+      return is_open(candidate) && candidate.attempt == 0;
+    });
+    if (part == job.parts.end()) return;
+    const auto index = static_cast<std::uint32_t>(part - job.parts.begin());
+    part->worker = worker;
+    workers_.AssignNext(worker, job.TaskOf(intaglio_STAGE_DISCRETIZE, index), now);
+    GivePart(job, index);
+    --open_count;
+  }
 }
 
 void JobQueue::TellDiscretizing(JobRecord& job) {
@@ -128,31 +170,41 @@ void JobQueue::LosePart(JobRecord& job, std::uint32_t index, const std::string& 
   const GivenTask given{part.worker, intaglio_STAGE_DISCRETIZE,
                         job.TaskOf(intaglio_STAGE_DISCRETIZE, index), false};
   if (workers_.IsAssigned(given.worker, given.task)) Revoke(job, given, now);
-  const std::uint32_t tries = part.attempt + 1;
-  if (tries >= host::kMaxPartAttempts) {
+  const std::uint32_t losses = part.losses + 1;
+  if (losses >= host::kMaxPartLosses) {
     return EndJob(job, intaglio_JOB_FAILED,
                   fmt::format("{} is given up after {} attempts; {}", NameOf(job, index),
-                              tries, why),
+                              losses, why),
                   now);
   }
-  part = {};
-  part.attempt = tries;
+  Reopen(part);
+  part.losses = losses;
   part.not_before = now + pause;
   CountProgress(job, now);
   job.part_loss = fmt::format("{} begins again: {}", NameOf(job, index), why);
   TellDiscretizing(job);
 }
 
+// It may yet be begun by a worker that only seems to be gone, so its number is used up.
+// That the worker is lost its own part tells.
+void JobQueue::LoseNextPart(const std::string& instance, const TaskId& task) {
+  JobRecord* job = FindOpen(task.job_uid);
+  if (job == nullptr || job->attempt != task.attempt || !job->active()) return;
+  PartRecord& part = job->parts.at(task.part);
+  if (part.worker != instance || part.attempt != task.part_attempt || part.done) return;
+  actions_.Give({instance, intaglio_STAGE_DISCRETIZE, task, {}, true}, *job);
+  Reopen(part);
+}
+
 // Whoever still makes a part again makes it for nobody.
 void JobQueue::FinishParts(JobRecord& job, Nanoseconds now) {
   StageRecord& stage = job.stage(intaglio_STAGE_DISCRETIZE);
   if (stage.done) return;
-  for (const GivenTask& given : job.GivenTasks()) {
-    if (given.stage == intaglio_STAGE_DISCRETIZE && !given.done &&
-        workers_.IsAssigned(given.worker, given.task)) {
-      Revoke(job, given, now);
-    }
-  }
+  std::vector<GivenTask> parts = job.GivenTasks();
+  std::erase_if(parts, [](const GivenTask& given) {
+    return given.stage != intaglio_STAGE_DISCRETIZE || given.done;
+  });
+  RevokeStanding(job, parts, now);
   stage.done = true;
   actions_.StopFeed(job.uid);
 }

@@ -202,7 +202,10 @@ void JobQueue::Begin(JobRecord& job,
   GiveTask(job, intaglio_STAGE_ENGRAVE, synchronizer, {}, now);
   GiveTask(job, intaglio_STAGE_SORT, sorter, synchronizer, now);
   for (std::uint32_t part = 0; part < job.parts.size(); ++part) {
-    if (!job.parts[part].worker.empty()) GivePart(job, part, now);
+    const std::string& worker = job.parts[part].worker;
+    if (worker.empty()) continue;
+    workers_.Assign(worker, job.TaskOf(intaglio_STAGE_DISCRETIZE, part), now);
+    GivePart(job, part);
   }
 }
 
@@ -219,9 +222,16 @@ void JobQueue::RevokeAll(JobRecord& job, Nanoseconds now) {
 void JobQueue::Revoke(JobRecord& job, const std::vector<GivenTask>& tasks,
                       Nanoseconds now) {
   actions_.StopFeed(job.uid);
-  for (const GivenTask& given : tasks) {
-    if (workers_.IsAssigned(given.worker, given.task)) Revoke(job, given, now);
-  }
+  RevokeStanding(job, tasks, now);
+}
+
+// First which, for one revocation takes the others of its worker out of the book.
+void JobQueue::RevokeStanding(JobRecord& job, std::vector<GivenTask> tasks,
+                              Nanoseconds now) {
+  std::erase_if(tasks, [this](const GivenTask& given) {
+    return !workers_.IsAssigned(given.worker, given.task);
+  });
+  for (const GivenTask& given : tasks) Revoke(job, given, now);
 }
 
 void JobQueue::Revoke(JobRecord& job, const GivenTask& given, Nanoseconds now) {
@@ -238,14 +248,20 @@ void JobQueue::Take(const WorkerView& worker, Nanoseconds now) {
 }
 
 void JobQueue::WorkerLost(const std::string& instance, Nanoseconds now) {
-  const WorkerBook::Assignment lost = workers_.Lose(instance);
-  if (!lost.revoked) LoseTask(instance, lost.task, instance + " was lost", now);
+  const WorkerBook::Assignments lost = workers_.Lose(instance);
+  if (!lost.task.revoked) LoseTasks(instance, lost, instance + " was lost", now);
 }
 
 void JobQueue::GiveUpSilent(Nanoseconds now) {
-  for (const auto& [instance, assignment] : workers_.Silent(now, kAnswerWithin)) {
-    LoseTask(instance, assignment.task, instance + " does not answer", now);
+  for (const auto& [instance, has] : workers_.Silent(now, kAnswerWithin)) {
+    LoseTasks(instance, has, instance + " does not answer", now);
   }
+}
+
+void JobQueue::LoseTasks(const std::string& instance, const WorkerBook::Assignments& has,
+                         const std::string& why, Nanoseconds now) {
+  LoseNextPart(instance, has.next.task);
+  LoseTask(instance, has.task.task, why, now);
 }
 
 void JobQueue::LoseTask(const std::string& instance, const TaskId& task,
@@ -296,7 +312,7 @@ void JobQueue::Take(const TaskView& task, Nanoseconds now) {
       task.state == intaglio_TASK_DONE || task.state == intaglio_TASK_FAILED;
   if (AnswersAnOldRevocation(task)) return;
   if (over) {
-    workers_.Release(task.worker, task.task);
+    workers_.Release(task.worker, task.task, now);
   } else {
     workers_.Answered(task.worker, task.task);
   }

@@ -16,9 +16,9 @@
 //   any --cancel--> kCancelled      any --a worker gives up--> kFailed
 // clang-format on
 //
-// Discretizing is cut into parts, which free discretizers take one after another; a lost
-// discretizer costs its part's time and no attempt (job_parts.cc). A part that is lost
-// too often fails the job.
+// Discretizing is cut into parts, which discretizers take one after another, the next one
+// while they are at the one before; a lost discretizer costs its part's time and no
+// attempt (job_parts.cc). A part that is lost too often fails the job.
 //
 // One job at a time has a cell, from its first task to its end: a paused job keeps it,
 // for its block is in the machine. Of the jobs that wait the one of the highest priority
@@ -120,8 +120,8 @@ struct PermissionView {
 /// Chains of a job that may break before it is given up.
 inline constexpr std::uint32_t kMaxAttempts = 3;
 
-/// Parts for so many discretizers: one for one, else so many that a slow one is waited
-/// for a fourth of its share at most.
+/// Parts for so many discretizers: one for one, else so many that one that is slow or
+/// ends last is waited for an eighth of its share at most.
 std::uint32_t PartCountFor(std::size_t discretizers);
 
 class JobQueue {
@@ -182,7 +182,11 @@ class JobQueue {
               Nanoseconds now);
   void RevokeAll(JobRecord& job, Nanoseconds now);
   void Revoke(JobRecord& job, const std::vector<GivenTask>& tasks, Nanoseconds now);
+  /// Those of these tasks that a worker still has.
+  void RevokeStanding(JobRecord& job, std::vector<GivenTask> tasks, Nanoseconds now);
   void Revoke(JobRecord& job, const GivenTask& given, Nanoseconds now);
+  void LoseTasks(const std::string& instance, const WorkerBook::Assignments& has,
+                 const std::string& why, Nanoseconds now);
   void LoseTask(const std::string& instance, const TaskId& task, const std::string& why,
                 Nanoseconds now);
   void LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
@@ -196,13 +200,16 @@ class JobQueue {
   // The parts of the discretizing: job_parts.cc.
   void CutIntoParts(JobRecord& job, const std::vector<std::string>& discretizers,
                     Nanoseconds now);
-  void GivePart(JobRecord& job, std::uint32_t part, Nanoseconds now);
+  void GivePart(JobRecord& job, std::uint32_t part);
   void GiveOpenParts(JobRecord& job, Nanoseconds now);
+  void GivePartsAhead(JobRecord& job, Nanoseconds now);
   void TakePart(JobRecord& job, const TaskView& task, Nanoseconds now);
   void PartDone(JobRecord& job, Nanoseconds now);
   /// `pause` before it is given again.
   void LosePart(JobRecord& job, std::uint32_t part, const std::string& why,
                 Nanoseconds pause, Nanoseconds now);
+  /// One that was given ahead.
+  void LoseNextPart(const std::string& instance, const TaskId& task);
   void FinishParts(JobRecord& job, Nanoseconds now);
   void TellDiscretizing(JobRecord& job);
 

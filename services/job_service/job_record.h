@@ -30,9 +30,13 @@ struct StageRecord {
 ///
 ///   open --given--> at work --> done
 ///     ^-- lost, silent or failed by a neighbour's fault: attempt + 1 --|
+///
+/// Given ahead it waits at its worker until the one before has ended. To be lost there is
+/// not its fault, so it is no loss of its own.
 struct PartRecord {
   std::string worker;         ///< empty: open
   std::uint32_t attempt = 0;  ///< in this attempt of the job
+  std::uint32_t losses = 0;   ///< while it was worked on
   bool done = false;
   std::uint64_t done_count = 0;
   std::uint64_t total_count = 0;

@@ -31,20 +31,20 @@ void WorkerBook::Update(const WorkerView& view, Nanoseconds now) {
   worker.view = view;
   worker.alive = true;
   worker.heard = now;
-  const Assignment& assignment = worker.assignment;
-  if (assignment.revoked && view.state == intaglio_HEALTH_READY &&
-      now - assignment.since >= kReadyAgain) {
-    worker.assignment = {};
+  const Assignment& task = worker.has.task;
+  if (task.revoked && view.state == intaglio_HEALTH_READY &&
+      now - task.since >= kReadyAgain) {
+    worker.has = {};
   }
 }
 
-WorkerBook::Assignment WorkerBook::Lose(const std::string& instance) {
+WorkerBook::Assignments WorkerBook::Lose(const std::string& instance) {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return {};
   // It may only have been slow: what it works on is kept, to be revoked for when it is
   // back.
   found->second.alive = false;
-  return found->second.assignment;
+  return found->second.has;
 }
 
 bool WorkerBook::Serves(const Worker& worker, intaglio_ServiceRole role,
@@ -58,11 +58,27 @@ std::vector<std::string> WorkerBook::Free(intaglio_ServiceRole role,
   std::vector<std::string> free;
   for (const auto& [instance, worker] : workers_) {
     if (Serves(worker, role, cell) && worker.view.state == intaglio_HEALTH_READY &&
-        worker.assignment.task.job_uid.empty()) {
+        worker.has.task.empty()) {
       free.push_back(instance);
     }
   }
   return free;
+}
+
+std::vector<std::string> WorkerBook::WithoutNext(intaglio_ServiceRole role,
+                                                 const std::string& job_uid,
+                                                 std::uint32_t attempt) const {
+  std::vector<std::string> without;
+  for (const auto& [instance, worker] : workers_) {
+    const Assignment& at = worker.has.task;
+    const bool works =
+        worker.alive && worker.view.role == role && at.answered && !at.revoked;
+    if (works && at.task.job_uid == job_uid && at.task.attempt == attempt &&
+        worker.has.next.empty()) {
+      without.push_back(instance);
+    }
+  }
+  return without;
 }
 
 std::string WorkerBook::WhyNone(intaglio_ServiceRole role,
@@ -84,27 +100,44 @@ std::string WorkerBook::WhyNone(intaglio_ServiceRole role,
 void WorkerBook::Assign(const std::string& instance, const TaskId& task,
                         Nanoseconds now) {
   Worker& worker = workers_[instance];
-  worker.assignment = {task, now, false, false};
+  worker.has = {{task, now, false, false}, {}};
   if (!worker.alive) worker.heard = now;
 }
 
-void WorkerBook::Revoke(const std::string& instance, const TaskId& task,
-                        Nanoseconds now) {
-  workers_[instance].assignment = {task, now, true, true};
+void WorkerBook::AssignNext(const std::string& instance, const TaskId& task,
+                            Nanoseconds now) {
+  workers_[instance].has.next = {task, now, false, false};
 }
 
-WorkerBook::Worker* WorkerBook::Find(const std::string& instance, const TaskId& task) {
+// A revocation takes all that a worker has of the job, whichever part it names.
+void WorkerBook::Revoke(const std::string& instance, const TaskId& task,
+                        Nanoseconds now) {
+  workers_[instance].has = {{task, now, true, true}, {}};
+}
+
+WorkerBook::Assignment* WorkerBook::Find(const std::string& instance,
+                                         const TaskId& task) {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return nullptr;
-  return found->second.assignment.task == task ? &found->second : nullptr;
+  Assignments& has = found->second.has;
+  if (has.task.task == task) return &has.task;
+  return has.next.task == task ? &has.next : nullptr;
 }
 
 void WorkerBook::Answered(const std::string& instance, const TaskId& task) {
-  if (Worker* worker = Find(instance, task)) worker->assignment.answered = true;
+  if (Assignment* found = Find(instance, task)) found->answered = true;
 }
 
-void WorkerBook::Release(const std::string& instance, const TaskId& task) {
-  if (Worker* worker = Find(instance, task)) worker->assignment = {};
+void WorkerBook::Release(const std::string& instance, const TaskId& task,
+                         Nanoseconds now) {
+  Assignment* found = Find(instance, task);
+  if (found == nullptr) return;
+  Assignments& has = workers_.at(instance).has;
+  if (found == &has.task) {
+    has.task = has.next;
+    has.task.since = now;
+  }
+  has.next = {};
 }
 
 bool WorkerBook::IsAlive(const std::string& instance) const {
@@ -115,19 +148,19 @@ bool WorkerBook::IsAlive(const std::string& instance) const {
 bool WorkerBook::IsAssigned(const std::string& instance, const TaskId& task) const {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return false;
-  const Assignment& assignment = found->second.assignment;
-  return !assignment.revoked && assignment.task == task;
+  const Assignments& has = found->second.has;
+  return !has.task.revoked && (has.task.task == task || has.next.task == task);
 }
 
-std::vector<std::pair<std::string, WorkerBook::Assignment>> WorkerBook::Silent(
+std::vector<std::pair<std::string, WorkerBook::Assignments>> WorkerBook::Silent(
     Nanoseconds now, Nanoseconds limit) const {
-  std::vector<std::pair<std::string, Assignment>> silent;
+  std::vector<std::pair<std::string, Assignments>> silent;
   for (const auto& [instance, worker] : workers_) {
-    const Assignment& assignment = worker.assignment;
-    if (assignment.task.job_uid.empty() || assignment.revoked) continue;
-    const bool unanswered = !assignment.answered && now - assignment.since >= limit;
+    const Assignment& task = worker.has.task;
+    if (task.empty() || task.revoked) continue;
+    const bool unanswered = !task.answered && now - task.since >= limit;
     if (unanswered || now - worker.heard >= limit) {
-      silent.emplace_back(instance, assignment);
+      silent.emplace_back(instance, worker.has);
     }
   }
   return silent;

@@ -7,8 +7,9 @@
 //                       free
 //
 // A worker is given a task only when it says that it is ready and nothing of ours is on
-// it: a task to a worker that still drops an older one could be lost. Used from one
-// thread.
+// it: a task to a worker that still drops an older one could be lost. One that has said
+// that it is at work on a part may be given its next one ahead, which it then begins
+// without a word to us. Used from one thread.
 
 #include <chrono>
 #include <cstdint>
@@ -39,41 +40,58 @@ class WorkerBook {
     Nanoseconds since{0};
     bool answered = false;  ///< a TaskStatus came
     bool revoked = false;
+
+    bool empty() const { return task.job_uid.empty(); }
   };
 
   void Update(const WorkerView& worker, Nanoseconds now);
-  /// The worker is gone, or so slow that it seems to be; returns what it worked on.
-  Assignment Lose(const std::string& instance);
+  /// What a worker has of us, in the order of its work.
+  struct Assignments {
+    Assignment task;
+    Assignment next;
+  };
+
+  /// The worker is gone, or so slow that it seems to be; returns what it had.
+  Assignments Lose(const std::string& instance);
 
   /// The free workers of that role, for a synchronizer of that cell; by name, so that the
   /// choice can be foretold.
   std::vector<std::string> Free(intaglio_ServiceRole role, const std::string& cell) const;
+  /// The workers of that role that are known to work on this chain of a job and have no
+  /// next task.
+  std::vector<std::string> WithoutNext(intaglio_ServiceRole role,
+                                       const std::string& job_uid,
+                                       std::uint32_t attempt) const;
   /// Why there is none, e.g. "a sorter (all are busy)".
   std::string WhyNone(intaglio_ServiceRole role, const std::string& cell) const;
 
   void Assign(const std::string& instance, const TaskId& task, Nanoseconds now);
+  /// To be begun when what it works on has ended.
+  void AssignNext(const std::string& instance, const TaskId& task, Nanoseconds now);
   /// Also for a worker that was not heard of yet (after our own restart).
   void Revoke(const std::string& instance, const TaskId& task, Nanoseconds now);
   void Answered(const std::string& instance, const TaskId& task);
-  void Release(const std::string& instance, const TaskId& task);
+  /// It has ended; the next one, if there is one, is worked on from now on.
+  void Release(const std::string& instance, const TaskId& task, Nanoseconds now);
 
   bool IsAlive(const std::string& instance) const;
+  /// Either to be worked on or as the next one, and not revoked.
   bool IsAssigned(const std::string& instance, const TaskId& task) const;
   /// Workers with a task that have said nothing about it, or have not told their health,
   /// for so long: health tells that a worker's loop runs, not only that its process is.
-  std::vector<std::pair<std::string, Assignment>> Silent(Nanoseconds now,
-                                                         Nanoseconds limit) const;
+  std::vector<std::pair<std::string, Assignments>> Silent(Nanoseconds now,
+                                                          Nanoseconds limit) const;
 
  private:
   struct Worker {
     WorkerView view;
     bool alive = false;
     Nanoseconds heard{0};  ///< newest health; of one not heard of yet: its assignment
-    Assignment assignment;
+    Assignments has;
   };
   bool Serves(const Worker& worker, intaglio_ServiceRole role,
               const std::string& cell) const;
-  Worker* Find(const std::string& instance, const TaskId& task);
+  Assignment* Find(const std::string& instance, const TaskId& task);
 
   std::map<std::string, Worker> workers_;
 };

@@ -15,7 +15,7 @@ using testing::IsEmpty;
 
 class JobPartsTest : public JobQueueTest {
  protected:
-  /// A job with two discretizers: eight parts, the first two at work.
+  /// A job with two discretizers: sixteen parts, the first two at work.
   void BeginWithTwo() {
     ReadyAll();
     Ready("d2", intaglio_ROLE_DISCRETIZER);
@@ -33,8 +33,8 @@ class JobPartsTest : public JobQueueTest {
 
 TEST_F(JobPartsTest, CountsOfParts) {
   EXPECT_EQ(PartCountFor(1), 1u);
-  EXPECT_EQ(PartCountFor(2), 8u);
-  EXPECT_EQ(PartCountFor(8), 32u);
+  EXPECT_EQ(PartCountFor(2), 16u);
+  EXPECT_EQ(PartCountFor(4), 32u);
   EXPECT_EQ(PartCountFor(100), 32u);
 }
 
@@ -43,12 +43,12 @@ TEST_F(JobPartsTest, AllFreeDiscretizersBeginAndTakeTheNextOpenPart) {
   Ready("d2", intaglio_ROLE_DISCRETIZER);
   Ready("d3", intaglio_ROLE_DISCRETIZER, intaglio_HEALTH_BUSY);
   Add(1);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("y j1 1", "s j1 1 > y", "d j1 1 0.0/8 > s",
-                                             "d2 j1 1 1.0/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("y j1 1", "s j1 1 > y", "d j1 1 0.0/16 > s",
+                                             "d2 j1 1 1.0/16 > s"));
   Done(1);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d2 j1 1 2.0/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d2 j1 1 2.0/16 > s"));
   Done(0);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 3.0/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 3.0/16 > s"));
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
   DiscretizeAll();
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
@@ -60,7 +60,7 @@ TEST_F(JobPartsTest, OneThatComesLaterTakesPart) {
   BeginWithTwo();
   Ready("d3", intaglio_ROLE_DISCRETIZER);
   queue_.Turn(now_);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d3 j1 1 2.0/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d3 j1 1 2.0/16 > s"));
 }
 
 TEST_F(JobPartsTest, OneAloneHasTheWholeAndALaterOneNothing) {
@@ -80,19 +80,19 @@ TEST_F(JobPartsTest, OneAloneHasTheWholeAndALaterOneNothing) {
 TEST_F(JobPartsTest, ALostDiscretizerCostsItsPartAlone) {
   BeginWithTwo();
   Lose("d");
-  EXPECT_THAT(actions_.Orders(), ElementsAre("revoke d j1 1 0.0/8"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("revoke d j1 1 0.0/16"));
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
   EXPECT_EQ(job().attempt, 1u);
-  EXPECT_EQ(job().message, "part 1 of 8 begins again: d was lost");
+  EXPECT_EQ(job().message, "part 1 of 16 begins again: d was lost");
   Done(1);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d2 j1 1 0.1/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d2 j1 1 0.1/16 > s"));
   DiscretizeAll();
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
   EXPECT_EQ(job().lost_attempts, 0u);
 }
 
 TEST_F(JobPartsTest, EitherMayBeLostAtAnyTime) {
-  for (std::uint32_t done_before = 0; done_before < 8; ++done_before) {
+  for (std::uint32_t done_before = 0; done_before < 16; ++done_before) {
     for (const char* lost : {"d", "d2"}) {
       RecordingActions actions;
       JobQueue queue(actions);
@@ -131,10 +131,10 @@ TEST_F(JobPartsTest, EitherMayBeLostAtAnyTime) {
       queue.Turn(now_);
       while (finish_one()) {
       }
-      EXPECT_EQ(done, 8u) << lost << " after " << done_before;
+      EXPECT_EQ(done, 16u) << lost << " after " << done_before;
       EXPECT_EQ(job.state, intaglio_JOB_SORTING) << lost << " after " << done_before;
       EXPECT_EQ(job.attempt, 1u);
-      EXPECT_EQ(job.stage(intaglio_STAGE_DISCRETIZE).done_count, 80u);
+      EXPECT_EQ(job.stage(intaglio_STAGE_DISCRETIZE).done_count, 160u);
     }
   }
 }
@@ -145,8 +145,9 @@ TEST_F(JobPartsTest, WithoutAnyItWaitsAndSaysSoAndANewOneGoesOn) {
   Lose("d");
   Lose("d2");
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
-  EXPECT_EQ(job().message,
-            "part 2 of 8 begins again: d2 was lost; waits for a discretizer (none runs)");
+  EXPECT_EQ(
+      job().message,
+      "part 2 of 16 begins again: d2 was lost; waits for a discretizer (none runs)");
   for (const auto stage : {intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
     Task(stage, intaglio_TASK_ACCEPTED);
   }
@@ -158,8 +159,8 @@ TEST_F(JobPartsTest, WithoutAnyItWaitsAndSaysSoAndANewOneGoesOn) {
   actions_.Orders();
   Ready("d3", intaglio_ROLE_DISCRETIZER);
   queue_.Turn(now_);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d3 j1 1 1.1/8 > s"));
-  EXPECT_EQ(job().message, "part 2 of 8 begins again: d2 was lost");
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d3 j1 1 1.1/16 > s"));
+  EXPECT_EQ(job().message, "part 2 of 16 begins again: d2 was lost");
   DiscretizeAll();
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
 }
@@ -176,7 +177,7 @@ TEST_F(JobPartsTest, TheThirdLossOfOnePartFailsTheJobAndNamesIt) {
     Lose(next);
   }
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
-  EXPECT_EQ(job().message, "part 1 of 8 is given up after 3 attempts; e2 was lost");
+  EXPECT_EQ(job().message, "part 1 of 16 is given up after 3 attempts; e2 was lost");
 }
 
 TEST_F(JobPartsTest, LossesOfDifferentPartsDoNotAddUp) {
@@ -199,7 +200,7 @@ TEST_F(JobPartsTest, AFailureOfTheJobItselfFailsItAtOnce) {
   Fail(1, "outside_block", "12 points lie outside the block");
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
   EXPECT_EQ(job().message, "12 points lie outside the block");
-  EXPECT_THAT(actions_.Orders(), ElementsAre("stop j1", "revoke d j1 1 0.0/8",
+  EXPECT_THAT(actions_.Orders(), ElementsAre("stop j1", "revoke d j1 1 0.0/16",
                                              "revoke s j1 1", "revoke y j1 1"));
 }
 
@@ -208,14 +209,14 @@ TEST_F(JobPartsTest, AFailureForWantOfTheSorterIsTriedAgainAfterItsLease) {
   BeginWithTwo();
   Fail(0, "link_lost", "the consumer is gone");
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
-  EXPECT_EQ(job().message, "part 1 of 8 begins again: d: the consumer is gone");
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 2.0/8 > s")) << "another part";
+  EXPECT_EQ(job().message, "part 1 of 16 begins again: d: the consumer is gone");
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 2.0/16 > s")) << "another part";
   now_ += 1900ms;
   Done(2);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 3.0/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 3.0/16 > s"));
   now_ += 200ms;
   Done(3);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 0.1/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 0.1/16 > s"));
   Lose("s");
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_EQ(job().lost_attempts, 1u);
@@ -227,6 +228,7 @@ TEST_F(JobPartsTest, ASilentDiscretizerLosesItsPartAndIsUsedAgainWhenItHasDroppe
   for (const auto s : {intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
     Task(s, intaglio_TASK_ACCEPTED);
   }
+  actions_.Orders();
   now_ += 11s;
   for (const auto& [name, role] :
        std::map<std::string, intaglio_ServiceRole>{{"d2", intaglio_ROLE_DISCRETIZER},
@@ -236,14 +238,15 @@ TEST_F(JobPartsTest, ASilentDiscretizerLosesItsPartAndIsUsedAgainWhenItHasDroppe
   }
   const TaskView late = PartWord(0, intaglio_TASK_DONE);
   queue_.Turn(now_);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("revoke d j1 1 0.0/8"));
-  EXPECT_EQ(job().message, "part 1 of 8 begins again: d does not answer");
+  EXPECT_THAT(actions_.Orders(),
+              ElementsAre("revoke d j1 1 2.0/16", "revoke d j1 1 0.0/16"));
+  EXPECT_EQ(job().message, "part 1 of 16 begins again: d does not answer");
   // It was done all the same: nobody hears it, but it is free again.
   Say(late);
   EXPECT_FALSE(job().parts.at(0).done);
   Ready("d", intaglio_ROLE_DISCRETIZER);
   queue_.Turn(now_);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 0.1/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 0.1/16 > s"));
 }
 
 TEST_F(JobPartsTest, ProgressAddsUp) {
@@ -252,7 +255,7 @@ TEST_F(JobPartsTest, ProgressAddsUp) {
   Say(PartWord(0, intaglio_TASK_RUNNING, 7, 14));
   Say(PartWord(1, intaglio_TASK_RUNNING, 1, 4));
   EXPECT_EQ(stage().done_count, 750u);
-  EXPECT_EQ(stage().total_count, 8000u);
+  EXPECT_EQ(stage().total_count, 16000u);
   EXPECT_EQ(stage().elapsed_s, 3.0);
   Say(PartWord(0, intaglio_TASK_DONE, 123, 123));
   EXPECT_EQ(stage().done_count, 1250u);
@@ -261,8 +264,8 @@ TEST_F(JobPartsTest, ProgressAddsUp) {
   Ready("d2", intaglio_ROLE_DISCRETIZER);
   DiscretizeAll();
   DiscretizeAll();
-  EXPECT_EQ(stage().done_count, 823u) << "points, when all are made";
-  EXPECT_EQ(stage().total_count, 823u);
+  EXPECT_EQ(stage().done_count, 1623u) << "points, when all are made";
+  EXPECT_EQ(stage().total_count, 1623u);
 }
 
 TEST_F(JobPartsTest, AFreeOneServesTheJobUnderWayBeforeTheNext) {
@@ -272,14 +275,14 @@ TEST_F(JobPartsTest, AFreeOneServesTheJobUnderWayBeforeTheNext) {
   Ready("s2", intaglio_ROLE_SORTER);
   Add(2, "e");
   EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED);
-  for (std::uint32_t part = 0; part < 6; ++part) Done(part);
+  for (std::uint32_t part = 0; part < 14; ++part) Done(part);
   EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_QUEUED);
   actions_.Orders();
-  Done(6);
+  Done(14);
   EXPECT_EQ(queue_.Find("j2")->state, intaglio_JOB_DISCRETIZING)
       << "the last part is at work; the other discretizer is free";
   EXPECT_EQ(queue_.Find("j2")->parts.size(), 1u);
-  Done(7);
+  Done(15);
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
 }
 
@@ -289,7 +292,7 @@ TEST_F(JobPartsTest, WhenTheSorterHasAllTheRestIsRevoked) {
   Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
   EXPECT_TRUE(stage().done);
   EXPECT_THAT(actions_.Orders(),
-              ElementsAre("revoke d j1 1 0.0/8", "revoke d2 j1 1 1.0/8", "stop j1"));
+              ElementsAre("revoke d j1 1 0.0/16", "revoke d2 j1 1 1.0/16", "stop j1"));
   Lose("d");
   EXPECT_NE(job().state, intaglio_JOB_QUEUED);
   Fail(1, "cancelled", "the task was revoked");
@@ -303,15 +306,15 @@ TEST_F(JobPartsTest, ALostSorterTakesAllPartsWithItAndTheyBeginAnew) {
   Lose("s");
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_THAT(actions_.Orders(),
-              ElementsAre("stop j1", "revoke d2 j1 1 1.0/8", "revoke d j1 1 2.0/8",
+              ElementsAre("stop j1", "revoke d2 j1 1 1.0/16", "revoke d j1 1 2.0/16",
                           "revoke s j1 1", "revoke y j1 1"));
   now_ += 2s;
   ReadyAll();
   Ready("d2", intaglio_ROLE_DISCRETIZER);
   queue_.Turn(now_);
   EXPECT_EQ(job().attempt, 2u);
-  EXPECT_THAT(actions_.Orders(), ElementsAre("y j1 2", "s j1 2 > y", "d j1 2 0.0/8 > s",
-                                             "d2 j1 2 1.0/8 > s"));
+  EXPECT_THAT(actions_.Orders(), ElementsAre("y j1 2", "s j1 2 > y", "d j1 2 0.0/16 > s",
+                                             "d2 j1 2 1.0/16 > s"));
 }
 
 TEST_F(JobPartsTest, ARestartRevokesEveryPart) {
@@ -319,8 +322,9 @@ TEST_F(JobPartsTest, ARestartRevokesEveryPart) {
   RecordingActions actions;
   JobQueue queue(actions);
   queue.Restore({actions_.kept.at("j1")}, std::nullopt, now_);
-  EXPECT_THAT(actions.Orders(), ElementsAre("revoke d j1 1 0.0/8", "revoke d2 j1 1 1.0/8",
-                                            "revoke s j1 1", "revoke y j1 1"));
+  EXPECT_THAT(actions.Orders(),
+              ElementsAre("revoke d j1 1 0.0/16", "revoke d2 j1 1 1.0/16",
+                          "revoke s j1 1", "revoke y j1 1"));
   EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_QUEUED);
 }
 

@@ -180,18 +180,18 @@ TEST_F(JobServiceTest, ADeadDiscretizersPartIsHandedOutAgainAndTheOthersGoOn) {
   ReadyAll();
   ASSERT_TRUE(HasTasks(1));
   const TaskCopy sort = shop_.Task(intaglio_STAGE_SORT);
-  EXPECT_EQ(sort.input_part_count, 8u);
+  EXPECT_EQ(sort.input_part_count, 16u);
   EXPECT_EQ(sort.part_count, 1u);
   // The fake shop sees the newest task alone: the one of the second by name.
   ASSERT_TRUE(shop_.Until([&] { return Discretize().worker == "d2"; }));
   EXPECT_EQ(Discretize().part, 1u);
-  EXPECT_EQ(Discretize().part_count, 8u);
+  EXPECT_EQ(Discretize().part_count, 16u);
   EXPECT_EQ(Discretize().consumer, "s");
   shop_.Die(intaglio_STAGE_DISCRETIZE, "d2");
   ASSERT_TRUE(shop_.Until([&] { return Discretize().revoked; }));
   EXPECT_EQ(Discretize().part, 1u);
   ASSERT_TRUE(shop_.Until([&] { return !Job().message.empty(); }));
-  EXPECT_EQ(Job().message, "part 2 of 8 begins again: d2 was lost");
+  EXPECT_EQ(Job().message, "part 2 of 16 begins again: d2 was lost");
   shop_.Health(intaglio_STAGE_DISCRETIZE, "d3", intaglio_HEALTH_READY);
   ASSERT_TRUE(shop_.Until([&] { return Discretize().worker == "d3"; }));
   EXPECT_EQ(Discretize().part, 1u);
@@ -200,7 +200,7 @@ TEST_F(JobServiceTest, ADeadDiscretizersPartIsHandedOutAgainAndTheOthersGoOn) {
   const TaskCopy again = Discretize();
   ASSERT_TRUE(shop_.Until([&] { return shop_.ReceiveModels(again); }));
   // It finishes one part after another, and may ask for the models with each.
-  for (std::uint32_t part = 2; part < 8; ++part) {
+  for (std::uint32_t part = 2; part < 16; ++part) {
     Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
     ASSERT_TRUE(shop_.Until([&] { return Discretize().part == part; }));
     EXPECT_EQ(Discretize().part_attempt, 0u);

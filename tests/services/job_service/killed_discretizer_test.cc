@@ -132,39 +132,82 @@ class KilledDiscretizerTest : public testing::Test {
   std::optional<ServiceProcess> service_;
 };
 
-TEST_F(KilledDiscretizerTest, CostsItsPartAloneAndNoBitOfTheCloud) {
-  auto victim = Discretizer();
-  const auto other = Discretizer();
-  const std::string killed = InstanceOf(*victim);
-  ASSERT_FALSE(InstanceOf(*other).empty());
-  shop_.Health(intaglio_STAGE_SORT, "s", intaglio_HEALTH_READY);
-  shop_.Health(intaglio_STAGE_ENGRAVE, "y", intaglio_HEALTH_READY);
+/// What became of the parts of a job, as the discretizers tell.
+struct PartWords {
+  std::set<std::uint32_t> begun_by_victim, made_again;
+};
 
-  std::string two, one;
-  const TaskCopy sort = BeginInParts(8, two);
-  std::set<std::uint32_t> parts_of_victim, made_again;
-  const PointCloud of_two = Receive(sort, [&] {
-    for (const PartWord& word : TakeWords()) {
-      if (word.job_uid != sort.job_uid) continue;
-      if (word.worker == killed) parts_of_victim.insert(word.part);
-      if (word.part_attempt > 0) made_again.insert(word.part);
-    }
-    // The second part: it has the models already and is at it at once.
-    if (victim->running() && parts_of_victim.size() == 2) victim->Kill();
+class DisturbedDiscretizerTest : public KilledDiscretizerTest {
+ protected:
+  DisturbedDiscretizerTest() {
+    victim_ = Discretizer();
+    other_ = Discretizer();
+    victim_name_ = InstanceOf(*victim_);
+    EXPECT_FALSE(InstanceOf(*other_).empty());
+    shop_.Health(intaglio_STAGE_SORT, "s", intaglio_HEALTH_READY);
+    shop_.Health(intaglio_STAGE_ENGRAVE, "y", intaglio_HEALTH_READY);
+  }
+  /// The cloud of both, with `disturb` called between until the end.
+  PointCloud CloudOfTwo(const std::function<void(const PartWords&)>& disturb) {
+    const TaskCopy sort = BeginInParts(16, submission_);
+    return Receive(sort, [&] {
+      for (const PartWord& word : TakeWords()) {
+        if (word.job_uid != sort.job_uid) continue;
+        if (word.worker == victim_name_) words_.begun_by_victim.insert(word.part);
+        if (word.part_attempt > 0) words_.made_again.insert(word.part);
+      }
+      disturb(words_);
+    });
+  }
+  /// The job went on without a new attempt; it has a cloud of the same bits from one.
+  void ExpectTheCloudOfOne(const PointCloud& of_two) {
+    EXPECT_EQ(shop_.Status(submission_).attempt, 1u);
+    EXPECT_THAT(shop_.Status(submission_).message,
+                HasSubstr("begins again: " + victim_name_));
+    ASSERT_TRUE(shop_.Until(
+        [&] { return shop_.Status(submission_).state == intaglio_JOB_SORTING; }));
+    Cancel(submission_);
+    victim_->Kill();
+    std::string one;
+    const TaskCopy again = BeginInParts(1, one);
+    const PointCloud of_one = Receive(again, [&] { TakeWords(); });
+    EXPECT_GT(of_one.size(), 100'000u);
+    EXPECT_EQ(of_two.points_mm, of_one.points_mm);
+    EXPECT_EQ(of_two.source, of_one.source);
+  }
+
+  std::unique_ptr<ChildProgram> victim_, other_;
+  std::string victim_name_, submission_;
+  PartWords words_;
+};
+
+// In its third part at most, for the next one is given ahead: it has the models.
+TEST_F(DisturbedDiscretizerTest, KilledItCostsItsPartAloneAndNoBitOfTheCloud) {
+  const PointCloud of_two = CloudOfTwo([&](const PartWords& words) {
+    if (victim_->running() && words.begun_by_victim.size() == 3) victim_->Kill();
   });
-  EXPECT_FALSE(victim->running());
-  EXPECT_EQ(made_again.size(), 1u);
-  EXPECT_EQ(shop_.Status(two).attempt, 1u);
-  EXPECT_THAT(shop_.Status(two).message, HasSubstr("begins again: " + killed));
-  ASSERT_TRUE(
-      shop_.Until([&] { return shop_.Status(two).state == intaglio_JOB_SORTING; }));
-  Cancel(two);
+  EXPECT_FALSE(victim_->running());
+  // What it was at, and what lay ready for it.
+  EXPECT_GE(words_.made_again.size(), 1u);
+  EXPECT_LE(words_.made_again.size(), 2u);
+  ExpectTheCloudOfOne(of_two);
+}
 
-  const TaskCopy again = BeginInParts(1, one);
-  const PointCloud of_one = Receive(again, [&] { TakeWords(); });
-  EXPECT_GT(of_one.size(), 100'000u);
-  EXPECT_EQ(of_two.points_mm, of_one.points_mm);
-  EXPECT_EQ(of_two.source, of_one.source);
+// It comes back while the parts that it had are made by the other: it must not send them.
+TEST_F(DisturbedDiscretizerTest, StoppedForAWhileItCostsNoBitOfTheCloud) {
+  bool stopped = false, continued = false;
+  const PointCloud of_two = CloudOfTwo([&](const PartWords& words) {
+    if (!stopped && words.begun_by_victim.size() == 3) {
+      victim_->Signal(SIGSTOP);
+      stopped = true;
+    }
+    if (stopped && !continued && !words.made_again.empty()) {
+      victim_->Signal(SIGCONT);
+      continued = true;
+    }
+  });
+  EXPECT_TRUE(continued);
+  ExpectTheCloudOfOne(of_two);
 }
 
 }  // namespace
