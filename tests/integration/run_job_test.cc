@@ -1,90 +1,32 @@
 // The whole product at work: `intaglio run` as a user types it, with its separate
 // processes, and what the machine does when something is taken away in mid-job.
 
-#include <fcntl.h>
+#include "tests/integration/run_job.h"
+
 #include <gmock/gmock.h>
-#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <fstream>
-#include <sstream>
 
-#include "engrave/formats/glass_record.h"
 #include "engrave/formats/point_file.h"
-#include "proto/report.pb.h"
-#include "tests/integration/run_program.h"
-#include "tests/test_folder.h"
 
 namespace intaglio {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using testing::AskPanel;
 using testing::Ended;
-using testing::Eventually;
 using ::testing::HasSubstr;
+using testing::kBound;
 using testing::ProcessesWith;
 using testing::Program;
+using testing::RunJob;
 using testing::Running;
 
-constexpr auto kBound = 60s;
 const std::vector<std::string> kServices = {
     "intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
     "intaglio-synchronizer", "intaglio-motion-bridge"};
-
-fs::path SampleJob() {
-  return fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/sample.textproto";
-}
-
-class RunJob : public ::testing::Test {
- protected:
-  RunJob() : folder_(test::FreshFolder()) {}
-
-  std::vector<std::string> Arguments(std::vector<std::string> more) const {
-    std::vector<std::string> words = {"run",         SampleJob().string(),
-                                      "--out",       (folder_ / "out").string(),
-                                      "--materials", (folder_ / "materials.db").string()};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-  }
-  Ended Run(std::vector<std::string> more) {
-    Running run(Program("intaglio"), Arguments(std::move(more)), folder_ / "output.txt");
-    return run.WaitForEnd(kBound);
-  }
-  JobReport Report() const {
-    std::ifstream in(folder_ / "out/report.json");
-    std::ostringstream text;
-    text << in.rdbuf();
-    JobReport report;
-    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text.str(), &report).ok());
-    return report;
-  }
-  /// Waits until the machine has made some cracks; true when it has.
-  bool AwaitCracks(std::size_t count) const {
-    return Eventually(
-        [&] {
-          const auto glass = formats::ReadGlassRecord(folder_ / "out/session/glass.rec");
-          return glass && glass->cracks.size() >= count;
-        },
-        30s);
-  }
-  std::string Press(const std::string& command) const {
-    return AskPanel(folder_ / "out/session", command);
-  }
-  std::vector<pid_t> OurProcesses(const std::string& program) const {
-    return ProcessesWith({program, (folder_ / "out").string()});
-  }
-  /// Nothing of this run is left: neither services nor the machine.
-  bool NothingLeft() const {
-    return Eventually([&] { return ProcessesWith({(folder_ / "out").string()}).empty(); },
-                      10s);
-  }
-
-  fs::path folder_;
-};
 
 TEST_F(RunJob, EngravesTheSampleAndProvesItInTheGlass) {
   const Ended run = Run({"--lockstep"});
@@ -127,30 +69,6 @@ TEST_F(RunJob, TwoRunsAreTheSameBitForBit) {
   EXPECT_EQ(first.ticks(), second.ticks());
 }
 
-// Every rate a lamp may have, and the machine follows as well as its limits allow.
-class Rate : public RunJob, public ::testing::WithParamInterface<int> {};
-
-TEST_P(Rate, IsServedForAWholeJob) {
-  std::ifstream supplied(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
-  std::string machine{std::istreambuf_iterator<char>(supplied), {}};
-  const std::string rates = "rates_hz: [";
-  machine.insert(machine.find(rates) + rates.size(), "500, 1000, 4000, ");
-  std::ofstream(folder_ / "fast.textproto") << machine;
-  const std::string rate = std::to_string(GetParam());
-  const Ended run = Run({"--lockstep", "--warm-up", "1", "--spacing", "0.8", "--rate",
-                         rate, "--machine", (folder_ / "fast.textproto").string()});
-  ASSERT_TRUE(run.in_time);
-  ASSERT_EQ(run.exit_code, 0) << run.output;
-  const JobReport report = Report();
-  EXPECT_TRUE(report.verdict().good());
-  EXPECT_EQ(report.points().made(), report.points().planned());
-  EXPECT_EQ(report.shadow_violations(), 0u);
-  EXPECT_LT(report.position_errors().rms_um(), 1);
-}
-
-INSTANTIATE_TEST_SUITE_P(OfALamp, Rate, ::testing::Values(50, 500, 1000, 4000),
-                         ::testing::PrintToStringParamName());
-
 // The stage on a clock of its own, every line late by up to 2 ms: the proof is in the
 // glass all the same.
 class FreeClock : public RunJob,
@@ -178,23 +96,6 @@ INSTANTIATE_TEST_SUITE_P(
                       std::vector<std::string>{"--speed", "5", "--warm-up", "5",
                                                "--spacing", "1.2"}),
     [](const auto& suite) { return suite.param.size() == 1 ? "lockstep" : "real_time"; });
-
-// A crystal that jumps by 400 ppm makes 0.4 ms a second: the motion that is out already
-// is wrong for some pulses. They are held back, and made from a new plan.
-TEST_F(RunJob, AClockThatChangesItsPaceMakesNoCrackInTheWrongPlace) {
-  const Ended run = Run({"--lockstep", "--warm-up", "0", "--clock-drift", "-200",
-                         "--line-jitter", "2", "--fault", "9000 clock-drift 200"});
-  ASSERT_TRUE(run.in_time);
-  const JobReport report = Report();
-  EXPECT_GE(report.engrave().run_count(), 2u) << run.output;
-  EXPECT_EQ(report.points().doubled() + report.points().stray(), 0u) << run.output;
-  EXPECT_EQ(report.shadow_violations(), 0u);
-  EXPECT_LT(report.position_errors().max_um(), 30) << "the machine's tolerance";
-  // What came to lie under a crack before it could be made is left out and reported.
-  EXPECT_GE(report.points().made() + 20, report.points().planned());
-  EXPECT_EQ(report.points().made() + report.points().skipped(),
-            report.points().planned());
-}
 
 TEST_F(RunJob, ASpeedOverrideInMidJobCostsTimeAndNoPoint) {
   const std::string tag = "speed-" + std::to_string(getpid());
@@ -305,70 +206,6 @@ INSTANTIATE_TEST_SUITE_P(
                       Mishap{"stop_pressed", "estop press", "stop"},
                       Mishap{"key_turned", "key off", "key"}),
     [](const auto& suite) { return suite.param.name; });
-
-TEST_F(RunJob, MissedPulsesAreReportedAndTheVerdictIsNotGood) {
-  const Ended run = Run({"--lockstep", "--warm-up", "0", "--fault", "500 miss 3"});
-  ASSERT_TRUE(run.in_time);
-  EXPECT_EQ(run.exit_code, 3) << run.output;
-  EXPECT_EQ(Report().points().missed(), 3u);
-  EXPECT_EQ(Report().points().unaccounted(), 0u);
-}
-
-TEST_F(RunJob, StuckStageMakesNoStrayCrack) {
-  const Ended run = Run({"--lockstep", "--warm-up", "0", "--fault", "500 stick x"});
-  ASSERT_TRUE(run.in_time);
-  EXPECT_NE(run.exit_code, 0) << run.output;
-  EXPECT_EQ(Report().points().stray(), 0u);
-  EXPECT_EQ(Report().points().doubled(), 0u);
-}
-
-TEST_F(RunJob, DroppedBytesOnTheLineCostNothingButTime) {
-  const Ended run =
-      Run({"--lockstep", "--warm-up", "0", "--fault", "200 drop-bytes 0.0005 laser",
-           "--fault", "200 drop-bytes 0.0005 motion"});
-  ASSERT_TRUE(run.in_time);
-  EXPECT_EQ(Report().points().doubled(), 0u) << run.output;
-  EXPECT_EQ(Report().points().stray(), 0u);
-}
-
-TEST_F(RunJob, WrongInputsAreNamedAllAtOnce) {
-  const fs::path job = folder_ / "wrong.textproto";
-  std::ofstream(job)
-      << "models { file: \"nowhere.stl\" placement { fit_height_mm: 5000 } }\n"
-         "block { size_mm { x: -1 y: 50 z: 50 } margin_mm: 1000 }\n"
-         "glass: \"N-BK7\"\n"
-         "discretization { min_spacing_mm: 0.0001 }\n"
-         "laser { rate_hz: 77 }\n"
-         "machine_file: \""
-      << (fs::path(INTAGLIO_SOURCE_DIR) / "deploy/machines/els-03.textproto").string()
-      << "\"\n";
-  Running run(Program("intaglio"),
-              {"run", job.string(), "--out", (folder_ / "out").string()},
-              folder_ / "output.txt");
-  const Ended ended = run.WaitForEnd(kBound);
-  EXPECT_EQ(ended.exit_code, 2);
-  for (const char* field :
-       {"models[0].file", "models[0].placement.fit_height_mm", "block.size_mm.x",
-        "block.margin_mm", "discretization.min_spacing_mm", "laser.rate_hz"}) {
-    EXPECT_THAT(ended.output, HasSubstr(field));
-  }
-}
-
-TEST_F(RunJob, UnknownGlassIsNamedWithTheRemedy) {
-  const Ended run = Run({"--glass", "N-BK77", "--lockstep"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.output, HasSubstr("N-BK77"));
-  EXPECT_THAT(run.output, HasSubstr("N-BK7"));
-}
-
-TEST_F(RunJob, FolderThatCannotBeWrittenIsNamed) {
-  Running run(Program("intaglio"),
-              {"run", SampleJob().string(), "--lockstep", "--out", "/proc/no/such/place"},
-              folder_ / "output.txt");
-  const Ended ended = run.WaitForEnd(kBound);
-  EXPECT_EQ(ended.exit_code, 2) << ended.output;
-  EXPECT_THAT(ended.output, HasSubstr("/proc/no/such/place"));
-}
 
 }  // namespace
 }  // namespace intaglio
