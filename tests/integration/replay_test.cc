@@ -189,7 +189,7 @@ TEST_F(Replay, TheNextFileOfASeriesHasWhatWasRetained) {
   ASSERT_TRUE(testing::Eventually([&] { return fs::exists(folder_ / "s.mcap"); }, 20s));
   testing::Running session(testing::Program("intaglio"),
                            {"replay", Golden("pyramid").string(), "--tag", tag,
-                            "--with-commands", "--rate", "0.3"},
+                            "--with-commands", "--rate", "0.1"},
                            folder_ / "session.txt");
   ASSERT_EQ(session.WaitForEnd(kBound).exit_code, 0) << session.Output();
   recorder.Signal(SIGTERM);

@@ -129,10 +129,11 @@ std::string Repeated(const std::string& part, int count) {
 
 TEST(SvgStyle, SheetsWithoutEndAreRefusedOrReadSoon) {
   const auto code_of = [](const std::string& content) -> std::optional<ErrorCode> {
-    // Of the processor: others may be busy.
+    // Of the processor: others may be busy, and the host may take some of it. Without a
+    // bound on the work each of these takes minutes.
     const std::clock_t begin = std::clock();
     const auto drawing = ReadSvg("<svg>" + content + "</svg>");
-    EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << content.substr(0, 50);
+    EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC) << content.substr(0, 50);
     if (drawing) return std::nullopt;
     return drawing.error().code;
   };

@@ -98,7 +98,8 @@ class BridgeProcess : public ::testing::Test {
   }
   /// A run to 170 mm that lasts more than half a minute; true when it is under way.
   bool StartLongRun(std::uint32_t run) {
-    const std::uint64_t start = state_->tick + 30;
+    // A second: a run that comes too late to the stage is refused.
+    const std::uint64_t start = state_->tick + 100;
     Write(run, 0, start, {{0.5}, {5}, {20 * kTick}}, false);
     Write(run, 1, start, {{170}, {0}, {4000 * kTick}}, true);
     return UntilState([&](const intaglio_MotionState& s) {
