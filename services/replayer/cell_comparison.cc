@@ -125,6 +125,17 @@ EngraveOutcome OutcomeOf(const StatusWords& words, bool disturbed) {
   return outcome;
 }
 
+/// A pause that no run and no pulse knows of is a host's: the machine was silent to it
+/// for longer than a lease.
+std::string WithoutPauses(const std::vector<std::string>& states) {
+  std::vector<std::string> left;
+  for (const std::string& state : states) {
+    if (state == "TASK_PAUSED" || (!left.empty() && left.back() == state)) continue;
+    left.push_back(state);
+  }
+  return fmt::format("{}", fmt::join(left, " "));
+}
+
 std::optional<SampleDifference> CompareEnds(const CellWords& then, const CellWords& now) {
   const char* topic = bus::kTaskStatus.name;
   StatusWords none;
@@ -145,8 +156,8 @@ std::optional<SampleDifference> CompareEnds(const CellWords& then, const CellWor
                     OutcomeOf(b, disturbed).ShortDebugString());
   // Which ones a host has the time to tell is a matter of moments once it is disturbed.
   if (!found && !disturbed)
-    found = Differs(topic, "states", fmt::format("{}", fmt::join(then.states, " ")),
-                    fmt::format("{}", fmt::join(now.states, " ")));
+    found =
+        Differs(topic, "states", WithoutPauses(then.states), WithoutPauses(now.states));
   return found;
 }
 

@@ -41,6 +41,20 @@ TEST(CellComparison, WhenItBeganAndHowOftenDoesNotCount) {
   EXPECT_EQ(counts.pulse_count(), 2u);
 }
 
+TEST(CellComparison, APauseThatNoPointKnowsOfIsTheHosts) {
+  CellWords then = Spoken(1, 100), now = then;
+  then.states = {"TASK_ACCEPTED", "TASK_RUNNING", "TASK_DONE"};
+  now.states = {"TASK_ACCEPTED", "TASK_RUNNING", "TASK_PAUSED", "TASK_RUNNING",
+                "TASK_DONE"};
+  TaskComparison counts;
+  EXPECT_FALSE(CompareCells(then, now, counts));
+  EXPECT_FALSE(CompareCells(now, then, counts));
+  now.states = {"TASK_RUNNING", "TASK_DONE"};
+  const auto found = CompareCells(then, now, counts);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->member(), "states");
+}
+
 TEST(CellComparison, TheLastBitOfAPlaceCounts) {
   const CellWords then = Spoken(1, 100);
   CellWords now = then;
