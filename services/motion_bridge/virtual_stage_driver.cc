@@ -75,9 +75,10 @@ FaultText TextOf(link::StageFault fault) {
       return {intaglio_MOTION_SAFE_STATE,
               "the stage heard nothing for 250 ms and stopped by itself"};
     case StageFault::kBadSequence:
-      return {intaglio_MOTION_LINK_LOST, "segments were lost on the motion line"};
+      return {intaglio_MOTION_SAFE_STATE,
+              "segments were lost on the motion line and the stage stopped by itself"};
   }
-  return {intaglio_MOTION_LINK_LOST, "the stage reports an unknown fault"};
+  return {intaglio_MOTION_SAFE_STATE, "the stage reports an unknown fault"};
 }
 
 class VirtualStageDriver final : public MotionDriver {

@@ -176,6 +176,25 @@ INSTANTIATE_TEST_SUITE_P(EveryService, KillOne, ::testing::ValuesIn(kServices),
                            return name;
                          });
 
+// A stage that has stopped by itself, for want of motion or for a gap in it, is no matter
+// for a person: it is reset, and the job goes on.
+class StageStop : public RunJob, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(StageStop, CostsARunAndNoPoint) {
+  Running run(Program("intaglio"), Arguments({"--lockstep", "--warm-up", "0"}),
+              folder_ / "output.txt");
+  ASSERT_TRUE(AwaitCracks(20));
+  ASSERT_THAT(Press(std::string("buffer ") + GetParam()), HasSubstr("ok"));
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time) << ended.output;
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_GE(Report().engrave().run_count(), 2u) << "or the test tests nothing";
+  EXPECT_TRUE(Report().verdict().good());
+}
+
+INSTANTIATE_TEST_SUITE_P(OfItsBuffer, StageStop, ::testing::Values("starved", "full"),
+                         [](const auto& suite) { return std::string(suite.param); });
+
 // What a machine can do in mid-job, and a word that its message has to have.
 struct Mishap {
   const char* name;

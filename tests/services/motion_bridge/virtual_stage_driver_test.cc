@@ -261,7 +261,7 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
         Case{StageFault::kLate, intaglio_MOTION_LATE},
         Case{StageFault::kRunRefused, intaglio_MOTION_LATE},
         Case{StageFault::kSafeState, intaglio_MOTION_SAFE_STATE},
-        Case{StageFault::kBadSequence, intaglio_MOTION_LINK_LOST}}) {
+        Case{StageFault::kBadSequence, intaglio_MOTION_SAFE_STATE}}) {
     const std::uint64_t number = driver->state().number;
     stage.status.fault = c.said;
     stage.SayStatus();
