@@ -1,13 +1,10 @@
 #pragma once
 
-// `intaglio run` on the supplied sample, as a user types it, with its separate processes.
+// `intaglio run` on a supplied job, as a user types it, with its separate processes.
 
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <fstream>
-#include <sstream>
 
 #include "engrave/formats/glass_record.h"
 #include "proto/report.pb.h"
@@ -29,8 +26,9 @@ class RunJob : public ::testing::Test {
  protected:
   RunJob() : folder_(test::FreshFolder()) {}
 
-  std::vector<std::string> Arguments(std::vector<std::string> more) const {
-    std::vector<std::string> words = {"run",         SampleJob().string(),
+  std::vector<std::string> Arguments(std::vector<std::string> more,
+                                     const fs::path& job = SampleJob()) const {
+    std::vector<std::string> words = {"run",         job.string(),
                                       "--out",       (folder_ / "out").string(),
                                       "--materials", (folder_ / "materials.db").string()};
     words.insert(words.end(), more.begin(), more.end());
@@ -41,11 +39,10 @@ class RunJob : public ::testing::Test {
     return run.WaitForEnd(kBound);
   }
   JobReport Report() const {
-    std::ifstream in(folder_ / "out/report.json");
-    std::ostringstream text;
-    text << in.rdbuf();
     JobReport report;
-    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text.str(), &report).ok());
+    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(
+                    TextIn(folder_ / "out/report.json"), &report)
+                    .ok());
     return report;
   }
   /// Waits until the machine has made some cracks; true when it has.
