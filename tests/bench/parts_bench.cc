@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -30,6 +29,7 @@
 
 #include "proto/job_file.h"
 #include "services/bus/samples.h"
+#include "tests/patience.h"
 #include "tests/services/bus/child_program.h"
 #include "tests/services/job_service/fake_shop.h"
 
@@ -41,6 +41,7 @@ using namespace std::chrono_literals;
 using bus::View;
 using job_service::TaskCopy;
 using test::ChildProgram;
+using test::HostTime;
 
 struct Options {
   std::string job;
@@ -49,27 +50,6 @@ struct Options {
   int discretizers = 2;
   double most_stolen_percent = 2;
   bool trace = false;
-};
-
-/// Jiffies of all processors so far, and those of them that other machines had.
-struct HostTime {
-  double all = 0, stolen = 0;
-
-  static HostTime Now() {
-    std::ifstream in("/proc/stat");
-    std::string name;
-    in >> name;
-    HostTime time;
-    double jiffies = 0;
-    for (int field = 0; field < 8 && in >> jiffies; ++field) {
-      time.all += jiffies;
-      if (field == 7) time.stolen = jiffies;
-    }
-    return time;
-  }
-  double StolenPercentSince(const HostTime& before) const {
-    return 100 * (stolen - before.stolen) / std::max(1.0, all - before.all);
-  }
 };
 
 /// Processor time of a process so far, of all its threads, s.

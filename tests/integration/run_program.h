@@ -9,7 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "tests/patience.h"
+
 namespace intaglio::testing {
+
+using test::Eventually;
 
 struct Ended {
   int exit_code = -1;  ///< 128 + signal when it was killed
@@ -48,20 +52,5 @@ std::vector<pid_t> ProcessesWith(const std::vector<std::string>& words);
 std::string AskPanel(const std::filesystem::path& folder, const std::string& command);
 /// A whole file; empty when it cannot be read.
 std::string TextIn(const std::filesystem::path& file);
-/// Polls `condition` until it holds; false when the time is up first.
-template <typename Condition>
-bool Eventually(Condition condition, std::chrono::milliseconds bound);
 
 }  // namespace intaglio::testing
-
-#include <thread>
-
-template <typename Condition>
-bool intaglio::testing::Eventually(Condition condition, std::chrono::milliseconds bound) {
-  const auto end = std::chrono::steady_clock::now() + bound;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
-}

@@ -29,7 +29,7 @@ class Shop : public ::testing::Test {
   void Open(const std::vector<std::string>& block_mm) {
     std::vector<std::string> words = {
         "up",      "--folder", folder_ / "shop", "--materials", folder_ / "materials.db",
-        "--speed", "20",       "--record",       "--block"};
+        "--speed", "5",        "--record",       "--block"};
     words.insert(words.end(), block_mm.begin(), block_mm.end());
     up_ = std::make_unique<Running>(Program("intaglio"), With(words),
                                     folder_ / ("up" + block_mm[0] + ".txt"));
@@ -160,7 +160,7 @@ TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {
 }
 
 TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {
-  const std::string job = Submit({"--rate", "10"});  // long enough to be stopped in it
+  const std::string job = Submit({"--rate", "50"});  // long enough to be stopped in it
   ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
   EXPECT_EQ(Type({"arm", job}).exit_code, 0);
   ASSERT_TRUE(RunsTo(job, "engraving")) << last_;

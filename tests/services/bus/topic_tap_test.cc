@@ -88,7 +88,8 @@ TEST(TopicTap, HearsEverySampleAndTheEndOfTheInstance) {
   EXPECT_GT(listener.heard.size(), kCount * 9 / 10);
   std::int64_t last = -1;
   for (const bus::TapSample& sample : listener.heard) {
-    EXPECT_GE(sample.received_ns(), sample.source_ns());
+    // The clocks of two processors may differ by a little.
+    EXPECT_GE(sample.received_ns() + 10'000'000, sample.source_ns());
     if (&sample == &end) break;
     EXPECT_EQ(sample.kind(), bus::TapKind::kValue);
     std::int64_t number = -1;

@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <thread>
-
+#include "tests/patience.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -22,12 +21,8 @@ class ChildProcessTest : public ::testing::Test {
   }
   static bool Exists(pid_t pid) { return kill(pid, 0) == 0; }
   static bool AwaitOutput(const ChildProcess& child, const std::string& text) {
-    const auto end = std::chrono::steady_clock::now() + 5s;
-    while (child.LastOutput().find(text) == std::string::npos) {
-      if (std::chrono::steady_clock::now() > end) return false;
-      std::this_thread::sleep_for(5ms);
-    }
-    return true;
+    return test::Eventually(
+        [&] { return child.LastOutput().find(text) != std::string::npos; }, 5s);
   }
 
   fs::path output_ = test::FreshFolder() / "output";

@@ -7,8 +7,8 @@
 #include <csignal>
 #include <filesystem>
 #include <set>
-#include <thread>
 
+#include "tests/patience.h"
 #include "tests/services/synchronizer/fake_cell.h"
 
 namespace intaglio::synchronizer {
@@ -261,12 +261,8 @@ TEST_F(EngravingTest, HasEveryOutcomeOnDiskWhilePaused) {
   cell_.StepUntil([&] { return cell_.phase() == Phase::kWaiting; });
   cell_.StepFor(10ms);
   // Nobody asks the journal for anything but the engraving itself.
-  const auto end = std::chrono::steady_clock::now() + 5s;
-  while (cell_.journal->durable() < cell_.journal->appended() &&
-         std::chrono::steady_clock::now() < end) {
-    std::this_thread::yield();
-  }
-  EXPECT_EQ(cell_.journal->durable(), cell_.journal->appended());
+  EXPECT_TRUE(test::Eventually(
+      [&] { return cell_.journal->durable() == cell_.journal->appended(); }));
 }
 
 class FileSizeLimit {

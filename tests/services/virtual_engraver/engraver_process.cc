@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "services/link/serial_port.h"
+#include "tests/patience.h"
 
 namespace intaglio::virtual_engraver {
 namespace {
@@ -106,11 +107,11 @@ void EngravingHost::Poll() {
 
 bool EngravingHost::Until(const std::function<bool()>& condition,
                           std::chrono::milliseconds bound) {
-  const auto end = std::chrono::steady_clock::now() + bound;
+  const test::Patience patience(bound);
   for (;;) {
     Poll();
     if (condition()) return true;
-    if (std::chrono::steady_clock::now() > end) return false;
+    if (patience.over()) return false;
     pollfd fds[] = {{laser_.fd(), POLLIN, 0}, {motion_.fd(), POLLIN, 0}};
     poll(fds, 2, 5);
   }

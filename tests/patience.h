@@ -1,0 +1,80 @@
+#pragma once
+
+// Waiting with an end, on hosts that are noisy: a virtual computer may be given a quarter
+// of its processors' time only, and a bound is meant for what the tested code needs.
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <thread>
+
+namespace intaglio::test {
+
+/// Jiffies of all processors so far: those they worked, and those that the host of this
+/// computer gave to others. Zeros where the system does not tell.
+struct HostTime {
+  double all = 0, worked = 0, stolen = 0;
+
+  static HostTime Now() {
+    enum Field { kIdle = 3, kWaiting = 4, kStolen = 7, kFields = 8 };
+    std::ifstream in("/proc/stat");
+    std::string name;
+    in >> name;
+    HostTime time;
+    double jiffies = 0;
+    for (int field = 0; field < kFields && in >> jiffies; ++field) {
+      time.all += jiffies;
+      if (field == kStolen) {
+        time.stolen = jiffies;
+      } else if (field != kIdle && field != kWaiting) {
+        time.worked += jiffies;
+      }
+    }
+    return time;
+  }
+  double StolenPercentSince(const HostTime& before) const {
+    return 100 * (stolen - before.stolen) / std::max(1.0, all - before.all);
+  }
+};
+
+/// A bound in time that was given: the share that the host took away does not count, for
+/// up to kMostTimes the bound.
+class Patience {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kMostTimes = 4;
+
+  explicit Patience(Clock::duration bound)
+      : bound_(bound), began_(Clock::now()), before_(HostTime::Now()) {}
+
+  bool over() const {
+    const auto waited = Clock::now() - began_;
+    if (waited < bound_) return false;
+    if (waited > bound_ * kMostTimes) return true;
+    const HostTime now = HostTime::Now();
+    const double worked = now.worked - before_.worked;
+    const double stolen = now.stolen - before_.stolen;
+    return worked + stolen <= 0 || waited * (worked / (worked + stolen)) > bound_;
+  }
+
+ private:
+  Clock::duration bound_;
+  Clock::time_point began_;
+  HostTime before_;
+};
+
+/// Looks every 2 ms until the condition holds or the patience is over; the last look
+/// counts. Discovery between processes has no event of its own that could be waited for.
+inline bool Eventually(const std::function<bool()>& condition,
+                       std::chrono::milliseconds bound = std::chrono::seconds(10)) {
+  const Patience patience(bound);
+  while (!patience.over()) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return condition();
+}
+
+}  // namespace intaglio::test
