@@ -21,8 +21,13 @@ namespace fs = std::filesystem;
 
 /// Seconds of the whole command, or less than 0 when it failed.
 double Run(const std::string& job, const fs::path& out, const char* recording) {
-  std::vector<std::string> words = {
-      INTAGLIO_PROGRAM, "run", job, "--lockstep", "--out", out.string(), recording};
+  std::vector<std::string> words = {INTAGLIO_BIN_DIR "/intaglio",
+                                    "run",
+                                    job,
+                                    "--lockstep",
+                                    "--out",
+                                    out.string(),
+                                    recording};
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
