@@ -139,7 +139,6 @@ Status SessionReader::ReadPermission() {
 
 Status SessionReader::ReadInterlocks() {
   InterlockWord newest;
-  bool was_up = false;
   return ForEach(reader_, bus::kInterlock.name,
                  [&](const Value& value, std::uint64_t at_ns) {
                    InterlockWord word;
@@ -153,10 +152,9 @@ Status SessionReader::ReadInterlocks() {
                    const auto ours = Ours(value);
                    if (!members.good() || !ours) return false;
                    if (!*ours || !Within(at_ns)) return true;
-                   // A machine whose line has fallen silent closes its shutters.
-                   if (!up) word = newest;
-                   word.safe_state = word.safe_state || (was_up && !up);
-                   was_up = up;
+                   // Of a line that is silent nothing is known. A machine that closed
+                   // its shutters for that says so when it is heard again.
+                   if (!up) return true;
                    if (word != newest) Add(at_ns, newest = word);
                    return true;
                  });

@@ -56,5 +56,17 @@ TEST(CellSession, APauseIsAnEventInTheRunThatItBroke) {
   EXPECT_TRUE(withdrawn);
 }
 
+// What was silent for a moment had not closed its shutters, and never said so.
+TEST(CellSession, ASilentLineIsNoSafeState) {
+  const auto reader = Golden("silent.mcap");
+  const auto sessions = ReadCellSessions(reader);
+  ASSERT_TRUE(sessions) << sessions.error().message;
+  ASSERT_EQ(sessions->size(), 1u);
+  for (const CellEvent& event : sessions->front().events) {
+    const auto* word = std::get_if<InterlockWord>(&event.word);
+    EXPECT_FALSE(word != nullptr && word->safe_state) << event.time_ns;
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::replayer
