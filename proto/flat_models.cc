@@ -81,6 +81,18 @@ Result<mesh::GlassFromModel> PlacementOfPicture(const JobSpec& job, const Model&
                                 Vec3Of(block.size_mm()));
 }
 
+/// Of a photo: the fields have one name in both methods.
+template <typename Method>
+discretize::ToneCurve ToneOf(const Method& asked) {
+  discretize::ToneCurve tone;
+  tone.brightness = asked.brightness();
+  tone.contrast_ratio = asked.contrast_ratio();
+  tone.gamma = asked.gamma();
+  for (const TonePoint& point : asked.curve())
+    tone.points.emplace_back(point.from(), point.to());
+  return tone;
+}
+
 discretize::HalftoneOptions OptionsOf(const JobSpec& job, const HalftoneMethod& asked) {
   discretize::HalftoneOptions options;
   options.method = asked.tone() == TONE_THRESHOLD ? discretize::HalftoneMethod::kThreshold
@@ -89,10 +101,8 @@ discretize::HalftoneOptions OptionsOf(const JobSpec& job, const HalftoneMethod& 
                        : discretize::HalftoneMethod::kBlueNoise;
   options.size = kPixels;
   options.vertex_distance_mm = asked.distance_mm();
+  options.tone = ToneOf(asked);
   options.tone.invert = asked.invert();
-  options.tone.brightness = asked.brightness();
-  options.tone.contrast_ratio = asked.contrast_ratio();
-  options.tone.gamma = asked.gamma();
   options.threshold = asked.threshold_ratio();
   options.layer_count = static_cast<int>(asked.layer_count());
   options.layer_distance_mm = asked.layer_distance_mm();
@@ -157,12 +167,16 @@ Result<Source> MakePicture(const JobSpec& job, const Model& model, std::string_v
     }
     shade = std::move(*read);
   }
+  const ReliefMethod& asked = model.relief();
   discretize::ReliefOptions options;
   options.size = kPixels;
-  options.depth_mm = model.relief().depth_mm();
-  options.white_is_near = !model.relief().invert();
-  options.vertex_distance_mm = model.relief().distance_mm();
-  options.tone.gamma = model.relief().gamma();
+  options.depth_mm = asked.depth_mm();
+  options.white_is_near = !asked.invert();
+  options.smoothing_mm = asked.smoothing_mm();
+  options.vertex_distance_mm = asked.distance_mm();
+  options.layer_count = static_cast<int>(asked.layer_count());
+  options.layer_distance_mm = asked.layer_distance_mm();
+  options.tone = ToneOf(asked);
   options.seed = job.seed();
   auto placement =
       PlacementOfPicture(job, model, *picture, options.vertex_distance_mm, 0);

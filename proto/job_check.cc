@@ -13,6 +13,7 @@
 #include "engrave/core/check.h"
 #include "engrave/optics/machine_frame.h"
 #include "proto/field_ranges.h"
+#include "proto/findings.h"
 #include "proto/job_defaults.h"
 #include "proto/model_kind.h"
 
@@ -23,34 +24,6 @@ namespace fs = std::filesystem;
 
 // A laser line is far narrower; a profile says 532 for 532.1.
 constexpr double kSameWavelengthNm = 0.5;
-
-class Findings {
- public:
-  template <typename... Args>
-  void Missing(const std::string& path, fmt::format_string<Args...> remedy,
-               Args&&... args) {
-    errors_.push_back({ErrorCode::kMissing,
-                       fmt::format("{}: is missing; {}", path,
-                                   fmt::format(remedy, std::forward<Args>(args)...)),
-                       ""});
-  }
-
-  /// `path: value what`
-  template <typename Value, typename... Args>
-  void Wrong(const std::string& path, const Value& value,
-             fmt::format_string<Args...> what, Args&&... args) {
-    const std::string text = fmt::format("{}", value);
-    errors_.push_back({ErrorCode::kInvalidValue,
-                       fmt::format("{}: {} {}", path, text,
-                                   fmt::format(what, std::forward<Args>(args)...)),
-                       text});
-  }
-
-  std::vector<Error>& errors() { return errors_; }
-
- private:
-  std::vector<Error> errors_;
-};
 
 void CheckFile(const std::string& file, const std::string& path, Findings& findings) {
   if (file.empty()) return findings.Missing(path, "name a file");
@@ -136,21 +109,32 @@ void CheckRoom(const JobSpec& job, Findings& findings) {
 }
 
 // The number of a picture's points is its brightness: none may be lost to the weld.
+template <typename Method>
+void CheckTone(const std::string& path, const Method& method, double spacing_mm,
+               Findings& findings) {
+  if (method.distance_mm() < spacing_mm) {
+    findings.Wrong(path + "distance_mm", method.distance_mm(),
+                   "is less than the minimum spacing, {}: points would be left out, and "
+                   "the tone would be wrong",
+                   spacing_mm);
+  }
+  for (int i = 1; i < method.curve_size(); ++i) {
+    const double before = method.curve(i - 1).from(), from = method.curve(i).from();
+    if (from > before) continue;
+    findings.Wrong(fmt::format("{}curve[{}].from", path, i), from,
+                   "does not rise above the place before it, {}", before);
+  }
+}
+
 void CheckTones(const JobSpec& job, Findings& findings) {
   const double spacing_mm = job.discretization().min_spacing_mm();
   for (int i = 0; i < job.models_size(); ++i) {
     const Model& model = job.models(i);
-    const bool panel = model.has_halftone();
-    if (!panel && !model.has_relief()) continue;
-    const double distance_mm =
-        panel ? model.halftone().distance_mm() : model.relief().distance_mm();
-    if (distance_mm >= spacing_mm) continue;
-    findings.Wrong(
-        fmt::format("models[{}].{}.distance_mm", i, panel ? "halftone" : "relief"),
-        distance_mm,
-        "is less than the minimum spacing, {}: points would be left out, and the tone "
-        "would be wrong",
-        spacing_mm);
+    const std::string path = fmt::format("models[{}].", i);
+    if (model.has_halftone())
+      CheckTone(path + "halftone.", model.halftone(), spacing_mm, findings);
+    if (model.has_relief())
+      CheckTone(path + "relief.", model.relief(), spacing_mm, findings);
   }
 }
 

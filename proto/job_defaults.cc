@@ -109,6 +109,12 @@ void Fill(ReliefMethod& relief, double spacing_mm) {
   if (!relief.has_depth_mm()) relief.set_depth_mm(kDefaultReliefMm);
   if (!relief.has_distance_mm()) relief.set_distance_mm(spacing_mm);
   if (!relief.has_gamma()) relief.set_gamma(1);
+  if (!relief.has_brightness()) relief.set_brightness(0);
+  if (!relief.has_contrast_ratio()) relief.set_contrast_ratio(1);
+  if (!relief.has_layer_count()) relief.set_layer_count(1);
+  if (!relief.has_layer_distance_mm())
+    relief.set_layer_distance_mm(2 * relief.distance_mm());
+  if (!relief.has_smoothing_mm()) relief.set_smoothing_mm(0);
 }
 
 /// The method of meshes that say nothing else.

@@ -212,5 +212,19 @@ TEST(CheckJob, APicturesPointsStandAtLeastASpacingApart) {
   EXPECT_TRUE(CheckJobOnMachine(job, GoodMachine()).empty());
 }
 
+TEST(CheckJob, ATonesCurveRises) {
+  JobSpec job = GoodJob();
+  HalftoneMethod& halftone = *job.mutable_models(0)->mutable_halftone();
+  for (const double from : {0.0, 0.5, 0.5}) halftone.add_curve()->set_from(from);
+  const auto errors = CheckJobOnMachine(job, GoodMachine());
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_THAT(errors[0].message,
+              HasSubstr("models[0].halftone.curve[2].from: 0.5 does not rise"));
+  halftone.mutable_curve(2)->set_from(1);
+  EXPECT_TRUE(CheckJobOnMachine(job, GoodMachine()).empty());
+  halftone.mutable_curve(2)->set_to(1.5);
+  EXPECT_THAT(CheckJob(job)[0].message, HasSubstr("models[0].halftone.curve[2].to: 1.5"));
+}
+
 }  // namespace
 }  // namespace intaglio

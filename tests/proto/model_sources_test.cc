@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <set>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "proto/job_defaults.h"
@@ -97,6 +100,67 @@ TEST(ModelSources, AModelsOwnMethodIsUsed) {
     counts.push_back(made->cloud.size());
   }
   EXPECT_GT(counts[0], 4 * counts[1]);
+}
+
+/// One grey, as a bitmap of 8 x 8.
+std::string GreyBitmap(char grey) {
+  std::string file = "BM";
+  const auto put = [&file](std::uint32_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i)
+      file.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
+  };
+  constexpr int kSide = 8, kStart = 54;
+  put(kStart + kSide * kSide * 3, 4), put(0, 4), put(kStart, 4);
+  put(40, 4), put(kSide, 4), put(kSide, 4), put(1, 2), put(24, 2);
+  for (int i = 0; i < 6; ++i) put(0, 4);
+  file.append(kSide * kSide * 3, grey);
+  return file;
+}
+
+// Of a curve that makes all brightness one, the picture's grey is no matter.
+TEST(ModelSources, APhotosToneFollowsItsCurve) {
+  const auto count_of = [](char grey, double to) {
+    OneModel one;
+    one.model.set_file("photo.bmp");
+    HalftoneMethod& halftone = *one.model.mutable_halftone();
+    if (to >= 0) {
+      for (const double from : {0.0, 1.0}) {
+        TonePoint& point = *halftone.add_curve();
+        point.set_from(from), point.set_to(to);
+      }
+    }
+    const std::string file = GreyBitmap(grey);
+    const auto made = one.Make({file});
+    EXPECT_TRUE(made.has_value()) << made.error().message;
+    return made ? made->cloud.size() : 0;
+  };
+  const std::size_t as_it_is = count_of('\x80', -1);
+  EXPECT_GT(as_it_is, 1000u);
+  EXPECT_EQ(count_of('\x10', 128 / 255.0), as_it_is);
+  EXPECT_GT(count_of('\x10', 0.8), as_it_is * 2);
+  EXPECT_EQ(count_of('\x80', 0), 0u);
+}
+
+TEST(ModelSources, AReliefHasItsLayersAboveOneAnother) {
+  const auto made_of = [](std::uint32_t layers) {
+    OneModel one;
+    one.model.set_file("depth.bmp");
+    ReliefMethod& relief = *one.model.mutable_relief();
+    relief.set_layer_count(layers);
+    relief.set_layer_distance_mm(2);
+    const std::string file = GreyBitmap('\x80');
+    return one.Make({file});
+  };
+  const auto one = made_of(1), three = made_of(3);
+  ASSERT_TRUE(one && three);
+  std::set<std::int64_t> depths_um;
+  for (const Vec3& p : three->cloud.points_mm)
+    depths_um.insert(std::llround(p.z() * 1e3));
+  ASSERT_EQ(depths_um.size(), 3u);
+  EXPECT_EQ(*depths_um.rbegin() - *depths_um.begin(), 4000);
+  EXPECT_NEAR(
+      static_cast<double>(three->cloud.size()) / static_cast<double>(one->cloud.size()),
+      3, 0.1);
 }
 
 }  // namespace
