@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "engrave/mesh/collada_check.h"
 #include "engrave/mesh/import_source.h"
 #include "engrave/mesh/library_import.h"
 #include "engrave/mesh/ply_header.h"
@@ -76,22 +77,13 @@ Status CheckFile(const ImportSource& source, const fs::path& file) {
   return CheckSize(source, byte_count);
 }
 
-/// The library reads a DAE's index lists for ever where something else than a number is
-/// in them.
-Status CheckIndexLists(const ImportSource& source, std::string_view text) {
-  constexpr std::string_view kBegin = "<p>";
-  for (std::size_t at = text.find(kBegin); at != std::string_view::npos;
-       at = text.find(kBegin, at)) {
-    at += kBegin.size();
-    const std::size_t end = text.find('<', at);
-    if (text.substr(at, end - at).find_first_not_of("0123456789- \t\r\n") !=
-        std::string_view::npos) {
-      return source.Refuse(ErrorCode::kUnreadable,
-                           "it cannot be read as dae (a list of indices holds something "
-                           "else than numbers); the file is damaged, export it again");
-    }
-  }
-  return {};
+Status CheckCollada(const ImportSource& source, std::string_view text) {
+  const std::string wrong = WrongInCollada(text);
+  if (wrong.empty()) return {};
+  return source.Refuse(
+      ErrorCode::kUnreadable,
+      fmt::format("it cannot be read as dae ({}); the file is damaged, export it again",
+                  wrong));
 }
 
 Status CheckPackage(const ImportSource& source, std::string_view archive) {
@@ -115,7 +107,7 @@ Status CheckPackage(const ImportSource& source, std::string_view archive) {
 Status CheckContent(const ImportSource& source, std::string_view text,
                     std::uint64_t byte_count) {
   if (source.extension == "ply") return CheckPlyHeader(source, text, byte_count);
-  if (source.extension == "dae") return CheckIndexLists(source, text);
+  if (source.extension == "dae") return CheckCollada(source, text);
   if (source.extension == "3mf") return CheckPackage(source, text);
   return {};
 }

@@ -227,6 +227,32 @@ TEST(MeshImport, DaeWithTextAmongItsIndicesIsAnError) {
   ExpectError(Import(dae, "dae"), ErrorCode::kUnreadable, "something else than numbers");
 }
 
+// The library reads where an accessor tells it to.
+TEST(ImportMesh, ADaeWhoseAccessorsReachTooFarIsRefused) {
+  const std::string dae = Dae(BoxMesh(kSize), "", kIdentity);
+  const auto with = [&dae](const std::string& after, const std::string& what,
+                           const std::string& instead) {
+    std::string changed = dae;
+    const std::size_t at = changed.find(what, changed.find(after));
+    EXPECT_NE(at, std::string::npos) << what;
+    return changed.replace(at, what.size(), instead);
+  };
+  EXPECT_TRUE(Import(dae, "dae"));
+  const char* too_far = "reads behind the";
+  ExpectError(Import(with("<float_array", "count=\"", "count=\"0\" of=\""), "dae"),
+              ErrorCode::kUnreadable, too_far);
+  ExpectError(Import(with("<float_array", "count=\"", "cuont=\""), "dae"),
+              ErrorCode::kUnreadable, "does not say how many");
+  ExpectError(Import(with("<accessor", "count=\"", "count=\"9"), "dae"),
+              ErrorCode::kUnreadable, too_far);
+  ExpectError(Import(with("<accessor", "stride=\"3", "stride=\"4"), "dae"),
+              ErrorCode::kUnreadable, too_far);
+  ExpectError(Import(with("<accessor", "count=\"", "offset='1' count=\""), "dae"),
+              ErrorCode::kUnreadable, too_far);
+  ExpectError(Import(with("<accessor", "count=\"", "count=\"x"), "dae"),
+              ErrorCode::kUnreadable, "does not say what");
+}
+
 TEST(MeshImport, CutsPolygonsIntoTriangles) {
   const auto mesh = Import(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nf 1 2 3 4\nf 4 3 5\n", "obj");
