@@ -22,8 +22,8 @@ void ForEachTag(std::string_view text, std::string_view name, Visit&& visit) {
   for (std::size_t at = text.find(begin); at != std::string_view::npos;
        at = text.find(begin, at)) {
     at += begin.size();
+    if (at < text.size() && kBlank.find(text[at]) == std::string_view::npos) continue;
     const std::size_t end = std::min(text.find('>', at), text.size());
-    if (at < end && kBlank.find(text[at]) == std::string_view::npos) continue;
     if (!visit(text.substr(at, end - at), end)) return;
     at = end;
   }
@@ -105,7 +105,8 @@ std::string WrongInCollada(std::string_view text) {
     const auto count = NumberOf(tag, "count", std::nullopt);
     const auto stride = NumberOf(tag, "stride", 1), offset = NumberOf(tag, "offset", 0);
     std::uint64_t read = 0;
-    const std::string_view inside = text.substr(end, text.find("</accessor", end) - end);
+    // To its end, or to the next one: it may have no inside.
+    const std::string_view inside = text.substr(end, text.find("accessor", end) - end);
     ForEachTag(inside, "param",
                [&](std::string_view, std::size_t) { return ++read > 0; });
     if (!count || !stride || !offset) {

@@ -238,6 +238,12 @@ TEST(ImportMesh, ADaeWhoseAccessorsReachTooFarIsRefused) {
     return changed.replace(at, what.size(), instead);
   };
   EXPECT_TRUE(Import(dae, "dae"));
+  // One without an inside, of one number, reads none of the next one's three.
+  EXPECT_TRUE(Import(with("<source", "<source",
+                          "<source id=\"q\"><float_array id=\"b\" count=\"1\">0"
+                          "</float_array><technique_common><accessor source=\"#b\" "
+                          "count=\"1\"/></technique_common></source><source"),
+                     "dae"));
   const char* too_far = "reads behind the";
   ExpectError(Import(with("<float_array", "count=\"", "count=\"0\" of=\""), "dae"),
               ErrorCode::kUnreadable, too_far);
