@@ -81,35 +81,34 @@ Result<mesh::GlassFromModel> PlacementOfPicture(const JobSpec& job, const Model&
                                 Vec3Of(block.size_mm()));
 }
 
-/// Of a photo: the fields have one name in both methods.
-template <typename Method>
-discretize::ToneCurve ToneOf(const Method& asked) {
-  discretize::ToneCurve tone;
-  tone.brightness = asked.brightness();
-  tone.contrast_ratio = asked.contrast_ratio();
-  tone.gamma = asked.gamma();
+/// What both methods of pictures have: the fields have one name in both.
+template <typename Options, typename Method>
+Options PictureOptionsOf(const JobSpec& job, const Method& asked) {
+  Options options;
+  options.size = kPixels;
+  options.vertex_distance_mm = asked.distance_mm();
+  options.layer_count = static_cast<int>(asked.layer_count());
+  options.layer_distance_mm = asked.layer_distance_mm();
+  options.tone.brightness = asked.brightness();
+  options.tone.contrast_ratio = asked.contrast_ratio();
+  options.tone.gamma = asked.gamma();
   for (const TonePoint& point : asked.curve())
-    tone.points.emplace_back(point.from(), point.to());
-  return tone;
+    options.tone.points.emplace_back(point.from(), point.to());
+  options.seed = job.seed();
+  return options;
 }
 
 discretize::HalftoneOptions OptionsOf(const JobSpec& job, const HalftoneMethod& asked) {
-  discretize::HalftoneOptions options;
+  auto options = PictureOptionsOf<discretize::HalftoneOptions>(job, asked);
   options.method = asked.tone() == TONE_THRESHOLD ? discretize::HalftoneMethod::kThreshold
                    : asked.tone() == TONE_ERROR_DIFFUSION
                        ? discretize::HalftoneMethod::kErrorDiffusion
                        : discretize::HalftoneMethod::kBlueNoise;
-  options.size = kPixels;
-  options.vertex_distance_mm = asked.distance_mm();
-  options.tone = ToneOf(asked);
   options.tone.invert = asked.invert();
   options.threshold = asked.threshold_ratio();
-  options.layer_count = static_cast<int>(asked.layer_count());
-  options.layer_distance_mm = asked.layer_distance_mm();
   // Where one layer becomes full and the next begins a line would be seen.
   options.sharing = discretize::LayerSharing::kEven;
   options.target_point_count = asked.point_count();
-  options.seed = job.seed();
   return options;
 }
 
@@ -168,16 +167,10 @@ Result<Source> MakePicture(const JobSpec& job, const Model& model, std::string_v
     shade = std::move(*read);
   }
   const ReliefMethod& asked = model.relief();
-  discretize::ReliefOptions options;
-  options.size = kPixels;
+  auto options = PictureOptionsOf<discretize::ReliefOptions>(job, asked);
   options.depth_mm = asked.depth_mm();
   options.white_is_near = !asked.invert();
   options.smoothing_mm = asked.smoothing_mm();
-  options.vertex_distance_mm = asked.distance_mm();
-  options.layer_count = static_cast<int>(asked.layer_count());
-  options.layer_distance_mm = asked.layer_distance_mm();
-  options.tone = ToneOf(asked);
-  options.seed = job.seed();
   auto placement =
       PlacementOfPicture(job, model, *picture, options.vertex_distance_mm, 0);
   if (!placement) return tl::unexpected(placement.error());

@@ -94,26 +94,26 @@ void Fill(CurvesMethod& curves, double spacing_mm) {
   if (!curves.has_insert_end_points()) curves.set_insert_end_points(true);
 }
 
+/// What both methods of pictures have.
+template <typename Method>
+void FillPicture(Method& method, double spacing_mm) {
+  if (!method.has_distance_mm()) method.set_distance_mm(spacing_mm);
+  if (!method.has_brightness()) method.set_brightness(0);
+  if (!method.has_contrast_ratio()) method.set_contrast_ratio(1);
+  if (!method.has_gamma()) method.set_gamma(1);
+  if (!method.has_layer_count()) method.set_layer_count(1);
+  if (!method.has_layer_distance_mm())
+    method.set_layer_distance_mm(2 * method.distance_mm());
+}
+
 void Fill(HalftoneMethod& halftone, double spacing_mm) {
-  if (!halftone.has_distance_mm()) halftone.set_distance_mm(spacing_mm);
+  FillPicture(halftone, spacing_mm);
   if (!halftone.has_threshold_ratio()) halftone.set_threshold_ratio(0.5);
-  if (!halftone.has_brightness()) halftone.set_brightness(0);
-  if (!halftone.has_contrast_ratio()) halftone.set_contrast_ratio(1);
-  if (!halftone.has_gamma()) halftone.set_gamma(1);
-  if (!halftone.has_layer_count()) halftone.set_layer_count(1);
-  if (!halftone.has_layer_distance_mm())
-    halftone.set_layer_distance_mm(2 * halftone.distance_mm());
 }
 
 void Fill(ReliefMethod& relief, double spacing_mm) {
+  FillPicture(relief, spacing_mm);
   if (!relief.has_depth_mm()) relief.set_depth_mm(kDefaultReliefMm);
-  if (!relief.has_distance_mm()) relief.set_distance_mm(spacing_mm);
-  if (!relief.has_gamma()) relief.set_gamma(1);
-  if (!relief.has_brightness()) relief.set_brightness(0);
-  if (!relief.has_contrast_ratio()) relief.set_contrast_ratio(1);
-  if (!relief.has_layer_count()) relief.set_layer_count(1);
-  if (!relief.has_layer_distance_mm())
-    relief.set_layer_distance_mm(2 * relief.distance_mm());
   if (!relief.has_smoothing_mm()) relief.set_smoothing_mm(0);
 }
 

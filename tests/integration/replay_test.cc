@@ -317,8 +317,8 @@ TEST_F(Replay, AChangedOptionOfTheMotionIsNamed) {
   EXPECT_EQ(result.first().run(), 1u);
 }
 
-// Paused in its middle and resumed by a person, in real time, on a busy host.
-// Of two runs, and of three: its line had been silent before the first of them, too.
+// In real time, on a busy host: one was paused in its middle and resumed by a person; the
+// line of the other fell silent before the first pulse.
 TEST_F(Replay, APausedSessionIsMadeAgain) {
   for (const auto& [name, runs] : {std::pair("paused", 2u), std::pair("silent", 3u)}) {
     SCOPED_TRACE(name);
