@@ -10,8 +10,9 @@ namespace intaglio::host {
 namespace {
 using bus::Borrow;
 // A job service that was away asks for the outcome of what it had handed out, not for
-// everything that ever was.
-constexpr std::size_t kKeptTasks = 256;
+// everything that ever was: a worker has parts of one chain at a time, and a client that
+// comes late may ask for the one before it.
+constexpr std::size_t kKeptTasks = 2 * kMaxParts;
 }  // namespace
 
 TaskReporter::TaskReporter(bus::Bus& bus, std::string worker, intaglio_Stage stage)
