@@ -144,8 +144,8 @@ class Maker {
   }
 
   Result<Source> OfMesh(const Model& model, const FileBytes& file) {
-    auto imported = mesh::ImportMeshFromMemory(file, ExtensionOf(model.file()),
-                                               limits_.meshes, model.file());
+    auto imported =
+        limits_.read_mesh(file, ExtensionOf(model.file()), limits_.meshes, model.file());
     if (!imported) return tl::unexpected(imported.error());
     const Block block = BlockOf(job_, model);
     auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
@@ -240,6 +240,15 @@ Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits&
     files.emplace_back(bytes.begin(), bytes.end());
   }
   return files;
+}
+
+Result<mesh::TriangleMesh> ReadMeshOf(const Model& model, const ReadLimits& limits) {
+  const auto text = formats::ReadWholeFile(model.file(), limits.max_file_bytes);
+  if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
+  auto mesh = limits.read_mesh(std::as_bytes(std::span(*text)), ExtensionOf(model.file()),
+                               limits.meshes, model.file());
+  if (!mesh) return tl::unexpected(WithRemedy(mesh.error(), limits));
+  return mesh;
 }
 
 Result<Vec3> SizeOf(const JobSpec& job, const ReadLimits& limits) {

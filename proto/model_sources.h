@@ -40,6 +40,10 @@ discretize::CloudOptions CloudOptionsOf(const JobSpec& job);
 /// The files of a job that is made here, from this machine's disks.
 Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits);
 
+/// The mesh of a model of that kind, model frame; errors with the way to raise the
+/// limits.
+Result<mesh::TriangleMesh> ReadMeshOf(const Model& model, const ReadLimits& limits);
+
 /// The largest extents of the placed models, mm: a block has to hold them. `job` with its
 /// defaults filled in, and a block of any size.
 Result<Vec3> SizeOf(const JobSpec& job, const ReadLimits& limits);

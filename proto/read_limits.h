@@ -1,7 +1,8 @@
 #pragma once
 
 // How large the files of a job may be that a process reads: bounds on what reading costs,
-// by kind of file. What is beyond them is kTooLarge, with the way to raise them.
+// by kind of file. What is beyond them is kTooLarge, with the way to raise them. And who
+// reads those that a library reads, which is not to be trusted with them.
 
 #include <cstdint>
 
@@ -23,6 +24,7 @@ struct ReadLimits {
   drawing::DrawingLimits drawings;
   image::ImageLimits images;
   formats::PointFileLimits points;
+  mesh::MeshReader read_mesh = mesh::ImportMeshFromMemory;
 };
 
 /// Of the factors that --size-limits takes.

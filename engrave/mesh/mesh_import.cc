@@ -141,6 +141,12 @@ Result<TriangleMesh> WithinMemory(const ImportSource& source, Read read) {
 
 }  // namespace
 
+bool IsReadByLibrary(std::string_view extension) {
+  const std::string lower = LowerCaseExtension(extension);
+  return lower != "stl" &&
+         std::find(kExtensions.begin(), kExtensions.end(), lower) != kExtensions.end();
+}
+
 Result<TriangleMesh> ImportMesh(const fs::path& file, const ImportOptions& options) {
   const ImportSource source{file.string(), LowerCaseExtension(file.extension().string()),
                             options};

@@ -30,6 +30,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -64,5 +65,13 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options = {},
                                           std::string_view name = "model");
+
+/// Who reads a file held in memory: ImportMeshFromMemory, or a wall around it.
+using MeshReader = std::function<Result<TriangleMesh>(
+    std::span<const std::byte> bytes, std::string_view extension,
+    const ImportOptions& options, std::string_view name)>;
+
+/// Whether the import library reads the files of this extension: all but STL.
+bool IsReadByLibrary(std::string_view extension);
 
 }  // namespace intaglio::mesh

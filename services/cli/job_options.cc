@@ -15,6 +15,7 @@
 #include "proto/options.h"
 #include "services/cli/child_process.h"
 #include "services/cli/size_limits_flag.h"
+#include "services/mesh_reader/program_limits.h"
 
 namespace intaglio::cli {
 namespace {
@@ -268,7 +269,9 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
     job.mutable_discretization()->set_min_spacing_mm(0.1);
   }
   if (!job.block().has_size_mm() && flags.job_file.empty()) {
-    if (auto set = SetBlock(built, points_mm, ReadLimitsTimes(flags.size_limits)); !set)
+    if (auto set =
+            SetBlock(built, points_mm, mesh_reader::LimitsOfProgram(flags.size_limits));
+        !set)
       return tl::unexpected(set.error());
   }
   job = WithDefaults(job, built.machine);

@@ -24,6 +24,7 @@
 #include "services/cli/run_command.h"
 #include "services/cli/size_limits_flag.h"
 #include "services/host/worker_threads.h"
+#include "services/mesh_reader/program_limits.h"
 
 namespace intaglio::cli {
 namespace {
@@ -69,7 +70,7 @@ Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one
 /// the channel, without triangles. None when there is no mesh.
 Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options,
                                                    const JobSpec& job) {
-  const ReadLimits limits = ReadLimitsTimes(options.job.size_limits);
+  const ReadLimits limits = mesh_reader::LimitsOfProgram(options.job.size_limits);
   const std::vector<ChannelMask> masks = ChannelsOfModels(job);
   std::vector<mesh::TriangleMesh> surfaces(static_cast<std::size_t>(job.models_size()));
   bool any = false;
@@ -84,8 +85,8 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options
                                          MaskOfChannel(*options.channel))) {
       continue;
     }
-    const auto imported = mesh::ImportMesh(model.file(), limits.meshes);
-    if (!imported) return tl::unexpected(WithRemedy(imported.error(), limits));
+    const auto imported = ReadMeshOf(model, limits);
+    if (!imported) return tl::unexpected(imported.error());
     const Block block = BlockOf(job, model);
     auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
                                      Vec3Of(block.size_mm()));

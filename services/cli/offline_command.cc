@@ -18,6 +18,7 @@
 #include "services/cli/proof_folder.h"
 #include "services/cli/run_command.h"
 #include "services/host/worker_threads.h"
+#include "services/mesh_reader/program_limits.h"
 
 namespace intaglio::cli {
 namespace {
@@ -51,7 +52,8 @@ Result<discretize::Discretized> MakePoints(const JobSpec& job, const ReadLimits&
 int DiscretizeOffline(const OfflineOptions& options) {
   const auto job = BuildJob(options.job);
   if (!job) return Complain(job.error(), kExitWrongInput);
-  const auto cloud = MakePoints(job->job, ReadLimitsTimes(options.job.size_limits));
+  const auto cloud =
+      MakePoints(job->job, mesh_reader::LimitsOfProgram(options.job.size_limits));
   if (!cloud) return Complain(cloud.error(), kExitWrongInput);
   formats::PointTable table;
   table.points_mm = cloud->cloud.points_mm;

@@ -8,6 +8,7 @@
 #include "services/host/cloud_output.h"
 #include "services/host/service_host.h"
 #include "services/host/worker_threads.h"
+#include "services/mesh_reader/program_limits.h"
 
 namespace {
 
@@ -89,6 +90,6 @@ int main(int argc, char** argv) {
             .ShowDefault();
       }};
   return host::RunService(description, argc, argv, [&](host::ServiceHost& host) {
-    return Serve(host, ReadLimitsTimes(size_limits), threads);
+    return Serve(host, mesh_reader::LimitsOfProgram(size_limits), threads);
   });
 }

@@ -1,0 +1,34 @@
+#pragma once
+
+// Meshes are read by a process of their own. The library that reads all formats but STL
+// trusts its files: one that is damaged, or made to harm, may crash it, fill the memory
+// or be read for ever. That ends the process, as an error that names the file, and
+// neither a service nor what somebody types.
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "engrave/mesh/mesh_import.h"
+
+namespace intaglio::mesh_reader {
+
+struct ReadingProcess {
+  std::filesystem::path program;  ///< intaglio-mesh-reader
+  /// Processor time, of a file of no size; a second more for every 4 MB of it. Large
+  /// meshes take a tenth of that.
+  std::chrono::seconds time{20};
+};
+
+/// Gives the same meshes and errors as mesh::ImportMeshFromMemory, and reads an STL in
+/// this process by itself. Further errors: kNotFound (no such program), kUnreadable (the
+/// process broke down), kTooLarge (it took too long), kIo. Of any thread.
+mesh::MeshReader ReadBy(const ReadingProcess& process);
+
+/// What the program does: reads the file that is its standard input, as `extension` and
+/// `name` say, and writes the answer (mesh_answer.h) to its standard output. The exit
+/// code: 0 when that is written, whatever the answer.
+int ReadStandardInput(const std::string& extension, const std::string& name,
+                      const mesh::ImportOptions& options);
+
+}  // namespace intaglio::mesh_reader
