@@ -24,6 +24,7 @@
 #include "engrave/discretize/weld.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
+#include "engrave/proof/nearest_distances.h"
 #include "tests/bench/discretize_peers.h"
 
 namespace intaglio::bench {
@@ -217,10 +218,16 @@ SpacedCloud RandomPoints(const mesh::TriangleMesh& mesh, std::size_t count) {
 void Welding(const std::string& work, const SpacedCloud& candidates) {
   WeldOptions weld;
   weld.min_spacing_mm = kSpacingMm;
-  std::size_t kept = 0;
-  const double our_ms = BestMs(5, [&] { kept = Weld(candidates, weld).size(); });
-  Line(work, fmt::format("{} of {} points", kept, candidates.size()), our_ms,
-       "CloudCompare spatial", CloudCompareWeld(candidates.points_mm, kSpacingMm));
+  SpacedCloud kept;
+  const double our_ms = BestMs(5, [&] { kept = Weld(candidates, weld); });
+  const proof::DistinctPlaces places = proof::DistinctPlacesOf(kept.points_mm);
+  const auto nearest =
+      proof::MeasureNearest(places, proof::PointTree(places.places_mm), {kSpacingMm});
+  Line(work,
+       fmt::format("{} of {} points, nearest distances vary by {:.1f} %", kept.size(),
+                   candidates.size(), 100 * nearest.variation_ratio),
+       our_ms, "CloudCompare spatial",
+       CloudCompareWeld(candidates.points_mm, kSpacingMm));
 }
 
 void Welding(const mesh::TriangleMesh& mesh) {
