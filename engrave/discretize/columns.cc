@@ -3,9 +3,6 @@
 namespace intaglio::discretize {
 namespace {
 
-// Two points nearer than a reach differ by less than half a column's width even after the
-// rounding of their column numbers.
-constexpr double kReachAllowance = 1 + 1e-9;
 // So that a tiny spacing in a large block takes no memory, nor the time to clear it, that
 // the points do not justify.
 constexpr double kColumnsPerPoint = 0.5, kLeastColumns = 512;
@@ -21,6 +18,8 @@ using Eight [[gnu::vector_size(32), gnu::may_alias]] = float;
 double SideOf(const Vec3& size_mm, double reach_mm, std::size_t point_count) {
   const double most =
       std::max(kLeastColumns, kColumnsPerPoint * static_cast<double>(point_count));
+  // Two points nearer than a reach differ by less than half a column's width even after
+  // the rounding of their column numbers.
   double side_mm = 2 * reach_mm * kReachAllowance;
   while ((size_mm.x() / side_mm + 3) * (size_mm.y() / side_mm + 3) > most) {
     side_mm *= 1.25;

@@ -12,6 +12,9 @@
 
 namespace intaglio::discretize {
 
+/// More than rounding takes from a reach.
+inline constexpr double kReachAllowance = 1 + 1e-9;
+
 struct WeldPoint {
   Vec3 p_mm;
   std::uint32_t source;

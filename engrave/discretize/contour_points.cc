@@ -6,11 +6,6 @@
 namespace intaglio::discretize {
 namespace {
 
-// A chord is shorter than its arc s on a radius R by s^2 / 24 R^2: with this much more
-// arc the chord still reaches the distance down to bends of R = 3.2 s, and the weld,
-// which measures chords, keeps the points.
-constexpr double kChordAllowance = 1.004;
-
 double ArcOf(const ContourSteps& steps, std::size_t i) {
   return steps.first_mm + steps.step_mm * static_cast<double>(i);
 }

@@ -8,6 +8,11 @@
 
 namespace intaglio::discretize {
 
+/// A chord is shorter than its arc s on a radius R by s^2 / 24 R^2: with this much more
+/// arc the chord still reaches the distance down to bends of R = 3.2 s, and the weld,
+/// which measures chords, keeps the points.
+inline constexpr double kChordAllowance = 1.004;
+
 struct ContourSpacing {
   double distance_mm = 1;  ///< wanted along the contour
   double phase_ratio = 0;  ///< of the distance, by which the points are shifted

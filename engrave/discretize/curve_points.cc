@@ -22,8 +22,6 @@ using drawing::FlatDrawing;
 
 // What is flat within this is flat: a hundredth of a crack.
 constexpr double kFlat_mm = 0.001;
-// As in contour_points.h: the chord of a bend still reaches the distance.
-constexpr double kChordAllowance = 1.004;
 
 void CheckOptions(const CurveOptions& o) {
   Require(o.distance_mm >= 0.01 && o.distance_mm <= 100,

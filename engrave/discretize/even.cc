@@ -21,7 +21,7 @@
 namespace intaglio::discretize {
 namespace {
 
-constexpr double kStepsPerDistance = 5;
+constexpr double kLatticeStepsPerDistance = 5;
 
 /// Not below it: what the weld compares is single precision.
 float UpwardSingle(double value) {
@@ -106,8 +106,8 @@ Result<std::unique_ptr<PointSource>> MakeEven(mesh::TriangleMesh mesh,
   Require(!options.density || options.sparse_distance_mm >= options.distance_mm,
           "sparse_distance_mm must be at least distance_mm, {}, is {}",
           options.distance_mm, options.sparse_distance_mm);
-  const SurfaceGridOptions lattice{UpwardSingle(options.distance_mm) / kStepsPerDistance *
-                                   kRoundingAllowance};
+  const SurfaceGridOptions lattice{UpwardSingle(options.distance_mm) /
+                                   kLatticeStepsPerDistance * kRoundingAllowance};
   std::vector<std::unique_ptr<Layer>> layers;
   for (const double depth_mm : options.depths_mm) {
     auto check = DepthCheck::Make(mesh, depth_mm);

@@ -21,7 +21,7 @@
 namespace intaglio::discretize {
 namespace {
 
-constexpr std::uint64_t kTrianglesPerReport = 8192;
+constexpr std::uint64_t kTrianglesBetweenReports = 8192;
 
 struct Crossing {
   std::int64_t i, j;
@@ -126,7 +126,8 @@ Result<Lines> CrossLattice(const mesh::TriangleMesh& mesh, const Vec3& shift_mm,
                            double step_mm, const ProgressSink& progress) {
   std::vector<Crossing> crossings;
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-    if (k % kTrianglesPerReport == 0 && progress && !progress(k, mesh.triangles.size())) {
+    if (k % kTrianglesBetweenReports == 0 && progress &&
+        !progress(k, mesh.triangles.size())) {
       return Fail(ErrorCode::kCancelled, "filling a solid was cancelled");
     }
     const mesh::Triangle& t = mesh.triangles[k];

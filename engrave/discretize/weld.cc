@@ -35,9 +35,8 @@ constexpr std::size_t kMostPoints = 0xffffffff;
 // sheet takes whole runs of neighbours from the cloud.
 constexpr std::size_t kPointsPerSheet = 16384, kMostSheets = std::size_t{1} << 16;
 constexpr std::size_t kPointsPerFineSheet = 8;
-constexpr std::size_t kFew = 24;              // put in order as they are
-constexpr std::size_t kLookAhead = 16;        // points fetched into the cache beforehand
-constexpr double kReachAllowance = 1 + 1e-9;  // more than rounding takes from a reach
+constexpr std::size_t kFew = 24;        // put in order as they are
+constexpr std::size_t kLookAhead = 16;  // points fetched into the cache beforehand
 
 bool IsLower(const WeldPoint& a, const WeldPoint& b) {
   const auto key = [](const WeldPoint& w) {

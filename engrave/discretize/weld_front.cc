@@ -6,9 +6,6 @@
 namespace intaglio::discretize {
 namespace {
 
-// Two points nearer than a reach differ by less than a column's width even after the
-// rounding of their column numbers.
-constexpr double kReachAllowance = 1 + 1e-9;
 constexpr std::size_t kMaxLevels = 24;
 
 }  // namespace

@@ -14,9 +14,6 @@ namespace {
 
 using std::numbers::pi;
 
-bool IsBlank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f';
-}
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -231,7 +228,7 @@ std::optional<SvgTransform> TransformOf(std::string_view name,
 }  // namespace
 
 void SvgNumbers::SkipBlanks() {
-  while (!rest_.empty() && IsBlank(rest_.front())) rest_.remove_prefix(1);
+  while (!rest_.empty() && IsSvgBlank(rest_.front())) rest_.remove_prefix(1);
 }
 
 void SvgNumbers::SkipComma() {
@@ -314,7 +311,7 @@ std::optional<SvgTransform> ParseSvgTransform(std::string_view text) {
     const auto open = rest.find('(');
     if (open == rest.npos) return rest == "none" ? std::optional(whole) : std::nullopt;
     std::string_view name = rest.substr(0, open);
-    while (!name.empty() && IsBlank(name.back())) name.remove_suffix(1);
+    while (!name.empty() && IsSvgBlank(name.back())) name.remove_suffix(1);
     numbers = SvgNumbers(rest.substr(open + 1));
     std::vector<double> values;
     while (numbers.Peek() != ')') {
@@ -337,7 +334,7 @@ std::optional<double> ParseSvgLength(std::string_view text, double whole) {
   const std::optional<double> number = numbers.Next();
   if (!number) return std::nullopt;
   std::string_view unit = numbers.rest();
-  while (!unit.empty() && IsBlank(unit.back())) unit.remove_suffix(1);
+  while (!unit.empty() && IsSvgBlank(unit.back())) unit.remove_suffix(1);
   constexpr double kMm = 96 / 25.4;  // CSS: 96 px an inch
   constexpr std::pair<std::string_view, double> kUnits[] = {
       {"", 1},    {"px", 1},         {"mm", kMm}, {"cm", 10 * kMm},

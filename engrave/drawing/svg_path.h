@@ -12,6 +12,10 @@
 
 namespace intaglio::drawing {
 
+inline bool IsSvgBlank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f';
+}
+
 /// Numbers of SVG, one after another, behind blanks and at most one comma.
 class SvgNumbers {
  public:

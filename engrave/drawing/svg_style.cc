@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engrave/drawing/svg_path.h"
 #include "engrave/drawing/svg_shapes.h"
 
 namespace intaglio::drawing {
@@ -24,16 +25,13 @@ constexpr int kClassShift = 41;
 constexpr std::uint64_t kMostClasses = 1000;
 constexpr std::uint64_t kElement = std::uint64_t{1} << 40;
 
-bool IsBlank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f';
-}
 bool IsNamePart(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
          c == '-' || c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }
 std::string_view Trimmed(std::string_view text) {
-  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
+  while (!text.empty() && IsSvgBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && IsSvgBlank(text.back())) text.remove_suffix(1);
   return text;
 }
 std::string Lower(std::string_view text) {
@@ -230,7 +228,7 @@ namespace {
 template <typename Visit>
 bool ForEachClass(std::string_view classes, const Visit& visit) {
   while (!(classes = Trimmed(classes)).empty()) {
-    const auto end = std::ranges::find_if(classes, IsBlank);
+    const auto end = std::ranges::find_if(classes, IsSvgBlank);
     const std::string_view name(classes.begin(), end);
     if (!visit(name)) return false;
     classes.remove_prefix(name.size());

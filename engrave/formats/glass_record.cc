@@ -12,8 +12,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little,
               "numbers are copied as they lie in memory");
-constexpr char kMagic[] = "INTGLAS1";
-constexpr std::uint32_t kVersion = 1;
+constexpr char kGlassMagic[] = "INTGLAS1";
+constexpr std::uint32_t kGlassVersion = 1;
 
 template <typename T>
 void PutAt(std::byte* at, T value) {
@@ -36,8 +36,8 @@ std::uint32_t Crc(const std::byte* bytes, std::size_t size) {
 
 std::vector<std::byte> EncodeGlassHeader(const GlassHeader& header) {
   std::vector<std::byte> bytes(kGlassHeaderSize);
-  std::memcpy(bytes.data(), kMagic, 8);
-  PutAt(bytes.data() + 8, kVersion);
+  std::memcpy(bytes.data(), kGlassMagic, 8);
+  PutAt(bytes.data() + 8, kGlassVersion);
   PutAt(bytes.data() + 12, static_cast<std::uint32_t>(kGlassRecordSize));
   for (int axis = 0; axis < 3; ++axis) {
     PutAt(bytes.data() + 16 + 8 * axis, header.block_size_mm[axis]);
@@ -61,15 +61,16 @@ void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out) {
 }
 
 Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
-  if (bytes.size() < kGlassHeaderSize || std::memcmp(bytes.data(), kMagic, 8) != 0 ||
+  if (bytes.size() < kGlassHeaderSize || std::memcmp(bytes.data(), kGlassMagic, 8) != 0 ||
       GetAt<std::uint32_t>(bytes.data() + 60) != Crc(bytes.data(), 60)) {
     return Fail(ErrorCode::kUnreadable,
                 "not a glass record: its header is missing or damaged");
   }
-  if (const auto version = GetAt<std::uint32_t>(bytes.data() + 8); version != kVersion) {
+  if (const auto version = GetAt<std::uint32_t>(bytes.data() + 8);
+      version != kGlassVersion) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("the glass record is of version {}; this program reads {}",
-                            version, kVersion),
+                            version, kGlassVersion),
                 fmt::format("{}", version));
   }
   GlassRecord record;

@@ -11,8 +11,8 @@
 namespace intaglio::formats {
 namespace {
 
-constexpr char kMagic[] = "INTJRNL1";
-constexpr std::uint32_t kVersion = 2;
+constexpr char kJournalMagic[] = "INTJRNL1";
+constexpr std::uint32_t kJournalVersion = 2;
 // A record's point may not make the reader allocate without bound.
 constexpr std::uint64_t kMaxPoints = 100'000'000;
 
@@ -69,8 +69,8 @@ std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
 std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
     const JournalHeader& header) {
   std::array<std::byte, kJournalHeaderSize> bytes{};
-  std::memcpy(bytes.data(), kMagic, 8);
-  Put<std::uint32_t>(bytes, 8, kVersion);
+  std::memcpy(bytes.data(), kJournalMagic, 8);
+  Put<std::uint32_t>(bytes, 8, kJournalVersion);
   Put<std::uint32_t>(bytes, 12, kJournalRecordSize);
   Put<std::uint64_t>(bytes, 16, header.point_count);
   Put<std::uint64_t>(bytes, 24, header.epoch);
@@ -95,15 +95,16 @@ std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
 }
 
 Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
-  if (bytes.size() < kJournalHeaderSize || std::memcmp(bytes.data(), kMagic, 8) != 0 ||
+  if (bytes.size() < kJournalHeaderSize ||
+      std::memcmp(bytes.data(), kJournalMagic, 8) != 0 ||
       !CrcHolds(bytes.first(kJournalHeaderSize))) {
     return Fail(ErrorCode::kUnreadable,
                 "not an engraving journal: its header is missing or damaged");
   }
-  if (const auto version = Get<std::uint32_t>(bytes, 8); version != kVersion) {
+  if (const auto version = Get<std::uint32_t>(bytes, 8); version != kJournalVersion) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("the journal is of version {}; this program reads version {}",
-                            version, kVersion),
+                            version, kJournalVersion),
                 fmt::format("{}", version));
   }
   Journal journal;

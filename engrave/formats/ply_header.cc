@@ -12,7 +12,7 @@
 namespace intaglio::formats {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kHeaderBlanks = " \t\r";
 
 std::optional<PlyType> TypeNamed(std::string_view name) {
   static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kNames = {{
@@ -41,11 +41,12 @@ std::optional<PlyType> TypeNamed(std::string_view name) {
 
 std::vector<std::string_view> WordsOf(std::string_view line) {
   std::vector<std::string_view> words;
-  std::size_t begin = line.find_first_not_of(kBlanks);
+  std::size_t begin = line.find_first_not_of(kHeaderBlanks);
   while (begin != std::string_view::npos) {
-    const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+    const std::size_t end =
+        std::min(line.find_first_of(kHeaderBlanks, begin), line.size());
     words.push_back(line.substr(begin, end - begin));
-    begin = line.find_first_not_of(kBlanks, end);
+    begin = line.find_first_not_of(kHeaderBlanks, end);
   }
   return words;
 }

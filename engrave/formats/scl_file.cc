@@ -43,8 +43,8 @@ static_assert(std::endian::native == std::endian::little,
               "values are written as they lie in memory");
 static_assert(sizeof(Vec3) == 24, "points are written as they lie in memory");
 
-constexpr std::string_view kMagic = "\x89SCL\r\n\x1a\n";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::string_view kSclMagic = "\x89SCL\r\n\x1a\n";
+constexpr std::uint32_t kSclVersion = 1;
 constexpr std::size_t kFixedSize = 44;
 constexpr std::size_t kCrcSize = 4;
 // Bit i of the flags tells of column i.
@@ -89,8 +89,8 @@ std::uint32_t FlagOf(std::string_view column) {
 }
 
 std::string HeaderOf(const PointTable& table) {
-  std::string header(kMagic);
-  Put(kVersion, header);
+  std::string header(kSclMagic);
+  Put(kSclVersion, header);
   Put(std::uint32_t{0}, header);  // the size, once it is known
   Put(static_cast<std::uint64_t>(table.points_mm.size()), header);
   Put(1.0, header);
@@ -205,13 +205,13 @@ Result<SclHeader> ParseParts(std::string_view bytes, std::size_t size) {
 }
 
 Result<SclHeader> ParseHeader(std::string_view bytes) {
-  if (!bytes.starts_with(kMagic.substr(0, 4))) {
+  if (!bytes.starts_with(kSclMagic.substr(0, 4))) {
     return Fail(ErrorCode::kUnreadable,
                 "it is not an SCL of this program, whose first bytes are 89 53 43 4C; "
                 "export the points as CFT or XYZ text instead");
   }
   if (bytes.size() < kFixedSize + kCrcSize) return Damaged("the file was cut off");
-  if (!bytes.starts_with(kMagic)) {
+  if (!bytes.starts_with(kSclMagic)) {
     return Damaged("its line ends were changed, as by a transfer in text mode");
   }
   const std::size_t size = GetAt<std::uint32_t>(bytes, 12);
@@ -222,12 +222,12 @@ Result<SclHeader> ParseHeader(std::string_view bytes) {
     return Damaged("its header is damaged");
   }
   const auto version = GetAt<std::uint32_t>(bytes, 8);
-  if (version != kVersion) {
+  if (version != kSclVersion) {
     return Fail(
         ErrorCode::kUnsupported,
         fmt::format("it is of version {}, this program reads {}; take the program "
                     "that wrote it, or have it write XYZ",
-                    version, kVersion),
+                    version, kSclVersion),
         fmt::format("{}", version));
   }
   return ParseParts(bytes, size);

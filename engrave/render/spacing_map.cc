@@ -13,10 +13,6 @@
 namespace intaglio::render {
 namespace {
 
-constexpr OrthographicView kFront{"XZ", "from the front", 0, 2};
-constexpr OrthographicView kRight{"YZ", "from the right", 1, 2};
-constexpr OrthographicView kAbove{"XY", "from above", 0, 1};
-
 struct Stop {
   double ratio;
   std::uint32_t rgb;
@@ -138,13 +134,13 @@ Canvas RenderSpacingMap(const SpacingMap& map, const ViewsCaption& caption) {
   DrawPage(canvas, caption);
   const PageCells cells = CellsOfPage();
   const Box3 box_mm = Extent(map);
-  DrawSpacingView(canvas, cells.large, kFront,
-                  FittingSpacingScale(cells.large, kFront, box_mm), box_mm, map);
+  DrawSpacingView(canvas, cells.large, kFromFront,
+                  FittingSpacingScale(cells.large, kFromFront, box_mm), box_mm, map);
   const double small_scale =
-      std::min(FittingSpacingScale(cells.top_left, kRight, box_mm),
-               FittingSpacingScale(cells.top_right, kAbove, box_mm));
-  DrawSpacingView(canvas, cells.top_left, kRight, small_scale, box_mm, map);
-  DrawSpacingView(canvas, cells.top_right, kAbove, small_scale, box_mm, map);
+      std::min(FittingSpacingScale(cells.top_left, kFromRight, box_mm),
+               FittingSpacingScale(cells.top_right, kFromAbove, box_mm));
+  DrawSpacingView(canvas, cells.top_left, kFromRight, small_scale, box_mm, map);
+  DrawSpacingView(canvas, cells.top_right, kFromAbove, small_scale, box_mm, map);
   DrawHistogram(canvas, cells.bottom_left, map);
   DrawFiguresPanel(canvas, cells.bottom_right, caption.figures);
   return canvas;

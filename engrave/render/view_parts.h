@@ -47,6 +47,10 @@ struct OrthographicView {
   int up_axis;
 };
 
+inline constexpr OrthographicView kFromFront{"XZ", "from the front", 0, 2};
+inline constexpr OrthographicView kFromRight{"YZ", "from the right", 1, 2};
+inline constexpr OrthographicView kFromAbove{"XY", "from above", 0, 1};
+
 /// Pixels per mm at which the block's face of this view fits the cell.
 double FittingScale(const Rect& cell, const OrthographicView& view,
                     const Vec3& block_size_mm);

@@ -22,10 +22,6 @@ constexpr int kGapPx = 14;
 constexpr int kHeaderPx = 96;
 constexpr int kPerspectiveWidthPx = 810;
 
-constexpr OrthographicView kFront{"XZ", "from the front", 0, 2};
-constexpr OrthographicView kRight{"YZ", "from the right", 1, 2};
-constexpr OrthographicView kAbove{"XY", "from above", 0, 1};
-
 void DrawBackground(Canvas& canvas) {
   const Palette palette;
   for (int y = 0; y < canvas.height(); ++y) {
@@ -115,13 +111,13 @@ Canvas RenderViews(const PointList& cracks_mm, const Vec3& block_size_mm,
   Canvas canvas(kViewsWidth, kViewsHeight);
   DrawPage(canvas, caption);
   const auto [perspective, front, side, above, figures] = CellsOfPage();
-  const double px_per_mm = std::min({FittingScale(front, kFront, block_size_mm),
-                                     FittingScale(side, kRight, block_size_mm),
-                                     FittingScale(above, kAbove, block_size_mm)});
+  const double px_per_mm = std::min({FittingScale(front, kFromFront, block_size_mm),
+                                     FittingScale(side, kFromRight, block_size_mm),
+                                     FittingScale(above, kFromAbove, block_size_mm)});
   DrawPerspectiveView(canvas, perspective, cracks_mm, block_size_mm);
-  DrawOrthographicView(canvas, front, kFront, px_per_mm, cracks_mm, block_size_mm);
-  DrawOrthographicView(canvas, side, kRight, px_per_mm, cracks_mm, block_size_mm);
-  DrawOrthographicView(canvas, above, kAbove, px_per_mm, cracks_mm, block_size_mm);
+  DrawOrthographicView(canvas, front, kFromFront, px_per_mm, cracks_mm, block_size_mm);
+  DrawOrthographicView(canvas, side, kFromRight, px_per_mm, cracks_mm, block_size_mm);
+  DrawOrthographicView(canvas, above, kFromAbove, px_per_mm, cracks_mm, block_size_mm);
   DrawFiguresPanel(canvas, figures, caption.figures);
   return canvas;
 }

@@ -19,7 +19,7 @@ namespace intaglio::sort {
 namespace {
 
 constexpr double kMaxRatio = 100;
-constexpr std::size_t kLeafSize = 8;
+constexpr std::size_t kBucketSize = 8;
 constexpr std::size_t kPointsPerReport = 1 << 12;
 
 double Outside(double low, double high, double at) {
@@ -63,7 +63,7 @@ class PointTree {
     for (std::size_t i = begin; i < end; ++i) {
       nodes_[self].box.Extend(points_mm_[sorted_[i]]);
     }
-    if (end - begin <= kLeafSize) {
+    if (end - begin <= kBucketSize) {
       for (std::size_t i = begin; i < end; ++i) leaf_of_[sorted_[i]] = self;
       return self;
     }

@@ -110,9 +110,9 @@ Status CheckPeriod(const fs::path& file, const char* what, std::chrono::sys_seco
 }
 
 /// The folder's files as they are looked through, one after the other.
-class Reader {
+class FolderReader {
  public:
-  Reader(const fs::path& folder, int control_domain, std::chrono::sys_seconds now)
+  FolderReader(const fs::path& folder, int control_domain, std::chrono::sys_seconds now)
       : identity_{folder, {}, std::chrono::sys_seconds::max()},
         control_domain_(control_domain),
         now_(now) {}
@@ -305,7 +305,7 @@ Result<Identity> ReadIdentity(const fs::path& folder, int control_domain,
                             absolute.string()),
                 absolute.string());
   }
-  return Reader(absolute, control_domain, now).Read();
+  return FolderReader(absolute, control_domain, now).Read();
 }
 
 Result<std::string> SecurityConfiguration(const Identity& identity) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -16,6 +17,11 @@ namespace intaglio::link {
 
 static_assert(std::endian::native == std::endian::little,
               "the codec copies numbers as they lie in memory");
+
+/// Whether the last of `count` numbers would go round past zero.
+inline bool GoesRound(std::uint64_t first, std::size_t count) {
+  return first > std::numeric_limits<std::uint64_t>::max() - count;
+}
 
 class ByteWriter {
  public:

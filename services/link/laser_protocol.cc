@@ -14,14 +14,9 @@ constexpr std::size_t kMaxRates = 32;
 constexpr std::uint8_t kAllInterlocks = (kSafeState << 1) - 1;
 constexpr std::uint8_t kAllShutters = 0x0f;
 
-// Above this the last of `count` ticks would go round past zero.
-bool GoesRound(std::uint64_t first_tick, std::size_t count) {
-  return first_tick > std::numeric_limits<std::uint64_t>::max() - count;
-}
-
 bool IsRate(double rate_hz) { return std::isfinite(rate_hz) && rate_hz > 0; }
 
-tl::unexpected<Error> Unreadable(const char* frame) {
+tl::unexpected<Error> BadLaserFrame(const char* frame) {
   return Fail(ErrorCode::kUnreadable,
               std::string("laser line: a frame ") + frame + " is malformed", frame);
 }
@@ -69,7 +64,7 @@ Result<LampCommand> Decode(std::span<const std::byte> payload) {
   m.on = in.GetFlag();
   m.rate_hz = in.Get<double>();
   if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0) {
-    return Unreadable("LampCommand");
+    return BadLaserFrame("LampCommand");
   }
   return m;
 }
@@ -84,7 +79,8 @@ template <>
 Result<ShutterCommand> Decode(std::span<const std::byte> payload) {
   ByteReader in(payload);
   const ShutterCommand m{in.Get<std::uint8_t>()};
-  if (!in.finished() || m.open_mask > kAllShutters) return Unreadable("ShutterCommand");
+  if (!in.finished() || m.open_mask > kAllShutters)
+    return BadLaserFrame("ShutterCommand");
   return m;
 }
 
@@ -112,16 +108,16 @@ Result<ArmWindow> Decode(std::span<const std::byte> payload) {
   const auto count = in.Get<std::uint16_t>();
   if (!in.good() || count == 0 || count > kMaxArmTicks ||
       GoesRound(m.first_tick, count)) {
-    return Unreadable("ArmWindow");
+    return BadLaserFrame("ArmWindow");
   }
   m.fire.resize(count);
   for (std::size_t i = 0; i < count; i += 8) {
     const auto bits = in.Get<std::uint8_t>();
     for (std::size_t j = 0; j < 8 && i + j < count; ++j)
       m.fire[i + j] = (bits >> j & 1) != 0;
-    if (count - i < 8 && bits >> (count - i) != 0) return Unreadable("ArmWindow");
+    if (count - i < 8 && bits >> (count - i) != 0) return BadLaserFrame("ArmWindow");
   }
-  if (!in.finished()) return Unreadable("ArmWindow");
+  if (!in.finished()) return BadLaserFrame("ArmWindow");
   return m;
 }
 
@@ -146,12 +142,12 @@ Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
   m.channels = in.Get<std::uint8_t>();
   const auto count = in.Get<std::uint8_t>();
   if (!in.good() || count > kMaxRates || m.channels < 1 || m.channels > 4) {
-    return Unreadable("LaserIdentity");
+    return BadLaserFrame("LaserIdentity");
   }
   for (int i = 0; i < count; ++i) m.rates_hz.push_back(in.Get<double>());
   m.model = in.GetText(kMaxModelText);
   if (!in.finished() || !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
-    return Unreadable("LaserIdentity");
+    return BadLaserFrame("LaserIdentity");
   }
   return m;
 }
@@ -190,7 +186,7 @@ Result<LaserStatus> Decode(std::span<const std::byte> payload) {
   if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0 ||
       !(m.warm_ratio >= 0 && m.warm_ratio <= 1) || m.interlocks > kAllInterlocks ||
       m.shutters_open > kAllShutters) {
-    return Unreadable("LaserStatus");
+    return BadLaserFrame("LaserStatus");
   }
   return m;
 }
@@ -202,7 +198,7 @@ template <>
 Result<PulseReport> Decode(std::span<const std::byte> payload) {
   PulseReport m;
   if (!DecodeOutcomes(payload, TickOutcome::kTooLate, m))
-    return Unreadable("PulseReport");
+    return BadLaserFrame("PulseReport");
   return m;
 }
 
@@ -210,7 +206,7 @@ template <>
 Result<PastReport> Decode(std::span<const std::byte> payload) {
   PastReport m;
   if (!DecodeOutcomes(payload, TickOutcome::kNoLongerKnown, m)) {
-    return Unreadable("PastReport");
+    return BadLaserFrame("PastReport");
   }
   return m;
 }
@@ -230,7 +226,7 @@ Result<PastRequest> Decode(std::span<const std::byte> payload) {
   m.count = in.Get<std::uint16_t>();
   if (!in.finished() || m.count == 0 || m.count > kMaxReportTicks ||
       GoesRound(m.first_tick, m.count)) {
-    return Unreadable("PastRequest");
+    return BadLaserFrame("PastRequest");
   }
   return m;
 }

@@ -9,12 +9,7 @@ namespace {
 
 constexpr std::uint8_t kPulseBit = 1, kEndBit = 2;
 
-// Above this the last of `count` numbers would go round past zero.
-bool GoesRound(std::uint64_t first, std::size_t count) {
-  return first > std::numeric_limits<std::uint64_t>::max() - count;
-}
-
-tl::unexpected<Error> Unreadable(const char* frame) {
+tl::unexpected<Error> BadMotionFrame(const char* frame) {
   return Fail(ErrorCode::kUnreadable,
               std::string("motion line: a frame ") + frame + " is malformed", frame);
 }
@@ -62,7 +57,7 @@ Result<BeginRun> Decode(std::span<const std::byte> payload) {
   BeginRun m;
   m.run = in.Get<std::uint32_t>();
   m.start_tick = in.Get<std::uint64_t>();
-  if (!in.finished()) return Unreadable("BeginRun");
+  if (!in.finished()) return BadMotionFrame("BeginRun");
   return m;
 }
 
@@ -90,7 +85,7 @@ Result<Segments> Decode(std::span<const std::byte> payload) {
   const auto count = in.Get<std::uint8_t>();
   if (!in.good() || count == 0 || count > kMaxSegments ||
       GoesRound(m.first_number, count)) {
-    return Unreadable("Segments");
+    return BadMotionFrame("Segments");
   }
   m.segments.resize(count);
   for (WireSegment& segment : m.segments) {
@@ -99,12 +94,12 @@ Result<Segments> Decode(std::span<const std::byte> payload) {
     segment.duration_subticks = in.Get<std::uint32_t>();
     const auto flags = in.Get<std::uint8_t>();
     if (segment.duration_subticks == 0 || flags > (kPulseBit | kEndBit)) {
-      return Unreadable("Segments");
+      return BadMotionFrame("Segments");
     }
     segment.pulse = (flags & kPulseBit) != 0;
     segment.program_end = (flags & kEndBit) != 0;
   }
-  if (!in.finished()) return Unreadable("Segments");
+  if (!in.finished()) return BadMotionFrame("Segments");
   return m;
 }
 
@@ -123,7 +118,7 @@ Result<MotionIdentity> Decode(std::span<const std::byte> payload) {
   for (std::int32_t& limit : m.travel_min_nm) limit = in.Get<std::int32_t>();
   for (std::int32_t& limit : m.travel_max_nm) limit = in.Get<std::int32_t>();
   m.queue_capacity = in.Get<std::uint32_t>();
-  if (!in.finished()) return Unreadable("MotionIdentity");
+  if (!in.finished()) return BadMotionFrame("MotionIdentity");
   return m;
 }
 
@@ -157,7 +152,7 @@ Result<MotionStatus> Decode(std::span<const std::byte> payload) {
   const auto fault = in.Get<std::uint8_t>();
   m.following_error_max_nm = in.Get<std::uint32_t>();
   if (!in.finished() || fault > static_cast<std::uint8_t>(StageFault::kBadSequence)) {
-    return Unreadable("MotionStatus");
+    return BadMotionFrame("MotionStatus");
   }
   m.fault = static_cast<StageFault>(fault);
   return m;
@@ -181,11 +176,11 @@ Result<Positions> Decode(std::span<const std::byte> payload) {
   const auto count = in.Get<std::uint8_t>();
   if (!in.good() || count == 0 || count > kMaxPositions ||
       GoesRound(m.first_tick, count)) {
-    return Unreadable("Positions");
+    return BadMotionFrame("Positions");
   }
   m.positions.resize(count);
   for (Positions::Position& position : m.positions) GetPosition(in, position);
-  if (!in.finished()) return Unreadable("Positions");
+  if (!in.finished()) return BadMotionFrame("Positions");
   return m;
 }
 
@@ -202,7 +197,7 @@ Result<BeginTimedRun> Decode(std::span<const std::byte> payload) {
   BeginTimedRun m;
   m.run = in.Get<std::uint32_t>();
   m.start_ns = in.Get<std::uint64_t>();
-  if (!in.finished()) return Unreadable("BeginTimedRun");
+  if (!in.finished()) return BadMotionFrame("BeginTimedRun");
   return m;
 }
 
@@ -230,7 +225,7 @@ Result<TimedSegments> Decode(std::span<const std::byte> payload) {
   const auto count = in.Get<std::uint8_t>();
   if (!in.good() || count == 0 || count > kMaxTimedSegments ||
       GoesRound(m.first_number, count)) {
-    return Unreadable("TimedSegments");
+    return BadMotionFrame("TimedSegments");
   }
   m.segments.resize(count);
   std::uint64_t before_ns = 0;
@@ -240,13 +235,13 @@ Result<TimedSegments> Decode(std::span<const std::byte> payload) {
     segment.end_ns = in.Get<std::uint64_t>();
     const auto flags = in.Get<std::uint8_t>();
     if (segment.end_ns <= before_ns || flags > (kPulseBit | kEndBit)) {
-      return Unreadable("TimedSegments");
+      return BadMotionFrame("TimedSegments");
     }
     before_ns = segment.end_ns;
     segment.pulse = (flags & kPulseBit) != 0;
     segment.program_end = (flags & kEndBit) != 0;
   }
-  if (!in.finished()) return Unreadable("TimedSegments");
+  if (!in.finished()) return BadMotionFrame("TimedSegments");
   return m;
 }
 
@@ -271,14 +266,14 @@ Result<TimedPositions> Decode(std::span<const std::byte> payload) {
   const auto count = in.Get<std::uint8_t>();
   if (!in.good() || count == 0 || count > kMaxTimedPositions ||
       GoesRound(m.first_tick, count)) {
-    return Unreadable("TimedPositions");
+    return BadMotionFrame("TimedPositions");
   }
   m.positions.resize(count);
   for (TimedPositions::Position& position : m.positions) {
     position.at_ns = in.Get<std::uint64_t>();
     GetPosition(in, position);
   }
-  if (!in.finished()) return Unreadable("TimedPositions");
+  if (!in.finished()) return BadMotionFrame("TimedPositions");
   return m;
 }
 
@@ -295,7 +290,7 @@ Result<ControllerClock> Decode(std::span<const std::byte> payload) {
   ControllerClock m;
   m.power_up = in.Get<std::uint32_t>();
   m.now_ns = in.Get<std::uint64_t>();
-  if (!in.finished() || m.power_up == 0) return Unreadable("ControllerClock");
+  if (!in.finished() || m.power_up == 0) return BadMotionFrame("ControllerClock");
   return m;
 }
 

@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr char kOwnName[] = "intaglio-replay";
-constexpr std::uint32_t kWindowBatches = 32;
+constexpr std::uint32_t kPointWindowBatches = 32;
 // A service that computes tells its progress ten times a second.
 constexpr auto kPatience = 60s;
 constexpr auto kTurn = 5ms;
@@ -193,7 +193,7 @@ Result<std::string> Bench<Batch>::Perform(const RecordedTask& task,
                   bus::PartStreamName(job_uid, task.id.attempt, output_topic_.name,
                                       task.id.part, task.id.part_attempt)};
   const auto input = InputOf(task, job_uid);
-  if (auto opened = grantor_.Open(running.stream, output_.guid(), kWindowBatches);
+  if (auto opened = grantor_.Open(running.stream, output_.guid(), kPointWindowBatches);
       !opened)
     return tl::unexpected(opened.error());
   if (auto given = Give(task, job_uid); !given) return tl::unexpected(given.error());

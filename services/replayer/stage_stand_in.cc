@@ -10,7 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kStatePeriod = 20ms;
-constexpr std::uint32_t kWindowBatches = 16;  // as the bridge's
+constexpr std::uint32_t kSegmentWindowBatches = 16;  // as the bridge's
 constexpr std::uint64_t kSubticksPerTick = 65536;
 
 intaglio_MotionFault FaultOf(const std::string& name) {
@@ -51,7 +51,7 @@ void StageStandIn::Begin(const SegmentWords& words) {
   fault_ = intaglio_MOTION_OK;
   message_.clear();
   stream_ = bus::StreamName(words.job_uid, run_, bus::kMotionSegmentBatch.name);
-  (void)credit_.Open(stream_, batches_.guid(), kWindowBatches);
+  (void)credit_.Open(stream_, batches_.guid(), kSegmentWindowBatches);
 }
 
 void StageStandIn::EndStream() {

@@ -194,6 +194,8 @@ class Engraving {
   void Record(PulseResult result);
   void Finish();
 
+  // Of what is asked for until it is answered.
+  static constexpr std::chrono::milliseconds kRequestPeriod{20};
   // Passes over points that were skipped, as long as a pass makes at least one.
   static constexpr int kMaxIdleRuns = 2;
 

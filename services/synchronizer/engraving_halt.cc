@@ -14,7 +14,6 @@ using namespace std::chrono_literals;
 constexpr auto kSettleTimeout = 2s;
 // Passes in a row that were broken off over a skipped point before they made any.
 constexpr int kMaxFruitlessRuns = 5;
-constexpr auto kRequestPeriod = 20ms;
 constexpr const char* kOpenedUnseen =
     "key, door or stop button was opened while nobody watched: look at the block, then "
     "resume or cancel";

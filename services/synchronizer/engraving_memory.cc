@@ -15,7 +15,6 @@ using formats::JournalKind;
 using formats::PointOutcome;
 using namespace std::chrono_literals;
 
-constexpr auto kRequestPeriod = 20ms;
 constexpr auto kAbortPeriod = 200ms;
 
 }  // namespace

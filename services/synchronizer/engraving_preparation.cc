@@ -13,7 +13,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kRequestPeriod = 20ms;
 constexpr std::uint64_t kMostUnheardTicks = 16;
 
 }  // namespace
