@@ -11,6 +11,8 @@
 #include <fstream>
 #include <thread>
 
+#include "services/command_line/other_programs.h"
+
 extern char** environ;
 
 namespace intaglio::cli {
@@ -23,8 +25,6 @@ constexpr auto kPollPeriod = 10ms;
 
 std::string DieWithUs() { return fmt::format("--die-with-parent={}", getpid()); }
 
-fs::path ProgramFolder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
 Result<ChildProcess> ChildProcess::Start(const Command& command) {
   if (access(command.program.c_str(), X_OK) != 0) {
     return Fail(ErrorCode::kNotFound,
@@ -34,10 +34,7 @@ Result<ChildProcess> ChildProcess::Start(const Command& command) {
   }
   std::vector<std::string> words = {command.program.string()};
   words.insert(words.end(), command.arguments.begin(), command.arguments.end());
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+  const std::vector<char*> argv = command_line::PointersTo(words);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);

@@ -54,7 +54,4 @@ class ChildProcess {
 /// service is not the service's parent any more.
 std::string DieWithUs();
 
-/// Folder of the program that runs: the services lie beside it.
-std::filesystem::path ProgramFolder();
-
 }  // namespace intaglio::cli

@@ -13,8 +13,8 @@
 #include "proto/model_kind.h"
 #include "proto/model_sources.h"
 #include "proto/options.h"
-#include "services/cli/child_process.h"
 #include "services/cli/size_limits_flag.h"
+#include "services/command_line/other_programs.h"
 #include "services/mesh_reader/program_limits.h"
 
 namespace intaglio::cli {
@@ -329,7 +329,8 @@ void AddJobFlags(command_line::Command command, JobFlags& flags) {
 }
 
 fs::path SuppliedFolder() {
-  const fs::path installed = ProgramFolder().parent_path() / "share" / "intaglio";
+  const fs::path installed =
+      command_line::ProgramFolder().parent_path() / "share" / "intaglio";
   return fs::exists(installed / "machines") ? installed : fs::path(INTAGLIO_DEPLOY_DIR);
 }
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "services/cli/bus_flags.h"
-#include "services/cli/child_process.h"
 #include "services/cli/run_command.h"
+#include "services/command_line/other_programs.h"
 
 namespace intaglio::cli {
 namespace {
@@ -48,7 +48,8 @@ std::string DefaultFile() {
 }
 
 int Record(const RecordOptions& options) {
-  const std::string program = (ProgramFolder() / "intaglio-recorder").string();
+  const std::string program =
+      (command_line::ProgramFolder() / "intaglio-recorder").string();
   std::vector<std::string> words = {program,
                                     "--out",
                                     options.out.empty() ? DefaultFile() : options.out,
@@ -64,9 +65,7 @@ int Record(const RecordOptions& options) {
   for (const Handed& handed : options.handed) {
     for (const std::string& value : handed.values) add(handed.flag, value);
   }
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+  const std::vector<char*> argv = command_line::PointersTo(words);
   std::cerr << "records into " << words[2] << "; Ctrl-C ends it\n";
   execv(program.c_str(), argv.data());
   std::cerr << "intaglio: cannot start " << program << ": " << std::strerror(errno)

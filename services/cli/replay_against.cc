@@ -15,6 +15,7 @@
 #include "services/cli/child_process.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/run_command.h"
+#include "services/command_line/other_programs.h"
 #include "services/replayer/cell_rehearsal.h"
 #include "services/replayer/rehearsal.h"
 
@@ -128,7 +129,7 @@ struct Bench {
 Result<ChildProcess> StartService(const Bench& bench) {
   const std::string& service = bench.options.service;
   ChildProcess::Command command{service,
-                                ProgramFolder() / ("intaglio-" + service),
+                                command_line::ProgramFolder() / ("intaglio-" + service),
                                 {"--domain", std::to_string(bench.bus.control_domain),
                                  "--tag", bench.bus.tag, DieWithUs()},
                                 bench.folder / "service.log"};

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "proto/job_file.h"
+#include "services/command_line/other_programs.h"
 
 namespace intaglio::cli {
 namespace {
@@ -123,7 +124,7 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   const Vec3 origin(axes.block_origin_mm().x(), axes.block_origin_mm().y(),
                     axes.block_origin_mm().z());
   ChildProcess::Command command{"virtual-engraver",
-                                ProgramFolder() / "virtual-engraver",
+                                command_line::ProgramFolder() / "virtual-engraver",
                                 {},
                                 options.folder / "virtual-engraver.log"};
   command.arguments = {"--laser-line",
@@ -195,8 +196,9 @@ Status ServiceSet::AwaitLines() {
 
 Status ServiceSet::StartService(const ServiceSetOptions& options, const std::string& name,
                                 const std::vector<std::string>& arguments) {
-  ChildProcess::Command command{name, ProgramFolder() / ("intaglio-" + name), arguments,
-                                options.folder / (name + ".log")};
+  ChildProcess::Command command{name,
+                                command_line::ProgramFolder() / ("intaglio-" + name),
+                                arguments, options.folder / (name + ".log")};
   const bus::BusOptions& bus = options.bus;
   const std::vector<std::string> common = {
       "--domain",    std::to_string(bus.control_domain),

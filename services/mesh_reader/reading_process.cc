@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/command_line/other_programs.h"
 #include "services/mesh_reader/mesh_answer.h"
 
 extern char** environ;
@@ -94,10 +95,7 @@ struct Ended {
 Ended Await(std::vector<std::string> words, const MemoryFile& input,
             const MemoryFile& output, std::chrono::seconds time,
             const ImportOptions& options) {
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+  const std::vector<char*> argv = command_line::PointersTo(words);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input.descriptor(), 0);

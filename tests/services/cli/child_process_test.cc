@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include "services/command_line/other_programs.h"
 #include "tests/patience.h"
 #include "tests/test_folder.h"
 
@@ -100,7 +101,7 @@ TEST_F(ChildProcessTest, ThatIsNotThereIsNamed) {
 }
 
 TEST(ProgramFolder, IsWhereThisProgramLies) {
-  EXPECT_TRUE(fs::exists(ProgramFolder() / "cli_test"));
+  EXPECT_TRUE(fs::exists(command_line::ProgramFolder() / "cli_test"));
 }
 
 }  // namespace
