@@ -82,14 +82,15 @@ Result<PointList> CoverFlatFaces(const FlatFaces& faces, const PointList& vertic
   const Result<RayGrid> grid = GridOver(box, step_mm, std::numbers::sqrt3 * step_mm);
   if (!grid) return tl::unexpected(grid.error());
   for (const RayGrid& part : {*grid, grid->Between()}) {
-    const Result<RaySpans> spans = RayCaster(part, turned).Cast(faces.triangles);
-    if (!spans) return tl::unexpected(spans.error());
-    spans->ForEachRay(
-        [&](std::uint32_t column, std::uint32_t row, std::span<const double> ray) {
-          for (const double w_mm : ray) {
-            points.emplace_back(frame * Vec3(part.U(column), part.V(row), w_mm));
-          }
-        });
+    const Status cast =
+        RayCaster(part, turned)
+            .Cast(faces.triangles, [&](std::uint32_t column, std::uint32_t row,
+                                       std::span<const double> ray) {
+              for (const double w_mm : ray) {
+                points.emplace_back(frame * Vec3(part.U(column), part.V(row), w_mm));
+              }
+            });
+    if (!cast) return tl::unexpected(cast.error());
   }
   return points;
 }

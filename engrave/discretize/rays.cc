@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,6 +19,8 @@ namespace {
 // A crossing is computed in another frame than its triangle is given in: it lies within
 // the triangle's heights but for rounding.
 constexpr double kRoundingMm = 1e-6;
+// Room for crossings, of what is expected.
+constexpr double kRoomRatio = 1.05;
 
 void CountRay(std::size_t crossings, MethodStatistics& statistics) {
   ++statistics.ray_count;
@@ -24,6 +28,29 @@ void CountRay(std::size_t crossings, MethodStatistics& statistics) {
 }
 
 Status Cancelled() { return Fail(ErrorCode::kCancelled, "casting rays was cancelled"); }
+
+/// Adds points behind those that a list has, without a look at its room for each one.
+class PointsBehind {
+ public:
+  PointsBehind(PointList& points, std::size_t expected)
+      : points_(points), count_(points.size()) {
+    points_.resize(count_ + expected);
+  }
+  ~PointsBehind() { points_.resize(count_); }
+
+  /// Where so many can be written.
+  Vec3* Room(std::size_t more) {
+    if (points_.size() - count_ < more) points_.resize(2 * (count_ + more));
+    return points_.data() + count_;
+  }
+  void KeepUntil(const Vec3* end) {
+    count_ = static_cast<std::size_t>(end - points_.data());
+  }
+
+ private:
+  PointList& points_;
+  std::size_t count_;
+};
 
 /// Which triangles reach into a range of heights.
 class TriangleHeights {
@@ -71,28 +98,32 @@ PointList InFrame(const PointList& points, const Mat3& frame) {
 
 class RaySource : public PointSource {
  public:
-  RaySource(mesh::TriangleMesh mesh, const RayGrid& grid, const Mat3& frame)
+  /// The second are the mesh's vertices in the rays' frame.
+  RaySource(mesh::TriangleMesh mesh, const PointList& vertices, const RayGrid& grid,
+            const Mat3& frame)
       : frame_(frame),
-        bounds_(mesh.Bounds()),
-        caster_(grid, InFrame(mesh.vertices, frame)),
-        heights_(mesh, bounds_),
-        triangles_(std::move(mesh.triangles)) {}
+        mesh_(std::move(mesh)),
+        bounds_(mesh_.Bounds()),
+        caster_(grid, vertices) {}
 
   Box3 Bounds() const override { return bounds_; }
 
  protected:
-  Vec3 PointAt(std::uint32_t column, std::uint32_t row, double w_mm) const {
+  /// Where a ray has the height 0.
+  Vec3 OriginOf(std::uint32_t column, std::uint32_t row) const {
     const RayGrid& grid = caster_.grid();
-    return frame_.col(1) * grid.V(row) + frame_.col(0) * grid.U(column) +
-           frame_.col(2) * w_mm;
+    return frame_.col(1) * grid.V(row) + frame_.col(0) * grid.U(column);
   }
-  Result<RaySpans> CastAll() const { return caster_.Cast(triangles_); }
-  Result<RaySpans> Cast(const HeightRange& range) const {
+  const RayCaster& caster() const { return caster_; }
+  Vec3 direction() const { return frame_.col(2); }
+  const std::vector<mesh::Triangle>& triangles() const { return mesh_.triangles; }
+  std::vector<mesh::Triangle> TrianglesIn(const HeightRange& range) const {
+    std::call_once(sorted_, [this] { heights_.emplace(mesh_, bounds_); });
     std::vector<mesh::Triangle> reaching;
-    for (const IndexedInterval& found : heights_.Reaching(range)) {
-      reaching.push_back(triangles_[found.item]);
+    for (const IndexedInterval& found : heights_->Reaching(range)) {
+      reaching.push_back(mesh_.triangles[found.item]);
     }
-    return caster_.Cast(reaching);
+    return reaching;
   }
   bool HoldsAll(const HeightRange& range) const {
     return range.low_mm < bounds_.min_mm.z() - kRoundingMm &&
@@ -104,10 +135,11 @@ class RaySource : public PointSource {
 
  private:
   Mat3 frame_;
+  mesh::TriangleMesh mesh_;
   Box3 bounds_;
   RayCaster caster_;
-  TriangleHeights heights_;
-  std::vector<mesh::Triangle> triangles_;
+  mutable std::once_flag sorted_;  // when the first range of heights asks
+  mutable std::optional<TriangleHeights> heights_;
 };
 
 class Crossings final : public RaySource {
@@ -119,34 +151,47 @@ class Crossings final : public RaySource {
                                      SpacedCloud& cloud) const override {
     if (progress && !progress(0, 1)) return tl::unexpected(Cancelled().error());
     const bool all = HoldsAll(range);
-    const Result<RaySpans> spans = all ? CastAll() : Cast(range);
-    if (!spans) return tl::unexpected(spans.error());
     MethodStatistics statistics;
     if (HoldsLowest(range) && !all) {
       // Whose rays cross what lies above as well.
-      const Result<RaySpans> whole = CastAll();
-      if (!whole) return tl::unexpected(whole.error());
-      whole->ForEachRay([&](std::uint32_t, std::uint32_t, std::span<const double> ray) {
-        CountRay(ray.size(), statistics);
-      });
+      const Status cast = caster().Cast(
+          triangles(), [&](std::uint32_t, std::uint32_t, std::span<const double> ray) {
+            CountRay(ray.size(), statistics);
+          });
+      if (!cast) return tl::unexpected(cast.error());
     }
+    std::vector<mesh::Triangle> part;
+    if (!all) part = TrianglesIn(range);
     const std::size_t before = cloud.size();
-    cloud.points_mm.resize(before + spans->crossing_count());
-    Vec3* to = cloud.points_mm.data() + before;
-    spans->ForEachRay(
-        [&](std::uint32_t column, std::uint32_t row, std::span<const double> ray) {
-          if (all) CountRay(ray.size(), statistics);
-          for (const double w_mm : ray) {
-            *to = PointAt(column, row, w_mm);
-            to += range.Contains(to->z()) ? 1 : 0;
-          }
-        });
-    const auto count = static_cast<std::size_t>(to - cloud.points_mm.data());
-    cloud.points_mm.resize(count);
+    const Status added = AddCrossings(all ? triangles() : part, range, cloud.points_mm,
+                                      all ? &statistics : nullptr);
+    if (!added) return tl::unexpected(added.error());
+    const std::size_t count = cloud.size();
     cloud.source.resize(count, source);
     cloud.spacing_mm.resize(count, 0);
     statistics.point_count = count - before;
     return statistics;
+  }
+
+ private:
+  /// Rays are counted where anybody wants it.
+  Status AddCrossings(std::span<const mesh::Triangle> triangles, const HeightRange& range,
+                      PointList& points_mm, MethodStatistics* statistics) const {
+    const double about = caster().CrossingsAbout(triangles);
+    if (Status few = CheckCandidateCount(about); !few) return few;
+    PointsBehind points(points_mm, static_cast<std::size_t>(about * kRoomRatio));
+    const Vec3 direction = this->direction();
+    return caster().Cast(triangles, [&](std::uint32_t column, std::uint32_t row,
+                                        std::span<const double> ray) {
+      if (statistics != nullptr) CountRay(ray.size(), *statistics);
+      const Vec3 origin = OriginOf(column, row);
+      Vec3* to = points.Room(ray.size());
+      for (const double w_mm : ray) {
+        *to = origin + direction * w_mm;
+        to += range.Contains(to->z()) ? 1 : 0;
+      }
+      points.KeepUntil(to);
+    });
   }
 };
 
@@ -156,10 +201,8 @@ class Insides final : public RaySource {
 
   /// To be called first.
   Status FindWays(double distance_mm) {
-    const Result<RaySpans> spans = CastAll();
-    if (!spans) return tl::unexpected(spans.error());
-    spans->ForEachRay([&](std::uint32_t column, std::uint32_t row,
-                          std::span<const double> ray) {
+    return caster().Cast(triangles(), [&](std::uint32_t column, std::uint32_t row,
+                                          std::span<const double> ray) {
       CountRay(ray.size(), statistics_);
       if (ray.size() % 2 != 0) return;
       for (std::size_t i = 0; i < ray.size(); i += 2) {
@@ -169,7 +212,6 @@ class Insides final : public RaySource {
         ways_.push_back({column, row, ray[i], length_mm / parts, parts - 1});
       }
     });
-    return {};
   }
 
   Result<MethodStatistics> AddPoints(const HeightRange& range, std::uint32_t source,
@@ -203,7 +245,8 @@ class Insides final : public RaySource {
   };
 
   Vec3 PointOf(const Way& way, double step) const {
-    return PointAt(way.column, way.row, way.entry_mm + step * way.step_mm);
+    return OriginOf(way.column, way.row) +
+           direction() * (way.entry_mm + step * way.step_mm);
   }
   /// At least those steps whose points lie in the range.
   std::pair<double, double> StepsIn(const Way& way, const HeightRange& range) const {
@@ -228,16 +271,17 @@ Result<std::unique_ptr<PointSource>> MakeRays(mesh::TriangleMesh mesh,
   Require(options.distance_mm > 0, "distance_mm must be positive, is {}",
           options.distance_mm);
   const Mat3 frame = FrameOf(options.direction);
+  const PointList vertices = InFrame(mesh.vertices, frame);
   Box3 bounds;
-  for (const Vec3& v : InFrame(mesh.vertices, frame)) bounds.Extend(v);
+  for (const Vec3& v : vertices) bounds.Extend(v);
   if (bounds.empty()) bounds.Extend(Vec3(0, 0, 0));
   const double step_mm = options.distance_mm * kRoundingAllowance;
   const Result<RayGrid> grid = GridOver(bounds, step_mm, step_mm);
   if (!grid) return tl::unexpected(grid.error());
   if (!options.interior_only) {
-    return std::make_unique<Crossings>(std::move(mesh), *grid, frame);
+    return std::make_unique<Crossings>(std::move(mesh), vertices, *grid, frame);
   }
-  auto insides = std::make_unique<Insides>(std::move(mesh), *grid, frame);
+  auto insides = std::make_unique<Insides>(std::move(mesh), vertices, *grid, frame);
   if (Status found = insides->FindWays(options.distance_mm); !found) {
     return tl::unexpected(found.error());
   }

@@ -46,14 +46,14 @@ TEST(RayCaster, TakesTheTrianglesOfExactArithmetic) {
     for (Vec3& p : corner) p = Vec3(place(random), place(random), place(random));
     const RayCaster caster(grid, {corner[0], corner[1], corner[2]});
     const std::vector<mesh::Triangle> triangles = {{0, 1, 2}};
-    const RaySpans spans = caster.Cast(triangles).value();
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> found;
-    spans.ForEachRay(
+    const Status cast = caster.Cast(
+        triangles,
         [&](std::uint32_t column, std::uint32_t row, std::span<const double> heights) {
           EXPECT_EQ(heights.size(), 1u);
-          found[{column, row}] = heights[0];
+          EXPECT_TRUE(found.insert({{column, row}, heights[0]}).second);
         });
-    EXPECT_EQ(found.size(), spans.crossing_count());
+    EXPECT_TRUE(cast.has_value());
     const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
     for (std::uint32_t column = 0; column < 13; ++column) {
       for (std::uint32_t row = 0; row < 13; ++row) {
@@ -99,12 +99,15 @@ TEST(RayCaster, ASheetIsCrossedOnceByEveryRay) {
   }
   const RayCaster caster(WholeNumbers(4 * kCells), corners);
   std::size_t rays = 0;
-  const RaySpans spans = caster.Cast(triangles).value();
-  spans.ForEachRay([&](std::uint32_t, std::uint32_t, std::span<const double> heights) {
-    EXPECT_EQ(heights.size(), 1u);
-    ++rays;
-  });
+  const Status cast = caster.Cast(
+      triangles, [&](std::uint32_t, std::uint32_t, std::span<const double> heights) {
+        EXPECT_EQ(heights.size(), 1u);
+        ++rays;
+      });
+  EXPECT_TRUE(cast.has_value());
   EXPECT_EQ(rays, 16u * kCells * kCells);
+  // The square alone, whatever the triangles' heights.
+  EXPECT_NEAR(caster.CrossingsAbout(triangles), 16.0 * kCells * kCells, 1e-9);
 }
 
 TEST(RayGrid, BetweenStandsInTheMiddles) {
