@@ -128,11 +128,15 @@ Result<Discretized> MakeCloud(const Sources& sources, const CloudOptions& option
   Discretized all;
   all.models.resize(sources.size());
   BoundsReport outside;
-  for (Result<SlabResult>& slab : made) {
+  std::size_t count = 0;
+  for (const Result<SlabResult>& slab : made) {
     if (!slab) return tl::unexpected(slab.error());
     outside.Add(slab->outside);
-    AppendTo(all, std::move(*slab));
+    count += slab->kept.size();
   }
+  all.cloud.points_mm.reserve(count);
+  all.cloud.source.reserve(count);
+  for (Result<SlabResult>& slab : made) AppendTo(all, std::move(*slab));
   if (outside.outside_count > 0 && !options.clip) {
     return tl::unexpected(OutsideBlock(outside, all.candidate_count));
   }

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/mesh/half_edges.h"
 
 // Orientation. Two triangles that share an edge and pass it in opposite ways face the
 // same side (relation 0); passing it the same way they face opposite sides (relation 1).
@@ -25,18 +27,6 @@ namespace {
 
 constexpr double kMinSizeRatio = 0.02;
 constexpr double kDegenerateRatio = 1e-12;
-
-/// One triangle's use of an edge.
-struct EdgeUse {
-  std::uint32_t low;
-  std::uint32_t high;
-  std::uint32_t triangle;
-  bool upward;  // from the low vertex to the high one
-
-  bool SameEdge(const EdgeUse& other) const {
-    return low == other.low && high == other.high;
-  }
-};
 
 /// Parts of the mesh, and each triangle's side relative to the root of its part.
 class SideForest {
@@ -88,31 +78,6 @@ class SideForest {
   std::vector<std::uint8_t> opposite_;  // to the parent
 };
 
-bool HasRepeatedCorner(const Triangle& t) {
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
-
-std::vector<EdgeUse> SortedEdgeUses(const TriangleMesh& mesh) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(3 * mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Triangle& corners = mesh.triangles[t];
-    if (HasRepeatedCorner(corners)) continue;
-    for (int c = 0; c < 3; ++c) {
-      const std::uint32_t from = corners[c];
-      const std::uint32_t to = corners[(c + 1) % 3];
-      uses.push_back({std::min(from, to), std::max(from, to), t, from < to});
-    }
-  }
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    const auto key = [](const EdgeUse& use) {
-      return std::uint64_t{use.low} << 32 | use.high;
-    };
-    return key(a) != key(b) ? key(a) < key(b) : a.triangle < b.triangle;
-  });
-  return uses;
-}
-
 void CountShapes(const TriangleMesh& mesh, MeshDiagnosis& diagnosis) {
   std::vector<bool> used(mesh.vertices.size(), false);
   for (const Triangle& t : mesh.triangles) {
@@ -144,57 +109,88 @@ void CountShapes(const TriangleMesh& mesh, MeshDiagnosis& diagnosis) {
   }
 }
 
-void CountDuplicates(const TriangleMesh& mesh, MeshDiagnosis& diagnosis) {
-  std::vector<Triangle> sorted = mesh.triangles;
-  for (Triangle& t : sorted) std::sort(t.begin(), t.end());
-  std::sort(sorted.begin(), sorted.end());
-  const auto last = std::unique(sorted.begin(), sorted.end());
-  diagnosis.duplicate_triangle_count =
-      static_cast<std::uint64_t>(std::distance(last, sorted.end()));
+std::uint64_t RepeatedIn(std::vector<Triangle>& sorted_triangles) {
+  std::sort(sorted_triangles.begin(), sorted_triangles.end());
+  const auto last = std::unique(sorted_triangles.begin(), sorted_triangles.end());
+  return static_cast<std::uint64_t>(std::distance(last, sorted_triangles.end()));
 }
 
-/// Counts the kinds of edges and joins the triangles along them.
-void CountEdges(const std::vector<EdgeUse>& uses, SideForest& parts, SideForest& sides,
-                MeshDiagnosis& diagnosis) {
-  for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
-    while (end < uses.size() && uses[end].SameEdge(uses[begin])) ++end;
-    ++diagnosis.edge_count;
-    for (std::size_t i = begin + 1; i < end; ++i) {
-      parts.Join(uses[begin].triangle, uses[i].triangle, false);
+/// Which triangles lie on the edges, as far as it makes a difference.
+class EdgeCount {
+ public:
+  EdgeCount(const TriangleMesh& mesh, MeshDiagnosis& diagnosis)
+      : mesh_(mesh), diagnosis_(diagnosis), sides_(mesh.triangles.size()) {}
+
+  void Add(std::uint32_t low, std::span<const HalfEdge> edge) {
+    ++diagnosis_.edge_count;
+    if (edge.size() == 1) {
+      ++diagnosis_.open_edge_count;
+      return;
     }
-    if (end - begin == 1) {
-      ++diagnosis.open_edge_count;
-    } else if (end - begin > 2) {
-      ++diagnosis.non_manifold_edge_count;
+    if (edge.size() == 2) {
+      const bool flipped = edge[0].upward() == edge[1].upward();
+      if (flipped) ++diagnosis_.flipped_edge_count;
+      if (!sides_.Join(edge[0].triangle(), edge[1].triangle(), flipped)) {
+        diagnosis_.orientable = false;
+      }
     } else {
-      const bool flipped = uses[begin].upward == uses[begin + 1].upward;
-      if (flipped) ++diagnosis.flipped_edge_count;
-      if (!sides.Join(uses[begin].triangle, uses[begin + 1].triangle, flipped)) {
-        diagnosis.orientable = false;
+      ++diagnosis_.non_manifold_edge_count;
+      for (const HalfEdge half : edge.subspan(1)) {
+        joined_by_many_.emplace_back(edge[0].triangle(), half.triangle());
       }
     }
+    CountDuplicates(low, edge);
   }
-}
 
-void CountParts(const TriangleMesh& mesh, SideForest& parts, SideForest& sides,
-                MeshDiagnosis& diagnosis) {
-  // Per root of `sides`: triangles on the root's side and on the other.
-  std::vector<std::array<std::uint32_t, 2>> side_counts(mesh.triangles.size(), {0, 0});
-  std::uint64_t edged_triangle_count = 0;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (HasRepeatedCorner(mesh.triangles[t])) continue;
-    ++edged_triangle_count;
-    if (parts.Find(t).index == t) ++diagnosis.component_count;
-    const SideForest::Root root = sides.Find(t);
-    ++side_counts[root.index][root.opposite ? 1 : 0];
+  /// When all edges are in.
+  void CountParts() {
+    SideForest parts(mesh_.triangles.size());
+    for (const auto& [a, b] : joined_by_many_) {
+      parts.Join(sides_.Find(a).index, sides_.Find(b).index, false);
+    }
+    // Per root of the sides: triangles on the root's side and on the other.
+    std::vector<std::array<std::uint32_t, 2>> side_counts(mesh_.triangles.size(), {0, 0});
+    std::uint64_t edged_triangle_count = 0;
+    std::vector<Triangle> edgeless;
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (HasRepeatedCorner(mesh_.triangles[t])) {
+        edgeless.push_back(mesh_.triangles[t]);
+        std::sort(edgeless.back().begin(), edgeless.back().end());
+        continue;
+      }
+      ++edged_triangle_count;
+      const SideForest::Root root = sides_.Find(t);
+      if (root.index == t && parts.Find(t).index == t) ++diagnosis_.component_count;
+      ++side_counts[root.index][root.opposite ? 1 : 0];
+    }
+    diagnosis_.duplicate_triangle_count += RepeatedIn(edgeless);
+    for (const auto& counts : side_counts) {
+      diagnosis_.flipped_triangle_count += std::min(counts[0], counts[1]);
+    }
+    diagnosis_.euler_characteristic = static_cast<std::int64_t>(diagnosis_.vertex_count) -
+                                      static_cast<std::int64_t>(diagnosis_.edge_count) +
+                                      static_cast<std::int64_t>(edged_triangle_count);
   }
-  for (const auto& counts : side_counts) {
-    diagnosis.flipped_triangle_count += std::min(counts[0], counts[1]);
+
+ private:
+  /// Triangles of the same corners share three edges; they are counted on the one between
+  /// their two lowest vertices.
+  void CountDuplicates(std::uint32_t low, std::span<const HalfEdge> edge) {
+    thirds_.clear();
+    for (const HalfEdge half : edge) {
+      const Triangle& t = mesh_.triangles[half.triangle()];
+      const std::uint32_t third = t[0] ^ t[1] ^ t[2] ^ low ^ half.high();
+      if (third > half.high()) thirds_.push_back({low, half.high(), third});
+    }
+    if (thirds_.size() > 1) diagnosis_.duplicate_triangle_count += RepeatedIn(thirds_);
   }
-  diagnosis.euler_characteristic = static_cast<std::int64_t>(diagnosis.vertex_count) -
-                                   static_cast<std::int64_t>(diagnosis.edge_count) +
-                                   static_cast<std::int64_t>(edged_triangle_count);
-}
+
+  const TriangleMesh& mesh_;
+  MeshDiagnosis& diagnosis_;
+  SideForest sides_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_by_many_;
+  std::vector<Triangle> thirds_;
+};
 
 }  // namespace
 
@@ -202,11 +198,10 @@ MeshDiagnosis Diagnose(const TriangleMesh& mesh) {
   MeshDiagnosis diagnosis;
   diagnosis.triangle_count = mesh.triangles.size();
   CountShapes(mesh, diagnosis);
-  CountDuplicates(mesh, diagnosis);
-  SideForest parts(mesh.triangles.size());
-  SideForest sides(mesh.triangles.size());
-  CountEdges(SortedEdgeUses(mesh), parts, sides, diagnosis);
-  CountParts(mesh, parts, sides, diagnosis);
+  EdgeCount edges(mesh, diagnosis);
+  HalfEdges(mesh).ForEachEdge(
+      [&](std::uint32_t low, std::span<const HalfEdge> edge) { edges.Add(low, edge); });
+  edges.CountParts();
   return diagnosis;
 }
 

@@ -49,7 +49,7 @@ struct MeshDiagnosis {
   std::int64_t euler_characteristic = 0;
 };
 
-/// One pass and two sorts of the edges and triangles; about 0.5 s a million triangles.
+/// Linear in the triangles. No more than kMaxHalfEdgeTriangles (half_edges.h).
 MeshDiagnosis Diagnose(const TriangleMesh& mesh);
 
 /// Sentences a person can act on, each beginning with the model's name; none for a
