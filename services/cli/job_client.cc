@@ -142,7 +142,8 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
                                std::string(View(health.message)),
                                health.role,
                                health.state,
-                               health.pid};
+                               health.pid,
+                               std::chrono::steady_clock::now()};
       });
 }
 

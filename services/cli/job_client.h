@@ -51,6 +51,7 @@ struct ServiceView {
   intaglio_ServiceRole role = intaglio_ROLE_JOB_SERVICE;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   int pid = 0;
+  std::chrono::steady_clock::time_point heard_at;  ///< its newest word
 };
 
 /// Seen by all, commanded by those whose identity allows it: the commands are refused

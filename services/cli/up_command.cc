@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "materials_db/material_store.h"
 #include "proto/job_file.h"
@@ -26,6 +28,8 @@ using namespace std::chrono_literals;
 
 // A shop that was killed a moment ago needs this long to go.
 constexpr auto kLeaveTime = 5s;
+// Whoever still speaks so long after it was found has not been killed; five words.
+constexpr auto kGoesOnTime = 1s;
 
 struct UpOptions {
   bus::BusOptions bus;
@@ -62,7 +66,8 @@ VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine) {
 
 /// A second job service would take every submission again, a second synchronizer would
 /// fire the same laser.
-Status CheckNobodyServes(const JobClient& client, const ServiceSetOptions& set) {
+std::optional<ServiceView> RivalOf(const ServiceSetOptions& set,
+                                   const JobClient& client) {
   for (const ServiceView& service : client.services()) {
     const bool of_shop =
         service.role == intaglio_ROLE_JOB_SERVICE && !set.without.contains("job-service");
@@ -71,13 +76,26 @@ Status CheckNobodyServes(const JobClient& client, const ServiceSetOptions& set) 
                                           !set.without.contains("synchronizer")) ||
                                          (service.role == intaglio_ROLE_MOTION_BRIDGE &&
                                           !set.without.contains("motion-bridge")));
-    if (!of_shop && !of_cell) continue;
-    return Fail(ErrorCode::kRefused,
-                fmt::format("{} (process {} on {}) is there already: end that shop, or "
-                            "open this one in another --domain or with another --tag",
-                            service.instance, service.pid, service.host));
+    if (of_shop || of_cell) return service;
   }
-  return {};
+  return std::nullopt;
+}
+
+Status AwaitNoRival(const ServiceSetOptions& set, JobClient& client,
+                    std::chrono::milliseconds discovery_time) {
+  client.PollUntil([] { return false; }, discovery_time);
+  const auto looked_until = std::chrono::steady_clock::now();
+  std::optional<ServiceView> rival;
+  const auto is_decided = [&] {
+    rival = RivalOf(set, client);
+    return !rival || rival->heard_at > looked_until + kGoesOnTime;
+  };
+  client.PollUntil(is_decided, kLeaveTime);
+  if (!rival) return {};
+  return Fail(ErrorCode::kRefused,
+              fmt::format("{} (process {} on {}) is there already: end that shop, or "
+                          "open this one in another --domain or with another --tag",
+                          rival->instance, rival->pid, rival->host));
 }
 
 /// A file for each time that the shop is open.
@@ -117,12 +135,7 @@ int Up(const UpOptions& options) {
   }
   bus::Bus bus(set.bus);
   JobClient client(bus);
-  client.PollUntil([] { return false; }, bus.discovery_time());
-  Status alone;
-  const auto is_alone = [&] {
-    return (alone = CheckNobodyServes(client, set)).has_value();
-  };
-  if (!client.PollUntil(is_alone, kLeaveTime)) {
+  if (auto alone = AwaitNoRival(set, client, bus.discovery_time()); !alone) {
     return Complain(alone.error(), kExitWrongInput);
   }
   const VirtualMachine virtual_machine = MachineOf(options, *machine);
