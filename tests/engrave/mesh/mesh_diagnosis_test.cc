@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "tests/engrave/mesh/test_meshes.h"
@@ -146,6 +148,41 @@ struct EdgeOracle {
   }
 };
 
+std::uint64_t DuplicatesByASet(const TriangleMesh& mesh) {
+  std::set<Triangle> distinct;
+  for (Triangle t : mesh.triangles) {
+    std::sort(t.begin(), t.end());
+    distinct.insert(t);
+  }
+  return mesh.triangles.size() - distinct.size();
+}
+
+/// Triangles with two corners in common are of one part, until nothing changes.
+std::uint64_t PartsByRelabelling(const TriangleMesh& mesh) {
+  std::vector<Triangle> edged;
+  for (Triangle t : mesh.triangles) {
+    std::sort(t.begin(), t.end());
+    if (t[0] != t[1] && t[1] != t[2]) edged.push_back(t);
+  }
+  std::vector<std::size_t> part(edged.size());
+  std::iota(part.begin(), part.end(), std::size_t{0});
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t a = 0; a < edged.size(); ++a) {
+      for (std::size_t b = 0; b < edged.size(); ++b) {
+        Triangle common;
+        const auto end =
+            std::set_intersection(edged[a].begin(), edged[a].end(), edged[b].begin(),
+                                  edged[b].end(), common.begin());
+        if (end - common.begin() < 2 || part[a] <= part[b]) continue;
+        part[a] = part[b];
+        changed = true;
+      }
+    }
+  }
+  return std::set<std::size_t>(part.begin(), part.end()).size();
+}
+
 TEST(MeshDiagnosis, AgreesWithAMapOfEdgesOnTriangleSoup) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {
@@ -170,6 +207,8 @@ TEST(MeshDiagnosis, AgreesWithAMapOfEdgesOnTriangleSoup) {
               oracle.Count([](const auto& u) { return u.size() > 2; }));
     EXPECT_EQ(d.flipped_edge_count,
               oracle.Count([](const auto& u) { return u.size() == 2 && u[0] == u[1]; }));
+    EXPECT_EQ(d.duplicate_triangle_count, DuplicatesByASet(mesh));
+    EXPECT_EQ(d.component_count, PartsByRelabelling(mesh));
   }
 }
 
