@@ -29,9 +29,10 @@ Result<TriangleMesh> Import(const std::string& ply) {
 }
 
 TEST(PlyHeader, NamesItsListsAsTheLibrarySeesThem) {
-  const auto lists = PlyListsOf(
+  const std::string header =
       "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 8\nproperty float x\r\n\t "
-      "element  face\t12 \felement edge 3\nelement 7\nelement row9 0"s);
+      "element  face\t12 \felement edge 3\nelement 7\nelement row9 0";
+  const auto lists = PlyListsOf(header);
   ASSERT_EQ(lists.size(), 5u);
   const std::pair<std::string_view, std::uint64_t> expected[] = {
       {"vertex", 8}, {"face", 12}, {"edge", 3}, {"7", 7}, {"row9", 0}};
