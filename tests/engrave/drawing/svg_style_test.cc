@@ -6,6 +6,7 @@
 
 #include "engrave/drawing/svg_read.h"
 #include "tests/engrave/drawing/lengths.h"
+#include "tests/sanitizers.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -133,7 +134,8 @@ TEST(SvgStyle, SheetsWithoutEndAreRefusedOrReadSoon) {
     // bound on the work each of these takes minutes.
     const std::clock_t begin = std::clock();
     const auto drawing = ReadSvg("<svg>" + content + "</svg>");
-    EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC) << content.substr(0, 50);
+    EXPECT_LT(std::clock() - begin, 10 * test::kSanitizersTake * CLOCKS_PER_SEC)
+        << content.substr(0, 50);
     if (drawing) return std::nullopt;
     return drawing.error().code;
   };

@@ -7,7 +7,7 @@
 namespace intaglio::image {
 namespace {
 
-void Put(std::string& to, std::uint32_t value, int size) {
+void Put(std::string& to, std::uint64_t value, int size) {
   for (int i = 0; i < size; ++i) to.push_back(static_cast<char>(value >> 8 * i & 255U));
 }
 
