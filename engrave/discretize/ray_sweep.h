@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "engrave/core/result.h"
 #include "engrave/discretize/ray_grid.h"
 #include "engrave/mesh/mesh.h"
 
