@@ -22,8 +22,6 @@ constexpr std::uint64_t kLockstepWindowTicks = 512;
 constexpr std::uint64_t kLeastOwnClockTicks = 64;
 constexpr std::uint64_t kTicksToRest = 4;
 constexpr int kMaxLateStarts = 5;
-// A status comes every 20 ms; without one nothing is known of the interlocks.
-constexpr auto kStatusLease = 500ms;
 constexpr auto kShutterTimeout = 2s;
 
 std::string TextFor(Missing missing, const MotionView& motion) {
@@ -33,35 +31,20 @@ std::string TextFor(Missing missing, const MotionView& motion) {
 }  // namespace
 
 Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
-                     JournalWriter& journal, PulseSchedule::ResultSink results)
+                     JournalWriter& journal, PermissionChain& chain,
+                     PulseSchedule::ResultSink results)
     : job_(std::move(job)),
       laser_(laser),
       feed_(feed),
       journal_(journal),
+      chain_(chain),
       results_(std::move(results)),
       ledger_(job_.machine_points_mm.size()),
       open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent, job_.masks) {
   word_grant_ = job_.earlier.word_grant;
+  // Armed before there was a path, and spent before it came.
+  if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
   if (!job_.earlier.points.empty()) TakeUp();
-}
-
-ChainLinks Engraving::LinksOf(const EngravingInputs& inputs) const {
-  ChainLinks links;
-  links.permission_fresh = inputs.permission_fresh;
-  links.permission_granted = inputs.permission_granted;
-  links.grant = inputs.grant;
-  links.stop_not_pressed = !inputs.stop_pressed;
-  links.laser_line_up = laser_.up() && inputs.now - status_at_ < kStatusLease;
-  links.key_on = laser_.Has(link::kKeyOn);
-  links.door_closed = laser_.Has(link::kDoorClosed);
-  links.stop_released = laser_.Has(link::kStopReleased);
-  links.no_safe_state = !laser_.Has(link::kSafeState);
-  links.lamp_warm = laser_.Has(link::kLampOn) && laser_.Has(link::kLampWarm);
-  links.motion_fresh = inputs.motion.fresh;
-  links.motion_without_fault = inputs.motion.fault == intaglio_MOTION_OK;
-  // Another one that is open would let the pulses into another block.
-  links.shutters_open = run_mask_ != 0 && laser_.status().shutters_open == run_mask_;
-  return links;
 }
 
 std::uint64_t Engraving::TickNow(const EngravingInputs& inputs) const {
@@ -86,7 +69,6 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   const std::pair status_number{laser_.session(), laser_.status_number()};
   if (laser_.up() && status_number != status_number_) {
     status_number_ = status_number;
-    status_at_ = inputs.now;
     clock_.Observe(laser_.status(), inputs.now);
   }
   HearDisarmed();
@@ -133,7 +115,7 @@ void Engraving::Await(const EngravingInputs& inputs) {
     AbortEarlierRun(inputs);
     KeepIdleTicksPassing();
   }
-  ChainLinks links = LinksOf(inputs);
+  ChainLinks links = LinksNow(inputs);
   // A stage's fault is cleared by the bridge when it begins the run.
   if (!chain_.latched() && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
     links.motion_without_fault = true;
@@ -190,8 +172,8 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   (void)laser_.RequestStatus();
   const link::LaserStatus& status = laser_.status();
   if (!started() || power_up_ != laser_.identity().power_up) TakeCounters();
-  if (openings_accepted_ != openings_) {
-    openings_accepted_ = openings_;
+  if (openings_accepted_ != chain_.counters().openings) {
+    openings_accepted_ = chain_.counters().openings;
     TellSession();
   }
   session_ = laser_.session();
@@ -224,7 +206,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
   if (laser_.session() != session_) {
     return Halt(Missing::kLaserLine, TextOf(Missing::kLaserLine), true);
   }
-  ChainLinks links = LinksOf(inputs);
+  ChainLinks links = LinksNow(inputs);
   // Until the controller executes this run, a fault is that of an older one, which the
   // bridge clears, or a start that came too late, which is tried again.
   const bool our_run = inputs.motion.run == run_;
@@ -316,7 +298,7 @@ void Engraving::DecideTicks(const EngravingInputs& inputs) {
     // A narrow window costs as much as a wide one; wait unless the machine waits for us.
     const bool idle = reported_through_ >= decided_ && windows_.empty();
     if (lockstep && last - decided_ < window / 4 && !idle) return;
-    if (!LinksOf(inputs).shutters_open) return AwaitShutter(inputs);
+    if (!LinksNow(inputs).shutters_open) return AwaitShutter(inputs);
     if (!Prearm(decided_ + 1, last)) return;
     decided_ = last;
   }

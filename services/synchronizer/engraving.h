@@ -34,8 +34,8 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/optics/machine_frame.h"
-#include "idl/motion.h"
 #include "services/synchronizer/earlier_work.h"
+#include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/journal_writer.h"
 #include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/motion_feed.h"
@@ -46,37 +46,6 @@
 #include "services/synchronizer/tick_clock.h"
 
 namespace intaglio::synchronizer {
-
-/// The bridge's newest word, and whether it is young enough to act on.
-struct MotionView {
-  bool fresh = false;
-  std::uint64_t tick = 0;
-  Vec3 position_mm = Vec3::Zero();
-  std::uint32_t run = 0;
-  std::uint32_t highest_run = 0;
-  std::uint64_t covered_through_tick = 0;
-  bool at_rest = false;
-  intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
-  std::string message;
-  std::uint32_t clock = 0;  ///< the controller's own; 0: it runs on the lamp's ticks
-};
-
-/// What the outside says at one turn.
-struct EngravingInputs {
-  std::chrono::nanoseconds now{0};  ///< monotonic
-  bool permission_fresh = false;
-  bool permission_granted = false;
-  Grant grant;  ///< of this job; granted or withdrawn
-  bool stop_pressed = false;
-  std::uint32_t speed_percent = 100;  ///< override, 10..100
-  std::uint32_t first_point = 0;      ///< open points before it are left out
-  /// With the grant: a person's word to fire again what is uncertain when it is heard, or
-  /// becomes so of what was armed before it.
-  bool fire_uncertain = false;
-  MotionView motion;
-  /// Of a controller with a clock of its own; lives as long as the Engraving.
-  MotionClock* motion_clock = nullptr;
-};
 
 struct EngravingJob {
   std::string uid;
@@ -101,8 +70,10 @@ class Engraving {
  public:
   enum class Phase { kPreparing, kWaiting, kRunning, kHalting, kDone };
 
+  /// `chain` has been told of the job, and is turned by this from now on.
   Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
-            JournalWriter& journal, PulseSchedule::ResultSink results);
+            JournalWriter& journal, PermissionChain& chain,
+            PulseSchedule::ResultSink results);
 
   void Turn(const EngravingInputs& inputs);
   /// The controller's report, as LaserController::Poll hands it over.
@@ -140,7 +111,9 @@ class Engraving {
   std::uint64_t settled_by_memory() const { return settled_by_memory_; }
 
  private:
-  ChainLinks LinksOf(const EngravingInputs& inputs) const;
+  ChainLinks LinksNow(const EngravingInputs& inputs) const {
+    return LinksOf(inputs, laser_, run_mask_);
+  }
   std::uint64_t TickNow(const EngravingInputs& inputs) const;
   std::uint64_t AheadTicks() const;
   bool MotionClockSettles(const EngravingInputs& inputs);
@@ -152,7 +125,6 @@ class Engraving {
   void LeaveSafeState(const EngravingInputs& inputs);
   void LightLamp(const EngravingInputs& inputs);
   void TurnChain(const EngravingInputs& inputs);
-  bool WasOpened(const ChainLinks& links);
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);
@@ -208,6 +180,7 @@ class Engraving {
   LaserController& laser_;
   MotionFeed& feed_;
   JournalWriter& journal_;
+  PermissionChain& chain_;
   PulseSchedule::ResultSink results_;
   PointLedger ledger_;
   OpenPoints open_points_;
@@ -216,7 +189,6 @@ class Engraving {
 
   Phase phase_ = Phase::kPreparing;
   std::string message_;
-  PermissionChain chain_;
   bool granted_ = false, grant_heard_ = false;  // by the newest word; of this job
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
@@ -254,9 +226,9 @@ class Engraving {
   // Both modulo 2^32: what the controller counted before, and what it made for us.
   std::uint32_t pulses_before_job_ = 0;
   std::uint32_t fired_count_ = 0;
-  // Of interlocks: acted on, in which power-up (0: none yet), and those that a run was
-  // begun in spite of, which are what later lives need not ask about.
-  std::uint32_t openings_ = 0, openings_power_up_ = 0, openings_accepted_ = 0;
+  // Openings of interlocks in spite of which a run was begun: what later lives need not
+  // ask about.
+  std::uint32_t openings_accepted_ = 0;
   std::uint32_t doubts_left_ = 0;  // pulses that may have made the next open points
   std::uint64_t uncertain_before_halt_ = 0;
   std::uint64_t settled_by_memory_ = 0;
@@ -272,7 +244,6 @@ class Engraving {
   bool disarm_seen_ = false;
   TickClock clock_;
   std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number
-  std::chrono::nanoseconds status_at_{0};
   std::chrono::nanoseconds next_request_{0}, next_close_{0}, next_past_{0},
       next_abort_{0};
   std::uint64_t lamp_session_ = 0;

@@ -14,9 +14,6 @@ using namespace std::chrono_literals;
 constexpr auto kSettleTimeout = 2s;
 // Passes in a row that were broken off over a skipped point before they made any.
 constexpr int kMaxFruitlessRuns = 5;
-constexpr const char* kOpenedUnseen =
-    "key, door or stop button was opened while nobody watched: look at the block, then "
-    "resume or cancel";
 
 SkipReason ReasonOf(Missing missing) {
   switch (missing) {
@@ -35,8 +32,9 @@ SkipReason ReasonOf(Missing missing) {
     case Missing::kKey:
     case Missing::kDoor:
     case Missing::kSafeState:
+    case Missing::kOpenedUnseen:
       return SkipReason::kInterlock;
-    case Missing::kNothing:
+    default:
       break;
   }
   return SkipReason::kNoPermission;
@@ -114,7 +112,7 @@ void Engraving::HaltOverMissed() {
 // the controller's own: then the run does not start again by itself.
 void Engraving::LookForFaultBehindSkips(const EngravingInputs& inputs) {
   if (!starts_again_) return;
-  ChainLinks links = LinksOf(inputs);
+  ChainLinks links = LinksNow(inputs);
   // A run that came too late is no fault of this one.
   if (inputs.motion.run != run_) links.motion_without_fault = true;
   const Missing missing = FirstMissing(links, false);
@@ -126,36 +124,19 @@ void Engraving::LookForFaultBehindSkips(const EngravingInputs& inputs) {
 
 // Key, door and stop latch also before and between runs.
 void Engraving::TurnChain(const EngravingInputs& inputs) {
-  ChainLinks links = LinksOf(inputs);
-  // An arm is heard when there is somebody to act on it: a Reset is sent between runs.
+  ChainLinks links = LinksNow(inputs);
+  // A new arm counts when it can be acted on: a Reset is sent between runs.
   if (phase_ == Phase::kHalting) links.permission_fresh = false;
-  const bool opened = WasOpened(links);
-  if (opened) links.door_closed = false;
-  const Missing missing = chain_.Turn(links, inputs.now);
-  if (missing == Missing::kNothing || stopping_) return;
+  const Missing spent_by = chain_.Turn(links, inputs.now);
+  if (spent_by == Missing::kNothing || stopping_) return;
   if (phase_ == Phase::kRunning) {
-    // What is seen to be open halts it by itself.
-    if (opened) Halt(missing, kOpenedUnseen, true);
+    // An interlock that is open now halts it by itself.
+    if (IsUnseen(spent_by)) Halt(spent_by, TextOf(spent_by), true);
     return;
   }
   starts_again_ = lost_a_line_ = false;
-  message_ = opened ? kOpenedUnseen : TextOf(missing);
+  message_ = TextOf(spent_by);
   if (asked_) message_ += "; " + QuestionOverUncertain();
-}
-
-// Opened while nobody listened to the machine, or for less than a status: what is seen to
-// be open is none of this. A job that is taken up waits for its grant, which is what an
-// opening costs; a new power-up counts from the beginning.
-bool Engraving::WasOpened(const ChainLinks& links) {
-  if (!links.laser_line_up || (taken_up_ && links.grant.number == 0)) return false;
-  const std::uint32_t power_up = laser_.identity().power_up;
-  const std::uint32_t told = laser_.status().openings;
-  const std::uint32_t known = openings_power_up_ == power_up ? openings_
-                              : openings_power_up_ != 0      ? 0
-                                                             : told;
-  openings_ = told;
-  openings_power_up_ = power_up;
-  return told != known && links.key_on && links.door_closed && links.stop_released;
 }
 
 // Outside a run no shutter is open, whatever happened before.

@@ -58,8 +58,7 @@ void Engraving::TakeUp() {
   run_ = earlier.highest_run;
   power_up_ = earlier.power_up;
   pulses_before_job_ = earlier.pulses_before_job;
-  openings_ = openings_accepted_ = earlier.openings;
-  openings_power_up_ = power_up_;
+  openings_accepted_ = earlier.openings;
   std::vector<PulseResult> armed;
   for (std::uint32_t point = 0; point < earlier.points.size(); ++point) {
     const formats::PointHistory& history = earlier.points[point];

@@ -72,7 +72,7 @@ void Engraving::KeepIdleTicksPassing() {
 // On the operator's word, which is the grant.
 void Engraving::LeaveSafeState(const EngravingInputs& inputs) {
   const bool latched = laser_.Has(link::kSafeState) || !laser_.Has(link::kStopReleased);
-  if (!latched || !chain_.may_reset(LinksOf(inputs))) return;
+  if (!latched || !chain_.may_reset(LinksNow(inputs))) return;
   if (!laser_.CanSend() || inputs.now < next_request_) return;
   next_request_ = inputs.now + kRequestPeriod;
   (void)laser_.Reset();

@@ -5,7 +5,7 @@ namespace intaglio::synchronizer {
 using link::LaserFrame;
 
 LaserController::LaserController(link::StreamOpener open, link::SteadyClock clock)
-    : session_(std::move(open), std::move(clock)) {}
+    : clock_(std::move(clock)), session_(std::move(open), clock_) {}
 
 void LaserController::Poll(const ReportSink& sink, const PastSink& past) {
   session_.Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
@@ -36,6 +36,7 @@ void LaserController::Handle(LaserFrame type, std::span<const std::byte> payload
     if (!status) return;
     status_ = *status;
     ++status_number_;
+    status_at_ = clock_();
   } else if (type == LaserFrame::kPulseReport) {
     if (const auto report = link::Decode<link::PulseReport>(payload)) sink(*report);
   } else if (type == LaserFrame::kPastReport) {

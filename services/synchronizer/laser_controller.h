@@ -3,6 +3,7 @@
 // The laser controller at the end of the laser line, as the synchronizer sees it.
 // Not thread-safe; nothing blocks.
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -15,6 +16,8 @@ namespace intaglio::synchronizer {
 class LaserController {
  public:
   using ReportSink = std::function<void(const link::PulseReport&)>;
+  /// A status comes every 20 ms; without one nothing is known of the interlocks.
+  static constexpr std::chrono::milliseconds kStatusLease{500};
   using PastSink = std::function<void(const link::PastReport&)>;
 
   LaserController(link::StreamOpener open, link::SteadyClock clock);
@@ -37,6 +40,10 @@ class LaserController {
   const link::LaserStatus& status() const { return status_; }
   /// Statuses of this session; grows with each.
   std::uint64_t status_number() const { return status_number_; }
+  /// Up, and the newest status is young enough to act on.
+  bool IsFresh(std::chrono::nanoseconds now) const {
+    return up() && now - status_at_ < kStatusLease;
+  }
   /// Grows with every session, i.e. whenever what was sent may have been lost.
   std::uint64_t session() const { return sessions_; }
   /// A status that was made after the newest Disarm of this session has come.
@@ -60,6 +67,7 @@ class LaserController {
               const ReportSink& sink, const PastSink& past);
   Status SendFrame(link::LaserFrame type, const link::Bytes& payload = {});
 
+  link::SteadyClock clock_;
   link::LineSession session_;
   link::LaserIdentity identity_;
   link::LaserStatus status_;
@@ -67,6 +75,7 @@ class LaserController {
   bool identified_now_ = false;  // in this Poll
   std::uint32_t polled_sessions_ = 0;
   std::uint64_t status_number_ = 0;
+  std::chrono::nanoseconds status_at_{0};
   std::uint64_t sessions_ = 0;
   std::uint32_t disarms_sent_ = 0;
 };

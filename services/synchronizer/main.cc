@@ -17,6 +17,10 @@ struct Options {
   std::vector<double> block_mm;
 };
 
+// A job that is armed before the laser answers has to be armed again, for nobody watched
+// key and door. So the first jobs wait a moment for it.
+constexpr auto kLaserTime = 2s;
+
 std::chrono::nanoseconds Now() {
   return std::chrono::steady_clock::now().time_since_epoch();
 }
@@ -36,9 +40,14 @@ int Serve(host::ServiceHost& host, const Options& options) {
   synchronizer::Synchronizer cell(host, *machine, block_mm);
   host::PollLoop loop(host.bus());
   cell.AttachTo(loop);
-  host.SetHealth(intaglio_HEALTH_READY);
+  const auto ready_at = Now() + kLaserTime;
+  bool ready = false;
   const auto turn = [&] {
     cell.Turn(Now());
+    if (!ready && (cell.watches() || Now() >= ready_at)) {
+      ready = true;
+      host.SetHealth(intaglio_HEALTH_READY);
+    }
     host.KeepAlive();
     loop.Wait(std::array{cell.laser_fd(), cell.journal_fd()}, 5ms);
   };

@@ -1,7 +1,12 @@
 #include "services/synchronizer/permission_chain.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
+#include <utility>
+
+#include "services/host/absence_limit.h"
 
 namespace intaglio::synchronizer {
 namespace {
@@ -25,6 +30,24 @@ bool OnlyMachineStopIsOpen(const ChainLinks& links) {
   released.stop_released = true;
   return !links.stop_released && links.laser_line_up &&
          OpenInterlock(released) == Missing::kNothing;
+}
+
+Missing ReasonOf(UnseenEvent event) {
+  switch (event) {
+    case UnseenEvent::kNone:
+      break;
+    case UnseenEvent::kOpened:
+      return Missing::kOpenedUnseen;
+    case UnseenEvent::kPowerCycle:
+      return Missing::kPowerCycle;
+    case UnseenEvent::kNotWatched:
+      return Missing::kNotWatched;
+    case UnseenEvent::kLaserAway:
+      return Missing::kLaserAway;
+    case UnseenEvent::kMotionAway:
+      return Missing::kMotionAway;
+  }
+  return Missing::kNothing;
 }
 
 bool IsGranted(const ChainLinks& links) {
@@ -73,6 +96,25 @@ std::string TextOf(Missing missing) {
       return "the stage reports a fault";
     case Missing::kShutter:
       return "the shutter does not open: check its drive, then resume";
+    case Missing::kOpenedUnseen:
+      return "key, door or stop button was opened while nobody watched: look at the "
+             "block, then resume or cancel";
+    case Missing::kPowerCycle:
+      return "the laser controller was switched off and on: see that the right block is "
+             "in the machine, then resume or cancel";
+    case Missing::kNotWatched:
+      return "key and door were not watched until now: see that the right block is in "
+             "the machine, then resume or cancel";
+    case Missing::kLaserAway:
+      return fmt::format(
+          "the laser controller was silent for more than {} s: see that the right block "
+          "is in the machine, then resume or cancel",
+          host::kMaxAbsence.count());
+    case Missing::kMotionAway:
+      return fmt::format(
+          "the motion controller was silent for more than {} s: see that the right "
+          "block is in the machine, then resume or cancel",
+          host::kMaxAbsence.count());
   }
   return "";
 }
@@ -83,6 +125,7 @@ void PermissionChain::Spend() {
 }
 
 void PermissionChain::Latch(bool only_renewal) {
+  spent_by_ = Missing::kNothing;
   if (!only_renewal) return Spend();
   spent_ = std::max(spent_, grant_);
   state_ = State::kLatched;
@@ -92,8 +135,49 @@ bool PermissionChain::IsNewestGranted(const ChainLinks& links) const {
   return IsGranted(links) && IsNewest(links);
 }
 
+void PermissionChain::BeginJob() {
+  state_ = State::kClear;
+  grant_ = spent_ = {};
+  spent_by_ = before_first_grant_ = Missing::kNothing;
+}
+
+void PermissionChain::BeginTakenUpJob(const MachineCounters& counters) {
+  BeginJob();
+  watch_.Expect(counters);
+}
+
+void PermissionChain::Watch(const ChainLinks& links, std::chrono::nanoseconds now) {
+  (void)LookForUnseenEvent(links, now);
+}
+
+Missing PermissionChain::LookForUnseenEvent(const ChainLinks& links,
+                                            std::chrono::nanoseconds now) {
+  const bool closed = links.key_on && links.door_closed && links.stop_released;
+  return ReasonOf(watch_.Update(
+      {links.laser_line_up, closed, links.counters, links.motion_fresh}, now));
+}
+
 Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds now) {
+  Missing unseen = LookForUnseenEvent(links, now);
   grant_ = std::max(grant_, links.grant);
+  const bool had_worth = HasWorth();
+  if (grant_.number == 0) {
+    if (unseen != Missing::kNothing) before_first_grant_ = unseen;
+    unseen = Missing::kNothing;
+  } else if (before_first_grant_ != Missing::kNothing) {
+    unseen = std::exchange(before_first_grant_, Missing::kNothing);
+  }
+  if (unseen != Missing::kNothing) Spend();
+  Missing by = AdvanceState(links, now);
+  if (by == Missing::kNothing) by = unseen;
+  if (!had_worth) by = Missing::kNothing;
+  if (by != Missing::kNothing) spent_by_ = by;
+  if (!has_spent()) spent_by_ = Missing::kNothing;
+  return by;
+}
+
+Missing PermissionChain::AdvanceState(const ChainLinks& links,
+                                      std::chrono::nanoseconds now) {
   const bool newer = grant_ > spent_, armed_anew = grant_.number > spent_.number;
   const Missing open = OpenInterlock(links);
   const bool may_clear = links.laser_line_up && IsNewestGranted(links);
@@ -125,7 +209,7 @@ Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds 
       break;
   }
   Spend();
-  return newer ? open : Missing::kNothing;
+  return open;
 }
 
 Missing PermissionChain::WhatIsMissing(const ChainLinks& links,
@@ -134,6 +218,9 @@ Missing PermissionChain::WhatIsMissing(const ChainLinks& links,
   const bool worth = state_ == State::kClear && IsNewest(links) && links.grant > spent_;
   return missing == Missing::kNothing && !worth ? Missing::kPermission : missing;
 }
+
+// Itself, or a renewal of it.
+bool PermissionChain::HasWorth() const { return grant_.number > 0 && !has_lost(grant_); }
 
 bool PermissionChain::has_lost(const Grant& grant) const {
   return Grant{grant.number, kEveryRenewal} <= spent_;

@@ -15,6 +15,12 @@
 // greater one on the word that was given before; unless an interlock is open meanwhile.
 // An older grant than the newest that was seen, granted or withdrawn, is worth nothing.
 //
+// The chain exists as long as the process, and is updated from the moment a job is given
+// to it: an arm may come long before the path, and what is opened in between spends it.
+// So does every event that the machine watch reports (machine_watch.h): an opening that
+// nobody saw, a power cycle of the laser controller, a controller that was away for too
+// long. An event before the first grant of a job is known counts against that grant.
+//
 // clang-format off
 //             an interlock is open, or a fault: the newest grant is spent
 //         +------------------------------------------------------------+
@@ -43,6 +49,8 @@
 #include <cstdint>
 #include <string>
 
+#include "services/synchronizer/machine_watch.h"
+
 namespace intaglio::synchronizer {
 
 /// Ordered by number, then by renewal.
@@ -66,6 +74,7 @@ struct ChainLinks {
   bool motion_fresh = false;
   bool motion_without_fault = false;
   bool shutters_open = false;
+  MachineCounters counters;  ///< of the laser controller, while its line is up
 };
 
 enum class Missing : std::uint8_t {
@@ -80,7 +89,16 @@ enum class Missing : std::uint8_t {
   kMotionState,
   kMotionFault,
   kShutter,
+  // Never a missing link: reasons why a grant was spent (UnseenEvent).
+  kOpenedUnseen,
+  kPowerCycle,
+  kNotWatched,
+  kLaserAway,
+  kMotionAway,
 };
+
+/// A reason why a grant was spent that no link shows.
+constexpr bool IsUnseen(Missing missing) { return missing >= Missing::kOpenedUnseen; }
 
 /// The first link that does not hold by itself, whatever is spent; shutters are looked at
 /// when `with_shutters`, which is what whoever is about to arm does: they open when all
@@ -96,8 +114,14 @@ class PermissionChain {
   /// The machine answers a Reset with a status within 20 ms, a loaded computer later.
   static constexpr std::chrono::milliseconds kResetTime{500};
 
-  /// Once a turn, before anything is asked. The interlock that spent a grant in this
-  /// turn, or kNothing.
+  /// Another job: grants are numbered by job. What is known of the machine remains.
+  void BeginJob();
+  /// A job that another process began, which left these counters in the journal; none,
+  /// if nobody knows what happened at the machine since the job was armed.
+  void BeginTakenUpJob(const MachineCounters& counters);
+  /// Between two jobs: keeps what is known of the machine up to date.
+  void Watch(const ChainLinks& links, std::chrono::nanoseconds now);
+  /// Once a turn, before anything is asked. What spent a grant in this turn, or kNothing.
   Missing Turn(const ChainLinks& links, std::chrono::nanoseconds now);
   /// A fault of a run: the grant it ran with is spent. `only_renewal`: what was lost is a
   /// line or a neighbour, and a renewal of it will do.
@@ -110,6 +134,9 @@ class PermissionChain {
   bool latched() const { return state_ != State::kClear; }
   /// Latched, and it has cost a grant.
   bool has_spent() const { return latched() && spent_.number > 0; }
+  /// What spent a grant last, of this job: kNothing when it was a fault of a run.
+  Missing spent_by() const { return spent_by_; }
+  const MachineCounters& counters() const { return watch_.counters(); }
   /// No renewal of this one counts any more, but a greater number alone.
   bool has_lost(const Grant& grant) const;
   /// The machine may be told to leave its safe state and its latched stop.
@@ -117,6 +144,9 @@ class PermissionChain {
 
  private:
   void Spend();
+  bool HasWorth() const;
+  Missing LookForUnseenEvent(const ChainLinks& links, std::chrono::nanoseconds now);
+  Missing AdvanceState(const ChainLinks& links, std::chrono::nanoseconds now);
   /// Not one from before the newest, repeated by somebody who was away meanwhile.
   bool IsNewest(const ChainLinks& links) const { return links.grant >= grant_; }
   bool IsNewestGranted(const ChainLinks& links) const;
@@ -124,6 +154,9 @@ class PermissionChain {
   State state_ = State::kClear;
   Grant grant_;  // the newest
   Grant spent_;  // this and all before it
+  Missing spent_by_ = Missing::kNothing;
+  Missing before_first_grant_ = Missing::kNothing;  // an event that it will be spent by
+  MachineWatch watch_;
   std::chrono::nanoseconds resetting_since_{0};
 };
 

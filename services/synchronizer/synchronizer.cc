@@ -66,6 +66,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   TakeMotion(now);
   TakePositions();
   TakeTasks();
+  if (!engraving_) WatchMachine(now);
   if (job_ && !engraving_) {
     TakePath();
   } else {
@@ -121,6 +122,7 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   cancelled_ = false;
   began_at_ = now_;
   estimate_ticks_ = 0;
+  chain_.BeginJob();
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
   if (task.take_up) {
     const auto path = ReadPath(Folder());
@@ -260,13 +262,30 @@ Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
                     job.earlier.damaged_records, (Folder() / kJournalFile).string()),
         job.uid);
   }
+  // What an earlier process left is compared with the machine as it is now.
+  if (on_disk) chain_.BeginTakenUpJob({job.earlier.power_up, job.earlier.openings});
   publisher_.BeginJob(job.uid);
   logged_message_.clear();
   engraving_ = std::make_unique<Engraving>(
-      std::move(job), laser_, feed_, *journal_,
+      std::move(job), laser_, feed_, *journal_, chain_,
       [this](const PulseResult& result) { publisher_.Add(result); });
   intake_.Close();
   return {};
+}
+
+void Synchronizer::WatchMachine(std::chrono::nanoseconds now) {
+  const EngravingInputs inputs = InputsAt(now);
+  const ChainLinks links = LinksOf(inputs, laser_, 0);
+  if (!job_) return chain_.Watch(links, now);
+  (void)chain_.Turn(links, now);
+  if (inputs.grant.number == 0 || !chain_.has_lost(inputs.grant)) return;
+  publisher_.Tell({.job_uid = job_->job_uid(),
+                   .attempt = attempt_,
+                   .state = intaglio_TASK_PAUSED,
+                   .elapsed_s = std::chrono::duration<double>(now - began_at_).count(),
+                   .error_code = ErrorCodeName(ErrorCode::kFault),
+                   .message = TextOf(chain_.spent_by())},
+                  now);
 }
 
 EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
@@ -275,7 +294,7 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
   inputs.permission_fresh =
       permission_at_.count() >= 0 && now - permission_at_ < kPermissionLease;
   const bool ours =
-      permission_epoch_ == job_->epoch() && permission_job_ == job_->job_uid();
+      job_ && permission_epoch_ == job_->epoch() && permission_job_ == job_->job_uid();
   inputs.permission_granted = permission_granted_ && ours;
   if (ours) {
     inputs.grant = permission_grant_;
@@ -283,7 +302,7 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
     inputs.fire_uncertain = fire_uncertain_;
   }
   inputs.stop_pressed = stop_.pressed();
-  inputs.speed_percent = permission_job_ == job_->job_uid() ? speed_percent_ : 100;
+  inputs.speed_percent = ours ? speed_percent_ : 100;
   inputs.motion = motion_view_;
   if (motion_view_.clock != 0) inputs.motion_clock = &motion_clock_;
   return inputs;

@@ -35,6 +35,9 @@ class Synchronizer {
   /// Another synchronizer has the laser: Turn does nothing more.
   bool taken_over() const { return laser_.taken_over(); }
 
+  /// The laser controller answers: from now on openings of key and door are counted.
+  bool watches() const { return laser_.up(); }
+
   int laser_fd() const { return laser_.fd(); }
   int journal_fd() const { return journal_ ? journal_->event_fd() : -1; }
   template <typename Loop>
@@ -66,6 +69,8 @@ class Synchronizer {
                const std::string& message);
   EngraveOutcome Outcome() const;
   EngravingInputs InputsAt(std::chrono::nanoseconds now);
+  /// While no path is there: an arm may have been given already.
+  void WatchMachine(std::chrono::nanoseconds now);
 
   host::ServiceHost& host_;
   MachineSpec machine_;
@@ -82,6 +87,7 @@ class Synchronizer {
   Publisher publisher_;
   LaserController laser_;
   MotionFeed feed_;
+  PermissionChain chain_;
   std::unique_ptr<JournalWriter> journal_;
   std::unique_ptr<Engraving> engraving_;
 

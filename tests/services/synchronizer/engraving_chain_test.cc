@@ -115,6 +115,8 @@ const Moment kMoments[] = {
 class Chain : public testing::TestWithParam<std::tuple<Link, Moment, bool>> {
  protected:
   void SetUp() override {
+    // What the synchronizer does without a renewal of the grant.
+    cell_.acts_as_job_service = false;
     // No faster than a loss can be noticed.
     cell_.lockstep_ticks_a_step = 1;
     ASSERT_TRUE(moment_.reach(cell_));

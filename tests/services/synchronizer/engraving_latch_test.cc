@@ -166,6 +166,7 @@ TEST(EngravingLatch, AStopAtAnyInstantInLockstepIsGotOverByANewArm) {
 
 TEST(EngravingLatch, ALostLineIsGotOverByARenewal) {
   FakeCell cell;
+  cell.acts_as_job_service = false;
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(10));
   cell.CutLine(true);

@@ -164,6 +164,82 @@ TEST_F(EngravingLoss, AnotherPowerUpLeavesArmedPointsUncertainAndNeverFiresThemA
   EXPECT_EQ(cell_.made(), 160 - uncertain);
 }
 
+// The job service renews the arm after a lost line, again and again. A laser that was
+// switched off meanwhile may have another block below it.
+TEST_F(EngravingLoss, APowerCycleCostsTheArmHoweverShortItWas) {
+  for (const auto off : {50ms, 300ms, 800ms, 20000ms, 40000ms}) {
+    SCOPED_TRACE(testing::Message() << "off for " << off.count() << " ms");
+    FakeCell cell({.points = 160});
+    cell.Grant();
+    ASSERT_TRUE(cell.StepUntilMade(40));
+    cell.PowerCycle(off);
+    cell.StepFor(off + 1000ms);
+    const std::size_t made = cell.laser.cracks().size();
+    cell.StepFor(120s);
+    EXPECT_EQ(cell.laser.cracks().size(), made);
+    EXPECT_FALSE(cell.permission_granted) << "the job service has taken it back";
+    EXPECT_TRUE(cell.engraving->waits());
+    EXPECT_FALSE(cell.engraving->lost_a_line()) << "it is not renewed";
+    EXPECT_THAT(cell.engraving->message(),
+                testing::HasSubstr("the laser controller was s"))
+        << "switched off and on, or silent";
+    cell.GrantAnew();
+    ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+    EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  }
+}
+
+// Between two lives of the synchronizer, too.
+TEST_F(EngravingLoss, APowerCycleThatNobodySawCostsTheArm) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(40));
+  cell_.PowerCycle(100ms);
+  cell_.DieAndTakeUp();
+  cell_.StepFor(1000ms);
+  const std::size_t made = cell_.laser.cracks().size();
+  cell_.StepFor(60s);
+  EXPECT_EQ(cell_.laser.cracks().size(), made);
+  EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("switched off and on"));
+  GoOnToTheEnd();
+}
+
+// The cable was out, the laser on all the time, and its door was never opened.
+TEST_F(EngravingLoss, ALineThatWasDownForLongerThanTheLimitCostsTheArm) {
+  for (const auto& [down, goes_on] : {std::pair{25s, true}, {35s, false}}) {
+    SCOPED_TRACE(testing::Message() << down.count() << " s");
+    FakeCell cell({.points = 160});
+    cell.Grant();
+    ASSERT_TRUE(cell.StepUntilMade(40));
+    cell.CutLine(true);
+    cell.StepFor(down);
+    cell.CutLine(false);
+    cell.StepFor(1000ms);
+    const std::size_t made = cell.laser.cracks().size();
+    cell.StepFor(60s);
+    EXPECT_EQ(cell.done(), goes_on) << cell.Description();
+    if (goes_on) continue;
+    EXPECT_EQ(cell.laser.cracks().size(), made);
+    EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("more than 30 s"));
+    cell.GrantAnew();
+    ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
+    EXPECT_THAT(cell.Disagreements(), IsEmpty());
+  }
+}
+
+TEST_F(EngravingLoss, AMotionControllerThatWasAwayForLongerThanTheLimitCostsTheArm) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(40));
+  cell_.stage.silent = true;
+  cell_.StepFor(35s);
+  cell_.stage.silent = false;
+  cell_.StepFor(1000ms);
+  const std::size_t made = cell_.laser.cracks().size();
+  cell_.StepFor(60s);
+  EXPECT_EQ(cell_.laser.cracks().size(), made);
+  EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("motion controller"));
+  GoOnToTheEnd();
+}
+
 TEST_F(EngravingLoss, AfterAnotherPowerUpTheNewCounterCounts) {
   cell_.Grant();
   ASSERT_TRUE(cell_.StepUntilMade(40));

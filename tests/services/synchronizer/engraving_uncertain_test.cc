@@ -15,8 +15,9 @@ INSTANTIATE_TEST_SUITE_P(Engraving, Uncertain, testing::Bool(), [](const auto& p
 
 TEST_P(Uncertain, AreLeftWithoutAQuestionUnlessTheJobAsks) {
   FakeCell cell({.points = kPoints, .lockstep = lockstep()});
-  LeaveSomeUncertain(cell, 40);
-  cell.RenewGrant();
+  cell.Grant();
+  ASSERT_TRUE(cell.StepUntilMade(40));
+  cell.CutLineOverForgottenPulses();
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
   EXPECT_GT(cell.Count(PointState::kUncertain), 0u);
   EXPECT_THAT(cell.Disagreements(), IsEmpty());

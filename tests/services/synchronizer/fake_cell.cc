@@ -21,6 +21,9 @@ namespace fs = std::filesystem;
 
 // As services/synchronizer/synchronizer.cc has it.
 constexpr auto kMotionLease = 500ms;
+// As services/job_service has them.
+constexpr auto kHold = 300ms;
+constexpr int kMaxRenewals = 20;
 
 fs::path NewJournalFile() {
   static int number = 0;
@@ -78,20 +81,28 @@ FakeCell::FakeCell(const CellOptions& options)
   // In lockstep it comes to rest only when ticks pass, as a real one does.
   if (options.lockstep) stage.braking_ticks = 20;
   laser.Plug(LineEnd(false));
-  Begin();
+  Begin(JobBegun::kNo);
 }
 
 // What a process that is started has: the disk, the line and the bus, and nothing else.
-void FakeCell::Begin() {
+void FakeCell::Begin(JobBegun begun) {
   controller = std::make_unique<LaserController>(
       [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
       [this] { return now; });
   feed = std::make_unique<MotionFeed>(
       [this](const intaglio_MotionSegmentBatch& batch) { return stage.Take(batch, now); },
       [this](const std::string& stream) { return stage.GrantOf(stream); });
-  auto opened = OpenJournal(journal_file, {points_mm.size(), 1, 7}, JobBegun::kNo);
+  auto opened = OpenJournal(journal_file, {points_mm.size(), 1, 7}, begun);
   if (!opened) throw std::runtime_error(opened.error().message);
   journal = std::move(opened->writer);
+  // A synchronizer is ready when its laser answers, and is given its jobs then.
+  chain = {};
+  if (begun == JobBegun::kNo) {
+    AwaitLaser();
+    chain.BeginJob();
+  } else {
+    chain.BeginTakenUpJob({opened->earlier.power_up, opened->earlier.openings});
+  }
   EngravingJob job;
   job.uid = "job";
   job.machine_points_mm = points_mm;
@@ -104,7 +115,7 @@ void FakeCell::Begin() {
   job.block_misfit = options_.block_misfit;
   job.earlier = std::move(opened->earlier);
   engraving = std::make_unique<Engraving>(
-      std::move(job), *controller, *feed, *journal,
+      std::move(job), *controller, *feed, *journal, chain,
       [this](const PulseResult& result) { results.push_back(result); });
 }
 
@@ -114,7 +125,10 @@ void FakeCell::DieAndTakeUp(const std::function<void(const fs::path&)>& keep) {
   feed.reset();
   controller.reset();
   if (keep) keep(journal_file);
-  Begin();
+  // The job service counts commands, and publishes the number also of what it withdrew.
+  if (grant.number == 0) grant.number = 1;
+  if (acts_as_job_service && permission_granted) LosePermission(true);
+  Begin(JobBegun::kItsPathIsThere);
 }
 
 FakeCell::~FakeCell() {
@@ -129,6 +143,14 @@ std::unique_ptr<link::ByteStream> FakeCell::LineEnd(bool host) {
                                            [this] { return now; });
 }
 
+void FakeCell::AwaitLaser() {
+  for (int i = 0; i < 1000 && !controller->up(); ++i) {
+    now += 1ms;
+    Poll();
+  }
+  chain.Watch(LinksOf(Inputs(), *controller, 0), now);
+}
+
 void FakeCell::Step() {
   now += 1ms;
   if (powered_again_at_.count() >= 0 && now >= powered_again_at_) {
@@ -136,17 +158,45 @@ void FakeCell::Step() {
     CutLine(false);
     laser.PowerCycle(LineEnd(false));
   }
-  PassTicks();
-  laser.Poll();
-  stage.Poll(now, laser.tick());
-  const auto take = [this](const auto& report) { engraving->Take(report); };
-  controller->Poll(take, take);
+  Poll();
   engraving->Turn(Inputs());
+  if (acts_as_job_service) ActAsJobService();
   while (wait_for_disk && !journal->failed() &&
          journal->durable() < journal->appended()) {
     journal->Flush();
     std::this_thread::yield();
   }
+}
+
+void FakeCell::Poll() {
+  PassTicks();
+  laser.Poll();
+  stage.Poll(now, laser.tick());
+  const auto take = [this](const auto& report) {
+    if (engraving) engraving->Take(report);
+  };
+  controller->Poll(take, take);
+}
+
+// As JobQueue::EngravePaused and GoOn, in services/job_service.
+void FakeCell::ActAsJobService() {
+  if (now >= renewed_at_) {
+    const int before = renewals_;
+    RenewGrant();
+    renewals_ = before + 1;
+  }
+  const bool fault = engraving->waits() && engraving->faulted();
+  if (!fault || !permission_granted || now < granted_at_ + kHold) return;
+  LosePermission(engraving->lost_a_line());
+}
+
+void FakeCell::LosePermission(bool is_renewed) {
+  Withdraw();
+  if (laser.cracks().size() != made_at_loss_) renewals_ = 0;
+  made_at_loss_ = laser.cracks().size();
+  if (!is_renewed || renewals_ >= kMaxRenewals) return;
+  const std::chrono::nanoseconds wait = kHold * (1 << std::min(renewals_, 8));
+  renewed_at_ = now + std::min<std::chrono::nanoseconds>(3s, wait);
 }
 
 void FakeCell::PassTicks() {
@@ -195,7 +245,19 @@ bool FakeCell::StepUntil(const std::function<bool()>& condition, milliseconds li
 void FakeCell::GrantAnew() {
   Withdraw();
   StepFor(5ms);
+  // Who arms before the laser answers has to do it again.
+  StepUntil([this] { return controller->up(); }, 300ms);
+  StepFor(5ms);
   Grant();
+}
+
+void FakeCell::CutLineOverForgottenPulses() {
+  laser.forgets = true;
+  CutLine(true);
+  StepFor(1000ms);
+  CutLine(false);
+  StepUntil([this] { return Count(PointState::kArmed) == 0; });
+  laser.forgets = false;
 }
 
 void FakeCell::CutLine(bool cut) { to_laser->cut = to_host->cut = cut; }

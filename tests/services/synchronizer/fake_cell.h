@@ -51,14 +51,19 @@ class FakeCell {
   }
 
   void Grant() {
-    permission_granted = true;
+    RepeatGrant();
     ++grant.number;
     fire_uncertain = false;
   }
   /// The same one again, and as the job service renews it after a lost line.
-  void RepeatGrant() { permission_granted = true; }
-  void RenewGrant() {
+  void RepeatGrant() {
     permission_granted = true;
+    granted_at_ = now;
+    renewed_at_ = kNever;
+    renewals_ = 0;
+  }
+  void RenewGrant() {
+    RepeatGrant();
     ++grant.renewal;
   }
   /// As a person's resume with the word to fire what is uncertain.
@@ -66,11 +71,18 @@ class FakeCell {
     GrantAnew();
     fire_uncertain = true;
   }
-  void Withdraw() { permission_granted = false; }
-  /// What an operator's resume is: the permission withdrawn, and given anew.
+  void Withdraw() {
+    permission_granted = false;
+    renewed_at_ = kNever;
+  }
+  /// What an operator's resume is: the permission withdrawn, and given anew, at a machine
+  /// whose laser answers (or is given up on).
   void GrantAnew();
 
   void CutLine(bool cut);
+  /// A second without a line, and a controller that no longer knows what it fired in it:
+  /// until everything that was armed is settled, as uncertain.
+  void CutLineOverForgottenPulses();
   /// As kill -9 of the synchronizer and a new one: what it knew is lost but for the
   /// journal, of which `keep` says what came to the disk.
   void DieAndTakeUp(
@@ -97,6 +109,10 @@ class FakeCell {
   std::uint32_t first_point = 0;
   bool fire_uncertain = false;
   bool permission_fresh = true, permission_granted = false, stop_pressed = false;
+  /// As the job service does: a fault withdraws the grant, and after a lost line or
+  /// process the same one is renewed, a while later, again and again. False: the test
+  /// itself decides about the permission.
+  bool acts_as_job_service = true;
   synchronizer::Grant grant;
   std::shared_ptr<link::FaultyPipe> to_laser, to_host;
   FakeLaser laser;
@@ -105,6 +121,7 @@ class FakeCell {
   std::unique_ptr<JournalWriter> journal;
   std::unique_ptr<LaserController> controller;
   std::unique_ptr<MotionFeed> feed;
+  PermissionChain chain;
   std::unique_ptr<Engraving> engraving;
   PointList points_mm;
   std::vector<PulseResult> results;
@@ -115,13 +132,22 @@ class FakeCell {
 
  private:
   std::unique_ptr<link::ByteStream> LineEnd(bool host);
-  void Begin();
+  void Begin(JobBegun begun);
+  void Poll();
+  void AwaitLaser();
+  void ActAsJobService();
+  void LosePermission(bool is_renewed);
   EngravingInputs Inputs();
   void PassTicks();
   void CheckGlass(std::vector<std::string>& wrong) const;
   void CheckJournal(std::vector<std::string>& wrong) const;
 
+  static constexpr std::chrono::nanoseconds kNever = std::chrono::nanoseconds::max();
+
   CellOptions options_;
+  std::chrono::nanoseconds granted_at_{0}, renewed_at_ = kNever;
+  int renewals_ = 0;  // since the grant, or since a point was made
+  std::uint64_t made_at_loss_ = 0;
   std::shared_ptr<std::mt19937_64> random_ = std::make_shared<std::mt19937_64>(1);
   std::chrono::nanoseconds next_tick_;
   std::chrono::nanoseconds view_at_{0};

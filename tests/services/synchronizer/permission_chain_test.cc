@@ -322,6 +322,95 @@ TEST(PermissionChain, TellsWhichInterlockSpentAGrantAndOnlyOnce) {
   }
 }
 
+ChainLinks WholeChain(Grant grant, MachineCounters counters) {
+  ChainLinks links = LinksOfBits(kAll, grant);
+  links.counters = counters;
+  return links;
+}
+
+bool Fires(const PermissionChain& chain, const ChainLinks& links) {
+  return chain.WhatIsMissing(links, true) == Missing::kNothing;
+}
+
+// An arm that is repeated, or renewed after a lost line, was given before it.
+TEST(PermissionChain, WhatHappenedUnseenCostsTheGrantAndEveryRenewalOfIt) {
+  const std::pair<MachineCounters, Missing> events[] = {{{5, 1}, Missing::kOpenedUnseen},
+                                                        {{6, 0}, Missing::kPowerCycle}};
+  for (const auto& [after, reason] : events) {
+    for (const bool line_lost : {false, true}) {
+      PermissionChain chain;
+      chain.Watch(WholeChain({}, {5, 0}), 1s);
+      chain.BeginJob();
+      chain.Turn(WholeChain({3, 0}, {5, 0}), 2s);
+      ASSERT_TRUE(Fires(chain, WholeChain({3, 0}, {5, 0})));
+      if (line_lost) chain.Latch(true);
+      EXPECT_EQ(chain.Turn(WholeChain({3, 0}, after), 3s), reason);
+      EXPECT_EQ(chain.spent_by(), reason);
+      for (const std::uint64_t renewal : {0u, 1u, 9u}) {
+        chain.Turn(WholeChain({3, renewal}, after), 4s);
+        EXPECT_FALSE(Fires(chain, WholeChain({3, renewal}, after)));
+      }
+      chain.Turn(WholeChain({4, 0}, after), 5s);
+      EXPECT_TRUE(Fires(chain, WholeChain({4, 0}, after)));
+      EXPECT_EQ(chain.spent_by(), Missing::kNothing);
+    }
+  }
+}
+
+// Armed while the points are made, long before there is anything to fire: its number is
+// published, and the permission is not given yet.
+TEST(PermissionChain, AnArmIsSpentByADoorThatOpensBeforeThePathIsThere) {
+  PermissionChain chain;
+  chain.Watch(WholeChain({}, {5, 0}), 1s);
+  chain.BeginJob();
+  ChainLinks before = WholeChain({2, 0}, {5, 0});
+  before.permission_granted = false;
+  chain.Turn(before, 2s);
+  EXPECT_FALSE(chain.has_spent());
+  ChainLinks open = before;
+  open.door_closed = false;
+  EXPECT_EQ(chain.Turn(open, 3s), Missing::kDoor);
+  chain.Turn(before, 4s);
+  EXPECT_TRUE(chain.has_lost({2, 0}));
+  EXPECT_EQ(chain.spent_by(), Missing::kDoor);
+  chain.Turn(WholeChain({2, 0}, {5, 0}), 5s);
+  EXPECT_FALSE(Fires(chain, WholeChain({2, 0}, {5, 0})));
+  chain.Turn(WholeChain({3, 0}, {5, 0}), 6s);
+  EXPECT_TRUE(Fires(chain, WholeChain({3, 0}, {5, 0})));
+}
+
+TEST(PermissionChain, AnotherJobBeginsWithGrantsOfItsOwn) {
+  PermissionChain chain;
+  chain.Watch(WholeChain({}, {5, 0}), 1s);
+  chain.BeginJob();
+  chain.Turn(WholeChain({9, 0}, {5, 0}), 2s);
+  chain.Latch(false);
+  chain.BeginJob();
+  EXPECT_FALSE(chain.has_spent());
+  chain.Turn(WholeChain({1, 0}, {5, 0}), 3s);
+  EXPECT_TRUE(Fires(chain, WholeChain({1, 0}, {5, 0})));
+}
+
+// The first number that is heard may be of an arm from before.
+TEST(PermissionChain, AnEventBeforeTheFirstGrantIsKnownCountsAgainstIt) {
+  PermissionChain chain;
+  chain.BeginTakenUpJob({5, 0});
+  chain.Turn(WholeChain({}, {5, 1}), 1s);
+  EXPECT_FALSE(chain.has_spent());
+  EXPECT_EQ(chain.Turn(WholeChain({4, 2}, {5, 1}), 2s), Missing::kOpenedUnseen);
+  EXPECT_FALSE(Fires(chain, WholeChain({4, 2}, {5, 1})));
+  chain.Turn(WholeChain({5, 0}, {5, 1}), 3s);
+  EXPECT_TRUE(Fires(chain, WholeChain({5, 0}, {5, 1})));
+}
+
+TEST(PermissionChain, ATakenUpJobWhoseMachineNobodyKnowsWaitsForAnArm) {
+  PermissionChain chain;
+  chain.Watch(WholeChain({}, {5, 0}), 1s);
+  chain.BeginTakenUpJob({});
+  EXPECT_EQ(chain.Turn(WholeChain({4, 2}, {5, 0}), 2s), Missing::kNotWatched);
+  EXPECT_FALSE(Fires(chain, WholeChain({4, 2}, {5, 0})));
+}
+
 // A Reset is sent on a new arm alone, and the button released after it is no start.
 TEST(PermissionChain, AnArmAtAPressedButtonIsSpent) {
   PermissionChain chain;

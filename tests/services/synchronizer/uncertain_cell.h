@@ -58,16 +58,28 @@ inline void LeaveThemAndEnd(FakeCell& cell) {
   EXPECT_EQ(cell.made(), cell.points_mm.size() - uncertain);
 }
 
-/// The line is silent over a window of armed points, and the laser is off meanwhile.
+/// The line is cut over a window of armed points, and the controller will not know what
+/// it fired. The line is back, and nothing is settled yet.
 inline void LeaveSomeUnsettled(FakeCell& cell, std::uint64_t made) {
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(made)) << cell.Description();
   ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kArmed) > 0; }));
-  cell.PowerCycle(std::chrono::seconds(2));
+  cell.laser.forgets = true;
+  cell.CutLine(true);
   ASSERT_TRUE(cell.StepUntil([&] { return cell.engraving->faulted(); }))
       << cell.Description();
+  cell.StepFor(std::chrono::seconds(1));
+  cell.CutLine(false);
   ASSERT_EQ(cell.Count(PointState::kUncertain), 0u);
   ASSERT_GT(cell.Count(PointState::kArmed), 0u);
+}
+
+/// The person does not wait for the line.
+inline void FireUncertainAtOnce(FakeCell& cell) {
+  cell.Withdraw();
+  cell.StepFor(std::chrono::milliseconds(5));
+  cell.Grant();
+  cell.fire_uncertain = true;
 }
 
 inline std::size_t RecordsIn(const FakeCell& cell, formats::JournalKind kind) {

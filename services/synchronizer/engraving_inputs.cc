@@ -1,0 +1,26 @@
+#include "services/synchronizer/engraving_inputs.h"
+
+namespace intaglio::synchronizer {
+
+ChainLinks LinksOf(const EngravingInputs& inputs, const LaserController& laser,
+                   ChannelMask open_mask) {
+  ChainLinks links;
+  links.permission_fresh = inputs.permission_fresh;
+  links.permission_granted = inputs.permission_granted;
+  links.grant = inputs.grant;
+  links.stop_not_pressed = !inputs.stop_pressed;
+  links.laser_line_up = laser.IsFresh(inputs.now);
+  links.key_on = laser.Has(link::kKeyOn);
+  links.door_closed = laser.Has(link::kDoorClosed);
+  links.stop_released = laser.Has(link::kStopReleased);
+  links.no_safe_state = !laser.Has(link::kSafeState);
+  links.lamp_warm = laser.Has(link::kLampOn) && laser.Has(link::kLampWarm);
+  links.motion_fresh = inputs.motion.fresh;
+  links.motion_without_fault = inputs.motion.fault == intaglio_MOTION_OK;
+  // Another one that is open would let the pulses into another block.
+  links.shutters_open = open_mask != 0 && laser.status().shutters_open == open_mask;
+  links.counters = {laser.identity().power_up, laser.status().openings};
+  return links;
+}
+
+}  // namespace intaglio::synchronizer

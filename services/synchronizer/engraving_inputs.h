@@ -1,0 +1,54 @@
+#pragma once
+
+// What the Engraving and the PermissionChain are given from outside at one turn.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/geometry.h"
+#include "idl/motion.h"
+#include "services/synchronizer/laser_controller.h"
+#include "services/synchronizer/motion_clock.h"
+#include "services/synchronizer/permission_chain.h"
+
+namespace intaglio::synchronizer {
+
+/// The bridge's newest MotionState, and whether it is young enough to act on.
+struct MotionView {
+  bool fresh = false;
+  std::uint64_t tick = 0;
+  Vec3 position_mm = Vec3::Zero();
+  std::uint32_t run = 0;
+  std::uint32_t highest_run = 0;
+  std::uint64_t covered_through_tick = 0;
+  bool at_rest = false;
+  intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
+  std::string message;
+  std::uint32_t clock = 0;  ///< the controller's own; 0: it runs on the lamp's ticks
+};
+
+/// What the outside says at one turn.
+struct EngravingInputs {
+  std::chrono::nanoseconds now{0};  ///< monotonic
+  bool permission_fresh = false;
+  bool permission_granted = false;
+  Grant grant;  ///< of this job; granted or withdrawn
+  bool stop_pressed = false;
+  std::uint32_t speed_percent = 100;  ///< override, 10..100
+  std::uint32_t first_point = 0;      ///< open points before it are left out
+  /// With the grant: a person's word to fire again what is uncertain when it is heard, or
+  /// becomes so of what was armed before it.
+  bool fire_uncertain = false;
+  MotionView motion;
+  /// Of a controller with a clock of its own; lives as long as the Engraving.
+  MotionClock* motion_clock = nullptr;
+};
+
+/// The links of the permission chain as the inputs and the laser controller have them.
+/// `open_mask`: the shutters that have to be open, and no other; 0: none may fire.
+ChainLinks LinksOf(const EngravingInputs& inputs, const LaserController& laser,
+                   ChannelMask open_mask);
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,65 @@
+#pragma once
+
+// Whether the machine was out of sight: what its controllers' own counters, and their
+// silence, say about the time in which nobody could see key, door and stop button.
+//
+// The laser controller draws a number at each power-up and counts since then how often an
+// interlock was opened. A different number of either, compared with the one known before,
+// is an event, also after a lost line or in another life of this process. So is a
+// controller that was silent for longer than host::kMaxAbsence. Every event costs the arm
+// that was given before it (permission_chain.h). Pure; used from one thread.
+
+#include <chrono>
+#include <cstdint>
+
+namespace intaglio::synchronizer {
+
+/// Of the laser controller.
+struct MachineCounters {
+  std::uint32_t power_up = 0;  ///< drawn at power-up; 0: not known
+  std::uint32_t openings = 0;  ///< of key, door and stop button, since that power-up
+  bool operator==(const MachineCounters&) const = default;
+};
+
+enum class UnseenEvent : std::uint8_t {
+  kNone,
+  kOpened,      ///< key, door or stop button was opened and is closed again
+  kPowerCycle,  ///< the laser controller was switched off and on
+  kNotWatched,  ///< no counter from before is known to compare with
+  kLaserAway,   ///< the laser controller is silent for longer than the limit
+  kMotionAway,  ///< the motion controller is
+};
+
+class MachineWatch {
+ public:
+  struct Sight {
+    bool laser_line_up = false;
+    bool interlocks_closed = false;  ///< key, door and stop button, as the line has them
+    MachineCounters counters;        ///< of the laser controller, while its line is up
+    bool motion_fresh = false;
+  };
+
+  /// Once a turn. An event is returned in the turn in which it is noticed; an absence in
+  /// every turn as long as it lasts beyond the limit.
+  UnseenEvent Update(const Sight& sight, std::chrono::nanoseconds now);
+  /// The next comparison is with these, which an earlier process has left in the journal.
+  void Expect(const MachineCounters& counters) { known_ = counters; }
+  const MachineCounters& counters() const { return known_; }
+
+ private:
+  UnseenEvent Compare(const Sight& sight);
+
+  /// Of one controller that is expected to speak.
+  class Silence {
+   public:
+    bool IsTooLong(bool present, std::chrono::nanoseconds now);
+
+   private:
+    std::chrono::nanoseconds since_{-1};  // -1: it speaks
+  };
+
+  MachineCounters known_;
+  Silence laser_, motion_;
+};
+
+}  // namespace intaglio::synchronizer
