@@ -134,6 +134,7 @@ void JobQueue::GivePartsAhead(JobRecord& job, Nanoseconds now) {
 void JobQueue::TellDiscretizing(JobRecord& job) {
   if (job.state != intaglio_JOB_DISCRETIZING) return;
   std::vector<std::string> said;
+  if (!job.arm_loss.empty()) said.push_back(job.arm_loss);
   if (!job.last_loss.empty()) {
     said.push_back(fmt::format("attempt {}: {}", job.attempt, job.last_loss));
   }

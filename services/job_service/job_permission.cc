@@ -74,6 +74,7 @@ void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) 
   job.fire_uncertain = command.fire_uncertain && command.kind == intaglio_COMMAND_RESUME;
   job.losses = 0;
   job.armed = true;
+  job.arm_loss.clear();
   job.armed_at = std::max(now, job.withdrawn_at + kHold);
   Change(job, job.state,
          paused ? fmt::format("resumed by {}{}; waits for the machine",
@@ -122,6 +123,13 @@ void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds n
   // Who is paused by an operator or a fault keeps that reason.
   const bool keep = !fault && !job.armed && job.state == intaglio_JOB_PAUSED;
   Tell(job, intaglio_JOB_PAUSED, keep ? job.message : task.message);
+}
+
+void JobQueue::SpentBeforehand(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  if (!job.armed || task.error_code.empty() || now < job.armed_at + kHold) return;
+  Disarm(job, now);
+  job.arm_loss = task.message;
+  Change(job, job.state, task.message);
 }
 
 std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {

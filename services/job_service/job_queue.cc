@@ -5,6 +5,8 @@
 
 #include <set>
 
+#include "services/host/absence_limit.h"
+
 namespace intaglio::job_service {
 namespace {
 
@@ -18,9 +20,6 @@ constexpr Nanoseconds kAnswerWithin = 10s;
 // the reason, is missed (its lease is 1.5 s): that costs the attempt, and not the part's
 // tries.
 constexpr Nanoseconds kPartPause = 2s;
-
-// Nobody changes a block and walks away in less.
-constexpr Nanoseconds kShortAbsence = 30s;
 
 constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
   switch (stage) {
@@ -51,12 +50,14 @@ bool MayBeANeighbours(const std::string& error_code) {
 
 void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> absence,
                        Nanoseconds now) {
-  const bool was_short = absence && *absence <= kShortAbsence;
+  const bool was_short = absence && *absence <= host::kMaxAbsence;
   for (JobRecord& restored : jobs) {
     in_turn_[TurnOf(restored)] = restored.uid;
     JobRecord& job = jobs_[restored.uid] = std::move(restored);
     const bool arm_stands = job.armed && was_short && !job.asks_before_resume;
     if (job.active()) {
+      // Nothing was received from anybody meanwhile.
+      if (arm_stands) job.absent_since = now - *absence;
       RestoreOne(job, arm_stands, now);
     } else {
       job.armed = arm_stands;
@@ -146,6 +147,7 @@ bool JobQueue::IsBehindAnother(const JobRecord& job) const {
 }
 
 void JobQueue::Turn(Nanoseconds now) {
+  EndAbsences(now);
   GiveUpSilent(now);
   // A discretizer is of more use to a job that is under way than to the next one.
   for (const auto& [turn, uid] : in_turn_) GiveOpenParts(jobs_.at(uid), now);
@@ -245,6 +247,11 @@ void JobQueue::Revoke(JobRecord& job, const GivenTask& given, Nanoseconds now) {
 
 void JobQueue::Take(const WorkerView& worker, Nanoseconds now) {
   workers_.Update(worker, now);
+  // It ends in order, and its process was asked to.
+  if (worker.role == intaglio_ROLE_SYNCHRONIZER &&
+      worker.state == intaglio_HEALTH_STOPPING) {
+    CloseCell(worker.instance, now);
+  }
 }
 
 void JobQueue::WorkerLost(const std::string& instance, Nanoseconds now) {
@@ -353,8 +360,14 @@ void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) 
 }
 
 void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  job.absent_since.reset();
   if (task.estimate_ticks != 0) job.estimate_ticks = task.estimate_ticks;
-  if (task.state == intaglio_TASK_PAUSED) return EngravePaused(job, task, now);
+  if (task.state == intaglio_TASK_PAUSED) {
+    const bool before_its_path =
+        job.state == intaglio_JOB_DISCRETIZING || job.state == intaglio_JOB_SORTING;
+    return before_its_path ? SpentBeforehand(job, task, now)
+                           : EngravePaused(job, task, now);
+  }
   const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
   const bool held = job.state == intaglio_JOB_PAUSED && !job.armed;
   if (!loaded || held) return Tell(job, job.state, job.message);

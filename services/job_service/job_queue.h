@@ -131,7 +131,7 @@ class JobQueue {
   /// Jobs of an earlier run of the job service, before any other call.
   /// Chains in hand start over; jobs that may have pulses in the glass are paused, and go
   /// on by themselves if `absence`, for how long there was no job service on this machine
-  /// since it was switched on, is short. nullopt: not known.
+  /// since it was switched on, is within host::kMaxAbsence. nullopt: not known.
   void Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> absence,
                Nanoseconds now);
   void Add(JobRecord job);
@@ -152,6 +152,9 @@ class JobQueue {
   /// An emergency stop is pressed there, or not any more: what is armed there is not any
   /// more, and is not armed anew while it is pressed.
   void SetStop(const std::string& cell, bool pressed, Nanoseconds now);
+
+  /// A person closes the shop: whoever opens it again arms again.
+  void Close(Nanoseconds now);
 
   /// For every cell that has a job. A first grant is kept (Changed) before it is told.
   std::vector<PermissionView> Permissions(Nanoseconds now);
@@ -216,16 +219,24 @@ class JobQueue {
   // After the loss of a synchronizer or a line: job_take_up.cc.
   void LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds now);
   void TakeUp(JobRecord& job, Nanoseconds now);
+  /// Of synchronizers, or of this job service between two turns.
+  void EndAbsences(Nanoseconds now);
+  /// A person closed the cell of this synchronizer.
+  void CloseCell(const std::string& synchronizer, Nanoseconds now);
+  void EndArm(JobRecord& job, const std::string& why, Nanoseconds now);
   /// Arms it as it was armed, a while later; not for ever without a point made.
   void GoOn(JobRecord& job, Nanoseconds now);
 
   void EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now);
+  /// Its arm was spent before it had a path.
+  void SpentBeforehand(JobRecord& job, const TaskView& task, Nanoseconds now);
   void EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds now);
 
   JobActions& actions_;
   WorkerBook workers_;
   std::map<std::string, JobRecord> jobs_;  // by uid
   std::set<std::string> stopped_cells_;    // an emergency stop is pressed there
+  std::optional<Nanoseconds> last_turn_;
   // The queue's order: {-priority, number}.
   std::map<std::pair<std::int32_t, std::uint32_t>, std::string> in_turn_;
 };

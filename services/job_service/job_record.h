@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,7 @@ struct JobRecord {
   std::uint64_t last_speed = 0;       ///< number of the override that was taken last
   std::string last_loss;              ///< why the attempt before this one broke
   std::string part_loss;  ///< why a part of this one began again, the last time
+  std::string arm_loss;   ///< why its arm was spent before it had a path
   std::chrono::nanoseconds discretizing_since{0};
   std::chrono::nanoseconds withdrawn_at{0};
   std::chrono::nanoseconds armed_at{0};
@@ -97,8 +99,11 @@ struct JobRecord {
   bool taken_up = false;      ///< the newest engraving task: begun by another worker
   std::uint32_t losses = 0;   ///< without a point made between them
   std::uint64_t done_at_loss = 0;
-  std::chrono::nanoseconds first_loss_at{0};
+  /// Since then nothing was received from its synchronizer; nullopt: it is there.
+  std::optional<std::chrono::nanoseconds> absent_since;
 
+  /// Over a restart nobody knows how long an absence has lasted by then.
+  bool keeps_arm_over_restart() const { return armed && !absent_since; }
   StageRecord& stage(intaglio_Stage s) { return stages[s]; }
   const StageRecord& stage(intaglio_Stage s) const { return stages[s]; }
   TaskId TaskOf(intaglio_Stage s, std::uint32_t part = 0) const {

@@ -100,6 +100,11 @@ void JobService::Turn(Nanoseconds now) {
   permissions_.Decide(queue_.Permissions(now));
 }
 
+void JobService::Close(Nanoseconds now) {
+  queue_.Close(now);
+  permissions_.Decide(queue_.Permissions(now));
+}
+
 void JobService::TakeTasks(Nanoseconds now) {
   tasks_.Take([&](const intaglio_TaskStatus& status) {
     const TaskView view = ViewOf(status);

@@ -35,7 +35,10 @@ class JobService : private JobActions {
   JobService(host::ServiceHost& host, const JobServiceOptions& options, Nanoseconds now);
   ~JobService() override;
 
+  /// `now`: time since the machine was switched on, in which it may have slept.
   void Turn(Nanoseconds now);
+  /// A person ends this process, and with it every arm.
+  void Close(Nanoseconds now);
   /// To whoever watches the jobs, as the last word of this life.
   void TellFault(const std::string& why);
 

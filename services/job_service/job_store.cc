@@ -269,7 +269,7 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(18, job.ever_granted ? 1 : 0);
     insert.bind(19, job.priority);
     insert.bind(20, job.material);
-    insert.bind(21, job.armed ? 1 : 0);
+    insert.bind(21, job.keeps_arm_over_restart() ? 1 : 0);
     insert.bind(22, job.operator_name);
     insert.bind(23, job.asks_before_resume ? 1 : 0);
     insert.bind(24, job.first_point);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engrave/core/result.h"
+#include "services/host/absence_limit.h"
 #include "services/job_service/job_queue.h"
 
 // The part of the queue that has to do with an engraving whose synchronizer, or whose
@@ -10,15 +11,18 @@
 //
 // The operator's arm stands for the machine as it was left, and nothing that a person has
 // to look at has happened: so the job goes on by itself. Not after a fault or an opened
-// interlock, which the synchronizer tells apart; not when it was not armed; and not when
-// it has come to nothing for kGoesOnFor, for then somebody is needed.
+// interlock, which the synchronizer tells apart; not when it was not armed; not when the
+// synchronizer, or this job service, was away for longer than host::kMaxAbsence, for the
+// block may have been changed; not when a person closed the shop or the cell; and not
+// when kMaxRenewals in a row made no point, for then somebody is needed.
 
 namespace intaglio::job_service {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Nanoseconds kGoesOnFor = 5min;
+// With the longest wait between them, a minute.
+constexpr std::uint32_t kMaxRenewals = 20;
 constexpr Nanoseconds kFirstWait = 300ms;
 constexpr Nanoseconds kLongestWait = 3s;
 
@@ -27,12 +31,9 @@ constexpr Nanoseconds kLongestWait = 3s;
 void JobQueue::GoOn(JobRecord& job, Nanoseconds now) {
   if (job.asks_before_resume || stopped_cells_.contains(job.cell)) return;
   const std::uint64_t done = job.stage(intaglio_STAGE_ENGRAVE).done_count;
-  if (job.losses == 0 || done != job.done_at_loss) {
-    job.losses = 0;
-    job.first_loss_at = now;
-  }
+  if (done != job.done_at_loss) job.losses = 0;
   job.done_at_loss = done;
-  if (now - job.first_loss_at > kGoesOnFor) return;
+  if (job.losses >= kMaxRenewals) return;
   const Nanoseconds wait =
       std::min(kLongestWait, kFirstWait * (1 << std::min(job.losses, 8u)));
   ++job.losses;
@@ -46,6 +47,7 @@ void JobQueue::LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds
   const bool was_armed = job.armed;
   Disarm(job, now);
   if (was_armed) GoOn(job, now);
+  if (!job.absent_since) job.absent_since = now;
   // What is kept names no worker: a word of the lost one, heard after a restart, is not
   // about this job any more.
   const std::vector<GivenTask> given = job.GivenTasks();
@@ -77,6 +79,43 @@ void JobQueue::TakeUp(JobRecord& job, Nanoseconds now) {
                  .consumer = {},
                  .take_up = true},
                 job);
+}
+
+void JobQueue::EndAbsences(Nanoseconds now) {
+  const bool paused = last_turn_ && now - *last_turn_ > host::kMaxAbsence;
+  last_turn_ = now;
+  for (auto& [uid, job] : jobs_) {
+    if (job.ended() || !job.armed) continue;
+    const bool absent = job.absent_since && now - *job.absent_since > host::kMaxAbsence;
+    if (!paused && !absent) continue;
+    EndArm(job,
+           fmt::format("{} was away for more than {} s",
+                       absent ? "the synchronizer of " + job.cell : "the job service",
+                       host::kMaxAbsence.count()),
+           now);
+  }
+}
+
+void JobQueue::Close(Nanoseconds now) {
+  for (auto& [uid, job] : jobs_) {
+    if (!job.ended() && job.armed) EndArm(job, "the shop was closed", now);
+  }
+}
+
+void JobQueue::CloseCell(const std::string& synchronizer, Nanoseconds now) {
+  for (auto& [uid, job] : jobs_) {
+    if (job.ended() || !job.armed) continue;
+    if (job.stage(intaglio_STAGE_ENGRAVE).worker != synchronizer) continue;
+    EndArm(job, fmt::format("the synchronizer of {} was closed", job.cell), now);
+  }
+}
+
+void JobQueue::EndArm(JobRecord& job, const std::string& why, Nanoseconds now) {
+  Disarm(job, now);
+  const bool engraving = job.state == intaglio_JOB_ENGRAVING;
+  Change(job, engraving ? intaglio_JOB_PAUSED : job.state,
+         fmt::format("{}: see that the right block is in the machine, then {} the job",
+                     why, job.ever_granted ? "resume" : "arm"));
 }
 
 // Topics overtake each other after a network was away: a synchronizer may say that it is

@@ -2,12 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <array>
 #include <cstdio>
 #include <fstream>
+
+#include "services/job_service/boot_clock.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kPeriod = 1s;
-
-std::chrono::nanoseconds SinceBoot() {
-  timespec now{};
-  clock_gettime(CLOCK_BOOTTIME, &now);
-  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
-}
 
 std::string BootId() {
   std::string id;

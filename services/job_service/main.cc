@@ -4,6 +4,7 @@
 #include "services/command_line/program.h"
 #include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
+#include "services/job_service/boot_clock.h"
 #include "services/job_service/job_service.h"
 
 namespace {
@@ -11,14 +12,10 @@ namespace {
 using namespace intaglio;
 using namespace std::chrono_literals;
 
-std::chrono::nanoseconds Now() {
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
-
 /// One life of the queue; `opened` once it is there.
 int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& options,
                host::OnlyInstance& only, bool& opened) {
-  job_service::JobService service(host, options, Now());
+  job_service::JobService service(host, options, job_service::SinceBoot());
   host::PollLoop loop(host.bus());
   service.AttachTo(loop);
   host.SetHealth(intaglio_HEALTH_READY);
@@ -26,10 +23,11 @@ int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& op
   try {
     while (!host.stopping()) {
       if (only.MustEnd()) return only.EndAsSecond("job service");
-      service.Turn(Now());
+      service.Turn(job_service::SinceBoot());
       host.KeepAlive();
       loop.Wait({}, 20ms);
     }
+    service.Close(job_service::SinceBoot());
   } catch (const job_service::StoreError& error) {
     service.TellFault(error.what());
     throw;
@@ -53,7 +51,8 @@ int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options
       if (told != error.what()) host.RaiseAlarm(intaglio_ALARM_FAULT, "io", error.what());
       told = error.what();
     }
-    for (const auto end = Now() + 1s; Now() < end && !host.stopping();) {
+    for (const auto end = job_service::SinceBoot() + 1s;
+         job_service::SinceBoot() < end && !host.stopping();) {
       host.KeepAlive();
       std::this_thread::sleep_for(50ms);
     }
