@@ -67,6 +67,7 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
 }
 
 void JobQueue::RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now) {
+  const bool waited = job.state == intaglio_JOB_PAUSED && !job.armed;
   job.armed = false;
   if (job.ever_granted) {
     const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
@@ -75,6 +76,8 @@ void JobQueue::RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now) {
       workers_.Answered(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
     }
     if (arm_stands) GoOn(job, now);
+    // What waits for a person keeps its reason.
+    if (waited) return Change(job, intaglio_JOB_PAUSED, job.message);
     return Change(job, intaglio_JOB_PAUSED,
                   job.armed
                       ? "the job service was restarted; the job goes on by itself"
@@ -363,10 +366,8 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   job.absent_since.reset();
   if (task.estimate_ticks != 0) job.estimate_ticks = task.estimate_ticks;
   if (task.state == intaglio_TASK_PAUSED) {
-    const bool before_its_path =
-        job.state == intaglio_JOB_DISCRETIZING || job.state == intaglio_JOB_SORTING;
-    return before_its_path ? SpentBeforehand(job, task, now)
-                           : EngravePaused(job, task, now);
+    const bool has_path = task.total_count > 0;
+    return has_path ? EngravePaused(job, task, now) : SpentBeforehand(job, task, now);
   }
   const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
   const bool held = job.state == intaglio_JOB_PAUSED && !job.armed;
