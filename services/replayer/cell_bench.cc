@@ -75,8 +75,15 @@ CellBench::CellBench(bus::Bus& bus, const recording::McapReader& reader,
   wait_.Attach(book_.reader());
 }
 
+// It is ready when its laser answers.
 Result<std::string> CellBench::FindService(const KeepOn& keep_on) {
-  auto found = AwaitService(health_, wait_, intaglio_ROLE_SYNCHRONIZER, keep_on);
+  const auto answer_and_keep_on = [&] {
+    laser_.Turn(Clock::now().time_since_epoch(),
+                [](std::size_t) { return std::optional<PulseEnd>(); });
+    return keep_on();
+  };
+  auto found =
+      AwaitService(health_, wait_, intaglio_ROLE_SYNCHRONIZER, answer_and_keep_on);
   if (!found) return tl::unexpected(found.error());
   instance_ = found->instance;
   return found->version;
