@@ -80,7 +80,8 @@ TEST_P(StandsStill, AndTheGlassIsTheSame) {
   if (GetParam() != testing::kSynchronizer && !testing::LongTests()) {
     GTEST_SKIP() << "INTAGLIO_LONG=1";
   }
-  const auto duration = LongTests() ? 30s : 5s;
+  // Within the limit of absence: after more it waits for a person.
+  const auto duration = LongTests() ? 20s : 5s;
   ShopFloor floor = Floor();
   ASSERT_TRUE(Begin(floor)) << floor.Logs();
   testing::Running& service = floor.at(GetParam());
