@@ -34,7 +34,7 @@ constexpr std::array kLimits = {NamedLimits{80, 2000}, NamedLimits{80, 5000},
 
 std::vector<NamedPath> Paths() {
   std::vector<NamedPath> paths;
-  if (PointList published = MeasuredPoints("calibrated_ordered"); !published.empty()) {
+  if (PointList published = FittedPoints("calibrated_ordered"); !published.empty()) {
     paths.push_back({"published order", std::move(published)});
   }
   const PointList cloud = sort::RandomBox(20000, {20, 20, 20}, 1);

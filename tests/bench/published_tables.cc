@@ -1,7 +1,7 @@
 // The measured tables of the published machine beside ours, as markdown:
-// - 53 machining times of one order (data/els03_timings.csv): the model of the machine,
-//   which stops at each point, and the motion that does not;
-// - the sweep of the sort's angle (data/els03_sort_angle.csv) with the sort as published.
+// - 53 machining times of one order (tests/data/published/els03_timings.csv): the model
+//   of the machine, which stops at each point, and the motion that does not;
+// - the sweep of the sort's angle (els03_sort_angle.csv) with the sort as published.
 //
 // The sweep's own cloud is not known; ours is that of the timings, taken apart and sorted
 // anew. Nor is it printed how the angle makes K. The cost's level set about a point is a
@@ -84,9 +84,9 @@ void PrintAngles(const PointList& cloud_mm) {
 }  // namespace intaglio::motion
 
 int main() {
-  const intaglio::PointList path_mm = intaglio::MeasuredPoints("calibrated_ordered");
+  const intaglio::PointList path_mm = intaglio::FittedPoints("calibrated_ordered");
   if (path_mm.empty() || intaglio::motion::MeasuredTimes().empty()) {
-    std::cerr << "no measured tables beside the sources, in ../shared/data\n";
+    std::cerr << "tests/data/published or tests/data/clouds has no tables or points\n";
     return 1;
   }
   intaglio::motion::PrintTimes(path_mm);

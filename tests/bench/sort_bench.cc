@@ -98,7 +98,7 @@ const int kRegistered = [] {
   static const std::vector<NamedCloud> clouds = [] {
     std::vector<NamedCloud> made = {{"vase", SlicedVase(200, 0.1, 0.1)},
                                     {"sphere", DentedSphere(175000, 1)}};
-    PointList scatter = MeasuredPoints("scatter");
+    PointList scatter = FittedPoints("scatter");
     if (!scatter.empty()) made.push_back({"scatter", std::move(scatter)});
     return made;
   }();

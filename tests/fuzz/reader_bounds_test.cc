@@ -167,7 +167,7 @@ Outcome InAProcess(const fs::path& seed, const fs::path& folder) {
   return outcome;
 }
 
-/// The folders of seeds, and that of the broken files where it is there.
+/// The folders of seeds, and that of the broken files.
 std::vector<fs::path> Folders() {
   std::vector<fs::path> folders;
   const fs::path source = INTAGLIO_SOURCE_DIR;
@@ -175,9 +175,7 @@ std::vector<fs::path> Folders() {
     folders.push_back(entry.path());
   }
   std::sort(folders.begin(), folders.end());
-  if (fs::exists(source / "../shared/data/broken")) {
-    folders.push_back(source / "../shared/data/broken");
-  }
+  folders.push_back(source / "tests/data/broken");
   return folders;
 }
 

@@ -18,6 +18,8 @@
 #include "services/recording/conventions.h"
 #include "services/recording/message_cursor.h"
 #include "services/replayer/bystanders.h"
+#include "tests/engrave/discretize/figurines.h"
+#include "tests/engrave/mesh/handmade_files.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 
@@ -260,18 +262,18 @@ TEST_F(Replay, TheServicesOfTodayMakeTheSame) {
   }
 }
 
-// Recorded here and now: 3351 points of a mesh of 70 000 triangles, in lockstep.
-TEST_F(Replay, ABunnyIsMadeAgainByAllThree) {
-  const fs::path mesh = fs::path(INTAGLIO_SOURCE_DIR) / "../shared/data/meshes/bunny.obj";
-  if (!fs::exists(mesh)) GTEST_SKIP() << "no " << mesh;
+// Recorded here and now: some 3000 points of a mesh of 82 000 triangles, in lockstep.
+TEST_F(Replay, AFigurineIsMadeAgainByAllThree) {
+  const fs::path model = folder_ / "figurine.stl";
+  std::ofstream(model, std::ios::binary) << mesh::BinaryStl(discretize::Figurine(6));
   testing::Running run(testing::Program("intaglio"),
-                       {"run", "--mesh", mesh.string(), "--height", "30", "--spacing",
-                        "0.8", "--layer", "0.8", "--lockstep", "--tag",
-                        bus_.options().tag, "--out", (folder_ / "bunny").string()},
+                       {"run", "--mesh", model.string(), "--height", "30", "--spacing",
+                        "0.65", "--layer", "0.65", "--lockstep", "--tag",
+                        bus_.options().tag, "--out", (folder_ / "figurine").string()},
                        folder_ / "run.txt");
   const auto engraved = run.WaitForEnd(kBound);
   ASSERT_EQ(engraved.exit_code, 0) << engraved.output;
-  const std::string session = (folder_ / "bunny/session.mcap").string();
+  const std::string session = (folder_ / "figurine/session.mcap").string();
   for (const char* service : {"discretizer", "sorter", "synchronizer"}) {
     const auto ended = Against({session, "--against", service, "--json"});
     EXPECT_EQ(ended.exit_code, 0) << service << "\n" << ended.output;

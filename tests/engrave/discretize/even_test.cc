@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 #include <random>
 
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
+#include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/discretize/shapes.h"
 #include "tests/engrave/discretize/surface_checks.h"
 
@@ -226,33 +228,60 @@ TEST(Even, NothingIsMadeOfNothing) {
   EXPECT_EQ(PointsOf(*Even({}, {})).size(), 0u);
 }
 
-class EvenOnMeasuredMeshes : public testing::TestWithParam<const char*> {};
-
-TEST_P(EvenOnMeasuredMeshes, IsEven) {
-  const std::string file =
-      std::string(INTAGLIO_SOURCE_DIR "/../shared/data/meshes/") + GetParam();
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
-  const auto imported = mesh::ImportMesh(file);
-  ASSERT_TRUE(imported.has_value());
+/// Meshes as they come, 20 mm large: triangles of every size beside the distance.
+void ExpectEven(const std::string& name, const mesh::TriangleMesh& model) {
+  SCOPED_TRACE(name);
   mesh::Placement placement;
   placement.fit = mesh::FitLargest{20};
-  const auto mesh = *mesh::PlaceInBlock(*imported, placement, Vec3(30, 30, 30));
+  const auto mesh = *mesh::PlaceInBlock(model, placement, Vec3(30, 30, 30));
   const double distance_mm = 0.25;
   const SpacedCloud kept = Welded(*Even(mesh, {.distance_mm = distance_mm}));
   const Evenness even = EvennessOf(kept.points_mm);
   const double gap_mm = LargestGap(mesh, kept.points_mm, distance_mm / 4);
-  RecordProperty("points", static_cast<int>(kept.size()));
-  RecordProperty("variation", std::to_string(even.variation));
-  RecordProperty("gap_ratio", std::to_string(gap_mm / distance_mm));
+  ::testing::Test::RecordProperty(name + "_variation", std::to_string(even.variation));
+  ::testing::Test::RecordProperty(name + "_gap_ratio",
+                                  std::to_string(gap_mm / distance_mm));
   EXPECT_GE(even.least, distance_mm * (1 - kRounding));
   EXPECT_LE(even.variation, 0.06);
   EXPECT_LE(gap_mm, 1.2 * distance_mm);
 }
 
-INSTANTIATE_TEST_SUITE_P(Meshes, EvenOnMeasuredMeshes,
-                         testing::Values("bunny.obj", "cow.obj", "fandisk.stl",
-                                         "horse.stl", "featuretype.STL", "Duck.glb",
-                                         "counterXP.3MF"));
+TEST(EvenOnFigurines, IsEven) {
+  const std::vector<std::pair<const char*, mesh::TriangleMesh>> meshes = {
+      {"figurine", Figurine(6)},
+      {"scan with holes", WithHoles(Figurine(6), 5)},
+      {"coarse figurine", Figurine(4)},
+      {"knot", Trefoil(0.5, 300, 24)},
+      {"pinched", PinchedTorus(5, 60, 49)},
+      {"machined", PiercedPlate(7.3, 3)},
+      {"assembly", InARow(WithHoles(Figurine(3), 2), 3)}};
+  for (const auto& [name, mesh] : meshes) ExpectEven(name, mesh);
+}
+
+TEST(EvenOnMeasuredMeshes, IsEven) {
+  const auto part =
+      mesh::ImportMesh(INTAGLIO_SOURCE_DIR "/tests/data/trimesh/featuretype.STL");
+  ASSERT_TRUE(part.has_value()) << part.error().message;
+  ExpectEven("featuretype", *part);
+}
+
+TEST(EvenOnMeasuredMeshes, IsEvenOnThoseOfOthers) {
+  const char* folder = std::getenv("INTAGLIO_MESHES");
+  if (folder == nullptr) {
+    GTEST_SKIP() << "INTAGLIO_MESHES names no folder with meshes such as bunny.obj; "
+                    "tests/data/README.md says where they come from";
+  }
+  int read = 0;
+  for (const char* file : {"bunny.obj", "cow.obj", "fandisk.stl", "horse.stl", "Duck.glb",
+                           "counterXP.3MF"}) {
+    if (!std::filesystem::exists(std::filesystem::path(folder) / file)) continue;
+    const auto imported = mesh::ImportMesh(std::filesystem::path(folder) / file);
+    ASSERT_TRUE(imported.has_value()) << imported.error().message;
+    ExpectEven(file, *imported);
+    ++read;
+  }
+  EXPECT_GT(read, 0) << folder << " has none of the known files";
+}
 
 }  // namespace
 }  // namespace intaglio::discretize

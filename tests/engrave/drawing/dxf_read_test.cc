@@ -308,11 +308,10 @@ TEST(DxfRead, LargeFilesEndSoon) {
 }
 
 TEST(DxfRead, RealFiles) {
-  const std::string folder = std::string(INTAGLIO_SOURCE_DIR) + "/../shared/data/";
-  if (FileText(folder + "drawings/wrench.dxf").empty()) GTEST_SKIP();
+  const std::string folder = INTAGLIO_SOURCE_DIR "/tests/data/";
   for (const char* name :
-       {"drawings/wrench.dxf", "drawings/single_arc.dxf", "drawings/spline.DXF",
-        "drawings/cycloidal.dxf", "broken/broken_loop.dxf", "broken/broken_pair.dxf"}) {
+       {"trimesh/wrench.dxf", "trimesh/single_arc.dxf", "trimesh/spline.DXF",
+        "trimesh/cycloidal.dxf", "broken/open_loop.dxf", "broken/loose_pair.dxf"}) {
     const auto flat = FlatDxf(FileText(folder + name));
     const Box3 box = ExtentOf(flat);
     EXPECT_FALSE(flat.curves.empty()) << name;

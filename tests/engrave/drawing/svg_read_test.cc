@@ -210,18 +210,30 @@ TEST(SvgRead, DeepEndlessAndLargeFilesEndInErrors) {
             ErrorCode::kInvalidValue);
 }
 
-TEST(SvgRead, RealFile) {
-  const std::string text =
-      FileText(std::string(INTAGLIO_SOURCE_DIR) + "/../shared/data/drawings/MIL.svg");
-  if (text.empty()) GTEST_SKIP();
-  const auto flat = FlatSvg(text);
+// As a drawing program writes it: its own namespaces and metadata, a page in pixels
+// whose user units are others, layers with transforms, styles as text.
+TEST(SvgRead, FileOfADrawingProgram) {
+  const auto flat =
+      FlatSvg(FileText(INTAGLIO_SOURCE_DIR "/tests/data/drawings/layers.svg"));
+  // A user unit is 4 / 3 px of 25.4 / 96 mm; the page is 1200 x 900 px.
+  const double unit_mm = 4.0 / 3 * 25.4 / 96, height_mm = 900 * 25.4 / 96;
+  const auto on_page = [&](double x, double y) {
+    return Vec3(x * unit_mm, height_mm - y * unit_mm, 0);
+  };
+  ASSERT_EQ(flat.curves.size(), 4U);
+  // The frame: its layer moves it by (30, 20).
   const Box3 box = ExtentOf(flat);
-  EXPECT_FALSE(flat.curves.empty());
-  // 2302.11 x 5329.134 px of 25.4 / 96 mm.
-  EXPECT_LE(box.max_mm.x(), 2302.11 * 25.4 / 96 * 1.01);
-  EXPECT_LE(box.max_mm.y(), 5329.134 * 25.4 / 96 * 1.01);
-  std::printf("MIL.svg: %zu curves, %.2f x %.2f mm\n", flat.curves.size(),
-              box.size_mm().x(), box.size_mm().y());
+  EXPECT_LT((box.min_mm - on_page(40, 640)).norm(), 1e-9);
+  EXPECT_LT((box.max_mm - on_page(860, 40)).norm(), 1e-9);
+  EXPECT_NEAR(LengthOf(flat.curves[0]), 2 * (820 + 600) * unit_mm, 1e-9);
+  // A circle of 50 in a layer that is twice as large: curves are cut into chords.
+  EXPECT_TRUE(flat.curves[1].closed);
+  EXPECT_NEAR(LengthOf(flat.curves[1]), 2 * pi * 100 * unit_mm, 0.1);
+  // A triangle of 30, 40, 50, turned.
+  EXPECT_NEAR(LengthOf(flat.curves[2]), 120 * unit_mm, 1e-9);
+  // An open zigzag of four sides of 50.
+  EXPECT_FALSE(flat.curves[3].closed);
+  EXPECT_NEAR(LengthOf(flat.curves[3]), 200 * unit_mm, 1e-9);
 }
 
 }  // namespace

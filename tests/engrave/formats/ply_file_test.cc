@@ -11,12 +11,15 @@
 
 #include "engrave/core/check.h"
 #include "engrave/formats/point_file.h"
+#include "tests/engrave/discretize/figurines.h"
+#include "tests/engrave/mesh/handmade_files.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::formats {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -155,15 +158,17 @@ TEST(PlyFile, ReadsBigEndian) {
   EXPECT_EQ(*table->Find<std::int32_t>("group"), (std::vector<std::int32_t>{65535}));
 }
 
-TEST(PlyFile, ReadsTheVerticesOfAScannedMesh) {
-  const fs::path file =
-      fs::path(INTAGLIO_SOURCE_DIR) / "../shared/data/meshes/cycloidal.ply";
-  if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
-  const auto table = ReadPly(file);
+TEST(PlyFile, ReadsTheVerticesOfAColouredMesh) {
+  const mesh::TriangleMesh row = discretize::InARow(discretize::Figurine(2), 112);
+  const auto table = ParsePly(mesh::BinaryPly(row));
   ASSERT_TRUE(table.has_value()) << table.error().message;
-  EXPECT_EQ(table->points_mm.size(), 21384u);
+  ASSERT_EQ(table->points_mm.size(), row.vertices.size());
+  for (std::size_t i = 0; i < row.vertices.size(); ++i) {
+    ASSERT_EQ(table->points_mm[i], row.vertices[i].cast<float>().cast<double>()) << i;
+  }
   EXPECT_EQ(table->columns.size(), 4u);
-  EXPECT_NE(table->Find<std::uint8_t>("alpha"), nullptr);
+  ASSERT_NE(table->Find<std::uint8_t>("alpha"), nullptr);
+  EXPECT_THAT(*table->Find<std::uint8_t>("alpha"), Each(255));
 }
 
 TEST(PlyFile, CutAnywhereIsAnErrorThatNamesTheRow) {

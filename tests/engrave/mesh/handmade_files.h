@@ -78,6 +78,29 @@ inline std::string Ply(const TriangleMesh& mesh) {
   return text;
 }
 
+/// As programs write it that keep colours: of the vertices and of the faces.
+inline std::string BinaryPly(const TriangleMesh& mesh) {
+  const std::string colours =
+      "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "property uchar alpha\n";
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment made\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n{}element face {}\n"
+      "property list uchar int vertex_indices\n{}end_header\n",
+      mesh.vertices.size(), colours, mesh.triangles.size(), colours);
+  const std::string colour("\x10\x80\n\xff", 4);
+  for (const Vec3& v : mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) Append(bytes, static_cast<float>(v[axis]));
+    bytes += colour;
+  }
+  for (const Triangle& t : mesh.triangles) {
+    Append(bytes, std::uint8_t{3});
+    for (const auto corner : t) Append(bytes, static_cast<std::int32_t>(corner));
+    bytes += colour;
+  }
+  return bytes;
+}
+
 inline std::string Dae(const TriangleMesh& mesh, const std::string& asset,
                        const std::string& matrix) {
   std::string positions;
@@ -142,20 +165,73 @@ inline std::string Gltf(const TriangleMesh& mesh, const std::string& matrix) {
       3 * mesh.triangles.size());
 }
 
-/// A zip archive of stored (uncompressed) files.
-inline std::string StoredZip(
-    const std::vector<std::pair<std::string, std::string>>& files) {
+/// A binary glTF: a node with a matrix (column by column), and the mesh in a node below.
+inline std::string Glb(const TriangleMesh& mesh, const std::string& matrix) {
+  std::string buffer;
+  for (const Vec3& v : mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) Append(buffer, static_cast<float>(v[axis]));
+  }
+  const std::size_t index_offset = buffer.size();
+  for (const Triangle& t : mesh.triangles) {
+    for (const auto corner : t) Append(buffer, static_cast<std::uint32_t>(corner));
+  }
+  const Box3 box = mesh.Bounds();
+  std::string json = fmt::format(
+      R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
+"nodes":[{{"children":[1],"matrix":[{}]}},{{"mesh":0}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+"buffers":[{{"byteLength":{}}}],"bufferViews":[
+{{"buffer":0,"byteOffset":0,"byteLength":{}}},
+{{"buffer":0,"byteOffset":{},"byteLength":{}}}],"accessors":[
+{{"bufferView":0,"componentType":5126,"count":{},"type":"VEC3",
+"min":[{}],"max":[{}]}},
+{{"bufferView":1,"componentType":5125,"count":{},"type":"SCALAR"}}]}})",
+      matrix, buffer.size(), index_offset, index_offset, buffer.size() - index_offset,
+      mesh.vertices.size(), fmt::join(box.min_mm, ","), fmt::join(box.max_mm, ","),
+      3 * mesh.triangles.size());
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string bytes = "glTF";
+  Append(bytes, std::uint32_t{2});
+  Append(bytes, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + buffer.size()));
+  Append(bytes, static_cast<std::uint32_t>(json.size()));
+  bytes += "JSON" + json;
+  Append(bytes, static_cast<std::uint32_t>(buffer.size()));
+  return bytes + std::string("BIN\0", 4) + buffer;
+}
+
+/// The content as method 8 of a zip archive has it.
+inline std::string Deflated(const std::string& content) {
+  z_stream stream{};
+  deflateInit2(&stream, 6, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
+  std::string packed(deflateBound(&stream, content.size()), '\0');
+  stream.next_in =
+      reinterpret_cast<Bytef*>(const_cast<char*>(content.data()));  // is only read
+  stream.avail_in = static_cast<uInt>(content.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+/// A zip archive, of stored (uncompressed) files unless they are to be deflated.
+inline std::string Zip(const std::vector<std::pair<std::string, std::string>>& files,
+                       bool deflated = false) {
   std::string zip;
   std::string directory;
   for (const auto& [name, content] : files) {
     const auto crc = static_cast<std::uint32_t>(
         crc32(0, reinterpret_cast<const Bytef*>(content.data()),
               static_cast<uInt>(content.size())));
+    const std::string packed = deflated ? Deflated(content) : content;
     std::string common;  // the fields that both headers share
-    for (const std::uint16_t field : {20, 0, 0, 0, 33}) Append(common, field);
+    for (const int field : {20, 0, deflated ? 8 : 0, 0, 33}) {
+      Append(common, static_cast<std::uint16_t>(field));
+    }
     Append(common, crc);
-    for (int i = 0; i < 2; ++i)
-      Append(common, static_cast<std::uint32_t>(content.size()));
+    Append(common, static_cast<std::uint32_t>(packed.size()));
+    Append(common, static_cast<std::uint32_t>(content.size()));
     Append(common, static_cast<std::uint16_t>(name.size()));
     Append(common, std::uint16_t{0});
     directory += "PK\1\2";
@@ -167,7 +243,7 @@ inline std::string StoredZip(
     zip += "PK\3\4";
     zip += common;
     zip += name;
-    zip += content;
+    zip += packed;
   }
   const auto directory_offset = static_cast<std::uint32_t>(zip.size());
   zip += directory + "PK\5\6" + std::string(4, '\0');
@@ -178,9 +254,8 @@ inline std::string StoredZip(
   return zip;
 }
 
-/// A 3MF of one object, placed twice, with a picture (which the library mishandles).
-inline std::string ThreeMf(const TriangleMesh& mesh, const std::string& unit,
-                           const std::string& second_transform) {
+/// An object of a 3MF.
+inline std::string ThreeMfObject(int id, const TriangleMesh& mesh) {
   std::string vertices;
   for (const Vec3& v : mesh.vertices) {
     vertices += fmt::format(R"(<vertex x="{}" y="{}" z="{}"/>)", v[0], v[1], v[2]);
@@ -189,11 +264,19 @@ inline std::string ThreeMf(const TriangleMesh& mesh, const std::string& unit,
   for (const Triangle& t : mesh.triangles) {
     triangles += fmt::format(R"(<triangle v1="{}" v2="{}" v3="{}"/>)", t[0], t[1], t[2]);
   }
+  return fmt::format(
+      R"(<object id="{}" type="model"><mesh><vertices>{}</vertices><triangles>{}</triangles></mesh></object>)",
+      id, vertices, triangles);
+}
+
+/// A 3MF of these objects and items, with a picture (which the library mishandles).
+inline std::string ThreeMfOf(const std::string& unit, const std::string& objects,
+                             const std::string& items, bool deflated = false) {
   const std::string packages = "http://schemas.openxmlformats.org/package/2006/";
   const std::string model = fmt::format(
-      R"(<?xml version="1.0"?><model unit="{}" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1" type="model"><mesh><vertices>{}</vertices><triangles>{}</triangles></mesh></object></resources><build><item objectid="1"/><item objectid="1" transform="{}"/></build></model>)",
-      unit, vertices, triangles, second_transform);
-  return StoredZip(
+      R"(<?xml version="1.0"?><model unit="{}" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>{}</resources><build>{}</build></model>)",
+      unit, objects, items);
+  return Zip(
       {{"[Content_Types].xml",
         fmt::format(
             R"(<?xml version="1.0"?><Types xmlns="{}content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>)",
@@ -203,7 +286,17 @@ inline std::string ThreeMf(const TriangleMesh& mesh, const std::string& unit,
             R"(<?xml version="1.0"?><Relationships xmlns="{}relationships"><Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>)",
             packages)},
        {"3D/3dmodel.model", model},
-       {"Metadata/thumbnail.png", "a picture of eleven thousand bytes"}});
+       {"Metadata/thumbnail.png", "a picture of eleven thousand bytes"}},
+      deflated);
+}
+
+/// A 3MF of one object, placed twice.
+inline std::string ThreeMf(const TriangleMesh& mesh, const std::string& unit,
+                           const std::string& second_transform) {
+  return ThreeMfOf(
+      unit, ThreeMfObject(1, mesh),
+      fmt::format(R"(<item objectid="1"/><item objectid="1" transform="{}"/>)",
+                  second_transform));
 }
 
 /// A 3DS of one object. The file's faces carry 16-bit indices.

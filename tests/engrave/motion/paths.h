@@ -12,10 +12,9 @@
 
 namespace intaglio {
 
-/// A measured cloud or order, "calibrated_ordered" or "scatter"; empty where the
-/// measured data is not beside the sources.
-inline PointList MeasuredPoints(const std::string& name) {
-  std::ifstream file(INTAGLIO_SOURCE_DIR "/../shared/data/jobs/" + name + ".xyz");
+/// A cloud or order of tests/data/clouds: "calibrated_ordered" or "scatter", mm.
+inline PointList FittedPoints(const std::string& name) {
+  std::ifstream file(INTAGLIO_SOURCE_DIR "/tests/data/clouds/" + name + ".xyz");
   PointList points_mm;
   for (std::string line; std::getline(file, line);) {
     std::istringstream numbers(line);

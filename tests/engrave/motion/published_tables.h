@@ -14,13 +14,13 @@
 
 namespace intaglio::motion {
 
-/// A row of data/els03_timings.csv.
+/// A row of tests/data/published/els03_timings.csv.
 struct MeasuredTime {
   double rate_hz = 0, speed_mm_s = 0, acceleration_mm_s2 = 0;
   double time_s = 0;  ///< as printed, whole seconds
 };
 
-/// A row of data/els03_sort_angle.csv, at 100 Hz, 80 mm/s and 7 m/s^2.
+/// A row of tests/data/published/els03_sort_angle.csv, at 100 Hz, 80 mm/s and 7 m/s^2.
 struct MeasuredAngle {
   double angle_deg = 0, time_s = 0;
 };
@@ -30,7 +30,7 @@ namespace published_internal {
 /// The rows of numbers of a table; what is not a row of numbers (comment, heading) is
 /// passed over.
 inline std::vector<std::vector<double>> NumbersOf(const std::string& file_name) {
-  std::ifstream file(INTAGLIO_SOURCE_DIR "/../shared/data/" + file_name);
+  std::ifstream file(INTAGLIO_SOURCE_DIR "/tests/data/published/" + file_name);
   std::vector<std::vector<double>> rows;
   for (std::string line; std::getline(file, line);) {
     std::istringstream fields(line);
@@ -46,7 +46,6 @@ inline std::vector<std::vector<double>> NumbersOf(const std::string& file_name) 
 
 }  // namespace published_internal
 
-/// Empty where the measured data is not beside the sources.
 inline std::vector<MeasuredTime> MeasuredTimes() {
   std::vector<MeasuredTime> times;
   for (const auto& row : published_internal::NumbersOf("els03_timings.csv")) {

@@ -13,11 +13,8 @@ namespace intaglio::motion {
 namespace {
 
 TEST(PublishedTimings, StopAndGoReproducesAllOfThem) {
-  const PointList job = MeasuredPoints("calibrated_ordered");
+  const PointList job = FittedPoints("calibrated_ordered");
   const auto times = MeasuredTimes();
-  if (job.empty() || times.empty()) {
-    GTEST_SKIP() << "no measured tables beside the sources";
-  }
   ASSERT_EQ(job.size(), 16179u);
   ASSERT_EQ(times.size(), 53u);
   double square_s2 = 0.0;

@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "engrave/core/check.h"
 #include "engrave/motion/axis_reach.h"
 #include "engrave/motion/stop_and_go.h"
 #include "engrave/motion/verify.h"
+#include "tests/engrave/motion/paths.h"
 
 namespace intaglio::motion {
 namespace {
@@ -253,15 +252,8 @@ TEST(TickPlanner, WrongOptionsThrow) {
 // The order and the machine of Trochimczuk 2008, whose stops leave .829 at 100 Hz and
 // .524 at 200 Hz.
 TEST(TickPlanner, UsesThePulsesThatStoppingLosesOnThePublishedOrder) {
-  const std::filesystem::path file =
-      INTAGLIO_SOURCE_DIR "/../shared/data/jobs/calibrated_ordered.xyz";
-  std::ifstream in(file);
-  if (!in) GTEST_SKIP() << "no " << file;
-  PointList points;
-  std::string comment;
-  std::getline(in, comment);
-  for (Vec3 p; in >> p.x() >> p.y() >> p.z();) points.push_back(p);
-  ASSERT_GT(points.size(), 16000u);
+  PointList points = FittedPoints("calibrated_ordered");
+  ASSERT_EQ(points.size(), 16179u);
   const KnotState start{points.front(), Vec3::Zero()};
   points.erase(points.begin());
   for (const auto& [rate_hz, utilisation] :

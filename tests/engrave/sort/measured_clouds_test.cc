@@ -1,38 +1,23 @@
-// The sorters on a cloud as a discretizer makes it, of the measured data.
+// The sorters on a cloud that is spaced irregularly, like that of a figurine.
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include "engrave/sort/order.h"
 #include "engrave/sort/planned_ticks.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
+#include "tests/engrave/motion/paths.h"
 
 namespace intaglio::sort {
 namespace {
 
-PointList ReadPoints(const std::string& path) {
-  std::ifstream file(path);
-  PointList points_mm;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream numbers(line);
-    Vec3 p;
-    if (numbers >> p.x() >> p.y() >> p.z()) points_mm.push_back(p);
-  }
-  return points_mm;
-}
-
 class Scatter : public ::testing::Test {
  protected:
   void SetUp() override {
-    const std::string path = INTAGLIO_SOURCE_DIR "/../shared/data/jobs/scatter.xyz";
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no data";
-    points_mm_ = ReadPoints(path);
-    ASSERT_GT(points_mm_.size(), 10000);
+    points_mm_ = FittedPoints("scatter");
+    ASSERT_EQ(points_mm_.size(), 16179u);
   }
 
   PointList points_mm_;
