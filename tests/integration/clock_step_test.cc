@@ -36,7 +36,7 @@ class ClockStep : public ::testing::TestWithParam<std::pair<const char*, long>> 
 TEST_P(ClockStep, OfOneServiceCostsNothing) {
   const auto [stepped, seconds] = GetParam();
   if (stepped != std::string("all") && !testing::LongTests()) {
-    GTEST_SKIP() << "as all at once: INTAGLIO_LONG=1";
+    GTEST_SKIP() << "takes minutes, all at once is tested: set INTAGLIO_LONG=1";
   }
   ASSERT_FALSE(testing::UndisturbedPoints().empty());
   ShopFloor::Options options;

@@ -32,7 +32,8 @@ constexpr char kMostExposed[] = "20";
 class Units : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!fs::exists(kAnalyze)) GTEST_SKIP() << "there is no systemd-analyze";
+    if (!fs::exists(kAnalyze))
+      GTEST_SKIP() << "no " << kAnalyze << ": install the package systemd";
     fs::copy(fs::path(INTAGLIO_SOURCE_DIR) / "deploy" / "systemd", folder_,
              fs::copy_options::recursive);
     for (const auto& entry : fs::directory_iterator(folder_)) {

@@ -154,7 +154,8 @@ TEST_F(Network, ACutOfASecondPausesAndTheJobGoesOn) {
 
 // The two of one direction go beyond the leases as well.
 TEST_F(Network, ACutBeyondAllLeases) {
-  if (!LongTests()) GTEST_SKIP() << "as the two below: INTAGLIO_LONG=1";
+  if (!LongTests())
+    GTEST_SKIP() << "takes minutes, the two below are alike: set INTAGLIO_LONG=1";
   const Outage outage = Survive(true, true, 5s);
   ExpectSafe(outage, 0.30);
 }
@@ -167,20 +168,20 @@ TEST_F(Network, TheMachineHearsNobody) {
 // The permission still comes, and so does an emergency stop: the machine goes on until
 // the job service misses it, by the lease of its health.
 TEST_F(Network, NobodyHearsTheMachine) {
-  if (!LongTests()) GTEST_SKIP() << "INTAGLIO_LONG=1";
+  if (!LongTests()) GTEST_SKIP() << "takes minutes: set INTAGLIO_LONG=1";
   const Outage outage = Survive(false, true, 5s);
   ExpectSafe(outage, 1.5 + 0.30);
 }
 
 TEST_F(Network, ACutWithinTheLimitOfAbsence) {
-  if (!LongTests()) GTEST_SKIP() << "takes a minute: INTAGLIO_LONG=1";
+  if (!LongTests()) GTEST_SKIP() << "takes a minute: set INTAGLIO_LONG=1";
   const Outage outage = Survive(true, true, 20s);
   ExpectSafe(outage, 0.30);
 }
 
 // The block may have been changed meanwhile (services/host/absence_limit.h).
 TEST_F(Network, ACutBeyondTheLimitOfAbsenceWaitsForAPerson) {
-  if (!LongTests()) GTEST_SKIP() << "takes a minute: INTAGLIO_LONG=1";
+  if (!LongTests()) GTEST_SKIP() << "takes a minute: set INTAGLIO_LONG=1";
   ASSERT_TRUE(Begin(60)) << floor_->Logs();
   cable_->Cut(true, true);
   std::this_thread::sleep_for(40s);

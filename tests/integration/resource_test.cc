@@ -78,7 +78,7 @@ class StandsStill : public Resources,
 
 TEST_P(StandsStill, AndTheGlassIsTheSame) {
   if (GetParam() != testing::kSynchronizer && !testing::LongTests()) {
-    GTEST_SKIP() << "INTAGLIO_LONG=1";
+    GTEST_SKIP() << "takes minutes: set INTAGLIO_LONG=1";
   }
   // Within the limit of absence: after more it waits for a person.
   const auto duration = LongTests() ? 20s : 5s;

@@ -33,7 +33,9 @@ class SecuredShop : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!bus::SecurityConfiguration({folder_, {}, {}})) {
-      GTEST_SKIP() << "the DDS library is here without its security plugins";
+      GTEST_SKIP()
+          << "the DDS library has no security plugins: install Cyclone DDS built "
+             "with ENABLE_SECURITY";
     }
     setenv("INTAGLIO_MATERIALS_DB", (folder_ / "materials.db").c_str(), 1);
     unsetenv("INTAGLIO_SECURITY");
@@ -133,7 +135,7 @@ class TwoHosts {
 // As docs/services.md says it: the other host has no key but that of its role.
 TEST_F(SecuredShop, SpansTwoHosts) {
   const TwoHosts hosts;
-  if (!hosts.made()) GTEST_SKIP() << "this user may not make network namespaces";
+  if (!hosts.made()) GTEST_SKIP() << "network namespaces need root";
   setenv("INTAGLIO_ALLOW_ROOT", "1", 1);
   const fs::path worker = folder_ / "stage-worker";
   fs::copy(keys_ / "stage-worker", worker);
@@ -211,7 +213,7 @@ TEST_F(SecuredShop, NoProgramLeavesLoopbackWithoutAnIdentity) {
 }
 
 TEST_F(SecuredShop, NoServiceServesANetworkAsRoot) {
-  if (geteuid() != 0) GTEST_SKIP() << "only root can be refused as root";
+  if (geteuid() != 0) GTEST_SKIP() << "only root is refused as root: run as root";
   const Ended ended =
       Type(As(keys_.string(), {"--interface", "eth0"}), "intaglio-sorter");
   EXPECT_EQ(ended.exit_code, 1);

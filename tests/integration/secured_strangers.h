@@ -50,7 +50,9 @@ class Security : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!bus::SecurityConfiguration({folder_, {}, {}})) {
-      GTEST_SKIP() << "the DDS library is here without its security plugins";
+      GTEST_SKIP()
+          << "the DDS library has no security plugins: install Cyclone DDS built "
+             "with ENABLE_SECURITY";
     }
     ASSERT_TRUE(security::NewIdentities(folder_ / "shop", TwoCells(), {Now()}));
   }

@@ -94,7 +94,7 @@ class SecurityOnTheWire : public Security {
 
 TEST_F(SecurityOnTheWire, NothingCanBeReadOffIt) {
   const int shown = Shown({}, {}, "plain");
-  if (shown < 0) GTEST_SKIP() << "this user may not listen to packets";
+  if (shown < 0) GTEST_SKIP() << "this user may not listen to packets: run as root";
   EXPECT_GT(shown, 0);  // so the listener can hear
   EXPECT_EQ(Shown(Of("job-service"), Of("operator"), "secured"), 0);
 }
@@ -118,7 +118,8 @@ TEST_F(SecurityOnTheWire, AnIdentityThatEndsIsNotHeardAnyMore) {
     return heard > 0;
   };
   if (!Eventually(listen, kArrival)) {
-    GTEST_SKIP() << "this host took longer than the identity lives: " << brief->Output();
+    GTEST_SKIP() << "this host took longer than the identity lives, run it alone: "
+                 << brief->Output();
   }
   const auto silent = [&] {
     listen();

@@ -152,7 +152,7 @@ TEST(MaterialStore, ADamagedDatabaseIsAnErrorNotACrash) {
 }
 
 TEST(MaterialStore, AFileThatMayNotBeWrittenCanBeRead) {
-  if (geteuid() == 0) GTEST_SKIP() << "root may write everything";
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everything: run as another user";
   const fs::path folder = test::FreshFolder();
   const fs::path file = folder / "materials.db";
   ASSERT_TRUE(MaterialStore::Open(file));

@@ -18,7 +18,8 @@ class FontOutline : public ::testing::Test {
  protected:
   void SetUp() override {
     options_.font = "DejaVu Sans";
-    if (!FindFontFile(options_.font)) GTEST_SKIP() << "no DejaVu Sans";
+    if (!FindFontFile(options_.font))
+      GTEST_SKIP() << "no DejaVu Sans: install the package fonts-dejavu-core";
   }
   FlatDrawing Flat(const std::string& text) const {
     const auto drawing = TextOutline(text, options_);

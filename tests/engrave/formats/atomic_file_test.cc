@@ -127,7 +127,8 @@ TEST(AtomicFile, MayNotBeWrittenAfterItsEnd) {
 
 TEST(AtomicFile, FullDiskKeepsTheOldFileAndSaysSo) {
   const fs::path folder = test::FreshFolder();
-  if (!MountSmallDisk(folder, 64 * 1024)) GTEST_SKIP() << "no right to mount";
+  if (!MountSmallDisk(folder, 64 * 1024))
+    GTEST_SKIP() << "a small file system needs root";
   const fs::path target = folder / "glass.ply";
   ASSERT_TRUE(WriteFileAtomically(target, "old").has_value());
   PointTable table;

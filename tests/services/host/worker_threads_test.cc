@@ -52,7 +52,8 @@ TEST(AllCores, PassesOnWhatWasThrown) {
 TEST(GiveWay, InRealTimeIsOnePriorityBehindTheProcess) {
   const sched_param ten{10}, none{0};
   if (sched_setscheduler(getpid(), SCHED_RR, &ten) != 0) {
-    GTEST_SKIP() << "real-time scheduling is not granted here";
+    GTEST_SKIP()
+        << "real-time scheduling is not granted: run as root or with ulimit -r 10";
   }
   int once = 0, again = 0;
   std::thread([&] {

@@ -170,7 +170,8 @@ TEST_F(RecorderProcess, KeepsThePapersOfAJob) {
 TEST_F(RecorderProcess, ReferenceLibraryAgrees) {
   const fs::path reference = fs::path(INTAGLIO_REFERENCE_LIBRARY);
   if (!fs::exists(reference / "node_modules" / "@mcap" / "core")) {
-    GTEST_SKIP() << "no packages in " << reference << ": npm ci there";
+    GTEST_SKIP() << "no packages in " << reference
+                 << ": install npm and run `npm ci` there";
   }
   auto recorder = Start();
   auto peer = Peer();

@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(Engraving, Chain,
 TEST_P(Chain, WithoutALinkNothingFiresAndEveryPointIsAccountedFor) {
   const bool running = cell_.phase() == Phase::kRunning;
   if (link_.only_in_a_run && !(running && cell_.stage.running()))
-    GTEST_SKIP() << "cleared when a run begins";
+    GTEST_SKIP() << "does not apply: the next run begins by clearing it";
   const bool latches = link_.latches != Link::kNever && cell_.engraving->started() &&
                        (running || link_.latches == Link::kEver);
   link_.lose(cell_);

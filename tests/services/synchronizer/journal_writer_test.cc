@@ -66,7 +66,8 @@ TEST(JournalWriter, NeverWritesOverAJournal) {
 }
 
 TEST(JournalWriter, FullDiskIsAFaultAndNothingIsDurable) {
-  if (access("/dev/full", W_OK) != 0) GTEST_SKIP() << "no /dev/full here";
+  if (access("/dev/full", W_OK) != 0)
+    GTEST_SKIP() << "/dev/full may not be written: run where /dev is that of Linux";
   const fs::path file = test::FreshFolder() / "journal.bin";
   fs::create_symlink("/dev/full", file);
   // O_EXCL refuses the link, which is how a journal in the way is refused, too.
