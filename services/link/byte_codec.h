@@ -65,6 +65,13 @@ class ByteReader {
     good_ = good_ && value <= 1;
     return value == 1;
   }
+  /// Printable ASCII alone: what people compare with a type plate.
+  std::string GetPrintableText(std::size_t max_size) {
+    std::string text = GetText(max_size);
+    good_ = good_ && std::all_of(text.begin(), text.end(),
+                                 [](char c) { return c >= ' ' && c <= '~'; });
+    return text;
+  }
   std::string GetText(std::size_t max_size) {
     const auto size = Get<std::uint8_t>();
     if (size > max_size || bytes_.size() - at_ < size) {

@@ -11,7 +11,6 @@ namespace intaglio::link {
 namespace {
 
 constexpr std::byte kSync0{0xA5}, kSync1{0x5A};
-constexpr std::uint8_t kVersion = 3;
 constexpr std::size_t kHeaderSize = 16;
 
 template <typename T>
@@ -42,7 +41,7 @@ void AppendFrame(const FrameHeader& header, std::span<const std::byte> payload,
   const std::size_t begin = out.size();
   out.push_back(kSync0);
   out.push_back(kSync1);
-  Put(out, kVersion);
+  Put(out, kFrameVersion);
   Put(out, header.type);
   Put(out, header.session);
   Put(out, header.sequence);
@@ -65,7 +64,7 @@ void FrameParser::Feed(std::span<const std::byte> bytes, const Sink& sink) {
 std::optional<std::size_t> FrameParser::SizeAt(std::size_t at) const {
   const std::byte* header = buffer_.data() + at;
   if (buffer_.size() - at < kHeaderSize || header[0] != kSync0 || header[1] != kSync1 ||
-      Get<std::uint8_t>(header + 2) != kVersion) {
+      Get<std::uint8_t>(header + 2) != kFrameVersion) {
     return std::nullopt;
   }
   const auto length = Get<std::uint16_t>(header + 14);

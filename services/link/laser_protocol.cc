@@ -10,6 +10,7 @@ namespace intaglio::link {
 namespace {
 
 constexpr std::size_t kMaxModelText = 64;
+constexpr std::size_t kMaxLaserSerialNumber = 64;
 constexpr std::size_t kMaxRates = 32;
 constexpr std::uint8_t kAllInterlocks = (kSafeState << 1) - 1;
 constexpr std::uint8_t kAllShutters = 0x0f;
@@ -130,6 +131,7 @@ Bytes Encode(const LaserIdentity& m) {
   for (std::size_t i = 0; i < m.rates_hz.size() && i < kMaxRates; ++i)
     out.Put(m.rates_hz[i]);
   out.PutText(m.model, kMaxModelText);
+  out.PutText(m.serial_number, kMaxLaserSerialNumber);
   return out.Take();
 }
 
@@ -146,6 +148,7 @@ Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
   }
   for (int i = 0; i < count; ++i) m.rates_hz.push_back(in.Get<double>());
   m.model = in.GetText(kMaxModelText);
+  m.serial_number = in.GetPrintableText(kMaxLaserSerialNumber);
   if (!in.finished() || !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
     return BadLaserFrame("LaserIdentity");
   }

@@ -61,8 +61,9 @@ struct LaserIdentity {
       0;  ///< random number drawn at power-up: another one is another clock
   bool lockstep = false;  ///< ticks pass only as far as they are decided
   std::uint8_t channels = 1;
-  std::vector<double> rates_hz;  ///< at most 32
-  std::string model;             ///< at most 64 bytes
+  std::vector<double> rates_hz;    ///< at most 32
+  std::string model;               ///< at most 64 bytes
+  std::string serial_number = {};  ///< printable ASCII, at most 64; empty: it has none
 };
 
 enum InterlockBits : std::uint8_t {

@@ -23,7 +23,8 @@ void LineSession::TryOpen() {
   link_ = std::make_unique<ReliableLink>(Side::kHost, std::move(*stream), clock_,
                                          LinkOptions{}, epoch_);
   link_session_ = 0;
-  message_ = "the device does not answer yet";
+  message_ = "the device does not answer: see that it is switched on and uses version " +
+             std::to_string(kFrameVersion) + " of the frames";
 }
 
 void LineSession::Poll(const ReliableLink::Handler& handler) {

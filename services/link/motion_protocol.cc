@@ -8,6 +8,7 @@ namespace intaglio::link {
 namespace {
 
 constexpr std::uint8_t kPulseBit = 1, kEndBit = 2;
+constexpr std::size_t kMaxMotionSerialNumber = 64;
 
 tl::unexpected<Error> BadMotionFrame(const char* frame) {
   return Fail(ErrorCode::kUnreadable,
@@ -108,6 +109,7 @@ Bytes Encode(const MotionIdentity& m) {
   for (const std::int32_t limit : m.travel_min_nm) out.Put(limit);
   for (const std::int32_t limit : m.travel_max_nm) out.Put(limit);
   out.Put(m.queue_capacity);
+  out.PutText(m.serial_number, kMaxMotionSerialNumber);
   return out.Take();
 }
 
@@ -118,6 +120,7 @@ Result<MotionIdentity> Decode(std::span<const std::byte> payload) {
   for (std::int32_t& limit : m.travel_min_nm) limit = in.Get<std::int32_t>();
   for (std::int32_t& limit : m.travel_max_nm) limit = in.Get<std::int32_t>();
   m.queue_capacity = in.Get<std::uint32_t>();
+  m.serial_number = in.GetPrintableText(kMaxMotionSerialNumber);
   if (!in.finished()) return BadMotionFrame("MotionIdentity");
   return m;
 }

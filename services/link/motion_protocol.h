@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engrave/core/result.h"
@@ -63,6 +64,7 @@ struct MotionIdentity {
   std::int32_t travel_min_nm[3] = {0, 0, 0};
   std::int32_t travel_max_nm[3] = {0, 0, 0};
   std::uint32_t queue_capacity = 0;  ///< segments
+  std::string serial_number = {};    ///< printable ASCII, at most 64; empty: it has none
 };
 
 enum class StageFault : std::uint8_t {

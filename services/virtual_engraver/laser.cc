@@ -203,8 +203,8 @@ link::LaserStatus Laser::Report() const {
 }
 
 link::LaserIdentity Laser::Identity() const {
-  return {options_.power_up, options_.lockstep, options_.channels, options_.rates_hz,
-          "Intaglio virtual engraver"};
+  return {options_.power_up, options_.lockstep,           options_.channels,
+          options_.rates_hz, "Intaglio virtual engraver", options_.serial_number};
 }
 
 }  // namespace intaglio::virtual_engraver

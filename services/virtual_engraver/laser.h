@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <deque>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "services/link/laser_protocol.h"
@@ -23,7 +24,8 @@ struct LaserOptions {
   double warm_up_s = 30;      ///< machine time from lamp on
   std::uint8_t channels = 1;  ///< 1..4
   bool lockstep = false;
-  std::uint32_t power_up = 1;  ///< random number of this power-up
+  std::uint32_t power_up = 1;                     ///< random number of this power-up
+  std::string serial_number = "virtual-laser-1";  ///< empty: it has none
 };
 
 class Laser {

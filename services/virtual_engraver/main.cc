@@ -85,6 +85,12 @@ void AddOptions(command_line::Command app, Options& o) {
   app.AddOption("--channels", o.channels, "channels with a shutter and a block each")
       .Within(1, 4)
       .ShowDefault();
+  app.AddOption("--laser-serial", m.laser.serial_number,
+                "serial number that the laser controller reports; '': none")
+      .ShowDefault();
+  app.AddOption("--motion-serial", m.stage.serial_number,
+                "serial number that the stage's controller reports; '': none")
+      .ShowDefault();
   app.AddOption("--speed", o.speed, "1, N times real time, or lockstep").ShowDefault();
   app.AddOption("--clock-drift-ppm", o.clock_drift_ppm,
                 "the stage's controller runs on a clock of its own, this much too fast; "
@@ -97,6 +103,15 @@ void AddOptions(command_line::Command app, Options& o) {
       .ShowDefault();
   app.AddOption("--fault", o.faults, "\"AT_TICK COMMAND\": misbehave by itself");
   app.AddOption("--seed", o.seed, "of random misbehaviour").ShowDefault();
+}
+
+/// What the line can carry, so that the host reads what was typed.
+Status CheckSerialNumber(const char* option, const std::string& text) {
+  const bool printable =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  if (printable && text.size() <= 64) return {};
+  return Fail(ErrorCode::kInvalidValue,
+              std::string(option) + ": give 0 to 64 printable ASCII characters", text);
 }
 
 Status Finish(Options& o) {
@@ -122,6 +137,10 @@ Status Finish(Options& o) {
   if ((m.block.size_mm.array() <= 0).any()) {
     return Fail(ErrorCode::kInvalidValue, "--block-size has to be positive in each axis");
   }
+  if (auto good = CheckSerialNumber("--laser-serial", m.laser.serial_number); !good)
+    return good;
+  if (auto good = CheckSerialNumber("--motion-serial", m.stage.serial_number); !good)
+    return good;
   if (m.laser.lockstep) return {};
   char* end = nullptr;
   m.speed = std::strtod(o.speed.c_str(), &end);

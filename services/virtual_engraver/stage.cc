@@ -372,6 +372,7 @@ link::MotionIdentity Stage::Identity() const {
     identity.travel_max_nm[axis] = ToNm(options_.travel_max_mm[axis]);
   }
   identity.queue_capacity = options_.queue_capacity;
+  identity.serial_number = options_.serial_number;
   return identity;
 }
 

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engrave/core/geometry.h"
@@ -36,6 +37,7 @@ struct StageOptions {
   std::uint32_t queue_capacity = 4096;  ///< segments
   bool waits_for_motion = false;        ///< lockstep: an empty queue is no fault
   std::optional<OwnClockOptions> own_clock = {};  ///< none: it runs on the lamp's ticks
+  std::string serial_number = "virtual-stage-1";  ///< empty: it has none
 };
 
 class Stage {

@@ -106,7 +106,10 @@ TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsSaidToBe) {
   to_host->cut = true;
   TurnFor(milliseconds(2000));
   EXPECT_FALSE(session.up());
-  EXPECT_EQ(session.message(), "the device does not answer yet");
+  EXPECT_EQ(
+      session.message(),
+      "the device does not answer: see that it is switched on and uses version 4 of "
+      "the frames");
   to_host->cut = false;
   TurnFor(milliseconds(50));
   EXPECT_TRUE(session.up());

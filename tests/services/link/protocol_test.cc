@@ -173,6 +173,51 @@ TEST(Protocols, AStatusOutOfRangeIsRefused) {
   EXPECT_FALSE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 2)));
 }
 
+template <typename Identity>
+Bytes WithSerialNumber(const std::string& text) {
+  Identity identity;
+  identity.serial_number = text;
+  return Encode(identity);
+}
+
+/// A payload that ends with a serial number of 64 characters, made 65 long by hand.
+Bytes OneLonger(Bytes payload) {
+  payload.at(payload.size() - 65) = std::byte{65};
+  payload.push_back(std::byte{'x'});
+  return payload;
+}
+
+template <typename Identity>
+void CheckSerialNumbers() {
+  for (const std::string& text :
+       {std::string(), std::string("A-03"), std::string(" ~"), std::string(64, 'x')}) {
+    const auto read = Decode<Identity>(WithSerialNumber<Identity>(text));
+    ASSERT_TRUE(read) << text;
+    EXPECT_EQ(read->serial_number, text);
+  }
+  // The sender cuts what is too long, a receiver refuses it.
+  const Bytes longest = WithSerialNumber<Identity>(std::string(65, 'x'));
+  EXPECT_EQ(longest, WithSerialNumber<Identity>(std::string(64, 'x')));
+  EXPECT_FALSE(Taken<Identity>(OneLonger(longest)));
+  for (const char c : {'\0', '\n', '\x1b', '\x7f', '\x80', '\xff'})
+    EXPECT_FALSE(Taken<Identity>(WithSerialNumber<Identity>(std::string("A") + c)));
+}
+
+TEST(Protocols, SerialNumbersArePrintableAndOfAtMost64Characters) {
+  CheckSerialNumbers<LaserIdentity>();
+  CheckSerialNumbers<MotionIdentity>();
+}
+
+// Version 3 of the frames had none: such a payload is too short now.
+TEST(Protocols, AnIdentityWithoutTheFieldOfTheSerialNumberIsRefused) {
+  Bytes laser = Encode(LaserIdentity{1, true, 1, {100}, "old"});
+  laser.pop_back();
+  EXPECT_FALSE(Taken<LaserIdentity>(laser));
+  Bytes motion = Encode(MotionIdentity{{0, 0, 0}, {1, 1, 1}, 7});
+  motion.pop_back();
+  EXPECT_FALSE(Taken<MotionIdentity>(motion));
+}
+
 // One payload, one meaning: bits behind the last tick are zero.
 TEST(Protocols, UnusedBitsOfAWindowAreRefused) {
   const Bytes window = Encode(ArmWindow{1, true, std::vector<bool>(9, true)});
@@ -213,6 +258,11 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   ASSERT_TRUE(identity);
   EXPECT_EQ(identity->rates_hz, (std::vector<double>{50, 100}));
   EXPECT_EQ(identity->model, "virtual");
+  EXPECT_EQ(identity->serial_number, "A-03");
+  const auto stage_identity = Decode<MotionIdentity>(PayloadOf("MotionIdentity"));
+  ASSERT_TRUE(stage_identity);
+  EXPECT_EQ(stage_identity->queue_capacity, 4096u);
+  EXPECT_EQ(stage_identity->serial_number, "ST 7/2");
   const auto status = Decode<LaserStatus>(PayloadOf("LaserStatus"));
   ASSERT_TRUE(status);
   EXPECT_EQ(status->machine_us, 47200000u);

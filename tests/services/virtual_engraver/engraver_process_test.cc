@@ -14,6 +14,7 @@ using intaglio::testing::Eventually;
 using link::LaserFrame;
 using link::MotionFrame;
 using namespace std::chrono_literals;
+using namespace std::string_literals;
 
 link::ArmWindow AllFrom(std::uint64_t first_tick, std::size_t count, bool gated = false) {
   return {first_tick, gated, std::vector<bool>(count, true)};
@@ -52,6 +53,29 @@ TEST(EngraverProcess, EngravesAShortJobOverItsLines) {
   const auto ended = engraver.program().WaitForEnd(5s);
   EXPECT_EQ(ended.exit_code, 0);
   EXPECT_NE(ended.output.find("ends with 10 cracks"), std::string::npos) << ended.output;
+}
+
+TEST(EngraverProcess, ReportsTheSerialNumbersItIsGiven) {
+  const auto identities = [](const std::vector<std::string>& options) {
+    EngraverProcess engraver(test::FreshFolder(), options);
+    EXPECT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
+    EngravingHost host(engraver);
+    EXPECT_TRUE(host.Connect());
+    return std::pair(host.heard().laser_identities.back().serial_number,
+                     host.heard().motion_identities.back().serial_number);
+  };
+  EXPECT_EQ(identities({}), std::pair("virtual-laser-1"s, "virtual-stage-1"s));
+  EXPECT_EQ(identities({"--laser-serial", "A 03", "--motion-serial", "ST-7"}),
+            std::pair("A 03"s, "ST-7"s));
+}
+
+TEST(EngraverProcess, ASerialNumberThatTheLineCannotCarryIsRefused) {
+  for (const std::string& text : {std::string(65, 'x'), "A\n03"s}) {
+    EngraverProcess engraver(test::FreshFolder(), {"--motion-serial", text});
+    const auto ended = engraver.program().WaitForEnd(5s);
+    EXPECT_EQ(ended.exit_code, 2);
+    EXPECT_NE(ended.output.find("--motion-serial"), std::string::npos) << ended.output;
+  }
 }
 
 /// A host in a process of its own that fires every tick and stays there.
