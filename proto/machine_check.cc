@@ -55,10 +55,26 @@ void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {
   }
 }
 
+// What a controller's identity can report (services/link/laser_protocol.h).
+bool IsSerialNumber(const std::string& text) {
+  return !text.empty() && text.size() <= 64 &&
+         std::all_of(text.begin(), text.end(),
+                     [](char c) { return c >= ' ' && c <= '~'; });
+}
+
 void CheckLine(bool present, const SerialLine& line, const std::string& path,
                std::vector<Error>& errors) {
   if (!present || line.protocol().empty()) {
     Missing(errors, path + ".protocol", "name the driver, e.g. \"virtual-laser\"");
+  }
+  if (line.has_serial_number() && !IsSerialNumber(line.serial_number())) {
+    errors.push_back(
+        {ErrorCode::kInvalidValue,
+         fmt::format("{}.serial_number: {:?} is not 1 to 64 printable ASCII characters; "
+                     "give what the controller reports, or remove the line to accept any "
+                     "controller",
+                     path, line.serial_number()),
+         line.serial_number()});
   }
 }
 

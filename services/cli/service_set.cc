@@ -165,6 +165,13 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                        fmt::format("{}", machine.clock_drift_ppm),
                        "--line-jitter-ms",
                        fmt::format("{}", machine.line_jitter_ms)};
+  // The virtual controllers are those that the profile names.
+  const std::pair<const char*, const SerialLine&> lines[] = {
+      {"--laser-serial", axes.laser_line()}, {"--motion-serial", axes.motion_line()}};
+  for (const auto& [option, line] : lines) {
+    if (!line.has_serial_number()) continue;
+    command.arguments.insert(command.arguments.end(), {option, line.serial_number()});
+  }
   for (const std::string& fault : machine.faults) {
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }

@@ -25,6 +25,8 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
   options.channels = static_cast<std::uint8_t>(
       std::clamp(static_cast<int>(machine.laser().channels()), 1, 4));
   options.lockstep = true;
+  // The profile may name the one that the recorded cell had.
+  options.serial_number = machine.laser_line().serial_number();
   return options;
 }
 

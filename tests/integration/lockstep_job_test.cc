@@ -44,6 +44,25 @@ TEST_P(Rate, IsServedForAWholeJob) {
 INSTANTIATE_TEST_SUITE_P(OfALamp, Rate, ::testing::Values(50, 500, 1000, 4000),
                          ::testing::PrintToStringParamName());
 
+// The virtual controllers report what the profile names; other ones would be refused.
+TEST_F(RunJob, AProfileThatNamesItsControllersIsServed) {
+  std::string machine =
+      testing::TextIn(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
+  for (const auto& [line, number] :
+       {std::pair<std::string, std::string>("\nlaser_line {", "A 03"),
+        {"\nmotion_line {", "ST-7"}}) {
+    machine.insert(machine.find(line) + line.size(), " serial_number: \"" + number + '"');
+  }
+  std::ofstream(folder_ / "named.textproto") << machine;
+  const Ended run = Run({"--lockstep", "--warm-up", "0", "--spacing", "0.8", "--machine",
+                         (folder_ / "named.textproto").string()});
+  ASSERT_TRUE(run.in_time);
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_TRUE(Report().verdict().good());
+  EXPECT_THAT(testing::TextIn(folder_ / "out/session/machine.textproto"),
+              ::testing::AllOf(HasSubstr("A 03"), HasSubstr("ST-7")));
+}
+
 // A crystal that jumps by 400 ppm makes 0.4 ms a second: the motion that is out already
 // is wrong for some pulses. They are held back, and made from a new plan.
 TEST_F(RunJob, AClockThatChangesItsPaceMakesNoCrackInTheWrongPlace) {

@@ -195,6 +195,26 @@ TEST(CheckMachine, ManyMistakesAtOnce) {
                            Says("motion_line.baud", "300 is outside 1200..4000000")));
 }
 
+TEST(CheckMachine, AnExpectedSerialNumberIsOneThatAControllerCanReport) {
+  MachineSpec machine = GoodMachine();
+  for (const std::string& good :
+       {std::string("A"), std::string("ST 7/2"), std::string(64, 'x')}) {
+    machine.mutable_laser_line()->set_serial_number(good);
+    machine.mutable_motion_line()->set_serial_number(good);
+    EXPECT_THAT(CheckMachine(machine), IsEmpty()) << good;
+  }
+  machine.mutable_laser_line()->set_serial_number("");
+  machine.mutable_motion_line()->set_serial_number("A\n03");
+  EXPECT_THAT(CheckMachine(machine),
+              UnorderedElementsAre(
+                  Says("laser_line.serial_number", "\"\" is not 1 to 64 printable"),
+                  Says("motion_line.serial_number", "\"A\\n03\" is not 1 to 64")));
+  machine = GoodMachine();
+  machine.mutable_motion_line()->set_serial_number(std::string(65, 'x'));
+  EXPECT_THAT(CheckMachine(machine),
+              ElementsAre(Says("motion_line.serial_number", "remove the line")));
+}
+
 TEST(JoinErrors, OneALine) {
   const Error joined =
       JoinErrors({{ErrorCode::kMissing, "a: b", "1"}, {ErrorCode::kIo, "c: d", "2"}});
