@@ -68,6 +68,7 @@ Bridge::Bridge(host::ServiceHost& host, std::string cell,
 void Bridge::Turn(std::chrono::nanoseconds now) {
   driver_->Poll();
   if (driver_->state().taken_over) return;
+  AlarmRefusal();
   TakeBatches();
   TakeStops();
   // A line full of segments takes the abort as soon as it can.
@@ -76,6 +77,16 @@ void Bridge::Turn(std::chrono::nanoseconds now) {
   if (phase_ == Phase::kBeginning) Begin(now);
   if (phase_ == Phase::kFeeding) Feed();
   PublishAll(now);
+}
+
+// Once for each device that is refused; a line that comes and goes raises no more.
+void Bridge::AlarmRefusal() {
+  const DriverState& state = driver_->state();
+  if (state.link_up) alarmed_refusal_.clear();
+  if (state.refusal.empty() || state.refusal == alarmed_refusal_) return;
+  alarmed_refusal_ = state.refusal;
+  host_.RaiseAlarm(intaglio_ALARM_FAULT, ErrorCodeName(ErrorCode::kRefused),
+                   alarmed_refusal_);
 }
 
 void Bridge::PublishAll(std::chrono::nanoseconds now) {

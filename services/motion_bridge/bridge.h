@@ -54,6 +54,7 @@ class Bridge {
   void EndRun();
   /// Ends the run and tells the stage, now or as soon as its line takes it.
   void AbortRun();
+  void AlarmRefusal();
   void PublishAll(std::chrono::nanoseconds now);
   void TakeStops();
   void Begin(std::chrono::nanoseconds now);
@@ -83,6 +84,7 @@ class Bridge {
   std::uint64_t published_number_ = 0;
   std::uint64_t position_number_ = 0;
   host::StopLatch stop_;
+  std::string alarmed_refusal_;
 };
 
 }  // namespace intaglio::motion_bridge

@@ -31,6 +31,8 @@ struct DriverState {
   bool at_rest = false;
   intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
   std::string message;  ///< the fault in a sentence that says what to do
+  /// Why the controller that answers now is refused, and what to do; empty: it is not.
+  std::string refusal = {};
   double following_error_max_um = 0;
   std::uint32_t clock = 0;   ///< of its own, another number is another clock; 0: none
   std::uint64_t number = 0;  ///< grows with every word of the controller

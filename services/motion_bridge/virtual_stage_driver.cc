@@ -83,25 +83,29 @@ FaultText TextOf(link::StageFault fault) {
 
 class VirtualStageDriver final : public MotionDriver {
  public:
-  VirtualStageDriver(link::StreamOpener open, link::SteadyClock clock)
-      : session_(std::move(open), std::move(clock)) {}
+  VirtualStageDriver(link::StreamOpener open, link::SteadyClock clock,
+                     link::ExpectedDevice expected)
+      : expected_(std::move(expected)), session_(std::move(open), std::move(clock)) {}
 
   void Poll() override {
     session_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
       Handle(static_cast<MotionFrame>(type), payload);
     });
-    if (session_.up()) {
-      state_.link_up = identified_;
-      return;
+    if (session_.sessions() != polled_sessions_) {
+      polled_sessions_ = session_.sessions();
+      identified_ = identified_now_;
+      if (!refused_now_) state_.refusal.clear();
     }
-    const std::string message = "motion line: " + session_.message();
-    if (state_.link_up || state_.message != message) ++state_.number;
-    identified_ = false;
-    state_.link_up = false;
-    state_.taken_over = session_.fenced();
-    state_.clock = 0;
-    state_.fault = intaglio_MOTION_LINK_LOST;
-    state_.message = message;
+    identified_now_ = refused_now_ = false;
+    if (!session_.up()) {
+      identified_ = false;
+      state_.refusal.clear();
+      state_.taken_over = session_.fenced();
+      return SetDown(intaglio_MOTION_LINK_LOST, "motion line: " + session_.message());
+    }
+    if (!state_.refusal.empty())
+      return SetDown(intaglio_MOTION_WRONG_CONTROLLER, state_.refusal);
+    state_.link_up = identified_;
   }
 
   int fd() const override { return session_.fd(); }
@@ -192,19 +196,22 @@ class VirtualStageDriver final : public MotionDriver {
       frame.segments.push_back(ToTimedWire(segments[i], end_ns[i]));
     return SendFrame(MotionFrame::kTimedSegments, Encode(frame));
   }
+  void SetDown(intaglio_MotionFault fault, const std::string& message) {
+    if (state_.link_up || state_.message != message) ++state_.number;
+    state_.link_up = false;
+    state_.clock = 0;
+    state_.fault = fault;
+    state_.message = message;
+  }
   Status SendFrame(MotionFrame type, const link::Bytes& payload) {
+    if (!identified_) return Fail(ErrorCode::kLinkLost, state_.message);
     return session_.Send(static_cast<std::uint8_t>(type), payload);
   }
 
   void Handle(MotionFrame type, std::span<const std::byte> payload) {
-    if (type == MotionFrame::kMotionIdentity) {
-      if (const auto identity = link::Decode<link::MotionIdentity>(payload)) {
-        identified_ = true;
-        status_.queue_free = 0;  // until its first status
-        state_.clock = 0;        // it will say so when it has one
-        (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
-      }
-    } else if (type == MotionFrame::kMotionStatus) {
+    if (type == MotionFrame::kMotionIdentity) return Identify(payload);
+    if (!identified_) return;
+    if (type == MotionFrame::kMotionStatus) {
       if (const auto status = link::Decode<link::MotionStatus>(payload)) Take(*status);
     } else if (type == MotionFrame::kControllerClock) {
       const auto clock = link::Decode<link::ControllerClock>(payload);
@@ -229,6 +236,26 @@ class VirtualStageDriver final : public MotionDriver {
     }
   }
 
+  void Identify(std::span<const std::byte> payload) {
+    const auto identity = link::Decode<link::MotionIdentity>(payload);
+    if (!identity)
+      return Refuse(identity.error().message + ": " + expected_.VersionHint());
+    if (auto why = link::RefusalOf(expected_, identity->serial_number); !why.empty())
+      return Refuse(std::move(why));
+    state_.refusal.clear();
+    identified_ = identified_now_ = true;
+    status_.queue_free = 0;  // until its first status
+    state_.clock = 0;        // it will say so when it has one
+    (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
+  }
+  void Refuse(std::string why) {
+    state_.refusal = std::move(why);
+    refused_now_ = true;
+    identified_ = false;
+    positions_.clear();
+    (void)session_.Send(static_cast<std::uint8_t>(MotionFrame::kAbortRun), {});
+  }
+
   void Take(const link::MotionStatus& status) {
     status_ = status;
     state_.link_up = identified_;
@@ -248,10 +275,13 @@ class VirtualStageDriver final : public MotionDriver {
     ++state_.number;
   }
 
+  link::ExpectedDevice expected_;
   link::LineSession session_;
   DriverState state_;
   link::MotionStatus status_;
   bool identified_ = false;
+  bool identified_now_ = false, refused_now_ = false;  // in this Poll
+  std::uint32_t polled_sessions_ = 0;
   std::uint32_t begun_run_ = 0;
   std::uint64_t appended_ = 0;
   Coverage covered_;
@@ -261,8 +291,10 @@ class VirtualStageDriver final : public MotionDriver {
 }  // namespace
 
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(link::StreamOpener open,
-                                                     link::SteadyClock clock) {
-  return std::make_unique<VirtualStageDriver>(std::move(open), std::move(clock));
+                                                     link::SteadyClock clock,
+                                                     link::ExpectedDevice expected) {
+  return std::make_unique<VirtualStageDriver>(std::move(open), std::move(clock),
+                                              std::move(expected));
 }
 
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine) {
@@ -270,7 +302,9 @@ std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine)
       [line = machine.motion_line()]() -> Result<std::unique_ptr<link::ByteStream>> {
         return link::OpenSerialPort(line.device(), line.baud());
       },
-      link::MonotonicClock());
+      link::MonotonicClock(),
+      {machine.motion_line().serial_number(), "stage controller", machine.name(),
+       machine.motion_line().device(), "motion_line"});
 }
 
 }  // namespace intaglio::motion_bridge

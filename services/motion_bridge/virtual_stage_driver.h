@@ -1,9 +1,14 @@
 #pragma once
 
 // Driver of the virtual engraver's stage controller: services/link/motion_protocol.h.
+//
+// A controller with another serial number than the expected one is refused at the
+// handshake: its line counts as down, nothing of it is taken, and nothing is sent but one
+// AbortRun a session, which brakes what another host may have left running.
 
 #include <memory>
 
+#include "services/link/expected_device.h"
 #include "services/link/line_session.h"
 #include "services/motion_bridge/motion_driver.h"
 
@@ -14,6 +19,7 @@ std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine)
 
 /// Over any line and clock; what tests use.
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(link::StreamOpener open,
-                                                     link::SteadyClock clock);
+                                                     link::SteadyClock clock,
+                                                     link::ExpectedDevice expected = {});
 
 }  // namespace intaglio::motion_bridge

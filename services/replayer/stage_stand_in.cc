@@ -20,7 +20,8 @@ intaglio_MotionFault FaultOf(const std::string& name) {
       {"MOTION_FOLLOWING_ERROR", intaglio_MOTION_FOLLOWING_ERROR},
       {"MOTION_LATE", intaglio_MOTION_LATE},
       {"MOTION_LINK_LOST", intaglio_MOTION_LINK_LOST},
-      {"MOTION_SAFE_STATE", intaglio_MOTION_SAFE_STATE}};
+      {"MOTION_SAFE_STATE", intaglio_MOTION_SAFE_STATE},
+      {"MOTION_WRONG_CONTROLLER", intaglio_MOTION_WRONG_CONTROLLER}};
   for (const auto& [known, fault] : kFaults) {
     if (name == known) return fault;
   }

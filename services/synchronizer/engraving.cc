@@ -73,6 +73,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   }
   HearDisarmed();
   TurnChain(inputs);
+  HaltOverOtherDevice(inputs);
   HearWord(inputs);
   AskOverUncertain(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
@@ -109,15 +110,14 @@ void Engraving::Await(const EngravingInputs& inputs) {
   }
   LeaveSafeState(inputs);
   // In lockstep it brakes only while ticks pass, which in a safe state none does.
-  const bool seen =
-      inputs.motion.fresh && inputs.motion.fault != intaglio_MOTION_LINK_LOST;
+  const bool seen = inputs.motion.fresh && !inputs.motion.line_down();
   if (seen && !inputs.motion.at_rest) {
     AbortEarlierRun(inputs);
     KeepIdleTicksPassing();
   }
   ChainLinks links = LinksNow(inputs);
   // A stage's fault is cleared by the bridge when it begins the run.
-  if (!chain_.latched() && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
+  if (!chain_.latched() && !inputs.motion.line_down()) {
     links.motion_without_fault = true;
   }
   const bool closed = ShuttersClosed(inputs);
@@ -210,7 +210,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
   // Until the controller executes this run, a fault is that of an older one, which the
   // bridge clears, or a start that came too late, which is tried again.
   const bool our_run = inputs.motion.run == run_;
-  if (!our_run && inputs.motion.fault != intaglio_MOTION_LINK_LOST) {
+  if (!our_run && !inputs.motion.line_down()) {
     links.motion_without_fault = true;
   }
   shutters_seen_open_ = shutters_seen_open_ || links.shutters_open;

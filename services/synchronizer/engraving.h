@@ -125,6 +125,7 @@ class Engraving {
   void LeaveSafeState(const EngravingInputs& inputs);
   void LightLamp(const EngravingInputs& inputs);
   void TurnChain(const EngravingInputs& inputs);
+  void HaltOverOtherDevice(const EngravingInputs& inputs);
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   bool LeaveOutBefore(std::uint32_t point);

@@ -64,7 +64,8 @@ void Engraving::Explain(Missing missing, const std::string& text, bool fault) {
       missing == Missing::kLaserLine || missing == Missing::kMotionState ||
       missing == Missing::kSafeState ||
       (missing == Missing::kMotionFault && motion_fault_ != intaglio_MOTION_LIMIT &&
-       motion_fault_ != intaglio_MOTION_FOLLOWING_ERROR);
+       motion_fault_ != intaglio_MOTION_FOLLOWING_ERROR &&
+       motion_fault_ != intaglio_MOTION_WRONG_CONTROLLER);
   if (fault) chain_.Latch(lost_a_line_);
 }
 
@@ -137,6 +138,19 @@ void Engraving::TurnChain(const EngravingInputs& inputs) {
   starts_again_ = lost_a_line_ = false;
   message_ = TextOf(spent_by);
   if (asked_) message_ += "; " + QuestionOverUncertain();
+}
+
+// A line that leads to another machine is no lost line: somebody changes cables, and is
+// to arm when that is done. So each arm is spent while another device answers.
+void Engraving::HaltOverOtherDevice(const EngravingInputs& inputs) {
+  const bool other_stage =
+      inputs.motion.fresh && inputs.motion.fault == intaglio_MOTION_WRONG_CONTROLLER;
+  if (stopping_ || (laser_.refusal().empty() && !other_stage)) return;
+  chain_.Latch(false);
+  starts_again_ = lost_a_line_ = false;
+  if (!faulted()) return;
+  message_ = (laser_.refusal().empty() ? inputs.motion.message : laser_.refusal()) +
+             ", then resume";
 }
 
 // Outside a run no shutter is open, whatever happened before.

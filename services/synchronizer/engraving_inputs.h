@@ -27,6 +27,12 @@ struct MotionView {
   intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
   std::string message;
   std::uint32_t clock = 0;  ///< the controller's own; 0: it runs on the lamp's ticks
+
+  /// Nothing is known of the stage and nothing reaches it.
+  bool line_down() const {
+    return fault == intaglio_MOTION_LINK_LOST ||
+           fault == intaglio_MOTION_WRONG_CONTROLLER;
+  }
 };
 
 /// What the outside says at one turn.

@@ -27,6 +27,7 @@ void Engraving::Prepare(const EngravingInputs& inputs) {
 
 std::string Engraving::WhatPreparationWaitsFor(const EngravingInputs& inputs) {
   if (!job_.block_misfit.empty()) return job_.block_misfit;
+  if (!laser_.refusal().empty()) return laser_.refusal();
   if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
   LightLamp(inputs);
   LeaveSafeState(inputs);
@@ -36,7 +37,7 @@ std::string Engraving::WhatPreparationWaitsFor(const EngravingInputs& inputs) {
     return fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
   }
   if (!inputs.motion.fresh) return TextOf(Missing::kMotionState);
-  return inputs.motion.fault == intaglio_MOTION_LINK_LOST ? inputs.motion.message : "";
+  return inputs.motion.line_down() ? inputs.motion.message : "";
 }
 
 // Once in a session: another session may be another power-up, and its lamp is off.

@@ -1,6 +1,11 @@
 #pragma once
 
 // The laser controller at the end of the laser line, as the synchronizer sees it.
+//
+// A controller with another serial number than the expected one is refused at the
+// handshake. For the user of this class its line is down: up() is false, nothing of it is
+// taken, and nothing is sent but, once a session, "shutters closed, disarm, lamp off". So
+// it is when the cable was swapped while the process runs.
 // Not thread-safe; nothing blocks.
 
 #include <chrono>
@@ -8,6 +13,7 @@
 #include <functional>
 #include <string>
 
+#include "services/link/expected_device.h"
 #include "services/link/laser_protocol.h"
 #include "services/link/line_session.h"
 
@@ -20,7 +26,8 @@ class LaserController {
   static constexpr std::chrono::milliseconds kStatusLease{500};
   using PastSink = std::function<void(const link::PastReport&)>;
 
-  LaserController(link::StreamOpener open, link::SteadyClock clock);
+  LaserController(link::StreamOpener open, link::SteadyClock clock,
+                  link::ExpectedDevice expected = {});
 
   /// Moves bytes and takes what came; `sink` gets every pulse report once, in order,
   /// `past` every answer to RequestPast.
@@ -33,7 +40,12 @@ class LaserController {
   bool CanSend() const { return session_.CanSend() && identified_; }
   /// A newer host has the controller; for good, and nothing more is said to it.
   bool taken_over() const { return session_.fenced(); }
-  const std::string& message() const { return session_.message(); }
+  /// Why the line is down; empty while it is up.
+  const std::string& message() const {
+    return refusal_.empty() ? session_.message() : refusal_;
+  }
+  /// Why the controller that answers now is refused, and what to do; empty: it is not.
+  const std::string& refusal() const { return refusal_; }
   int fd() const { return session_.fd(); }
 
   const link::LaserIdentity& identity() const { return identity_; }
@@ -65,14 +77,18 @@ class LaserController {
  private:
   void Handle(link::LaserFrame type, std::span<const std::byte> payload,
               const ReportSink& sink, const PastSink& past);
+  void Identify(std::span<const std::byte> payload);
+  void Refuse(const std::string& why);
   Status SendFrame(link::LaserFrame type, const link::Bytes& payload = {});
 
   link::SteadyClock clock_;
+  link::ExpectedDevice expected_;
+  std::string refusal_;
   link::LineSession session_;
   link::LaserIdentity identity_;
   link::LaserStatus status_;
   bool identified_ = false;
-  bool identified_now_ = false;  // in this Poll
+  bool identified_now_ = false, refused_now_ = false;  // in this Poll
   std::uint32_t polled_sessions_ = 0;
   std::uint64_t status_number_ = 0;
   std::chrono::nanoseconds status_at_{0};

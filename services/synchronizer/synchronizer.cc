@@ -47,7 +47,9 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       segments_(host.bus(), bus::kMotionSegmentBatch, cell_),
       intake_(host.bus(), host.instance()),
       publisher_(host.bus(), cell_, host.instance()),
-      laser_(LaserLineOf(machine), link::MonotonicClock()),
+      laser_(LaserLineOf(machine), link::MonotonicClock(),
+             {machine.laser_line().serial_number(), "laser", machine.name(),
+              machine.laser_line().device(), "laser_line"}),
       feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
             [this](const std::string& stream) { return credit_.Find(stream); }) {}
 
@@ -61,6 +63,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   };
   laser_.Poll(take, take);
   if (laser_.taken_over()) return;
+  AlarmRefusal();
   credit_.Poll();
   TakePermission(now);
   TakeMotion(now);
@@ -75,6 +78,15 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   if (engraving_) Engrave(now);
   publisher_.TellLaser(laser_, stop_, now);
   publisher_.Flush(now, false);
+}
+
+// Once for each device that is refused; a line that comes and goes raises no more.
+void Synchronizer::AlarmRefusal() {
+  if (laser_.up()) alarmed_refusal_.clear();
+  if (laser_.refusal().empty() || laser_.refusal() == alarmed_refusal_) return;
+  alarmed_refusal_ = laser_.refusal();
+  host_.RaiseAlarm(intaglio_ALARM_FAULT, ErrorCodeName(ErrorCode::kRefused),
+                   alarmed_refusal_, job_ ? job_->job_uid() : "");
 }
 
 void Synchronizer::Stop() {

@@ -52,6 +52,7 @@ class Synchronizer {
   }
 
  private:
+  void AlarmRefusal();
   void TakeTasks();
   void Begin(const intaglio_StageTask& task);
   void TakePermission(std::chrono::nanoseconds now);
@@ -99,6 +100,7 @@ class Synchronizer {
   bool cancelled_ = false;
   bool leaves_ = false;
   std::string logged_message_;
+  std::string alarmed_refusal_;
   std::chrono::nanoseconds now_{0};
   std::chrono::nanoseconds began_at_{0};
   MotionView motion_view_;

@@ -9,6 +9,7 @@
 #include <deque>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "services/link/line_session.h"
@@ -46,6 +47,7 @@ class FakeStage {
     session_ = link_->session();
     link::MotionIdentity identity;
     identity.queue_capacity = capacity_;
+    identity.serial_number = serial_number;
     Say(link::MotionFrame::kMotionIdentity, Encode(identity));
     if (clock != 0) {
       Say(link::MotionFrame::kControllerClock, Encode(link::ControllerClock{clock, 1}));
@@ -55,7 +57,8 @@ class FakeStage {
   /// What the next statuses say besides the queue.
   link::MotionStatus status;
   bool answers_status = true;
-  std::uint32_t clock = 0;  ///< of its own; 0: none
+  std::string serial_number = "S-03";  ///< reported at the next handshakes
+  std::uint32_t clock = 0;             ///< of its own; 0: none
   void SayStatus() {
     status.queue_free = capacity_ - static_cast<std::uint32_t>(queue.size());
     status.segments_taken = taken_;

@@ -88,7 +88,8 @@ FakeCell::FakeCell(const CellOptions& options)
 void FakeCell::Begin(JobBegun begun) {
   controller = std::make_unique<LaserController>(
       [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
-      [this] { return now; });
+      [this] { return now; },
+      link::ExpectedDevice{"A-03", "laser", "els-03", "/dev/ttyUSB0", "laser_line"});
   feed = std::make_unique<MotionFeed>(
       [this](const intaglio_MotionSegmentBatch& batch) { return stage.Take(batch, now); },
       [this](const std::string& stream) { return stage.GrantOf(stream); });

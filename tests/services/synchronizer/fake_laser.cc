@@ -44,7 +44,8 @@ void FakeLaser::Poll() {
     outcomes_.clear();
     waiting_.clear();
     Say(LaserFrame::kLaserIdentity,
-        Encode(link::LaserIdentity{power_up_, lockstep_, 4, {kRateHz}, "test"}));
+        Encode(link::LaserIdentity{
+            power_up_, lockstep_, 4, {kRateHz}, "test", serial_number}));
   }
   if (!line_->up() && (shutters_ != 0 || !decided_.empty())) EnterSafeState();
   Tell();
@@ -52,6 +53,7 @@ void FakeLaser::Poll() {
 }
 
 void FakeLaser::Receive(LaserFrame type, std::span<const std::byte> payload) {
+  received.push_back(type);
   switch (type) {
     case LaserFrame::kLampCommand: {
       const bool on = link::Decode<link::LampCommand>(payload)->on;

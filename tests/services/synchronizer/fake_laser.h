@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,10 @@ class FakeLaser {
 
   void PressStop(bool pressed);
   void EnterSafeState();
+
+  /// What it reports at the next handshakes; another one: the line leads elsewhere.
+  std::string serial_number = "A-03";
+  std::vector<link::LaserFrame> received;  ///< all that came, in order
 
   bool key_on = true, door_closed = true;
   std::uint32_t openings =
