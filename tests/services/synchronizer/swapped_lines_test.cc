@@ -66,6 +66,9 @@ class Cell {
     fs::remove(port);
     fs::create_symlink(line, port);
   }
+  void Plug(const std::string& line, const Cell& cell) {
+    line == "laser" ? PlugLaser(cell) : PlugStage(cell);
+  }
   void PlugLaser(const Cell& cell) { Plug(LaserPort(), cell.engraver_.laser_line()); }
   void PlugStage(const Cell& cell) { Plug(StagePort(), cell.engraver_.motion_line()); }
 
@@ -80,12 +83,16 @@ class Cell {
     ASSERT_TRUE(WriteMachineFile(folder_ / "machine.textproto", machine_));
     WriteJob();
     StartSynchronizer();
-    bridge_ = Program("intaglio-motion-bridge", "bridge.log");
+    StartBridge();
   }
   void StartSynchronizer() {
     synchronizer_ =
         Program("intaglio-synchronizer", fmt::format("sync{}.log", ++starts_));
   }
+  void StartBridge() {
+    bridge_ = Program("intaglio-motion-bridge", fmt::format("bridge{}.log", ++starts_));
+  }
+  Running& bridge() { return *bridge_; }
   Running& synchronizer() { return *synchronizer_; }
 
   bool Give() {
@@ -258,27 +265,30 @@ class TwoCells : public ::testing::Test {
     return Until(30s,
                  [this] { return a_.Pulses() == kPoints && b_.Pulses() == kPoints; });
   }
-  /// All cables at once, while everything runs.
-  void SwapLasersOf(Cell& a, Cell& b) {
-    for (const Cell* cell : {&a_, &b_}) (void)cell->engraver().Ask("unplug laser");
-    a_.PlugLaser(a), b_.PlugLaser(b);
-    for (const Cell* cell : {&a_, &b_}) (void)cell->engraver().Ask("plug laser");
+  /// Both cables at once, while everything runs.
+  void Swap(const std::string& line, Cell& of_a, Cell& of_b) {
+    for (const Cell* cell : {&a_, &b_}) (void)cell->engraver().Ask("unplug " + line);
+    a_.Plug(line, of_a), b_.Plug(line, of_b);
+    for (const Cell* cell : {&a_, &b_}) (void)cell->engraver().Ask("plug " + line);
   }
   /// A host that was at the other machine with a lower epoch is fenced off there and
   /// ends; what starts it again gives it its job again.
   void RestartWhoEnded() {
     for (Cell* cell : {&a_, &b_}) {
+      if (!cell->bridge().running()) cell->StartBridge();
       if (cell->synchronizer().running()) continue;
       cell->StartSynchronizer();
       ASSERT_TRUE(cell->Give());
     }
   }
   bool AnyFires() { return a_.Pulses() + b_.Pulses() > 0; }
-  std::string LaserRefusal(const Cell& at, const Cell& other, const std::string& name) {
+  std::string LaserRefusal(const Cell& at, const Cell& other,
+                           const std::string& name) const {
     return Refusal(at.LaserPort(), "laser", other.Laser(), name, at.Laser(),
                    "laser_line");
   }
-  std::string StageRefusal(const Cell& at, const Cell& other, const std::string& name) {
+  std::string StageRefusal(const Cell& at, const Cell& other,
+                           const std::string& name) const {
     return Refusal(at.StagePort(), "stage controller", other.Stage(), name, at.Stage(),
                    "motion_line");
   }
@@ -314,18 +324,27 @@ TEST_F(TwoCells, WithSwappedLaserLinesNothingIsLitOrFiredAndBothReportWhy) {
 }
 
 // Whoever puts the cables right stands at the machines: each of them is armed anew.
-TEST_F(TwoCells, LaserLinesSwappedInMidJobFireNothingUntilTheyAreRightAndArmedAnew) {
+class LinesSwappedInMidJob : public TwoCells,
+                             public ::testing::WithParamInterface<std::string> {
+ protected:
+  std::string Message(const Cell& at, const Cell& other, const std::string& name) const {
+    return (GetParam() == "laser" ? LaserRefusal(at, other, name)
+                                  : StageRefusal(at, other, name)) +
+           ", then resume";
+  }
+};
+
+TEST_P(LinesSwappedInMidJob, FireNothingUntilTheyAreRightAndArmedAnew) {
   StartBoth();
   ASSERT_TRUE(Until(20s, [this] { return a_.Pulses() > 50 && b_.Pulses() > 50; }));
-  SwapLasersOf(b_, a_);
+  Swap(GetParam(), b_, a_);
   TurnFor(1500ms);
   RestartWhoEnded();
-  EXPECT_TRUE(
-      Until(10s,
-            [this] {
-              return a_.job_message == LaserRefusal(a_, b_, "cell-a") + ", then resume" &&
-                     b_.job_message == LaserRefusal(b_, a_, "cell-b") + ", then resume";
-            }))
+  EXPECT_TRUE(Until(10s,
+                    [this] {
+                      return a_.job_message == Message(a_, b_, "cell-a") &&
+                             b_.job_message == Message(b_, a_, "cell-b");
+                    }))
       << a_.job_message << "\n"
       << b_.job_message;
   const std::uint64_t of_a = a_.Pulses(), of_b = b_.Pulses();
@@ -333,7 +352,7 @@ TEST_F(TwoCells, LaserLinesSwappedInMidJobFireNothingUntilTheyAreRightAndArmedAn
   const auto more = [&] { return a_.Pulses() > of_a || b_.Pulses() > of_b; };
   EXPECT_FALSE(Until(2s, more));
   EXPECT_FALSE(a_.armed() || b_.armed());
-  SwapLasersOf(a_, b_);
+  Swap(GetParam(), a_, b_);
   TurnFor(1500ms);
   RestartWhoEnded();
   EXPECT_FALSE(Until(3s, more));
@@ -343,6 +362,9 @@ TEST_F(TwoCells, LaserLinesSwappedInMidJobFireNothingUntilTheyAreRightAndArmedAn
   EXPECT_EQ(a_.Pulses(), kPoints);
   EXPECT_EQ(b_.Pulses(), kPoints);
 }
+
+INSTANTIATE_TEST_SUITE_P(Of, LinesSwappedInMidJob, ::testing::Values("laser", "motion"),
+                         [](const auto& line) { return line.param; });
 
 TEST_F(TwoCells, WithSwappedMotionLinesNothingMovesOrFiresAndBothReportWhy) {
   a_.PlugStage(b_), b_.PlugStage(a_);
