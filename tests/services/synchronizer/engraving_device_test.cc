@@ -19,6 +19,8 @@ constexpr char kStageRefusal[] = "the line at /dev/ttyUSB1 leads to another stag
 
 class EngravingDevice : public testing::Test {
  protected:
+  explicit EngravingDevice(const CellOptions& options = {.points = 160})
+      : cell_(options) {}
   /// The cable is pulled out and put in at the laser with this serial number.
   void ReplugTo(const std::string& serial_number) {
     cell_.CutLine(true);
@@ -41,11 +43,15 @@ class EngravingDevice : public testing::Test {
     EXPECT_EQ(cell_.made(), cell_.points_mm.size());
   }
 
-  FakeCell cell_{{.points = 160}};
+  FakeCell cell_;
 };
 
-TEST_F(EngravingDevice, AnotherLaserIsNotLitAndCostsTheArm) {
-  cell_.laser.serial_number = "B-17";
+class AtAnotherLaser : public EngravingDevice {
+ protected:
+  AtAnotherLaser() : EngravingDevice({.points = 160, .laser_serial_number = "B-17"}) {}
+};
+
+TEST_F(AtAnotherLaser, IsNotLitAndCostsTheArm) {
   cell_.StepFor(1000ms);
   EXPECT_EQ(cell_.engraving->message(), kLaserRefusal);
   cell_.Grant();

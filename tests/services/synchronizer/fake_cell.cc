@@ -80,6 +80,7 @@ FakeCell::FakeCell(const CellOptions& options)
       next_tick_(now) {
   // In lockstep it comes to rest only when ticks pass, as a real one does.
   if (options.lockstep) stage.braking_ticks = 20;
+  laser.serial_number = options.laser_serial_number;
   laser.Plug(LineEnd(false));
   Begin(JobBegun::kNo);
 }

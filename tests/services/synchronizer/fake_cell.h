@@ -27,6 +27,7 @@ struct CellOptions {
   bool photosensor_feedback = true;
   bool asks_when_uncertain = false;
   std::string block_misfit = {};
+  std::string laser_serial_number = "A-03";  ///< the profile expects A-03
 };
 
 /// An order whose shutters change every few points.

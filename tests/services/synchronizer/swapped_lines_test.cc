@@ -218,7 +218,7 @@ class Cell {
   std::uint32_t attempt_ = 0;
   bool armed_ = false;
   std::chrono::steady_clock::time_point armed_at_;
-  std::uint64_t permission_number_ = 0, grant_ = 0, renewal_ = 0;
+  std::uint64_t permission_number_ = 0, grant_ = 1, renewal_ = 0;
 };
 
 std::string Refusal(const fs::path& port, const std::string& kind,
@@ -243,6 +243,8 @@ class TwoCells : public ::testing::Test {
     b_.Start();
     ASSERT_TRUE(a_.Give()) << a_.Logs();
     ASSERT_TRUE(b_.Give()) << b_.Logs();
+    // What was armed before the job was given is not trusted.
+    TurnFor(300ms);
     ArmBoth();
   }
   void ArmBoth() { a_.Arm(), b_.Arm(); }
