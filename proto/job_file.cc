@@ -6,12 +6,9 @@
 #include <google/protobuf/text_format.h>
 #include <google/protobuf/util/json_util.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-
 #include "engrave/drawing/font_outline.h"
 #include "engrave/formats/atomic_file.h"
+#include "engrave/formats/whole_file.h"
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/json_position.h"
@@ -79,29 +76,10 @@ Result<JobFileFormat> FormatOf(const fs::path& path) {
       ending);
 }
 
-Result<std::string> ReadAll(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: there is no such file", path.string()), path.string());
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMaxJobFileBytes + 1, '\0');
-  if (!fs::is_directory(path, error) && file) {
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  }
-  if (fs::is_directory(path, error) || file.bad() || !file.is_open()) {
-    return Fail(ErrorCode::kIo, fmt::format("{}: cannot be read", path.string()),
-                path.string());
-  }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return text;
-}
-
 Status ReadMessage(const fs::path& path, pb::Message& message) {
   const auto format = FormatOf(path);
   if (!format) return tl::unexpected(format.error());
-  const auto text = ReadAll(path);
+  const auto text = formats::ReadWholeFile(path, kMaxJobFileBytes);
   if (!text) return tl::unexpected(text.error());
   return Parse(*text, *format, path.string(), message);
 }

@@ -3,8 +3,9 @@
 // Job and machine files: protobuf text format (.textproto, .txtpb) or JSON (.json) of
 // proto/job.proto and proto/machine.proto.
 //
-// Errors: kNotFound, kIo, kTooLarge (more than kMaxJobFileBytes), kUnsupported (another
-// ending), kUnreadable with "file:line:column: what". An unknown field is an error.
+// Errors: kNotFound, kIo (also what is no regular file), kTooLarge (more than
+// kMaxJobFileBytes), kUnsupported (another ending), kUnreadable with "file:line:column:
+// what". An unknown field is an error.
 
 #include <filesystem>
 #include <string>

@@ -1,32 +1,67 @@
 #include "engrave/formats/whole_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-#include <fstream>
-#include <system_error>
+#include <cerrno>
 
 namespace intaglio::formats {
+namespace {
 
+class OpenFile {
+ public:
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
+  ~OpenFile() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+/// False: the file ended before, or an error.
+bool ReadAll(int descriptor, std::string& bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t count = read(descriptor, bytes.data() + done, bytes.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    done += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+}  // namespace
+
+// The kind is asked for before the file is opened, because opening some devices acts on
+// them, and again of what was opened, which may be another file by then: without waiting
+// (O_NONBLOCK), as the opening of a FIFO would.
 Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                                   std::uint64_t max_bytes) {
   const auto refuse = [&](ErrorCode code, std::string_view problem_and_remedy) {
     return Fail(code, fmt::format("{}: {}", file.string(), problem_and_remedy),
                 file.string());
   };
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (status.type() == std::filesystem::file_type::not_found) {
+  struct stat status = {};
+  if (stat(file.c_str(), &status) != 0 && (errno == ENOENT || errno == ENOTDIR)) {
     return refuse(ErrorCode::kNotFound,
                   "there is no such file; check its name and folder");
   }
-  if (!error && status.type() != std::filesystem::file_type::regular) {
-    return refuse(ErrorCode::kIo, "this is not a file; name a file");
+  constexpr std::string_view kNoFile = "this is not a file; name a file";
+  if (status.st_mode != 0 && !S_ISREG(status.st_mode)) {
+    return refuse(ErrorCode::kIo, kNoFile);
   }
-  std::ifstream in(file, std::ios::binary);
-  const std::uint64_t size = error ? 0 : std::filesystem::file_size(file, error);
-  if (error || !in) {
+  const OpenFile in(open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (in.descriptor() < 0 || fstat(in.descriptor(), &status) != 0) {
     return refuse(ErrorCode::kIo, "cannot be opened; check that you may read it");
   }
+  if (!S_ISREG(status.st_mode)) return refuse(ErrorCode::kIo, kNoFile);
+  const auto size = static_cast<std::uint64_t>(status.st_size);
   if (size > max_bytes) {
     return refuse(
         ErrorCode::kTooLarge,
@@ -35,8 +70,9 @@ Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                     size, max_bytes));
   }
   std::string bytes(size, '\0');
-  in.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (!in) return refuse(ErrorCode::kIo, "cannot be read to its end; check the disk");
+  if (!ReadAll(in.descriptor(), bytes)) {
+    return refuse(ErrorCode::kIo, "cannot be read to its end; check the disk");
+  }
   return bytes;
 }
 

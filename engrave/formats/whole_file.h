@@ -8,8 +8,9 @@
 
 namespace intaglio::formats {
 
-/// The bytes of a regular file. Errors name the file and the remedy: kNotFound, kIo (a
-/// folder, no permission, a failing disk), kTooLarge (more than `max_bytes`).
+/// The bytes of a regular file, as many as it has when it is opened. Errors name the file
+/// and the remedy: kNotFound, kIo (a folder, a FIFO, a device, no permission, a failing
+/// disk), kTooLarge (more than `max_bytes`, none of which are read).
 Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                                   std::uint64_t max_bytes);
 
