@@ -19,7 +19,11 @@ constexpr int kRememberedJobs = 100;
 
 materials_db::MaterialStore OpenMaterials(const std::filesystem::path& path) {
   auto store = materials_db::MaterialStore::Open(path);
-  if (!store) throw StoreError(store.error().message);
+  if (!store) {
+    const ErrorCode code = store.error().code;
+    throw StoreError(store.error().message,
+                     code == ErrorCode::kIo || code == ErrorCode::kTimedOut);
+  }
   return std::move(*store);
 }
 
@@ -46,7 +50,8 @@ TaskView ViewOf(const intaglio_TaskStatus& status) {
 FrozenJob FrozenOf(const JobRecord& job) {
   FrozenJob frozen;
   if (!frozen.ParseFromString(job.frozen_job)) {
-    throw StoreError(fmt::format("job {} in the database is not readable", job.uid));
+    throw StoreError(fmt::format("job {} in the database is not readable", job.uid),
+                     false);
   }
   return frozen;
 }

@@ -31,7 +31,7 @@ struct JobServiceOptions {
 
 class JobService : private JobActions {
  public:
-  /// Throws when a database cannot be opened.
+  /// Throws StoreError when a database cannot be opened.
   JobService(host::ServiceHost& host, const JobServiceOptions& options, Nanoseconds now);
   ~JobService() override;
 

@@ -36,6 +36,12 @@ constexpr std::uint64_t kRevisionLeap = 1u << 25;
 std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {
   std::error_code ignored;
   std::filesystem::create_directories(path.parent_path(), ignored);
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw StoreError(fmt::format("job database {}: is a folder; name a file with "
+                                 "--database",
+                                 path.string()),
+                     false);
+  }
   try {
     auto database = std::make_unique<SQLite::Database>(
         path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, 2000);
@@ -44,9 +50,7 @@ std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {
     database->exec("PRAGMA foreign_keys = ON");
     return database;
   } catch (const SQLite::Exception& error) {
-    throw StoreError(fmt::format(
-        "job database {} cannot be opened: {}; check --database and its folder",
-        path.string(), error.what()));
+    throw ErrorOf(path.string(), error);
   }
 }
 
@@ -152,7 +156,8 @@ void JobStore::Migrate() {
       throw StoreError(
           fmt::format("job database {} is of version {}, this program knows {}; use the "
                       "newer program",
-                      database_->getFilename(), version, newest));
+                      database_->getFilename(), version, newest),
+          false);
     }
     for (int next = version; next < newest; ++next) {
       SQLite::Transaction transaction(*database_);

@@ -31,12 +31,19 @@ namespace intaglio::job_service {
 
 class StoreError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// `passes`: waiting may cure it, as a full disk, or a folder that is not mounted yet;
+  /// not so a file that is no database, or one of a newer program.
+  StoreError(const std::string& what, bool passes)
+      : std::runtime_error(what), passes_(passes) {}
+  bool passes() const { return passes_; }
+
+ private:
+  bool passes_;
 };
 
 class JobStore {
  public:
-  /// Makes the file and its folder when there is none.
+  /// Makes the file and its folder when there is none. Throws when it cannot.
   explicit JobStore(const std::filesystem::path& path);
   ~JobStore();
 

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <thread>
 
+#include "materials_db/material_store.h"
 #include "services/command_line/program.h"
 #include "services/host/only_instance.h"
 #include "services/host/poll_loop.h"
@@ -36,7 +37,9 @@ int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& op
 }
 
 // Nothing may follow from what is not kept. With a disk that is full the queue is given
-// up, and every permission with it; it is read again as soon as it can be written.
+// up, and every permission with it; it is read again as soon as it can be written. A disk
+// that is full at the start is waited for in the same way; a file that is no database of
+// this program's ends it.
 int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options) {
   host::OnlyInstance only(host, intaglio_ROLE_JOB_SERVICE);
   if (only.AwaitTurn()) return only.EndAsSecond("job service");
@@ -46,7 +49,7 @@ int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options
     try {
       return ServeQueue(host, options, only, opened);
     } catch (const job_service::StoreError& error) {
-      if (!opened) throw;
+      if (!opened && !error.passes()) throw;
       host.SetHealth(intaglio_HEALTH_FAULT, {}, error.what());
       if (told != error.what()) host.RaiseAlarm(intaglio_ALARM_FAULT, "io", error.what());
       told = error.what();

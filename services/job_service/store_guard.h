@@ -4,6 +4,9 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <string>
 
 #include "services/job_service/job_store.h"
 
@@ -12,15 +15,39 @@ namespace intaglio::job_service {
 /// The time in SQL, as host::UtcText.
 inline constexpr const char* kNow = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')";
 
+/// What SQLite said of the file, with the remedy.
+inline StoreError ErrorOf(const std::string& file, const SQLite::Exception& error) {
+  constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
+  switch (error.getErrorCode() & kPrimary) {
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_NOMEM:
+      return {fmt::format("job database {}: {}; make room on its disk, and see that its "
+                          "folder is there and may be written: the job service then goes "
+                          "on by itself",
+                          file, error.what()),
+              true};
+    default:
+      return {
+          fmt::format("job database {}: {}; name another file with --database, or put "
+                      "a copy that is whole in its place",
+                      file, error.what()),
+          false};
+  }
+}
+
 template <typename Body>
 auto Guarded(const SQLite::Database& database, Body&& body) {
   try {
     return body();
   } catch (const SQLite::Exception& error) {
-    throw StoreError(
-        fmt::format("job database {}: {}; make room on its disk, or see to it: the "
-                    "job service then goes on by itself",
-                    database.getFilename(), error.what()));
+    throw ErrorOf(database.getFilename(), error);
   }
 }
 

@@ -78,6 +78,7 @@ FakeShop::FakeShop(const bus::BusOptions& options)
              bus::Reader<intaglio_StageTask>(bus_, bus::kEngraveTask)},
       permissions_(bus_, bus::kPermission, kCell),
       chunks_(bus_, bus::kModelChunk),
+      healths_(bus_, bus::kServiceHealth),
       credit_(bus_, "fake-discretizer") {}
 
 void FakeShop::Submit(const std::string& submission_uid, const JobSpec& job,
@@ -178,6 +179,10 @@ void FakeShop::Poll() {
       copy.frozen.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
     });
   }
+  healths_.Take([this](const intaglio_ServiceHealth& health) {
+    if (health.role != intaglio_ROLE_JOB_SERVICE) return;
+    job_service_ = {health.state, std::string(View(health.message))};
+  });
   permissions_.Take([this](const intaglio_Permission& permission) {
     granted_ = permission.granted;
     fire_uncertain_ = permission.fire_uncertain;
@@ -202,6 +207,11 @@ bool FakeShop::Until(const std::function<bool()>& condition) {
 StatusCopy FakeShop::Status(const std::string& submission_uid) {
   Poll();
   return status_[submission_uid];
+}
+
+FakeShop::HealthCopy FakeShop::JobServiceHealth() {
+  Poll();
+  return job_service_;
 }
 
 TaskCopy FakeShop::Task(intaglio_Stage stage) {

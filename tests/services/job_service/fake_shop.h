@@ -70,6 +70,12 @@ class FakeShop {
 
   /// Newest status of the submission; an empty one when there is none.
   StatusCopy Status(const std::string& submission_uid);
+  /// What the job service says of itself; nothing before it does.
+  struct HealthCopy {
+    intaglio_HealthState state = intaglio_HEALTH_STARTING;
+    std::string message;
+  };
+  HealthCopy JobServiceHealth();
   TaskCopy Task(intaglio_Stage stage);
   /// As a synchronizer sees it: silence is no permission.
   bool granted() const;
@@ -94,10 +100,12 @@ class FakeShop {
   std::array<bus::Reader<intaglio_StageTask>, 3> tasks_;
   bus::Reader<intaglio_Permission> permissions_;
   bus::Reader<intaglio_ModelChunk> chunks_;
+  bus::Reader<intaglio_ServiceHealth> healths_;
   bus::CreditGrantor credit_;
 
   std::map<std::string, StatusCopy> status_;  // by submission
   std::array<TaskCopy, 3> task_;
+  HealthCopy job_service_;
   bool granted_ = false, fire_uncertain_ = false;
   int permissions_seen_ = 0;
   std::chrono::steady_clock::time_point permission_at_;

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "proto/task.pb.h"
 #include "services/host/utc_time.h"
@@ -78,6 +79,16 @@ class JobStoreTest : public testing::Test {
     order.stage = intaglio_STAGE_ENGRAVE;
     order.task = {"1-abc", 2, 0, 0};
     store.KeepTask(order);
+  }
+
+  static StoreError Refusal(const fs::path& path) {
+    try {
+      JobStore store(path);
+    } catch (const StoreError& error) {
+      return error;
+    }
+    ADD_FAILURE() << path << " is opened";
+    return StoreError("", false);
   }
 
   fs::path path_;
@@ -328,11 +339,33 @@ TEST_F(JobStoreTest, ADatabaseOfANewerProgramIsRefused) {
     SQLite::Database(path_.string(), SQLite::OPEN_READWRITE)
         .exec("PRAGMA user_version = 99");
   }
-  EXPECT_THROW(JobStore{path_}, StoreError);
+  EXPECT_FALSE(Refusal(path_).passes());
 }
 
+// What may be there later is waited for, what is something else is not.
 TEST_F(JobStoreTest, WhatIsNoDatabaseIsRefused) {
-  EXPECT_THROW(JobStore("/proc/nowhere/jobs.db"), StoreError);
+  const StoreError no_folder = Refusal("/proc/nowhere/jobs.db");
+  EXPECT_TRUE(no_folder.passes());
+  EXPECT_THAT(no_folder.what(), testing::HasSubstr("/proc/nowhere/jobs.db"));
+  EXPECT_THAT(no_folder.what(), testing::HasSubstr("make room"));
+
+  fs::create_directories(path_);
+  const StoreError folder = Refusal(path_);
+  EXPECT_FALSE(folder.passes());
+  EXPECT_THAT(folder.what(), testing::HasSubstr("jobs.db: is a folder"));
+
+  fs::remove(path_);
+  std::ofstream(path_) << std::string(4096, 'x');
+  const StoreError text = Refusal(path_);
+  EXPECT_FALSE(text.passes());
+  EXPECT_THAT(text.what(), testing::HasSubstr("--database"));
+
+  fs::remove(path_);
+  {
+    SQLite::Database(path_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
+        .exec("CREATE TABLE jobs (of TEXT)");
+  }
+  EXPECT_FALSE(Refusal(path_).passes()) << "another program's";
 }
 
 }  // namespace
