@@ -131,6 +131,13 @@ void BatchRun::Follow(std::size_t job, Out& out) {
   result(job).set_state(history::StateWord(view.state));
   result(job).set_message(view.message);
   if (view.ended()) return End(job, view);
+  if (client_.IsForgotten(out.uid)) {
+    return Fail(
+        job, result(job).state(),
+        fmt::format("the job has ended while this program was stopped or cut off: "
+                    "intaglio history --job {} tells how",
+                    view.number));
+  }
   if (events_ != nullptr) events_->Show(view, jobs_[job].id);
   LookAfterPaused(job, view, out);
   Arm(view, out);

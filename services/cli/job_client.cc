@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <random>
 
@@ -21,9 +22,15 @@ constexpr char kNobodyThere[] =
     "no job service answers: start one (intaglio up), or check --domain, --interface and "
     "--tag";
 
+// A job service that is seen again publishes all that it knows within a second.
+constexpr auto kForgottenAfter = 10s;
+constexpr auto kEndedStaysFor = 60s;
+
 std::int64_t SteadyNs() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
+
+constexpr int kLastStage = intaglio_STAGE_ENGRAVE;
 
 std::string NewSubmissionUid() {
   std::random_device random;
@@ -66,11 +73,12 @@ JobClient::Commands::Commands(bus::Bus& bus)
       commands(bus, bus::kJobCommand),
       speeds(bus, bus::kSpeedOverride) {}
 
-JobClient::JobClient(bus::Bus& bus)
+JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
     : statuses_(bus, bus::kJobStatus),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
-      wait_(bus) {
+      wait_(bus),
+      now_(std::move(now)) {
   try {
     commands_ = std::make_unique<Commands>(bus);
   } catch (const bus::NotAllowedError& error) {
@@ -106,8 +114,49 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {
+    lost_.erase(view.uid);
     jobs_[view.uid] = view;
   }
+}
+
+void JobClient::LoseStatus(const std::string& uid, const std::string& submission_uid) {
+  if (uid.empty()) {
+    old_refusals_.push_back(submission_uid);
+  } else if (jobs_.contains(uid)) {
+    lost_.try_emplace(uid, now_());
+  }
+}
+
+void JobClient::DropForgotten() {
+  if (lost_.empty()) return;
+  const auto now = now_();
+  const bool served =
+      std::any_of(services_.begin(), services_.end(), [](const auto& service) {
+        return service.second.role == intaglio_ROLE_JOB_SERVICE;
+      });
+  std::vector<std::string> ended;
+  for (auto& [uid, since] : lost_) {
+    if (!jobs_.at(uid).ended()) {
+      if (!served) since = now;
+    } else if (now - since > kEndedStaysFor) {
+      ended.push_back(uid);
+    }
+  }
+  for (const std::string& uid : ended) Drop(uid);
+}
+
+void JobClient::Drop(const std::string& uid) {
+  lost_.erase(uid);
+  jobs_.erase(uid);
+  told_.erase(uid);
+  told_speed_.erase(uid);
+  words_.erase(words_.lower_bound({uid, 0}), words_.upper_bound({uid, kLastStage}));
+}
+
+bool JobClient::IsForgotten(const std::string& uid) const {
+  const auto lost = lost_.find(uid);
+  return lost != lost_.end() && !jobs_.at(uid).ended() &&
+         now_() - lost->second > kForgottenAfter;
 }
 
 void JobClient::Take(const intaglio_TaskStatus& status) {
@@ -126,8 +175,15 @@ void JobClient::Take(const intaglio_TaskStatus& status) {
 }
 
 void JobClient::Poll(std::chrono::milliseconds timeout) {
+  for (const std::string& uid : old_refusals_) refused_.erase(uid);
+  old_refusals_.clear();
   (void)wait_.Wait(timeout);
-  statuses_.Take([this](const intaglio_JobStatus& status) { Take(status); });
+  statuses_.TakeAll(
+      [this](const intaglio_JobStatus& status, const bus::SampleOrigin& origin) {
+        if (origin.alive) return Take(status);
+        LoseStatus(std::string(View(status.job_uid)),
+                   std::string(View(status.submission_uid)));
+      });
   tasks_.Take([this](const intaglio_TaskStatus& status) { Take(status); });
   health_.TakeAll(
       [this](const intaglio_ServiceHealth& health, const bus::SampleOrigin& o) {
@@ -145,6 +201,7 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
                                health.pid,
                                std::chrono::steady_clock::now()};
       });
+  DropForgotten();
 }
 
 bool JobClient::PollUntil(const std::function<bool()>& condition,
@@ -182,6 +239,8 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   if (!PollUntil(answered, timeout)) {
     return Fail(ErrorCode::kTimedOut, kNobodyThere);
   }
+  // Whoever answered has kept it; what is retained here would only grow.
+  (void)commands_->submissions.Dispose(sample);
   if (found == nullptr) return Fail(ErrorCode::kRefused, refused_[uid].message);
   return *found;
 }

@@ -58,7 +58,9 @@ struct ServiceView {
 /// (kRefused) to the others.
 class JobClient {
  public:
-  explicit JobClient(bus::Bus& bus);
+  using Clock = std::chrono::steady_clock;
+  /// `now`: by what it is known how long ago a job was published; another one in tests.
+  explicit JobClient(bus::Bus& bus, std::function<Clock::time_point()> now = Clock::now);
 
   /// Takes what has come, after waiting for it up to `timeout`.
   void Poll(std::chrono::milliseconds timeout);
@@ -75,8 +77,13 @@ class JobClient {
                  std::uint32_t from_point = 0, bool fire_uncertain = false);
   Status SetSpeed(const JobView& job, std::uint32_t speed_percent);
 
-  /// By uid; of the last revision seen.
+  /// By uid; of the last revision seen. An ended job that the job service has forgotten
+  /// leaves a minute later: by then whoever follows it has read its end.
   const std::map<std::string, JobView>& jobs() const { return jobs_; }
+  /// The job was open when it was seen last, and a living job service has not published
+  /// it for 10 s: it has ended while this process was stopped or cut off. The history
+  /// tells how.
+  bool IsForgotten(const std::string& uid) const;
   /// By uid, or by the short number that people use; kNotFound lists what there is.
   Result<JobView> Find(const std::string& uid_or_number) const;
   /// What a finished stage of the job reported, all parts together: elapsed_s is then the
@@ -89,6 +96,11 @@ class JobClient {
  private:
   void Take(const intaglio_JobStatus& status);
   void Take(const intaglio_TaskStatus& status);
+  /// No writer has the job's status any more: the job service is gone or has forgotten
+  /// it.
+  void LoseStatus(const std::string& uid, const std::string& submission_uid);
+  void DropForgotten();
+  void Drop(const std::string& uid);
 
   struct Commands {
     explicit Commands(bus::Bus& bus);
@@ -104,6 +116,7 @@ class JobClient {
   bus::WaitSet wait_;
   std::map<std::string, JobView> jobs_;
   std::map<std::string, JobView> refused_;  // by submission
+  std::vector<std::string> old_refusals_;   // no longer on the bus; were read by then
   struct StageWords {
     std::uint32_t attempt = 0, part_count = 1;
     std::map<std::uint32_t, StageOutcome> outcomes;  // by part
@@ -111,6 +124,10 @@ class JobClient {
   std::map<std::string, std::uint64_t> told_, told_speed_;   // newest numbers, by job
   std::map<std::pair<std::string, int>, StageWords> words_;  // by job and stage
   std::map<std::string, ServiceView> services_;
+  /// Jobs without a status on the bus, since when; the clock of open ones stands still
+  /// while there is no job service.
+  std::map<std::string, Clock::time_point> lost_;
+  std::function<Clock::time_point()> now_;
 };
 
 /// user@host, for people.

@@ -49,6 +49,16 @@ int WatchJob(JobClient& client, const std::string& uid, EventLines* events) {
       bar.Finish();
       return TellEnd(client, JobView(job), events);
     }
+    if (client.IsForgotten(uid)) {
+      bar.Finish();
+      return Complain({ErrorCode::kNotFound,
+                       fmt::format("job {0} has ended while this program was stopped or "
+                                   "cut off, and the job service lists it no more: "
+                                   "intaglio history --job {0} tells how",
+                                   job.number),
+                       uid},
+                      kExitInternal);
+    }
     if (events != nullptr) events->Show(job);
     if (Interrupts() > 0) {
       bar.Finish();

@@ -1,6 +1,5 @@
 #include "services/host/task_reporter.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "services/bus/samples.h"
@@ -9,17 +8,16 @@
 namespace intaglio::host {
 namespace {
 using bus::Borrow;
-// A job service that was away asks for the outcome of what it had handed out, not for
-// everything that ever was: a worker has parts of one chain at a time, and a client that
-// comes late may ask for the one before it.
-constexpr std::size_t kKeptTasks = 2 * kMaxParts;
 }  // namespace
 
 TaskReporter::TaskReporter(bus::Bus& bus, std::string worker, intaglio_Stage stage)
-    : writer_(bus, bus::kTaskStatus), worker_(std::move(worker)), stage_(stage) {}
+    : writer_(bus, bus::kTaskStatus),
+      worker_(std::move(worker)),
+      stage_(stage),
+      kept_(worker_, stage_) {}
 
 void TaskReporter::Accept(const StageTask& task) {
-  Remember(task);
+  kept_.Keep(writer_, task.job_uid, task.part.index);
   Publish(task, intaglio_TASK_ACCEPTED, {}, {ErrorCode::kInvalidValue, "", ""}, "");
 }
 
@@ -62,20 +60,6 @@ void TaskReporter::Publish(const StageTask& task, intaglio_TaskState state,
   if (auto written = writer_.Write(sample); !written) {
     LogWarning("task status of job {}: {}", task.job_uid, written.error().message);
   }
-}
-
-void TaskReporter::Remember(const StageTask& task) {
-  const std::pair told(task.job_uid, task.part.index);
-  if (std::find(told_.begin(), told_.end(), told) != told_.end()) return;
-  told_.push_back(told);
-  if (told_.size() <= kKeptTasks) return;
-  intaglio_TaskStatus sample{};
-  sample.job_uid = Borrow(told_.front().first);
-  sample.stage = stage_;
-  sample.worker = Borrow(worker_);
-  sample.part = told_.front().second;
-  (void)writer_.Dispose(sample);
-  told_.pop_front();
 }
 
 }  // namespace intaglio::host

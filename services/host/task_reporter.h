@@ -3,13 +3,12 @@
 // TaskStatus of one worker: what it says of its tasks.
 
 #include <cstdint>
-#include <deque>
 #include <string>
-#include <utility>
 
 #include "engrave/core/result.h"
 #include "proto/task.pb.h"
 #include "services/bus/bus.h"
+#include "services/host/kept_tasks.h"
 #include "services/host/stage_task.h"
 
 namespace intaglio::host {
@@ -34,13 +33,11 @@ class TaskReporter {
   void Publish(const StageTask& task, intaglio_TaskState state,
                const TaskProgress& progress, const Error& error,
                const std::string& outcome);
-  void Remember(const StageTask& task);
 
   bus::Writer<intaglio_TaskStatus> writer_;
   std::string worker_;
   intaglio_Stage stage_;
-  // Jobs and parts whose status is kept for late joiners.
-  std::deque<std::pair<std::string, std::uint32_t>> told_;
+  KeptTasks kept_;
 };
 
 }  // namespace intaglio::host

@@ -52,8 +52,13 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
                        Nanoseconds now) {
   const bool was_short = absence && *absence <= host::kMaxAbsence;
   for (JobRecord& restored : jobs) {
-    in_turn_[TurnOf(restored)] = restored.uid;
     JobRecord& job = jobs_[restored.uid] = std::move(restored);
+    if (job.ended()) {
+      ended_.Add(job.uid, now);
+      actions_.Progressed(job);
+      continue;
+    }
+    in_turn_[TurnOf(job)] = job.uid;
     const bool arm_stands = job.armed && was_short && !job.asks_before_resume;
     if (job.active()) {
       // Nothing was received from anybody meanwhile.
@@ -126,6 +131,18 @@ void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string
   Disarm(job, now);
   Change(job, state, message);
   RevokeAll(job, now);
+  ended_.Add(job.uid, now);
+  job.frozen_job = {};  // up to a megabyte that nobody needs any more
+}
+
+void JobQueue::Forget(Nanoseconds now) {
+  std::erase_if(in_turn_,
+                [this](const auto& entry) { return jobs_.at(entry.second).ended(); });
+  while (const auto uid = ended_.TakeOldest(now)) {
+    const auto job = jobs_.find(*uid);
+    actions_.Forgotten(job->second);
+    jobs_.erase(job);
+  }
 }
 
 // ---- Handing out --------------------------------------------------------------------
@@ -152,6 +169,7 @@ bool JobQueue::IsBehindAnother(const JobRecord& job) const {
 void JobQueue::Turn(Nanoseconds now) {
   EndAbsences(now);
   GiveUpSilent(now);
+  Forget(now);
   // A discretizer is of more use to a job that is under way than to the next one.
   for (const auto& [turn, uid] : in_turn_) GiveOpenParts(jobs_.at(uid), now);
   for (const auto& [turn, uid] : in_turn_) TakeUp(jobs_.at(uid), now);

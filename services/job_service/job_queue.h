@@ -27,6 +27,9 @@
 // after a loss, not after a fault, it goes on without the operator (job_take_up.cc).
 // Attempts are numbered per job; what an older attempt says is dropped. Used from one
 // thread.
+//
+// An ended job leaves this class when kRememberedJobs have ended after it, kRememberedFor
+// after its end at the earliest; the database keeps it (job_store.h).
 
 #include <array>
 #include <cstdint>
@@ -37,6 +40,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/job_service/ended_list.h"
 #include "services/job_service/job_record.h"
 #include "services/job_service/worker_book.h"
 
@@ -67,6 +71,8 @@ class JobActions {
   virtual void Give(const TaskOrder& order, const JobRecord& job) = 0;
   /// No discretizer needs the job's models any more.
   virtual void StopFeed(const std::string& job_uid) = 0;
+  /// An ended job leaves the queue: its status is withdrawn from the bus.
+  virtual void Forgotten(const JobRecord& job) = 0;
 };
 
 /// JobCommand.
@@ -120,6 +126,12 @@ struct PermissionView {
 /// Chains of a job that may break before it is given up.
 inline constexpr std::uint32_t kMaxAttempts = 3;
 
+/// Ended jobs that stay in memory and on the bus, the newest: what `intaglio list` shows.
+inline constexpr std::size_t kRememberedJobs = 100;
+/// An end stays on the bus for so long at least. A client that was stopped or cut off
+/// reads it when it is back within this time; whoever comes later reads the history.
+inline constexpr std::chrono::seconds kRememberedFor{60};
+
 /// Parts for so many discretizers: one for one, else so many that one that is slow or
 /// ends last is waited for an eighth of its share at most.
 std::uint32_t PartCountFor(std::size_t discretizers);
@@ -166,6 +178,8 @@ class JobQueue {
 
  private:
   JobRecord* FindOpen(const std::string& job_uid);
+  /// Takes ended jobs out of the turn, and those out of memory that may be forgotten.
+  void Forget(Nanoseconds now);
   void RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now);
   void HandOut(JobRecord& job, Nanoseconds now);
   /// The workers of the three stages, of the last two one each.
@@ -238,7 +252,8 @@ class JobQueue {
   std::set<std::string> stopped_cells_;    // an emergency stop is pressed there
   std::optional<Nanoseconds> last_turn_;
   // The queue's order: {-priority, number}.
-  std::map<std::pair<std::int32_t, std::uint32_t>, std::string> in_turn_;
+  std::map<std::pair<std::int32_t, std::uint32_t>, std::string> in_turn_;  // open jobs
+  EndedList ended_{kRememberedJobs, kRememberedFor};
 };
 
 }  // namespace intaglio::job_service

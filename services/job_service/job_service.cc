@@ -14,9 +14,6 @@ namespace {
 using bus::Borrow;
 using bus::View;
 
-// Ended jobs of earlier runs that are told again after a start.
-constexpr int kRememberedJobs = 100;
-
 materials_db::MaterialStore OpenMaterials(const std::filesystem::path& path) {
   auto store = materials_db::MaterialStore::Open(path);
   if (!store) {
@@ -116,16 +113,22 @@ void JobService::TakeTasks(Nanoseconds now) {
     if (view.stage > intaglio_STAGE_ENGRAVE) return;
     const bool over =
         view.state == intaglio_TASK_DONE || view.state == intaglio_TASK_FAILED;
+    bool fresh = false;
     if (over && !queue_.AnswersAnOldRevocation(view)) {
       const auto bytes = View(status.outcome);
-      store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
+      fresh = store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
     }
     const JobRecord* job = queue_.Find(view.task.job_uid);
     const bool had_ended = job != nullptr && job->ended();
     queue_.Take(view, now);
-    // What a job that was ended from outside has left in the glass comes afterwards.
-    if (over && had_ended && view.stage == intaglio_STAGE_ENGRAVE) {
+    // What a job that was ended from outside has left in the glass comes afterwards,
+    // maybe when the queue has forgotten the job.
+    if (!over || view.stage != intaglio_STAGE_ENGRAVE) return;
+    if (had_ended) {
       statistics_.Ended(*job);
+    } else if (job == nullptr && fresh) {
+      const auto past = store_.LoadEnded(view.task.job_uid);
+      if (past) statistics_.Ended(*past);
     }
   });
 }
@@ -330,5 +333,21 @@ void JobService::StartFeed(const TaskOrder& order, const JobRecord& job) {
 }
 
 void JobService::StopFeed(const std::string& job_uid) { feed_.Stop(job_uid); }
+
+void JobService::Forgotten(const JobRecord& job) {
+  Withdraw(job.uid, job.submission_uid);
+}
+
+void JobService::Withdraw(const std::string& job_uid, const std::string& submission_uid) {
+  intaglio_JobStatus sample{};
+  sample.job_uid = Borrow(job_uid);
+  sample.submission_uid = Borrow(submission_uid);
+  const std::string empty;
+  sample.name = sample.message = sample.result_directory = sample.cell = Borrow(empty);
+  if (auto disposed = statuses_.Dispose(sample); !disposed) {
+    host::LogWarning("end of the status of job {}: {}", job_uid,
+                     disposed.error().message);
+  }
+}
 
 }  // namespace intaglio::job_service

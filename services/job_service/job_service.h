@@ -56,6 +56,7 @@ class JobService : private JobActions {
   void Progressed(const JobRecord& job) override;
   void Give(const TaskOrder& order, const JobRecord& job) override;
   void StopFeed(const std::string& job_uid) override;
+  void Forgotten(const JobRecord& job) override;
 
   void StartFeed(const TaskOrder& order, const JobRecord& job);
   void TakeTasks(Nanoseconds now);
@@ -66,6 +67,8 @@ class JobService : private JobActions {
   void Submit(const intaglio_JobSubmission& submission);
   void Refuse(const std::string& submission_uid, const std::string& reasons);
   void Publish(const JobRecord& job);
+  /// Ends the DDS instance of its status.
+  void Withdraw(const std::string& job_uid, const std::string& submission_uid);
 
   JobServiceOptions options_;
   JobStore store_;

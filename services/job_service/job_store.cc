@@ -3,6 +3,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <random>
 
@@ -104,6 +105,13 @@ void LoadParts(SQLite::Database& database, JobRecord& job) {
   }
 }
 
+// Of an open job; an ended one is loaded without its frozen job.
+constexpr const char* kColumns =
+    "number, uid, submission_uid, epoch, name, cell, material, priority, rate_hz, "
+    "result_directory, state, attempt, lost_attempts, message, estimate_ticks, revision, "
+    "last_command, ever_granted, armed, operator_name, first_point, fire_uncertain, "
+    "asks_before_resume";
+
 JobRecord RecordOf(SQLite::Statement& row) {
   JobRecord job;
   const auto u64 = [&row](const char* column) {
@@ -123,7 +131,6 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.priority = row.getColumn("priority").getInt();
   job.rate_hz = row.getColumn("rate_hz").getDouble();
   job.result_directory = text("result_directory");
-  job.frozen_job = text("frozen_job");
   job.state = static_cast<intaglio_JobState>(row.getColumn("state").getInt());
   job.attempt = u32("attempt");
   job.lost_attempts = u32("lost_attempts");
@@ -138,6 +145,28 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.fire_uncertain = row.getColumn("fire_uncertain").getInt() != 0;
   job.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
   return job;
+}
+
+void LoadOpen(SQLite::Database& database, std::vector<JobRecord>& jobs) {
+  SQLite::Statement select(database,
+                           fmt::format("SELECT {}, frozen_job FROM jobs WHERE ended = 0 "
+                                       "ORDER BY number",
+                                       kColumns));
+  while (select.executeStep()) {
+    JobRecord& job = jobs.emplace_back(RecordOf(select));
+    job.frozen_job = select.getColumn("frozen_job").getString();
+    LoadStages(database, job);
+    if (job.active()) LoadParts(database, job);
+  }
+}
+
+/// Rows that `select`, over kColumns, gives.
+void LoadEndedOf(SQLite::Database& database, SQLite::Statement& select,
+                 std::vector<JobRecord>& jobs) {
+  while (select.executeStep()) {
+    jobs.push_back(RecordOf(select));
+    LoadStages(database, jobs.back());
+  }
 }
 
 }  // namespace
@@ -316,8 +345,8 @@ void JobStore::KeepTask(const TaskOrder& order) {
   });
 }
 
-void JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
-  Guarded(*database_, [&] {
+bool JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
+  return Guarded(*database_, [&] {
     SQLite::Statement update(
         *database_,
         fmt::format("UPDATE tasks SET ended_utc = {}, state = ?6, message = ?7, "
@@ -328,24 +357,37 @@ void JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
     update.bind(7, task.message);
     update.bind(8, outcome.data(), static_cast<int>(outcome.size()));
     update.bind(9, task.worker);
-    update.exec();
+    return update.exec() > 0;
   });
 }
 
-std::vector<JobRecord> JobStore::Load(int ended_count) {
+// Two searches of the index jobs_ended: one for both would read the whole table.
+std::vector<JobRecord> JobStore::Load(std::size_t ended_count) {
   return Guarded(*database_, [&] {
+    std::vector<JobRecord> jobs;
+    LoadOpen(*database_, jobs);
+    SQLite::Statement select(*database_,
+                             fmt::format("SELECT {} FROM jobs WHERE ended = 1 "
+                                         "ORDER BY number DESC LIMIT ?",
+                                         kColumns));
+    select.bind(1, Signed(ended_count));
+    LoadEndedOf(*database_, select, jobs);
+    std::sort(jobs.begin(), jobs.end(),
+              [](const JobRecord& a, const JobRecord& b) { return a.number < b.number; });
+    return jobs;
+  });
+}
+
+std::optional<JobRecord> JobStore::LoadEnded(const std::string& job_uid) {
+  return Guarded(*database_, [&]() -> std::optional<JobRecord> {
     SQLite::Statement select(
         *database_,
-        "SELECT * FROM jobs WHERE ended = 0 OR number IN (SELECT number FROM jobs WHERE "
-        "ended = 1 ORDER BY number DESC LIMIT ?) ORDER BY number");
-    select.bind(1, ended_count);
+        fmt::format("SELECT {} FROM jobs WHERE uid = ? AND ended = 1", kColumns));
+    select.bind(1, job_uid);
     std::vector<JobRecord> jobs;
-    while (select.executeStep()) {
-      jobs.push_back(RecordOf(select));
-      LoadStages(*database_, jobs.back());
-      if (jobs.back().active()) LoadParts(*database_, jobs.back());
-    }
-    return jobs;
+    LoadEndedOf(*database_, select, jobs);
+    if (jobs.empty()) return {};
+    return std::move(jobs.front());
   });
 }
 

@@ -62,8 +62,9 @@ class JobStore {
   void Keep(const JobRecord& job);
   void KeepCommand(const CommandView& command);
   void KeepTask(const TaskOrder& order);
-  /// The end of a task with its outcome (StageOutcome, serialized).
-  void KeepTaskEnd(const TaskView& task, const std::string& outcome);
+  /// The end of a task with its outcome (StageOutcome, serialized). False: it was kept
+  /// before, or the task was never given to this worker.
+  bool KeepTaskEnd(const TaskView& task, const std::string& outcome);
 
   /// The verdict of a job that has ended, by the outcome of its engraving, which may come
   /// after the end; nothing of one that has not. `report`, `recording`: as in
@@ -75,8 +76,11 @@ class JobStore {
                              std::chrono::system_clock::time_point now);
 
   /// All open jobs, with the parts that are handed out, and the newest `ended_count`
-  /// ended ones, by number.
-  std::vector<JobRecord> Load(int ended_count);
+  /// ended ones, without their frozen jobs, by number. Reads these rows alone, however
+  /// many have ended.
+  std::vector<JobRecord> Load(std::size_t ended_count);
+  /// As Load, one that has ended; nullopt when it has not.
+  std::optional<JobRecord> LoadEnded(const std::string& job_uid);
 
  private:
   void Migrate();

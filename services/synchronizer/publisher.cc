@@ -36,6 +36,7 @@ Publisher::Publisher(bus::Bus& bus, std::string cell, std::string worker)
     : cell_(std::move(cell)),
       worker_(std::move(worker)),
       tasks_(bus, bus::kTaskStatus),
+      kept_tasks_(worker_, intaglio_STAGE_ENGRAVE),
       pulses_(bus, bus::kPulseEventBatch, cell_),
       lamp_(bus, bus::kLampSync, cell_),
       interlocks_(bus, bus::kInterlock, cell_) {}
@@ -46,6 +47,7 @@ void Publisher::Tell(const TaskReport& report, std::chrono::nanoseconds now) {
   if (!changed && now < next_task_) return;
   next_task_ = now + kTaskPeriod;
   told_ = report;
+  kept_tasks_.Keep(tasks_, told_.job_uid, 0);
   intaglio_TaskStatus sample{};
   sample.job_uid = Borrow(told_.job_uid);
   sample.stage = intaglio_STAGE_ENGRAVE;

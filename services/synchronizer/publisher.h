@@ -9,6 +9,7 @@
 
 #include "proto/task.pb.h"
 #include "services/bus/bus.h"
+#include "services/host/kept_tasks.h"
 #include "services/host/stop_latch.h"
 #include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/pulse_schedule.h"
@@ -51,6 +52,7 @@ class Publisher {
   std::string cell_;
   std::string worker_;
   bus::Writer<intaglio_TaskStatus> tasks_;
+  host::KeptTasks kept_tasks_;
   bus::Writer<intaglio_PulseEventBatch> pulses_;
   bus::Writer<intaglio_LampSync> lamp_;
   bus::Writer<intaglio_Interlock> interlocks_;

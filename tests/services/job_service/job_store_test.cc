@@ -153,6 +153,30 @@ TEST_F(JobStoreTest, LoadsOpenJobsAndTheNewestEndedOnes) {
   EXPECT_EQ(store.NextNumber(), 7u);
 }
 
+TEST_F(JobStoreTest, EndedJobsAreLoadedWithoutTheirFrozenJobs) {
+  JobStore store(path_);
+  store.Keep(Record(1, intaglio_JOB_QUEUED));
+  store.Keep(Record(2, intaglio_JOB_DONE));
+  const auto jobs = store.Load(10);
+  ASSERT_EQ(jobs.size(), 2u);
+  EXPECT_EQ(jobs[0].frozen_job.size(), 4u);
+  EXPECT_EQ(jobs[1].frozen_job.size(), 0u);
+  EXPECT_EQ(jobs[1].stage(intaglio_STAGE_SORT).worker, "sorter-1");
+}
+
+TEST_F(JobStoreTest, FindsAnEndedJobThatIsNotInMemory) {
+  JobStore store(path_);
+  store.Keep(Record(1, intaglio_JOB_PAUSED));
+  store.Keep(Record(2, intaglio_JOB_CANCELLED));
+  EXPECT_FALSE(store.LoadEnded("1-abc")) << "open";
+  EXPECT_FALSE(store.LoadEnded("3-abc"));
+  const auto job = store.LoadEnded("2-abc");
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->number, 2u);
+  EXPECT_EQ(job->state, intaglio_JOB_CANCELLED);
+  EXPECT_EQ(job->result_directory, "/results/2-abc");
+}
+
 TEST_F(JobStoreTest, EpochsGrowFromRunToRun) {
   std::uint64_t last = 0;
   for (int i = 0; i < 5; ++i) {
@@ -183,12 +207,12 @@ TEST_F(JobStoreTest, TasksKeepTheirFirstEnd) {
   end.stage = intaglio_STAGE_ENGRAVE;
   end.state = intaglio_TASK_FAILED;
   end.worker = "had it before w took it up";
-  store.KeepTaskEnd(end, "of another life");
+  EXPECT_FALSE(store.KeepTaskEnd(end, "of another life"));
   end.worker = "w";
   end.state = intaglio_TASK_DONE;
-  store.KeepTaskEnd(end, "outcome");
+  EXPECT_TRUE(store.KeepTaskEnd(end, "outcome"));
   end.state = intaglio_TASK_FAILED;
-  store.KeepTaskEnd(end, "");
+  EXPECT_FALSE(store.KeepTaskEnd(end, ""));
   SQLite::Database database(path_.string());
   EXPECT_EQ(database.execAndGet("SELECT state FROM tasks").getInt(), intaglio_TASK_DONE);
   EXPECT_EQ(database.execAndGet("SELECT outcome FROM tasks").getString(), "outcome");

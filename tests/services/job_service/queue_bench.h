@@ -39,11 +39,13 @@ class RecordingActions : public JobActions {
         order.consumer.empty() ? "" : " > ", order.consumer));
   }
   void StopFeed(const std::string& uid) override { orders.push_back("stop " + uid); }
+  void Forgotten(const JobRecord& job) override { forgotten.push_back(job.uid); }
   std::vector<std::string> Orders() { return std::exchange(orders, {}); }
 
   std::map<std::string, JobRecord> kept;
   std::map<std::string, int> progress;
   std::vector<std::string> orders;
+  std::vector<std::string> forgotten;
 };
 
 class JobQueueTest : public testing::Test {
