@@ -14,16 +14,6 @@ namespace {
 using bus::Borrow;
 using bus::View;
 
-materials_db::MaterialStore OpenMaterials(const std::filesystem::path& path) {
-  auto store = materials_db::MaterialStore::Open(path);
-  if (!store) {
-    const ErrorCode code = store.error().code;
-    throw StoreError(store.error().message,
-                     code == ErrorCode::kIo || code == ErrorCode::kTimedOut);
-  }
-  return std::move(*store);
-}
-
 std::vector<std::uint8_t> BytesOf(const std::string& text) {
   return {text.begin(), text.end()};
 }
@@ -59,7 +49,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
                        Nanoseconds now)
     : options_(options),
       store_(options.database),
-      materials_(OpenMaterials(options.materials)),
+      reader_(ReadingWith(options.materials)),
       statistics_(store_, options.recording.string()),
       epoch_(store_.BeginRun()),
       submissions_(host.bus(), bus::kJobSubmission),
@@ -88,7 +78,7 @@ JobService::~JobService() = default;
 void JobService::Turn(Nanoseconds now) {
   TakeTasks(now);
   TakeHealth(now);
-  TakeSubmissions();
+  TakeSubmissions(now);
   TakeCommands(now);
   TakeSpeeds();
   for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {
@@ -182,59 +172,6 @@ void JobService::TakeSpeeds() {
           speed.job_uid, speed.speed_percent, kLeastSpeedPercent);
     }
   });
-}
-
-// ---- Submissions --------------------------------------------------------------------
-
-void JobService::TakeSubmissions() {
-  submissions_.Take(
-      [this](const intaglio_JobSubmission& submission) { Submit(submission); });
-}
-
-void JobService::Submit(const intaglio_JobSubmission& submission) {
-  const std::string submission_uid(View(submission.submission_uid));
-  if (const auto outcome = store_.OutcomeOf(submission_uid)) {
-    if (!outcome->empty()) Refuse(submission_uid, *outcome);
-    return;
-  }
-  if (submission.epoch != 0 && submission.epoch != epoch_) {
-    return Refuse(
-        submission_uid,
-        "the submission is meant for another run of the job service; submit again");
-  }
-  JobRecord job;
-  job.number = store_.NextNumber();
-  job.epoch = epoch_;
-  job.uid = fmt::format("{}-{:x}", job.number, epoch_);
-  job.submission_uid = submission_uid;
-  job.result_directory = (options_.results / job.uid).string();
-  const auto frozen =
-      FreezeSubmission(View(submission.job),
-                       [this](const std::string& name) { return materials_.Find(name); },
-                       {job.uid, epoch_, job.result_directory, host::SoftwareVersion()});
-  if (!frozen) return Refuse(submission_uid, frozen.error().message);
-  job.name = frozen->job().name();
-  job.cell = frozen->machine().name();
-  job.material = frozen->job().glass();
-  job.priority = frozen->job().priority();
-  job.asks_before_resume = frozen->job().ask_before_resume();
-  job.rate_hz = frozen->job().laser().rate_hz();
-  job.frozen_job = frozen->SerializeAsString();
-  permissions_.Open(job.cell);
-  host::LogInfo("job {} \"{}\" of {} for {}", job.uid, job.name, View(submission.client),
-                job.cell);
-  queue_.Add(std::move(job));
-}
-
-void JobService::Refuse(const std::string& submission_uid, const std::string& reasons) {
-  store_.KeepRefusal(submission_uid, reasons);
-  host::LogInfo("submission {} is refused: {}", submission_uid, reasons);
-  JobRecord refused;
-  refused.submission_uid = submission_uid;
-  refused.state = intaglio_JOB_FAILED;
-  refused.message = reasons;
-  refused.revision = 1;
-  Publish(refused);
 }
 
 // ---- What the queue decides ---------------------------------------------------------

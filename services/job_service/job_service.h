@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <string>
 
-#include "materials_db/material_store.h"
 #include "services/bus/bus.h"
 #include "services/host/service_host.h"
 #include "services/job_service/job_queue.h"
@@ -17,6 +16,7 @@
 #include "services/job_service/model_feed.h"
 #include "services/job_service/permission_keeper.h"
 #include "services/job_service/statistics_writer.h"
+#include "services/job_service/submission_reader.h"
 
 namespace intaglio::job_service {
 
@@ -61,18 +61,20 @@ class JobService : private JobActions {
   void StartFeed(const TaskOrder& order, const JobRecord& job);
   void TakeTasks(Nanoseconds now);
   void TakeHealth(Nanoseconds now);
-  void TakeSubmissions();
+  void TakeSubmissions(Nanoseconds now);
   void TakeCommands(Nanoseconds now);
   void TakeSpeeds();
-  void Submit(const intaglio_JobSubmission& submission);
-  void Refuse(const std::string& submission_uid, const std::string& reasons);
+  void Submit(const intaglio_JobSubmission& submission, Nanoseconds now);
+  void Accept(const SubmissionReader::Answer& submission, FrozenJob frozen);
+  void Refuse(const std::string& submission_uid, const std::string& reasons,
+              Nanoseconds now);
   void Publish(const JobRecord& job);
   /// Ends the DDS instance of its status.
   void Withdraw(const std::string& job_uid, const std::string& submission_uid);
 
   JobServiceOptions options_;
   JobStore store_;
-  materials_db::MaterialStore materials_;
+  SubmissionReader reader_;
   StatisticsWriter statistics_;
   std::uint64_t epoch_;
 
@@ -89,6 +91,7 @@ class JobService : private JobActions {
   LastSeen seen_;
   ModelFeed feed_;
   JobQueue queue_;
+  EndedList refusals_{0, kRememberedFor};  ///< answers to submissions
 };
 
 }  // namespace intaglio::job_service

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "proto/freeze.h"
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/job_file.h"
@@ -44,7 +45,7 @@ std::optional<T> TakeOr(Result<T> result, const std::string& field,
 
 Result<FrozenJob> FreezeSubmission(std::span<const std::uint8_t> job_bytes,
                                    const FindMaterial& find_material,
-                                   const JobIdentity& identity) {
+                                   const std::string& software_version) {
   JobSpec job;
   if (job_bytes.size() > kMaxJobFileBytes ||
       !job.ParseFromArray(job_bytes.data(), static_cast<int>(job_bytes.size()))) {
@@ -62,7 +63,8 @@ Result<FrozenJob> FreezeSubmission(std::span<const std::uint8_t> job_bytes,
   std::optional<materials_db::Material> material;
   if (!job.glass().empty())
     material = TakeOr(find_material(job.glass()), "glass", missing);
-  if (machine && material) return FreezeJob(job, *machine, *material, identity);
+  if (machine && material)
+    return FreezeJob(job, *machine, *material, {"", 0, "", software_version});
   std::vector<Error> errors = machine ? CheckAll(job, *machine) : CheckJob(job);
   errors.insert(errors.end(), missing.begin(), missing.end());
   return tl::unexpected(JoinErrors(errors));

@@ -123,5 +123,16 @@ TEST_F(RetainedJobs, AnEndIsWithdrawnWhenItIsOldAndOthersEndedAfterIt) {
   EXPECT_FALSE(late.Has(Past(6)));
 }
 
+TEST_F(RetainedJobs, ARefusalIsWithdrawnWhenItWasRead) {
+  Submit("wrong", JobSpec());
+  ASSERT_TRUE(Until(watcher_, [&] {
+    return watcher_.Has("wrong") && watcher_.count() == kRemembered + 1;
+  }));
+  EXPECT_EQ(watcher_.at("wrong").state, intaglio_JOB_FAILED);
+  now_ += kRememberedFor;
+  ASSERT_TRUE(Until(watcher_, [&] { return !watcher_.Has("wrong"); }));
+  EXPECT_EQ(watcher_.count(), kRemembered);
+}
+
 }  // namespace
 }  // namespace intaglio::job_service

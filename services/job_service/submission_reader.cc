@@ -1,0 +1,93 @@
+#include "services/job_service/submission_reader.h"
+
+#include <fmt/format.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+
+}  // namespace
+
+struct SubmissionReader::Reading {
+  std::mutex mutex;
+  std::condition_variable ended;
+  std::optional<Result<FrozenJob>> result;
+
+  std::optional<Result<FrozenJob>> Take() {
+    const std::lock_guard lock(mutex);
+    return std::exchange(result, std::nullopt);
+  }
+  bool is_there() {
+    const std::lock_guard lock(mutex);
+    return result.has_value();
+  }
+};
+
+SubmissionReader::~SubmissionReader() {
+  if (!reading_) return;
+  std::unique_lock lock(reading_->mutex);
+  reading_->ended.wait_for(lock, 1s, [this] { return reading_->result.has_value(); });
+}
+
+void SubmissionReader::Add(Submission submission, Nanoseconds now) {
+  if (!known_.insert(submission.uid).second) return;
+  waiting_.push_back(std::move(submission));
+  if (!reading_) Start(now);
+}
+
+void SubmissionReader::Start(Nanoseconds now) {
+  if (waiting_.empty()) return;
+  current_ = std::move(waiting_.front());
+  waiting_.pop_front();
+  since_ = now;
+  reading_ = std::make_shared<Reading>();
+  if (CountHanging() >= kMaxHanging) {
+    reading_->result =
+        Fail(ErrorCode::kTimedOut,
+             fmt::format(
+                 "the job service still waits for the files of {} earlier submissions, "
+                 "and reads no more: bring their network mounts back, or restart it",
+                 kMaxHanging));
+    return;
+  }
+  std::thread([reading = reading_, read = read_, job = std::move(current_.job)] {
+    auto result = read(job);
+    const std::lock_guard lock(reading->mutex);
+    reading->result = std::move(result);
+    reading->ended.notify_all();
+  }).detach();
+}
+
+std::size_t SubmissionReader::CountHanging() {
+  std::erase_if(hanging_, [](const auto& reading) { return reading->is_there(); });
+  return hanging_.size();
+}
+
+std::vector<SubmissionReader::Answer> SubmissionReader::Take(Nanoseconds now) {
+  std::vector<Answer> answers;
+  while (reading_) {
+    auto result = reading_->Take();
+    if (!result && now - since_ < kReadWithin) break;
+    if (!result) {
+      hanging_.push_back(reading_);
+      result =
+          Fail(ErrorCode::kTimedOut,
+               fmt::format("machine_file, models: cannot be read within {} s on the job "
+                           "service's host: are their disks and network mounts there?",
+                           kReadWithin.count()));
+    }
+    known_.erase(current_.uid);
+    answers.push_back({current_.uid, current_.client, std::move(*result)});
+    reading_.reset();
+    Start(now);
+  }
+  return answers;
+}
+
+}  // namespace intaglio::job_service
