@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kTakeAtOnce = 64;
 constexpr std::uint32_t kIgnored = ~0u;
+constexpr std::size_t kKnownWriters = 10'000;
 
 }  // namespace
 
@@ -60,6 +61,9 @@ std::uint32_t TopicTap::Impl::ChannelOf(const Tapped& tapped,
     dds_builtintopic_free_endpoint(told);
   }
   const std::uint32_t number = filter(channel) ? FindOrAdd(std::move(channel)) : kIgnored;
+  // Each command that somebody types has writers of its own; who still writes is asked
+  // for again.
+  if (channel_of_writer.size() >= kKnownWriters) channel_of_writer.clear();
   channel_of_writer.emplace(writer, number);
   return number;
 }

@@ -143,6 +143,9 @@ void JobQueue::Forget(Nanoseconds now) {
     actions_.Forgotten(job->second);
     jobs_.erase(job);
   }
+  for (const std::string& instance : workers_.ForgetLost(now)) {
+    actions_.WorkerForgotten(instance);
+  }
 }
 
 // ---- Handing out --------------------------------------------------------------------
@@ -276,7 +279,7 @@ void JobQueue::Take(const WorkerView& worker, Nanoseconds now) {
 }
 
 void JobQueue::WorkerLost(const std::string& instance, Nanoseconds now) {
-  const WorkerBook::Assignments lost = workers_.Lose(instance);
+  const WorkerBook::Assignments lost = workers_.Lose(instance, now);
   if (!lost.task.revoked) LoseTasks(instance, lost, instance + " was lost", now);
 }
 

@@ -73,6 +73,8 @@ class JobActions {
   virtual void StopFeed(const std::string& job_uid) = 0;
   /// An ended job leaves the queue: its status is withdrawn from the bus.
   virtual void Forgotten(const JobRecord& job) = 0;
+  /// So does a worker that was lost long ago: its task is withdrawn.
+  virtual void WorkerForgotten(const std::string& instance) = 0;
 };
 
 /// JobCommand.
@@ -178,7 +180,8 @@ class JobQueue {
 
  private:
   JobRecord* FindOpen(const std::string& job_uid);
-  /// Takes ended jobs out of the turn, and those out of memory that may be forgotten.
+  /// Takes ended jobs out of the turn, and jobs and workers out of memory that may be
+  /// forgotten.
   void Forget(Nanoseconds now);
   void RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now);
   void HandOut(JobRecord& job, Nanoseconds now);

@@ -65,11 +65,9 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       seen_(options_.database.string() + ".seen"),
       feed_(host.bus()),
       queue_(*this) {
-  std::vector<JobRecord> jobs = store_.Load(kRememberedJobs);
-  for (const JobRecord& job : jobs) {
-    if (!job.ended()) permissions_.Open(job.cell);
-  }
-  queue_.Restore(std::move(jobs), seen_.absence(), now);
+  queue_.Restore(store_.Load(kRememberedJobs), seen_.absence(), now);
+  const std::set<std::string> cells = CellsInUse();
+  for (const std::string& cell : cells) permissions_.Open(cell, cells);
 }
 
 JobService::~JobService() = default;
@@ -273,6 +271,25 @@ void JobService::StopFeed(const std::string& job_uid) { feed_.Stop(job_uid); }
 
 void JobService::Forgotten(const JobRecord& job) {
   Withdraw(job.uid, job.submission_uid);
+}
+
+// The instance of a synchronizer stays: it takes no dispose for a revocation, and it may
+// have a job in hand when it is back. It is small, or one of few.
+void JobService::WorkerForgotten(const std::string& instance) {
+  const std::string empty;
+  intaglio_StageTask sample{};
+  sample.worker = Borrow(instance);
+  sample.job_uid = sample.consumer = Borrow(empty);
+  (void)discretize_tasks_.Dispose(sample);
+  (void)sort_tasks_.Dispose(sample);
+}
+
+std::set<std::string> JobService::CellsInUse() const {
+  std::set<std::string> cells;
+  for (const auto& [uid, job] : queue_.jobs()) {
+    if (!job.ended()) cells.insert(job.cell);
+  }
+  return cells;
 }
 
 void JobService::Withdraw(const std::string& job_uid, const std::string& submission_uid) {

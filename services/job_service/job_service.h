@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "services/bus/bus.h"
@@ -57,6 +58,7 @@ class JobService : private JobActions {
   void Give(const TaskOrder& order, const JobRecord& job) override;
   void StopFeed(const std::string& job_uid) override;
   void Forgotten(const JobRecord& job) override;
+  void WorkerForgotten(const std::string& instance) override;
 
   void StartFeed(const TaskOrder& order, const JobRecord& job);
   void TakeTasks(Nanoseconds now);
@@ -69,6 +71,7 @@ class JobService : private JobActions {
   void Refuse(const std::string& submission_uid, const std::string& reasons,
               Nanoseconds now);
   void Publish(const JobRecord& job);
+  std::set<std::string> CellsInUse() const;
   /// Ends the DDS instance of its status.
   void Withdraw(const std::string& job_uid, const std::string& submission_uid);
 

@@ -18,9 +18,26 @@ void PermissionKeeper::Repeat(const std::stop_token& stop) {
   }
 }
 
-void PermissionKeeper::Open(const std::string& cell) {
+// The one that had no new job for the longest time.
+void PermissionKeeper::CloseOneUnused(const std::set<std::string>& in_use) {
+  auto oldest = cells_.end();
+  for (auto cell = cells_.begin(); cell != cells_.end(); ++cell) {
+    if (in_use.contains(cell->first) || cell->second.stop.pressed()) continue;
+    if (oldest == cells_.end() || cell->second.opened < oldest->second.opened) {
+      oldest = cell;
+    }
+  }
+  if (oldest != cells_.end()) cells_.erase(oldest);
+}
+
+void PermissionKeeper::Open(const std::string& cell,
+                            const std::set<std::string>& in_use) {
   const std::lock_guard lock(mutex_);
-  if (cells_.contains(cell)) return;
+  if (const auto known = cells_.find(cell); known != cells_.end()) {
+    known->second.opened = ++opened_;
+    return;
+  }
+  if (cells_.size() >= kMaxCells) CloseOneUnused(in_use);
   Cell& opened =
       cells_
           .emplace(
@@ -29,7 +46,8 @@ void PermissionKeeper::Open(const std::string& cell) {
                    bus::Reader<intaglio_EmergencyStop>(bus_, bus::kEmergencyStop, cell),
                    {},
                    {},
-                   0})
+                   0,
+                   ++opened_})
           .first->second;
   opened.told.cell = cell;
 }

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <set>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -32,8 +33,14 @@ class PermissionKeeper {
 
   explicit PermissionKeeper(bus::Bus& bus);
 
-  /// A cell that will need it: its synchronizer has time to find the writer.
-  void Open(const std::string& cell);
+  /// Cells beyond these are closed when they have no job: a shop has some dozen machines,
+  /// but a job may name any.
+  static constexpr std::size_t kMaxCells = 64;
+
+  /// A cell that will need it: its synchronizer has time to find the writer. May close
+  /// another one, that is not `in_use` and whose emergency stop is not pressed: its
+  /// synchronizer takes silence for no permission.
+  void Open(const std::string& cell, const std::set<std::string>& in_use);
   /// What was heard of the emergency stops: every open cell, and whether it is pressed.
   std::vector<std::pair<std::string, bool>> TakeStops();
   /// What is to be repeated from now on; told at once when it is another. A cell that is
@@ -47,13 +54,16 @@ class PermissionKeeper {
     host::StopLatch stop;
     PermissionView told;
     std::uint64_t number = 0;
+    std::uint64_t opened = 0;  ///< grows with each Open
   };
+  void CloseOneUnused(const std::set<std::string>& in_use);
   void Write(Cell& cell);
   void Repeat(const std::stop_token& stop);
 
   bus::Bus& bus_;
   std::mutex mutex_;  // of what follows
   std::map<std::string, Cell> cells_;
+  std::uint64_t opened_ = 0;
   std::chrono::steady_clock::time_point decided_at_;
   std::condition_variable_any ends_;
   std::jthread repeating_;

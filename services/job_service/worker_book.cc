@@ -38,13 +38,29 @@ void WorkerBook::Update(const WorkerView& view, Nanoseconds now) {
   }
 }
 
-WorkerBook::Assignments WorkerBook::Lose(const std::string& instance) {
+WorkerBook::Assignments WorkerBook::Lose(const std::string& instance, Nanoseconds now) {
   const auto found = workers_.find(instance);
   if (found == workers_.end()) return {};
   // It may only have been slow: what it works on is kept, to be revoked for when it is
   // back.
+  if (found->second.alive) lost_.Add(instance, now);
   found->second.alive = false;
   return found->second.has;
+}
+
+// One that came back is not forgotten; lost once more, it stands in the list again.
+std::vector<std::string> WorkerBook::ForgetLost(Nanoseconds now) {
+  std::vector<std::string> forgotten;
+  while (auto instance = lost_.TakeOldest(now)) {
+    const auto found = workers_.find(*instance);
+    if (found == workers_.end() || found->second.alive ||
+        now - found->second.heard < kLostStaysFor) {
+      continue;
+    }
+    workers_.erase(found);
+    forgotten.push_back(std::move(*instance));
+  }
+  return forgotten;
 }
 
 bool WorkerBook::Serves(const Worker& worker, intaglio_ServiceRole role,

@@ -9,7 +9,10 @@
 // A worker is given a task only when it says that it is ready and nothing of ours is on
 // it: a task to a worker that still drops an older one could be lost. One that has said
 // that it is at work on a part may be given its next one ahead, which it then begins
-// without a word to us. Used from one thread.
+// without a word to us.
+//
+// A lost worker is forgotten after kLostStaysFor, when kLostKept were lost after it:
+// until then it may come back, from a cut network. Used from one thread.
 
 #include <chrono>
 #include <cstdint>
@@ -18,6 +21,7 @@
 #include <vector>
 
 #include "idl/service.h"
+#include "services/job_service/ended_list.h"
 #include "services/job_service/task_id.h"
 
 namespace intaglio::job_service {
@@ -51,8 +55,14 @@ class WorkerBook {
     Assignment next;
   };
 
+  static constexpr std::size_t kLostKept = 64;
+  static constexpr std::chrono::hours kLostStaysFor{1};
+
   /// The worker is gone, or so slow that it seems to be; returns what it had.
-  Assignments Lose(const std::string& instance);
+  Assignments Lose(const std::string& instance, Nanoseconds now);
+  /// Those that are forgotten now, each once.
+  std::vector<std::string> ForgetLost(Nanoseconds now);
+  std::size_t count() const { return workers_.size(); }
 
   /// The free workers of that role, for a synchronizer of that cell; by name, so that the
   /// choice can be foretold.
@@ -94,6 +104,7 @@ class WorkerBook {
   Assignment* Find(const std::string& instance, const TaskId& task);
 
   std::map<std::string, Worker> workers_;
+  EndedList lost_{kLostKept, kLostStaysFor};
 };
 
 }  // namespace intaglio::job_service

@@ -10,6 +10,9 @@
 namespace intaglio::recorder {
 namespace {
 
+// More than there are workers, each of which has one task.
+constexpr std::size_t kKnownJobs = 1024;
+
 recording::Attachment Paper(const std::string& folder, const std::string& name,
                             const char* media_type, std::string_view content,
                             std::uint64_t now_ns) {
@@ -52,8 +55,13 @@ std::vector<recording::Attachment> JobPapers::Take(std::uint64_t now_ns) {
   std::vector<recording::Attachment> papers;
   const auto look = [&](const intaglio_StageTask& task) {
     const auto frozen = bus::View(task.frozen_job);
-    if (frozen.empty() || !known_.insert(std::string(bus::View(task.job_uid))).second)
-      return;
+    std::string uid(bus::View(task.job_uid));
+    if (frozen.empty() || !known_.insert(uid).second) return;
+    by_age_.push_back(std::move(uid));
+    if (by_age_.size() > kKnownJobs) {
+      known_.erase(by_age_.front());
+      by_age_.pop_front();
+    }
     auto made = PapersOf(std::as_bytes(frozen), now_ns);
     std::move(made.begin(), made.end(), std::back_inserter(papers));
   };

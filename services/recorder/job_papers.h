@@ -3,6 +3,7 @@
 // What belongs to a job besides its messages, as attachments: its specification, the
 // machine, the material's values, and the software, from the tasks of the job.
 
+#include <deque>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,7 +27,9 @@ class JobPapers {
 
  private:
   bus::Reader<intaglio_StageTask> discretize_, sort_, engrave_;
-  std::set<std::string> known_;  // jobs
+  // Jobs, the newest: a task that comes again is of one of these.
+  std::set<std::string> known_;
+  std::deque<std::string> by_age_;
 };
 
 }  // namespace intaglio::recorder

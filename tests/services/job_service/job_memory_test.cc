@@ -98,6 +98,33 @@ TEST_F(JobMemoryTest, RestoredEndsLeaveInTheirTurn) {
   EXPECT_THAT(actions_.forgotten, ElementsAre("j1"));
 }
 
+// A discretizer that dies as soon as it is there, over and over.
+TEST_F(JobMemoryTest, WorkersThatAreLongGoneAreForgotten) {
+  for (int i = 0; i < 10'000; ++i) {
+    const std::string name = fmt::format("d{}", i);
+    Ready(name, intaglio_ROLE_DISCRETIZER);
+    Lose(name);
+    now_ += 10s;
+  }
+  // Those of an hour, 360.
+  EXPECT_EQ(actions_.forgotten.size(), 10'000u - 360);
+  EXPECT_EQ(actions_.forgotten.front(), "d0");
+}
+
+TEST_F(JobMemoryTest, AWorkerThatCameBackIsNotForgotten) {
+  Ready("slow", intaglio_ROLE_DISCRETIZER);
+  Lose("slow");
+  Ready("slow", intaglio_ROLE_DISCRETIZER);
+  for (int i = 0; i < 100; ++i) {
+    Ready(fmt::format("d{}", i), intaglio_ROLE_DISCRETIZER);
+    Lose(fmt::format("d{}", i));
+  }
+  now_ += WorkerBook::kLostStaysFor;
+  queue_.Turn(now_);
+  EXPECT_EQ(actions_.forgotten.size(), 100 - WorkerBook::kLostKept);
+  EXPECT_THAT(actions_.forgotten, testing::Not(testing::Contains("slow")));
+}
+
 // The synchronizer of a cancelled job may speak up when the queue has forgotten the job:
 // then it is free again, and nothing else follows.
 TEST_F(JobMemoryTest, ALateWordOnAForgottenJobFreesItsWorker) {

@@ -187,6 +187,7 @@ class RandomShop : public JobActions {
   void Progressed(const JobRecord&) override {}
   void StopFeed(const std::string&) override {}
   void Forgotten(const JobRecord&) override {}
+  void WorkerForgotten(const std::string&) override {}
   void Give(const TaskOrder& order, const JobRecord&) override {
     if (order.stage != intaglio_STAGE_DISCRETIZE) return;
     const auto found = tasks_.find(order.worker);

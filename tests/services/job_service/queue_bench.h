@@ -40,6 +40,7 @@ class RecordingActions : public JobActions {
   }
   void StopFeed(const std::string& uid) override { orders.push_back("stop " + uid); }
   void Forgotten(const JobRecord& job) override { forgotten.push_back(job.uid); }
+  void WorkerForgotten(const std::string& name) override { forgotten.push_back(name); }
   std::vector<std::string> Orders() { return std::exchange(orders, {}); }
 
   std::map<std::string, JobRecord> kept;
