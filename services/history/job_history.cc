@@ -53,7 +53,9 @@ class Conditions {
       Add("j.number = {}", std::to_string(*filter.job));
       return;
     }
-    texts_.push_back("j.ended = 1");
+    // The plus keeps SQLite from the index of it, in which all ended jobs are one: that
+    // of the ends, jobs_history, has a day in one place, and the order.
+    texts_.push_back("+j.ended = 1");
     Add("j.ended_utc >= {}", filter.since);
     if (!filter.until.empty()) Add("j.ended_utc < {}", filter.until + kBehindAll);
     Add("instr(lower(j.name), lower({})) > 0", filter.piece);
@@ -237,9 +239,14 @@ Result<std::vector<JobStatistics>> ReadHistory(const fs::path& path,
 
 Result<JobSpec> ReadJob(const fs::path& path, const std::string& uid_or_number) {
   return Opened<JobSpec>(path, [&](SQLite::Database& database) -> Result<JobSpec> {
-    SQLite::Statement select(
-        database,
-        "SELECT frozen_job FROM jobs WHERE uid = ?1 OR CAST(number AS TEXT) = ?1");
+    // As it is written: 12, not 012. A uid has a hyphen.
+    const bool is_number =
+        !uid_or_number.starts_with('0') &&
+        std::all_of(uid_or_number.begin(), uid_or_number.end(),
+                    [](unsigned char letter) { return std::isdigit(letter) != 0; });
+    SQLite::Statement select(database,
+                             fmt::format("SELECT frozen_job FROM jobs WHERE {} = ?",
+                                         is_number ? "number" : "uid"));
     select.bind(1, uid_or_number);
     if (!select.executeStep()) {
       return Fail(ErrorCode::kNotFound,

@@ -21,6 +21,7 @@ class ServiceProcess {
  public:
   ServiceProcess(const std::filesystem::path& folder, const std::string& tag);
   ~ServiceProcess() { Kill(); }
+  int pid() const { return pid_; }
   void Kill();  ///< SIGKILL
   /// SIGTERM; the exit code.
   int Stop();
@@ -70,6 +71,8 @@ class FakeShop {
 
   /// Newest status of the submission; an empty one when there is none.
   StatusCopy Status(const std::string& submission_uid);
+  /// Submissions with a status.
+  std::size_t status_count() const { return status_.size(); }
   /// What the job service says of itself; nothing before it does.
   struct HealthCopy {
     intaglio_HealthState state = intaglio_HEALTH_STARTING;
