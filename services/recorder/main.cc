@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <iostream>
+#include <thread>
 
 #include "services/command_line/program.h"
 #include "services/host/service_host.h"
@@ -85,11 +86,30 @@ void Report(host::ServiceHost& host, const recorder::Recorder::State& state,
   in_trouble = state.trouble.has_value();
 }
 
+/// A disk that is full, or refuses otherwise, is waited for: the shop goes on meanwhile,
+/// and is recorded as soon as there is room. Not so a folder that there is not.
+Result<std::unique_ptr<recorder::Recorder>> StartPatiently(host::ServiceHost& host,
+                                                           const Options& options) {
+  bool in_trouble = false;
+  for (;;) {
+    auto recorder = recorder::Recorder::Start(host.bus(), RecorderOptionsOf(options));
+    if (recorder || recorder.error().code != ErrorCode::kIo) return recorder;
+    recorder::Recorder::State state;
+    state.trouble = recorder.error();
+    Report(host, state, in_trouble);
+    for (int i = 0; i < 10; ++i) {
+      if (host.stopping()) return recorder;
+      host.KeepAlive();
+      std::this_thread::sleep_for(100ms);
+    }
+  }
+}
+
 int Serve(host::ServiceHost& host, const Options& options) {
-  auto recorder = recorder::Recorder::Start(host.bus(), RecorderOptionsOf(options));
+  auto recorder = StartPatiently(host, options);
   if (!recorder) {
     std::cerr << recorder.error().message << "\n";
-    return 2;
+    return recorder.error().code == ErrorCode::kIo ? 1 : 2;
   }
   recorder::JobPapers papers(host.bus());
   bool in_trouble = false;

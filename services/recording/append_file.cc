@@ -19,7 +19,8 @@ tl::unexpected<Error> Refused(const std::filesystem::path& path, const char* wha
   const char* remedy = reason == ENOSPC || reason == EDQUOT
                            ? "make room, or record elsewhere"
                            : "check the folder, the permissions and the disk";
-  return Fail(ErrorCode::kIo,
+  const bool no_folder = reason == ENOENT || reason == ENOTDIR;
+  return Fail(no_folder ? ErrorCode::kNotFound : ErrorCode::kIo,
               fmt::format("cannot {} the recording {}: {}; {}", what, path.string(),
                           std::strerror(reason), remedy),
               path.string());

@@ -120,6 +120,21 @@ TEST_F(Units, OnlyTheCellsMayReachTheMachineAndOnlyWhoIsWaitedForIsInRealTime) {
   }
 }
 
+// A unit that nobody looks after fills no disk: recordings have a bound in size and in
+// age. A file is removed whole, and never the one that is written, so the bound holds
+// several.
+TEST_F(Units, TheRecorderKeepsNoMoreThanItsShare) {
+  const std::string unit = TextIn(folder_ / "intaglio-recorder.service");
+  const auto amount = [&unit](const std::string& flag) {
+    std::smatch found;
+    const bool there = std::regex_search(unit, found, std::regex(flag + " (\\d+)"));
+    return there ? std::stod(found[1]) : 0.0;
+  };
+  EXPECT_GT(amount("--split-mb"), 0);
+  EXPECT_GE(amount("--keep-mb"), 4 * amount("--split-mb"));
+  EXPECT_GT(amount("--keep-h"), 24);
+}
+
 /// Where systemd would listen to a service.
 class NotifySocket {
  public:

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <thread>
 
@@ -12,6 +13,7 @@
 #include "services/recording/cdr_value.h"
 #include "services/recording/conventions.h"
 #include "services/recording/mcap_reader.h"
+#include "tests/engrave/formats/small_disk.h"
 #include "tests/services/bus/all_topics.h"
 #include "tests/services/bus/child_program.h"
 #include "tests/services/recording/recorded.h"
@@ -60,6 +62,8 @@ class RecorderProcess : public ::testing::Test {
     }
     return topics;
   }
+
+  std::string Log() const { return test::ContentOf(folder_ / "log"); }
 
   fs::path folder_, file_;
 };
@@ -191,6 +195,37 @@ TEST_F(RecorderProcess, ReferenceLibraryAgrees) {
   said.resize(std::fread(said.data(), 1, said.size(), out));
   EXPECT_EQ(pclose(out), 0) << said;
   EXPECT_THAT(said, HasSubstr("agree"));
+}
+
+TEST_F(RecorderProcess, ADiskThatIsFullAtTheStartIsWaitedFor) {
+  const fs::path disk = folder_ / "disk";
+  fs::create_directories(disk);
+  if (!formats::MountSmallDisk(disk, 1 << 20)) GTEST_SKIP() << "it takes root";
+  {
+    std::ofstream full(disk / "full", std::ios::binary);
+    const std::string block(4096, 'x');
+    while (full.write(block.data(), static_cast<std::streamsize>(block.size())).flush()) {
+    }
+  }
+  file_ = disk / "s.mcap";
+  auto recorder = Start();
+  ASSERT_TRUE(test::Eventually(
+      [&] { return Log().find("No space left on device") != std::string::npos; }, 20s))
+      << Log();
+  EXPECT_THAT(Log(), HasSubstr("s.mcap"));
+  EXPECT_THAT(Log(), HasSubstr("make room"));
+  fs::remove(disk / "full");
+  EXPECT_TRUE(test::Eventually([&] { return fs::exists(file_); }, 20s)) << Log();
+  recorder.Signal(SIGTERM);
+  EXPECT_EQ(recorder.ExitCode(), 0);
+  EXPECT_TRUE(McapReader::Open(file_).value().contents().complete);
+  EXPECT_FALSE(fs::exists(disk / "s-0002.mcap")) << "a try leaves no file behind";
+}
+
+TEST_F(RecorderProcess, AFolderThatThereIsNotIsAMistake) {
+  file_ = folder_ / "absent" / "s.mcap";
+  auto recorder = Start();
+  EXPECT_EQ(recorder.ExitCode(), 2);
 }
 
 }  // namespace
