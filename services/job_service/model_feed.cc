@@ -96,6 +96,10 @@ void ModelFeed::Serve(Stream& stream) {
 Status ModelFeed::OpenNext(Stream& stream) {
   const std::string& path = stream.files.at(stream.model);
   std::error_code error;
+  // What became a FIFO since the submission would hold up all jobs.
+  if (!std::filesystem::is_regular_file(path, error)) {
+    return tl::unexpected(CannotRead(path, "is no file any more; was it moved?"));
+  }
   stream.file_size = std::filesystem::file_size(path, error);
   stream.file = std::ifstream(path, std::ios::binary);
   stream.offset = 0;
