@@ -40,8 +40,8 @@ inline constexpr Topic<intaglio_JobSubmission> kJobSubmission{
 inline constexpr Topic<intaglio_JobCommand> kJobCommand{
     "JobCommand", &intaglio_JobCommand_desc, Profile::kCommand, DomainKind::kControl,
     Scope::kShop};
-inline constexpr Topic<intaglio_SpeedOverride> kSpeedOverride{
-    "SpeedOverride", &intaglio_SpeedOverride_desc, Profile::kCommand,
+inline constexpr Topic<intaglio_JobCommandAnswer> kJobCommandAnswer{
+    "JobCommandAnswer", &intaglio_JobCommandAnswer_desc, Profile::kCommand,
     DomainKind::kControl, Scope::kShop};
 inline constexpr Topic<intaglio_JobStatus> kJobStatus{
     "JobStatus", &intaglio_JobStatus_desc, Profile::kState, DomainKind::kControl,

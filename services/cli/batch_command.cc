@@ -127,11 +127,12 @@ void AddBatchCommand(command_line::Command app) {
   batch.AddFlag("--keep-going", options->run.keep_going,
                 "go on after a job that is not good; what comes after it is skipped");
   batch.AddFlag("--arm", options->run.arm,
-                "you stand at the machines and change the blocks: each job may fire "
-                "when its turn comes");
+                "you are at the machines and change the blocks: each job is armed "
+                "once, when its machine has it");
   batch
       .AddOption("--pause-limit", options->run.pause_limit_s,
-                 "seconds after which a job that is paused is cancelled; default: never")
+                 "seconds after which a job that waits for a person is cancelled; "
+                 "default: never")
       .Within(0.0, 1e6);
   batch.AddOption("--results", options->results, "write what became of every job: JSON");
   batch.AddFlag("--check", options->check, "only say what is wrong; submit nothing");

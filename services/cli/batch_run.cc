@@ -18,8 +18,6 @@ using namespace std::chrono_literals;
 
 constexpr auto kSubmitTime = 15s;
 constexpr auto kCancelTime = 5s;
-// An arm that came while the job was handed out again is said once more.
-constexpr auto kArmAgain = 5s;
 // A job service that was restarted is back by then.
 constexpr auto kServiceTime = 60s;
 
@@ -123,6 +121,7 @@ void BatchRun::Submit(const BatchPlan::Start& start) {
   Out& out = out_[start.job];
   out.uid = submitted->uid;
   out.since = Clock::now();
+  if (options_.arm) out.arm.emplace(client_, *submitted);
   if (events_ != nullptr) events_->Submitted(*submitted, job.id);
 }
 
@@ -139,37 +138,51 @@ void BatchRun::Follow(std::size_t job, Out& out) {
                     view.number));
   }
   if (events_ != nullptr) events_->Show(view, jobs_[job].id);
-  LookAfterPaused(job, view, out);
-  Arm(view, out);
+  if (out.arm) out.arm->Follow(view);
+  ReportWaiting(job, view, out);
 }
 
-void BatchRun::Arm(const JobView& view, Out& out) {
-  const bool has_its_machine = view.state == intaglio_JOB_DISCRETIZING ||
-                               view.state == intaglio_JOB_SORTING ||
-                               view.state == intaglio_JOB_WAITING_FOR_ARM;
-  if (!options_.arm || !has_its_machine || Clock::now() - out.armed_at < kArmAgain)
-    return;
-  out.armed_at = Clock::now();
-  (void)client_.Command(view, intaglio_COMMAND_ARM);
+std::string BatchRun::WaitsFor(const JobView& view, const Out& out) const {
+  if (view.armed) return {};
+  if (view.state == intaglio_JOB_PAUSED) {
+    const bool by_person = view.message.starts_with("paused by ");
+    return fmt::format("{}; intaglio resume {}",
+                       by_person ? view.disarm_reason : view.message, view.number);
+  }
+  if (!out.arm || view.state == intaglio_JOB_QUEUED) return {};
+  const std::string hint = fmt::format("; intaglio arm {}", view.number);
+  if (out.arm->state() == ArmOnce::State::kLeft) return out.arm->reason() + hint;
+  // Its arm was taken and withdrawn; the status that shows it armed may not be here yet.
+  const bool disarmed = out.arm->state() == ArmOnce::State::kArmed &&
+                        view.disarm_count != out.arm->disarm_count();
+  return disarmed ? view.disarm_reason + hint : std::string();
 }
 
-void BatchRun::LookAfterPaused(std::size_t job, const JobView& view, Out& out) {
-  if (view.state != intaglio_JOB_PAUSED) {
-    out.paused_at = {};
+void BatchRun::ReportWaiting(std::size_t job, const JobView& view, Out& out) {
+  const std::string why = WaitsFor(view, out);
+  if (why.empty()) {
+    out.waits_since = {};
+    out.waits_for.clear();
     return;
   }
-  if (out.paused_at == Clock::time_point()) {
-    out.paused_at = Clock::now();
-    Tell(fmt::format("{} (job {}, {}) is paused: {}; intaglio resume {}, or cancel",
-                     jobs_[job].id, view.number, view.cell, view.message, view.number));
+  result(job).set_message("waits for a person: " + why);
+  if (out.waits_since == Clock::time_point()) out.waits_since = Clock::now();
+  if (why != out.waits_for) {
+    Tell(fmt::format("{} (job {}, {}) waits for a person: {}, or cancel", jobs_[job].id,
+                     view.number, view.cell, why));
   }
+  out.waits_for = why;
   const bool too_long = options_.pause_limit_s > 0 &&
-                        Seconds(Clock::now() - out.paused_at) > options_.pause_limit_s;
+                        Seconds(Clock::now() - out.waits_since) > options_.pause_limit_s;
   if (!too_long || out.cancelled) return;
+  Tell(fmt::format("{} (job {}) is cancelled: it waited for a person for {}",
+                   jobs_[job].id, view.number, ShortDuration(options_.pause_limit_s)));
+  Cancel(view, out);
+}
+
+void BatchRun::Cancel(const JobView& view, Out& out) {
   out.cancelled = true;
-  Tell(fmt::format("{} (job {}) is cancelled: it was paused for {}", jobs_[job].id,
-                   view.number, ShortDuration(options_.pause_limit_s)));
-  (void)client_.Command(view, intaglio_COMMAND_CANCEL);
+  (void)client_.Send(view, {.kind = intaglio_COMMAND_CANCEL});
 }
 
 void BatchRun::End(std::size_t job, const JobView& view) {
@@ -228,8 +241,7 @@ void BatchRun::Settle(std::size_t job, bool good) {
   for (auto& [number, out] : out_) {
     const JobView& view = client_.jobs().at(out.uid);
     if (view.state != intaglio_JOB_QUEUED || out.cancelled) continue;
-    out.cancelled = true;
-    (void)client_.Command(view, intaglio_COMMAND_CANCEL);
+    Cancel(view, out);
   }
 }
 
@@ -237,8 +249,7 @@ void BatchRun::CancelWaiting() {
   for (auto& [job, out] : out_) {
     const JobView& view = client_.jobs().at(out.uid);
     if (view.ended() || IsEngraved(view) || out.cancelled) continue;
-    out.cancelled = true;
-    (void)client_.Command(view, intaglio_COMMAND_CANCEL);
+    Cancel(view, out);
   }
 }
 
@@ -267,7 +278,9 @@ void BatchRun::Leave() {
     BatchJobResult& told = result(job);
     told.set_state(history::StateWord(view.state));
     told.set_time_s(Seconds(Clock::now() - out.since));
-    told.set_message(fmt::format("goes on: intaglio watch {}", view.number));
+    told.set_message(out.waits_for.empty()
+                         ? fmt::format("goes on: intaglio watch {}", view.number)
+                         : "waits for a person: " + out.waits_for);
     Tell(fmt::format("{} (job {}, {}) is left {}: it {}", jobs_[job].id, view.number,
                      view.cell, NameOf(view.state), told.message()));
     if (events_ != nullptr) events_->Write(EventOf("left", view, jobs_[job].id));
@@ -284,9 +297,13 @@ void BatchRun::ShowProgress() {
   const std::size_t ended = count(BatchPlan::State::kGood) +
                             count(BatchPlan::State::kBad) +
                             count(BatchPlan::State::kSkipped);
+  const auto waiting = std::count_if(out_.begin(), out_.end(), [](const auto& entry) {
+    return !entry.second.waits_for.empty();
+  });
   bar_.ShowShare(
       "batch", ended, jobs_.size(), Seconds(Clock::now() - began_),
-      fmt::format("{} under way, {} good, {} not", count(BatchPlan::State::kOut),
+      fmt::format("{} under way{}, {} good, {} not", count(BatchPlan::State::kOut),
+                  waiting == 0 ? "" : fmt::format(" ({} wait for a person)", waiting),
                   count(BatchPlan::State::kGood), count(BatchPlan::State::kBad)));
 }
 

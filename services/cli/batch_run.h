@@ -1,14 +1,17 @@
 #pragma once
 
-// A batch under way: submits what may begin, arms it when the person who typed it said
-// so, follows it, and says at the end what became of every job.
+// A batch under way: submits what may begin, arms it once when the person who typed it
+// asked for that, follows it, and reports at the end what became of every job. A job that
+// is paused, stopped or disarmed afterwards waits for a person.
 
 #include <chrono>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "proto/shop.pb.h"
+#include "services/cli/arm_once.h"
 #include "services/cli/batch_jobs.h"
 #include "services/cli/batch_plan.h"
 #include "services/cli/event_lines.h"
@@ -22,7 +25,8 @@ struct BatchRunOptions {
   std::size_t parallel = 0;  ///< 0: one a machine
   bool keep_going = false;   ///< after a job that is not good
   bool arm = false;
-  double pause_limit_s = 0;  ///< a job that is paused for longer is cancelled; 0: never
+  double pause_limit_s = 0;  ///< a job that waits for a person for longer is cancelled;
+                             ///< 0: never
 };
 
 class BatchRun {
@@ -41,15 +45,20 @@ class BatchRun {
   /// A job that was submitted and has not ended.
   struct Out {
     std::string uid;
-    Clock::time_point since, armed_at, paused_at;
+    Clock::time_point since;
+    std::optional<ArmOnce> arm;
+    Clock::time_point waits_since;  // for a person; zero: it does not
+    std::string waits_for;          // why, and the command that ends it
     bool cancelled = false;
   };
 
   void Turn();
   void Submit(const BatchPlan::Start& start);
   void Follow(std::size_t job, Out& out);
-  void Arm(const JobView& view, Out& out);
-  void LookAfterPaused(std::size_t job, const JobView& view, Out& out);
+  /// Why the job goes on only after a person has done something; empty when it does not.
+  std::string WaitsFor(const JobView& view, const Out& out) const;
+  void ReportWaiting(std::size_t job, const JobView& view, Out& out);
+  void Cancel(const JobView& view, Out& out);
   void End(std::size_t job, const JobView& view);
   void Fail(std::size_t job, const std::string& state, const std::string& message);
   void Settle(std::size_t job, bool good);

@@ -58,6 +58,7 @@ JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
   line.set_cell(job.cell);
   line.set_state(history::StateWord(job.state));
   line.set_attempt(job.attempt);
+  line.set_armed(job.armed && !job.ended());
   line.set_message(job.message);
   const JobView::Progress* stage = StageAtWork(job);
   if (stage == nullptr || job.state == intaglio_JOB_QUEUED) return line;
@@ -83,7 +84,7 @@ void EventLines::Show(const JobView& job, const std::string& id) {
   const bool first = !told_.contains(job.uid);
   Told& told = told_[job.uid];
   const JobEvent line = EventOf("progress", job, id);
-  const bool state = first || line.state() != told.state;
+  const bool state = first || line.state() != told.state || line.armed() != told.armed;
   const bool message = line.message() != told.message;
   const auto stage =
       static_cast<std::uint32_t>(StageAtWork(job) ? StageAtWork(job)->stage : 0);
@@ -92,7 +93,8 @@ void EventLines::Show(const JobView& job, const std::string& id) {
   const bool whole = line.total() > 0 && line.done() == line.total();
   const bool due = moved && (whole || now - told.at >= kPeriod);
   if (!state && !message && !due) return;
-  told = {line.state(), line.message(), stage, line.done(), line.total(), now};
+  told = {line.state(), line.message(), stage, line.done(),
+          line.total(), line.armed(),   now};
   JobEvent event = line;
   event.set_event(state ? "state" : message ? "message" : "progress");
   Write(std::move(event));

@@ -47,6 +47,7 @@ class EventLines {
   struct Told {
     std::string state, message;
     std::uint32_t stage = 0, done = 0, total = 0;
+    bool armed = false;
     std::chrono::system_clock::time_point at;
   };
   std::ostream& out_;

@@ -32,9 +32,20 @@ std::int64_t SteadyNs() {
 
 constexpr int kLastStage = intaglio_STAGE_ENGRAVE;
 
-std::string NewSubmissionUid() {
+std::string NewUid() {
   std::random_device random;
   return fmt::format("{:08x}{:08x}", random(), random());
+}
+
+/// A command, or its key alone.
+intaglio_JobCommand CommandOf(const std::string& sender, std::uint64_t number,
+                              const std::string& job_uid, const std::string& name) {
+  intaglio_JobCommand sample{};
+  sample.sender = Borrow(sender);
+  sample.number = number;
+  sample.job_uid = Borrow(job_uid);
+  sample.operator_name = Borrow(name);
+  return sample;
 }
 
 }  // namespace
@@ -47,6 +58,14 @@ bool JobView::ended() const {
 const char* NameOf(intaglio_JobState state) {
   return state == intaglio_JOB_WAITING_FOR_ARM ? "waiting for arm"
                                                : history::StateWord(state);
+}
+
+std::string StateOf(const JobView& job) {
+  if (!job.armed || job.ended() || job.state == intaglio_JOB_ENGRAVING) {
+    return NameOf(job.state);
+  }
+  if (job.state == intaglio_JOB_WAITING_FOR_ARM) return "armed";
+  return std::string(NameOf(job.state)) + ", armed";
 }
 
 const char* NameOf(intaglio_Stage stage) {
@@ -71,10 +90,11 @@ std::string OperatorName() {
 JobClient::Commands::Commands(bus::Bus& bus)
     : submissions(bus, bus::kJobSubmission),
       commands(bus, bus::kJobCommand),
-      speeds(bus, bus::kSpeedOverride) {}
+      answers(bus, bus::kJobCommandAnswer) {}
 
 JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
-    : statuses_(bus, bus::kJobStatus),
+    : sender_(fmt::format("{}-{}-{}", OperatorName(), getpid(), NewUid())),
+      statuses_(bus, bus::kJobStatus),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
       wait_(bus),
@@ -84,6 +104,7 @@ JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
   } catch (const bus::NotAllowedError& error) {
     not_allowed_ = error.what();
   }
+  if (commands_) wait_.Attach(commands_->answers);
   wait_.Attach(statuses_);
   wait_.Attach(tasks_);
   wait_.Attach(health_);
@@ -109,8 +130,8 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.revision = status.revision;
   view.speed_percent = status.speed_percent;
   view.armed = status.armed;
-  view.last_command = status.last_command;
-  view.last_speed = status.last_speed;
+  view.disarm_count = status.disarm_count;
+  view.disarm_reason = View(status.disarm_reason);
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {
@@ -185,6 +206,10 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
                    std::string(View(status.submission_uid)));
       });
   tasks_.Take([this](const intaglio_TaskStatus& status) { Take(status); });
+  if (commands_) {
+    commands_->answers.Take(
+        [this](const intaglio_JobCommandAnswer& answer) { Take(answer); });
+  }
   health_.TakeAll(
       [this](const intaglio_ServiceHealth& health, const bus::SampleOrigin& o) {
         const std::string instance(View(health.instance));
@@ -216,7 +241,7 @@ bool JobClient::PollUntil(const std::function<bool()>& condition,
 
 Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds timeout) {
   if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
-  const std::string uid = NewSubmissionUid();
+  const std::string uid = NewUid();
   const std::string client = OperatorName();
   const std::string text = job.SerializeAsString();
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
@@ -245,34 +270,53 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   return *found;
 }
 
-Status JobClient::Command(const JobView& job, intaglio_JobCommandKind kind,
-                          std::uint32_t from_point, bool fire_uncertain) {
+Result<std::uint64_t> JobClient::Send(const JobView& job, const JobOrder& order) {
   if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
   const std::string name = OperatorName();
-  intaglio_JobCommand sample{};
-  sample.job_uid = Borrow(job.uid);
+  intaglio_JobCommand sample = CommandOf(sender_, ++last_number_, job.uid, name);
   sample.epoch = job.epoch;
-  // One more than the job service has seen, whichever host's it was.
-  sample.number = std::max(job.last_command, told_[job.uid]) + 1;
-  told_[job.uid] = sample.number;
-  sample.kind = kind;
-  sample.from_point = from_point;
-  sample.fire_uncertain = fire_uncertain;
-  sample.operator_name = Borrow(name);
-  return commands_->commands.Write(sample);
+  sample.kind = order.kind;
+  sample.disarm_count = job.disarm_count;
+  sample.from_point = order.from_point;
+  sample.fire_uncertain = order.fire_uncertain;
+  sample.speed_percent = order.speed_percent;
+  if (auto written = commands_->commands.Write(sample); !written) {
+    return tl::unexpected(written.error());
+  }
+  return last_number_;
 }
 
-Status JobClient::SetSpeed(const JobView& job, std::uint32_t speed_percent) {
-  if (!commands_) return Fail(ErrorCode::kRefused, not_allowed_);
-  const std::string name = OperatorName();
-  intaglio_SpeedOverride sample{};
-  sample.job_uid = Borrow(job.uid);
-  sample.epoch = job.epoch;
-  sample.number = std::max(job.last_speed, told_speed_[job.uid]) + 1;
-  told_speed_[job.uid] = sample.number;
-  sample.speed_percent = speed_percent;
-  sample.operator_name = Borrow(name);
-  return commands_->speeds.Write(sample);
+void JobClient::Take(const intaglio_JobCommandAnswer& answer) {
+  if (View(answer.sender) != sender_ || replies_.contains(answer.number)) return;
+  replies_[answer.number] = {answer.code, std::string(View(answer.message))};
+  Withdraw(answer.number);
+}
+
+void JobClient::Withdraw(std::uint64_t number) {
+  (void)commands_->commands.Dispose(CommandOf(sender_, number, {}, {}));
+}
+
+std::optional<CommandReply> JobClient::AnswerTo(std::uint64_t number) const {
+  const auto found = replies_.find(number);
+  if (found == replies_.end()) return std::nullopt;
+  return found->second;
+}
+
+Status JobClient::Command(const JobView& job, const JobOrder& order,
+                          std::chrono::milliseconds timeout) {
+  const auto number = Send(job, order);
+  if (!number) return tl::unexpected(number.error());
+  if (!PollUntil([&] { return AnswerTo(*number).has_value(); }, timeout)) {
+    Withdraw(*number);
+    return Fail(ErrorCode::kTimedOut,
+                fmt::format("the job service did not answer the command for job {0} "
+                            "within {1:.0f} s: check that it runs (intaglio list) and "
+                            "what the job does (intaglio show {0})",
+                            job.number, std::chrono::duration<double>(timeout).count()));
+  }
+  const CommandReply reply = *AnswerTo(*number);
+  if (reply.taken()) return {};
+  return Fail(ErrorCode::kRefused, reply.message);
 }
 
 Result<JobView> JobClient::Find(const std::string& uid_or_number) const {

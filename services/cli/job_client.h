@@ -34,8 +34,9 @@ struct JobView {
   double rate_hz = 0;
   std::uint64_t revision = 0;
   std::uint32_t speed_percent = 100;
-  std::uint64_t last_command = 0, last_speed = 0;  ///< numbers taken last
-  bool armed = false;  ///< the operator's word stands: what is paused goes on by itself
+  bool armed = false;  ///< by an operator: what is paused goes on by itself
+  std::uint64_t disarm_count = 0;
+  std::string disarm_reason;  ///< of the last one
 
   /// Done, failed or cancelled.
   bool ended() const;
@@ -43,6 +44,9 @@ struct JobView {
 
 /// "queued", "engraving", ...
 const char* NameOf(intaglio_JobState state);
+/// The same, with "armed" where a person has armed it and it does not fire yet:
+/// "discretizing, armed", "armed" instead of "waiting for arm".
+std::string StateOf(const JobView& job);
 /// "discretize", "order", "engrave".
 const char* NameOf(intaglio_Stage stage);
 
@@ -52,6 +56,21 @@ struct ServiceView {
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   int pid = 0;
   std::chrono::steady_clock::time_point heard_at;  ///< its newest word
+};
+
+/// What a person asks of a job.
+struct JobOrder {
+  intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
+  std::uint32_t from_point = 0;  ///< resume: open points before that place are left out
+  bool fire_uncertain = false;   ///< resume: what nobody knows of is fired again
+  std::uint32_t speed_percent = 100;  ///< speed: 10..100
+};
+
+/// A JobCommandAnswer, copied.
+struct CommandReply {
+  intaglio_CommandAnswerCode code = intaglio_ANSWER_TAKEN;
+  std::string message;  ///< one sentence a person can act on; empty when taken
+  bool taken() const { return code == intaglio_ANSWER_TAKEN; }
 };
 
 /// Seen by all, commanded by those whose identity allows it: the commands are refused
@@ -71,11 +90,17 @@ class JobClient {
   /// The job as the job service took it; kRefused with its reasons; kTimedOut when no
   /// job service answers.
   Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout);
-  /// `from_point`, of a resume: open points before that place in the order are left out.
-  /// `fire_uncertain`, of a resume: what nobody knows of is fired again.
-  Status Command(const JobView& job, intaglio_JobCommandKind kind,
-                 std::uint32_t from_point = 0, bool fire_uncertain = false);
-  Status SetSpeed(const JobView& job, std::uint32_t speed_percent);
+  /// Longer than the bus needs to find a job service that is there.
+  static constexpr std::chrono::seconds kAnswerTime{5};
+  /// Sends a command about the job as `job` has it, and waits for the answer to it.
+  /// kRefused with its message; kTimedOut when none comes: the command is withdrawn then.
+  Status Command(const JobView& job, const JobOrder& order,
+                 std::chrono::milliseconds timeout = kAnswerTime);
+  /// The same without waiting; the number of the command, for AnswerTo. It stays until it
+  /// is answered, also by the next job service.
+  Result<std::uint64_t> Send(const JobView& job, const JobOrder& order);
+  /// Once Poll has received it.
+  std::optional<CommandReply> AnswerTo(std::uint64_t number) const;
 
   /// By uid; of the last revision seen. An ended job that the job service has forgotten
   /// leaves a minute later: by then whoever follows it has read its end.
@@ -101,13 +126,17 @@ class JobClient {
   void LoseStatus(const std::string& uid, const std::string& submission_uid);
   void DropForgotten();
   void Drop(const std::string& uid);
+  void Take(const intaglio_JobCommandAnswer& answer);
+  /// The job service forgets it, unless it was taken.
+  void Withdraw(std::uint64_t number);
 
   struct Commands {
     explicit Commands(bus::Bus& bus);
     bus::Writer<intaglio_JobSubmission> submissions;
     bus::Writer<intaglio_JobCommand> commands;
-    bus::Writer<intaglio_SpeedOverride> speeds;
+    bus::Reader<intaglio_JobCommandAnswer> answers;
   };
+  std::string sender_;                  // no other client has it
   std::unique_ptr<Commands> commands_;  // null: not allowed
   std::string not_allowed_;             // and why
   bus::Reader<intaglio_JobStatus> statuses_;
@@ -121,7 +150,8 @@ class JobClient {
     std::uint32_t attempt = 0, part_count = 1;
     std::map<std::uint32_t, StageOutcome> outcomes;  // by part
   };
-  std::map<std::string, std::uint64_t> told_, told_speed_;   // newest numbers, by job
+  std::uint64_t last_number_ = 0;                            // of a command
+  std::map<std::uint64_t, CommandReply> replies_;            // by command
   std::map<std::pair<std::string, int>, StageWords> words_;  // by job and stage
   std::map<std::string, ServiceView> services_;
   /// Jobs without a status on the bus, since when; the clock of open ones stands still

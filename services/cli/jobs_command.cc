@@ -6,7 +6,9 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 
+#include "services/cli/arm_once.h"
 #include "services/cli/bus_flags.h"
 #include "services/cli/event_lines.h"
 #include "services/cli/job_client.h"
@@ -23,7 +25,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kAnswerTime = 5s;
 constexpr auto kMachineTime = 2s;
 
 struct JobsOptions {
@@ -57,7 +58,7 @@ std::string ProgressOf(const JobView& job) {
 }
 
 void TellState(const JobView& job, std::ostream& out) {
-  out << "job " << job.number << " is " << NameOf(job.state)
+  out << "job " << job.number << " is " << StateOf(job)
       << (job.message.empty() ? "" : ": " + job.message) << "\n";
 }
 
@@ -70,37 +71,37 @@ bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
       return job.ended();
     case intaglio_COMMAND_ARM:
     case intaglio_COMMAND_RESUME:
-      return job.state != intaglio_JOB_PAUSED &&
-             job.state != intaglio_JOB_WAITING_FOR_ARM;
+      return job.ended() || (job.armed && job.state != intaglio_JOB_PAUSED &&
+                             job.state != intaglio_JOB_WAITING_FOR_ARM);
+    case intaglio_COMMAND_SPEED:
+      break;
   }
   return true;
 }
 
-int CommandJob(JobClient& client, const JobView& job, intaglio_JobCommandKind kind,
-               std::ostream& out, std::uint32_t from_point = 0,
-               bool fire_uncertain = false) {
-  if (job.ended()) {
-    return Complain(
-        {ErrorCode::kRefused,
-         fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
-        kExitWrongInput);
-  }
-  if (auto sent = client.Command(job, kind, from_point, fire_uncertain); !sent) {
-    return Complain(sent.error(), kExitInternal);
-  }
-  const auto taken = [&] {
-    return client.jobs().at(job.uid).last_command > job.last_command;
-  };
-  if (!client.PollUntil(taken, kAnswerTime)) {
-    return Complain({ErrorCode::kTimedOut,
-                     "the job service did not answer within 5 s: is it running?", ""},
-                    kExitInternal);
-  }
-  // The machine may take a moment, or want a person first: then its message says so.
+/// Exit codes of a command that got no answer, or not the one that was asked for.
+int ComplainOf(const Error& error) { return Complain(error, kExitMachine); }
+
+/// Nothing, or what there is to complain of a job that takes no command any more.
+std::optional<Error> WhyEnded(const JobView& job) {
+  if (!job.ended()) return std::nullopt;
+  return Error{ErrorCode::kRefused,
+               fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""};
+}
+
+/// The machine may take a moment, or want a person first: then its message says so.
+int AwaitEffect(JobClient& client, const JobView& job, intaglio_JobCommandKind kind,
+                std::ostream& out) {
   client.PollUntil([&] { return Reached(client.jobs().at(job.uid), kind); },
                    kMachineTime);
   TellState(client.jobs().at(job.uid), out);
   return kExitGood;
+}
+
+int CommandJob(JobClient& client, const JobView& job, const JobOrder& order) {
+  if (const auto ended = WhyEnded(job)) return Complain(*ended, kExitWrongInput);
+  if (auto taken = client.Command(job, order); !taken) return ComplainOf(taken.error());
+  return AwaitEffect(client, job, order.kind, std::cout);
 }
 
 /// Gives the job to the job service.
@@ -142,22 +143,23 @@ int SubmitSeries(const JobsOptions& options) {
   return kExitGood;
 }
 
-int SubmitJob(const JobSpec& job, const JobsOptions& options) {
+int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   bus::Bus bus(options.bus);
   JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
-  const auto submitted = SubmitOne(client, job, options);
+  const auto submitted = SubmitOne(client, spec, options);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
   if (options.arm) {
-    const int armed =
-        CommandJob(client, *submitted, intaglio_COMMAND_ARM, options.human());
-    if (armed != kExitGood) return armed;
+    auto armed = ArmWhenTaken(client, *submitted);
+    if (!armed) return ComplainOf(armed.error());
+    AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());
   }
   if (options.watch) return Watch(client, submitted->uid, options);
   if (!options.arm)
     options.human() << "intaglio arm " << submitted->number << " lets it fire\n";
   client.Poll(500ms);
-  return kExitGood;
+  const JobView& job = client.jobs().at(submitted->uid);
+  return job.ended() && job.state != intaglio_JOB_DONE ? kExitMachine : kExitGood;
 }
 
 int Submit(const JobsOptions& options) {
@@ -185,12 +187,12 @@ int List(const JobsOptions& options) {
                  "--domain, --interface and --tag\n";
     return kExitWrongInput;
   }
-  fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", "job", "state", "machine", "time",
+  fmt::print("{:>6}  {:<19} {:<12} {:<10} {:<34} {}\n", "job", "state", "machine", "time",
              "progress", "name");
   std::map<std::uint32_t, const JobView*> by_number;
   for (const auto& [uid, job] : client.jobs()) by_number[job.number] = &job;
   for (const auto& [number, job] : by_number) {
-    fmt::print("{:>6}  {:<16} {:<12} {:<10} {:<34} {}\n", number, NameOf(job->state),
+    fmt::print("{:>6}  {:<19} {:<12} {:<10} {:<34} {}\n", number, NameOf(job->state),
                job->cell, TimeOf(*job), ProgressOf(*job), job->name);
   }
   return kExitGood;
@@ -208,24 +210,11 @@ int WithJob(const JobsOptions& options,
 }
 
 int SetSpeed(JobClient& client, const JobView& job, std::uint32_t percent) {
-  if (job.ended()) {
-    return Complain(
-        {ErrorCode::kRefused,
-         fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""},
-        kExitWrongInput);
-  }
-  if (auto sent = client.SetSpeed(job, percent); !sent) {
-    return Complain(sent.error(), kExitInternal);
-  }
-  const auto taken = [&] {
-    const JobView& now = client.jobs().at(job.uid);
-    return now.speed_percent == percent || now.ended();
-  };
-  if (!client.PollUntil(taken, kAnswerTime)) {
-    return Complain(
-        {ErrorCode::kTimedOut,
-         "the job service does not answer: check that it runs (intaglio list)", ""},
-        kExitInternal);
+  if (const auto ended = WhyEnded(job)) return Complain(*ended, kExitWrongInput);
+  if (auto taken =
+          client.Command(job, {.kind = intaglio_COMMAND_SPEED, .speed_percent = percent});
+      !taken) {
+    return ComplainOf(taken.error());
   }
   std::cout << "job " << job.number << " goes on at " << percent
             << " % speed, from the next motion that is planned\n";
@@ -250,7 +239,7 @@ Result<std::uint32_t> PercentOf(const std::string& text) {
 int ShowJob(const JobView& job) {
   fmt::print(
       "job        {} ({})\nname       {}\nstate      {}\nmachine    {}\nattempt    {}\n",
-      job.number, job.uid, job.name, NameOf(job.state), job.cell, job.attempt);
+      job.number, job.uid, job.name, StateOf(job), job.cell, job.attempt);
   for (const JobView::Progress& p : job.progress) {
     if (p.total_count == 0) continue;
     fmt::print("{:<10} {} / {} points, {}\n", NameOf(p.stage),
@@ -260,11 +249,15 @@ int ShowJob(const JobView& job) {
   fmt::print("estimate   {}\nspeed      {} %\nfolder     {}\n", TimeOf(job),
              job.speed_percent, job.result_directory);
   if (!job.message.empty()) fmt::print("message    {}\n", job.message);
+  if (!job.armed && !job.ended() && !job.disarm_reason.empty()) {
+    fmt::print("disarmed   {}\n", job.disarm_reason);
+  }
   return kExitGood;
 }
 
 void AddArmAndWatch(command_line::Command command, JobsOptions& options) {
-  command.AddFlag("--arm", options.arm, "you stand at the machine: it may fire at once");
+  command.AddFlag("--arm", options.arm,
+                  "you are at the machine: it is armed, once, when its machine has it");
   command.AddFlag("--watch", options.watch, "follow it to its end");
   AddEventsFlag(command, options.events);
 }
@@ -333,11 +326,14 @@ void AddJobsCommands(command_line::Command app) {
                 options->events);
   const auto command = [options](intaglio_JobCommandKind kind) {
     return [kind, options](JobClient& client, const JobView& job) {
-      return CommandJob(client, job, kind, std::cout, options->from_point,
-                        options->fire_uncertain);
+      return CommandJob(client, job,
+                        {.kind = kind,
+                         .from_point = options->from_point,
+                         .fire_uncertain = options->fire_uncertain});
     };
   };
-  add("arm", "you stand at the machine: the job may fire", command(intaglio_COMMAND_ARM));
+  add("arm", "you are at the machine, and its block is in: the job may fire",
+      command(intaglio_COMMAND_ARM));
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
   command_line::Command resume = add("resume", "go on at the first point not made",
                                      command(intaglio_COMMAND_RESUME));

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "materials_db/material_store.h"
+#include "services/cli/arm_once.h"
 #include "services/cli/bus_flags.h"
 #include "services/cli/event_lines.h"
 #include "services/cli/interrupt.h"
@@ -74,6 +75,7 @@ class RunSession {
   void Show(const JobView& job);
   void TellEnd(JobClient& client, const JobView& job);
   void Say(const std::vector<std::string>& sentences);
+  void Arm(JobClient& client, const JobView& job);
   bool GoesOn(const JobView& job);
   void Cancel(JobClient& client, const JobView& job, const std::string& why);
   int Prove(const JobView& job, const JobClient& client, const ServiceSet& services);
@@ -90,6 +92,9 @@ class RunSession {
   std::string started_utc_ = UtcNow();
   Clock::time_point started_ = Clock::now();
   bool cancelled_ = false;
+  std::optional<ArmOnce> arm_;
+  std::uint32_t armed_attempt_ = 0;
+  bool arm_holds_ = true;
   std::optional<Clock::time_point> paused_since_;
   Clock::time_point give_up_ = Clock::time_point::max();
 };
@@ -176,10 +181,6 @@ int RunSession::Engrave(ServiceSet& services) {
   auto submitted = client.Submit(job, 20s);
   if (!submitted) return Complain(submitted.error(), kExitWrongInput);
   if (options_.events) events_.Submitted(*submitted);
-  // Whoever types `run` stands at the machine: that is the operator's arm.
-  if (auto armed = client.Command(*submitted, intaglio_COMMAND_ARM); !armed) {
-    return Complain(armed.error(), kExitInternal);
-  }
   return Follow(services, client, *submitted);
 }
 
@@ -195,6 +196,22 @@ void RunSession::Show(const JobView& job) {
   }
   if (!job.message.empty()) note = job.message;
   bars_.Show(job, note);
+}
+
+// Whoever types `run` is beside the machine: that is the operator's arm. The machine is
+// this session's alone, so no other block was in it when a lost process costs an attempt,
+// and the arm is given once more, unless somebody has taken it back.
+void RunSession::Arm(JobClient& client, const JobView& job) {
+  if (job.state == intaglio_JOB_QUEUED || job.ended()) return;
+  if (!arm_ || (job.attempt != armed_attempt_ && arm_holds_)) arm_.emplace(client, job);
+  armed_attempt_ = job.attempt;
+  const ArmOnce::State state = arm_->Follow(job);
+  if (arm_holds_ && state == ArmOnce::State::kLeft) {
+    Say({fmt::format("waits for a person: {}; then intaglio arm {} --tag {}",
+                     arm_->reason(), job.number, options_.bus.tag)});
+  }
+  arm_holds_ =
+      state != ArmOnce::State::kLeft && (state != ArmOnce::State::kArmed || job.armed);
 }
 
 // What was lost is resumed by the job service. Everything else that pauses a machine is
@@ -224,7 +241,7 @@ void RunSession::Cancel(JobClient& client, const JobView& job, const std::string
   cancelled_ = true;
   bar_.Finish();
   std::cerr << why << "\n";
-  (void)client.Command(job, intaglio_COMMAND_CANCEL);
+  (void)client.Send(job, {.kind = intaglio_COMMAND_CANCEL});
   give_up_ = Clock::now() + kCancelTimeout;
 }
 
@@ -233,7 +250,10 @@ int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
   while (!job.ended() && Clock::now() < give_up_) {
     client.Poll(50ms);
     job = client.jobs().at(job.uid);
-    if (!cancelled_) Show(job);
+    if (!cancelled_) {
+      Show(job);
+      Arm(client, job);
+    }
     if (Interrupts() > 0) Cancel(client, job, "interrupted: the job is cancelled");
     const auto revived = services.Revive();
     if (!revived && !fault) {

@@ -17,7 +17,9 @@ using namespace std::chrono_literals;
 
 /// What a person has to know of the job now.
 std::string NoteOf(const JobView& job) {
-  std::string note = job.message.empty() ? std::string(NameOf(job.state)) : job.message;
+  std::string note = job.message.empty() ? StateOf(job) : job.message;
+  const bool waits = job.armed && job.state != intaglio_JOB_ENGRAVING;
+  if (waits && !job.message.empty()) note += ", armed";
   if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
   if (job.state != intaglio_JOB_PAUSED) return note;
   if (note.find("resume") != std::string::npos) return "paused: " + note;

@@ -126,6 +126,28 @@ ALTER TABLE jobs ADD COLUMN first_point INTEGER NOT NULL DEFAULT 0;
     // And the word to fire what is uncertain, of the newest command.
     R"sql(
 ALTER TABLE jobs ADD COLUMN fire_uncertain INTEGER NOT NULL DEFAULT 0;
+)sql",
+    // A command belongs to its sender and is kept with its answer (code 0: taken); older
+    // ones, which jobs numbered, have their job for the sender.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN disarm_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN disarm_reason TEXT NOT NULL DEFAULT '';
+ALTER TABLE jobs ADD COLUMN last_command_id TEXT NOT NULL DEFAULT '';
+CREATE TABLE answered_commands (
+  sender TEXT NOT NULL,
+  number INTEGER NOT NULL,
+  job_uid TEXT NOT NULL,
+  kind INTEGER NOT NULL,
+  operator_name TEXT NOT NULL,
+  code INTEGER NOT NULL,
+  message TEXT NOT NULL,
+  taken_utc TEXT NOT NULL,
+  PRIMARY KEY (sender, number)
+);
+INSERT INTO answered_commands SELECT job_uid, number, job_uid, kind, operator_name, 0, '',
+  taken_utc FROM commands;
+DROP TABLE commands;
+ALTER TABLE answered_commands RENAME TO commands;
 )sql"};
 
 }  // namespace intaglio::job_service

@@ -20,61 +20,116 @@ using namespace std::chrono_literals;
 
 constexpr Nanoseconds kHold = 300ms;
 
+std::string IdOf(const CommandView& command) {
+  return fmt::format("{}/{}", command.sender, command.number);
+}
+
 }  // namespace
 
-bool JobQueue::Take(const CommandView& command, Nanoseconds now) {
-  JobRecord* job = FindOpen(command.job_uid);
-  if (job == nullptr || command.epoch != job->epoch ||
-      command.number <= job->last_command) {
-    return false;
+CommandAnswer JobQueue::Take(const CommandView& command, Nanoseconds now) {
+  const auto found = jobs_.find(command.job_uid);
+  if (found == jobs_.end()) {
+    return {intaglio_ANSWER_UNKNOWN_JOB,
+            fmt::format("there is no job {}: see intaglio list", command.job_uid)};
   }
-  job->last_command = command.number;
-  // A word of the grant that it came with: the next command is another one.
-  job->fire_uncertain = false;
+  JobRecord& job = found->second;
+  const std::string id = IdOf(command);
+  if (id == job.last_command_id) return {};
+  CommandAnswer answer = Check(job, command);
+  if (!answer.taken()) return answer;
+  job.last_command_id = id;
+  if (command.kind == intaglio_COMMAND_SPEED) {
+    job.speed_percent = command.speed_percent;
+    Change(job, job.state, job.message);
+    return answer;
+  }
+  ++job.last_command;
+  // It belongs to the grant that it came with: the next command makes another one.
+  job.fire_uncertain = false;
+  switch (command.kind) {
+    case intaglio_COMMAND_PAUSE:
+      Pause(job, command, now);
+      break;
+    case intaglio_COMMAND_CANCEL:
+      EndJob(job, intaglio_JOB_CANCELLED, "cancelled by " + command.operator_name, now);
+      break;
+    case intaglio_COMMAND_ARM:
+    case intaglio_COMMAND_RESUME:
+      Arm(job, command, now);
+      break;
+    case intaglio_COMMAND_SPEED:
+      break;  // above
+  }
+  return answer;
+}
+
+CommandAnswer JobQueue::Check(const JobRecord& job, const CommandView& command) const {
+  if (command.epoch != job.epoch) {
+    return {intaglio_ANSWER_WRONG_EPOCH,
+            fmt::format("the command is for job {} of another run of the job service: "
+                        "see intaglio list",
+                        job.number)};
+  }
+  if (job.ended()) {
+    return {intaglio_ANSWER_ENDED_JOB,
+            fmt::format("job {} has ended: {}", job.number, job.message)};
+  }
   switch (command.kind) {
     case intaglio_COMMAND_ARM:
     case intaglio_COMMAND_RESUME:
-      Arm(*job, command, now);
-      break;
+      return CheckArm(job, command);
+    case intaglio_COMMAND_SPEED:
+      if (command.speed_percent >= kMinSpeedPercent && command.speed_percent <= 100) {
+        return {};
+      }
+      return {intaglio_ANSWER_OUT_OF_RANGE,
+              fmt::format("speed_percent {} of job {} is outside {}..100",
+                          command.speed_percent, job.number, kMinSpeedPercent)};
     case intaglio_COMMAND_PAUSE:
-      Pause(*job, command, now);
-      break;
     case intaglio_COMMAND_CANCEL:
-      EndJob(*job, intaglio_JOB_CANCELLED, "cancelled by " + command.operator_name, now);
-      break;
+      return {};
   }
-  return true;
+  return {intaglio_ANSWER_OUT_OF_RANGE,
+          fmt::format("kind {} of a command for job {} is unknown: use the version of "
+                      "intaglio that the job service has",
+                      static_cast<int>(command.kind), job.number)};
 }
 
-bool JobQueue::Take(const SpeedView& speed) {
-  JobRecord* job = FindOpen(speed.job_uid);
-  if (job == nullptr || speed.epoch != job->epoch || speed.number <= job->last_speed ||
-      speed.speed_percent < kLeastSpeedPercent || speed.speed_percent > 100) {
-    return false;
+CommandAnswer JobQueue::CheckArm(const JobRecord& job, const CommandView& command) const {
+  // The block in its machine is another job's, or was put there for another one.
+  if (!job.active()) {
+    return {
+        intaglio_ANSWER_NOT_YET,
+        fmt::format("job {} cannot be armed yet: {}; arm it (intaglio arm {}) when it "
+                    "is discretizing, with its block in the machine",
+                    job.number,
+                    job.message.empty() ? "it waits for " + job.cell : job.message,
+                    job.number)};
   }
-  job->last_speed = speed.number;
-  job->speed_percent = speed.speed_percent;
-  Tell(*job, job->state, job->message);
-  return true;
+  if (stopped_cells_.contains(job.cell)) {
+    return {intaglio_ANSWER_STOP_PRESSED,
+            fmt::format("the emergency stop of {0} is pressed: check the machine, reset "
+                        "the stop (intaglio stop {0} --reset), then arm job {1} again",
+                        job.cell, job.number)};
+  }
+  if (command.disarm_count != job.disarm_count) {
+    return {intaglio_ANSWER_SUPERSEDED,
+            fmt::format("job {} was disarmed meanwhile ({}): look at the machine and arm "
+                        "it again (intaglio arm {})",
+                        job.number, job.disarm_reason, job.number)};
+  }
+  return {};
 }
 
 void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
   const bool paused = job.state == intaglio_JOB_PAUSED;
-  // Its block is not in the machine: another job's is, or will be. Armed now, it would be
-  // fired into that one as soon as that one is finished.
-  if (IsBehindAnother(job)) return Change(job, job.state, job.message);
-  if (stopped_cells_.contains(job.cell)) {
-    return Change(job, job.state,
-                  fmt::format("the emergency stop of {0} is pressed: see to the machine, "
-                              "reset it (intaglio stop {0} --reset), then resume",
-                              job.cell));
-  }
   job.operator_name = command.operator_name;
   job.first_point = std::max(job.first_point, command.from_point);
   job.fire_uncertain = command.fire_uncertain && command.kind == intaglio_COMMAND_RESUME;
   job.losses = 0;
   job.armed = true;
   job.arm_loss.clear();
+  if (job.absent_since) job.absent_since = now;
   job.armed_at = std::max(now, job.withdrawn_at + kHold);
   Change(job, job.state,
          paused ? fmt::format("resumed by {}{}; waits for the machine",
@@ -84,7 +139,7 @@ void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) 
 }
 
 void JobQueue::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) {
-  Disarm(job, now);
+  Disarm(job, "paused by " + command.operator_name, now);
   const bool engraving = job.state == intaglio_JOB_ENGRAVING;
   const bool active = engraving || job.state == intaglio_JOB_PAUSED;
   Change(job, engraving ? intaglio_JOB_PAUSED : job.state,
@@ -92,20 +147,26 @@ void JobQueue::Pause(JobRecord& job, const CommandView& command, Nanoseconds now
                 : job.message);
 }
 
+// Also of jobs that are not armed: an ARM may be on its way.
 void JobQueue::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
   if (!pressed) {
     stopped_cells_.erase(cell);
     return;
   }
   if (!stopped_cells_.insert(cell).second) return;
+  const std::string reason = "the emergency stop of " + cell + " was pressed";
   for (auto& [uid, job] : jobs_) {
-    if (job.ended() || job.cell != cell || !job.armed) continue;
-    Disarm(job, now);
-    Change(job, job.state, "the emergency stop of " + cell + " was pressed");
+    if (!job.active() || job.cell != cell) continue;
+    const bool was_armed = job.armed;
+    Disarm(job, reason, now);
+    job.fire_uncertain = false;
+    Change(job, job.state, was_armed ? reason : job.message);
   }
 }
 
-void JobQueue::Disarm(JobRecord& job, Nanoseconds now) {
+void JobQueue::Disarm(JobRecord& job, const std::string& reason, Nanoseconds now) {
+  ++job.disarm_count;
+  job.disarm_reason = reason;
   if (!job.armed) return;
   job.armed = false;
   job.withdrawn_at = now;
@@ -116,7 +177,7 @@ void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds n
   const bool outdated = fault && job.armed && now < job.armed_at + kHold;
   if (outdated) return Tell(job, job.state, job.message);
   if (fault && job.armed) {
-    Disarm(job, now);
+    Disarm(job, task.message, now);
     if (task.error_code == ErrorCodeName(ErrorCode::kLinkLost)) GoOn(job, now);
     return Change(job, intaglio_JOB_PAUSED, task.message);  // a restart knows of it
   }
@@ -127,7 +188,7 @@ void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds n
 
 void JobQueue::SpentBeforehand(JobRecord& job, const TaskView& task, Nanoseconds now) {
   if (!job.armed || task.error_code.empty() || now < job.armed_at + kHold) return;
-  Disarm(job, now);
+  Disarm(job, task.message, now);
   job.arm_loss = task.message;
   Change(job, job.state, task.message);
 }
@@ -147,8 +208,8 @@ std::vector<PermissionView> JobQueue::Permissions(Nanoseconds now) {
       job.ever_granted = true;
       Change(job, job.state, job.message);
     }
-    // Every arm is a command, and commands are numbered and kept over a restart; the arm
-    // of a submission comes before them.
+    // Every arm is a command, and commands are counted and kept over a restart. A speed
+    // is none of them: it must not bring back a grant that the synchronizer has spent.
     permissions.push_back({job.cell, uid, job.epoch, granted, job.operator_name,
                            job.speed_percent, job.last_command + 1, job.renewal,
                            job.first_point, job.fire_uncertain});

@@ -65,7 +65,7 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
       if (arm_stands) job.absent_since = now - *absence;
       RestoreOne(job, arm_stands, now);
     } else {
-      job.armed = arm_stands;
+      job.armed = false;  // what waits for its machine is not armed
       actions_.Progressed(job);
     }
   }
@@ -73,14 +73,15 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
 
 void JobQueue::RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now) {
   const bool waited = job.state == intaglio_JOB_PAUSED && !job.armed;
-  job.armed = false;
   if (job.ever_granted) {
+    job.armed = false;
     const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
     if (!synchronizer.empty()) {
       workers_.Assign(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE), now);
       workers_.Answered(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
     }
     if (arm_stands) GoOn(job, now);
+    if (!job.armed) Disarm(job, "the job service was restarted", now);
     // What waits for a person keeps its reason.
     if (waited) return Change(job, intaglio_JOB_PAUSED, job.message);
     return Change(job, intaglio_JOB_PAUSED,
@@ -89,9 +90,7 @@ void JobQueue::RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now) {
                       : "the job service was restarted while this job was engraved; "
                         "resume it if the block was not touched, or cancel it");
   }
-  job.armed = arm_stands;
-  job.last_loss = "the job service was restarted";
-  Change(job, intaglio_JOB_QUEUED, job.last_loss);
+  Requeue(job, "the job service was restarted", now);
   for (const GivenTask& given : job.GivenTasks()) Revoke(job, given, now);
 }
 
@@ -128,7 +127,7 @@ void JobQueue::Tell(JobRecord& job, intaglio_JobState state, const std::string& 
 
 void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
                       Nanoseconds now) {
-  Disarm(job, now);
+  Disarm(job, message, now);
   Change(job, state, message);
   RevokeAll(job, now);
   ended_.Add(job.uid, now);
@@ -153,18 +152,6 @@ void JobQueue::Forget(Nanoseconds now) {
 bool JobQueue::CellIsTaken(const std::string& cell) const {
   for (const auto& [uid, job] : jobs_) {
     if (job.active() && job.cell == cell) return true;
-  }
-  return false;
-}
-
-bool JobQueue::IsBehindAnother(const JobRecord& job) const {
-  if (job.state != intaglio_JOB_QUEUED) return false;
-  if (CellIsTaken(job.cell)) return true;
-  for (const auto& [uid, other] : jobs_) {
-    if (other.state == intaglio_JOB_QUEUED && other.cell == job.cell &&
-        TurnOf(other) < TurnOf(job)) {
-      return true;
-    }
   }
   return false;
 }
@@ -325,8 +312,17 @@ void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds n
         fmt::format("given up after {} attempts; {}", job.lost_attempts, job.last_loss),
         now);
   }
-  Change(job, intaglio_JOB_QUEUED, job.last_loss);
+  Requeue(job, job.last_loss, now);
   RevokeAll(job, now);
+}
+
+void JobQueue::Requeue(JobRecord& job, const std::string& why, Nanoseconds now) {
+  job.last_loss = why;
+  if (job.armed) {
+    job.last_loss += "; it is not armed any more: arm it when it has its machine again";
+  }
+  Disarm(job, why, now);
+  Change(job, intaglio_JOB_QUEUED, job.last_loss);
 }
 
 void JobQueue::FeedFailed(const std::string& job_uid, std::uint32_t attempt,

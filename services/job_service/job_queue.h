@@ -79,24 +79,25 @@ class JobActions {
 
 /// JobCommand.
 struct CommandView {
+  std::string sender;
+  std::uint64_t number = 0;
   std::string job_uid;
   std::uint64_t epoch = 0;
-  std::uint64_t number = 0;
   intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
   std::string operator_name;
+  std::uint64_t disarm_count = 0;
   std::uint32_t from_point = 0;
   bool fire_uncertain = false;
-};
-
-/// SpeedOverride.
-struct SpeedView {
-  std::string job_uid;
-  std::uint64_t epoch = 0;
-  std::uint64_t number = 0;
   std::uint32_t speed_percent = 100;
-  std::string operator_name;
 };
-inline constexpr std::uint32_t kLeastSpeedPercent = 10;
+inline constexpr std::uint32_t kMinSpeedPercent = 10;
+
+/// JobCommandAnswer.
+struct CommandAnswer {
+  intaglio_CommandAnswerCode code = intaglio_ANSWER_TAKEN;
+  std::string message;  ///< one sentence a person can act on; empty when taken
+  bool taken() const { return code == intaglio_ANSWER_TAKEN; }
+};
 
 /// TaskStatus, without its outcome.
 struct TaskView {
@@ -152,10 +153,11 @@ class JobQueue {
 
   void Take(const WorkerView& worker, Nanoseconds now);
   void WorkerLost(const std::string& instance, Nanoseconds now);
-  /// False: stale, seen before, or of an unknown job; nothing was done.
-  bool Take(const CommandView& command, Nanoseconds now);
-  /// False as above, and when it is not within 10..100.
-  bool Take(const SpeedView& speed);
+  /// Unless it is taken, nothing was changed. PAUSE and CANCEL of an open job are always
+  /// taken; ARM and RESUME only when no pause, stop or disarming came after the status on
+  /// which the sender acted (disarm_count), in whatever order they arrive. Which commands
+  /// were answered before the caller knows.
+  CommandAnswer Take(const CommandView& command, Nanoseconds now);
   void Take(const TaskView& task, Nanoseconds now);
   /// A model file could not be read or sent.
   void FeedFailed(const std::string& job_uid, std::uint32_t attempt,
@@ -193,8 +195,6 @@ class JobQueue {
   void WaitFor(JobRecord& job, const std::string& what);
   void GiveUpSilent(Nanoseconds now);
   bool CellIsTaken(const std::string& cell) const;
-  /// It is queued, and its machine has another job at work or waiting before it.
-  bool IsBehindAnother(const JobRecord& job) const;
   void Change(JobRecord& job, intaglio_JobState state, const std::string& message);
   /// As Change when the state differs; a message alone is told and not kept.
   void Tell(JobRecord& job, intaglio_JobState state, const std::string& message);
@@ -212,9 +212,15 @@ class JobQueue {
   void LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
   void LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
                  Nanoseconds now);
+  /// Taken when nothing forbids it.
+  CommandAnswer Check(const JobRecord& job, const CommandView& command) const;
+  CommandAnswer CheckArm(const JobRecord& job, const CommandView& command) const;
   void Arm(JobRecord& job, const CommandView& command, Nanoseconds now);
   void Pause(JobRecord& job, const CommandView& command, Nanoseconds now);
-  void Disarm(JobRecord& job, Nanoseconds now);
+  /// Also of a job that is not armed: an ARM on its way has no effect. A Change follows.
+  void Disarm(JobRecord& job, const std::string& reason, Nanoseconds now);
+  /// It leaves its machine, to wait for another attempt; its arm does not wait with it.
+  void Requeue(JobRecord& job, const std::string& why, Nanoseconds now);
   void StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now);
   void StageDone(JobRecord& job, const TaskView& task, Nanoseconds now);
   // The parts of the discretizing: job_parts.cc.

@@ -73,7 +73,10 @@ struct JobRecord {
   std::array<StageRecord, 3> stages;  ///< by intaglio_Stage
   std::vector<PartRecord> parts;      ///< of the discretizing; none before it
   std::uint64_t revision = 0;
-  std::uint64_t last_command = 0;
+  std::uint64_t last_command = 0;  ///< count of those taken; a speed is not counted
+  /// Sender and number of the command that changed the job last: after a power failure
+  /// it may come once more and be in no table of answers.
+  std::string last_command_id;
   /// A permission was, or may have been, given: pulses may exist in the glass.
   bool ever_granted = false;
 
@@ -82,13 +85,16 @@ struct JobRecord {
   /// An arm is a person's word about the machine as it is now: over a restart it is kept
   /// only if that was short.
   bool armed = false;
+  /// Grows when a person pauses or stops the job, and when an arm is withdrawn or would
+  /// have been: an ARM that was sent before it has no effect.
+  std::uint64_t disarm_count = 0;
+  std::string disarm_reason;  ///< of the last one
   std::string operator_name;
   std::uint32_t first_point = 0;  ///< as in Permission: for good
   bool fire_uncertain = false;    ///< as in Permission: of the newest command alone
 
   // Not kept over a restart.
   std::uint32_t speed_percent = 100;  ///< override, 10..100
-  std::uint64_t last_speed = 0;       ///< number of the override that was taken last
   std::string last_loss;              ///< why the attempt before this one broke
   std::string part_loss;  ///< why a part of this one began again, the last time
   std::string arm_loss;   ///< why its arm was spent before it had a path

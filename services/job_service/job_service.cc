@@ -53,8 +53,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       statistics_(store_, options.recording.string()),
       epoch_(store_.BeginRun()),
       submissions_(host.bus(), bus::kJobSubmission),
-      commands_(host.bus(), bus::kJobCommand),
-      speeds_(host.bus(), bus::kSpeedOverride),
+      commands_(host.bus(), store_),
       tasks_(host.bus(), bus::kTaskStatus),
       health_(host.bus(), bus::kServiceHealth),
       statuses_(host.bus(), bus::kJobStatus),
@@ -77,8 +76,8 @@ void JobService::Turn(Nanoseconds now) {
   TakeTasks(now);
   TakeHealth(now);
   TakeSubmissions(now);
-  TakeCommands(now);
-  TakeSpeeds();
+  commands_.Take([&](const CommandView& command) { return queue_.Take(command, now); },
+                 now);
   for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {
     queue_.FeedFailed(failure.job_uid, failure.attempt, failure.message, now);
   }
@@ -135,43 +134,6 @@ void JobService::TakeHealth(Nanoseconds now) {
       });
 }
 
-void JobService::TakeCommands(Nanoseconds now) {
-  commands_.Take([&](const intaglio_JobCommand& sample) {
-    CommandView command;
-    command.job_uid = View(sample.job_uid);
-    command.epoch = sample.epoch;
-    command.number = sample.number;
-    command.kind = sample.kind;
-    command.operator_name = View(sample.operator_name);
-    command.from_point = sample.from_point;
-    command.fire_uncertain = sample.fire_uncertain;
-    if (queue_.Take(command, now)) {
-      store_.KeepCommand(command);
-      host::LogInfo("job {}: command {} of {}", command.job_uid,
-                    static_cast<int>(command.kind), command.operator_name);
-    } else {
-      host::LogWarning("job {}: command {} is stale or of no open job; it is ignored",
-                       command.job_uid, command.number);
-    }
-  });
-}
-
-void JobService::TakeSpeeds() {
-  speeds_.Take([&](const intaglio_SpeedOverride& sample) {
-    const SpeedView speed{std::string(View(sample.job_uid)), sample.epoch, sample.number,
-                          sample.speed_percent, std::string(View(sample.operator_name))};
-    if (queue_.Take(speed)) {
-      host::LogInfo("job {}: {} % speed by {}", speed.job_uid, speed.speed_percent,
-                    speed.operator_name);
-    } else {
-      host::LogWarning(
-          "job {}: {} % speed is stale, of no open job or outside {}..100; it is "
-          "ignored",
-          speed.job_uid, speed.speed_percent, kLeastSpeedPercent);
-    }
-  });
-}
-
 // ---- What the queue decides ---------------------------------------------------------
 
 void JobService::Changed(const JobRecord& job) {
@@ -224,7 +186,8 @@ void JobService::Publish(const JobRecord& job) {
   sample.speed_percent = job.speed_percent;
   sample.armed = job.armed;
   sample.last_command = job.last_command;
-  sample.last_speed = job.last_speed;
+  sample.disarm_count = job.disarm_count;
+  sample.disarm_reason = Borrow(job.disarm_reason);
   if (auto written = statuses_.Write(sample); !written) {
     host::LogWarning("status of job {}: {}", job.uid, written.error().message);
   }

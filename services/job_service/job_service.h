@@ -11,6 +11,7 @@
 
 #include "services/bus/bus.h"
 #include "services/host/service_host.h"
+#include "services/job_service/command_inbox.h"
 #include "services/job_service/job_queue.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/last_seen.h"
@@ -46,8 +47,7 @@ class JobService : private JobActions {
   template <typename Loop>
   void AttachTo(Loop& loop) {
     loop.Attach(submissions_);
-    loop.Attach(commands_);
-    loop.Attach(speeds_);
+    commands_.AttachTo(loop);
     loop.Attach(tasks_);
     loop.Attach(health_);
   }
@@ -64,8 +64,6 @@ class JobService : private JobActions {
   void TakeTasks(Nanoseconds now);
   void TakeHealth(Nanoseconds now);
   void TakeSubmissions(Nanoseconds now);
-  void TakeCommands(Nanoseconds now);
-  void TakeSpeeds();
   void Submit(const intaglio_JobSubmission& submission, Nanoseconds now);
   void Accept(const SubmissionReader::Answer& submission, FrozenJob frozen);
   void Refuse(const std::string& submission_uid, const std::string& reasons,
@@ -82,8 +80,7 @@ class JobService : private JobActions {
   std::uint64_t epoch_;
 
   bus::Reader<intaglio_JobSubmission> submissions_;
-  bus::Reader<intaglio_JobCommand> commands_;
-  bus::Reader<intaglio_SpeedOverride> speeds_;
+  CommandInbox commands_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;
   bus::Writer<intaglio_JobStatus> statuses_;

@@ -143,6 +143,9 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.operator_name = text("operator_name");
   job.first_point = u32("first_point");
   job.fire_uncertain = row.getColumn("fire_uncertain").getInt() != 0;
+  job.disarm_count = u64("disarm_count");
+  job.disarm_reason = text("disarm_reason");
+  job.last_command_id = text("last_command_id");
   job.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
   return job;
 }
@@ -259,11 +262,12 @@ void JobStore::Keep(const JobRecord& job) {
             "message, "
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
             "armed, operator_name, asks_before_resume, first_point, "
-            "fire_uncertain, changed_utc, ended_utc) "
+            "fire_uncertain, disarm_count, disarm_reason, last_command_id, "
+            "changed_utc, ended_utc) "
             "VALUES "
             "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
             "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
-            "?25, {0}, "
+            "?25, ?26, ?27, ?28, {0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
@@ -273,6 +277,9 @@ void JobStore::Keep(const JobRecord& job) {
             "ever_granted = excluded.ever_granted, armed = excluded.armed, "
             "operator_name = excluded.operator_name, first_point = excluded.first_point, "
             "fire_uncertain = excluded.fire_uncertain, "
+            "disarm_count = excluded.disarm_count, "
+            "disarm_reason = excluded.disarm_reason, "
+            "last_command_id = excluded.last_command_id, "
             "changed_utc = excluded.changed_utc, "
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
@@ -308,22 +315,45 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(23, job.asks_before_resume ? 1 : 0);
     insert.bind(24, job.first_point);
     insert.bind(25, job.fire_uncertain ? 1 : 0);
+    insert.bind(26, Signed(job.disarm_count));
+    insert.bind(27, job.disarm_reason);
+    insert.bind(28, job.last_command_id);
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();
   });
 }
 
-void JobStore::KeepCommand(const CommandView& command) {
+void JobStore::KeepAnswer(const CommandView& command, const CommandAnswer& answer) {
   Guarded(*database_, [&] {
     SQLite::Statement insert(
         *database_,
-        fmt::format("INSERT OR IGNORE INTO commands VALUES (?, ?, ?, ?, {})", kNow));
-    insert.bind(1, command.job_uid);
+        fmt::format("INSERT OR IGNORE INTO commands (sender, number, job_uid, kind, "
+                    "operator_name, code, message, taken_utc) "
+                    "VALUES (?, ?, ?, ?, ?, ?, ?, {})",
+                    kNow));
+    insert.bind(1, command.sender);
     insert.bind(2, Signed(command.number));
-    insert.bind(3, static_cast<int>(command.kind));
-    insert.bind(4, command.operator_name);
+    insert.bind(3, command.job_uid);
+    insert.bind(4, static_cast<int>(command.kind));
+    insert.bind(5, command.operator_name);
+    insert.bind(6, static_cast<int>(answer.code));
+    insert.bind(7, answer.message);
     insert.exec();
+  });
+}
+
+std::optional<CommandAnswer> JobStore::AnswerTo(const std::string& sender,
+                                                std::uint64_t number) {
+  return Guarded(*database_, [&]() -> std::optional<CommandAnswer> {
+    SQLite::Statement select(
+        *database_, "SELECT code, message FROM commands WHERE sender = ? AND number = ?");
+    select.bind(1, sender);
+    select.bind(2, Signed(number));
+    if (!select.executeStep()) return {};
+    return CommandAnswer{
+        static_cast<intaglio_CommandAnswerCode>(select.getColumn(0).getInt()),
+        select.getColumn(1).getString()};
   });
 }
 

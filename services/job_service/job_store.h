@@ -5,7 +5,8 @@
 // death and the machine's.
 //
 // Tables: runs (epochs of the job service), jobs, submissions (what became of each, also
-// refused ones), commands and tasks (what was asked, for people, and what was handed out:
+// refused ones), commands (what was asked, and what was answered: a command that is
+// delivered again is answered again) and tasks (what was handed out:
 // after a restart it is taken back from whoever has it). The table of jobs is the shop's
 // history as well (services/history).
 // Used from one thread. A database that cannot be opened or written throws StoreError.
@@ -60,7 +61,9 @@ class JobStore {
 
   /// New or changed. A job's first Keep also notes its submission.
   void Keep(const JobRecord& job);
-  void KeepCommand(const CommandView& command);
+  void KeepAnswer(const CommandView& command, const CommandAnswer& answer);
+  /// What was answered to this command of this sender; nullopt when it is new.
+  std::optional<CommandAnswer> AnswerTo(const std::string& sender, std::uint64_t number);
   void KeepTask(const TaskOrder& order);
   /// The end of a task with its outcome (StageOutcome, serialized). False: it was kept
   /// before, or the task was never given to this worker.

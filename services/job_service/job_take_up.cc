@@ -45,7 +45,7 @@ void JobQueue::GoOn(JobRecord& job, Nanoseconds now) {
 
 void JobQueue::LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds now) {
   const bool was_armed = job.armed;
-  Disarm(job, now);
+  Disarm(job, why, now);
   if (was_armed) GoOn(job, now);
   if (!job.absent_since) job.absent_since = now;
   // What is kept names no worker: a word of the lost one, heard after a restart, is not
@@ -111,7 +111,7 @@ void JobQueue::CloseCell(const std::string& synchronizer, Nanoseconds now) {
 }
 
 void JobQueue::EndArm(JobRecord& job, const std::string& why, Nanoseconds now) {
-  Disarm(job, now);
+  Disarm(job, why, now);
   const bool engraving = job.state == intaglio_JOB_ENGRAVING;
   Change(job, engraving ? intaglio_JOB_PAUSED : job.state,
          fmt::format("{}: see that the right block is in the machine, then {} the job",

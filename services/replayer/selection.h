@@ -5,8 +5,8 @@
 // A recording holds words that machines obey. Played again, they would be obeyed again:
 // by services that are there, and by those that start while they are retained. So
 //
-// - commands (JobSubmission, JobCommand, SpeedOverride, the stage tasks,
-//   MotionSegmentBatch, Permission, EmergencyStop) are never played unless asked for;
+// - commands (JobSubmission, JobCommand, the stage tasks, MotionSegmentBatch,
+//   Permission, EmergencyStop) are never played unless asked for;
 // - what services believe of others (health, tasks' and machines' states, credit) is not
 //   played where services live, unless commands are asked for;
 // - the rest is for looking at, and always played.

@@ -36,20 +36,19 @@ Topics CellState() {
 Role Operator() {
   return {"operator",
           "*",
-          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kSpeedOverride),
-           Of(bus::kEmergencyStop)},
-          Join({ShopState(), CellState()})};
+          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kEmergencyStop)},
+          Join({ShopState(), CellState(), {Of(bus::kJobCommandAnswer)}})};
 }
 
 Role JobService() {
   return {"job-service",
           "*",
           Join({OwnWords(),
-                {Of(bus::kJobStatus), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
-                 Of(bus::kEngraveTask), Of(bus::kModelChunk), Of(bus::kPermission)}}),
-          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kSpeedOverride),
-           Of(bus::kTaskStatus), Of(bus::kServiceHealth), Of(bus::kCredit),
-           Of(bus::kEmergencyStop)}};
+                {Of(bus::kJobStatus), Of(bus::kJobCommandAnswer),
+                 Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
+                 Of(bus::kModelChunk), Of(bus::kPermission)}}),
+          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
+           Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop)}};
 }
 
 Role StageWorker() {
@@ -80,10 +79,10 @@ Role Recorder() {
   return {"recorder", "*", OwnWords(),
           Join({ShopState(),
                 CellState(),
-                {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kSpeedOverride),
-                 Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
-                 Of(bus::kCredit), Of(bus::kMotionSegmentBatch), Of(bus::kModelChunk),
-                 Of(bus::kPointBatch), Of(bus::kPathBatch)}})};
+                {Of(bus::kJobSubmission), Of(bus::kJobCommand),
+                 Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
+                 Of(bus::kEngraveTask), Of(bus::kCredit), Of(bus::kMotionSegmentBatch),
+                 Of(bus::kModelChunk), Of(bus::kPointBatch), Of(bus::kPathBatch)}})};
 }
 
 Role Observer() { return {"observer", "*", {}, Join({ShopState(), CellState()})}; }

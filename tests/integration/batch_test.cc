@@ -128,5 +128,51 @@ TEST(Batch, CtrlCLeavesTheBlockInTheMachineAndCancelsTheRest) {
   Type(with({"cancel", "1"}), folder);
 }
 
+// One arm a block: what a person takes back in the warm-up stays taken back.
+TEST(Batch, APauseAndAStopInTheWarmUpAreLeftToAPerson) {
+  const fs::path folder = test::FreshFolder();
+  const std::vector<std::string> bus = {"--domain", "48", "--tag",
+                                        "once" + std::to_string(getpid())};
+  const auto with = [&bus](std::vector<std::string> words) {
+    words.insert(words.end(), bus.begin(), bus.end());
+    return words;
+  };
+  setenv("INTAGLIO_MATERIALS_DB", (folder / "materials.db").c_str(), 1);
+  Running up(
+      Program("intaglio"),
+      with({"up", "--folder", (folder / "shop").string(), "--block", "50", "50", "30"}),
+      folder / "up.txt");
+  ASSERT_TRUE(testing::Eventually(
+      [&] { return up.Output().find("the shop is open") != std::string::npos; }, 60s))
+      << up.Output();
+  std::ofstream(folder / "knots.csv") << "id,models[0].placement.fit_height_mm\nonly,5\n";
+  Running batch(
+      Program("intaglio"),
+      with({"batch", (folder / "knots.csv").string(), "--job",
+            INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto", "--arm", "--events"}),
+      folder / "batch.txt");
+  ASSERT_TRUE(testing::Eventually(
+      [&] { return batch.Output().find("\"armed\":true") != std::string::npos; }, 60s))
+      << batch.Output();
+  const Ended paused = Type(with({"pause", "1"}), folder);
+  EXPECT_EQ(paused.exit_code, 0) << paused.output;
+  const auto is_armed = [&] {
+    const std::string show = Type(with({"show", "1"}), folder).output;
+    return show.find("armed\n") != std::string::npos ||
+           show.find("state      engraving") != std::string::npos;
+  };
+  // Batches armed again after 5 s.
+  EXPECT_FALSE(testing::Eventually(is_armed, 7s));
+  EXPECT_EQ(Type(with({"stop", "els-03"}), folder).exit_code, 0);
+  EXPECT_EQ(Type(with({"stop", "els-03", "--reset"}), folder).exit_code, 0);
+  EXPECT_FALSE(testing::Eventually(is_armed, 7s));
+  const Ended armed = Type(with({"arm", "1"}), folder);
+  EXPECT_EQ(armed.exit_code, 0) << armed.output;
+  const Ended ended = batch.WaitForEnd(60s);
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("only (job 1, els-03) waits for a person: paused"));
+  EXPECT_THAT(ended.output, HasSubstr("waits for a person: emergency stop"));
+}
+
 }  // namespace
 }  // namespace intaglio

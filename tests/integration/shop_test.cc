@@ -104,8 +104,9 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
 
   // The first job's block is in the machine: the second cannot be armed for it.
   const Ended early = Type({"arm", second});
-  EXPECT_EQ(early.exit_code, 0);
-  EXPECT_THAT(early.output, HasSubstr("queued: waits for its turn on els-03"));
+  EXPECT_EQ(early.exit_code, 4);
+  EXPECT_THAT(early.output,
+              HasSubstr("cannot be armed yet: waits for its turn on els-03"));
 
   EXPECT_EQ(Type({"arm", first}).exit_code, 0);
   ASSERT_TRUE(RunsTo(first, "engraving")) << last_;
@@ -169,9 +170,8 @@ TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {
   EXPECT_THAT(stopped.output, HasSubstr("els-03: stopped"));
   ASSERT_TRUE(Reaches(job, "paused")) << last_;
   const Ended resumed = Type({"resume", job});
-  EXPECT_THAT(resumed.output, HasSubstr("paused"));
-  // In the words of the job service, or of the machine, whichever came last.
-  EXPECT_THAT(resumed.output, HasSubstr("emergency stop"));
+  EXPECT_EQ(resumed.exit_code, 4);
+  EXPECT_THAT(resumed.output, HasSubstr("the emergency stop of els-03 is pressed"));
   const Ended reset = Type({"stop", "els-03", "--reset"});
   EXPECT_EQ(reset.exit_code, 0) << reset.output;
   std::this_thread::sleep_for(1s);  // nothing starts by itself

@@ -155,6 +155,7 @@ int Try(const Place& place, const std::string& verb, const std::string& topic,
   if (verb == "read" && topic == "JobCommand") Read(place, kJobCommand);
   if (topic == "JobCommand") {
     intaglio_JobCommand sample{};
+    sample.sender = Borrow(word);
     sample.job_uid = Borrow(word);
     sample.operator_name = Borrow(word);
     Write(place, kJobCommand, sample, &intaglio_JobCommand::number);

@@ -10,7 +10,7 @@ template <typename Visit>
 void ForEachTopic(Visit&& visit) {
   visit(bus::kJobSubmission);
   visit(bus::kJobCommand);
-  visit(bus::kSpeedOverride);
+  visit(bus::kJobCommandAnswer);
   visit(bus::kJobStatus);
   visit(bus::kDiscretizeTask);
   visit(bus::kSortTask);

@@ -73,6 +73,7 @@ FakeShop::FakeShop(const bus::BusOptions& options)
       health_(bus_, bus::kServiceHealth),
       tasks_out_(bus_, bus::kTaskStatus),
       statuses_(bus_, bus::kJobStatus),
+      answers_(bus_, bus::kJobCommandAnswer),
       tasks_{bus::Reader<intaglio_StageTask>(bus_, bus::kDiscretizeTask),
              bus::Reader<intaglio_StageTask>(bus_, bus::kSortTask),
              bus::Reader<intaglio_StageTask>(bus_, bus::kEngraveTask)},
@@ -95,8 +96,11 @@ void FakeShop::Submit(const std::string& submission_uid, const JobSpec& job,
 }
 
 void FakeShop::Command(const StatusCopy& job, intaglio_JobCommandKind kind,
-                       std::uint64_t number, bool fire_uncertain) {
+                       std::uint64_t number, bool fire_uncertain,
+                       const std::string& sender) {
   intaglio_JobCommand sample{};
+  sample.sender = Borrow(sender);
+  sample.disarm_count = job.disarm_count;
   sample.job_uid = Borrow(job.uid);
   sample.epoch = job.epoch;
   sample.number = number;
@@ -159,7 +163,12 @@ void FakeShop::Poll() {
         status.revision,
         status.estimate_ticks,
         status.attempt,
-        status.state};
+        status.state,
+        status.armed,
+        status.disarm_count};
+  });
+  answers_.Take([this](const intaglio_JobCommandAnswer& answer) {
+    answered_[{std::string(View(answer.sender)), answer.number}].push_back(answer.code);
   });
   for (const intaglio_Stage stage :
        {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
@@ -189,6 +198,18 @@ void FakeShop::Poll() {
     permission_at_ = std::chrono::steady_clock::now();
     ++permissions_seen_;
   });
+}
+
+intaglio_CommandAnswerCode FakeShop::AnswerTo(std::uint64_t number,
+                                              const std::string& sender) {
+  Until([&] { return !answered_[{sender, number}].empty(); });
+  const auto& codes = answered_[{sender, number}];
+  EXPECT_FALSE(codes.empty()) << sender << " " << number;
+  return codes.empty() ? intaglio_ANSWER_UNKNOWN_JOB : codes.back();
+}
+
+int FakeShop::answers(std::uint64_t number, const std::string& sender) {
+  return static_cast<int>(answered_[{sender, number}].size());
 }
 
 bool FakeShop::granted() const {

@@ -37,6 +37,8 @@ struct StatusCopy {
   std::uint64_t epoch = 0, revision = 0, estimate_ticks = 0;
   std::uint32_t attempt = 0;
   intaglio_JobState state = intaglio_JOB_QUEUED;
+  bool armed = false;
+  std::uint64_t disarm_count = 0;
 };
 
 struct TaskCopy {
@@ -54,8 +56,13 @@ class FakeShop {
 
   void Submit(const std::string& submission_uid, const JobSpec& job,
               std::uint64_t epoch = 0);
+  /// Of a client that has seen this status; it stays until the shop ends.
   void Command(const StatusCopy& job, intaglio_JobCommandKind kind, std::uint64_t number,
-               bool fire_uncertain = false);
+               bool fire_uncertain = false, const std::string& sender = "ann");
+  /// The newest answer, and how many came.
+  intaglio_CommandAnswerCode AnswerTo(std::uint64_t number,
+                                      const std::string& sender = "ann");
+  int answers(std::uint64_t number, const std::string& sender = "ann");
   /// A worker says how it is; the first time it appears.
   void Health(intaglio_Stage stage, const std::string& instance,
               intaglio_HealthState state);
@@ -100,6 +107,7 @@ class FakeShop {
   bus::Writer<intaglio_ServiceHealth> health_;
   bus::Writer<intaglio_TaskStatus> tasks_out_;
   bus::Reader<intaglio_JobStatus> statuses_;
+  bus::Reader<intaglio_JobCommandAnswer> answers_;
   std::array<bus::Reader<intaglio_StageTask>, 3> tasks_;
   bus::Reader<intaglio_Permission> permissions_;
   bus::Reader<intaglio_ModelChunk> chunks_;
@@ -107,6 +115,9 @@ class FakeShop {
   bus::CreditGrantor credit_;
 
   std::map<std::string, StatusCopy> status_;  // by submission
+  std::map<std::pair<std::string, std::uint64_t>,
+           std::vector<intaglio_CommandAnswerCode>>
+      answered_;  // by command
   std::array<TaskCopy, 3> task_;
   HealthCopy job_service_;
   bool granted_ = false, fire_uncertain_ = false;

@@ -56,8 +56,9 @@ TEST_F(JobGrantTest, AnEmergencyStopDisarmsItsCellAndKeepsItSo) {
   EXPECT_FALSE(Granted());
   // Nor by itself: the line was lost at the same time.
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost", "the line");
-  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
-  EXPECT_THAT(job().message, HasSubstr("intaglio stop c --reset"));
+  const CommandAnswer pressed = Send(Order(intaglio_COMMAND_RESUME));
+  EXPECT_EQ(pressed.code, intaglio_ANSWER_STOP_PRESSED);
+  EXPECT_THAT(pressed.message, HasSubstr("intaglio stop c --reset"));
   now_ += 5s;
   EXPECT_FALSE(Granted());
   queue_.SetStop("c", false, now_);
@@ -74,7 +75,7 @@ TEST_F(JobGrantTest, TheWordToFireUncertainPointsIsOfItsOwnGrantAlone) {
   const auto permission = [this] { return queue_.Permissions(now_).at(0); };
   EXPECT_FALSE(permission().fire_uncertain);
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault", "look");
-  EXPECT_TRUE(ResumeFiringUncertain());
+  EXPECT_TRUE(ResumeFiringUncertain().taken());
   now_ += 1s;
   const PermissionView said = permission();
   EXPECT_TRUE(said.granted);
@@ -97,15 +98,14 @@ TEST_F(JobGrantTest, TheNextCommandTakesTheWordBack) {
   LoadPath();
   Engrave();
   const auto says = [this] { return queue_.Permissions(now_).at(0).fire_uncertain; };
-  EXPECT_TRUE(ResumeFiringUncertain());
+  EXPECT_TRUE(ResumeFiringUncertain().taken());
   EXPECT_TRUE(says());
   EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
   EXPECT_FALSE(says());
-  EXPECT_TRUE(ResumeFiringUncertain());
+  EXPECT_TRUE(ResumeFiringUncertain().taken());
   queue_.SetStop("c", true, now_);
-  EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   EXPECT_FALSE(says());
-  EXPECT_TRUE(ResumeFiringUncertain()) << "refused: the stop is pressed";
+  EXPECT_FALSE(ResumeFiringUncertain().taken()) << "the stop is pressed";
   EXPECT_FALSE(says());
 }
 

@@ -86,8 +86,7 @@ TEST_F(JobQueueTest, OfThoseThatWaitTheHighestPriorityIsNext) {
   for (const char* next : {"j5", "j1", "j3", "j2"}) {
     for (const auto& [uid, job] : queue_.jobs()) {
       if (!job.active()) continue;
-      queue_.Take(CommandView{uid, kEpoch, ++command_, intaglio_COMMAND_CANCEL, "ann"},
-                  now_);
+      queue_.Take(Order(intaglio_COMMAND_CANCEL, uid), now_);
       break;
     }
     ReadyAll();
@@ -98,18 +97,22 @@ TEST_F(JobQueueTest, OfThoseThatWaitTheHighestPriorityIsNext) {
   }
 }
 
-TEST_F(JobQueueTest, AJobBehindAnotherCannotBeArmed) {
+TEST_F(JobQueueTest, AJobThatItsMachineDoesNotHaveCannotBeArmed) {
   Add(1);
   Add(2);
-  queue_.Take(CommandView{"j2", kEpoch, 1, intaglio_COMMAND_ARM, "ann@shop"}, now_);
-  EXPECT_FALSE(queue_.Find("j2")->armed) << "the first waits for workers";
+  CommandAnswer answer = Send(Order(intaglio_COMMAND_ARM));
+  EXPECT_EQ(answer.code, intaglio_ANSWER_NOT_YET) << "it waits for workers";
+  EXPECT_THAT(answer.message, HasSubstr("waits for a synchronizer of c (none runs)"));
+  EXPECT_THAT(answer.message, HasSubstr("intaglio arm 1"));
+  EXPECT_FALSE(job().armed);
   ReadyAll();
   queue_.Turn(now_);
-  const std::uint64_t revision = queue_.Find("j2")->revision;
-  queue_.Take(CommandView{"j2", kEpoch, 2, intaglio_COMMAND_ARM, "ann@shop"}, now_);
+  answer = Send(Order(intaglio_COMMAND_ARM, "j2"));
+  EXPECT_EQ(answer.code, intaglio_ANSWER_NOT_YET);
   EXPECT_FALSE(queue_.Find("j2")->armed);
-  EXPECT_GT(queue_.Find("j2")->revision, revision) << "the command is answered";
-  EXPECT_THAT(queue_.Find("j2")->message, HasSubstr("arm it then"));
+  EXPECT_THAT(answer.message, HasSubstr("waits for its turn on c"));
+  EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
+  EXPECT_TRUE(job().armed);
 }
 
 TEST_F(JobQueueTest, AnotherCellGoesOnMeanwhile) {
@@ -279,16 +282,16 @@ TEST_F(JobQueueTest, StaleCommandsDoNothing) {
   ReadyAll();
   Add(1);
   LoadPath();
-  EXPECT_FALSE(Command(intaglio_COMMAND_ARM, kEpoch - 1));
-  EXPECT_FALSE(
-      queue_.Take(CommandView{"j9", kEpoch, 50, intaglio_COMMAND_ARM, ""}, now_));
-  command_ = 4;
-  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
-  EXPECT_FALSE(queue_.Take(CommandView{"j1", kEpoch, 5, intaglio_COMMAND_ARM, ""}, now_));
-  EXPECT_FALSE(queue_.Take(CommandView{"j1", kEpoch, 4, intaglio_COMMAND_ARM, ""}, now_));
+  CommandView stale = Order(intaglio_COMMAND_ARM);
+  --stale.epoch;
+  EXPECT_EQ(Send(stale).code, intaglio_ANSWER_WRONG_EPOCH);
+  EXPECT_EQ(Send(Order(intaglio_COMMAND_ARM, "j9")).code, intaglio_ANSWER_UNKNOWN_JOB);
+  CommandView odd = Order(intaglio_COMMAND_ARM);
+  odd.kind = static_cast<intaglio_JobCommandKind>(77);
+  EXPECT_EQ(Send(odd).code, intaglio_ANSWER_OUT_OF_RANGE);
   now_ += 1s;
   EXPECT_FALSE(Granted());
-  EXPECT_EQ(actions_.kept.at("j1").last_command, 5u);
+  EXPECT_EQ(actions_.kept.at("j1").last_command, 0u);
 }
 
 TEST_F(JobQueueTest, ArmedAheadIsGrantedOnlyWhenThePathIsThere) {
@@ -306,19 +309,21 @@ TEST_F(JobQueueTest, TakesASpeedWithinItsRangeAndTellsTheCell) {
   Add(1);
   LoadPath();
   const auto told = [this] { return queue_.Permissions(now_).at(0).speed_percent; };
+  const auto speed = [this](std::uint32_t percent) {
+    CommandView command = Order(intaglio_COMMAND_SPEED);
+    command.speed_percent = percent;
+    return Send(command);
+  };
   EXPECT_EQ(told(), 100u);
-  EXPECT_TRUE(queue_.Take(SpeedView{"j1", kEpoch, 7, 30, "ann@shop"}));
+  EXPECT_TRUE(speed(30).taken());
   EXPECT_EQ(told(), 30u);
   EXPECT_EQ(job().speed_percent, 30u);
-  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch, 8, 9, ""})) << "below 10";
-  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch, 8, 101, ""})) << "above 100";
-  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch, 7, 50, ""})) << "seen";
-  EXPECT_FALSE(queue_.Take(SpeedView{"j1", kEpoch - 1, 9, 50, ""})) << "stale";
-  EXPECT_FALSE(queue_.Take(SpeedView{"j9", kEpoch, 9, 50, ""})) << "unknown";
+  EXPECT_EQ(speed(9).code, intaglio_ANSWER_OUT_OF_RANGE);
+  EXPECT_THAT(speed(101).message, HasSubstr("101 of job 1 is outside 10..100"));
   EXPECT_EQ(told(), 30u);
-  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE)) << "commands are counted apart";
+  EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
   EXPECT_EQ(told(), 30u);
-  EXPECT_TRUE(queue_.Take(SpeedView{"j1", kEpoch, 9, 10, ""}));
+  EXPECT_TRUE(speed(10).taken());
   EXPECT_EQ(told(), 10u);
 }
 
@@ -379,7 +384,7 @@ TEST_F(JobQueueTest, CancelRevokesEverything) {
   EXPECT_EQ(job().state, intaglio_JOB_CANCELLED);
   EXPECT_THAT(actions_.Orders(),
               ElementsAre("stop j1", "revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
-  EXPECT_FALSE(Command(intaglio_COMMAND_ARM));
+  EXPECT_EQ(Send(Order(intaglio_COMMAND_ARM)).code, intaglio_ANSWER_ENDED_JOB);
 }
 
 TEST_F(JobQueueTest, RestartTakesUpAQueuedAndABrokenChain) {
@@ -405,27 +410,28 @@ TEST_F(JobQueueTest, RestartTakesUpAQueuedAndABrokenChain) {
   EXPECT_EQ(queue.Find("j2")->state, intaglio_JOB_QUEUED);
 }
 
-// It is armed for the block that was in the machine then.
-TEST_F(JobQueueTest, TheArmOfAJobThatHasNotBegunStandsOverAShortRestartOnly) {
+// It is armed for the block that was in the machine then, and it may lose its turn.
+TEST_F(JobQueueTest, ARestartDisarmsAJobThatHasNotBegunToFire) {
+  ReadyAll();
   Add(1);
   EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
   ASSERT_TRUE(actions_.kept.at("j1").armed);
-  for (const auto& [absence, stands] :
-       {std::pair<std::optional<Nanoseconds>, bool>{2s, true},
-        {31s, false},
-        {std::nullopt, false}}) {
+  for (const std::optional<Nanoseconds> absence :
+       {std::optional<Nanoseconds>(2s), std::optional<Nanoseconds>(31s),
+        std::optional<Nanoseconds>()}) {
     for (const intaglio_JobState state :
-         {intaglio_JOB_QUEUED, intaglio_JOB_DISCRETIZING, intaglio_JOB_SORTING}) {
+         {intaglio_JOB_QUEUED, intaglio_JOB_DISCRETIZING, intaglio_JOB_SORTING,
+          intaglio_JOB_WAITING_FOR_ARM}) {
       JobRecord kept = actions_.kept.at("j1");
       kept.state = state;
       RecordingActions actions;
       JobQueue queue(actions);
       queue.Restore({kept}, absence, now_);
-      EXPECT_EQ(queue.Find("j1")->armed, stands) << state;
-      kept.asks_before_resume = true;
-      JobQueue asking(actions);
-      asking.Restore({kept}, absence, now_);
-      EXPECT_FALSE(asking.Find("j1")->armed) << state;
+      EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_QUEUED);
+      EXPECT_FALSE(queue.Find("j1")->armed) << state;
+      if (state == intaglio_JOB_QUEUED) continue;
+      EXPECT_GT(queue.Find("j1")->disarm_count, kept.disarm_count);
+      EXPECT_THAT(queue.Find("j1")->message, HasSubstr("it is not armed any more"));
     }
   }
 }
@@ -446,7 +452,12 @@ TEST_F(JobQueueTest, RestartPausesAnEngravingAndGoesOnWithTheSameSynchronizer) {
   EXPECT_FALSE(queue.Permissions(now_).at(0).granted);
   queue.Take(WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY, "c", ""},
              now_);
-  queue.Take(CommandView{"j1", kEpoch, 10, intaglio_COMMAND_RESUME, ""}, now_);
+  CommandView resume = Order(intaglio_COMMAND_RESUME);
+  EXPECT_EQ(queue.Take(resume, now_).code, intaglio_ANSWER_SUPERSEDED)
+      << "sent before the restart";
+  ++resume.number;
+  resume.disarm_count = queue.Find("j1")->disarm_count;
+  EXPECT_TRUE(queue.Take(resume, now_).taken());
   EXPECT_TRUE(queue.Permissions(now_).at(0).granted);
 }
 

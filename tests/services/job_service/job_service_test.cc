@@ -235,6 +235,7 @@ TEST_F(JobServiceTest, StaleCommandsAndRepeatedSubmissionsDoNothing) {
   // Ten periods of the permission: the command was taken long before.
   ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 10; }));
   EXPECT_FALSE(shop_.granted());
+  EXPECT_EQ(shop_.AnswerTo(5), intaglio_ANSWER_WRONG_EPOCH);
   const std::string uid = Job().uid;
   shop_.Submit("one", GoodJob());
   shop_.Command(Job(), intaglio_COMMAND_ARM, 6);
@@ -252,6 +253,59 @@ TEST_F(JobServiceTest, PauseAndResume) {
   ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 13);
   EXPECT_TRUE(Reaches(intaglio_JOB_ENGRAVING));
+}
+
+// Each has seen the same status; none takes the other's place, in whatever order they
+// come.
+TEST_F(JobServiceTest, CommandsOfTwoClientsSentAtOnceAreBothAnswered) {
+  RunToArm();
+  for (std::uint64_t number = 1; number <= 10; ++number) {
+    const StatusCopy seen = Job();
+    shop_.Command(seen, intaglio_COMMAND_ARM, number, false, "ann");
+    shop_.Command(seen, intaglio_COMMAND_PAUSE, number, false, "bob");
+    EXPECT_EQ(shop_.AnswerTo(number, "bob"), intaglio_ANSWER_TAKEN);
+    EXPECT_THAT(shop_.AnswerTo(number, "ann"),
+                testing::AnyOf(intaglio_ANSWER_TAKEN, intaglio_ANSWER_SUPERSEDED));
+    EXPECT_TRUE(shop_.Until([&] { return Job().disarm_count == number; }));
+    EXPECT_FALSE(Job().armed) << "the pause wins";
+  }
+}
+
+// All are delivered to the next life again, because their client lives.
+TEST_F(JobServiceTest, NoCommandIsAppliedASecondTimeAfterAKill) {
+  RunToEngraving();
+  ASSERT_EQ(shop_.AnswerTo(1), intaglio_ANSWER_TAKEN);
+  const StatusCopy engraving = Job();
+  shop_.Command(engraving, intaglio_COMMAND_PAUSE, 2);
+  ASSERT_EQ(shop_.AnswerTo(2), intaglio_ANSWER_TAKEN);
+  ASSERT_TRUE(Reaches(intaglio_JOB_PAUSED));
+  shop_.Command(engraving, intaglio_COMMAND_RESUME, 3);
+  ASSERT_EQ(shop_.AnswerTo(3), intaglio_ANSWER_SUPERSEDED);
+  service_->Kill();
+  Start();
+  for (const std::uint64_t number : {1, 2, 3}) {
+    EXPECT_TRUE(shop_.Until([&] { return shop_.answers(number) >= 2; })) << number;
+  }
+  EXPECT_EQ(shop_.AnswerTo(1), intaglio_ANSWER_TAKEN) << "as it was answered before";
+  EXPECT_EQ(shop_.AnswerTo(3), intaglio_ANSWER_SUPERSEDED);
+  const int before = shop_.permissions_seen();
+  ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 10; }));
+  EXPECT_FALSE(shop_.granted());
+  EXPECT_EQ(Job().state, intaglio_JOB_PAUSED);
+  shop_.Command(Job(), intaglio_COMMAND_RESUME, 4);
+  ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+}
+
+TEST_F(JobServiceTest, AJobThatWaitsForItsMachineCannotBeArmed) {
+  shop_.Submit("one", GoodJob());
+  ASSERT_TRUE(shop_.Until([&] { return !Job().uid.empty(); }));
+  shop_.Command(Job(), intaglio_COMMAND_ARM, 1);
+  EXPECT_EQ(shop_.AnswerTo(1), intaglio_ANSWER_NOT_YET);
+  ReadyAll();
+  ASSERT_TRUE(HasTasks(1));
+  shop_.Command(Job(), intaglio_COMMAND_ARM, 2);
+  EXPECT_EQ(shop_.AnswerTo(2), intaglio_ANSWER_TAKEN);
+  EXPECT_TRUE(shop_.Until([&] { return Job().armed; }));
 }
 
 TEST_F(JobServiceTest, TheQueueSurvivesAKill) {

@@ -44,6 +44,9 @@ class JobStoreTest : public testing::Test {
     job.ever_granted = true;
     job.first_point = 17;
     job.fire_uncertain = true;
+    job.disarm_count = 5;
+    job.disarm_reason = "paused by ann";
+    job.last_command_id = "ann@shop-1/7";
     return job;
   }
 
@@ -94,6 +97,29 @@ class JobStoreTest : public testing::Test {
   fs::path path_;
 };
 
+TEST_F(JobStoreTest, KeepsTheFirstAnswerToACommandOfEachSender) {
+  CommandView command;
+  command.sender = "ann";
+  command.number = 3;
+  command.job_uid = "1-abc";
+  JobStore(path_).KeepAnswer(command, {intaglio_ANSWER_NOT_YET, "it waits"});
+  JobStore store(path_);
+  store.KeepAnswer(command, {intaglio_ANSWER_TAKEN, ""});
+  command.sender = "bob";
+  store.KeepAnswer(command, {intaglio_ANSWER_TAKEN, ""});
+  ASSERT_TRUE(store.AnswerTo("ann", 3).has_value());
+  EXPECT_EQ(store.AnswerTo("ann", 3)->code, intaglio_ANSWER_NOT_YET);
+  EXPECT_EQ(store.AnswerTo("ann", 3)->message, "it waits");
+  EXPECT_TRUE(store.AnswerTo("bob", 3)->taken());
+  EXPECT_FALSE(store.AnswerTo("ann", 4).has_value());
+}
+
+TEST_F(JobStoreTest, CommandsOfAnOlderDatabaseStay) {
+  OldDatabase(6).exec(
+      "INSERT INTO commands VALUES ('1-abc', 4, 1, 'ann', '2026-11-01T00:00:00.000Z')");
+  EXPECT_TRUE(JobStore(path_).AnswerTo("1-abc", 4).has_value());
+}
+
 TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   const JobRecord kept = Record(1, intaglio_JOB_SORTING);
   JobStore(path_).Keep(kept);
@@ -120,6 +146,9 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_TRUE(job.ever_granted);
   EXPECT_EQ(job.first_point, kept.first_point);
   EXPECT_TRUE(job.fire_uncertain);
+  EXPECT_EQ(job.disarm_count, kept.disarm_count);
+  EXPECT_EQ(job.disarm_reason, kept.disarm_reason);
+  EXPECT_EQ(job.last_command_id, kept.last_command_id);
   EXPECT_FALSE(job.armed);
   EXPECT_GT(job.revision, kept.revision) << "what was told since the last Keep is older";
   const StageRecord& stage = job.stage(intaglio_STAGE_SORT);

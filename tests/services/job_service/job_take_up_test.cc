@@ -294,6 +294,22 @@ TEST_F(TakeUpTest, AnArmDoesNotOutliveALongAbsenceOfTheSynchronizer) {
   EXPECT_TRUE(Granted());
 }
 
+// Armed before the next synchronizer is there: the absence before it does not count.
+TEST_F(TakeUpTest, AnArmDuringAnAbsenceIsOneOfThatMoment) {
+  EngraveAndLose();
+  for (int i = 0; i < 60; ++i) {
+    now_ += 1s;
+    queue_.Turn(now_);
+  }
+  ASSERT_FALSE(job().armed);
+  ASSERT_TRUE(Command(intaglio_COMMAND_RESUME));
+  now_ += 2s;
+  queue_.Turn(now_);
+  EXPECT_TRUE(job().armed);
+  NextSynchronizer();
+  EXPECT_TRUE(Granted());
+}
+
 TEST_F(TakeUpTest, AnArmOutlivesAShortAbsenceOfTheSynchronizer) {
   BeAwayFor(25s);
   EXPECT_TRUE(Granted());

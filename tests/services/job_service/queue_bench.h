@@ -120,20 +120,30 @@ class JobQueueTest : public testing::Test {
     task.state = state;
     return task;
   }
-  bool Command(intaglio_JobCommandKind kind, std::uint64_t epoch = kEpoch) {
-    const bool taken =
-        queue_.Take(CommandView{"j1", epoch, ++command_, kind, "ann@shop"}, now_);
-    queue_.Turn(now_);
-    return taken;
+  /// Of a client that has seen the newest status of the job.
+  CommandView Order(intaglio_JobCommandKind kind, const std::string& uid = "j1") {
+    CommandView command;
+    command.sender = "ann@shop-1";
+    command.number = ++command_;
+    command.job_uid = uid;
+    command.epoch = kEpoch;
+    command.kind = kind;
+    command.operator_name = "ann@shop";
+    const JobRecord* job = queue_.Find(uid);
+    command.disarm_count = job == nullptr ? 0 : job->disarm_count;
+    return command;
   }
-  /// A resume with the word to fire uncertain points.
-  bool ResumeFiringUncertain() {
-    const bool taken =
-        queue_.Take(CommandView{"j1", kEpoch, ++command_, intaglio_COMMAND_RESUME,
-                                "ann@shop", 0, true},
-                    now_);
+  CommandAnswer Send(const CommandView& command) {
+    CommandAnswer answer = queue_.Take(command, now_);
     queue_.Turn(now_);
-    return taken;
+    return answer;
+  }
+  bool Command(intaglio_JobCommandKind kind) { return Send(Order(kind)).taken(); }
+  /// A resume that asks to fire uncertain points.
+  CommandAnswer ResumeFiringUncertain() {
+    CommandView command = Order(intaglio_COMMAND_RESUME);
+    command.fire_uncertain = true;
+    return Send(command);
   }
   void Lose(const std::string& instance) {
     queue_.WorkerLost(instance, now_);

@@ -41,7 +41,7 @@ TEST(Selection, EveryTopicOfTheProductIsWeighed) {
 TEST(Selection, CommandsAreNeverPlayedUnlessAskedFor) {
   for (const char* topic : {"Permission", "EmergencyStop", "JobCommand", "JobSubmission",
                             "MotionSegmentBatch", "DiscretizeTask", "SortTask",
-                            "EngraveTask", "SpeedOverride"}) {
+                            "EngraveTask"}) {
     EXPECT_EQ(WeightOf(topic), Weight::kCommand) << topic;
     EXPECT_THAT(Played({}), Not(Contains(topic)));
   }

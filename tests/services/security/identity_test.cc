@@ -244,7 +244,7 @@ TEST(Roles, OnlyTheRightOnesCommand) {
   EXPECT_EQ(Writers("JobStatus"), Names{"job-service"});
   EXPECT_EQ(Writers("JobSubmission"), Names{"operator"});
   EXPECT_EQ(Writers("JobCommand"), Names{"operator"});
-  EXPECT_EQ(Writers("SpeedOverride"), Names{"operator"});
+  EXPECT_EQ(Writers("JobCommandAnswer"), Names{"job-service"});
   EXPECT_EQ(Writers("MotionSegmentBatch"), Names{"cell-els-03"});
   EXPECT_EQ(Writers("PathBatch"), Names{"stage-worker"});
   EXPECT_TRUE(Writers("EmergencyStop").contains("operator"));

@@ -156,6 +156,7 @@ class WithAJob : public SynchronizerProcess {
   void SayArm(std::uint64_t epoch) {
     const std::string who = "ann";
     intaglio_JobCommand sample{};
+    sample.sender = bus::Borrow(who);
     sample.job_uid = bus::Borrow(kJob);
     sample.epoch = epoch;
     sample.number = 77;
