@@ -21,6 +21,7 @@ constexpr std::chrono::milliseconds kSecureDiscoveryTime{4000};
 // late joiner, is asked for within milliseconds: with the default delays the hand-shake
 // of a task took 200 ms. A writer that is deleted waits for readers that have not
 // acknowledged, maybe dead ones: 200 ms at most, because a service has several.
+// {4} watermarks.
 constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
   <General><Interfaces><NetworkInterface name="{0}"{1}/></Interfaces></General>
   <Discovery>{2}
@@ -32,19 +33,28 @@ constexpr char kConfiguration[] = R"(<CycloneDDS><Domain id="any">
     <NackDelay>1ms</NackDelay>
     <AutoReschedNackDelay>10ms</AutoReschedNackDelay>
     <HeartbeatInterval min="2ms" minsched="5ms">10ms</HeartbeatInterval>
-    <WriterLingerDuration>200ms</WriterLingerDuration>
+    <WriterLingerDuration>200ms</WriterLingerDuration>{4}
   </Internal>{3}
 </Domain></CycloneDDS>)";
 
-std::string ConfigurationOf(const BusOptions& options, const std::string& security) {
+// Of the control domain: what a writer there may keep unacknowledged is bounded by its
+// history (qos.h), 512 batches of 14 kB at the most, so a reader that acknowledges
+// nothing never makes it wait. Bulk keeps the library's own, which fit its sockets.
+constexpr char kControlWatermarks[] =
+    "<Watermarks><WhcAdaptive>false</WhcAdaptive><WhcHigh>16 MB</WhcHigh></Watermarks>";
+
+std::string ConfigurationOf(int domain, const BusOptions& options,
+                            const std::string& security) {
   const std::string multicast = options.interface == "lo" ? " multicast=\"true\"" : "";
   const std::string tag =
       options.tag.empty() ? "" : fmt::format("<Tag>{}</Tag>", options.tag);
-  return fmt::format(kConfiguration, options.interface, multicast, tag, security);
+  return fmt::format(kConfiguration, options.interface, multicast, tag, security,
+                     domain == options.control_domain ? kControlWatermarks : "");
 }
 
 /// The identity's part of the configuration; empty without one, on loopback.
-std::string SecurityOf(const BusOptions& options, std::chrono::sys_seconds& end) {
+std::string SecurityOf(const BusOptions& options, std::chrono::sys_seconds& end,
+                       std::string& role) {
   if (options.security.empty()) {
     if (options.interface == "lo") return {};
     throw BusError(fmt::format(
@@ -61,6 +71,7 @@ std::string SecurityOf(const BusOptions& options, std::chrono::sys_seconds& end)
   const auto text = SecurityConfiguration(*identity);
   if (!text) throw BusError(text.error().message);
   end = identity->not_after;
+  role = identity->role;
   KeepLibraryLogShort();
   return *text;
 }
@@ -110,7 +121,7 @@ DomainHold::DomainHold(int domain, const BusOptions& options, const std::string&
   Domains& domains = AllDomains();
   const std::lock_guard lock(domains.mutex);
   Domains::Held& held = domains.held[domain];
-  const std::string configuration = ConfigurationOf(options, security);
+  const std::string configuration = ConfigurationOf(domain, options, security);
   if (held.count > 0 && held.configuration != configuration) {
     throw BusError(fmt::format(
         "DDS domain {} is already used in this process with other settings", domain));
@@ -134,7 +145,8 @@ DomainHold::~DomainHold() {
 
 Bus::Entities::Entities(const BusOptions& bus_options)
     : options(bus_options),
-      security(SecurityOf(bus_options, identity_end)),
+      role(bus_options.roles.empty() ? std::string() : bus_options.roles.front()),
+      security(SecurityOf(bus_options, identity_end, role)),
       control_domain(bus_options.control_domain, bus_options, security),
       bulk_domain(bus_options.control_domain + 1, bus_options, security),
       control(ParticipantIn(bus_options.control_domain, bus_options)) {
@@ -171,6 +183,14 @@ std::chrono::milliseconds Bus::discovery_time() const {
 }
 
 std::chrono::sys_seconds Bus::identity_end() const { return entities_->identity_end; }
+
+const std::string& Bus::role() const { return entities_->role; }
+
+std::string Bus::participant_name() const {
+  dds_guid_t guid{};
+  Must(dds_get_guid(entities_->control, &guid), "cannot read the participant's GUID");
+  return internal::ParticipantName(guid.v);
+}
 
 void Bus::Leave(std::chrono::milliseconds duration) {
   for (const dds_entity_t participant : {entities_->control, entities_->bulk}) {

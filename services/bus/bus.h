@@ -47,6 +47,7 @@ struct BusOptions {
   std::string cell;  ///< partition of the cell topics; empty: sees every cell
   /// Folder of this process's identity (identity.h), or of several: then the first of
   /// `roles` that is there. Empty: nothing is protected, and the interface has to be lo.
+  /// Then the first of `roles` is that of this process all the same.
   std::string security;
   std::vector<std::string> roles = {};
 };
@@ -62,6 +63,10 @@ class Bus {
   std::chrono::milliseconds discovery_time() const;
   /// When the identity ends; max() without one.
   std::chrono::sys_seconds identity_end() const;
+  /// The role of this process, that of its identity where it has one; empty: none.
+  const std::string& role() const;
+  /// 24 hex digits, of the control domain; no other process has the same.
+  std::string participant_name() const;
   /// Neither says nor hears anything for so long, in both domains; comes back by itself.
   void Leave(std::chrono::milliseconds duration);
 
@@ -80,11 +85,22 @@ struct ReaderEvents {
   int missed_deadlines = 0;  ///< instances that were not written in time
 };
 
+/// Who wrote a sample. On a secured bus both were checked by the access control, and
+/// nothing in the sample can make them others.
+struct SampleWriter {
+  std::string participant;  ///< as Bus::participant_name()
+  std::string partition;    ///< several are separated by commas
+};
+
 /// Where a sample came from.
 struct SampleOrigin {
   bool alive = true;           ///< false: the instance's writer is gone or disposed it;
                                ///< look at the key fields of the sample alone
   std::int64_t source_ns = 0;  ///< writer's wall clock, for people only
+  bool disposed = false;       ///< not alive because a writer said so
+  /// Of topics of the scope kRole; else, and when it is not known any more, null. Of an
+  /// instance that ended: who disposed it, or wrote it last.
+  const SampleWriter* writer = nullptr;
 };
 
 namespace internal {
@@ -95,15 +111,21 @@ TopicView ViewOf(const Topic<T>& topic) {
 }  // namespace internal
 
 enum class Hears { kEverybody, kOtherProcesses };
+/// Of an instance between two takes: what its profile keeps, or every sample, so that no
+/// writer's sample takes the place of another's. Who keeps every one has to take them.
+enum class Keeps { kAsItsProfile, kEverySample };
 
 template <typename T>
 class Reader {
  public:
-  /// `cell` overrides the options' cell for a cell topic.
-  Reader(Bus& bus, const Topic<T>& topic, const std::string& cell = {},
-         Hears hears = Hears::kEverybody)
-      : raw_(std::make_unique<internal::RawReader>(bus, internal::ViewOf(topic), cell,
-                                                   hears == Hears::kOtherProcesses)) {}
+  /// `partition`: the cell of a cell topic, instead of the options' one; the partition of
+  /// the role whose samples are read (role_names.h), instead of everybody's.
+  Reader(Bus& bus, const Topic<T>& topic, const std::string& partition = {},
+         Hears hears = Hears::kEverybody, Keeps keeps = Keeps::kAsItsProfile)
+      : raw_(std::make_unique<internal::RawReader>(
+            bus, internal::ViewOf(topic), partition,
+            internal::ReaderChoice{hears == Hears::kOtherProcesses,
+                                   keeps == Keeps::kEverySample})) {}
 
   /// Takes what is there and calls sink(sample) for each live sample; the sample is
   /// valid during the call only. Returns how many were taken.
@@ -137,8 +159,11 @@ class Reader {
 template <typename T>
 class Writer {
  public:
-  Writer(Bus& bus, const Topic<T>& topic, const std::string& cell = {})
-      : raw_(std::make_unique<internal::RawWriter>(bus, internal::ViewOf(topic), cell)) {}
+  /// `partition`: the cell of a cell topic, instead of the options' one; that of a role,
+  /// instead of this process's.
+  Writer(Bus& bus, const Topic<T>& topic, const std::string& partition = {})
+      : raw_(std::make_unique<internal::RawWriter>(bus, internal::ViewOf(topic),
+                                                   partition)) {}
 
   /// kTimedOut: not written, try again. Safety topics: also renews the lease.
   Status Write(const T& sample) { return raw_->Write(&sample); }

@@ -37,6 +37,7 @@ struct Bus::Entities {
 
   BusOptions options;
   std::chrono::sys_seconds identity_end = std::chrono::sys_seconds::max();
+  std::string role;
   std::string security;
   DomainHold control_domain, bulk_domain;
   std::int32_t control = 0, bulk = 0;

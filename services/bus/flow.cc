@@ -24,8 +24,8 @@ std::string PartStreamName(const std::string& job_uid, std::uint32_t attempt,
   return fmt::format("{}/{}.{}", StreamName(job_uid, attempt, topic), part, part_attempt);
 }
 
-CreditGrantor::CreditGrantor(Bus& bus, std::string instance)
-    : instance_(std::move(instance)), writer_(bus, kCredit) {}
+CreditGrantor::CreditGrantor(Bus& bus, std::string instance, const std::string& partition)
+    : instance_(std::move(instance)), writer_(bus, kCredit, partition) {}
 
 Status CreditGrantor::Publish(const std::string& name, const Stream& stream) {
   intaglio_Credit sample{};
@@ -84,7 +84,8 @@ Status CreditGrantor::Close(const std::string& stream) {
   return writer_.Dispose(sample);
 }
 
-CreditBook::CreditBook(Bus& bus) : reader_(bus, kCredit) {}
+CreditBook::CreditBook(Bus& bus, const std::string& partition)
+    : reader_(bus, kCredit, partition) {}
 
 void CreditBook::Poll() {
   reader_.TakeAll([this](const intaglio_Credit& sample, const SampleOrigin& origin) {

@@ -23,7 +23,8 @@ std::string PartStreamName(const std::string& job_uid, std::uint32_t attempt,
 /// Consumer's side: one for a process, any number of streams, one after another.
 class CreditGrantor {
  public:
-  CreditGrantor(Bus& bus, std::string instance);
+  /// `partition`: of the role that grants, instead of this process's.
+  CreditGrantor(Bus& bus, std::string instance, const std::string& partition = {});
   /// Opens a stream read by the reader with this GUID: window batches may come.
   Status Open(const std::string& stream, const Guid& reader, std::uint32_t window);
   /// Batches 0 .. consumed-1 are done with. Published at a quarter of the window, and
@@ -56,7 +57,8 @@ class CreditGrantor {
 /// Producer's side: knows how far each stream's consumer has come.
 class CreditBook {
  public:
-  explicit CreditBook(Bus& bus);
+  /// `partition`: of the role that consumes (role_names.h); empty: whoever grants any.
+  explicit CreditBook(Bus& bus, const std::string& partition = {});
   /// Takes what came in; call when the wait set woke.
   void Poll();
   Reader<intaglio_Credit>& reader() { return reader_; }

@@ -8,6 +8,8 @@ namespace {
 // How long a write may wait for room in the library's own buffers.
 constexpr dds_duration_t kControlBlocking = DDS_MSECS(100);
 constexpr dds_duration_t kBulkBlocking = DDS_SECS(1);
+constexpr std::int32_t kMotionDepth = 64;
+constexpr std::int32_t kEventDepth = 512;
 
 void Retained(dds_qos_t* qos) {
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, kControlBlocking);
@@ -25,7 +27,8 @@ void Everything(dds_qos_t* qos, dds_duration_t blocking) {
 
 void QosDeleter::operator()(dds_qos* qos) const noexcept { dds_delete_qos(qos); }
 
-QosPointer QosOf(Profile profile) {
+QosPointer QosOf(Profile profile, Side side) {
+  const bool writes = side == Side::kWriter;
   QosPointer qos(dds_create_qos());
   switch (profile) {
     case Profile::kCommand:
@@ -36,9 +39,12 @@ QosPointer QosOf(Profile profile) {
       dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_MSECS(1500));
       break;
     case Profile::kMotion:
-    case Profile::kEvent:
+    case Profile::kEvent: {
+      const auto depth = profile == Profile::kMotion ? kMotionDepth : kEventDepth;
       Everything(qos.get(), kControlBlocking);
+      if (writes) dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
       break;
+    }
     case Profile::kStream:
       dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
       dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);

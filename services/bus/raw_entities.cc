@@ -8,12 +8,16 @@
 
 #include "services/bus/bus.h"
 #include "services/bus/bus_entities.h"
+#include "services/bus/endpoint_qos.h"
 #include "services/bus/qos.h"
+#include "services/bus/role_names.h"
 
 namespace intaglio::bus::internal {
 namespace {
 
 constexpr std::size_t kTakeAtOnce = 64;
+// Those that are gone are forgotten with all others, which are looked up again.
+constexpr std::size_t kMaxKnownWriters = 4096;
 
 dds_entity_t Must(dds_entity_t entity, const char* what, const char* topic) {
   if (entity == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
@@ -30,12 +34,32 @@ dds_entity_t Must(dds_entity_t entity, const char* what, const char* topic) {
 }
 
 /// Cell topics travel in their cell's partition; without a cell a reader sees them all.
-QosPointer PartitionOf(const Bus::Entities& bus, const TopicView& topic,
-                       const std::string& cell) {
+void SetCell(dds_qos_t* qos, const Bus::Entities& bus, const std::string& cell) {
+  const std::string& own = cell.empty() ? bus.options.cell : cell;
+  dds_qset_partition1(qos, own.empty() ? "*" : own.c_str());
+}
+
+QosPointer SubscriberQosOf(const Bus::Entities& bus, const TopicView& topic,
+                           const std::string& partition) {
   QosPointer qos(dds_create_qos());
-  if (topic.scope == Scope::kCell) {
-    const std::string& own = cell.empty() ? bus.options.cell : cell;
-    dds_qset_partition1(qos.get(), own.empty() ? "*" : own.c_str());
+  if (topic.scope == Scope::kCell) SetCell(qos.get(), bus, partition);
+  if (topic.scope == Scope::kRole && !partition.empty()) {
+    dds_qset_partition1(qos.get(), partition.c_str());
+  } else if (topic.scope == Scope::kRole) {
+    // Of everybody; who has no role, or is played from an old recording, has none.
+    const char* all[] = {"", "*"};
+    dds_qset_partition(qos.get(), 2, all);
+  }
+  return qos;
+}
+
+QosPointer PublisherQosOf(const Bus::Entities& bus, const TopicView& topic,
+                          const std::string& partition) {
+  QosPointer qos(dds_create_qos());
+  if (topic.scope == Scope::kCell) SetCell(qos.get(), bus, partition);
+  if (topic.scope == Scope::kRole) {
+    const std::string own = bus.role.empty() ? "" : RolePartition(bus.role);
+    dds_qset_partition1(qos.get(), partition.empty() ? own.c_str() : partition.c_str());
   }
   return qos;
 }
@@ -58,17 +82,25 @@ bool IsMatched(std::int32_t writer, const Guid& reader) {
   return false;
 }
 
-RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell,
-                     bool others_only)
-    : keyed_(topic.descriptor->m_nkeys > 0) {
+std::string ParticipantName(const std::uint8_t* guid) {
+  constexpr std::size_t kPrefix = 12;  // what is behind it numbers entities
+  std::string name;
+  for (std::size_t i = 0; i < kPrefix; ++i) name += fmt::format("{:02x}", guid[i]);
+  return name;
+}
+
+RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& partition,
+                     const ReaderChoice& choice)
+    : keyed_(topic.descriptor->m_nkeys > 0), of_roles_(topic.scope == Scope::kRole) {
   auto& entities = bus.entities();
   const dds_entity_t topic_entity = entities.TopicOf(topic);
-  subscriber_ =
-      Must(dds_create_subscriber(entities.participant(topic.domain),
-                                 PartitionOf(entities, topic, cell).get(), nullptr),
-           "subscriber", topic.name);
+  subscriber_ = Must(
+      dds_create_subscriber(entities.participant(topic.domain),
+                            SubscriberQosOf(entities, topic, partition).get(), nullptr),
+      "subscriber", topic.name);
   const QosPointer qos = QosOf(topic.profile);
-  if (others_only) dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
+  if (choice.keep_all) dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
+  if (choice.others_only) dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
   reader_ = Must(dds_create_reader(subscriber_, topic_entity, qos.get(), nullptr),
                  "reader", topic.name);
   condition_ =
@@ -76,6 +108,19 @@ RawReader::RawReader(Bus& bus, const TopicView& topic, const std::string& cell,
 }
 
 RawReader::~RawReader() { dds_delete(subscriber_); }
+
+const SampleWriter* RawReader::WriterOf(std::uint64_t publication) {
+  if (const auto known = writers_.find(publication); known != writers_.end()) {
+    return &known->second;
+  }
+  auto* endpoint = dds_get_matched_publication_data(reader_, publication);
+  if (endpoint == nullptr) return nullptr;
+  if (writers_.size() >= kMaxKnownWriters) writers_.clear();
+  const SampleWriter& writer = writers_[publication] = {
+      ParticipantName(endpoint->participant_key.v), internal::PartitionOf(endpoint->qos)};
+  dds_builtintopic_free_endpoint(endpoint);
+  return &writer;
+}
 
 int RawReader::Take(Sink sink, void* context) {
   int total = 0;
@@ -94,12 +139,15 @@ int RawReader::Take(Sink sink, void* context) {
     for (std::int32_t i = 0; i < count; ++i) {
       const dds_sample_info_t& origin = origins[static_cast<std::size_t>(i)];
       void* sample = samples[static_cast<std::size_t>(i)];
+      SampleOrigin to_sink{true, origin.source_timestamp, false,
+                           of_roles_ ? WriterOf(origin.publication_handle) : nullptr};
       // A sample that was still unread when its instance ended carries both.
-      if (origin.valid_data) sink(context, sample, {true, origin.source_timestamp});
+      if (origin.valid_data) sink(context, sample, to_sink);
       const bool ended = keyed_ && origin.instance_state != DDS_IST_ALIVE;
-      if (ended || !origin.valid_data) {
-        sink(context, sample, {false, origin.source_timestamp});
-      }
+      if (!ended && origin.valid_data) continue;
+      to_sink.alive = false;
+      to_sink.disposed = origin.instance_state == DDS_IST_NOT_ALIVE_DISPOSED;
+      sink(context, sample, to_sink);
     }
     total += count;
     if (static_cast<std::size_t>(count) < kTakeAtOnce) return total;
@@ -135,17 +183,17 @@ Guid RawReader::guid() const {
   return bytes;
 }
 
-RawWriter::RawWriter(Bus& bus, const TopicView& topic, const std::string& cell)
+RawWriter::RawWriter(Bus& bus, const TopicView& topic, const std::string& partition)
     : topic_(topic.name) {
   auto& entities = bus.entities();
   const dds_entity_t topic_entity = entities.TopicOf(topic);
-  publisher_ =
-      Must(dds_create_publisher(entities.participant(topic.domain),
-                                PartitionOf(entities, topic, cell).get(), nullptr),
-           "publisher", topic.name);
-  writer_ = Must(
-      dds_create_writer(publisher_, topic_entity, QosOf(topic.profile).get(), nullptr),
-      "writer", topic.name);
+  publisher_ = Must(
+      dds_create_publisher(entities.participant(topic.domain),
+                           PublisherQosOf(entities, topic, partition).get(), nullptr),
+      "publisher", topic.name);
+  writer_ = Must(dds_create_writer(publisher_, topic_entity,
+                                   QosOf(topic.profile, Side::kWriter).get(), nullptr),
+                 "writer", topic.name);
 }
 
 RawWriter::~RawWriter() { dds_delete(publisher_); }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <unordered_map>
 
 #include "engrave/core/result.h"
 #include "services/bus/topics.h"
@@ -15,6 +16,7 @@ namespace intaglio::bus {
 class Bus;
 struct ReaderEvents;
 struct SampleOrigin;
+struct SampleWriter;
 using Guid = std::array<std::uint8_t, 16>;
 
 namespace internal {
@@ -28,6 +30,14 @@ struct TopicView {
   Scope scope;
 };
 
+struct ReaderChoice {
+  bool others_only = false;  ///< not what this process writes
+  bool keep_all = false;     ///< every sample, also where the profile keeps the newest
+};
+
+/// Of its GUID of 16 bytes: as Bus::participant_name().
+std::string ParticipantName(const std::uint8_t* guid);
+
 /// Whether the writer has found the reader.
 bool IsMatched(std::int32_t writer, const Guid& reader);
 
@@ -35,8 +45,8 @@ class RawReader {
  public:
   using Sink = void (*)(void* context, const void* sample, const SampleOrigin& origin);
 
-  RawReader(Bus& bus, const TopicView& topic, const std::string& cell,
-            bool others_only = false);
+  RawReader(Bus& bus, const TopicView& topic, const std::string& partition,
+            const ReaderChoice& choice = {});
   ~RawReader();
   RawReader(const RawReader&) = delete;
   RawReader& operator=(const RawReader&) = delete;
@@ -49,7 +59,12 @@ class RawReader {
   std::int32_t condition() const { return condition_; }
 
  private:
+  /// Null: it was gone before it was looked up.
+  const SampleWriter* WriterOf(std::uint64_t publication);
+
   bool keyed_ = false;
+  bool of_roles_ = false;  // the writers are looked up
+  std::unordered_map<std::uint64_t, SampleWriter> writers_;
   std::int32_t subscriber_ = 0;
   std::int32_t reader_ = 0;
   std::int32_t condition_ = 0;
@@ -57,7 +72,7 @@ class RawReader {
 
 class RawWriter {
  public:
-  RawWriter(Bus& bus, const TopicView& topic, const std::string& cell);
+  RawWriter(Bus& bus, const TopicView& topic, const std::string& partition);
   ~RawWriter();
   RawWriter(const RawWriter&) = delete;
   RawWriter& operator=(const RawWriter&) = delete;

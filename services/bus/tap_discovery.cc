@@ -109,7 +109,10 @@ void TopicTap::Impl::GiveUp(Domain& domain, const std::string& topic,
 
 void TopicTap::Impl::LookAt(Domain& domain, const dds_builtintopic_endpoint_t& writer) {
   const std::string topic = writer.topic_name;
-  if (topic.starts_with("DCPS") || domain.tapped.contains(topic)) return;
+  // Whoever reads Presence is waited for by its writers.
+  if (topic.starts_with("DCPS") || topic == kPresence.name ||
+      domain.tapped.contains(topic))
+    return;
   TapChannel like;
   like.domain = domain.kind;
   like.topic = topic;

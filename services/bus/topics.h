@@ -21,8 +21,10 @@ enum class DomainKind { kControl, kBulk };
 /// What a topic promises; qos.h says how.
 enum class Profile { kCommand, kState, kMotion, kEvent, kStream, kSafety, kBulk };
 
-/// Shop topics are seen by everybody; cell topics travel in the partition of one machine.
-enum class Scope { kShop, kCell };
+/// Shop topics are written by one role and have no partition; cell topics travel in the
+/// partition of one machine; what several roles write, in that of its writer's role
+/// (role_names.h).
+enum class Scope { kShop, kCell, kRole };
 
 template <typename T>
 struct Topic {
@@ -57,14 +59,17 @@ inline constexpr Topic<intaglio_StageTask> kEngraveTask{
     Scope::kShop};
 inline constexpr Topic<intaglio_TaskStatus> kTaskStatus{
     "TaskStatus", &intaglio_TaskStatus_desc, Profile::kState, DomainKind::kControl,
-    Scope::kShop};
+    Scope::kRole};
 inline constexpr Topic<intaglio_ServiceHealth> kServiceHealth{
     "ServiceHealth", &intaglio_ServiceHealth_desc, Profile::kState, DomainKind::kControl,
-    Scope::kShop};
+    Scope::kRole};
 inline constexpr Topic<intaglio_Credit> kCredit{
-    "Credit", &intaglio_Credit_desc, Profile::kState, DomainKind::kControl, Scope::kShop};
+    "Credit", &intaglio_Credit_desc, Profile::kState, DomainKind::kControl, Scope::kRole};
+inline constexpr Topic<intaglio_Presence> kPresence{"Presence", &intaglio_Presence_desc,
+                                                    Profile::kState, DomainKind::kControl,
+                                                    Scope::kRole};
 inline constexpr Topic<intaglio_Alarm> kAlarm{
-    "Alarm", &intaglio_Alarm_desc, Profile::kEvent, DomainKind::kControl, Scope::kShop};
+    "Alarm", &intaglio_Alarm_desc, Profile::kEvent, DomainKind::kControl, Scope::kRole};
 
 inline constexpr Topic<intaglio_ModelChunk> kModelChunk{
     "ModelChunk", &intaglio_ModelChunk_desc, Profile::kBulk, DomainKind::kBulk,

@@ -10,6 +10,7 @@
 #include "proto/discretize_outcome.h"
 #include "services/bus/samples.h"
 #include "services/history/job_words.h"
+#include "services/host/identity_role.h"
 
 namespace intaglio::cli {
 namespace {
@@ -205,13 +206,16 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
         LoseStatus(std::string(View(status.job_uid)),
                    std::string(View(status.submission_uid)));
       });
-  tasks_.Take([this](const intaglio_TaskStatus& status) { Take(status); });
+  tasks_.TakeAll([this](const intaglio_TaskStatus& status, const bus::SampleOrigin& o) {
+    if (o.alive && (host::HasNoRole(o) || host::IsOwnTask(status, o))) Take(status);
+  });
   if (commands_) {
     commands_->answers.Take(
         [this](const intaglio_JobCommandAnswer& answer) { Take(answer); });
   }
   health_.TakeAll(
       [this](const intaglio_ServiceHealth& health, const bus::SampleOrigin& o) {
+        if (!host::HasNoRole(o) && !host::IsOwnHealth(health, o)) return;
         const std::string instance(View(health.instance));
         if (!o.alive) {
           services_.erase(instance);

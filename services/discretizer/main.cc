@@ -1,6 +1,7 @@
 
 #include "proto/model_kind.h"
 #include "proto/read_limits.h"
+#include "services/bus/role_names.h"
 #include "services/command_line/program.h"
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
@@ -62,7 +63,8 @@ class ModelInput final : public host::StageInput {
 int Serve(host::ServiceHost& host, const ReadLimits& limits, std::size_t threads) {
   ModelInput input(host.bus(), host.instance(), limits,
                    threads == 0 ? host::AllCores() : host::OnThreads(threads));
-  host::CloudOutput<intaglio_PointBatch> output(host.bus(), bus::kPointBatch);
+  host::CloudOutput<intaglio_PointBatch> output(
+      host.bus(), bus::kPointBatch, bus::RolePartition(bus::kStageWorkerRole));
   bus::WaitSet wait(host.bus());
   wait.Attach(input.reader());
   wait.Attach(output.reader());

@@ -164,8 +164,9 @@ Status CloudIntake<Batch>::Accept(const Batch& batch) {
 }
 
 template <typename Batch>
-CloudSender<Batch>::CloudSender(bus::Bus& bus, const bus::Topic<Batch>& topic)
-    : topic_name_(topic.name), writer_(bus, topic), credit_(bus) {}
+CloudSender<Batch>::CloudSender(bus::Bus& bus, const bus::Topic<Batch>& topic,
+                                const std::string& consumers)
+    : topic_name_(topic.name), writer_(bus, topic), credit_(bus, consumers) {}
 
 template <typename Batch>
 void CloudSender<Batch>::Begin(const std::string& job_uid, std::uint32_t attempt,

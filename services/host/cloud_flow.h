@@ -74,7 +74,9 @@ class CloudSender {
   /// is sent at once, and 60 s are longer than any machine is overloaded.
   static constexpr std::chrono::seconds kPatience{60};
 
-  CloudSender(bus::Bus& bus, const bus::Topic<Batch>& topic);
+  /// `consumers`: the partition of the roles that may grant credit (role_names.h).
+  CloudSender(bus::Bus& bus, const bus::Topic<Batch>& topic,
+              const std::string& consumers);
 
   /// `cloud` is this part of the whole.
   void Begin(const std::string& job_uid, std::uint32_t attempt, TaskPart part,

@@ -12,7 +12,8 @@ namespace intaglio::host {
 template <typename Batch>
 class CloudOutput final : public StageOutput {
  public:
-  CloudOutput(bus::Bus& bus, const bus::Topic<Batch>& topic) : sender_(bus, topic) {}
+  CloudOutput(bus::Bus& bus, const bus::Topic<Batch>& topic, const std::string& consumers)
+      : sender_(bus, topic, consumers) {}
 
   void Begin(const StageTask& task, PointCloud cloud, TimePoint now) override {
     sender_.Begin(task.job_uid, task.attempt, task.part, std::move(cloud), now);

@@ -2,12 +2,16 @@
 
 // A network that fails in one direction for longer than a lease makes one of two lose the
 // other. Without identities they find each other again; with them the DDS library does
-// not: who lost the other asks it to prove itself anew, and the other, to whom nothing
-// has happened, does not answer such questions. Whoever has not lost it sees that what it
-// writes is not acknowledged any more by somebody who seems to be alive. It then leaves
-// the bus for longer than a lease: now all have lost it, it has lost all, and everybody
-// proves himself afresh.
+// not: the one that lost the other asks for a new handshake, and the other one, which has
+// lost nothing, does not answer. It sees instead that its samples are not acknowledged
+// any more by a participant that still renews its lease. It then leaves the bus for
+// longer than a lease. After that both have lost each other and begin a new handshake.
+//
+// Only the acknowledgements of those count whose loss matters (presence.h). A peer that
+// never acknowledges, by a defect or on purpose, is not cured by leaving: each time that
+// leaving did not help, the next one comes twice as late, kMaxNotice at most.
 
+#include <algorithm>
 #include <chrono>
 
 namespace intaglio::host {
@@ -15,24 +19,28 @@ namespace intaglio::host {
 class OneSidedLoss {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Longer than the lease of a participant, 2 s (bus.cc): the dead are not waited for.
+  /// Longer than the lease of a participant, 2 s (bus.cc): a dead one does not count.
   static constexpr std::chrono::milliseconds kNotice{3000};
+  static constexpr std::chrono::milliseconds kMaxNotice{60000};
   static constexpr std::chrono::milliseconds kAway{2500};
 
-  /// `all_acknowledged`: everybody who is matched has all that was written before now.
+  /// `all_acknowledged`: every matched reader has all that was written before now.
   /// True when it is time to leave for kAway.
   bool Turn(bool all_acknowledged, Time now) {
-    if (all_acknowledged || heard_ == Time{}) {
-      heard_ = now;
+    if (all_acknowledged || acknowledged_ == Time{}) {
+      acknowledged_ = now;
+      notice_ = kNotice;
       return false;
     }
-    if (now - heard_ < kNotice) return false;
-    heard_ = now + kAway;
+    if (now - acknowledged_ < notice_) return false;
+    acknowledged_ = now + kAway;
+    notice_ = std::min(2 * notice_, kMaxNotice);
     return true;
   }
 
  private:
-  Time heard_{};  // all was acknowledged, or we are back
+  Time acknowledged_{};  // when all was, or the end of the last absence
+  std::chrono::milliseconds notice_ = kNotice;
 };
 
 }  // namespace intaglio::host

@@ -4,7 +4,9 @@
 
 #include <thread>
 
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
+#include "services/host/identity_role.h"
 
 namespace intaglio::host {
 namespace {
@@ -34,13 +36,14 @@ int End(ServiceHost& host, const std::string& code, const std::string& text, int
 OnlyInstance::OnlyInstance(ServiceHost& host, intaglio_ServiceRole role)
     : host_(host),
       role_(role),
-      health_(host.bus(), bus::kServiceHealth),
+      health_(host.bus(), bus::kServiceHealth, bus::RolePartition(host.bus().role())),
       watch_(host.instance(), Now(), LookOf(host.bus().options())) {}
 
 void OnlyInstance::Take() {
   const std::string& cell = host_.bus().options().cell;
   health_.TakeAll([&](const intaglio_ServiceHealth& sample, const bus::SampleOrigin& o) {
     const std::string instance(View(sample.instance));
+    if (!IsOwnHealth(sample, o)) return;
     if (!o.alive) return watch_.Lose(instance);
     const bool same = role_ == intaglio_ROLE_JOB_SERVICE || View(sample.cell) == cell;
     if (sample.role != role_ || !same) return;

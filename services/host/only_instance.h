@@ -19,7 +19,8 @@ inline constexpr int kExitSecond = 3;
 inline constexpr int kExitTakenOver = 4;
 
 /// Follows ServiceHealth for others of the same role and cell (of the same role, where
-/// there is one for all cells). From one thread.
+/// there is one for all cells); only what such a process itself has written counts, with
+/// the identity of this one. From one thread.
 class OnlyInstance {
  public:
   OnlyInstance(ServiceHost& host, intaglio_ServiceRole role);

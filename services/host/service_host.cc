@@ -9,9 +9,10 @@
 #include <iostream>
 
 #include "services/bus/samples.h"
+#include "services/host/identity_role.h"
 #include "services/host/init_system.h"
 #include "services/host/log.h"
-#include "services/host/one_sided_loss.h"
+#include "services/host/presence.h"
 #include "services/link/real_time.h"
 
 namespace intaglio::host {
@@ -76,26 +77,6 @@ void AddCommonOptions(command_line::Command app, CommonOptions& options) {
               "ask the system for real-time scheduling and locked memory");
 }
 
-/// Whose identity it takes from a folder of several: services/security/roles.h.
-std::string RoleName(intaglio_ServiceRole role, const std::string& cell) {
-  switch (role) {
-    case intaglio_ROLE_JOB_SERVICE:
-      return "job-service";
-    case intaglio_ROLE_DISCRETIZER:
-    case intaglio_ROLE_SORTER:
-      return "stage-worker";
-    case intaglio_ROLE_SYNCHRONIZER:
-    case intaglio_ROLE_MOTION_BRIDGE:
-      return "cell-" + cell;
-    case intaglio_ROLE_RECORDER:
-    case intaglio_ROLE_REPLAYER:
-      return "recorder";
-    case intaglio_ROLE_CONSOLE:
-      return "operator";
-  }
-  return "observer";
-}
-
 /// A service that others can reach has no business with the rights of root.
 void CheckUser(const CommonOptions& options) {
   if (geteuid() != 0 || options.allow_root || options.bus.interface == "lo") return;
@@ -130,8 +111,8 @@ struct ServiceHost::Impl {
         health(bus, bus::kServiceHealth),
         alarms(bus, bus::kAlarm),
         host(HostName()),
-        instance(fmt::format("{}-{}-{}-{:x}", service.name, host, getpid(),
-                             Clock::now().time_since_epoch().count())) {}
+        instance(InstanceName(service.name, host, getpid(), bus.participant_name())),
+        presence(bus, instance) {}
 
   void Publish() {
     const std::string version = SoftwareVersion();
@@ -154,15 +135,11 @@ struct ServiceHost::Impl {
     TellInitAlive();
   }
 
-  // Before the next sample, so that the last one had its time.
   void LeaveWhoLostUs() {
-    if (bus.options().security.empty()) return;
-    const bool all_acknowledged =
-        health.WaitForAcknowledgements(std::chrono::milliseconds(0)).has_value();
-    if (!loss.Turn(all_acknowledged, Clock::now())) return;
+    if (!presence.Turn(Clock::now())) return;
     LogWarning(
-        "somebody on the network does not hear this service any more: it leaves the bus "
-        "for {} ms, so that all find each other anew",
+        "a peer does not acknowledge what this service writes: it leaves the bus for {} "
+        "ms, so that both find each other anew",
         OneSidedLoss::kAway.count());
     bus.Leave(OneSidedLoss::kAway);
   }
@@ -171,8 +148,8 @@ struct ServiceHost::Impl {
   bus::Bus bus;
   bus::Writer<intaglio_ServiceHealth> health;
   bus::Writer<intaglio_Alarm> alarms;
-  OneSidedLoss loss;
   std::string host, instance;
+  Presence presence;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   std::string job_uid, message;
   Clock::time_point next_publication{}, next_expiry_look{};
@@ -272,7 +249,7 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
     }
     CheckUser(options);
     CheckCell(description, options.bus);
-    options.bus.roles = {RoleName(description.role, options.bus.cell)};
+    options.bus.roles = {IdentityRole(description.role, options.bus.cell)};
     ServiceHost host(description, options.bus);
     LogInfo("{} starts", host.instance());
     try {

@@ -34,7 +34,7 @@ class ServiceHost {
   ~ServiceHost();
 
   bus::Bus& bus();
-  /// Unique: role-host-pid-start.
+  /// Unique: InstanceName (identity_role.h).
   const std::string& instance() const;
   /// Set by SIGINT and SIGTERM.
   std::stop_token stop() const;

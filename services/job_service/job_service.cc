@@ -54,8 +54,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       epoch_(store_.BeginRun()),
       submissions_(host.bus(), bus::kJobSubmission),
       commands_(host.bus(), store_),
-      tasks_(host.bus(), bus::kTaskStatus),
-      health_(host.bus(), bus::kServiceHealth),
+      reports_(host.bus()),
       statuses_(host.bus(), bus::kJobStatus),
       discretize_tasks_(host.bus(), bus::kDiscretizeTask),
       sort_tasks_(host.bus(), bus::kSortTask),
@@ -65,11 +64,15 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       feed_(host.bus()),
       queue_(*this) {
   queue_.Restore(store_.Load(kRememberedJobs), seen_.absence(), now);
-  const std::set<std::string> cells = CellsInUse();
-  for (const std::string& cell : cells) permissions_.Open(cell, cells);
+  for (const std::string& cell : CellsInUse()) OpenCell(cell);
 }
 
 JobService::~JobService() = default;
+
+void JobService::OpenCell(const std::string& cell) {
+  permissions_.Open(cell, CellsInUse());
+  reports_.OpenCell(cell);
+}
 
 // Tasks before health: a worker's last word counts before its absence.
 void JobService::Turn(Nanoseconds now) {
@@ -95,7 +98,7 @@ void JobService::Close(Nanoseconds now) {
 }
 
 void JobService::TakeTasks(Nanoseconds now) {
-  tasks_.Take([&](const intaglio_TaskStatus& status) {
+  const auto take = [&](const intaglio_TaskStatus& status) {
     const TaskView view = ViewOf(status);
     if (view.stage > intaglio_STAGE_ENGRAVE) return;
     const bool over =
@@ -117,21 +120,22 @@ void JobService::TakeTasks(Nanoseconds now) {
       const auto past = store_.LoadEnded(view.task.job_uid);
       if (past) statistics_.Ended(*past);
     }
-  });
+  };
+  reports_.TakeTasks(take, now);
 }
 
 void JobService::TakeHealth(Nanoseconds now) {
-  health_.TakeAll(
-      [&](const intaglio_ServiceHealth& health, const bus::SampleOrigin& origin) {
-        WorkerView view;
-        view.instance = View(health.instance);
-        if (!origin.alive) return queue_.WorkerLost(view.instance, now);
-        view.role = health.role;
-        view.state = health.state;
-        view.cell = View(health.cell);
-        view.message = View(health.message);
-        queue_.Take(view, now);
-      });
+  const auto take = [&](const intaglio_ServiceHealth& health, bool alive) {
+    WorkerView view;
+    view.instance = View(health.instance);
+    if (!alive) return queue_.WorkerLost(view.instance, now);
+    view.role = health.role;
+    view.state = health.state;
+    view.cell = View(health.cell);
+    view.message = View(health.message);
+    queue_.Take(view, now);
+  };
+  reports_.TakeHealth(take, now);
 }
 
 // ---- What the queue decides ---------------------------------------------------------

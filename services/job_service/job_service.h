@@ -19,6 +19,7 @@
 #include "services/job_service/permission_keeper.h"
 #include "services/job_service/statistics_writer.h"
 #include "services/job_service/submission_reader.h"
+#include "services/job_service/worker_reports.h"
 
 namespace intaglio::job_service {
 
@@ -48,8 +49,7 @@ class JobService : private JobActions {
   void AttachTo(Loop& loop) {
     loop.Attach(submissions_);
     commands_.AttachTo(loop);
-    loop.Attach(tasks_);
-    loop.Attach(health_);
+    reports_.AttachTo(loop);
   }
 
  private:
@@ -61,6 +61,8 @@ class JobService : private JobActions {
   void WorkerForgotten(const std::string& instance) override;
 
   void StartFeed(const TaskOrder& order, const JobRecord& job);
+  /// The topics of a job's machine.
+  void OpenCell(const std::string& cell);
   void TakeTasks(Nanoseconds now);
   void TakeHealth(Nanoseconds now);
   void TakeSubmissions(Nanoseconds now);
@@ -81,8 +83,7 @@ class JobService : private JobActions {
 
   bus::Reader<intaglio_JobSubmission> submissions_;
   CommandInbox commands_;
-  bus::Reader<intaglio_TaskStatus> tasks_;
-  bus::Reader<intaglio_ServiceHealth> health_;
+  WorkerReports reports_;
   bus::Writer<intaglio_JobStatus> statuses_;
   bus::Writer<intaglio_StageTask> discretize_tasks_;
   bus::Writer<intaglio_StageTask> sort_tasks_;

@@ -90,7 +90,7 @@ void JobService::Accept(const SubmissionReader::Answer& submission, FrozenJob fr
   job.asks_before_resume = frozen.job().ask_before_resume();
   job.rate_hz = frozen.job().laser().rate_hz();
   job.frozen_job = frozen.SerializeAsString();
-  permissions_.Open(job.cell, CellsInUse());
+  OpenCell(job.cell);
   host::LogInfo("job {} \"{}\" of {} for {}", job.uid, job.name, submission.client,
                 job.cell);
   queue_.Add(std::move(job));

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 
 namespace intaglio::job_service {
@@ -23,7 +24,7 @@ Error CannotRead(const std::string& file, const std::string& why) {
 
 ModelFeed::ModelFeed(bus::Bus& bus)
     : writer_(bus, bus::kModelChunk),
-      credit_(bus),
+      credit_(bus, bus::RolePartition(bus::kStageWorkerRole)),
       wait_(bus),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
 

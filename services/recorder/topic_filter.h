@@ -18,7 +18,7 @@ struct NameFilter {
 struct TopicFilter {
   NameFilter topic, partition, type;
   /// `partitions`: separated by commas; one that is accepted suffices. Without a
-  /// partition only the other two are asked.
+  /// partition, or in that of a role, only the other two are asked.
   bool Accepts(const std::string& topic_name, const std::string& partitions,
                const std::string& type_name) const;
 };

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 #include "services/replayer/found_service.h"
 
@@ -33,7 +34,9 @@ class Bench final : public StageBench {
         tasks_(bus, sort_ ? bus::kSortTask : bus::kDiscretizeTask),
         health_(bus, bus::kServiceHealth),
         status_(bus, bus::kTaskStatus),
-        grantor_(bus, kOwnName),
+        grantor_(bus, kOwnName,
+                 sort_ ? bus::RolePartition(bus::CellRole("replay"))
+                       : bus::RolePartition(bus::kStageWorkerRole)),
         book_(bus),
         wait_(bus) {
     if (sort_) {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 
 namespace intaglio::replayer {
@@ -34,7 +35,7 @@ StageStandIn::StageStandIn(bus::Bus& bus, std::string cell, std::string instance
     : cell_(std::move(cell)),
       batches_(bus, bus::kMotionSegmentBatch, cell_),
       states_(bus, bus::kMotionState, cell_),
-      credit_(bus, std::move(instance)) {}
+      credit_(bus, std::move(instance), bus::RolePartition(bus::CellRole(cell_))) {}
 
 void StageStandIn::Fail(const std::string& fault, const std::string& message) {
   fault_ = FaultOf(fault);

@@ -6,8 +6,8 @@ namespace intaglio::security {
 namespace {
 
 template <typename T>
-constexpr RoleTopic Of(const bus::Topic<T>& topic) {
-  return {topic.name, topic.domain, topic.scope};
+RoleTopic Of(const bus::Topic<T>& topic, const std::string& of_roles = "*") {
+  return {topic.name, topic.domain, topic.scope, of_roles};
 }
 
 using Topics = std::vector<RoleTopic>;
@@ -34,29 +34,30 @@ Topics CellState() {
 }
 
 Role Operator() {
-  return {"operator",
+  return {bus::kOperatorRole,
           "*",
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kEmergencyStop)},
           Join({ShopState(), CellState(), {Of(bus::kJobCommandAnswer)}})};
 }
 
 Role JobService() {
-  return {"job-service",
+  return {bus::kJobServiceRole,
           "*",
           Join({OwnWords(),
-                {Of(bus::kJobStatus), Of(bus::kJobCommandAnswer),
+                {Of(bus::kPresence), Of(bus::kJobStatus), Of(bus::kJobCommandAnswer),
                  Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
                  Of(bus::kModelChunk), Of(bus::kPermission)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
-           Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop)}};
+           Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
+           Of(bus::kPresence)}};
 }
 
 Role StageWorker() {
-  return {"stage-worker",
+  return {bus::kStageWorkerRole,
           "*",
           Join({OwnWords(),
-                {Of(bus::kTaskStatus), Of(bus::kCredit), Of(bus::kPointBatch),
-                 Of(bus::kPathBatch)}}),
+                {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
+                 Of(bus::kPointBatch), Of(bus::kPathBatch)}}),
           {Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kModelChunk),
            Of(bus::kPointBatch), Of(bus::kCredit)}};
 }
@@ -64,19 +65,21 @@ Role StageWorker() {
 // Health tells a second synchronizer or bridge of the same machine that it is one.
 Role Cell(const std::string& cell) {
   return {
-      kCellPrefix + cell,
+      bus::CellRole(cell),
       cell,
-      Join({OwnWords(),
-            {Of(bus::kTaskStatus), Of(bus::kCredit), Of(bus::kMotionSegmentBatch),
-             Of(bus::kMotionState), Of(bus::kPositionReport), Of(bus::kLampSync),
-             Of(bus::kPulseEventBatch), Of(bus::kInterlock)}}),
-      {Of(bus::kServiceHealth), Of(bus::kEngraveTask), Of(bus::kPathBatch),
-       Of(bus::kCredit), Of(bus::kPermission), Of(bus::kEmergencyStop),
-       Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport)}};
+      Join(
+          {OwnWords(),
+           {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
+            Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport),
+            Of(bus::kLampSync), Of(bus::kPulseEventBatch), Of(bus::kInterlock)}}),
+      {Of(bus::kServiceHealth, bus::CellRole(cell)), Of(bus::kEngraveTask),
+       Of(bus::kPathBatch), Of(bus::kCredit, bus::CellRole(cell)), Of(bus::kPermission),
+       Of(bus::kEmergencyStop), Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
+       Of(bus::kPositionReport), Of(bus::kPresence, bus::kJobServiceRole)}};
 }
 
 Role Recorder() {
-  return {"recorder", "*", OwnWords(),
+  return {bus::kRecorderRole, "*", OwnWords(),
           Join({ShopState(),
                 CellState(),
                 {Of(bus::kJobSubmission), Of(bus::kJobCommand),
@@ -85,7 +88,9 @@ Role Recorder() {
                  Of(bus::kModelChunk), Of(bus::kPointBatch), Of(bus::kPathBatch)}})};
 }
 
-Role Observer() { return {"observer", "*", {}, Join({ShopState(), CellState()})}; }
+Role Observer() {
+  return {bus::kObserverRole, "*", {}, Join({ShopState(), CellState()})};
+}
 
 }  // namespace
 
@@ -94,6 +99,18 @@ std::vector<Role> RolesOf(const std::vector<std::string>& cells) {
                              Observer()};
   for (const std::string& cell : cells) roles.push_back(Cell(cell));
   return roles;
+}
+
+std::string WritePartition(const Role& role, const RoleTopic& topic) {
+  if (topic.scope == bus::Scope::kRole) return bus::RolePartition(role.name);
+  return topic.scope == bus::Scope::kCell ? role.partition : "";
+}
+
+std::string ReadPartition(const Role& role, const RoleTopic& topic) {
+  if (topic.scope == bus::Scope::kRole) {
+    return topic.of_roles == "*" ? topic.of_roles : bus::RolePartition(topic.of_roles);
+  }
+  return topic.scope == bus::Scope::kCell ? role.partition : "";
 }
 
 }  // namespace intaglio::security

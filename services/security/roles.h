@@ -3,12 +3,15 @@
 // Who may do what on a secured bus: the one table of the roles and their topics. It is
 // signed into each role's permissions; docs/deployment.md shows it.
 //
-// The permissions are by topic, partition and domain. What stands in a sample is not
-// looked at: a role that may write TaskStatus may write that of any task.
+// The permissions are by topic, partition and domain. A topic that several roles write is
+// written in the partition of the role (services/bus/role_names.h), so that its readers
+// know whose it is. The fields of a sample are not checked by them: that a TaskStatus is
+// of a task that its writer was given, the job service checks.
 
 #include <string>
 #include <vector>
 
+#include "services/bus/role_names.h"
 #include "services/bus/topics.h"
 
 namespace intaglio::security {
@@ -18,6 +21,7 @@ struct RoleTopic {
   const char* name;
   bus::DomainKind domain;
   bus::Scope scope;
+  std::string of_roles = "*";  ///< what several roles write: whose may be read
 };
 
 struct Role {
@@ -30,7 +34,8 @@ struct Role {
 /// `cells`: synchronizer and motion bridge of that machine.
 std::vector<Role> RolesOf(const std::vector<std::string>& cells);
 
-/// Prefix of the roles of cells.
-inline constexpr char kCellPrefix[] = "cell-";
+/// The partition in which the role may write or read the topic; empty: in none.
+std::string WritePartition(const Role& role, const RoleTopic& topic);
+std::string ReadPartition(const Role& role, const RoleTopic& topic);
 
 }  // namespace intaglio::security

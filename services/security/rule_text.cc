@@ -3,6 +3,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <map>
+
 namespace intaglio::security {
 namespace {
 
@@ -49,34 +51,35 @@ std::string Time(std::chrono::sys_seconds time) {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
 }
 
-/// The topics of one domain and scope; empty when there are none.
-std::string Criterion(const char* verb, const std::vector<RoleTopic>& topics,
-                      bus::DomainKind domain, bus::Scope scope,
-                      const std::string& partition) {
-  std::string names;
-  for (const RoleTopic& topic : topics) {
-    if (topic.domain == domain && topic.scope == scope) {
-      names += fmt::format("<topic>{}</topic>", topic.name);
-    }
+/// The topics of one domain, by the partition in which they are allowed.
+std::string Criteria(const char* verb, const std::map<std::string, std::string>& topics) {
+  std::string text;
+  for (const auto& [partition, names] : topics) {
+    text += fmt::format(
+        "        <{0}>\n          <topics>{1}</topics>\n"
+        "          <partitions><partition>{2}</partition></partitions>\n"
+        "        </{0}>\n",
+        verb, names, partition);
   }
-  if (names.empty()) return {};
-  return fmt::format(
-      "        <{0}>\n          <topics>{1}</topics>\n"
-      "          <partitions><partition>{2}</partition></partitions>\n        </{0}>\n",
-      verb, names, partition);
+  return text;
 }
 
 std::string AllowRule(const Role& role, const std::vector<int>& domains,
                       bus::DomainKind domain) {
-  std::string criteria;
-  for (const bus::Scope scope : {bus::Scope::kShop, bus::Scope::kCell}) {
-    const std::string partition = scope == bus::Scope::kCell ? role.partition : "";
-    criteria += Criterion("publish", role.writes, domain, scope, partition);
-    criteria += Criterion("subscribe", role.reads, domain, scope, partition);
+  std::map<std::string, std::string> publish, subscribe;
+  const auto name = [](const RoleTopic& topic) {
+    return fmt::format("<topic>{}</topic>", topic.name);
+  };
+  for (const RoleTopic& topic : role.writes) {
+    if (topic.domain == domain) publish[WritePartition(role, topic)] += name(topic);
+  }
+  for (const RoleTopic& topic : role.reads) {
+    if (topic.domain == domain) subscribe[ReadPartition(role, topic)] += name(topic);
   }
   return fmt::format(
-      "      <allow_rule>\n        <domains>{}</domains>\n{}      </allow_rule>\n",
-      DomainList(domains, domain), criteria);
+      "      <allow_rule>\n        <domains>{}</domains>\n{}{}      </allow_rule>\n",
+      DomainList(domains, domain), Criteria("publish", publish),
+      Criteria("subscribe", subscribe));
 }
 
 }  // namespace

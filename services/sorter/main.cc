@@ -1,3 +1,4 @@
+#include "services/bus/role_names.h"
 #include "services/host/cloud_output.h"
 #include "services/host/service_host.h"
 #include "services/sorter/sort_job.h"
@@ -32,7 +33,8 @@ class PointInput final : public host::StageInput {
 
 int Serve(host::ServiceHost& host) {
   PointInput input(host.bus(), host.instance());
-  host::CloudOutput<intaglio_PathBatch> output(host.bus(), bus::kPathBatch);
+  host::CloudOutput<intaglio_PathBatch> output(host.bus(), bus::kPathBatch,
+                                               bus::AnyCellPartition());
   bus::WaitSet wait(host.bus());
   wait.Attach(input.reader());
   wait.Attach(output.reader());

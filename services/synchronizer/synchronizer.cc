@@ -7,6 +7,7 @@
 
 #include "proto/channels.h"
 #include "proto/options.h"
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 #include "services/host/log.h"
 #include "services/link/serial_port.h"
@@ -43,7 +44,7 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       stops_(host.bus(), bus::kEmergencyStop, cell_),
       motion_(host.bus(), bus::kMotionState, cell_),
       positions_(host.bus(), bus::kPositionReport, cell_),
-      credit_(host.bus()),
+      credit_(host.bus(), bus::RolePartition(bus::CellRole(cell_))),
       segments_(host.bus(), bus::kMotionSegmentBatch, cell_),
       intake_(host.bus(), host.instance()),
       publisher_(host.bus(), cell_, host.instance()),

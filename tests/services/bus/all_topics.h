@@ -19,6 +19,7 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kServiceHealth);
   visit(bus::kCredit);
   visit(bus::kAlarm);
+  visit(bus::kPresence);
   visit(bus::kModelChunk);
   visit(bus::kPointBatch);
   visit(bus::kPathBatch);

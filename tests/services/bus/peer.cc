@@ -4,6 +4,12 @@
 //   bus_peer TAG health INSTANCE
 //   bus_peer TAG consume STREAM WINDOW DELAY_US   opens the stream, takes slowly,
 //                                                 and announces itself every 2 ms
+//   bus_peer TAG count INSTANCE   its health's pid is how many PulseEventBatches came
+//   bus_peer TAG deaf INSTANCE    takes a first PulseEventBatch, then receives nothing
+//   any
+//                                 more, so that it acknowledges nothing, and stays alive
+
+#include <dds/dds.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -11,6 +17,7 @@
 #include <string>
 #include <thread>
 
+#include "services/bus/bus_entities.h"
 #include "services/bus/flow.h"
 #include "services/bus/samples.h"
 
@@ -51,6 +58,32 @@ void Consume(Bus& bus, const std::string& stream, std::uint32_t window,
   std::this_thread::sleep_for(10s);
 }
 
+void Count(Bus& bus, const std::string& instance) {
+  Reader<intaglio_PulseEventBatch> reader(bus, kPulseEventBatch);
+  Writer<intaglio_ServiceHealth> writer(bus, kServiceHealth);
+  intaglio_ServiceHealth health{};
+  health.instance = Borrow(instance);
+  for (;;) {
+    health.pid += reader.Take([](const intaglio_PulseEventBatch&) {});
+    (void)writer.Write(health);
+    std::this_thread::sleep_for(20ms);
+  }
+}
+
+void BecomeDeaf(Bus& bus, const std::string& instance) {
+  Reader<intaglio_PulseEventBatch> reader(bus, kPulseEventBatch);
+  Writer<intaglio_ServiceHealth> writer(bus, kServiceHealth);
+  intaglio_ServiceHealth health{};
+  health.instance = Borrow(instance);
+  while (health.pid == 0) {
+    health.pid = reader.Take([](const intaglio_PulseEventBatch&) {});
+    std::this_thread::sleep_for(20ms);
+  }
+  (void)writer.Write(health);
+  (void)dds_domain_set_deafmute(bus.entities().control, true, false, DDS_INFINITY);
+  for (;;) std::this_thread::sleep_for(1s);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -59,6 +92,8 @@ int main(int argc, char** argv) {
   options.tag = argv[1];
   Bus bus(options);
   if (argv[2] == std::string("health")) Announce(bus, argv[3], 200ms);
+  if (argv[2] == std::string("count")) Count(bus, argv[3]);
+  if (argv[2] == std::string("deaf")) BecomeDeaf(bus, argv[3]);
   if (argv[2] == std::string("consume") && argc == 6) {
     std::thread([&bus] { Announce(bus, "consumer", 2ms); }).detach();
     Consume(bus, argv[3], static_cast<std::uint32_t>(std::atoi(argv[4])),

@@ -15,10 +15,12 @@ namespace intaglio::test {
 /// The same for all calls in one process; children get it by their command line.
 inline std::string PrivateTag() { return fmt::format("test-{}", getpid()); }
 
-inline bus::BusOptions PrivateBusOptions(const std::string& cell = {}) {
+inline bus::BusOptions PrivateBusOptions(const std::string& cell = {},
+                                         const std::string& role = {}) {
   bus::BusOptions options;
   options.tag = PrivateTag();
   options.cell = cell;
+  if (!role.empty()) options.roles = {role};
   return options;
 }
 

@@ -46,11 +46,14 @@ const char* ProfileName(bus::Profile profile) {
 std::string Contract() {
   std::string text = "# topic type keys profile domain scope type_hash\n";
   test::ForEachTopic([&text](const auto& topic) {
-    text += fmt::format(
-        "{} {} {} {} {} {} {}\n", topic.name, topic.descriptor->m_typename,
-        KeysOf(*topic.descriptor), ProfileName(topic.profile),
-        topic.domain == bus::DomainKind::kControl ? "control" : "bulk",
-        topic.scope == bus::Scope::kShop ? "shop" : "cell", TypeHash(*topic.descriptor));
+    text +=
+        fmt::format("{} {} {} {} {} {} {}\n", topic.name, topic.descriptor->m_typename,
+                    KeysOf(*topic.descriptor), ProfileName(topic.profile),
+                    topic.domain == bus::DomainKind::kControl ? "control" : "bulk",
+                    topic.scope == bus::Scope::kShop   ? "shop"
+                    : topic.scope == bus::Scope::kCell ? "cell"
+                                                       : "role",
+                    TypeHash(*topic.descriptor));
   });
   return text;
 }

@@ -56,7 +56,7 @@ class CloudFlowTest : public testing::Test {
   }
 
   bus::Bus bus{test::PrivateBusOptions()};
-  CloudSender<intaglio_PointBatch> sender{bus, bus::kPointBatch};
+  CloudSender<intaglio_PointBatch> sender{bus, bus::kPointBatch, ""};
   CloudIntake<intaglio_PointBatch> intake{bus, "consumer", bus::kPointBatch};
   bus::Writer<intaglio_PointBatch> writer{bus, bus::kPointBatch};
 };
@@ -172,7 +172,7 @@ class CloudPartsTest : public CloudFlowTest {
   }
 
   const PointCloud whole = CloudOf(600'000);
-  Sender second{bus, bus::kPointBatch};
+  Sender second{bus, bus::kPointBatch, ""};
   Result<bool> taken = false;
 };
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 
 namespace intaglio::job_service {
@@ -18,6 +19,19 @@ using bus::View;
 constexpr intaglio_ServiceRole kRoles[] = {
     intaglio_ROLE_DISCRETIZER, intaglio_ROLE_SORTER, intaglio_ROLE_SYNCHRONIZER};
 const std::string kCell = "els-03";
+
+/// Where the workers of a stage write.
+std::string PartitionOf(intaglio_Stage stage) {
+  return bus::RolePartition(stage == intaglio_STAGE_ENGRAVE ? bus::CellRole(kCell)
+                                                            : bus::kStageWorkerRole);
+}
+
+template <typename T>
+std::array<bus::Writer<T>, 3> WritersOf(bus::Bus& bus, const bus::Topic<T>& topic) {
+  return {bus::Writer<T>(bus, topic, PartitionOf(intaglio_STAGE_DISCRETIZE)),
+          bus::Writer<T>(bus, topic, PartitionOf(intaglio_STAGE_SORT)),
+          bus::Writer<T>(bus, topic, PartitionOf(intaglio_STAGE_ENGRAVE))};
+}
 
 }  // namespace
 
@@ -70,8 +84,8 @@ FakeShop::FakeShop(const bus::BusOptions& options)
     : bus_(options),
       submissions_(bus_, bus::kJobSubmission),
       commands_(bus_, bus::kJobCommand),
-      health_(bus_, bus::kServiceHealth),
-      tasks_out_(bus_, bus::kTaskStatus),
+      health_(WritersOf(bus_, bus::kServiceHealth)),
+      tasks_out_(WritersOf(bus_, bus::kTaskStatus)),
       statuses_(bus_, bus::kJobStatus),
       answers_(bus_, bus::kJobCommandAnswer),
       tasks_{bus::Reader<intaglio_StageTask>(bus_, bus::kDiscretizeTask),
@@ -80,7 +94,7 @@ FakeShop::FakeShop(const bus::BusOptions& options)
       permissions_(bus_, bus::kPermission, kCell),
       chunks_(bus_, bus::kModelChunk),
       healths_(bus_, bus::kServiceHealth),
-      credit_(bus_, "fake-discretizer") {}
+      credit_(bus_, "fake-discretizer", PartitionOf(intaglio_STAGE_DISCRETIZE)) {}
 
 void FakeShop::Submit(const std::string& submission_uid, const JobSpec& job,
                       std::uint64_t epoch) {
@@ -111,16 +125,30 @@ void FakeShop::Command(const StatusCopy& job, intaglio_JobCommandKind kind,
   (void)commands_.Write(sample);
 }
 
+std::string FakeShop::FullName(const std::string& instance) const {
+  return instance + "-" + bus_.participant_name();
+}
+
+std::string FakeShop::ShortNames(std::string_view text) const {
+  std::string shorter(text);
+  const std::string added = "-" + bus_.participant_name();
+  for (std::size_t at; (at = shorter.find(added)) != std::string::npos;) {
+    shorter.erase(at, added.size());
+  }
+  return shorter;
+}
+
 void FakeShop::Write(intaglio_Stage stage, const std::string& instance,
                      intaglio_HealthState state, bool dispose) {
-  const std::string empty;
+  const std::string empty, name = FullName(instance);
   intaglio_ServiceHealth sample{};
-  sample.instance = Borrow(instance);
+  sample.instance = Borrow(name);
   sample.role = kRoles[stage];
   sample.state = state;
   sample.host = sample.job_uid = sample.version = sample.message = Borrow(empty);
   sample.cell = Borrow(stage == intaglio_STAGE_ENGRAVE ? kCell : empty);
-  (void)(dispose ? health_.Dispose(sample) : health_.Write(sample));
+  auto& writer = health_.at(stage);
+  (void)(dispose ? writer.Dispose(sample) : writer.Write(sample));
 }
 
 void FakeShop::Health(intaglio_Stage stage, const std::string& instance,
@@ -142,21 +170,22 @@ void FakeShop::Report(const TaskCopy& task, intaglio_Stage stage,
   sample.part_count = task.part_count;
   sample.part_attempt = task.part_attempt;
   sample.attempt = task.attempt;
-  sample.worker = Borrow(task.worker);
+  const std::string worker = FullName(task.worker);
+  sample.worker = Borrow(worker);
   sample.state = state;
   sample.done_count = done;
   sample.total_count = total;
   sample.estimate_ticks = stage == intaglio_STAGE_ENGRAVE ? 4321 : 0;
   sample.error_code = Borrow(code);
   sample.message = Borrow(message);
-  (void)tasks_out_.Write(sample);
+  (void)tasks_out_.at(stage).Write(sample);
 }
 
 void FakeShop::Poll() {
   statuses_.Take([this](const intaglio_JobStatus& status) {
     status_[std::string(View(status.submission_uid))] = {
         std::string(View(status.job_uid)),
-        std::string(View(status.message)),
+        ShortNames(View(status.message)),
         std::string(View(status.result_directory)),
         std::string(View(status.cell)),
         status.epoch,
@@ -175,9 +204,9 @@ void FakeShop::Poll() {
     tasks_.at(stage).Take([&](const intaglio_StageTask& task) {
       TaskCopy& copy = task_.at(stage);
       copy = {};
-      copy.worker = View(task.worker);
+      copy.worker = ShortNames(View(task.worker));
       copy.job_uid = View(task.job_uid);
-      copy.consumer = View(task.consumer);
+      copy.consumer = ShortNames(View(task.consumer));
       copy.attempt = task.attempt;
       copy.part = task.part;
       copy.part_count = task.part_count;

@@ -71,6 +71,9 @@ class FakeShop {
               std::uint64_t done, std::uint64_t total, const std::string& code = "",
               const std::string& message = "");
 
+  /// Tests say "s"; on the bus a name ends in that of its participant.
+  std::string FullName(const std::string& instance) const;
+
   /// Takes what has come.
   void Poll();
   /// Polls until it holds; ten seconds at most.
@@ -98,14 +101,16 @@ class FakeShop {
   const std::vector<std::string>& models() const { return models_; }
 
  private:
+  /// Without what FullName adds, wherever it is.
+  std::string ShortNames(std::string_view text) const;
   void Write(intaglio_Stage stage, const std::string& instance,
              intaglio_HealthState state, bool dispose);
 
   bus::Bus bus_;
   bus::Writer<intaglio_JobSubmission> submissions_;
   bus::Writer<intaglio_JobCommand> commands_;
-  bus::Writer<intaglio_ServiceHealth> health_;
-  bus::Writer<intaglio_TaskStatus> tasks_out_;
+  std::array<bus::Writer<intaglio_ServiceHealth>, 3> health_;
+  std::array<bus::Writer<intaglio_TaskStatus>, 3> tasks_out_;
   bus::Reader<intaglio_JobStatus> statuses_;
   bus::Reader<intaglio_JobCommandAnswer> answers_;
   std::array<bus::Reader<intaglio_StageTask>, 3> tasks_;

@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 #include "services/host/cloud_flow.h"
 #include "tests/proto/test_job.h"
@@ -124,7 +125,7 @@ class KilledDiscretizerTest : public testing::Test {
   }
 
   fs::path folder_;
-  bus::Bus bus_{test::PrivateBusOptions()};
+  bus::Bus bus_{test::PrivateBusOptions("", bus::kStageWorkerRole)};
   FakeShop shop_{test::PrivateBusOptions()};
   bus::Reader<intaglio_ServiceHealth> health_{bus_, bus::kServiceHealth};
   bus::Reader<intaglio_TaskStatus> statuses_{bus_, bus::kTaskStatus};

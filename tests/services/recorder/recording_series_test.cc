@@ -298,6 +298,10 @@ TEST(TopicFilter, PatternsSelect) {
   EXPECT_TRUE(filter.Accepts("Alarm", "cell-2,cell-3", "t"));
   EXPECT_FALSE(filter.Accepts("JobCommand", "", "t"));
   EXPECT_FALSE(filter.Accepts("Credit", "", "t"));
+  // The partition of a role is not that of a cell.
+  filter.partition.only = {"cell-1"};
+  EXPECT_FALSE(filter.Accepts("Alarm", "cell-3", "t"));
+  EXPECT_TRUE(filter.Accepts("Alarm", "role/stage-worker", "t"));
 }
 
 TEST(WriteQueue, RefusesLargeOnesFirst) {

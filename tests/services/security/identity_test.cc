@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -270,10 +271,42 @@ TEST(Roles, NoTopicIsAPattern) {
     const std::string text = security::PermissionsText(role, "CN=x", {40}, {kNow, kNow});
     EXPECT_EQ(text.find("<topic>*"), std::string::npos);
     EXPECT_NE(text.find("<default>DENY</default>"), std::string::npos);
-    if (role.name.starts_with(security::kCellPrefix)) {
+    if (role.name.starts_with(bus::kCellPrefix)) {
       EXPECT_EQ(text.find("<partition>*"), std::string::npos);
     }
   }
+}
+
+// So that no role can be another in what several write.
+TEST(Roles, WhatSeveralWriteIsWrittenInThePartitionOfTheRole) {
+  for (const security::Role& role : security::RolesOf({"els-03", "els-04"})) {
+    for (const security::RoleTopic& topic : role.writes) {
+      const std::string partition = security::WritePartition(role, topic);
+      const bool shared = Writers(topic.name).size() > 1;
+      if (topic.scope == bus::Scope::kRole) {
+        EXPECT_EQ(partition, "role/" + role.name) << topic.name;
+      } else if (shared) {
+        EXPECT_EQ(topic.scope, bus::Scope::kCell) << topic.name;
+      }
+    }
+  }
+}
+
+// Who acknowledges nothing makes nobody leave the bus: only those are asked whose loss
+// matters.
+TEST(Roles, OnlyThoseThatDependOnEachOtherReadPresence) {
+  std::map<std::string, std::string> readers;
+  for (const security::Role& role : security::RolesOf({"els-03", "els-04"})) {
+    for (const security::RoleTopic& topic : role.reads) {
+      if (topic.name != std::string("Presence")) continue;
+      readers[role.name] = security::ReadPartition(role, topic);
+    }
+  }
+  const std::map<std::string, std::string> expected = {
+      {"job-service", "*"},
+      {"cell-els-03", "role/job-service"},
+      {"cell-els-04", "role/job-service"}};
+  EXPECT_EQ(readers, expected);
 }
 
 std::set<std::string> NamesOf(const std::vector<security::RoleTopic>& topics) {
@@ -322,6 +355,8 @@ TEST(Roles, TheRecorderHearsEveryTopic) {
     if (role.name != "recorder") continue;
     for (const security::RoleTopic& topic : role.reads) all.erase(topic.name);
   }
+  // Its writers wait for who reads it; there is nothing in it.
+  EXPECT_EQ(all.erase("Presence"), 1u);
   EXPECT_TRUE(all.empty()) << ::testing::PrintToString(all);
 }
 

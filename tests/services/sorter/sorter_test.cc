@@ -8,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "services/bus/role_names.h"
 #include "services/host/cloud_flow.h"
 #include "tests/services/host/stage_shop.h"
 
@@ -103,9 +104,10 @@ class SorterTest : public testing::Test {
   }
 
   StageShop shop{"intaglio-sorter", intaglio_STAGE_SORT, bus::kSortTask};
-  host::CloudSender<intaglio_PointBatch> sender{shop.bus(), bus::kPointBatch};
+  host::CloudSender<intaglio_PointBatch> sender{shop.bus(), bus::kPointBatch, ""};
   bus::Reader<intaglio_PathBatch> path_reader{shop.bus(), bus::kPathBatch};
-  bus::CreditGrantor credit{shop.bus(), "synchronizer"};
+  bus::CreditGrantor credit{shop.bus(), "synchronizer",
+                            bus::RolePartition(bus::CellRole("els-03"))};
   PointCloud path;
 
  private:
