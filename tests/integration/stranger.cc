@@ -4,6 +4,15 @@
 //
 //   stranger TAG FOLDER|- write TOPIC CELL WORD    WORD: who it says it is
 //   stranger TAG FOLDER|- read TOPIC CELL
+// Somebody whose identity is good, and who abuses it:
+//   stranger TAG FOLDER look - CELL     has readers of all that an observer may read
+//   stranger TAG FOLDER deaf - CELL     reads all that an observer may; after the first
+//                                       health it receives nothing any more, acknowledges
+//                                       nothing and stays alive
+//   stranger TAG FOLDER forge - CELL    writes health in the name of the job service and
+//                                       of the cell's synchronizer, and DONE and FAILED
+//                                       of each engraving, in its synchronizer's name;
+//                                       FOLDER is that of a stage worker
 // And somebody who belongs there, who joins as the services do:
 //   stranger TAG FOLDER hear TOPIC CELL            says each WORD and how often
 // Says on its standard output what became of it, a line each.
@@ -21,6 +30,7 @@
 #include "services/bus/bus.h"
 #include "services/bus/identity.h"
 #include "services/bus/qos.h"
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 
 namespace {
@@ -65,9 +75,10 @@ dds_entity_t TopicIn(const Place& place, const Topic<T>& topic) {
                                         internal::QosOf(topic.profile).get(), nullptr));
 }
 
+/// `cell`: of a cell topic; of what several roles write, their partition.
 internal::QosPointer PartitionOf(Scope scope, const std::string& cell) {
   internal::QosPointer qos(dds_create_qos());
-  if (scope == Scope::kCell) dds_qset_partition1(qos.get(), cell.c_str());
+  if (scope != Scope::kShop) dds_qset_partition1(qos.get(), cell.c_str());
   return qos;
 }
 
@@ -149,6 +160,126 @@ int HearAs(const std::string& tag, const std::string& folder, const std::string&
   return 2;
 }
 
+template <typename T>
+dds_entity_t ReaderOf(const Place& place, const Topic<T>& topic) {
+  const dds_entity_t subscriber = Must(
+      "subscriber", dds_create_subscriber(place.participant,
+                                          PartitionOf(topic.scope, "*").get(), nullptr));
+  return Must("reader", dds_create_reader(subscriber, TopicIn(place, topic),
+                                          internal::QosOf(topic.profile).get(), nullptr));
+}
+
+/// Negative when it is refused.
+template <typename T>
+dds_entity_t WriterIn(const Place& place, const Topic<T>& topic,
+                      const std::string& partition) {
+  static std::map<std::string, dds_entity_t> topics;  // one of each in a participant
+  dds_entity_t& of_it = topics[topic.name];
+  if (of_it == 0) of_it = TopicIn(place, topic);
+  const dds_entity_t publisher = dds_create_publisher(
+      place.participant, PartitionOf(topic.scope, partition).get(), nullptr);
+  return dds_create_writer(publisher, of_it,
+                           internal::QosOf(topic.profile, internal::Side::kWriter).get(),
+                           nullptr);
+}
+
+[[noreturn]] void Look(const Place& place, bool becomes_deaf) {
+  const dds_entity_t health = ReaderOf(place, kServiceHealth);
+  ReaderOf(place, kTaskStatus);
+  ReaderOf(place, kAlarm);
+  ReaderOf(place, kJobStatus);
+  ReaderOf(place, kPermission);
+  ReaderOf(place, kInterlock);
+  ReaderOf(place, kPositionReport);
+  ReaderOf(place, kPulseEventBatch);
+  dds_sample_info_t seen[1];
+  for (void* samples[1] = {nullptr}; dds_take(health, samples, seen, 1, 1) <= 0;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // everybody has matched
+  Say(becomes_deaf ? "deaf" : "looks");
+  if (becomes_deaf) {
+    dds_domain_set_deafmute(place.participant, true, false, DDS_INFINITY);
+  }
+  for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
+}
+
+/// What a stage worker writes in names of others.
+class Forger {
+ public:
+  explicit Forger(const Place& place) : cell_(place.cell) {
+    const std::string own = RolePartition(kStageWorkerRole);
+    tasks_ = ReaderOf(place, kSortTask);
+    health_ = Must("writer", WriterIn(place, kServiceHealth, own));
+    status_ = Must("writer", WriterIn(place, kTaskStatus, own));
+    for (const std::string& role : {std::string(kJobServiceRole), CellRole(cell_)}) {
+      const dds_entity_t writer = WriterIn(place, kServiceHealth, RolePartition(role));
+      Say(fmt::format("health of {} {}", role, writer < 0 ? "refused" : "writes"));
+    }
+    Say("forges");
+  }
+
+  [[noreturn]] void Run() {
+    for (;;) {
+      // Of two that serve one machine, that of the smaller name stays.
+      Health("a-job-service", intaglio_ROLE_JOB_SERVICE, "");
+      Health("a-synchronizer", intaglio_ROLE_SYNCHRONIZER, cell_);
+      Health("a-bridge", intaglio_ROLE_MOTION_BRIDGE, cell_);
+      TakeTasks();
+      if (!synchronizer_.empty()) {
+        Health(synchronizer_, intaglio_ROLE_SYNCHRONIZER, cell_);
+        Report(intaglio_TASK_DONE);
+        Report(intaglio_TASK_FAILED);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+
+ private:
+  void Health(const std::string& instance, intaglio_ServiceRole role,
+              const std::string& cell) {
+    const std::string empty;
+    intaglio_ServiceHealth sample{};
+    sample.instance = Borrow(instance);
+    sample.role = role;
+    sample.state = intaglio_HEALTH_FAULT;
+    sample.cell = Borrow(cell);
+    sample.host = sample.job_uid = sample.version = sample.message = Borrow(empty);
+    (void)dds_write(health_, &sample);
+  }
+  void TakeTasks() {
+    void* samples[1] = {nullptr};
+    dds_sample_info_t seen[1];
+    while (dds_take(tasks_, samples, seen, 1, 1) > 0) {
+      const auto* task = static_cast<const intaglio_StageTask*>(samples[0]);
+      if (seen[0].valid_data && !task->revoked) {
+        synchronizer_ = View(task->consumer);
+        job_ = View(task->job_uid);
+        attempt_ = task->attempt;
+        Say("forges the engraving of " + job_);
+      }
+      dds_return_loan(tasks_, samples, 1);
+      samples[0] = nullptr;
+    }
+  }
+  void Report(intaglio_TaskState state) {
+    const std::string word = "forged";
+    intaglio_TaskStatus sample{};
+    sample.job_uid = Borrow(job_);
+    sample.stage = intaglio_STAGE_ENGRAVE;
+    sample.worker = Borrow(synchronizer_);
+    sample.part_count = 1;
+    sample.attempt = attempt_;
+    sample.state = state;
+    sample.error_code = sample.message = Borrow(word);
+    (void)dds_write(status_, &sample);
+  }
+
+  std::string cell_, synchronizer_, job_;
+  std::uint32_t attempt_ = 0;
+  dds_entity_t tasks_ = 0, health_ = 0, status_ = 0;
+};
+
 int Try(const Place& place, const std::string& verb, const std::string& topic,
         const std::string& word) {
   if (verb == "read" && topic == "JobStatus") Read(place, kJobStatus);
@@ -188,5 +319,8 @@ int main(int argc, char** argv) {
   if (argc < 6) return 2;
   if (argv[3] == std::string("hear")) return HearAs(argv[1], argv[2], argv[4], argv[5]);
   const Place place{Join(argv[1], argv[2]), argv[5]};
+  if (argv[3] == std::string("look")) Look(place, false);
+  if (argv[3] == std::string("deaf")) Look(place, true);
+  if (argv[3] == std::string("forge")) Forger(place).Run();
   return Try(place, argv[3], argv[4], argc > 6 ? argv[6] : "");
 }
