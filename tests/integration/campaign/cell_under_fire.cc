@@ -47,12 +47,23 @@ std::size_t SizeOf(const fs::path& file) {
   return error ? 0 : size;
 }
 
+std::size_t CracksIn(const fs::path& glass) {
+  const std::size_t size = SizeOf(glass);
+  return size < formats::kGlassHeaderSize
+             ? 0
+             : (size - formats::kGlassHeaderSize) / formats::kGlassRecordSize;
+}
+
 }  // namespace
 
 CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string& speed)
-    : folder_(std::move(folder)), tag_(std::move(tag)) {
+    : folder_(std::move(folder)), tag_(std::move(tag)), speed_(speed) {
   fs::create_directories(folder_);
   WriteProfile(folder_ / "machine.textproto", folder_ / "laser", folder_ / "motion");
+  StartMachine(folder_ / "glass.rec");
+}
+
+void CellUnderFire::StartMachine(const fs::path& glass) {
   machine_ =
       std::make_unique<Running>(Program("virtual-engraver"),
                                 std::vector<std::string>{"--laser-line",
@@ -62,7 +73,7 @@ CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string
                                                          "--panel",
                                                          (folder_ / "panel").string(),
                                                          "--glass-record",
-                                                         (folder_ / "glass.rec").string(),
+                                                         glass.string(),
                                                          "--rates",
                                                          "1,50,100,200",
                                                          "--warm-up",
@@ -82,9 +93,20 @@ CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string
                                                          "--channels",
                                                          "4",
                                                          "--speed",
-                                                         speed},
+                                                         speed_},
                                 folder_ / "machine.log");
   Eventually([this] { return fs::exists(folder_ / "motion"); }, 10s);
+}
+
+void CellUnderFire::ChangeTheBlockOfADeadMachine() {
+  machine_->Signal(SIGKILL);
+  machine_->WaitForEnd(5s);
+  for (const char* line : {"laser", "motion", "panel"}) fs::remove(folder_ / line);
+  StartMachine(folder_ / "next_block.rec");
+}
+
+std::size_t CellUnderFire::CracksOfTheNextBlock() const {
+  return CracksIn(folder_ / "next_block.rec");
 }
 
 CellUnderFire::~CellUnderFire() {
@@ -143,14 +165,27 @@ std::string CellUnderFire::Type(const std::vector<std::string>& words) {
   return run.WaitForEnd(60s).output;
 }
 
-bool CellUnderFire::Submit(const std::string& rate_hz) {
+std::vector<std::string> CellUnderFire::SampleJob(
+    const std::vector<std::string>& options) const {
+  std::vector<std::string> words = {
+      "submit",    (SourceFolder() / "deploy/jobs/sample.textproto").string(),
+      "--height",  "3.2",
+      "--machine", (folder_ / "shop/machine.textproto").string()};
+  words.insert(words.end(), options.begin(), options.end());
+  return words;
+}
+
+bool CellUnderFire::Submit(const std::string& rate_hz,
+                           const std::vector<std::string>& options) {
   ++jobs_;
   cracks_before_ = Cracks();
-  const std::string said =
-      Type({"submit", (SourceFolder() / "deploy/jobs/sample.textproto").string(),
-            "--height", "3.2", "--rate", rate_hz, "--machine",
-            (folder_ / "shop/machine.textproto").string(), "--arm"});
-  return said.find("job " + std::to_string(jobs_)) != std::string::npos;
+  std::vector<std::string> words = SampleJob(options);
+  words.insert(words.end(), {"--rate", rate_hz, "--arm"});
+  return Type(words).find("job " + std::to_string(jobs_)) != std::string::npos;
+}
+
+void CellUnderFire::SubmitAnother(const std::vector<std::string>& options) {
+  Type(SampleJob(options));
 }
 
 std::string CellUnderFire::Show() { return Type({"show", std::to_string(jobs_)}); }
@@ -185,12 +220,7 @@ pid_t CellUnderFire::ProcessOf(const std::string& service) const {
   return found.empty() ? 0 : found.front();
 }
 
-std::size_t CellUnderFire::Cracks() const {
-  const std::size_t size = SizeOf(folder_ / "glass.rec");
-  return size < formats::kGlassHeaderSize
-             ? 0
-             : (size - formats::kGlassHeaderSize) / formats::kGlassRecordSize;
-}
+std::size_t CellUnderFire::Cracks() const { return CracksIn(folder_ / "glass.rec"); }
 
 bool CellUnderFire::AwaitCracks(std::size_t count,
                                 std::chrono::milliseconds bound) const {

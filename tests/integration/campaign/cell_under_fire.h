@@ -28,11 +28,13 @@ struct Verdict {
   /// what was made since.
   std::size_t skipped = 0;
   bool may_leave_uncertain = false;  ///< a person is asked about these
+  bool may_be_unfinished = false;    ///< its block is out of the machine
   std::string trouble;               ///< a file that cannot be read; empty: none
 
   bool good() const {
     return trouble.empty() && points > 0 && doubled + stray + unknown == 0 &&
-           (uncertain == 0 || may_leave_uncertain) && 100 * skipped <= points;
+           (uncertain == 0 || may_leave_uncertain) &&
+           (may_be_unfinished || 100 * skipped <= points);
   }
 };
 
@@ -53,7 +55,14 @@ class CellUnderFire {
   void CutJournal(std::uint32_t choice) const;
   /// A job of about 500 points, armed. The next one's block is another: its cracks are
   /// those that come from now on.
-  bool Submit(const std::string& rate_hz = "100");
+  bool Submit(const std::string& rate_hz = "100",
+              const std::vector<std::string>& options = {});
+  /// Another one beside it, which is not armed and not followed.
+  void SubmitAnother(const std::vector<std::string>& options);
+  /// The machine loses its power, somebody puts another block in, and the power is back.
+  void ChangeTheBlockOfADeadMachine();
+  /// Cracks in that other block.
+  std::size_t CracksOfTheNextBlock() const;
   /// State and message of the newest job as `intaglio show` has them.
   std::string Show();
   std::string Type(const std::vector<std::string>& words);
@@ -79,12 +88,14 @@ class CellUnderFire {
   const std::filesystem::path& folder() const { return folder_; }
 
  private:
+  void StartMachine(const std::filesystem::path& glass);
+  std::vector<std::string> SampleJob(const std::vector<std::string>& options) const;
   std::vector<std::string> OnTheBus(std::vector<std::string> words) const;
   std::filesystem::path JobFolder() const;
   bool AwaitEnd(std::chrono::seconds bound, bool resuming);
 
   std::filesystem::path folder_;
-  std::string tag_;
+  std::string tag_, speed_;
   int jobs_ = 0;
   std::size_t cracks_before_ = 0;  // this job
   std::unique_ptr<testing::Running> machine_, shop_;

@@ -159,6 +159,58 @@ void OpenTheDoorUnseen(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
   outcome.done = cell.AwaitDoneResuming(kBound);
 }
 
+/// For longer than lamp, services and every renewal of a permission take.
+void ExpectNoCrack(const std::function<std::size_t()>& cracks, Outcome& outcome) {
+  const std::size_t before = cracks();
+  usleep(4'000'000);
+  if (cracks() != before) outcome.verdict.trouble = "it fired without a new arm";
+}
+
+/// The machine and its cell lose their power, and the block is another one afterwards.
+/// The job service lives, and the shop starts the cell's services again.
+void PowerCycle(CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
+  for (const char* service : {"intaglio-synchronizer", "intaglio-motion-bridge"}) {
+    if (const pid_t victim = cell.ProcessOf(service); victim > 0) kill(victim, SIGKILL);
+  }
+  usleep(random() % 3'000'000);
+  cell.ChangeTheBlockOfADeadMachine();
+  ExpectNoCrack([&cell] { return cell.CracksOfTheNextBlock(); }, outcome);
+  if (cell.CracksOfTheNextBlock() > 0) outcome.verdict.trouble = "it fired by itself";
+  // What was armed when the power failed nobody knows.
+  outcome.verdict.may_leave_uncertain = true;
+  outcome.verdict.may_be_unfinished = true;
+  outcome.done = cell.Show().find("state      paused") != std::string::npos;
+}
+
+bool AwaitState(CellUnderFire& cell, const std::string& state) {
+  return testing::Eventually(
+      [&] { return cell.Show().find("state      " + state) != std::string::npos; }, 30s);
+}
+
+/// The job is armed, its points are not in order yet.
+void OpenTheDoorBeforeThePath(CellUnderFire& cell, std::mt19937& random,
+                              Outcome& outcome) {
+  cell.Press("door open");
+  usleep(random() % 500'000);
+  cell.Press("door close");
+  if (!AwaitState(cell, "paused") && !AwaitState(cell, "waiting for arm")) return;
+  ExpectNoCrack([&cell] { return cell.Cracks(); }, outcome);
+  outcome.done = cell.AwaitDoneResuming(kBound);
+}
+
+/// The job is armed, loses its sorter, and another one gets its machine before it.
+void Overtake(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
+  if (const pid_t victim = cell.ProcessOf("intaglio-sorter"); victim > 0) {
+    kill(victim, SIGKILL);
+  }
+  cell.SubmitAnother({"--priority", "1"});
+  usleep(2'000'000);
+  cell.Type({"cancel", "2"});
+  if (!AwaitState(cell, "waiting for arm")) return;
+  ExpectNoCrack([&cell] { return cell.Cracks(); }, outcome);
+  outcome.done = cell.Type({"arm", "1"}).empty() || cell.AwaitDoneResuming(kBound);
+}
+
 Fault PressForAWhile(const std::string& wrong, const std::string& right) {
   return [wrong, right](CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
     cell.Press(wrong);
@@ -195,6 +247,9 @@ const std::map<std::string, Fault>& Faults() {
       {"stop-on-the-bus-watchers-frozen", StopOnTheBus(3)},
       {"door", PressAndSetRight("door open", "door close")},
       {"door-unseen", OpenTheDoorUnseen},
+      {"door-before-the-path", OpenTheDoorBeforeThePath},
+      {"overtaken", Overtake},
+      {"power-cycle", PowerCycle},
       {"key", PressAndSetRight("key off", "key on")},
       {"unplug-laser", PressForAWhile("unplug laser", "plug laser")},
       {"unplug-motion", PressForAWhile("unplug motion", "plug motion")},
@@ -204,6 +259,11 @@ const std::map<std::string, Fault>& Faults() {
        PressForAWhile("drop-bytes 0.002 motion", "drop-bytes 0 motion")},
   };
   return faults;
+}
+
+/// It happens while an armed job is put in order.
+bool IsBeforeThePath(const std::string& fault) {
+  return fault == "door-before-the-path" || fault == "overtaken";
 }
 
 struct Options {
@@ -223,7 +283,12 @@ Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
     CellUnderFire cell(folder, fmt::format("campaign-{}-{}", getpid(), run),
                        fmt::format("{}", options.speed));
     const std::size_t at = 1 + random() % kPoints;
-    if (!cell.OpenShop() || !cell.Submit() || !cell.AwaitCracks(at, 60s)) {
+    const bool early = IsBeforeThePath(options.fault);
+    const bool begun =
+        cell.OpenShop() &&
+        (early ? cell.Submit("100", {"--order-time", "4"}) && AwaitState(cell, "ordering")
+               : cell.Submit() && cell.AwaitCracks(at, 60s));
+    if (!begun) {
       outcome.verdict.trouble = "the job did not begin: " + cell.Show();
       return outcome;
     }
@@ -231,6 +296,7 @@ Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
     const Verdict said = outcome.verdict;
     outcome.verdict = cell.Judge();
     outcome.verdict.may_leave_uncertain = said.may_leave_uncertain;
+    outcome.verdict.may_be_unfinished = said.may_be_unfinished;
     if (!said.trouble.empty()) outcome.verdict.trouble = said.trouble;
     if (!outcome.done) outcome.verdict.trouble += " not done: " + cell.Show();
   }
