@@ -19,7 +19,8 @@ void PermissionKeeper::Repeat(const std::stop_token& stop) {
 }
 
 // The one that had no new job for the longest time.
-void PermissionKeeper::CloseOneUnused(const std::set<std::string>& in_use) {
+PermissionKeeper::Cells::node_type PermissionKeeper::TakeOneUnused(
+    const std::set<std::string>& in_use) {
   auto oldest = cells_.end();
   for (auto cell = cells_.begin(); cell != cells_.end(); ++cell) {
     if (in_use.contains(cell->first) || cell->second.stop.pressed()) continue;
@@ -27,17 +28,20 @@ void PermissionKeeper::CloseOneUnused(const std::set<std::string>& in_use) {
       oldest = cell;
     }
   }
-  if (oldest != cells_.end()) cells_.erase(oldest);
+  return oldest == cells_.end() ? Cells::node_type() : cells_.extract(oldest);
 }
 
 void PermissionKeeper::Open(const std::string& cell,
                             const std::set<std::string>& in_use) {
+  // Its writer may wait for readers when it is closed: not while the others' permissions
+  // wait for the mutex.
+  Cells::node_type closed;
   const std::lock_guard lock(mutex_);
   if (const auto known = cells_.find(cell); known != cells_.end()) {
     known->second.opened = ++opened_;
     return;
   }
-  if (cells_.size() >= kMaxCells) CloseOneUnused(in_use);
+  if (cells_.size() >= kMaxCells) closed = TakeOneUnused(in_use);
   Cell& opened =
       cells_
           .emplace(

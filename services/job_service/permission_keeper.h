@@ -56,13 +56,15 @@ class PermissionKeeper {
     std::uint64_t number = 0;
     std::uint64_t opened = 0;  ///< grows with each Open
   };
-  void CloseOneUnused(const std::set<std::string>& in_use);
+  using Cells = std::map<std::string, Cell>;
+  /// Out of the map and not closed yet; empty when all are in use.
+  Cells::node_type TakeOneUnused(const std::set<std::string>& in_use);
   void Write(Cell& cell);
   void Repeat(const std::stop_token& stop);
 
   bus::Bus& bus_;
   std::mutex mutex_;  // of what follows
-  std::map<std::string, Cell> cells_;
+  Cells cells_;
   std::uint64_t opened_ = 0;
   std::chrono::steady_clock::time_point decided_at_;
   std::condition_variable_any ends_;

@@ -5,12 +5,27 @@
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 namespace intaglio::job_service {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// An exception may not end the process from a thread of its own.
+Result<FrozenJob> ReadGuarded(const SubmissionReader::Read& read,
+                              const std::vector<std::uint8_t>& job) {
+  try {
+    return read(job);
+  } catch (const std::exception& error) {
+    return Fail(ErrorCode::kFault,
+                fmt::format("the job service cannot read it: {}; submit it again, or in "
+                            "parts",
+                            error.what()));
+  }
+}
 
 }  // namespace
 
@@ -56,12 +71,19 @@ void SubmissionReader::Start(Nanoseconds now) {
                  kMaxHanging));
     return;
   }
-  std::thread([reading = reading_, read = read_, job = std::move(current_.job)] {
-    auto result = read(job);
-    const std::lock_guard lock(reading->mutex);
-    reading->result = std::move(result);
-    reading->ended.notify_all();
-  }).detach();
+  try {
+    std::thread([reading = reading_, read = read_, job = std::move(current_.job)] {
+      auto result = ReadGuarded(read, job);
+      const std::lock_guard lock(reading->mutex);
+      reading->result = std::move(result);
+      reading->ended.notify_all();
+    }).detach();
+  } catch (const std::system_error& error) {
+    reading_->result = Fail(
+        ErrorCode::kIo, fmt::format("the job service cannot start a thread to read it: "
+                                    "{}; raise its limits, or submit again later",
+                                    error.what()));
+  }
 }
 
 std::size_t SubmissionReader::CountHanging() {

@@ -53,6 +53,7 @@ class SubmissionReaderTest : public testing::Test {
       [disk = disk_](const std::vector<std::uint8_t>& job) -> Result<FrozenJob> {
         if (!job.empty() && job[0] == 'h') disk->answered.wait();
         if (job.empty()) return Fail(ErrorCode::kMissing, "the job is empty");
+        if (job[0] == 't') throw std::runtime_error("no memory");
         FrozenJob frozen;
         frozen.mutable_job()->set_name(std::string(job.begin(), job.end()));
         return frozen;
@@ -70,6 +71,16 @@ TEST_F(SubmissionReaderTest, AnswersInTheOrderOfSubmission) {
     EXPECT_EQ(answers[i].frozen->job().name(), std::to_string(i));
   }
   EXPECT_EQ(answers[20].frozen.error().message, "the job is empty");
+}
+
+TEST_F(SubmissionReaderTest, AnExceptionIsARefusal) {
+  Add("throws", "throws");
+  Add("next", "read");
+  const auto answers = Answers(2);
+  ASSERT_EQ(answers.size(), 2u);
+  EXPECT_EQ(answers[0].frozen.error().code, ErrorCode::kFault);
+  EXPECT_THAT(answers[0].frozen.error().message, HasSubstr("no memory"));
+  EXPECT_TRUE(answers[1].frozen);
 }
 
 TEST_F(SubmissionReaderTest, ARepeatWhileItIsReadIsIgnored) {
