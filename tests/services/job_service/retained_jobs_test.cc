@@ -1,10 +1,14 @@
 // What stays of ended jobs on the bus, and for how long, by a clock of the test's own.
 
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <map>
 
+#include "proto/task.pb.h"
 #include "services/bus/samples.h"
+#include "services/history/job_history.h"
 #include "services/job_service/job_service.h"
 #include "tests/proto/test_job.h"
 #include "tests/services/bus/private_bus.h"
@@ -53,7 +57,17 @@ class RetainedJobs : public testing::Test {
  protected:
   void SetUp() override {
     const fs::path folder = test::FreshFolder();
-    AddPastJobs(folder / "jobs.db", kRemembered + 5, 10);
+    database_ = folder / "jobs.db";
+    AddPastJobs(database_, kRemembered + 5, 10);
+    // The first was cancelled, and its synchronizer has not answered yet.
+    SQLite::Database(database_.string(), SQLite::OPEN_READWRITE)
+        .exec(fmt::format("UPDATE tasks SET ended_utc = NULL, outcome = NULL "
+                          "WHERE job_uid = '1-abc' AND stage = {}; "
+                          "UPDATE jobs SET state = {}, verdict = 'none', "
+                          "result_directory = '{}' WHERE number = 1",
+                          static_cast<int>(intaglio_STAGE_ENGRAVE),
+                          static_cast<int>(intaglio_JOB_CANCELLED),
+                          (folder / "1-abc").string()));
     service_.emplace(
         host_,
         JobServiceOptions{
@@ -88,6 +102,7 @@ class RetainedJobs : public testing::Test {
   }
   static std::string Past(std::uint32_t number) { return "s" + std::to_string(number); }
 
+  fs::path database_;
   Nanoseconds now_{1000s};
   host::ServiceHost host_{{intaglio_ROLE_JOB_SERVICE, "job-service", "", {}},
                           test::PrivateBusOptions()};
@@ -132,6 +147,38 @@ TEST_F(RetainedJobs, ARefusalIsWithdrawnWhenItWasRead) {
   now_ += kRememberedFor;
   ASSERT_TRUE(Until(watcher_, [&] { return !watcher_.Has("wrong"); }));
   EXPECT_EQ(watcher_.count(), kRemembered);
+}
+
+// Its job has left the memory long ago.
+TEST_F(RetainedJobs, WhatALateSynchronizerReportsReachesTheHistory) {
+  history::Filter first;
+  first.job = 1;
+  ASSERT_EQ(history::ReadHistory(database_, first)->at(0).verdict(), "none");
+  StageOutcome outcome;
+  outcome.mutable_engrave()->set_planned_count(100);
+  outcome.mutable_engrave()->set_made_count(40);
+  outcome.mutable_engrave()->set_skipped_count(60);
+  const std::string text = outcome.SerializeAsString(), uid = "1-abc",
+                    worker = "worker-host-1234-abcdef", code = "cancelled", none;
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  intaglio_TaskStatus late{};
+  late.job_uid = Borrow(uid);
+  late.stage = intaglio_STAGE_ENGRAVE;
+  late.worker = Borrow(worker);
+  late.part_count = late.attempt = 1;
+  late.state = intaglio_TASK_FAILED;
+  late.error_code = Borrow(code);
+  late.message = Borrow(none);
+  Borrow(late.outcome, bytes);
+  bus::Writer<intaglio_TaskStatus> synchronizer(bus_, bus::kTaskStatus);
+  ASSERT_TRUE(synchronizer.Write(late));
+  ASSERT_TRUE(Until(watcher_, [&] {
+    return history::ReadHistory(database_, first)->at(0).made() == 40;
+  }));
+  const JobStatistics told = history::ReadHistory(database_, first)->at(0);
+  EXPECT_EQ(told.verdict(), "not_good");
+  EXPECT_EQ(told.state(), "cancelled");
+  EXPECT_FALSE(watcher_.Has(Past(1))) << "nobody has to be told";
 }
 
 }  // namespace
