@@ -59,30 +59,34 @@ double ResidentOf(int pid) {
 
 class LongPast : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = test::FreshFolder("LongPast");
+  LongPast() : folder_(test::FreshFolder()) {
     AddPastJobs(Database(kFew), kFew, kFrozenBytes);
     AddPastJobs(Database(kMany), kMany, kFrozenBytes);
   }
-  static void TearDownTestSuite() { fs::remove_all(folder_); }
-  static fs::path Database(std::uint32_t count) {
-    return folder_ / std::to_string(count) / "jobs.db";
-  }
+  ~LongPast() override { fs::remove_all(folder_); }
+  fs::path Database(std::uint32_t count) const { return Folder(count) / "jobs.db"; }
+  fs::path Folder(std::uint32_t count) const { return folder_ / std::to_string(count); }
   /// Of a hundred times as many jobs not much more is read. The trees of the tables are
   /// one level deeper, and a page has 4 kB.
-  static void ExpectBounded(const char* what,
-                            const std::function<void(const fs::path&)>& body) {
+  void ExpectBounded(const char* what,
+                     const std::function<void(const fs::path&)>& body) const {
     const std::uint64_t few = BytesReadBy([&] { body(Database(kFew)); });
     const std::uint64_t many = BytesReadBy([&] { body(Database(kMany)); });
     std::cout << "  " << what << ": " << few / 1000 << " kB of " << kFew << " jobs, "
               << many / 1000 << " kB of " << kMany << "\n";
     EXPECT_LT(many, 2 * few + 500'000) << what;
   }
-  static fs::path folder_;
-};
-fs::path LongPast::folder_;
+  void StartReadsTheNewestJobsAlone() const;
+  void AJobReadsItsOwnRowsAlone() const;
+  void HistoryReadsWhatItIsAskedForAlone() const;
+  void AgainReadsItsOwnJobAlone() const;
+  void AllOfItIsReadInSeconds() const;
+  void AJobServiceIsSoonThereAndSmall() const;
 
-TEST_F(LongPast, AStartReadsTheNewestJobsAlone) {
+  fs::path folder_;
+};
+
+void LongPast::StartReadsTheNewestJobsAlone() const {
   ExpectBounded("a start", [](const fs::path& database) {
     JobStore store(database);
     store.BeginRun();
@@ -90,7 +94,7 @@ TEST_F(LongPast, AStartReadsTheNewestJobsAlone) {
   });
 }
 
-TEST_F(LongPast, ASubmissionItsWorkAndItsEndReadTheirOwnRowsAlone) {
+void LongPast::AJobReadsItsOwnRowsAlone() const {
   ExpectBounded("a job", [](const fs::path& database) {
     JobStore store(database);
     EXPECT_FALSE(store.OutcomeOf("new"));
@@ -111,7 +115,7 @@ TEST_F(LongPast, ASubmissionItsWorkAndItsEndReadTheirOwnRowsAlone) {
   });
 }
 
-TEST_F(LongPast, TheHistoryReadsWhatItIsAskedForAlone) {
+void LongPast::HistoryReadsWhatItIsAskedForAlone() const {
   ExpectBounded("history --job", [](const fs::path& database) {
     history::Filter filter;
     filter.job = 500;
@@ -127,7 +131,7 @@ TEST_F(LongPast, TheHistoryReadsWhatItIsAskedForAlone) {
 }
 
 // Also the newest, and one that there is not.
-TEST_F(LongPast, AgainReadsItsOwnJobAlone) {
+void LongPast::AgainReadsItsOwnJobAlone() const {
   for (const std::string job : {"1000", "1000-abc"}) {
     ExpectBounded("again", [&job](const fs::path& database) {
       EXPECT_EQ(history::ReadJob(database, job).error().code, ErrorCode::kUnreadable)
@@ -141,7 +145,7 @@ TEST_F(LongPast, AgainReadsItsOwnJobAlone) {
   }
 }
 
-TEST_F(LongPast, AllOfItIsReadInSeconds) {
+void LongPast::AllOfItIsReadInSeconds() const {
   const auto began = Clock::now();
   const auto jobs = history::ReadHistory(Database(kMany), {});
   ASSERT_TRUE(jobs);
@@ -152,10 +156,9 @@ TEST_F(LongPast, AllOfItIsReadInSeconds) {
 
 // The figures of a quiet machine: docs/measurements.md. The bound on the time is wide
 // because other tests run beside this one.
-TEST_F(LongPast, AJobServiceIsSoonThereAndSmall) {
-  fs::rename(Database(kMany), folder_ / "jobs.db");
+void LongPast::AJobServiceIsSoonThereAndSmall() const {
   const auto began = Clock::now();
-  ServiceProcess service(folder_, test::PrivateTag());
+  ServiceProcess service(Folder(kMany), test::PrivateTag());
   FakeShop shop{test::PrivateBusOptions()};
   ASSERT_TRUE(shop.Until([&] { return shop.status_count() >= kRememberedJobs; }));
   const double there_s = SecondsSince(began);
@@ -174,7 +177,16 @@ TEST_F(LongPast, AJobServiceIsSoonThereAndSmall) {
   EXPECT_LT(there_s, 8);
   EXPECT_LT(resident_mb, 100);
   EXPECT_EQ(service.Stop(), 0);
-  fs::rename(folder_ / "jobs.db", Database(kMany));
+}
+
+// One case, because the past takes seconds to make and cases share nothing.
+TEST_F(LongPast, CostsAsLittleAsAShortOne) {
+  StartReadsTheNewestJobsAlone();
+  AJobReadsItsOwnRowsAlone();
+  HistoryReadsWhatItIsAskedForAlone();
+  AgainReadsItsOwnJobAlone();
+  AllOfItIsReadInSeconds();
+  AJobServiceIsSoonThereAndSmall();
 }
 
 }  // namespace
