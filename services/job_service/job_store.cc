@@ -110,7 +110,7 @@ constexpr const char* kColumns =
     "number, uid, submission_uid, epoch, name, cell, material, priority, rate_hz, "
     "result_directory, state, attempt, lost_attempts, message, estimate_ticks, revision, "
     "last_command, ever_granted, armed, operator_name, first_point, fire_uncertain, "
-    "asks_before_resume";
+    "asks_before_resume, disarm_count, disarm_reason, last_command_id";
 
 JobRecord RecordOf(SQLite::Statement& row) {
   JobRecord job;
