@@ -308,6 +308,50 @@ TEST_F(JobServiceTest, AJobThatWaitsForItsMachineCannotBeArmed) {
   EXPECT_TRUE(shop_.Until([&] { return Job().armed; }));
 }
 
+// It was armed for its block; the one in the machine is by then another job's.
+TEST_F(JobServiceTest, AnArmedJobThatIsOvertakenIsNotPermittedToFire) {
+  shop_.Submit("one", GoodJob());
+  ReadyAll();
+  ASSERT_TRUE(HasTasks(1));
+  shop_.Command(Job(), intaglio_COMMAND_ARM, 1);
+  ASSERT_EQ(shop_.AnswerTo(1), intaglio_ANSWER_TAKEN);
+  JobSpec urgent = GoodJob();
+  urgent.set_priority(1);
+  shop_.Submit("two", urgent);
+  ASSERT_TRUE(shop_.Until([&] { return !Job("two").uid.empty(); }));
+  shop_.Die(intaglio_STAGE_SORT, "s");
+  ASSERT_TRUE(Reaches(intaglio_JOB_QUEUED));
+  EXPECT_FALSE(Job().armed);
+  // Whoever has a task of another job lets go of it.
+  const auto is_of = [&](const std::string& submission) {
+    bool all = true;
+    for (const auto stage :
+         {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
+      const TaskCopy task = shop_.Task(stage);
+      if (task.revoked) {
+        shop_.Report(task, stage, intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+      }
+      all = all && !task.revoked && task.job_uid == Job(submission).uid;
+    }
+    return all;
+  };
+  shop_.Health(intaglio_STAGE_SORT, "s2", intaglio_HEALTH_READY);
+  ASSERT_TRUE(shop_.Until([&] { return is_of("two"); }));
+  EXPECT_THAT(Job().message, HasSubstr("it is not armed any more"));
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100);
+  ASSERT_TRUE(Reaches(intaglio_JOB_DONE, "two"));
+  ASSERT_TRUE(shop_.Until([&] { return is_of("one"); }));
+  Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
+  Report(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100);
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, "", "waits for the arm");
+  ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
+  const int before = shop_.permissions_seen();
+  ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 10; }));
+  EXPECT_FALSE(shop_.granted());
+  shop_.Command(Job(), intaglio_COMMAND_ARM, 2);
+  EXPECT_TRUE(shop_.Until([&] { return shop_.granted(); }));
+}
+
 TEST_F(JobServiceTest, TheQueueSurvivesAKill) {
   shop_.Submit("one", GoodJob());
   ASSERT_TRUE(shop_.Until([&] { return !Job().message.empty(); }));
