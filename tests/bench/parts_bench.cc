@@ -252,7 +252,8 @@ class Shop {
   }
   void Cancel(const std::string& submission) {
     state_of_.clear();
-    shop_.Command(shop_.Status(submission), intaglio_COMMAND_CANCEL, 1);
+    shop_.Command(shop_.Status(submission), intaglio_COMMAND_CANCEL, 1, false,
+                  submission);
     Until([&] { return shop_.Status(submission).state == intaglio_JOB_CANCELLED; },
           submission);
     shop_.Report(shop_.Task(intaglio_STAGE_ENGRAVE), intaglio_STAGE_ENGRAVE,

@@ -99,7 +99,14 @@ class Shop : public ::testing::Test {
 TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
   const std::string first = Submit({});
   ASSERT_TRUE(Reaches(first, "waiting for arm")) << last_;
-  const std::string second = Submit({});
+  // Its machine has another job's block: it is not armed, also not for later.
+  const Ended waits =
+      Type({"submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
+            "--height", "6", "--arm", "--watch"});
+  EXPECT_EQ(waits.exit_code, 4);
+  EXPECT_THAT(waits.output, HasSubstr("job 2 is left queued and not armed (waits for its "
+                                      "turn on els-03"));
+  const std::string second = "2";
   EXPECT_NE(first, second);
 
   // The first job's block is in the machine: the second cannot be armed for it.

@@ -55,6 +55,12 @@ TEST_F(EventLinesTest, TellsWhatIsNewAndNothingTwice) {
   job_.message = "waits";
   lines_.Show(job_);
   EXPECT_THAT(Kinds(), ElementsAre("message"));
+  job_.armed = true;
+  lines_.Show(job_);
+  const auto armed = Lines();
+  ASSERT_EQ(armed.size(), 1u);
+  EXPECT_EQ(armed[0].event(), "state");
+  EXPECT_TRUE(armed[0].armed());
   job_.progress[0] = {intaglio_STAGE_DISCRETIZE, 30, 100, 2};
   lines_.Show(job_);
   EXPECT_THAT(Kinds(), ElementsAre()) << "too soon";

@@ -229,12 +229,9 @@ void FakeShop::Poll() {
   });
 }
 
-intaglio_CommandAnswerCode FakeShop::AnswerTo(std::uint64_t number,
-                                              const std::string& sender) {
-  Until([&] { return !answered_[{sender, number}].empty(); });
+int FakeShop::AnswerTo(std::uint64_t number, const std::string& sender) {
   const auto& codes = answered_[{sender, number}];
-  EXPECT_FALSE(codes.empty()) << sender << " " << number;
-  return codes.empty() ? intaglio_ANSWER_UNKNOWN_JOB : codes.back();
+  return Until([&] { return !codes.empty(); }) ? codes.back() : -1;
 }
 
 int FakeShop::answers(std::uint64_t number, const std::string& sender) {

@@ -59,9 +59,8 @@ class FakeShop {
   /// Of a client that has seen this status; it stays until the shop ends.
   void Command(const StatusCopy& job, intaglio_JobCommandKind kind, std::uint64_t number,
                bool fire_uncertain = false, const std::string& sender = "ann");
-  /// The newest answer, and how many came.
-  intaglio_CommandAnswerCode AnswerTo(std::uint64_t number,
-                                      const std::string& sender = "ann");
+  /// The newest answer, waited for, else -1; and how many came.
+  int AnswerTo(std::uint64_t number, const std::string& sender = "ann");
   int answers(std::uint64_t number, const std::string& sender = "ann");
   /// A worker says how it is; the first time it appears.
   void Health(intaglio_Stage stage, const std::string& instance,

@@ -104,7 +104,8 @@ class KilledDiscretizerTest : public testing::Test {
     return task;
   }
   void Cancel(const std::string& submission) {
-    shop_.Command(shop_.Status(submission), intaglio_COMMAND_CANCEL, 1);
+    shop_.Command(shop_.Status(submission), intaglio_COMMAND_CANCEL, 1, false,
+                  submission);
     ASSERT_TRUE(shop_.Until(
         [&] { return shop_.Status(submission).state == intaglio_JOB_CANCELLED; }));
     const TaskCopy sort = shop_.Task(intaglio_STAGE_SORT);
