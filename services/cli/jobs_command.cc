@@ -89,7 +89,7 @@ std::optional<Error> WhyEnded(const JobView& job) {
                fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""};
 }
 
-/// The machine may take a moment, or want a person first: then its message says so.
+/// The machine may take a moment, or wait for a person: then its message is printed.
 int AwaitEffect(JobClient& client, const JobView& job, intaglio_JobCommandKind kind,
                 std::ostream& out) {
   client.PollUntil([&] { return Reached(client.jobs().at(job.uid), kind); },

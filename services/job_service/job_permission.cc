@@ -114,7 +114,7 @@ CommandAnswer JobQueue::CheckArm(const JobRecord& job, const CommandView& comman
   }
   if (command.disarm_count != job.disarm_count) {
     return {intaglio_ANSWER_SUPERSEDED,
-            fmt::format("job {} was disarmed meanwhile ({}): look at the machine and arm "
+            fmt::format("job {} was disarmed meanwhile ({}): check the machine and arm "
                         "it again (intaglio arm {})",
                         job.number, job.disarm_reason, job.number)};
   }

@@ -22,11 +22,12 @@
 //
 // One job at a time has a cell, from its first task to its end: a paused job keeps it,
 // for its block is in the machine. Of the jobs that wait the one of the highest priority
-// is next, of equal ones the first submitted. A job that may have pulses in the glass
-// never begins anew: the next synchronizer of its cell takes it up from its journal, and
-// after a loss, not after a fault, it goes on without the operator (job_take_up.cc).
-// Attempts are numbered per job; what an older attempt says is dropped. Used from one
-// thread.
+// is next, of equal ones the first submitted. A person arms a job for the block that is
+// in the machine, so only a job that has its cell can be armed, and one that is queued
+// again is disarmed. A job that may have pulses in the glass never begins anew: the next
+// synchronizer of its cell takes it up from its journal, and after a loss, not after a
+// fault, it goes on without the operator (job_take_up.cc). Attempts are numbered per job;
+// what an older attempt says is dropped. Used from one thread.
 //
 // An ended job leaves this class when kRememberedJobs have ended after it, kRememberedFor
 // after its end at the earliest; the database keeps it (job_store.h).

@@ -103,7 +103,7 @@ TEST_F(CommandInboxTest, TheNextLifeAnswersAgainAndDecidesNothing) {
   EXPECT_THAT(Answers(), testing::Contains("ann 1"));
 }
 
-// The client has told a person that there was no answer.
+// The client has reported to a person that there was no answer.
 TEST_F(CommandInboxTest, WhatWasWithdrawnBeforeItWasReadArmsNothing) {
   Send("ann", 1, intaglio_COMMAND_ARM);
   End("ann", 1);
