@@ -46,9 +46,11 @@ QosPointer SubscriberQosOf(const Bus::Entities& bus, const TopicView& topic,
   if (topic.scope == Scope::kRole && !partition.empty()) {
     dds_qset_partition1(qos.get(), partition.c_str());
   } else if (topic.scope == Scope::kRole) {
-    // Of everybody; who has no role, or is played from an old recording, has none.
-    const char* all[] = {"", "*"};
-    dds_qset_partition(qos.get(), 2, all);
+    // Of everybody. Without identities also of who has no role, or is played from a
+    // recording of before they had partitions.
+    const std::string roles = RolePartition("*");
+    const char* all[] = {roles.c_str(), ""};
+    dds_qset_partition(qos.get(), bus.security.empty() ? 2 : 1, all);
   }
   return qos;
 }

@@ -64,18 +64,17 @@ Role StageWorker() {
 
 // Health tells a second synchronizer or bridge of the same machine that it is one.
 Role Cell(const std::string& cell) {
-  return {
-      bus::CellRole(cell),
-      cell,
-      Join(
-          {OwnWords(),
-           {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
-            Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport),
-            Of(bus::kLampSync), Of(bus::kPulseEventBatch), Of(bus::kInterlock)}}),
-      {Of(bus::kServiceHealth, bus::CellRole(cell)), Of(bus::kEngraveTask),
-       Of(bus::kPathBatch), Of(bus::kCredit, bus::CellRole(cell)), Of(bus::kPermission),
-       Of(bus::kEmergencyStop), Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
-       Of(bus::kPositionReport), Of(bus::kPresence, bus::kJobServiceRole)}};
+  return {bus::CellRole(cell),
+          cell,
+          Join({OwnWords(),
+                {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
+                 Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
+                 Of(bus::kPositionReport), Of(bus::kLampSync), Of(bus::kPulseEventBatch),
+                 Of(bus::kInterlock)}}),
+          {Of(bus::kServiceHealth), Of(bus::kEngraveTask), Of(bus::kPathBatch),
+           Of(bus::kCredit), Of(bus::kPermission), Of(bus::kEmergencyStop),
+           Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport),
+           Of(bus::kPresence, bus::kJobServiceRole)}};
 }
 
 Role Recorder() {
@@ -108,7 +107,9 @@ std::string WritePartition(const Role& role, const RoleTopic& topic) {
 
 std::string ReadPartition(const Role& role, const RoleTopic& topic) {
   if (topic.scope == bus::Scope::kRole) {
-    return topic.of_roles == "*" ? topic.of_roles : bus::RolePartition(topic.of_roles);
+    // Who reads every cell reads everything, also what has no partition.
+    const bool all = topic.of_roles == "*" && role.partition == "*";
+    return all ? "*" : bus::RolePartition(topic.of_roles);
   }
   return topic.scope == bus::Scope::kCell ? role.partition : "";
 }
