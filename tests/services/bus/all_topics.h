@@ -1,6 +1,7 @@
 #pragma once
 
-// Calls visit(topic) for every topic of services/bus/topics.h.
+// Calls visit(topic) for every topic of services/bus/topics.h: ForEachTopic for those
+// that are recorded, which is all but Presence, ForEveryTopic for that one, too.
 
 #include "services/bus/topics.h"
 
@@ -19,7 +20,6 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kServiceHealth);
   visit(bus::kCredit);
   visit(bus::kAlarm);
-  visit(bus::kPresence);
   visit(bus::kModelChunk);
   visit(bus::kPointBatch);
   visit(bus::kPathBatch);
@@ -31,6 +31,12 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kPermission);
   visit(bus::kEmergencyStop);
   visit(bus::kInterlock);
+}
+
+template <typename Visit>
+void ForEveryTopic(Visit&& visit) {
+  ForEachTopic(visit);
+  visit(bus::kPresence);
 }
 
 }  // namespace intaglio::test

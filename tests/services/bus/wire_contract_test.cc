@@ -45,7 +45,7 @@ const char* ProfileName(bus::Profile profile) {
 
 std::string Contract() {
   std::string text = "# topic type keys profile domain scope type_hash\n";
-  test::ForEachTopic([&text](const auto& topic) {
+  test::ForEveryTopic([&text](const auto& topic) {
     text +=
         fmt::format("{} {} {} {} {} {} {}\n", topic.name, topic.descriptor->m_typename,
                     KeysOf(*topic.descriptor), ProfileName(topic.profile),
@@ -68,7 +68,7 @@ TEST(WireContract, IsTheOneThatWasAgreed) {
 }
 
 TEST(WireContract, EveryTypeTellsItsHash) {
-  test::ForEachTopic([](const auto& topic) {
+  test::ForEveryTopic([](const auto& topic) {
     EXPECT_GT(topic.descriptor->type_information.sz, 0u) << topic.name;
   });
 }
@@ -76,7 +76,7 @@ TEST(WireContract, EveryTypeTellsItsHash) {
 // Nothing but bulk flows in the bulk domain: a full stream there may hold up the rest.
 TEST(WireContract, BulkTopicsHaveTheirOwnDomain) {
   std::set<std::string> names;
-  test::ForEachTopic([&names](const auto& topic) {
+  test::ForEveryTopic([&names](const auto& topic) {
     EXPECT_EQ(topic.profile == bus::Profile::kBulk,
               topic.domain == bus::DomainKind::kBulk)
         << topic.name;
