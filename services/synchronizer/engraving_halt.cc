@@ -143,14 +143,11 @@ void Engraving::TurnChain(const EngravingInputs& inputs) {
 // A line that leads to another machine is no lost line: somebody changes cables, and is
 // to arm when that is done. So each arm is spent while another device answers.
 void Engraving::HaltOverOtherDevice(const EngravingInputs& inputs) {
-  const bool other_stage =
-      inputs.motion.fresh && inputs.motion.fault == intaglio_MOTION_WRONG_CONTROLLER;
-  if (stopping_ || (laser_.refusal().empty() && !other_stage)) return;
+  const std::string why = OtherDevice(inputs, laser_);
+  if (stopping_ || why.empty()) return;
   chain_.Latch(false);
   starts_again_ = lost_a_line_ = false;
-  if (!faulted()) return;
-  message_ = (laser_.refusal().empty() ? inputs.motion.message : laser_.refusal()) +
-             ", then resume";
+  if (faulted()) message_ = why + ", then resume";
 }
 
 // Outside a run no shutter is open, whatever happened before.

@@ -23,4 +23,11 @@ ChainLinks LinksOf(const EngravingInputs& inputs, const LaserController& laser,
   return links;
 }
 
+std::string OtherDevice(const EngravingInputs& inputs, const LaserController& laser) {
+  if (!laser.refusal().empty()) return laser.refusal();
+  const bool other_stage =
+      inputs.motion.fresh && inputs.motion.fault == intaglio_MOTION_WRONG_CONTROLLER;
+  return other_stage ? inputs.motion.message : std::string();
+}
+
 }  // namespace intaglio::synchronizer

@@ -291,13 +291,16 @@ void Synchronizer::WatchMachine(std::chrono::nanoseconds now) {
   const ChainLinks links = LinksOf(inputs, laser_, 0);
   if (!job_) return chain_.Watch(links, now);
   (void)chain_.Turn(links, now);
+  const std::string other_device = OtherDevice(inputs, laser_);
+  if (!other_device.empty()) chain_.Latch(false);
   if (inputs.grant.number == 0 || !chain_.has_lost(inputs.grant)) return;
   publisher_.Tell({.job_uid = job_->job_uid(),
                    .attempt = attempt_,
                    .state = intaglio_TASK_PAUSED,
                    .elapsed_s = std::chrono::duration<double>(now - began_at_).count(),
                    .error_code = ErrorCodeName(ErrorCode::kFault),
-                   .message = TextOf(chain_.spent_by())},
+                   .message = other_device.empty() ? TextOf(chain_.spent_by())
+                                                   : other_device + ", then resume"},
                   now);
 }
 
