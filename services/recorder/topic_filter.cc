@@ -24,8 +24,9 @@ bool NameFilter::Accepts(const std::string& name) const {
 bool TopicFilter::Accepts(const std::string& topic_name, const std::string& partitions,
                           const std::string& type_name) const {
   if (!topic.Accepts(topic_name) || !type.Accepts(type_name)) return false;
-  if (partitions.empty() || partitions.starts_with(bus::kRolePartitionPrefix))
-    return true;
+  const bool of_no_machine = partitions.empty() || partitions == "*" ||
+                             partitions.starts_with(bus::kRolePartitionPrefix);
+  if (of_no_machine) return true;
   for (std::size_t at = 0; at <= partitions.size();) {
     const auto end = std::min(partitions.find(',', at), partitions.size());
     if (partition.Accepts(partitions.substr(at, end - at))) return true;

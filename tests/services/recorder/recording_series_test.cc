@@ -286,6 +286,14 @@ TEST_F(Series, FullDiskCostsBulkAndNoControl) {
   EXPECT_GT(missing, 0u);
 }
 
+TEST(TopicFilter, APartitionOfEveryMachineIsRecordedWithEach) {
+  TopicFilter filter;
+  filter.partition.only = {"els-03"};
+  EXPECT_TRUE(filter.Accepts("EmergencyStop", "*", "t"));
+  EXPECT_TRUE(filter.Accepts("EmergencyStop", "els-03", "t"));
+  EXPECT_FALSE(filter.Accepts("EmergencyStop", "els-04", "t"));
+}
+
 TEST(TopicFilter, PatternsSelect) {
   TopicFilter filter;
   EXPECT_TRUE(filter.Accepts("JobStatus", "", "intaglio::JobStatus"));
