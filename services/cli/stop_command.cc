@@ -1,15 +1,22 @@
 #include "services/cli/stop_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <set>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "services/bus/samples.h"
 #include "services/cli/bus_flags.h"
+#include "services/cli/job_client.h"
 #include "services/cli/run_command.h"
 
 namespace intaglio::cli {
@@ -22,6 +29,8 @@ using Clock = std::chrono::steady_clock;
 
 // A machine answers within a turn of its loop; discovery comes before that.
 constexpr auto kAnswerTime = 5s;
+constexpr auto kPollPeriod = 2ms;
+constexpr char kEveryMachine[] = "*";
 
 struct StopOptions {
   bus::BusOptions bus;
@@ -30,147 +39,246 @@ struct StopOptions {
   bool reset = false;
 };
 
-/// What a cell has said of its stop.
-struct StopWord {
-  bool heard = false;
-  bool pressed = false;
+struct HeldPress {
+  std::string source;
   std::uint64_t number = 0;
 };
+using HeldPresses = std::vector<HeldPress>;
 
-/// One machine's stop, as its synchronizer confirms it.
-class CellStop {
+bool Names(const HeldPresses& presses, const std::string& source, std::uint64_t number) {
+  return std::any_of(presses.begin(), presses.end(), [&](const HeldPress& press) {
+    return press.source == source && press.number >= number;
+  });
+}
+
+/// Not the source of any other process, on any host, at any time.
+std::string SourceName() {
+  char host[256] = "localhost";
+  gethostname(host, sizeof host - 1);
+  return fmt::format("intaglio-stop-{}-{}-{:x}", host, getpid(),
+                     std::chrono::system_clock::now().time_since_epoch().count());
+}
+
+/// This process as a source of EmergencyStop. What it sent last reaches every machine
+/// that starts while it lives. Its end releases nothing.
+class StopSource {
  public:
-  CellStop(bus::Bus& bus, std::string cell)
-      : cell_(std::move(cell)),
-        stops_(bus, bus::kEmergencyStop, cell_),
-        interlocks_(bus, bus::kInterlock, cell_) {}
+  /// `cell`: a machine, or kEveryMachine, whose partition every machine's readers match.
+  StopSource(bus::Bus& bus, std::string cell)
+      : cell_(std::move(cell)), writer_(bus, bus::kEmergencyStop, cell_) {}
 
-  const std::string& cell() const { return cell_; }
-  void Press(const std::string& reason) {
-    pressed_ = true;
-    Write(reason, MicrosecondsNow());
+  const std::string& name() const { return name_; }
+  /// The number of the press.
+  Result<std::uint64_t> Press(const std::string& reason) {
+    return Send(true, reason, {});
   }
-  /// Above every press that its synchronizer has heard of.
-  void Reset() {
-    pressed_ = false;
-    Write("reset on the command line", std::max(MicrosecondsNow(), word_.number + 1));
-  }
-  /// True when the synchronizer holds what was last written.
-  bool Confirmed() {
-    interlocks_.Take([this](const intaglio_Interlock& sample) {
-      word_ = {true, sample.bus_stop_pressed, sample.bus_stop_number};
-    });
-    return word_.heard && word_.pressed == pressed_ &&
-           (!pressed_ || word_.number >= number_);
-  }
-  bool heard() {
-    (void)Confirmed();
-    return word_.heard;
+  Result<std::uint64_t> Release(const HeldPresses& presses) {
+    return Send(false, "reset on the command line", presses);
   }
 
  private:
-  // Of this century on every host: greater than any earlier one without asking anybody.
-  static std::uint64_t MicrosecondsNow() {
-    return static_cast<std::uint64_t>(
-        std::chrono::duration_cast<std::chrono::microseconds>(
-            std::chrono::system_clock::now().time_since_epoch())
-            .count());
-  }
-  void Write(const std::string& reason, std::uint64_t number) {
-    number_ = number;
-    const std::string source = "intaglio stop";
+  Result<std::uint64_t> Send(bool pressed, const std::string& reason,
+                             const HeldPresses& presses) {
+    std::vector<intaglio_StopPress> released;
+    for (const HeldPress& press : presses)
+      released.push_back({Borrow(press.source), press.number});
     intaglio_EmergencyStop sample{};
     sample.cell = Borrow(cell_);
-    sample.pressed = pressed_;
-    sample.source = Borrow(source);
+    sample.source = Borrow(name_);
+    sample.number = ++number_;
+    sample.pressed = pressed;
+    sample.operator_name = Borrow(operator_name_);
     sample.reason = Borrow(reason);
-    sample.number = number_;
-    if (auto written = stops_.Write(sample); !written) {
-      std::cerr << "intaglio: " << written.error().message << "\n";
+    Borrow(sample.released, released);
+    if (auto written = writer_.Write(sample); !written)
+      return tl::unexpected(written.error());
+    return number_;
+  }
+
+  const std::string name_ = SourceName(), operator_name_ = OperatorName();
+  const std::string cell_;
+  bus::Writer<intaglio_EmergencyStop> writer_;
+  std::uint64_t number_ = 0;
+};
+
+/// A machine's emergency stops, as its synchronizer reports them.
+struct MachineStops {
+  bool reported = false;
+  bool pressed = false;
+  HeldPresses held;
+};
+
+/// Collects what one machine, or every machine of the shop, reports.
+class MachineReports {
+ public:
+  /// `cell` empty: every machine.
+  MachineReports(bus::Bus& bus, const std::string& cell)
+      : interlocks_(bus, bus::kInterlock, cell) {
+    if (cell.empty()) {
+      health_ =
+          std::make_unique<bus::Reader<intaglio_ServiceHealth>>(bus, bus::kServiceHealth);
+    } else {
+      machines_[cell];
     }
   }
 
-  std::string cell_;
-  bus::Writer<intaglio_EmergencyStop> stops_;
+  const std::map<std::string, MachineStops>& Poll() {
+    if (health_) health_->Take([this](const intaglio_ServiceHealth& s) { Add(s); });
+    interlocks_.Take([this](const intaglio_Interlock& sample) {
+      MachineStops& machine = machines_[std::string(View(sample.cell))];
+      machine = {true, sample.bus_stop_pressed, {}};
+      for (const intaglio_StopPress& press : View(sample.bus_stops))
+        machine.held.push_back({std::string(View(press.source)), press.number});
+    });
+    return machines_;
+  }
+  const MachineStops& Of(const std::string& cell) { return Poll().at(cell); }
+
+ private:
+  void Add(const intaglio_ServiceHealth& sample) {
+    const bool serves = sample.role == intaglio_ROLE_SYNCHRONIZER ||
+                        sample.role == intaglio_ROLE_MOTION_BRIDGE;
+    if (serves && !View(sample.cell).empty()) machines_[std::string(View(sample.cell))];
+  }
+
   bus::Reader<intaglio_Interlock> interlocks_;
-  StopWord word_;
-  bool pressed_ = false;
-  std::uint64_t number_ = 0;
+  std::unique_ptr<bus::Reader<intaglio_ServiceHealth>> health_;
+  std::map<std::string, MachineStops> machines_;
 };
 
 template <typename Condition>
 bool Until(Condition condition, std::chrono::milliseconds bound) {
   for (const auto end = Clock::now() + bound; Clock::now() < end;) {
     if (condition()) return true;
-    std::this_thread::sleep_for(2ms);
+    std::this_thread::sleep_for(kPollPeriod);
   }
   return condition();
 }
 
-std::map<std::string, std::unique_ptr<CellStop>> CellsOf(bus::Bus& bus,
-                                                         const StopOptions& options) {
-  std::map<std::string, std::unique_ptr<CellStop>> cells;
-  const auto add = [&](const std::string& cell) {
-    if (!cells.contains(cell)) cells[cell] = std::make_unique<CellStop>(bus, cell);
-  };
-  if (!options.cell.empty()) {
-    add(options.cell);
-    return cells;
+int ComplainOf(const std::string& text, int exit_code) {
+  return Complain(Error{ErrorCode::kTimedOut, text, {}}, exit_code);
+}
+
+int ComplainOfNoMachine() {
+  return ComplainOf(
+      "no machine is found: press its own button; then check --domain, --interface and "
+      "--tag",
+      kExitWrongInput);
+}
+
+/// Of those, the machines that do not hold the press.
+std::vector<std::string> Unconfirmed(const std::map<std::string, MachineStops>& machines,
+                                     const std::string& source, std::uint64_t number,
+                                     std::set<std::string>& confirmed) {
+  std::vector<std::string> missing;
+  for (const auto& [cell, stops] : machines) {
+    if (Names(stops.held, source, number) && confirmed.insert(cell).second)
+      std::cout << cell << ": stopped" << std::endl;
+    if (!confirmed.contains(cell)) missing.push_back(cell);
   }
-  bus::Reader<intaglio_ServiceHealth> health(bus, bus::kServiceHealth);
-  Until(
-      [&] {
-        health.Take([&](const intaglio_ServiceHealth& sample) {
-          const bool serves = sample.role == intaglio_ROLE_SYNCHRONIZER ||
-                              sample.role == intaglio_ROLE_MOTION_BRIDGE;
-          if (serves && !View(sample.cell).empty()) add(std::string(View(sample.cell)));
-        });
-        return false;
-      },
-      bus.discovery_time());
-  return cells;
+  return missing;
 }
 
-int Complain(const std::string& text, int exit_code) {
-  std::cerr << "intaglio: " << text << "\n";
-  return exit_code;
-}
-
-int Stop(const StopOptions& options) {
+// The press is on the bus before anything is waited for.
+int Press(const StopOptions& options) {
   bus::Bus bus(options.bus);
-  auto cells = CellsOf(bus, options);
+  const bool every = options.cell.empty();
+  StopSource source(bus, every ? kEveryMachine : options.cell);
+  const auto number = source.Press(options.reason);
+  if (!number) return Complain(number.error(), kExitMachine);
+  MachineReports reports(bus, options.cell);
+  std::set<std::string> confirmed;
+  std::vector<std::string> missing;
+  const auto all_confirmed = [&] {
+    missing = Unconfirmed(reports.Poll(), source.name(), *number, confirmed);
+    return missing.empty();
+  };
+  if (every) {
+    Until([&] { return all_confirmed() && false; }, bus.discovery_time());
+    if (reports.Poll().empty()) return ComplainOfNoMachine();
+  }
+  Until(all_confirmed, kAnswerTime);
+  for (const std::string& cell : missing) {
+    ComplainOf(
+        fmt::format("{} has not confirmed the stop within {} s: press the machine's "
+                    "own button",
+                    cell, kAnswerTime.count()),
+        kExitMachine);
+  }
+  return missing.empty() ? kExitGood : kExitMachine;
+}
+
+/// The machine to reset: the named one, or the only one that is found.
+Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& options,
+                                   std::chrono::milliseconds discovery_time) {
+  if (!options.cell.empty()) return options.cell;
+  Until([&] { return reports.Poll().empty() && false; }, discovery_time);
+  const auto& machines = reports.Poll();
+  if (machines.size() == 1) return machines.begin()->first;
+  std::vector<std::string> cells;
+  for (const auto& [cell, stops] : machines) cells.push_back(cell);
   if (cells.empty()) {
-    return Complain(
-        "no machine is seen: press its own button; then check --domain, --interface and "
-        "--tag",
-        kExitWrongInput);
+    return Fail(ErrorCode::kInvalidValue,
+                "no machine is found: check --domain, --interface and --tag");
   }
-  if (options.reset && cells.size() > 1) {
-    return Complain("there are several machines: say which one to reset",
-                    kExitWrongInput);
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("there are several machines ({}): name the one to reset",
+                          fmt::join(cells, ", ")));
+}
+
+int ReportReset(const std::string& cell, const MachineStops& stops) {
+  if (!stops.pressed) {
+    std::cout << cell << ": reset; an arm or a resume lets it go on\n";
+    return kExitGood;
   }
-  int exit_code = kExitGood;
-  // Pressed everywhere before anything is waited for.
-  for (auto& [name, cell] : cells) {
-    if (!options.reset) cell->Press(options.reason);
+  std::vector<std::string> presses;
+  for (const HeldPress& press : stops.held)
+    presses.push_back(fmt::format("{} (number {})", press.source, press.number));
+  if (presses.empty()) {
+    return ComplainOf(
+        fmt::format("{} is still stopped by more presses than it can name: restart its "
+                    "synchronizer",
+                    cell),
+        kExitMachine);
   }
-  for (auto& [name, cell] : cells) {
-    if (options.reset) {
-      Until([&cell = cell] { return cell->heard(); }, kAnswerTime);
-      cell->Reset();
-    }
-    if (Until([&cell = cell] { return cell->Confirmed(); }, kAnswerTime)) {
-      std::cout << name
-                << (options.reset ? ": reset; an arm or a resume lets it go on\n"
-                                  : ": stopped\n");
-      continue;
-    }
-    exit_code = Complain(fmt::format("{} has not confirmed it within 5 s: {}", name,
-                                     options.reset ? "is its synchronizer running?"
-                                                   : "press the machine's own button"),
-                         kExitMachine);
+  return ComplainOf(
+      fmt::format("{} is still stopped by a press that came during the reset: {}; check "
+                  "the machine, then reset it again",
+                  cell, fmt::join(presses, ", ")),
+      kExitMachine);
+}
+
+// Names the presses that the machine's synchronizer reports, and no other.
+int Reset(const StopOptions& options) {
+  bus::Bus bus(options.bus);
+  MachineReports reports(bus, options.cell);
+  const auto cell = MachineToReset(reports, options, bus.discovery_time());
+  if (!cell) return Complain(cell.error());
+  if (!Until([&] { return reports.Of(*cell).reported; }, kAnswerTime)) {
+    return ComplainOf(
+        fmt::format("{} has not reported its stops within {} s: is its synchronizer "
+                    "running?",
+                    *cell, kAnswerTime.count()),
+        kExitMachine);
   }
-  return exit_code;
+  const HeldPresses named = reports.Of(*cell).held;
+  StopSource source(bus, *cell);
+  if (auto sent = source.Release(named); !sent)
+    return Complain(sent.error(), kExitMachine);
+  const auto released = [&] {
+    const HeldPresses& held = reports.Of(*cell).held;
+    return std::none_of(held.begin(), held.end(), [&](const HeldPress& press) {
+      return Names(named, press.source, press.number);
+    });
+  };
+  if (!Until(released, kAnswerTime)) {
+    return ComplainOf(fmt::format("{} has not confirmed the reset within {} s: are its "
+                                  "synchronizer, its motion bridge and the job service "
+                                  "running?",
+                                  *cell, kAnswerTime.count()),
+                      kExitMachine);
+  }
+  return ReportReset(*cell, reports.Of(*cell));
 }
 
 }  // namespace
@@ -180,16 +288,19 @@ void AddStopCommand(command_line::Command app) {
       "stop", "emergency stop: no more pulses, the stage comes to rest, latched");
   auto options = std::make_shared<StopOptions>();
   AddBusFlags(command, options->bus);
-  command.AddOption("machine", options->cell, "its name; every one that is seen");
+  command.AddOption("machine", options->cell, "its name; every machine if none is given");
   command.AddFlag("--reset", options->reset,
                   "release it again; nothing starts before an arm or a resume");
   command.AddOption("--reason", options->reason, "for the log").ShowDefault();
   command.SetFooter(
       "It goes by network and programs: who stands at a machine uses its button.\n"
-      "Ends with 0 when the machine has confirmed it, with 4 when it has not.\n"
-      "Example: intaglio stop           every machine that is seen\n"
+      "Ends with 0 when every machine has confirmed it, with 4 when one has not.\n"
+      "A reset releases the presses that the machine reports, and no other; it ends\n"
+      "with 4 when another press holds the machine afterwards.\n"
+      "Example: intaglio stop           every machine\n"
       "  intaglio stop els-03 --reset   then: intaglio resume JOB");
-  command.SetAction([options] { return Stop(*options); });
+  command.SetAction(
+      [options] { return options->reset ? Reset(*options) : Press(*options); });
 }
 
 }  // namespace intaglio::cli

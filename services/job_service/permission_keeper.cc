@@ -60,10 +60,11 @@ std::vector<std::pair<std::string, bool>> PermissionKeeper::TakeStops() {
   const std::lock_guard lock(mutex_);
   std::vector<std::pair<std::string, bool>> pressed;
   for (auto& [name, cell] : cells_) {
-    cell.stops.Take([&cell = cell](const intaglio_EmergencyStop& stop) {
-      cell.stop.Take(stop.pressed, stop.number);
+    bool came = false;
+    cell.stops.Take([&, &cell = cell](const intaglio_EmergencyStop& stop) {
+      came = cell.stop.Take(stop) || came;
     });
-    pressed.emplace_back(name, cell.stop.pressed());
+    pressed.emplace_back(name, came || cell.stop.pressed());
   }
   return pressed;
 }
@@ -99,6 +100,8 @@ void PermissionKeeper::Write(Cell& cell) {
   sample.renewal = cell.told.renewal;
   sample.first_point = cell.told.first_point;
   sample.fire_uncertain = cell.told.fire_uncertain;
+  const auto held = host::WireOf(cell.stop.held());
+  bus::Borrow(sample.bus_stops, held);
   if (auto written = cell.writer.Write(sample); !written) {
     host::LogWarning("permission of {}: {}", cell.told.cell, written.error().message);
   }

@@ -41,7 +41,8 @@ class PermissionKeeper {
   /// another one, that is not `in_use` and whose emergency stop is not pressed: its
   /// synchronizer takes silence for no permission.
   void Open(const std::string& cell, const std::set<std::string>& in_use);
-  /// What was heard of the emergency stops: every open cell, and whether it is pressed.
+  /// Reads the emergency stops: every open cell, and whether its stop is pressed or was
+  /// pressed since the last call.
   std::vector<std::pair<std::string, bool>> TakeStops();
   /// What is to be repeated from now on; told at once when it is another. A cell that is
   /// not in `permissions` has no job and gets none.

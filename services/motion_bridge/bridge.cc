@@ -153,7 +153,7 @@ void Bridge::AbortRun() {
 
 void Bridge::TakeStops() {
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
-    if (!stop_.Take(stop.pressed, stop.number)) return;
+    if (!stop_.Take(stop)) return;
     AbortRun();
     host::LogWarning("emergency stop: the stage brakes");
   });
@@ -238,6 +238,8 @@ void Bridge::PublishState(std::chrono::nanoseconds now) {
   sample.fault = state.fault;
   sample.message = Borrow(state.message);
   sample.clock = state.clock;
+  const auto held = host::WireOf(stop_.held());
+  Borrow(sample.bus_stops, held);
   (void)states_.Write(sample);
 }
 

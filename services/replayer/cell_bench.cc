@@ -227,10 +227,15 @@ void CellBench::Deliver(Performance& performance, const CellEvent& event) {
     intaglio_EmergencyStop sample{};
     sample.cell = bus::Borrow(cell_);
     sample.pressed = stop->pressed;
+    sample.source = bus::Borrow(stop->source);
     sample.number = stop->number;
-    const std::string source = kOwnName, reason = "as recorded";
-    sample.source = bus::Borrow(source);
+    const std::string operator_name = kOwnName, reason = "as recorded";
+    sample.operator_name = bus::Borrow(operator_name);
     sample.reason = bus::Borrow(reason);
+    std::vector<intaglio_StopPress> released;
+    for (const RecordedPress& press : stop->released)
+      released.push_back({bus::Borrow(press.source), press.number});
+    bus::Borrow(sample.released, released);
     (void)stops_.Write(sample);
   } else if (const auto* interlock = std::get_if<InterlockWord>(&event.word)) {
     SetInterlocks(*interlock);

@@ -125,15 +125,13 @@ Status SessionReader::ReadPermission() {
                         return true;
                       });
   if (!read) return read;
+  RecordedStops stops(cell_);
   return ForEach(reader_, bus::kEmergencyStop.name,
                  [&](const Value& value, std::uint64_t at_ns) {
-                   StopWord word;
-                   Members members(value);
-                   members.Get("pressed", word.pressed);
-                   members.Get("number", word.number);
-                   const auto ours = Ours(value);
-                   if (ours && *ours && Within(at_ns)) Add(at_ns, word);
-                   return members.good() && ours.has_value();
+                   auto sample = stops.Read(value);
+                   if (sample && sample->ours && Within(at_ns))
+                     Add(at_ns, std::move(sample->stop));
+                   return sample.has_value();
                  });
 }
 

@@ -20,6 +20,7 @@
 #include "services/recording/mcap_reader.h"
 #include "services/replayer/cell_words.h"
 #include "services/replayer/recorded_samples.h"
+#include "services/replayer/recorded_stops.h"
 
 namespace intaglio::replayer {
 
@@ -30,10 +31,6 @@ struct PermissionWord {
   std::uint32_t speed_percent = 100, first_point = 0;
   bool fire_uncertain = false;
   bool operator==(const PermissionWord&) const = default;
-};
-struct StopWord {
-  bool pressed = false;
-  std::uint64_t number = 0;
 };
 /// Of the machine's own interlocks, those that nobody on the bus moves.
 struct InterlockWord {

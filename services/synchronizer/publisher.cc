@@ -104,12 +104,12 @@ void Publisher::TellLaser(const LaserController& laser, const host::StopLatch& s
            ? laser.status().interlocks | laser.status().shutters_open << 8 | 1u << 16
            : 0) |
       (stop.pressed() ? 1u << 17 : 0u);
-  if (interlocks == told_interlocks_ && stop.number() == told_stop_ &&
+  if (interlocks == told_interlocks_ && stop.revision() == told_stop_ &&
       now < next_interlock_) {
     return;
   }
   told_interlocks_ = interlocks;
-  told_stop_ = stop.number();
+  told_stop_ = stop.revision();
   next_interlock_ = now + kInterlockPeriod;
   TellInterlock(laser, stop);
 }
@@ -130,7 +130,8 @@ void Publisher::TellLampSync(const LaserController& laser) {
 void Publisher::TellInterlock(const LaserController& laser, const host::StopLatch& stop) {
   intaglio_Interlock sample{};
   sample.bus_stop_pressed = stop.pressed();
-  sample.bus_stop_number = stop.number();
+  const auto held = host::WireOf(stop.held());
+  Borrow(sample.bus_stops, held);
   sample.cell = Borrow(cell_);
   sample.laser_link_up = laser.up();
   sample.message = Borrow(laser.message());

@@ -58,6 +58,7 @@ Synchronizer::~Synchronizer() = default;
 
 void Synchronizer::Turn(std::chrono::nanoseconds now) {
   now_ = now;
+  stop_came_ = false;
   if (journal_) journal_->ClearEvent();
   const auto take = [this](const auto& report) {
     if (engraving_) engraving_->Take(report);
@@ -154,6 +155,7 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
       [&](const intaglio_Permission& sample, const bus::SampleOrigin& o) {
         if (!o.alive) {
           permission_granted_ = false;
+          (void)stop_.TakeHeld("job service", {});
           return;
         }
         permission_at_ = now;
@@ -164,13 +166,18 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
         fire_uncertain_ = sample.fire_uncertain;
         permission_job_ = View(sample.job_uid);
         speed_percent_ = std::clamp(sample.speed_percent, 10u, 100u);
+        if (stop_.TakeHeld("job service", View(sample.bus_stops)))
+          NoteStop("job service", "it holds a press");
       });
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
-    if (stop_.Take(stop.pressed, stop.number)) {
-      host::LogWarning("emergency stop by {}: {}", View(stop.source), View(stop.reason));
-    }
+    if (stop_.Take(stop)) NoteStop(View(stop.operator_name), View(stop.reason));
   });
   TellStop();
+}
+
+void Synchronizer::NoteStop(std::string_view source, std::string_view reason) {
+  stop_came_ = true;
+  host::LogWarning("emergency stop by {}: {}", source, reason);
 }
 
 // The controller keeps it latched by itself, over the end of this process, too.
@@ -195,8 +202,11 @@ void Synchronizer::TakeMotion(std::chrono::nanoseconds now) {
     motion_view_.fault = sample.fault;
     motion_view_.message = View(sample.message);
     motion_view_.clock = sample.clock;
+    if (stop_.TakeHeld("motion bridge", View(sample.bus_stops)))
+      NoteStop("motion bridge", "it holds a press");
   });
   motion_view_.fresh = motion_at_.count() >= 0 && now - motion_at_ < kMotionLease;
+  if (!motion_view_.fresh) (void)stop_.TakeHeld("motion bridge", {});
 }
 
 void Synchronizer::TakePositions() {
@@ -317,7 +327,7 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
     inputs.first_point = first_point_;
     inputs.fire_uncertain = fire_uncertain_;
   }
-  inputs.stop_pressed = stop_.pressed();
+  inputs.stop_pressed = stop_.pressed() || stop_came_;
   inputs.speed_percent = ours ? speed_percent_ : 100;
   inputs.motion = motion_view_;
   if (motion_view_.clock != 0) inputs.motion_clock = &motion_clock_;

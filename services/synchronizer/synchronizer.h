@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
@@ -56,6 +57,8 @@ class Synchronizer {
   void TakeTasks();
   void Begin(const intaglio_StageTask& task);
   void TakePermission(std::chrono::nanoseconds now);
+  /// A press that was not known: this turn at least is stopped.
+  void NoteStop(std::string_view source, std::string_view reason);
   void TellStop();
   void TakeMotion(std::chrono::nanoseconds now);
   void TakePositions();
@@ -123,6 +126,7 @@ class Synchronizer {
   std::string permission_job_;
   std::uint32_t speed_percent_ = 100;
   host::StopLatch stop_;
+  bool stop_came_ = false;  ///< in this turn, though it may be released by now
   std::uint64_t stop_told_session_ = 0;  ///< to the laser; 0: not
 };
 

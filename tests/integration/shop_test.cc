@@ -8,6 +8,8 @@
 #include <fstream>
 #include <regex>
 
+#include "services/bus/bus.h"
+#include "services/bus/samples.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 
@@ -88,6 +90,15 @@ class Shop : public ::testing::Test {
           return false;
         },
         60s);
+  }
+
+  /// Pulses that the machine has fired; 0 before it is there.
+  unsigned long Pulses() const {
+    const std::string status = testing::AskPanel(folder_ / "shop", "status");
+    std::smatch number;
+    return std::regex_search(status, number, std::regex("\"pulses\": ([0-9]+)"))
+               ? std::stoul(number[1])
+               : 0;
   }
 
   fs::path folder_ = test::FreshFolder();
@@ -183,6 +194,78 @@ TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {
   EXPECT_EQ(reset.exit_code, 0) << reset.output;
   std::this_thread::sleep_for(1s);  // nothing starts by itself
   EXPECT_THAT(Type({"show", job}).output, HasSubstr("state      paused"));
+  Type({"resume", job});
+  EXPECT_TRUE(RunsTo(job, "done")) << last_;
+}
+
+/// The presses that hold els-03, and a reset that names what its sender chooses.
+class StopsOnTheBus {
+ public:
+  explicit StopsOnTheBus(const std::string& tag) : bus_(OptionsOf(tag)) {}
+
+  using Presses = std::vector<std::pair<std::string, std::uint64_t>>;
+  Presses Held() {
+    interlocks_.Take([this](const intaglio_Interlock& sample) {
+      held_.clear();
+      for (const intaglio_StopPress& press : bus::View(sample.bus_stops))
+        held_.emplace_back(press.source, press.number);
+    });
+    return held_;
+  }
+  bool AwaitHeld(std::size_t count) {
+    return Eventually([&] { return Held().size() == count; }, 10s);
+  }
+  void Reset(const Presses& presses) {
+    std::vector<intaglio_StopPress> released;
+    for (const auto& [source, number] : presses)
+      released.push_back({bus::Borrow(source), number});
+    const std::string who = "panel-" + std::to_string(getpid());
+    intaglio_EmergencyStop sample{};
+    sample.cell = bus::Borrow(kCell);
+    sample.source = sample.operator_name = sample.reason = bus::Borrow(who);
+    sample.number = 1;
+    bus::Borrow(sample.released, released);
+    EXPECT_TRUE(stops_.Write(sample));
+  }
+
+ private:
+  static bus::BusOptions OptionsOf(const std::string& tag) {
+    bus::BusOptions options;
+    options.control_domain = 44;
+    options.tag = tag;
+    return options;
+  }
+  const std::string kCell = "els-03";
+  bus::Bus bus_;
+  bus::Reader<intaglio_Interlock> interlocks_{bus_, bus::kInterlock, kCell};
+  bus::Writer<intaglio_EmergencyStop> stops_{bus_, bus::kEmergencyStop, kCell};
+  Presses held_;
+};
+
+// Two people press; a third knows of the first press alone.
+TEST_F(Shop, AResetLeavesThePressThatItsSenderDidNotKnowOf) {
+  StopsOnTheBus stops("shop" + std::to_string(getpid()));
+  const std::string job = Submit({"--rate", "50"});
+  ASSERT_TRUE(Reaches(job, "waiting for arm")) << last_;
+  EXPECT_EQ(Type({"arm", job}).exit_code, 0);
+  ASSERT_TRUE(RunsTo(job, "engraving")) << last_;
+  ASSERT_TRUE(Eventually([&] { return Pulses() > 0; }, 60s)) << "or it tests nothing";
+  const Ended stopped = Type({"stop"});
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.output;
+  const auto pulses = Pulses();
+  ASSERT_TRUE(stops.AwaitHeld(1));
+  const StopsOnTheBus::Presses first = stops.Held();
+  EXPECT_EQ(Type({"stop", "els-03"}).exit_code, 0);
+  ASSERT_TRUE(stops.AwaitHeld(2));
+  stops.Reset(first);
+  ASSERT_TRUE(stops.AwaitHeld(1));
+  EXPECT_NE(stops.Held(), first);
+  EXPECT_THAT(Type({"resume", job}).output, HasSubstr("emergency stop"));
+  EXPECT_FALSE(Eventually([&] { return Pulses() != pulses; }, 2s)) << "no more cracks";
+  const Ended reset = Type({"stop", "--reset"});
+  EXPECT_EQ(reset.exit_code, 0) << reset.output;
+  EXPECT_TRUE(stops.AwaitHeld(0));
+  EXPECT_FALSE(Eventually([&] { return Pulses() != pulses; }, 1s)) << "nor by itself";
   Type({"resume", job});
   EXPECT_TRUE(RunsTo(job, "done")) << last_;
 }

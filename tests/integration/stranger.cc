@@ -294,7 +294,7 @@ int Try(const Place& place, const std::string& verb, const std::string& topic,
   if (topic == "EmergencyStop") {
     intaglio_EmergencyStop sample{};
     sample.cell = Borrow(place.cell);
-    sample.source = sample.reason = Borrow(word);
+    sample.source = sample.operator_name = sample.reason = Borrow(word);
     Write(place, kEmergencyStop, sample, &intaglio_EmergencyStop::number);
   }
   if (topic == "Permission") {

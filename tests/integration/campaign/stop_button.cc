@@ -1,6 +1,9 @@
 #include "tests/integration/campaign/stop_button.h"
 
+#include <unistd.h>
+
 #include <stdexcept>
+#include <vector>
 
 #include "services/bus/samples.h"
 #include "tests/integration/run_program.h"
@@ -22,11 +25,9 @@ StopButton::StopButton(const bus::BusOptions& options, std::string cell)
     : cell_(std::move(cell)),
       bus_(OfCell(options, cell_)),
       stops_(bus_, bus::kEmergencyStop, cell_),
-      // Above every one before, as `intaglio stop` numbers them.
-      number_(static_cast<std::uint64_t>(
-          std::chrono::duration_cast<std::chrono::microseconds>(
-              std::chrono::system_clock::now().time_since_epoch())
-              .count())) {}
+      source_(
+          "campaign-" + std::to_string(getpid()) + "-" +
+          std::to_string(std::chrono::system_clock::now().time_since_epoch().count())) {}
 
 bool StopButton::AwaitHeard(std::chrono::milliseconds bound) const {
   return testing::Eventually([this] { return stops_.matched_count() >= kHearers; },
@@ -34,13 +35,17 @@ bool StopButton::AwaitHeard(std::chrono::milliseconds bound) const {
 }
 
 void StopButton::Write(bool pressed) {
-  const std::string source = "campaign", reason = "a hand in the machine";
+  const std::string operator_name = "campaign", reason = "a hand in the machine";
+  std::vector<intaglio_StopPress> released;
+  if (!pressed) released.push_back({bus::Borrow(source_), number_});
   intaglio_EmergencyStop sample{};
   sample.cell = bus::Borrow(cell_);
-  sample.pressed = pressed;
-  sample.source = bus::Borrow(source);
-  sample.reason = bus::Borrow(reason);
+  sample.source = bus::Borrow(source_);
   sample.number = ++number_;
+  sample.pressed = pressed;
+  sample.operator_name = bus::Borrow(operator_name);
+  sample.reason = bus::Borrow(reason);
+  bus::Borrow(sample.released, released);
   if (auto written = stops_.Write(sample); !written) {
     throw std::runtime_error(written.error().message);
   }

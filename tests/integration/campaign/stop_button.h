@@ -17,6 +17,7 @@ class StopButton {
   /// A service of the cell would hear it; false after the time.
   bool AwaitHeard(std::chrono::milliseconds bound) const;
   void Press() { Write(true); }
+  /// Of its own last press.
   void Reset() { Write(false); }
 
  private:
@@ -25,7 +26,8 @@ class StopButton {
   std::string cell_;
   bus::Bus bus_;
   bus::Writer<intaglio_EmergencyStop> stops_;
-  std::uint64_t number_;
+  std::string source_;
+  std::uint64_t number_ = 0;
 };
 
 }  // namespace intaglio::campaign

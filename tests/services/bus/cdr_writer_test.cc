@@ -40,7 +40,8 @@ class Cdr {
 /// An EmergencyStop.
 Cdr Stop(const std::string& cell, std::uint64_t number) {
   Cdr cdr;
-  cdr.Text(cell).Number(std::uint8_t{1}).Text("me").Text("why").Number(number);
+  cdr.Text(cell).Text("me").Number(number).Number(std::uint8_t{1});
+  cdr.Text("who").Text("why").Number(std::uint32_t{0});  // releases nothing
   return cdr;
 }
 
@@ -106,14 +107,14 @@ TEST_F(CdrWriter, EndsInstancesByTheirKey) {
   for (const bus::CdrKind end : {bus::CdrKind::kDisposed, bus::CdrKind::kNoWriter}) {
     ASSERT_TRUE(writer_->Write(bus::CdrKind::kValue, Stop("els-9", 1).bytes(), 1));
     EXPECT_TRUE(Await(true).alive);
-    ASSERT_TRUE(writer_->Write(end, Cdr().Text("els-9").bytes(), 2));
+    ASSERT_TRUE(writer_->Write(end, Cdr().Text("els-9").Text("me").bytes(), 2));
     EXPECT_EQ(Await(false).cell, "els-9");
   }
 }
 
 TEST_F(CdrWriter, BytesThatAreNoSampleAreRefused) {
   auto bytes = Stop("els-9", 1).bytes();
-  bytes.resize(bytes.size() - 9);
+  bytes.resize(bytes.size() - 2);
   EXPECT_FALSE(writer_->Write(bus::CdrKind::kValue, bytes, 1));
   EXPECT_FALSE(writer_->Write(bus::CdrKind::kValue, {}, 1));
 }

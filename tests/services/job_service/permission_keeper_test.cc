@@ -44,7 +44,7 @@ TEST_F(PermissionKeeperTest, ACellWhoseStopIsPressedIsNeverClosed) {
   intaglio_EmergencyStop press{};
   press.cell = bus::Borrow(cell);
   press.pressed = true;
-  press.source = press.reason = bus::Borrow(text);
+  press.source = press.operator_name = press.reason = bus::Borrow(text);
   press.number = 1;
   ASSERT_TRUE(test::Eventually([&] {
     EXPECT_TRUE(stops.Write(press));

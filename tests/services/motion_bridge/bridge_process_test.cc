@@ -190,7 +190,7 @@ TEST_F(BridgeProcess, AnEmergencyStopBrakesTheStage) {
   intaglio_EmergencyStop stop{};
   stop.cell = Borrow(kCell);
   stop.pressed = true;
-  stop.source = Borrow(source);
+  stop.source = stop.operator_name = Borrow(source);
   stop.reason = Borrow(reason);
   stop.number = 1;
   ASSERT_TRUE(stops_.Write(stop).has_value());

@@ -10,6 +10,7 @@
 #include "engrave/formats/point_file.h"
 #include "services/bus/bus.h"
 #include "services/bus/samples.h"
+#include "services/host/stop_latch.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/journal_writer.h"
 #include "tests/services/bus/private_bus.h"
@@ -144,14 +145,36 @@ class WithAJob : public SynchronizerProcess {
     sample.grant = grant;
     EXPECT_TRUE(permissions_.Write(sample));
   }
-  void SayStop(bool pressed, std::uint64_t number) {
-    const std::string who = "test";
+  static void Press(bus::Writer<intaglio_EmergencyStop>& stops, std::uint64_t number) {
+    WriteStop(stops, "presser", true, number, {});
+  }
+  /// Releases that press and the earlier ones.
+  void Reset(std::uint64_t pressed_number) {
+    WriteStop(stops_, "resetter", false, ++reset_number_, {{"presser", pressed_number}});
+  }
+  static void WriteStop(bus::Writer<intaglio_EmergencyStop>& stops,
+                        const std::string& source, bool pressed, std::uint64_t number,
+                        const std::vector<host::StopPress>& released) {
+    const auto wire = host::WireOf(released);
     intaglio_EmergencyStop sample{};
     sample.cell = bus::Borrow(kCell);
-    sample.pressed = pressed;
-    sample.source = sample.reason = bus::Borrow(who);
+    sample.source = sample.operator_name = sample.reason = bus::Borrow(source);
     sample.number = number;
-    EXPECT_TRUE(stops_.Write(sample));
+    sample.pressed = pressed;
+    bus::Borrow(sample.released, wire);
+    EXPECT_TRUE(stops.Write(sample));
+  }
+  /// The synchronizer reports this press and no other.
+  bool Holds(std::uint64_t number) {
+    std::vector<host::StopPress> held;
+    return Eventually([&] {
+      interlocks_.Take([&](const intaglio_Interlock& sample) {
+        held.clear();
+        for (const intaglio_StopPress& press : bus::View(sample.bus_stops))
+          held.push_back({press.source, press.number});
+      });
+      return held == std::vector<host::StopPress>{{"presser", number}};
+    });
   }
   void SayArm(std::uint64_t epoch) {
     const std::string who = "ann";
@@ -184,13 +207,13 @@ class WithAJob : public SynchronizerProcess {
   bus::Writer<intaglio_JobCommand> commands_;
   bus::Reader<intaglio_ServiceHealth> health_;
   std::unique_ptr<Running> bridge_;
-  std::uint64_t permission_number_ = 0;
+  std::uint64_t permission_number_ = 0, reset_number_ = 0;
 };
 
 // All of it is retained, so a service that starts is told of it at once.
 TEST_F(WithAJob, WhatWasSaidInAnEarlierRunFiresNothing) {
   Permit(kEpoch - 1, 1u << 20);
-  SayStop(false, std::numeric_limits<std::uint64_t>::max());
+  Reset(std::numeric_limits<std::uint64_t>::max());
   SayArm(kEpoch - 1);
   StartBridge();
   const auto synchronizer = Start("synchronizer.log");
@@ -204,17 +227,52 @@ TEST_F(WithAJob, WhatWasSaidInAnEarlierRunFiresNothing) {
 }
 
 TEST_F(WithAJob, AStopPressedBeforeItStartedHoldsUntilItIsResetAndArmedAnew) {
-  SayStop(true, 7);
+  Press(stops_, 7);
   StartBridge();
   const auto synchronizer = Start("synchronizer.log");
   ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
   ASSERT_TRUE(Give(synchronizer->pid()));
   EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
-  SayStop(false, 7);  // no higher number
+  Reset(6);  // of an earlier press
   EXPECT_FALSE(FiresWithin(500ms, kEpoch, 2));
-  SayStop(false, 8);
+  Reset(7);
   EXPECT_FALSE(FiresWithin(1s, kEpoch, 2)) << "armed while it was pressed";
   EXPECT_TRUE(FiresWithin(15s, kEpoch, 3)) << synchronizer->Output();
+}
+
+// The presser has ended, so nobody sends its press to the new synchronizer: the motion
+// bridge reports that it holds it. Else no reset could name it.
+TEST_F(WithAJob, AStopSurvivesItsPresserAndTheSynchronizer) {
+  StartBridge();
+  auto synchronizer = Start("synchronizer.log");
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  {
+    bus::Reader<intaglio_MotionState> states(bus_, bus::kMotionState, kCell);
+    bus::Writer<intaglio_EmergencyStop> stops(bus_, bus::kEmergencyStop, kCell);
+    Press(stops, 7);
+    EXPECT_TRUE(Eventually([&] {
+      bool held = false;
+      states.Take([&](const intaglio_MotionState& sample) {
+        held = sample.bus_stops._length == 1;
+      });
+      return held;
+    })) << "by the bridge";
+  }
+  EXPECT_TRUE(Holds(7));
+  synchronizer.reset();  // killed
+  EXPECT_TRUE(Eventually([&] {
+    bool gone = false;
+    interlocks_.TakeAll([&](const intaglio_Interlock&, const bus::SampleOrigin& origin) {
+      gone = gone || !origin.alive;
+    });
+    return gone;
+  })) << "what it reported is read";
+  synchronizer = Start("next.log");
+  EXPECT_TRUE(Holds(7)) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
+  Reset(7);
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer->Output();
 }
 
 }  // namespace
