@@ -240,6 +240,19 @@ TEST_F(WithAJob, AStopPressedBeforeItStartedHoldsUntilItIsResetAndArmedAnew) {
   EXPECT_TRUE(FiresWithin(15s, kEpoch, 3)) << synchronizer->Output();
 }
 
+// It shows that there was a press: what was armed before is not fired.
+TEST_F(WithAJob, AResetThatArrivesBeforeItsPressStopsOnceAllTheSame) {
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log");
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  ASSERT_FALSE(FiresWithin(300ms, kEpoch, 1)) << "the lamp is not warm yet";
+  Reset(7);
+  Press(stops_, 7);
+  EXPECT_FALSE(FiresWithin(4s, kEpoch, 1));
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer->Output();
+}
+
 // The presser has ended, so nobody sends its press to the new synchronizer: the motion
 // bridge reports that it holds it. Else no reset could name it.
 TEST_F(WithAJob, AStopSurvivesItsPresserAndTheSynchronizer) {
