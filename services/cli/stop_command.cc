@@ -216,6 +216,7 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
   const auto& machines = reports.Poll();
   if (machines.size() == 1) return machines.begin()->first;
   std::vector<std::string> cells;
+  cells.reserve(machines.size());
   for (const auto& [cell, stops] : machines) cells.push_back(cell);
   if (cells.empty()) {
     return Fail(ErrorCode::kInvalidValue,

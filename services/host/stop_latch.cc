@@ -39,6 +39,7 @@ bool StopLatch::TakeHeld(std::string_view listener,
   if (same) return false;
   bool news = false;
   std::vector<StopPress> held;
+  held.reserve(presses.size());
   for (const intaglio_StopPress& press : presses) {
     held.push_back({std::string(bus::View(press.source)), press.number});
     news = TakePress(held.back().source, press.number) || news;
@@ -109,6 +110,7 @@ void StopLatch::UpdateHeld() {
       numbers[press.source] = std::max(numbers[press.source], press.number);
   }
   std::vector<StopPress> held;
+  held.reserve(numbers.size());
   for (const auto& [source, number] : numbers) held.push_back({source, number});
   if (held == held_) return;
   held_ = std::move(held);
