@@ -52,7 +52,7 @@ class SecuredAbuse : public ::testing::Test {
   std::unique_ptr<Running> Run() const {
     return std::make_unique<Running>(
         Program("intaglio"),
-        std::vector<std::string>{"run", kAbusedJob, "--height", "8", "--tag", Tag(),
+        std::vector<std::string>{"run", kAbusedJob, "--height", "5", "--tag", Tag(),
                                  "--security", keys_.string(), "--out",
                                  (folder_ / "out").string()},
         folder_ / "run.txt");

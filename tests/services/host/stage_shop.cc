@@ -4,6 +4,7 @@
 
 #include "proto/job_defaults.h"
 #include "proto/job_file.h"
+#include "services/bus/role_names.h"
 
 namespace intaglio::test {
 
@@ -22,7 +23,7 @@ void SetPart(intaglio_StageTask& task, host::TaskPart part) {
 
 StageShop::StageShop(const std::string& program, intaglio_Stage stage,
                      const bus::Topic<intaglio_StageTask>& tasks)
-    : bus_(PrivateBusOptions()),
+    : bus_(PrivateBusOptions("", bus::kStageWorkerRole)),
       stage_(stage),
       task_writer_(std::make_unique<bus::Writer<intaglio_StageTask>>(bus_, tasks)),
       health_reader_(bus_, bus::kServiceHealth),
