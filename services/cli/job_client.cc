@@ -170,8 +170,6 @@ void JobClient::DropForgotten() {
 void JobClient::Drop(const std::string& uid) {
   lost_.erase(uid);
   jobs_.erase(uid);
-  told_.erase(uid);
-  told_speed_.erase(uid);
   words_.erase(words_.lower_bound({uid, 0}), words_.upper_bound({uid, kLastStage}));
 }
 
