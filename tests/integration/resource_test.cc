@@ -250,7 +250,8 @@ TEST_F(Resources, AFullDiskOfTheQueuePausesTheJob) {
 // ----------------------------------------------------------------------------
 
 // The points of a large job do not fit: the process says so and ends, and the job goes on
-// with the next one.
+// with the next one, once a person has armed it for the block that is in the machine
+// then.
 TEST_F(Resources, AServiceWithoutMemoryEndsAndTheJobWaitsForTheNext) {
   ShopFloor floor = Floor();
   floor.StartAll();
@@ -262,14 +263,23 @@ TEST_F(Resources, AServiceWithoutMemoryEndsAndTheJobWaitsForTheNext) {
   const rlim_t bytes = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (1u << 20);
   const rlimit limit{bytes, bytes};
   ASSERT_EQ(prlimit(sorter.pid(), RLIMIT_AS, &limit, nullptr), 0);
-  ASSERT_TRUE(floor.Engrave({"--height", "20", "--spacing", "0.12", "--rate", "100"}))
-      << floor.Logs();
+  const Ended submitted = floor.Type(
+      {"submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
+       "--height", "20", "--spacing", "0.12", "--rate", "100"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output << floor.Logs();
   const Ended ended = sorter.WaitForEnd(40s);
   EXPECT_TRUE(ended.in_time) << floor.Logs();
   EXPECT_EQ(ended.exit_code, 1) << "a message, not a signal";
   EXPECT_THAT(ended.output, HasSubstr("no more memory"));
   EXPECT_EQ(floor.Panel("cracks"), 0);
+  EXPECT_EQ(floor.Type({"arm", "1"}).exit_code, 4) << "its machine does not have it";
   floor.Start(testing::kSorter);
+  EXPECT_TRUE(Eventually(
+      [&] {
+        return floor.Type({"arm", "1"}).exit_code == 0;
+      },
+      30s))
+      << floor.Logs();
   EXPECT_TRUE(floor.AwaitCracks(10, 90s)) << floor.Logs();
 }
 

@@ -103,7 +103,7 @@ TEST_F(RecorderProcess, RecordsEveryTopicOfBothDomains) {
 
 TEST_F(RecorderProcess, FiltersAreKept) {
   auto recorder = Start({"--topic", "Job*", "--topic", "Interlock", "--not-topic",
-                         "JobCommand", "--not-partition", "els-7"});
+                         "JobCommand*", "--not-partition", "els-7"});
   auto peer = Peer();
   ASSERT_TRUE(test::Eventually([&] { return Holds(2); }, 20s));
   recorder.Signal(SIGINT);
