@@ -176,6 +176,29 @@ INSTANTIATE_TEST_SUITE_P(EveryService, KillOne, ::testing::ValuesIn(kServices),
                            return name;
                          });
 
+// The lost attempt disarms the job. No other job can have had this machine, so the run
+// arms it once more.
+TEST_F(RunJob, ASorterLostBeforeTheGlassIsTouchedCostsAnAttempt) {
+  Running run(Program("intaglio"),
+              Arguments({"--lockstep", "--height", "20", "--spacing", "0.12"}),
+              folder_ / "output.txt");
+  ASSERT_TRUE(testing::Eventually(
+      [&] {
+        return testing::TextIn(folder_ / "out/session/sorter.log").find("accepted") !=
+               std::string::npos;
+      },
+      30s));
+  const auto sorters =
+      ProcessesWith({"intaglio-sorter", "run-" + std::to_string(run.pid())});
+  ASSERT_EQ(sorters.size(), 1u);
+  kill(sorters[0], SIGKILL);
+  const Ended ended = run.WaitForEnd(kBound);
+  ASSERT_TRUE(ended.in_time) << ended.output;
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("attempt 1 broke: sorter"));
+  EXPECT_TRUE(Report().verdict().good());
+}
+
 // A stage that has stopped by itself, for want of motion or for a gap in it, is no matter
 // for a person: it is reset, and the job goes on.
 class StageStop : public RunJob, public ::testing::WithParamInterface<const char*> {};
