@@ -66,7 +66,7 @@ void TellState(const JobView& job, std::ostream& out) {
 bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
   switch (kind) {
     case intaglio_COMMAND_PAUSE:
-      return job.state != intaglio_JOB_ENGRAVING;
+      return !job.armed && job.state != intaglio_JOB_ENGRAVING;
     case intaglio_COMMAND_CANCEL:
       return job.ended();
     case intaglio_COMMAND_ARM:

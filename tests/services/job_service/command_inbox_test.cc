@@ -93,6 +93,21 @@ TEST_F(CommandInboxTest, PauseAndCancelAreDecidedFirst) {
   EXPECT_THAT(Take(), ElementsAre("bob 1", "bob 2", "ann 1", "ann 2"));
 }
 
+// On a network that has two programs find each other at different times.
+TEST_F(CommandInboxTest, AClientThatFindsTheAnswersLateGetsItsOwn) {
+  Send("ann", 1);
+  EXPECT_THAT(Take(), ElementsAre("ann 1"));
+  bus::Bus late_bus(test::PrivateBusOptions());
+  bus::Reader<intaglio_JobCommandAnswer> late(late_bus, bus::kJobCommandAnswer);
+  int received = 0;
+  EXPECT_TRUE(test::Eventually([&] {
+    late.Take([&](const intaglio_JobCommandAnswer& answer) {
+      received += bus::View(answer.sender) == "ann" && answer.number == 1 ? 1 : 0;
+    });
+    return received == 1;
+  }));
+}
+
 // Delivered again because its client lives; the database knows it.
 TEST_F(CommandInboxTest, TheNextLifeAnswersAgainAndDecidesNothing) {
   Send("ann", 1);
