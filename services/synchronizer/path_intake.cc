@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "services/bus/samples.h"
+#include "services/host/cloud_flow.h"
 
 namespace intaglio::synchronizer {
 namespace {
 constexpr std::uint32_t kWindowBatches = 32;
-// The published machine holds 2 million points; a wild number may not take all memory.
-constexpr std::uint64_t kMaxPoints = 20'000'000;
 }  // namespace
 
 PathIntake::PathIntake(bus::Bus& bus, const std::string& instance)
@@ -22,6 +22,7 @@ Status PathIntake::Open(const std::string& job_uid, std::uint32_t attempt) {
   attempt_ = attempt;
   stream_ = bus::PartStreamName(job_uid, attempt, bus::kPathBatch.name, 0, 0);
   expected_ = total_count_ = 0;
+  granted_ = kWindowBatches;
   complete_ = false;
   path_ = {};
   return credit_.Open(stream_, reader_.guid(), kWindowBatches);
@@ -32,36 +33,64 @@ void PathIntake::Close() {
   stream_.clear();
 }
 
+// What has come was sent under the credit of earlier turns: more is granted afterwards.
 Status PathIntake::Poll() {
   Status status;
+  const std::uint64_t expected_before = expected_;
   reader_.Take([&](const intaglio_PathBatch& batch) {
     if (stream_.empty() || !status) return;
     if (bus::View(batch.job_uid) != job_uid_ || batch.attempt != attempt_) return;
     status = Accept(batch);
   });
-  return status;
+  if (!status) {
+    Close();
+    return status;
+  }
+  if (expected_ == expected_before) return {};
+  granted_ = expected_ + kWindowBatches;
+  return credit_.Consumed(stream_, expected_, complete_);
 }
 
 void PathIntake::Drop() {
   reader_.Take([](const intaglio_PathBatch&) {});
 }
 
-Status PathIntake::Accept(const intaglio_PathBatch& batch) {
-  const auto x = bus::View(batch.x_mm), y = bus::View(batch.y_mm),
-             z = bus::View(batch.z_mm);
-  const auto source = bus::View(batch.source);
+Status PathIntake::Check(const intaglio_PathBatch& batch) const {
+  const std::size_t count = bus::View(batch.x_mm).size();
   if (batch.sequence_number != expected_ || batch.first_index != path_.size()) {
     return Fail(
         ErrorCode::kFault,
         fmt::format("path batch {} is missing: the job has to be handed out again",
                     expected_));
   }
-  if (y.size() != x.size() || z.size() != x.size() || source.size() != x.size() ||
-      batch.total_count > kMaxPoints || path_.size() + x.size() > batch.total_count) {
+  if (batch.sequence_number >= granted_ || count > host::kBatchPoints) {
+    return Fail(
+        ErrorCode::kFault,
+        fmt::format("path batch {} with {} points is more than was granted, "
+                    "batches below {} with up to {} points: the sorter is not of "
+                    "this version, or faulty; restart it and submit the job again",
+                    batch.sequence_number, count, granted_, host::kBatchPoints));
+  }
+  const bool agrees = bus::View(batch.y_mm).size() == count &&
+                      bus::View(batch.z_mm).size() == count &&
+                      bus::View(batch.source).size() == count &&
+                      (expected_ == 0 || batch.total_count == total_count_);
+  if (!agrees || batch.total_count > host::kMaxCloudPoints ||
+      path_.size() + count > batch.total_count) {
     return Fail(ErrorCode::kFault,
                 fmt::format("path batch {} contradicts itself: {} of {} points",
-                            expected_, path_.size() + x.size(), batch.total_count));
+                            expected_, path_.size() + count, batch.total_count));
   }
+  return {};
+}
+
+Status PathIntake::Accept(const intaglio_PathBatch& batch) {
+  if (auto checked = Check(batch); !checked) return checked;
+  const auto x = bus::View(batch.x_mm), y = bus::View(batch.y_mm),
+             z = bus::View(batch.z_mm);
+  const auto source = bus::View(batch.source);
+  path_.points_mm.reserve(batch.total_count);
+  path_.source.reserve(batch.total_count);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3 p(x[i], y[i], z[i]);
     if (!p.allFinite()) {
@@ -77,7 +106,13 @@ Status PathIntake::Accept(const intaglio_PathBatch& batch) {
     return Fail(ErrorCode::kFault, fmt::format("the path ends after {} of {} points",
                                                path_.size(), total_count_));
   }
-  return credit_.Consumed(stream_, expected_, complete_);
+  return {};
+}
+
+PointCloud PathIntake::TakePath() {
+  Close();
+  complete_ = false;
+  return std::exchange(path_, {});
 }
 
 }  // namespace intaglio::synchronizer

@@ -39,6 +39,13 @@ class PathIntakeTest : public testing::Test {
 
   /// Written, taken, and what came of it.
   Status Give(const Batch& batch) {
+    Write(batch);
+    // Reliable: once it is acknowledged it can be taken.
+    EXPECT_TRUE(writer_.WaitForAcknowledgements(std::chrono::seconds(5)));
+    return intake_.Poll();
+  }
+
+  void Write(const Batch& batch) {
     const std::vector<double>& y = batch.y_mm.empty() ? batch.x_mm : batch.y_mm;
     std::vector<std::uint32_t> source;
     for (std::size_t i = 0; i < batch.x_mm.size(); ++i) {
@@ -56,9 +63,6 @@ class PathIntakeTest : public testing::Test {
     bus::Borrow(sample.z_mm, batch.x_mm);
     bus::Borrow(sample.source, source);
     EXPECT_TRUE(writer_.Write(sample));
-    // Reliable: once it is acknowledged it can be taken.
-    EXPECT_TRUE(writer_.WaitForAcknowledgements(std::chrono::seconds(5)));
-    return intake_.Poll();
   }
 
   bus::Bus bus_{test::PrivateBusOptions()};
@@ -135,6 +139,54 @@ TEST_F(PathIntakeTest, FewerPointsThanPromisedAreAFault) {
 
 TEST_F(PathIntakeTest, AWildTotalIsAFault) {
   EXPECT_FALSE(Give({0, {1}, 0, std::numeric_limits<std::uint64_t>::max(), false}));
+}
+
+TEST_F(PathIntakeTest, ATotalThatChangesIsAFault) {
+  ASSERT_TRUE(Give({0, {1}, 0, 3, false}));
+  EXPECT_FALSE(Give({1, {2}, 1, 4, false}));
+}
+
+TEST_F(PathIntakeTest, ABatchThatIsTooLargeIsAFault) {
+  EXPECT_FALSE(Give({0, std::vector<double>(8193, 1.0), 0, 20'000, false}));
+  EXPECT_EQ(intake_.path().size(), 0);
+}
+
+// The reader has no limit (it would stop the receive thread), so the intake has.
+TEST_F(PathIntakeTest, AFloodBeyondTheWindowIsRefusedAndDropped) {
+  constexpr std::uint64_t kWindow = 32;
+  const auto flood = [this](std::uint64_t first, std::uint64_t end) {
+    for (std::uint64_t i = first; i < end; ++i) Write({i, {1}, i, 1'000'000, false});
+    EXPECT_TRUE(writer_.WaitForAcknowledgements(std::chrono::seconds(5)));
+  };
+  flood(0, 200);
+  const Status status = intake_.Poll();
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::kFault);
+  EXPECT_THAT(status.error().message,
+              testing::HasSubstr("batch 32 with 1 points is more"));
+  EXPECT_EQ(intake_.path().size(), kWindow);
+  EXPECT_TRUE(Eventually([this] {
+    credit_.Poll();
+    return Grant().cancelled;
+  })) << "the sorter knows that no more is wanted";
+  flood(200, 400);
+  EXPECT_TRUE(intake_.Poll());
+  EXPECT_EQ(intake_.path().size(), kWindow);
+  EXPECT_EQ(intake_.reader().Take([](const intaglio_PathBatch&) {}), 0)
+      << "nothing is kept";
+}
+
+TEST_F(PathIntakeTest, AllThatWasGrantedMayComeAtOnceAndMoreWhenItWasTaken) {
+  for (std::uint64_t i = 0; i < 32; ++i) Write({i, {1}, i, 64, false});
+  EXPECT_TRUE(writer_.WaitForAcknowledgements(std::chrono::seconds(5)));
+  ASSERT_TRUE(intake_.Poll());
+  for (std::uint64_t i = 32; i < 64; ++i) Write({i, {1}, i, 64, i == 63});
+  EXPECT_TRUE(writer_.WaitForAcknowledgements(std::chrono::seconds(5)));
+  ASSERT_TRUE(intake_.Poll());
+  EXPECT_TRUE(intake_.complete());
+  EXPECT_EQ(intake_.TakePath().size(), 64);
+  EXPECT_FALSE(intake_.complete());
+  EXPECT_EQ(intake_.path().size(), 0);
 }
 
 TEST_F(PathIntakeTest, ACoordinateThatIsNoNumberIsAFault) {
