@@ -93,11 +93,17 @@ JournalWriter::JournalWriter(int file, int event, std::filesystem::path path)
       file_(file),
       event_fd_(event),
       path_(std::move(path)),
-      end_(lseek(file, 0, SEEK_CUR)) {
-  thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+      end_(lseek(file, 0, SEEK_CUR)) {}
+
+void JournalWriter::Flush() {
+  if (!thread_.joinable()) {
+    thread_ = std::jthread([this](const std::stop_token& stop) { Run(stop); });
+  }
+  work_.release();
 }
 
 JournalWriter::~JournalWriter() {
+  Flush();
   thread_.request_stop();
   work_.release();
   thread_.join();

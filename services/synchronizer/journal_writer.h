@@ -37,8 +37,10 @@ class JournalWriter {
 
   /// From one thread; neither allocates, locks nor waits. False: the ring is full.
   bool Append(const formats::JournalRecord& record);
-  /// Lets the writer know that there is something to write.
-  void Flush() { work_.release(); }
+  /// Lets the writer know that there is something to write. Its thread is started by the
+  /// first call, and so has the scheduling of the thread that appends, not of the one
+  /// that opened the file.
+  void Flush();
 
   /// Records appended, and how many of them are on disk.
   std::uint64_t appended() const { return head_.load(std::memory_order_relaxed); }

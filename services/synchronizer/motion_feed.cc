@@ -10,6 +10,9 @@
 namespace intaglio::synchronizer {
 namespace {
 constexpr std::size_t kBatchSegments = 128;
+// Of one turn of the loop: a window of the planner that does not stop has more, so no
+// turn plans two of them, which take up to 10 ms each at 200 Hz.
+constexpr std::size_t kTurnSegments = 256;
 // What a better knowledge of the controller's clock may change in a segment's duration at
 // once: 10 us in a tick of 5 ms, 0.12 mm/s of 60.
 constexpr double kMostCorrectionRatio = 0.002;
@@ -79,10 +82,12 @@ bool MotionFeed::dropped() const {
 void MotionFeed::Advance(std::uint64_t horizon_tick, const NextTarget& next,
                          PulseSchedule& schedule) {
   if (sent_all_ || !planner_) return;
-  while (!planned_all_ &&
+  std::size_t planned = 0;
+  while (!planned_all_ && planned < kTurnSegments &&
          start_tick_ + ticks_before_planner_ + planner_->ticks() < horizon_tick) {
     if (pending_.size() >= kBatchSegments && !Send(false)) return;
     const auto target = next();
+    const std::size_t before = pending_.size();
     if (target) {
       planner_->Append(target->position_mm, static_cast<std::int32_t>(target->point),
                        true, pending_);
@@ -90,6 +95,7 @@ void MotionFeed::Advance(std::uint64_t horizon_tick, const NextTarget& next,
       planner_->Finish(pending_);
       planned_all_ = true;
     }
+    planned += pending_.size() - before;
     Schedule(schedule);
   }
   if (!pending_.empty()) sent_all_ = Send(planned_all_) && planned_all_;

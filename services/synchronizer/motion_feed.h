@@ -38,8 +38,8 @@ class MotionFeed {
   void Begin(const std::string& job_uid, std::uint32_t run, std::uint64_t start_tick,
              const Vec3& start_mm, const motion::PlanOptions& plan,
              const MotionClock* clock = nullptr);
-  /// Plans up to `horizon_tick` and sends what the bridge has room for; every pulse
-  /// planned is added to the schedule.
+  /// Plans towards `horizon_tick`, one window of the planner a call, and sends what the
+  /// bridge has room for; every pulse planned is added to the schedule.
   void Advance(std::uint64_t horizon_tick, const NextTarget& next,
                PulseSchedule& schedule);
   /// The share of the job's speed limits that holds from the next motion planned on,

@@ -141,11 +141,6 @@ void PermissionChain::BeginJob() {
   spent_by_ = before_first_grant_ = Missing::kNothing;
 }
 
-void PermissionChain::BeginTakenUpJob(const MachineCounters& counters) {
-  BeginJob();
-  watch_.Expect(counters);
-}
-
 void PermissionChain::Watch(const ChainLinks& links, std::chrono::nanoseconds now) {
   (void)LookForUnseenEvent(links, now);
 }

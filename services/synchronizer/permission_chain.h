@@ -116,9 +116,9 @@ class PermissionChain {
 
   /// Another job: grants are numbered by job. What is known of the machine remains.
   void BeginJob();
-  /// A job that another process began, which left these counters in the journal; none,
-  /// if nobody knows what happened at the machine since the job was armed.
-  void BeginTakenUpJob(const MachineCounters& counters);
+  /// The job was begun by another process, which left these counters in the journal;
+  /// none, if nobody knows what happened at the machine since the job was armed.
+  void TakeUp(const MachineCounters& counters) { watch_.Expect(counters); }
   /// Between two jobs: keeps what is known of the machine up to date.
   void Watch(const ChainLinks& links, std::chrono::nanoseconds now);
   /// Once a turn, before anything is asked. What spent a grant in this turn, or kNothing.

@@ -8,6 +8,8 @@
 namespace intaglio::synchronizer {
 namespace {
 
+constexpr std::size_t kProgressPoints = 256;
+
 template <typename T>
 void Mix(uLong& crc, const T& value) {
   crc = crc32(crc, reinterpret_cast<const Bytef*>(&value), sizeof value);
@@ -15,9 +17,9 @@ void Mix(uLong& crc, const T& value) {
 
 }  // namespace
 
-PlanSummary Summarize(const PointList& machine_points_mm, const motion::PlanOptions& plan,
-                      std::span<const ChannelMask> masks) {
-  auto planner = motion::MakePlanner(plan, machine_points_mm.front());
+Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progress) {
+  const PointList& points_mm = plan.machine_points_mm;
+  auto planner = motion::MakePlanner(plan.options, points_mm.front());
   motion::PointMoves moves;
   uLong crc = crc32(0, nullptr, 0);
   std::uint64_t subticks = 0, subticks_of_last_point = 0;
@@ -39,17 +41,20 @@ PlanSummary Summarize(const PointList& machine_points_mm, const motion::PlanOpti
     take();
     moves.Add(planner->moves());
   };
-  for (std::size_t i = 0; i < machine_points_mm.size(); ++i) {
-    if (i > 0 && !masks.empty() && masks[i] != masks[i - 1]) {
-      rest();
-      planner = motion::MakePlanner(plan, machine_points_mm[i - 1]);
+  for (std::size_t i = 0; i < points_mm.size(); ++i) {
+    if (i % kProgressPoints == 0 && !progress(i, points_mm.size())) {
+      return Fail(ErrorCode::kCancelled, "the plan's summary is not wanted any more");
     }
-    planner->Append(machine_points_mm[i], static_cast<std::int32_t>(i), true, segments);
+    if (i > 0 && !plan.masks.empty() && plan.masks[i] != plan.masks[i - 1]) {
+      rest();
+      planner = motion::MakePlanner(plan.options, points_mm[i - 1]);
+    }
+    planner->Append(points_mm[i], static_cast<std::int32_t>(i), true, segments);
     take();
   }
   rest();
-  return {subticks_of_last_point / motion::kSubticksPerTick, fmt::format("{:08x}", crc),
-          moves};
+  return PlanSummary{subticks_of_last_point / motion::kSubticksPerTick,
+                     fmt::format("{:08x}", crc), moves};
 }
 
 }  // namespace intaglio::synchronizer

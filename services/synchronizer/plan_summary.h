@@ -4,13 +4,23 @@
 // runs of one job are compared by.
 
 #include <cstdint>
-#include <span>
 #include <string>
+#include <vector>
 
 #include "engrave/core/channels.h"
+#include "engrave/core/progress.h"
+#include "engrave/core/result.h"
 #include "engrave/motion/planner.h"
 
 namespace intaglio::synchronizer {
+
+struct PlanInput {
+  /// In the order of engraving, machine frame, mm; at least one.
+  PointList machine_points_mm;
+  motion::PlanOptions options;
+  /// Of each point, for the stage rests where they change; empty: they never do.
+  std::vector<ChannelMask> masks = {};
+};
 
 struct PlanSummary {
   std::uint64_t ticks = 0;  ///< to the last point
@@ -18,9 +28,8 @@ struct PlanSummary {
   motion::PointMoves moves;
 };
 
-/// `machine_points_mm`: in the order of engraving, machine frame, one at least. `masks`:
-/// of each point, for the stage rests where they change; empty: they never do.
-PlanSummary Summarize(const PointList& machine_points_mm, const motion::PlanOptions& plan,
-                      std::span<const ChannelMask> masks = {});
+/// A million points with limits of the jerk take seconds. `progress`: every 256 points,
+/// done and total; kCancelled when it returns false.
+Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progress);
 
 }  // namespace intaglio::synchronizer

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "proto/channels.h"
 #include "proto/options.h"
 #include "services/bus/role_names.h"
 #include "services/bus/samples.h"
@@ -13,7 +12,6 @@
 #include "services/link/serial_port.h"
 #include "services/synchronizer/block_fit.h"
 #include "services/synchronizer/job_folder.h"
-#include "services/synchronizer/plan_summary.h"
 
 namespace intaglio::synchronizer {
 namespace {
@@ -74,6 +72,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   if (!engraving_) WatchMachine(now);
   if (job_ && !engraving_) {
     TakePath();
+    TakePrepared();
   } else {
     intake_.Drop();
   }
@@ -135,15 +134,13 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   attempt_ = task.attempt;
   cancelled_ = false;
   began_at_ = now_;
-  estimate_ticks_ = 0;
+  plan_ = {};
+  planned_ = false;
+  planner_.Abandon();
   chain_.BeginJob();
+  taken_up_ = task.take_up;
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
-  if (task.take_up) {
-    const auto path = ReadPath(Folder());
-    if (!path) return FailTask(path.error());
-    if (auto started = StartEngraving(*path, true); !started) FailTask(started.error());
-    return;
-  }
+  if (task.take_up) return Prepare(std::nullopt);
   if (auto opened = intake_.Open(job_->job_uid(), attempt_); !opened) {
     return FailTask(opened.error());
   }
@@ -233,67 +230,54 @@ void Synchronizer::FailTask(const Error& error) {
 
 void Synchronizer::TakePath() {
   if (auto taken = intake_.Poll(); !taken) return FailTask(taken.error());
-  if (!intake_.complete()) return;
-  if (auto started = StartEngraving(intake_.path(), false); !started) {
-    FailTask(started.error());
-  }
+  if (intake_.complete()) Prepare(intake_.TakePath());
 }
 
-Status Synchronizer::StartEngraving(const PointCloud& path, bool on_disk) {
-  if (path.size() == 0) {
-    return Fail(ErrorCode::kInvalidValue, "the job has no points: nothing to engrave");
-  }
-  EngravingJob job;
-  job.uid = job_->job_uid();
-  job.plan = MotionOptionsOf(*job_);
-  job.max_missed_in_a_row = machine_.laser().max_missed_in_a_row();
-  job.photosensor_feedback = job_->job().laser().photosensor_feedback();
-  job.asks_when_uncertain = job_->job().when_uncertain() == UNCERTAIN_POINTS_ASK;
-  if (block_mm_) job.block_misfit = BlockMisfit(BlockSizeOf(job_->job()), *block_mm_);
-  auto masks = ChannelsOfPoints(job_->job(), path.source);
-  if (!masks) return tl::unexpected(masks.error());
-  job.shutter_mask = masks->front();
-  if (DistinctMasks(*masks).size() > 1) job.masks = std::move(*masks);
-  const auto machine_from_glass = MachineFromGlassOf(*job_);
-  job.machine_from_glass = machine_from_glass;
-  job.machine_points_mm.reserve(path.size());
-  for (const Vec3& p : path.points_mm) {
-    job.machine_points_mm.push_back(machine_from_glass.ToMachine(p));
-  }
-  job.cone_tangent =
-      job_->optics().cone_tangent() / machine_from_glass.stage_per_glass_ratio;
-  const PlanSummary plan = Summarize(job.machine_points_mm, job.plan, job.masks);
-  estimate_ticks_ = plan.ticks;
-  checksum_ = plan.checksum;
-  moves_ = plan.moves;
-  if (auto made = MakeJobFolder(Folder()); !made) return made;
-  // Before the plan is written over: it may be refused for another's pulses.
-  auto journal =
-      OpenJournal(Folder() / kJournalFile, {path.size(), job_->epoch(), CrcOf(path)},
-                  on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
-  if (!journal) return tl::unexpected(journal.error());
-  if (!on_disk) {
-    if (auto written = WritePlan(Folder(), *job_, path); !written) return written;
-  }
-  journal_ = std::move(journal->writer);
-  job.earlier = std::move(journal->earlier);
+void Synchronizer::Prepare(std::optional<PointCloud> path) {
+  const std::string misfit =
+      block_mm_ ? BlockMisfit(BlockSizeOf(job_->job()), *block_mm_) : "";
+  planner_.Begin({*job_, std::move(path), misfit});
+}
+
+void Synchronizer::TakePrepared() {
+  auto prepared = planner_.TakePrepared();
+  if (!prepared) return;
+  if (!*prepared) return FailTask(prepared->error());
+  StartEngraving(std::move(**prepared));
+}
+
+void Synchronizer::StartEngraving(PreparedJob prepared) {
+  EngravingJob& job = prepared.engraving;
   if (job.earlier.damaged_records > 0) {
+    const std::filesystem::path folder = job_->result_directory();
     host_.RaiseAlarm(
         intaglio_ALARM_WARNING, ErrorCodeName(ErrorCode::kUnreadable),
         fmt::format("{} records of {} are damaged: look at the block before "
                     "you resume",
-                    job.earlier.damaged_records, (Folder() / kJournalFile).string()),
+                    job.earlier.damaged_records, (folder / kJournalFile).string()),
         job.uid);
   }
   // What an earlier process left is compared with the machine as it is now.
-  if (on_disk) chain_.BeginTakenUpJob({job.earlier.power_up, job.earlier.openings});
+  if (taken_up_) chain_.TakeUp({job.earlier.power_up, job.earlier.openings});
   publisher_.BeginJob(job.uid);
   logged_message_.clear();
+  journal_ = std::move(prepared.journal);
   engraving_ = std::make_unique<Engraving>(
       std::move(job), laser_, feed_, *journal_, chain_,
       [this](const PulseResult& result) { publisher_.Add(result); });
-  intake_.Close();
-  return {};
+}
+
+void Synchronizer::TakePlan() {
+  if (planned_) return;
+  const Result<PlanSummary>* plan = planner_.summary();
+  if (plan == nullptr) return;
+  planned_ = true;
+  if (*plan) {
+    plan_ = **plan;
+  } else {
+    host::LogError("the plan of job {} is not known: {}", job_->job_uid(),
+                   plan->error().message);
+  }
 }
 
 void Synchronizer::WatchMachine(std::chrono::nanoseconds now) {
@@ -336,6 +320,7 @@ EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {
 
 void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   engraving_->Turn(InputsAt(now));
+  TakePlan();
   const PointLedger& ledger = engraving_->ledger();
   if (engraving_->phase() == Engraving::Phase::kDone) {
     publisher_.Flush(now, true);
@@ -343,20 +328,22 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
     if (cancelled_) {
       return EndTask(intaglio_TASK_FAILED, "cancelled", engraving_->message());
     }
-    return EndTask(intaglio_TASK_DONE, "", "");
+    if (planned_) return EndTask(intaglio_TASK_DONE, "", "");
   }
-  const bool waits = engraving_->waits();
+  const bool done = engraving_->phase() == Engraving::Phase::kDone;
+  const bool waits = !done && engraving_->waits();
   TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_};
   report.state = waits ? intaglio_TASK_PAUSED : intaglio_TASK_RUNNING;
   report.done_count = ledger.count(PointState::kMade) + ledger.count(PointState::kMissed);
   report.total_count = ledger.size();
   report.elapsed_s = std::chrono::duration<double>(now - began_at_).count();
-  report.estimate_ticks = estimate_ticks_;
+  report.estimate_ticks = plan_.ticks;
   if (waits && engraving_->faulted()) {
     report.error_code = ErrorCodeName(engraving_->lost_a_line() ? ErrorCode::kLinkLost
                                                                 : ErrorCode::kFault);
   }
-  report.message = engraving_->message();
+  report.message = done ? "all is engraved; the figures of the plan are being computed"
+                        : engraving_->message();
   if (report.message != logged_message_) {
     logged_message_ = report.message;
     if (!logged_message_.empty()) host::LogInfo("{}", logged_message_);
@@ -375,7 +362,7 @@ EngraveOutcome Synchronizer::Outcome() const {
                             ledger.count(PointState::kLeftOut) - ledger.doubted_count());
   outcome.set_uncertain_count(ledger.count(PointState::kUncertain) +
                               ledger.count(PointState::kArmed) + ledger.doubted_count());
-  outcome.set_estimate_ticks(estimate_ticks_);
+  outcome.set_estimate_ticks(plan_.ticks);
   outcome.set_first_tick(engraving_->first_fired_tick());
   outcome.set_last_tick(engraving_->last_fired_tick());
   if (engraving_->first_fired_tick() != 0) {
@@ -385,9 +372,9 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_controller_pulse_count(laser_.status().pulse_count);
   outcome.set_run_count(engraving_->run_count());
   outcome.set_settled_by_memory_count(engraving_->settled_by_memory());
-  outcome.set_plan_checksum(checksum_);
-  outcome.set_planned_max_move_um(1e3 * moves_.max_mm);
-  outcome.set_planned_rms_move_um(1e3 * moves_.rms_mm());
+  outcome.set_plan_checksum(plan_.checksum);
+  outcome.set_planned_max_move_um(1e3 * plan_.moves.max_mm);
+  outcome.set_planned_rms_move_um(1e3 * plan_.moves.rms_mm());
   outcome.set_least_speed_percent(engraving_->least_speed_percent());
   outcome.set_speed_changes(engraving_->speed_changes());
   return outcome;
@@ -397,7 +384,7 @@ void Synchronizer::EndTask(intaglio_TaskState state, const std::string& code,
                            const std::string& message) {
   TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_, .state = state};
   report.elapsed_s = std::chrono::duration<double>(now_ - began_at_).count();
-  report.estimate_ticks = estimate_ticks_;
+  report.estimate_ticks = plan_.ticks;
   report.error_code = code;
   report.message = message;
   StageOutcome outcome;
@@ -418,6 +405,7 @@ void Synchronizer::DropTask() {
   engraving_.reset();
   journal_.reset();
   intake_.Close();
+  planner_.Abandon();
   job_.reset();
 }
 

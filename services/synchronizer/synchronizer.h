@@ -4,7 +4,6 @@
 // bus what is going on. Everything that decides about a pulse is in engraving.h.
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +14,7 @@
 #include "services/host/service_host.h"
 #include "services/host/stop_latch.h"
 #include "services/synchronizer/engraving.h"
+#include "services/synchronizer/job_planner.h"
 #include "services/synchronizer/path_intake.h"
 #include "services/synchronizer/publisher.h"
 
@@ -63,9 +63,11 @@ class Synchronizer {
   void TakeMotion(std::chrono::nanoseconds now);
   void TakePositions();
   void TakePath();
-  /// `on_disk`: the path is the one that lies in the job's folder.
-  Status StartEngraving(const PointCloud& path, bool on_disk);
-  std::filesystem::path Folder() const { return job_->result_directory(); }
+  /// `path`: none when it is in the job's folder already.
+  void Prepare(std::optional<PointCloud> path);
+  void TakePrepared();
+  void StartEngraving(PreparedJob prepared);
+  void TakePlan();
   void FailTask(const Error& error);
   void Engrave(std::chrono::nanoseconds now);
   void DropTask();
@@ -88,6 +90,7 @@ class Synchronizer {
   bus::CreditBook credit_;
   bus::Writer<intaglio_MotionSegmentBatch> segments_;
   PathIntake intake_;
+  JobPlanner planner_;
   Publisher publisher_;
   LaserController laser_;
   MotionFeed feed_;
@@ -97,10 +100,10 @@ class Synchronizer {
 
   std::optional<FrozenJob> job_;
   std::uint32_t attempt_ = 0;
-  std::string checksum_;
-  std::uint64_t estimate_ticks_ = 0;
-  motion::PointMoves moves_;  ///< Of the plan.
+  PlanSummary plan_;  ///< Of the whole job, without pauses; empty until it is computed.
+  bool planned_ = false;  ///< The computation of plan_ has ended.
   bool cancelled_ = false;
+  bool taken_up_ = false;  ///< from another process
   bool leaves_ = false;
   std::string logged_message_;
   std::string alarmed_refusal_;

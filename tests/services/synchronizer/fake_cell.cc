@@ -103,7 +103,8 @@ void FakeCell::Begin(JobBegun begun) {
     AwaitLaser();
     chain.BeginJob();
   } else {
-    chain.BeginTakenUpJob({opened->earlier.power_up, opened->earlier.openings});
+    chain.BeginJob();
+    chain.TakeUp({opened->earlier.power_up, opened->earlier.openings});
   }
   EngravingJob job;
   job.uid = "job";

@@ -313,6 +313,19 @@ TEST_F(MotionFeedTest, SendsNoBatchBeyondItsCreditAndLosesNothingByWaiting) {
   EXPECT_EQ(Segments(), freely);
 }
 
+// So that a turn of the loop does not last as long as there is to be planned.
+TEST_F(MotionFeedTest, PlansABoundedPartACall) {
+  Advance(kNever);
+  EXPECT_GT(next_, 0);
+  EXPECT_LT(next_, points_mm_.size() - 1);
+  while (!feed_.sent_all()) {
+    const std::size_t before = next_;
+    Advance(kNever);
+    EXPECT_LE(next_ - before, 256);
+  }
+  EXPECT_EQ(next_, points_mm_.size());
+}
+
 TEST_F(MotionFeedTest, RepeatsABatchThatWasNotTaken) {
   while (!feed_.sent_all()) Advance(kNever);
   const auto freely = Segments();

@@ -394,7 +394,8 @@ TEST(PermissionChain, AnotherJobBeginsWithGrantsOfItsOwn) {
 // The first number that is heard may be of an arm from before.
 TEST(PermissionChain, AnEventBeforeTheFirstGrantIsKnownCountsAgainstIt) {
   PermissionChain chain;
-  chain.BeginTakenUpJob({5, 0});
+  chain.BeginJob();
+  chain.TakeUp({5, 0});
   chain.Turn(WholeChain({}, {5, 1}), 1s);
   EXPECT_FALSE(chain.has_spent());
   EXPECT_EQ(chain.Turn(WholeChain({4, 2}, {5, 1}), 2s), Missing::kOpenedUnseen);
@@ -406,7 +407,8 @@ TEST(PermissionChain, AnEventBeforeTheFirstGrantIsKnownCountsAgainstIt) {
 TEST(PermissionChain, ATakenUpJobWhoseMachineNobodyKnowsWaitsForAnArm) {
   PermissionChain chain;
   chain.Watch(WholeChain({}, {5, 0}), 1s);
-  chain.BeginTakenUpJob({});
+  chain.BeginJob();
+  chain.TakeUp({});
   EXPECT_EQ(chain.Turn(WholeChain({4, 2}, {5, 0}), 2s), Missing::kNotWatched);
   EXPECT_FALSE(Fires(chain, WholeChain({4, 2}, {5, 0})));
 }

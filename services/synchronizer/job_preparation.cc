@@ -1,0 +1,83 @@
+#include "services/synchronizer/job_preparation.h"
+
+#include <filesystem>
+
+#include "proto/channels.h"
+#include "proto/options.h"
+#include "services/synchronizer/job_folder.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+constexpr std::uint64_t kSteps = 3;
+
+Result<PointCloud> PathOf(PreparationTask& task) {
+  auto path = task.path ? Result<PointCloud>(std::move(*task.path))
+                        : ReadPath(task.job.result_directory());
+  if (path && path->size() == 0) {
+    return Fail(ErrorCode::kInvalidValue, "the job has no points: nothing to engrave");
+  }
+  return path;
+}
+
+Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& path) {
+  const FrozenJob& frozen = task.job;
+  EngravingJob job;
+  job.uid = frozen.job_uid();
+  job.plan = MotionOptionsOf(frozen);
+  job.machine_from_glass = MachineFromGlassOf(frozen);
+  job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
+  job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
+  job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;
+  job.block_misfit = task.block_misfit;
+  auto masks = ChannelsOfPoints(frozen.job(), path.source);
+  if (!masks) return tl::unexpected(masks.error());
+  job.shutter_mask = masks->front();
+  if (DistinctMasks(*masks).size() > 1) job.masks = std::move(*masks);
+  job.machine_points_mm.reserve(path.size());
+  for (const Vec3& p : path.points_mm) {
+    job.machine_points_mm.push_back(job.machine_from_glass.ToMachine(p));
+  }
+  job.cone_tangent =
+      frozen.optics().cone_tangent() / job.machine_from_glass.stage_per_glass_ratio;
+  return job;
+}
+
+Result<OpenedJournal> OpenFolder(const PreparationTask& task, const PointCloud& path,
+                                 bool on_disk) {
+  const std::filesystem::path folder = task.job.result_directory();
+  if (auto made = MakeJobFolder(folder); !made) return tl::unexpected(made.error());
+  // Before the plan is written over: it may be refused for another's pulses.
+  auto journal =
+      OpenJournal(folder / kJournalFile, {path.size(), task.job.epoch(), CrcOf(path)},
+                  on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
+  if (!journal || on_disk) return journal;
+  if (auto written = WritePlan(folder, task.job, path); !written) {
+    return tl::unexpected(written.error());
+  }
+  return journal;
+}
+
+}  // namespace
+
+Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progress) {
+  const bool on_disk = !task.path.has_value();
+  std::uint64_t steps = 0;
+  const auto wanted = [&] { return progress(++steps, kSteps); };
+  const auto cancelled = [] {
+    return Fail(ErrorCode::kCancelled, "the job is not wanted any more");
+  };
+  const auto path = PathOf(task);
+  if (!path) return tl::unexpected(path.error());
+  if (!wanted()) return cancelled();
+  auto job = EngravingOf(task, *path);
+  if (!job) return tl::unexpected(job.error());
+  if (!wanted()) return cancelled();
+  auto journal = OpenFolder(task, *path, on_disk);
+  if (!journal) return tl::unexpected(journal.error());
+  job->earlier = std::move(journal->earlier);
+  PlanInput plan{job->machine_points_mm, job->plan, job->masks};
+  return PreparedJob{std::move(*job), std::move(journal->writer), std::move(plan)};
+}
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,39 @@
+#pragma once
+
+// What a task takes between its path and its engraving: the path read, its places in
+// the machine computed, the job's folder written, its journal read and opened. It takes
+// seconds for millions of points or on a slow disk, so it is for a thread of its own;
+// nothing here is shared with the loop of the synchronizer.
+
+#include <optional>
+#include <string>
+
+#include "proto/machine.pb.h"
+#include "proto/task.pb.h"
+#include "services/synchronizer/engraving.h"
+#include "services/synchronizer/plan_summary.h"
+
+namespace intaglio::synchronizer {
+
+struct PreparationTask {
+  FrozenJob job;
+  /// In the order of engraving, frame glass, mm. None: the job was begun before, and its
+  /// path is read from its folder.
+  std::optional<PointCloud> path;
+  /// See EngravingJob.
+  std::string block_misfit;
+};
+
+struct PreparedJob {
+  EngravingJob engraving;
+  std::unique_ptr<JournalWriter> journal;
+  /// Of the whole path: what Summarize takes.
+  PlanInput plan;
+};
+
+/// `progress` is asked between two steps whether it is still wanted. Errors: those of
+/// ReadPath, ChannelsOfPoints, OpenJournal and WritePlan; kInvalidValue for a
+/// path without points; kCancelled.
+Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progress);
+
+}  // namespace intaglio::synchronizer
