@@ -10,6 +10,7 @@
 #include <random>
 
 #include "materials_db/material_store.h"
+#include "proto/options.h"
 #include "services/cli/arm_once.h"
 #include "services/cli/bus_flags.h"
 #include "services/cli/event_lines.h"
@@ -144,6 +145,7 @@ Result<ServiceSet> RunSession::StartServices() {
   machine.block_size_mm = Vec3(block.x(), block.y(), block.z());
   machine.refractive_index = optics_.refractive_index;
   machine.numerical_aperture = job_.job.lens().numerical_aperture();
+  set.mounted = {machine.block_size_mm, machine.refractive_index, LensOf(job_.job)};
   machine.speed = options_.lockstep ? "lockstep" : fmt::format("{}", options_.speed);
   machine.warm_up_s =
       options_.warm_up_s >= 0 ? options_.warm_up_s : job_.machine.laser().warm_up_s();

@@ -27,6 +27,21 @@ std::string RatesOf(const MachineSpec& machine) {
   return text;
 }
 
+std::vector<std::string> ArgumentsOf(const MountedDescription& mounted) {
+  std::vector<std::string> arguments;
+  const auto add = [&arguments](const char* option, std::string value) {
+    arguments.insert(arguments.end(), {option, std::move(value)});
+  };
+  if (mounted.block_size_mm) add("--block", Triple(*mounted.block_size_mm));
+  if (mounted.refractive_index)
+    add("--block-index", fmt::format("{}", *mounted.refractive_index));
+  if (mounted.lens) {
+    add("--lens", fmt::format("{},{}", mounted.lens->focal_length_mm,
+                              mounted.lens->numerical_aperture));
+  }
+  return arguments;
+}
+
 struct Expected {
   intaglio_ServiceRole role;
   const char* name;
@@ -88,9 +103,8 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
     of_the_queue.insert(of_the_queue.end(), {"--recording", options.recording.string()});
   }
   std::vector<std::string> of_the_laser = at_the_machine;
-  if (virtual_machine != nullptr) {
-    of_the_laser.insert(of_the_laser.end(),
-                        {"--block", Triple(virtual_machine->block_size_mm)});
+  for (const std::string& argument : ArgumentsOf(options.mounted)) {
+    of_the_laser.push_back(argument);
   }
   // Whose word a machine waits for less than a tenth of a second.
   if (!lockstep) {

@@ -16,6 +16,7 @@
 #include "services/cli/child_process.h"
 #include "services/cli/job_client.h"
 #include "services/cli/kept_process.h"
+#include "services/cli/mounted.h"
 #include "services/command_line/program.h"
 
 namespace intaglio::cli {
@@ -42,6 +43,7 @@ struct ServiceSetOptions {
   std::filesystem::path results;  ///< job folders
   std::filesystem::path materials_db;
   MachineSpec machine;
+  MountedDescription mounted;
   bus::BusOptions bus;
   std::set<std::string> without;    ///< services that run elsewhere, e.g. "discretizer"
   std::filesystem::path recording;  ///< file of a recorder; empty: none

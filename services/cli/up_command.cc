@@ -16,6 +16,7 @@
 #include "services/cli/interrupt.h"
 #include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
+#include "services/cli/mounted.h"
 #include "services/cli/run_command.h"
 #include "services/cli/service_set.h"
 #include "services/host/utc_time.h"
@@ -43,19 +44,15 @@ struct UpOptions {
   double speed = 1;
   double clock_drift_ppm = 0;
   double line_jitter_ms = 0;
-  std::vector<double> block_mm = {100, 100, 100};
-  double refractive_index = 1.51947;
-  double numerical_aperture = 0;
+  MountFlags mount;
 };
 
-VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine) {
+VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine,
+                         const MountedDescription& mounted) {
   VirtualMachine virtual_machine;
-  virtual_machine.block_size_mm =
-      Vec3(options.block_mm[0], options.block_mm[1], options.block_mm[2]);
-  virtual_machine.refractive_index = options.refractive_index;
-  virtual_machine.numerical_aperture = options.numerical_aperture > 0
-                                           ? options.numerical_aperture
-                                           : machine.lenses(0).numerical_aperture();
+  virtual_machine.block_size_mm = mounted.block_size_mm.value();
+  virtual_machine.refractive_index = mounted.refractive_index.value();
+  virtual_machine.numerical_aperture = mounted.lens.value().numerical_aperture;
   virtual_machine.speed =
       options.lockstep ? "lockstep" : fmt::format("{}", options.speed);
   virtual_machine.warm_up_s = machine.laser().warm_up_s();
@@ -123,6 +120,10 @@ int Up(const UpOptions& options) {
   set.materials_db = options.materials_db.empty() ? materials_db::DefaultDatabasePath()
                                                   : fs::path(options.materials_db);
   set.machine = *machine;
+  const auto mounted =
+      MountedOf(options.mount, !options.real_machine, *machine, set.materials_db);
+  if (!mounted) return Complain(mounted.error(), kExitWrongInput);
+  set.mounted = mounted->description;
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};
@@ -138,20 +139,18 @@ int Up(const UpOptions& options) {
   if (auto alone = AwaitNoRival(set, client, bus.discovery_time()); !alone) {
     return Complain(alone.error(), kExitWrongInput);
   }
-  const VirtualMachine virtual_machine = MachineOf(options, *machine);
-  auto services =
-      ServiceSet::Start(set, options.real_machine ? nullptr : &virtual_machine);
+  std::optional<VirtualMachine> virtual_machine;
+  if (!options.real_machine) {
+    virtual_machine = MachineOf(options, *machine, mounted->description);
+  }
+  auto services = ServiceSet::Start(set, virtual_machine ? &*virtual_machine : nullptr);
   if (!services) return Complain(services.error(), kExitInternal);
   if (auto ready = services->AwaitReady(client); !ready) {
     return Complain(ready.error(), kExitInternal);
   }
   for (const std::string& process : services->Processes()) std::cout << process << "\n";
-  if (!options.real_machine) {
-    std::cout << fmt::format("block in the machine: {:g} x {:g} x {:g} mm (--block)\n",
-                             options.block_mm[0], options.block_mm[1],
-                             options.block_mm[2]);
-  }
   std::cout
+      << TextOf(*mounted) << "\n"
       << "machine profile for jobs: " << services->machine_file().string() << "\n"
       << "the shop is open (domain " << set.bus.control_domain << ", interface "
       << set.bus
@@ -192,17 +191,7 @@ void AddUpCommand(command_line::Command app) {
       .Within(0.01, 1000.0)
       .Exclude(lockstep);
   AddClockFlags(up, options->clock_drift_ppm, options->line_jitter_ms);
-  up.AddOption("--block", options->block_mm,
-               "block in the virtual machine, mm; a job for another one is not fired")
-      .TakeValues(3)
-      .Positive()
-      .ShowDefault();
-  up.AddOption("--index", options->refractive_index, "its refractive index")
-      .Within(1.0, 4.0)
-      .ShowDefault();
-  up.AddOption("--na", options->numerical_aperture,
-               "numerical aperture of its lens, default the profile's first")
-      .Within(0.0, 0.9);
+  AddMountFlags(up, options->mount);
   up.SetFooter(
       "Example: intaglio up --folder shop --block 60 60 40, and from another terminal: "
       "intaglio submit job.textproto --arm --watch\n"

@@ -5,6 +5,7 @@
 #include "proto/channels.h"
 #include "proto/options.h"
 #include "services/synchronizer/job_folder.h"
+#include "services/synchronizer/path_check.h"
 
 namespace intaglio::synchronizer {
 namespace {
@@ -26,6 +27,11 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   job.uid = frozen.job_uid();
   job.plan = MotionOptionsOf(frozen);
   job.machine_from_glass = MachineFromGlassOf(frozen);
+  if (auto checked = CheckPath(path, BlocksOfModels(frozen.job()), job.machine_from_glass,
+                               job.plan.limits.travel_mm);
+      !checked) {
+    return tl::unexpected(checked.error());
+  }
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
   job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a task takes between its path and its engraving: the path read, its places in
+// What a task takes between its path and its engraving: the path checked, its places in
 // the machine computed, the job's folder written, its journal read and opened. It takes
 // seconds for millions of points or on a slow disk, so it is for a thread of its own;
 // nothing here is shared with the loop of the synchronizer.
@@ -16,6 +16,7 @@
 namespace intaglio::synchronizer {
 
 struct PreparationTask {
+  /// With the machine's own profile in it.
   FrozenJob job;
   /// In the order of engraving, frame glass, mm. None: the job was begun before, and its
   /// path is read from its folder.
@@ -32,7 +33,7 @@ struct PreparedJob {
 };
 
 /// `progress` is asked between two steps whether it is still wanted. Errors: those of
-/// ReadPath, ChannelsOfPoints, OpenJournal and WritePlan; kInvalidValue for a
+/// ReadPath, CheckPath, ChannelsOfPoints, OpenJournal and WritePlan; kInvalidValue for a
 /// path without points; kCancelled.
 Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progress);
 

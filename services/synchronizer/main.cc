@@ -15,6 +15,8 @@ struct Options {
   std::string machine_file;
   std::string device;
   std::vector<double> block_mm;
+  std::string lens;
+  double refractive_index = 0;
 };
 
 // A job that is armed before the laser answers has to be armed again, for nobody watched
@@ -25,6 +27,18 @@ std::chrono::nanoseconds Now() {
   return std::chrono::steady_clock::now().time_since_epoch();
 }
 
+Result<synchronizer::MountedParts> MountedOf(const Options& options,
+                                             const MachineSpec& machine) {
+  synchronizer::MountedParts mounted;
+  if (!options.block_mm.empty())
+    mounted.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
+  if (options.refractive_index > 0) mounted.refractive_index = options.refractive_index;
+  auto lens = synchronizer::MountedLens(options.lens, machine);
+  if (!lens) return tl::unexpected(lens.error());
+  mounted.lens = *lens;
+  return mounted;
+}
+
 int Serve(host::ServiceHost& host, const Options& options) {
   auto machine = ReadMachineFile(options.machine_file);
   if (!machine) {
@@ -32,12 +46,14 @@ int Serve(host::ServiceHost& host, const Options& options) {
     return 2;
   }
   if (!options.device.empty()) machine->mutable_laser_line()->set_device(options.device);
+  const auto mounted = MountedOf(options, *machine);
+  if (!mounted) {
+    std::cerr << "--lens: " << mounted.error().message << "\n";
+    return 2;
+  }
   host::OnlyInstance only(host, intaglio_ROLE_SYNCHRONIZER);
   if (only.AwaitTurn()) return only.EndAsSecond("synchronizer");
-  std::optional<Vec3> block_mm;
-  if (!options.block_mm.empty())
-    block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
-  synchronizer::Synchronizer cell(host, *machine, block_mm);
+  synchronizer::Synchronizer cell(host, *machine, options.machine_file, *mounted);
   host::PollLoop loop(host.bus());
   cell.AttachTo(loop);
   const auto ready_at = Now() + kLaserTime;
@@ -79,6 +95,16 @@ int main(int argc, char** argv) {
             .SplitAt(',')
             .TakeValues(3)
             .Positive();
+        app.AddOption("--lens", options.lens,
+                      "the mounted lens, by its name in the profile, or as "
+                      "FOCAL_LENGTH,NA: a job for another one is not fired; default: the "
+                      "profile's, if it has just one, else whoever arms has looked");
+        app.AddOption(
+               "--block-index", options.refractive_index,
+               "refractive index of the block in the machine at the laser's "
+               "wavelength: a job for another glass is not fired; default: whoever "
+               "arms has looked")
+            .Within(1.0, 4.0);
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "proto/options.h"
 #include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 #include "services/host/log.h"
 #include "services/link/serial_port.h"
-#include "services/synchronizer/block_fit.h"
 #include "services/synchronizer/job_folder.h"
+#include "services/synchronizer/task_check.h"
 
 namespace intaglio::synchronizer {
 namespace {
@@ -32,10 +31,11 @@ link::StreamOpener LaserLineOf(const MachineSpec& machine) {
 }  // namespace
 
 Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
-                           const std::optional<Vec3>& block_mm)
+                           std::string machine_file, const MountedParts& mounted)
     : host_(host),
       machine_(machine),
-      block_mm_(block_mm),
+      machine_file_(std::move(machine_file)),
+      mounted_(mounted),
       cell_(machine.name()),
       tasks_(host.bus(), bus::kEngraveTask),
       permissions_(host.bus(), bus::kPermission, cell_),
@@ -140,6 +140,10 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   chain_.BeginJob();
   taken_up_ = task.take_up;
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
+  if (auto checked = CheckTask(*job_, machine_, machine_file_); !checked) {
+    return FailTask(checked.error());
+  }
+  *job_->mutable_machine() = machine_;
   if (task.take_up) return Prepare(std::nullopt);
   if (auto opened = intake_.Open(job_->job_uid(), attempt_); !opened) {
     return FailTask(opened.error());
@@ -234,9 +238,7 @@ void Synchronizer::TakePath() {
 }
 
 void Synchronizer::Prepare(std::optional<PointCloud> path) {
-  const std::string misfit =
-      block_mm_ ? BlockMisfit(BlockSizeOf(job_->job()), *block_mm_) : "";
-  planner_.Begin({*job_, std::move(path), misfit});
+  planner_.Begin({*job_, std::move(path), MountMisfit(*job_, mounted_)});
 }
 
 void Synchronizer::TakePrepared() {

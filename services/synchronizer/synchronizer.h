@@ -15,6 +15,7 @@
 #include "services/host/stop_latch.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
+#include "services/synchronizer/mounted_parts.h"
 #include "services/synchronizer/path_intake.h"
 #include "services/synchronizer/publisher.h"
 
@@ -22,9 +23,10 @@ namespace intaglio::synchronizer {
 
 class Synchronizer {
  public:
-  /// `block_mm`: size of the block that is in the machine, where that is known.
+  /// `machine`: the profile of this cell, read from `machine_file`; nothing that a task
+  /// says of the machine is used beside it. `mounted`: as far as it is known.
   Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
-               const std::optional<Vec3>& block_mm = std::nullopt);
+               std::string machine_file, const MountedParts& mounted);
   ~Synchronizer();
 
   /// One turn of the loop; never blocks.
@@ -80,7 +82,8 @@ class Synchronizer {
 
   host::ServiceHost& host_;
   MachineSpec machine_;
-  std::optional<Vec3> block_mm_;
+  std::string machine_file_;
+  MountedParts mounted_;
   std::string cell_;
   bus::Reader<intaglio_StageTask> tasks_;
   bus::Reader<intaglio_Permission> permissions_;

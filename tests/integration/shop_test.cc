@@ -28,11 +28,13 @@ class Shop : public ::testing::Test {
  protected:
   Shop() { Open({"50", "50", "30"}); }
 
-  void Open(const std::vector<std::string>& block_mm) {
+  void Open(const std::vector<std::string>& block_mm,
+            const std::vector<std::string>& more = {}) {
     std::vector<std::string> words = {
         "up",      "--folder", folder_ / "shop", "--materials", folder_ / "materials.db",
         "--speed", "5",        "--record",       "--block"};
     words.insert(words.end(), block_mm.begin(), block_mm.end());
+    words.insert(words.end(), more.begin(), more.end());
     up_ = std::make_unique<Running>(Program("intaglio"), With(words),
                                     folder_ / ("up" + block_mm[0] + ".txt"));
   }
@@ -157,6 +159,44 @@ TEST_F(Shop, AJobForAnotherBlockIsNotFiredAndKeptForTheRightOne) {
   Open({"60", "55", "20"});
   ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
   EXPECT_TRUE(RunsTo(job, "done")) << last_;
+}
+
+// The depth of every point follows from both.
+TEST_F(Shop, AJobForAnotherLensOrGlassIsNotFiredAndKeptForTheRightOnes) {
+  ASSERT_TRUE(Eventually(
+      [this] { return up_->Output().find("the shop is open") != std::string::npos; },
+      40s));
+  Close();
+  Open({"50", "50", "30"}, {"--lens", "f70", "--block-glass", "fused-silica"});
+  const std::string job = Submit({"--arm"});
+  ASSERT_TRUE(Reaches(job, "paused")) << last_;
+  EXPECT_THAT(last_, HasSubstr("the job is for the lens f43"));
+  EXPECT_THAT(last_, HasSubstr("the lens f70 (f 70 mm, NA 0.124) is mounted"));
+  EXPECT_THAT(last_, HasSubstr("the job is for N-BK7 (refractive index 1.519"));
+  EXPECT_THAT(last_, HasSubstr("has the index 1.460"));
+  Close();
+  Open({"50", "50", "30"});
+  EXPECT_TRUE(Eventually([this] {
+    return up_->Output().find("N-BK7 of index 1.519") != std::string::npos &&
+           up_->Output().find("lens f43: f 43 mm, NA 0.2") != std::string::npos;
+  }));
+  ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
+  Type({"resume", job});
+  EXPECT_TRUE(RunsTo(job, "done")) << last_;
+}
+
+// The cell trusts its own profile, not the file of whoever submits.
+TEST_F(Shop, AJobWithAProfileThatIsNotTheCellsIsRefused) {
+  const fs::path profile = folder_ / "els-03.textproto";
+  std::stringstream own;
+  own << std::ifstream(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").rdbuf();
+  std::ofstream(profile) << std::regex_replace(
+      own.str(), std::regex("travel_max_mm: 172"), "travel_max_mm: 400");
+  const std::string job = Submit({"--machine", profile, "--arm"});
+  ASSERT_TRUE(Reaches(job, "failed")) << last_;
+  EXPECT_THAT(last_, HasSubstr("x.travel_max_mm is 400 in the job's profile and 172"));
+  EXPECT_THAT(last_, HasSubstr("z.travel_max_mm"));
+  EXPECT_THAT(last_, HasSubstr("submit it again with the profile of this cell"));
 }
 
 TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {

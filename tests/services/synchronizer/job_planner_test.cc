@@ -13,6 +13,7 @@
 namespace intaglio::synchronizer {
 namespace {
 
+using testing::HasSubstr;
 using namespace std::chrono_literals;
 
 constexpr bool kSanitized = test::kSanitizersTake > 1;
@@ -130,6 +131,17 @@ TEST_F(JobPlannerTest, WhatIsPreparedLiesInTheFolderAndIsTakenUpFromThere) {
   ASSERT_TRUE(Prepares());
   ASSERT_TRUE(*prepared_) << prepared_->error().message;
   EXPECT_EQ((*prepared_)->engraving.machine_points_mm, points_mm);
+}
+
+TEST_F(JobPlannerTest, APathOutsideTheBlockIsRefusedAndNothingIsWritten) {
+  PointCloud path = PathOf(10);
+  path.points_mm[7].x() = 50.5;
+  planner_.Begin(TaskOf(path));
+  ASSERT_TRUE(Prepares());
+  ASSERT_FALSE(*prepared_);
+  EXPECT_EQ(prepared_->error().code, ErrorCode::kOutsideBlock);
+  EXPECT_THAT(prepared_->error().message, HasSubstr("point 7 of the order"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / kPathFile));
 }
 
 TEST_F(JobPlannerTest, AnAbandonedTaskIsNeverSeenAndTheNextOneWaitsForItsEnd) {

@@ -1,13 +1,17 @@
 // intaglio-synchronizer as a process, between the bus and a virtual engraver.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <regex>
 #include <thread>
 
 #include "engrave/formats/point_file.h"
+#include "engrave/optics/focus.h"
+#include "proto/job_file.h"
 #include "services/bus/bus.h"
 #include "services/bus/samples.h"
 #include "services/host/stop_latch.h"
@@ -24,6 +28,8 @@ namespace {
 
 using intaglio::testing::Running;
 using test::Eventually;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
 const std::string kCell = "els-03";
@@ -40,14 +46,14 @@ class SynchronizerProcess : public ::testing::Test {
   void SetUp() override {
     ASSERT_TRUE(engraver_.AwaitReady()) << engraver_.program().Output();
   }
-  std::unique_ptr<Running> Start(const std::string& log) {
-    return std::make_unique<Running>(
-        intaglio::testing::Program("intaglio-synchronizer"),
-        std::vector<std::string>{"--machine",
-                                 INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto",
-                                 "--device", engraver_.laser_line(), "--tag",
-                                 test::PrivateTag(), "--cell", kCell},
-        folder_ / log);
+  std::unique_ptr<Running> Start(const std::string& log,
+                                 const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {
+        "--machine", machine_file_.string(), "--device", engraver_.laser_line(),
+        "--tag",     test::PrivateTag(),     "--cell",   kCell};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::make_unique<Running>(intaglio::testing::Program("intaglio-synchronizer"),
+                                     arguments, folder_ / log);
   }
   bool LineIsUp() {
     bool up = false;
@@ -58,6 +64,8 @@ class SynchronizerProcess : public ::testing::Test {
   }
 
   std::filesystem::path folder_;
+  std::filesystem::path machine_file_ =
+      INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto";
   virtual_engraver::EngraverProcess engraver_;
   bus::Bus bus_;
   bus::Reader<intaglio_Interlock> interlocks_;
@@ -86,18 +94,45 @@ class WithAJob : public SynchronizerProcess {
         permissions_(bus_, bus::kPermission, kCell),
         stops_(bus_, bus::kEmergencyStop, kCell),
         commands_(bus_, bus::kJobCommand),
-        health_(bus_, bus::kServiceHealth) {}
+        health_(bus_, bus::kServiceHealth),
+        statuses_(bus_, bus::kTaskStatus),
+        lamp_(bus_, bus::kLampSync, kCell) {}
 
   void SetUp() override {
     SynchronizerProcess::SetUp();
-    formats::PointTable path;
-    for (int i = 0; i < 20; ++i) path.points_mm.push_back(Vec3(5 + 0.5 * i, 5, 5));
-    path.columns = {{"source", std::vector<std::uint32_t>(20, 0)}};
-    ASSERT_TRUE(formats::WritePly(folder_ / kPathFile, path));
-    PointCloud cloud;
-    for (const Vec3& p : path.points_mm) cloud.Add(p, 0);
-    ASSERT_TRUE(
-        JournalWriter::Create(folder_ / kJournalFile, {20, kEpoch, CrcOf(cloud)}));
+    PointCloud path;
+    for (int i = 0; i < 20; ++i) path.Add(Vec3(5 + 0.5 * i, 5, 5), 0);
+    Leave(path);
+  }
+  /// In the job's folder, with an empty journal.
+  void Leave(const PointCloud& path) {
+    formats::PointTable table;
+    table.points_mm = path.points_mm;
+    table.columns = {{"source", path.source}};
+    ASSERT_TRUE(formats::WritePly(folder_ / kPathFile, table));
+    std::filesystem::remove(folder_ / kJournalFile);
+    ASSERT_TRUE(JournalWriter::Create(folder_ / kJournalFile,
+                                      {path.size(), kEpoch, CrcOf(path)}));
+  }
+  /// On the machine of the profile, in N-BK7.
+  FrozenJob Job() {
+    JobSpec spec;
+    Vector3& size = *spec.mutable_block()->mutable_size_mm();
+    size.set_x(50);
+    size.set_y(50);
+    size.set_z(30);
+    FrozenJob job = test::FrozenJobOf(kJob, spec);
+    *job.mutable_machine() = ReadMachineFile(machine_file_).value();
+    const double index = 1.5195, aperture = job.job().lens().numerical_aperture();
+    OpticalValuesRecord& optics = *job.mutable_optics();
+    optics.set_wavelength_nm(job.job().laser().wavelength_nm());
+    optics.set_numerical_aperture(aperture);
+    optics.set_refractive_index(index);
+    optics.set_stage_per_glass_ratio(optics::StagePerGlassRatio(index, aperture));
+    optics.set_cone_tangent(optics::ConeTangentInGlass(index, aperture));
+    job.set_epoch(kEpoch);
+    job.set_result_directory(folder_.string());
+    return job;
   }
   void StartBridge() {
     bridge_ = std::make_unique<Running>(
@@ -109,7 +144,8 @@ class WithAJob : public SynchronizerProcess {
         folder_ / "bridge.log");
   }
   /// To the synchronizer of this process id, when it is ready.
-  bool Give(pid_t worker) {
+  bool Give(pid_t worker) { return Give(worker, Job()); }
+  bool Give(pid_t worker, const FrozenJob& job) {
     std::string instance;
     const bool ready = Eventually([&] {
       health_.Take([&](const intaglio_ServiceHealth& s) {
@@ -118,9 +154,6 @@ class WithAJob : public SynchronizerProcess {
       });
       return !instance.empty();
     });
-    FrozenJob job = test::FrozenJobOf(kJob, {});
-    job.set_epoch(kEpoch);
-    job.set_result_directory(folder_.string());
     const std::string text = job.SerializeAsString();
     const std::vector<std::uint8_t> bytes(text.begin(), text.end());
     intaglio_StageTask task{};
@@ -200,12 +233,32 @@ class WithAJob : public SynchronizerProcess {
     return engraver_.StatusOf("pulses") != "0";
   }
 
+  std::string StagePlace() const {
+    const std::string status = engraver_.Ask("status");
+    std::smatch place;
+    std::regex_search(status, place, std::regex("\"stage_mm\": (\\[[^\\]]*\\])"));
+    return place[1];
+  }
+  void TakeStatuses() {
+    statuses_.Take([this](const intaglio_TaskStatus& s) {
+      state_ = s.state;
+      error_code_ = bus::View(s.error_code);
+      message_ = bus::View(s.message);
+      estimate_ticks_ = std::max(estimate_ticks_, s.estimate_ticks);
+    });
+  }
+
   const std::string kJob = "job-of-an-earlier-day";
   bus::Writer<intaglio_StageTask> tasks_;
   bus::Writer<intaglio_Permission> permissions_;
   bus::Writer<intaglio_EmergencyStop> stops_;
   bus::Writer<intaglio_JobCommand> commands_;
   bus::Reader<intaglio_ServiceHealth> health_;
+  bus::Reader<intaglio_TaskStatus> statuses_;
+  bus::Reader<intaglio_LampSync> lamp_;
+  intaglio_TaskState state_ = intaglio_TASK_ACCEPTED;  // and so on, by the newest status
+  std::string error_code_, message_;
+  std::uint64_t estimate_ticks_ = 0;
   std::unique_ptr<Running> bridge_;
   std::uint64_t permission_number_ = 0, reset_number_ = 0;
 };
@@ -286,6 +339,124 @@ TEST_F(WithAJob, AStopSurvivesItsPresserAndTheSynchronizer) {
   EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
   Reset(7);
   EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer->Output();
+}
+
+// What a file of the submitter says of the machine moves nothing.
+TEST_F(WithAJob, AJobForAnotherMachineIsRefusedAndEnds) {
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log");
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  const std::string before = StagePlace();
+  ASSERT_NE(before, "");
+  FrozenJob job = Job();
+  job.mutable_machine()->mutable_x()->set_travel_max_mm(400);
+  job.mutable_machine()->mutable_block_origin_mm()->set_y(-20);
+  ASSERT_TRUE(Give(synchronizer->pid(), job));
+  EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
+  TakeStatuses();
+  EXPECT_EQ(state_, intaglio_TASK_FAILED);
+  EXPECT_EQ(error_code_, "refused");
+  EXPECT_THAT(message_,
+              AllOf(HasSubstr("x.travel_max_mm is 400 in the job's profile and 172"),
+                    HasSubstr("block_origin_mm.y"), HasSubstr(machine_file_.string())));
+  EXPECT_EQ(StagePlace(), before);
+  // Refused is the job, not the machine.
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer->Output();
+}
+
+TEST_F(WithAJob, APathOutOfTheBlockIsRefusedAndEnds) {
+  PointCloud path;
+  for (int i = 0; i < 20; ++i) path.Add(Vec3(5 + 3.0 * i, 5, 5), 0);
+  Leave(path);
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log");
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
+  TakeStatuses();
+  EXPECT_EQ(state_, intaglio_TASK_FAILED);
+  EXPECT_THAT(message_, AllOf(HasSubstr("4 of 20 points"),
+                              HasSubstr("point 16 of the order"), HasSubstr("x 53")));
+}
+
+struct WrongMount {
+  std::vector<std::string> options;
+  const char* message;
+};
+
+class MountedOtherwise : public WithAJob,
+                         public ::testing::WithParamInterface<WrongMount> {};
+
+TEST_P(MountedOtherwise, IsNotFiredAndSaysWhatIsMountedAndWanted) {
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log", GetParam().options);
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  EXPECT_FALSE(FiresWithin(3s, kEpoch, 1));
+  TakeStatuses();
+  EXPECT_EQ(state_, intaglio_TASK_PAUSED) << message_;
+  EXPECT_THAT(message_, HasSubstr(GetParam().message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    LensGlassAndBlock, MountedOtherwise,
+    ::testing::Values(WrongMount{{"--lens", "f70"},
+                                 "the lens f70 (f 70 mm, NA 0.124) is mounted"},
+                      WrongMount{{"--block-index", "1.46"}, "has the index 1.46"},
+                      WrongMount{{"--block", "50,50,40"}, "50 x 50 x 40 mm"}));
+
+TEST_F(WithAJob, IsFiredWhereItsOwnLensGlassAndBlockAreMounted) {
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log", {"--lens", "f43", "--block-index",
+                                                       "1.5197", "--block", "60,50,30"});
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  EXPECT_TRUE(FiresWithin(15s, kEpoch, 1)) << synchronizer->Output();
+}
+
+TEST_F(SynchronizerProcess, ALensThatTheMachineDoesNotHaveIsWrongInput) {
+  const auto synchronizer = Start("synchronizer.log", {"--lens", "f50"});
+  const auto ended = synchronizer->WaitForEnd(5s);
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.output, AllOf(HasSubstr("--lens"), HasSubstr("f43, f70")));
+}
+
+// Its whole plan takes seconds. Meanwhile the loop turns, and the first points are fired.
+TEST_F(WithAJob, AMillionPointsAreFiredBeforeTheWholeIsPlanned) {
+  std::stringstream profile;
+  profile << std::ifstream(machine_file_).rdbuf();
+  machine_file_ = folder_ / "els-03.textproto";
+  std::ofstream(machine_file_) << std::regex_replace(
+      profile.str(), std::regex("max_acceleration_mm_s2: 7000"),
+      "max_acceleration_mm_s2: 7000 max_jerk_mm_s3: 1000000");
+  PointCloud path;
+  for (int i = 0; i < 1'000'000; ++i) {
+    const int row = i / 100, along = row % 2 == 0 ? i % 100 : 99 - i % 100;
+    path.Add(Vec3(5 + 0.4 * along, 5 + 0.004 * row, 5), 0);
+  }
+  Leave(path);
+  StartBridge();
+  const auto synchronizer = Start("synchronizer.log");
+  ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
+  ASSERT_TRUE(Give(synchronizer->pid()));
+  const auto began = std::chrono::steady_clock::now();
+  auto turned = began;
+  std::chrono::nanoseconds longest_gap{0};
+  bool fires = false;
+  for (auto now = began; !fires && now - began < 60s;
+       now = std::chrono::steady_clock::now()) {
+    if (lamp_.Take([](const intaglio_LampSync&) {}) > 0) turned = now;
+    longest_gap = std::max<std::chrono::nanoseconds>(longest_gap, now - turned);
+    fires = FiresWithin(20ms, kEpoch, 1);
+    TakeStatuses();
+  }
+  EXPECT_TRUE(fires) << synchronizer->Output();
+  EXPECT_EQ(estimate_ticks_, 0) << "planned to its end before the first pulse";
+  EXPECT_LT(longest_gap, 1500ms);
+  std::cout << "first pulse after " << (std::chrono::steady_clock::now() - began) / 1ms
+            << " ms, longest time without a status of the lamp " << longest_gap / 1ms
+            << " ms\n";
 }
 
 }  // namespace

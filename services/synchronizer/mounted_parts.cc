@@ -1,0 +1,132 @@
+// The stage goes D k(n) deep for a focus at the depth D, k = StagePerGlassRatio. In glass
+// of index m the focus is then at D k(n) / k(m), so at the bottom of a block of height H
+// it is off by H |k(n) / k(m) - 1|, about H |m - n| / n. With a crack of 0.135 mm (f 43
+// mm) a quarter is 34 um: 100 mm of N-BK7 whose melts differ by 0.0005 (33 um) pass, and
+// so do 5 mm of soda-lime glass in the place of N-BK7, but not 20 mm of it.
+
+#include "services/synchronizer/mounted_parts.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "proto/job_defaults.h"
+#include "proto/options.h"
+#include "services/synchronizer/block_fit.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+constexpr double kSameLens = 1e-6;
+constexpr double kCrackShare = 0.25;
+
+optics::Lens LensOf(const MachineLens& lens) {
+  return {lens.focal_length_mm(), lens.numerical_aperture()};
+}
+
+/// "FOCAL_LENGTH,NA"; nullopt when it is not of that form.
+std::optional<optics::Lens> ParseLens(const std::string& text) {
+  optics::Lens lens;
+  const char* end = text.data() + text.size();
+  const auto focal = std::from_chars(text.data(), end, lens.focal_length_mm);
+  if (focal.ec != std::errc() || focal.ptr == end || *focal.ptr != ',')
+    return std::nullopt;
+  const auto aperture = std::from_chars(focal.ptr + 1, end, lens.numerical_aperture);
+  if (aperture.ec != std::errc() || aperture.ptr != end) return std::nullopt;
+  const bool possible = lens.numerical_aperture > 0 && lens.numerical_aperture < 1;
+  return possible ? std::optional(lens) : std::nullopt;
+}
+
+bool AreSame(const optics::Lens& one, const optics::Lens& other) {
+  return std::abs(one.focal_length_mm - other.focal_length_mm) <= kSameLens &&
+         std::abs(one.numerical_aperture - other.numerical_aperture) <= kSameLens;
+}
+
+/// Empty for a lens that the profile does not have.
+std::string NameOf(const optics::Lens& lens, const MachineSpec& machine) {
+  for (const MachineLens& known : machine.lenses()) {
+    if (AreSame(lens, LensOf(known))) return known.name();
+  }
+  return "";
+}
+
+std::string LensMisfit(const FrozenJob& job, const optics::Lens& mounted) {
+  const optics::Lens wanted = intaglio::LensOf(job.job());
+  if (AreSame(wanted, mounted)) return "";
+  const auto text = [&job](const optics::Lens& lens) {
+    return fmt::format("the lens {} (f {:g} mm, NA {:g})", NameOf(lens, job.machine()),
+                       lens.focal_length_mm, lens.numerical_aperture);
+  };
+  const std::string name = NameOf(wanted, job.machine());
+  return fmt::format(
+      "the job is for {}, {} is mounted: nothing is fired; {}", text(wanted),
+      text(mounted),
+      name.empty()
+          ? "no lens of this machine is the job's: cancel it and submit it again "
+            "with the mounted one"
+          : fmt::format("mount it and open the shop with `intaglio up --lens "
+                        "{}`, then resume the job",
+                        name));
+}
+
+std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
+  const MachineLens* lens = FindLens(job.machine(), job.job().lens().focal_length_mm());
+  const double allowed_mm = kCrackShare * (lens == nullptr ? 0 : lens->crack_length_mm());
+  const double error_mm = DepthErrorMm(job, mounted_index);
+  if (error_mm <= allowed_mm) return "";
+  return fmt::format(
+      "the job is for {} (refractive index {:.6g}), the block in the machine has the "
+      "index {:.6g}: the deepest points would be off by {:.3f} mm, {:.3f} mm are "
+      "allowed: "
+      "nothing is fired; put a block of the job's glass in and open the shop with "
+      "`intaglio up --block-glass {}`, then resume the job",
+      job.job().glass(), job.optics().refractive_index(), mounted_index, error_mm,
+      allowed_mm, job.job().glass());
+}
+
+}  // namespace
+
+Result<std::optional<optics::Lens>> MountedLens(const std::string& text,
+                                                const MachineSpec& machine) {
+  if (text.empty()) {
+    if (machine.lenses_size() != 1) return std::nullopt;
+    return LensOf(machine.lenses(0));
+  }
+  std::vector<std::string> names;
+  for (const MachineLens& lens : machine.lenses()) {
+    if (lens.name() == text) return LensOf(lens);
+    names.push_back(lens.name());
+  }
+  const auto numbers = ParseLens(text);
+  if (numbers && FindLens(machine, numbers->focal_length_mm) != nullptr) return numbers;
+  return Fail(
+      ErrorCode::kNotFound,
+      fmt::format("lens \"{}\" is none of {}, which has {}; give one of these, or "
+                  "focal length (mm) and numerical aperture: 43,0.2",
+                  text, machine.name(), fmt::join(names, ", ")),
+      text);
+}
+
+double DepthErrorMm(const FrozenJob& job, double mounted_index) {
+  const double aperture = job.job().lens().numerical_aperture();
+  const double wanted =
+      optics::StagePerGlassRatio(job.optics().refractive_index(), aperture);
+  const double found = optics::StagePerGlassRatio(mounted_index, aperture);
+  return job.job().block().size_mm().z() * std::abs(wanted / found - 1);
+}
+
+std::string MountMisfit(const FrozenJob& job, const MountedParts& mounted) {
+  std::vector<std::string> misfits;
+  const auto add = [&misfits](std::string text) {
+    if (!text.empty()) misfits.push_back(std::move(text));
+  };
+  if (mounted.block_mm) add(BlockMisfit(BlockSizeOf(job.job()), *mounted.block_mm));
+  if (mounted.lens) add(LensMisfit(job, *mounted.lens));
+  if (mounted.refractive_index) add(GlassMisfit(job, *mounted.refractive_index));
+  return fmt::format("{}", fmt::join(misfits, "; and "));
+}
+
+}  // namespace intaglio::synchronizer
