@@ -91,19 +91,18 @@ int main(int argc, char** argv) {
                       "serial device instead of the profile's laser_line.device");
         app.AddOption("--block", options.block_mm,
                       "size of the block in the machine, x,y,z in mm: a job for another "
-                      "one is not fired; default: whoever arms has looked")
+                      "one is not fired; default: not known, not compared")
             .SplitAt(',')
             .TakeValues(3)
             .Positive();
         app.AddOption("--lens", options.lens,
                       "the mounted lens, by its name in the profile, or as "
                       "FOCAL_LENGTH,NA: a job for another one is not fired; default: the "
-                      "profile's, if it has just one, else whoever arms has looked");
-        app.AddOption(
-               "--block-index", options.refractive_index,
-               "refractive index of the block in the machine at the laser's "
-               "wavelength: a job for another glass is not fired; default: whoever "
-               "arms has looked")
+                      "profile's, if it has just one, else not known, not compared");
+        app.AddOption("--block-index", options.refractive_index,
+                      "refractive index of the block in the machine at the laser's "
+                      "wavelength: a job for another glass is not fired; default: not "
+                      "known, not compared")
             .Within(1.0, 4.0);
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {

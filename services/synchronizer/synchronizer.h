@@ -23,8 +23,8 @@ namespace intaglio::synchronizer {
 
 class Synchronizer {
  public:
-  /// `machine`: the profile of this cell, read from `machine_file`; nothing that a task
-  /// says of the machine is used beside it. `mounted`: as far as it is known.
+  /// `machine`: the profile of this cell, read from `machine_file`; no value of the
+  /// machine is taken from a task. `mounted`: as far as it is known.
   Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
                std::string machine_file, const MountedParts& mounted);
   ~Synchronizer();

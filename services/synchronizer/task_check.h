@@ -1,6 +1,6 @@
 #pragma once
 
-// Whether a task was made for this machine. What a task says of the machine comes from a
+// Whether a task was made for this machine. The machine profile in a task comes from a
 // file of whoever submitted the job; the synchronizer has a profile of its own and fires
 // only what agrees with that.
 

@@ -183,7 +183,7 @@ void PowerCycle(CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
 }
 
 bool AwaitState(CellUnderFire& cell, const std::string& state) {
-  return testing::Eventually(
+  return intaglio::testing::Eventually(
       [&] { return cell.Show().find("state      " + state) != std::string::npos; }, 30s);
 }
 

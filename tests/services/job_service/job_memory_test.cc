@@ -11,12 +11,13 @@ class JobMemoryTest : public JobQueueTest {
  protected:
   void Cancel(std::uint32_t number) {
     CommandView cancel;
+    cancel.sender = "ann's client";
     cancel.job_uid = fmt::format("j{}", number);
     cancel.epoch = kEpoch;
-    cancel.number = 1;
+    cancel.number = number;
     cancel.kind = intaglio_COMMAND_CANCEL;
     cancel.operator_name = "ann@shop";
-    EXPECT_TRUE(queue_.Take(cancel, now_));
+    EXPECT_TRUE(queue_.Take(cancel, now_).taken());
     queue_.Turn(now_);
   }
   void AddAndCancel(std::uint32_t from, std::uint32_t to) {
