@@ -18,8 +18,8 @@ struct NameFilter {
 struct TopicFilter {
   NameFilter topic, partition, type;
   /// `partitions`: separated by commas; one that is accepted suffices. Without a
-  /// partition, in that of a role, or in "*", which is every machine's, only the other two
-  /// are asked.
+  /// partition, in that of a role, or in "*", which is every machine's, only the other
+  /// two are asked.
   bool Accepts(const std::string& topic_name, const std::string& partitions,
                const std::string& type_name) const;
 };
