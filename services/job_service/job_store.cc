@@ -26,10 +26,6 @@ void BindTask(SQLite::Statement& statement, intaglio_Stage stage, const TaskId& 
   statement.bind(5, task.part_attempt);
 }
 
-// SQLite's integers are signed; all of ours fit but epochs in theory, which go through
-// unchanged bit for bit.
-std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
-
 // More revisions than can have been published without being kept: progress ten times a
 // second for a month. Readers only look whether a revision is newer.
 constexpr std::uint64_t kRevisionLeap = 1u << 25;
@@ -321,39 +317,6 @@ void JobStore::Keep(const JobRecord& job) {
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();
-  });
-}
-
-void JobStore::KeepAnswer(const CommandView& command, const CommandAnswer& answer) {
-  Guarded(*database_, [&] {
-    SQLite::Statement insert(
-        *database_,
-        fmt::format("INSERT OR IGNORE INTO commands (sender, number, job_uid, kind, "
-                    "operator_name, code, message, taken_utc) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?, {})",
-                    kNow));
-    insert.bind(1, command.sender);
-    insert.bind(2, Signed(command.number));
-    insert.bind(3, command.job_uid);
-    insert.bind(4, static_cast<int>(command.kind));
-    insert.bind(5, command.operator_name);
-    insert.bind(6, static_cast<int>(answer.code));
-    insert.bind(7, answer.message);
-    insert.exec();
-  });
-}
-
-std::optional<CommandAnswer> JobStore::AnswerTo(const std::string& sender,
-                                                std::uint64_t number) {
-  return Guarded(*database_, [&]() -> std::optional<CommandAnswer> {
-    SQLite::Statement select(
-        *database_, "SELECT code, message FROM commands WHERE sender = ? AND number = ?");
-    select.bind(1, sender);
-    select.bind(2, Signed(number));
-    if (!select.executeStep()) return {};
-    return CommandAnswer{
-        static_cast<intaglio_CommandAnswerCode>(select.getColumn(0).getInt()),
-        select.getColumn(1).getString()};
   });
 }
 

@@ -15,6 +15,12 @@ namespace intaglio::job_service {
 /// The time in SQL, as host::UtcText.
 inline constexpr const char* kNow = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')";
 
+// SQLite's integers are signed; all of ours fit but epochs in theory, which go through
+// unchanged bit for bit.
+inline std::int64_t Signed(std::uint64_t value) {
+  return static_cast<std::int64_t>(value);
+}
+
 /// What SQLite said of the file, with the remedy.
 inline StoreError ErrorOf(const std::string& file, const SQLite::Exception& error) {
   constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
