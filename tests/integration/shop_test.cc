@@ -192,7 +192,7 @@ TEST_F(Shop, AJobWithAProfileThatIsNotTheCellsIsRefused) {
   own << std::ifstream(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").rdbuf();
   std::ofstream(profile) << std::regex_replace(
       own.str(), std::regex("travel_max_mm: 172"), "travel_max_mm: 400");
-  const std::string job = Submit({"--machine", profile, "--arm"});
+  const std::string job = Submit({"--machine", profile});
   ASSERT_TRUE(Reaches(job, "failed")) << last_;
   EXPECT_THAT(last_, HasSubstr("x.travel_max_mm is 400 in the job's profile and 172"));
   EXPECT_THAT(last_, HasSubstr("z.travel_max_mm"));
