@@ -65,6 +65,8 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       queue_(*this) {
   queue_.Restore(store_.Load(kRememberedJobs), seen_.absence(), now);
   for (const std::string& cell : CellsInUse()) OpenCell(cell);
+  // What a cancelled job has left in the glass may still be reported.
+  for (const auto& [uid, job] : queue_.jobs()) reports_.OpenCell(job.cell);
 }
 
 JobService::~JobService() = default;

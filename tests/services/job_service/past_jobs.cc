@@ -29,8 +29,8 @@ INSERT INTO tasks (job_uid, attempt, stage, part, part_attempt, worker, given_ut
   SELECT uid, 1, stage, 0, 0, 'worker-host-1234-abcdef', utc, utc, {4}, '',
   randomblob(100)
   FROM past, (SELECT 0 AS stage UNION ALL SELECT 1 UNION ALL SELECT {2});
-INSERT INTO commands (job_uid, number, kind, operator_name, taken_utc)
-  SELECT uid, 1, 0, 'ann@shop', utc FROM past;
+INSERT INTO commands (sender, number, job_uid, kind, operator_name, code, message,
+  taken_utc) SELECT 'client-' || i, 1, uid, 0, 'ann@shop', 0, '', utc FROM past;
 DROP TABLE past;
 )sql";
 

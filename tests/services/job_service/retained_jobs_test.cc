@@ -7,8 +7,10 @@
 #include <map>
 
 #include "proto/task.pb.h"
+#include "services/bus/role_names.h"
 #include "services/bus/samples.h"
 #include "services/history/job_history.h"
+#include "services/host/identity_role.h"
 #include "services/job_service/job_service.h"
 #include "tests/proto/test_job.h"
 #include "tests/services/bus/private_bus.h"
@@ -61,13 +63,13 @@ class RetainedJobs : public testing::Test {
     AddPastJobs(database_, kRemembered + 5, 10);
     // The first was cancelled, and its synchronizer has not answered yet.
     SQLite::Database(database_.string(), SQLite::OPEN_READWRITE)
-        .exec(fmt::format("UPDATE tasks SET ended_utc = NULL, outcome = NULL "
-                          "WHERE job_uid = '1-abc' AND stage = {}; "
-                          "UPDATE jobs SET state = {}, verdict = 'none', "
-                          "result_directory = '{}' WHERE number = 1",
-                          static_cast<int>(intaglio_STAGE_ENGRAVE),
-                          static_cast<int>(intaglio_JOB_CANCELLED),
-                          (folder / "1-abc").string()));
+        .exec(fmt::format(
+            "UPDATE tasks SET ended_utc = NULL, outcome = NULL, worker = '{}' "
+            "WHERE job_uid = '1-abc' AND stage = {}; "
+            "UPDATE jobs SET state = {}, verdict = 'none', "
+            "result_directory = '{}' WHERE number = 1",
+            Synchronizer(), static_cast<int>(intaglio_STAGE_ENGRAVE),
+            static_cast<int>(intaglio_JOB_CANCELLED), (folder / "1-abc").string()));
     service_.emplace(
         host_,
         JobServiceOptions{
@@ -99,6 +101,10 @@ class RetainedJobs : public testing::Test {
     sample.kind = intaglio_COMMAND_CANCEL;
     sample.operator_name = Borrow(name);
     ASSERT_TRUE(commands_.Write(sample));
+  }
+  /// A worker's name proves which process it is (services/host/identity_role.h).
+  std::string Synchronizer() const {
+    return host::InstanceName("synchronizer", "host", 1234, bus_.participant_name());
   }
   static std::string Past(std::uint32_t number) { return "s" + std::to_string(number); }
 
@@ -159,7 +165,7 @@ TEST_F(RetainedJobs, WhatALateSynchronizerReportsReachesTheHistory) {
   outcome.mutable_engrave()->set_made_count(40);
   outcome.mutable_engrave()->set_skipped_count(60);
   const std::string text = outcome.SerializeAsString(), uid = "1-abc",
-                    worker = "worker-host-1234-abcdef", code = "cancelled", none;
+                    worker = Synchronizer(), code = "cancelled", none;
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
   intaglio_TaskStatus late{};
   late.job_uid = Borrow(uid);
@@ -170,7 +176,8 @@ TEST_F(RetainedJobs, WhatALateSynchronizerReportsReachesTheHistory) {
   late.error_code = Borrow(code);
   late.message = Borrow(none);
   Borrow(late.outcome, bytes);
-  bus::Writer<intaglio_TaskStatus> synchronizer(bus_, bus::kTaskStatus);
+  bus::Writer<intaglio_TaskStatus> synchronizer(
+      bus_, bus::kTaskStatus, bus::RolePartition(bus::CellRole("els-03")));
   ASSERT_TRUE(synchronizer.Write(late));
   ASSERT_TRUE(Until(watcher_, [&] {
     return history::ReadHistory(database_, first)->at(0).made() == 40;
