@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engrave/optics/focus.h"
 #include "proto/job_defaults.h"
 #include "proto/job_file.h"
 #include "services/bus/role_names.h"
@@ -143,6 +144,17 @@ std::optional<TaskReport> StageShop::AwaitEnd(const std::string& job_uid,
            report.part.attempt == part.attempt &&
            (report.state == intaglio_TASK_DONE || report.state == intaglio_TASK_FAILED);
   });
+}
+
+void FillOptics(FrozenJob& job, double refractive_index) {
+  const double aperture = job.job().lens().numerical_aperture();
+  OpticalValuesRecord& optics = *job.mutable_optics();
+  optics.set_wavelength_nm(job.job().laser().wavelength_nm());
+  optics.set_numerical_aperture(aperture);
+  optics.set_refractive_index(refractive_index);
+  optics.set_stage_per_glass_ratio(
+      optics::StagePerGlassRatio(refractive_index, aperture));
+  optics.set_cone_tangent(optics::ConeTangentInGlass(refractive_index, aperture));
 }
 
 FrozenJob FrozenJobOf(const std::string& job_uid, JobSpec spec) {

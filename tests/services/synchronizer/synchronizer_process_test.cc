@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "engrave/formats/point_file.h"
-#include "engrave/optics/focus.h"
 #include "proto/job_file.h"
 #include "services/bus/bus.h"
 #include "services/bus/samples.h"
@@ -123,13 +122,7 @@ class WithAJob : public SynchronizerProcess {
     size.set_z(30);
     FrozenJob job = test::FrozenJobOf(kJob, spec);
     *job.mutable_machine() = ReadMachineFile(machine_file_).value();
-    const double index = 1.5195, aperture = job.job().lens().numerical_aperture();
-    OpticalValuesRecord& optics = *job.mutable_optics();
-    optics.set_wavelength_nm(job.job().laser().wavelength_nm());
-    optics.set_numerical_aperture(aperture);
-    optics.set_refractive_index(index);
-    optics.set_stage_per_glass_ratio(optics::StagePerGlassRatio(index, aperture));
-    optics.set_cone_tangent(optics::ConeTangentInGlass(index, aperture));
+    test::FillOptics(job);
     job.set_epoch(kEpoch);
     job.set_result_directory(folder_.string());
     return job;
@@ -212,18 +205,21 @@ class WithAJob : public SynchronizerProcess {
     bus::Borrow(sample.released, wire);
     EXPECT_TRUE(stops.Write(sample));
   }
-  /// The synchronizer reports this press and no other.
-  bool Holds(std::uint64_t number) {
-    std::vector<host::StopPress> held;
+  /// The synchronizer reports these presses and no other.
+  bool Reports(const std::vector<host::StopPress>& presses) {
+    std::optional<std::vector<host::StopPress>> held;
     return Eventually([&] {
       interlocks_.Take([&](const intaglio_Interlock& sample) {
-        held.clear();
+        held.emplace();
         for (const intaglio_StopPress& press : bus::View(sample.bus_stops))
-          held.push_back({press.source, press.number});
+          held->push_back({press.source, press.number});
       });
-      return held == std::vector<host::StopPress>{{"presser", number}};
+      return held == presses;
     });
   }
+  bool Holds(std::uint64_t number) { return Reports({{"presser", number}}); }
+  /// What is armed before is spent.
+  bool IsReleased() { return Reports({}); }
   void SayArm(std::uint64_t epoch) {
     const std::string who = "ann";
     intaglio_JobCommand sample{};
@@ -352,6 +348,7 @@ TEST_F(WithAJob, AStopSurvivesItsPresserAndTheSynchronizer) {
   ASSERT_TRUE(Give(synchronizer->pid()));
   EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
   Reset(7);
+  EXPECT_TRUE(IsReleased()) << synchronizer->Output();
   EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer->Output();
 }
 
