@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <regex>
 #include <thread>
 
 #include "services/bus/identity.h"
@@ -27,6 +29,8 @@ using testing::Program;
 using testing::Running;
 
 constexpr char kAbusedJob[] = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto";
+constexpr char kPublishedMachine[] =
+    INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto";
 
 class SecuredAbuse : public ::testing::Test {
  protected:
@@ -39,6 +43,10 @@ class SecuredAbuse : public ::testing::Test {
     Running made(Program("intaglio"), {"security", "new", keys_.string()},
                  folder_ / "made.txt");
     ASSERT_EQ(made.WaitForEnd(60s).exit_code, 0) << made.Output();
+    // The published machine, whose lamp is warm sooner.
+    const std::string profile = testing::TextIn(kPublishedMachine);
+    std::ofstream(machine_) << std::regex_replace(
+        profile, std::regex("warm_up_s: [0-9.]+"), "warm_up_s: 1");
   }
 
   static std::string Tag() { return "abuse" + std::to_string(getpid()); }
@@ -52,9 +60,9 @@ class SecuredAbuse : public ::testing::Test {
   std::unique_ptr<Running> Run() const {
     return std::make_unique<Running>(
         Program("intaglio"),
-        std::vector<std::string>{"run", kAbusedJob, "--height", "5", "--tag", Tag(),
-                                 "--security", keys_.string(), "--out",
-                                 (folder_ / "out").string()},
+        std::vector<std::string>{"run", kAbusedJob, "--height", "5", "--machine",
+                                 machine_.string(), "--tag", Tag(), "--security",
+                                 keys_.string(), "--out", (folder_ / "out").string()},
         folder_ / "run.txt");
   }
   std::string Logs() const {
@@ -77,7 +85,7 @@ class SecuredAbuse : public ::testing::Test {
   }
 
   fs::path folder_ = test::FreshFolder();
-  fs::path keys_ = folder_ / "keys";
+  fs::path keys_ = folder_ / "keys", machine_ = folder_ / "machine.textproto";
 };
 
 TEST_F(SecuredAbuse, AnObserverThatAcknowledgesNothingDisturbsNobody) {
