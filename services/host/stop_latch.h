@@ -46,6 +46,7 @@ struct StopPress {
 
 /// For a sample, which borrows the names of `presses`.
 std::vector<intaglio_StopPress> WireOf(const std::vector<StopPress>& presses);
+std::vector<intaglio_StopPress> WireOf(std::vector<StopPress>&&) = delete;
 
 class StopLatch {
  public:

@@ -220,7 +220,8 @@ TEST(StopLatch, APressForWhichThereIsNoRoomHoldsItForGood) {
 // that did not reach the bridge is not over.
 TEST(StopLatch, HoldsWhatAnotherListenerReports) {
   StopLatch stop;
-  const auto ann = WireOf({{"ann", 2}});
+  const Presses of_ann{{"ann", 2}}, of_bob{{"bob", 1}};
+  const auto ann = WireOf(of_ann);
   EXPECT_TRUE(stop.TakeHeld("bridge", ann));
   EXPECT_FALSE(stop.TakeHeld("bridge", ann));
   EXPECT_EQ(stop.held(), (Presses{{"ann", 2}}));
@@ -235,7 +236,7 @@ TEST(StopLatch, HoldsWhatAnotherListenerReports) {
   EXPECT_FALSE(stop.TakeHeld("job service", {}));
   EXPECT_FALSE(stop.pressed());
   // A listener that is lost releases nothing.
-  stop.TakeHeld("bridge", WireOf({{"bob", 1}}));
+  stop.TakeHeld("bridge", WireOf(of_bob));
   stop.TakeHeld("bridge", {});
   EXPECT_EQ(stop.held(), (Presses{{"bob", 1}}));
 }
