@@ -179,7 +179,10 @@ void PowerCycle(CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
   // What was armed when the power failed nobody knows.
   outcome.verdict.may_leave_uncertain = true;
   outcome.verdict.may_be_unfinished = true;
-  outcome.done = cell.Show().find("state      paused") != std::string::npos;
+  // It waits for a person, or has nothing left that anybody may fire.
+  const std::string shown = cell.Show();
+  outcome.done = shown.find("state      paused") != std::string::npos ||
+                 shown.find("state      done") != std::string::npos;
 }
 
 bool AwaitState(CellUnderFire& cell, const std::string& state) {
