@@ -199,6 +199,23 @@ TEST_F(Shop, AJobWithAProfileThatIsNotTheCellsIsRefused) {
   EXPECT_THAT(last_, HasSubstr("submit it again with the profile of this cell"));
 }
 
+// People close a shop to change the block, and open it again.
+TEST_F(Shop, ClosedInMidJobItFiresNothingWhenItIsOpenedAgain) {
+  const std::string job = Submit({"--rate", "25", "--arm"});
+  ASSERT_TRUE(RunsTo(job, "engraving")) << last_;
+  Close();
+  Open({"50", "50", "30"});
+  ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
+  // Longer than the lamp of this shop's machine takes to be warm.
+  std::this_thread::sleep_for(9s);
+  const std::string shown = Type({"show", job}).output;
+  EXPECT_THAT(shown, HasSubstr("state      paused"));
+  EXPECT_THAT(shown, HasSubstr("the shop was closed"));
+  EXPECT_THAT(shown, ::testing::Not(HasSubstr("armed  ")));
+  EXPECT_EQ(Type({"resume", job}).exit_code, 0);
+  EXPECT_TRUE(Reaches(job, "engraving")) << last_;
+}
+
 TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {
   const std::string job = Submit({"--arm"});
   ASSERT_TRUE(RunsTo(job, "done")) << last_;
