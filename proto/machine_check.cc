@@ -9,7 +9,7 @@
 namespace intaglio {
 namespace {
 
-// What a laser controller's identity can list (services/link/laser_protocol.h).
+// What a laser controller's identity can list (services/platform/link/laser_protocol.h).
 constexpr int kMaxRates = 32;
 
 void Missing(std::vector<Error>& errors, const std::string& path,
@@ -55,7 +55,7 @@ void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {
   }
 }
 
-// What a controller's identity can report (services/link/laser_protocol.h).
+// What a controller's identity can report (services/platform/link/laser_protocol.h).
 bool IsSerialNumber(const std::string& text) {
   return !text.empty() && text.size() <= 64 &&
          std::all_of(text.begin(), text.end(),

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "services/bus/bus.h"
-#include "services/command_line/program.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 

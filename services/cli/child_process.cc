@@ -11,7 +11,7 @@
 #include <fstream>
 #include <thread>
 
-#include "services/command_line/other_programs.h"
+#include "services/platform/command_line/other_programs.h"
 
 extern char** environ;
 

@@ -8,7 +8,7 @@
 #include "services/cli/run_command.h"
 #include "services/cli/stage_bars.h"
 #include "services/history/job_words.h"
-#include "services/host/utc_time.h"
+#include "services/platform/host/utc_time.h"
 
 namespace intaglio::cli {
 namespace {

@@ -12,7 +12,7 @@
 #include "proto/shop.pb.h"
 #include "proto/verdict.h"
 #include "services/cli/job_client.h"
-#include "services/command_line/program.h"
+#include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 

@@ -8,9 +8,9 @@
 #include <random>
 
 #include "proto/discretize_outcome.h"
-#include "services/bus/samples.h"
 #include "services/history/job_words.h"
-#include "services/host/identity_role.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/identity_role.h"
 
 namespace intaglio::cli {
 namespace {

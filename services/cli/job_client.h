@@ -13,7 +13,7 @@
 
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
-#include "services/bus/bus.h"
+#include "services/platform/bus/bus.h"
 
 namespace intaglio::cli {
 

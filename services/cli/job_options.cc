@@ -14,8 +14,8 @@
 #include "proto/model_sources.h"
 #include "proto/options.h"
 #include "services/cli/size_limits_flag.h"
-#include "services/command_line/other_programs.h"
 #include "services/mesh_reader/program_limits.h"
+#include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::cli {
 namespace {

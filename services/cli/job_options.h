@@ -12,7 +12,7 @@
 #include "engrave/core/result.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
-#include "services/command_line/program.h"
+#include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 

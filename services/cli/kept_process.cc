@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMostEnds = 5;
 constexpr auto kWithin = 60s;
-// Of services/host/only_instance.h.
+// Of services/platform/host/only_instance.h.
 constexpr int kExitSecond = 3, kExitTakenOver = 4;
 
 }  // namespace

@@ -23,8 +23,8 @@
 #include "services/cli/quality_figures.h"
 #include "services/cli/run_command.h"
 #include "services/cli/size_limits_flag.h"
-#include "services/host/worker_threads.h"
 #include "services/mesh_reader/program_limits.h"
+#include "services/platform/host/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {

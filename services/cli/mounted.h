@@ -12,7 +12,7 @@
 #include "engrave/core/result.h"
 #include "engrave/optics/focus.h"
 #include "proto/machine.pb.h"
-#include "services/command_line/program.h"
+#include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 

@@ -17,8 +17,8 @@
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_folder.h"
 #include "services/cli/run_command.h"
-#include "services/host/worker_threads.h"
 #include "services/mesh_reader/program_limits.h"
+#include "services/platform/host/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {

@@ -13,7 +13,7 @@
 #include "services/cli/path_job.h"
 #include "services/cli/run_command.h"
 #include "services/cli/segment_file.h"
-#include "services/host/ordering.h"
+#include "services/platform/host/ordering.h"
 
 namespace intaglio::cli {
 namespace {

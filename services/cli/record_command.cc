@@ -13,7 +13,7 @@
 
 #include "services/cli/bus_flags.h"
 #include "services/cli/run_command.h"
-#include "services/command_line/other_programs.h"
+#include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include "services/cli/recording_export.h"
 #include "services/cli/recording_report.h"
 #include "services/cli/run_command.h"
-#include "services/recording/recording_copy.h"
+#include "services/platform/recording/recording_copy.h"
 
 namespace intaglio::cli {
 namespace {

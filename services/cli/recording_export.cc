@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "engrave/formats/point_file.h"
-#include "services/recording/conventions.h"
-#include "services/recording/message_decoder.h"
-#include "services/recording/recording_copy.h"
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/message_decoder.h"
+#include "services/platform/recording/recording_copy.h"
 
 namespace intaglio::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "services/recording/message_cursor.h"
+#include "services/platform/recording/message_cursor.h"
 
 namespace intaglio::cli {
 

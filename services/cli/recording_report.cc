@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "services/cli/progress_bar.h"
-#include "services/recording/conventions.h"
+#include "services/platform/recording/conventions.h"
 
 namespace intaglio::cli {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "services/recording/mcap_reader.h"
+#include "services/platform/recording/mcap_reader.h"
 
 namespace intaglio::cli {
 

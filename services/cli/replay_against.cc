@@ -11,11 +11,11 @@
 #include "proto/field_path.h"
 #include "proto/job_file.h"
 #include "proto/json_text.h"
-#include "services/bus/bus.h"
 #include "services/cli/child_process.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/run_command.h"
-#include "services/command_line/other_programs.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/command_line/other_programs.h"
 #include "services/replayer/cell_rehearsal.h"
 #include "services/replayer/rehearsal.h"
 

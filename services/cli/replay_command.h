@@ -1,6 +1,6 @@
 #pragma once
 
-#include "services/command_line/program.h"
+#include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engrave/core/result.h"
-#include "services/command_line/program.h"
+#include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 

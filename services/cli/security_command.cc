@@ -8,10 +8,10 @@
 #include <iostream>
 #include <memory>
 
-#include "services/bus/identity.h"
 #include "services/cli/run_command.h"
-#include "services/security/identity_folders.h"
-#include "services/security/roles.h"
+#include "services/platform/bus/identity.h"
+#include "services/platform/security/identity_folders.h"
+#include "services/platform/security/roles.h"
 
 namespace intaglio::cli {
 namespace {

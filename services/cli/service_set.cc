@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "proto/job_file.h"
-#include "services/command_line/other_programs.h"
+#include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::cli {
 namespace {

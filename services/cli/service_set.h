@@ -12,12 +12,12 @@
 
 #include "engrave/core/geometry.h"
 #include "proto/machine.pb.h"
-#include "services/bus/bus.h"
 #include "services/cli/child_process.h"
 #include "services/cli/job_client.h"
 #include "services/cli/kept_process.h"
 #include "services/cli/mounted.h"
-#include "services/command_line/program.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
 

@@ -14,10 +14,10 @@
 #include <thread>
 #include <vector>
 
-#include "services/bus/samples.h"
 #include "services/cli/bus_flags.h"
 #include "services/cli/job_client.h"
 #include "services/cli/run_command.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::cli {
 namespace {

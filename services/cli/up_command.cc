@@ -19,7 +19,7 @@
 #include "services/cli/mounted.h"
 #include "services/cli/run_command.h"
 #include "services/cli/service_set.h"
-#include "services/host/utc_time.h"
+#include "services/platform/host/utc_time.h"
 
 namespace intaglio::cli {
 namespace {

@@ -1,15 +1,15 @@
 
 #include "proto/model_kind.h"
 #include "proto/read_limits.h"
-#include "services/bus/role_names.h"
-#include "services/command_line/program.h"
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
-#include "services/host/cloud_output.h"
-#include "services/host/service_host.h"
-#include "services/host/worker_threads.h"
 #include "services/mesh_reader/program_limits.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/command_line/program.h"
+#include "services/platform/host/cloud_output.h"
+#include "services/platform/host/service_host.h"
+#include "services/platform/host/worker_threads.h"
 
 namespace {
 

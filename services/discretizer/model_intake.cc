@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::discretizer {
 namespace {

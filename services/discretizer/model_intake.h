@@ -11,8 +11,8 @@
 
 #include "engrave/core/result.h"
 #include "proto/model_sources.h"
-#include "services/bus/flow.h"
-#include "services/host/task_part.h"
+#include "services/platform/bus/flow.h"
+#include "services/platform/host/task_part.h"
 
 namespace intaglio::discretizer {
 

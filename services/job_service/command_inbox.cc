@@ -4,8 +4,8 @@
 #include <tuple>
 #include <vector>
 
-#include "services/bus/samples.h"
-#include "services/host/log.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::job_service {
 namespace {

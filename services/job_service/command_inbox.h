@@ -17,9 +17,9 @@
 #include <functional>
 #include <string>
 
-#include "services/bus/bus.h"
 #include "services/job_service/job_queue.h"
 #include "services/job_service/job_store.h"
+#include "services/platform/bus/bus.h"
 
 namespace intaglio::job_service {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <set>
 
-#include "services/host/task_part.h"
 #include "services/job_service/job_queue.h"
+#include "services/platform/host/task_part.h"
 
 // The part of the queue that has to do with the parts of a job's discretizing, which
 // several discretizers work on at the same time. A part is made again from the beginning

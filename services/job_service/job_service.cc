@@ -4,9 +4,9 @@
 
 #include "proto/model_kind.h"
 #include "proto/task.pb.h"
-#include "services/bus/samples.h"
-#include "services/host/log.h"
 #include "services/job_service/submission.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -9,8 +9,6 @@
 #include <set>
 #include <string>
 
-#include "services/bus/bus.h"
-#include "services/host/service_host.h"
 #include "services/job_service/command_inbox.h"
 #include "services/job_service/job_queue.h"
 #include "services/job_service/job_store.h"
@@ -20,6 +18,8 @@
 #include "services/job_service/statistics_writer.h"
 #include "services/job_service/submission_reader.h"
 #include "services/job_service/worker_reports.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/host/service_host.h"
 
 namespace intaglio::job_service {
 

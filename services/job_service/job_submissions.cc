@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "materials_db/material_store.h"
-#include "services/bus/samples.h"
-#include "services/host/log.h"
 #include "services/job_service/job_service.h"
 #include "services/job_service/submission.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "engrave/core/result.h"
-#include "services/host/absence_limit.h"
 #include "services/job_service/job_queue.h"
+#include "services/platform/host/absence_limit.h"
 
 // The part of the queue that has to do with an engraving whose synchronizer, or whose
 // line, was lost: the block is still in the machine, and the journal knows what is in it.

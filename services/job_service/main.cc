@@ -2,11 +2,11 @@
 #include <thread>
 
 #include "materials_db/material_store.h"
-#include "services/command_line/program.h"
-#include "services/host/only_instance.h"
-#include "services/host/poll_loop.h"
 #include "services/job_service/boot_clock.h"
 #include "services/job_service/job_service.h"
+#include "services/platform/command_line/program.h"
+#include "services/platform/host/only_instance.h"
+#include "services/platform/host/poll_loop.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "services/bus/bus.h"
-#include "services/bus/flow.h"
 #include "services/job_service/task_id.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/bus/flow.h"
 
 namespace intaglio::job_service {
 

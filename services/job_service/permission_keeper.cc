@@ -1,7 +1,7 @@
 #include "services/job_service/permission_keeper.h"
 
-#include "services/bus/samples.h"
-#include "services/host/log.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::job_service {
 

@@ -20,9 +20,9 @@
 #include <utility>
 #include <vector>
 
-#include "services/bus/bus.h"
-#include "services/host/stop_latch.h"
 #include "services/job_service/job_queue.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/host/stop_latch.h"
 
 namespace intaglio::job_service {
 

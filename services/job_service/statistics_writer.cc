@@ -6,7 +6,7 @@
 
 #include "engrave/formats/atomic_file.h"
 #include "proto/json_text.h"
-#include "services/host/log.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -1,9 +1,9 @@
 #include "services/job_service/worker_reports.h"
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
-#include "services/host/identity_role.h"
-#include "services/host/log.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/identity_role.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::job_service {
 namespace {

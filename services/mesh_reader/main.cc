@@ -3,8 +3,8 @@
 #include <csignal>
 #include <string>
 
-#include "services/command_line/program.h"
 #include "services/mesh_reader/reading_process.h"
+#include "services/platform/command_line/program.h"
 
 int main(int argc, char** argv) {
   using namespace intaglio;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include "services/command_line/other_programs.h"
 #include "services/mesh_reader/reading_process.h"
+#include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::mesh_reader {
 

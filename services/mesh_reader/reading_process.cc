@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
-#include "services/command_line/other_programs.h"
 #include "services/mesh_reader/mesh_answer.h"
+#include "services/platform/command_line/other_programs.h"
 
 extern char** environ;
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/bus/samples.h"
-#include "services/host/log.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::motion_bridge {
 namespace {

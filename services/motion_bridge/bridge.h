@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
-#include "services/bus/flow.h"
-#include "services/host/service_host.h"
-#include "services/host/stop_latch.h"
 #include "services/motion_bridge/motion_driver.h"
+#include "services/platform/bus/flow.h"
+#include "services/platform/host/service_host.h"
+#include "services/platform/host/stop_latch.h"
 
 namespace intaglio::motion_bridge {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <deque>
 
-#include "services/link/motion_protocol.h"
-#include "services/link/serial_port.h"
+#include "services/platform/link/motion_protocol.h"
+#include "services/platform/link/serial_port.h"
 
 namespace intaglio::motion_bridge {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
-// Driver of the virtual engraver's stage controller: services/link/motion_protocol.h.
+// Driver of the virtual engraver's stage controller:
+// services/platform/link/motion_protocol.h.
 //
 // A controller with another serial number than the expected one is refused at the
 // handshake: its line counts as down, nothing of it is taken, and nothing is sent but one
@@ -8,9 +9,9 @@
 
 #include <memory>
 
-#include "services/link/expected_device.h"
-#include "services/link/line_session.h"
 #include "services/motion_bridge/motion_driver.h"
+#include "services/platform/link/expected_device.h"
+#include "services/platform/link/line_session.h"
 
 namespace intaglio::motion_bridge {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "proto/task.pb.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::recorder {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "services/bus/bus.h"
-#include "services/recording/mcap_records.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/recording/mcap_records.h"
 
 namespace intaglio::recorder {
 

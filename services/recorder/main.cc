@@ -3,8 +3,8 @@
 #include <iostream>
 #include <thread>
 
-#include "services/command_line/program.h"
-#include "services/host/service_host.h"
+#include "services/platform/command_line/program.h"
+#include "services/platform/host/service_host.h"
 #include "services/recorder/job_papers.h"
 #include "services/recorder/recorder.h"
 

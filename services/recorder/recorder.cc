@@ -9,8 +9,8 @@
 #include <thread>
 #include <variant>
 
-#include "services/bus/topic_tap.h"
-#include "services/host/log.h"
+#include "services/platform/bus/topic_tap.h"
+#include "services/platform/host/log.h"
 
 namespace intaglio::recorder {
 namespace {

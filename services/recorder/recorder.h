@@ -11,7 +11,7 @@
 #include <string>
 
 #include "engrave/core/result.h"
-#include "services/bus/bus.h"
+#include "services/platform/bus/bus.h"
 #include "services/recorder/recording_series.h"
 #include "services/recorder/topic_filter.h"
 #include "services/recorder/write_queue.h"

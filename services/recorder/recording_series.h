@@ -30,9 +30,9 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "services/recording/conventions.h"
-#include "services/recording/mcap_writer.h"
-#include "services/recording/retained_state.h"
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/mcap_writer.h"
+#include "services/platform/recording/retained_state.h"
 
 namespace intaglio::recorder {
 

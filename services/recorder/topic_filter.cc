@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "services/bus/role_names.h"
+#include "services/platform/bus/role_names.h"
 
 namespace intaglio::recorder {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "services/bus/bus.h"
+#include "services/platform/bus/bus.h"
 
 namespace intaglio::replayer {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 #include "services/replayer/found_service.h"
 
 namespace intaglio::replayer {

@@ -21,7 +21,7 @@
 #include <optional>
 #include <string>
 
-#include "services/bus/flow.h"
+#include "services/platform/bus/flow.h"
 #include "services/replayer/cell_session.h"
 #include "services/replayer/laser_stand_in.h"
 #include "services/replayer/rehearsal.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "services/bus/topics.h"
+#include "services/platform/bus/topics.h"
 
 namespace intaglio::replayer {
 namespace {

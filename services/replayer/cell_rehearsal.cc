@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "services/bus/bus.h"
+#include "services/platform/bus/bus.h"
 #include "services/replayer/cause.h"
 #include "services/replayer/cell_bench.h"
 #include "services/replayer/cell_comparison.h"

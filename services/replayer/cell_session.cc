@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "services/bus/topics.h"
+#include "services/platform/bus/topics.h"
 #include "services/replayer/recorded_members.h"
 
 namespace intaglio::replayer {

@@ -17,7 +17,7 @@
 
 #include "engrave/core/geometry.h"
 #include "proto/task.pb.h"
-#include "services/recording/mcap_reader.h"
+#include "services/platform/recording/mcap_reader.h"
 #include "services/replayer/cell_words.h"
 #include "services/replayer/recorded_samples.h"
 #include "services/replayer/recorded_stops.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 #include "services/replayer/recorded_members.h"
 
 namespace intaglio::replayer {

@@ -17,7 +17,7 @@
 #include "idl/laser.h"
 #include "idl/motion.h"
 #include "proto/task.pb.h"
-#include "services/recording/cdr_value.h"
+#include "services/platform/recording/cdr_value.h"
 
 namespace intaglio::replayer {
 

@@ -1,7 +1,7 @@
 #include "services/replayer/credit_gate.h"
 
-#include "services/bus/cdr_sample.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/cdr_sample.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::replayer {
 namespace {

@@ -1,17 +1,18 @@
 #pragma once
 
-// Lets batches of bulk topics go as their consumers grant credit (services/bus/flow.h).
-// A stream that nobody opens within kPatience goes without: those who hear it grant none.
-// Once one stream went so and nobody has ever opened any, no other one is waited for.
+// Lets batches of bulk topics go as their consumers grant credit
+// (services/platform/bus/flow.h). A stream that nobody opens within kPatience goes
+// without: those who hear it grant none. Once one stream went so and nobody has ever
+// opened any, no other one is waited for.
 
 #include <chrono>
 #include <map>
 #include <optional>
 #include <string>
 
-#include "services/bus/cdr_writer.h"
-#include "services/bus/flow.h"
-#include "services/recording/mcap_fields.h"
+#include "services/platform/bus/cdr_writer.h"
+#include "services/platform/bus/flow.h"
+#include "services/platform/recording/mcap_fields.h"
 
 namespace intaglio::replayer {
 

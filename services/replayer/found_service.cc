@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::replayer {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "services/bus/bus.h"
+#include "services/platform/bus/bus.h"
 #include "services/replayer/rehearsal.h"
 
 namespace intaglio::replayer {

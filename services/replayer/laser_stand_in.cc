@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "services/link/line_session.h"
+#include "services/platform/link/line_session.h"
 
 namespace intaglio::replayer {
 namespace {

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "proto/machine.pb.h"
-#include "services/link/reliable_link.h"
+#include "services/platform/link/reliable_link.h"
 #include "services/virtual_engraver/laser.h"
 #include "services/virtual_engraver/pty_line.h"
 

@@ -6,7 +6,7 @@
 #include <thread>
 #include <tuple>
 
-#include "services/recording/message_cursor.h"
+#include "services/platform/recording/message_cursor.h"
 
 namespace intaglio::replayer {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "services/bus/cdr_writer.h"
+#include "services/platform/bus/cdr_writer.h"
 #include "services/replayer/credit_gate.h"
 #include "services/replayer/retained.h"
 #include "services/replayer/selection.h"

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "services/recording/cdr_value.h"
+#include "services/platform/recording/cdr_value.h"
 #include "services/replayer/recorded_samples.h"
 
 namespace intaglio::replayer {

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "services/recording/conventions.h"
+#include "services/platform/recording/conventions.h"
 #include "services/replayer/recorded_members.h"
 
 namespace intaglio::replayer {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "services/recording/cdr_value.h"
-#include "services/recording/message_cursor.h"
-#include "services/recording/message_decoder.h"
+#include "services/platform/recording/cdr_value.h"
+#include "services/platform/recording/message_cursor.h"
+#include "services/platform/recording/message_decoder.h"
 
 namespace intaglio::replayer {
 

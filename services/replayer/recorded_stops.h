@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "services/recording/cdr_value.h"
+#include "services/platform/recording/cdr_value.h"
 
 namespace intaglio::replayer {
 

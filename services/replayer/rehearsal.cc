@@ -6,8 +6,8 @@
 #include <optional>
 #include <set>
 
-#include "services/bus/bus.h"
-#include "services/recording/conventions.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/recording/conventions.h"
 #include "services/replayer/cause.h"
 #include "services/replayer/comparison.h"
 #include "services/replayer/option_differences.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "services/recording/message_cursor.h"
-#include "services/recording/retained_state.h"
+#include "services/platform/recording/message_cursor.h"
+#include "services/platform/recording/retained_state.h"
 #include "services/replayer/selection.h"
 
 namespace intaglio::replayer {

@@ -17,9 +17,9 @@
 #include <map>
 #include <string>
 
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/mcap_reader.h"
 #include "services/recorder/topic_filter.h"
-#include "services/recording/conventions.h"
-#include "services/recording/mcap_reader.h"
 
 namespace intaglio::replayer {
 

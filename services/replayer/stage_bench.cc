@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
 #include "services/replayer/found_service.h"
 
 namespace intaglio::replayer {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "services/bus/flow.h"
+#include "services/platform/bus/flow.h"
 #include "services/replayer/rehearsal.h"
 #include "services/replayer/stage_input.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::replayer {
 namespace {

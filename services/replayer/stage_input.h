@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "services/bus/flow.h"
+#include "services/platform/bus/flow.h"
 #include "services/replayer/recorded_samples.h"
 
 namespace intaglio::replayer {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::replayer {
 namespace {

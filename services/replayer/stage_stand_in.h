@@ -8,7 +8,7 @@
 #include <string>
 
 #include "engrave/core/geometry.h"
-#include "services/bus/flow.h"
+#include "services/platform/bus/flow.h"
 #include "services/replayer/cell_words.h"
 
 namespace intaglio::replayer {

@@ -13,8 +13,8 @@
 #include "proto/channels.h"
 #include "proto/options.h"
 #include "proto/quality_options.h"
-#include "services/host/ordering.h"
-#include "services/host/worker_threads.h"
+#include "services/platform/host/ordering.h"
+#include "services/platform/host/worker_threads.h"
 
 namespace intaglio::sorter {
 namespace {

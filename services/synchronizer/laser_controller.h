@@ -13,9 +13,9 @@
 #include <functional>
 #include <string>
 
-#include "services/link/expected_device.h"
-#include "services/link/laser_protocol.h"
-#include "services/link/line_session.h"
+#include "services/platform/link/expected_device.h"
+#include "services/platform/link/laser_protocol.h"
+#include "services/platform/link/line_session.h"
 
 namespace intaglio::synchronizer {
 

@@ -1,9 +1,9 @@
 #include <iostream>
 
 #include "proto/job_file.h"
-#include "services/command_line/program.h"
-#include "services/host/only_instance.h"
-#include "services/host/poll_loop.h"
+#include "services/platform/command_line/program.h"
+#include "services/platform/host/only_instance.h"
+#include "services/platform/host/poll_loop.h"
 #include "services/synchronizer/synchronizer.h"
 
 namespace {

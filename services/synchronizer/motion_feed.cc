@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::synchronizer {
 namespace {

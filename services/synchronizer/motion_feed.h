@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engrave/motion/planner.h"
-#include "services/bus/flow.h"
+#include "services/platform/bus/flow.h"
 #include "services/synchronizer/motion_clock.h"
 #include "services/synchronizer/pulse_schedule.h"
 

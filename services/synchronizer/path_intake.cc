@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "services/bus/samples.h"
-#include "services/host/cloud_flow.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/cloud_flow.h"
 
 namespace intaglio::synchronizer {
 namespace {

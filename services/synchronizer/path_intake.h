@@ -11,7 +11,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
-#include "services/bus/flow.h"
+#include "services/platform/bus/flow.h"
 
 namespace intaglio::synchronizer {
 

@@ -1,6 +1,6 @@
 #include "services/synchronizer/publisher.h"
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::synchronizer {
 namespace {

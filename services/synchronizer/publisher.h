@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "proto/task.pb.h"
-#include "services/bus/bus.h"
-#include "services/host/kept_tasks.h"
-#include "services/host/stop_latch.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/host/kept_tasks.h"
+#include "services/platform/host/stop_latch.h"
 #include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/pulse_schedule.h"
 

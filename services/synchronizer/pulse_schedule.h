@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engrave/formats/journal_file.h"
-#include "services/link/laser_protocol.h"
+#include "services/platform/link/laser_protocol.h"
 
 namespace intaglio::synchronizer {
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
-#include "services/host/log.h"
-#include "services/link/serial_port.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/log.h"
+#include "services/platform/link/serial_port.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/task_check.h"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "services/bus/samples.h"
-#include "services/host/log.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/log.h"
 #include "services/synchronizer/synchronizer.h"
 
 namespace intaglio::synchronizer {

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "services/link/laser_protocol.h"
+#include "services/platform/link/laser_protocol.h"
 
 namespace intaglio::synchronizer {
 

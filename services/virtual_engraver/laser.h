@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "services/link/laser_protocol.h"
+#include "services/platform/link/laser_protocol.h"
 
 namespace intaglio::virtual_engraver {
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "services/link/reliable_link.h"
+#include "services/platform/link/reliable_link.h"
 
 namespace intaglio::virtual_engraver {
 

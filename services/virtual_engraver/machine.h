@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "services/link/reliable_link.h"
+#include "services/platform/link/reliable_link.h"
 #include "services/virtual_engraver/beam.h"
 #include "services/virtual_engraver/glass.h"
 #include "services/virtual_engraver/laser.h"

@@ -8,9 +8,9 @@
 #include <iostream>
 #include <random>
 
-#include "services/command_line/program.h"
-#include "services/link/line_session.h"
-#include "services/link/real_time.h"
+#include "services/platform/command_line/program.h"
+#include "services/platform/link/line_session.h"
+#include "services/platform/link/real_time.h"
 #include "services/virtual_engraver/commands.h"
 #include "services/virtual_engraver/panel.h"
 

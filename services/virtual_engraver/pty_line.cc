@@ -12,7 +12,7 @@
 #include <random>
 #include <utility>
 
-#include "services/link/serial_port.h"
+#include "services/platform/link/serial_port.h"
 
 namespace intaglio::virtual_engraver {
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "services/link/reliable_link.h"
+#include "services/platform/link/reliable_link.h"
 
 namespace intaglio::virtual_engraver {
 

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "services/link/motion_protocol.h"
+#include "services/platform/link/motion_protocol.h"
 #include "services/virtual_engraver/own_clock.h"
 
 namespace intaglio::virtual_engraver {

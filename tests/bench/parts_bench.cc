@@ -28,10 +28,10 @@
 #include <vector>
 
 #include "proto/job_file.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 #include "tests/patience.h"
-#include "tests/services/bus/child_program.h"
 #include "tests/services/job_service/fake_shop.h"
+#include "tests/services/platform/bus/child_program.h"
 
 namespace intaglio::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "services/recording/cdr_value.h"
+#include "services/platform/recording/cdr_value.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio::recording;

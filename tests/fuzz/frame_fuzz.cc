@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "services/link/frame.h"
-#include "services/link/laser_protocol.h"
-#include "services/link/motion_protocol.h"
+#include "services/platform/link/frame.h"
+#include "services/platform/link/laser_protocol.h"
+#include "services/platform/link/motion_protocol.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "services/recording/mcap_reader.h"
-#include "services/recording/message_cursor.h"
+#include "services/platform/recording/mcap_reader.h"
+#include "services/platform/recording/message_cursor.h"
 
 namespace {
 

@@ -14,9 +14,9 @@
 #include <tuple>
 
 #include "proto/replay.pb.h"
-#include "services/bus/topic_tap.h"
-#include "services/recording/conventions.h"
-#include "services/recording/message_cursor.h"
+#include "services/platform/bus/topic_tap.h"
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/message_cursor.h"
 #include "services/replayer/bystanders.h"
 #include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/mesh/handmade_files.h"

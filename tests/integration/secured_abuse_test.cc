@@ -12,7 +12,7 @@
 #include <regex>
 #include <thread>
 
-#include "services/bus/identity.h"
+#include "services/platform/bus/identity.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 

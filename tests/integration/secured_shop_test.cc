@@ -11,7 +11,7 @@
 #include <fstream>
 #include <regex>
 
-#include "services/bus/identity.h"
+#include "services/platform/bus/identity.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 

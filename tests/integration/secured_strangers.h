@@ -11,10 +11,10 @@
 #include <fstream>
 #include <regex>
 
-#include "services/bus/bus.h"
-#include "services/bus/identity.h"
-#include "services/security/certificates.h"
-#include "services/security/identity_folders.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/bus/identity.h"
+#include "services/platform/security/certificates.h"
+#include "services/platform/security/identity_folders.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 

@@ -1,6 +1,6 @@
 // Who may command the laser: strangers who are not heard.
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 #include "tests/integration/secured_strangers.h"
 
 namespace intaglio {

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <regex>
 
-#include "services/bus/bus.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/bus/samples.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 

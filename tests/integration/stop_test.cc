@@ -15,10 +15,10 @@
 #include <optional>
 #include <thread>
 
-#include "services/bus/bus.h"
-#include "services/bus/identity.h"
-#include "services/bus/samples.h"
-#include "services/host/stop_latch.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/bus/identity.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/stop_latch.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 

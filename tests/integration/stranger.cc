@@ -27,11 +27,11 @@
 #include <string>
 #include <thread>
 
-#include "services/bus/bus.h"
-#include "services/bus/identity.h"
-#include "services/bus/qos.h"
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/bus/identity.h"
+#include "services/platform/bus/qos.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
 
 namespace {
 

@@ -27,24 +27,24 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/render", {"engrave/core", "engrave/formats"}},
     {"materials_db", {"engrave/*"}},
     {"proto", {"engrave/*", "materials_db", "proto"}},
-    {"services/bus", {"engrave/core", "idl"}},
-    {"services/link", {"engrave/core"}},
-    {"services/recording", {"engrave/core"}},
-    {"services/command_line", {"engrave/core"}},
-    {"services/host",
-     {"engrave/core", "services/bus", "services/command_line", "services/link", "idl",
-      "proto"}},
+    {"services/platform/bus", {"engrave/core", "idl"}},
+    {"services/platform/link", {"engrave/core"}},
+    {"services/platform/recording", {"engrave/core"}},
+    {"services/platform/command_line", {"engrave/core"}},
+    {"services/platform/security", {"engrave/core", "services/platform/bus", "idl"}},
+    {"services/platform/host",
+     {"engrave/core", "services/platform/bus", "services/platform/command_line",
+      "services/platform/link", "idl", "proto"}},
     {"services/*",
-     {"engrave/*", "materials_db", "proto", "idl", "services/bus",
-      "services/command_line", "services/link", "services/host", "services/history",
-      "services/mesh_reader", "services/recording", "services/replayer",
-      "services/security"}},
+     {"engrave/*", "materials_db", "proto", "idl", "services/platform/*",
+      "services/history", "services/mesh_reader", "services/replayer"}},
     {"services/replayer",
-     {"engrave/core", "idl", "proto", "services/bus", "services/link",
-      "services/recording", "services/recorder", "services/virtual_engraver"}},
-    {"services/history", {"engrave/core", "idl", "proto", "services/host"}},
+     {"engrave/core", "idl", "proto", "services/platform/bus", "services/platform/link",
+      "services/platform/recording", "services/recorder", "services/virtual_engraver"}},
+    {"services/history", {"engrave/core", "idl", "proto", "services/platform/host"}},
     {"services/virtual_engraver",
-     {"engrave/core", "engrave/formats", "services/command_line", "services/link"}},
+     {"engrave/core", "engrave/formats", "services/platform/command_line",
+      "services/platform/link"}},
 };
 
 // Headers of libraries that have to stay in one place.
@@ -54,8 +54,8 @@ struct Kept {
   std::vector<std::string> folders;
 };
 const std::vector<Kept> kKept = {
-    {"CLI/", false, {"services/command_line"}},
-    {"dds/", false, {"services/bus"}},
+    {"CLI/", false, {"services/platform/command_line"}},
+    {"dds/", false, {"services/platform/bus"}},
     {"SQLiteCpp", false, {"materials_db", "services/history", "services/job_service"}},
     {"sqlite3", false, {"materials_db", "services/history", "services/job_service"}},
     {"google/protobuf", false, {"proto", "services/"}},
@@ -64,7 +64,14 @@ const std::vector<Kept> kKept = {
     {"chrono", true, {"services/"}},
 };
 
+/// The room that a file is in: the innermost folder above it that has a row of its own,
+/// else the folder below engrave/ or services/, else the one at the top.
 std::string FolderOf(const std::string& path) {
+  for (auto end = path.rfind('/'); end != std::string::npos && end > 0;
+       end = path.rfind('/', end - 1)) {
+    const std::string folder = path.substr(0, end);
+    if (kMayInclude.contains(folder)) return folder;
+  }
   const auto first = path.find('/');
   if (first == std::string::npos) return "";
   std::string top = path.substr(0, first);
@@ -115,9 +122,9 @@ class Inspector {
     bool once = false;
     for (std::string line; std::getline(in, line); ++lines) {
       once = once || line == "#pragma once";
-      if (line.find("dds_") != std::string::npos && folder != "services/bus" &&
+      if (line.find("dds_") != std::string::npos && folder != "services/platform/bus" &&
           line.find("//") == std::string::npos) {
-        Say(path, "names dds_ outside services/bus: " + line);
+        Say(path, "names dds_ outside services/platform/bus: " + line);
       }
       CheckInclude(path, folder, IncludedBy(line));
     }

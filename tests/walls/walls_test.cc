@@ -29,7 +29,8 @@ TEST(Walls, HoldInThisTree) { EXPECT_THAT(Violations(INTAGLIO_SOURCE_DIR), IsEmp
 
 TEST_F(MadeUpTree, GoodTreeHasNoViolation) {
   Write("engrave/sort/a.h", "#pragma once\n#include \"engrave/core/geometry.h\"\n");
-  Write("services/cli/a.cc", "#include \"services/host/b.h\"\n#include <thread>\n");
+  Write("services/cli/a.cc",
+        "#include \"services/platform/host/b.h\"\n#include <thread>\n");
   EXPECT_THAT(Violations(root_), IsEmpty());
 }
 
@@ -37,18 +38,18 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
   const std::pair<const char*, const char*> crossings[] = {
       {"engrave/core/a.cc", "#include \"engrave/mesh/mesh.h\"\n"},
       {"engrave/motion/a.cc", "#include \"engrave/sort/order.h\"\n"},
-      {"engrave/optics/a.cc", "#include \"services/bus/bus.h\"\n"},
+      {"engrave/optics/a.cc", "#include \"services/platform/bus/bus.h\"\n"},
       {"engrave/mesh/a.cc", "#include <spdlog/spdlog.h>\n"},
       {"engrave/mesh/b.cc", "#include <thread>\n"},
       {"engrave/mesh/c.cc", "#include <google/protobuf/message.h>\n"},
       {"materials_db/a.cc", "#include \"proto/options.h\"\n"},
-      {"proto/a.cc", "#include \"services/host/poll_loop.h\"\n"},
+      {"proto/a.cc", "#include \"services/platform/host/poll_loop.h\"\n"},
       {"services/cli/a.cc", "#include \"services/sorter/sort_job.h\"\n"},
       {"services/cli/b.cc", "#include <CLI/App.hpp>\n"},
       {"services/sorter/a.cc", "#include <dds/dds.h>\n"},
       {"services/sorter/b.cc", "int x = dds_write(1, 2);\n"},
       {"services/virtual_engraver/a.cc", "#include \"engrave/optics/focus.h\"\n"},
-      {"services/host/a.h", "int once;\n"}};
+      {"services/platform/host/a.h", "int once;\n"}};
   for (const auto& [path, text] : crossings) {
     fs::remove_all(root_);
     Write(path, text);

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "services/bus/bus.h"
+#include "services/platform/bus/bus.h"
 #include "tests/integration/run_program.h"
 
 namespace intaglio::campaign {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 #include "tests/integration/run_program.h"
 
 namespace intaglio::campaign {

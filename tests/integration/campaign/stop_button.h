@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "services/bus/bus.h"
+#include "services/platform/bus/bus.h"
 
 namespace intaglio::campaign {
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "services/command_line/other_programs.h"
+#include "services/platform/command_line/other_programs.h"
 #include "tests/patience.h"
 #include "tests/test_folder.h"
 

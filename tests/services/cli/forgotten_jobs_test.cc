@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "services/bus/samples.h"
 #include "services/cli/job_client.h"
-#include "tests/services/bus/private_bus.h"
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::cli {
 namespace {

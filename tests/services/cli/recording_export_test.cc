@@ -4,9 +4,9 @@
 
 #include "engrave/formats/point_file.h"
 #include "idl/laser.h"
-#include "services/recording/conventions.h"
-#include "services/recording/mcap_writer.h"
-#include "tests/services/recording/status_samples.h"
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/mcap_writer.h"
+#include "tests/services/platform/recording/status_samples.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {

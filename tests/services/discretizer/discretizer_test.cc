@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "services/host/cloud_flow.h"
+#include "services/platform/host/cloud_flow.h"
 #include "tests/services/discretizer/box_model.h"
-#include "tests/services/host/stage_shop.h"
+#include "tests/services/platform/host/stage_shop.h"
 
 namespace intaglio {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <functional>
 
-#include "services/bus/samples.h"
-#include "tests/services/bus/private_bus.h"
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::discretizer {
 namespace {

@@ -8,9 +8,9 @@
 #include <fstream>
 
 #include "proto/task.pb.h"
-#include "services/host/utc_time.h"
 #include "services/job_service/job_migrations.h"
 #include "services/job_service/job_store.h"
+#include "services/platform/host/utc_time.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::history {

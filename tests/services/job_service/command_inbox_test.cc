@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "services/bus/samples.h"
-#include "tests/services/bus/private_bus.h"
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/private_bus.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::job_service {

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::job_service {
 namespace {

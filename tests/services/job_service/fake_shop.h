@@ -11,8 +11,8 @@
 
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
-#include "services/bus/flow.h"
-#include "tests/services/bus/private_bus.h"
+#include "services/platform/bus/flow.h"
+#include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::job_service {
 

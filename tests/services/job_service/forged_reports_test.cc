@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
 #include "tests/proto/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"

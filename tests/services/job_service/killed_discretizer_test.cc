@@ -8,12 +8,12 @@
 #include <set>
 #include <thread>
 
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
-#include "services/host/cloud_flow.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/cloud_flow.h"
 #include "tests/proto/test_job.h"
-#include "tests/services/bus/child_program.h"
 #include "tests/services/job_service/fake_shop.h"
+#include "tests/services/platform/bus/child_program.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::job_service {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "services/bus/samples.h"
 #include "services/job_service/permission_keeper.h"
-#include "tests/services/bus/private_bus.h"
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::job_service {
 namespace {

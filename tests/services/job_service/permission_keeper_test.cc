@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "services/bus/samples.h"
-#include "tests/services/bus/private_bus.h"
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -7,14 +7,14 @@
 #include <map>
 
 #include "proto/task.pb.h"
-#include "services/bus/role_names.h"
-#include "services/bus/samples.h"
 #include "services/history/job_history.h"
-#include "services/host/identity_role.h"
 #include "services/job_service/job_service.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/host/identity_role.h"
 #include "tests/proto/test_job.h"
-#include "tests/services/bus/private_bus.h"
 #include "tests/services/job_service/past_jobs.h"
+#include "tests/services/platform/bus/private_bus.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::job_service {
@@ -102,7 +102,7 @@ class RetainedJobs : public testing::Test {
     sample.operator_name = Borrow(name);
     ASSERT_TRUE(commands_.Write(sample));
   }
-  /// A worker's name proves which process it is (services/host/identity_role.h).
+  /// A worker's name proves which process it is (services/platform/host/identity_role.h).
   std::string Synchronizer() const {
     return host::InstanceName("synchronizer", "host", 1234, bus_.participant_name());
   }

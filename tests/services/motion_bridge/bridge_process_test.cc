@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "proto/job_file.h"
-#include "services/bus/samples.h"
-#include "tests/services/bus/child_program.h"
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/child_program.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
 #include "tests/services/virtual_engraver/taken_line.h"
 #include "tests/test_folder.h"

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "services/link/line_session.h"
-#include "services/link/motion_protocol.h"
+#include "services/platform/link/line_session.h"
+#include "services/platform/link/motion_protocol.h"
 #include "services/virtual_engraver/pty_line.h"
 
 namespace intaglio::motion_bridge {

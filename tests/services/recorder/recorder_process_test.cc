@@ -9,14 +9,14 @@
 #include <thread>
 
 #include "proto/task.pb.h"
-#include "services/bus/samples.h"
-#include "services/recording/cdr_value.h"
-#include "services/recording/conventions.h"
-#include "services/recording/mcap_reader.h"
+#include "services/platform/bus/samples.h"
+#include "services/platform/recording/cdr_value.h"
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/mcap_reader.h"
 #include "tests/engrave/formats/small_disk.h"
-#include "tests/services/bus/all_topics.h"
-#include "tests/services/bus/child_program.h"
-#include "tests/services/recording/recorded.h"
+#include "tests/services/platform/bus/all_topics.h"
+#include "tests/services/platform/bus/child_program.h"
+#include "tests/services/platform/recording/recorded.h"
 #include "tests/test_folder.h"
 
 namespace intaglio {

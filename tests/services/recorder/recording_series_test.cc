@@ -5,11 +5,11 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include "services/platform/recording/mcap_reader.h"
 #include "services/recorder/series_files.h"
 #include "services/recorder/topic_filter.h"
 #include "services/recorder/write_queue.h"
-#include "services/recording/mcap_reader.h"
-#include "tests/services/recording/recorded.h"
+#include "tests/services/platform/recording/recorded.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::recorder {

@@ -5,11 +5,11 @@
 
 #include <tuple>
 
+#include "services/platform/recording/recording_copy.h"
 #include "services/recorder/recording_series.h"
 #include "services/recorder/series_files.h"
-#include "services/recording/recording_copy.h"
-#include "tests/services/recording/recorded.h"
-#include "tests/services/recording/status_samples.h"
+#include "tests/services/platform/recording/recorded.h"
+#include "tests/services/platform/recording/status_samples.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::recorder {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "services/recording/mcap_reader.h"
+#include "services/platform/recording/mcap_reader.h"
 
 namespace intaglio::replayer {
 

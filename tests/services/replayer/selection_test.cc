@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "tests/services/bus/all_topics.h"
+#include "tests/services/platform/bus/all_topics.h"
 #include "tests/services/replayer/golden.h"
 
 namespace intaglio::replayer {

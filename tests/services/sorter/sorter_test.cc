@@ -8,9 +8,9 @@
 #include <fstream>
 #include <random>
 
-#include "services/bus/role_names.h"
-#include "services/host/cloud_flow.h"
-#include "tests/services/host/stage_shop.h"
+#include "services/platform/bus/role_names.h"
+#include "services/platform/host/cloud_flow.h"
+#include "tests/services/platform/host/stage_shop.h"
 
 namespace intaglio {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "services/synchronizer/engraving.h"
-#include "tests/services/link/faulty_line.h"
+#include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
 #include "tests/services/synchronizer/fake_stage.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
 // A laser controller at the far end of a line in memory, and the glass under it: an
-// implementation of services/link/laser_protocol.h of its own, one map entry a tick, with
-// every fault at the test's hand.
+// implementation of services/platform/link/laser_protocol.h of its own, one map entry a
+// tick, with every fault at the test's hand.
 
 #include <chrono>
 #include <cstdint>
@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "services/link/laser_protocol.h"
-#include "services/link/reliable_link.h"
+#include "services/platform/link/laser_protocol.h"
+#include "services/platform/link/reliable_link.h"
 
 namespace intaglio::synchronizer {
 

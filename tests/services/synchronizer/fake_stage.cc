@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 
 namespace intaglio::synchronizer {
 

@@ -12,7 +12,7 @@
 
 #include "engrave/core/geometry.h"
 #include "idl/motion.h"
-#include "services/bus/flow.h"
+#include "services/platform/bus/flow.h"
 #include "services/synchronizer/engraving.h"
 
 namespace intaglio::synchronizer {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/services/link/faulty_line.h"
+#include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
 
 namespace intaglio::synchronizer {

@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-#include "services/bus/samples.h"
+#include "services/platform/bus/samples.h"
 #include "services/synchronizer/engraving.h"
 
 namespace intaglio::synchronizer {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "services/bus/samples.h"
-#include "tests/services/bus/private_bus.h"
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/private_bus.h"
 
 namespace intaglio::synchronizer {
 namespace {

@@ -11,12 +11,12 @@
 
 #include "engrave/formats/point_file.h"
 #include "proto/job_file.h"
-#include "services/bus/bus.h"
-#include "services/bus/samples.h"
+#include "services/platform/bus/bus.h"
+#include "services/platform/bus/samples.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/journal_writer.h"
-#include "tests/services/bus/private_bus.h"
-#include "tests/services/host/stage_shop.h"
+#include "tests/services/platform/bus/private_bus.h"
+#include "tests/services/platform/host/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
 #include "tests/test_folder.h"
 

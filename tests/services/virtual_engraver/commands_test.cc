@@ -1,6 +1,6 @@
 #include "services/virtual_engraver/commands.h"
 
-#include "services/link/serial_port.h"
+#include "services/platform/link/serial_port.h"
 #include "tests/services/virtual_engraver/machine_bench.h"
 #include "tests/services/virtual_engraver/stage_path.h"
 

@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "services/link/serial_port.h"
+#include "services/platform/link/serial_port.h"
 #include "tests/patience.h"
 
 namespace intaglio::virtual_engraver {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "services/link/line_session.h"
+#include "services/platform/link/line_session.h"
 #include "tests/integration/run_program.h"
 #include "tests/services/virtual_engraver/machine_bench.h"
 

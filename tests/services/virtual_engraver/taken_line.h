@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "services/link/byte_codec.h"
-#include "services/link/frame.h"
+#include "services/platform/link/byte_codec.h"
+#include "services/platform/link/frame.h"
 
 namespace intaglio::virtual_engraver {
 

@@ -1,0 +1,237 @@
+#include "services/platform/link/laser_protocol.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "services/platform/link/byte_codec.h"
+
+namespace intaglio::link {
+namespace {
+
+constexpr std::size_t kMaxModelText = 64;
+constexpr std::size_t kMaxLaserSerialNumber = 64;
+constexpr std::size_t kMaxRates = 32;
+constexpr std::uint8_t kAllInterlocks = (kSafeState << 1) - 1;
+constexpr std::uint8_t kAllShutters = 0x0f;
+
+bool IsRate(double rate_hz) { return std::isfinite(rate_hz) && rate_hz > 0; }
+
+tl::unexpected<Error> BadLaserFrame(const char* frame) {
+  return Fail(ErrorCode::kUnreadable,
+              std::string("laser line: a frame ") + frame + " is malformed", frame);
+}
+
+/// PulseReport or PastReport.
+template <typename Report>
+Bytes EncodeOutcomes(const Report& m) {
+  ByteWriter out;
+  out.Put(m.first_tick);
+  out.Put(static_cast<std::uint16_t>(m.outcome.size()));
+  for (const TickOutcome outcome : m.outcome) out.Put(static_cast<std::uint8_t>(outcome));
+  return out.Take();
+}
+
+template <typename Report>
+bool DecodeOutcomes(std::span<const std::byte> payload, TickOutcome highest, Report& m) {
+  ByteReader in(payload);
+  m.first_tick = in.Get<std::uint64_t>();
+  const auto count = in.Get<std::uint16_t>();
+  if (!in.good() || count == 0 || count > kMaxReportTicks ||
+      GoesRound(m.first_tick, count)) {
+    return false;
+  }
+  for (int i = 0; i < count; ++i) {
+    const auto outcome = in.Get<std::uint8_t>();
+    if (outcome > static_cast<std::uint8_t>(highest)) return false;
+    m.outcome.push_back(static_cast<TickOutcome>(outcome));
+  }
+  return in.finished();
+}
+
+}  // namespace
+
+Bytes Encode(const LampCommand& m) {
+  ByteWriter out;
+  out.Put(static_cast<std::uint8_t>(m.on));
+  out.Put(m.rate_hz);
+  return out.Take();
+}
+
+template <>
+Result<LampCommand> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  LampCommand m;
+  m.on = in.GetFlag();
+  m.rate_hz = in.Get<double>();
+  if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0) {
+    return BadLaserFrame("LampCommand");
+  }
+  return m;
+}
+
+Bytes Encode(const ShutterCommand& m) {
+  ByteWriter out;
+  out.Put(m.open_mask);
+  return out.Take();
+}
+
+template <>
+Result<ShutterCommand> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  const ShutterCommand m{in.Get<std::uint8_t>()};
+  if (!in.finished() || m.open_mask > kAllShutters)
+    return BadLaserFrame("ShutterCommand");
+  return m;
+}
+
+Bytes Encode(const ArmWindow& m) {
+  ByteWriter out;
+  out.Put(m.first_tick);
+  out.Put(static_cast<std::uint8_t>(m.gated));
+  out.Put(static_cast<std::uint16_t>(m.fire.size()));
+  for (std::size_t i = 0; i < m.fire.size(); i += 8) {
+    std::uint8_t bits = 0;
+    for (std::size_t j = 0; j < 8 && i + j < m.fire.size(); ++j) {
+      if (m.fire[i + j]) bits = static_cast<std::uint8_t>(bits | 1u << j);
+    }
+    out.Put(bits);
+  }
+  return out.Take();
+}
+
+template <>
+Result<ArmWindow> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  ArmWindow m;
+  m.first_tick = in.Get<std::uint64_t>();
+  m.gated = in.GetFlag();
+  const auto count = in.Get<std::uint16_t>();
+  if (!in.good() || count == 0 || count > kMaxArmTicks ||
+      GoesRound(m.first_tick, count)) {
+    return BadLaserFrame("ArmWindow");
+  }
+  m.fire.resize(count);
+  for (std::size_t i = 0; i < count; i += 8) {
+    const auto bits = in.Get<std::uint8_t>();
+    for (std::size_t j = 0; j < 8 && i + j < count; ++j)
+      m.fire[i + j] = (bits >> j & 1) != 0;
+    if (count - i < 8 && bits >> (count - i) != 0) return BadLaserFrame("ArmWindow");
+  }
+  if (!in.finished()) return BadLaserFrame("ArmWindow");
+  return m;
+}
+
+Bytes Encode(const LaserIdentity& m) {
+  ByteWriter out;
+  out.Put(m.power_up);
+  out.Put(static_cast<std::uint8_t>(m.lockstep));
+  out.Put(m.channels);
+  out.Put(static_cast<std::uint8_t>(std::min(m.rates_hz.size(), kMaxRates)));
+  for (std::size_t i = 0; i < m.rates_hz.size() && i < kMaxRates; ++i)
+    out.Put(m.rates_hz[i]);
+  out.PutText(m.model, kMaxModelText);
+  out.PutText(m.serial_number, kMaxLaserSerialNumber);
+  return out.Take();
+}
+
+template <>
+Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  LaserIdentity m;
+  m.power_up = in.Get<std::uint32_t>();
+  m.lockstep = in.GetFlag();
+  m.channels = in.Get<std::uint8_t>();
+  const auto count = in.Get<std::uint8_t>();
+  if (!in.good() || count > kMaxRates || m.channels < 1 || m.channels > 4) {
+    return BadLaserFrame("LaserIdentity");
+  }
+  for (int i = 0; i < count; ++i) m.rates_hz.push_back(in.Get<double>());
+  m.model = in.GetText(kMaxModelText);
+  m.serial_number = in.GetPrintableText(kMaxLaserSerialNumber);
+  if (!in.finished() || !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
+    return BadLaserFrame("LaserIdentity");
+  }
+  return m;
+}
+
+Bytes Encode(const LaserStatus& m) {
+  ByteWriter out;
+  out.Put(m.tick);
+  out.Put(m.machine_us);
+  out.Put(m.rate_hz);
+  out.Put(m.warm_ratio);
+  out.Put(m.interlocks);
+  out.Put(m.shutters_open);
+  out.Put(m.pulse_count);
+  out.Put(m.last_fired_tick);
+  out.Put(m.decided_through);
+  out.Put(m.disarms_taken);
+  out.Put(m.openings);
+  return out.Take();
+}
+
+template <>
+Result<LaserStatus> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  LaserStatus m;
+  m.tick = in.Get<std::uint64_t>();
+  m.machine_us = in.Get<std::uint64_t>();
+  m.rate_hz = in.Get<double>();
+  m.warm_ratio = in.Get<double>();
+  m.interlocks = in.Get<std::uint8_t>();
+  m.shutters_open = in.Get<std::uint8_t>();
+  m.pulse_count = in.Get<std::uint64_t>();
+  m.last_fired_tick = in.Get<std::uint64_t>();
+  m.decided_through = in.Get<std::uint64_t>();
+  m.disarms_taken = in.Get<std::uint32_t>();
+  m.openings = in.Get<std::uint32_t>();
+  if (!in.finished() || !std::isfinite(m.rate_hz) || m.rate_hz < 0 ||
+      !(m.warm_ratio >= 0 && m.warm_ratio <= 1) || m.interlocks > kAllInterlocks ||
+      m.shutters_open > kAllShutters) {
+    return BadLaserFrame("LaserStatus");
+  }
+  return m;
+}
+
+Bytes Encode(const PulseReport& m) { return EncodeOutcomes(m); }
+Bytes Encode(const PastReport& m) { return EncodeOutcomes(m); }
+
+template <>
+Result<PulseReport> Decode(std::span<const std::byte> payload) {
+  PulseReport m;
+  if (!DecodeOutcomes(payload, TickOutcome::kTooLate, m))
+    return BadLaserFrame("PulseReport");
+  return m;
+}
+
+template <>
+Result<PastReport> Decode(std::span<const std::byte> payload) {
+  PastReport m;
+  if (!DecodeOutcomes(payload, TickOutcome::kNoLongerKnown, m)) {
+    return BadLaserFrame("PastReport");
+  }
+  return m;
+}
+
+Bytes Encode(const PastRequest& m) {
+  ByteWriter out;
+  out.Put(m.first_tick);
+  out.Put(m.count);
+  return out.Take();
+}
+
+template <>
+Result<PastRequest> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  PastRequest m;
+  m.first_tick = in.Get<std::uint64_t>();
+  m.count = in.Get<std::uint16_t>();
+  if (!in.finished() || m.count == 0 || m.count > kMaxReportTicks ||
+      GoesRound(m.first_tick, m.count)) {
+    return BadLaserFrame("PastRequest");
+  }
+  return m;
+}
+
+}  // namespace intaglio::link

@@ -1,0 +1,163 @@
+#pragma once
+
+// What is said on the laser line, between a synchronizer (host) and a laser controller
+// (device). Each struct is the payload of one frame (services/platform/link/frame.h); all
+// numbers little endian, packed in the order of the fields; docs/protocols.md shows the
+// bytes.
+//
+// The controller counts lamp sync pulses, "ticks", from its power-up. The host decides
+// every tick ahead, in windows that follow each other without gap: fire or not. A tick
+// nobody decided does not fire. When `gated` is set, an armed tick fires only if the
+// motion controller's in-position output is on at that tick: it is on when a segment
+// that ends at exactly this tick is marked for a pulse and the stage is within the
+// machine's position tolerance of its end. So two lines have to agree on a tick.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+
+namespace intaglio::link {
+
+enum class LaserFrame : std::uint8_t {
+  // host -> device
+  kLampCommand = 0x10,
+  kShutterCommand = 0x11,
+  kArmWindow = 0x12,
+  kDisarm = 0x13,      ///< no payload: undecides every tick that has not passed
+  kLaserStop = 0x14,   ///< no payload: emergency stop; latched until kLaserReset
+  kLaserReset = 0x15,  ///< no payload: leaves the safe state when its cause is gone
+  kLaserStatusRequest = 0x16,  ///< no payload
+  kPastRequest = 0x17,
+  // device -> host
+  kLaserIdentity = 0x20,  ///< once after every handshake
+  kLaserStatus = 0x21,    ///< on request, on every change of an interlock, every 20 ms
+  kPulseReport = 0x22,
+  kPastReport = 0x23,  ///< the answer to every kPastRequest
+};
+
+struct LampCommand {
+  bool on = false;
+  double rate_hz = 0;  ///< lamp sync rate, one of the controller's rates
+};
+
+struct ShutterCommand {
+  std::uint8_t open_mask = 0;  ///< bit 0..3: channels 1..4
+};
+
+/// Decides ticks first_tick .. first_tick + fire.size() - 1. Ticks already decided or
+/// passed are reported as late when they were to fire, and ignored otherwise.
+struct ArmWindow {
+  std::uint64_t first_tick = 0;
+  bool gated = true;
+  std::vector<bool> fire;  ///< at most kMaxArmTicks, one a tick
+};
+inline constexpr std::size_t kMaxArmTicks = 4096;
+
+struct LaserIdentity {
+  std::uint32_t power_up =
+      0;  ///< random number drawn at power-up: another one is another clock
+  bool lockstep = false;  ///< ticks pass only as far as they are decided
+  std::uint8_t channels = 1;
+  std::vector<double> rates_hz;    ///< at most 32
+  std::string model;               ///< at most 64 bytes
+  std::string serial_number = {};  ///< printable ASCII, at most 64; empty: it has none
+};
+
+enum InterlockBits : std::uint8_t {
+  kKeyOn = 1 << 0,
+  kDoorClosed = 1 << 1,
+  kStopReleased = 1 << 2,
+  kLampOn = 1 << 3,
+  kLampWarm = 1 << 4,
+  kSafeState = 1 << 5,  ///< shutters closed by the controller itself
+};
+
+struct LaserStatus {
+  std::uint64_t tick = 0;        ///< the newest lamp sync
+  std::uint64_t machine_us = 0;  ///< controller's clock at that tick
+  double rate_hz = 0;
+  double warm_ratio = 0;        ///< 0..1
+  std::uint8_t interlocks = 0;  ///< InterlockBits
+  std::uint8_t shutters_open = 0;
+  std::uint64_t pulse_count = 0;      ///< since power-up
+  std::uint64_t last_fired_tick = 0;  ///< 0: none
+  std::uint64_t decided_through = 0;  ///< highest decided tick
+  /// kDisarm frames taken in this session: a status that counts the newest one tells for
+  /// certain which of the armed ticks never fired.
+  std::uint32_t disarms_taken = 0;
+  /// How often key, door or the stop button let go since power-up: somebody may have
+  /// reached into the machine while nobody listened, or between two statuses.
+  std::uint32_t openings = 0;
+};
+// The pulse reports of every tick up to and with LaserStatus::tick are sent before it.
+
+enum class TickOutcome : std::uint8_t {
+  kNotArmed = 0,
+  kFiredSeen = 1,  ///< a photosensor saw the crack
+  kFiredUnseen = 2,
+  kNotInPosition = 3,
+  kInterlocked = 4,
+  kLampNotReady = 5,
+  kShutterClosed = 6,
+  kTooLate = 7,
+  kNoLongerKnown = 8,  ///< only in a PastReport
+};
+
+/// Every decided tick is reported once, in order, without gap; a late one in a report
+/// of its own with kTooLate.
+struct PulseReport {
+  std::uint64_t first_tick = 0;
+  std::vector<TickOutcome> outcome;  ///< at most kMaxReportTicks, one a tick
+};
+inline constexpr std::size_t kMaxReportTicks = 512;
+
+/// What came of ticks that have passed, whoever decided them, in whatever session.
+struct PastRequest {
+  std::uint64_t first_tick = 0;
+  std::uint16_t count = 1;  ///< 1..kMaxReportTicks
+};
+
+/// A tick that was not decided, or has not passed, is kNotArmed. What was to fire and had
+/// not passed can still come: ask after a Disarm that a status counts.
+struct PastReport {
+  std::uint64_t first_tick = 0;
+  std::vector<TickOutcome> outcome;  ///< at most kMaxReportTicks, one a tick
+};
+/// A controller remembers at least this many ticks up to the newest, since its power-up.
+inline constexpr std::size_t kRememberedTicks = 65536;
+
+using Bytes = std::vector<std::byte>;
+Bytes Encode(const LampCommand& m);
+Bytes Encode(const ShutterCommand& m);
+Bytes Encode(const ArmWindow& m);
+Bytes Encode(const LaserIdentity& m);
+Bytes Encode(const LaserStatus& m);
+Bytes Encode(const PulseReport& m);
+Bytes Encode(const PastRequest& m);
+Bytes Encode(const PastReport& m);
+
+/// Decode<T>: kUnreadable when the payload is shorter, longer or out of range.
+template <typename T>
+Result<T> Decode(std::span<const std::byte> payload);
+template <>
+Result<LampCommand> Decode(std::span<const std::byte> payload);
+template <>
+Result<ShutterCommand> Decode(std::span<const std::byte> payload);
+template <>
+Result<ArmWindow> Decode(std::span<const std::byte> payload);
+template <>
+Result<LaserIdentity> Decode(std::span<const std::byte> payload);
+template <>
+Result<LaserStatus> Decode(std::span<const std::byte> payload);
+template <>
+Result<PulseReport> Decode(std::span<const std::byte> payload);
+template <>
+Result<PastRequest> Decode(std::span<const std::byte> payload);
+template <>
+Result<PastReport> Decode(std::span<const std::byte> payload);
+
+}  // namespace intaglio::link

@@ -1,0 +1,241 @@
+#include "services/platform/security/identity_folders.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "services/platform/bus/identity.h"
+#include "services/platform/security/certificates.h"
+
+namespace intaglio::security {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::days;
+
+constexpr char kAuthority[] = "authority";
+constexpr char kShopFile[] = "shop.txt";
+constexpr mode_t kSecret = 0600, kPublic = 0644;
+// Hosts whose clocks are behind take a new certificate all the same.
+constexpr std::chrono::hours kClockDifference{1};
+
+tl::unexpected<Error> CannotWrite(const fs::path& path, int error) {
+  return Fail(ErrorCode::kIo,
+              fmt::format("cannot write {}: {}", path.string(), std::strerror(error)),
+              path.string());
+}
+
+Status MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || chmod(folder.c_str(), 0700) != 0) {
+    return CannotWrite(folder, error ? error.value() : errno);
+  }
+  return {};
+}
+
+/// Whole under its name or not at all, and never readable by others in between.
+Status Write(const fs::path& file, const std::string& text, mode_t mode) {
+  const fs::path temporary = file.string() + ".new";
+  unlink(temporary.c_str());
+  const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+  if (fd < 0) return CannotWrite(temporary, errno);
+  const bool written =
+      write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+      fsync(fd) == 0;
+  const int error = errno;
+  close(fd);
+  if (!written) return CannotWrite(temporary, error);
+  if (rename(temporary.c_str(), file.c_str()) != 0) return CannotWrite(file, errno);
+  return {};
+}
+
+Result<std::string> Read(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (in && !text.str().empty()) return text.str();
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("cannot read {}: this is the folder that `intaglio security "
+                          "new` made, with its authority?",
+                          file.string()),
+              file.string());
+}
+
+Status WriteAuthority(const fs::path& folder, const char* certificate,
+                      const KeyPair& pair) {
+  const fs::path file = folder / certificate;
+  return Write(file, pair.certificate, kPublic).and_then([&] {
+    return Write(fs::path(file).replace_extension(".key"), pair.private_key, kSecret);
+  });
+}
+
+Result<KeyPair> ReadAuthority(const fs::path& folder, const char* certificate) {
+  const fs::path file = folder / certificate;
+  auto text = Read(file);
+  if (!text) return tl::unexpected(text.error());
+  auto key = Read(fs::path(file).replace_extension(".key"));
+  if (!key) return tl::unexpected(key.error());
+  return KeyPair{*text, *key};
+}
+
+struct Authorities {
+  KeyPair identity, permissions;
+};
+
+Status WriteRole(const fs::path& folder, const Role& role, const ShopOptions& shop,
+                 const Authorities& by, const Validity& validity) {
+  const auto pair = NewIdentity(by.identity, shop.name, role.name, validity);
+  if (!pair) return tl::unexpected(pair.error());
+  const auto subject = SubjectOf(pair->certificate);
+  if (!subject) return tl::unexpected(subject.error());
+  const auto permissions =
+      Sign(by.permissions, PermissionsText(role, *subject, shop.domains, validity));
+  const auto governance = Sign(by.permissions, GovernanceText(shop.domains));
+  if (!permissions || !governance) {
+    return tl::unexpected((permissions ? governance : permissions).error());
+  }
+  struct File {
+    const char* name;
+    const std::string& text;
+    mode_t mode;
+  };
+  if (auto made = MakeFolder(folder); !made) return made;
+  for (const File& file :
+       {File{bus::kPrivateKeyFile, pair->private_key, kSecret},
+        File{bus::kCertificateFile, pair->certificate, kPublic},
+        File{bus::kIdentityAuthorityFile, by.identity.certificate, kPublic},
+        File{bus::kPermissionsAuthorityFile, by.permissions.certificate, kPublic},
+        File{bus::kGovernanceFile, *governance, kPublic},
+        File{bus::kPermissionsFile, *permissions, kPublic}}) {
+    if (auto written = Write(folder / file.name, file.text, file.mode); !written) {
+      return written;
+    }
+  }
+  return {};
+}
+
+Status WriteRoles(const fs::path& folder, const ShopOptions& shop, const Authorities& by,
+                  const Lifetime& lifetime) {
+  const Validity validity{lifetime.now - kClockDifference,
+                          lifetime.now + days(lifetime.identity_days)};
+  for (const Role& role : RolesOf(shop.cells)) {
+    if (auto written = WriteRole(folder / role.name, role, shop, by, validity); !written)
+      return written;
+  }
+  return {};
+}
+
+/// A name of a folder, a partition and a certificate.
+Status CheckName(const char* what, const std::string& name, const char* also_allowed) {
+  const auto good = [also_allowed](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::strchr(also_allowed, c) != nullptr;
+  };
+  if (!name.empty() && name.size() <= 60 && std::all_of(name.begin(), name.end(), good))
+    return {};
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("{} '{}': 1 to 60 letters, digits and '{}' are allowed", what,
+                          name, also_allowed),
+              name);
+}
+
+Status CheckShop(const ShopOptions& shop) {
+  if (auto good = CheckName("--name", shop.name, "-_. "); !good) return good;
+  for (const std::string& cell : shop.cells) {
+    if (auto good = CheckName("--cell", cell, "-_"); !good) return good;
+  }
+  return {};
+}
+
+std::string ShopText(const ShopOptions& shop) {
+  std::string text = fmt::format("name {}\n", shop.name);
+  for (const std::string& cell : shop.cells) text += fmt::format("cell {}\n", cell);
+  for (const int domain : shop.domains) text += fmt::format("domain {}\n", domain);
+  return text;
+}
+
+ShopOptions ShopIn(const std::string& text) {
+  ShopOptions shop;
+  shop.domains.clear();
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto space = line.find(' ');
+    const std::string word = line.substr(0, space);
+    const std::string value = space == std::string::npos ? "" : line.substr(space + 1);
+    if (word == "name") shop.name = value;
+    if (word == "cell") shop.cells.push_back(value);
+    if (word == "domain") shop.domains.push_back(std::atoi(value.c_str()));
+  }
+  return shop;
+}
+
+}  // namespace
+
+Status NewIdentities(const fs::path& folder, const ShopOptions& shop,
+                     const Lifetime& lifetime) {
+  if (auto good = CheckShop(shop); !good) return good;
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} has something in it: `intaglio security renew` renews "
+                            "identities, new ones take an empty folder",
+                            folder.string()),
+                folder.string());
+  }
+  const Validity validity{lifetime.now - kClockDifference,
+                          lifetime.now + days(lifetime.authority_days)};
+  const auto identity =
+      NewAuthority(shop.name, "identity authority", Purpose::kIssuer, validity);
+  const auto permissions =
+      NewAuthority(shop.name, "permissions authority", Purpose::kSigner, validity);
+  if (!identity || !permissions) {
+    return tl::unexpected((identity ? permissions : identity).error());
+  }
+  const fs::path authority = folder / kAuthority;
+  return MakeFolder(folder)
+      .and_then([&] { return MakeFolder(authority); })
+      .and_then([&] {
+        return WriteAuthority(authority, bus::kIdentityAuthorityFile, *identity);
+      })
+      .and_then([&] {
+        return WriteAuthority(authority, bus::kPermissionsAuthorityFile, *permissions);
+      })
+      .and_then([&] { return Write(authority / kShopFile, ShopText(shop), kPublic); })
+      .and_then([&] {
+        return WriteRoles(folder, shop, {*identity, *permissions}, lifetime);
+      });
+}
+
+Result<ShopOptions> RenewIdentities(const fs::path& folder,
+                                    const std::vector<std::string>& more_cells,
+                                    const Lifetime& lifetime) {
+  const fs::path authority = folder / kAuthority;
+  const auto text = Read(authority / kShopFile);
+  if (!text) return tl::unexpected(text.error());
+  const auto identity = ReadAuthority(authority, bus::kIdentityAuthorityFile);
+  if (!identity) return tl::unexpected(identity.error());
+  const auto permissions = ReadAuthority(authority, bus::kPermissionsAuthorityFile);
+  if (!permissions) return tl::unexpected(permissions.error());
+  ShopOptions shop = ShopIn(*text);
+  for (const std::string& cell : more_cells) {
+    if (std::find(shop.cells.begin(), shop.cells.end(), cell) == shop.cells.end())
+      shop.cells.push_back(cell);
+  }
+  return CheckShop(shop)
+      .and_then([&] { return Write(authority / kShopFile, ShopText(shop), kPublic); })
+      .and_then([&] {
+        return WriteRoles(folder, shop, {*identity, *permissions}, lifetime);
+      })
+      .map([&] { return shop; });
+}
+
+}  // namespace intaglio::security

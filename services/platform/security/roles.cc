@@ -1,0 +1,117 @@
+#include "services/platform/security/roles.h"
+
+#include <initializer_list>
+
+namespace intaglio::security {
+namespace {
+
+template <typename T>
+RoleTopic Of(const bus::Topic<T>& topic, const std::string& of_roles = "*") {
+  return {topic.name, topic.domain, topic.scope, of_roles};
+}
+
+using Topics = std::vector<RoleTopic>;
+
+Topics Join(std::initializer_list<Topics> parts) {
+  Topics all;
+  for (const Topics& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+// Every service says how it is.
+Topics OwnWords() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
+
+// What can be seen of a shop without seeing what is engraved.
+Topics ShopState() {
+  return {Of(bus::kJobStatus), Of(bus::kTaskStatus), Of(bus::kServiceHealth),
+          Of(bus::kAlarm)};
+}
+
+Topics CellState() {
+  return {Of(bus::kMotionState),  Of(bus::kPositionReport), Of(bus::kLampSync),
+          Of(bus::kInterlock),    Of(bus::kPermission),     Of(bus::kPulseEventBatch),
+          Of(bus::kEmergencyStop)};
+}
+
+Role Operator() {
+  return {bus::kOperatorRole,
+          "*",
+          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kEmergencyStop)},
+          Join({ShopState(), CellState(), {Of(bus::kJobCommandAnswer)}})};
+}
+
+Role JobService() {
+  return {bus::kJobServiceRole,
+          "*",
+          Join({OwnWords(),
+                {Of(bus::kPresence), Of(bus::kJobStatus), Of(bus::kJobCommandAnswer),
+                 Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
+                 Of(bus::kModelChunk), Of(bus::kPermission)}}),
+          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
+           Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
+           Of(bus::kPresence)}};
+}
+
+Role StageWorker() {
+  return {bus::kStageWorkerRole,
+          "*",
+          Join({OwnWords(),
+                {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
+                 Of(bus::kPointBatch), Of(bus::kPathBatch)}}),
+          {Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kModelChunk),
+           Of(bus::kPointBatch), Of(bus::kCredit)}};
+}
+
+// Health tells a second synchronizer or bridge of the same machine that it is one.
+Role Cell(const std::string& cell) {
+  return {bus::CellRole(cell),
+          cell,
+          Join({OwnWords(),
+                {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
+                 Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
+                 Of(bus::kPositionReport), Of(bus::kLampSync), Of(bus::kPulseEventBatch),
+                 Of(bus::kInterlock)}}),
+          {Of(bus::kServiceHealth), Of(bus::kEngraveTask), Of(bus::kPathBatch),
+           Of(bus::kCredit), Of(bus::kPermission), Of(bus::kEmergencyStop),
+           Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport),
+           Of(bus::kPresence, bus::kJobServiceRole)}};
+}
+
+Role Recorder() {
+  return {bus::kRecorderRole, "*", OwnWords(),
+          Join({ShopState(),
+                CellState(),
+                {Of(bus::kJobSubmission), Of(bus::kJobCommand),
+                 Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
+                 Of(bus::kEngraveTask), Of(bus::kCredit), Of(bus::kMotionSegmentBatch),
+                 Of(bus::kModelChunk), Of(bus::kPointBatch), Of(bus::kPathBatch)}})};
+}
+
+Role Observer() {
+  return {bus::kObserverRole, "*", {}, Join({ShopState(), CellState()})};
+}
+
+}  // namespace
+
+std::vector<Role> RolesOf(const std::vector<std::string>& cells) {
+  std::vector<Role> roles = {Operator(), JobService(), StageWorker(), Recorder(),
+                             Observer()};
+  for (const std::string& cell : cells) roles.push_back(Cell(cell));
+  return roles;
+}
+
+std::string WritePartition(const Role& role, const RoleTopic& topic) {
+  if (topic.scope == bus::Scope::kRole) return bus::RolePartition(role.name);
+  return topic.scope == bus::Scope::kCell ? role.partition : "";
+}
+
+std::string ReadPartition(const Role& role, const RoleTopic& topic) {
+  if (topic.scope == bus::Scope::kRole) {
+    // Who reads every cell reads everything, also what has no partition.
+    const bool all = topic.of_roles == "*" && role.partition == "*";
+    return all ? "*" : bus::RolePartition(topic.of_roles);
+  }
+  return topic.scope == bus::Scope::kCell ? role.partition : "";
+}
+
+}  // namespace intaglio::security

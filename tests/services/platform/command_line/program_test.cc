@@ -1,0 +1,238 @@
+#include "services/platform/command_line/program.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+
+namespace intaglio::command_line {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// "understood", or what is said.
+std::string Said(Program& program, std::vector<std::string> words) {
+  const Status parsed = program.Parse(std::move(words));
+  return parsed ? "understood" : parsed.error().message;
+}
+
+struct Exit {
+  std::optional<int> code;
+  std::string out, err;
+};
+
+Exit ParseAsMain(Program& program, std::vector<std::string> words) {
+  words.insert(words.begin(), "/usr/bin/somewhere");
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Exit exit;
+  exit.code = program.Parse(static_cast<int>(argv.size()), argv.data());
+  exit.out = testing::internal::GetCapturedStdout();
+  exit.err = testing::internal::GetCapturedStderr();
+  return exit;
+}
+
+TEST(Option, TakesEachKindOfValue) {
+  int whole = 0;
+  std::uint32_t number = 0;
+  std::uint64_t large = 0;
+  double length_mm = 0;
+  std::string name;
+  std::filesystem::path file;
+  std::optional<double> maybe_mm, unsaid_mm;
+  std::vector<double> corner_mm;
+  std::vector<std::string> words;
+  bool flag = false, turned_off = true;
+  int parent = 0;
+  Program program("p", "");
+  const Command root = program.root();
+  root.AddOption("WORDS", words, "");
+  root.AddOption("--whole", whole, "");
+  root.AddOption("--number", number, "");
+  root.AddOption("--large", large, "");
+  root.AddOption("--length", length_mm, "");
+  root.AddOption("--name,--called", name, "");
+  root.AddOption("--file", file, "");
+  root.AddOption("--maybe", maybe_mm, "");
+  root.AddOption("--unsaid", unsaid_mm, "");
+  root.AddOption("--corner", corner_mm, "").SplitAt(',').TakeValues(3);
+  root.AddFlag("--flag", flag, "");
+  root.AddFlag("--on,!--off", turned_off, "");
+  root.AddFlag("--parent{-1}", parent, "");
+  ASSERT_EQ(Said(program, {"a",
+                           "b c",
+                           "--whole",
+                           "-7",
+                           "--number",
+                           "4294967295",
+                           "--large=18446744073709551615",
+                           "--length",
+                           "1.5",
+                           "--called",
+                           "x",
+                           "--file",
+                           "/a b",
+                           "--maybe",
+                           "2",
+                           "--corner",
+                           "1,2,3",
+                           "--flag",
+                           "--off",
+                           "--parent=12"}),
+            "understood");
+  EXPECT_EQ(whole, -7);
+  EXPECT_EQ(number, 4294967295u);
+  EXPECT_EQ(large, 18446744073709551615u);
+  EXPECT_EQ(length_mm, 1.5);
+  EXPECT_EQ(name, "x");
+  EXPECT_EQ(file, "/a b");
+  EXPECT_EQ(maybe_mm, 2.0);
+  EXPECT_EQ(unsaid_mm, std::nullopt);
+  EXPECT_THAT(corner_mm, ElementsAre(1, 2, 3));
+  EXPECT_THAT(words, ElementsAre("a", "b c"));
+  EXPECT_TRUE(flag);
+  EXPECT_FALSE(turned_off);
+  EXPECT_EQ(parent, 12);
+  ASSERT_EQ(Said(program, {"--parent"}), "understood");
+  EXPECT_EQ(parent, -1) << "without a value";
+}
+
+TEST(Option, ThatIsNotAsItHasToBeIsNamed) {
+  double rate = 1, height = 0, size = 0, width = 1;
+  int count = 1;
+  std::string format, out;
+  std::vector<double> corner;
+  Program program("p", "");
+  const Command root = program.root();
+  root.AddOption("--out", out, "").Require();
+  root.AddOption("--rate", rate, "").Within(0.5, 2.0);
+  root.AddOption("--count", count, "").Within(1, 4);
+  root.AddOption("--width", width, "").Positive();
+  root.AddOption("--format", format, "").OneOf({"csv", "ply"});
+  const Option of_height = root.AddOption("--height", height, "");
+  root.AddOption("--size", size, "").Exclude(of_height);
+  root.AddOption("--corner", corner, "").TakeValues(3).Need(root.OptionOf("--format"));
+  const auto said = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--out", "x"});
+    return Said(program, words);
+  };
+  EXPECT_EQ(said({"--rate", "2", "--count", "4", "--format", "ply"}), "understood");
+  EXPECT_THAT(Said(program, {}), HasSubstr("--out is required"));
+  EXPECT_THAT(said({"--rate", "2.1"}), HasSubstr("--rate"));
+  EXPECT_THAT(said({"--rate", "fast"}), HasSubstr("--rate"));
+  EXPECT_THAT(said({"--count", "0"}), HasSubstr("--count"));
+  EXPECT_THAT(said({"--count", "1.5"}), HasSubstr("--count"));
+  EXPECT_THAT(said({"--width", "0"}), HasSubstr("--width"));
+  EXPECT_THAT(said({"--format", "doc"}), HasSubstr("--format"));
+  EXPECT_THAT(said({"--height", "1", "--size", "2"}), HasSubstr("--height"));
+  EXPECT_THAT(said({"--format", "csv", "--corner", "1", "2"}), HasSubstr("--corner"));
+  EXPECT_THAT(said({"--corner", "1", "2", "3"}), HasSubstr("--format"));
+}
+
+TEST(Option, IsTakenFromTheEnvironmentWhenItIsNotGiven) {
+  std::string keys;
+  Program program("p", "");
+  program.root().AddOption("--keys", keys, "").FromEnvironment("INTAGLIO_TEST_KEYS");
+  setenv("INTAGLIO_TEST_KEYS", "from there", 1);
+  EXPECT_EQ(Said(program, {}), "understood");
+  EXPECT_EQ(keys, "from there");
+  EXPECT_EQ(Said(program, {"--keys", "given"}), "understood");
+  EXPECT_EQ(keys, "given");
+  unsetenv("INTAGLIO_TEST_KEYS");
+}
+
+TEST(Command, ThatWasGivenActs) {
+  Program program("intaglio", "");
+  const Command recording = program.root().AddCommand("recording", "");
+  recording.RequireCommand();
+  std::string database;
+  recording.AddOption("--db", database, "");
+  const Command info = recording.AddCommand("info", "");
+  info.TakeOptionsOfParent();
+  info.SetAction([] { return 7; });
+  recording.AddCommand("cut", "").SetAction([] { return 8; });
+  EXPECT_EQ(Said(program, {"recording", "info", "--db", "x"}), "understood");
+  EXPECT_EQ(program.Run(), 7);
+  EXPECT_EQ(database, "x");
+  EXPECT_THAT(Said(program, {"recording"}), HasSubstr("subcommand"));
+  EXPECT_NE(Said(program, {"recording", "cut", "--db", "x"}), "understood");
+}
+
+TEST(Program, EndsWithZeroAfterItsHelpAndWithTwoAfterWordsItDoesNotUnderstand) {
+  double rate = 1.5;
+  Program program("intaglio", "A mesh goes in.");
+  program.SetVersion("1.2.3");
+  program.root().SetFooter("Where to begin.");
+  program.root().AddOption("--rate", rate, "how fast").ShowDefault().Describe("the rate");
+  const Exit help = ParseAsMain(program, {"--help"});
+  EXPECT_EQ(help.code, 0);
+  for (const char* part :
+       {"A mesh goes in.", "intaglio", "--rate", "1.5", "the rate", "Where to begin."})
+    EXPECT_THAT(help.out, HasSubstr(part));
+  const Exit version = ParseAsMain(program, {"--version"});
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out, "1.2.3\n");
+  const Exit wrong = ParseAsMain(program, {"--rate", "fast"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--rate"));
+  const Exit unknown = ParseAsMain(program, {"--rte", "2"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean --rate?"));
+  EXPECT_EQ(ParseAsMain(program, {"--rate", "2"}).code, std::nullopt);
+  EXPECT_EQ(rate, 2);
+}
+
+TEST(Program, WithoutACommandShowsItsHelp) {
+  Program program("intaglio", "A mesh goes in.");
+  program.root().AddCommand("list", "").SetAction([] { return 7; });
+  ASSERT_EQ(Said(program, {}), "understood");
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(program.Run(), 0);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("A mesh goes in."));
+}
+
+class UnknownWords : public testing::Test {
+ protected:
+  UnknownWords() : program_("intaglio", "an app") {
+    program_.root().AddCommand("run", "").AddOption("--height", height_, "");
+    program_.root().AddCommand("recording", "").AddCommand("repair", "");
+  }
+  std::string Said(std::vector<std::string> words) {
+    return command_line::Said(program_, std::move(words));
+  }
+  double height_ = 0;
+  Program program_;
+};
+
+TEST_F(UnknownWords, ACommandIsNamedWithTheNearestOne) {
+  EXPECT_EQ(
+      Said({"rum", "--height", "3"}),
+      "intaglio has no command 'rum', did you mean run?; intaglio --help tells what "
+      "there is");
+  EXPECT_EQ(Said({"engrave"}),
+            "intaglio has no command 'engrave'; intaglio --help tells what there is");
+}
+
+TEST_F(UnknownWords, AnOptionIsThatOfTheInnermostCommand) {
+  EXPECT_EQ(Said({"run", "--hieght=3"}),
+            "intaglio run has no option '--hieght', did you mean --height?; intaglio run "
+            "--help tells what there is");
+  EXPECT_EQ(Said({"recording", "repiar", "x"}),
+            "intaglio recording has no command 'repiar', did you mean repair?; intaglio "
+            "recording --help tells what there is");
+}
+
+TEST_F(UnknownWords, AWordTooManyIsNotTakenForACommand) {
+  EXPECT_EQ(
+      Said({"run", "--height", "3", "more"}),
+      "intaglio run has no use for 'more'; intaglio run --help tells what there is");
+  EXPECT_EQ(Said({"run", "--height", "3"}), "understood");
+}
+
+}  // namespace
+}  // namespace intaglio::command_line

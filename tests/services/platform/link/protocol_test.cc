@@ -1,0 +1,301 @@
+// Both protocols against their golden bytes, and against payloads that lie.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+
+#include "tests/services/platform/link/sample_frames.h"
+
+namespace intaglio::link {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string Hex(std::span<const std::byte> bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+/// Frames by name, in hex.
+std::map<std::string, std::string> Golden() {
+  std::ifstream file(INTAGLIO_SOURCE_DIR "/tests/data/link_frames.golden");
+  std::map<std::string, std::string> golden;
+  for (std::string name, hex; file >> name >> hex;) golden[name] = hex;
+  return golden;
+}
+
+/// The payload of the only frame in the golden bytes of `name`.
+Bytes PayloadOf(const std::string& name) {
+  const std::string hex = Golden().at(name);
+  Bytes frame, found;
+  for (std::size_t i = 0; i < hex.size(); i += 2) {
+    frame.push_back(std::byte(std::stoi(hex.substr(i, 2), nullptr, 16)));
+  }
+  FrameParser().Feed(frame, [&](const FrameHeader& header, auto payload) {
+    EXPECT_EQ(header.session, 0xDEADBEEFu);
+    found.assign(payload.begin(), payload.end());
+  });
+  return found;
+}
+
+// The bytes on the wire are a contract with machines that are already installed: this
+// file changes only together with the version of the frame.
+TEST(Protocols, AreTheGoldenBytes) {
+  const auto golden = Golden();
+  ASSERT_EQ(golden.size(), SampleFrames().size());
+  for (const SampleFrame& sample : SampleFrames()) {
+    EXPECT_EQ(golden.at(sample.name), Hex(Framed(sample))) << sample.name;
+    EXPECT_EQ(PayloadOf(sample.name), sample.payload) << sample.name;
+  }
+}
+
+/// Whether a message's payload is taken, and gives the same bytes again.
+template <typename T>
+bool Taken(std::span<const std::byte> payload) {
+  const auto message = Decode<T>(payload);
+  if (!message) {
+    EXPECT_EQ(message.error().code, ErrorCode::kUnreadable);
+    EXPECT_THAT(message.error().message, HasSubstr("malformed"));
+    return false;
+  }
+  const Bytes again = Encode(*message);
+  EXPECT_EQ(Hex(payload), Hex(again));
+  return true;
+}
+
+using Taker = bool (*)(std::span<const std::byte>);
+
+const std::map<std::string, Taker> kTakers = {
+    {"LampCommand", Taken<LampCommand>},
+    {"ShutterCommand", Taken<ShutterCommand>},
+    {"ArmWindow", Taken<ArmWindow>},
+    {"LaserIdentity", Taken<LaserIdentity>},
+    {"LaserStatus", Taken<LaserStatus>},
+    {"PulseReport", Taken<PulseReport>},
+    {"PastRequest", Taken<PastRequest>},
+    {"PastReport", Taken<PastReport>},
+    {"BeginRun", Taken<BeginRun>},
+    {"Segments", Taken<Segments>},
+    {"MotionIdentity", Taken<MotionIdentity>},
+    {"MotionStatus", Taken<MotionStatus>},
+    {"Positions", Taken<Positions>},
+    {"BeginTimedRun", Taken<BeginTimedRun>},
+    {"TimedSegments", Taken<TimedSegments>},
+    {"TimedPositions", Taken<TimedPositions>},
+    {"ControllerClock", Taken<ControllerClock>}};
+
+TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
+  std::size_t tried = 0;
+  for (const SampleFrame& sample : SampleFrames()) {
+    // Those below 0x10 are the session's own: line_epoch_test.cc.
+    if (sample.payload.empty() || sample.type < 0x10) continue;
+    const Taker taken = kTakers.at(sample.name);
+    ++tried;
+    EXPECT_TRUE(taken(sample.payload)) << sample.name;
+    for (std::size_t size = 0; size < sample.payload.size(); ++size) {
+      EXPECT_FALSE(taken(std::span(sample.payload).first(size))) << sample.name;
+    }
+    Bytes longer = sample.payload;
+    longer.push_back({});
+    EXPECT_FALSE(taken(longer)) << sample.name;
+  }
+  EXPECT_EQ(tried, kTakers.size());
+}
+
+Bytes Changed(Bytes payload, std::size_t at, std::uint8_t value) {
+  payload.at(at) = std::byte(value);
+  return payload;
+}
+
+TEST(Protocols, ValuesOutOfRangeAreRefused) {
+  EXPECT_FALSE(Taken<LampCommand>(Changed(Encode(LampCommand{true, 100}), 0, 2)));
+  EXPECT_FALSE(Taken<LampCommand>(Encode(LampCommand{true, std::nan("")})));
+  EXPECT_FALSE(Taken<LampCommand>(Encode(LampCommand{true, INFINITY})));
+  EXPECT_FALSE(Taken<LampCommand>(Encode(LampCommand{true, -1})));
+  EXPECT_FALSE(Taken<ShutterCommand>(Encode(ShutterCommand{0x10})));
+  EXPECT_FALSE(Taken<ArmWindow>(Encode(ArmWindow{1, true, {}})));
+  EXPECT_FALSE(Taken<ArmWindow>(Changed(Encode(ArmWindow{1, true, {true}}), 8, 2)));
+  EXPECT_FALSE(Taken<ArmWindow>(
+      Encode(ArmWindow{1, true, std::vector<bool>(kMaxArmTicks + 1, true)})));
+  EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 0, {}, ""})));
+  EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 5, {}, ""})));
+  EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {0}, ""})));
+  EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {NAN}, ""})));
+  EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(8)}})));
+  EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {}})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(9)}})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {}})));
+  EXPECT_FALSE(Taken<PastReport>(
+      Encode(PastReport{1, std::vector<TickOutcome>(kMaxReportTicks + 1)})));
+  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{1, 0})));
+  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{1, kMaxReportTicks + 1})));
+  const Segments one{1, 0, {WireSegment{1, 2, 3, 4, 5, 6, 7, false, false}}};
+  EXPECT_TRUE(Taken<Segments>(Encode(one)));
+  Segments still = one;
+  still.segments[0].duration_subticks = 0;
+  EXPECT_FALSE(Taken<Segments>(Encode(still)));
+  EXPECT_FALSE(Taken<Segments>(Changed(Encode(one), Encode(one).size() - 1, 4)));
+  EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, 1, {}})));
+  EXPECT_FALSE(Taken<TimedPositions>(Encode(TimedPositions{1, 1, {}})));
+  EXPECT_FALSE(Taken<ControllerClock>(Encode(ControllerClock{0, 1})));
+  TimedSegments two{
+      1, 0, {{1, 2, 3, 4, 5, 6, 7, false, false}, {1, 2, 3, 4, 5, 6, 8, false, false}}};
+  EXPECT_TRUE(Taken<TimedSegments>(Encode(two)));
+  two.segments[1].end_ns = 7;  // takes no time
+  EXPECT_FALSE(Taken<TimedSegments>(Encode(two)));
+  two.segments[0].end_ns = 0;
+  EXPECT_FALSE(Taken<TimedSegments>(Encode(two)));
+}
+
+TEST(Protocols, AStatusOutOfRangeIsRefused) {
+  const auto changed = [](auto field, auto value) {
+    LaserStatus status;
+    status.*field = value;
+    return Encode(status);
+  };
+  EXPECT_TRUE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, 1.0)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, 1.01)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, -0.01)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, NAN)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, -1.0)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, INFINITY)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::interlocks, 0x40)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::shutters_open, 0x10)));
+  MotionStatus fault;
+  fault.fault = static_cast<StageFault>(8);
+  EXPECT_FALSE(Taken<MotionStatus>(Encode(fault)));
+  EXPECT_FALSE(Taken<MotionStatus>(Changed(Encode(MotionStatus{}), 56, 2)));
+}
+
+template <typename Identity>
+Bytes WithSerialNumber(const std::string& text) {
+  Identity identity;
+  identity.serial_number = text;
+  return Encode(identity);
+}
+
+/// A payload that ends with a serial number of 64 characters, made 65 long by hand.
+Bytes OneLonger(Bytes payload) {
+  payload.at(payload.size() - 65) = std::byte{65};
+  payload.push_back(std::byte{'x'});
+  return payload;
+}
+
+template <typename Identity>
+void CheckSerialNumbers() {
+  for (const std::string& text :
+       {std::string(), std::string("A-03"), std::string(" ~"), std::string(64, 'x')}) {
+    const auto read = Decode<Identity>(WithSerialNumber<Identity>(text));
+    ASSERT_TRUE(read) << text;
+    EXPECT_EQ(read->serial_number, text);
+  }
+  // The sender cuts what is too long, a receiver refuses it.
+  const Bytes longest = WithSerialNumber<Identity>(std::string(65, 'x'));
+  EXPECT_EQ(longest, WithSerialNumber<Identity>(std::string(64, 'x')));
+  EXPECT_FALSE(Taken<Identity>(OneLonger(longest)));
+  for (const char c : {'\0', '\n', '\x1b', '\x7f', '\x80', '\xff'})
+    EXPECT_FALSE(Taken<Identity>(WithSerialNumber<Identity>(std::string("A") + c)));
+}
+
+TEST(Protocols, SerialNumbersArePrintableAndOfAtMost64Characters) {
+  CheckSerialNumbers<LaserIdentity>();
+  CheckSerialNumbers<MotionIdentity>();
+}
+
+// Version 3 of the frames had none: such a payload is too short now.
+TEST(Protocols, AnIdentityWithoutTheFieldOfTheSerialNumberIsRefused) {
+  Bytes laser = Encode(LaserIdentity{1, true, 1, {100}, "old"});
+  laser.pop_back();
+  EXPECT_FALSE(Taken<LaserIdentity>(laser));
+  Bytes motion = Encode(MotionIdentity{{0, 0, 0}, {1, 1, 1}, 7});
+  motion.pop_back();
+  EXPECT_FALSE(Taken<MotionIdentity>(motion));
+}
+
+// One payload, one meaning: bits behind the last tick are zero.
+TEST(Protocols, UnusedBitsOfAWindowAreRefused) {
+  const Bytes window = Encode(ArmWindow{1, true, std::vector<bool>(9, true)});
+  EXPECT_TRUE(Taken<ArmWindow>(window));
+  EXPECT_FALSE(Taken<ArmWindow>(Changed(window, window.size() - 1, 0x03)));
+}
+
+// Ticks of a message whose last one is past 2^64 would compare as the past.
+TEST(Protocols, TicksThatGoRoundAreRefused) {
+  constexpr std::uint64_t kEnd = std::numeric_limits<std::uint64_t>::max();
+  const std::vector<bool> fire(4, true);
+  EXPECT_TRUE(Taken<ArmWindow>(Encode(ArmWindow{kEnd - 4, true, fire})));
+  EXPECT_FALSE(Taken<ArmWindow>(Encode(ArmWindow{kEnd - 3, true, fire})));
+  const std::vector<TickOutcome> outcome(4);
+  EXPECT_TRUE(Taken<PulseReport>(Encode(PulseReport{kEnd - 4, outcome})));
+  EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{kEnd - 3, outcome})));
+  EXPECT_TRUE(Taken<PastReport>(Encode(PastReport{kEnd - 4, outcome})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{kEnd - 3, outcome})));
+  EXPECT_TRUE(Taken<PastRequest>(Encode(PastRequest{kEnd - 4, 4})));
+  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{kEnd - 3, 4})));
+  const std::vector<Positions::Position> positions(4);
+  EXPECT_TRUE(Taken<Positions>(Encode(Positions{1, kEnd - 4, positions})));
+  EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, kEnd - 3, positions})));
+  const std::vector<TimedPositions::Position> stamped(4);
+  EXPECT_TRUE(Taken<TimedPositions>(Encode(TimedPositions{1, kEnd - 4, stamped})));
+  EXPECT_FALSE(Taken<TimedPositions>(Encode(TimedPositions{1, kEnd - 3, stamped})));
+  const Segments numbered{1, kEnd, {WireSegment{1, 2, 3, 4, 5, 6, 7, false, false}}};
+  EXPECT_FALSE(Taken<Segments>(Encode(numbered)));
+}
+
+TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
+  const auto window = Decode<ArmWindow>(PayloadOf("ArmWindow"));
+  ASSERT_TRUE(window);
+  EXPECT_EQ(window->first_tick, 4711u);
+  EXPECT_TRUE(window->gated);
+  EXPECT_EQ(window->fire, (std::vector<bool>{1, 0, 0, 1, 0, 0, 0, 0, 1}));
+  const auto identity = Decode<LaserIdentity>(PayloadOf("LaserIdentity"));
+  ASSERT_TRUE(identity);
+  EXPECT_EQ(identity->rates_hz, (std::vector<double>{50, 100}));
+  EXPECT_EQ(identity->model, "virtual");
+  EXPECT_EQ(identity->serial_number, "A-03");
+  const auto stage_identity = Decode<MotionIdentity>(PayloadOf("MotionIdentity"));
+  ASSERT_TRUE(stage_identity);
+  EXPECT_EQ(stage_identity->queue_capacity, 4096u);
+  EXPECT_EQ(stage_identity->serial_number, "ST 7/2");
+  const auto status = Decode<LaserStatus>(PayloadOf("LaserStatus"));
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->machine_us, 47200000u);
+  EXPECT_EQ(status->interlocks, 0x1f);
+  EXPECT_EQ(status->disarms_taken, 2u);
+  EXPECT_EQ(status->openings, 7u);
+  const auto segments = Decode<Segments>(PayloadOf("Segments"));
+  ASSERT_TRUE(segments);
+  ASSERT_EQ(segments->segments.size(), 2u);
+  EXPECT_EQ(segments->segments[0].y_nm, -2500000);
+  EXPECT_EQ(segments->segments[0].vz_nm_s, 100000000);
+  EXPECT_TRUE(segments->segments[0].pulse);
+  EXPECT_EQ(segments->segments[1].duration_subticks, 98304u);
+  EXPECT_TRUE(segments->segments[1].program_end);
+  const auto stage = Decode<MotionStatus>(PayloadOf("MotionStatus"));
+  ASSERT_TRUE(stage);
+  EXPECT_EQ(stage->vy_nm_s, -5);
+  EXPECT_EQ(stage->segments_taken, 96u);
+  EXPECT_EQ(stage->fault, StageFault::kFollowingError);
+  EXPECT_EQ(stage->following_error_max_nm, 12345u);
+}
+
+TEST(Protocols, TheLongestMessagesFitInAFrame) {
+  EXPECT_LE(Encode(ArmWindow{1, true, std::vector<bool>(kMaxArmTicks)}).size(),
+            kMaxPayload);
+  EXPECT_LE(Encode(PulseReport{1, std::vector<TickOutcome>(kMaxReportTicks)}).size(),
+            kMaxPayload);
+  EXPECT_LE(Encode(Segments{1, 1, std::vector<WireSegment>(kMaxSegments)}).size(),
+            kMaxPayload);
+  EXPECT_LE(
+      Encode(Positions{1, 1, std::vector<Positions::Position>(kMaxPositions)}).size(),
+      kMaxPayload);
+}
+
+}  // namespace
+}  // namespace intaglio::link

@@ -1,0 +1,105 @@
+#pragma once
+
+// One frame of every message on the two serial lines, with a name: what the golden bytes
+// in tests/data/link_frames.golden hold.
+
+#include <string>
+#include <vector>
+
+#include "services/platform/link/byte_codec.h"
+#include "services/platform/link/frame.h"
+#include "services/platform/link/laser_protocol.h"
+#include "services/platform/link/motion_protocol.h"
+
+namespace intaglio::link {
+
+struct SampleFrame {
+  std::string name;
+  std::uint8_t type;
+  Bytes payload;
+};
+
+inline Bytes Epoch(std::uint64_t number) {
+  ByteWriter out;
+  out.Put(number);
+  return out.Take();
+}
+
+inline std::vector<SampleFrame> SampleFrames() {
+  const auto laser = [](LaserFrame type) { return static_cast<std::uint8_t>(type); };
+  const auto motion = [](MotionFrame type) { return static_cast<std::uint8_t>(type); };
+  const WireSegment to_a_point{1000000,   -2500000, 20000000, 80000000, -1,
+                               100000000, 65536,    true,     false};
+  const WireSegment to_rest{1500000, -2500000, 20000000, 0, 0, 0, 98304, false, true};
+  return {
+      {"Open", 0x01, Epoch(57)},
+      {"Opened", 0x02, {}},
+      {"KeepAlive", 0x03, {}},
+      {"Nack", 0x04, {}},
+      {"Refused", 0x05, Epoch(41)},
+      {"LampCommand", laser(LaserFrame::kLampCommand), Encode(LampCommand{true, 100})},
+      {"ShutterCommand", laser(LaserFrame::kShutterCommand), Encode(ShutterCommand{1})},
+      {"ArmWindow", laser(LaserFrame::kArmWindow),
+       Encode(ArmWindow{
+           4711, true, {true, false, false, true, false, false, false, false, true}})},
+      {"Disarm", laser(LaserFrame::kDisarm), {}},
+      {"Stop", laser(LaserFrame::kLaserStop), {}},
+      {"Reset", laser(LaserFrame::kLaserReset), {}},
+      {"StatusRequest", laser(LaserFrame::kLaserStatusRequest), {}},
+      {"PastRequest", laser(LaserFrame::kPastRequest), Encode(PastRequest{4711, 512})},
+      {"LaserIdentity", laser(LaserFrame::kLaserIdentity),
+       Encode(LaserIdentity{0xC0FFEE, true, 4, {50, 100}, "virtual", "A-03"})},
+      {"LaserStatus", laser(LaserFrame::kLaserStatus),
+       Encode(LaserStatus{4720, 47200000, 100, 1, 0x1f, 1, 3, 4719, 4725, 2, 7})},
+      {"PulseReport", laser(LaserFrame::kPulseReport),
+       Encode(PulseReport{4711,
+                          {TickOutcome::kFiredSeen, TickOutcome::kNotArmed,
+                           TickOutcome::kNotInPosition, TickOutcome::kTooLate}})},
+      {"PastReport", laser(LaserFrame::kPastReport),
+       Encode(PastReport{4711,
+                         {TickOutcome::kNoLongerKnown, TickOutcome::kFiredUnseen,
+                          TickOutcome::kNotArmed}})},
+      {"BeginRun", motion(MotionFrame::kBeginRun), Encode(BeginRun{3, 4700})},
+      {"Segments", motion(MotionFrame::kSegments),
+       Encode(Segments{3, 12, {to_a_point, to_rest}})},
+      {"AbortRun", motion(MotionFrame::kAbortRun), {}},
+      {"MotionStatusRequest", motion(MotionFrame::kMotionStatusRequest), {}},
+      {"MotionReset", motion(MotionFrame::kMotionReset), {}},
+      {"MotionIdentity", motion(MotionFrame::kMotionIdentity),
+       Encode(MotionIdentity{
+           {0, 0, -1}, {300000000, 300000000, 100000000}, 4096, "ST 7/2"})},
+      {"MotionStatus", motion(MotionFrame::kMotionStatus),
+       Encode(MotionStatus{4720, 1, -2, 3, 4, -5, 6, 3, 4800, 4000, 96, false,
+                           StageFault::kFollowingError, 12345})},
+      {"Positions", motion(MotionFrame::kPositions),
+       Encode(Positions{3, 4711, {{1, 2, 3}, {-4, -5, -6}}})},
+      {"BeginTimedRun", motion(MotionFrame::kBeginTimedRun),
+       Encode(BeginTimedRun{3, 47123456789})},
+      {"TimedSegments", motion(MotionFrame::kTimedSegments),
+       Encode(TimedSegments{
+           3,
+           12,
+           {{1000000, -2500000, 20000000, 80000000, -1, 100000000, 47133457000, true,
+             false},
+            {1500000, -2500000, 20000000, 0, 0, 0, 47148459000, false, true}}})},
+      {"TimedPositions", motion(MotionFrame::kTimedPositions),
+       Encode(
+           TimedPositions{3, 4711, {{47110001000, 1, 2, 3}, {47121003000, -4, -5, -6}}})},
+      {"ControllerClock", motion(MotionFrame::kControllerClock),
+       Encode(ControllerClock{0xC10C, 1700000000})},
+  };
+}
+
+/// The header all of them travel with.
+inline FrameHeader HeaderOf(const SampleFrame& sample) {
+  return {sample.type, 0xDEADBEEF,
+          sample.type < 0x10 ? std::uint16_t{0} : std::uint16_t{7}, 6, 256};
+}
+
+inline Bytes Framed(const SampleFrame& sample) {
+  Bytes bytes;
+  AppendFrame(HeaderOf(sample), sample.payload, bytes);
+  return bytes;
+}
+
+}  // namespace intaglio::link
