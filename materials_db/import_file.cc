@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 #include "materials_db/import_agf.h"
 #include "materials_db/import_rii.h"
 
@@ -27,7 +27,7 @@ Imported ImportFile(const std::filesystem::path& file) {
          file.string()});
     return imported;
   }
-  const auto bytes = formats::ReadWholeFile(file, is_agf ? kMaxAgfBytes : kMaxRiiBytes);
+  const auto bytes = io::ReadWholeFile(file, is_agf ? kMaxAgfBytes : kMaxRiiBytes);
   if (!bytes) {
     imported.errors.push_back(bytes.error());
     return imported;

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 #include "proto/job_check.h"
 #include "proto/json_position.h"
 #include "proto/series.h"
@@ -84,7 +84,7 @@ void AddColumns(const BatchEntry& entry, BatchLine& line, std::vector<Error>& er
     }
   }
   if (entry.has_priority()) columns["priority"] = std::to_string(entry.priority());
-  formats::CsvRow& row = line.columns.rows.emplace_back();
+  io::CsvRow& row = line.columns.rows.emplace_back();
   row.line_number = line.line_number;
   for (auto& [path, text] : columns) {
     line.columns.names.push_back(path);
@@ -215,16 +215,16 @@ Result<std::vector<BatchLine>> ParseBatchJson(std::string_view text,
 
 Result<std::vector<BatchLine>> ParseBatchCsv(std::string_view text,
                                              const BatchLimits& limits) {
-  const formats::CsvLimits csv_limits{.max_file_bytes = limits.max_bytes,
-                                      .max_rows = limits.max_jobs};
-  const auto table = formats::ParseCsv(text, csv_limits);
+  const io::CsvLimits csv_limits{.max_file_bytes = limits.max_bytes,
+                                 .max_rows = limits.max_jobs};
+  const auto table = io::ParseCsv(text, csv_limits);
   if (!table) return tl::unexpected(table.error());
   if (table->rows.empty()) {
     return Fail(ErrorCode::kMissing, "has no rows: write a job in each");
   }
   std::vector<BatchLine> lines;
   std::vector<Error> errors;
-  for (const formats::CsvRow& row : table->rows) {
+  for (const io::CsvRow& row : table->rows) {
     BatchLine& line = lines.emplace_back();
     line.line_number = row.line_number;
     const auto field = [&](const char* name) {
@@ -235,7 +235,7 @@ Result<std::vector<BatchLine>> ParseBatchCsv(std::string_view text,
     line.job_file = field("job");
     line.after = WordsOf(field("after"));
     line.cell = field("cell");
-    formats::CsvRow& own = line.columns.rows.emplace_back();
+    io::CsvRow& own = line.columns.rows.emplace_back();
     own.line_number = row.line_number;
     for (std::size_t i = 0; i < table->names.size(); ++i) {
       if (kOwnColumns.contains(table->names[i])) continue;
@@ -280,7 +280,7 @@ Result<std::vector<BatchLine>> ReadBatchFile(const fs::path& file) {
         fmt::format("{}: the ending has to be .jsonl, .ndjson or .csv", file.string()),
         ending);
   }
-  const auto text = formats::ReadWholeFile(file, BatchLimits().max_bytes);
+  const auto text = io::ReadWholeFile(file, BatchLimits().max_bytes);
   if (!text) return tl::unexpected(text.error());
   auto lines = json ? ParseBatchJson(*text) : ParseBatchCsv(*text);
   if (!lines) {

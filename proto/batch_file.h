@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/formats/csv.h"
+#include "engrave/io/csv.h"
 #include "proto/job.pb.h"
 #include "proto/shop.pb.h"
 
@@ -25,7 +25,7 @@ struct BatchLine {
   std::string job_file;  ///< empty: the one that the batch was given
   std::vector<std::string> after;
   std::string cell;
-  formats::CsvTable columns;  ///< its one row has what the job is given
+  io::CsvTable columns;  ///< its one row has what the job is given
   std::size_t line_number = 0;
 };
 

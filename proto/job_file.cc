@@ -7,8 +7,8 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "engrave/drawing/font_outline.h"
-#include "engrave/formats/atomic_file.h"
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/whole_file.h"
 #include "proto/job_check.h"
 #include "proto/job_defaults.h"
 #include "proto/json_position.h"
@@ -79,7 +79,7 @@ Result<JobFileFormat> FormatOf(const fs::path& path) {
 Status ReadMessage(const fs::path& path, pb::Message& message) {
   const auto format = FormatOf(path);
   if (!format) return tl::unexpected(format.error());
-  const auto text = formats::ReadWholeFile(path, kMaxJobFileBytes);
+  const auto text = io::ReadWholeFile(path, kMaxJobFileBytes);
   if (!text) return tl::unexpected(text.error());
   return Parse(*text, *format, path.string(), message);
 }
@@ -98,7 +98,7 @@ Status WriteMessage(const fs::path& path, const pb::Message& message) {
   } else {
     pb::TextFormat::PrintToString(message, &text);
   }
-  return formats::WriteFileAtomically(path, std::string_view(text));
+  return io::WriteFileAtomically(path, std::string_view(text));
 }
 
 void MakeAbsolute(std::string& file, const fs::path& folder) {

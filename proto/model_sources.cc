@@ -13,7 +13,7 @@
 #include "engrave/discretize/methods.h"
 #include "engrave/discretize/several.h"
 #include "engrave/formats/point_file_kinds.h"
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 #include "engrave/mesh/mesh_diagnosis.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
@@ -234,7 +234,7 @@ Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
 Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits) {
   std::vector<FileBytes> files;
   for (const std::string& path : FilesOf(job)) {
-    const auto text = formats::ReadWholeFile(path, limits.max_file_bytes);
+    const auto text = io::ReadWholeFile(path, limits.max_file_bytes);
     if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
     const auto bytes = std::as_bytes(std::span(*text));
     files.emplace_back(bytes.begin(), bytes.end());
@@ -243,7 +243,7 @@ Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits&
 }
 
 Result<mesh::TriangleMesh> ReadMeshOf(const Model& model, const ReadLimits& limits) {
-  const auto text = formats::ReadWholeFile(model.file(), limits.max_file_bytes);
+  const auto text = io::ReadWholeFile(model.file(), limits.max_file_bytes);
   if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
   auto mesh = limits.read_mesh(std::as_bytes(std::span(*text)), ExtensionOf(model.file()),
                                limits.meshes, model.file());

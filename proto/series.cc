@@ -19,8 +19,7 @@ namespace pb = google::protobuf;
 /// Puts one row's fields into texts.
 class Row {
  public:
-  Row(const formats::CsvTable& table, const formats::CsvRow& row,
-      std::vector<Error>& errors)
+  Row(const io::CsvTable& table, const io::CsvRow& row, std::vector<Error>& errors)
       : table_(table), row_(row), errors_(errors) {}
 
   /// Every text of the message, at any depth.
@@ -83,15 +82,15 @@ class Row {
     }
   }
 
-  const formats::CsvTable& table_;
-  const formats::CsvRow& row_;
+  const io::CsvTable& table_;
+  const io::CsvRow& row_;
   std::vector<Error>& errors_;
   std::set<std::string> used_;
 };
 
 /// Sets the columns that are fields by their path, and looks that none takes another's
 /// place.
-void SetColumns(const formats::CsvTable& table, const formats::CsvRow& row,
+void SetColumns(const io::CsvTable& table, const io::CsvRow& row,
                 const std::set<std::string>& passed_over, JobSpec& job,
                 std::vector<Error>& errors) {
   std::vector<std::string> set;
@@ -131,8 +130,8 @@ std::vector<std::string> Lines(const std::string& text) {
 
 }  // namespace
 
-Result<JobSpec> FillRow(const JobSpec& pattern, const formats::CsvTable& table,
-                        const formats::CsvRow& row, const std::filesystem::path& folder,
+Result<JobSpec> FillRow(const JobSpec& pattern, const io::CsvTable& table,
+                        const io::CsvRow& row, const std::filesystem::path& folder,
                         const std::set<std::string>& passed_over) {
   std::vector<Error> errors;
   JobSpec job = pattern;
@@ -151,8 +150,7 @@ void TellApart(JobSpec& job, const JobSpec& pattern, const std::string& what) {
   job.set_name(job.name() + (job.name().empty() ? "" : " ") + what);
 }
 
-Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern,
-                                        const formats::CsvTable& table,
+Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern, const io::CsvTable& table,
                                         const std::filesystem::path& folder) {
   if (table.rows.empty()) {
     return Fail(ErrorCode::kMissing, "the table has no rows: write a piece in each");
@@ -160,7 +158,7 @@ Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern,
   std::vector<JobSpec> jobs;
   std::vector<Error> errors;
   std::set<std::string> told;  // also of another row
-  for (const formats::CsvRow& row : table.rows) {
+  for (const io::CsvRow& row : table.rows) {
     auto job = FillRow(pattern, table, row, folder);
     if (job) {
       TellApart(*job, pattern, std::to_string(jobs.size() + 1));

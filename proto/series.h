@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/formats/csv.h"
+#include "engrave/io/csv.h"
 #include "proto/job.pb.h"
 
 namespace intaglio {
@@ -22,16 +22,15 @@ namespace intaglio {
 /// gives are relative to `folder`, the pattern's are absolute. The error's message holds
 /// all that is wrong, one a line, each with its field or column, the value and the
 /// remedy.
-Result<JobSpec> FillRow(const JobSpec& pattern, const formats::CsvTable& table,
-                        const formats::CsvRow& row, const std::filesystem::path& folder,
+Result<JobSpec> FillRow(const JobSpec& pattern, const io::CsvTable& table,
+                        const io::CsvRow& row, const std::filesystem::path& folder,
                         const std::set<std::string>& passed_over = {});
 
 /// All rows; a job whose name holds no column gets the number of its row behind it. The
 /// error has every mistake, each with its line of the table; what is wrong with the
 /// pattern or a column is told with the first row alone. kMissing for a table without
 /// rows, or the first mistake's code.
-Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern,
-                                        const formats::CsvTable& table,
+Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern, const io::CsvTable& table,
                                         const std::filesystem::path& folder);
 
 /// A job that has its pattern's name gets this behind it.

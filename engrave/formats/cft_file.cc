@@ -1,20 +1,20 @@
-#include "engrave/formats/atomic_file.h"
 #include "engrave/formats/coordinate_lines.h"
-#include "engrave/formats/number_text.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/number_text.h"
 
 namespace intaglio::formats {
 
 Status WriteCft(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<AtomicFile> out = AtomicFile::Create(file);
+  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
   if (!out) return tl::unexpected(out.error());
   std::string line;
   for (const Vec3& p : table.points_mm) {
     line.clear();
     for (int axis = 0; axis < 3; ++axis) {
-      AppendShortestFixed(p[axis], line);
+      io::AppendShortestFixed(p[axis], line);
       line += axis < 2 ? " " : "\r\n";
     }
     if (Status status = out->Write(line); !status) return status;

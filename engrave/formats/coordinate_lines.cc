@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "engrave/formats/number_text.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/number_text.h"
 
 namespace intaglio::formats {
 namespace {
@@ -17,7 +17,7 @@ bool TakeNumber(std::string_view& line, double& value) {
   line.remove_prefix(std::min(line.find_first_not_of(kSeparators), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kSeparators));
   line.remove_prefix(word.size());
-  return ParseNumber(word, value);
+  return io::ParseNumber(word, value);
 }
 
 std::string CommentOf(std::string_view line) {

@@ -9,11 +9,11 @@
 #include <map>
 #include <optional>
 
-#include "engrave/formats/atomic_file.h"
 #include "engrave/formats/coordinate_lines.h"
-#include "engrave/formats/number_text.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/number_text.h"
 
 namespace intaglio::formats {
 namespace {
@@ -119,7 +119,7 @@ Status PointReader::TakeUnit(std::string_view value) {
 }
 
 Status PointReader::TakeCoordinate(const Pair& pair) {
-  if (ParseNumber(pair.value, (*point_)[pair.code / 10 - 1])) return {};
+  if (io::ParseNumber(pair.value, (*point_)[pair.code / 10 - 1])) return {};
   return Fail(ErrorCode::kUnreadable,
               fmt::format("line {} is not a coordinate: \"{:.60}\"; export the drawing "
                           "again",
@@ -224,7 +224,7 @@ void AppendPair(int code, std::string_view value, std::string& text) {
 
 Status WriteDxf(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<AtomicFile> out = AtomicFile::Create(file);
+  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
   if (!out) return tl::unexpected(out.error());
   std::string text;
   for (const std::string& comment : table.comments) AppendPair(999, comment, text);
@@ -235,7 +235,7 @@ Status WriteDxf(const std::filesystem::path& file, const PointTable& table) {
     text += "0\nPOINT\n8\npoints\n";
     for (int axis = 0; axis < 3; ++axis) {
       text += fmt::format("{}\n", 10 * (axis + 1));
-      AppendShortestFixed(p[axis], text);
+      io::AppendShortestFixed(p[axis], text);
       text += '\n';
     }
     if (Status status = out->Write(text); !status) return status;

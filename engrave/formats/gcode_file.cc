@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/formats/atomic_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/atomic_file.h"
 
 namespace intaglio::formats {
 namespace {
@@ -54,7 +54,7 @@ Status WriteGcode(const std::filesystem::path& file, const PointTable& table,
                   const GcodeOptions& options) {
   RequireWritable(table);
   RequireInRange(options);
-  Result<AtomicFile> out = AtomicFile::Create(file);
+  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
   if (!out) return tl::unexpected(out.error());
   if (Status status = out->Write(Beginning(table, options)); !status) return status;
   std::string text;

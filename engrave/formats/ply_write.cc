@@ -3,9 +3,9 @@
 #include <array>
 #include <bit>
 
-#include "engrave/formats/atomic_file.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/atomic_file.h"
 
 namespace intaglio::formats {
 namespace {
@@ -43,7 +43,7 @@ void AppendValue(T value, std::vector<std::byte>& row) {
 
 Status WritePly(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<AtomicFile> out = AtomicFile::Create(file);
+  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
   if (!out) return tl::unexpected(out.error());
   if (Status status = out->Write(HeaderOf(table)); !status) return status;
   std::vector<std::byte> row;

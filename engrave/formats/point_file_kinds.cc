@@ -9,6 +9,7 @@
 
 #include "engrave/formats/gcode_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/whole_file.h"
 
 namespace intaglio::formats {
 namespace {
@@ -84,7 +85,7 @@ std::string WritablePointExtensions() {
 Result<PointTable> ReadPoints(const std::filesystem::path& file,
                               const PointFileLimits& limits) {
   const Result<Parser> parser = ParserOf(file.extension().string());
-  if (!parser) return tl::unexpected(AboutFile(parser.error(), file));
+  if (!parser) return tl::unexpected(io::AboutFile(parser.error(), file));
   return ReadAndParse(file, limits, *parser);
 }
 

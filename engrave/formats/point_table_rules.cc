@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engrave/core/check.h"
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 
 namespace intaglio::formats {
 
@@ -35,20 +35,14 @@ std::string OneLine(std::string_view comment) {
   return line;
 }
 
-Error AboutFile(Error error, const std::filesystem::path& file) {
-  error.message = file.string() + ": " + error.message;
-  if (error.value.empty()) error.value = file.string();
-  return error;
-}
-
 Result<PointTable> ReadAndParse(const std::filesystem::path& file,
                                 const PointFileLimits& limits,
                                 Result<PointTable> (*parse)(std::string_view,
                                                             const PointFileLimits&)) {
-  const Result<std::string> bytes = ReadWholeFile(file, limits.max_file_bytes);
+  const Result<std::string> bytes = io::ReadWholeFile(file, limits.max_file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
   return parse(*bytes, limits).map_error([&](const Error& error) {
-    return AboutFile(error, file);
+    return io::AboutFile(error, file);
   });
 }
 

@@ -10,9 +10,6 @@ void RequireWritable(const PointTable& table);
 /// A comment as a table may hold it: with blanks for the carriage returns inside it.
 std::string OneLine(std::string_view comment);
 
-/// Puts the file's name before an error of a parser.
-Error AboutFile(Error error, const std::filesystem::path& file);
-
 /// Parses the content of a file; errors name it.
 Result<PointTable> ReadAndParse(const std::filesystem::path& file,
                                 const PointFileLimits& limits,

@@ -32,9 +32,9 @@
 #include <optional>
 
 #include "engrave/core/check.h"
-#include "engrave/formats/atomic_file.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/atomic_file.h"
 
 namespace intaglio::formats {
 namespace {
@@ -88,7 +88,7 @@ std::uint32_t FlagOf(std::string_view column) {
   return found == kFlagged.end() ? 0 : 1u << (found - kFlagged.begin());
 }
 
-std::string HeaderOf(const PointTable& table) {
+std::string SclHeaderOf(const PointTable& table) {
   std::string header(kSclMagic);
   Put(kSclVersion, header);
   Put(std::uint32_t{0}, header);  // the size, once it is known
@@ -286,9 +286,9 @@ NamedColumn::Values TakeColumn(std::string_view& payload, std::size_t type,
 
 Status WriteScl(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<AtomicFile> out = AtomicFile::Create(file);
+  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
   if (!out) return tl::unexpected(out.error());
-  if (Status status = out->Write(HeaderOf(table)); !status) return status;
+  if (Status status = out->Write(SclHeaderOf(table)); !status) return status;
   std::uint32_t crc = 0;
   const auto write = [&](std::string_view bytes) {
     crc = Crc(bytes, crc);

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "engrave/core/check.h"
-#include "engrave/formats/atomic_file.h"
+#include "engrave/io/atomic_file.h"
 
 namespace intaglio::render {
 namespace {
@@ -60,7 +60,7 @@ std::vector<std::uint8_t> EncodePng(const Canvas& canvas) {
 
 Status WritePng(const std::filesystem::path& path, const Canvas& canvas) {
   const std::vector<std::uint8_t> file = EncodePng(canvas);
-  return formats::WriteFileAtomically(path, std::as_bytes(std::span(file)));
+  return io::WriteFileAtomically(path, std::as_bytes(std::span(file)));
 }
 
 }  // namespace intaglio::render

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <memory>
 
-#include "engrave/formats/atomic_file.h"
+#include "engrave/io/atomic_file.h"
 #include "materials_db/material_store.h"
 #include "proto/json_text.h"
 #include "services/cli/batch_run.h"
@@ -43,7 +43,7 @@ Status CheckResultsFile(const std::string& file) {
 Status WriteResults(const BatchResults& results, const std::string& file) {
   const auto json = JsonTextOf(results);
   if (!json) return tl::unexpected(json.error());
-  return formats::WriteFileAtomically(file, *json);
+  return io::WriteFileAtomically(file, *json);
 }
 
 int Finish(const BatchOptions& options, const BatchResults& results, bool interrupted,

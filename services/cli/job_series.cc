@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "engrave/formats/csv.h"
+#include "engrave/io/csv.h"
 #include "proto/job_check.h"
 #include "proto/series.h"
 
@@ -26,7 +26,7 @@ Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
                                                const fs::path& table) {
   const auto pattern = ReadPattern(flags);
   if (!pattern) return tl::unexpected(pattern.error());
-  const auto rows = formats::ReadCsv(table);
+  const auto rows = io::ReadCsv(table);
   if (!rows) return tl::unexpected(rows.error());
   auto jobs = MakeSeries(*pattern, *rows, fs::absolute(table).parent_path());
   if (!jobs) return tl::unexpected(Prefixed(jobs.error(), table.string() + ", "));

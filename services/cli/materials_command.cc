@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "engrave/formats/atomic_file.h"
+#include "engrave/io/atomic_file.h"
 #include "materials_db/export_rii.h"
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
@@ -211,7 +211,7 @@ Status Export(const Flags& flags, MaterialStore& store) {
     materials.push_back(std::move(*one));
   }
   const std::string yaml = materials_db::ExportRii(materials);
-  if (!flags.out.empty()) return formats::WriteFileAtomically(flags.out, yaml);
+  if (!flags.out.empty()) return io::WriteFileAtomically(flags.out, yaml);
   std::cout << yaml;
   return {};
 }

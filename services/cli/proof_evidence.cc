@@ -4,7 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "engrave/formats/point_file.h"
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 #include "proto/channels.h"
 
 namespace intaglio::cli {
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMaxTextBytes = 16 << 20;
 
 Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
-  const auto text = formats::ReadWholeFile(file, kMaxTextBytes);
+  const auto text = io::ReadWholeFile(file, kMaxTextBytes);
   if (!text) return tl::unexpected(text.error());
   FrozenJob job;
   const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &job);

@@ -9,9 +9,9 @@
 #include <cstdio>
 
 #include "engrave/core/channels.h"
-#include "engrave/formats/atomic_file.h"
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/point_file.h"
+#include "engrave/io/atomic_file.h"
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
@@ -331,7 +331,7 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
   }
   const auto json = JsonOf(report);
   if (!json) return tl::unexpected(json.error());
-  if (auto written = formats::WriteFileAtomically(inputs.folder / "report.json", *json);
+  if (auto written = io::WriteFileAtomically(inputs.folder / "report.json", *json);
       !written) {
     return tl::unexpected(written.error());
   }

@@ -6,7 +6,7 @@ namespace intaglio::cli {
 
 Result<SegmentFile> SegmentFile::Create(const std::filesystem::path& file,
                                         const Vec3& start_mm) {
-  auto opened = formats::AtomicFile::Create(file);
+  auto opened = io::AtomicFile::Create(file);
   if (!opened) return tl::unexpected(opened.error());
   SegmentFile segments(std::move(*opened));
   auto begun =

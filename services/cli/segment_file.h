@@ -11,7 +11,7 @@
 #include <filesystem>
 
 #include "engrave/core/result.h"
-#include "engrave/formats/atomic_file.h"
+#include "engrave/io/atomic_file.h"
 #include "engrave/motion/segment.h"
 
 namespace intaglio::cli {
@@ -26,10 +26,10 @@ class SegmentFile {
   Status Commit() { return file_.Commit(); }
 
  private:
-  explicit SegmentFile(formats::AtomicFile file) : file_(std::move(file)) {}
+  explicit SegmentFile(io::AtomicFile file) : file_(std::move(file)) {}
   Status WriteRow(const motion::KnotState& knot, std::int32_t point);
 
-  formats::AtomicFile file_;
+  io::AtomicFile file_;
   std::uint64_t subticks_ = 0;
 };
 

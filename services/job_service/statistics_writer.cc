@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "engrave/formats/atomic_file.h"
+#include "engrave/io/atomic_file.h"
 #include "proto/json_text.h"
 #include "services/platform/host/log.h"
 
@@ -32,7 +32,7 @@ Status WriteStatistics(const JobStatistics& statistics) {
   fs::create_directories(folder, ignored);
   const auto json = JsonTextOf(statistics);
   if (!json) return tl::unexpected(json.error());
-  return formats::WriteFileAtomically(folder / kFile, *json);
+  return io::WriteFileAtomically(folder / kFile, *json);
 }
 
 }  // namespace

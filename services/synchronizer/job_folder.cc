@@ -4,8 +4,8 @@
 #include <google/protobuf/util/json_util.h>
 #include <zlib.h>
 
-#include "engrave/formats/atomic_file.h"
 #include "engrave/formats/point_file.h"
+#include "engrave/io/atomic_file.h"
 
 namespace intaglio::synchronizer {
 
@@ -36,7 +36,7 @@ Status WritePlan(const fs::path& folder, const FrozenJob& job, const PointCloud&
   options.add_whitespace = true;
   options.preserve_proto_field_names = true;
   (void)google::protobuf::util::MessageToJsonString(job, &json, options);
-  return formats::WriteFileAtomically(folder / "job.json", json);
+  return io::WriteFileAtomically(folder / "job.json", json);
 }
 
 Result<PointCloud> ReadPath(const fs::path& folder) {

@@ -2,12 +2,12 @@
 #include <string_view>
 
 #include "engrave/core/check.h"
-#include "engrave/formats/csv.h"
+#include "engrave/io/csv.h"
 
 // Every row has a field for each name, or there is an error with a sentence.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using intaglio::Require;
-  const auto table = intaglio::formats::ParseCsv(
+  const auto table = intaglio::io::ParseCsv(
       std::string_view(reinterpret_cast<const char*>(bytes), size));
   if (!table) {
     Require(!table.error().message.empty(), "an error without a sentence");

@@ -15,10 +15,10 @@
 #include "engrave/drawing/dxf_read.h"
 #include "engrave/drawing/hpgl_read.h"
 #include "engrave/drawing/svg_read.h"
-#include "engrave/formats/csv.h"
 #include "engrave/formats/point_file_kinds.h"
-#include "engrave/formats/whole_file.h"
 #include "engrave/image/image_file.h"
+#include "engrave/io/csv.h"
+#include "engrave/io/whole_file.h"
 #include "engrave/mesh/mesh_import.h"
 #include "tests/test_folder.h"
 
@@ -52,14 +52,14 @@ Status ReadAsPoints(const fs::path& file) {
   return formats::ReadPoints(file).map([](const auto&) {});
 }
 Status ReadAsCsv(const fs::path& file) {
-  return formats::ReadCsv(file).map([](const auto&) {});
+  return io::ReadCsv(file).map([](const auto&) {});
 }
 
 constexpr std::uint64_t kMostFileBytes = std::uint64_t{1} << 28;
 
 template <typename Read>
 Status ReadDrawing(const fs::path& file, const Read& read) {
-  const auto text = formats::ReadWholeFile(file, kMostFileBytes);
+  const auto text = io::ReadWholeFile(file, kMostFileBytes);
   if (!text) return tl::unexpected(text.error());
   const auto drawing = read(*text, drawing::ReadOptions{}, file.string());
   return drawing ? Status() : tl::unexpected(drawing.error());
@@ -70,7 +70,7 @@ Status ReadAsHpgl(const fs::path& file) { return ReadDrawing(file, drawing::Read
 
 /// Of whatever kind the bytes are; the file is named by who reads it.
 Status ReadAsImage(const fs::path& file) {
-  const auto text = formats::ReadWholeFile(file, kMostFileBytes);
+  const auto text = io::ReadWholeFile(file, kMostFileBytes);
   if (!text) return tl::unexpected(text.error());
   const auto picture = image::ParseImage(*text);
   if (picture) return {};

@@ -20,9 +20,8 @@ JobSpec Pattern() {
   return job;
 }
 
-const formats::CsvTable kTable =
-    formats::ParseCsv("name,year,club\nAnna,2026,owls\n\"Smith, J.\",1999,kites\n")
-        .value();
+const io::CsvTable kTable =
+    io::ParseCsv("name,year,club\nAnna,2026,owls\n\"Smith, J.\",1999,kites\n").value();
 
 TEST(Series, EveryRowIsAJob) {
   const auto jobs = MakeSeries(Pattern(), kTable, "/tables");
@@ -56,12 +55,12 @@ TEST(Series, WhatDoesNotFitIsNamed) {
   EXPECT_EQ(alike.error().code, ErrorCode::kMissing);
   EXPECT_THAT(alike.error().message, HasSubstr("column 'year'"));
   EXPECT_THAT(alike.error().message, HasSubstr("{year}"));
-  EXPECT_EQ(MakeSeries(Pattern(), formats::ParseCsv("name\n").value(), "/").error().code,
+  EXPECT_EQ(MakeSeries(Pattern(), io::ParseCsv("name\n").value(), "/").error().code,
             ErrorCode::kMissing);
 }
 
 TEST(Series, ColumnsMayBeFieldsOfTheJob) {
-  const auto table = formats::ParseCsv(
+  const auto table = io::ParseCsv(
                          "#note;block.margin_mm;models[0].file;glass;name;models[0]."
                          "placement.fit_height_mm\n"
                          "first;4;other.stl;K8;Anna;\n"
@@ -80,7 +79,7 @@ TEST(Series, ColumnsMayBeFieldsOfTheJob) {
 
 TEST(Series, EveryMistakeOfEveryRowIsTold) {
   const auto table =
-      formats::ParseCsv("block.margin_mm,blok.clip,laser.rate_hz\nfive,,100\n4,,fast\n")
+      io::ParseCsv("block.margin_mm,blok.clip,laser.rate_hz\nfive,,100\n4,,fast\n")
           .value();
   const auto jobs = MakeSeries(GoodJob(), table, "/tables");
   ASSERT_FALSE(jobs.has_value());
@@ -93,7 +92,7 @@ TEST(Series, EveryMistakeOfEveryRowIsTold) {
 
 TEST(Series, TwoColumnsThatExcludeEachOtherAreAMistake) {
   const auto table =
-      formats::ParseCsv(
+      io::ParseCsv(
           "models[0].placement.fit_height_mm,models[0].placement.fit_size_mm\n1,2\n")
           .value();
   const auto jobs = MakeSeries(GoodJob(), table, "/tables");

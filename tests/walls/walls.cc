@@ -14,6 +14,7 @@ constexpr int kMaxLines = 400;
 // What each folder may include of the product, besides itself.
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/core", {}},
+    {"engrave/io", {"engrave/core"}},
     {"engrave/mesh", {"engrave/core"}},
     {"engrave/drawing", {"engrave/core"}},
     {"engrave/image", {"engrave/core"}},
@@ -22,9 +23,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/optics", {"engrave/core"}},
     {"engrave/sort", {"engrave/core", "engrave/motion"}},
     {"engrave/motion", {"engrave/core"}},
-    {"engrave/formats", {"engrave/core"}},
+    {"engrave/formats", {"engrave/core", "engrave/io"}},
     {"engrave/proof", {"engrave/core", "engrave/mesh"}},
-    {"engrave/render", {"engrave/core", "engrave/formats"}},
+    {"engrave/render", {"engrave/core", "engrave/io"}},
     {"materials_db", {"engrave/*"}},
     {"proto", {"engrave/*", "materials_db", "proto"}},
     {"services/platform/bus", {"engrave/core", "idl"}},

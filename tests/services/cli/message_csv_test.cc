@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engrave/formats/csv.h"
+#include "engrave/io/csv.h"
 #include "proto/shop.pb.h"
 
 namespace intaglio::cli {
@@ -15,8 +15,7 @@ TEST(MessageCsv, ReadsBack) {
   job.set_name("cup, \"Anna\";\nsecond line");
   job.set_duration_s(12.5);
   job.set_priority(-3);
-  const auto table =
-      formats::ParseCsv(CsvHeader(*JobStatistics::descriptor()) + CsvLine(job));
+  const auto table = io::ParseCsv(CsvHeader(*JobStatistics::descriptor()) + CsvLine(job));
   ASSERT_TRUE(table.has_value()) << table.error().message;
   ASSERT_EQ(table->rows.size(), 1u);
   EXPECT_EQ(*table->Find(table->rows[0], "job"), "12");

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "tests/engrave/formats/small_disk.h"
+#include "tests/engrave/io/small_disk.h"
 #include "tests/proto/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
@@ -25,7 +25,7 @@ void Fill(const fs::path& file) {
 class FullDiskAtStart : public testing::Test {
  protected:
   void SetUp() override {
-    if (!formats::MountSmallDisk(folder_, 4 << 20)) GTEST_SKIP() << "it takes root";
+    if (!io::MountSmallDisk(folder_, 4 << 20)) GTEST_SKIP() << "it takes root";
   }
   bool Waits() {
     return shop_.Until(

@@ -13,7 +13,7 @@
 #include "services/platform/recording/cdr_value.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/mcap_reader.h"
-#include "tests/engrave/formats/small_disk.h"
+#include "tests/engrave/io/small_disk.h"
 #include "tests/services/platform/bus/all_topics.h"
 #include "tests/services/platform/bus/child_program.h"
 #include "tests/services/platform/recording/recorded.h"
@@ -200,7 +200,7 @@ TEST_F(RecorderProcess, ReferenceLibraryAgrees) {
 TEST_F(RecorderProcess, ADiskThatIsFullAtTheStartIsWaitedFor) {
   const fs::path disk = folder_ / "disk";
   fs::create_directories(disk);
-  if (!formats::MountSmallDisk(disk, 1 << 20)) GTEST_SKIP() << "it takes root";
+  if (!io::MountSmallDisk(disk, 1 << 20)) GTEST_SKIP() << "it takes root";
   {
     std::ofstream full(disk / "full", std::ios::binary);
     const std::string block(4096, 'x');

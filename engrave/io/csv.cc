@@ -1,13 +1,12 @@
-#include "engrave/formats/csv.h"
+#include "engrave/io/csv.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "engrave/formats/point_table_rules.h"
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 namespace {
 
 /// Of the two separators the one that the header line has more of.
@@ -212,4 +211,4 @@ Result<CsvTable> ReadCsv(const std::filesystem::path& file, const CsvLimits& lim
   });
 }
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

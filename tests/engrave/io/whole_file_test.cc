@@ -1,4 +1,4 @@
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -7,7 +7,7 @@
 
 #include "tests/test_folder.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -57,4 +57,4 @@ TEST_F(WholeFileTest, ReadsNothingOfAFileThatIsTooLarge) {
 }
 
 }  // namespace
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

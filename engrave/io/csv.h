@@ -19,7 +19,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 
 struct CsvRow {
   std::vector<std::string> fields;  ///< as many as there are columns
@@ -51,4 +51,4 @@ Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits = {});
 /// Errors name the file too, and are kNotFound and kIo besides.
 Result<CsvTable> ReadCsv(const std::filesystem::path& file, const CsvLimits& limits = {});
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

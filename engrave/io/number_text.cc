@@ -1,9 +1,9 @@
-#include "engrave/formats/number_text.h"
+#include "engrave/io/number_text.h"
 
 #include <array>
 #include <charconv>
 
-namespace intaglio::formats {
+namespace intaglio::io {
 
 void AppendShortest(double value, std::string& text) {
   std::array<char, 32> digits;  // the longest double takes 24
@@ -25,4 +25,4 @@ bool ParseNumber(std::string_view word, double& value) {
   return parsed.ec == std::errc() && parsed.ptr == end;
 }
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

@@ -24,7 +24,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 
 /// Writes a file piece by piece, through a buffer of 256 KiB.
 class AtomicFile {
@@ -61,4 +61,4 @@ Status WriteFileAtomically(const std::filesystem::path& target,
                            std::span<const std::byte> bytes);
 Status WriteFileAtomically(const std::filesystem::path& target, std::string_view text);
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

@@ -1,4 +1,4 @@
-#include "engrave/formats/atomic_file.h"
+#include "engrave/io/atomic_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 
 #include "engrave/core/check.h"
 #include "engrave/formats/point_file.h"
-#include "tests/engrave/formats/small_disk.h"
+#include "tests/engrave/io/small_disk.h"
 #include "tests/test_folder.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -131,11 +131,11 @@ TEST(AtomicFile, FullDiskKeepsTheOldFileAndSaysSo) {
     GTEST_SKIP() << "a small file system needs root";
   const fs::path target = folder / "glass.ply";
   ASSERT_TRUE(WriteFileAtomically(target, "old").has_value());
-  PointTable table;
+  formats::PointTable table;
   table.points_mm.assign(100'000, Vec3(1, 2, 3));       // 2.4 MB: several flushes
   for (const std::size_t count : {100'000u, 4'000u}) {  // fails in Write and in Commit
     table.points_mm.resize(count);
-    const auto status = WritePly(target, table);
+    const auto status = formats::WritePly(target, table);
     ASSERT_FALSE(status.has_value());
     EXPECT_EQ(status.error().code, ErrorCode::kIo);
     EXPECT_THAT(status.error().message,
@@ -146,8 +146,8 @@ TEST(AtomicFile, FullDiskKeepsTheOldFileAndSaysSo) {
         << "the temporary file must not hold the disk full";
   }
   table.points_mm.resize(1'000);
-  EXPECT_TRUE(WritePly(target, table).has_value());
+  EXPECT_TRUE(formats::WritePly(target, table).has_value());
 }
 
 }  // namespace
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

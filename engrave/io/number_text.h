@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace intaglio::formats {
+namespace intaglio::io {
 
 /// The shortest decimals that give the same double, with an exponent where that is
 /// shorter.
@@ -16,4 +16,4 @@ void AppendShortestFixed(double value, std::string& text);
 /// it. False, and `value` undefined, when it is none.
 bool ParseNumber(std::string_view word, double& value);
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

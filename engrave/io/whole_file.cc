@@ -1,4 +1,4 @@
-#include "engrave/formats/whole_file.h"
+#include "engrave/io/whole_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 
 #include <cerrno>
 
-namespace intaglio::formats {
+namespace intaglio::io {
 namespace {
 
 class OpenFile {
@@ -76,4 +76,10 @@ Result<std::string> ReadWholeFile(const std::filesystem::path& file,
   return bytes;
 }
 
-}  // namespace intaglio::formats
+Error AboutFile(Error error, const std::filesystem::path& file) {
+  error.message = file.string() + ": " + error.message;
+  if (error.value.empty()) error.value = file.string();
+  return error;
+}
+
+}  // namespace intaglio::io

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace intaglio::formats {
+namespace intaglio::io {
 
 /// Mounts a file system of the given size over the folder, seen by this process only.
 /// False where that is not permitted (it takes root).
@@ -17,4 +17,4 @@ inline bool MountSmallDisk(const std::filesystem::path& folder, std::size_t byte
   return ::mount("tmpfs", folder.c_str(), "tmpfs", 0, options.c_str()) == 0;
 }
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

@@ -1,4 +1,4 @@
-#include "engrave/formats/atomic_file.h"
+#include "engrave/io/atomic_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 #include "engrave/core/check.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ Status WriteFileAtomically(const fs::path& target, std::string_view text) {
   return WriteFileAtomically(target, std::as_bytes(std::span(text.data(), text.size())));
 }
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

@@ -6,7 +6,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 
 /// The bytes of a regular file, as many as it has when it is opened. Errors name the file
 /// and the remedy: kNotFound, kIo (a folder, a FIFO, a device, no permission, a failing
@@ -14,4 +14,7 @@ namespace intaglio::formats {
 Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                                   std::uint64_t max_bytes);
 
-}  // namespace intaglio::formats
+/// Puts the file's name before an error of a parser.
+Error AboutFile(Error error, const std::filesystem::path& file);
+
+}  // namespace intaglio::io

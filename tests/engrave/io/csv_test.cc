@@ -1,4 +1,4 @@
-#include "engrave/formats/csv.h"
+#include "engrave/io/csv.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "tests/test_folder.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 namespace {
 
 using ::testing::ElementsAre;
@@ -110,4 +110,4 @@ TEST(Csv, ErrorsNameTheFile) {
 }
 
 }  // namespace
-}  // namespace intaglio::formats
+}  // namespace intaglio::io
