@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "engrave/discretize/curve_points.h"
-#include "engrave/discretize/halftone.h"
-#include "engrave/discretize/place_drawing.h"
-#include "engrave/discretize/relief.h"
+#include "engrave/discretize/drawing/curve_points.h"
+#include "engrave/discretize/drawing/place_drawing.h"
+#include "engrave/discretize/picture/halftone.h"
+#include "engrave/discretize/picture/relief.h"
 #include "engrave/drawing/dxf_read.h"
 #include "engrave/drawing/font_outline.h"
 #include "engrave/drawing/hpgl_read.h"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/discretize/density.h"
-#include "engrave/discretize/point_source.h"
+#include "engrave/discretize/mesh/density.h"
+#include "engrave/discretize/spacing/point_source.h"
 #include "proto/job.pb.h"
 #include "proto/read_limits.h"
 

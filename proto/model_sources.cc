@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "engrave/core/check.h"
-#include "engrave/discretize/fixed_points.h"
 #include "engrave/discretize/methods.h"
 #include "engrave/discretize/several.h"
+#include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/mesh/mesh_diagnosis.h"

@@ -5,7 +5,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/shared_progress.h"
-#include "engrave/discretize/bounds.h"
+#include "engrave/discretize/spacing/bounds.h"
 
 namespace intaglio::discretize {
 namespace {

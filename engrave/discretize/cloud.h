@@ -11,9 +11,9 @@
 #include "engrave/core/executor.h"
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
-#include "engrave/discretize/point_source.h"
 #include "engrave/discretize/slabs.h"
-#include "engrave/discretize/weld.h"
+#include "engrave/discretize/spacing/point_source.h"
+#include "engrave/discretize/spacing/weld.h"
 
 namespace intaglio::discretize {
 

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "engrave/discretize/even.h"
-#include "engrave/discretize/fill.h"
-#include "engrave/discretize/point_source.h"
-#include "engrave/discretize/rays.h"
-#include "engrave/discretize/sections.h"
-#include "engrave/discretize/solid.h"
-#include "engrave/discretize/statistics.h"
+#include "engrave/discretize/mesh/even.h"
+#include "engrave/discretize/mesh/fill.h"
+#include "engrave/discretize/mesh/rays.h"
+#include "engrave/discretize/mesh/sections.h"
+#include "engrave/discretize/mesh/solid.h"
+#include "engrave/discretize/spacing/point_source.h"
+#include "engrave/discretize/spacing/statistics.h"
 #include "engrave/mesh/mesh.h"
 
 namespace intaglio::discretize {

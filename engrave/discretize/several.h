@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engrave/discretize/point_source.h"
+#include "engrave/discretize/spacing/point_source.h"
 
 namespace intaglio::discretize {
 

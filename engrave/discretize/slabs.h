@@ -15,7 +15,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "engrave/discretize/point_source.h"
+#include "engrave/discretize/spacing/point_source.h"
 
 namespace intaglio::discretize {
 

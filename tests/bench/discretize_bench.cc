@@ -19,9 +19,9 @@
 #include <thread>
 #include <vector>
 
-#include "engrave/discretize/rays.h"
-#include "engrave/discretize/sections.h"
-#include "engrave/discretize/weld.h"
+#include "engrave/discretize/mesh/rays.h"
+#include "engrave/discretize/mesh/sections.h"
+#include "engrave/discretize/spacing/weld.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "engrave/proof/nearest_distances.h"

@@ -6,8 +6,8 @@
 #include <atomic>
 #include <thread>
 
-#include "engrave/discretize/fixed_points.h"
 #include "engrave/discretize/methods.h"
+#include "engrave/discretize/spacing/fixed_points.h"
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/shapes.h"
 

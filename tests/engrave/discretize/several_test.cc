@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engrave/discretize/fixed_points.h"
+#include "engrave/discretize/spacing/fixed_points.h"
 
 namespace intaglio::discretize {
 namespace {

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "engrave/discretize/point_source.h"
+#include "engrave/discretize/spacing/point_source.h"
 
 namespace intaglio::discretize {
 

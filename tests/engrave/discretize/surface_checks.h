@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
-#include "engrave/discretize/point_source.h"
-#include "engrave/discretize/weld.h"
+#include "engrave/discretize/spacing/point_source.h"
+#include "engrave/discretize/spacing/weld.h"
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/source_checks.h"
 

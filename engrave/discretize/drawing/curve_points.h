@@ -1,0 +1,50 @@
+#pragma once
+
+// Curves of a drawing, and flat text, as points at equal arc length in N layers
+// (Trochimczuk 2008, "Divide Curves": its ranges and defaults).
+
+#include <memory>
+
+#include "engrave/core/result.h"
+#include "engrave/discretize/spacing/point_source.h"
+#include "engrave/drawing/flatten.h"
+
+namespace intaglio::discretize {
+
+/// What becomes of the inside of closed curves. Even-odd: what lies within an odd number
+/// of curves, whatever their direction: drawings. Non-zero: what curves wind round, so
+/// that strokes may overlap: text.
+enum class CurveFill { kNone, kEvenOdd, kNonZero };
+
+struct CurveOptions {
+  /// Along the curves and in the fill, mm; 0.01 .. 100. The source uses 0.09 for
+  /// f = 43 mm and 0.13 for f = 70 mm.
+  double distance_mm = 1;
+  int layer_count = 1;           ///< 1 .. 10
+  double layer_distance_mm = 0;  ///< 0 .. 50; positive when there are several layers
+  /// From each layer to the next, glass frame, not zero; its length does not matter.
+  /// Default upwards; a placed drawing's normal is linear * z.
+  Vec3 layer_direction = Vec3::UnitZ();
+  /// 0 .. 1 of the distance, by which each next layer of a closed curve starts later.
+  double twist_phase_ratio = 0;
+  /// Points on the very ends of open curves; else half a distance from them.
+  bool insert_end_points = true;
+  /// A point on every corner that is at least the distance from the last one, and equal
+  /// arc length between: or drawings lose their corners.
+  bool keep_corners = true;
+  /// What the direction turns by at a corner, 0.1 .. 3. Above the turn that flattening
+  /// leaves (0.05), below the 45 degrees of an octagon.
+  double corner_rad = 0.45;
+  CurveFill fill = CurveFill::kNone;
+};
+
+/// The points of the drawing, which stands in the glass frame. A filled inside keeps the
+/// distance from its outline's points and between its own, and leaves no place in it
+/// farther than about 1.1 distances from a point.
+/// Errors: kTooLarge (more points than candidate_limit.h allows), kUnsupported (fill of a
+/// closed curve that is not flat, or of several planes at an angle). Broken
+/// preconditions: options outside their ranges.
+Result<std::unique_ptr<PointSource>> MakeCurvePoints(const drawing::FlatDrawing& placed,
+                                                     const CurveOptions& options);
+
+}  // namespace intaglio::discretize

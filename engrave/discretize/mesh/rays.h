@@ -1,0 +1,36 @@
+#pragma once
+
+// Parallel rays ("Ray intersection", Trochimczuk 2008 ch. 6.1): rays on a square grid,
+// and every crossing of the surface counts, front and back. Frame glass, mm.
+//
+// A ray through an edge or a vertex counts once (ray_caster.h): a closed mesh has an even
+// number of crossings on every ray.
+
+#include <memory>
+
+#include "engrave/core/result.h"
+#include "engrave/discretize/mesh/direction.h"
+#include "engrave/discretize/spacing/point_source.h"
+#include "engrave/mesh/mesh.h"
+
+namespace intaglio::discretize {
+
+struct RayOptions {
+  double distance_mm = 1;  ///< side of the grid, 0.01..100
+  Direction direction;
+  /// Not the crossings, but points between each entry and its exit, the first, third and
+  /// so on crossing of a ray and the next one: they divide the way into equal parts, none
+  /// shorter than the distance, so they keep that from the surface along the ray, too.
+  /// Rays with an odd number of crossings give none.
+  bool interior_only = false;
+};
+
+/// The grid's centre is that of the model's extent. Crossings are found when a range of
+/// heights asks for them, from the triangles that reach into it; the insides of
+/// interior_only at once. Rays are counted with the lowest height of the model. kTooLarge
+/// when the grid has more than 2^27 rays or there are too many crossings or points
+/// (candidate_limit.h).
+Result<std::unique_ptr<PointSource>> MakeRays(mesh::TriangleMesh mesh,
+                                              const RayOptions& options);
+
+}  // namespace intaglio::discretize

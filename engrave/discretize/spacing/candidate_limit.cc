@@ -1,0 +1,16 @@
+#include "engrave/discretize/spacing/candidate_limit.h"
+
+#include <fmt/format.h>
+
+namespace intaglio::discretize {
+
+Status CheckCandidateCount(double count) {
+  if (count <= static_cast<double>(kMaxCandidates)) return {};
+  return Fail(ErrorCode::kTooLarge,
+              fmt::format("the options ask for {:.3g} points and more, {} are the most: "
+                          "take larger distances or a smaller model",
+                          count, kMaxCandidates),
+              fmt::format("{:.0f}", count));
+}
+
+}  // namespace intaglio::discretize

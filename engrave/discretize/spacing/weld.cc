@@ -1,0 +1,322 @@
+#include "engrave/discretize/spacing/weld.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/check.h"
+#include "engrave/discretize/spacing/weld_front.h"
+
+// The points are taken from the lowest up, and one is kept unless it is too near to one
+// kept before. Those lie at most one spacing below, so a column of a grid in x and y,
+// seen from its newest point down, is left as soon as a point is a whole spacing lower.
+//
+// Why this order: it makes the result independent of the input's, and a front that grows
+// upward packs evenly. On the bunny filled at half the spacing the nearest distances vary
+// by 5.4 % (coefficient of variation); visiting cell by cell instead costs 8 % of the
+// points and varies by 6.2 %.
+//
+// Most candidates are left out, and it takes no order to say so: the candidates fall into
+// sheets of height, and what is too near to a point of a lower sheet goes at once. Only
+// the rest of a sheet is put in order, by the same means again: cut into finer sheets, or
+// when all are of one height into rows of y, each thinned by what was kept before it.
+
+namespace intaglio::discretize {
+namespace {
+
+constexpr std::size_t kMostPoints = 0xffffffff;
+// So many that they fit into the second cache, where they are put in order, and that a
+// sheet takes whole runs of neighbours from the cloud.
+constexpr std::size_t kPointsPerSheet = 16384, kMostSheets = std::size_t{1} << 16;
+constexpr std::size_t kPointsPerFineSheet = 8;
+constexpr std::size_t kFew = 24;        // put in order as they are
+constexpr std::size_t kLookAhead = 16;  // points fetched into the cache beforehand
+
+bool IsLower(const WeldPoint& a, const WeldPoint& b) {
+  const auto key = [](const WeldPoint& w) {
+    return std::tuple(w.p_mm.z(), w.p_mm.y(), w.p_mm.x(), w.source, w.spacing_mm);
+  };
+  return key(a) < key(b);
+}
+
+WeldPoint PointOf(const SpacedCloud& cloud, std::size_t i) {
+  // + 0.0 turns -0.0 into 0.0: equal points are equal in their bits, too.
+  return {cloud.points_mm[i].array() + 0.0, cloud.source[i], cloud.spacing_mm[i]};
+}
+
+/// Sheets of equal thickness between two values; a higher value is never in a lower one.
+class Sheets {
+ public:
+  Sheets(double low, double high, std::size_t count)
+      : low_(low), count_(count), scale_(static_cast<double>(count) / (high - low)) {
+    if (std::isfinite(scale_)) return;
+    count_ = 1;
+    scale_ = 0;
+  }
+  std::size_t count() const { return count_; }
+  std::size_t Of(double value) const {
+    const double at = std::max(0.0, (value - low_) * scale_);
+    return static_cast<std::size_t>(std::min(at, static_cast<double>(count_ - 1)));
+  }
+
+ private:
+  double low_;
+  std::size_t count_;
+  double scale_;
+};
+
+class Welder {
+ public:
+  Welder(const SpacedCloud& candidates, const WeldOptions& options,
+         const SpacedCloud& taken)
+      : candidates_(candidates),
+        taken_(taken),
+        reach_mm_(options.min_spacing_mm * options.height_ratio),
+        channels_of_source_(options.channels_of_source) {
+    Examine(candidates);
+    candidate_bounds_ = bounds_;
+    Examine(taken);
+    if (candidates.size() == 0) return;
+    for (const ChannelMask channel : TellingChannels(MasksOfSources())) {
+      const SourceExtents extents = ExtentsIn(channel);
+      kept_fronts_.push_back(
+          {channel, WeldFront(options, bounds_, candidates.size(), extents)});
+      if (taken.size() == 0) continue;
+      taken_fronts_.push_back(
+          {channel, WeldFront(options, bounds_, taken.size(), extents)});
+    }
+  }
+
+  SpacedCloud Run() {
+    if (candidates_.size() == 0) return {};
+    const double most = static_cast<double>(kMostSheets);
+    const double wanted = std::ceil(static_cast<double>(candidates_.size()) /
+                                    static_cast<double>(kPointsPerSheet));
+    const Sheets sheets(candidate_bounds_.min_mm.z(), candidate_bounds_.max_mm.z(),
+                        static_cast<std::size_t>(std::min(wanted, most)));
+    SortIntoSheets(sheets);
+    SortTaken();
+    std::vector<WeldPoint> points;
+    for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
+      points.clear();
+      for (std::uint32_t at = begin_[sheet]; at < begin_[sheet + 1]; ++at) {
+        if (at + kLookAhead < order_.size()) {
+          __builtin_prefetch(&candidates_.points_mm[order_[at + kLookAhead]]);
+        }
+        points.push_back(PointOf(candidates_, order_[at]));
+      }
+      TakeUpTo(points);
+      KeepFrom(LookedThrough(points, taken_fronts_), 2, Looked::kAtNone);
+    }
+    return std::move(kept_);
+  }
+
+ private:
+  void Examine(const SpacedCloud& cloud) {
+    Require(
+        cloud.source.size() == cloud.size() && cloud.spacing_mm.size() == cloud.size(),
+        "a cloud of {} points has {} sources and {} spacings", cloud.size(),
+        cloud.source.size(), cloud.spacing_mm.size());
+    Require(cloud.size() < kMostPoints, "a cloud of {} points is too large",
+            cloud.size());
+    SourceExtent* extent = nullptr;
+    std::uint32_t source = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const Vec3& p = cloud.points_mm[i];
+      const float spacing_mm = cloud.spacing_mm[i];
+      Require(std::isfinite(p.x() + p.y() + p.z()),
+              "a point to weld is not finite: {} {} {}", p.x(), p.y(), p.z());
+      Require(spacing_mm >= 0 && std::isfinite(spacing_mm),
+              "a point's spacing_mm must not be negative, is {}", spacing_mm);
+      if (extent == nullptr || source != cloud.source[i]) {
+        source = cloud.source[i];
+        extent = &extents_[source];
+      }
+      extent->bounds.Extend(p);
+      ++extent->count;
+      extent->max_spacing_mm = std::max(extent->max_spacing_mm, spacing_mm);
+      extent->min_spacing_mm = std::min(extent->min_spacing_mm, spacing_mm);
+    }
+    for (const auto& [unused, own] : extents_) {
+      bounds_.Extend(own.bounds.min_mm);
+      bounds_.Extend(own.bounds.max_mm);
+      reach_mm_ = std::max(reach_mm_, static_cast<double>(own.max_spacing_mm));
+    }
+  }
+
+  ChannelMask MaskOf(std::uint32_t source) const {
+    if (channels_of_source_.empty()) return kAnyChannel;
+    return channels_of_source_.at(source);
+  }
+  std::vector<ChannelMask> MasksOfSources() const {
+    std::vector<ChannelMask> masks;
+    for (const auto& [source, unused] : extents_) masks.push_back(MaskOf(source));
+    return masks;
+  }
+  SourceExtents ExtentsIn(ChannelMask channel) const {
+    SourceExtents extents = extents_;
+    std::erase_if(extents, [&](const auto& extent) {
+      return !ShareChannel(MaskOf(extent.first), channel);
+    });
+    return extents;
+  }
+
+  void SortIntoSheets(const Sheets& sheets) {
+    begin_.assign(sheets.count() + 1, 0);
+    std::vector<std::uint16_t> sheet_of(candidates_.size());
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const std::size_t sheet = sheets.Of(candidates_.points_mm[i].z());
+      sheet_of[i] = static_cast<std::uint16_t>(sheet);
+      ++begin_[sheet + 1];
+    }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    order_.resize(candidates_.size());
+    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    for (std::uint32_t i = 0; i < candidates_.size(); ++i) {
+      order_[next[sheet_of[i]]++] = i;
+    }
+  }
+
+  void SortTaken() {
+    taken_order_.resize(taken_.size());
+    std::iota(taken_order_.begin(), taken_order_.end(), 0U);
+    std::sort(taken_order_.begin(), taken_order_.end(),
+              [this](std::uint32_t a, std::uint32_t b) {
+                return taken_.points_mm[a].z() < taken_.points_mm[b].z();
+              });
+  }
+
+  /// Adds the taken points that reach down to these or lie below to their fronts.
+  void TakeUpTo(std::span<const WeldPoint> points) {
+    if (points.empty() || next_taken_ == taken_order_.size()) return;
+    const auto highest = std::max_element(
+        points.begin(), points.end(),
+        [](const auto& a, const auto& b) { return a.p_mm.z() < b.p_mm.z(); });
+    const double high_mm = highest->p_mm.z() + reach_mm_ * kReachAllowance;
+    for (; next_taken_ < taken_order_.size(); ++next_taken_) {
+      const WeldPoint point = PointOf(taken_, taken_order_[next_taken_]);
+      if (point.p_mm.z() > high_mm) return;
+      AddTo(taken_fronts_, point);
+    }
+  }
+
+  /// The points of one channel; one is enough when all have the same.
+  struct ChannelFront {
+    ChannelMask channel;
+    WeldFront front;
+  };
+
+  void AddTo(std::vector<ChannelFront>& fronts, const WeldPoint& point) {
+    const ChannelMask mask = MaskOf(point.source);
+    for (auto& [channel, front] : fronts) {
+      if (ShareChannel(mask, channel)) front.Add(point);
+    }
+  }
+
+  /// Those of the points that are not too near to any of the fronts', in any sequence.
+  std::span<WeldPoint> LookedThrough(std::span<WeldPoint> points,
+                                     std::vector<ChannelFront>& fronts) const {
+    if (fronts.size() == 1) return points.first(fronts[0].front.KeepFar(points));
+    for (ChannelFront& of : fronts) {
+      const auto concerned = std::partition(
+          points.begin(), points.end(),
+          [&](const auto& p) { return !ShareChannel(MaskOf(p.source), of.channel); });
+      const std::size_t others = static_cast<std::size_t>(concerned - points.begin());
+      points = points.first(others + of.front.KeepFar(points.subspan(others)));
+    }
+    return points;
+  }
+
+  /// Keeps of the points, which come after all kept, what it can, in order. Those of the
+  /// axes above `axis` are equal. Looked::kAtAll: none is too near to what is kept.
+  enum class Looked { kAtNone, kAtAll };
+  void KeepFrom(std::span<WeldPoint> points, int axis, Looked looked) {
+    const auto in_order = [&] {
+      KeepInOrder(looked == Looked::kAtAll ? points
+                                           : LookedThrough(points, kept_fronts_));
+    };
+    if (points.size() <= kFew || axis < 0) return in_order();
+    const auto [low, high] = std::minmax_element(
+        points.begin(), points.end(),
+        [axis](const auto& a, const auto& b) { return a.p_mm[axis] < b.p_mm[axis]; });
+    const double low_mm = low->p_mm[axis], high_mm = high->p_mm[axis];
+    if (low_mm == high_mm) return KeepFrom(points, axis - 1, looked);
+    const Sheets sheets(low_mm, high_mm, points.size() / kPointsPerFineSheet);
+    if (sheets.count() == 1) return in_order();
+    std::vector<std::uint32_t> next(sheets.count() + 1, 0);
+    for (const WeldPoint& point : points) ++next[sheets.Of(point.p_mm[axis]) + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    const auto sorted = std::make_unique_for_overwrite<WeldPoint[]>(points.size());
+    for (const WeldPoint& point : points) {
+      sorted[next[sheets.Of(point.p_mm[axis])]++] = point;
+    }
+    std::size_t begin = 0;
+    for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
+      const std::span part(&sorted[begin], &sorted[0] + next[sheet]);
+      begin = next[sheet];
+      KeepFrom(LookedThrough(part, kept_fronts_), axis, Looked::kAtAll);
+    }
+  }
+
+  /// Not many as a rule; none is too near to what was kept before.
+  void KeepInOrder(std::span<WeldPoint> points) {
+    std::sort(points.begin(), points.end(), IsLower);
+    for (std::size_t begin = 0; begin < points.size(); begin += kFew) {
+      std::span few = points.subspan(begin, std::min(kFew, points.size() - begin));
+      if (begin > 0) {
+        few = LookedThrough(few, kept_fronts_);
+        std::sort(few.begin(), few.end(), IsLower);
+      }
+      KeepFew(few);
+    }
+  }
+  void KeepFew(std::span<WeldPoint> points) {
+    std::size_t kept = 0;
+    for (const WeldPoint& point : points) {
+      if (IsTooNear(point, points.first(kept))) continue;
+      points[kept++] = point;
+      AddTo(kept_fronts_, point);
+      kept_.Add(point.p_mm, point.source, point.spacing_mm);
+    }
+  }
+
+  bool IsTooNear(const WeldPoint& point, std::span<const WeldPoint> others) const {
+    const WeldFront& rules = kept_fronts_.front().front;
+    return std::any_of(others.begin(), others.end(), [&](const WeldPoint& other) {
+      return rules.AreTooNear(point, other) &&
+             ShareChannel(MaskOf(point.source), MaskOf(other.source));
+    });
+  }
+
+  const SpacedCloud& candidates_;
+  const SpacedCloud& taken_;
+  double reach_mm_;  // in height, of any rule
+  const std::vector<ChannelMask>& channels_of_source_;
+  Box3 candidate_bounds_, bounds_;
+  SourceExtents extents_;
+  std::vector<ChannelFront> kept_fronts_, taken_fronts_;
+  std::vector<std::uint32_t> begin_;  // of each sheet in order_
+  std::vector<std::uint32_t> order_;
+  std::vector<std::uint32_t> taken_order_;
+  std::size_t next_taken_ = 0;
+  SpacedCloud kept_;
+};
+
+}  // namespace
+
+SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
+                 const SpacedCloud& taken) {
+  Require(options.min_spacing_mm > 0 && std::isfinite(options.min_spacing_mm),
+          "min_spacing_mm must be positive, is {}", options.min_spacing_mm);
+  Require(options.height_ratio >= 1 && options.height_ratio <= 10,
+          "height_ratio must be 1..10, is {}", options.height_ratio);
+  return Welder(candidates, options, taken).Run();
+}
+
+}  // namespace intaglio::discretize

@@ -1,0 +1,39 @@
+#pragma once
+
+// No two points too near to one another, over the whole block, whatever method or model
+// they came from. Frame glass, mm.
+
+#include <vector>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/geometry.h"
+#include "engrave/discretize/spacing/spaced_cloud.h"
+
+namespace intaglio::discretize {
+
+struct WeldOptions {
+  double min_spacing_mm = 0.1;  ///< > 0, between any two points
+  /// The spacing along z by that across, 1..10: a crack is longer along the beam.
+  double height_ratio = 1;
+  /// By the number of a source; empty: all sources have the same channels.
+  std::vector<ChannelMask> channels_of_source = {};
+};
+
+/// Leaves candidates out until none are too near to one another or to those `taken`.
+///
+/// Two points are too near when, computed in doubles as written,
+///   dx * dx + dy * dy + (dz / height_ratio) * (dz / height_ratio)
+///     < min_spacing_mm * min_spacing_mm,
+/// or when they have the same source and dx * dx + dy * dy + dz * dz < s * s with s the
+/// larger of their own spacings. Points of sources without a
+/// channel in common lie in different blocks and are never too near. Every candidate left
+/// out is too near to one kept or taken. The points taken are not in the result.
+///
+/// The result, its order included, depends on the set of the points, not on their
+/// sequence: candidates are kept from the lowest up, by z, then y, then x, then source,
+/// then spacing. Own spacings may differ as they like; time grows with the points, and
+/// stays so while candidates are no denser, by their own spacing, than elsewhere.
+SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
+                 const SpacedCloud& taken = {});
+
+}  // namespace intaglio::discretize

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/mesh/mesh.h"
+
+namespace intaglio::mesh {
+
+/// Renumbers vertices by their rank, and triangles by the lowest of their corners', in
+/// place; `rank` (of each vertex, below rank_count) with them. What a plane or a slab
+/// needs then lies together in memory, however the file was ordered. Linear time; where
+/// there are more ranks than vertices, the order is right but for near ranks.
+void OrderByRank(TriangleMesh& mesh, std::vector<std::uint32_t>& rank,
+                 std::uint32_t rank_count);
+
+}  // namespace intaglio::mesh
