@@ -8,11 +8,11 @@
 
 #include "engrave/io/atomic_file.h"
 #include "materials_db/material_store.h"
-#include "proto/json_text.h"
 #include "services/cli/batch_run.h"
 #include "services/cli/bus_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/run_command.h"
+#include "services/job/json_text.h"
 
 namespace intaglio::cli {
 namespace {

@@ -5,12 +5,12 @@
 #include <optional>
 
 #include "materials_db/material_store.h"
-#include "proto/batch_file.h"
-#include "proto/freeze.h"
-#include "proto/job_check.h"
-#include "proto/job_file.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
+#include "services/job/batch_file.h"
+#include "services/job/freeze.h"
+#include "services/job/job_check.h"
+#include "services/job/job_file.h"
 
 namespace intaglio::cli {
 namespace {

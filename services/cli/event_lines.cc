@@ -4,10 +4,10 @@
 #include <limits>
 #include <ostream>
 
-#include "proto/json_text.h"
 #include "services/cli/run_command.h"
 #include "services/cli/stage_bars.h"
 #include "services/history/job_words.h"
+#include "services/job/json_text.h"
 #include "services/platform/host/utc_time.h"
 
 namespace intaglio::cli {

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "proto/shop.pb.h"
-#include "proto/verdict.h"
 #include "services/cli/job_client.h"
+#include "services/job/verdict.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {

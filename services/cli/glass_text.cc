@@ -8,8 +8,8 @@
 
 #include "engrave/core/check.h"
 #include "materials_db/numbers.h"
-#include "proto/json_text.h"
-#include "proto/material_record.h"
+#include "services/job/json_text.h"
+#include "services/job/material_record.h"
 
 namespace intaglio::cli {
 namespace {

@@ -6,11 +6,11 @@
 #include <iostream>
 #include <memory>
 
-#include "proto/json_text.h"
 #include "services/cli/message_csv.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/run_command.h"
 #include "services/history/job_history.h"
+#include "services/job/json_text.h"
 
 namespace intaglio::cli {
 namespace {

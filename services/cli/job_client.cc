@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <random>
 
-#include "proto/discretize_outcome.h"
 #include "services/history/job_words.h"
+#include "services/job/models/discretize_outcome.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/identity_role.h"
 

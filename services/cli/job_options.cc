@@ -7,13 +7,13 @@
 #include <cctype>
 #include <cmath>
 
-#include "proto/job_check.h"
-#include "proto/job_defaults.h"
-#include "proto/job_file.h"
-#include "proto/model_kind.h"
-#include "proto/model_sources.h"
-#include "proto/options.h"
 #include "services/cli/size_limits_flag.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
+#include "services/job/job_file.h"
+#include "services/job/model_kind.h"
+#include "services/job/models/model_sources.h"
+#include "services/job/options.h"
 #include "services/mesh_reader/program_limits.h"
 #include "services/platform/command_line/other_programs.h"
 

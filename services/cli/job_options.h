@@ -33,7 +33,7 @@ struct JobFlags {
   std::optional<std::string> machine;  // name of a supplied profile, or a file
   std::optional<std::string> name;
   bool clip = false;
-  double size_limits = 1;  ///< factor (proto/read_limits.h)
+  double size_limits = 1;  ///< factor (services/job/models/read_limits.h)
 };
 
 /// Adds the positional JOB and the flags.

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "engrave/io/csv.h"
-#include "proto/job_check.h"
-#include "proto/series.h"
+#include "services/job/job_check.h"
+#include "services/job/series.h"
 
 namespace intaglio::cli {
 

@@ -8,8 +8,8 @@
 
 namespace intaglio::cli {
 
-/// A job for each row of a CSV file, from a job file (proto/series.h), checked like any
-/// other. Every mistake of every row is in the error, each with file and line.
+/// A job for each row of a CSV file, from a job file (services/job/series.h), checked
+/// like any other. Every mistake of every row is in the error, each with file and line.
 Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
                                                const std::filesystem::path& table);
 

@@ -13,10 +13,10 @@
 #include "engrave/motion/verify.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
-#include "proto/json_text.h"
-#include "proto/options.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_folder.h"
+#include "services/job/json_text.h"
+#include "services/job/options.h"
 
 namespace intaglio::cli {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "engrave/motion/limits.h"
 #include "materials_db/material_store.h"
-#include "proto/job_check.h"
-#include "proto/job_defaults.h"
-#include "proto/material_record.h"
-#include "proto/options.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
+#include "services/job/material_record.h"
+#include "services/job/options.h"
 
 namespace intaglio::cli {
 namespace {

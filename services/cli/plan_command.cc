@@ -6,14 +6,14 @@
 
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/sort/order.h"
-#include "proto/options.h"
-#include "proto/read_limits.h"
 #include "services/cli/offline_steps.h"
 #include "services/cli/path_figures.h"
 #include "services/cli/path_job.h"
 #include "services/cli/run_command.h"
 #include "services/cli/segment_file.h"
-#include "services/platform/host/ordering.h"
+#include "services/job/models/read_limits.h"
+#include "services/job/options.h"
+#include "services/job/ordering.h"
 
 namespace intaglio::cli {
 namespace {

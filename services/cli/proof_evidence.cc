@@ -5,7 +5,7 @@
 
 #include "engrave/formats/point_file.h"
 #include "engrave/io/whole_file.h"
-#include "proto/channels.h"
+#include "services/job/channels.h"
 
 namespace intaglio::cli {
 namespace {

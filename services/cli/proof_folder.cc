@@ -16,10 +16,10 @@
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
 #include "engrave/sort/shadow.h"
-#include "proto/discretize_outcome.h"
-#include "proto/json_text.h"
 #include "services/cli/progress_bar.h"
 #include "services/cli/proof_evidence.h"
+#include "services/job/json_text.h"
+#include "services/job/models/discretize_outcome.h"
 
 namespace intaglio::cli {
 namespace {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "engrave/core/check.h"
-#include "proto/json_text.h"
 #include "services/cli/progress_bar.h"
+#include "services/job/json_text.h"
 
 namespace intaglio::cli {
 namespace {

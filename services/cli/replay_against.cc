@@ -8,12 +8,12 @@
 #include <map>
 #include <optional>
 
-#include "proto/field_path.h"
-#include "proto/job_file.h"
-#include "proto/json_text.h"
 #include "services/cli/child_process.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/run_command.h"
+#include "services/job/field_path.h"
+#include "services/job/job_file.h"
+#include "services/job/json_text.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/command_line/other_programs.h"
 #include "services/replayer/cell_rehearsal.h"

@@ -10,7 +10,6 @@
 #include <random>
 
 #include "materials_db/material_store.h"
-#include "proto/options.h"
 #include "services/cli/arm_once.h"
 #include "services/cli/bus_flags.h"
 #include "services/cli/event_lines.h"
@@ -22,6 +21,7 @@
 #include "services/cli/service_set.h"
 #include "services/cli/size_limits_flag.h"
 #include "services/cli/stage_bars.h"
+#include "services/job/options.h"
 
 namespace intaglio::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "proto/job_file.h"
+#include "services/job/job_file.h"
 #include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::cli {

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "proto/read_limits.h"
+#include "services/job/models/read_limits.h"
 
 namespace intaglio::cli {
 

@@ -4,7 +4,7 @@
 
 namespace intaglio::cli {
 
-/// --size-limits: the factor of proto/read_limits.h.
+/// --size-limits: the factor of services/job/models/read_limits.h.
 void AddSizeLimitsFlag(command_line::Command command, double& factor);
 
 /// The same for the programs that this one starts.

@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "materials_db/material_store.h"
-#include "proto/job_file.h"
 #include "services/cli/bus_flags.h"
 #include "services/cli/folder_lock.h"
 #include "services/cli/interrupt.h"
@@ -19,6 +18,7 @@
 #include "services/cli/mounted.h"
 #include "services/cli/run_command.h"
 #include "services/cli/service_set.h"
+#include "services/job/job_file.h"
 #include "services/platform/host/utc_time.h"
 
 namespace intaglio::cli {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "engrave/discretize/cloud.h"
-#include "proto/discretize_outcome.h"
+#include "services/job/models/discretize_outcome.h"
 
 namespace intaglio::discretizer {
 

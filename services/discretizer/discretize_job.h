@@ -6,8 +6,8 @@
 #include "engrave/core/executor.h"
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
-#include "proto/model_sources.h"
 #include "proto/task.pb.h"
+#include "services/job/models/model_sources.h"
 #include "services/platform/host/stage_task.h"
 
 namespace intaglio::discretizer {
@@ -18,7 +18,8 @@ struct PreparedJob {
   JobSources sources;
 };
 
-/// `files` as FilesOf (proto/model_kind.h) names them. Errors name the model's file.
+/// `files` as FilesOf (services/job/model_kind.h) names them. Errors name the model's
+/// file.
 Result<std::shared_ptr<const PreparedJob>> PrepareJob(const FrozenJob& job,
                                                       std::vector<FileBytes> files,
                                                       const ReadLimits& limits,

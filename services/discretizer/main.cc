@@ -1,9 +1,9 @@
 
-#include "proto/model_kind.h"
-#include "proto/read_limits.h"
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
+#include "services/job/model_kind.h"
+#include "services/job/models/read_limits.h"
 #include "services/mesh_reader/program_limits.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/command_line/program.h"

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "engrave/core/result.h"
-#include "proto/model_sources.h"
+#include "services/job/models/model_sources.h"
 #include "services/platform/bus/flow.h"
 #include "services/platform/host/task_part.h"
 
 namespace intaglio::discretizer {
 
-/// The files in the order of FilesOf (proto/model_kind.h).
+/// The files in the order of FilesOf (services/job/model_kind.h).
 class ModelIntake {
  public:
   ModelIntake(bus::Bus& bus, const std::string& instance, const ReadLimits& limits);

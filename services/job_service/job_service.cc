@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "proto/model_kind.h"
 #include "proto/task.pb.h"
+#include "services/job/model_kind.h"
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/log.h"

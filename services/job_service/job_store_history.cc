@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "proto/task.pb.h"
-#include "proto/verdict.h"
 #include "services/history/job_history.h"
+#include "services/job/verdict.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/store_guard.h"
 

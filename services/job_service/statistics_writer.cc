@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engrave/io/atomic_file.h"
-#include "proto/json_text.h"
+#include "services/job/json_text.h"
 #include "services/platform/host/log.h"
 
 namespace intaglio::job_service {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "proto/read_limits.h"
+#include "services/job/models/read_limits.h"
 
 namespace intaglio::mesh_reader {
 

@@ -1,6 +1,6 @@
 #include <iostream>
 
-#include "proto/job_file.h"
+#include "services/job/job_file.h"
 #include "services/motion_bridge/bridge.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/only_instance.h"

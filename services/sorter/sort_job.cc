@@ -10,10 +10,10 @@
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
-#include "proto/channels.h"
-#include "proto/options.h"
-#include "proto/quality_options.h"
-#include "services/platform/host/ordering.h"
+#include "services/job/channels.h"
+#include "services/job/options.h"
+#include "services/job/ordering.h"
+#include "services/job/quality_options.h"
 #include "services/platform/host/worker_threads.h"
 
 namespace intaglio::sorter {

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "proto/channels.h"
-#include "proto/options.h"
+#include "services/job/channels.h"
+#include "services/job/options.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/path_check.h"
 

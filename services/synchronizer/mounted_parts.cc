@@ -13,8 +13,8 @@
 #include <cmath>
 #include <vector>
 
-#include "proto/job_defaults.h"
-#include "proto/options.h"
+#include "services/job/job_defaults.h"
+#include "services/job/options.h"
 #include "services/synchronizer/block_fit.h"
 
 namespace intaglio::synchronizer {

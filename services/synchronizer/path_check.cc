@@ -6,8 +6,8 @@
 #include <string>
 
 #include "engrave/core/check.h"
-#include "proto/channels.h"
-#include "proto/options.h"
+#include "services/job/channels.h"
+#include "services/job/options.h"
 
 namespace intaglio::synchronizer {
 namespace {

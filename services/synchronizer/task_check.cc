@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engrave/optics/focus.h"
-#include "proto/job_check.h"
-#include "proto/job_defaults.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
 
 namespace intaglio::synchronizer {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "proto/job_check.h"
-#include "proto/job_defaults.h"
-#include "proto/job_file.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
+#include "services/job/job_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;

@@ -10,7 +10,7 @@
 
 #include "services/cli/arm_once.h"
 #include "services/cli/batch_run.h"
-#include "tests/proto/test_job.h"
+#include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
 

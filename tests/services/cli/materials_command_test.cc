@@ -10,8 +10,8 @@
 
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
-#include "proto/material_record.h"
 #include "proto/report.pb.h"
+#include "services/job/material_record.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {

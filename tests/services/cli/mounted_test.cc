@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "proto/job_file.h"
+#include "services/job/job_file.h"
 
 namespace intaglio::cli {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "services/history/job_history.h"
 #include "services/job_service/job_store.h"
-#include "tests/proto/test_job.h"
+#include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/services/job_service/past_jobs.h"
 #include "tests/test_folder.h"

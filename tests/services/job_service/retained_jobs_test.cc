@@ -12,7 +12,7 @@
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/identity_role.h"
-#include "tests/proto/test_job.h"
+#include "tests/services/job/test_job.h"
 #include "tests/services/job_service/past_jobs.h"
 #include "tests/services/platform/bus/private_bus.h"
 #include "tests/test_folder.h"

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "tests/proto/test_job.h"
+#include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
 

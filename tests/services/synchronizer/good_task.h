@@ -3,8 +3,8 @@
 // A task that is right in every field, for tests to break: the sample job on els-03.
 
 #include "materials_db/material_store.h"
-#include "proto/freeze.h"
-#include "tests/proto/test_job.h"
+#include "services/job/freeze.h"
+#include "tests/services/job/test_job.h"
 
 namespace intaglio::synchronizer {
 

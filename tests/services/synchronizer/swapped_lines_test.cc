@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "engrave/formats/point_file.h"
-#include "proto/job_file.h"
+#include "services/job/job_file.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/bus/samples.h"
 #include "services/synchronizer/job_folder.h"

@@ -1,0 +1,203 @@
+#include "services/job/field_ranges.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "proto/job.pb.h"
+
+namespace intaglio {
+namespace {
+
+namespace pb = google::protobuf;
+
+constexpr std::array kRanges = {
+    FieldRange{"Placement", "unit_mm", 0.000001, 1000000},
+    FieldRange{"Placement", "scale_ratio", 0.000001, 1000000},
+    FieldRange{"Placement", "rotate_deg", -180, 180},
+    FieldRange{"Placement", "fit_height_mm", 0.1, 1000},
+    FieldRange{"Placement", "fit_size_mm", 0.1, 1000},
+    FieldRange{"Placement", "move_mm", -1000, 1000},
+    FieldRange{"Model", "channels", 1, 4},
+    FieldRange{"Block", "size_mm", 1, 1000},
+    FieldRange{"Block", "margin_mm", 0, 100},
+    FieldRange{"ChannelBlock", "channel", 1, 4},
+    FieldRange{"ChannelBlock", "size_mm", 1, 1000},
+    FieldRange{"Lens", "focal_length_mm", 1, 1000},
+    FieldRange{"Lens", "numerical_aperture", 0.01, 0.9},
+    FieldRange{"SectionsMethod", "layer_distance_mm", 0.01, 100},
+    FieldRange{"SectionsMethod", "vertex_distance_mm", 0.01, 100},
+    FieldRange{"SectionsMethod", "first_last_distance_ratio", 0, 1},
+    FieldRange{"SectionsMethod", "twist_phase_ratio", 0, 1},
+    FieldRange{"SectionsMethod", "rotate_deg", -180, 180},
+    FieldRange{"FillMethod", "vertex_distance_mm", 0.01, 100},
+    FieldRange{"RaysMethod", "distance_mm", 0.01, 100},
+    FieldRange{"RaysMethod", "rotate_deg", -180, 180},
+    FieldRange{"Copies", "count_x", 1, 1000},
+    FieldRange{"Copies", "count_y", 1, 1000},
+    FieldRange{"Copies", "count_z", 1, 1000},
+    FieldRange{"Copies", "step_mm", 0, 1000},
+    FieldRange{"Text", "height_mm", 0.1, 500},
+    FieldRange{"Text", "line_ratio", 0.5, 5},
+    FieldRange{"EvenMethod", "distance_mm", 0.01, 100},
+    FieldRange{"EvenMethod", "shell_depths_mm", 0, 500},
+    FieldRange{"EvenMethod", "curvature_radius_mm", 0.01, 1000},
+    FieldRange{"EvenMethod", "light", -1000, 1000},
+    FieldRange{"EvenMethod", "sparse_distance_mm", 0.01, 100},
+    FieldRange{"SolidMethod", "distance_mm", 0.01, 100},
+    FieldRange{"CurvesMethod", "distance_mm", 0.01, 100},
+    FieldRange{"CurvesMethod", "layer_count", 1, 10},
+    FieldRange{"CurvesMethod", "layer_distance_mm", 0, 50},
+    FieldRange{"CurvesMethod", "twist_phase_ratio", 0, 1},
+    FieldRange{"HalftoneMethod", "distance_mm", 0.01, 100},
+    FieldRange{"HalftoneMethod", "threshold_ratio", 0, 1},
+    FieldRange{"HalftoneMethod", "brightness", -1, 1},
+    FieldRange{"HalftoneMethod", "contrast_ratio", 0, 10},
+    FieldRange{"HalftoneMethod", "gamma", 0.1, 10},
+    FieldRange{"HalftoneMethod", "layer_count", 1, 10},
+    FieldRange{"HalftoneMethod", "layer_distance_mm", 0.01, 50},
+    FieldRange{"HalftoneMethod", "point_count", 1, 20000000},
+    FieldRange{"ReliefMethod", "depth_mm", 0.1, 500},
+    FieldRange{"ReliefMethod", "distance_mm", 0.01, 100},
+    FieldRange{"ReliefMethod", "gamma", 0.1, 10},
+    FieldRange{"ReliefMethod", "brightness", -1, 1},
+    FieldRange{"ReliefMethod", "contrast_ratio", 0, 10},
+    FieldRange{"ReliefMethod", "layer_count", 1, 10},
+    FieldRange{"ReliefMethod", "layer_distance_mm", 0.01, 50},
+    FieldRange{"ReliefMethod", "smoothing_mm", 0, 10},
+    FieldRange{"TonePoint", "from", 0, 1},
+    FieldRange{"TonePoint", "to", 0, 1},
+    FieldRange{"Discretization", "min_spacing_mm", 0.02, 10},
+    FieldRange{"Discretization", "height_ratio", 1, 10},
+    FieldRange{"KdzOrder", "up_ratio", 0, 100},
+    FieldRange{"LayersOrder", "layer_thickness_mm", 0.01, 100},
+    FieldRange{"AnnealOrder", "tries_per_point", 0, 1e6},
+    FieldRange{"AnnealOrder", "time_s", 0.1, 86400},
+    FieldRange{"AnnealOrder", "seed", 0, 1e6},
+    FieldRange{"BoustrophedonOrder", "layer_thickness_mm", 0.01, 100},
+    FieldRange{"BoustrophedonOrder", "row_width_mm", 0.01, 100},
+    FieldRange{"PublishedKdzOrder", "up_ratio", 0, 100},
+    FieldRange{"PublishedKdzOrder", "down_ratio", 0, 100},
+    FieldRange{"MotionOptions", "max_speed_mm_s", 0.1, 5000},
+    FieldRange{"MotionOptions", "max_acceleration_mm_s2", 1, 100000},
+    FieldRange{"MotionOptions", "tolerance_um", 0, 50},
+    FieldRange{"LaserOptions", "rate_hz", 1, 4000},
+    FieldRange{"LaserOptions", "wavelength_nm", 200, 2000},
+    FieldRange{"LaserOptions", "pulse_energy_mj", 0.001, 10000},
+    FieldRange{"LaserOptions", "channels", 1, 4},
+    FieldRange{"JobSpec", "priority", -100, 100},
+    FieldRange{"AxisLimits", "travel_min_mm", -10000, 10000},
+    FieldRange{"AxisLimits", "travel_max_mm", -10000, 10000},
+    FieldRange{"AxisLimits", "max_speed_mm_s", 0.1, 5000},
+    FieldRange{"AxisLimits", "max_acceleration_mm_s2", 1, 100000},
+    FieldRange{"AxisLimits", "max_jerk_mm_s3", 1, 1000000000},
+    FieldRange{"MachineLens", "focal_length_mm", 1, 1000},
+    FieldRange{"MachineLens", "numerical_aperture", 0.01, 0.9},
+    FieldRange{"MachineLens", "crack_diameter_mm", 0.01, 1},
+    FieldRange{"MachineLens", "crack_length_mm", 0.01, 2},
+    FieldRange{"LaserHead", "rates_hz", 1, 4000},
+    FieldRange{"LaserHead", "warm_up_s", 0, 3600},
+    FieldRange{"LaserHead", "pulse_energy_mj", 0.001, 10000},
+    FieldRange{"LaserHead", "wavelength_nm", 200, 2000},
+    FieldRange{"LaserHead", "channels", 1, 4},
+    FieldRange{"LaserHead", "max_missed_in_a_row", 1, 1000},
+    FieldRange{"SerialLine", "baud", 1200, 4000000},
+    FieldRange{"MachineSpec", "block_origin_mm", -10000, 10000},
+    FieldRange{"MachineSpec", "repeatability_um", 0.1, 1000},
+    FieldRange{"MachineSpec", "position_tolerance_um", 1, 1000},
+    FieldRange{"MachineSpec", "stage_lag_s", 0, 0.1},
+    FieldRange{"MachineSpec", "max_speed_norm_mm_s", 0.1, 10000},
+    FieldRange{"MachineSpec", "max_acceleration_norm_mm_s2", 1, 200000},
+};
+
+void CheckNumber(double value, const FieldRange& range, const std::string& path,
+                 std::vector<Error>& errors) {
+  if (value >= range.min && value <= range.max) return;  // false for NaN
+  errors.push_back(
+      {ErrorCode::kInvalidValue,
+       fmt::format("{}: {} is outside {}..{}", path, value, range.min, range.max),
+       fmt::format("{}", value)});
+}
+
+void CheckVector(const Vector3& v, const FieldRange& range, const std::string& path,
+                 std::vector<Error>& errors) {
+  CheckNumber(v.x(), range, path + ".x", errors);
+  CheckNumber(v.y(), range, path + ".y", errors);
+  CheckNumber(v.z(), range, path + ".z", errors);
+}
+
+double NumberOf(const pb::Message& message, const pb::FieldDescriptor& field, int index) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  const bool repeated = field.is_repeated();
+  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32) {
+    return repeated ? reflection.GetRepeatedUInt32(message, &field, index)
+                    : reflection.GetUInt32(message, &field);
+  }
+  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_INT32) {
+    return repeated ? reflection.GetRepeatedInt32(message, &field, index)
+                    : reflection.GetInt32(message, &field);
+  }
+  return repeated ? reflection.GetRepeatedDouble(message, &field, index)
+                  : reflection.GetDouble(message, &field);
+}
+
+const pb::Message& MessageOf(const pb::Message& message, const pb::FieldDescriptor& field,
+                             int index) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  return field.is_repeated() ? reflection.GetRepeatedMessage(message, &field, index)
+                             : reflection.GetMessage(message, &field);
+}
+
+void CheckElement(const pb::Message& message, const pb::FieldDescriptor& field, int index,
+                  const FieldRange* range, const std::string& path,
+                  std::vector<Error>& errors) {
+  if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
+    const pb::Message& child = MessageOf(message, field, index);
+    const auto* vector = dynamic_cast<const Vector3*>(&child);
+    if (vector != nullptr && range != nullptr) {
+      CheckVector(*vector, *range, path, errors);
+    } else {
+      CheckRanges(child, path, errors);
+    }
+  } else if (range != nullptr) {
+    CheckNumber(NumberOf(message, field, index), *range, path, errors);
+  }
+}
+
+}  // namespace
+
+std::span<const FieldRange> FieldRanges() { return kRanges; }
+
+const FieldRange* FindRange(std::string_view message, std::string_view field) {
+  const auto found = std::find_if(
+      kRanges.begin(), kRanges.end(),
+      [&](const FieldRange& r) { return r.message == message && r.field == field; });
+  return found == kRanges.end() ? nullptr : &*found;
+}
+
+std::string JoinPath(std::string_view path, std::string_view field) {
+  return path.empty() ? std::string(field) : fmt::format("{}.{}", path, field);
+}
+
+void CheckRanges(const pb::Message& message, const std::string& path,
+                 std::vector<Error>& errors) {
+  const pb::Descriptor& type = *message.GetDescriptor();
+  const pb::Reflection& reflection = *message.GetReflection();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const pb::FieldDescriptor& field = *type.field(i);
+    const FieldRange* range = FindRange(type.name(), field.name());
+    const std::string field_path = JoinPath(path, field.name());
+    if (field.is_repeated()) {
+      for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
+        CheckElement(message, field, k, range, fmt::format("{}[{}]", field_path, k),
+                     errors);
+      }
+    } else if (!field.has_presence() || reflection.HasField(message, &field)) {
+      CheckElement(message, field, 0, range, field_path, errors);
+    }
+  }
+}
+
+}  // namespace intaglio

@@ -1,0 +1,57 @@
+#include "services/job/freeze.h"
+
+#include <fmt/format.h>
+
+#include "engrave/sort/kdz.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
+#include "services/job/material_record.h"
+#include "services/job/options.h"
+
+namespace intaglio {
+namespace {
+
+Result<OpticalValuesRecord> OpticsOf(const JobSpec& job,
+                                     const materials_db::Material& material) {
+  const double wavelength_nm = job.laser().wavelength_nm();
+  const double numerical_aperture = job.lens().numerical_aperture();
+  const auto values =
+      materials_db::ComputeOptics(material, wavelength_nm, numerical_aperture);
+  if (!values) {
+    Error error = values.error();
+    error.message = "glass: " + error.message;
+    return tl::unexpected(error);
+  }
+  return RecordOf(*values, wavelength_nm, numerical_aperture);
+}
+
+}  // namespace
+
+Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
+                            const materials_db::Material& material,
+                            const JobIdentity& identity) {
+  const MachineSpec whole_machine = WithMachineDefaults(machine);
+  JobSpec whole = WithDefaults(job, whole_machine);
+  const auto optics = OpticsOf(whole, material);
+  std::vector<Error> errors =
+      CheckAll(job, whole_machine,
+               optics ? std::optional(optics->stage_per_glass_ratio()) : std::nullopt);
+  if (!optics) errors.push_back(optics.error());
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  FrozenJob frozen;
+  frozen.set_job_uid(identity.uid);
+  frozen.set_epoch(identity.epoch);
+  *frozen.mutable_job() = std::move(whole);
+  *frozen.mutable_machine() = whole_machine;
+  *frozen.mutable_material() = RecordOf(material);
+  *frozen.mutable_optics() = *optics;
+  Ordering& ordering = *frozen.mutable_job()->mutable_ordering();
+  if (ordering.has_kdz() && !ordering.kdz().has_up_ratio()) {
+    ordering.mutable_kdz()->set_up_ratio(sort::DefaultUpRatio(BeamConeOf(frozen)));
+  }
+  frozen.set_software_version(identity.software_version);
+  frozen.set_result_directory(identity.result_directory);
+  return frozen;
+}
+
+}  // namespace intaglio

@@ -1,0 +1,381 @@
+#include "services/job/job_check.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <set>
+
+#include "engrave/core/check.h"
+#include "engrave/optics/machine_frame.h"
+#include "services/job/field_ranges.h"
+#include "services/job/findings.h"
+#include "services/job/job_defaults.h"
+#include "services/job/model_kind.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A laser line is far narrower; a profile says 532 for 532.1.
+constexpr double kSameWavelengthNm = 0.5;
+
+void CheckFile(const std::string& file, const std::string& path, Findings& findings) {
+  if (file.empty()) return findings.Missing(path, "name a file");
+  std::error_code error;
+  const auto status = fs::status(file, error);
+  if (!fs::exists(status)) return findings.Wrong(path, file, "does not exist");
+  if (!fs::is_regular_file(status)) findings.Wrong(path, file, "is not a file");
+}
+
+std::string FieldOf(Model::MethodCase method) {
+  const auto* field = Model::descriptor()->FindFieldByNumber(method);
+  return field == nullptr ? "" : field->name();
+}
+
+void CheckKindAndMethod(const Model& model, const std::string& path, Findings& findings) {
+  const auto kind = KindOf(model);
+  if (!kind) {
+    if (!model.file().empty()) {
+      findings.Wrong(path + ".file", model.file(), "{}", kind.error().message);
+    }
+    return;
+  }
+  const Model::MethodCase method = model.method_case();
+  if (method == Model::METHOD_NOT_SET || Suits(method, *kind)) return;
+  findings.Wrong(path + "." + FieldOf(method), NameOf(*kind),
+                 "has no points by this method; leave it out for the usual one");
+}
+
+void CheckModel(const Model& model, const std::string& path, Findings& findings) {
+  CheckKindAndMethod(model, path, findings);
+  if (model.has_text() && !model.file().empty()) {
+    findings.Wrong(path + ".file", model.file(),
+                   "stands beside a text; make two models of them");
+  }
+  if (model.has_text() && model.text().text().empty()) {
+    findings.Missing(path + ".text.text", "say what is to be written");
+  }
+  if (model.placement().has_fit_block() && !model.placement().fit_block()) {
+    findings.Wrong(path + ".placement.fit_block", false,
+                   "is no fit; say true or leave it out");
+  }
+}
+
+void CheckModels(const JobSpec& job, Findings& findings) {
+  if (job.models().empty()) findings.Missing("models", "name one model file or more");
+  JobSpec copy = job;
+  ForEachFile(copy, [&](const std::string& file, const std::string& path) {
+    CheckFile(file, path, findings);
+  });
+  for (int i = 0; i < job.models_size(); ++i) {
+    CheckModel(job.models(i), fmt::format("models[{}]", i), findings);
+  }
+}
+
+// Whether the models can fit between the margins at all.
+void CheckRoom(const JobSpec& job, Findings& findings) {
+  const Vector3& size = job.block().size_mm();
+  const double margin_mm = job.block().margin_mm();
+  const double least_mm = std::min({size.x(), size.y(), size.z()});
+  if (2 * margin_mm >= least_mm) {
+    return findings.Wrong(
+        "block.margin_mm", margin_mm,
+        "leaves no room in a block of {} x {} x {} mm; it has to be below {}", size.x(),
+        size.y(), size.z(), least_mm / 2);
+  }
+  if (job.block().clip()) return;
+  const double height_mm = size.z() - 2 * margin_mm;
+  const double largest_mm = std::max({size.x(), size.y(), size.z()}) - 2 * margin_mm;
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Placement& placement = job.models(i).placement();
+    const std::string path = fmt::format("models[{}].placement.", i);
+    if (placement.fit_height_mm() > height_mm) {
+      findings.Wrong(path + "fit_height_mm", placement.fit_height_mm(),
+                     "is more than the {} mm between the margins of the block",
+                     height_mm);
+    }
+    if (placement.fit_size_mm() > largest_mm) {
+      findings.Wrong(path + "fit_size_mm", placement.fit_size_mm(),
+                     "is more than the {} mm between the margins of the block",
+                     largest_mm);
+    }
+  }
+}
+
+// The number of a picture's points is its brightness: none may be lost to the weld.
+template <typename Method>
+void CheckTone(const std::string& path, const Method& method, double spacing_mm,
+               Findings& findings) {
+  if (method.distance_mm() < spacing_mm) {
+    findings.Wrong(path + "distance_mm", method.distance_mm(),
+                   "is less than the minimum spacing, {}: points would be left out, and "
+                   "the tone would be wrong",
+                   spacing_mm);
+  }
+  for (int i = 1; i < method.curve_size(); ++i) {
+    const double before = method.curve(i - 1).from(), from = method.curve(i).from();
+    if (from > before) continue;
+    findings.Wrong(fmt::format("{}curve[{}].from", path, i), from,
+                   "does not rise above the place before it, {}", before);
+  }
+}
+
+void CheckTones(const JobSpec& job, Findings& findings) {
+  const double spacing_mm = job.discretization().min_spacing_mm();
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    const std::string path = fmt::format("models[{}].", i);
+    if (model.has_halftone())
+      CheckTone(path + "halftone.", model.halftone(), spacing_mm, findings);
+    if (model.has_relief())
+      CheckTone(path + "relief.", model.relief(), spacing_mm, findings);
+  }
+}
+
+// Sort by layers, Trochimczuk 2008 annex E: not thinner than the layers of the sections.
+void CheckLayers(const JobSpec& job, Findings& findings) {
+  if (!job.ordering().has_layers()) return;
+  const double thickness_mm = job.ordering().layers().layer_thickness_mm();
+  for (const Model& model : job.models()) {
+    const double distance_mm = model.sections().layer_distance_mm();
+    if (thickness_mm >= distance_mm) continue;
+    return findings.Wrong("ordering.layers.layer_thickness_mm", thickness_mm,
+                          "is less than the layer distance of the sections, {}",
+                          distance_mm);
+  }
+}
+
+/// Each of `channels` once, and one that the laser opens.
+template <typename Channels>
+void CheckAmongLasers(const Channels& channels, const LaserOptions& laser,
+                      const std::function<std::string(int)>& path_of,
+                      Findings& findings) {
+  std::set<std::uint32_t> seen;
+  int i = 0;
+  for (const std::uint32_t channel : channels) {
+    const std::string path = path_of(i++);
+    const auto& open = laser.channels();
+    if (std::find(open.begin(), open.end(), channel) == open.end()) {
+      findings.Wrong(path, channel,
+                     "is not among laser.channels, {}; add it there or leave it out",
+                     fmt::join(open, " "));
+    } else if (!seen.insert(channel).second) {
+      findings.Wrong(path, channel, "is there twice");
+    }
+  }
+}
+
+void CheckChannelBlock(const ChannelBlock& own, const Block& block,
+                       const std::string& path, Findings& findings) {
+  if (!own.has_size_mm()) {
+    return findings.Missing(path + ".size_mm",
+                            "give the block's size, 1..1000 mm each way");
+  }
+  const Vector3& size = own.size_mm();
+  const Vector3& largest = block.size_mm();
+  const auto check_side = [&](const char* axis, double size_mm, double most_mm) {
+    if (size_mm > most_mm) {
+      findings.Wrong(path + ".size_mm." + axis, size_mm,
+                     "is more than that of the block, {}; give the size of the largest "
+                     "as block.size_mm",
+                     most_mm);
+    } else if (size_mm <= 2 * block.margin_mm()) {
+      findings.Wrong(path + ".size_mm." + axis, size_mm,
+                     "leaves no room between the margins; lower block.margin_mm, {}",
+                     block.margin_mm());
+    }
+  };
+  check_side("x", size.x(), largest.x());
+  check_side("y", size.y(), largest.y());
+  if (size.z() != largest.z()) {
+    findings.Wrong(path + ".size_mm.z", size.z(),
+                   "is not the height of the block, {}; all channels are focused alike: "
+                   "take blocks of one height",
+                   largest.z());
+  }
+}
+
+void CheckChannels(const JobSpec& job, Findings& findings) {
+  for (int i = 0; i < job.models_size(); ++i) {
+    CheckAmongLasers(
+        job.models(i).channels(), job.laser(),
+        [i](int at) { return fmt::format("models[{}].channels[{}]", i, at); }, findings);
+  }
+  const auto path_of = [](int i) { return fmt::format("channel_blocks[{}]", i); };
+  std::vector<std::uint32_t> with_block;
+  for (const ChannelBlock& own : job.channel_blocks()) {
+    CheckChannelBlock(own, job.block(), path_of(static_cast<int>(with_block.size())),
+                      findings);
+    with_block.push_back(own.channel());
+  }
+  CheckAmongLasers(
+      with_block, job.laser(), [&](int at) { return path_of(at) + ".channel"; },
+      findings);
+}
+
+void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
+                Findings& findings) {
+  const LaserHead& head = machine.laser();
+  const auto& rates = head.rates_hz();
+  if (std::find(rates.begin(), rates.end(), laser.rate_hz()) == rates.end()) {
+    findings.Wrong("laser.rate_hz", laser.rate_hz(), "is none of the rates of {}: {}",
+                   machine.name(), fmt::join(rates, " "));
+  }
+  if (!(std::abs(laser.wavelength_nm() - head.wavelength_nm()) < kSameWavelengthNm)) {
+    findings.Wrong("laser.wavelength_nm", laser.wavelength_nm(),
+                   "is not the wavelength of {}, {}", machine.name(),
+                   head.wavelength_nm());
+  }
+  if (laser.pulse_energy_mj() > head.pulse_energy_mj()) {
+    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
+                   "is above the pulse energy of {}, {}", machine.name(),
+                   head.pulse_energy_mj());
+  }
+  std::set<std::uint32_t> seen;
+  for (int i = 0; i < laser.channels_size(); ++i) {
+    const std::uint32_t channel = laser.channels(i);
+    const std::string path = fmt::format("laser.channels[{}]", i);
+    if (channel > head.channels()) {
+      findings.Wrong(path, channel, "is above the number of channels of {}, {}",
+                     machine.name(), head.channels());
+    } else if (!seen.insert(channel).second) {
+      findings.Wrong(path, channel, "is there twice");
+    }
+  }
+}
+
+void CheckLens(const Lens& lens, const MachineSpec& machine, Findings& findings) {
+  if (FindLens(machine, lens.focal_length_mm()) != nullptr) return;
+  std::vector<double> lengths_mm;
+  for (const MachineLens& l : machine.lenses()) lengths_mm.push_back(l.focal_length_mm());
+  findings.Wrong("lens.focal_length_mm", lens.focal_length_mm(),
+                 "is no lens of {}; it has {}", machine.name(),
+                 fmt::join(lengths_mm, " "));
+}
+
+void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
+                 const MachineSpec& machine, Findings& findings) {
+  // Numbers pass the readers of files.
+  if (!MotionProfile_IsValid(motion.profile())) {
+    findings.Wrong("motion.profile", static_cast<int>(motion.profile()),
+                   "is none of the profiles, 0..{}", static_cast<int>(MotionProfile_MAX));
+  }
+  const MotionOptions most = WithDefaults(JobSpec(), machine).motion();
+  if (motion.max_speed_mm_s() > most.max_speed_mm_s()) {
+    findings.Wrong("motion.max_speed_mm_s", motion.max_speed_mm_s(),
+                   "is above the speed of {}, {}", machine.name(), most.max_speed_mm_s());
+  }
+  if (motion.max_acceleration_mm_s2() > most.max_acceleration_mm_s2()) {
+    findings.Wrong("motion.max_acceleration_mm_s2", motion.max_acceleration_mm_s2(),
+                   "is above the acceleration of {}, {}", machine.name(),
+                   most.max_acceleration_mm_s2());
+  }
+  // Further off, a crack could no longer be told from its neighbours'.
+  const double most_um = 1000 * min_spacing_mm / 4;
+  if (motion.tolerance_um() > most_um) {
+    findings.Wrong("motion.tolerance_um", motion.tolerance_um(),
+                   "is above a quarter of the minimum spacing, {:g}", most_um);
+  }
+}
+
+// The stage has to reach every place between the margins.
+void CheckTravel(const JobSpec& job, const MachineSpec& machine,
+                 std::optional<double> stage_per_glass_ratio, Findings& findings) {
+  const auto vec = [](const Vector3& v) { return Vec3(v.x(), v.y(), v.z()); };
+  const Vec3 size_mm = vec(job.block().size_mm());
+  const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
+  const optics::MachineFromGlass frame{vec(machine.block_origin_mm()), size_mm,
+                                       stage_per_glass_ratio.value_or(1)};
+  Vec3 low_mm = frame.ToMachine(margin_mm);
+  const Vec3 high_mm = frame.ToMachine(size_mm - margin_mm);
+  if (!stage_per_glass_ratio) low_mm.z() = high_mm.z();
+  const std::array<const AxisLimits*, 3> axes = {&machine.x(), &machine.y(),
+                                                 &machine.z()};
+  for (int i = 0; i < 3; ++i) {
+    if (low_mm[i] >= axes[i]->travel_min_mm() && high_mm[i] <= axes[i]->travel_max_mm())
+      continue;
+    findings.Wrong(
+        fmt::format("block.size_mm.{}", "xyz"[i]), size_mm[i],
+        "does not fit in the travel of {}: the stage would have to go from {:.6g} to "
+        "{:.6g} mm, it can go from {} to {}",
+        machine.name(), low_mm[i], high_mm[i], axes[i]->travel_min_mm(),
+        axes[i]->travel_max_mm());
+  }
+}
+
+std::string PathOf(const Error& error) {
+  return error.message.substr(0, error.message.find(':'));
+}
+
+}  // namespace
+
+std::vector<Error> CheckJob(const JobSpec& job) {
+  Findings findings;
+  CheckRanges(job, "", findings.errors());
+  CheckModels(job, findings);
+  if (!job.block().has_size_mm()) {
+    findings.Missing("block.size_mm", "give the block's size, 1..1000 mm each way");
+  }
+  if (job.glass().empty()) {
+    findings.Missing("glass",
+                     "name a glass of the material base (intaglio materials list)");
+  }
+  if (!job.discretization().has_min_spacing_mm()) {
+    findings.Missing(
+        "discretization.min_spacing_mm",
+        "give the least distance of two points, 0.02..10 mm (0.09 with f = 43 mm, "
+        "0.13 with f = 70 mm)");
+  }
+  if (job.machine_file().empty()) {
+    findings.Missing("machine_file",
+                     "name a machine profile (deploy/machines holds some)");
+  }
+  return std::move(findings.errors());
+}
+
+std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
+                                     std::optional<double> stage_per_glass_ratio) {
+  const JobSpec whole = WithDefaults(job, machine);
+  Findings findings;
+  if (job.block().has_size_mm()) {
+    CheckRoom(whole, findings);
+    CheckTravel(whole, machine, stage_per_glass_ratio, findings);
+  }
+  CheckLens(whole.lens(), machine, findings);
+  CheckLayers(whole, findings);
+  CheckTones(whole, findings);
+  CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
+  CheckLaser(whole.laser(), machine, findings);
+  CheckChannels(whole, findings);
+  return std::move(findings.errors());
+}
+
+std::vector<Error> CheckAll(const JobSpec& job, const MachineSpec& machine,
+                            std::optional<double> stage_per_glass_ratio) {
+  std::vector<Error> errors = CheckMachine(machine);
+  for (Error& error : errors) error.message = "machine: " + error.message;
+  std::set<std::string> paths;
+  for (const auto& found :
+       {CheckJob(job), CheckJobOnMachine(job, machine, stage_per_glass_ratio)}) {
+    for (const Error& error : found) {
+      if (paths.insert(PathOf(error)).second) errors.push_back(error);
+    }
+  }
+  return errors;
+}
+
+Error JoinErrors(const std::vector<Error>& errors) {
+  Require(!errors.empty(), "JoinErrors without an error");
+  Error joined = errors.front();
+  for (std::size_t i = 1; i < errors.size(); ++i)
+    joined.message += "\n" + errors[i].message;
+  return joined;
+}
+
+}  // namespace intaglio

@@ -1,0 +1,172 @@
+#include "services/job/job_file.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/text_format.h>
+#include <google/protobuf/util/json_util.h>
+
+#include "engrave/drawing/font_outline.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/whole_file.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
+#include "services/job/json_position.h"
+#include "services/job/model_kind.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+namespace pb = google::protobuf;
+
+// The messages nest five deep.
+constexpr int kMaxDepth = 16;
+
+class FirstError : public pb::io::ErrorCollector {
+ public:
+  void AddError(int line, pb::io::ColumnNumber column,
+                const std::string& message) override {
+    if (!text_.empty()) return;
+    text_ = line < 0 ? message : fmt::format("{}:{}: {}", line + 1, column + 1, message);
+  }
+  void AddWarning(int, pb::io::ColumnNumber, const std::string&) override {}
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+Status ParseText(std::string_view text, const std::string& name, pb::Message& message) {
+  FirstError first;
+  pb::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&first);
+  parser.SetRecursionLimit(kMaxDepth);
+  pb::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
+  if (parser.Parse(&stream, &message)) return {};
+  return Fail(ErrorCode::kUnreadable, fmt::format("{}:{}", name, first.text()));
+}
+
+Status ParseJson(std::string_view text, const std::string& name, pb::Message& message) {
+  const auto status = pb::util::JsonStringToMessage({text.data(), text.size()}, &message);
+  if (status.ok()) return {};
+  const std::string what(status.message());
+  return Fail(ErrorCode::kUnreadable,
+              fmt::format("{}:{}", name, LocateJsonError(text, what)));
+}
+
+Status Parse(std::string_view text, JobFileFormat format, const std::string& name,
+             pb::Message& message) {
+  if (text.size() > kMaxJobFileBytes) {
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("{}: is larger than {} bytes; is it a job file?", name,
+                            kMaxJobFileBytes));
+  }
+  return format == JobFileFormat::kJson ? ParseJson(text, name, message)
+                                        : ParseText(text, name, message);
+}
+
+Result<JobFileFormat> FormatOf(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending == ".textproto" || ending == ".txtpb") return JobFileFormat::kText;
+  if (ending == ".json") return JobFileFormat::kJson;
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("{}: the ending has to be .textproto, .txtpb or .json", path.string()),
+      ending);
+}
+
+Status ReadMessage(const fs::path& path, pb::Message& message) {
+  const auto format = FormatOf(path);
+  if (!format) return tl::unexpected(format.error());
+  const auto text = io::ReadWholeFile(path, kMaxJobFileBytes);
+  if (!text) return tl::unexpected(text.error());
+  return Parse(*text, *format, path.string(), message);
+}
+
+Status WriteMessage(const fs::path& path, const pb::Message& message) {
+  const auto format = FormatOf(path);
+  if (!format) return tl::unexpected(format.error());
+  std::string text;
+  if (*format == JobFileFormat::kJson) {
+    pb::util::JsonPrintOptions options;
+    options.add_whitespace = true;
+    options.preserve_proto_field_names = true;
+    const auto status = pb::util::MessageToJsonString(message, &text, options);
+    if (!status.ok())
+      return Fail(ErrorCode::kInvalidValue, std::string(status.message()));
+  } else {
+    pb::TextFormat::PrintToString(message, &text);
+  }
+  return io::WriteFileAtomically(path, std::string_view(text));
+}
+
+void MakeAbsolute(std::string& file, const fs::path& folder) {
+  if (!file.empty()) file = (folder / file).lexically_normal().string();
+}
+
+/// Families become the files that this machine has for them; what is not found stays, and
+/// the check says so.
+void NameFontFiles(JobSpec& job) {
+  for (Model& model : *job.mutable_models()) {
+    if (!model.has_text() || model.text().font().empty()) continue;
+    std::string& font = *model.mutable_text()->mutable_font();
+    if (fs::path(font).has_extension()) continue;
+    if (auto file = drawing::FindFontFile(font)) font = std::move(*file);
+  }
+}
+
+}  // namespace
+
+Result<JobSpec> ParseJob(std::string_view text, JobFileFormat format,
+                         const std::string& name) {
+  JobSpec job;
+  if (auto parsed = Parse(text, format, name, job); !parsed) {
+    return tl::unexpected(parsed.error());
+  }
+  return job;
+}
+
+Result<MachineSpec> ParseMachine(std::string_view text, JobFileFormat format,
+                                 const std::string& name) {
+  MachineSpec machine;
+  if (auto parsed = Parse(text, format, name, machine); !parsed) {
+    return tl::unexpected(parsed.error());
+  }
+  return machine;
+}
+
+Result<JobSpec> ReadJobFile(const fs::path& path) {
+  JobSpec job;
+  if (auto read = ReadMessage(path, job); !read) return tl::unexpected(read.error());
+  ResolveFiles(job, fs::absolute(path).parent_path());
+  return job;
+}
+
+void ResolveFiles(JobSpec& job, const fs::path& folder) {
+  NameFontFiles(job);
+  ForEachFile(job,
+              [&](std::string& file, const std::string&) { MakeAbsolute(file, folder); });
+  MakeAbsolute(*job.mutable_machine_file(), folder);
+}
+
+Result<MachineSpec> ReadMachineFile(const fs::path& path) {
+  MachineSpec machine;
+  if (auto read = ReadMessage(path, machine); !read) return tl::unexpected(read.error());
+  if (const auto errors = CheckMachine(machine); !errors.empty()) {
+    Error all = JoinErrors(errors);
+    all.message = fmt::format("{}:\n{}", path.string(), all.message);
+    return tl::unexpected(all);
+  }
+  return WithMachineDefaults(std::move(machine));
+}
+
+Status WriteJobFile(const fs::path& path, const JobSpec& job) {
+  return WriteMessage(path, job);
+}
+
+Status WriteMachineFile(const fs::path& path, const MachineSpec& machine) {
+  return WriteMessage(path, machine);
+}
+
+}  // namespace intaglio

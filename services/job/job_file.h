@@ -1,0 +1,49 @@
+#pragma once
+
+// Job and machine files: protobuf text format (.textproto, .txtpb) or JSON (.json) of
+// proto/job.proto and proto/machine.proto.
+//
+// Errors: kNotFound, kIo (also what is no regular file), kTooLarge (more than
+// kMaxJobFileBytes), kUnsupported (another ending), kUnreadable with "file:line:column:
+// what". An unknown field is an error.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "engrave/core/result.h"
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+
+namespace intaglio {
+
+/// A job of a thousand models is below 200 kB.
+inline constexpr std::size_t kMaxJobFileBytes = 1 << 20;
+
+enum class JobFileFormat { kText, kJson };
+
+/// Parses only; CheckJob (services/job/job_check.h) says what is wrong with the values.
+/// Paths of models and machine file are made absolute: they are relative to the job
+/// file's folder.
+Result<JobSpec> ReadJobFile(const std::filesystem::path& path);
+
+/// Paths relative to `folder`, which is absolute, become absolute; families of fonts the
+/// files that this machine has for them.
+void ResolveFiles(JobSpec& job, const std::filesystem::path& folder);
+
+/// Also checks (CheckMachine, all errors in one message, one a line) and fills in the
+/// defaults: nobody should drive a machine from an unchecked profile.
+Result<MachineSpec> ReadMachineFile(const std::filesystem::path& path);
+
+/// The same from memory, paths untouched, unchecked; `name` stands for the file in
+/// errors.
+Result<JobSpec> ParseJob(std::string_view text, JobFileFormat format,
+                         const std::string& name);
+Result<MachineSpec> ParseMachine(std::string_view text, JobFileFormat format,
+                                 const std::string& name);
+
+/// The format follows from the ending. The file is there whole or not at all.
+Status WriteJobFile(const std::filesystem::path& path, const JobSpec& job);
+Status WriteMachineFile(const std::filesystem::path& path, const MachineSpec& machine);
+
+}  // namespace intaglio

@@ -1,0 +1,28 @@
+#pragma once
+
+// What discretizers found out, put together from the parts of a job.
+
+#include <string>
+#include <vector>
+
+#include "engrave/discretize/cloud.h"
+#include "proto/job.pb.h"
+#include "proto/task.pb.h"
+#include "services/job/models/model_sources.h"
+
+namespace intaglio {
+
+/// Of one part. What is true of the models as a whole is told by the first.
+DiscretizeOutcome OutcomeOf(const JobSources& sources,
+                            const discretize::Discretized& made,
+                            const discretize::Part& part);
+
+/// Counts are added up, models and warnings taken over.
+void AddPart(const DiscretizeOutcome& part, DiscretizeOutcome& all);
+
+/// What a person should know before the block is spoiled, a sentence each with the
+/// remedy: the outcome's own warnings, and those that follow from the counts of all
+/// parts together. `job` with its defaults filled in.
+std::vector<std::string> WarningsOf(const DiscretizeOutcome& all, const JobSpec& job);
+
+}  // namespace intaglio

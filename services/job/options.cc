@@ -1,0 +1,288 @@
+#include "services/job/options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <numbers>
+#include <string_view>
+
+#include "engrave/core/check.h"
+#include "engrave/motion/profiles.h"
+#include "engrave/sort/kdz.h"
+#include "services/job/job_defaults.h"
+
+namespace intaglio {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+mesh::Fit FitOf(const Placement& placement, const Block& block) {
+  switch (placement.fit_case()) {
+    case Placement::kFitHeightMm:
+      return mesh::FitHeight{placement.fit_height_mm()};
+    case Placement::kFitSizeMm:
+      return mesh::FitLargest{placement.fit_size_mm()};
+    case Placement::kFitBlock:
+      return mesh::FitBox{Vec3Of(block.size_mm()) -
+                          Vec3::Constant(2 * block.margin_mm())};
+    case Placement::FIT_NOT_SET:
+      break;
+  }
+  return mesh::NoFit{};
+}
+
+discretize::Direction DirectionOf(Axis axis, const Vector3& rotate_deg) {
+  const discretize::Axis base = axis == AXIS_X   ? discretize::Axis::kX
+                                : axis == AXIS_Y ? discretize::Axis::kY
+                                                 : discretize::Axis::kZ;
+  return {base, Vec3Of(rotate_deg) * kRadPerDeg};
+}
+
+discretize::SectionOptions SectionOptionsOf(const SectionsMethod& asked,
+                                            const Placement& placement) {
+  Require(asked.has_layer_distance_mm() && asked.has_insert_end_points(),
+          "the job's defaults are not filled in");
+  discretize::SectionOptions options;
+  options.layer_distance_mm = asked.layer_distance_mm();
+  options.vertex_distance_mm = asked.vertex_distance_mm();
+  options.first_last_distance_ratio = asked.first_last_distance_ratio();
+  options.twist_phase_ratio = asked.twist_phase_ratio();
+  options.insert_end_points = asked.insert_end_points();
+  options.normal = DirectionOf(asked.axis(), asked.rotate_deg());
+  options.reference = asked.system() == COORDINATE_SYSTEM_WORLD
+                          ? discretize::SectionReference::kWorld
+                          : discretize::SectionReference::kObject;
+  if (asked.system() == COORDINATE_SYSTEM_OBJECT) {
+    // Its columns are the turned axes x, y, z.
+    options.object_axes = mesh::RotationOf(Vec3Of(placement.rotate_deg()) * kRadPerDeg);
+  }
+  options.parallel_faces = asked.parallel_faces() == PARALLEL_FACES_COVER
+                               ? discretize::ParallelFaces::kCover
+                           : asked.parallel_faces() == PARALLEL_FACES_REPORT
+                               ? discretize::ParallelFaces::kReport
+                               : discretize::ParallelFaces::kIgnore;
+  return options;
+}
+
+}  // namespace
+
+std::string ProfileName(MotionProfile profile) {
+  std::string name = MotionProfile_Name(profile);
+  name.erase(0, std::string_view("MOTION_PROFILE_").size());
+  for (char& c : name) {
+    c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return name;
+}
+
+Vec3 Vec3Of(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+Vec3 BlockSizeOf(const JobSpec& job) { return Vec3Of(job.block().size_mm()); }
+
+Box3 PermittedBoxOf(const Block& block) {
+  Require(block.has_margin_mm(), "the job's defaults are not filled in");
+  const Vec3 margin_mm = Vec3::Constant(block.margin_mm());
+  return {margin_mm, Vec3Of(block.size_mm()) - margin_mm};
+}
+
+mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
+  Require(placement.has_unit_mm() && placement.has_scale_ratio() && block.has_margin_mm(),
+          "the job's defaults are not filled in");
+  mesh::Placement result;
+  result.unit_mm = placement.unit_mm();
+  result.mirror_x = placement.mirror_x();
+  result.mirror_y = placement.mirror_y();
+  result.mirror_z = placement.mirror_z();
+  result.scale_ratio = Vec3Of(placement.scale_ratio());
+  result.rotation_rad = Vec3Of(placement.rotate_deg()) * kRadPerDeg;
+  result.fit = FitOf(placement, block);
+  result.move_mm = Vec3Of(placement.move_mm());
+  result.centre_in_block = placement.centre_in_block();
+  result.pivot = placement.pivot() == PIVOT_OBJECT  ? mesh::Pivot::kObject
+                 : placement.pivot() == PIVOT_BLOCK ? mesh::Pivot::kBlock
+                                                    : mesh::Pivot::kOrigin;
+  return result;
+}
+
+namespace {
+
+discretize::EvenOptions EvenOptionsOf(const EvenMethod& asked,
+                                      const mesh::TriangleMesh& placed) {
+  discretize::EvenOptions options;
+  options.distance_mm = asked.distance_mm();
+  options.sparse_distance_mm = asked.sparse_distance_mm();
+  options.surface = false;
+  for (const double depth_mm : asked.shell_depths_mm()) {
+    if (depth_mm == 0) {
+      options.surface = true;
+    } else {
+      options.depths_mm.push_back(depth_mm);
+    }
+  }
+  if (asked.has_curvature_radius_mm()) {
+    options.density =
+        discretize::DensityByCurvature(placed, 1 / asked.curvature_radius_mm());
+  } else if (asked.has_light()) {
+    options.density = discretize::DensityByLight(placed, Vec3Of(asked.light()));
+  }
+  return options;
+}
+
+}  // namespace
+
+discretize::MeshMethod MeshMethodOf(const JobSpec& job, const Model& model,
+                                    const mesh::TriangleMesh& placed) {
+  switch (model.method_case()) {
+    case Model::kSections:
+      return SectionOptionsOf(model.sections(), model.placement());
+    case Model::kFill:
+      return discretize::FillOptions{model.fill().vertex_distance_mm(),
+                                     model.fill().full_fill()};
+    case Model::kRays:
+      return discretize::RayOptions{
+          model.rays().distance_mm(),
+          DirectionOf(model.rays().axis(), model.rays().rotate_deg()),
+          model.rays().interior_only()};
+    case Model::kEven:
+      return EvenOptionsOf(model.even(), placed);
+    case Model::kSolid:
+      return discretize::SolidOptions{model.solid().distance_mm(),
+                                      job.discretization().height_ratio()};
+    default:
+      throw PreconditionError("a mesh has no method: the defaults are not filled in");
+  }
+}
+
+sort::BeamCone BeamConeOf(const FrozenJob& job) {
+  const double tangent = job.optics().cone_tangent();
+  const MachineLens* lens = FindLens(job.machine(), job.job().lens().focal_length_mm());
+  if (lens == nullptr || lens->crack_length_mm() <= 0) return tangent;
+  return {tangent, 0.5 * lens->crack_diameter_mm(), lens->crack_length_mm()};
+}
+
+namespace {
+
+/// The stage's, as they are felt in the glass: a step in depth is a shorter one of the
+/// stage.
+motion::Limits GlassLimitsOf(const FrozenJob& job) {
+  motion::Limits limits = MotionOptionsOf(job).limits;
+  const double ratio = job.optics().stage_per_glass_ratio();
+  limits.max_speed_mm_s.z() /= ratio;
+  limits.max_acceleration_mm_s2.z() /= ratio;
+  return {limits.max_speed_mm_s, limits.max_acceleration_mm_s2};
+}
+
+void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
+  switch (ordering.method_case()) {
+    case Ordering::kKdz:
+      options.method = sort::Method::kKdz;
+      options.kdz.up_ratio = ordering.kdz().has_up_ratio()
+                                 ? ordering.kdz().up_ratio()
+                                 : sort::DefaultUpRatio(options.cone);
+      break;
+    case Ordering::kLayers:
+      options.method = sort::Method::kLayers;
+      options.layers.layer_thickness_mm = ordering.layers().layer_thickness_mm();
+      break;
+    case Ordering::kSmooth:
+      options.method = sort::Method::kSmooth;
+      break;
+    case Ordering::kAnneal:
+      options.method = sort::Method::kAnneal;
+      options.anneal.tries_per_point = ordering.anneal().tries_per_point();
+      options.anneal.seed = ordering.anneal().seed();
+      break;
+    case Ordering::kBoustrophedon:
+      options.method = sort::Method::kBoustrophedon;
+      options.boustrophedon = {ordering.boustrophedon().layer_thickness_mm(),
+                               ordering.boustrophedon().row_width_mm()};
+      break;
+    case Ordering::kPublishedKdz:
+      options.method = sort::Method::kPublishedKdz;
+      options.published_kdz = {ordering.published_kdz().up_ratio(),
+                               ordering.published_kdz().down_ratio()};
+      break;
+    case Ordering::METHOD_NOT_SET:
+      Require(false, "the job's defaults are not filled in");
+  }
+}
+
+}  // namespace
+
+sort::OrderOptions OrderOptionsOf(const FrozenJob& job) {
+  sort::OrderOptions options;
+  options.cone = BeamConeOf(job);
+  options.limits = GlassLimitsOf(job);
+  options.rate_hz = job.job().laser().rate_hz();
+  SetMethod(job.job().ordering(), options);
+  return options;
+}
+
+optics::Lens LensOf(const JobSpec& job) {
+  Require(job.lens().has_numerical_aperture(), "the job's defaults are not filled in");
+  return {job.lens().focal_length_mm(), job.lens().numerical_aperture()};
+}
+
+namespace {
+
+/// What only the motion that does not stop regards.
+void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
+  const MachineSpec& machine = job.machine();
+  const AxisLimits* axes[] = {&machine.x(), &machine.y(), &machine.z()};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axes[axis]->has_max_jerk_mm_s3()) {
+      plan.limits.max_jerk_mm_s3[axis] = axes[axis]->max_jerk_mm_s3();
+    }
+  }
+  if (machine.has_max_speed_norm_mm_s()) {
+    plan.limits.max_speed_norm_mm_s = machine.max_speed_norm_mm_s();
+  }
+  if (machine.has_max_acceleration_norm_mm_s2()) {
+    plan.limits.max_acceleration_norm_mm_s2 = machine.max_acceleration_norm_mm_s2();
+  }
+  // In the glass a move in depth is longer than the stage's.
+  plan.tolerance_mm = 1e-3 * job.job().motion().tolerance_um() *
+                      std::min(1.0, job.optics().stage_per_glass_ratio());
+}
+
+}  // namespace
+
+motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
+  const MotionOptions& asked = job.job().motion();
+  Require(asked.has_max_speed_mm_s() && job.job().laser().has_rate_hz(),
+          "the job's defaults are not filled in");
+  const MachineSpec& machine = job.machine();
+  const Vec3 speed_mm_s(machine.x().max_speed_mm_s(), machine.y().max_speed_mm_s(),
+                        machine.z().max_speed_mm_s());
+  const Vec3 acceleration_mm_s2(machine.x().max_acceleration_mm_s2(),
+                                machine.y().max_acceleration_mm_s2(),
+                                machine.z().max_acceleration_mm_s2());
+  motion::PlanOptions result;
+  result.limits.max_speed_mm_s =
+      speed_mm_s.cwiseMin(Vec3::Constant(asked.max_speed_mm_s()));
+  result.limits.max_acceleration_mm_s2 =
+      acceleration_mm_s2.cwiseMin(Vec3::Constant(asked.max_acceleration_mm_s2()));
+  result.limits.travel_mm = {
+      Vec3(machine.x().travel_min_mm(), machine.y().travel_min_mm(),
+           machine.z().travel_min_mm()),
+      Vec3(machine.x().travel_max_mm(), machine.y().travel_max_mm(),
+           machine.z().travel_max_mm())};
+  result.rate_hz = job.job().laser().rate_hz();
+  result.continuous = asked.profile() == MOTION_PROFILE_CONTINUOUS;
+  if (!result.continuous) {
+    const auto profile = motion::ProfileByName(ProfileName(asked.profile()));
+    Require(profile.has_value(), "motion.profile: {} is no profile",
+            static_cast<int>(asked.profile()));
+    result.profile = *profile;
+  }
+  result.stage_lag_s = machine.stage_lag_s();
+  if (result.continuous) SetOptionalLimits(job, result);
+  return result;
+}
+
+optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job) {
+  const double ratio = job.optics().stage_per_glass_ratio();
+  Require(ratio > 0 && ratio <= 1, "stage_per_glass_ratio must be in 0..1, is {}", ratio);
+  return {Vec3Of(job.machine().block_origin_mm()), BlockSizeOf(job.job()), ratio};
+}
+
+}  // namespace intaglio

@@ -1,0 +1,60 @@
+#pragma once
+
+// The one place where jobs, written for people (degrees, defaults), become the plain
+// options of engrave/ (radians, nothing open). All take jobs with every default filled
+// in: services/job/job_defaults.h, services/job/freeze.h; a broken precondition throws.
+
+#include <cstdint>
+#include <string>
+
+#include "engrave/core/geometry.h"
+#include "engrave/discretize/methods.h"
+#include "engrave/mesh/placement.h"
+#include "engrave/motion/planner.h"
+#include "engrave/optics/focus.h"
+#include "engrave/optics/machine_frame.h"
+#include "engrave/sort/order.h"
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+#include "proto/task.pb.h"
+
+namespace intaglio {
+
+Vec3 Vec3Of(const Vector3& v);
+
+/// Width, depth, height, mm.
+Vec3 BlockSizeOf(const JobSpec& job);
+
+/// Where points may lie: the block minus its margin. Frame glass, mm.
+Box3 PermittedBoxOf(const Block& block);
+
+/// The way of a model into the job's block.
+mesh::Placement PlacementOf(const Placement& placement, const Block& block);
+
+/// How a placed mesh (glass frame) of a job becomes points. Density by an image is not in
+/// it: that takes the image (model_sources.h).
+discretize::MeshMethod MeshMethodOf(const JobSpec& job, const Model& model,
+                                    const mesh::TriangleMesh& placed);
+
+/// The beam above a point, and what the cracks of the job's lens take of it.
+sort::BeamCone BeamConeOf(const FrozenJob& job);
+
+/// Method, the beam's cone with the cracks of the job's lens, and the stage's limits in
+/// the glass. Where the order Kdz leaves its weight open, it follows from the cone.
+/// Workers and a time budget (AnnealOrder.time_s) are the caller's to set.
+sort::OrderOptions OrderOptionsOf(const FrozenJob& job);
+
+optics::Lens LensOf(const JobSpec& job);
+
+/// "continuous", or the name of the profile in engrave/motion/profiles.h; empty for a
+/// number that is none.
+std::string ProfileName(MotionProfile profile);
+
+/// How the stage of a job is driven. Limits: the machine's, capped by the job's, and its
+/// travel.
+motion::PlanOptions MotionOptionsOf(const FrozenJob& job);
+
+/// Glass frame to machine frame, focus depth included.
+optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job);
+
+}  // namespace intaglio

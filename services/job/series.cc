@@ -1,0 +1,183 @@
+#include "services/job/series.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <google/protobuf/descriptor.h>
+
+#include <sstream>
+
+#include "services/job/field_path.h"
+#include "services/job/field_ranges.h"
+#include "services/job/job_check.h"
+#include "services/job/job_file.h"
+
+namespace intaglio {
+namespace {
+
+namespace pb = google::protobuf;
+
+/// Puts one row's fields into texts.
+class Row {
+ public:
+  Row(const io::CsvTable& table, const io::CsvRow& row, std::vector<Error>& errors)
+      : table_(table), row_(row), errors_(errors) {}
+
+  /// Every text of the message, at any depth.
+  void FillIn(pb::Message& message, const std::string& path) {
+    const pb::Descriptor& type = *message.GetDescriptor();
+    const pb::Reflection& reflection = *message.GetReflection();
+    for (int i = 0; i < type.field_count(); ++i) {
+      const pb::FieldDescriptor& field = *type.field(i);
+      const std::string here = JoinPath(path, field.name());
+      if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
+        FillInMessages(message, field, here);
+      } else if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING &&
+                 !field.is_repeated() &&
+                 (!field.has_presence() || reflection.HasField(message, &field))) {
+        reflection.SetString(&message, &field,
+                             FilledIn(reflection.GetString(message, &field), here));
+      }
+    }
+  }
+
+  /// Columns that were named in a text.
+  const std::set<std::string>& used() const { return used_; }
+
+ private:
+  void FillInMessages(pb::Message& message, const pb::FieldDescriptor& field,
+                      const std::string& path) {
+    const pb::Reflection& reflection = *message.GetReflection();
+    if (!field.is_repeated()) {
+      if (!reflection.HasField(message, &field)) return;
+      return FillIn(*reflection.MutableMessage(&message, &field), path);
+    }
+    for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
+      FillIn(*reflection.MutableRepeatedMessage(&message, &field, k),
+             fmt::format("{}[{}]", path, k));
+    }
+  }
+
+  std::string FilledIn(const std::string& text, const std::string& path) {
+    std::string filled;
+    std::size_t at = 0;
+    for (;;) {
+      const auto open = text.find('{', at);
+      const auto close = text.find('}', open == text.npos ? open : open + 1);
+      if (close == text.npos) return filled + text.substr(at);
+      const std::string name = text.substr(open + 1, close - open - 1);
+      filled += text.substr(at, open - at);
+      at = close + 1;
+      const std::string* field = table_.Find(row_, name);
+      if (field != nullptr) {
+        filled += *field;
+        used_.insert(name);
+        continue;
+      }
+      filled += fmt::format("{{{}}}", name);
+      if (name == "n") continue;
+      errors_.push_back({ErrorCode::kNotFound,
+                         fmt::format("{}: the table has no column '{}'; it has: {}", path,
+                                     name, fmt::join(table_.names, ", ")),
+                         name});
+    }
+  }
+
+  const io::CsvTable& table_;
+  const io::CsvRow& row_;
+  std::vector<Error>& errors_;
+  std::set<std::string> used_;
+};
+
+/// Sets the columns that are fields by their path, and looks that none takes another's
+/// place.
+void SetColumns(const io::CsvTable& table, const io::CsvRow& row,
+                const std::set<std::string>& passed_over, JobSpec& job,
+                std::vector<Error>& errors) {
+  std::vector<std::string> set;
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    const std::string& name = table.names[i];
+    if (passed_over.contains(name) || name.starts_with('#')) continue;
+    if (!BeginsWithField(*JobSpec::descriptor(), name)) {
+      errors.push_back(
+          {ErrorCode::kMissing,
+           fmt::format("column '{0}': is no field of a job, and no text or file name of "
+                       "the job file has {{{0}}} in it: correct it, or call it '#{0}' to "
+                       "have it passed over",
+                       name),
+           name});
+    } else if (!row.fields[i].empty()) {
+      const auto done = SetField(job, name, row.fields[i]);
+      if (done) set.push_back(name);
+      if (!done) errors.push_back(done.error());
+    }
+  }
+  for (const std::string& name : set) {
+    if (IsSet(job, name)) continue;
+    errors.push_back({ErrorCode::kInvalidValue,
+                      fmt::format("{}: excludes another column of this row; leave one of "
+                                  "the two empty",
+                                  name),
+                      name});
+  }
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace
+
+Result<JobSpec> FillRow(const JobSpec& pattern, const io::CsvTable& table,
+                        const io::CsvRow& row, const std::filesystem::path& folder,
+                        const std::set<std::string>& passed_over) {
+  std::vector<Error> errors;
+  JobSpec job = pattern;
+  Row fields(table, row, errors);
+  fields.FillIn(job, "");
+  std::set<std::string> others = passed_over;
+  others.insert(fields.used().begin(), fields.used().end());
+  SetColumns(table, row, others, job, errors);
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  ResolveFiles(job, folder);
+  return job;
+}
+
+void TellApart(JobSpec& job, const JobSpec& pattern, const std::string& what) {
+  if (job.name() != pattern.name()) return;
+  job.set_name(job.name() + (job.name().empty() ? "" : " ") + what);
+}
+
+Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern, const io::CsvTable& table,
+                                        const std::filesystem::path& folder) {
+  if (table.rows.empty()) {
+    return Fail(ErrorCode::kMissing, "the table has no rows: write a piece in each");
+  }
+  std::vector<JobSpec> jobs;
+  std::vector<Error> errors;
+  std::set<std::string> told;  // also of another row
+  for (const io::CsvRow& row : table.rows) {
+    auto job = FillRow(pattern, table, row, folder);
+    if (job) {
+      TellApart(*job, pattern, std::to_string(jobs.size() + 1));
+      jobs.push_back(std::move(*job));
+      continue;
+    }
+    Error error = std::move(job.error());
+    std::string news;
+    for (const std::string& line : Lines(error.message)) {
+      if (!told.insert(line).second) continue;
+      news +=
+          fmt::format("{}line {}: {}", news.empty() ? "" : "\n", row.line_number, line);
+    }
+    if (news.empty()) continue;
+    error.message = std::move(news);
+    errors.push_back(std::move(error));
+  }
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  return jobs;
+}
+
+}  // namespace intaglio

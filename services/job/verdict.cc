@@ -1,0 +1,34 @@
+#include "services/job/verdict.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+namespace intaglio {
+
+ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome) {
+  if (outcome == nullptr) {
+    if (!done) return {"none", ""};
+    return {"unknown", "what became of its points is not known any more"};
+  }
+  const bool touched =
+      outcome->made_count() + outcome->missed_count() + outcome->uncertain_count() > 0;
+  if (!done && !touched) return {"none", ""};
+  std::vector<std::string> reasons;
+  const auto add = [&reasons](std::uint64_t count, const char* what) {
+    if (count > 0) reasons.push_back(fmt::format("{} {}", count, what));
+  };
+  add(outcome->missed_count(), "missed");
+  add(outcome->skipped_count(), "skipped");
+  add(outcome->uncertain_count(), "uncertain");
+  if (reasons.empty() && outcome->made_count() != outcome->planned_count()) {
+    reasons.push_back(fmt::format("{} of them made", outcome->made_count()));
+  }
+  if (done && reasons.empty()) return {"good", ""};
+  if (reasons.empty()) reasons.push_back("not brought to its end");
+  return {"not_good", fmt::format("of {} points {}", outcome->planned_count(),
+                                  fmt::join(reasons, ", "))};
+}
+
+}  // namespace intaglio

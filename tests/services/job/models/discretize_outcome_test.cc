@@ -1,0 +1,57 @@
+#include "services/job/models/discretize_outcome.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "services/job/job_defaults.h"
+#include "tests/services/job/test_job.h"
+
+namespace intaglio {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(DiscretizeOutcome, PartsAddUp) {
+  JobSources sources;
+  sources.meshes.resize(1);
+  sources.meshes[0].set_triangle_count(12);
+  sources.warnings = {"the model is open"};
+  discretize::Discretized made;
+  made.cloud.Add(Vec3(1, 2, 3), 0);
+  made.candidate_count = 4;
+  made.welded_count = 2;
+  made.clipped_count = 1;
+  made.models.resize(1);
+  made.models[0].point_count = 4;
+  made.models[0].ray_count = 10;
+  made.models[0].odd_ray_count = 1;
+  made.models[0].parallel_area_mm2 = 20;
+  DiscretizeOutcome all;
+  AddPart(OutcomeOf(sources, made, {0, 2}), all);
+  AddPart(OutcomeOf(sources, made, {1, 2}), all);
+  EXPECT_EQ(all.models_size(), 1) << "models are told of once";
+  EXPECT_EQ(all.warnings_size(), 1);
+  EXPECT_EQ(all.candidate_count(), 8u);
+  EXPECT_EQ(all.welded_count(), 4u);
+  EXPECT_EQ(all.clipped_count(), 2u);
+  EXPECT_EQ(all.point_count(), 2u);
+  ASSERT_EQ(all.methods_size(), 1);
+  EXPECT_EQ(all.methods(0).odd_ray_count(), 2u);
+  EXPECT_EQ(all.methods(0).parallel_area_mm2(), 40);
+}
+
+TEST(DiscretizeOutcome, ParallelFacesAreWarnedOfWhereTheJobSaysReport) {
+  JobSpec job = GoodJob();
+  DiscretizeOutcome all;
+  all.add_methods()->set_parallel_area_mm2(40);
+  all.mutable_methods(0)->set_odd_ray_count(3);
+  EXPECT_EQ(WarningsOf(all, WithDefaults(job, GoodMachine())).size(), 1u);
+  job.mutable_discretization()->mutable_sections()->set_parallel_faces(
+      PARALLEL_FACES_REPORT);
+  const auto warnings = WarningsOf(all, WithDefaults(job, GoodMachine()));
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_THAT(warnings[0], HasSubstr("40.00 mm^2"));
+}
+
+}  // namespace
+}  // namespace intaglio

@@ -1,0 +1,167 @@
+#include "services/job/models/model_sources.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "services/job/job_defaults.h"
+#include "tests/services/job/test_job.h"
+
+namespace intaglio {
+namespace {
+
+using ::testing::HasSubstr;
+
+FileBytes BytesOf(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// A job of one model, and the cloud that is made of it in the block of the sample.
+struct OneModel {
+  JobSpec job = GoodJob();
+  Model& model = (job.mutable_models(0)->Clear(), *job.mutable_models(0));
+
+  Result<discretize::Discretized> Make(std::vector<std::string_view> files) {
+    std::vector<FileBytes> bytes;
+    for (const std::string_view file : files) bytes.push_back(BytesOf(file));
+    const JobSpec whole = WithDefaults(job, GoodMachine());
+    const auto sources = MakeSources(whole, std::move(bytes), {}, {});
+    if (!sources) return tl::unexpected(sources.error());
+    return discretize::MakeCloud(sources->sources, CloudOptionsOf(whole), {}, {}, {});
+  }
+};
+
+constexpr std::string_view kThreePoints = "0 0 0\n1 0 0\n0 0 2\n";
+
+TEST(ModelSources, ACloudIsTakenAsItIs) {
+  OneModel one;
+  one.model.set_file("three.xyz");
+  one.model.mutable_placement()->set_centre_in_block(false);
+  one.model.mutable_placement()->mutable_move_mm()->set_x(5);
+  one.model.mutable_placement()->mutable_move_mm()->set_y(6);
+  one.model.mutable_placement()->mutable_move_mm()->set_z(7);
+  const auto made = one.Make({kThreePoints});
+  ASSERT_TRUE(made.has_value()) << made.error().message;
+  EXPECT_EQ(made->cloud.points_mm, (PointList{{5, 6, 7}, {6, 6, 7}, {5, 6, 9}}));
+}
+
+TEST(ModelSources, CopiesStandInAGridAboutTheMiddle) {
+  OneModel one;
+  one.model.set_file("three.xyz");
+  one.model.mutable_placement()->set_centre_in_block(true);
+  one.model.mutable_copies()->set_count_x(3);
+  one.model.mutable_copies()->set_count_y(2);
+  one.model.mutable_copies()->mutable_step_mm()->set_x(4);
+  one.model.mutable_copies()->mutable_step_mm()->set_y(5);
+  const auto made = one.Make({kThreePoints});
+  ASSERT_TRUE(made.has_value()) << made.error().message;
+  EXPECT_EQ(made->cloud.size(), 18u);
+  Box3 box;
+  for (const Vec3& p : made->cloud.points_mm) box.Extend(p);
+  EXPECT_NEAR(box.size_mm().x(), 1 + 2 * 4, 1e-12);
+  EXPECT_NEAR(box.size_mm().y(), 5, 1e-12);
+  EXPECT_TRUE(box.center_mm().isApprox(Vec3(25, 25, 15), 1e-12));
+}
+
+TEST(ModelSources, APlyWithoutFacesIsACloud) {
+  OneModel one;
+  one.model.set_file("scan.ply");
+  const auto made = one.Make(
+      {"ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double "
+       "y\nproperty double z\nend_header\n0 0 0\n3 0 0\n"});
+  ASSERT_TRUE(made.has_value()) << made.error().message;
+  EXPECT_EQ(made->cloud.size(), 2u);
+}
+
+TEST(ModelSources, ErrorsNameTheModelsFile) {
+  OneModel one;
+  one.model.set_file("three.xyz");
+  const auto made = one.Make({"0 0\n"});
+  ASSERT_FALSE(made.has_value());
+  EXPECT_THAT(made.error().message, HasSubstr("three.xyz"));
+}
+
+TEST(ModelSources, AModelsOwnMethodIsUsed) {
+  const std::string_view tetrahedron =
+      "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  std::vector<std::size_t> counts;
+  for (int i = 0; i < 2; ++i) {
+    OneModel one;
+    one.model.set_file("corner.obj");
+    if (i == 1) one.model.mutable_rays()->set_distance_mm(2);
+    const auto made = one.Make({tetrahedron});
+    ASSERT_TRUE(made.has_value()) << made.error().message;
+    counts.push_back(made->cloud.size());
+  }
+  EXPECT_GT(counts[0], 4 * counts[1]);
+}
+
+/// One grey, as a bitmap of 8 x 8.
+std::string GreyBitmap(char grey) {
+  std::string file = "BM";
+  const auto put = [&file](std::uint32_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i)
+      file.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
+  };
+  constexpr int kSide = 8, kStart = 54;
+  put(kStart + kSide * kSide * 3, 4), put(0, 4), put(kStart, 4);
+  put(40, 4), put(kSide, 4), put(kSide, 4), put(1, 2), put(24, 2);
+  for (int i = 0; i < 6; ++i) put(0, 4);
+  file.append(kSide * kSide * 3, grey);
+  return file;
+}
+
+// Of a curve that makes all brightness one, the picture's grey is no matter.
+TEST(ModelSources, APhotosToneFollowsItsCurve) {
+  const auto count_of = [](char grey, double to) {
+    OneModel one;
+    one.model.set_file("photo.bmp");
+    HalftoneMethod& halftone = *one.model.mutable_halftone();
+    if (to >= 0) {
+      for (const double from : {0.0, 1.0}) {
+        TonePoint& point = *halftone.add_curve();
+        point.set_from(from), point.set_to(to);
+      }
+    }
+    const std::string file = GreyBitmap(grey);
+    const auto made = one.Make({file});
+    EXPECT_TRUE(made.has_value()) << made.error().message;
+    return made ? made->cloud.size() : 0;
+  };
+  const std::size_t as_it_is = count_of('\x80', -1);
+  EXPECT_GT(as_it_is, 1000u);
+  EXPECT_EQ(count_of('\x10', 128 / 255.0), as_it_is);
+  EXPECT_GT(count_of('\x10', 0.8), as_it_is * 2);
+  EXPECT_EQ(count_of('\x80', 0), 0u);
+}
+
+TEST(ModelSources, AReliefHasItsLayersAboveOneAnother) {
+  const auto made_of = [](std::uint32_t layers) {
+    OneModel one;
+    one.model.set_file("depth.bmp");
+    ReliefMethod& relief = *one.model.mutable_relief();
+    relief.set_layer_count(layers);
+    relief.set_layer_distance_mm(2);
+    const std::string file = GreyBitmap('\x80');
+    return one.Make({file});
+  };
+  const auto one = made_of(1), three = made_of(3);
+  ASSERT_TRUE(one && three);
+  std::set<std::int64_t> depths_um;
+  for (const Vec3& p : three->cloud.points_mm)
+    depths_um.insert(std::llround(p.z() * 1e3));
+  ASSERT_EQ(depths_um.size(), 3u);
+  EXPECT_EQ(*depths_um.rbegin() - *depths_um.begin(), 4000);
+  EXPECT_NEAR(
+      static_cast<double>(three->cloud.size()) / static_cast<double>(one->cloud.size()),
+      3, 0.1);
+}
+
+}  // namespace
+}  // namespace intaglio

@@ -1,0 +1,259 @@
+#include "services/job/options.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "engrave/core/check.h"
+#include "engrave/motion/profiles.h"
+#include "services/job/job_defaults.h"
+#include "services/job/models/model_sources.h"
+#include "tests/services/job/test_job.h"
+
+namespace intaglio {
+namespace {
+
+FrozenJob Frozen(JobSpec job) {
+  FrozenJob frozen;
+  *frozen.mutable_machine() = GoodMachine();
+  *frozen.mutable_job() = WithDefaults(std::move(job), GoodMachine());
+  frozen.mutable_optics()->set_stage_per_glass_ratio(0.65);
+  frozen.mutable_optics()->set_cone_tangent(0.13);
+  return frozen;
+}
+
+TEST(Options, PlacementTurnsDegreesIntoRadians) {
+  JobSpec job = GoodJob();
+  Placement& asked = *job.mutable_models(0)->mutable_placement();
+  asked.mutable_rotate_deg()->set_z(-90);
+  asked.set_mirror_y(true);
+  asked.mutable_move_mm()->set_x(4);
+  asked.set_unit_mm(25.4);
+  job = WithDefaults(job, GoodMachine());
+  const mesh::Placement placement = PlacementOf(job.models(0).placement(), job.block());
+  EXPECT_DOUBLE_EQ(placement.rotation_rad.z(), -std::numbers::pi / 2);
+  EXPECT_EQ(placement.unit_mm, 25.4);
+  EXPECT_TRUE(placement.mirror_y);
+  EXPECT_FALSE(placement.mirror_x);
+  EXPECT_EQ(placement.move_mm, Vec3(4, 0, 0));
+  EXPECT_TRUE(placement.centre_in_block);
+  ASSERT_TRUE(std::holds_alternative<mesh::FitHeight>(placement.fit));
+  EXPECT_EQ(std::get<mesh::FitHeight>(placement.fit).height_mm, 22);
+}
+
+TEST(Options, FitBlockLeavesTheMargin) {
+  JobSpec job = GoodJob();
+  job.mutable_models(0)->mutable_placement()->set_fit_block(true);
+  job = WithDefaults(job, GoodMachine());
+  const mesh::Placement placement = PlacementOf(job.models(0).placement(), job.block());
+  ASSERT_TRUE(std::holds_alternative<mesh::FitBox>(placement.fit));
+  EXPECT_EQ(std::get<mesh::FitBox>(placement.fit).size_mm, Vec3(44, 44, 24));
+  EXPECT_EQ(PermittedBoxOf(job.block()).min_mm, Vec3(3, 3, 3));
+  EXPECT_EQ(PermittedBoxOf(job.block()).max_mm, Vec3(47, 47, 27));
+}
+
+TEST(Options, MotionIsCappedAxisByAxis) {
+  JobSpec job = GoodJob();
+  job.mutable_motion()->set_max_speed_mm_s(50);
+  job.mutable_motion()->set_profile(MOTION_PROFILE_CUBIC);
+  FrozenJob frozen = Frozen(job);
+  frozen.mutable_machine()->mutable_z()->set_max_speed_mm_s(20);
+  const motion::PlanOptions motion = MotionOptionsOf(frozen);
+  EXPECT_EQ(motion.limits.max_speed_mm_s, Vec3(50, 50, 20));
+  EXPECT_EQ(motion.limits.max_acceleration_mm_s2, Vec3(7000, 7000, 7000));
+  EXPECT_EQ(motion.rate_hz, 200);
+  EXPECT_EQ(motion.profile, motion::Profile::kCubic);
+}
+
+TEST(Options, EveryProfileOfAJobIsOneOfThePlanner) {
+  std::size_t stopping = 0;
+  for (int number = MotionProfile_MIN; number <= MotionProfile_MAX; ++number) {
+    const auto profile = static_cast<MotionProfile>(number);
+    JobSpec job = GoodJob();
+    job.mutable_motion()->set_profile(profile);
+    const motion::PlanOptions plan = MotionOptionsOf(Frozen(job));
+    EXPECT_EQ(plan.continuous, profile == MOTION_PROFILE_CONTINUOUS);
+    if (plan.continuous) continue;
+    ++stopping;
+    EXPECT_EQ(motion::ProfileByName(ProfileName(profile)), plan.profile);
+  }
+  EXPECT_EQ(stopping, motion::Profiles().size());
+  EXPECT_EQ(ProfileName(MOTION_PROFILE_TIME_OPTIMAL), "time-optimal");
+  EXPECT_EQ(ProfileName(static_cast<MotionProfile>(99)), "");
+}
+
+TEST(Options, ThePlannersKnowWhereTheTravelEnds) {
+  FrozenJob frozen = Frozen(GoodJob());
+  frozen.mutable_machine()->mutable_y()->set_travel_min_mm(-7);
+  frozen.mutable_machine()->mutable_z()->set_travel_max_mm(99);
+  const Box3 travel_mm = MotionOptionsOf(frozen).limits.travel_mm;
+  EXPECT_EQ(travel_mm.min_mm.y(), -7);
+  EXPECT_EQ(travel_mm.max_mm.z(), 99);
+}
+
+TEST(Options, OptionalLimitsAreForTheMotionThatDoesNotStop) {
+  JobSpec job = GoodJob();
+  job.mutable_motion()->set_tolerance_um(15);
+  FrozenJob frozen = Frozen(job);
+  const motion::Limits none = MotionOptionsOf(frozen).limits;
+  EXPECT_EQ(none.max_jerk_mm_s3, Vec3::Constant(motion::kUnlimited));
+  EXPECT_EQ(none.max_speed_norm_mm_s, motion::kUnlimited);
+  MachineSpec& machine = *frozen.mutable_machine();
+  machine.mutable_y()->set_max_jerk_mm_s3(2e6);
+  machine.set_max_speed_norm_mm_s(90);
+  machine.set_max_acceleration_norm_mm_s2(8000);
+  frozen.mutable_optics()->set_stage_per_glass_ratio(0.6);
+  const motion::PlanOptions plan = MotionOptionsOf(frozen);
+  EXPECT_EQ(plan.limits.max_jerk_mm_s3,
+            Vec3(motion::kUnlimited, 2e6, motion::kUnlimited));
+  EXPECT_EQ(plan.limits.max_speed_norm_mm_s, 90);
+  EXPECT_EQ(plan.limits.max_acceleration_norm_mm_s2, 8000);
+  EXPECT_NEAR(plan.tolerance_mm, 0.009, 1e-15) << "15 um in the glass, along the beam";
+  frozen.mutable_job()->mutable_motion()->set_profile(MOTION_PROFILE_MIX);
+  const motion::PlanOptions stopping = MotionOptionsOf(frozen);
+  EXPECT_EQ(stopping.limits.max_jerk_mm_s3.y(), motion::kUnlimited);
+  EXPECT_EQ(stopping.tolerance_mm, 0);
+}
+
+discretize::MeshMethod MethodOf(const JobSpec& job) {
+  const JobSpec whole = WithDefaults(job, GoodMachine());
+  return MeshMethodOf(whole, whole.models(0), {});
+}
+
+TEST(Options, AMeshTakesTheMethodOfTheJob) {
+  JobSpec job = GoodJob();
+  auto& asked = *job.mutable_discretization()->mutable_sections();
+  asked.set_axis(AXIS_X);
+  asked.mutable_rotate_deg()->set_y(45);
+  asked.set_layer_distance_mm(0.5);
+  asked.set_twist_phase_ratio(0.25);
+  asked.set_system(COORDINATE_SYSTEM_WORLD);
+  asked.set_parallel_faces(PARALLEL_FACES_REPORT);
+  const auto sections = std::get<discretize::SectionOptions>(MethodOf(job));
+  EXPECT_EQ(sections.layer_distance_mm, 0.5);
+  EXPECT_EQ(sections.vertex_distance_mm, 0.3);
+  EXPECT_EQ(sections.first_last_distance_ratio, 0.1);
+  EXPECT_EQ(sections.twist_phase_ratio, 0.25);
+  EXPECT_TRUE(sections.insert_end_points);
+  EXPECT_EQ(sections.normal.axis, discretize::Axis::kX);
+  EXPECT_DOUBLE_EQ(sections.normal.rotation_rad.y(), std::numbers::pi / 4);
+  EXPECT_EQ(sections.reference, discretize::SectionReference::kWorld);
+  EXPECT_EQ(sections.parallel_faces, discretize::ParallelFaces::kReport);
+  EXPECT_EQ(sections.object_axes, Mat3(Mat3::Identity()));
+
+  job.mutable_discretization()->mutable_fill()->set_full_fill(false);
+  const auto fill = std::get<discretize::FillOptions>(MethodOf(job));
+  EXPECT_EQ(fill.vertex_distance_mm, 0.3);
+  EXPECT_FALSE(fill.full_fill);
+
+  job.mutable_discretization()->mutable_rays()->set_axis(AXIS_Y);
+  job.mutable_discretization()->mutable_rays()->set_interior_only(true);
+  const auto rays = std::get<discretize::RayOptions>(MethodOf(job));
+  EXPECT_EQ(rays.distance_mm, 0.3);
+  EXPECT_EQ(rays.direction.axis, discretize::Axis::kY);
+  EXPECT_TRUE(rays.interior_only);
+
+  auto& asked_even = *job.mutable_discretization()->mutable_even();
+  asked_even.add_shell_depths_mm(0);
+  asked_even.add_shell_depths_mm(2.5);
+  const auto even = std::get<discretize::EvenOptions>(MethodOf(job));
+  EXPECT_EQ(even.distance_mm, 0.3);
+  EXPECT_DOUBLE_EQ(even.sparse_distance_mm, 0.9);
+  EXPECT_TRUE(even.surface);
+  EXPECT_EQ(even.depths_mm, std::vector<double>{2.5});
+
+  job.mutable_discretization()->mutable_solid()->set_distance_mm(0.4);
+  job.mutable_discretization()->set_height_ratio(1.5);
+  const auto solid = std::get<discretize::SolidOptions>(MethodOf(job));
+  EXPECT_EQ(solid.distance_mm, 0.4);
+  EXPECT_EQ(solid.height_ratio, 1.5);
+  EXPECT_THROW(MeshMethodOf(GoodJob(), GoodJob().models(0), {}), PreconditionError);
+}
+
+TEST(Options, AModelsOwnMethodStandsBeforeTheJobs) {
+  JobSpec job = GoodJob();
+  job.mutable_discretization()->mutable_rays();
+  job.mutable_models(0)->mutable_fill()->set_vertex_distance_mm(0.7);
+  EXPECT_EQ(std::get<discretize::FillOptions>(MethodOf(job)).vertex_distance_mm, 0.7);
+}
+
+TEST(Options, AxesOfTheObjectTurnWithIt) {
+  JobSpec job = GoodJob();
+  job.mutable_models(0)->mutable_placement()->mutable_rotate_deg()->set_x(90);
+  job.mutable_discretization()->mutable_sections()->set_system(COORDINATE_SYSTEM_OBJECT);
+  const auto sections = std::get<discretize::SectionOptions>(MethodOf(job));
+  EXPECT_EQ(Vec3(sections.object_axes.col(2)), Vec3(0, -1, 0));
+}
+
+TEST(Options, WeldBoundsAndClip) {
+  JobSpec job = GoodJob();
+  job.mutable_block()->set_clip(true);
+  job.mutable_discretization()->set_height_ratio(1.5);
+  const auto options = CloudOptionsOf(WithDefaults(job, GoodMachine()));
+  EXPECT_EQ(options.weld.min_spacing_mm, 0.3);
+  EXPECT_EQ(options.weld.height_ratio, 1.5);
+  EXPECT_TRUE(options.clip);
+  EXPECT_EQ(options.permitted_mm.max_mm, Vec3(47, 47, 27));
+}
+
+TEST(Options, OrderFollowsTheCone) {
+  FrozenJob job = Frozen(GoodJob());
+  job.mutable_optics()->set_cone_tangent(0.9);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kAnneal);
+  EXPECT_EQ(OrderOptionsOf(job).anneal.tries_per_point, 30);
+  EXPECT_EQ(OrderOptionsOf(job).cone.tangent, 0.9);
+  const MachineLens& lens = job.machine().lenses(0);
+  EXPECT_EQ(OrderOptionsOf(job).cone.crack_radius_mm, lens.crack_diameter_mm() / 2);
+  EXPECT_EQ(OrderOptionsOf(job).cone.crack_length_mm, lens.crack_length_mm());
+
+  Ordering& ordering = *job.mutable_job()->mutable_ordering();
+  ordering.mutable_kdz();
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kKdz);
+  EXPECT_EQ(OrderOptionsOf(job).kdz.up_ratio, OrderOptionsOf(job).cone.SteepestTangent());
+  ordering.mutable_kdz()->set_up_ratio(0.7);
+  EXPECT_EQ(OrderOptionsOf(job).kdz.up_ratio, 0.7);
+  ordering.mutable_layers()->set_layer_thickness_mm(0.4);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kLayers);
+  EXPECT_EQ(OrderOptionsOf(job).layers.layer_thickness_mm, 0.4);
+  ordering.mutable_boustrophedon()->set_row_width_mm(0.3);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kBoustrophedon);
+  EXPECT_EQ(OrderOptionsOf(job).boustrophedon.row_width_mm, 0.3);
+  ordering.mutable_published_kdz()->set_down_ratio(0.2);
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kPublishedKdz);
+  EXPECT_EQ(OrderOptionsOf(job).published_kdz.down_ratio, 0.2);
+  ordering.mutable_smooth();
+  EXPECT_EQ(OrderOptionsOf(job).method, sort::Method::kSmooth);
+  ordering.clear_method();
+  EXPECT_THROW(OrderOptionsOf(job), PreconditionError);
+}
+
+TEST(Options, OrderFeelsTheStageInTheGlass) {
+  // A stage that goes 0.65 mm for a millimetre of depth is that much faster in it.
+  const sort::OrderOptions options = OrderOptionsOf(Frozen(GoodJob()));
+  EXPECT_EQ(options.rate_hz, 200);
+  EXPECT_EQ(options.limits.max_speed_mm_s.x(), 80);
+  EXPECT_EQ(options.limits.max_speed_mm_s.z(), 80 / 0.65);
+  EXPECT_EQ(options.limits.max_acceleration_mm_s2.z(), 7000 / 0.65);
+}
+
+TEST(Options, LensIsTheJobs) {
+  const JobSpec job = WithDefaults(GoodJob(), GoodMachine());
+  EXPECT_EQ(LensOf(job).focal_length_mm, 43);
+  EXPECT_EQ(LensOf(job).numerical_aperture, 0.2);
+}
+
+TEST(Options, FocusDepthGoesIntoTheMachineFrame) {
+  const auto frame = MachineFromGlassOf(Frozen(GoodJob()));
+  EXPECT_EQ(frame.ToMachine(Vec3(1, 2, 30)), Vec3(1, 2, 30));
+  EXPECT_NEAR(frame.ToMachine(Vec3(1, 2, 20)).z(), 30 - 6.5, 1e-12);  // rounding
+}
+
+TEST(Options, AJobWithoutItsDefaultsIsRefused) {
+  FrozenJob frozen;
+  *frozen.mutable_job() = GoodJob();
+  EXPECT_THROW(MotionOptionsOf(frozen), PreconditionError);
+  EXPECT_THROW(MachineFromGlassOf(frozen), PreconditionError);
+}
+
+}  // namespace
+}  // namespace intaglio
