@@ -10,8 +10,10 @@
 #include "materials_db/material_store.h"
 #include "services/cli/batch_run.h"
 #include "services/cli/bus_flags.h"
+#include "services/cli/complain.h"
+#include "services/cli/event_flag.h"
 #include "services/cli/interrupt.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::cli {
@@ -47,7 +49,7 @@ Status WriteResults(const BatchResults& results, const std::string& file) {
 }
 
 int Finish(const BatchOptions& options, const BatchResults& results, bool interrupted,
-           EventLines* events) {
+           client::EventLines* events) {
   (options.events ? std::cerr : std::cout) << TableOf(results);
   if (events != nullptr) {
     JobEvent summary;
@@ -62,7 +64,7 @@ int Finish(const BatchOptions& options, const BatchResults& results, bool interr
   }
   if (!options.results.empty()) {
     if (auto written = WriteResults(results, options.results); !written) {
-      return Complain(written.error(), kExitWrongInput);
+      return Complain(written.error(), client::kExitWrongInput);
     }
   }
   return ExitCodeOf(results, interrupted);
@@ -74,19 +76,19 @@ int Batch(const BatchOptions& given) {
                                     ? materials_db::DefaultDatabasePath()
                                     : fs::path(options.materials_db);
   if (auto good = CheckResultsFile(options.results); !good) {
-    return Complain(good.error(), kExitWrongInput);
+    return Complain(good.error(), client::kExitWrongInput);
   }
   auto jobs = BuildBatch(options.source);
-  if (!jobs) return Complain(jobs.error(), kExitWrongInput);
+  if (!jobs) return Complain(jobs.error(), client::kExitWrongInput);
   if (options.check) {
     std::cout << jobs->size() << " jobs, all of them right\n";
-    return kExitGood;
+    return client::kExitGood;
   }
   CatchInterrupts();
   bus::Bus bus(options.bus);
-  JobClient client(bus);
+  client::JobClient client(bus);
   const auto served = [&] {
-    for (const ServiceView& service : client.services()) {
+    for (const client::ServiceView& service : client.services()) {
       if (service.role == intaglio_ROLE_JOB_SERVICE) return true;
     }
     return false;
@@ -96,14 +98,14 @@ int Batch(const BatchOptions& given) {
                      "no job service answers: start one (intaglio up), or check "
                      "--domain, --interface and --tag",
                      ""},
-                    kExitWrongInput);
+                    client::kExitWrongInput);
   }
   if (!options.run.arm) {
     std::cerr << "without --arm every job waits for intaglio arm JOB\n";
   }
   options.run.file = options.source.file.string();
-  EventLines lines(std::cout);
-  EventLines* events = options.events ? &lines : nullptr;
+  client::EventLines lines(std::cout);
+  client::EventLines* events = options.events ? &lines : nullptr;
   BatchRun run(client, std::move(*jobs), options.run, events);
   const BatchResults results = run.Run();
   return Finish(options, results, run.interrupted(), events);

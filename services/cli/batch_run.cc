@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "services/cli/interrupt.h"
-#include "services/cli/run_command.h"
+#include "services/client/figure_text.h"
 #include "services/history/job_words.h"
 #include "services/platform/host/utc_time.h"
 
@@ -26,11 +26,11 @@ double Seconds(std::chrono::steady_clock::duration time) {
 }
 
 /// Its block is in the machine, and may have cracks.
-bool IsEngraved(const JobView& job) {
+bool IsEngraved(const client::JobView& job) {
   return job.state == intaglio_JOB_ENGRAVING || job.state == intaglio_JOB_PAUSED;
 }
 
-void SetCounts(const JobEnd& end, BatchJobResult& result) {
+void SetCounts(const client::JobEnd& end, BatchJobResult& result) {
   const auto count = [](std::uint64_t n) { return static_cast<std::uint32_t>(n); };
   result.set_verdict(end.verdict.word);
   result.set_planned(count(end.counts.planned_count()));
@@ -48,8 +48,8 @@ std::vector<PlannedJob> PlannedOf(const std::vector<BatchJob>& jobs) {
 
 }  // namespace
 
-BatchRun::BatchRun(JobClient& client, std::vector<BatchJob> jobs, BatchRunOptions options,
-                   EventLines* events)
+BatchRun::BatchRun(client::JobClient& client, std::vector<BatchJob> jobs,
+                   BatchRunOptions options, client::EventLines* events)
     : client_(client),
       jobs_(std::move(jobs)),
       options_(std::move(options)),
@@ -90,9 +90,10 @@ void BatchRun::Turn() {
   for (const auto& [job, out] : out_) numbers.push_back(job);
   for (const std::size_t job : numbers) Follow(job, out_.at(job));
   const auto services = client_.services();
-  if (std::any_of(services.begin(), services.end(), [](const ServiceView& service) {
-        return service.role == intaglio_ROLE_JOB_SERVICE;
-      })) {
+  if (std::any_of(services.begin(), services.end(),
+                  [](const client::ServiceView& service) {
+                    return service.role == intaglio_ROLE_JOB_SERVICE;
+                  })) {
     service_seen_ = Clock::now();
   }
   if (Clock::now() - service_seen_ > kServiceTime) {
@@ -126,7 +127,7 @@ void BatchRun::Submit(const BatchPlan::Start& start) {
 }
 
 void BatchRun::Follow(std::size_t job, Out& out) {
-  const JobView view = client_.jobs().at(out.uid);
+  const client::JobView view = client_.jobs().at(out.uid);
   result(job).set_state(history::StateWord(view.state));
   result(job).set_message(view.message);
   if (view.ended()) return End(job, view);
@@ -142,7 +143,7 @@ void BatchRun::Follow(std::size_t job, Out& out) {
   ReportWaiting(job, view, out);
 }
 
-std::string BatchRun::WaitsFor(const JobView& view, const Out& out) const {
+std::string BatchRun::WaitsFor(const client::JobView& view, const Out& out) const {
   if (view.armed) return {};
   if (view.state == intaglio_JOB_PAUSED) {
     const bool by_person = view.message.starts_with("paused by ");
@@ -151,14 +152,14 @@ std::string BatchRun::WaitsFor(const JobView& view, const Out& out) const {
   }
   if (!out.arm || view.state == intaglio_JOB_QUEUED) return {};
   const std::string hint = fmt::format("; intaglio arm {}", view.number);
-  if (out.arm->state() == ArmOnce::State::kLeft) return out.arm->reason() + hint;
+  if (out.arm->state() == client::ArmOnce::State::kLeft) return out.arm->reason() + hint;
   // Its arm was taken and withdrawn; the status that shows it armed may not be here yet.
-  const bool disarmed = out.arm->state() == ArmOnce::State::kArmed &&
+  const bool disarmed = out.arm->state() == client::ArmOnce::State::kArmed &&
                         view.disarm_count != out.arm->disarm_count();
   return disarmed ? view.disarm_reason + hint : std::string();
 }
 
-void BatchRun::ReportWaiting(std::size_t job, const JobView& view, Out& out) {
+void BatchRun::ReportWaiting(std::size_t job, const client::JobView& view, Out& out) {
   const std::string why = WaitsFor(view, out);
   if (why.empty()) {
     out.waits_since = {};
@@ -176,24 +177,25 @@ void BatchRun::ReportWaiting(std::size_t job, const JobView& view, Out& out) {
                         Seconds(Clock::now() - out.waits_since) > options_.pause_limit_s;
   if (!too_long || out.cancelled) return;
   Tell(fmt::format("{} (job {}) is cancelled: it waited for a person for {}",
-                   jobs_[job].id, view.number, ShortDuration(options_.pause_limit_s)));
+                   jobs_[job].id, view.number,
+                   client::ShortDuration(options_.pause_limit_s)));
   Cancel(view, out);
 }
 
-void BatchRun::Cancel(const JobView& view, Out& out) {
+void BatchRun::Cancel(const client::JobView& view, Out& out) {
   out.cancelled = true;
   (void)client_.Send(view, {.kind = intaglio_COMMAND_CANCEL});
 }
 
-void BatchRun::End(std::size_t job, const JobView& view) {
-  const JobEnd end = EndOf(client_, view);
+void BatchRun::End(std::size_t job, const client::JobView& view) {
+  const client::JobEnd end = EndOf(client_, view);
   BatchJobResult& told = result(job);
   told.set_time_s(Seconds(Clock::now() - out_.at(job).since));
   SetCounts(end, told);
   if (told.message().empty()) told.set_message(end.verdict.reason);
   if (events_ != nullptr) events_->Ended(view, end, jobs_[job].id);
   Tell(fmt::format("{} (job {}, {}) {}, {}{}", jobs_[job].id, view.number, view.cell,
-                   NameOf(view.state), end.verdict.word,
+                   client::NameOf(view.state), end.verdict.word,
                    told.message().empty() ? "" : ": " + told.message()));
   Settle(job, view.state == intaglio_JOB_DONE && end.verdict.word == "good");
 }
@@ -239,7 +241,7 @@ void BatchRun::Settle(std::size_t job, bool good) {
   plan_.Stop();
   // What has its machine goes on; what waits behind it does not begin.
   for (auto& [number, out] : out_) {
-    const JobView& view = client_.jobs().at(out.uid);
+    const client::JobView& view = client_.jobs().at(out.uid);
     if (view.state != intaglio_JOB_QUEUED || out.cancelled) continue;
     Cancel(view, out);
   }
@@ -247,7 +249,7 @@ void BatchRun::Settle(std::size_t job, bool good) {
 
 void BatchRun::CancelWaiting() {
   for (auto& [job, out] : out_) {
-    const JobView& view = client_.jobs().at(out.uid);
+    const client::JobView& view = client_.jobs().at(out.uid);
     if (view.ended() || IsEngraved(view) || out.cancelled) continue;
     Cancel(view, out);
   }
@@ -274,7 +276,7 @@ void BatchRun::Leave() {
   };
   client_.PollUntil(settled, kCancelTime);
   for (const auto& [job, out] : out_) {
-    const JobView& view = client_.jobs().at(out.uid);
+    const client::JobView& view = client_.jobs().at(out.uid);
     BatchJobResult& told = result(job);
     told.set_state(history::StateWord(view.state));
     told.set_time_s(Seconds(Clock::now() - out.since));
@@ -282,8 +284,8 @@ void BatchRun::Leave() {
                          ? fmt::format("goes on: intaglio watch {}", view.number)
                          : "waits for a person: " + out.waits_for);
     Tell(fmt::format("{} (job {}, {}) is left {}: it {}", jobs_[job].id, view.number,
-                     view.cell, NameOf(view.state), told.message()));
-    if (events_ != nullptr) events_->Write(EventOf("left", view, jobs_[job].id));
+                     view.cell, client::NameOf(view.state), told.message()));
+    if (events_ != nullptr) events_->Write(client::EventOf("left", view, jobs_[job].id));
   }
 }
 

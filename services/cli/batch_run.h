@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "proto/shop.pb.h"
-#include "services/cli/arm_once.h"
 #include "services/cli/batch_jobs.h"
 #include "services/cli/batch_plan.h"
-#include "services/cli/event_lines.h"
-#include "services/cli/job_client.h"
 #include "services/cli/progress_bar.h"
+#include "services/client/arm_once.h"
+#include "services/client/event_lines.h"
+#include "services/client/job_client.h"
 
 namespace intaglio::cli {
 
@@ -32,8 +32,8 @@ struct BatchRunOptions {
 class BatchRun {
  public:
   /// `events`: null for none.
-  BatchRun(JobClient& client, std::vector<BatchJob> jobs, BatchRunOptions options,
-           EventLines* events);
+  BatchRun(client::JobClient& client, std::vector<BatchJob> jobs, BatchRunOptions options,
+           client::EventLines* events);
 
   /// Until every job has ended, or Ctrl-C: then what waits in the shop's queue or has not
   /// begun to be engraved is cancelled, and what is engraved goes on.
@@ -46,7 +46,7 @@ class BatchRun {
   struct Out {
     std::string uid;
     Clock::time_point since;
-    std::optional<ArmOnce> arm;
+    std::optional<client::ArmOnce> arm;
     Clock::time_point waits_since;  // for a person; zero: it does not
     std::string waits_for;          // why, and the command that ends it
     bool cancelled = false;
@@ -56,10 +56,10 @@ class BatchRun {
   void Submit(const BatchPlan::Start& start);
   void Follow(std::size_t job, Out& out);
   /// Why the job goes on only after a person has done something; empty when it does not.
-  std::string WaitsFor(const JobView& view, const Out& out) const;
-  void ReportWaiting(std::size_t job, const JobView& view, Out& out);
-  void Cancel(const JobView& view, Out& out);
-  void End(std::size_t job, const JobView& view);
+  std::string WaitsFor(const client::JobView& view, const Out& out) const;
+  void ReportWaiting(std::size_t job, const client::JobView& view, Out& out);
+  void Cancel(const client::JobView& view, Out& out);
+  void End(std::size_t job, const client::JobView& view);
   void Fail(std::size_t job, const std::string& state, const std::string& message);
   void Settle(std::size_t job, bool good);
   /// Cancels what is out and not yet engraved.
@@ -72,10 +72,10 @@ class BatchRun {
     return *results_.mutable_jobs(static_cast<int>(job));
   }
 
-  JobClient& client_;
+  client::JobClient& client_;
   std::vector<BatchJob> jobs_;
   BatchRunOptions options_;
-  EventLines* events_;
+  client::EventLines* events_;
   BatchPlan plan_;
   ProgressBar bar_;
   BatchResults results_;

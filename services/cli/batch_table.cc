@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "services/cli/batch_run.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 
 namespace intaglio::cli {
 namespace {
@@ -16,11 +16,11 @@ std::string FirstLine(const std::string& message) {
 }  // namespace
 
 int ExitCodeOf(const BatchResults& results, bool interrupted) {
-  if (interrupted) return kExitCancelled;
+  if (interrupted) return client::kExitCancelled;
   if (results.failed() + results.cancelled() + results.not_made() > 0) {
-    return kExitMachine;
+    return client::kExitMachine;
   }
-  return results.not_good() > 0 ? kExitNotGood : kExitGood;
+  return results.not_good() > 0 ? client::kExitNotGood : client::kExitGood;
 }
 
 std::string TableOf(const BatchResults& results) {
@@ -37,16 +37,17 @@ std::string TableOf(const BatchResults& results) {
         job.job() == 0 ? "-" : std::to_string(job.job()), job.cell(), job.state(),
         job.verdict(),
         job.planned() == 0 ? "-"
-                           : fmt::format("{} / {}", GroupedDigits(job.made()),
-                                         GroupedDigits(job.planned())),
-        job.time_s() > 0 ? ShortDuration(job.time_s()) : "-", FirstLine(job.message()));
+                           : fmt::format("{} / {}", client::GroupedDigits(job.made()),
+                                         client::GroupedDigits(job.planned())),
+        job.time_s() > 0 ? client::ShortDuration(job.time_s()) : "-",
+        FirstLine(job.message()));
   }
   return table + fmt::format(
                      "{} jobs in {}: {} good, {} not good, {} failed, {} cancelled, {} "
                      "not made\n",
-                     results.jobs_size(), ShortDuration(results.time_s()), results.good(),
-                     results.not_good(), results.failed(), results.cancelled(),
-                     results.not_made());
+                     results.jobs_size(), client::ShortDuration(results.time_s()),
+                     results.good(), results.not_good(), results.failed(),
+                     results.cancelled(), results.not_made());
 }
 
 }  // namespace intaglio::cli

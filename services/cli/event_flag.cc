@@ -1,5 +1,5 @@
 
-#include "services/cli/event_lines.h"
+#include "services/cli/event_flag.h"
 
 namespace intaglio::cli {
 

@@ -6,9 +6,10 @@
 #include <iostream>
 #include <memory>
 
+#include "services/cli/complain.h"
 #include "services/cli/message_csv.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/history/job_history.h"
 #include "services/job/json_text.h"
 
@@ -34,11 +35,11 @@ void PrintTable(const std::vector<JobStatistics>& jobs) {
     // Day and minute.
     std::string ended = job.ended_utc().substr(0, 16);
     if (ended.size() > 10) ended[10] = ' ';
-    fmt::print(
-        "{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<9} {:>21}  {:>12}  {}\n", job.job(),
-        ended, job.cell(), job.material(), job.state(), job.verdict(),
-        fmt::format("{} / {}", GroupedDigits(job.made()), GroupedDigits(job.planned())),
-        ShortDuration(job.duration_s()), job.name());
+    fmt::print("{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<9} {:>21}  {:>12}  {}\n",
+               job.job(), ended, job.cell(), job.material(), job.state(), job.verdict(),
+               fmt::format("{} / {}", client::GroupedDigits(job.made()),
+                           client::GroupedDigits(job.planned())),
+               client::ShortDuration(job.duration_s()), job.name());
   }
   if (jobs.empty()) std::cerr << "no job has ended that is asked for\n";
 }
@@ -49,7 +50,7 @@ int PrintJson(const std::vector<JobStatistics>& jobs) {
   const auto json = JsonTextOf(all);
   if (!json) return Complain(json.error());
   std::cout << *json;
-  return kExitGood;
+  return client::kExitGood;
 }
 
 int History(const HistoryOptions& options) {
@@ -65,10 +66,10 @@ int History(const HistoryOptions& options) {
   if (options.csv) {
     std::cout << CsvHeader(*JobStatistics::descriptor());
     for (const JobStatistics& job : *jobs) std::cout << CsvLine(job);
-    return kExitGood;
+    return client::kExitGood;
   }
   PrintTable(*jobs);
-  return kExitGood;
+  return client::kExitGood;
 }
 
 }  // namespace

@@ -8,16 +8,17 @@
 #include <memory>
 #include <optional>
 
-#include "services/cli/arm_once.h"
 #include "services/cli/bus_flags.h"
-#include "services/cli/event_lines.h"
-#include "services/cli/job_client.h"
+#include "services/cli/complain.h"
+#include "services/cli/event_flag.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/run_command.h"
-#include "services/cli/stage_bars.h"
 #include "services/cli/watch_job.h"
+#include "services/client/arm_once.h"
+#include "services/client/event_lines.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
+#include "services/client/job_client.h"
 #include "services/history/job_history.h"
 
 namespace intaglio::cli {
@@ -45,25 +46,26 @@ struct JobsOptions {
   std::ostream& human() const { return events ? std::cerr : std::cout; }
 };
 
-std::string TimeOf(const JobView& job) {
+std::string TimeOf(const client::JobView& job) {
   if (job.estimate_ticks == 0 || job.rate_hz <= 0) return "-";
-  return ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
+  return client::ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
 }
 
-std::string ProgressOf(const JobView& job) {
-  const JobView::Progress* p = StageAtWork(job);
+std::string ProgressOf(const client::JobView& job) {
+  const client::JobView::Progress* p = client::StageAtWork(job);
   if (p == nullptr) return "-";
-  return fmt::format("{} {} / {}", NameOf(p->stage), GroupedDigits(p->done_count),
-                     GroupedDigits(p->total_count));
+  return fmt::format("{} {} / {}", client::NameOf(p->stage),
+                     client::GroupedDigits(p->done_count),
+                     client::GroupedDigits(p->total_count));
 }
 
-void TellState(const JobView& job, std::ostream& out) {
-  out << "job " << job.number << " is " << StateOf(job)
+void TellState(const client::JobView& job, std::ostream& out) {
+  out << "job " << job.number << " is " << client::StateOf(job)
       << (job.message.empty() ? "" : ": " + job.message) << "\n";
 }
 
 /// Where a command leads when nothing is in its way.
-bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
+bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
   switch (kind) {
     case intaglio_COMMAND_PAUSE:
       return !job.armed && job.state != intaglio_JOB_ENGRAVING;
@@ -80,44 +82,46 @@ bool Reached(const JobView& job, intaglio_JobCommandKind kind) {
 }
 
 /// Exit codes of a command that got no answer, or not the one that was asked for.
-int ComplainOf(const Error& error) { return Complain(error, kExitMachine); }
+int ComplainOf(const Error& error) { return Complain(error, client::kExitMachine); }
 
 /// Nothing, or what there is to complain of a job that takes no command any more.
-std::optional<Error> WhyEnded(const JobView& job) {
+std::optional<Error> WhyEnded(const client::JobView& job) {
   if (!job.ended()) return std::nullopt;
   return Error{ErrorCode::kRefused,
-               fmt::format("job {} is {} already", job.number, NameOf(job.state)), ""};
+               fmt::format("job {} is {} already", job.number, client::NameOf(job.state)),
+               ""};
 }
 
 /// The machine may take a moment, or wait for a person: then its message is printed.
-int AwaitEffect(JobClient& client, const JobView& job, intaglio_JobCommandKind kind,
-                std::ostream& out) {
+int AwaitEffect(client::JobClient& client, const client::JobView& job,
+                intaglio_JobCommandKind kind, std::ostream& out) {
   client.PollUntil([&] { return Reached(client.jobs().at(job.uid), kind); },
                    kMachineTime);
   TellState(client.jobs().at(job.uid), out);
-  return kExitGood;
+  return client::kExitGood;
 }
 
-int CommandJob(JobClient& client, const JobView& job, const JobOrder& order) {
-  if (const auto ended = WhyEnded(job)) return Complain(*ended, kExitWrongInput);
+int CommandJob(client::JobClient& client, const client::JobView& job,
+               const client::JobOrder& order) {
+  if (const auto ended = WhyEnded(job)) return Complain(*ended, client::kExitWrongInput);
   if (auto taken = client.Command(job, order); !taken) return ComplainOf(taken.error());
   return AwaitEffect(client, job, order.kind, std::cout);
 }
 
 /// Gives the job to the job service.
-Result<JobView> SubmitOne(JobClient& client, const JobSpec& job,
-                          const JobsOptions& options) {
+Result<client::JobView> SubmitOne(client::JobClient& client, const JobSpec& job,
+                                  const JobsOptions& options) {
   auto submitted = client.Submit(job, 15s);
   if (submitted) {
-    if (options.events) EventLines(std::cout).Submitted(*submitted);
+    if (options.events) client::EventLines(std::cout).Submitted(*submitted);
     options.human() << "job " << submitted->number << " (" << submitted->uid << ") is "
-                    << NameOf(submitted->state) << "\n";
+                    << client::NameOf(submitted->state) << "\n";
   }
   return submitted;
 }
 
-int Watch(JobClient& client, const std::string& uid, const JobsOptions& options) {
-  EventLines events(std::cout);
+int Watch(client::JobClient& client, const std::string& uid, const JobsOptions& options) {
+  client::EventLines events(std::cout);
   return WatchJob(client, uid, options.events ? &events : nullptr);
 }
 
@@ -127,30 +131,30 @@ int SubmitSeries(const JobsOptions& options) {
                      "--arm and --watch are for one job: every piece of a series is "
                      "armed by somebody who put its block in (intaglio arm JOB)",
                      ""},
-                    kExitWrongInput);
+                    client::kExitWrongInput);
   }
   const auto series = BuildSeries(options.job, options.series);
-  if (!series) return Complain(series.error(), kExitWrongInput);
+  if (!series) return Complain(series.error(), client::kExitWrongInput);
   bus::Bus bus(options.bus);
-  JobClient client(bus);
+  client::JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
   for (const JobAndMachine& piece : *series) {
     const auto submitted = SubmitOne(client, piece.job, options);
-    if (!submitted) return Complain(submitted.error(), kExitWrongInput);
+    if (!submitted) return Complain(submitted.error(), client::kExitWrongInput);
   }
   options.human() << series->size() << " jobs; intaglio list shows them\n";
   client.Poll(500ms);
-  return kExitGood;
+  return client::kExitGood;
 }
 
 int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   bus::Bus bus(options.bus);
-  JobClient client(bus);
+  client::JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
   const auto submitted = SubmitOne(client, spec, options);
-  if (!submitted) return Complain(submitted.error(), kExitWrongInput);
+  if (!submitted) return Complain(submitted.error(), client::kExitWrongInput);
   if (options.arm) {
-    auto armed = ArmWhenTaken(client, *submitted);
+    auto armed = client::ArmWhenTaken(client, *submitted);
     if (!armed) return ComplainOf(armed.error());
     AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());
   }
@@ -158,14 +162,15 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   if (!options.arm)
     options.human() << "intaglio arm " << submitted->number << " lets it fire\n";
   client.Poll(500ms);
-  const JobView& job = client.jobs().at(submitted->uid);
-  return job.ended() && job.state != intaglio_JOB_DONE ? kExitMachine : kExitGood;
+  const client::JobView& job = client.jobs().at(submitted->uid);
+  return job.ended() && job.state != intaglio_JOB_DONE ? client::kExitMachine
+                                                       : client::kExitGood;
 }
 
 int Submit(const JobsOptions& options) {
   if (!options.series.empty()) return SubmitSeries(options);
   const auto job = BuildJob(options.job);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
   return SubmitJob(job->job, options);
 }
 
@@ -174,43 +179,45 @@ int Again(const JobsOptions& options) {
   const auto job = history::ReadJob(
       options.database.empty() ? options.folder + "/jobs.db" : options.database,
       options.uid);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
   return SubmitJob(*job, options);
 }
 
 int List(const JobsOptions& options) {
   bus::Bus bus(options.bus);
-  JobClient client(bus);
+  client::JobClient client(bus);
   client.PollUntil([] { return false; }, bus.discovery_time());
   if (client.services().empty()) {
     std::cerr << "intaglio: no services are seen: start them (intaglio up), or check "
                  "--domain, --interface and --tag\n";
-    return kExitWrongInput;
+    return client::kExitWrongInput;
   }
   fmt::print("{:>6}  {:<19} {:<12} {:<10} {:<34} {}\n", "job", "state", "machine", "time",
              "progress", "name");
-  std::map<std::uint32_t, const JobView*> by_number;
+  std::map<std::uint32_t, const client::JobView*> by_number;
   for (const auto& [uid, job] : client.jobs()) by_number[job.number] = &job;
   for (const auto& [number, job] : by_number) {
-    fmt::print("{:>6}  {:<19} {:<12} {:<10} {:<34} {}\n", number, NameOf(job->state),
-               job->cell, TimeOf(*job), ProgressOf(*job), job->name);
+    fmt::print("{:>6}  {:<19} {:<12} {:<10} {:<34} {}\n", number,
+               client::NameOf(job->state), job->cell, TimeOf(*job), ProgressOf(*job),
+               job->name);
   }
-  return kExitGood;
+  return client::kExitGood;
 }
 
 /// Runs `act` on the job the options name.
 int WithJob(const JobsOptions& options,
-            const std::function<int(JobClient&, const JobView&)>& act) {
+            const std::function<int(client::JobClient&, const client::JobView&)>& act) {
   bus::Bus bus(options.bus);
-  JobClient client(bus);
+  client::JobClient client(bus);
   client.PollUntil([&] { return client.Find(options.uid).has_value(); },
                    bus.discovery_time());
   const auto job = client.Find(options.uid);
-  return job ? act(client, *job) : Complain(job.error(), kExitWrongInput);
+  return job ? act(client, *job) : Complain(job.error(), client::kExitWrongInput);
 }
 
-int SetSpeed(JobClient& client, const JobView& job, std::uint32_t percent) {
-  if (const auto ended = WhyEnded(job)) return Complain(*ended, kExitWrongInput);
+int SetSpeed(client::JobClient& client, const client::JobView& job,
+             std::uint32_t percent) {
+  if (const auto ended = WhyEnded(job)) return Complain(*ended, client::kExitWrongInput);
   if (auto taken =
           client.Command(job, {.kind = intaglio_COMMAND_SPEED, .speed_percent = percent});
       !taken) {
@@ -218,7 +225,7 @@ int SetSpeed(JobClient& client, const JobView& job, std::uint32_t percent) {
   }
   std::cout << "job " << job.number << " goes on at " << percent
             << " % speed, from the next motion that is planned\n";
-  return kExitGood;
+  return client::kExitGood;
 }
 
 /// 10..100.
@@ -236,15 +243,15 @@ Result<std::uint32_t> PercentOf(const std::string& text) {
               text);
 }
 
-int ShowJob(const JobView& job) {
+int ShowJob(const client::JobView& job) {
   fmt::print(
       "job        {} ({})\nname       {}\nstate      {}\nmachine    {}\nattempt    {}\n",
-      job.number, job.uid, job.name, StateOf(job), job.cell, job.attempt);
-  for (const JobView::Progress& p : job.progress) {
+      job.number, job.uid, job.name, client::StateOf(job), job.cell, job.attempt);
+  for (const client::JobView::Progress& p : job.progress) {
     if (p.total_count == 0) continue;
-    fmt::print("{:<10} {} / {} points, {}\n", NameOf(p.stage),
-               GroupedDigits(p.done_count), GroupedDigits(p.total_count),
-               ShortDuration(p.elapsed_s));
+    fmt::print("{:<10} {} / {} points, {}\n", client::NameOf(p.stage),
+               client::GroupedDigits(p.done_count), client::GroupedDigits(p.total_count),
+               client::ShortDuration(p.elapsed_s));
   }
   fmt::print("estimate   {}\nspeed      {} %\nfolder     {}\n", TimeOf(job),
              job.speed_percent, job.result_directory);
@@ -252,7 +259,7 @@ int ShowJob(const JobView& job) {
   if (!job.armed && !job.ended() && !job.disarm_reason.empty()) {
     fmt::print("disarmed   {}\n", job.disarm_reason);
   }
-  return kExitGood;
+  return client::kExitGood;
 }
 
 void AddArmAndWatch(command_line::Command command, JobsOptions& options) {
@@ -308,24 +315,25 @@ void AddJobsCommands(command_line::Command app) {
   list.SetFooter("Example: intaglio list; then intaglio show 1");
   list.SetAction([options] { return List(*options); });
 
-  const auto add = [&](const char* name, const char* purpose,
-                       const std::function<int(JobClient&, const JobView&)>& act) {
-    command_line::Command command = app.AddCommand(name, purpose);
-    command.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
-    AddBusFlags(command, options->bus);
-    command.SetFooter(fmt::format("Example: intaglio {} 1", name));
-    command.SetAction([options, act] { return WithJob(*options, act); });
-    return command;
-  };
+  const auto add =
+      [&](const char* name, const char* purpose,
+          const std::function<int(client::JobClient&, const client::JobView&)>& act) {
+        command_line::Command command = app.AddCommand(name, purpose);
+        command.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
+        AddBusFlags(command, options->bus);
+        command.SetFooter(fmt::format("Example: intaglio {} 1", name));
+        command.SetAction([options, act] { return WithJob(*options, act); });
+        return command;
+      };
   add("show", "all about one job",
-      [](JobClient&, const JobView& job) { return ShowJob(job); });
+      [](client::JobClient&, const client::JobView& job) { return ShowJob(job); });
   AddEventsFlag(add("watch", "follow a job to its end",
-                    [options](JobClient& client, const JobView& job) {
+                    [options](client::JobClient& client, const client::JobView& job) {
                       return Watch(client, job.uid, *options);
                     }),
                 options->events);
   const auto command = [options](intaglio_JobCommandKind kind) {
-    return [kind, options](JobClient& client, const JobView& job) {
+    return [kind, options](client::JobClient& client, const client::JobView& job) {
       return CommandJob(client, job,
                         {.kind = kind,
                          .from_point = options->from_point,
@@ -353,8 +361,8 @@ void AddJobsCommands(command_line::Command app) {
   speed.SetFooter("Example: intaglio speed 1 30; then intaglio speed 1 100");
   speed.SetAction([options] {
     const auto percent = PercentOf(options->percent);
-    if (!percent) return Complain(percent.error(), kExitWrongInput);
-    return WithJob(*options, [&](JobClient& client, const JobView& job) {
+    if (!percent) return Complain(percent.error(), client::kExitWrongInput);
+    return WithJob(*options, [&](client::JobClient& client, const client::JobView& job) {
       return SetSpeed(client, job, *percent);
     });
   });

@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "services/cli/batch_command.h"
+#include "services/cli/complain.h"
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/materials_command.h"
@@ -15,6 +16,7 @@
 #include "services/cli/security_command.h"
 #include "services/cli/stop_command.h"
 #include "services/cli/up_command.h"
+#include "services/client/exit_codes.h"
 
 namespace {
 
@@ -56,6 +58,6 @@ int main(int argc, char** argv) {
     return program.Run();
   } catch (const std::exception& error) {
     std::cerr << "intaglio: " << error.what() << "\n";
-    return kExitInternal;
+    return intaglio::client::kExitInternal;
   }
 }

@@ -17,7 +17,7 @@
 #include "materials_db/material_store.h"
 #include "materials_db/numbers.h"
 #include "services/cli/glass_text.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 
 namespace intaglio::cli {
 namespace {
@@ -239,14 +239,14 @@ void AddFieldFlags(command_line::Command command, Flags& flags) {
 int Run(const Flags& flags, Action action) {
   const auto complain = [](const Error& error) {
     std::cerr << "intaglio: " << error.message << "\n";
-    return kExitWrongInput;
+    return client::kExitWrongInput;
   };
   auto store =
       MaterialStore::Open(flags.database.empty() ? materials_db::DefaultDatabasePath()
                                                  : std::filesystem::path(flags.database));
   if (!store) return complain(store.error());
   const Status status = action(flags, *store);
-  return status ? kExitGood : complain(status.error());
+  return status ? client::kExitGood : complain(status.error());
 }
 
 }  // namespace

@@ -11,12 +11,13 @@
 #include "engrave/proof/cloud_quality.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/spacing_map.h"
+#include "services/cli/complain.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline_steps.h"
-#include "services/cli/progress_bar.h"
 #include "services/cli/quality_figures.h"
-#include "services/cli/run_command.h"
 #include "services/cli/size_limits_flag.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/job/channels.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/model_sources.h"
@@ -166,13 +167,13 @@ render::ViewsCaption CaptionOf(const MeasureOptions& options,
       fs::path(options.cloud).filename().string(),
       fmt::format("{} points; distance to the nearest other point, against the minimum "
                   "spacing of {:g} mm",
-                  GroupedDigits(record.point_count()), record.min_spacing_mm())};
+                  client::GroupedDigits(record.point_count()), record.min_spacing_mm())};
   auto& figures = caption.figures;
   figures = {{"least", fmt::format("{:.4f} mm", nearest.least_mm()),
               record.keeps_spacing() ? Tone::kGood : Tone::kBad},
              {"mean", fmt::format("{:.4f} mm", nearest.mean_mm())},
              {"varies by", fmt::format("{:.1f} %", 100 * nearest.variation_ratio())},
-             {"pairs too near", GroupedDigits(nearest.near_pair_count()),
+             {"pairs too near", client::GroupedDigits(nearest.near_pair_count()),
               nearest.near_pair_count() == 0 ? Tone::kGood : Tone::kBad}};
   if (record.has_surface()) {
     const SurfaceFigures& surface = record.surface();
@@ -207,27 +208,27 @@ Status DrawPicture(const MeasureOptions& options, const PointList& points_mm,
 
 int Measure(const MeasureOptions& options) {
   auto all = ReadCloud(options.cloud, ReadLimitsTimes(options.job.size_limits));
-  if (!all) return Complain(all.error(), kExitWrongInput);
+  if (!all) return Complain(all.error(), client::kExitWrongInput);
   const auto job = BuildJobOfPoints(options.job, all->cloud.points_mm);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
   auto cloud = InChannel(options, job->job, std::move(*all));
-  if (!cloud) return Complain(cloud.error(), kExitWrongInput);
+  if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
   auto surfaces = SurfacesOf(options, job->job);
-  if (!surfaces) return Complain(surfaces.error(), kExitWrongInput);
+  if (!surfaces) return Complain(surfaces.error(), client::kExitWrongInput);
   const proof::QualityOptions quality_options = OptionsOf(options, *job);
   const auto quality = proof::MeasureCloud(*cloud, *surfaces, quality_options);
-  if (!quality) return Complain(quality.error(), kExitWrongInput);
+  if (!quality) return Complain(quality.error(), client::kExitWrongInput);
   surfaces->clear();
   const CloudQuality record = RecordOf(*quality, quality_options);
   if (!options.picture.empty()) {
     const auto drawn = DrawPicture(options, cloud->points_mm, *quality, record);
-    if (!drawn) return Complain(drawn.error(), kExitWrongInput);
+    if (!drawn) return Complain(drawn.error(), client::kExitWrongInput);
   }
   std::cout << (options.json  ? JsonOf(record)
                 : options.csv ? CsvOf(record)
                               : FiguresOf(record))
             << (options.csv && !options.json ? "" : "\n");
-  return record.keeps_spacing() ? kExitGood : kExitNotGood;
+  return record.keeps_spacing() ? client::kExitGood : client::kExitNotGood;
 }
 
 /// Those of a job that place its models and name its lens.

@@ -101,7 +101,7 @@ Result<Mounted> MountedOf(const MountFlags& flags, bool is_virtual,
 }
 
 std::string TextOf(const Mounted& mounted) {
-  const MountedDescription& known = mounted.description;
+  const client::MountedDescription& known = mounted.description;
   std::string text = "block in the machine: ";
   if (known.block_size_mm) {
     const Vec3& mm = *known.block_size_mm;

@@ -4,24 +4,15 @@
 // no job for anything else.
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
-#include "engrave/optics/focus.h"
 #include "proto/machine.pb.h"
+#include "services/client/mounted_description.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
-
-/// What the synchronizer gets to know of it; empty: not known.
-struct MountedDescription {
-  std::optional<Vec3> block_size_mm;
-  std::optional<double> refractive_index;  ///< at the laser's wavelength
-  std::optional<optics::Lens> lens;
-};
 
 /// As it was typed.
 struct MountFlags {
@@ -35,7 +26,7 @@ struct MountFlags {
 void AddMountFlags(command_line::Command command, MountFlags& flags);
 
 struct Mounted {
-  MountedDescription description;
+  client::MountedDescription description;
   std::string glass;  ///< name; empty: known by its index, or not at all
   std::string lens;   ///< name; empty: not known
 };

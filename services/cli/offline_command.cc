@@ -10,11 +10,12 @@
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
+#include "services/cli/complain.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline_steps.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/proof_folder.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
+#include "services/client/proof_folder.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/models/model_sources.h"
 #include "services/mesh_reader/program_limits.h"
@@ -51,41 +52,41 @@ Result<discretize::Discretized> MakePoints(const JobSpec& job, const ReadLimits&
 
 int DiscretizeOffline(const OfflineOptions& options) {
   const auto job = BuildJob(options.job);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
   const auto cloud =
       MakePoints(job->job, mesh_reader::LimitsOfProgram(options.job.size_limits));
-  if (!cloud) return Complain(cloud.error(), kExitWrongInput);
+  if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
   formats::PointTable table;
   table.points_mm = cloud->cloud.points_mm;
   table.columns = {{"source", cloud->cloud.source}};
   if (auto written = WritePoints(options.out, table); !written) {
-    return Complain(written.error(), kExitWrongInput);
+    return Complain(written.error(), client::kExitWrongInput);
   }
-  std::cout << GroupedDigits(table.points_mm.size()) << " points, least spacing "
+  std::cout << client::GroupedDigits(table.points_mm.size()) << " points, least spacing "
             << fmt::format("{:.4f} mm", proof::LeastSpacing(table.points_mm))
-            << ", checksum " << PointChecksum(table.points_mm) << ", in " << options.out
-            << "\n";
-  return kExitGood;
+            << ", checksum " << client::PointChecksum(table.points_mm) << ", in "
+            << options.out << "\n";
+  return client::kExitGood;
 }
 
 int VerifyOffline(const OfflineOptions& options) {
-  const auto report = VerifyFolder(options.input);
-  if (!report) return Complain(report.error(), kExitWrongInput);
-  const auto text =
-      options.json ? JsonOf(*report) : Result<std::string>(SummaryOf(*report));
-  if (!text) return Complain(text.error(), kExitInternal);
+  const auto report = client::VerifyFolder(options.input);
+  if (!report) return Complain(report.error(), client::kExitWrongInput);
+  const auto text = options.json ? client::JsonOf(*report)
+                                 : Result<std::string>(client::SummaryOf(*report));
+  if (!text) return Complain(text.error(), client::kExitInternal);
   std::cout << *text << "\n";
-  return report->verdict().good() ? kExitGood : kExitNotGood;
+  return report->verdict().good() ? client::kExitGood : client::kExitNotGood;
 }
 
 int RenderOffline(const OfflineOptions& options) {
   const auto table = ReadPoints(options.input);
-  if (!table) return Complain(table.error(), kExitWrongInput);
+  if (!table) return Complain(table.error(), client::kExitWrongInput);
   Box3 box;
   for (const Vec3& p : table->points_mm) box.Extend(p);
   if (box.empty()) {
     return Complain({ErrorCode::kMissing, options.input + " has no points", ""},
-                    kExitWrongInput);
+                    client::kExitWrongInput);
   }
   const Vec3 block =
       options.block_mm.empty()
@@ -94,13 +95,13 @@ int RenderOffline(const OfflineOptions& options) {
   render::ViewsCaption caption;
   caption.title_lines = {fs::path(options.input).filename().string()};
   caption.figures = {
-      {"points", GroupedDigits(table->points_mm.size())},
+      {"points", client::GroupedDigits(table->points_mm.size())},
       {"least spacing", fmt::format("{:.4f} mm", proof::LeastSpacing(table->points_mm))}};
   const auto written = render::WritePng(
       options.out, render::RenderViews(table->points_mm, block, caption));
-  if (!written) return Complain(written.error(), kExitWrongInput);
+  if (!written) return Complain(written.error(), client::kExitWrongInput);
   std::cout << "picture in " << options.out << "\n";
-  return kExitGood;
+  return client::kExitGood;
 }
 
 }  // namespace

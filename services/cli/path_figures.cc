@@ -13,8 +13,8 @@
 #include "engrave/motion/verify.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/proof_folder.h"
+#include "services/client/figure_text.h"
+#include "services/client/proof_folder.h"
 #include "services/job/json_text.h"
 #include "services/job/options.h"
 
@@ -96,7 +96,7 @@ class MotionMeter {
 };
 
 std::string Grouped(double number) {
-  return GroupedDigits(static_cast<std::uint64_t>(std::llround(number)));
+  return client::GroupedDigits(static_cast<std::uint64_t>(std::llround(number)));
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
   Require(!path_mm.empty(), "a path without points");
   PlanReport report;
   report.set_point_count(path_mm.size());
-  report.set_checksum(PointChecksum(path_mm));
+  report.set_checksum(client::PointChecksum(path_mm));
   report.set_shadow_violation_count(
       sort::CountShadowViolations(path_mm, {job.optics().cone_tangent()}));
   sort::Order as_given(path_mm.size());
@@ -172,14 +172,16 @@ std::string FiguresOf(const PlanReport& report) {
       "jerk          {} mm/s^3 mean\n"
       "speed         {:.1f} mm/s peak of an axis\n"
       "planned       {} segments, {} points/s",
-      GroupedDigits(report.point_count()), GroupedDigits(report.shadow_violation_count()),
-      report.checksum(), Grouped(report.travel_mm()), report.longest_step_mm(),
-      m.planner(), report.machine(), report.rate_hz(), report.max_speed_mm_s(),
-      report.max_acceleration_mm_s2(), ShortDuration(m.machining_time_s()),
-      GroupedDigits(m.ticks()), m.utilisation(), GroupedDigits(m.violation_count()),
-      Grouped(m.rms_acceleration_mm_s2()), Grouped(m.peak_acceleration_mm_s2()),
-      Grouped(m.mean_jerk_mm_s3()), m.peak_speed_mm_s(), GroupedDigits(m.segment_count()),
-      ShortNumber(m.planned_points_per_s()));
+      client::GroupedDigits(report.point_count()),
+      client::GroupedDigits(report.shadow_violation_count()), report.checksum(),
+      Grouped(report.travel_mm()), report.longest_step_mm(), m.planner(),
+      report.machine(), report.rate_hz(), report.max_speed_mm_s(),
+      report.max_acceleration_mm_s2(), client::ShortDuration(m.machining_time_s()),
+      client::GroupedDigits(m.ticks()), m.utilisation(),
+      client::GroupedDigits(m.violation_count()), Grouped(m.rms_acceleration_mm_s2()),
+      Grouped(m.peak_acceleration_mm_s2()), Grouped(m.mean_jerk_mm_s3()),
+      m.peak_speed_mm_s(), client::GroupedDigits(m.segment_count()),
+      client::ShortNumber(m.planned_points_per_s()));
   if (m.max_move_um() > 0) {
     text += fmt::format("\nmoves         {:.2f} um at most, of a point", m.max_move_um());
   }
@@ -199,10 +201,11 @@ std::string ComparisonOf(const PlanReport& report) {
   for (const PlannedMotion& m : report.motions()) {
     text += fmt::format(
         "\n{:<13} {:>11} {:>15} {:>12.4f} {:>11} {:>11} {:>13} {:>11} {:>15}",
-        m.planner(), GroupedDigits(m.ticks()), ShortDuration(m.machining_time_s()),
-        m.utilisation(), Grouped(m.rms_acceleration_mm_s2()),
-        Grouped(m.peak_acceleration_mm_s2()), Grouped(m.mean_jerk_mm_s3()),
-        GroupedDigits(m.violation_count()), Grouped(m.planned_points_per_s()));
+        m.planner(), client::GroupedDigits(m.ticks()),
+        client::ShortDuration(m.machining_time_s()), m.utilisation(),
+        Grouped(m.rms_acceleration_mm_s2()), Grouped(m.peak_acceleration_mm_s2()),
+        Grouped(m.mean_jerk_mm_s3()), client::GroupedDigits(m.violation_count()),
+        Grouped(m.planned_points_per_s()));
   }
   return text;
 }

@@ -6,11 +6,12 @@
 
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/sort/order.h"
+#include "services/cli/complain.h"
 #include "services/cli/offline_steps.h"
 #include "services/cli/path_figures.h"
 #include "services/cli/path_job.h"
-#include "services/cli/run_command.h"
 #include "services/cli/segment_file.h"
+#include "services/client/exit_codes.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/options.h"
 #include "services/job/ordering.h"
@@ -103,58 +104,58 @@ int Tell(const PathOptions& options, const PlanReport& report) {
   if (options.compare && !options.json) {
     std::cout << "\n" << ComparisonOf(report) << "\n";
   }
-  return IsSound(report) ? kExitGood : kExitNotGood;
+  return IsSound(report) ? client::kExitGood : client::kExitNotGood;
 }
 
 int Sort(const PathOptions& options) {
   auto cloud_mm = ReadPath(options, "--cloud");
-  if (!cloud_mm) return Complain(cloud_mm.error(), kExitWrongInput);
+  if (!cloud_mm) return Complain(cloud_mm.error(), client::kExitWrongInput);
   auto job = BuildPathJob(options.job, *cloud_mm, options.materials_db);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
   // An order does not depend on where the cloud lies; one without a block is ordered too.
   if (!RequireInBlock(*job, *cloud_mm)) ForgetTravel(*job->mutable_machine());
   formats::PointTable table;
   {
     Meter meter("order");
     const auto order = sort::MakeOrder(*cloud_mm, host::OrderingOf(*job), meter.Sink());
-    if (!order) return Complain(order.error(), kExitWrongInput);
+    if (!order) return Complain(order.error(), client::kExitWrongInput);
     table.points_mm.reserve(order->size());
     for (const std::uint32_t i : *order) table.points_mm.push_back((*cloud_mm)[i]);
   }
   if (auto written = WritePoints(options.out, table); !written) {
-    return Complain(written.error(), kExitWrongInput);
+    return Complain(written.error(), client::kExitWrongInput);
   }
   PlanReport report = DescribePath(*job, table.points_mm);
   const Path path = InBothFrames(*job, std::move(table.points_mm), false);
   std::vector<double> point_ticks;
   auto planned = PlanOwn(options, *job, path.machine_mm, point_ticks);
-  if (!planned) return Complain(planned.error(), kExitWrongInput);
+  if (!planned) return Complain(planned.error(), client::kExitWrongInput);
   *report.add_motions() = std::move(*planned);
   return Tell(options, report);
 }
 
 int Plan(const PathOptions& options) {
   auto points_mm = ReadPath(options, "--path");
-  if (!points_mm) return Complain(points_mm.error(), kExitWrongInput);
+  if (!points_mm) return Complain(points_mm.error(), client::kExitWrongInput);
   auto job = BuildPathJob(options.job, *points_mm, options.materials_db);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
   const bool of_machine = options.frame == "machine";
   if (of_machine) {
     ForgetTravel(*job->mutable_machine());
   } else {
     if (auto in_block = RequireInBlock(*job, *points_mm); !in_block) {
-      return Complain(in_block.error(), kExitWrongInput);
+      return Complain(in_block.error(), client::kExitWrongInput);
     }
   }
   Path path = InBothFrames(*job, std::move(*points_mm), of_machine);
   PlanReport report = DescribePath(*job, path.glass_mm);
   std::vector<double> point_ticks;
   auto planned = PlanOwn(options, *job, path.machine_mm, point_ticks);
-  if (!planned) return Complain(planned.error(), kExitWrongInput);
+  if (!planned) return Complain(planned.error(), client::kExitWrongInput);
   *report.add_motions() = std::move(*planned);
   if (options.compare) {
     if (auto others = PlanOthers(*job, path.machine_mm, report); !others) {
-      return Complain(others.error(), kExitWrongInput);
+      return Complain(others.error(), client::kExitWrongInput);
     }
   }
   if (!options.out.empty()) {
@@ -162,7 +163,7 @@ int Plan(const PathOptions& options) {
     table.points_mm = std::move(of_machine ? path.machine_mm : path.glass_mm);
     table.columns = {{"tick", std::move(point_ticks)}};
     if (auto written = WritePoints(options.out, table); !written) {
-      return Complain(written.error(), kExitWrongInput);
+      return Complain(written.error(), client::kExitWrongInput);
     }
   }
   return Tell(options, report);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <ostream>
 
+#include "services/client/figure_text.h"
+
 namespace intaglio::cli {
 namespace {
 constexpr int kBarWidth = 24;
@@ -16,29 +18,6 @@ std::string WithoutDigits(std::string text) {
   return text;
 }
 }  // namespace
-
-std::string GroupedDigits(std::uint64_t number) {
-  std::string digits = std::to_string(number);
-  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) {
-    digits.insert(static_cast<std::size_t>(at), " ");
-  }
-  return digits;
-}
-
-std::string ShortNumber(double number) {
-  if (number >= 1e6) return fmt::format("{:.2f} M", number / 1e6);
-  if (number >= 1e4) return fmt::format("{:.0f} k", number / 1e3);
-  return number >= 100 ? fmt::format("{:.0f} ", number) : fmt::format("{:.1f} ", number);
-}
-
-std::string ShortDuration(double seconds) {
-  if (!(seconds >= 0) || seconds > 1e8) return "?";
-  if (seconds < 10) return fmt::format("{:.1f} s", seconds);
-  const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
-  if (whole < 60) return fmt::format("{} s", whole);
-  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
-}
 
 ProgressBar::ProgressBar(std::ostream& out, bool interactive)
     : out_(out), interactive_(interactive) {}
@@ -92,14 +71,15 @@ std::string ProgressBar::Line() const {
   std::string line = fmt::format("{:<11}[{:#<{}}{:-<{}}] {:3.0f} %", stage_, "", full, "",
                                  kBarWidth - full, 100 * share);
   if (total_ > 0 && in_points_) {
-    line += fmt::format("  {} / {} points", GroupedDigits(done_), GroupedDigits(total_));
+    line += fmt::format("  {} / {} points", client::GroupedDigits(done_),
+                        client::GroupedDigits(total_));
   }
   if (done_ > 0 && elapsed_s_ > 0) {
     const double rate = static_cast<double>(done_) / elapsed_s_;
-    if (in_points_) line += fmt::format("  {}/s", ShortNumber(rate));
+    if (in_points_) line += fmt::format("  {}/s", client::ShortNumber(rate));
     if (total_ > done_) {
-      line += fmt::format("  {} left",
-                          ShortDuration(static_cast<double>(total_ - done_) / rate));
+      line += fmt::format(
+          "  {} left", client::ShortDuration(static_cast<double>(total_ - done_) / rate));
     }
   }
   return note_.empty() ? line : line + "  " + note_;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "engrave/core/check.h"
-#include "services/cli/progress_bar.h"
+#include "services/client/figure_text.h"
 #include "services/job/json_text.h"
 
 namespace intaglio::cli {
@@ -100,15 +100,15 @@ void AddNearest(const CloudQuality& quality, Lines& lines) {
   lines.Add("nearest pair", "points {} and {} of the file, at {}", nearest.first_point(),
             nearest.second_point(), PlaceText(nearest.first_mm()));
   lines.Add("too near", "{}{} pairs below {:g} mm, {} points at another's place",
-            GroupedDigits(nearest.near_pair_count()),
+            client::GroupedDigits(nearest.near_pair_count()),
             nearest.more_pairs() ? " or more" : "", quality.min_spacing_mm(),
-            GroupedDigits(nearest.doubled_count()));
+            client::GroupedDigits(nearest.doubled_count()));
 }
 
 void AddSurface(const CloudQuality& quality, Lines& lines) {
   const SurfaceFigures& surface = quality.surface();
   lines.Add("surface", "{:.1f} mm^2, {} triangles", surface.area_mm2(),
-            GroupedDigits(surface.triangle_count()));
+            client::GroupedDigits(surface.triangle_count()));
   lines.Add("uncovered", "largest disc {:.4f} mm in radius, {:.2f} spacings, at {}",
             surface.uncovered_radius_mm(),
             surface.uncovered_radius_mm() / quality.min_spacing_mm(),
@@ -120,15 +120,15 @@ void AddSurface(const CloudQuality& quality, Lines& lines) {
       "greatest distance {:.3f} um, of the point at {}; {} points ({}) are farther "
       "than half a spacing, the others at most {:.3f} um",
       1000 * surface.greatest_distance_mm(), PlaceText(surface.farthest_point_mm()),
-      GroupedDigits(off),
+      client::GroupedDigits(off),
       Percent(static_cast<double>(off) / static_cast<double>(quality.point_count())),
       1000 * surface.greatest_on_surface_mm());
   lines.Add(
       "density",
       "{:.2f} points/mm^2, {} of the densest; varies by {} over {} patches, {} empty",
       surface.points_per_mm2(), Percent(surface.density_ratio()),
-      Percent(surface.variation_ratio()), GroupedDigits(surface.patch_count()),
-      GroupedDigits(surface.empty_patch_count()));
+      Percent(surface.variation_ratio()), client::GroupedDigits(surface.patch_count()),
+      client::GroupedDigits(surface.empty_patch_count()));
 }
 
 void AddSources(const CloudQuality& quality, Lines& lines) {
@@ -140,7 +140,7 @@ void AddSources(const CloudQuality& quality, Lines& lines) {
     }
     const SourceFigures& source = quality.sources(i);
     lines.Add(i == 0 ? "sources" : "", "model {}: {} points, {}{}", source.source(),
-              GroupedDigits(source.point_count()), Percent(source.point_ratio()),
+              client::GroupedDigits(source.point_count()), Percent(source.point_ratio()),
               source.has_surface_ratio()
                   ? ", on " + Percent(source.surface_ratio()) + " of the surface"
                   : "");
@@ -153,7 +153,7 @@ void AddCracks(const CrackRiskFigures& cracks, Lines& lines) {
             "densest {:.0f} points/mm^3, cracks take {} of the volume, at {}; {} points "
             "where it is above {}",
             densest.points_per_mm3(), Percent(densest.crack_share_ratio()),
-            PlaceText(densest.place_mm()), GroupedDigits(cracks.risky_count()),
+            PlaceText(densest.place_mm()), client::GroupedDigits(cracks.risky_count()),
             Percent(cracks.max_share_ratio()));
 }
 
@@ -217,7 +217,7 @@ CloudQuality RecordOf(const proof::CloudQuality& quality,
 std::string FiguresOf(const CloudQuality& quality) {
   Lines lines;
   lines.Add("points", "{}, {:.2f} x {:.2f} x {:.2f} mm",
-            GroupedDigits(quality.point_count()),
+            client::GroupedDigits(quality.point_count()),
             quality.max_mm().x() - quality.min_mm().x(),
             quality.max_mm().y() - quality.min_mm().y(),
             quality.max_mm().z() - quality.min_mm().z());

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "services/cli/bus_flags.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 #include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::cli {
@@ -70,7 +70,7 @@ int Record(const RecordOptions& options) {
   execv(program.c_str(), argv.data());
   std::cerr << "intaglio: cannot start " << program << ": " << std::strerror(errno)
             << "; it has to lie beside intaglio\n";
-  return kExitInternal;
+  return client::kExitInternal;
 }
 
 }  // namespace

@@ -7,9 +7,10 @@
 #include <iostream>
 #include <memory>
 
+#include "services/cli/complain.h"
 #include "services/cli/recording_export.h"
 #include "services/cli/recording_report.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 #include "services/platform/recording/recording_copy.h"
 
 namespace intaglio::cli {
@@ -47,7 +48,7 @@ int Print(const Options& options, std::string (*text_of)(const McapReader&)) {
   const auto readers = OpenAll(options);
   if (!readers) return Complain(readers.error());
   for (const McapReader& reader : *readers) std::cout << text_of(reader);
-  return kExitGood;
+  return client::kExitGood;
 }
 
 int Copy(const Options& options, const std::string& default_ending) {
@@ -72,7 +73,7 @@ int Copy(const Options& options, const std::string& default_ending) {
   if (report->repeat_count > 0)
     fmt::print("; {} repeats of messages that are there left out", report->repeat_count);
   fmt::print("\n");
-  return kExitGood;
+  return client::kExitGood;
 }
 
 Status ExportMessages(const Options& options, const McapReader& reader,
@@ -113,7 +114,7 @@ int Export(const Options& options) {
                   "cannot write " + options.out + "; is there room, and the folder?");
     }
   }
-  return done ? kExitGood : Complain(done.error());
+  return done ? client::kExitGood : Complain(done.error());
 }
 
 void AddFile(command_line::Command command, const Shared& options) {

@@ -7,7 +7,7 @@
 #include <ctime>
 #include <vector>
 
-#include "services/cli/progress_bar.h"
+#include "services/client/figure_text.h"
 #include "services/platform/recording/conventions.h"
 
 namespace intaglio::cli {
@@ -59,7 +59,7 @@ std::string RepeatedText(const recording::McapReader& reader) {
   std::string text;
   if (const std::uint64_t count = RepeatedCount(reader.contents()); count > 0) {
     text += fmt::format("repeated    {} more at the beginning, retained from before it\n",
-                        GroupedDigits(count));
+                        client::GroupedDigits(count));
   }
   const auto records = reader.ReadMetadata(recording::kForgottenRecord);
   if (!records) return text;
@@ -88,19 +88,20 @@ std::string InfoText(const recording::McapReader& reader) {
   const auto& statistics = contents.statistics;
   std::string text =
       fmt::format("file        {}, {} bytes\nstate       {}\nwriter      {}\n",
-                  reader.name(), GroupedDigits(contents.file_bytes),
+                  reader.name(), client::GroupedDigits(contents.file_bytes),
                   SummaryState(contents), contents.header.library);
   if (statistics.message_count > 0) {
     text += fmt::format("time        {} to {}, {:.1f} s\n", UtcText(statistics.start_ns),
                         UtcText(statistics.end_ns), SecondsOf(statistics));
   }
-  text += fmt::format("messages    {} in {} channels and {} chunks\n",
-                      GroupedDigits(statistics.message_count - RepeatedCount(contents)),
-                      contents.channels.size(), contents.blocks.size());
+  text += fmt::format(
+      "messages    {} in {} channels and {} chunks\n",
+      client::GroupedDigits(statistics.message_count - RepeatedCount(contents)),
+      contents.channels.size(), contents.blocks.size());
   text += RepeatedText(reader);
   for (const auto& attachment : contents.attachments) {
     text += fmt::format("attachment  {}, {} bytes\n", attachment.name,
-                        GroupedDigits(attachment.content_size));
+                        client::GroupedDigits(attachment.content_size));
   }
   text += MissingText(reader);
   for (const std::string& damage : contents.damages) {
@@ -125,7 +126,7 @@ std::string ChannelTable(const recording::McapReader& reader) {
     text +=
         fmt::format("{:<28} {:<10} {:>10} {:>9.1f}  {}\n",
                     channel->topic + (repeated ? ", repeated" : ""),
-                    Entry(channel->metadata, "partition"), GroupedDigits(count),
+                    Entry(channel->metadata, "partition"), client::GroupedDigits(count),
                     seconds > 0 && !repeated ? static_cast<double>(count) / seconds : 0.0,
                     schema == nullptr ? "" : schema->name);
   }

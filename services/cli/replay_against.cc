@@ -8,9 +8,10 @@
 #include <map>
 #include <optional>
 
-#include "services/cli/child_process.h"
+#include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
-#include "services/cli/run_command.h"
+#include "services/client/child_process.h"
+#include "services/client/exit_codes.h"
 #include "services/job/field_path.h"
 #include "services/job/job_file.h"
 #include "services/job/json_text.h"
@@ -126,13 +127,14 @@ struct Bench {
 };
 
 /// With the machine profile of the session, and a laser line at which nobody is yet.
-Result<ChildProcess> StartService(const Bench& bench) {
+Result<client::ChildProcess> StartService(const Bench& bench) {
   const std::string& service = bench.options.service;
-  ChildProcess::Command command{service,
-                                command_line::ProgramFolder() / ("intaglio-" + service),
-                                {"--domain", std::to_string(bench.bus.control_domain),
-                                 "--tag", bench.bus.tag, DieWithUs()},
-                                bench.folder / "service.log"};
+  client::ChildProcess::Command command{
+      service,
+      command_line::ProgramFolder() / ("intaglio-" + service),
+      {"--domain", std::to_string(bench.bus.control_domain), "--tag", bench.bus.tag,
+       client::DieWithUs()},
+      bench.folder / "service.log"};
   if (service == "synchronizer") {
     auto machine = replayer::MachineOf(bench.reader);
     if (!machine) return tl::unexpected(machine.error());
@@ -143,7 +145,7 @@ Result<ChildProcess> StartService(const Bench& bench) {
                              {"--machine", file.string(), "--device",
                               bench.laser_line().string(), "--cell", machine->name()});
   }
-  return ChildProcess::Start(command);
+  return client::ChildProcess::Start(command);
 }
 
 Result<ReplayComparison> Compare(const Bench& bench, bus::Bus& bus,
@@ -186,20 +188,21 @@ int ReplayAgainst(const AgainstOptions& options) {
     return Fail(ErrorCode::kFault, "the service ended: " + service->LastOutput());
   });
   if (!result) {
-    if (result.error().code == ErrorCode::kCancelled) return kExitCancelled;
+    if (result.error().code == ErrorCode::kCancelled) return client::kExitCancelled;
     const bool service_failed = result.error().code == ErrorCode::kFault ||
                                 result.error().code == ErrorCode::kTimedOut;
-    return Complain(result.error(), service_failed ? kExitMachine : kExitWrongInput);
+    return Complain(result.error(),
+                    service_failed ? client::kExitMachine : client::kExitWrongInput);
   }
   result->set_recording(options.file);
   if (options.json) {
     const auto text = JsonTextOf(*result);
-    if (!text) return Complain(text.error(), kExitInternal);
+    if (!text) return Complain(text.error(), client::kExitInternal);
     std::cout << *text << "\n";
   } else {
     Print(*result);
   }
-  return result->identical() ? kExitGood : kExitNotGood;
+  return result->identical() ? client::kExitGood : client::kExitNotGood;
 }
 
 }  // namespace intaglio::cli

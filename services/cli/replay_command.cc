@@ -11,9 +11,10 @@
 #include <vector>
 
 #include "services/cli/bus_flags.h"
+#include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/replay_against.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 #include "services/replayer/bystanders.h"
 #include "services/replayer/player.h"
 
@@ -174,15 +175,15 @@ int Replay::EndCode(const replayer::PlayReport& report) const {
   if (!intruders_.empty()) {
     std::cerr << "intaglio: stopped, because services came that would believe it: "
               << intruders_ << "; take another --domain or --tag\n";
-    return kExitMachine;
+    return client::kExitMachine;
   }
-  if (Interrupts() > 0) return kExitCancelled;
-  return report.complaints.empty() || report.played_count > 0 ? kExitGood
-                                                              : kExitWrongInput;
+  if (Interrupts() > 0) return client::kExitCancelled;
+  return report.complaints.empty() || report.played_count > 0 ? client::kExitGood
+                                                              : client::kExitWrongInput;
 }
 
 int Replay::Run() {
-  if (!Wait(bus_.discovery_time())) return kExitCancelled;
+  if (!Wait(bus_.discovery_time())) return client::kExitCancelled;
   auto selection = Choose();
   if (!selection) return Complain(selection.error());
   believed_ = selection->believed;
@@ -190,7 +191,7 @@ int Replay::Run() {
       replayer::Player::Make(bus_, publisher_, reader_, std::move(*selection));
   if (!player) return Complain(player.error());
   // The participants know each other by now; what is new are the writers.
-  if (!Wait(bus_.discovery_time() / 3)) return kExitCancelled;
+  if (!Wait(bus_.discovery_time() / 3)) return client::kExitCancelled;
   replayer::PlayOptions play;
   if (options_.start_s > 0) play.from_ns = LogTimeAt(reader_, options_.start_s);
   play.to_ns = LogTimeAt(reader_, options_.stop_s);

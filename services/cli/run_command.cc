@@ -10,17 +10,22 @@
 #include <random>
 
 #include "materials_db/material_store.h"
-#include "services/cli/arm_once.h"
 #include "services/cli/bus_flags.h"
-#include "services/cli/event_lines.h"
+#include "services/cli/clock_flags.h"
+#include "services/cli/complain.h"
+#include "services/cli/event_flag.h"
 #include "services/cli/interrupt.h"
-#include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
 #include "services/cli/progress_bar.h"
-#include "services/cli/proof_folder.h"
-#include "services/cli/service_set.h"
 #include "services/cli/size_limits_flag.h"
 #include "services/cli/stage_bars.h"
+#include "services/client/arm_once.h"
+#include "services/client/event_lines.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
+#include "services/client/job_client.h"
+#include "services/client/proof_folder.h"
+#include "services/client/service_set.h"
 #include "services/job/options.h"
 
 namespace intaglio::cli {
@@ -70,16 +75,19 @@ class RunSession {
 
  private:
   Status MakeFolders();
-  Result<ServiceSet> StartServices();
-  int Engrave(ServiceSet& services);
-  int Follow(ServiceSet& services, JobClient& client, JobView job);
-  void Show(const JobView& job);
-  void TellEnd(JobClient& client, const JobView& job);
+  Result<client::ServiceSet> StartServices();
+  int Engrave(client::ServiceSet& services);
+  int Follow(client::ServiceSet& services, client::JobClient& client,
+             client::JobView job);
+  void Show(const client::JobView& job);
+  void TellEnd(client::JobClient& client, const client::JobView& job);
   void Say(const std::vector<std::string>& sentences);
-  void Arm(JobClient& client, const JobView& job);
-  bool GoesOn(const JobView& job);
-  void Cancel(JobClient& client, const JobView& job, const std::string& why);
-  int Prove(const JobView& job, const JobClient& client, const ServiceSet& services);
+  void Arm(client::JobClient& client, const client::JobView& job);
+  bool GoesOn(const client::JobView& job);
+  void Cancel(client::JobClient& client, const client::JobView& job,
+              const std::string& why);
+  int Prove(const client::JobView& job, const client::JobClient& client,
+            const client::ServiceSet& services);
 
   RunOptions options_;
   JobAndMachine job_;
@@ -87,13 +95,13 @@ class RunSession {
   materials_db::OpticalValues optics_;
   ProgressBar bar_;
   StageBars bars_{bar_};
-  EventLines events_{std::cout};
+  client::EventLines events_{std::cout};
   ShopVerdict proved_;  // by the glass; no word: there was nothing to prove
   fs::path out_, session_;
-  std::string started_utc_ = UtcNow();
+  std::string started_utc_ = client::UtcNow();
   Clock::time_point started_ = Clock::now();
   bool cancelled_ = false;
-  std::optional<ArmOnce> arm_;
+  std::optional<client::ArmOnce> arm_;
   std::uint32_t armed_attempt_ = 0;
   bool arm_holds_ = true;
   std::optional<Clock::time_point> paused_since_;
@@ -102,7 +110,8 @@ class RunSession {
 
 Status RunSession::MakeFolders() {
   out_ = options_.out.empty()
-             ? fs::path("intaglio-out") / fmt::format("{}-{}", job_.job.name(), UtcNow())
+             ? fs::path("intaglio-out") /
+                   fmt::format("{}-{}", job_.job.name(), client::UtcNow())
              : fs::path(options_.out);
   std::error_code error;
   out_ = fs::absolute(out_).lexically_normal();
@@ -129,8 +138,8 @@ Status RunSession::MakeFolders() {
       out_.string());
 }
 
-Result<ServiceSet> RunSession::StartServices() {
-  ServiceSetOptions set;
+Result<client::ServiceSet> RunSession::StartServices() {
+  client::ServiceSetOptions set;
   set.folder = session_;
   set.results = session_ / "jobs";
   set.materials_db = options_.materials_db;
@@ -140,7 +149,7 @@ Result<ServiceSet> RunSession::StartServices() {
   set.bus = options_.bus;
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
-  VirtualMachine machine;
+  client::VirtualMachine machine;
   const Vector3& block = job_.job.block().size_mm();
   machine.block_size_mm = Vec3(block.x(), block.y(), block.z());
   machine.refractive_index = optics_.refractive_index;
@@ -153,26 +162,27 @@ Result<ServiceSet> RunSession::StartServices() {
   machine.clock_drift_ppm = options_.clock_drift_ppm;
   machine.line_jitter_ms = options_.line_jitter_ms;
   HandOnSizeLimits(options_.job.size_limits);
-  return ServiceSet::Start(set, &machine);
+  return client::ServiceSet::Start(set, &machine);
 }
 
 int RunSession::Run() {
   for (const std::string& note : job_.notes) std::cerr << note << "\n";
-  if (auto made = MakeFolders(); !made) return Complain(made.error(), kExitWrongInput);
+  if (auto made = MakeFolders(); !made)
+    return Complain(made.error(), client::kExitWrongInput);
   auto services = StartServices();
-  if (!services) return Complain(services.error(), kExitInternal);
+  if (!services) return Complain(services.error(), client::kExitInternal);
   try {
     return Engrave(*services);
   } catch (const bus::BusError& error) {
-    return Complain({ErrorCode::kFault, error.what(), ""}, kExitInternal);
+    return Complain({ErrorCode::kFault, error.what(), ""}, client::kExitInternal);
   }
 }
 
-int RunSession::Engrave(ServiceSet& services) {
+int RunSession::Engrave(client::ServiceSet& services) {
   bus::Bus bus(options_.bus);
-  JobClient client(bus);
+  client::JobClient client(bus);
   if (auto ready = services.AwaitReady(client); !ready) {
-    return Complain(ready.error(), kExitInternal);
+    return Complain(ready.error(), client::kExitInternal);
   }
   std::cerr << "processes  ";
   for (const std::string& process : services.Processes())
@@ -181,20 +191,20 @@ int RunSession::Engrave(ServiceSet& services) {
   JobSpec job = job_.job;
   job.set_machine_file(services.machine_file().string());
   auto submitted = client.Submit(job, 20s);
-  if (!submitted) return Complain(submitted.error(), kExitWrongInput);
+  if (!submitted) return Complain(submitted.error(), client::kExitWrongInput);
   if (options_.events) events_.Submitted(*submitted);
   return Follow(services, client, *submitted);
 }
 
-void RunSession::Show(const JobView& job) {
+void RunSession::Show(const client::JobView& job) {
   if (options_.events && !job.ended()) events_.Show(job);
-  const JobView::Progress* p = StageAtWork(job);
+  const client::JobView::Progress* p = client::StageAtWork(job);
   if (p == nullptr) return;
   std::string note;
   if (p->stage == intaglio_STAGE_ENGRAVE && job.estimate_ticks > 0 && job.rate_hz > 0 &&
       p->done_count == 0) {
     note = "machining time " +
-           ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
+           client::ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
   }
   if (!job.message.empty()) note = job.message;
   bars_.Show(job, note);
@@ -203,22 +213,22 @@ void RunSession::Show(const JobView& job) {
 // Whoever types `run` is beside the machine: that is the operator's arm. The machine is
 // this session's alone, so no other block was in it when a lost process costs an attempt,
 // and the arm is given once more, unless somebody has taken it back.
-void RunSession::Arm(JobClient& client, const JobView& job) {
+void RunSession::Arm(client::JobClient& client, const client::JobView& job) {
   if (job.state == intaglio_JOB_QUEUED || job.ended()) return;
   if (!arm_ || (job.attempt != armed_attempt_ && arm_holds_)) arm_.emplace(client, job);
   armed_attempt_ = job.attempt;
-  const ArmOnce::State state = arm_->Follow(job);
-  if (arm_holds_ && state == ArmOnce::State::kLeft) {
+  const client::ArmOnce::State state = arm_->Follow(job);
+  if (arm_holds_ && state == client::ArmOnce::State::kLeft) {
     Say({fmt::format("waits for a person: {}; then intaglio arm {} --tag {}",
                      arm_->reason(), job.number, options_.bus.tag)});
   }
-  arm_holds_ =
-      state != ArmOnce::State::kLeft && (state != ArmOnce::State::kArmed || job.armed);
+  arm_holds_ = state != client::ArmOnce::State::kLeft &&
+               (state != client::ArmOnce::State::kArmed || job.armed);
 }
 
 // What was lost is resumed by the job service. Everything else that pauses a machine is
 // for a person to look at, and so is a loss that lasts.
-bool RunSession::GoesOn(const JobView& job) {
+bool RunSession::GoesOn(const client::JobView& job) {
   if (job.state != intaglio_JOB_PAUSED) {
     paused_since_.reset();
     return true;
@@ -238,7 +248,8 @@ void RunSession::Say(const std::vector<std::string>& sentences) {
   for (const std::string& sentence : sentences) std::cerr << sentence << "\n";
 }
 
-void RunSession::Cancel(JobClient& client, const JobView& job, const std::string& why) {
+void RunSession::Cancel(client::JobClient& client, const client::JobView& job,
+                        const std::string& why) {
   if (cancelled_) return;
   cancelled_ = true;
   bar_.Finish();
@@ -247,7 +258,8 @@ void RunSession::Cancel(JobClient& client, const JobView& job, const std::string
   give_up_ = Clock::now() + kCancelTimeout;
 }
 
-int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
+int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
+                       client::JobView job) {
   std::optional<Error> fault;
   while (!job.ended() && Clock::now() < give_up_) {
     client.Poll(50ms);
@@ -276,23 +288,23 @@ int RunSession::Follow(ServiceSet& services, JobClient& client, JobView job) {
   services.Stop();
   const int proved = Prove(job, client, services);
   if (options_.events) TellEnd(client, job);
-  if (fault) return Complain(*fault, kExitMachine);
-  if (cancelled_) return kExitCancelled;
+  if (fault) return Complain(*fault, client::kExitMachine);
+  if (cancelled_) return client::kExitCancelled;
   if (job.state != intaglio_JOB_DONE) {
-    return Complain({ErrorCode::kFault, job.message, ""}, kExitMachine);
+    return Complain({ErrorCode::kFault, job.message, ""}, client::kExitMachine);
   }
   return proved;
 }
 
-void RunSession::TellEnd(JobClient& client, const JobView& job) {
-  JobEnd end = EndOf(client, job);
+void RunSession::TellEnd(client::JobClient& client, const client::JobView& job) {
+  client::JobEnd end = EndOf(client, job);
   if (!proved_.word.empty()) end.verdict = proved_;
   events_.Ended(job, end);
 }
 
-int RunSession::Prove(const JobView& job, const JobClient& client,
-                      const ServiceSet& services) {
-  ProofInputs inputs;
+int RunSession::Prove(const client::JobView& job, const client::JobClient& client,
+                      const client::ServiceSet& services) {
+  client::ProofInputs inputs;
   inputs.folder = out_;
   inputs.job_folder = job.result_directory;
   inputs.glass_record = services.glass_record();
@@ -301,49 +313,44 @@ int RunSession::Prove(const JobView& job, const JobClient& client,
   inputs.engrave = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
   inputs.warnings = job_.notes;
   inputs.started_utc = started_utc_;
-  inputs.ended_utc = UtcNow();
+  inputs.ended_utc = client::UtcNow();
   inputs.wall_time_s = std::chrono::duration<double>(Clock::now() - started_).count();
   // A job that ended before its engraving began left nothing to prove.
-  if (!fs::exists(inputs.job_folder / "path.ply")) return kExitMachine;
-  const auto report = MakeProof(inputs);
-  if (!report) return Complain(report.error(), kExitWrongInput);
+  if (!fs::exists(inputs.job_folder / "path.ply")) return client::kExitMachine;
+  const auto report = client::MakeProof(inputs);
+  if (!report) return Complain(report.error(), client::kExitWrongInput);
   for (const std::string& warning : report->warnings())
     std::cerr << "warning    " << warning << "\n";
   std::ostream& human = options_.events ? std::cerr : std::cout;
-  human << SummaryOf(*report) << "\n";
+  human << client::SummaryOf(*report) << "\n";
   human << "folder      " << out_.string()
         << "  (report.json, glass.ply, path.ply, views.png"
         << (options_.record ? ", session.mcap)\n" : ")\n");
   proved_.word = report->verdict().good() ? "good" : "not_good";
   proved_.reason = fmt::format("{}", fmt::join(report->verdict().reasons(), "; "));
-  return report->verdict().good() ? kExitGood : kExitNotGood;
+  return report->verdict().good() ? client::kExitGood : client::kExitNotGood;
 }
 
 int RunJob(const RunOptions& given) {
   CatchInterrupts();
   RunOptions options = given;
   auto job = BuildJob(options.job);
-  if (!job) return Complain(job.error(), kExitWrongInput);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
   if (options.materials_db.empty()) {
     options.materials_db = materials_db::DefaultDatabasePath().string();
   }
   auto store = materials_db::MaterialStore::Open(options.materials_db);
-  if (!store) return Complain(store.error(), kExitWrongInput);
+  if (!store) return Complain(store.error(), client::kExitWrongInput);
   auto material = store->Find(job->job.glass());
-  if (!material) return Complain(material.error(), kExitWrongInput);
+  if (!material) return Complain(material.error(), client::kExitWrongInput);
   const auto optics = materials_db::ComputeOptics(
       *material, job->job.laser().wavelength_nm(), job->job.lens().numerical_aperture());
-  if (!optics) return Complain(optics.error(), kExitWrongInput);
+  if (!optics) return Complain(optics.error(), client::kExitWrongInput);
   return RunSession(std::move(options), std::move(*job), std::move(*material), *optics)
       .Run();
 }
 
 }  // namespace
-
-int Complain(const Error& error, int exit_code) {
-  std::cerr << "intaglio: " << error.message << "\n";
-  return exit_code;
-}
 
 void AddRunCommand(command_line::Command app) {
   auto options = std::make_shared<RunOptions>();

@@ -8,7 +8,8 @@
 #include <iostream>
 #include <memory>
 
-#include "services/cli/run_command.h"
+#include "services/cli/complain.h"
+#include "services/client/exit_codes.h"
 #include "services/platform/bus/identity.h"
 #include "services/platform/security/identity_folders.h"
 #include "services/platform/security/roles.h"
@@ -37,7 +38,7 @@ int TellFolders(const SecurityOptions& options, const security::ShopOptions& sho
                "(docs/deployment.md), and keep "
             << (fs::path(options.folder) / "authority").string()
             << " where nobody else comes\n";
-  return kExitGood;
+  return client::kExitGood;
 }
 
 int New(SecurityOptions options) {
@@ -76,7 +77,7 @@ int CheckAll(const SecurityOptions& options) {
   const int domain = options.shop.domains.front();
   std::error_code error;
   if (fs::exists(folder / bus::kCertificateFile, error)) {
-    return Check(folder, domain) ? kExitGood : kExitWrongInput;
+    return Check(folder, domain) ? client::kExitGood : client::kExitWrongInput;
   }
   std::vector<fs::path> roles;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -92,7 +93,7 @@ int CheckAll(const SecurityOptions& options) {
   std::sort(roles.begin(), roles.end());
   bool good = true;
   for (const fs::path& role : roles) good = Check(role, domain) && good;
-  return good ? kExitGood : kExitWrongInput;
+  return good ? client::kExitGood : client::kExitWrongInput;
 }
 
 int TellRoles() {
@@ -105,7 +106,7 @@ int TellRoles() {
     std::cout << fmt::format("{}\n  writes  {}\n  reads   {}\n", role.name,
                              names(role.writes), names(role.reads));
   }
-  return kExitGood;
+  return client::kExitGood;
 }
 
 void AddDays(command_line::Command command, security::Lifetime& lifetime) {

@@ -6,8 +6,8 @@
 #include <set>
 #include <string>
 
-#include "services/cli/job_client.h"
 #include "services/cli/progress_bar.h"
+#include "services/client/job_client.h"
 
 namespace intaglio::cli {
 
@@ -16,14 +16,11 @@ class StageBars {
   explicit StageBars(ProgressBar& bar) : bar_(bar) {}
 
   /// `note` goes behind the stage at work.
-  void Show(const JobView& job, const std::string& note);
+  void Show(const client::JobView& job, const std::string& note);
 
  private:
   ProgressBar& bar_;
   std::set<intaglio_Stage> ended_;
 };
-
-/// The stage at work, or null while none is.
-const JobView::Progress* StageAtWork(const JobView& job);
 
 }  // namespace intaglio::cli

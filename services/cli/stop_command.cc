@@ -15,8 +15,9 @@
 #include <vector>
 
 #include "services/cli/bus_flags.h"
-#include "services/cli/job_client.h"
-#include "services/cli/run_command.h"
+#include "services/cli/complain.h"
+#include "services/client/exit_codes.h"
+#include "services/client/job_client.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::cli {
@@ -95,7 +96,7 @@ class StopSource {
     return number_;
   }
 
-  const std::string name_ = SourceName(), operator_name_ = OperatorName();
+  const std::string name_ = SourceName(), operator_name_ = client::OperatorName();
   const std::string cell_;
   bus::Writer<intaglio_EmergencyStop> writer_;
   std::uint64_t number_ = 0;
@@ -163,7 +164,7 @@ int ComplainOfNoMachine() {
   return ComplainOf(
       "no machine is found: press its own button; then check --domain, --interface and "
       "--tag",
-      kExitWrongInput);
+      client::kExitWrongInput);
 }
 
 /// Of those, the machines that do not hold the press.
@@ -185,7 +186,7 @@ int Press(const StopOptions& options) {
   const bool every = options.cell.empty();
   StopSource source(bus, every ? kEveryMachine : options.cell);
   const auto number = source.Press(options.reason);
-  if (!number) return Complain(number.error(), kExitMachine);
+  if (!number) return Complain(number.error(), client::kExitMachine);
   MachineReports reports(bus, options.cell);
   std::set<std::string> confirmed;
   std::vector<std::string> missing;
@@ -203,9 +204,9 @@ int Press(const StopOptions& options) {
         fmt::format("{} has not confirmed the stop within {} s: press the machine's "
                     "own button",
                     cell, kAnswerTime.count()),
-        kExitMachine);
+        client::kExitMachine);
   }
-  return missing.empty() ? kExitGood : kExitMachine;
+  return missing.empty() ? client::kExitGood : client::kExitMachine;
 }
 
 /// The machine to reset: the named one, or the only one that is found.
@@ -230,7 +231,7 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
 int ReportReset(const std::string& cell, const MachineStops& stops) {
   if (!stops.pressed) {
     std::cout << cell << ": reset; an arm or a resume lets it go on\n";
-    return kExitGood;
+    return client::kExitGood;
   }
   std::vector<std::string> presses;
   for (const HeldPress& press : stops.held)
@@ -240,13 +241,13 @@ int ReportReset(const std::string& cell, const MachineStops& stops) {
         fmt::format("{} is still stopped by more presses than it can name: restart its "
                     "synchronizer",
                     cell),
-        kExitMachine);
+        client::kExitMachine);
   }
   return ComplainOf(
       fmt::format("{} is still stopped by a press that came during the reset: {}; check "
                   "the machine, then reset it again",
                   cell, fmt::join(presses, ", ")),
-      kExitMachine);
+      client::kExitMachine);
 }
 
 // Names the presses that the machine's synchronizer reports, and no other.
@@ -260,12 +261,12 @@ int Reset(const StopOptions& options) {
         fmt::format("{} has not reported its stops within {} s: is its synchronizer "
                     "running?",
                     *cell, kAnswerTime.count()),
-        kExitMachine);
+        client::kExitMachine);
   }
   const HeldPresses named = reports.Of(*cell).held;
   StopSource source(bus, *cell);
   if (auto sent = source.Release(named); !sent)
-    return Complain(sent.error(), kExitMachine);
+    return Complain(sent.error(), client::kExitMachine);
   const auto released = [&] {
     const HeldPresses& held = reports.Of(*cell).held;
     return std::none_of(held.begin(), held.end(), [&](const HeldPress& press) {
@@ -277,7 +278,7 @@ int Reset(const StopOptions& options) {
                                   "synchronizer, its motion bridge and the job service "
                                   "running?",
                                   *cell, kAnswerTime.count()),
-                      kExitMachine);
+                      client::kExitMachine);
   }
   return ReportReset(*cell, reports.Of(*cell));
 }

@@ -11,13 +11,15 @@
 
 #include "materials_db/material_store.h"
 #include "services/cli/bus_flags.h"
-#include "services/cli/folder_lock.h"
+#include "services/cli/clock_flags.h"
+#include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
-#include "services/cli/job_client.h"
 #include "services/cli/job_options.h"
 #include "services/cli/mounted.h"
-#include "services/cli/run_command.h"
-#include "services/cli/service_set.h"
+#include "services/client/exit_codes.h"
+#include "services/client/folder_lock.h"
+#include "services/client/job_client.h"
+#include "services/client/service_set.h"
 #include "services/job/job_file.h"
 #include "services/platform/host/utc_time.h"
 
@@ -47,9 +49,9 @@ struct UpOptions {
   MountFlags mount;
 };
 
-VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine,
-                         const MountedDescription& mounted) {
-  VirtualMachine virtual_machine;
+client::VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine,
+                                 const client::MountedDescription& mounted) {
+  client::VirtualMachine virtual_machine;
   virtual_machine.block_size_mm = mounted.block_size_mm.value();
   virtual_machine.refractive_index = mounted.refractive_index.value();
   virtual_machine.numerical_aperture = mounted.lens.value().numerical_aperture;
@@ -63,9 +65,9 @@ VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine,
 
 /// A second job service would take every submission again, a second synchronizer would
 /// fire the same laser.
-std::optional<ServiceView> RivalOf(const ServiceSetOptions& set,
-                                   const JobClient& client) {
-  for (const ServiceView& service : client.services()) {
+std::optional<client::ServiceView> RivalOf(const client::ServiceSetOptions& set,
+                                           const client::JobClient& client) {
+  for (const client::ServiceView& service : client.services()) {
     const bool of_shop =
         service.role == intaglio_ROLE_JOB_SERVICE && !set.without.contains("job-service");
     const bool of_cell =
@@ -78,11 +80,11 @@ std::optional<ServiceView> RivalOf(const ServiceSetOptions& set,
   return std::nullopt;
 }
 
-Status AwaitNoRival(const ServiceSetOptions& set, JobClient& client,
+Status AwaitNoRival(const client::ServiceSetOptions& set, client::JobClient& client,
                     std::chrono::milliseconds discovery_time) {
   client.PollUntil([] { return false; }, discovery_time);
   const auto looked_until = std::chrono::steady_clock::now();
-  std::optional<ServiceView> rival;
+  std::optional<client::ServiceView> rival;
   const auto is_decided = [&] {
     rival = RivalOf(set, client);
     return !rival || rival->heard_at > looked_until + kGoesOnTime;
@@ -111,10 +113,10 @@ Result<fs::path> NewRecording(const fs::path& folder) {
 int Up(const UpOptions& options) {
   CatchInterrupts();
   const auto file = FindMachineFile(options.machine);
-  if (!file) return Complain(file.error(), kExitWrongInput);
+  if (!file) return Complain(file.error(), client::kExitWrongInput);
   const auto machine = ReadMachineFile(*file);
-  if (!machine) return Complain(machine.error(), kExitWrongInput);
-  ServiceSetOptions set;
+  if (!machine) return Complain(machine.error(), client::kExitWrongInput);
+  client::ServiceSetOptions set;
   set.folder = fs::absolute(options.folder);
   set.results = set.folder / "jobs";
   set.materials_db = options.materials_db.empty() ? materials_db::DefaultDatabasePath()
@@ -122,31 +124,32 @@ int Up(const UpOptions& options) {
   set.machine = *machine;
   const auto mounted =
       MountedOf(options.mount, !options.real_machine, *machine, set.materials_db);
-  if (!mounted) return Complain(mounted.error(), kExitWrongInput);
+  if (!mounted) return Complain(mounted.error(), client::kExitWrongInput);
   set.mounted = mounted->description;
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};
-  const auto lock = FolderLock::Take(set.folder);
-  if (!lock) return Complain(lock.error(), kExitWrongInput);
+  const auto lock = client::FolderLock::Take(set.folder);
+  if (!lock) return Complain(lock.error(), client::kExitWrongInput);
   if (options.record) {
     const auto recording = NewRecording(set.folder / "recordings");
-    if (!recording) return Complain(recording.error(), kExitWrongInput);
+    if (!recording) return Complain(recording.error(), client::kExitWrongInput);
     set.recording = *recording;
   }
   bus::Bus bus(set.bus);
-  JobClient client(bus);
+  client::JobClient client(bus);
   if (auto alone = AwaitNoRival(set, client, bus.discovery_time()); !alone) {
-    return Complain(alone.error(), kExitWrongInput);
+    return Complain(alone.error(), client::kExitWrongInput);
   }
-  std::optional<VirtualMachine> virtual_machine;
+  std::optional<client::VirtualMachine> virtual_machine;
   if (!options.real_machine) {
     virtual_machine = MachineOf(options, *machine, mounted->description);
   }
-  auto services = ServiceSet::Start(set, virtual_machine ? &*virtual_machine : nullptr);
-  if (!services) return Complain(services.error(), kExitInternal);
+  auto services =
+      client::ServiceSet::Start(set, virtual_machine ? &*virtual_machine : nullptr);
+  if (!services) return Complain(services.error(), client::kExitInternal);
   if (auto ready = services->AwaitReady(client); !ready) {
-    return Complain(ready.error(), kExitInternal);
+    return Complain(ready.error(), client::kExitInternal);
   }
   for (const std::string& process : services->Processes()) std::cout << process << "\n";
   std::cout
@@ -161,12 +164,12 @@ int Up(const UpOptions& options) {
     const auto revived = services->Revive();
     if (!revived) {
       services->Stop();
-      return Complain(revived.error(), kExitMachine);
+      return Complain(revived.error(), client::kExitMachine);
     }
     for (const std::string& said : *revived) std::cerr << said << "\n";
   }
   services->Stop();
-  return kExitGood;
+  return client::kExitGood;
 }
 
 }  // namespace

@@ -5,10 +5,11 @@
 
 #include <iostream>
 
+#include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/progress_bar.h"
-#include "services/cli/run_command.h"
 #include "services/cli/stage_bars.h"
+#include "services/client/exit_codes.h"
 
 namespace intaglio::cli {
 namespace {
@@ -16,8 +17,8 @@ namespace {
 using namespace std::chrono_literals;
 
 /// What a person has to know of the job now.
-std::string NoteOf(const JobView& job) {
-  std::string note = job.message.empty() ? StateOf(job) : job.message;
+std::string NoteOf(const client::JobView& job) {
+  std::string note = job.message.empty() ? client::StateOf(job) : job.message;
   const bool waits = job.armed && job.state != intaglio_JOB_ENGRAVING;
   if (waits && !job.message.empty()) note += ", armed";
   if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
@@ -26,11 +27,12 @@ std::string NoteOf(const JobView& job) {
   return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
 }
 
-int TellEnd(JobClient& client, const JobView& job, EventLines* events) {
-  const JobEnd end = EndOf(client, job);
+int TellEnd(client::JobClient& client, const client::JobView& job,
+            client::EventLines* events) {
+  const client::JobEnd end = EndOf(client, job);
   if (events != nullptr) events->Ended(job, end);
   std::ostream& human = events != nullptr ? std::cerr : std::cout;
-  human << "job " << job.number << " " << NameOf(job.state)
+  human << "job " << job.number << " " << client::NameOf(job.state)
         << (job.message.empty() ? "" : ": " + job.message) << "\n";
   if (!end.verdict.reason.empty()) {
     human << "verdict: " << end.verdict.word << ", " << end.verdict.reason << "\n";
@@ -40,16 +42,17 @@ int TellEnd(JobClient& client, const JobView& job, EventLines* events) {
 
 }  // namespace
 
-int WatchJob(JobClient& client, const std::string& uid, EventLines* events) {
+int WatchJob(client::JobClient& client, const std::string& uid,
+             client::EventLines* events) {
   CatchInterrupts();
   ProgressBar bar(std::cerr, isatty(STDERR_FILENO) != 0);
   StageBars bars(bar);
   for (;;) {
-    const JobView& job = client.jobs().at(uid);
+    const client::JobView& job = client.jobs().at(uid);
     bars.Show(job, NoteOf(job));
     if (job.ended()) {
       bar.Finish();
-      return TellEnd(client, JobView(job), events);
+      return TellEnd(client, client::JobView(job), events);
     }
     if (client.IsForgotten(uid)) {
       bar.Finish();
@@ -59,13 +62,13 @@ int WatchJob(JobClient& client, const std::string& uid, EventLines* events) {
                                    "intaglio history --job {0} tells how",
                                    job.number),
                        uid},
-                      kExitInternal);
+                      client::kExitInternal);
     }
     if (events != nullptr) events->Show(job);
     if (Interrupts() > 0) {
       bar.Finish();
       std::cerr << "the job goes on; intaglio cancel " << job.number << " ends it\n";
-      return kExitGood;
+      return client::kExitGood;
     }
     client.Poll(100ms);
   }

@@ -2,14 +2,15 @@
 
 #include <string>
 
-#include "services/cli/event_lines.h"
-#include "services/cli/job_client.h"
+#include "services/client/event_lines.h"
+#include "services/client/job_client.h"
 
 namespace intaglio::cli {
 
 /// Follows a job to its end, or to Ctrl-C, which leaves it as it is. With `events` they
 /// take the standard output, and what people read goes to the standard error stream.
 /// The exit code of docs/cli.md.
-int WatchJob(JobClient& client, const std::string& uid, EventLines* events);
+int WatchJob(client::JobClient& client, const std::string& uid,
+             client::EventLines* events);
 
 }  // namespace intaglio::cli

@@ -9,7 +9,7 @@
 #include <regex>
 #include <set>
 
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 #include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/mesh/handmade_files.h"
 #include "tests/integration/run_program.h"
@@ -180,12 +180,12 @@ TEST(CommandLine, AFolderThatCannotBeWrittenIsNamed) {
 TEST(CommandLine, ExitCodesAreAsDocumented) {
   const std::string document = TextIn(INTAGLIO_SOURCE_DIR "/docs/cli.md");
   for (const auto& [code, word] : std::vector<std::pair<int, std::string>>{
-           {cli::kExitGood, "good"},
-           {cli::kExitInternal, "internal"},
-           {cli::kExitWrongInput, "wrong input"},
-           {cli::kExitNotGood, "verdict is not good"},
-           {cli::kExitMachine, "machine"},
-           {cli::kExitCancelled, "cancelled"}}) {
+           {client::kExitGood, "good"},
+           {client::kExitInternal, "internal"},
+           {client::kExitWrongInput, "wrong input"},
+           {client::kExitNotGood, "verdict is not good"},
+           {client::kExitMachine, "machine"},
+           {client::kExitCancelled, "cancelled"}}) {
     const std::regex row("\\| " + std::to_string(code) + " \\| [^|]*" + word);
     EXPECT_TRUE(std::regex_search(document, row)) << code << " " << word;
   }

@@ -51,6 +51,8 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"proto/a.cc", "#include \"engrave/core/result.h\"\n"},
       {"services/job/a.cc", "#include \"services/history/job_words.h\"\n"},
       {"services/platform/host/a.cc", "#include \"services/job/options.h\"\n"},
+      {"services/client/a.cc", "#include \"services/cli/job_options.h\"\n"},
+      {"services/sorter/c.cc", "#include \"services/client/job_client.h\"\n"},
       {"services/cli/a.cc", "#include \"services/sorter/sort_job.h\"\n"},
       {"services/cli/b.cc", "#include <CLI/App.hpp>\n"},
       {"services/sorter/a.cc", "#include <dds/dds.h>\n"},

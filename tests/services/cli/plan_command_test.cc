@@ -16,7 +16,7 @@
 #include "engrave/formats/point_file.h"
 #include "proto/job.pb.h"
 #include "proto/plan_report.pb.h"
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -266,7 +266,7 @@ TEST_F(PlanCommand, SortTakesACloudThatLiesInNoBlock) {
 // What the machine cannot reach is said, not planned.
 TEST_F(PlanCommand, ABlockThatTheStageCannotReachIsRefused) {
   EXPECT_EQ(Type({"plan", "--path", path().string(), "--block", "300", "30", "30"}),
-            kExitWrongInput);
+            client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("block.size_mm"));
 }
 
@@ -276,14 +276,14 @@ TEST_F(PlanCommand, AnOrderThatFiresThroughCracksEndsWith3) {
   downwards[1] = downwards[0] - Vec3(0, 0, 1);
   downwards[2] = downwards[0] - Vec3(0, 0, 2);
   ASSERT_TRUE(formats::WritePly(path(), {downwards, {}, {}}));
-  EXPECT_EQ(Type({"plan", "--path", path().string()}), kExitNotGood);
+  EXPECT_EQ(Type({"plan", "--path", path().string()}), client::kExitNotGood);
   EXPECT_THAT(output_, HasSubstr("2 fired through an earlier crack"));
 }
 
 TEST_F(PlanCommand, WrongInputIsNamedWithItsRemedy) {
   const std::string there = path().string();
   const auto refused = [&](std::vector<std::string> words) {
-    EXPECT_EQ(Type(std::move(words)), kExitWrongInput);
+    EXPECT_EQ(Type(std::move(words)), client::kExitWrongInput);
     EXPECT_EQ(output_, "");
     return errors_;
   };

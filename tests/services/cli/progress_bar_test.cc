@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "services/cli/stage_bars.h"
+#include "services/client/figure_text.h"
 
 namespace intaglio::cli {
 namespace {
@@ -14,17 +15,17 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST(Numbers, AreShortAndGrouped) {
-  EXPECT_EQ(GroupedDigits(0), "0");
-  EXPECT_EQ(GroupedDigits(999), "999");
-  EXPECT_EQ(GroupedDigits(1000), "1 000");
-  EXPECT_EQ(GroupedDigits(1234567), "1 234 567");
-  EXPECT_EQ(ShortNumber(1234567), "1.23 M");
-  EXPECT_EQ(ShortNumber(41234), "41 k");
-  EXPECT_EQ(ShortDuration(3.2), "3.2 s");
-  EXPECT_EQ(ShortDuration(62), "1 min 02 s");
-  EXPECT_EQ(ShortDuration(3725), "1 h 02 min");
-  EXPECT_EQ(ShortDuration(59.9), "1 min 00 s");
-  EXPECT_EQ(ShortDuration(-1), "?");
+  EXPECT_EQ(client::GroupedDigits(0), "0");
+  EXPECT_EQ(client::GroupedDigits(999), "999");
+  EXPECT_EQ(client::GroupedDigits(1000), "1 000");
+  EXPECT_EQ(client::GroupedDigits(1234567), "1 234 567");
+  EXPECT_EQ(client::ShortNumber(1234567), "1.23 M");
+  EXPECT_EQ(client::ShortNumber(41234), "41 k");
+  EXPECT_EQ(client::ShortDuration(3.2), "3.2 s");
+  EXPECT_EQ(client::ShortDuration(62), "1 min 02 s");
+  EXPECT_EQ(client::ShortDuration(3725), "1 h 02 min");
+  EXPECT_EQ(client::ShortDuration(59.9), "1 min 00 s");
+  EXPECT_EQ(client::ShortDuration(-1), "?");
 }
 
 TEST(ProgressBar, ShowsPointsRateAndTimeLeft) {
@@ -77,7 +78,7 @@ TEST(StageBars, FollowTheFirstStageThatIsNotDone) {
   std::ostringstream out;
   ProgressBar bar(out, false);
   StageBars bars(bar);
-  JobView job;
+  client::JobView job;
   job.progress = {{intaglio_STAGE_DISCRETIZE, 30, 1000, 1},
                   {intaglio_STAGE_SORT, 0, 0, 0}};
   bars.Show(job, "");
@@ -93,8 +94,8 @@ TEST(StageBars, FollowTheFirstStageThatIsNotDone) {
   const std::size_t size = out.str().size();
   bars.Show(job, "");
   EXPECT_EQ(out.str().size(), size) << "ended stages are told once";
-  EXPECT_EQ(StageAtWork(job)->stage, intaglio_STAGE_ENGRAVE);
-  EXPECT_EQ(StageAtWork(JobView{}), nullptr);
+  EXPECT_EQ(client::StageAtWork(job)->stage, intaglio_STAGE_ENGRAVE);
+  EXPECT_EQ(client::StageAtWork(client::JobView{}), nullptr);
 }
 
 }  // namespace

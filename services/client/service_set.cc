@@ -1,4 +1,4 @@
-#include "services/cli/service_set.h"
+#include "services/client/service_set.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "services/job/job_file.h"
 #include "services/platform/command_line/other_programs.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using namespace std::chrono_literals;
@@ -54,19 +54,6 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
                                   {intaglio_ROLE_RECORDER, "recorder"}};
 
 }  // namespace
-
-void AddClockFlags(command_line::Command command, double& clock_drift_ppm,
-                   double& line_jitter_ms) {
-  command
-      .AddOption("--clock-drift", clock_drift_ppm,
-                 "the virtual stage runs on a clock of its own, this much too fast, ppm; "
-                 "0: on the laser's ticks")
-      .Within(-200.0, 200.0);
-  command
-      .AddOption("--line-jitter", line_jitter_ms,
-                 "what is said on a serial line arrives up to this much later, ms")
-      .Within(0.0, 2.0);
-}
 
 Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
                                      const VirtualMachine* virtual_machine) {
@@ -298,4 +285,4 @@ std::vector<std::string> ServiceSet::Processes() {
   return lines;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

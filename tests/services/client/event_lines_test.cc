@@ -1,4 +1,4 @@
-#include "services/cli/event_lines.h"
+#include "services/client/event_lines.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
@@ -6,9 +6,9 @@
 #include <sstream>
 #include <vector>
 
-#include "services/cli/run_command.h"
+#include "services/client/exit_codes.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using namespace std::chrono_literals;
@@ -131,4 +131,4 @@ TEST(ExitCode, FollowsTheStateAndTheVerdict) {
 }
 
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

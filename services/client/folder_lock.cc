@@ -1,4 +1,4 @@
-#include "services/cli/folder_lock.h"
+#include "services/client/folder_lock.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 namespace fs = std::filesystem;
 
@@ -57,4 +57,4 @@ FolderLock::~FolderLock() {
   if (fd_ >= 0) close(fd_);
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

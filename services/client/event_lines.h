@@ -10,14 +10,10 @@
 #include <string>
 
 #include "proto/shop.pb.h"
-#include "services/cli/job_client.h"
+#include "services/client/job_client.h"
 #include "services/job/verdict.h"
-#include "services/platform/command_line/program.h"
 
-namespace intaglio::cli {
-
-/// --events.
-void AddEventsFlag(command_line::Command command, bool& events);
+namespace intaglio::client {
 
 /// What became of a job that has ended.
 struct JobEnd {
@@ -61,4 +57,4 @@ JobEvent EventOf(const char* event, const JobView& job, const std::string& id);
 /// 0 done and good, 3 not good, 4 failed, 5 cancelled (docs/cli.md).
 int ExitCodeOf(const JobView& job, const ShopVerdict& verdict);
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,6 +1,6 @@
 #pragma once
 
-// The command line's seat on the bus: submits jobs, commands them, follows them.
+// The seat of a client on the bus: submits jobs, commands them, follows them.
 
 #include <chrono>
 #include <cstdint>
@@ -15,7 +15,7 @@
 #include "proto/task.pb.h"
 #include "services/platform/bus/bus.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 /// A JobStatus, copied.
 struct JobView {
@@ -28,6 +28,8 @@ struct JobView {
     intaglio_Stage stage;
     std::uint64_t done_count = 0, total_count = 0;
     double elapsed_s = 0;
+
+    bool ended() const { return total_count > 0 && done_count >= total_count; }
   };
   std::vector<Progress> progress;
   std::uint64_t estimate_ticks = 0;
@@ -49,6 +51,9 @@ const char* NameOf(intaglio_JobState state);
 std::string StateOf(const JobView& job);
 /// "discretize", "order", "engrave".
 const char* NameOf(intaglio_Stage stage);
+
+/// The stage at work, or null while none is.
+const JobView::Progress* StageAtWork(const JobView& job);
 
 struct ServiceView {
   std::string instance, host, cell, message;
@@ -163,4 +168,4 @@ class JobClient {
 /// user@host, for people.
 std::string OperatorName();
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

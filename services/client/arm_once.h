@@ -15,9 +15,9 @@
 #include <optional>
 #include <string>
 
-#include "services/cli/job_client.h"
+#include "services/client/job_client.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 class ArmOnce {
  public:
@@ -55,4 +55,4 @@ inline constexpr std::chrono::seconds kMachineTakesJobWithin{15};
 Status ArmWhenTaken(JobClient& client, const JobView& submitted,
                     std::chrono::milliseconds timeout = kMachineTakesJobWithin);
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

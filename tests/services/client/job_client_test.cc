@@ -1,6 +1,6 @@
 // Clients of the real job service, whose workers are played by the test.
 
-#include "services/cli/job_client.h"
+#include "services/client/job_client.h"
 
 #include <gmock/gmock.h>
 
@@ -8,13 +8,13 @@
 #include <optional>
 #include <thread>
 
-#include "services/cli/arm_once.h"
 #include "services/cli/batch_run.h"
+#include "services/client/arm_once.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/test_folder.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using namespace std::chrono_literals;
@@ -158,14 +158,14 @@ TEST_F(JobClientTest, ArmsWhenTheMachineHasTheJobAndElseLeavesItQueued) {
 TEST_F(JobClientTest, ABatchLeavesWhatAPersonHasPausedToAPerson) {
   Start();
   shop_.ready = true;
-  BatchJob job;
+  cli::BatchJob job;
   job.id = "cup";
   job.by_cell["els-03"] = GoodJob();
   job.planned.cells = {"els-03"};
   ::testing::internal::CaptureStderr();
-  BatchRunOptions options;
+  cli::BatchRunOptions options;
   options.arm = true;
-  BatchRun run(ann_, {job}, options, nullptr);
+  cli::BatchRun run(ann_, {job}, options, nullptr);
   BatchResults results;
   std::jthread batch([&] { results = run.Run(); });
   ASSERT_TRUE(bob_.PollUntil(
@@ -189,4 +189,4 @@ TEST_F(JobClientTest, ABatchLeavesWhatAPersonHasPausedToAPerson) {
 }
 
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -12,7 +12,7 @@
 #include "engrave/proof/glass_comparison.h"
 #include "proto/task.pb.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 struct Evidence {
   FrozenJob job;
@@ -25,4 +25,4 @@ struct Evidence {
 /// Errors name the file and what is wrong with it.
 Result<Evidence> ReadEvidence(const std::filesystem::path& folder);
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -2,11 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include "services/cli/job_client.h"
+#include "services/client/job_client.h"
 #include "services/platform/bus/samples.h"
 #include "tests/services/platform/bus/private_bus.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using namespace std::chrono_literals;
@@ -106,4 +106,4 @@ TEST_F(ForgottenJobs, AJobWithoutAJobServiceIsNotForgotten) {
 }
 
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "services/cli/child_process.h"
+#include "services/client/child_process.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 /// What an ended process leaves to say: its exit code and its last words.
 Error EndOf(const ChildProcess& process);
@@ -30,4 +30,4 @@ class KeptProcess {
   std::deque<std::chrono::steady_clock::time_point> ends_;
 };
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

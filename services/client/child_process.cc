@@ -1,4 +1,4 @@
-#include "services/cli/child_process.h"
+#include "services/client/child_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 
 extern char** environ;
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ std::string ChildProcess::LastOutput(std::size_t max_bytes) const {
   return text;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -14,7 +14,7 @@
 #include "proto/report.pb.h"
 #include "proto/task.pb.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 struct ProofInputs {
   std::filesystem::path folder;        ///< where the four files go
@@ -46,4 +46,4 @@ Result<std::string> JsonOf(const JobReport& report);
 /// Now, as 2026-01-31T12:00:00Z.
 std::string UtcNow();
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

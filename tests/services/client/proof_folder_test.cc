@@ -1,7 +1,7 @@
 // The verdict over folders made by hand: each thing that can be wrong with a block is
 // put into the glass or the journal, alone, and has to be found and named.
 
-#include "services/cli/proof_folder.h"
+#include "services/client/proof_folder.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/json_util.h>
@@ -15,7 +15,7 @@
 #include "engrave/formats/point_file.h"
 #include "tests/test_folder.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -342,4 +342,4 @@ TEST_F(ProofFolderTest, IsMadeFromTheCellsFilesAndReadsBackTheSame) {
 }
 
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

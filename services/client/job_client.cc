@@ -1,4 +1,4 @@
-#include "services/cli/job_client.h"
+#include "services/client/job_client.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/identity_role.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using bus::Borrow;
@@ -67,6 +67,13 @@ std::string StateOf(const JobView& job) {
   }
   if (job.state == intaglio_JOB_WAITING_FOR_ARM) return "armed";
   return std::string(NameOf(job.state)) + ", armed";
+}
+
+const JobView::Progress* StageAtWork(const JobView& job) {
+  for (const JobView::Progress& p : job.progress) {
+    if (!p.ended()) return &p;
+  }
+  return job.progress.empty() ? nullptr : &job.progress.back();
 }
 
 const char* NameOf(intaglio_Stage stage) {
@@ -354,4 +361,4 @@ std::vector<ServiceView> JobClient::services() const {
   return views;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -12,14 +12,13 @@
 
 #include "engrave/core/geometry.h"
 #include "proto/machine.pb.h"
-#include "services/cli/child_process.h"
-#include "services/cli/job_client.h"
-#include "services/cli/kept_process.h"
-#include "services/cli/mounted.h"
+#include "services/client/child_process.h"
+#include "services/client/job_client.h"
+#include "services/client/kept_process.h"
+#include "services/client/mounted_description.h"
 #include "services/platform/bus/bus.h"
-#include "services/platform/command_line/program.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 /// The block in the virtual engraver, and how it behaves.
 struct VirtualMachine {
@@ -33,10 +32,6 @@ struct VirtualMachine {
       0;  ///< of the stage controller's own clock; 0: the lamp's ticks
   double line_jitter_ms = 0;  ///< of both serial lines
 };
-
-/// --clock-drift and --line-jitter.
-void AddClockFlags(command_line::Command command, double& clock_drift_ppm,
-                   double& line_jitter_ms);
 
 struct ServiceSetOptions {
   std::filesystem::path folder;   ///< sockets, logs, database; made anew
@@ -86,4 +81,4 @@ class ServiceSet {
   std::vector<std::unique_ptr<KeptProcess>> services_;
 };
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

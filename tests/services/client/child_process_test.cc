@@ -1,4 +1,4 @@
-#include "services/cli/child_process.h"
+#include "services/client/child_process.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include "tests/patience.h"
 #include "tests/test_folder.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ TEST(ProgramFolder, IsWhereThisProgramLies) {
 }
 
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,4 +1,4 @@
-#include "services/cli/proof_evidence.h"
+#include "services/client/proof_evidence.h"
 
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
@@ -7,7 +7,7 @@
 #include "engrave/io/whole_file.h"
 #include "services/job/channels.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,4 +78,4 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
   return evidence;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,8 +1,8 @@
-#include "services/cli/arm_once.h"
+#include "services/client/arm_once.h"
 
 #include <fmt/format.h>
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 ArmOnce::State ArmOnce::Follow(const JobView& job) {
   if (state_ == State::kAsked) TakeAnswer();
@@ -70,4 +70,4 @@ Status ArmWhenTaken(JobClient& client, const JobView& submitted,
                           job.message.empty() ? "" : " (" + job.message + ")"));
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

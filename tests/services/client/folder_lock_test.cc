@@ -1,4 +1,4 @@
-#include "services/cli/folder_lock.h"
+#include "services/client/folder_lock.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,10 +6,10 @@
 
 #include <fstream>
 
-#include "services/cli/child_process.h"
+#include "services/client/child_process.h"
 #include "tests/test_folder.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -46,4 +46,4 @@ TEST(FolderLock, NamesAFolderThatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,4 +1,4 @@
-#include "services/cli/proof_folder.h"
+#include "services/client/proof_folder.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -16,12 +16,12 @@
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
 #include "engrave/sort/shadow.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/proof_evidence.h"
+#include "services/client/figure_text.h"
+#include "services/client/proof_evidence.h"
 #include "services/job/json_text.h"
 #include "services/job/models/discretize_outcome.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 namespace fs = std::filesystem;
@@ -384,4 +384,4 @@ std::string SummaryOf(const JobReport& report) {
   return text;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -12,7 +12,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 class ChildProcess {
  public:
@@ -54,4 +54,4 @@ class ChildProcess {
 /// service is not the service's parent any more.
 std::string DieWithUs();
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

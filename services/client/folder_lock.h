@@ -7,7 +7,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 
 class FolderLock {
  public:
@@ -23,4 +23,4 @@ class FolderLock {
   int fd_;
 };
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,16 +1,15 @@
-#include "services/cli/event_lines.h"
+#include "services/client/event_lines.h"
 
 #include <algorithm>
 #include <limits>
 #include <ostream>
 
-#include "services/cli/run_command.h"
-#include "services/cli/stage_bars.h"
+#include "services/client/exit_codes.h"
 #include "services/history/job_words.h"
 #include "services/job/json_text.h"
 #include "services/platform/host/utc_time.h"
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using namespace std::chrono_literals;
@@ -125,4 +124,4 @@ void EventLines::Write(JobEvent event) {
   if (json) out_ << *json << '\n' << std::flush;
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

@@ -1,8 +1,8 @@
-#include "services/cli/kept_process.h"
+#include "services/client/kept_process.h"
 
 #include <fmt/format.h>
 
-namespace intaglio::cli {
+namespace intaglio::client {
 namespace {
 
 using namespace std::chrono_literals;
@@ -48,4 +48,4 @@ Result<std::optional<std::string>> KeptProcess::Revive(
                   process_.name(), exit_code, process_.pid()));
 }
 
-}  // namespace intaglio::cli
+}  // namespace intaglio::client

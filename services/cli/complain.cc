@@ -1,0 +1,12 @@
+#include "services/cli/complain.h"
+
+#include <iostream>
+
+namespace intaglio::cli {
+
+int Complain(const Error& error, int exit_code) {
+  std::cerr << "intaglio: " << error.message << "\n";
+  return exit_code;
+}
+
+}  // namespace intaglio::cli
