@@ -5,8 +5,8 @@
 // time, and is then stretched to fill them: the stage never waits at a point and never
 // drives harder than it must.
 
-#include "engrave/motion/limits.h"
-#include "engrave/motion/profile.h"
+#include "engrave/motion/axis/limits.h"
+#include "engrave/motion/axis/profile.h"
 #include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {

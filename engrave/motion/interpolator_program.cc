@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/interpolator.h"
+#include "engrave/motion/axis/interpolator.h"
 
 // A course over the length l with ramps of r and a cruise of c grid lengths g has
 //   V = l / ((r + c) g),   A = V / (r g).

@@ -15,7 +15,7 @@
 // longer than T of (81). Without the grid the axes' knots come so near each other that
 // the last bit of a coordinate shows as acceleration between them.
 
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/limits.h"
 #include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/lq.h"
-#include "engrave/motion/profile.h"
+#include "engrave/motion/axis/lq.h"
+#include "engrave/motion/axis/profile.h"
 
 // Time is counted in stages and the way is 1, so that the matrices are of the order of 1
 // whatever the step: the state is (x - 1, v) from (-1, 0) to 0, the weight of the speed

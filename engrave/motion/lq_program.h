@@ -19,7 +19,7 @@
 // - This case has a closed form, v ~ cosh(w T / 2) - cosh(w (T / 2 - t)), which the tests
 //   compare with; the recursion takes any stage.
 
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/limits.h"
 #include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {

@@ -15,8 +15,8 @@
 // centripetal acceleration V^2 kappa added, passes a limit, and the program is cut into
 // cubic pieces that deviate from it by less than kMaxDeviationMm.
 
-#include "engrave/motion/limits.h"
-#include "engrave/motion/parabola.h"
+#include "engrave/motion/axis/limits.h"
+#include "engrave/motion/axis/parabola.h"
 #include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {

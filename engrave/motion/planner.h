@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/limits.h"
+#include "engrave/motion/axis/profile.h"
 #include "engrave/motion/point_shift.h"
-#include "engrave/motion/profile.h"
 #include "engrave/motion/segment.h"
 
 namespace intaglio::motion {

@@ -10,8 +10,8 @@
 #include <span>
 #include <string_view>
 
-#include "engrave/motion/limits.h"
-#include "engrave/motion/profile.h"
+#include "engrave/motion/axis/limits.h"
+#include "engrave/motion/axis/profile.h"
 #include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {

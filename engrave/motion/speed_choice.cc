@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/jerk_reach.h"
+#include "engrave/motion/axis/jerk_reach.h"
 
 // Backwards from the end, a velocity is taken from what leads to the next one (reversal
 // of time turns ReachableEndSpeeds into that) within the box; the box holds what can be

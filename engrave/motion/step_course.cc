@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/axis_reach.h"
-#include "engrave/motion/jerk_reach.h"
+#include "engrave/motion/axis/axis_reach.h"
+#include "engrave/motion/axis/jerk_reach.h"
 #include "engrave/motion/segment.h"
 
 // With first and last fixed, an axis cruises at the speed that still goes the whole way,

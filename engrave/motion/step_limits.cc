@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "engrave/motion/jerk_reach.h"
+#include "engrave/motion/axis/jerk_reach.h"
 #include "engrave/motion/segment.h"
 
 // Shares. Scatter moves mostly in the plane of x and y, in any direction: three of the

@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "engrave/motion/axis_reach.h"
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/axis_reach.h"
+#include "engrave/motion/axis/limits.h"
 
 namespace intaglio::motion {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/limits.h"
-#include "engrave/motion/profile.h"
+#include "engrave/motion/axis/limits.h"
+#include "engrave/motion/axis/profile.h"
 #include "engrave/motion/segment.h"
 #include "engrave/motion/step_program.h"
 

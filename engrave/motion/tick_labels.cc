@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/jerk_reach.h"
+#include "engrave/motion/axis/jerk_reach.h"
 
 // Given time, every state within the limits leads to every other: so each label is tried
 // with more and more ticks until the step can be made, and at the last step until it can

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/axis_reach.h"
+#include "engrave/motion/axis/axis_reach.h"
 #include "engrave/motion/segment.h"
 #include "engrave/motion/step_limits.h"
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/limits.h"
 #include "engrave/motion/point_shift.h"
 #include "engrave/motion/segment.h"
 #include "engrave/motion/tick_labels.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
-#include "engrave/sort/remaining_points.h"
+#include "engrave/sort/beam/remaining_points.h"
 
 namespace intaglio::sort {
 

@@ -3,7 +3,7 @@
 // An order made to keep to the beam's cone: whatever it does not say about heights, no
 // point is fired through an earlier crack.
 
-#include "engrave/sort/beam_cone.h"
+#include "engrave/sort/beam/beam_cone.h"
 #include "engrave/sort/order.h"
 
 namespace intaglio::sort {

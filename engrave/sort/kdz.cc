@@ -20,8 +20,8 @@
 #include <numeric>
 
 #include "engrave/core/check.h"
-#include "engrave/sort/lowest_point.h"
-#include "engrave/sort/remaining_points.h"
+#include "engrave/sort/beam/lowest_point.h"
+#include "engrave/sort/beam/remaining_points.h"
 
 namespace intaglio::sort {
 namespace {

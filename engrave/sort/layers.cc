@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/sort/beam/lowest_point.h"
+#include "engrave/sort/beam/remaining_points.h"
 #include "engrave/sort/cone_order.h"
-#include "engrave/sort/lowest_point.h"
-#include "engrave/sort/remaining_points.h"
 #include "engrave/sort/slabs.h"
 
 namespace intaglio::sort {

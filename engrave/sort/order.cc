@@ -9,8 +9,8 @@
 
 #include "engrave/core/check.h"
 #include "engrave/sort/anneal.h"
+#include "engrave/sort/beam/channel_groups.h"
 #include "engrave/sort/boustrophedon.h"
-#include "engrave/sort/channel_groups.h"
 #include "engrave/sort/kdz.h"
 #include "engrave/sort/layers.h"
 #include "engrave/sort/published_kdz.h"

@@ -16,8 +16,8 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
-#include "engrave/motion/limits.h"
-#include "engrave/sort/beam_cone.h"
+#include "engrave/motion/axis/limits.h"
+#include "engrave/sort/beam/beam_cone.h"
 
 namespace intaglio::sort {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/limits.h"
 #include "engrave/sort/order.h"
 
 namespace intaglio::sort {

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "engrave/sort/lowest_point.h"
+#include "engrave/sort/beam/lowest_point.h"
 
 namespace intaglio::sort {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
-#include "engrave/sort/beam_cone.h"
+#include "engrave/sort/beam/beam_cone.h"
 #include "engrave/sort/order.h"
 
 namespace intaglio::sort {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "engrave/core/shared_progress.h"
+#include "engrave/sort/beam/lowest_point.h"
+#include "engrave/sort/beam/remaining_points.h"
 #include "engrave/sort/kdz.h"
-#include "engrave/sort/lowest_point.h"
 #include "engrave/sort/planned_ticks.h"
-#include "engrave/sort/remaining_points.h"
 #include "engrave/sort/tick_cost.h"
 
 namespace intaglio::sort {

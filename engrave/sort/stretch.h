@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "engrave/sort/beam_cone.h"
+#include "engrave/sort/beam/beam_cone.h"
+#include "engrave/sort/beam/precedence.h"
 #include "engrave/sort/near_points.h"
-#include "engrave/sort/precedence.h"
 #include "engrave/sort/tick_cost.h"
 
 namespace intaglio::sort {

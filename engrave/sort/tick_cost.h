@@ -17,7 +17,7 @@
 #include <span>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/limits.h"
 
 namespace intaglio::sort {
 

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "services/cli/size_limits_flag.h"
+#include "services/cli/flags/size_limits_flag.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"

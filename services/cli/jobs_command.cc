@@ -8,9 +8,9 @@
 #include <memory>
 #include <optional>
 
-#include "services/cli/bus_flags.h"
 #include "services/cli/complain.h"
-#include "services/cli/event_flag.h"
+#include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/event_flag.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
 #include "services/cli/watch_job.h"

@@ -10,14 +10,14 @@
 #include <random>
 
 #include "materials_db/material_store.h"
-#include "services/cli/bus_flags.h"
-#include "services/cli/clock_flags.h"
 #include "services/cli/complain.h"
-#include "services/cli/event_flag.h"
+#include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/clock_flags.h"
+#include "services/cli/flags/event_flag.h"
+#include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_options.h"
 #include "services/cli/progress_bar.h"
-#include "services/cli/size_limits_flag.h"
 #include "services/cli/stage_bars.h"
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"

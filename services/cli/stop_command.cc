@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "services/cli/bus_flags.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/bus_flags.h"
 #include "services/client/exit_codes.h"
 #include "services/client/job_client.h"
 #include "services/platform/bus/samples.h"

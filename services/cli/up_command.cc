@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "materials_db/material_store.h"
-#include "services/cli/bus_flags.h"
-#include "services/cli/clock_flags.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/clock_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_options.h"
 #include "services/cli/mounted.h"

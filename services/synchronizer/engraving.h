@@ -34,16 +34,16 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/optics/machine_frame.h"
-#include "services/synchronizer/earlier_work.h"
 #include "services/synchronizer/engraving_inputs.h"
-#include "services/synchronizer/journal_writer.h"
-#include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/motion_feed.h"
-#include "services/synchronizer/open_points.h"
-#include "services/synchronizer/permission_chain.h"
-#include "services/synchronizer/point_ledger.h"
-#include "services/synchronizer/pulse_schedule.h"
-#include "services/synchronizer/tick_clock.h"
+#include "services/synchronizer/permission/permission_chain.h"
+#include "services/synchronizer/pulses/earlier_work.h"
+#include "services/synchronizer/pulses/journal_writer.h"
+#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/synchronizer/pulses/open_points.h"
+#include "services/synchronizer/pulses/point_ledger.h"
+#include "services/synchronizer/pulses/pulse_schedule.h"
+#include "services/synchronizer/pulses/tick_clock.h"
 
 namespace intaglio::synchronizer {
 

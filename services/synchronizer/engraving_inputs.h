@@ -9,9 +9,9 @@
 #include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
 #include "idl/motion.h"
-#include "services/synchronizer/laser_controller.h"
 #include "services/synchronizer/motion_clock.h"
-#include "services/synchronizer/permission_chain.h"
+#include "services/synchronizer/permission/permission_chain.h"
+#include "services/synchronizer/pulses/laser_controller.h"
 
 namespace intaglio::synchronizer {
 

@@ -13,7 +13,7 @@
 #include "engrave/motion/planner.h"
 #include "services/platform/bus/flow.h"
 #include "services/synchronizer/motion_clock.h"
-#include "services/synchronizer/pulse_schedule.h"
+#include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
 

@@ -11,8 +11,8 @@
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/kept_tasks.h"
 #include "services/platform/host/stop_latch.h"
-#include "services/synchronizer/laser_controller.h"
-#include "services/synchronizer/pulse_schedule.h"
+#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
 

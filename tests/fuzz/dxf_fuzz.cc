@@ -1,4 +1,4 @@
-#include "engrave/drawing/dxf_read.h"
+#include "engrave/drawing/dxf/dxf_read.h"
 #include "tests/fuzz/drawing_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "engrave/drawing/dxf_read.h"
+#include "engrave/drawing/dxf/dxf_read.h"
 #include "engrave/drawing/hpgl_read.h"
-#include "engrave/drawing/svg_read.h"
+#include "engrave/drawing/svg/svg_read.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/image/image_file.h"
 #include "engrave/io/csv.h"

@@ -1,4 +1,4 @@
-#include "engrave/drawing/svg_read.h"
+#include "engrave/drawing/svg/svg_read.h"
 #include "tests/fuzz/drawing_fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

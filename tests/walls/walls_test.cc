@@ -73,5 +73,13 @@ TEST_F(MadeUpTree, LongFileIsSeen) {
   EXPECT_THAT(Violations(root_), ElementsAre(HasSubstr("401 lines")));
 }
 
+TEST_F(MadeUpTree, FolderOfFortyFilesIsSeen) {
+  for (int i = 0; i < 39; ++i) Write("engrave/core/a" + std::to_string(i) + ".cc", "");
+  EXPECT_THAT(Violations(root_), IsEmpty());
+  Write("engrave/core/b.h", "#pragma once\n");
+  EXPECT_THAT(Violations(root_),
+              ElementsAre(HasSubstr("engrave/core: has 40 sources and headers")));
+}
+
 }  // namespace
 }  // namespace intaglio::walls

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engrave/drawing/dxf_read.h"
+#include "engrave/drawing/dxf/dxf_read.h"
 #include "tests/engrave/drawing/lengths.h"
 
 namespace intaglio::drawing {

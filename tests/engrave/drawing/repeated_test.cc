@@ -5,7 +5,7 @@
 #include <ctime>
 #include <numbers>
 
-#include "engrave/drawing/dxf_read.h"
+#include "engrave/drawing/dxf/dxf_read.h"
 #include "tests/engrave/drawing/dxf_text.h"
 #include "tests/engrave/drawing/lengths.h"
 #include "tests/sanitizers.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engrave/motion/profile.h"
+#include "engrave/motion/axis/profile.h"
 #include "engrave/motion/verify.h"
 
 namespace intaglio::motion {

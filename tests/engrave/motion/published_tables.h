@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "engrave/motion/limits.h"
+#include "engrave/motion/axis/limits.h"
 #include "engrave/motion/stop_and_go.h"
 
 namespace intaglio::motion {

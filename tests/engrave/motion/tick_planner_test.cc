@@ -6,7 +6,7 @@
 #include <random>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/axis_reach.h"
+#include "engrave/motion/axis/axis_reach.h"
 #include "engrave/motion/stop_and_go.h"
 #include "engrave/motion/verify.h"
 #include "tests/engrave/motion/paths.h"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "engrave/sort/lowest_point.h"
+#include "engrave/sort/beam/lowest_point.h"
 #include "engrave/sort/planned_ticks.h"
 #include "tests/engrave/sort/order_checks.h"
 

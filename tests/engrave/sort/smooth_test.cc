@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
-#include "engrave/sort/lowest_point.h"
+#include "engrave/sort/beam/lowest_point.h"
 #include "engrave/sort/planned_ticks.h"
 #include "tests/engrave/motion/paths.h"
 #include "tests/engrave/sort/order_checks.h"

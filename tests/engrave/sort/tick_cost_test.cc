@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
-#include "engrave/motion/axis_reach.h"
+#include "engrave/motion/axis/axis_reach.h"
 
 namespace intaglio::sort {
 namespace {

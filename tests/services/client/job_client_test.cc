@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "services/cli/batch_run.h"
+#include "services/cli/batch/batch_run.h"
 #include "services/client/arm_once.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"

@@ -15,7 +15,7 @@
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/stop_latch.h"
 #include "services/synchronizer/job_folder.h"
-#include "services/synchronizer/journal_writer.h"
+#include "services/synchronizer/pulses/journal_writer.h"
 #include "tests/services/platform/bus/private_bus.h"
 #include "tests/services/platform/host/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"

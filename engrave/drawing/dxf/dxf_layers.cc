@@ -1,0 +1,58 @@
+#include "engrave/drawing/dxf/dxf_layers.h"
+
+#include <fmt/format.h>
+
+namespace intaglio::drawing {
+namespace {
+
+constexpr int kFrozen = 1;  // of group 70
+
+/// ASCII alone: other letters are written as drawing programs agreed on them.
+std::string Lower(std::string_view name) {
+  std::string lower(name);
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return lower;
+}
+
+}  // namespace
+
+bool DxfLayers::Read(const DxfText& tables, DrawingBuilder& builder) {
+  DxfEntities records(tables, builder);
+  DxfEntity record;
+  while (records.Next(record)) {
+    if (record.type != "LAYER") continue;
+    std::string_view name;
+    double color = 7, flags = 0;
+    DxfGroups groups(record.groups, builder);
+    DxfGroup group;
+    while (groups.Next(group)) {
+      if (group.code == 2) name = group.value;
+      if (group.code != 62 && group.code != 70) continue;
+      if (!DxfNumber(group, record, builder, group.code == 62 ? color : flags)) {
+        return false;
+      }
+    }
+    if (!groups.good()) return false;
+    const bool frozen =
+        flags > 0 && flags < 65536 && (static_cast<int>(flags) & kFrozen) != 0;
+    const State state{color < 0, frozen};
+    if (!state.off && !state.frozen) continue;
+    if (hidden_.size() >= builder.limits().max_entities) {
+      return builder.Refuse(ErrorCode::kTooLarge, record.Place(),
+                            fmt::format("more than {} layers; purge the drawing",
+                                        builder.limits().max_entities));
+    }
+    hidden_.insert_or_assign(Lower(name), state);
+  }
+  return records.good();
+}
+
+DxfLayers::State DxfLayers::StateOf(std::string_view name) const {
+  if (hidden_.empty()) return {};
+  const auto found = hidden_.find(Lower(name));
+  return found == hidden_.end() ? State() : found->second;
+}
+
+}  // namespace intaglio::drawing

@@ -1,0 +1,331 @@
+#include "engrave/drawing/dxf/dxf_read.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include "engrave/core/check.h"
+#include "engrave/drawing/drawing_builder.h"
+#include "engrave/drawing/dxf/dxf_curves.h"
+#include "engrave/drawing/dxf/dxf_hatch.h"
+#include "engrave/drawing/dxf/dxf_insert.h"
+#include "engrave/drawing/dxf/dxf_layers.h"
+#include "engrave/drawing/pieces.h"
+
+namespace intaglio::drawing {
+namespace {
+
+// $INSUNITS 0 .. 24 in mm (DXF reference); 21 to 24 are of the US survey.
+constexpr double kSurveyFoot_mm = 1200.0 / 3937 * 1000;
+constexpr double kUnits_mm[] = {1,
+                                25.4,
+                                304.8,
+                                1609344,
+                                1,
+                                10,
+                                1000,
+                                1e6,
+                                25.4e-6,
+                                0.0254,
+                                914.4,
+                                1e-7,
+                                1e-6,
+                                1e-3,
+                                100,
+                                1e4,
+                                1e5,
+                                1e12,
+                                1.495978707e14,
+                                9.4607304725808e18,
+                                3.0856775814913673e19,
+                                kSurveyFoot_mm,
+                                kSurveyFoot_mm / 12,
+                                3 * kSurveyFoot_mm,
+                                5280 * kSurveyFoot_mm};
+
+struct Block {
+  DxfText text;
+  Vec3 base = Vec3::Zero();
+};
+
+/// Where entities stand: in the drawing, or in a block that is inserted.
+struct Standing {
+  DxfAffine place;
+  std::vector<std::string_view> blocks;  ///< from the outermost to the innermost
+  std::string_view layer;                ///< of the insertion; what is on "0" is on it
+};
+
+class DxfReader {
+ public:
+  DxfReader(std::string_view text, const ReadOptions& options, std::string_view name)
+      : text_(text), options_(options), builder_(name, options.limits) {}
+
+  Result<Drawing> Read() {
+    if (CheckKind() && ReadSections()) {
+      Standing in_drawing;
+      in_drawing.place.linear *= options_.unit_mm.value_or(unit_mm_);
+      for (const DxfText& section : entities_) {
+        if (!Unfold(section, in_drawing)) break;
+      }
+    }
+    return builder_.Take();
+  }
+
+ private:
+  bool CheckKind() {
+    if (text_.size() > options_.limits.max_file_bytes) {
+      return builder_.Refuse(
+          ErrorCode::kTooLarge, "",
+          fmt::format("the file has {} bytes, the limit is {}; divide the drawing or "
+                      "raise the limit",
+                      text_.size(), options_.limits.max_file_bytes));
+    }
+    if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
+    if (text_.starts_with("AutoCAD Binary DXF")) {
+      return builder_.Refuse(ErrorCode::kUnsupported, "",
+                             "the file is a binary DXF; save it as DXF in text form");
+    }
+    if (text_.starts_with("AC10")) {
+      return builder_.Refuse(ErrorCode::kUnsupported, "",
+                             "the file is a DWG; save it as DXF in text form");
+    }
+    return true;
+  }
+
+  /// Notes where sections and blocks stand, and the unit.
+  bool ReadSections() {
+    DxfGroups groups({text_, 1}, builder_);
+    DxfGroup group;
+    bool any = false;
+    while (groups.Next(group)) {
+      if (group.code != 0) continue;
+      if (group.value == "EOF") break;
+      if (group.value != "SECTION") continue;
+      any = true;
+      if (!groups.Next(group) || !ReadSection(group.value, groups)) return false;
+    }
+    if (!groups.good()) return false;
+    return any || builder_.Refuse(ErrorCode::kUnreadable, "",
+                                  "there is no SECTION; the file is no DXF");
+  }
+
+  bool ReadSection(std::string_view section, DxfGroups& groups) {
+    const std::uint64_t first_line = groups.line();
+    const std::size_t begin = groups.position();
+    std::size_t end = begin;
+    DxfGroup group;
+    std::string_view variable;
+    while (groups.Next(group)) {
+      if (group.code == 0 && group.value == "ENDSEC") {
+        const DxfText text{groups.From(begin, end), first_line};
+        if (section == "ENTITIES") entities_.push_back(text);
+        if (section == "TABLES") return layers_.Read(text, builder_);
+        return section != "BLOCKS" || ReadBlocks(text);
+      }
+      if (group.code == 9) variable = group.value;
+      if (section == "HEADER" && group.code == 70 && variable == "$INSUNITS" &&
+          !TakeUnit(group)) {
+        return false;
+      }
+      end = groups.position();
+    }
+    return builder_.Refuse(
+        ErrorCode::kUnreadable, fmt::format("line {}", groups.line()),
+        fmt::format("the file ends within section {}; it is cut off, copy it again",
+                    Shown(section)));
+  }
+
+  bool TakeUnit(const DxfGroup& group) {
+    const std::optional<double> unit = NumberOf(group.value);
+    if (options_.unit_mm) return true;
+    if (!unit || *unit < 0 || *unit >= std::size(kUnits_mm)) {
+      return builder_.Refuse(ErrorCode::kUnsupported,
+                             fmt::format("line {}", group.line + 1),
+                             "$INSUNITS is no unit of length known here (0 to 24); say "
+                             "how many mm a unit is",
+                             group.value);
+    }
+    unit_mm_ = kUnits_mm[static_cast<std::size_t>(*unit)];
+    return true;
+  }
+
+  bool ReadBlocks(const DxfText& section) {
+    DxfGroups groups(section, builder_);
+    DxfGroup group;
+    bool inside = false, in_head = false;
+    Block block;
+    std::string_view name;
+    std::size_t begin = 0, end = 0;
+    while (groups.Next(group)) {
+      if (group.code == 0) {
+        in_head = false;
+        if (inside && group.value == "ENDBLK") {
+          block.text.text = groups.From(begin, std::max(begin, end));
+          blocks_.insert_or_assign(name, block);
+          inside = false;
+        } else if (!inside && group.value == "BLOCK") {
+          if (blocks_.size() >= options_.limits.max_entities) {
+            return builder_.Refuse(ErrorCode::kTooLarge,
+                                   fmt::format("line {}", group.line),
+                                   fmt::format("more than {} blocks; purge the drawing",
+                                               options_.limits.max_entities));
+          }
+          inside = in_head = true;
+          block = Block{{{}, groups.line()}, Vec3::Zero()};
+          begin = groups.position();
+          name = {};
+        }
+      } else if (in_head) {
+        if (group.code == 2) name = group.value;
+        if (group.code == 10 || group.code == 20 || group.code == 30) {
+          const DxfEntity head{"BLOCK", {}};
+          if (!DxfNumber(group, head, builder_, block.base[group.code / 10 - 1])) {
+            return false;
+          }
+        }
+        begin = groups.position();
+        block.text.line = groups.line();
+      }
+      end = groups.position();
+    }
+    return groups.good();
+  }
+
+  bool Unfold(const DxfText& text, const Standing& in) {
+    DxfEntities entities(text, builder_);
+    DxfEntity entity;
+    while (entities.Next(entity)) {
+      if (entity.type == "INSERT") {
+        if (!UnfoldInsert(entity, in)) return false;
+      } else if (entity.type == "HATCH") {
+        if (!AddHatch(entity, in)) return false;
+      } else if (!IsDxfCurve(entity.type)) {
+        if (entity.type != "SEQEND") builder_.LeaveOut(entity.type);
+      } else if (!AddCurve(entity, in)) {
+        return false;
+      }
+    }
+    return entities.good();
+  }
+
+  static std::string_view LayerOf(const DxfCommon& common, const Standing& in) {
+    const bool floats = common.layer.empty() || common.layer == "0";
+    return floats && !in.layer.empty() ? in.layer : common.layer;
+  }
+
+  /// Of a block that is inserted on a layer that is off the entities of others are shown.
+  bool IsShown(const DxfCommon& common, std::string_view layer, bool is_insert) {
+    const DxfLayers::State state = layers_.StateOf(layer);
+    std::string_view reason;
+    if (state.off && !is_insert) reason = "on a layer that is off";
+    if (state.frozen) reason = "on a frozen layer";
+    if (common.invisible) reason = "invisible";
+    if (common.paper_space) reason = "on a sheet";
+    if (!reason.empty()) builder_.LeaveOut(reason);
+    return reason.empty();
+  }
+
+  bool AddCurve(const DxfEntity& entity, const Standing& in) {
+    DxfCurve result;
+    if (!builder_.CountEntity(entity.Place()) || !DxfCurveOf(entity, builder_, result)) {
+      return false;
+    }
+    if (!IsShown(result.common, LayerOf(result.common, in), false)) return true;
+    if (result.curve.pieces.empty()) builder_.LeaveOut(entity.type);
+    return Place(std::move(result.curve), result.common, entity, in);
+  }
+
+  bool AddHatch(const DxfEntity& entity, const Standing& in) {
+    DxfHatch hatch;
+    if (!ReadDxfHatch(entity, builder_, hatch)) return false;
+    if (!IsShown(hatch.common, LayerOf(hatch.common, in), false)) return true;
+    if (hatch.has_lines) builder_.LeaveOut("pattern of a HATCH");
+    for (Curve& contour : hatch.contours) {
+      if (!Place(std::move(contour), hatch.common, entity, in)) return false;
+    }
+    return true;
+  }
+
+  bool Place(Curve curve, const DxfCommon& common, const DxfEntity& entity,
+             const Standing& in) {
+    for (Piece& piece : curve.pieces) {
+      Transform(in.place.linear, in.place.offset, piece);
+    }
+    curve.layer = builder_.NameIndex(common.layer);
+    curve.color = builder_.NameIndex(common.color);
+    return builder_.Add(std::move(curve), entity.Place());
+  }
+
+  bool CheckInsert(const DxfEntity& entity, const DxfInsert& insert, const Standing& in) {
+    const auto refuse = [&](ErrorCode code, std::string_view sentence) {
+      return builder_.Refuse(code, entity.Place(), sentence, insert.block);
+    };
+    if (!blocks_.contains(insert.block)) {
+      return refuse(ErrorCode::kNotFound,
+                    "the block that it inserts is not in the file; bind external "
+                    "references before the export");
+    }
+    if (std::ranges::find(in.blocks, insert.block) != in.blocks.end()) {
+      return refuse(ErrorCode::kInvalidValue,
+                    "the block holds itself; explode it in the drawing program");
+    }
+    if (in.blocks.size() >= static_cast<std::size_t>(options_.limits.max_nesting)) {
+      return refuse(ErrorCode::kTooLarge,
+                    fmt::format("blocks stand more than {} deep in blocks; explode them "
+                                "in the drawing program",
+                                options_.limits.max_nesting));
+    }
+    if ((insert.scale.array() == 0).any()) {
+      return refuse(ErrorCode::kInvalidValue, "a scale of the block is 0; delete it");
+    }
+    return true;
+  }
+
+  bool UnfoldInsert(const DxfEntity& entity, const Standing& in) {
+    DxfInsert insert;
+    if (!ReadDxfInsert(entity, builder_, insert)) return false;
+    const std::string_view layer = LayerOf(insert.common, in);
+    if (!IsShown(insert.common, layer, true)) return true;
+    if (!CheckInsert(entity, insert, in)) return false;
+    const Block& block = blocks_.at(insert.block);
+    Standing deeper{{}, in.blocks, layer};
+    deeper.blocks.push_back(insert.block);
+    // Files write 0 for "no array"; the entity limit bounds the loops.
+    const double columns = std::max(1.0, insert.columns);
+    const double rows = std::max(1.0, insert.rows);
+    for (double row = 0; row < rows; ++row) {
+      for (double column = 0; column < columns; ++column) {
+        if (!builder_.CountEntity(entity.Place()) ||
+            !builder_.CountUnfolded(block.text.text.size(), entity.Place())) {
+          return false;
+        }
+        const Vec3 cell(column * insert.column_step, row * insert.row_step, 0);
+        deeper.place = in.place.Then(DxfPlaceOf(insert, block.base, cell));
+        if (!Unfold(block.text, deeper)) return false;
+      }
+    }
+    return true;
+  }
+
+  std::string_view text_;
+  ReadOptions options_;
+  DrawingBuilder builder_;
+  double unit_mm_ = 1;
+  DxfLayers layers_;
+  std::vector<DxfText> entities_;
+  std::unordered_map<std::string_view, Block> blocks_;
+};
+
+}  // namespace
+
+Result<Drawing> ReadDxf(std::string_view text, const ReadOptions& options,
+                        std::string_view name) {
+  Require(!options.unit_mm || *options.unit_mm > 0, "unit_mm must be positive, is {}",
+          options.unit_mm.value_or(0));
+  return DxfReader(text, options, name).Read();
+}
+
+}  // namespace intaglio::drawing

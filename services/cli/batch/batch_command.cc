@@ -1,0 +1,154 @@
+#include "services/cli/batch/batch_command.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "engrave/io/atomic_file.h"
+#include "materials_db/material_store.h"
+#include "services/cli/batch/batch_run.h"
+#include "services/cli/complain.h"
+#include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/event_flag.h"
+#include "services/cli/interrupt.h"
+#include "services/client/exit_codes.h"
+#include "services/job/json_text.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BatchOptions {
+  bus::BusOptions bus;
+  BatchSource source;
+  BatchRunOptions run;
+  std::string materials_db;
+  std::string results;
+  bool events = false;
+  bool check = false;
+};
+
+/// Before anything is made: a folder that is not there would be found after hours.
+Status CheckResultsFile(const std::string& file) {
+  if (file.empty()) return {};
+  const fs::path folder = fs::absolute(file).parent_path();
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) return {};
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("--results {}: there is no folder {}", file, folder.string()),
+              file);
+}
+
+Status WriteResults(const BatchResults& results, const std::string& file) {
+  const auto json = JsonTextOf(results);
+  if (!json) return tl::unexpected(json.error());
+  return io::WriteFileAtomically(file, *json);
+}
+
+int Finish(const BatchOptions& options, const BatchResults& results, bool interrupted,
+           client::EventLines* events) {
+  (options.events ? std::cerr : std::cout) << TableOf(results);
+  if (events != nullptr) {
+    JobEvent summary;
+    summary.set_event("summary");
+    summary.set_done(results.good());
+    summary.set_total(static_cast<std::uint32_t>(results.jobs_size()));
+    summary.set_elapsed_s(results.time_s());
+    summary.set_message(fmt::format(
+        "{} good, {} not good, {} failed, {} cancelled, {} not made", results.good(),
+        results.not_good(), results.failed(), results.cancelled(), results.not_made()));
+    events->Write(summary);
+  }
+  if (!options.results.empty()) {
+    if (auto written = WriteResults(results, options.results); !written) {
+      return Complain(written.error(), client::kExitWrongInput);
+    }
+  }
+  return ExitCodeOf(results, interrupted);
+}
+
+int Batch(const BatchOptions& given) {
+  BatchOptions options = given;
+  options.source.materials_db = options.materials_db.empty()
+                                    ? materials_db::DefaultDatabasePath()
+                                    : fs::path(options.materials_db);
+  if (auto good = CheckResultsFile(options.results); !good) {
+    return Complain(good.error(), client::kExitWrongInput);
+  }
+  auto jobs = BuildBatch(options.source);
+  if (!jobs) return Complain(jobs.error(), client::kExitWrongInput);
+  if (options.check) {
+    std::cout << jobs->size() << " jobs, all of them right\n";
+    return client::kExitGood;
+  }
+  CatchInterrupts();
+  bus::Bus bus(options.bus);
+  client::JobClient client(bus);
+  const auto served = [&] {
+    for (const client::ServiceView& service : client.services()) {
+      if (service.role == intaglio_ROLE_JOB_SERVICE) return true;
+    }
+    return false;
+  };
+  if (!client.PollUntil(served, bus.discovery_time())) {
+    return Complain({ErrorCode::kTimedOut,
+                     "no job service answers: start one (intaglio up), or check "
+                     "--domain, --interface and --tag",
+                     ""},
+                    client::kExitWrongInput);
+  }
+  if (!options.run.arm) {
+    std::cerr << "without --arm every job waits for intaglio arm JOB\n";
+  }
+  options.run.file = options.source.file.string();
+  client::EventLines lines(std::cout);
+  client::EventLines* events = options.events ? &lines : nullptr;
+  BatchRun run(client, std::move(*jobs), options.run, events);
+  const BatchResults results = run.Run();
+  return Finish(options, results, run.interrupted(), events);
+}
+
+}  // namespace
+
+void AddBatchCommand(command_line::Command app) {
+  auto options = std::make_shared<BatchOptions>();
+  command_line::Command batch =
+      app.AddCommand("batch", "make a list of jobs, over the machines of a shop");
+  batch.AddOption("FILE", options->source.file, "list of jobs: .jsonl or .csv").Require();
+  batch.AddOption("--job", options->source.job_file, "job file of those that name none");
+  batch.AddOption("--cells", options->source.cells,
+                  "machine profiles, by name or file, that share the jobs which name "
+                  "no cell");
+  batch
+      .AddOption("--parallel", options->run.parallel,
+                 "jobs at a time over all machines, default one a machine")
+      .Within(1, 1000);
+  batch.AddFlag("--keep-going", options->run.keep_going,
+                "go on after a job that is not good; what comes after it is skipped");
+  batch.AddFlag("--arm", options->run.arm,
+                "you are at the machines and change the blocks: each job is armed "
+                "once, when its machine has it");
+  batch
+      .AddOption("--pause-limit", options->run.pause_limit_s,
+                 "seconds after which a job that waits for a person is cancelled; "
+                 "default: never")
+      .Within(0.0, 1e6);
+  batch.AddOption("--results", options->results, "write what became of every job: JSON");
+  batch.AddFlag("--check", options->check, "only say what is wrong; submit nothing");
+  batch.AddOption("--materials", options->materials_db,
+                  "material base, default the user's");
+  AddEventsFlag(batch, options->events);
+  AddBusFlags(batch, options->bus);
+  batch.SetFooter(
+      "Example: intaglio batch cups.csv --job cup.textproto --arm --keep-going\n"
+      "Example: intaglio batch jobs.jsonl --cells left.textproto right.textproto --arm "
+      "--results made.json\n"
+      "Everything is checked before the first job is submitted. Ctrl-C cancels what "
+      "waits; what is engraved goes on.");
+  batch.SetAction([options] { return Batch(*options); });
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,175 @@
+#include "services/cli/batch/batch_jobs.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "materials_db/material_store.h"
+#include "services/cli/job_options.h"
+#include "services/cli/job_series.h"
+#include "services/job/batch_file.h"
+#include "services/job/freeze.h"
+#include "services/job/job_check.h"
+#include "services/job/job_file.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BatchBuilder {
+ public:
+  BatchBuilder(const BatchSource& source, materials_db::MaterialStore& materials)
+      : source_(source),
+        folder_(fs::absolute(source.file).parent_path()),
+        materials_(materials) {}
+
+  Status FindCells() {
+    std::vector<Error> errors;
+    for (const std::string& wanted : source_.cells) {
+      auto cell = CellOf(wanted);
+      if (!cell) {
+        errors.push_back(Prefixed(cell.error(), "--cells: "));
+      } else if (!cells_.emplace(cell->name, *cell).second) {
+        errors.push_back({ErrorCode::kInvalidValue,
+                          fmt::format("--cells: two profiles of the name '{}': give each "
+                                      "machine a name of its own",
+                                      cell->name),
+                          cell->name});
+      }
+    }
+    if (errors.empty()) return {};
+    return tl::unexpected(JoinErrors(errors));
+  }
+
+  Result<BatchJob> Build(const BatchLine& line) {
+    const auto pattern = Pattern(line.job_file);
+    if (!pattern) return tl::unexpected(pattern.error());
+    const auto spec = JobOf(line, *pattern, folder_);
+    if (!spec) return tl::unexpected(spec.error());
+    const auto cells = CellsOf(line);
+    if (!cells) return tl::unexpected(cells.error());
+    BatchJob job;
+    job.id = line.id;
+    job.planned.priority = spec->priority();
+    std::optional<Error> first;
+    for (const std::optional<std::string>& machine : *cells) {
+      auto complete = Complete(*spec, machine);
+      if (!complete) {
+        if (!first) first = complete.error();
+        continue;
+      }
+      job.name = complete->job.name();
+      job.planned.cells.push_back(complete->machine.name());
+      job.by_cell[complete->machine.name()] = std::move(complete->job);
+    }
+    // What fits one of the machines goes there.
+    if (job.by_cell.empty()) return tl::unexpected(*first);
+    return job;
+  }
+
+ private:
+  struct Cell {
+    std::string name, file;
+  };
+
+  static Result<Cell> CellOf(const std::string& wanted) {
+    const auto file = FindMachineFile(wanted);
+    if (!file) {
+      return Fail(
+          ErrorCode::kNotFound,
+          fmt::format("'{}': is no machine of --cells, no supplied profile and no "
+                      "file",
+                      wanted),
+          wanted);
+    }
+    const auto machine = ReadMachineFile(*file);
+    if (!machine) return tl::unexpected(machine.error());
+    return Cell{machine->name(), file->string()};
+  }
+
+  /// Profiles to try; one without a file: the job's own.
+  Result<std::vector<std::optional<std::string>>> CellsOf(const BatchLine& line) const {
+    std::vector<std::optional<std::string>> files;
+    if (!line.cell.empty()) {
+      const auto known = cells_.find(line.cell);
+      if (known != cells_.end()) return std::vector{std::optional(known->second.file)};
+      const auto cell = CellOf(line.cell);
+      if (!cell) return tl::unexpected(Prefixed(cell.error(), "cell: "));
+      return std::vector{std::optional(cell->file)};
+    }
+    for (const auto& [name, cell] : cells_) files.emplace_back(cell.file);
+    if (files.empty()) files.emplace_back();
+    return files;
+  }
+
+  Result<JobSpec> Pattern(const std::string& job_file) {
+    if (job_file.empty() && source_.job_file.empty()) {
+      return Fail(ErrorCode::kMissing,
+                  "job: is missing; name a job file here, or one for all with --job");
+    }
+    const std::string path = job_file.empty()
+                                 ? source_.job_file
+                                 : (folder_ / job_file).lexically_normal().string();
+    const auto found = patterns_.find(path);
+    if (found != patterns_.end()) return found->second;
+    return patterns_.emplace(path, ReadJobFile(path)).first->second;
+  }
+
+  Result<JobAndMachine> Complete(const JobSpec& spec,
+                                 const std::optional<std::string>& machine) {
+    JobFlags flags;
+    flags.job_file = source_.file.string();  // nothing is chosen that it does not say
+    flags.machine = machine;
+    auto complete = CompleteJob(flags, spec);
+    if (!complete) return complete;
+    const auto material = materials_.Find(complete->job.glass());
+    if (!material) return tl::unexpected(Prefixed(material.error(), "glass: "));
+    const auto frozen = FreezeJob(complete->job, complete->machine, *material, {});
+    if (!frozen) return tl::unexpected(frozen.error());
+    return complete;
+  }
+
+  const BatchSource& source_;
+  fs::path folder_;
+  materials_db::MaterialStore& materials_;
+  std::map<std::string, Cell> cells_;
+  std::map<std::string, Result<JobSpec>> patterns_;  // by path
+};
+
+}  // namespace
+
+Result<std::vector<BatchJob>> BuildBatch(const BatchSource& source) {
+  const auto lines = ReadBatchFile(source.file);
+  if (!lines) return tl::unexpected(lines.error());
+  auto materials = materials_db::MaterialStore::Open(source.materials_db);
+  if (!materials) return tl::unexpected(materials.error());
+  BatchBuilder builder(source, *materials);
+  if (auto found = builder.FindCells(); !found) return tl::unexpected(found.error());
+  std::vector<Error> errors;
+  for (const Error& error : CheckBatchOrder(*lines)) {
+    errors.push_back(Prefixed(error, source.file.string() + ", "));
+  }
+  std::vector<BatchJob> jobs;
+  std::map<std::string, std::size_t> place;
+  for (const BatchLine& line : *lines) {
+    place.emplace(line.id, place.size());
+    auto job = builder.Build(line);
+    if (job) {
+      jobs.push_back(std::move(*job));
+    } else {
+      errors.push_back(
+          Prefixed(job.error(), fmt::format("{}, line {} ({}): ", source.file.string(),
+                                            line.line_number, line.id)));
+    }
+  }
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    for (const std::string& before : (*lines)[i].after) {
+      jobs[i].planned.after.push_back(place.at(before));
+    }
+  }
+  return jobs;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,332 @@
+#include "services/cli/batch/batch_run.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "services/cli/interrupt.h"
+#include "services/client/figure_text.h"
+#include "services/history/job_words.h"
+#include "services/platform/host/utc_time.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kSubmitTime = 15s;
+constexpr auto kCancelTime = 5s;
+// A job service that was restarted is back by then.
+constexpr auto kServiceTime = 60s;
+
+double Seconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+/// Its block is in the machine, and may have cracks.
+bool IsEngraved(const client::JobView& job) {
+  return job.state == intaglio_JOB_ENGRAVING || job.state == intaglio_JOB_PAUSED;
+}
+
+void SetCounts(const client::JobEnd& end, BatchJobResult& result) {
+  const auto count = [](std::uint64_t n) { return static_cast<std::uint32_t>(n); };
+  result.set_verdict(end.verdict.word);
+  result.set_planned(count(end.counts.planned_count()));
+  result.set_made(count(end.counts.made_count()));
+  result.set_missed(count(end.counts.missed_count()));
+  result.set_skipped(count(end.counts.skipped_count()));
+  result.set_uncertain(count(end.counts.uncertain_count()));
+}
+
+std::vector<PlannedJob> PlannedOf(const std::vector<BatchJob>& jobs) {
+  std::vector<PlannedJob> planned;
+  for (const BatchJob& job : jobs) planned.push_back(job.planned);
+  return planned;
+}
+
+}  // namespace
+
+BatchRun::BatchRun(client::JobClient& client, std::vector<BatchJob> jobs,
+                   BatchRunOptions options, client::EventLines* events)
+    : client_(client),
+      jobs_(std::move(jobs)),
+      options_(std::move(options)),
+      events_(events),
+      plan_(PlannedOf(jobs_), options_.parallel),
+      bar_(std::cerr, isatty(STDERR_FILENO) != 0) {
+  results_.set_file(options_.file);
+  for (const BatchJob& job : jobs_) {
+    BatchJobResult& result = *results_.add_jobs();
+    result.set_id(job.id);
+    result.set_name(job.name);
+    result.set_state("not_submitted");
+    result.set_verdict("none");
+  }
+}
+
+BatchResults BatchRun::Run() {
+  results_.set_started_utc(host::UtcText(std::chrono::system_clock::now()));
+  while (!plan_.over() && Interrupts() == 0) Turn();
+  if (!plan_.over()) Leave();
+  bar_.Finish();
+  for (BatchJobResult& job : *results_.mutable_jobs()) {
+    if (job.state() != "not_submitted") continue;
+    job.set_message(interrupted_ ? "interrupted before its turn came"
+                                 : "not begun after one that is not good (--keep-going)");
+  }
+  results_.set_ended_utc(host::UtcText(std::chrono::system_clock::now()));
+  results_.set_time_s(Seconds(Clock::now() - began_));
+  Count(results_);
+  return results_;
+}
+
+void BatchRun::Turn() {
+  for (const BatchPlan::Start& start : plan_.Next()) Submit(start);
+  client_.Poll(50ms);
+  // An end changes the map.
+  std::vector<std::size_t> numbers;
+  for (const auto& [job, out] : out_) numbers.push_back(job);
+  for (const std::size_t job : numbers) Follow(job, out_.at(job));
+  const auto services = client_.services();
+  if (std::any_of(services.begin(), services.end(),
+                  [](const client::ServiceView& service) {
+                    return service.role == intaglio_ROLE_JOB_SERVICE;
+                  })) {
+    service_seen_ = Clock::now();
+  }
+  if (Clock::now() - service_seen_ > kServiceTime) {
+    numbers.clear();
+    for (const auto& [job, out] : out_) numbers.push_back(job);
+    plan_.Stop();
+    for (const std::size_t job : numbers) {
+      Fail(job, result(job).state(),
+           "the job service is gone, and with it what becomes of the job: start it again "
+           "(intaglio up), then intaglio list");
+    }
+  }
+  ShowProgress();
+}
+
+void BatchRun::Submit(const BatchPlan::Start& start) {
+  const BatchJob& job = jobs_[start.job];
+  BatchJobResult& told = result(start.job);
+  told.set_cell(start.cell);
+  const auto submitted = client_.Submit(job.by_cell.at(start.cell), kSubmitTime);
+  if (!submitted) return Fail(start.job, "refused", submitted.error().message);
+  told.set_job(submitted->number);
+  told.set_uid(submitted->uid);
+  told.set_result_directory(submitted->result_directory);
+  told.set_state(history::StateWord(submitted->state));
+  Out& out = out_[start.job];
+  out.uid = submitted->uid;
+  out.since = Clock::now();
+  if (options_.arm) out.arm.emplace(client_, *submitted);
+  if (events_ != nullptr) events_->Submitted(*submitted, job.id);
+}
+
+void BatchRun::Follow(std::size_t job, Out& out) {
+  const client::JobView view = client_.jobs().at(out.uid);
+  result(job).set_state(history::StateWord(view.state));
+  result(job).set_message(view.message);
+  if (view.ended()) return End(job, view);
+  if (client_.IsForgotten(out.uid)) {
+    return Fail(
+        job, result(job).state(),
+        fmt::format("the job has ended while this program was stopped or cut off: "
+                    "intaglio history --job {} tells how",
+                    view.number));
+  }
+  if (events_ != nullptr) events_->Show(view, jobs_[job].id);
+  if (out.arm) out.arm->Follow(view);
+  ReportWaiting(job, view, out);
+}
+
+std::string BatchRun::WaitsFor(const client::JobView& view, const Out& out) const {
+  if (view.armed) return {};
+  if (view.state == intaglio_JOB_PAUSED) {
+    const bool by_person = view.message.starts_with("paused by ");
+    return fmt::format("{}; intaglio resume {}",
+                       by_person ? view.disarm_reason : view.message, view.number);
+  }
+  if (!out.arm || view.state == intaglio_JOB_QUEUED) return {};
+  const std::string hint = fmt::format("; intaglio arm {}", view.number);
+  if (out.arm->state() == client::ArmOnce::State::kLeft) return out.arm->reason() + hint;
+  // Its arm was taken and withdrawn; the status that shows it armed may not be here yet.
+  const bool disarmed = out.arm->state() == client::ArmOnce::State::kArmed &&
+                        view.disarm_count != out.arm->disarm_count();
+  return disarmed ? view.disarm_reason + hint : std::string();
+}
+
+void BatchRun::ReportWaiting(std::size_t job, const client::JobView& view, Out& out) {
+  const std::string why = WaitsFor(view, out);
+  if (why.empty()) {
+    out.waits_since = {};
+    out.waits_for.clear();
+    return;
+  }
+  result(job).set_message("waits for a person: " + why);
+  if (out.waits_since == Clock::time_point()) out.waits_since = Clock::now();
+  if (why != out.waits_for) {
+    Tell(fmt::format("{} (job {}, {}) waits for a person: {}, or cancel", jobs_[job].id,
+                     view.number, view.cell, why));
+  }
+  out.waits_for = why;
+  const bool too_long = options_.pause_limit_s > 0 &&
+                        Seconds(Clock::now() - out.waits_since) > options_.pause_limit_s;
+  if (!too_long || out.cancelled) return;
+  Tell(fmt::format("{} (job {}) is cancelled: it waited for a person for {}",
+                   jobs_[job].id, view.number,
+                   client::ShortDuration(options_.pause_limit_s)));
+  Cancel(view, out);
+}
+
+void BatchRun::Cancel(const client::JobView& view, Out& out) {
+  out.cancelled = true;
+  (void)client_.Send(view, {.kind = intaglio_COMMAND_CANCEL});
+}
+
+void BatchRun::End(std::size_t job, const client::JobView& view) {
+  const client::JobEnd end = EndOf(client_, view);
+  BatchJobResult& told = result(job);
+  told.set_time_s(Seconds(Clock::now() - out_.at(job).since));
+  SetCounts(end, told);
+  if (told.message().empty()) told.set_message(end.verdict.reason);
+  if (events_ != nullptr) events_->Ended(view, end, jobs_[job].id);
+  Tell(fmt::format("{} (job {}, {}) {}, {}{}", jobs_[job].id, view.number, view.cell,
+                   client::NameOf(view.state), end.verdict.word,
+                   told.message().empty() ? "" : ": " + told.message()));
+  Settle(job, view.state == intaglio_JOB_DONE && end.verdict.word == "good");
+}
+
+void BatchRun::Fail(std::size_t job, const std::string& state,
+                    const std::string& message) {
+  BatchJobResult& told = result(job);
+  told.set_state(state);
+  told.set_message(message);
+  Tell(fmt::format("{} {}: {}", jobs_[job].id, state, message));
+  if (events_ != nullptr) {
+    JobEvent event;
+    event.set_event(state == "refused" ? "refused" : "left");
+    event.set_job(told.job());
+    event.set_uid(told.uid());
+    event.set_id(jobs_[job].id);
+    event.set_name(jobs_[job].name);
+    event.set_cell(told.cell());
+    event.set_verdict("none");
+    event.set_message(message);
+    events_->Write(event);
+  }
+  Settle(job, false);
+}
+
+void BatchRun::Settle(std::size_t job, bool good) {
+  out_.erase(job);
+  for (const std::size_t other : plan_.Ended(job, good)) {
+    BatchJobResult& skipped = result(other);
+    skipped.set_state("skipped");
+    skipped.set_message(fmt::format("comes after {}, which is not good", jobs_[job].id));
+    Tell(fmt::format("{} is skipped: it {}", jobs_[other].id, skipped.message()));
+    if (events_ == nullptr) continue;
+    JobEvent event;
+    event.set_event("skipped");
+    event.set_id(jobs_[other].id);
+    event.set_name(jobs_[other].name);
+    event.set_verdict("none");
+    event.set_message(skipped.message());
+    events_->Write(event);
+  }
+  if (good || options_.keep_going) return;
+  plan_.Stop();
+  // What has its machine goes on; what waits behind it does not begin.
+  for (auto& [number, out] : out_) {
+    const client::JobView& view = client_.jobs().at(out.uid);
+    if (view.state != intaglio_JOB_QUEUED || out.cancelled) continue;
+    Cancel(view, out);
+  }
+}
+
+void BatchRun::CancelWaiting() {
+  for (auto& [job, out] : out_) {
+    const client::JobView& view = client_.jobs().at(out.uid);
+    if (view.ended() || IsEngraved(view) || out.cancelled) continue;
+    Cancel(view, out);
+  }
+}
+
+void BatchRun::Leave() {
+  interrupted_ = true;
+  plan_.Stop();
+  Tell(
+      "interrupted: what waits is cancelled, what is engraved goes on; Ctrl-C again "
+      "leaves at once");
+  const int before = Interrupts();
+  const auto settled = [&] {
+    CancelWaiting();
+    std::vector<std::size_t> ended;
+    for (const auto& [job, out] : out_) {
+      if (client_.jobs().at(out.uid).ended()) ended.push_back(job);
+    }
+    for (const std::size_t job : ended) Follow(job, out_.at(job));
+    return Interrupts() > before ||
+           std::all_of(out_.begin(), out_.end(), [this](const auto& entry) {
+             return IsEngraved(client_.jobs().at(entry.second.uid));
+           });
+  };
+  client_.PollUntil(settled, kCancelTime);
+  for (const auto& [job, out] : out_) {
+    const client::JobView& view = client_.jobs().at(out.uid);
+    BatchJobResult& told = result(job);
+    told.set_state(history::StateWord(view.state));
+    told.set_time_s(Seconds(Clock::now() - out.since));
+    told.set_message(out.waits_for.empty()
+                         ? fmt::format("goes on: intaglio watch {}", view.number)
+                         : "waits for a person: " + out.waits_for);
+    Tell(fmt::format("{} (job {}, {}) is left {}: it {}", jobs_[job].id, view.number,
+                     view.cell, client::NameOf(view.state), told.message()));
+    if (events_ != nullptr) events_->Write(client::EventOf("left", view, jobs_[job].id));
+  }
+}
+
+void BatchRun::Tell(const std::string& line) {
+  bar_.Finish();
+  std::cerr << line << "\n";
+}
+
+void BatchRun::ShowProgress() {
+  const auto count = [this](BatchPlan::State state) { return plan_.count(state); };
+  const std::size_t ended = count(BatchPlan::State::kGood) +
+                            count(BatchPlan::State::kBad) +
+                            count(BatchPlan::State::kSkipped);
+  const auto waiting = std::count_if(out_.begin(), out_.end(), [](const auto& entry) {
+    return !entry.second.waits_for.empty();
+  });
+  bar_.ShowShare(
+      "batch", ended, jobs_.size(), Seconds(Clock::now() - began_),
+      fmt::format("{} under way{}, {} good, {} not", count(BatchPlan::State::kOut),
+                  waiting == 0 ? "" : fmt::format(" ({} wait for a person)", waiting),
+                  count(BatchPlan::State::kGood), count(BatchPlan::State::kBad)));
+}
+
+void BatchRun::Count(BatchResults& results) const {
+  std::uint32_t good = 0, not_good = 0, failed = 0, cancelled = 0, not_made = 0;
+  for (const BatchJobResult& job : results.jobs()) {
+    if (job.state() == "done") {
+      ++(job.verdict() == "good" ? good : not_good);
+    } else if (job.state() == "failed" || job.state() == "refused") {
+      ++failed;
+    } else if (job.state() == "cancelled") {
+      ++cancelled;
+    } else {
+      ++not_made;
+    }
+  }
+  results.set_good(good);
+  results.set_not_good(not_good);
+  results.set_failed(failed);
+  results.set_cancelled(cancelled);
+  results.set_not_made(not_made);
+}
+
+}  // namespace intaglio::cli

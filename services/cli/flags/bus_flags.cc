@@ -1,0 +1,24 @@
+#include "services/cli/flags/bus_flags.h"
+
+namespace intaglio::cli {
+
+void AddBusFlags(command_line::Command command, bus::BusOptions& options) {
+  command
+      .AddOption("--domain", options.control_domain,
+                 "DDS domain of the control topics; bulk takes the next one")
+      .Within(0, 99)
+      .ShowDefault();
+  command
+      .AddOption("--interface", options.interface,
+                 "network interface; lo stays on this machine")
+      .ShowDefault();
+  command.AddOption("--tag", options.tag, "only participants of the same tag are seen");
+  command
+      .AddOption("--security", options.security,
+                 "folder of the operator's or observer's identity, or of all roles; "
+                 "needed beyond lo")
+      .FromEnvironment("INTAGLIO_SECURITY");
+  options.roles = {"operator", "observer"};
+}
+
+}  // namespace intaglio::cli

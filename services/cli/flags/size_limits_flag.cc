@@ -1,0 +1,24 @@
+#include "services/cli/flags/size_limits_flag.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "services/job/models/read_limits.h"
+
+namespace intaglio::cli {
+
+void AddSizeLimitsFlag(command_line::Command command, double& factor) {
+  command
+      .AddOption("--size-limits", factor,
+                 "factor on the largest files, pictures, meshes and clouds that are read "
+                 "(docs/jobs.md), default 1")
+      .FromEnvironment(kSizeLimitsVariable)
+      .Within(kLeastSizeLimits, kGreatestSizeLimits);
+}
+
+void HandOnSizeLimits(double factor) {
+  setenv(kSizeLimitsVariable, fmt::format("{}", factor).c_str(), 1);
+}
+
+}  // namespace intaglio::cli

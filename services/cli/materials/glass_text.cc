@@ -1,0 +1,153 @@
+#include "services/cli/materials/glass_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "engrave/core/check.h"
+#include "materials_db/numbers.h"
+#include "services/job/json_text.h"
+#include "services/job/material_record.h"
+
+namespace intaglio::cli {
+namespace {
+
+using materials_db::Material;
+using materials_db::OpticalValues;
+using materials_db::PropertyRow;
+using materials_db::PropertyRows;
+
+using Row = std::vector<std::string>;
+
+/// Columns as wide as their widest entry, two spaces between.
+std::string Table(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths;
+  for (const Row& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], row[i].size());
+    }
+  }
+  std::string text;
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      text += i + 1 == row.size() ? row[i] : fmt::format("{:<{}}  ", row[i], widths[i]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string OrUnknown(const std::optional<double>& value, int digits) {
+  return value ? fmt::format("{:.{}f}", *value, digits) : "-";
+}
+
+constexpr std::size_t kTextColumns = 72;
+
+/// Text in the second column, its lines broken at spaces.
+void AddLines(const char* title, std::string_view text, std::vector<Row>& rows) {
+  while (!text.empty()) {
+    std::size_t end = std::min(text.find('\n'), text.size());
+    if (end > kTextColumns) {
+      const std::size_t space = text.rfind(' ', kTextColumns);
+      end = space == 0 || space == std::string_view::npos ? kTextColumns : space;
+    }
+    rows.push_back({title, std::string(text.substr(0, end))});
+    const bool drops_one = end < text.size() && (text[end] == ' ' || text[end] == '\n');
+    text.remove_prefix(end + (drops_one ? 1 : 0));
+    title = "";
+  }
+}
+
+std::vector<Row> KeptRows(const Material& material) {
+  const optics::Dispersion& dispersion = material.dispersion;
+  std::vector<Row> rows = {{"glass", material.name}};
+  if (!material.manufacturer.empty()) {
+    rows.push_back({"manufacturer", material.manufacturer});
+  }
+  rows.push_back(
+      {"dispersion",
+       fmt::format("{}, {:g}-{:g} nm", optics::DispersionFormulaName(dispersion.formula),
+                   dispersion.min_wavelength_um * 1000,
+                   dispersion.max_wavelength_um * 1000)});
+  rows.push_back({"coefficients", materials_db::FormatNumbers(dispersion.coefficients)});
+  for (const PropertyRow& row : PropertyRows()) {
+    const std::optional<double>& value = material.*row.value;
+    rows.push_back({row.title, value ? fmt::format("{:g}{}{}", *value,
+                                                   *row.unit == '\0' ? "" : " ", row.unit)
+                                     : "unknown"});
+  }
+  AddLines("source", material.source, rows);
+  return rows;
+}
+
+std::string Json(const google::protobuf::Message& message) {
+  const auto json = JsonTextOf(message, JsonLayout::kOneLine);
+  Require(json.has_value(), "{} as JSON: {}", message.GetTypeName(),
+          json ? "" : json.error().message);
+  return *json;
+}
+
+}  // namespace
+
+std::string GlassesAsTable(std::span<const Material> materials,
+                           const PrintedLight& light) {
+  std::vector<Row> rows = {{"GLASS", "MANUFACTURER",
+                            fmt::format("n({:g} nm)", light.wavelength_nm), "ABBE",
+                            "RANGE nm", "DENSITY kg/m3"}};
+  for (const Material& material : materials) {
+    const optics::Dispersion& dispersion = material.dispersion;
+    const auto index = optics::RefractiveIndex(dispersion, light.wavelength_nm);
+    const auto abbe = optics::AbbeNumber(dispersion);
+    rows.push_back({material.name,
+                    material.manufacturer.empty() ? "-" : material.manufacturer,
+                    index ? fmt::format("{:.5f}", *index) : "-",
+                    abbe ? fmt::format("{:.2f}", *abbe) : "-",
+                    fmt::format("{:g}-{:g}", dispersion.min_wavelength_um * 1000,
+                                dispersion.max_wavelength_um * 1000),
+                    OrUnknown(material.density_kg_m3, 0)});
+  }
+  return Table(rows);
+}
+
+std::string GlassesAsJson(std::span<const Material> materials,
+                          const PrintedLight& light) {
+  std::string json = "[";
+  for (const Material& material : materials) {
+    json += (json.size() == 1 ? "\n" : ",\n") + GlassAsJson(material, light);
+  }
+  return json + "\n]";
+}
+
+std::string GlassAsTable(const Material& material) { return Table(KeptRows(material)); }
+
+std::string OpticsAsTable(const OpticalValues& optics, const PrintedLight& light) {
+  return fmt::format("At {:g} nm with a lens of NA {:g}:\n", light.wavelength_nm,
+                     light.numerical_aperture) +
+         Table({{"refractive index", fmt::format("{:.5f}", optics.refractive_index)},
+                {"Abbe number", OrUnknown(optics.abbe_number, 2)},
+                {"stage move per mm in glass",
+                 fmt::format("{:.5f} mm", optics.stage_per_glass_ratio)},
+                {"cone's tangent in glass", fmt::format("{:.5f}", optics.cone_tangent)},
+                {"reflected at the top face",
+                 fmt::format("{:.2f} %", 100 * optics.reflectance_ratio)},
+                {"thermal strength",
+                 optics.thermal_strength_k
+                     ? fmt::format("{:.0f} K", *optics.thermal_strength_k)
+                     : "unknown"}});
+}
+
+std::string GlassAsJson(const Material& material, const PrintedLight& light) {
+  std::string json = "{\"material\":" + Json(RecordOf(material));
+  const auto optics = materials_db::ComputeOptics(material, light.wavelength_nm,
+                                                  light.numerical_aperture);
+  if (optics) {
+    json += ",\"optics\":" +
+            Json(RecordOf(*optics, light.wavelength_nm, light.numerical_aperture));
+  }
+  return json + "}";
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,321 @@
+#include "services/cli/materials/materials_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/io/atomic_file.h"
+#include "materials_db/export_rii.h"
+#include "materials_db/import_file.h"
+#include "materials_db/material_store.h"
+#include "materials_db/numbers.h"
+#include "services/cli/materials/glass_text.h"
+#include "services/client/exit_codes.h"
+
+namespace intaglio::cli {
+namespace {
+
+using materials_db::Material;
+using materials_db::MaterialStore;
+using materials_db::PropertyRow;
+using materials_db::PropertyRows;
+
+/// What was given on the command line; of the subcommand that was chosen.
+struct Flags {
+  std::string database;
+  std::string name;
+  std::vector<std::string> files;
+  std::string from;
+  std::string as;
+  std::string out;
+  double wavelength_nm = 532;
+  double numerical_aperture = 0.1;
+  bool replace = false;
+  bool skip_bad = false;
+  bool json = false;
+  std::optional<std::string> manufacturer;
+  std::optional<std::string> source;
+  std::optional<std::string> formula;
+  std::vector<std::string> coefficients;
+  std::vector<double> range_um;
+  materials_db::Properties properties;
+};
+
+using Action = Status (*)(const Flags& flags, MaterialStore& store);
+
+PrintedLight LightOf(const Flags& flags) {
+  return {flags.wavelength_nm, flags.numerical_aperture};
+}
+
+// ---- What is known -------------------------------------------------------------
+
+Status List(const Flags& flags, MaterialStore& store) {
+  const auto materials = store.List();
+  if (!materials) return tl::unexpected(materials.error());
+  if (flags.json) {
+    std::cout << GlassesAsJson(*materials, LightOf(flags)) << "\n";
+  } else {
+    std::cout << GlassesAsTable(*materials, LightOf(flags));
+  }
+  return {};
+}
+
+/// What is kept is shown also of a glass for whose wavelength nothing can be computed.
+Status Show(const Flags& flags, MaterialStore& store) {
+  const auto material = store.Find(flags.name);
+  if (!material) return tl::unexpected(material.error());
+  const auto optics = materials_db::ComputeOptics(*material, flags.wavelength_nm,
+                                                  flags.numerical_aperture);
+  if (flags.json) {
+    std::cout << GlassAsJson(*material, LightOf(flags)) << "\n";
+  } else {
+    std::cout << GlassAsTable(*material);
+    if (optics) std::cout << "\n" << OpticsAsTable(*optics, LightOf(flags));
+  }
+  if (!optics) return tl::unexpected(optics.error());
+  return {};
+}
+
+// ---- Changes -----------------------------------------------------------------
+
+/// Puts what was given on the command line into `material`; leaves the rest.
+Status ApplyFields(const Flags& flags, Material& material) {
+  if (flags.manufacturer) material.manufacturer = *flags.manufacturer;
+  if (flags.source) material.source = *flags.source;
+  if (flags.formula) {
+    const auto formula = optics::DispersionFormulaFromName(*flags.formula);
+    if (!formula) return tl::unexpected(formula.error());
+    material.dispersion.formula = *formula;
+  }
+  if (!flags.coefficients.empty()) {
+    const std::string text = fmt::format("{}", fmt::join(flags.coefficients, " "));
+    const auto numbers = materials_db::ParseNumbers(text);
+    if (!numbers) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("--coefficients must be numbers, not \"{}\"", text), text);
+    }
+    material.dispersion.coefficients = *numbers;
+  }
+  if (!flags.range_um.empty()) {
+    material.dispersion.min_wavelength_um = flags.range_um[0];
+    material.dispersion.max_wavelength_um = flags.range_um[1];
+  }
+  for (const PropertyRow& row : PropertyRows()) {
+    if (flags.properties.*row.value) material.*row.value = flags.properties.*row.value;
+  }
+  return {};
+}
+
+Status Add(const Flags& flags, MaterialStore& store) {
+  Material material;
+  material.name = flags.name;
+  if (Status status = ApplyFields(flags, material); !status) return status;
+  return store.Add(material);
+}
+
+/// The one glass of a file, or the one of that name among several.
+Result<Material> ReadOne(const std::string& file, const std::string& name) {
+  auto imported = materials_db::ImportFile(file);
+  if (!imported.errors.empty()) return tl::unexpected(imported.errors.front());
+  if (imported.materials.size() == 1) return std::move(imported.materials.front());
+  for (Material& material : imported.materials) {
+    if (material.name == name) return std::move(material);
+  }
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("{}: has {} glasses and none is called {}", file,
+                          imported.materials.size(), name),
+              name);
+}
+
+Status Replace(const Flags& flags, MaterialStore& store) {
+  const auto present = store.Find(flags.name);
+  if (!present) return tl::unexpected(present.error());
+  Material material = *present;
+  if (!flags.from.empty()) {
+    auto read = ReadOne(flags.from, present->name);
+    if (!read) return tl::unexpected(read.error());
+    material = std::move(*read);
+    material.name = present->name;
+  }
+  if (Status status = ApplyFields(flags, material); !status) return status;
+  if (material == *present) {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("nothing of glass {} would change; name a field, or a file "
+                            "with --from",
+                            present->name),
+                present->name);
+  }
+  return store.Replace(material);
+}
+
+Status Remove(const Flags& flags, MaterialStore& store) {
+  return store.Remove(flags.name);
+}
+
+Status Import(const Flags& flags, MaterialStore& store) {
+  std::vector<Material> materials;
+  std::vector<Error> errors;
+  for (const std::string& file : flags.files) {
+    auto imported = materials_db::ImportFile(file);
+    std::move(imported.materials.begin(), imported.materials.end(),
+              std::back_inserter(materials));
+    std::move(imported.errors.begin(), imported.errors.end(), std::back_inserter(errors));
+  }
+  if (!errors.empty() && (!flags.skip_bad || materials.empty())) {
+    Error all = errors.front();
+    for (std::size_t i = 1; i < errors.size(); ++i) {
+      all.message += "\n" + errors[i].message;
+    }
+    if (!materials.empty()) {
+      all.message += fmt::format(
+          "\nnothing is imported; --skip-bad imports the {} sound "
+          "glasses",
+          materials.size());
+    }
+    return tl::unexpected(std::move(all));
+  }
+  if (!flags.as.empty()) {
+    if (materials.size() != 1) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("--as names one glass, the files have {}; import them "
+                              "without it",
+                              materials.size()),
+                  flags.as);
+    }
+    materials.front().name = flags.as;
+  }
+  if (Status status = store.Import(materials, flags.replace); !status) {
+    return status;
+  }
+  for (const Error& error : errors) std::cerr << "skipped: " << error.message << "\n";
+  for (const Material& material : materials) std::cout << material.name << "\n";
+  return {};
+}
+
+Status Export(const Flags& flags, MaterialStore& store) {
+  std::vector<Material> materials;
+  if (flags.name.empty()) {
+    auto all = store.List();
+    if (!all) return tl::unexpected(all.error());
+    materials = std::move(*all);
+  } else {
+    auto one = store.Find(flags.name);
+    if (!one) return tl::unexpected(one.error());
+    materials.push_back(std::move(*one));
+  }
+  const std::string yaml = materials_db::ExportRii(materials);
+  if (!flags.out.empty()) return io::WriteFileAtomically(flags.out, yaml);
+  std::cout << yaml;
+  return {};
+}
+
+// ---- The command line ----------------------------------------------------------
+
+void AddFieldFlags(command_line::Command command, Flags& flags) {
+  command.AddOption("--manufacturer", flags.manufacturer, "who makes it");
+  command.AddOption("--source", flags.source, "where the values come from");
+  command.AddOption("--formula", flags.formula,
+                    "dispersion formula, e.g. sellmeier_1, schott, rii_formula_2");
+  command.AddOption("--coefficients", flags.coefficients,
+                    "the formula's, in its catalog's order");
+  command.AddOption("--range", flags.range_um, "wavelengths it holds for, um: MIN MAX")
+      .TakeValues(2);
+  for (const PropertyRow& row : PropertyRows()) {
+    std::string flag = fmt::format("--{}", row.name);
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    command.AddOption(flag, flags.properties.*row.value,
+                      fmt::format("{}, {}{}{:g} to {:g}", row.title, row.unit,
+                                  *row.unit == '\0' ? "" : ", ", row.min, row.max));
+  }
+}
+
+int Run(const Flags& flags, Action action) {
+  const auto complain = [](const Error& error) {
+    std::cerr << "intaglio: " << error.message << "\n";
+    return client::kExitWrongInput;
+  };
+  auto store =
+      MaterialStore::Open(flags.database.empty() ? materials_db::DefaultDatabasePath()
+                                                 : std::filesystem::path(flags.database));
+  if (!store) return complain(store.error());
+  const Status status = action(flags, *store);
+  return status ? client::kExitGood : complain(status.error());
+}
+
+}  // namespace
+
+void AddMaterialsCommand(command_line::Command app) {
+  auto flags = std::make_shared<Flags>();
+  command_line::Command materials =
+      app.AddCommand("materials", "the glasses that are known");
+  materials.RequireCommand();
+  materials.SetFooter(
+      "Example: intaglio materials list; then intaglio materials show N-BK7\n"
+      "docs/materials.md has an example of each.");
+  materials.AddOption("--db", flags->database,
+                      "material base, default $INTAGLIO_MATERIALS_DB or the user's");
+  const auto add = [&](const char* name, const char* text, Action action) {
+    command_line::Command command = materials.AddCommand(name, text);
+    command.TakeOptionsOfParent();
+    command.SetAction([flags, action] { return Run(*flags, action); });
+    return command;
+  };
+
+  const auto add_wavelength = [&](command_line::Command command) {
+    command.AddOption("--wavelength", flags->wavelength_nm, "nm").ShowDefault();
+  };
+  const auto add_json = [&](command_line::Command command) {
+    command.AddFlag("--json", flags->json, "for programs, as in report.json");
+  };
+  command_line::Command list = add("list", "all glasses, one a line", List);
+  add_wavelength(list);
+  add_json(list);
+
+  command_line::Command show =
+      add("show", "all of one glass, and its optical values", Show);
+  show.AddOption("NAME", flags->name, "the glass").Require();
+  add_wavelength(show);
+  show.AddOption("--na", flags->numerical_aperture, "the lens's, in air").ShowDefault();
+  add_json(show);
+
+  command_line::Command add_glass = add("add", "a new glass from values given here", Add);
+  add_glass.AddOption("NAME", flags->name, "its name").Require();
+  AddFieldFlags(add_glass, *flags);
+  for (const char* needed : {"--formula", "--coefficients", "--range"}) {
+    add_glass.OptionOf(needed).Require();
+  }
+
+  command_line::Command replace =
+      add("replace", "new values for a glass that is there", Replace);
+  replace.AddOption("NAME", flags->name, "the glass").Require();
+  replace.AddOption("--from", flags->from, "a file as for import: all values from it");
+  AddFieldFlags(replace, *flags);
+
+  add("remove", "take a glass out", Remove)
+      .AddOption("NAME", flags->name, "the glass")
+      .Require();
+
+  command_line::Command import = add("import", "glasses from files", Import);
+  import
+      .AddOption("FILE", flags->files,
+                 "glass catalogs (.agf), refractiveindex.info records (.yml)")
+      .Require();
+  import.AddOption("--as", flags->as, "the name of the one glass in the file");
+  import.AddFlag("--replace", flags->replace, "glasses that are there are replaced");
+  import.AddFlag("--skip-bad", flags->skip_bad,
+                 "the sound glasses of a file, although others have mistakes");
+
+  command_line::Command export_ =
+      add("export", "as refractiveindex.info records (YAML)", Export);
+  export_.AddOption("NAME", flags->name, "one glass, default all");
+  export_.AddOption("--out", flags->out, "file, default the standard output");
+}
+
+}  // namespace intaglio::cli

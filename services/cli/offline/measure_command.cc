@@ -1,0 +1,285 @@
+#include "services/cli/offline/measure_command.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/placement.h"
+#include "engrave/proof/cloud_quality.h"
+#include "engrave/render/png_file.h"
+#include "engrave/render/spacing_map.h"
+#include "services/cli/complain.h"
+#include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/job_options.h"
+#include "services/cli/offline/offline_steps.h"
+#include "services/cli/offline/quality_figures.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
+#include "services/job/channels.h"
+#include "services/job/model_kind.h"
+#include "services/job/models/model_sources.h"
+#include "services/job/models/read_limits.h"
+#include "services/job/options.h"
+#include "services/job/quality_options.h"
+#include "services/mesh_reader/program_limits.h"
+#include "services/platform/host/worker_threads.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Copies of a model multiply its triangles.
+constexpr std::size_t kMostTriangles = 50'000'000;
+
+struct MeasureOptions {
+  JobFlags job;
+  std::string cloud, picture;
+  std::optional<double> height_ratio;
+  std::optional<std::uint32_t> channel;
+  bool json = false, csv = false;
+};
+
+void Append(const mesh::TriangleMesh& one, const Vec3& offset_mm,
+            mesh::TriangleMesh& all) {
+  const auto first = static_cast<std::uint32_t>(all.vertices.size());
+  for (const Vec3& v : one.vertices) all.vertices.push_back(v + offset_mm);
+  for (const auto& [a, b, c] : one.triangles) {
+    all.triangles.push_back({first + a, first + b, first + c});
+  }
+}
+
+Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one) {
+  if (!model.has_copies()) return one;
+  const PointList offsets_mm = CopyOffsetsOf(model);
+  if (offsets_mm.size() * one.triangles.size() > kMostTriangles) {
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("{}: {} copies of {} triangles are more than {} together; "
+                            "measure fewer copies",
+                            model.file(), offsets_mm.size(), one.triangles.size(),
+                            kMostTriangles));
+  }
+  mesh::TriangleMesh all;
+  for (const Vec3& offset_mm : offsets_mm) Append(one, offset_mm, all);
+  return all;
+}
+
+/// The surfaces of the job's models in the block; of those that are no meshes or not of
+/// the channel, without triangles. None when there is no mesh.
+Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options,
+                                                   const JobSpec& job) {
+  const ReadLimits limits = mesh_reader::LimitsOfProgram(options.job.size_limits);
+  const std::vector<ChannelMask> masks = ChannelsOfModels(job);
+  std::vector<mesh::TriangleMesh> surfaces(static_cast<std::size_t>(job.models_size()));
+  bool any = false;
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    const auto kind = KindOf(model);
+    if (!kind) {
+      return Fail(kind.error().code, model.file() + " " + kind.error().message);
+    }
+    if (*kind != ModelKind::kMesh) continue;
+    if (options.channel && !ShareChannel(masks[static_cast<std::size_t>(i)],
+                                         MaskOfChannel(*options.channel))) {
+      continue;
+    }
+    const auto imported = ReadMeshOf(model, limits);
+    if (!imported) return tl::unexpected(imported.error());
+    const Block block = BlockOf(job, model);
+    auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
+                                     Vec3Of(block.size_mm()));
+    if (!placed) return tl::unexpected(placed.error());
+    auto copied = WithCopies(model, std::move(*placed));
+    if (!copied) return tl::unexpected(copied.error());
+    any = any || !copied->triangles.empty();
+    surfaces[static_cast<std::size_t>(i)] = std::move(*copied);
+  }
+  if (!any) surfaces.clear();
+  return surfaces;
+}
+
+struct MeasuredCloud {
+  PointCloud cloud;
+  std::vector<ChannelMask> masks;  ///< of cracks, the channel that each is in
+};
+
+Result<MeasuredCloud> ReadCloud(const std::string& file, const ReadLimits& limits) {
+  auto table = ReadPoints(file, limits.points);
+  if (!table) return tl::unexpected(WithRemedy(table.error(), limits));
+  if (table->points_mm.empty()) {
+    return Fail(ErrorCode::kMissing,
+                file + " has no points; name a file with one point or more");
+  }
+  MeasuredCloud read;
+  if (const auto* sources = table->Find<std::uint32_t>("source")) {
+    read.cloud.source = *sources;
+  }
+  if (const auto* channels = table->Find<std::uint8_t>("channel")) {
+    for (const std::uint8_t channel : *channels) {
+      read.masks.push_back(MaskOfChannel(channel % kMaxChannels + 1));
+    }
+  }
+  read.cloud.points_mm = std::move(table->points_mm);
+  read.cloud.source.resize(read.cloud.points_mm.size(), 0);
+  return read;
+}
+
+/// What is in the block of one channel: told of cracks by the file, of points by their
+/// models.
+Result<PointCloud> InChannel(const MeasureOptions& options, const JobSpec& job,
+                             MeasuredCloud read) {
+  if (read.masks.empty()) {
+    auto masks = ChannelsOfPoints(job, read.cloud.source);
+    if (!masks) return tl::unexpected(masks.error());
+    read.masks = std::move(*masks);
+  }
+  if (!options.channel) {
+    if (DistinctMasks(read.masks).size() == 1) return std::move(read.cloud);
+    return Fail(ErrorCode::kMissing,
+                "--channel: is missing; the points are in different blocks, say which "
+                "one to measure");
+  }
+  PointCloud in_channel =
+      PointsIn(MaskOfChannel(*options.channel), read.cloud, read.masks);
+  if (in_channel.size() == 0) {
+    return Fail(ErrorCode::kMissing,
+                fmt::format("--channel: {} has no points", *options.channel));
+  }
+  return in_channel;
+}
+
+proof::QualityOptions OptionsOf(const MeasureOptions& options, const JobAndMachine& job) {
+  proof::QualityOptions quality = QualityOptionsOf(job.job, job.machine);
+  quality.height_ratio = options.height_ratio.value_or(quality.height_ratio);
+  quality.executor = host::AllCores();
+  return quality;
+}
+
+render::ViewsCaption CaptionOf(const MeasureOptions& options,
+                               const CloudQuality& record) {
+  using render::Tone;
+  const NearestDistanceFigures& nearest = record.nearest();
+  render::ViewsCaption caption;
+  caption.title_lines = {
+      fs::path(options.cloud).filename().string(),
+      fmt::format("{} points; distance to the nearest other point, against the minimum "
+                  "spacing of {:g} mm",
+                  client::GroupedDigits(record.point_count()), record.min_spacing_mm())};
+  auto& figures = caption.figures;
+  figures = {{"least", fmt::format("{:.4f} mm", nearest.least_mm()),
+              record.keeps_spacing() ? Tone::kGood : Tone::kBad},
+             {"mean", fmt::format("{:.4f} mm", nearest.mean_mm())},
+             {"varies by", fmt::format("{:.1f} %", 100 * nearest.variation_ratio())},
+             {"pairs too near", client::GroupedDigits(nearest.near_pair_count()),
+              nearest.near_pair_count() == 0 ? Tone::kGood : Tone::kBad}};
+  if (record.has_surface()) {
+    const SurfaceFigures& surface = record.surface();
+    figures.push_back({"largest uncovered disc",
+                       fmt::format("{:.3f} mm", surface.uncovered_radius_mm())});
+    figures.push_back({"greatest distance off surface",
+                       fmt::format("{:.2f} µm", 1000 * surface.greatest_distance_mm())});
+    figures.push_back({"density", fmt::format("{:.1f} /mm²", surface.points_per_mm2())});
+    figures.push_back(
+        {"density varies by", fmt::format("{:.1f} %", 100 * surface.variation_ratio())});
+  }
+  if (record.has_cracks()) {
+    figures.push_back(
+        {"cracks of the volume, at most",
+         fmt::format("{:.0f} %", 100 * record.cracks().densest().crack_share_ratio()),
+         record.cracks().risky_count() == 0 ? Tone::kGood : Tone::kBad});
+  }
+  caption.verdict = record.keeps_spacing() ? "SPACING KEPT" : "TOO NEAR";
+  caption.verdict_tone = record.keeps_spacing() ? Tone::kGood : Tone::kBad;
+  return caption;
+}
+
+Status DrawPicture(const MeasureOptions& options, const PointList& points_mm,
+                   const proof::CloudQuality& quality, const CloudQuality& record) {
+  return render::WritePng(
+      options.picture,
+      render::RenderSpacingMap(
+          {points_mm, quality.nearest.distance_mm, record.min_spacing_mm(),
+           quality.histogram.bin_mm, quality.histogram.counts},
+          CaptionOf(options, record)));
+}
+
+int Measure(const MeasureOptions& options) {
+  auto all = ReadCloud(options.cloud, ReadLimitsTimes(options.job.size_limits));
+  if (!all) return Complain(all.error(), client::kExitWrongInput);
+  const auto job = BuildJobOfPoints(options.job, all->cloud.points_mm);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
+  auto cloud = InChannel(options, job->job, std::move(*all));
+  if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
+  auto surfaces = SurfacesOf(options, job->job);
+  if (!surfaces) return Complain(surfaces.error(), client::kExitWrongInput);
+  const proof::QualityOptions quality_options = OptionsOf(options, *job);
+  const auto quality = proof::MeasureCloud(*cloud, *surfaces, quality_options);
+  if (!quality) return Complain(quality.error(), client::kExitWrongInput);
+  surfaces->clear();
+  const CloudQuality record = RecordOf(*quality, quality_options);
+  if (!options.picture.empty()) {
+    const auto drawn = DrawPicture(options, cloud->points_mm, *quality, record);
+    if (!drawn) return Complain(drawn.error(), client::kExitWrongInput);
+  }
+  std::cout << (options.json  ? JsonOf(record)
+                : options.csv ? CsvOf(record)
+                              : FiguresOf(record))
+            << (options.csv && !options.json ? "" : "\n");
+  return record.keeps_spacing() ? client::kExitGood : client::kExitNotGood;
+}
+
+/// Those of a job that place its models and name its lens.
+void AddPlacementFlags(command_line::Command measure, JobFlags& job) {
+  measure.AddOption("--job", job.job_file,
+                    "job file: its models, spacing and lens; options win");
+  measure.AddOption("--mesh", job.meshes, "model file that the cloud was made from");
+  measure.AddOption("--height", job.height_mm, "scale it to this height, mm");
+  measure.AddOption("--size", job.size_mm, "scale its largest extent to this, mm")
+      .Exclude(measure.OptionOf("--height"));
+  measure.AddOption("--unit", job.unit_mm, "mm that a file unit is long");
+  measure.AddOption("--rotate", job.rotate_deg, "turn it about x, y, z, degrees")
+      .TakeValues(3);
+  measure.AddOption("--block", job.block_mm, "block size x y z, mm").TakeValues(3);
+  measure.AddOption("--margin", job.margin_mm, "glass left free at each wall, mm");
+  measure.AddOption("--spacing", job.spacing_mm,
+                    "no two points should be nearer than this, mm, default 0.1");
+  measure.AddOption("--machine", job.machine,
+                    "machine profile: els-03 (default), or a file");
+  measure.AddOption("--focal", job.focal_mm,
+                    "focal length of the lens, mm: its cracks decide what breaks");
+  AddSizeLimitsFlag(measure, job.size_limits);
+}
+
+}  // namespace
+
+void AddMeasureCommand(command_line::Command app) {
+  auto options = std::make_shared<MeasureOptions>();
+  command_line::Command measure =
+      app.AddCommand("measure", "what a cloud is worth: even, complete, sound");
+  measure.AddOption("CLOUD", options->cloud, "points, in any format that is read")
+      .Require();
+  AddPlacementFlags(measure, options->job);
+  measure
+      .AddOption("--height-ratio", options->height_ratio,
+                 "heights count by this part only, 1..10, default the job's, or 1")
+      .Within(1.0, 10.0);
+  measure
+      .AddOption("--channel", options->channel,
+                 "of a job that engraves several blocks, the one of this channel")
+      .Within(1, 4);
+  measure.AddFlag("--json", options->json, "the figures for programs");
+  measure.AddFlag("--csv", options->csv, "the figures for spreadsheets")
+      .Exclude(measure.OptionOf("--json"));
+  measure.AddOption("--picture", options->picture,
+                    "map of the nearest distances, picture.png");
+  measure.SetFooter(
+      "Example: intaglio measure cloud.ply --mesh bunny.obj --rotate 90 0 0 --height 40 "
+      "--spacing 0.1 --picture map.png\n"
+      "Exit code: 0 the minimum spacing is kept, 3 it is not, 2 wrong input.");
+  measure.SetAction([options] { return Measure(*options); });
+}
+
+}  // namespace intaglio::cli

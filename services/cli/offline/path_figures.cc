@@ -1,0 +1,220 @@
+#include "services/cli/offline/path_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "engrave/core/check.h"
+#include "engrave/motion/planner.h"
+#include "engrave/motion/verify.h"
+#include "engrave/sort/shadow.h"
+#include "engrave/sort/travel.h"
+#include "services/client/figure_text.h"
+#include "services/client/proof_folder.h"
+#include "services/job/json_text.h"
+#include "services/job/options.h"
+
+namespace intaglio::cli {
+namespace {
+
+// Points planned between two looks at the clock: the planners hand out some hundreds of
+// points at once.
+constexpr std::size_t kPointsATime = 4096;
+
+motion::VerifyOptions OptionsFor(const motion::PlanOptions& plan) {
+  motion::VerifyOptions options;
+  options.position_tolerance_mm += plan.tolerance_mm;
+  return options;
+}
+
+/// Passes a plan on piece by piece, and measures the planner alone.
+class MotionMeter {
+ public:
+  MotionMeter(const motion::PlanOptions& plan, const PointList& path_mm,
+              const SegmentSink& sink)
+      : rate_hz_(plan.rate_hz),
+        sink_(sink),
+        planner_(motion::MakePlanner(plan, path_mm.front())),
+        verifier_({path_mm.front(), Vec3::Zero()}, path_mm, plan.limits, plan.rate_hz,
+                  OptionsFor(plan)) {}
+
+  Status Plan(const PointList& path_mm, std::size_t begin, std::size_t end) {
+    const auto began = Clock::now();
+    for (std::size_t i = begin; i < end; ++i) {
+      planner_->Append(path_mm[i], static_cast<std::int32_t>(i), true, segments_);
+    }
+    if (end == path_mm.size()) planner_->Finish(segments_);
+    planning_ += Clock::now() - began;
+    for (const motion::Segment& segment : segments_) {
+      verifier_.Append(segment);
+      subticks_ += segment.duration_subticks;
+      if (segment.point >= 0) subticks_of_last_point_ = subticks_;
+      if (!sink_) continue;
+      if (auto taken = sink_(segment); !taken) return taken;
+    }
+    segment_count_ += segments_.size();
+    segments_.clear();
+    return {};
+  }
+
+  PlannedMotion Finish(std::size_t point_count) {
+    const motion::MotionReport report = verifier_.Finish();
+    const auto points = static_cast<double>(point_count);
+    const auto ticks = subticks_of_last_point_ / motion::kSubticksPerTick;
+    PlannedMotion planned;
+    planned.set_ticks(ticks);
+    planned.set_machining_time_s(static_cast<double>(ticks) / rate_hz_);
+    planned.set_utilisation(points /
+                            static_cast<double>(std::max<std::uint64_t>(ticks, 1)));
+    planned.set_rms_acceleration_mm_s2(report.rms_acceleration_mm_s2);
+    planned.set_peak_acceleration_mm_s2(report.peak_acceleration_mm_s2);
+    planned.set_mean_jerk_mm_s3(report.mean_jerk_mm_s3);
+    planned.set_peak_speed_mm_s(report.max_speed_mm_s.maxCoeff());
+    planned.set_violation_count(report.violation_count);
+    planned.mutable_violations()->Assign(report.violations.begin(),
+                                         report.violations.end());
+    planned.set_segment_count(segment_count_);
+    planned.set_max_move_um(1e3 * planner_->moves().max_mm);
+    planned.set_planned_points_per_s(
+        points / std::max(1e-9, std::chrono::duration<double>(planning_).count()));
+    return planned;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double rate_hz_;
+  const SegmentSink& sink_;
+  std::unique_ptr<motion::Planner> planner_;
+  motion::MotionVerifier verifier_;
+  std::vector<motion::Segment> segments_;
+  Clock::duration planning_{};
+  std::uint64_t subticks_ = 0, subticks_of_last_point_ = 0, segment_count_ = 0;
+};
+
+std::string Grouped(double number) {
+  return client::GroupedDigits(static_cast<std::uint64_t>(std::llround(number)));
+}
+
+}  // namespace
+
+PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
+  Require(!path_mm.empty(), "a path without points");
+  PlanReport report;
+  report.set_point_count(path_mm.size());
+  report.set_checksum(client::PointChecksum(path_mm));
+  report.set_shadow_violation_count(
+      sort::CountShadowViolations(path_mm, {job.optics().cone_tangent()}));
+  sort::Order as_given(path_mm.size());
+  std::iota(as_given.begin(), as_given.end(), 0);
+  const sort::Travel travel = sort::MeasureTravel(path_mm, as_given);
+  report.set_travel_mm(travel.largest_axis_mm);
+  report.set_longest_step_mm(travel.longest_step_mm);
+  const motion::PlanOptions plan = MotionOptionsOf(job);
+  report.set_machine(job.machine().name());
+  report.set_rate_hz(plan.rate_hz);
+  report.set_max_speed_mm_s(plan.limits.max_speed_mm_s.minCoeff());
+  report.set_max_acceleration_mm_s2(plan.limits.max_acceleration_mm_s2.minCoeff());
+  return report;
+}
+
+Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path_mm,
+                                 const SegmentSink& sink, const ProgressSink& progress) {
+  Require(!path_mm.empty(), "a path without points");
+  motion::PlanOptions plan = MotionOptionsOf(job);
+  plan.stage_lag_s = 0;
+  MotionMeter meter(plan, path_mm, sink);
+  for (std::size_t begin = 0; begin < path_mm.size(); begin += kPointsATime) {
+    const std::size_t end = std::min(begin + kPointsATime, path_mm.size());
+    if (auto planned = meter.Plan(path_mm, begin, end); !planned) {
+      return tl::unexpected(planned.error());
+    }
+    if (progress && !progress(end, path_mm.size())) {
+      return Fail(ErrorCode::kCancelled, "the plan was ended early");
+    }
+  }
+  PlannedMotion planned = meter.Finish(path_mm.size());
+  planned.set_planner(ProfileName(job.job().motion().profile()));
+  return planned;
+}
+
+std::vector<FrozenJob> WithOtherPlanners(const FrozenJob& job) {
+  std::vector<FrozenJob> jobs;
+  const auto* profiles = MotionProfile_descriptor();
+  for (int i = 0; i < profiles->value_count(); ++i) {
+    const auto profile = static_cast<MotionProfile>(profiles->value(i)->number());
+    if (profile == job.job().motion().profile()) continue;
+    jobs.push_back(job);
+    jobs.back().mutable_job()->mutable_motion()->set_profile(profile);
+  }
+  return jobs;
+}
+
+bool IsSound(const PlanReport& report) {
+  return report.shadow_violation_count() == 0 &&
+         (report.motions().empty() || report.motions(0).violation_count() == 0);
+}
+
+std::string FiguresOf(const PlanReport& report) {
+  Require(!report.motions().empty(), "a report without a motion");
+  const PlannedMotion& m = report.motions(0);
+  std::string text = fmt::format(
+      "path          {} points, {} fired through an earlier crack, checksum {}\n"
+      "travel        {} mm, the longest axis of each step; longest step {:.2f} mm\n"
+      "motion        {}, {} at {:g} Hz, {:g} mm/s, {:g} mm/s^2\n"
+      "time          {}, {} ticks\n"
+      "utilisation   {:.4f} points a tick\n"
+      "violations    {} of limits, places or ticks\n"
+      "acceleration  {} mm/s^2 rms, {} mm/s^2 peak\n"
+      "jerk          {} mm/s^3 mean\n"
+      "speed         {:.1f} mm/s peak of an axis\n"
+      "planned       {} segments, {} points/s",
+      client::GroupedDigits(report.point_count()),
+      client::GroupedDigits(report.shadow_violation_count()), report.checksum(),
+      Grouped(report.travel_mm()), report.longest_step_mm(), m.planner(),
+      report.machine(), report.rate_hz(), report.max_speed_mm_s(),
+      report.max_acceleration_mm_s2(), client::ShortDuration(m.machining_time_s()),
+      client::GroupedDigits(m.ticks()), m.utilisation(),
+      client::GroupedDigits(m.violation_count()), Grouped(m.rms_acceleration_mm_s2()),
+      Grouped(m.peak_acceleration_mm_s2()), Grouped(m.mean_jerk_mm_s3()),
+      m.peak_speed_mm_s(), client::GroupedDigits(m.segment_count()),
+      client::ShortNumber(m.planned_points_per_s()));
+  if (m.max_move_um() > 0) {
+    text += fmt::format("\nmoves         {:.2f} um at most, of a point", m.max_move_um());
+  }
+  for (const std::string& violation : m.violations()) {
+    text += "\n  " + violation;
+  }
+  return text;
+}
+
+std::string ComparisonOf(const PlanReport& report) {
+  std::string text = fmt::format(
+      "{:<13} {:>11} {:>15} {:>12} {:>11} {:>11} {:>13} {:>11} {:>15}\n"
+      "{:<13} {:>11} {:>15} {:>12} {:>11} {:>11} {:>13} {:>11} {:>15}",
+      "planner", "ticks", "time", "utilisation", "rms accel.", "peak accel.", "mean jerk",
+      "violations", "planned", "", "", "", "points/tick", "mm/s^2", "mm/s^2", "mm/s^3",
+      "", "points/s");
+  for (const PlannedMotion& m : report.motions()) {
+    text += fmt::format(
+        "\n{:<13} {:>11} {:>15} {:>12.4f} {:>11} {:>11} {:>13} {:>11} {:>15}",
+        m.planner(), client::GroupedDigits(m.ticks()),
+        client::ShortDuration(m.machining_time_s()), m.utilisation(),
+        Grouped(m.rms_acceleration_mm_s2()), Grouped(m.peak_acceleration_mm_s2()),
+        Grouped(m.mean_jerk_mm_s3()), client::GroupedDigits(m.violation_count()),
+        Grouped(m.planned_points_per_s()));
+  }
+  return text;
+}
+
+std::string JsonOf(const PlanReport& report) {
+  const auto json = JsonTextOf(report);
+  Require(json.has_value(), "the plan's report cannot be written: {}",
+          json ? "" : json.error().message);
+  return *json;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,84 @@
+#include "services/cli/offline/path_job.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "engrave/motion/axis/limits.h"
+#include "materials_db/material_store.h"
+#include "services/job/job_check.h"
+#include "services/job/job_defaults.h"
+#include "services/job/material_record.h"
+#include "services/job/options.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A point on the face of the block, but for rounding, is in it.
+constexpr double kOnFaceMm = 1e-9;
+
+Result<OpticalValuesRecord> OpticsOf(const JobSpec& job,
+                                     const std::string& materials_db) {
+  auto store = materials_db::MaterialStore::Open(materials_db.empty()
+                                                     ? materials_db::DefaultDatabasePath()
+                                                     : fs::path(materials_db));
+  if (!store) return tl::unexpected(store.error());
+  const auto material = store->Find(job.glass());
+  if (!material) return tl::unexpected(material.error());
+  const double wavelength_nm = job.laser().wavelength_nm();
+  const double numerical_aperture = job.lens().numerical_aperture();
+  const auto optics =
+      materials_db::ComputeOptics(*material, wavelength_nm, numerical_aperture);
+  if (!optics) return tl::unexpected(optics.error());
+  return RecordOf(*optics, wavelength_nm, numerical_aperture);
+}
+
+}  // namespace
+
+Result<FrozenJob> BuildPathJob(const JobFlags& flags, const PointList& points_mm,
+                               const std::string& materials_db) {
+  const auto built = BuildJobOfPoints(flags, points_mm);
+  if (!built) return tl::unexpected(built.error());
+  const auto optics = OpticsOf(built->job, materials_db);
+  if (!optics) return tl::unexpected(optics.error());
+  // Again, now that the glass says how much travel the block's depth takes.
+  const auto errors =
+      CheckJobOnMachine(built->job, built->machine, optics->stage_per_glass_ratio());
+  if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
+  FrozenJob frozen;
+  *frozen.mutable_machine() = WithMachineDefaults(built->machine);
+  *frozen.mutable_job() = WithDefaults(built->job, frozen.machine());
+  *frozen.mutable_optics() = *optics;
+  return frozen;
+}
+
+void ForgetTravel(MachineSpec& machine) {
+  for (AxisLimits* axis :
+       {machine.mutable_x(), machine.mutable_y(), machine.mutable_z()}) {
+    axis->set_travel_min_mm(-motion::kUnlimited);
+    axis->set_travel_max_mm(motion::kUnlimited);
+  }
+}
+
+Status RequireInBlock(const FrozenJob& job, const PointList& points_mm) {
+  const Vec3 size_mm = BlockSizeOf(job.job());
+  for (std::size_t i = 0; i < points_mm.size(); ++i) {
+    const Vec3& p = points_mm[i];
+    if ((p.array() >= -kOnFaceMm).all() && (p - size_mm).maxCoeff() <= kOnFaceMm) {
+      continue;
+    }
+    const std::string place = fmt::format("({:g}, {:g}, {:g})", p.x(), p.y(), p.z());
+    return Fail(
+        ErrorCode::kOutsideBlock,
+        fmt::format("--path: point {} at {} mm is outside the block of {:g} x {:g} x "
+                    "{:g} mm, whose corner is at zero; give the --block that it was "
+                    "made for, or --frame machine when the path is the stage's",
+                    i, place, size_mm.x(), size_mm.y(), size_mm.z()),
+        place);
+  }
+  return {};
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,228 @@
+#include "services/cli/offline/plan_command.h"
+
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "engrave/formats/point_file_kinds.h"
+#include "engrave/sort/order.h"
+#include "services/cli/complain.h"
+#include "services/cli/offline/offline_steps.h"
+#include "services/cli/offline/path_figures.h"
+#include "services/cli/offline/path_job.h"
+#include "services/cli/offline/segment_file.h"
+#include "services/client/exit_codes.h"
+#include "services/job/models/read_limits.h"
+#include "services/job/options.h"
+#include "services/job/ordering.h"
+
+namespace intaglio::cli {
+namespace {
+
+struct PathOptions {
+  JobFlags job;
+  std::string input, out, csv, materials_db;
+  std::string frame = "glass";
+  bool compare = false;
+  bool json = false;
+};
+
+/// A path in both frames.
+struct Path {
+  PointList glass_mm, machine_mm;
+};
+
+Result<PointList> ReadPath(const PathOptions& options, const std::string& flag) {
+  const ReadLimits limits = ReadLimitsTimes(options.job.size_limits);
+  auto table = ReadPoints(options.input, limits.points);
+  if (!table) {
+    Error error = WithRemedy(table.error(), limits);
+    error.message = flag + ": " + error.message;
+    return tl::unexpected(std::move(error));
+  }
+  if (table->points_mm.empty()) {
+    return Fail(ErrorCode::kMissing,
+                flag + ": " + options.input +
+                    " has no points; name a file with one point or more");
+  }
+  return std::move(table->points_mm);
+}
+
+Path InBothFrames(const FrozenJob& job, PointList points_mm, bool of_machine) {
+  const optics::MachineFromGlass machine_from_glass = MachineFromGlassOf(job);
+  Path path;
+  PointList& other = of_machine ? path.glass_mm : path.machine_mm;
+  other.reserve(points_mm.size());
+  for (const Vec3& p : points_mm) {
+    other.push_back(of_machine ? machine_from_glass.ToGlass(p)
+                               : machine_from_glass.ToMachine(p));
+  }
+  (of_machine ? path.machine_mm : path.glass_mm) = std::move(points_mm);
+  return path;
+}
+
+/// The job's own motion: its segments to the file of `--csv`, and the tick of each point.
+Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
+                              const PointList& path_mm,
+                              std::vector<double>& point_ticks) {
+  std::optional<SegmentFile> file;
+  if (!options.csv.empty()) {
+    auto created = SegmentFile::Create(options.csv, path_mm.front());
+    if (!created) return tl::unexpected(created.error());
+    file.emplace(std::move(*created));
+  }
+  point_ticks.assign(path_mm.size(), 0);
+  std::uint64_t subticks = 0;
+  const SegmentSink sink = [&](const motion::Segment& segment) -> Status {
+    subticks += segment.duration_subticks;
+    if (segment.point >= 0) {
+      point_ticks.at(static_cast<std::size_t>(segment.point)) =
+          static_cast<double>(subticks / motion::kSubticksPerTick);
+    }
+    return file ? file->Append(segment) : Status{};
+  };
+  Meter meter("plan");
+  auto planned = PlanMotion(job, path_mm, sink, meter.Sink());
+  if (!planned || !file) return planned;
+  if (auto written = file->Commit(); !written) return tl::unexpected(written.error());
+  return planned;
+}
+
+Status PlanOthers(const FrozenJob& job, const PointList& path_mm, PlanReport& report) {
+  for (const FrozenJob& other : WithOtherPlanners(job)) {
+    Meter meter(ProfileName(other.job().motion().profile()));
+    auto planned = PlanMotion(other, path_mm, {}, meter.Sink());
+    if (!planned) return tl::unexpected(planned.error());
+    *report.add_motions() = std::move(*planned);
+  }
+  return {};
+}
+
+/// Prints the report; the code that the command ends with.
+int Tell(const PathOptions& options, const PlanReport& report) {
+  std::cout << (options.json ? JsonOf(report) : FiguresOf(report)) << "\n";
+  if (options.compare && !options.json) {
+    std::cout << "\n" << ComparisonOf(report) << "\n";
+  }
+  return IsSound(report) ? client::kExitGood : client::kExitNotGood;
+}
+
+int Sort(const PathOptions& options) {
+  auto cloud_mm = ReadPath(options, "--cloud");
+  if (!cloud_mm) return Complain(cloud_mm.error(), client::kExitWrongInput);
+  auto job = BuildPathJob(options.job, *cloud_mm, options.materials_db);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
+  // An order does not depend on where the cloud lies; one without a block is ordered too.
+  if (!RequireInBlock(*job, *cloud_mm)) ForgetTravel(*job->mutable_machine());
+  formats::PointTable table;
+  {
+    Meter meter("order");
+    const auto order = sort::MakeOrder(*cloud_mm, host::OrderingOf(*job), meter.Sink());
+    if (!order) return Complain(order.error(), client::kExitWrongInput);
+    table.points_mm.reserve(order->size());
+    for (const std::uint32_t i : *order) table.points_mm.push_back((*cloud_mm)[i]);
+  }
+  if (auto written = WritePoints(options.out, table); !written) {
+    return Complain(written.error(), client::kExitWrongInput);
+  }
+  PlanReport report = DescribePath(*job, table.points_mm);
+  const Path path = InBothFrames(*job, std::move(table.points_mm), false);
+  std::vector<double> point_ticks;
+  auto planned = PlanOwn(options, *job, path.machine_mm, point_ticks);
+  if (!planned) return Complain(planned.error(), client::kExitWrongInput);
+  *report.add_motions() = std::move(*planned);
+  return Tell(options, report);
+}
+
+int Plan(const PathOptions& options) {
+  auto points_mm = ReadPath(options, "--path");
+  if (!points_mm) return Complain(points_mm.error(), client::kExitWrongInput);
+  auto job = BuildPathJob(options.job, *points_mm, options.materials_db);
+  if (!job) return Complain(job.error(), client::kExitWrongInput);
+  const bool of_machine = options.frame == "machine";
+  if (of_machine) {
+    ForgetTravel(*job->mutable_machine());
+  } else {
+    if (auto in_block = RequireInBlock(*job, *points_mm); !in_block) {
+      return Complain(in_block.error(), client::kExitWrongInput);
+    }
+  }
+  Path path = InBothFrames(*job, std::move(*points_mm), of_machine);
+  PlanReport report = DescribePath(*job, path.glass_mm);
+  std::vector<double> point_ticks;
+  auto planned = PlanOwn(options, *job, path.machine_mm, point_ticks);
+  if (!planned) return Complain(planned.error(), client::kExitWrongInput);
+  *report.add_motions() = std::move(*planned);
+  if (options.compare) {
+    if (auto others = PlanOthers(*job, path.machine_mm, report); !others) {
+      return Complain(others.error(), client::kExitWrongInput);
+    }
+  }
+  if (!options.out.empty()) {
+    formats::PointTable table;
+    table.points_mm = std::move(of_machine ? path.machine_mm : path.glass_mm);
+    table.columns = {{"tick", std::move(point_ticks)}};
+    if (auto written = WritePoints(options.out, table); !written) {
+      return Complain(written.error(), client::kExitWrongInput);
+    }
+  }
+  return Tell(options, report);
+}
+
+void AddSort(command_line::Command app) {
+  auto options = std::make_shared<PathOptions>();
+  command_line::Command sort =
+      app.AddCommand("sort", "a cloud of points to the order of engraving");
+  sort.AddOption("--cloud", options->input,
+                 "points: " + formats::ReadablePointExtensions())
+      .Require();
+  sort.AddOption("--out", options->out, "path: " + formats::WritablePointExtensions())
+      .Require();
+  sort.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
+  sort.AddFlag("--json", options->json, "the figures for programs");
+  sort.AddOption("--materials", options->materials_db,
+                 "material base, default the user's");
+  AddJobFlags(sort, options->job);
+  sort.SetFooter(
+      "The job's machine, glass, lens and order count; its models only give the block.\n"
+      "Example: intaglio sort --cloud cloud.ply --mesh bunny.obj --height 40 --out "
+      "path.ply\n"
+      "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
+  sort.SetAction([options] { return Sort(*options); });
+}
+
+void AddPlan(command_line::Command app) {
+  auto options = std::make_shared<PathOptions>();
+  command_line::Command plan =
+      app.AddCommand("plan", "the motion along a path, and its figures");
+  plan.AddOption(
+          "--path", options->input,
+          "points in the order of engraving: " + formats::ReadablePointExtensions())
+      .Require();
+  plan.AddOption("--frame", options->frame,
+                 "glass (default): the points lie in the block; machine: they are "
+                 "places of the stage, from a zero of their own")
+      .OneOf({"glass", "machine"});
+  plan.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
+  plan.AddOption("--out", options->out,
+                 "the path again; .ply and .scl have the tick of each point");
+  plan.AddFlag("--compare", options->compare, "a table of all planners");
+  plan.AddFlag("--json", options->json, "the figures for programs");
+  plan.AddOption("--materials", options->materials_db,
+                 "material base, default the user's");
+  AddJobFlags(plan, options->job);
+  plan.SetFooter(
+      "The job's machine, glass, lens, rate and motion count.\n"
+      "Example: intaglio plan --path path.ply --rate 100 --csv segments.csv --compare\n"
+      "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
+  plan.SetAction([options] { return Plan(*options); });
+}
+
+}  // namespace
+
+void AddPathCommands(command_line::Command app) {
+  AddSort(app);
+  AddPlan(app);
+}
+
+}  // namespace intaglio::cli

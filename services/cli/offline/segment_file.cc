@@ -1,0 +1,33 @@
+#include "services/cli/offline/segment_file.h"
+
+#include <fmt/format.h>
+
+namespace intaglio::cli {
+
+Result<SegmentFile> SegmentFile::Create(const std::filesystem::path& file,
+                                        const Vec3& start_mm) {
+  auto opened = io::AtomicFile::Create(file);
+  if (!opened) return tl::unexpected(opened.error());
+  SegmentFile segments(std::move(*opened));
+  auto begun =
+      segments.file_.Write("tick,x_mm,y_mm,z_mm,vx_mm_s,vy_mm_s,vz_mm_s,point\n");
+  if (begun) begun = segments.WriteRow({start_mm, Vec3::Zero()}, -1);
+  if (!begun) return tl::unexpected(begun.error());
+  return segments;
+}
+
+Status SegmentFile::Append(const motion::Segment& segment) {
+  subticks_ += segment.duration_subticks;
+  return WriteRow(segment.end(), segment.point);
+}
+
+Status SegmentFile::WriteRow(const motion::KnotState& knot, std::int32_t point) {
+  const double tick =
+      static_cast<double>(subticks_) / static_cast<double>(motion::kSubticksPerTick);
+  return file_.Write(fmt::format("{},{},{},{},{},{},{},{}\n", tick, knot.position_mm.x(),
+                                 knot.position_mm.y(), knot.position_mm.z(),
+                                 knot.velocity_mm_s.x(), knot.velocity_mm_s.y(),
+                                 knot.velocity_mm_s.z(), point));
+}
+
+}  // namespace intaglio::cli

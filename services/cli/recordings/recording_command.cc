@@ -1,0 +1,201 @@
+#include "services/cli/recordings/recording_command.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "services/cli/complain.h"
+#include "services/cli/recordings/recording_export.h"
+#include "services/cli/recordings/recording_report.h"
+#include "services/client/exit_codes.h"
+#include "services/platform/recording/recording_copy.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using recording::McapReader;
+
+struct Options {
+  std::vector<std::string> files;
+  std::string out, format = "jsonl", job, path;
+  std::vector<std::string> topics;
+  double from_s = 0, to_s = std::numeric_limits<double>::infinity();
+};
+using Shared = std::shared_ptr<Options>;
+
+Result<std::vector<McapReader>> OpenAll(const Options& options) {
+  std::vector<McapReader> readers;
+  for (const std::string& file : options.files) {
+    auto reader = McapReader::Open(fs::path(file));
+    if (!reader) return tl::unexpected(reader.error());
+    readers.push_back(std::move(*reader));
+  }
+  return readers;
+}
+
+/// Seconds from the beginning of the recording as log time.
+std::uint64_t LogTimeAt(const McapReader& reader, double seconds) {
+  if (!std::isfinite(seconds)) return std::numeric_limits<std::uint64_t>::max();
+  return reader.contents().statistics.start_ns +
+         static_cast<std::uint64_t>(seconds * 1e9);
+}
+
+int Print(const Options& options, std::string (*text_of)(const McapReader&)) {
+  const auto readers = OpenAll(options);
+  if (!readers) return Complain(readers.error());
+  for (const McapReader& reader : *readers) std::cout << text_of(reader);
+  return client::kExitGood;
+}
+
+int Copy(const Options& options, const std::string& default_ending) {
+  const auto readers = OpenAll(options);
+  if (!readers) return Complain(readers.error());
+  const McapReader& first = readers->front();
+  recording::CopyOptions copy;
+  copy.library = first.contents().header.library;
+  copy.topics = options.topics;
+  if (options.from_s > 0) copy.from_ns = LogTimeAt(first, options.from_s);
+  copy.to_ns = LogTimeAt(first, options.to_s);
+  fs::path out = options.out;
+  if (out.empty()) {
+    out = fs::path(options.files.front()).replace_extension("").string() + default_ending;
+  }
+  const auto report = recording::CopyRecordings(*readers, out, copy);
+  if (!report) return Complain(report.error());
+  for (const std::string& damage : report->damages) {
+    std::cerr << "left out    " << damage << "\n";
+  }
+  fmt::print("{} messages in {}", report->message_count, out.string());
+  if (report->repeat_count > 0)
+    fmt::print("; {} repeats of messages that are there left out", report->repeat_count);
+  fmt::print("\n");
+  return client::kExitGood;
+}
+
+Status ExportMessages(const Options& options, const McapReader& reader,
+                      std::ostream& out) {
+  recording::MessageQuery query;
+  if (options.from_s > 0) query.from_ns = LogTimeAt(reader, options.from_s);
+  query.to_ns = LogTimeAt(reader, options.to_s);
+  auto channels = recording::ChannelsOf(reader, options.topics);
+  if (!channels) return tl::unexpected(channels.error());
+  query.channels = std::move(*channels);
+  if (options.format == "jsonl") return ExportJsonLines(reader, query, out);
+  if (options.topics.size() != 1) {
+    return Fail(
+        ErrorCode::kMissing,
+        "a table is of one topic: name it with --topic; `intaglio recording list` "
+        "tells what there is");
+  }
+  return ExportCsv(reader, options.topics.front(), query, out);
+}
+
+int Export(const Options& options) {
+  const auto readers = OpenAll(options);
+  if (!readers) return Complain(readers.error());
+  const McapReader& reader = readers->front();
+  Status done;
+  if (options.format == "ply") {
+    if (options.out.empty()) {
+      return Complain({ErrorCode::kMissing, "a PLY needs a file: give --out", ""});
+    }
+    done = ExportCracks(reader, options.job, options.path, options.out);
+  } else if (options.out.empty()) {
+    done = ExportMessages(options, reader, std::cout);
+  } else {
+    std::ofstream out(options.out, std::ios::binary);
+    done = ExportMessages(options, reader, out);
+    if (done && !out.flush()) {
+      done = Fail(ErrorCode::kIo,
+                  "cannot write " + options.out + "; is there room, and the folder?");
+    }
+  }
+  return done ? client::kExitGood : Complain(done.error());
+}
+
+void AddFile(command_line::Command command, const Shared& options) {
+  command.AddOption("file", options->files, "recording, .mcap").Require().TakeValues(1);
+}
+
+void AddSpan(command_line::Command command, const Shared& options) {
+  command.AddOption("--from", options->from_s, "seconds after the recording's beginning")
+      .Within(0.0, 1e9);
+  command.AddOption("--to", options->to_s, "seconds after the recording's beginning")
+      .Within(0.0, 1e9);
+  command.AddOption("--topic", options->topics, "these topics only");
+}
+
+void AddLookCommands(command_line::Command group, const Shared& options) {
+  command_line::Command info = group.AddCommand(
+      "info", "time, counts, attachments, and what is missing or damaged");
+  AddFile(info, options);
+  info.SetFooter("Example: intaglio recording info session.mcap");
+  info.SetAction([options] { return Print(*options, InfoText); });
+  command_line::Command list = group.AddCommand("list", "topics, with counts and rates");
+  AddFile(list, options);
+  list.SetFooter("Example: intaglio recording list session.mcap");
+  list.SetAction([options] { return Print(*options, ChannelTable); });
+  command_line::Command exported =
+      group.AddCommand("export", "messages as JSON lines or a table, or the cracks");
+  AddFile(exported, options);
+  AddSpan(exported, options);
+  exported
+      .AddOption("--format", options->format,
+                 "jsonl; csv: one topic as a table; ply: the pulses that were made")
+      .OneOf({"jsonl", "csv", "ply"})
+      .ShowDefault();
+  exported.AddOption("--out", options->out, "file, default standard output");
+  exported.AddOption("--job", options->job, "of ply: uid of the job, default the first");
+  exported.AddOption("--path", options->path,
+                     "of ply: the job's path.ply, when the recording has no points");
+  exported.SetFooter(
+      "Example: intaglio recording export session.mcap --topic JobStatus --format csv");
+  exported.SetAction([options] { return Export(*options); });
+}
+
+void AddCopyCommands(command_line::Command group, const Shared& options) {
+  command_line::Command repair = group.AddCommand(
+      "repair", "a whole file of what can be read of a cut or damaged one");
+  AddFile(repair, options);
+  repair.AddOption("--out", options->out, "file, default NAME-repaired.mcap");
+  repair.SetFooter("Example: intaglio recording repair session.mcap");
+  repair.SetAction([options] { return Copy(*options, "-repaired.mcap"); });
+  command_line::Command merge =
+      group.AddCommand("merge", "several files as one, by time");
+  merge.AddOption("files", options->files, "recordings, .mcap")
+      .Require()
+      .TakeValues(2, 1000);
+  merge.AddOption("--out", options->out, "file, default NAME-merged.mcap");
+  merge.SetFooter(
+      "Example: intaglio recording merge session.mcap session-0002.mcap --out all.mcap");
+  merge.SetAction([options] { return Copy(*options, "-merged.mcap"); });
+  command_line::Command cut = group.AddCommand("cut", "a span of time, or some topics");
+  AddFile(cut, options);
+  AddSpan(cut, options);
+  cut.AddOption("--out", options->out, "file, default NAME-cut.mcap");
+  cut.SetFooter(
+      "Example: intaglio recording cut session.mcap --from 60 --to 90 --out minute.mcap");
+  cut.SetAction([options] { return Copy(*options, "-cut.mcap"); });
+}
+
+}  // namespace
+
+void AddRecordingCommand(command_line::Command app) {
+  command_line::Command group =
+      app.AddCommand("recording", "look into a recording, or cut it");
+  group.RequireCommand();
+  const auto options = std::make_shared<Options>();
+  AddLookCommands(group, options);
+  AddCopyCommands(group, options);
+  group.SetFooter(
+      "Example: intaglio recording export session.mcap --topic JobStatus --format csv\n"
+      "Files cut by a kill or a full disk are read as they are; repair makes them quick "
+      "to "
+      "open.");
+}
+
+}  // namespace intaglio::cli

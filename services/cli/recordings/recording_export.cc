@@ -1,0 +1,225 @@
+#include "services/cli/recordings/recording_export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "engrave/formats/point_file.h"
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/message_decoder.h"
+#include "services/platform/recording/recording_copy.h"
+
+namespace intaglio::cli {
+namespace {
+
+using recording::Value;
+constexpr std::uint64_t kMade = 0;  // idl PulseOutcome
+
+/// Calls visit(channel, message, value) while it returns a value.
+template <typename Visit>
+Status ForEachValue(const recording::McapReader& reader,
+                    const recording::MessageQuery& query, Visit&& visit) {
+  recording::MessageDecoder decoder(reader);
+  recording::MessageCursor cursor(reader, query);
+  for (;;) {
+    const auto message = cursor.Next();
+    if (!message) return tl::unexpected(message.error());
+    if (!*message) return {};
+    const auto value = decoder.Decode(**message);
+    if (!value) return tl::unexpected(value.error());
+    visit(reader.contents().channels.at((*message)->channel_id), **message, *value);
+  }
+}
+
+std::string Entry(const recording::Channel& channel, const char* name) {
+  const auto found = channel.metadata.find(name);
+  return found == channel.metadata.end() ? std::string() : found->second;
+}
+
+std::string CsvField(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+/// Names or values of the leaves of a message, each behind a comma.
+void PutLeaves(std::string& out, const recording::ValueObject& object,
+               const std::string& prefix, bool names) {
+  for (const auto& [name, value] : object) {
+    if (const auto* inner = value.As<recording::ValueObject>()) {
+      PutLeaves(out, *inner, prefix + name + ".", names);
+      continue;
+    }
+    out += ',';
+    if (names) {
+      out += CsvField(prefix + name);
+    } else if (const auto* text = value.As<std::string>()) {
+      out += CsvField(*text);
+    } else {
+      out += CsvField(recording::JsonOf(value));
+    }
+  }
+}
+
+template <typename T>
+const T& Member(const Value& value, const char* name) {
+  static const T none{};
+  const Value* member = value.Find(name);
+  const T* held = member == nullptr ? nullptr : member->template As<T>();
+  return held == nullptr ? none : *held;
+}
+
+using Numbers = std::vector<std::uint64_t>;
+using Reals = std::vector<double>;
+
+/// Pulses and places of one job. A point may be told of twice: once more by the next life
+/// of a synchronizer, or fired after it was uncertain, by a person's word. The newest
+/// word that it was made counts; no later one undoes a crack.
+class Cracks {
+ public:
+  explicit Cracks(std::string job_uid) : job_uid_(std::move(job_uid)) {}
+
+  Status Collect(const recording::McapReader& reader) {
+    for (const auto& [id, channel] : reader.contents().channels) {
+      if (channel.topic == "PulseEventBatch" || channel.topic == "PathBatch") {
+        channels_.insert(id);
+      }
+    }
+    return ForEachValue(
+        reader, {.channels = channels_},
+        [this](const recording::Channel& channel, const auto&, const Value& value) {
+          const auto& job = Member<std::string>(value, "job_uid");
+          if (job_uid_.empty()) job_uid_ = job;
+          if (job != job_uid_) return;
+          if (channel.topic == "PathBatch") {
+            AddPlaces(value);
+          } else {
+            AddPulses(value);
+          }
+        });
+  }
+
+  Status Write(const std::filesystem::path& path, const std::filesystem::path& target) {
+    if (auto looked_up = LookUp(path); !looked_up) return looked_up;
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> cracks;  // tick, point
+    for (const auto& [point, tick] : made_at_) cracks.emplace_back(tick, point);
+    std::sort(cracks.begin(), cracks.end());
+    formats::PointTable table;
+    table.comments = {"cracks of job " + job_uid_};
+    Reals ticks;
+    std::vector<std::uint32_t> points;
+    for (const auto& [tick, point] : cracks) {
+      const auto place = places_.find(point);
+      if (place == places_.end()) {
+        return Fail(ErrorCode::kMissing,
+                    fmt::format("the place of point {} is not in the recording; give the "
+                                "job's path.ply with --path",
+                                point),
+                    std::to_string(point));
+      }
+      table.points_mm.push_back(place->second);
+      ticks.push_back(static_cast<double>(tick));
+      points.push_back(static_cast<std::uint32_t>(point));
+    }
+    table.columns = {{"tick", std::move(ticks)}, {"point", std::move(points)}};
+    return formats::WritePly(target, table);
+  }
+
+ private:
+  void AddPlaces(const Value& value) {
+    const auto first = Member<std::uint64_t>(value, "first_index");
+    const auto& x = Member<Reals>(value, "x_mm");
+    const auto& y = Member<Reals>(value, "y_mm");
+    const auto& z = Member<Reals>(value, "z_mm");
+    for (std::size_t i = 0; i < std::min({x.size(), y.size(), z.size()}); ++i) {
+      places_[first + i] = Vec3(x[i], y[i], z[i]);
+    }
+  }
+  void AddPulses(const Value& value) {
+    const auto& tick = Member<Numbers>(value, "tick");
+    const auto& point = Member<Numbers>(value, "point");
+    const auto& outcome = Member<Numbers>(value, "outcome");
+    for (std::size_t i = 0; i < std::min({tick.size(), point.size(), outcome.size()});
+         ++i) {
+      if (outcome[i] == kMade) made_at_[point[i]] = tick[i];
+    }
+  }
+  Status LookUp(const std::filesystem::path& path) {
+    if (path.empty()) return {};
+    const auto table = formats::ReadPly(path);
+    if (!table) return tl::unexpected(table.error());
+    for (std::size_t i = 0; i < table->points_mm.size(); ++i) {
+      places_.try_emplace(i, table->points_mm[i]);
+    }
+    return {};
+  }
+
+  std::string job_uid_;
+  std::set<std::uint16_t> channels_;
+  std::map<std::uint64_t, Vec3> places_;
+  std::map<std::uint64_t, std::uint64_t> made_at_;  // tick, by point
+};
+
+}  // namespace
+
+Status ExportJsonLines(const recording::McapReader& reader,
+                       const recording::MessageQuery& query, std::ostream& out) {
+  return ForEachValue(
+      reader, query,
+      [&out](const recording::Channel& channel, const recording::MessageView& message,
+             const Value& value) {
+        Value head{
+            recording::ValueObject{{"topic", {channel.topic}},
+                                   {"partition", {Entry(channel, "partition")}},
+                                   {"sample", {Entry(channel, "sample")}},
+                                   {"sequence", {std::uint64_t{message.sequence}}},
+                                   {"log_time_ns", {message.log_time_ns}},
+                                   {"publish_time_ns", {message.publish_time_ns}}}};
+        if (recording::IsRepeated(channel)) {
+          std::get<recording::ValueObject>(head.held).push_back({"repeated", {true}});
+        }
+        std::string line = recording::JsonOf(head);
+        line.back() = ',';
+        out << line << "\"value\":" << recording::JsonOf(value) << "}\n";
+      });
+}
+
+Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
+                 const recording::MessageQuery& query, std::ostream& out) {
+  recording::MessageQuery of_topic = query;
+  of_topic.channels.emplace();
+  for (const auto& [id, channel] : reader.contents().channels) {
+    if (channel.topic == topic && !recording::IsRepeated(channel))
+      of_topic.channels->insert(id);
+  }
+  bool headed = false;
+  return ForEachValue(reader, of_topic,
+                      [&](const recording::Channel& channel,
+                          const recording::MessageView& message, const Value& value) {
+                        const auto* object = value.As<recording::ValueObject>();
+                        std::string line;
+                        if (!std::exchange(headed, true)) {
+                          line = "log_time_ns,publish_time_ns,sequence,partition";
+                          PutLeaves(line, *object, "", true);
+                          line += "\r\n";
+                        }
+                        line += fmt::format("{},{},{},{}", message.log_time_ns,
+                                            message.publish_time_ns, message.sequence,
+                                            CsvField(Entry(channel, "partition")));
+                        PutLeaves(line, *object, "", false);
+                        out << line << "\r\n";
+                      });
+}
+
+Status ExportCracks(const recording::McapReader& reader, const std::string& job_uid,
+                    const std::filesystem::path& path,
+                    const std::filesystem::path& target) {
+  Cracks cracks(job_uid);
+  if (auto collected = cracks.Collect(reader); !collected) return collected;
+  return cracks.Write(path, target);
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,288 @@
+#include "services/cli/recordings/replay_command.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "services/cli/complain.h"
+#include "services/cli/flags/bus_flags.h"
+#include "services/cli/interrupt.h"
+#include "services/cli/recordings/replay_against.h"
+#include "services/client/exit_codes.h"
+#include "services/replayer/bystanders.h"
+#include "services/replayer/player.h"
+
+namespace intaglio::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using recording::McapReader;
+using Clock = std::chrono::steady_clock;
+
+struct ReplayOptions {
+  bus::BusOptions bus;
+  std::string file;
+  double rate = 1, start_s = 0, stop_s = std::numeric_limits<double>::infinity();
+  bool fast = false, loop = false, step = false, with_commands = false;
+  std::vector<std::string> topics, without, renames;
+  AgainstOptions against;
+};
+
+Result<std::map<std::string, std::string>> RenamesOf(
+    const std::vector<std::string>& words) {
+  std::map<std::string, std::string> renames;
+  for (const std::string& word : words) {
+    const auto at = word.find('=');
+    if (at == std::string::npos || at == 0 || at + 1 == word.size()) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          "--rename " + word + ": say it as OLD=NEW, e.g. JobStatus=Old/JobStatus", word);
+    }
+    renames[word.substr(0, at)] = word.substr(at + 1);
+  }
+  return renames;
+}
+
+std::uint64_t LogTimeAt(const McapReader& reader, double seconds) {
+  if (!(seconds < 1e9)) return std::numeric_limits<std::uint64_t>::max();
+  return reader.contents().statistics.start_ns +
+         static_cast<std::uint64_t>(seconds * 1e9);
+}
+
+std::string Listed(const std::map<std::string, std::string>& bystanders) {
+  std::string text;
+  for (const auto& [instance, words] : bystanders)
+    text += (text.empty() ? "" : ", ") + words;
+  return text;
+}
+
+/// Enter plays the next sample, a number so many; the end of the input ends.
+class Stepper {
+ public:
+  explicit Stepper(std::uint64_t start_ns) : start_ns_(start_ns) {}
+
+  bool Admit(const replayer::PlayedChannel& channel, std::uint64_t log_time_ns) {
+    if (left_ == 0) {
+      std::cout << fmt::format("{:12.6f} s  {}{}{}\n",
+                               static_cast<double>(log_time_ns - start_ns_) / 1e9,
+                               channel.name,
+                               channel.stream.partition.empty() ? "" : " in ",
+                               channel.stream.partition)
+                << std::flush;
+      std::string line;
+      if (!std::getline(std::cin, line) || line == "q") return false;
+      left_ = std::max(1ul, std::strtoul(line.c_str(), nullptr, 10));
+    }
+    --left_;
+    return true;
+  }
+
+ private:
+  std::uint64_t start_ns_;
+  unsigned long left_ = 0;
+};
+
+/// One replay with all that belongs to it.
+class Replay {
+ public:
+  Replay(const ReplayOptions& options, McapReader reader)
+      : options_(options),
+        reader_(std::move(reader)),
+        bus_(options.bus),
+        publisher_(bus_),
+        bystanders_(bus_) {}
+
+  int Run();
+
+ private:
+  bool Wait(std::chrono::milliseconds time);
+  bool KeepOn();
+  Result<replayer::Selection> Choose();
+  void Tell(const replayer::PlayReport& report) const;
+  int EndCode(const replayer::PlayReport& report) const;
+
+  const ReplayOptions& options_;
+  McapReader reader_;
+  bus::Bus bus_;
+  bus::CdrPublisher publisher_;
+  replayer::Bystanders bystanders_;
+  bool believed_ = false;
+  std::string intruders_;  // services that came while something they believe was played
+  Clock::time_point looked_{};
+};
+
+bool Replay::Wait(std::chrono::milliseconds time) {
+  const auto end = Clock::now() + time;
+  while (Clock::now() < end && Interrupts() == 0) std::this_thread::sleep_for(10ms);
+  return Interrupts() == 0;
+}
+
+bool Replay::KeepOn() {
+  if (Interrupts() > 0 || !intruders_.empty()) return false;
+  const auto now = Clock::now();
+  if (now - looked_ < 50ms) return true;
+  looked_ = now;
+  const auto& there = bystanders_.Look();
+  if (believed_ && !options_.with_commands && !there.empty()) intruders_ = Listed(there);
+  return intruders_.empty();
+}
+
+Result<replayer::Selection> Replay::Choose() {
+  replayer::SelectionOptions chosen;
+  chosen.topics = {options_.topics, options_.without};
+  auto renames = RenamesOf(options_.renames);
+  if (!renames) return tl::unexpected(renames.error());
+  chosen.renames = std::move(*renames);
+  chosen.with_commands = options_.with_commands;
+  chosen.credit_is_given = options_.fast;
+  const auto& there = bystanders_.Look();
+  chosen.services_live = !there.empty();
+  auto selection = replayer::Select(reader_.contents(), chosen);
+  if (!selection) return selection;
+  if (!there.empty()) {
+    std::cerr << "on this bus: " << Listed(there)
+              << (options_.with_commands ? "; they will obey what is played\n" : "\n");
+  }
+  for (const auto& [topic, why] : selection->left_out) {
+    if (why != "not chosen") std::cerr << fmt::format("left out    {}: {}\n", topic, why);
+  }
+  if (selection->channels.empty()) {
+    return Fail(ErrorCode::kMissing,
+                chosen.services_live
+                    ? "nothing is left to play where these services live: take another "
+                      "--domain or --tag"
+                    : "nothing is left to play");
+  }
+  return selection;
+}
+
+void Replay::Tell(const replayer::PlayReport& report) const {
+  for (const std::string& complaint : report.complaints)
+    std::cerr << "intaglio: " << complaint << "\n";
+  if (report.restored_count > 0)
+    fmt::print("{} retained samples, ", report.restored_count);
+  fmt::print("{} samples played\n", report.played_count);
+  std::cout << std::flush;
+}
+
+int Replay::EndCode(const replayer::PlayReport& report) const {
+  if (!intruders_.empty()) {
+    std::cerr << "intaglio: stopped, because services came that would believe it: "
+              << intruders_ << "; take another --domain or --tag\n";
+    return client::kExitMachine;
+  }
+  if (Interrupts() > 0) return client::kExitCancelled;
+  return report.complaints.empty() || report.played_count > 0 ? client::kExitGood
+                                                              : client::kExitWrongInput;
+}
+
+int Replay::Run() {
+  if (!Wait(bus_.discovery_time())) return client::kExitCancelled;
+  auto selection = Choose();
+  if (!selection) return Complain(selection.error());
+  believed_ = selection->believed;
+  const auto player =
+      replayer::Player::Make(bus_, publisher_, reader_, std::move(*selection));
+  if (!player) return Complain(player.error());
+  // The participants know each other by now; what is new are the writers.
+  if (!Wait(bus_.discovery_time() / 3)) return client::kExitCancelled;
+  replayer::PlayOptions play;
+  if (options_.start_s > 0) play.from_ns = LogTimeAt(reader_, options_.start_s);
+  play.to_ns = LogTimeAt(reader_, options_.stop_s);
+  play.rate = options_.rate;
+  play.by_credit = options_.fast || options_.step;
+  Stepper stepper(reader_.contents().statistics.start_ns);
+  replayer::PlayHooks hooks;
+  hooks.keep_on = [this] { return KeepOn(); };
+  if (options_.step) {
+    hooks.admit = [&stepper](const auto& channel, std::uint64_t log_time_ns) {
+      return stepper.Admit(channel, log_time_ns);
+    };
+  }
+  for (;;) {
+    const auto report = (*player)->Play(play, hooks);
+    Tell(report);
+    if (options_.loop && report.whole && report.played_count > 0) continue;
+    (*player)->Settle(5s);
+    return EndCode(report);
+  }
+}
+
+int Run(const ReplayOptions& options) {
+  if (!options.against.service.empty()) {
+    AgainstOptions against = options.against;
+    against.file = options.file;
+    return ReplayAgainst(against);
+  }
+  auto reader = McapReader::Open(std::filesystem::path(options.file));
+  if (!reader) return Complain(reader.error());
+  CatchInterrupts();
+  return Replay(options, std::move(*reader)).Run();
+}
+
+void AddFlags(command_line::Command replay, ReplayOptions& options) {
+  replay.AddOption("file", options.file, "recording, .mcap").Require();
+  const auto rate = replay.AddOption("--rate", options.rate, "times real time")
+                        .Within(1e-3, 1e3)
+                        .ShowDefault();
+  const auto fast = replay.AddFlag("--fast", options.fast,
+                                   "as fast as the consumers of points give credit");
+  const auto step = replay.AddFlag("--step", options.step,
+                                   "one sample at each Enter, N at N Enter; q ends");
+  rate.Exclude(fast).Exclude(step);
+  replay
+      .AddOption("--start", options.start_s,
+                 "seconds after the beginning; what was retained by then comes first")
+      .Within(0.0, 1e9);
+  replay.AddOption("--stop", options.stop_s, "seconds after the beginning")
+      .Within(0.0, 1e9);
+  replay.AddFlag("--loop", options.loop, "again and again, until Ctrl-C");
+  replay.AddOption("--topic", options.topics,
+                   "these topics only; a name, or a pattern with * and ?");
+  replay.AddOption("--without-topic", options.without, "all topics but these");
+  replay.AddOption("--rename", options.renames, "OLD=NEW: under another name");
+  replay.AddFlag("--with-commands", options.with_commands,
+                 "also what machines and services obey: tasks, commands, permission, "
+                 "motion");
+}
+
+void AddAgainstFlags(command_line::Command replay, AgainstOptions& options) {
+  const auto against =
+      replay
+          .AddOption("--against", options.service,
+                     "sorter, discretizer or synchronizer: does it make the same today, "
+                     "bit by bit?")
+          .OneOf({"sorter", "discretizer", "synchronizer"});
+  replay
+      .AddOption("--set", options.changes,
+                 "PATH=VALUE: with another option of the job, e.g. "
+                 "discretization.min_spacing_mm=0.1")
+      .Need(against);
+  replay.AddFlag("--json", options.json, "the comparison for programs").Need(against);
+}
+
+}  // namespace
+
+void AddReplayCommand(command_line::Command app) {
+  auto options = std::make_shared<ReplayOptions>();
+  command_line::Command replay =
+      app.AddCommand("replay", "put a recording back on a bus");
+  AddBusFlags(replay, options->bus);
+  AddFlags(replay, *options);
+  AddAgainstFlags(replay, options->against);
+  replay.SetFooter(
+      "Example: intaglio replay session.mcap --tag look --rate 10\n"
+      "Nothing that a machine obeys is played unless --with-commands is said, and where "
+      "services live nothing that they believe.\n"
+      "With --against the service works alone on a bus of its own, and nobody else hears "
+      "of it. Exit 0: identical; 3: different, and the report says where and why.");
+  replay.SetAction([options] { return Run(*options); });
+}
+
+}  // namespace intaglio::cli

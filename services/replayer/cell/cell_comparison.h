@@ -1,0 +1,43 @@
+#pragma once
+
+// What a synchronizer said then, and what it says now of the same task.
+//
+// Compared, bit by bit: of every run its segments (where the stage is at their ends, how
+// fast, how long they take, whether a pulse may be made there), and of every armed point
+// the tick, counted from the run's start, and what became of it; which points were left
+// out; the states of the task, and all that it says when it ends.
+//
+// Set aside, because moments decide: kSetAside. Where something outside broke a run off,
+// motion is compared as far as both planned it, and points as far as the machine decided
+// them; where the speed override changed, points and their order alone.
+
+#include <array>
+#include <optional>
+
+#include "proto/replay.pb.h"
+#include "services/replayer/cell/cell_words.h"
+
+namespace intaglio::replayer {
+
+/// Fields that are not compared: when a person armed, how quick a host or a machine was
+/// (a run that came too late is begun again), what the laser had counted before.
+inline constexpr std::array kSetAside = {"MotionSegmentBatch.run",
+                                         "MotionSegmentBatch.sequence_number",
+                                         "MotionSegmentBatch.start_tick",
+                                         "MotionSegmentBatch.start_controller_ns",
+                                         "MotionSegmentBatch.controller_ns",
+                                         "PulseEventBatch.sequence_number",
+                                         "TaskStatus.worker",
+                                         "TaskStatus.elapsed_s",
+                                         "StageOutcome.elapsed_s",
+                                         "EngraveOutcome.first_tick",
+                                         "EngraveOutcome.last_tick",
+                                         "EngraveOutcome.controller_pulse_count",
+                                         "EngraveOutcome.run_count"};
+
+/// The first difference; absent: none. `counts` gets what was compared. Nothing is said
+/// of the end when `then` has none.
+std::optional<SampleDifference> CompareCells(const CellWords& then, const CellWords& now,
+                                             TaskComparison& counts);
+
+}  // namespace intaglio::replayer

@@ -1,0 +1,221 @@
+#include "services/replayer/cell/cell_rehearsal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "services/platform/bus/bus.h"
+#include "services/replayer/cause.h"
+#include "services/replayer/cell/cell_bench.h"
+#include "services/replayer/cell/cell_comparison.h"
+#include "services/replayer/option_differences.h"
+
+namespace intaglio::replayer {
+namespace {
+
+// On a busy host a line may fall silent, or a permission come too late, now as then.
+constexpr int kTries = 3;
+
+class CellRehearsal {
+ public:
+  CellRehearsal(bus::Bus& bus, const recording::McapReader& reader,
+                const CellRehearsalOptions& options, const KeepOn& keep_on)
+      : bus_(bus), reader_(reader), options_(options), keep_on_(keep_on) {}
+
+  Result<ReplayComparison> Run();
+
+ private:
+  struct Different {
+    const CellSession* session;
+    FrozenJob job;
+    CellWords now;
+  };
+  Status ReadRecording();
+  bool HasInput(const CellSession& session);
+  Result<FrozenJob> FreezeAgain(const CellSession& session);
+  Result<CellBench::Performed> Perform(const CellSession& session, FrozenJob job);
+  Result<std::optional<SampleDifference>> Compare(CellSession& session,
+                                                  const FrozenJob& job, CellWords& now);
+  Status CompareAll();
+  Status FindCause();
+
+  bus::Bus& bus_;
+  const recording::McapReader& reader_;
+  const CellRehearsalOptions& options_;
+  const KeepOn& keep_on_;
+  std::string cell_;
+  std::vector<CellSession> sessions_;
+  std::map<StreamId, StreamExtent> paths_;
+  std::unique_ptr<LaserStandIn> laser_;
+  std::unique_ptr<CellBench> bench_;
+  std::optional<Different> different_;
+  int folder_count_ = 0;
+  bool all_performed_ = true;
+  ReplayComparison result_;
+};
+
+Status CellRehearsal::ReadRecording() {
+  const auto machine = MachineOf(reader_);
+  if (!machine) return tl::unexpected(machine.error());
+  cell_ = machine->name();
+  auto sessions = ReadCellSessions(reader_);
+  if (!sessions) return tl::unexpected(sessions.error());
+  sessions_ = std::move(*sessions);
+  auto paths = ExtentsOf(reader_, bus::kPathBatch.name);
+  if (!paths) return tl::unexpected(paths.error());
+  paths_ = std::move(*paths);
+  auto laser = LaserStandIn::Make(options_.laser_line, *machine);
+  if (!laser) return tl::unexpected(laser.error());
+  laser_ = std::move(*laser);
+  return {};
+}
+
+bool CellRehearsal::HasInput(const CellSession& session) {
+  const StreamId& id = session.task.id;
+  const auto lacks = [&](const std::string& what) {
+    result_.add_input(fmt::format("job {}: {}", id.job_uid, what));
+    return false;
+  };
+  if (session.job.machine().name() != cell_)
+    return lacks(fmt::format("it was engraved by {}, and this is {}",
+                             session.job.machine().name(), cell_));
+  if (session.task.take_up)
+    return lacks("it was taken up in its middle; what lay in its folder is not recorded");
+  const auto path = paths_.find(id);
+  if (path == paths_.end() || !path->second.whole)
+    return lacks("its path is not whole in the recording");
+  return true;
+}
+
+Result<FrozenJob> CellRehearsal::FreezeAgain(const CellSession& session) {
+  FrozenJob now = session.job;
+  result_.set_version_then(now.software_version());
+  if (options_.change) {
+    if (auto changed = options_.change(now); !changed)
+      return tl::unexpected(changed.error());
+    if (result_.options().empty()) {
+      for (OptionDifference& difference : OptionDifferences(session.job, now))
+        *result_.add_options() = std::move(difference);
+    }
+  }
+  return now;
+}
+
+/// In a folder of its own; once more when this host broke a run off that went on then.
+Result<CellBench::Performed> CellRehearsal::Perform(const CellSession& session,
+                                                    FrozenJob job) {
+  for (int tries = 1;; ++tries) {
+    job.set_result_directory(
+        (options_.results / fmt::format("job-{}", ++folder_count_)).string());
+    auto performed = bench_->Perform(session, job.SerializeAsString(), keep_on_);
+    if (!performed || tries == kTries) return performed;
+    const CellBench::Stillness& stillness = performed->stillness;
+    if ((stillness.why.empty() || stillness.by_recording) &&
+        performed->words.broken_count() <= session.words.broken_count())
+      return performed;
+  }
+}
+
+Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& session,
+                                                               const FrozenJob& job,
+                                                               CellWords& now) {
+  auto performed = Perform(session, job);
+  if (!performed) return tl::unexpected(performed.error());
+  now = std::move(performed->words);
+  TaskComparison& counts = *result_.add_tasks();
+  counts.set_job_uid(session.task.id.job_uid);
+  counts.set_attempt(session.task.id.attempt);
+  const CellBench::Stillness& stillness = performed->stillness;
+  if (!stillness.why.empty() && stillness.by_recording) {
+    counts.set_recorded_in_part(true);
+    counts.set_part_reason(stillness.why);
+    CellWords& then = session.words;
+    if (then.runs.size() > performed->run_count) then.runs.resize(performed->run_count);
+    then.end.reset();
+  }
+  auto found = CompareCells(session.words, now, counts);
+  if (counts.recorded_in_part() && counts.run_count() == 0) {
+    all_performed_ = false;
+    result_.add_input(
+        fmt::format("job {}: {}", session.task.id.job_uid, counts.part_reason()));
+  }
+  if (found && found->now() == "none" && !stillness.why.empty())
+    found->set_now("none: " + stillness.why);
+  if (found) {
+    found->set_job_uid(session.task.id.job_uid);
+    found->set_attempt(session.task.id.attempt);
+  }
+  return found;
+}
+
+Status CellRehearsal::CompareAll() {
+  for (CellSession& session : sessions_) {
+    if (!HasInput(session)) {
+      all_performed_ = false;
+      continue;
+    }
+    auto job = FreezeAgain(session);
+    if (!job) return tl::unexpected(job.error());
+    CellWords now;
+    auto found = Compare(session, *job, now);
+    if (!found) return tl::unexpected(found.error());
+    if (!*found || different_) continue;
+    *result_.mutable_first() = **found;
+    different_ = {&session, std::move(*job), std::move(now)};
+  }
+  return {};
+}
+
+Status CellRehearsal::FindCause() {
+  return NameCause(result_, [this]() -> Result<bool> {
+    const auto again = Perform(*different_->session, different_->job);
+    if (!again) return tl::unexpected(again.error());
+    TaskComparison ignored;
+    return CompareCells(different_->now, again->words, ignored).has_value();
+  });
+}
+
+Result<ReplayComparison> CellRehearsal::Run() {
+  result_.set_service("synchronizer");
+  if (auto read = ReadRecording(); !read) return tl::unexpected(read.error());
+  bench_ = std::make_unique<CellBench>(bus_, reader_, cell_, *laser_);
+  const auto version = bench_->FindService(keep_on_);
+  if (!version) return tl::unexpected(version.error());
+  result_.set_version_now(*version);
+  if (auto compared = CompareAll(); !compared) return tl::unexpected(compared.error());
+  result_.set_identical(!different_ && all_performed_);
+  if (different_) {
+    if (auto found = FindCause(); !found) return tl::unexpected(found.error());
+  } else if (!all_performed_) {
+    result_.set_cause("input");
+    result_.set_explanation(result_.input(result_.input_size() - 1));
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+Result<MachineSpec> MachineOf(const recording::McapReader& reader) {
+  RecordedValues values(reader, bus::kEngraveTask.name);
+  for (;;) {
+    const auto value = values.Next();
+    if (!value) return tl::unexpected(value.error());
+    if (!*value) break;
+    const auto task = ReadTask(**value);
+    FrozenJob job;
+    if (task && job.ParseFromString(task->frozen_job)) return job.machine();
+  }
+  return Fail(
+      ErrorCode::kMissing,
+      fmt::format("the recording has no {} whose job is known: nothing to compare",
+                  bus::kEngraveTask.name));
+}
+
+Result<ReplayComparison> RehearseCell(bus::Bus& bus, const recording::McapReader& reader,
+                                      const CellRehearsalOptions& options,
+                                      const KeepOn& keep_on) {
+  return CellRehearsal(bus, reader, options, keep_on).Run();
+}
+
+}  // namespace intaglio::replayer

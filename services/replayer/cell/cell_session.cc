@@ -1,0 +1,306 @@
+#include "services/replayer/cell/cell_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "services/platform/bus/topics.h"
+#include "services/replayer/recorded_members.h"
+
+namespace intaglio::replayer {
+namespace {
+
+using recording::Value;
+
+/// sink(value, publish_time_ns) of every sample of a topic within the times.
+template <typename Sink>
+Status ForEach(const recording::McapReader& reader, const char* topic, Sink&& sink) {
+  RecordedValues values(reader, topic);
+  for (;;) {
+    const auto value = values.Next();
+    if (!value) return tl::unexpected(value.error());
+    if (!*value) return {};
+    if (!sink(**value, values.publish_time_ns())) {
+      return Fail(ErrorCode::kUnsupported,
+                  fmt::format("{}: the recording is of a version whose samples are not "
+                              "known",
+                              topic),
+                  topic);
+    }
+  }
+}
+
+/// Of one task: from its being given to the next task of the cell.
+class SessionReader {
+ public:
+  SessionReader(const recording::McapReader& reader, CellSession& session,
+                std::uint64_t to_ns)
+      : reader_(reader),
+        session_(session),
+        from_ns_(session.task.publish_time_ns),
+        to_ns_(to_ns),
+        cell_(session.job.machine().name()) {}
+
+  Status Read();
+
+ private:
+  bool Within(std::uint64_t at_ns) const { return at_ns >= from_ns_ && at_ns < to_ns_; }
+  /// Of the cell; nothing for a value without the member.
+  std::optional<bool> Ours(const Value& value) const;
+  Status ReadWords();
+  Status ReadPermission();
+  Status ReadInterlocks();
+  Status ReadMotion();
+  Status ReadTicks();
+  void Place();
+  void EndBeforeTheUncertain();
+  template <typename Word>
+  void Add(std::uint64_t at_ns, Word word) {
+    session_.events.push_back({at_ns, 0, 0, std::move(word)});
+  }
+
+  const recording::McapReader& reader_;
+  CellSession& session_;
+  std::uint64_t from_ns_, to_ns_;
+  std::string cell_;
+};
+
+std::optional<bool> SessionReader::Ours(const Value& value) const {
+  const Value* cell = value.Find("cell");
+  const auto* name = cell == nullptr ? nullptr : cell->As<std::string>();
+  if (name == nullptr) return std::nullopt;
+  return *name == cell_;
+}
+
+Status SessionReader::ReadWords() {
+  CellListener listener(session_.task.id.job_uid);
+  auto read = ForEach(reader_, bus::kMotionSegmentBatch.name,
+                      [&](const Value& value, std::uint64_t at_ns) {
+                        const auto words = ReadSegments(value);
+                        if (words && Within(at_ns)) (void)listener.Take(*words, at_ns);
+                        return words.has_value();
+                      });
+  if (!read) return read;
+  read = ForEach(reader_, bus::kPulseEventBatch.name,
+                 [&](const Value& value, std::uint64_t at_ns) {
+                   const auto words = ReadPulses(value);
+                   if (words && Within(at_ns)) listener.Take(*words, at_ns);
+                   return words.has_value();
+                 });
+  if (!read) return read;
+  read = ForEach(
+      reader_, bus::kTaskStatus.name, [&](const Value& value, std::uint64_t at_ns) {
+        const auto words = ReadStatus(value);
+        if (words && Within(at_ns) && words->attempt == session_.task.id.attempt)
+          listener.Take(*words);
+        return words.has_value();
+      });
+  session_.words = listener.Words();
+  return read;
+}
+
+Status SessionReader::ReadPermission() {
+  std::optional<PermissionWord> newest;
+  auto read = ForEach(reader_, bus::kPermission.name,
+                      [&](const Value& value, std::uint64_t at_ns) {
+                        PermissionWord word;
+                        std::string job_uid;
+                        Members members(value);
+                        members.Get("job_uid", job_uid);
+                        members.Get("epoch", word.epoch);
+                        members.Get("granted", word.granted);
+                        members.Get("speed_percent", word.speed_percent);
+                        members.Get("grant", word.grant);
+                        members.Get("first_point", word.first_point);
+                        members.Get("renewal", word.renewal);
+                        // Older recordings have none.
+                        if (value.Find("fire_uncertain") != nullptr)
+                          members.Get("fire_uncertain", word.fire_uncertain);
+                        if (!members.good()) return false;
+                        if (job_uid != session_.task.id.job_uid || at_ns >= to_ns_)
+                          return true;
+                        if (newest != word) Add(at_ns, word);
+                        newest = word;
+                        return true;
+                      });
+  if (!read) return read;
+  RecordedStops stops(cell_);
+  return ForEach(reader_, bus::kEmergencyStop.name,
+                 [&](const Value& value, std::uint64_t at_ns) {
+                   auto sample = stops.Read(value);
+                   if (sample && sample->ours && Within(at_ns))
+                     Add(at_ns, std::move(sample->stop));
+                   return sample.has_value();
+                 });
+}
+
+Status SessionReader::ReadInterlocks() {
+  InterlockWord newest;
+  return ForEach(reader_, bus::kInterlock.name,
+                 [&](const Value& value, std::uint64_t at_ns) {
+                   InterlockWord word;
+                   bool up = false;
+                   Members members(value);
+                   members.Get("key_on", word.key_on);
+                   members.Get("door_closed", word.door_closed);
+                   members.Get("emergency_stop_released", word.stop_released);
+                   members.Get("safe_state", word.safe_state);
+                   members.Get("laser_link_up", up);
+                   const auto ours = Ours(value);
+                   if (!members.good() || !ours) return false;
+                   if (!*ours || !Within(at_ns)) return true;
+                   // Of a line that is silent nothing is known. A machine that closed
+                   // its shutters for that says so when it is heard again.
+                   if (!up) return true;
+                   if (word != newest) Add(at_ns, newest = word);
+                   return true;
+                 });
+}
+
+Status SessionReader::ReadMotion() {
+  struct Rest {
+    std::uint64_t at_ns;
+    Vec3 at_mm;
+  };
+  std::vector<Rest> rests;
+  StageFaultWord newest{"MOTION_OK", ""};
+  auto read = ForEach(reader_, bus::kMotionState.name,
+                      [&](const Value& value, std::uint64_t at_ns) {
+                        Vec3 at = Vec3::Zero();
+                        bool at_rest = false;
+                        StageFaultWord word;
+                        Members members(value);
+                        members.Get("x_mm", at.x());
+                        members.Get("y_mm", at.y());
+                        members.Get("z_mm", at.z());
+                        members.Get("at_rest", at_rest);
+                        members.Get("fault", word.fault);
+                        members.Get("message", word.message);
+                        const auto ours = Ours(value);
+                        if (!members.good() || !ours) return false;
+                        if (!*ours || at_ns >= to_ns_) return true;
+                        if (at_rest) rests.push_back({at_ns, at});
+                        if (at_ns >= from_ns_ && word != newest)
+                          Add(at_ns, newest = word);
+                        return true;
+                      });
+  for (const CellRun& run : session_.words.runs) {
+    const auto later = std::find_if(rests.begin(), rests.end(), [&](const Rest& rest) {
+      return rest.at_ns > run.begun_ns;
+    });
+    session_.starts_mm.push_back(later == rests.begin() ? Vec3::Zero()
+                                                        : std::prev(later)->at_mm);
+  }
+  return read;
+}
+
+/// Which run and tick each event belongs to.
+Status SessionReader::ReadTicks() {
+  auto event = session_.events.begin();
+  std::uint64_t newest = 0;
+  const auto read =
+      ForEach(reader_, bus::kLampSync.name, [&](const Value& value, std::uint64_t at_ns) {
+        std::uint64_t tick = 0;
+        Members members(value);
+        members.Get("tick", tick);
+        const auto ours = Ours(value);
+        if (!members.good() || !ours) return false;
+        if (!*ours) return true;
+        for (; event != session_.events.end() && event->time_ns < at_ns; ++event)
+          event->tick = newest;
+        newest = tick;
+        return true;
+      });
+  for (; event != session_.events.end(); ++event) event->tick = newest;
+  return read;
+}
+
+void SessionReader::Place() {
+  for (CellEvent& event : session_.events) {
+    const auto& runs = session_.words.runs;
+    event.run = static_cast<std::size_t>(
+        std::count_if(runs.begin(), runs.end(),
+                      [&](const CellRun& run) { return run.begun_ns <= event.time_ns; }));
+  }
+  std::uint32_t speed_percent = 100;
+  for (const CellEvent& event : session_.events) {
+    const auto* word = std::get_if<PermissionWord>(&event.word);
+    if (word == nullptr || word->speed_percent == speed_percent) continue;
+    speed_percent = word->speed_percent;
+    if (event.run > 0) session_.words.runs[event.run - 1].respeeded = true;
+  }
+}
+
+/// What nobody knows of a pulse comes of another power-up of the laser.
+void SessionReader::EndBeforeTheUncertain() {
+  const std::uint32_t lost = session_.words.uncertain_run;
+  if (lost == 0) return;
+  session_.ends_early =
+      fmt::format("in run {} nobody knew any more what had become of some pulses", lost);
+  std::erase_if(session_.words.runs,
+                [lost](const CellRun& run) { return run.number >= lost; });
+  session_.words.end.reset();
+}
+
+Status SessionReader::Read() {
+  if (auto read = ReadWords(); !read) return read;
+  if (auto read = ReadInterlocks(); !read) return read;
+  EndBeforeTheUncertain();
+  if (auto read = ReadPermission(); !read) return read;
+  if (auto read = ReadMotion(); !read) return read;
+  std::stable_sort(
+      session_.events.begin(), session_.events.end(),
+      [](const CellEvent& a, const CellEvent& b) { return a.time_ns < b.time_ns; });
+  Place();
+  return ReadTicks();
+}
+
+}  // namespace
+
+Result<std::vector<CellSession>> ReadCellSessions(const recording::McapReader& reader) {
+  std::vector<CellSession> sessions;
+  std::vector<std::pair<std::uint64_t, RecordedTask>> revoked;
+  const auto tasks = ForEach(
+      reader, bus::kEngraveTask.name, [&](const Value& value, std::uint64_t at_ns) {
+        auto task = ReadTask(value);
+        if (!task) return false;
+        task->publish_time_ns = at_ns;
+        CellSession session;
+        if (task->revoked) {
+          revoked.emplace_back(at_ns, std::move(*task));
+          return true;
+        }
+        const bool again =
+            std::any_of(sessions.begin(), sessions.end(), [&](const CellSession& other) {
+              return other.task.id == task->id && other.task.take_up == task->take_up;
+            });
+        if (again) return true;
+        if (!session.job.ParseFromString(task->frozen_job)) return false;
+        session.task = std::move(*task);
+        sessions.push_back(std::move(session));
+        return true;
+      });
+  if (!tasks) return tl::unexpected(tasks.error());
+  for (auto session = sessions.begin(); session != sessions.end(); ++session) {
+    const auto next =
+        std::find_if(std::next(session), sessions.end(), [&](const CellSession& other) {
+          return other.job.machine().name() == session->job.machine().name();
+        });
+    const std::uint64_t to_ns = next == sessions.end()
+                                    ? std::numeric_limits<std::uint64_t>::max()
+                                    : next->task.publish_time_ns;
+    for (const auto& [at_ns, task] : revoked) {
+      if (task.id == session->task.id && at_ns >= session->task.publish_time_ns)
+        session->events.push_back({at_ns, 0, 0, RevokeWord{task.take_up}});
+    }
+    if (auto read = SessionReader(reader, *session, to_ns).Read(); !read)
+      return tl::unexpected(read.error());
+  }
+  std::erase_if(sessions, [](const CellSession& session) {
+    return session.words.runs.empty() && session.words.states.empty();
+  });
+  return sessions;
+}
+
+}  // namespace intaglio::replayer

@@ -1,0 +1,72 @@
+#pragma once
+
+// What a synchronizer heard while it had one task, from the recording: when its runs
+// began, where the stage stood, what became of each armed point, and whatever else came
+// between (permission, stops, interlocks, faults of the stage, a withdrawn task).
+//
+// The laser's line itself is not recorded. What it says is on the bus all the same:
+// LampSync and Interlock are its statuses, PulseEventBatch its reports. What is in
+// neither (how far it was decided, its counters of a session) follows from what the
+// synchronizer says to it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "proto/task.pb.h"
+#include "services/platform/recording/mcap_reader.h"
+#include "services/replayer/cell/cell_words.h"
+#include "services/replayer/recorded_samples.h"
+#include "services/replayer/recorded_stops.h"
+
+namespace intaglio::replayer {
+
+/// Permission, without its own number.
+struct PermissionWord {
+  std::uint64_t epoch = 0, grant = 0, renewal = 0;
+  bool granted = false;
+  std::uint32_t speed_percent = 100, first_point = 0;
+  bool fire_uncertain = false;
+  bool operator==(const PermissionWord&) const = default;
+};
+/// Of the machine's own interlocks, those that nobody on the bus moves.
+struct InterlockWord {
+  bool key_on = true, door_closed = true;
+  bool stop_released = true, safe_state = false;
+  bool operator==(const InterlockWord&) const = default;
+};
+struct StageFaultWord {
+  std::string fault;  ///< intaglio_MotionFault by name
+  std::string message;
+  bool operator==(const StageFaultWord&) const = default;
+};
+struct RevokeWord {
+  bool take_up = false;
+};
+
+struct CellEvent {
+  std::uint64_t time_ns = 0;  ///< when it was published
+  std::size_t run = 0;        ///< before the begin of run number `run` of the words
+  std::uint64_t tick = 0;     ///< newest of the lamp by then; 0: none yet
+  std::variant<PermissionWord, StopWord, InterlockWord, StageFaultWord, RevokeWord> word;
+};
+
+struct CellSession {
+  RecordedTask task;
+  FrozenJob job;
+  CellWords words;                ///< what it made of it
+  std::vector<Vec3> starts_mm;    ///< where the stage stood, of each run
+  std::vector<CellEvent> events;  ///< by time
+  /// Something happened that cannot be made to happen again: a sentence. The words end
+  /// before it.
+  std::string ends_early;
+};
+
+/// Of all engraving tasks of which something was recorded. kUnsupported for a recording
+/// whose samples are not known.
+Result<std::vector<CellSession>> ReadCellSessions(const recording::McapReader& reader);
+
+}  // namespace intaglio::replayer

@@ -1,0 +1,138 @@
+#include "services/replayer/cell/laser_stand_in.h"
+
+#include <algorithm>
+
+#include "services/platform/link/line_session.h"
+
+namespace intaglio::replayer {
+namespace {
+
+using link::LaserFrame;
+using namespace std::chrono_literals;
+
+// As the machine's.
+constexpr auto kStatusPeriod = 20ms;
+constexpr int kTicksAtOnce = 2048;
+constexpr std::size_t kMaxWaiting = 256;
+
+virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
+  virtual_engraver::LaserOptions options;
+  if (machine.laser().rates_hz_size() > 0) {
+    options.rates_hz.assign(machine.laser().rates_hz().begin(),
+                            machine.laser().rates_hz().end());
+  }
+  options.warm_up_s = 0;
+  options.channels = static_cast<std::uint8_t>(
+      std::clamp(static_cast<int>(machine.laser().channels()), 1, 4));
+  options.lockstep = true;
+  // The profile may name the one that the recorded cell had.
+  options.serial_number = machine.laser_line().serial_number();
+  return options;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LaserStandIn>> LaserStandIn::Make(
+    const std::filesystem::path& link, const MachineSpec& machine) {
+  auto line = virtual_engraver::PtyLine::Open(link, "laser stand-in");
+  if (!line) return tl::unexpected(line.error());
+  return std::unique_ptr<LaserStandIn>(
+      new LaserStandIn(std::move(*line), OptionsOf(machine)));
+}
+
+LaserStandIn::LaserStandIn(virtual_engraver::PtyLine line,
+                           virtual_engraver::LaserOptions options)
+    : line_(std::move(line)),
+      laser_(std::move(options)),
+      link_(link::Side::kDevice, line_.MachineEnd(), link::MonotonicClock()) {}
+
+void LaserStandIn::Turn(std::chrono::nanoseconds now, const EndOfPulse& end_of_pulse) {
+  PollLine();
+  int passed = 0;
+  while (passed < kTicksAtOnce && waiting_.size() < kMaxWaiting &&
+         PassTick(end_of_pulse)) {
+    ++passed;
+  }
+  Tell(now, passed > 0);
+  PollLine();
+}
+
+void LaserStandIn::PollLine() {
+  (void)link_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
+    Take(static_cast<LaserFrame>(type), payload);
+  });
+  if (!link_.up() || link_.session() == session_) return;
+  session_ = link_.session();
+  waiting_.clear();
+  armed_.clear();
+  next_status_ = {};
+  laser_.NewSession();
+  Say(LaserFrame::kLaserIdentity, Encode(laser_.Identity()));
+}
+
+void LaserStandIn::Note(std::span<const std::byte> window) {
+  const auto m = link::Decode<link::ArmWindow>(window);
+  if (!m) return;
+  for (std::size_t i = 0; i < m->fire.size(); ++i) {
+    const std::uint64_t tick = m->first_tick + i;
+    if (m->fire[i] && tick > laser_.tick()) armed_.push_back(tick);
+  }
+}
+
+void LaserStandIn::Take(LaserFrame type, std::span<const std::byte> payload) {
+  if (type == LaserFrame::kDisarm) armed_.clear();
+  if (type == LaserFrame::kArmWindow) Note(payload);
+  if (laser_.Obey(type, payload)) return;
+  switch (type) {
+    case LaserFrame::kLaserStatusRequest:
+      status_asked_ = true;
+      return;
+    case LaserFrame::kPastRequest:
+      if (const auto m = link::Decode<link::PastRequest>(payload))
+        Say(LaserFrame::kPastReport, Encode(laser_.Past(*m)));
+      return;
+    default:
+      return;
+  }
+}
+
+bool LaserStandIn::PassTick(const EndOfPulse& end_of_pulse) {
+  if (!laser_.NextIsDecided()) return false;
+  const std::uint64_t tick = laser_.tick() + 1;
+  while (!armed_.empty() && armed_.front() < tick) armed_.pop_front();
+  PulseEnd end = PulseEnd::kSeen;
+  if (!armed_.empty() && armed_.front() == tick) {
+    const auto known = end_of_pulse(armed_.size());
+    if (!known) return false;
+    end = *known;
+    armed_.pop_front();
+  }
+  if (laser_.AdvanceTick(end != PulseEnd::kNotInPosition) != 0)
+    laser_.Seen(end == PulseEnd::kSeen);
+  return true;
+}
+
+void LaserStandIn::Tell(std::chrono::nanoseconds now, bool at_once) {
+  // Reports first: a status speaks of ticks whose outcomes are known already.
+  for (const link::PulseReport& report : laser_.TakeReports())
+    Say(LaserFrame::kPulseReport, Encode(report));
+  const link::LaserStatus status = laser_.Report();
+  const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
+  if (at_once || status_asked_ || interlocks != told_ || now >= next_status_) {
+    told_ = interlocks;
+    status_asked_ = false;
+    next_status_ = now + kStatusPeriod;
+    if (link_.up()) Say(LaserFrame::kLaserStatus, Encode(status));
+  }
+  while (!waiting_.empty() && link_.CanSend()) {
+    const auto& [type, payload] = waiting_.front();
+    if (!link_.Send(static_cast<std::uint8_t>(type), payload)) return;
+    waiting_.pop_front();
+  }
+}
+
+void LaserStandIn::Say(LaserFrame type, link::Bytes payload) {
+  waiting_.emplace_back(type, std::move(payload));
+}
+
+}  // namespace intaglio::replayer

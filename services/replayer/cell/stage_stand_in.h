@@ -1,0 +1,50 @@
+#pragma once
+
+// A motion bridge whose stage is where it is told to be: takes runs under credit, rests
+// once their ticks have passed or they are aborted. From one thread; nothing blocks.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "engrave/core/geometry.h"
+#include "services/platform/bus/flow.h"
+#include "services/replayer/cell/cell_words.h"
+
+namespace intaglio::replayer {
+
+class StageStandIn {
+ public:
+  StageStandIn(bus::Bus& bus, std::string cell, std::string instance);
+
+  /// True when a run has begun. `tick`: of the lamp.
+  bool Turn(std::chrono::nanoseconds now, std::uint64_t tick, CellListener& listener);
+  /// Where it stands when it rests, from now on, machine frame.
+  void StandAt(const Vec3& at_mm) { at_mm_ = at_mm; }
+  /// Until the next run begins; `fault` by name.
+  void Fail(const std::string& fault, const std::string& message);
+  bool at_rest() const { return at_rest_; }
+  bus::Reader<intaglio_MotionSegmentBatch>& reader() { return batches_; }
+
+ private:
+  bool Take(CellListener& listener);
+  void Begin(const SegmentWords& words);
+  void EndStream();
+  void Tell(std::uint64_t tick);
+
+  std::string cell_;
+  bus::Reader<intaglio_MotionSegmentBatch> batches_;
+  bus::Writer<intaglio_MotionState> states_;
+  bus::CreditGrantor credit_;
+  std::string stream_;
+  std::uint32_t run_ = 0;
+  std::uint64_t start_tick_ = 0, subticks_ = 0;
+  bool whole_ = false, at_rest_ = true;
+  Vec3 at_mm_ = Vec3::Zero();
+  intaglio_MotionFault fault_ = intaglio_MOTION_OK;
+  std::string message_;
+  bool changed_ = true;
+  std::chrono::nanoseconds next_state_{0};
+};
+
+}  // namespace intaglio::replayer

@@ -1,0 +1,163 @@
+#pragma once
+
+// Whether a pulse is allowed: one state machine, pure. Every link has to hold, all fresh;
+// one missing is enough to fire nothing:
+//
+//   operator's arm (this job, this epoch, fresh, not spent) -> no emergency stop on the
+//   bus -> laser line up -> key on -> door closed -> stop released -> no safe state ->
+//   lamp on and warm -> motion state fresh, no fault -> [shutters open]
+//
+// Each arm by a person is a grant with a number of its own, greater than those before. It
+// is spent when key, door or a stop lets go, before the first run, too, and by every
+// fault of a run. A spent grant is worth nothing any more, however often it is repeated
+// and whatever was withdrawn in between: only a greater one counts. A line or a neighbour
+// that was lost costs only the grant's renewal, which the job service may replace by a
+// greater one on the word that was given before; unless an interlock is open meanwhile.
+// An older grant than the newest that was seen, granted or withdrawn, is worth nothing.
+//
+// The chain exists as long as the process, and is updated from the moment a job is given
+// to it: an arm may come long before the path, and what is opened in between spends it.
+// So does every event that the machine watch reports (machine_watch.h): an opening that
+// nobody saw, a power cycle of the laser controller, a controller that was away for too
+// long. An event before the first grant of a job is known counts against that grant.
+//
+// clang-format off
+//             an interlock is open, or a fault: the newest grant is spent
+//         +------------------------------------------------------------+
+//         |                                                            v
+//     +--------+      a greater grant, every interlock held       +----------+
+//     | kClear | <----------------------------------------------- | kLatched |
+//     +--------+                                                  +----------+
+//         ^                                                          |  ^  |  ^
+//         |  every interlock held          a greater number, only    |  |  +--+ a greater
+//         |                                the machine's stop open   |  |  grant, another
+//         |                               +------------+             |  |  interlock open:
+//         +------------------------------ | kResetting | <-----------+  |  it is spent, too
+//                                         +------------+                |
+//                                               +-----------------------+
+//      longer than kResetTime (the button is still pressed), another interlock open, the
+//      line down, a fault, or the grant withdrawn: it is spent
+// clang-format on
+//
+// Interlocks: the stop on the bus always; key, door and the machine's stop as far as the
+// line tells: nothing gets to kClear while it is down. The machine keeps its stop latched
+// until it is reset, which is allowed in kResetting, and, for a safe state, in kClear:
+// who arms means that, too.
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <string>
+
+#include "services/synchronizer/permission/machine_watch.h"
+
+namespace intaglio::synchronizer {
+
+/// Ordered by number, then by renewal.
+struct Grant {
+  std::uint64_t number = 0;   ///< of the person's arm; 0: none yet
+  std::uint64_t renewal = 0;  ///< greater each time it was let go on by itself
+  auto operator<=>(const Grant&) const = default;
+};
+
+struct ChainLinks {
+  bool permission_fresh = false;
+  bool permission_granted = false;
+  Grant grant;                    ///< newest of this job, granted or withdrawn
+  bool stop_not_pressed = false;  ///< no EmergencyStop on the bus
+  bool laser_line_up = false;
+  bool key_on = false;
+  bool door_closed = false;
+  bool stop_released = false;  ///< the machine's own button
+  bool no_safe_state = false;
+  bool lamp_warm = false;
+  bool motion_fresh = false;
+  bool motion_without_fault = false;
+  bool shutters_open = false;
+  MachineCounters counters;  ///< of the laser controller, while its line is up
+};
+
+enum class Missing : std::uint8_t {
+  kNothing,
+  kPermission,
+  kEmergencyStop,
+  kLaserLine,
+  kKey,
+  kDoor,
+  kSafeState,
+  kLamp,
+  kMotionState,
+  kMotionFault,
+  kShutter,
+  // Never a missing link: reasons why a grant was spent (UnseenEvent).
+  kOpenedUnseen,
+  kPowerCycle,
+  kNotWatched,
+  kLaserAway,
+  kMotionAway,
+};
+
+/// A reason why a grant was spent that no link shows.
+constexpr bool IsUnseen(Missing missing) { return missing >= Missing::kOpenedUnseen; }
+
+/// The first link that does not hold by itself, whatever is spent; shutters are looked at
+/// when `with_shutters`, which is what whoever is about to arm does: they open when all
+/// the others hold.
+Missing FirstMissing(const ChainLinks& links, bool with_shutters);
+
+/// What to do about it, in one sentence; empty for kNothing.
+std::string TextOf(Missing missing);
+
+class PermissionChain {
+ public:
+  enum class State : std::uint8_t { kClear, kLatched, kResetting };
+  /// The machine answers a Reset with a status within 20 ms, a loaded computer later.
+  static constexpr std::chrono::milliseconds kResetTime{500};
+
+  /// Another job: grants are numbered by job. What is known of the machine remains.
+  void BeginJob();
+  /// The job was begun by another process, which left these counters in the journal;
+  /// none, if nobody knows what happened at the machine since the job was armed.
+  void TakeUp(const MachineCounters& counters) { watch_.Expect(counters); }
+  /// Between two jobs: keeps what is known of the machine up to date.
+  void Watch(const ChainLinks& links, std::chrono::nanoseconds now);
+  /// Once a turn, before anything is asked. What spent a grant in this turn, or kNothing.
+  Missing Turn(const ChainLinks& links, std::chrono::nanoseconds now);
+  /// A fault of a run: the grant it ran with is spent. `only_renewal`: what was lost is a
+  /// line or a neighbour, and a renewal of it will do.
+  void Latch(bool only_renewal);
+
+  /// What keeps a pulse from being fired; kNothing: it may be. kPermission when all links
+  /// hold and the grant is spent.
+  Missing WhatIsMissing(const ChainLinks& links, bool with_shutters) const;
+  State state() const { return state_; }
+  bool latched() const { return state_ != State::kClear; }
+  /// Latched, and it has cost a grant.
+  bool has_spent() const { return latched() && spent_.number > 0; }
+  /// What spent a grant last, of this job: kNothing when it was a fault of a run.
+  Missing spent_by() const { return spent_by_; }
+  const MachineCounters& counters() const { return watch_.counters(); }
+  /// No renewal of this one counts any more, but a greater number alone.
+  bool has_lost(const Grant& grant) const;
+  /// The machine may be told to leave its safe state and its latched stop.
+  bool may_reset(const ChainLinks& links) const;
+
+ private:
+  void Spend();
+  bool HasWorth() const;
+  Missing LookForUnseenEvent(const ChainLinks& links, std::chrono::nanoseconds now);
+  Missing AdvanceState(const ChainLinks& links, std::chrono::nanoseconds now);
+  /// Not one from before the newest, repeated by somebody who was away meanwhile.
+  bool IsNewest(const ChainLinks& links) const { return links.grant >= grant_; }
+  bool IsNewestGranted(const ChainLinks& links) const;
+
+  State state_ = State::kClear;
+  Grant grant_;  // the newest
+  Grant spent_;  // this and all before it
+  Missing spent_by_ = Missing::kNothing;
+  Missing before_first_grant_ = Missing::kNothing;  // an event that it will be spent by
+  MachineWatch watch_;
+  std::chrono::nanoseconds resetting_since_{0};
+};
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,97 @@
+#include "services/synchronizer/pulses/earlier_work.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace intaglio::synchronizer {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::JournalKind;
+
+Result<OpenedJournal> BeginJournal(const fs::path& file,
+                                   const formats::JournalHeader& header) {
+  auto writer = JournalWriter::Create(file, header);
+  if (!writer) return tl::unexpected(writer.error());
+  return OpenedJournal{std::move(*writer), {}};
+}
+
+// Nothing fires before its intent is in the file.
+bool TellsOfNothing(const formats::Journal& journal) {
+  return std::none_of(journal.records.begin(), journal.records.end(),
+                      [](const auto& record) { return formats::IsOfPoint(record.kind); });
+}
+
+}  // namespace
+
+EarlierWork EarlierWorkOf(const formats::Journal& journal) {
+  EarlierWork earlier;
+  earlier.damaged_records = journal.damaged_records;
+  bool begun = false;
+  for (const formats::JournalRecord& record : journal.records) {
+    // Nothing is armed before the session is: behind it records may have been lost.
+    begun |= record.kind == JournalKind::kSession || formats::IsOfPoint(record.kind);
+    earlier.highest_run = std::max(earlier.highest_run, record.run);
+    switch (record.kind) {
+      case JournalKind::kIntent:
+        earlier.uncertain_unanswered = false;
+        break;
+      case JournalKind::kOutcome:
+        earlier.uncertain_unanswered |=
+            record.outcome == formats::PointOutcome::kUncertain;
+        break;
+      case JournalKind::kSession:
+        earlier.power_up = record.point;
+        earlier.pulses_before_job = record.pulse_count;
+        earlier.openings = record.openings;
+        break;
+      case JournalKind::kWord:
+      case JournalKind::kReopened:
+        earlier.word_grant = std::max(earlier.word_grant, record.tick);
+        break;
+    }
+  }
+  if (begun) earlier.points = formats::HistoryOf(journal);
+  return earlier;
+}
+
+Result<OpenedJournal> OpenJournal(const fs::path& file,
+                                  const formats::JournalHeader& header, JobBegun begun) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (error || size < formats::kJournalHeaderSize) {
+    if (begun == JobBegun::kItsPathIsThere) {
+      return Fail(
+          ErrorCode::kUnreadable,
+          fmt::format("{} is gone or cut to nothing, but the job was begun: nobody "
+                      "knows what is in the block; look at it, cancel the job, "
+                      "and make it again on a new one (intaglio again)",
+                      file.string()),
+          file.string());
+    }
+    // A header that did not reach the disk whole was never followed by anything.
+    fs::remove(file, error);
+    return BeginJournal(file, header);
+  }
+  const auto journal = formats::ReadJournal(file);
+  if (!journal) return tl::unexpected(journal.error());
+  const bool same_path = journal->header.point_count == header.point_count &&
+                         journal->header.path_crc == header.path_crc;
+  if (!same_path && !TellsOfNothing(*journal)) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{} tells of pulses along another path of {} points: take "
+                            "the block out and cancel the job",
+                            file.string(), journal->header.point_count),
+                file.string());
+  }
+  if (!same_path) {
+    fs::remove(file, error);
+    return BeginJournal(file, header);
+  }
+  auto writer = JournalWriter::Continue(file);
+  if (!writer) return tl::unexpected(writer.error());
+  return OpenedJournal{std::move(*writer), EarlierWorkOf(*journal)};
+}
+
+}  // namespace intaglio::synchronizer

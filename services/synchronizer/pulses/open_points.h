@@ -1,0 +1,49 @@
+#pragma once
+
+// Which point of the order is next. As a rule the first that has not ended; but a point
+// that was passed by, and above which cracks were made since, is not fired through them:
+// it stays open, and the report says so. And shutters do not move during a run: it ends
+// where the next point is to be made in other channels than the first.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/geometry.h"
+#include "services/synchronizer/pulses/point_ledger.h"
+
+namespace intaglio::synchronizer {
+
+class OpenPoints {
+ public:
+  /// All outlive this. `cone_tangent` >= 0: half angle of the beam above a point, in the
+  /// frame of the points. Inside the cone means by more than 1e-9 mm, as in the sorters.
+  /// `masks`: one a point; empty: all are made in the same channels.
+  OpenPoints(const PointList& points_mm, const PointLedger& ledger, double cone_tangent,
+             std::span<const ChannelMask> masks = {})
+      : points_mm_(points_mm),
+        ledger_(ledger),
+        cone_tangent_(cone_tangent),
+        masks_(masks) {}
+
+  /// Begins a run at the first point of the order again.
+  void Rewind();
+  /// The channels of all points of the run; 0 when it has none, or masks were not given.
+  ChannelMask mask() const { return mask_; }
+  /// The next one after the last answer; nullopt at the end of the run.
+  std::optional<std::uint32_t> Next();
+
+ private:
+  std::optional<std::uint32_t> Look();
+  bool Shadowed(std::uint32_t point) const;
+
+  const PointList& points_mm_;
+  const PointLedger& ledger_;
+  double cone_tangent_;
+  std::span<const ChannelMask> masks_;
+  ChannelMask mask_ = 0;
+  std::uint32_t cursor_ = 0;
+};
+
+}  // namespace intaglio::synchronizer

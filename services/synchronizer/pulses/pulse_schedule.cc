@@ -1,0 +1,149 @@
+#include "services/synchronizer/pulses/pulse_schedule.h"
+
+#include <algorithm>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using formats::PointOutcome;
+using link::TickOutcome;
+
+struct Meaning {
+  PointOutcome outcome;
+  SkipReason reason;
+};
+
+Meaning MeaningOf(TickOutcome outcome) {
+  switch (outcome) {
+    case TickOutcome::kNotArmed:
+      return {PointOutcome::kSkipped, SkipReason::kLink};
+    case TickOutcome::kFiredSeen:
+      return {PointOutcome::kMade, SkipReason::kNone};
+    case TickOutcome::kFiredUnseen:
+      return {PointOutcome::kMissed, SkipReason::kNone};
+    case TickOutcome::kNotInPosition:
+      return {PointOutcome::kSkipped, SkipReason::kPosition};
+    case TickOutcome::kInterlocked:
+      return {PointOutcome::kSkipped, SkipReason::kInterlock};
+    case TickOutcome::kLampNotReady:
+      return {PointOutcome::kSkipped, SkipReason::kLamp};
+    case TickOutcome::kShutterClosed:
+      return {PointOutcome::kSkipped, SkipReason::kShutter};
+    case TickOutcome::kTooLate:
+      return {PointOutcome::kSkipped, SkipReason::kLate};
+    case TickOutcome::kNoLongerKnown:
+      break;
+  }
+  return {PointOutcome::kUncertain, SkipReason::kNone};
+}
+
+}  // namespace
+
+void PulseSchedule::Add(std::uint64_t tick, std::uint32_t point) {
+  Require(entries_.empty() || entries_.back().tick < tick,
+          "tick {} does not follow the schedule's last one", tick);
+  entries_.push_back({tick, point});
+}
+
+link::ArmWindow PulseSchedule::Decide(
+    std::uint64_t first, std::uint64_t last,
+    const std::function<void(std::uint64_t, std::uint32_t)>& armed,
+    const std::function<void(std::uint32_t)>& late) {
+  Require(first <= last && last - first < link::kMaxArmTicks,
+          "ticks {}..{} are no window", first, last);
+  link::ArmWindow window{first, true, std::vector<bool>(last - first + 1, false)};
+  while (decided_ < entries_.size() && entries_[decided_].tick < first) {
+    late(entries_[decided_].point);
+    entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(decided_));
+  }
+  for (; decided_ < entries_.size() && entries_[decided_].tick <= last; ++decided_) {
+    Entry& entry = entries_[decided_];
+    entry.armed = true;
+    ++armed_count_;
+    window.fire[entry.tick - first] = true;
+    armed(entry.tick, entry.point);
+  }
+  return window;
+}
+
+PulseSchedule::Entry* PulseSchedule::Find(std::uint64_t tick) {
+  const auto found = std::lower_bound(
+      entries_.begin(), entries_.end(), tick,
+      [](const Entry& entry, std::uint64_t t) { return entry.tick < t; });
+  return found != entries_.end() && found->tick == tick ? &*found : nullptr;
+}
+
+void PulseSchedule::SettleOne(Entry& entry, PointOutcome outcome, SkipReason reason,
+                              const ResultSink& sink) {
+  if (!entry.armed || entry.settled) return;
+  entry.settled = true;
+  --armed_count_;
+  sink({entry.tick, entry.point, outcome, reason});
+}
+
+bool PulseSchedule::AddArmed(std::uint64_t tick, std::uint32_t point) {
+  if (!entries_.empty() && entries_.back().tick >= tick) return false;
+  entries_.push_back({tick, point, true});
+  decided_ = entries_.size();
+  ++armed_count_;
+  return true;
+}
+
+void PulseSchedule::ApplyOne(std::uint64_t tick, TickOutcome outcome,
+                             const ResultSink& sink) {
+  Entry* entry = Find(tick);
+  if (entry == nullptr) return;
+  const Meaning meaning = MeaningOf(outcome);
+  SettleOne(*entry, meaning.outcome, meaning.reason, sink);
+}
+
+void PulseSchedule::Apply(const link::PulseReport& report, const ResultSink& sink) {
+  for (std::size_t i = 0; i < report.outcome.size(); ++i) {
+    if (report.outcome[i] == TickOutcome::kNotArmed) continue;
+    ApplyOne(report.first_tick + i, report.outcome[i], sink);
+  }
+  PopSettled();
+}
+
+void PulseSchedule::Apply(const link::PastReport& report, const ResultSink& sink) {
+  for (std::size_t i = 0; i < report.outcome.size(); ++i) {
+    ApplyOne(report.first_tick + i, report.outcome[i], sink);
+  }
+  PopSettled();
+}
+
+std::vector<PulseResult> PulseSchedule::ArmedWithin(std::uint64_t first,
+                                                    std::uint64_t last) const {
+  std::vector<PulseResult> found;
+  for (const Entry& entry : entries_) {
+    if (entry.armed && !entry.settled && entry.tick >= first && entry.tick <= last) {
+      found.push_back({entry.tick, entry.point, PointOutcome::kNone, SkipReason::kNone});
+    }
+  }
+  return found;
+}
+
+void PulseSchedule::Settle(const std::vector<PulseResult>& results,
+                           const ResultSink& sink) {
+  for (const PulseResult& result : results) {
+    Entry* entry = Find(result.tick);
+    if (entry != nullptr) SettleOne(*entry, result.outcome, result.reason, sink);
+  }
+  PopSettled();
+}
+
+void PulseSchedule::DropUnarmed() {
+  std::erase_if(entries_, [](const Entry& entry) { return !entry.armed; });
+  decided_ = entries_.size();
+}
+
+void PulseSchedule::PopSettled() {
+  while (!entries_.empty() && entries_.front().settled) {
+    entries_.pop_front();
+    --decided_;
+  }
+}
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,240 @@
+#include "engrave/drawing/svg/svg_read.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engrave/drawing/pieces.h"
+#include "engrave/drawing/svg/svg_path.h"
+#include "tests/engrave/drawing/lengths.h"
+
+namespace intaglio::drawing {
+namespace {
+
+using std::numbers::pi;
+using ::testing::HasSubstr;
+
+/// 100 x 80 mm, a user unit is a millimetre.
+std::string Page(const std::string& content) {
+  return "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='80mm' "
+         "viewBox='0 0 100 80'>" +
+         content + "</svg>";
+}
+FlatDrawing FlatSvg(const std::string& text, const ReadOptions& options = {}) {
+  const auto drawing = ReadSvg(text, options);
+  EXPECT_TRUE(drawing.has_value()) << (drawing ? "" : drawing.error().message);
+  if (!drawing) return {};
+  auto flat = Flatten(*drawing);
+  EXPECT_TRUE(flat.has_value());
+  return flat ? *flat : FlatDrawing{};
+}
+FlatDrawing PathOf(const std::string& d) {
+  return FlatSvg(Page("<path d='" + d + "'/>"));
+}
+Error SvgError(const std::string& text, const ReadOptions& options = {}) {
+  const auto drawing = ReadSvg(text, options, "a.svg");
+  EXPECT_FALSE(drawing.has_value());
+  return drawing ? Error{} : drawing.error();
+}
+void ExpectPoints(const FlatCurve& curve, const PointList& points) {
+  ASSERT_EQ(curve.points_mm.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_LT((curve.points_mm[i] - points[i]).norm(), 1e-9) << i;
+  }
+}
+
+TEST(SvgRead, YIsTurnedOverOnThePage) {
+  const auto flat = PathOf("M1,2 L3 4H5v6h-1V0");
+  ASSERT_EQ(flat.curves.size(), 1U);
+  ExpectPoints(flat.curves[0],
+               {{1, 78, 0}, {3, 76, 0}, {5, 76, 0}, {5, 70, 0}, {4, 70, 0}, {4, 80, 0}});
+}
+
+TEST(SvgRead, NumbersWithoutBlanksRepeatedAndRelative) {
+  const auto flat = PathOf("M10-.5.5.5-1e1,2m1 1l1,0 0,1zl2,0");
+  ASSERT_EQ(flat.curves.size(), 3U);
+  ExpectPoints(flat.curves[0], {{10, 80.5, 0}, {0.5, 79.5, 0}, {-10, 78, 0}});
+  EXPECT_TRUE(flat.curves[1].closed);
+  ExpectPoints(flat.curves[1], {{-9, 77, 0}, {-8, 77, 0}, {-8, 76, 0}});
+  ExpectPoints(flat.curves[2], {{-9, 77, 0}, {-7, 77, 0}});
+}
+
+TEST(SvgRead, BeziersAndTheirSmoothForms) {
+  const auto flat = PathOf("M0 0C0 10 10 10 10 0S20-10 20 0 M0 0Q5 10 10 0T20 0");
+  ASSERT_EQ(flat.curves.size(), 2U);
+  const double cubic = DenseLength([](double t) {
+    return PointAt(CubicBezier{{Vec3(0, 0, 0), {0, 10, 0}, {10, 10, 0}, {10, 0, 0}}}, t);
+  });
+  EXPECT_NEAR(LengthOf(flat.curves[0]), 2 * cubic, cubic * 2.2e-4);
+  const double quadratic = DenseLength([](double t) {
+    return Vec3(2 * t * (1 - t) * 5 + t * t * 10, 2 * t * (1 - t) * 10, 0);
+  });
+  EXPECT_NEAR(LengthOf(flat.curves[1]), 2 * quadratic, quadratic * 2.2e-4);
+}
+
+// The arc must run from p to q on an ellipse of the given radii and turn, by the side and
+// share that the flags say; both are checked from its points alone.
+TEST(SvgRead, ArcsObeyTheirEndpointParameters) {
+  const Vec3 p(3, 4, 0), q(9, 1, 0);
+  for (const double turn : {0.0, 30.0, -75.0}) {
+    for (const bool large : {false, true}) {
+      for (const bool positive : {false, true}) {
+        const Piece arc = SvgArc(p, q, {8, 5}, turn, large, positive);
+        ASSERT_TRUE(std::holds_alternative<EllipticArc>(arc));
+        const auto& a = std::get<EllipticArc>(arc);
+        EXPECT_LT((PointAt(a, 0) - p).norm(), 1e-12);
+        EXPECT_LT((PointAt(a, 1) - q).norm(), 1e-12);
+        EXPECT_NEAR(a.axis_u_mm.norm(), 8, 1e-12);
+        EXPECT_NEAR(a.axis_v_mm.norm(), 5, 1e-12);
+        const double angle = turn * pi / 180;
+        EXPECT_NEAR(a.axis_u_mm.x(), 8 * std::cos(angle), 1e-12);
+        EXPECT_NEAR(a.axis_u_mm.y(), 8 * std::sin(angle), 1e-12);
+        EXPECT_EQ(std::abs(a.sweep_rad) > pi, large);
+        EXPECT_EQ(a.sweep_rad > 0, positive);
+      }
+    }
+  }
+}
+
+TEST(SvgRead, ArcsWithRadiiTooSmallAreEnlargedAndFlatOnesAreLines) {
+  const auto small = PathOf("M10 10a1 1 0 01.5.5M0 0A1 1 0 0 1 10 0M0 0A0 5 0 0 1 7 0");
+  ASSERT_EQ(small.curves.size(), 3U);
+  EXPECT_NEAR(LengthOf(small.curves[1]), 5 * pi, 5 * pi * 1.1e-4);
+  ExpectPoints(small.curves[2], {{0, 80, 0}, {7, 80, 0}});
+}
+
+TEST(SvgRead, ShapesHaveTheirLengths) {
+  const auto flat = FlatSvg(Page(
+      "<circle cx='10' cy='20' r='5'/><rect x='1' y='2' width='30' height='20' rx='3'/>"
+      "<ellipse rx='3' ry='3'/><line x1='1' x2='4' y2='4'/><rect width='3' height='4'/>"
+      "<polyline points='0,0 3,4 6 8'/><polygon points='0 0 3 0 3 4'/><circle r='0'/>"));
+  ASSERT_EQ(flat.curves.size(), 7U);
+  const double wanted[] = {10 * pi, 2 * (24 + 14) + 6 * pi, 6 * pi, 5, 14, 10, 12};
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_NEAR(LengthOf(flat.curves[i]), wanted[i], wanted[i] * 1.1e-4) << i;
+    EXPECT_EQ(flat.curves[i].closed, i != 3 && i != 5) << i;
+  }
+}
+
+TEST(SvgRead, TransformsAreAppliedFromTheInnermost) {
+  const auto flat =
+      FlatSvg(Page("<g transform='translate(10 20) rotate(90)'>"
+                   "<path transform='scale(2,3)' d='M1 0L0 1'/></g>"
+                   "<path transform='rotate(180 5 5)' d='M4 5L6 5'/>"
+                   "<path transform='matrix(1 2 3 4 5 6)' d='M1 1L0 0'/>"));
+  ASSERT_EQ(flat.curves.size(), 3U);
+  ExpectPoints(flat.curves[0], {{10, 80 - 22, 0}, {7, 60, 0}});
+  ExpectPoints(flat.curves[1], {{6, 75, 0}, {4, 75, 0}});
+  ExpectPoints(flat.curves[2], {{9, 80 - 12, 0}, {5, 74, 0}});
+}
+
+TEST(SvgRead, UnitsOfThePage) {
+  // No viewBox: user units are px of 1/96 inch.
+  const auto px = FlatSvg("<svg width='96' height='1in'><line x2='96'/></svg>");
+  ExpectPoints(px.curves[0], {{0, 25.4, 0}, {25.4, 25.4, 0}});
+  ReadOptions options;
+  options.unit_mm = 1;
+  const auto one = FlatSvg("<svg width='96' height='1in'><line x2='96'/></svg>", options);
+  ExpectPoints(one.curves[0], {{0, 96, 0}, {96, 96, 0}});
+  const auto mixed = FlatSvg(Page("<line x1='10%' x2='5cm' y1='80px' y2='0'/>"));
+  ASSERT_EQ(mixed.curves.size(), 1U);
+  EXPECT_NEAR(mixed.curves[0].points_mm[0].x(), 10, 1e-9);
+}
+
+TEST(SvgRead, UsesSymbolsAndInnerPages) {
+  const auto flat = FlatSvg(Page(
+      "<defs><line id='a' x2='1'/><symbol id='s' viewBox='0 0 2 2'><line "
+      "x2='2'/></symbol>"
+      "</defs><use href='#a' x='5' y='6'/><use xlink:href='#s' width='10' height='10'/>"
+      "<svg x='20' y='30' width='10' height='10' viewBox='0 0 5 5'><line "
+      "x2='5'/></svg>"));
+  ASSERT_EQ(flat.curves.size(), 3U);
+  ExpectPoints(flat.curves[0], {{5, 74, 0}, {6, 74, 0}});
+  ExpectPoints(flat.curves[1], {{0, 80, 0}, {10, 80, 0}});
+  ExpectPoints(flat.curves[2], {{20, 50, 0}, {30, 50, 0}});
+}
+
+TEST(SvgRead, NamesAndWhatIsLeftOut) {
+  const auto drawing = ReadSvg(Page(
+      "<g id='g1' inkscape:label='Cut' style='stroke: #f00'><line x2='1'/></g>"
+      "<text>t</text><image/><g display='none'><line x2='1'/></g><use href='#none'/>"));
+  ASSERT_TRUE(drawing) << drawing.error().message;
+  ASSERT_EQ(drawing->curves.size(), 1U);
+  EXPECT_EQ(drawing->names[drawing->curves[0].layer], "Cut");
+  EXPECT_EQ(drawing->names[drawing->curves[0].color], "#f00");
+  EXPECT_EQ(drawing->left_out.at("text"), 1U);
+  EXPECT_EQ(drawing->left_out.at("image"), 1U);
+  EXPECT_EQ(drawing->left_out.at("invisible"), 1U);
+}
+
+TEST(SvgRead, ErrorsNameThePlaceTheValueAndTheRemedy) {
+  const Error path = SvgError(Page("\n<path id='p' d='M1 2 L3 x'/>"));
+  EXPECT_EQ(path.code, ErrorCode::kInvalidValue);
+  EXPECT_THAT(path.message, HasSubstr("a.svg, line 2, path \"p\": attribute d"));
+  EXPECT_EQ(path.value, "x");
+  for (const char* d : {"L1 2", "M", "M1", "Mnan 0", "M1e999 0", "M0 0 X",
+                        "M0 0A1 1 0 2 0 1 1", "M1e300 0L2 2", "M0 0z1"}) {
+    EXPECT_EQ(SvgError(Page(fmt::format("<path d='{}'/>", d))).code,
+              ErrorCode::kInvalidValue)
+        << d;
+  }
+  EXPECT_EQ(SvgError(Page("<g transform='turn(5)'/>")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(SvgError(Page("<circle r='5em'/>")).code, ErrorCode::kInvalidValue);
+  EXPECT_EQ(SvgError("").code, ErrorCode::kUnreadable);
+  EXPECT_EQ(SvgError("<svg><g></svg>").code, ErrorCode::kUnreadable);
+  EXPECT_EQ(SvgError("<html/>").code, ErrorCode::kUnreadable);
+}
+
+TEST(SvgRead, DeepEndlessAndLargeFilesEndInErrors) {
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<g>";
+  for (int i = 0; i < 100'000; ++i) deep += "</g>";
+  EXPECT_EQ(SvgError(Page(deep)).code, ErrorCode::kTooLarge);
+  EXPECT_EQ(SvgError(Page("<g id='a'><use href='#a'/></g>")).code, ErrorCode::kTooLarge);
+  std::string fan;
+  for (int i = 0; i < 12; ++i) {
+    fan += fmt::format("<g id='a{}'>", i);
+    for (int j = 0; j < 10; ++j) fan += fmt::format("<use href='#a{}'/>", i + 1);
+    fan += "</g>";
+  }
+  EXPECT_EQ(SvgError(Page(fan)).code, ErrorCode::kTooLarge);
+  std::string many;
+  for (int i = 0; i < 600'000; ++i) many += "<a/>";
+  EXPECT_EQ(SvgError(Page(many)).code, ErrorCode::kTooLarge);
+  ReadOptions options;
+  options.limits.max_points = 5;
+  EXPECT_EQ(SvgError(Page("<path d='M0 0h1h1h1h1h1h1h1'/>"), options).code,
+            ErrorCode::kInvalidValue);
+}
+
+// As a drawing program writes it: its own namespaces and metadata, a page in pixels
+// whose user units are others, layers with transforms, styles as text.
+TEST(SvgRead, FileOfADrawingProgram) {
+  const auto flat =
+      FlatSvg(FileText(INTAGLIO_SOURCE_DIR "/tests/data/drawings/layers.svg"));
+  // A user unit is 4 / 3 px of 25.4 / 96 mm; the page is 1200 x 900 px.
+  const double unit_mm = 4.0 / 3 * 25.4 / 96, height_mm = 900 * 25.4 / 96;
+  const auto on_page = [&](double x, double y) {
+    return Vec3(x * unit_mm, height_mm - y * unit_mm, 0);
+  };
+  ASSERT_EQ(flat.curves.size(), 4U);
+  // The frame: its layer moves it by (30, 20).
+  const Box3 box = ExtentOf(flat);
+  EXPECT_LT((box.min_mm - on_page(40, 640)).norm(), 1e-9);
+  EXPECT_LT((box.max_mm - on_page(860, 40)).norm(), 1e-9);
+  EXPECT_NEAR(LengthOf(flat.curves[0]), 2 * (820 + 600) * unit_mm, 1e-9);
+  // A circle of 50 in a layer that is twice as large: curves are cut into chords.
+  EXPECT_TRUE(flat.curves[1].closed);
+  EXPECT_NEAR(LengthOf(flat.curves[1]), 2 * pi * 100 * unit_mm, 0.1);
+  // A triangle of 30, 40, 50, turned.
+  EXPECT_NEAR(LengthOf(flat.curves[2]), 120 * unit_mm, 1e-9);
+  // An open zigzag of four sides of 50.
+  EXPECT_FALSE(flat.curves[3].closed);
+  EXPECT_NEAR(LengthOf(flat.curves[3]), 200 * unit_mm, 1e-9);
+}
+
+}  // namespace
+}  // namespace intaglio::drawing

@@ -1,0 +1,73 @@
+#include "services/cli/recordings/recording_export.h"
+
+#include <gmock/gmock.h>
+
+#include "engrave/formats/point_file.h"
+#include "idl/laser.h"
+#include "services/platform/recording/conventions.h"
+#include "services/platform/recording/mcap_writer.h"
+#include "tests/services/platform/recording/status_samples.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::cli {
+namespace {
+
+using ::testing::ElementsAre;
+
+// What is looked at of a PulseEventBatch, in words of four bytes.
+constexpr char kPulsesIdl[] =
+    "module intaglio { @final struct PulseEventBatch { string job_uid; "
+    "sequence<uint32> tick; sequence<uint32> point; sequence<uint32> outcome; }; };";
+
+/// One pulse of the job "job".
+recording::Bytes PulseOf(std::uint32_t tick, std::uint32_t point, std::uint32_t outcome) {
+  return recording::WordsAsCdr({4, 0x00626f6a, 1, tick, 1, point, 1, outcome});
+}
+
+// By a person's word a point is tried again, and what a life of the synchronizer has said
+// the next one may say again: what counts is the newest crack of each.
+TEST(RecordingExport, APointThatIsToldOfTwiceIsOneCrack) {
+  const auto folder = test::FreshFolder();
+  auto writer = recording::McapWriter::Create(folder / "a.mcap", {}).value();
+  recording::Channel channel = recording::ChannelOf({"PulseEventBatch",
+                                                     "intaglio::PulseEventBatch",
+                                                     false,
+                                                     "cell",
+                                                     recording::SampleKind::kValue,
+                                                     false,
+                                                     {}});
+  channel.schema_id =
+      writer.AddSchema("intaglio::PulseEventBatch", recording::kOmgIdl, kPulsesIdl);
+  const std::uint16_t id = writer.AddChannel(channel);
+  std::uint32_t number = 0;
+  for (const auto& [tick, point, outcome] :
+       {std::tuple{20u, 0u, intaglio_PULSE_MADE},
+        {21u, 1u, intaglio_PULSE_UNCERTAIN},
+        {22u, 2u, intaglio_PULSE_UNCERTAIN},
+        {23u, 3u, intaglio_PULSE_SKIPPED},
+        {20u, 0u, intaglio_PULSE_MADE},     // said again
+        {10u, 1u, intaglio_PULSE_MADE},     // after another power-up
+        {11u, 2u, intaglio_PULSE_SKIPPED},  // opened again, and not fired
+        {12u, 3u, intaglio_PULSE_MADE}}) {
+    const recording::Bytes payload =
+        PulseOf(tick, point, static_cast<std::uint32_t>(outcome));
+    ASSERT_TRUE(writer.Write(
+        recording::MessageView{id, number, 1000 + number, 1000 + number, payload}));
+    ++number;
+  }
+  ASSERT_TRUE(writer.Close());
+  formats::PointTable path;
+  path.points_mm = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0), Vec3(3, 0, 0)};
+  ASSERT_TRUE(formats::WritePly(folder / "path.ply", path));
+  const auto reader = recording::McapReader::Open(folder / "a.mcap").value();
+  const auto exported =
+      ExportCracks(reader, "", folder / "path.ply", folder / "cracks.ply");
+  ASSERT_TRUE(exported) << exported.error().message;
+  const auto cracks = formats::ReadPly(folder / "cracks.ply");
+  ASSERT_TRUE(cracks) << cracks.error().message;
+  EXPECT_THAT(*cracks->Find<std::uint32_t>("point"), ElementsAre(1, 3, 0));
+  EXPECT_THAT(*cracks->Find<double>("tick"), ElementsAre(10, 12, 20));
+}
+
+}  // namespace
+}  // namespace intaglio::cli

@@ -1,0 +1,72 @@
+#include "services/replayer/cell/cell_session.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/services/replayer/golden.h"
+
+namespace intaglio::replayer {
+namespace {
+
+// The run that was recorded proved 272 points in one pass (its README).
+TEST(CellSession, HoldsWhatASynchronizerSaidAndHeard) {
+  const auto reader = Golden("pyramid.mcap");
+  const auto sessions = ReadCellSessions(reader);
+  ASSERT_TRUE(sessions) << sessions.error().message;
+  ASSERT_EQ(sessions->size(), 1u);
+  const CellSession& session = sessions->front();
+  EXPECT_EQ(session.job.job().name(), "pyramid");
+  EXPECT_TRUE(session.ends_early.empty());
+  ASSERT_EQ(session.words.runs.size(), 1u);
+  const CellRun& run = session.words.runs[0];
+  EXPECT_TRUE(run.undisturbed());
+  EXPECT_EQ(run.pulses.size(), 272u);
+  EXPECT_EQ(std::count(run.pulse.begin(), run.pulse.end(), 1), 272);
+  ASSERT_TRUE(session.words.end);
+  EXPECT_EQ(session.words.end->state, "TASK_DONE");
+  // Every pulse is where the motion of the run has it.
+  std::uint64_t subticks = 0;
+  std::size_t point = 0;
+  for (std::size_t i = 0; i < run.pulse.size(); ++i) {
+    subticks += run.duration_subticks[i];
+    if (run.pulse[i] == 0) continue;
+    EXPECT_EQ(run.pulses[point].tick, run.start_tick + subticks / 65536);
+    EXPECT_EQ(run.pulses[point].point, point);
+    ++point;
+  }
+}
+
+TEST(CellSession, APauseIsAnEventInTheRunThatItBroke) {
+  const auto reader = Golden("paused.mcap");
+  const auto sessions = ReadCellSessions(reader);
+  ASSERT_TRUE(sessions) << sessions.error().message;
+  ASSERT_EQ(sessions->size(), 1u);
+  const CellSession& session = sessions->front();
+  ASSERT_EQ(session.words.runs.size(), 2u);
+  EXPECT_TRUE(session.words.runs[0].aborted);
+  EXPECT_TRUE(session.words.runs[1].undisturbed());
+  ASSERT_EQ(session.starts_mm.size(), 2u);
+  EXPECT_NE(session.starts_mm[0], session.starts_mm[1]);
+  bool withdrawn = false;
+  for (const CellEvent& event : session.events) {
+    const auto* word = std::get_if<PermissionWord>(&event.word);
+    withdrawn = withdrawn || (word != nullptr && !word->granted && event.run == 1);
+  }
+  EXPECT_TRUE(withdrawn);
+}
+
+// What was silent for a moment had not closed its shutters, and never said so.
+TEST(CellSession, ASilentLineIsNoSafeState) {
+  const auto reader = Golden("silent.mcap");
+  const auto sessions = ReadCellSessions(reader);
+  ASSERT_TRUE(sessions) << sessions.error().message;
+  ASSERT_EQ(sessions->size(), 1u);
+  for (const CellEvent& event : sessions->front().events) {
+    const auto* word = std::get_if<InterlockWord>(&event.word);
+    EXPECT_FALSE(word != nullptr && word->safe_state) << event.time_ns;
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::replayer

@@ -1,0 +1,99 @@
+#include "services/synchronizer/permission/machine_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <random>
+
+#include "services/platform/host/absence_limit.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using namespace std::chrono_literals;
+using Sight = MachineWatch::Sight;
+
+constexpr MachineCounters kFirst{7, 2};
+
+Sight Seen(const MachineCounters& counters) { return {true, true, counters, true}; }
+
+TEST(MachineWatch, TheFirstCountersOfAProcessAreNoOldAcquaintance) {
+  MachineWatch watch;
+  EXPECT_EQ(watch.Update({}, 1s), UnseenEvent::kNone) << "the line is not up yet";
+  EXPECT_EQ(watch.Update(Seen(kFirst), 2s), UnseenEvent::kNotWatched);
+  EXPECT_EQ(watch.Update(Seen(kFirst), 3s), UnseenEvent::kNone);
+  EXPECT_EQ(watch.counters(), kFirst);
+}
+
+TEST(MachineWatch, AnOpeningIsNoticedOnceItIsClosedAgain) {
+  MachineWatch watch;
+  watch.Expect(kFirst);
+  EXPECT_EQ(watch.Update(Seen({7, 3}), 1s), UnseenEvent::kOpened);
+  EXPECT_EQ(watch.Update(Seen({7, 3}), 2s), UnseenEvent::kNone);
+  // Open at this moment: whoever looks sees it.
+  EXPECT_EQ(watch.Update({true, false, {7, 4}, true}, 3s), UnseenEvent::kNone);
+  EXPECT_EQ(watch.Update(Seen({7, 4}), 4s), UnseenEvent::kNone);
+}
+
+TEST(MachineWatch, AnotherPowerUpIsAnEventWhateverItsCount) {
+  for (const std::uint32_t openings : {0u, 2u, 5u}) {
+    MachineWatch watch;
+    watch.Expect(kFirst);
+    EXPECT_EQ(watch.Update({false, true, {}, true}, 1s), UnseenEvent::kNone);
+    EXPECT_EQ(watch.Update(Seen({8, openings}), 2s), UnseenEvent::kPowerCycle);
+    EXPECT_EQ(watch.Update(Seen({8, openings}), 3s), UnseenEvent::kNone);
+  }
+}
+
+TEST(MachineWatch, NoCountersInTheJournalMeanThatNobodyKnows) {
+  MachineWatch watch;
+  watch.Expect(kFirst);
+  EXPECT_EQ(watch.Update(Seen(kFirst), 1s), UnseenEvent::kNone);
+  watch.Expect({});
+  EXPECT_EQ(watch.Update(Seen(kFirst), 2s), UnseenEvent::kNotWatched);
+}
+
+TEST(MachineWatch, SilenceBeyondTheLimitIsAnEventAsLongAsItLasts) {
+  for (const bool laser : {true, false}) {
+    MachineWatch watch;
+    watch.Expect(kFirst);
+    Sight silent = Seen(kFirst);
+    (laser ? silent.laser_line_up : silent.motion_fresh) = false;
+    const UnseenEvent away = laser ? UnseenEvent::kLaserAway : UnseenEvent::kMotionAway;
+    EXPECT_EQ(watch.Update(silent, 10s), UnseenEvent::kNone);
+    EXPECT_EQ(watch.Update(silent, 10s + host::kMaxAbsence), UnseenEvent::kNone);
+    EXPECT_EQ(watch.Update(silent, 11s + host::kMaxAbsence), away);
+    EXPECT_EQ(watch.Update(silent, 12s + host::kMaxAbsence), away);
+    EXPECT_EQ(watch.Update(Seen(kFirst), 100s), UnseenEvent::kNone);
+    EXPECT_EQ(watch.Update(silent, 200s), UnseenEvent::kNone) << "it begins anew";
+  }
+}
+
+// Against a machine that is watched by an oracle that misses nothing: whatever happens
+// while the line is down is an event at the first sight of it.
+TEST(MachineWatch, NothingThatHappensOutOfSightIsMissed) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 2000; ++round) {
+    MachineWatch watch;
+    MachineCounters machine{1, 0};
+    watch.Expect(machine);
+    bool happened = false;
+    for (int turn = 0; turn < 50; ++turn) {
+      const bool up = random() % 3 != 0;
+      if (!up && random() % 4 == 0) {
+        machine = random() % 2 == 0
+                      ? MachineCounters{machine.power_up + 1, 0}
+                      : MachineCounters{machine.power_up, machine.openings + 1};
+        happened = true;
+      }
+      const UnseenEvent event =
+          watch.Update({up, true, up ? machine : MachineCounters{}, true},
+                       std::chrono::milliseconds(turn));
+      ASSERT_EQ(event != UnseenEvent::kNone, up && happened) << "round " << round;
+      if (up) happened = false;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::synchronizer
