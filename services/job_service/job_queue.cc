@@ -81,9 +81,9 @@ void JobQueue::RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now) {
       workers_.Answered(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
     }
     if (arm_stands) GoOn(job, now);
-    if (!job.armed) Disarm(job, "the job service was restarted", now);
     // What waits for a person keeps its reason.
     if (waited) return Change(job, intaglio_JOB_PAUSED, job.message);
+    if (!job.armed) Disarm(job, "the job service was restarted", now);
     return Change(job, intaglio_JOB_PAUSED,
                   job.armed
                       ? "the job service was restarted; the job goes on by itself"
