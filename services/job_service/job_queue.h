@@ -34,6 +34,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -247,6 +248,9 @@ class JobQueue {
   void EndAbsences(Nanoseconds now);
   /// A person closed the cell of this synchronizer.
   void CloseCell(const std::string& synchronizer, Nanoseconds now);
+  /// Why the arm of this job ends; empty: it does not.
+  using WhyItEnds = std::function<std::string(const JobRecord& job)>;
+  void EndArms(Nanoseconds now, const WhyItEnds& why);
   void EndArm(JobRecord& job, const std::string& why, Nanoseconds now);
   /// Arms it as it was armed, a while later; not for ever without a point made.
   void GoOn(JobRecord& job, Nanoseconds now);

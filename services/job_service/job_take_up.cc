@@ -84,29 +84,31 @@ void JobQueue::TakeUp(JobRecord& job, Nanoseconds now) {
 void JobQueue::EndAbsences(Nanoseconds now) {
   const bool paused = last_turn_ && now - *last_turn_ > host::kMaxAbsence;
   last_turn_ = now;
-  for (auto& [uid, job] : jobs_) {
-    if (job.ended() || !job.armed) continue;
+  EndArms(now, [&](const JobRecord& job) -> std::string {
     const bool absent = job.absent_since && now - *job.absent_since > host::kMaxAbsence;
-    if (!paused && !absent) continue;
-    EndArm(job,
-           fmt::format("{} was away for more than {} s",
+    if (!paused && !absent) return {};
+    return fmt::format("{} was away for more than {} s",
                        absent ? "the synchronizer of " + job.cell : "the job service",
-                       host::kMaxAbsence.count()),
-           now);
-  }
+                       host::kMaxAbsence.count());
+  });
 }
 
 void JobQueue::Close(Nanoseconds now) {
-  for (auto& [uid, job] : jobs_) {
-    if (!job.ended() && job.armed) EndArm(job, "the shop was closed", now);
-  }
+  EndArms(now, [](const JobRecord&) { return std::string("the shop was closed"); });
 }
 
 void JobQueue::CloseCell(const std::string& synchronizer, Nanoseconds now) {
+  EndArms(now, [&](const JobRecord& job) {
+    return job.stage(intaglio_STAGE_ENGRAVE).worker == synchronizer
+               ? fmt::format("the synchronizer of {} was closed", job.cell)
+               : std::string();
+  });
+}
+
+void JobQueue::EndArms(Nanoseconds now, const WhyItEnds& why) {
   for (auto& [uid, job] : jobs_) {
     if (job.ended() || !job.armed) continue;
-    if (job.stage(intaglio_STAGE_ENGRAVE).worker != synchronizer) continue;
-    EndArm(job, fmt::format("the synchronizer of {} was closed", job.cell), now);
+    if (const std::string reason = why(job); !reason.empty()) EndArm(job, reason, now);
   }
 }
 
