@@ -104,14 +104,7 @@ class Cell {
       });
       return !instance.empty();
     });
-    JobSpec spec;
-    Vector3& size = *spec.mutable_block()->mutable_size_mm();
-    size.set_x(60);
-    size.set_y(50);
-    size.set_z(30);
-    FrozenJob job = test::FrozenJobOf(job_, spec);
-    *job.mutable_machine() = machine_;
-    test::FillOptics(job);
+    FrozenJob job = test::CellJobOf(job_, machine_, Vec3(60, 50, 30));
     job.set_epoch(kEpoch);
     job.set_result_directory(folder_.string());
     const std::string text = job.SerializeAsString();

@@ -115,14 +115,8 @@ class WithAJob : public SynchronizerProcess {
   }
   /// On the machine of the profile, in N-BK7.
   FrozenJob Job() {
-    JobSpec spec;
-    Vector3& size = *spec.mutable_block()->mutable_size_mm();
-    size.set_x(50);
-    size.set_y(50);
-    size.set_z(30);
-    FrozenJob job = test::FrozenJobOf(kJob, spec);
-    *job.mutable_machine() = ReadMachineFile(machine_file_).value();
-    test::FillOptics(job);
+    FrozenJob job =
+        test::CellJobOf(kJob, ReadMachineFile(machine_file_).value(), Vec3(50, 50, 30));
     job.set_epoch(kEpoch);
     job.set_result_directory(folder_.string());
     return job;

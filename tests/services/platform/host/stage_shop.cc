@@ -146,17 +146,6 @@ std::optional<TaskReport> StageShop::AwaitEnd(const std::string& job_uid,
   });
 }
 
-void FillOptics(FrozenJob& job, double refractive_index) {
-  const double aperture = job.job().lens().numerical_aperture();
-  OpticalValuesRecord& optics = *job.mutable_optics();
-  optics.set_wavelength_nm(job.job().laser().wavelength_nm());
-  optics.set_numerical_aperture(aperture);
-  optics.set_refractive_index(refractive_index);
-  optics.set_stage_per_glass_ratio(
-      optics::StagePerGlassRatio(refractive_index, aperture));
-  optics.set_cone_tangent(optics::ConeTangentInGlass(refractive_index, aperture));
-}
-
 FrozenJob FrozenJobOf(const std::string& job_uid, JobSpec spec) {
   const auto machine =
       ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
@@ -207,6 +196,25 @@ bool FeedModels(bus::Bus& bus, const std::string& job_uid, std::uint32_t attempt
   // The writer may go when nothing of it is left to be taken.
   return Eventually([&] { return look().consumed == number || grant.cancelled; }) &&
          grant.consumed == number;
+}
+
+FrozenJob CellJobOf(const std::string& job_uid, const MachineSpec& machine,
+                    const Vec3& block_mm) {
+  JobSpec spec;
+  Vector3& size = *spec.mutable_block()->mutable_size_mm();
+  size.set_x(block_mm.x());
+  size.set_y(block_mm.y());
+  size.set_z(block_mm.z());
+  FrozenJob job = FrozenJobOf(job_uid, spec);
+  *job.mutable_machine() = machine;
+  const double index = 1.5195, aperture = job.job().lens().numerical_aperture();
+  OpticalValuesRecord& optics = *job.mutable_optics();
+  optics.set_wavelength_nm(job.job().laser().wavelength_nm());
+  optics.set_numerical_aperture(aperture);
+  optics.set_refractive_index(index);
+  optics.set_stage_per_glass_ratio(optics::StagePerGlassRatio(index, aperture));
+  optics.set_cone_tangent(optics::ConeTangentInGlass(index, aperture));
+  return job;
 }
 
 }  // namespace intaglio::test

@@ -80,9 +80,10 @@ class StageShop {
 /// A frozen job with every default filled in, for the profile deploy/machines/els-03.
 /// The beam's cone has the tangent 0.1.
 FrozenJob FrozenJobOf(const std::string& job_uid, JobSpec spec);
-/// The optical values of the job's lens and laser in a glass of this index, as the job
-/// service freezes them: a synchronizer refuses others.
-void FillOptics(FrozenJob& job, double refractive_index = 1.5195);
+/// A job for this machine's synchronizer, which refuses another profile, other optical
+/// values than those of its lens and laser, and points outside the block.
+FrozenJob CellJobOf(const std::string& job_uid, const MachineSpec& machine,
+                    const Vec3& block_mm);
 
 /// Feeds model files as chunks of 1000 bytes, under credit. False: the worker does not
 /// want them all.
