@@ -43,6 +43,7 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
        "#include \"engrave/discretize/picture/relief.h\"\n"},
       {"engrave/discretize/picture/a.cc", "#include \"engrave/discretize/cloud.h\"\n"},
       {"engrave/motion/a.cc", "#include \"engrave/sort/order.h\"\n"},
+      {"engrave/machine/a.cc", "#include \"engrave/motion/planner.h\"\n"},
       {"engrave/optics/a.cc", "#include \"services/platform/bus/bus.h\"\n"},
       {"engrave/mesh/a.cc", "#include <spdlog/spdlog.h>\n"},
       {"engrave/mesh/b.cc", "#include <thread>\n"},

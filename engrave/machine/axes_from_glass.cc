@@ -1,0 +1,50 @@
+#include "engrave/machine/axes_from_glass.h"
+
+#include <cmath>
+
+namespace intaglio::machine {
+namespace {
+
+constexpr int kGrid = 64;
+
+}  // namespace
+
+// To and fro, so that each place is near the one before.
+Result<Box3> AxesOver(const AxesFromGlass& axes_from_glass, const Box3& glass_mm,
+                      const Box3& travel) {
+  const auto along = [&](int axis, int i) {
+    return std::lerp(glass_mm.min_mm[axis], glass_mm.max_mm[axis],
+                     static_cast<double>(i) / kGrid);
+  };
+  Box3 needed;
+  Vec3 near = BranchStart(travel);
+  for (const double z_mm : {glass_mm.min_mm.z(), glass_mm.max_mm.z()}) {
+    for (int row = 0; row <= kGrid; ++row) {
+      for (int i = 0; i <= kGrid; ++i) {
+        const int column = row % 2 == 0 ? i : kGrid - i;
+        const auto axes =
+            axes_from_glass.ToAxes(Vec3(along(0, column), along(1, row), z_mm), near);
+        if (!axes) return tl::unexpected(axes.error());
+        needed.Extend(*axes);
+        near = *axes;
+      }
+    }
+  }
+  return needed;
+}
+
+Result<PointList> AxesAlong(const AxesFromGlass& axes_from_glass,
+                            const PointList& glass_mm, const Box3& travel) {
+  PointList axes_of_points;
+  axes_of_points.reserve(glass_mm.size());
+  Vec3 near = BranchStart(travel);
+  for (const Vec3& point_mm : glass_mm) {
+    const auto axes = axes_from_glass.ToAxes(point_mm, near);
+    if (!axes) return tl::unexpected(axes.error());
+    axes_of_points.push_back(*axes);
+    near = *axes;
+  }
+  return axes_of_points;
+}
+
+}  // namespace intaglio::machine

@@ -1,0 +1,123 @@
+#pragma once
+
+// Where the axes of a machine are when its focus is at a place of the block, and back.
+//
+//   glass point --optics/machine_frame.h--> place of the focus in air --this--> axes
+//
+// Frame `machine`: fixed to what carries the block, mm, z up, the beam comes from +z.
+// With all axes at zero it is the frame of the stage, so the block's corner is at
+// MachineSpec.block_origin_mm in it. `axes` are three coordinates in the order of the
+// machine's axes, each in mm or in rad as axes() names it; the planner, the limits and
+// the motion controller work in them.
+//
+// What every implementation guarantees, and tests/engrave/machine/conformance_test.cc
+// checks for all of them:
+//   K1 Round trip: ToPlace(ToAxes(p)) is p within 1e-9 mm.
+//   K2 Branch: a rotary coordinate is the one of its turns that is nearest to `near`,
+//      within half a turn of it; the configuration never changes. So along a path, each
+//      point near the one before, coordinates are continuous. Linear ones ignore `near`.
+//   K3 Scale: ScaleAt is the derivative of ToPlace, is not singular where ToAxes
+//   succeeds,
+//      and stays within BoundsOver of a box that has the place.
+//   K4 Reach: a place that is no number, out of reach or in a singular region is
+//      kOutsideBlock, with the place, why, and what to do. The limits of travel are not
+//      regarded: they are motion::Limits.
+//   K5 The same arguments give the same bits. Nothing is stored between calls: any
+//      threads may share one.
+//
+// Trochimczuk 2008 ch. 7.1, fig. 45: a positioner is a pair (object, tool), each
+// Cartesian, polar or fixed, of which 8 pairs work. Here are four of them:
+// CartesianOptions has (fixed, Cartesian), (Cartesian, fixed) and (Cartesian, Cartesian),
+// PolarOptions has (polar, polar).
+
+#include <array>
+#include <memory>
+#include <string_view>
+#include <variant>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+
+namespace intaglio::machine {
+
+enum class AxisUnit { kMm, kRad };
+
+struct Axis {
+  std::string_view name;  ///< short, e.g. "x", "table"
+  AxisUnit unit = AxisUnit::kMm;
+
+  std::string_view unit_name() const { return unit == AxisUnit::kMm ? "mm" : "rad"; }
+};
+
+/// How far the focus moves in air when the axes move by one unit (mm or rad), at most,
+/// over a box of places; > 0, mm.
+struct ScaleBounds {
+  Vec3 axis_mm = Vec3::Ones();  ///< one axis alone
+  double any_mm = 1;            ///< all axes together, by a vector of length one
+};
+
+class Kinematics {
+ public:
+  virtual ~Kinematics() = default;
+  virtual std::array<Axis, 3> axes() const = 0;
+  virtual Result<Vec3> ToAxes(const Vec3& place_mm, const Vec3& near) const = 0;
+  virtual Vec3 ToPlace(const Vec3& axes) const = 0;
+  /// Column i: the move of the focus for one unit of axis i, mm.
+  virtual Mat3 ScaleAt(const Vec3& axes) const = 0;
+  /// Not for an empty box.
+  virtual ScaleBounds BoundsOver(const Box3& places_mm) const = 0;
+};
+
+/// What an axis moves, and which way it counts.
+struct LinearAxis {
+  bool moves_table = false;  ///< the block; false: the head, and with it the focus
+  bool reversed = false;     ///< it counts down when what it moves goes to + of the frame
+
+  /// Of the focus in the block for a growing coordinate.
+  double sign() const { return moves_table != reversed ? -1 : 1; }
+};
+
+/// Three linear axes along those of the frame. Default: the head moves, all count up, so
+/// axes and places are the same numbers.
+struct CartesianOptions {
+  LinearAxis x, y, z;
+};
+
+enum class ArmSide { kLeft, kRight };
+
+/// A rotary table that carries the block and an arm that carries the focus
+/// (Trochimczuk 2008 ch. 8.4, fig. 66). The machine frame turns with the table: its
+/// origin is on the table's axis, and at table angle 0 its +y points to the arm's axis.
+/// Both angles grow counterclockwise, seen from +z; at arm angle 0 the arm points to the
+/// table's axis. Axes: arm (rad), table (rad), z (mm).
+struct PolarOptions {
+  double axis_distance_mm = 200;  ///< d, between both axes, > 0
+  double arm_length_mm = 150;     ///< r1, from the arm's axis to the beam, > 0
+  /// On which side of the line from the arm's axis to the table's the arm works: left is
+  /// the source's (arm angle pi..2 pi); right is its mirror image (0..pi).
+  ArmSide side = ArmSide::kLeft;
+  LinearAxis z = {};
+  /// Places at which the arm is nearer to that line, folded or stretched, are refused,
+  /// 0.01..1 rad: there a small move across the arm's circle takes a large turn. At the
+  /// default 0.1 the arm's axis is 10 times as sensitive as at best.
+  double singular_margin_rad = 0.1;
+};
+
+using KinematicsOptions = std::variant<CartesianOptions, PolarOptions>;
+
+/// One row a kind, in the order of KinematicsOptions: its name is that of the member of
+/// MachineSpec.kinematics that chooses it.
+struct KinematicsKind {
+  std::string_view name;
+  std::shared_ptr<const Kinematics> (*make)(const KinematicsOptions& options);
+};
+std::array<KinematicsKind, std::variant_size_v<KinematicsOptions>> KinematicsKinds();
+
+/// Throws PreconditionError for options outside their ranges.
+std::shared_ptr<const Kinematics> MakeKinematics(const KinematicsOptions& options);
+
+/// What ToAxes is to be near to at the first point of a path: the middle of each axis'
+/// travel, 0 for one that has no end.
+Vec3 BranchStart(const Box3& travel);
+
+}  // namespace intaglio::machine

@@ -1,0 +1,203 @@
+// What engrave/machine/kinematics.h guarantees, for every kind in the registry. A new
+// kind needs a row in Samples(): EveryKindIsSampled fails without it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "engrave/machine/kinematics.h"
+
+namespace intaglio::machine {
+namespace {
+
+using std::numbers::pi;
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Sample {
+  const char* name;
+  KinematicsOptions options;
+  Box3 reached_mm;               // all of its places can be reached
+  PointList out_of_reach_mm;     // and none of these
+  const char* remedy = "place";  // part of the sentence for those
+};
+
+std::vector<Sample> Samples() {
+  const PointList no_numbers = {Vec3(std::nan(""), 0, 0),
+                                Vec3(0, std::numeric_limits<double>::infinity(), 0)};
+  const Box3 work{Vec3(-20, -10, -5), Vec3(170, 150, 100)};
+  std::vector<Sample> samples = {
+      {"head", CartesianOptions{}, work, no_numbers},
+      {"table", CartesianOptions{{true}, {true}, {true}}, work, no_numbers},
+      {"table_and_lens", CartesianOptions{{true}, {true, true}, {false}}, work,
+       no_numbers}};
+  PolarOptions polar;
+  const PointList around = {Vec3(0, 0, 0), Vec3(10, 40, 3), Vec3(0, 349.8, 0),
+                            Vec3(300, 300, 0)};
+  const Box3 piece{Vec3(-25, 85, 0), Vec3(25, 135, 30)};
+  samples.push_back({"polar_left", polar, piece, around, "block_origin_mm"});
+  polar.side = ArmSide::kRight;
+  polar.z = {true, false};
+  samples.push_back({"polar_right", polar, piece, around, "block_origin_mm"});
+  polar.arm_length_mm = 230;
+  samples.push_back({"long_arm", polar, piece, {Vec3(1, 20, 0)}, "block_origin_mm"});
+  return samples;
+}
+
+class Conformance : public testing::TestWithParam<Sample> {
+ protected:
+  Vec3 Place() {
+    const Box3& box = GetParam().reached_mm;
+    Vec3 share;
+    for (double& s : share) s = std::uniform_real_distribution(0.0, 1.0)(random_);
+    return box.min_mm + share.cwiseProduct(box.size_mm());
+  }
+  Vec3 AxesAt(const Vec3& place_mm, const Vec3& near = Vec3::Zero()) const {
+    const auto axes = kinematics_->ToAxes(place_mm, near);
+    EXPECT_TRUE(axes) << (axes ? "" : axes.error().message);
+    return axes.value_or(Vec3::Zero());
+  }
+  bool Rotary(int axis) const {
+    return kinematics_->axes()[static_cast<std::size_t>(axis)].unit == AxisUnit::kRad;
+  }
+
+  std::shared_ptr<const Kinematics> kinematics_ = MakeKinematics(GetParam().options);
+  std::mt19937 random_{7};
+};
+
+TEST_P(Conformance, K1ComesBackToThePlace) {
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 place_mm = Place();
+    EXPECT_LT((kinematics_->ToPlace(AxesAt(place_mm)) - place_mm).norm(), 1e-9);
+    // Turned on and on, too: a turn of 2 pi is not exact.
+    const Vec3 turned = AxesAt(place_mm, Vec3::Constant(200));
+    EXPECT_LT((kinematics_->ToPlace(turned) - place_mm).norm(), 1e-9);
+  }
+}
+
+TEST_P(Conformance, K2TakesTheNearestTurn) {
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 place_mm = Place();
+    const Vec3 near = 2 * Place();
+    const Vec3 axes = AxesAt(place_mm, near), first = AxesAt(place_mm);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!Rotary(axis)) {
+        EXPECT_EQ(axes[axis], first[axis]);
+        continue;
+      }
+      EXPECT_LE(std::abs(axes[axis] - near[axis]), pi + 1e-9);
+      const double turns = (axes[axis] - first[axis]) / (2 * pi);
+      EXPECT_NEAR(turns, std::round(turns), 1e-9) << "another configuration";
+    }
+  }
+}
+
+// The step of the axes is bounded by that of the place, over the smallest stretch of the
+// derivative; a jump would be half a turn or more.
+TEST_P(Conformance, K2IsContinuousAlongAPath) {
+  constexpr int kSteps = 4000;
+  for (int path = 0; path < 20; ++path) {
+    const Vec3 from_mm = Place(), to_mm = Place();
+    const double step_mm = (to_mm - from_mm).norm() / kSteps;
+    Vec3 before = AxesAt(from_mm, Vec3::Constant(50));
+    for (int i = 1; i <= kSteps; ++i) {
+      const Vec3 axes = AxesAt(from_mm + (to_mm - from_mm) * i / kSteps, before);
+      const double stretch_mm =
+          kinematics_->ScaleAt(before).jacobiSvd().singularValues().minCoeff();
+      ASSERT_LE((axes - before).norm(), 1.1 * step_mm / stretch_mm + 1e-9);
+      before = axes;
+    }
+  }
+}
+
+TEST_P(Conformance, K3ScaleIsTheDerivative) {
+  constexpr double kStep = 1e-5;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 axes = AxesAt(Place());
+    const Mat3 scale = kinematics_->ScaleAt(axes);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 step = kStep * Vec3::Unit(axis);
+      const Vec3 slope =
+          (kinematics_->ToPlace(axes + step) - kinematics_->ToPlace(axes - step)) /
+          (2 * kStep);
+      // The third derivative is at most 350 mm, times the square of the step over 6;
+      // rounding leaves 1e-13 mm over the step.
+      EXPECT_LT((scale.col(axis) - slope).norm(), 1e-7);
+    }
+    EXPECT_GT(std::abs(scale.determinant()), 1e-3);
+  }
+}
+
+TEST_P(Conformance, K3BoundsHoldAndAreNotIdle) {
+  const ScaleBounds bounds = kinematics_->BoundsOver(GetParam().reached_mm);
+  Vec3 widest_mm = Vec3::Zero();
+  double any_mm = 0;
+  const Box3& box = GetParam().reached_mm;
+  for (int i = 0; i < 5000; ++i) {
+    Vec3 place_mm = Place();
+    if (i < 8) {
+      for (int axis = 0; axis < 3; ++axis) {
+        place_mm[axis] = (i >> axis & 1) != 0 ? box.max_mm[axis] : box.min_mm[axis];
+      }
+    }
+    const Mat3 scale = kinematics_->ScaleAt(AxesAt(place_mm));
+    for (int axis = 0; axis < 3; ++axis) {
+      widest_mm[axis] = std::max(widest_mm[axis], scale.col(axis).norm());
+    }
+    any_mm = std::max(any_mm, scale.jacobiSvd().singularValues().maxCoeff());
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LE(widest_mm[axis], bounds.axis_mm[axis] + 1e-9);
+    EXPECT_GE(widest_mm[axis], bounds.axis_mm[axis] - 1e-9) << "a corner reaches it";
+  }
+  EXPECT_LE(any_mm, bounds.any_mm + 1e-9);
+  EXPECT_GE(any_mm, 0.6 * bounds.any_mm) << "at most 1 / sqrt(2) lost by the estimate";
+}
+
+TEST_P(Conformance, K4RefusesWithPlaceAndRemedy) {
+  for (const Vec3& place_mm : GetParam().out_of_reach_mm) {
+    const auto axes = kinematics_->ToAxes(place_mm, Vec3::Zero());
+    ASSERT_FALSE(axes) << place_mm.transpose();
+    EXPECT_EQ(axes.error().code, ErrorCode::kOutsideBlock);
+    EXPECT_THAT(axes.error().message,
+                AllOf(HasSubstr("the focus at ("), HasSubstr(GetParam().remedy)));
+    EXPECT_FALSE(axes.error().value.empty());
+  }
+}
+
+TEST_P(Conformance, K5GivesTheSameBits) {
+  const auto again = MakeKinematics(GetParam().options);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 place_mm = Place();
+    const Vec3 axes = AxesAt(place_mm, Vec3::Constant(9));
+    (void)kinematics_->ToAxes(Place(), axes);  // nothing is remembered
+    EXPECT_EQ(axes, AxesAt(place_mm, Vec3::Constant(9)));
+    EXPECT_EQ(axes, again->ToAxes(place_mm, Vec3::Constant(9)).value());
+    EXPECT_EQ(kinematics_->ToPlace(axes), again->ToPlace(axes));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinematics, Conformance, testing::ValuesIn(Samples()),
+                         [](const auto& sample) { return sample.param.name; });
+
+TEST(Registry, EveryKindIsSampledAndHasANameOfItsOwn) {
+  std::set<std::size_t> sampled;
+  for (const Sample& sample : Samples()) sampled.insert(sample.options.index());
+  EXPECT_EQ(sampled.size(), KinematicsKinds().size());
+  std::set<std::string_view> names;
+  for (const KinematicsKind& kind : KinematicsKinds()) names.insert(kind.name);
+  EXPECT_EQ(names.size(), KinematicsKinds().size());
+}
+
+TEST(BranchStart, IsTheMiddleOfATravelThatHasEnds) {
+  const double endless = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(BranchStart({Vec3(2, -endless, -1), Vec3(6, endless, 3)}), Vec3(4, 0, 1));
+}
+
+}  // namespace
+}  // namespace intaglio::machine
