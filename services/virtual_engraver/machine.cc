@@ -199,7 +199,8 @@ void Machine::Fire(std::uint8_t channels) {
       seen = false;
       continue;
     }
-    const Focus focus = TraceFocus(stage_.actual_mm(), options_.block);
+    const Focus focus =
+        TraceFocus(FocusAt(options_.positioner, stage_.actual_mm()), options_.block);
     glass_.Add({laser_.tick(), focus.position_mm, options_.pulse_energy_mj, channel,
                 focus.in_glass});
     seen = seen && focus.in_glass;

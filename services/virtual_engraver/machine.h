@@ -22,6 +22,7 @@
 #include "services/virtual_engraver/beam.h"
 #include "services/virtual_engraver/glass.h"
 #include "services/virtual_engraver/laser.h"
+#include "services/virtual_engraver/positioner.h"
 #include "services/virtual_engraver/stage.h"
 
 namespace intaglio::virtual_engraver {
@@ -30,6 +31,7 @@ struct MachineOptions {
   StageOptions stage;
   LaserOptions laser;
   BlockInMachine block;
+  PositionerOptions positioner;
   double pulse_energy_mj = 30;
   double speed = 1;  ///< machine time against real time; ignored in lockstep
   std::chrono::nanoseconds line_jitter{0};  ///< 0..2 ms; ignored in lockstep

@@ -28,7 +28,7 @@ struct Options {
   std::vector<double> block_size = {100, 100, 100}, block_origin = {0, 0, 0};
   double tolerance_um = 10;
   int channels = 1;
-  std::string speed = "1";
+  std::string speed = "1", positioner;
   std::vector<std::string> faults;
   unsigned seed = 0;
   double clock_drift_ppm = 0;
@@ -66,6 +66,10 @@ void AddOptions(command_line::Command app, Options& o) {
   triple("--travel-max", o.travel_max, "upper ends of the axes, mm");
   triple("--block-size", o.block_size, "block, mm");
   triple("--block-origin", o.block_origin, "its corner in the machine frame, mm");
+  app.AddOption("--positioner", o.positioner,
+                "what the axes carry: X,Y,Z, each head or block, -head or -block if it "
+                "counts down; or arm,PIVOT_DISTANCE_MM,ARM_LENGTH_MM,Z, where the axes "
+                "are arm (rad), table (rad), z; default: the head");
   app.AddOption("--stage-lag", m.stage.lag_s, "first-order lag of the stage, s")
       .Within(0.0, 0.1)
       .ShowDefault();
@@ -121,6 +125,13 @@ Status Finish(Options& o) {
   m.block.size_mm = ToVec3(o.block_size);
   m.block.origin_mm = ToVec3(o.block_origin);
   m.stage.position_tolerance_mm = o.tolerance_um / 1000;
+  const auto positioner = ParsePositioner(o.positioner);
+  if (!positioner) {
+    return Fail(positioner.error().code, "--positioner: " + positioner.error().message);
+  }
+  m.positioner = *positioner;
+  m.stage.focus_per_axis_unit_mm = FocusPerAxisUnitMm(
+      m.positioner, {m.block.origin_mm, m.block.origin_mm + m.block.size_mm});
   m.laser.channels = static_cast<std::uint8_t>(o.channels);
   m.laser.power_up = std::random_device{}();
   m.laser.lockstep = m.stage.waits_for_motion = o.speed == "lockstep";

@@ -142,7 +142,8 @@ void Stage::Brake(StageFault fault) {
   queued_units_ = in_piece_units_ = 0;
   passed_ = {};
   if (phase_ == Phase::kRest) return;
-  const double seconds = commanded_mm_s_.norm() / options_.brake_acceleration_mm_s2;
+  const double seconds =
+      AtFocus(commanded_mm_s_).norm() / options_.brake_acceleration_mm_s2;
   if (seconds <= 0 || now_units_ < start_units_) {
     phase_ = Phase::kRest;
     commanded_mm_s_ = Vec3::Zero();
@@ -276,7 +277,7 @@ void Stage::AdvanceTick(double rate_hz) {
     if (executing) Latch();
   }
   in_position_ = GateIsOn();
-  const double error = (commanded_mm_ - actual_mm_).cwiseAbs().maxCoeff();
+  const double error = AtFocus(commanded_mm_ - actual_mm_).cwiseAbs().maxCoeff();
   following_error_max_mm_ = std::max(following_error_max_mm_, error);
   if (error > options_.following_error_limit_mm && fault_ == StageFault::kNone) {
     Fail(StageFault::kFollowingError);
@@ -291,7 +292,7 @@ Vec3 Stage::PlaceOf(const Piece& piece) const {
 }
 
 bool Stage::IsAt(const Vec3& place_mm) const {
-  return (actual_mm_ - place_mm).norm() <= options_.position_tolerance_mm;
+  return AtFocus(actual_mm_ - place_mm).norm() <= options_.position_tolerance_mm;
 }
 
 bool Stage::GateIsOn() const {

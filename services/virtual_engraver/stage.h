@@ -32,6 +32,8 @@ struct StageOptions {
   Vec3 travel_max_mm = Vec3::Constant(170);
   double lag_s = 0.0002;                ///< first order, each axis; 0: none
   double position_tolerance_mm = 0.01;  ///< of the in-position output, distance
+  /// How far the focus goes for a unit of each axis: what is in rad is compared in mm.
+  Vec3 focus_per_axis_unit_mm = Vec3::Ones();
   double following_error_limit_mm = 1;  ///< beyond it the stage stops with a fault
   double brake_acceleration_mm_s2 = 7000;
   std::uint32_t queue_capacity = 4096;  ///< segments
@@ -110,6 +112,9 @@ class Stage {
   bool GateIsOn() const;
   Vec3 PlaceOf(const Piece& piece) const;
   bool IsAt(const Vec3& place_mm) const;
+  Vec3 AtFocus(const Vec3& axes) const {
+    return axes.cwiseProduct(options_.focus_per_axis_unit_mm);
+  }
   void Latch();
   void LatchAt(const OwnClock::Heard& heard);
 

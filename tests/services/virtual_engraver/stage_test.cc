@@ -141,6 +141,31 @@ TEST(Stage, InPositionOnlyWhereAPulseBelongsAndTheStageIs) {
   }
 }
 
+// Axes in rad: what is compared with the tolerance, and reported, is the way of the
+// focus.
+TEST(Stage, OfAxesThatTurnTheErrorIsThatOfTheFocus) {
+  const std::vector<Knot> path = {
+      {{50, 0, 0}, {10000, 0, 0}, kTick, false},
+      {{150, 0, 0}, {10000, 0, 0}, kTick, true},
+      {{200, 0, 0}, {0, 0, 0}, kTick, false, true},
+  };
+  // At 10 units/s it is 10 units/s * lag behind, times 150 mm at the focus; tolerance
+  // 10 um.
+  for (const double lag_s : {0.0009 / 150, 0.0011 / 150}) {
+    StageOptions options = Roomy(lag_s);
+    options.focus_per_axis_unit_mm = Vec3(150, 1, 1);
+    Stage stage(options);
+    Begin(stage, path);
+    for (std::uint64_t tick = 0; tick < kStartTick + 1; ++tick) {
+      stage.AdvanceTick(kRateHz);
+    }
+    (void)stage.Report();  // forgets the larger error of the start
+    stage.AdvanceTick(kRateHz);
+    EXPECT_EQ(stage.in_position(), lag_s < 0.001 / 150);
+    EXPECT_NEAR(stage.Report().following_error_max_nm, 10e6 * lag_s * 150, 1);
+  }
+}
+
 TEST(Stage, LatchesOnePositionATickInFramesThatFit) {
   Stage stage(Roomy(0));
   Begin(stage, {{{15000, 0, 0}, {0, 0, 0}, 150 * kTick, false, true}});

@@ -1,0 +1,49 @@
+#pragma once
+
+// What the machine's axes do to focus and block: from the axes, where they really are, to
+// the place of the focus relative to the block. Written for itself, forwards only: it
+// shares nothing with engrave/machine, so that a wrong sign or angle there shows as
+// cracks in the wrong place.
+
+#include <array>
+#include <string>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+
+namespace intaglio::virtual_engraver {
+
+/// A linear guide: what is bolted to its carriage, and whether it was built in backwards.
+struct Guide {
+  bool carries_block = false;  ///< else the head
+  bool backwards = false;
+};
+
+/// The machine frame is the laboratory's while all axes are at zero; the block is at
+/// BlockInMachine.origin_mm in it then, and goes with what carries it.
+struct PositionerOptions {
+  /// x, y, z. With an arm, only z.
+  std::array<Guide, 3> guides = {};
+  /// Arm and turntable in the place of x and y. The turntable's pivot is at the origin of
+  /// the laboratory, the arm's on +y. Angles in rad, counterclockwise seen from above;
+  /// the arm at zero points to the turntable's pivot.
+  bool has_arm = false;
+  double pivot_distance_mm = 0;  ///< > 0 with an arm
+  double arm_length_mm = 0;      ///< from its pivot to the beam, > 0 with an arm
+};
+
+/// `text` is "X,Y,Z" of guides, or "arm,PIVOT_DISTANCE_MM,ARM_LENGTH_MM,Z". A guide is
+/// head or block, with a - before it when it is backwards: "block,-block,head". Empty:
+/// the head on all three. kInvalidValue names the part that is wrong.
+Result<PositionerOptions> ParsePositioner(const std::string& text);
+
+/// Where the focus would be in air, in the frame that goes with the block, mm. `axes`:
+/// mm, or rad of arm and turntable.
+Vec3 FocusAt(const PositionerOptions& positioner, const Vec3& axes);
+
+/// How far the focus goes relative to the block when an axis moves by its unit, for the
+/// place of the block that is farthest, mm. `block_mm`: the block in the frame that goes
+/// with it.
+Vec3 FocusPerAxisUnitMm(const PositionerOptions& positioner, const Box3& block_mm);
+
+}  // namespace intaglio::virtual_engraver
