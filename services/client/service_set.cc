@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "services/job/job_file.h"
+#include "services/job/machine/machine_axes.h"
 #include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::client {
@@ -40,6 +41,22 @@ std::vector<std::string> ArgumentsOf(const MountedDescription& mounted) {
                               mounted.lens->numerical_aperture));
   }
   return arguments;
+}
+
+std::string GuideText(const machine::LinearAxis& axis) {
+  return std::string(axis.reversed ? "-" : "") + (axis.moves_table ? "block" : "head");
+}
+
+/// What the virtual engraver's axes carry: those of the profile.
+std::string PositionerText(const MachineSpec& spec) {
+  const machine::KinematicsOptions kinematics = KinematicsOptionsOf(spec);
+  if (const auto* polar = std::get_if<machine::PolarOptions>(&kinematics)) {
+    return fmt::format("arm,{},{},{}", polar->axis_distance_mm, polar->arm_length_mm,
+                       GuideText(polar->z));
+  }
+  const auto& linear = std::get<machine::CartesianOptions>(kinematics);
+  return fmt::format("{},{},{}", GuideText(linear.x), GuideText(linear.y),
+                     GuideText(linear.z));
 }
 
 struct Expected {
@@ -124,6 +141,7 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   const auto& axes = machine_;
   const Vec3 origin(axes.block_origin_mm().x(), axes.block_origin_mm().y(),
                     axes.block_origin_mm().z());
+  const Box3 travel = AxisLimitsOf(axes).travel_mm;
   ChildProcess::Command command{"virtual-engraver",
                                 command_line::ProgramFolder() / "virtual-engraver",
                                 {},
@@ -141,11 +159,10 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                        "--warm-up",
                        fmt::format("{}", machine.warm_up_s),
                        "--travel-min",
-                       Triple(Vec3(axes.x().travel_min_mm(), axes.y().travel_min_mm(),
-                                   axes.z().travel_min_mm())),
+                       Triple(travel.min_mm),
                        "--travel-max",
-                       Triple(Vec3(axes.x().travel_max_mm(), axes.y().travel_max_mm(),
-                                   axes.z().travel_max_mm())),
+                       Triple(travel.max_mm),
+                       "--positioner=" + PositionerText(axes),
                        "--stage-lag",
                        fmt::format("{}", axes.stage_lag_s()),
                        "--position-tolerance-um",

@@ -4,17 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 #include <set>
 
 #include "engrave/core/check.h"
-#include "engrave/optics/machine_frame.h"
 #include "services/job/field_ranges.h"
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/reach_check.h"
 #include "services/job/model_kind.h"
 
 namespace intaglio {
@@ -284,31 +283,6 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
   }
 }
 
-// The stage has to reach every place between the margins.
-void CheckTravel(const JobSpec& job, const MachineSpec& machine,
-                 std::optional<double> stage_per_glass_ratio, Findings& findings) {
-  const auto vec = [](const Vector3& v) { return Vec3(v.x(), v.y(), v.z()); };
-  const Vec3 size_mm = vec(job.block().size_mm());
-  const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
-  const optics::MachineFromGlass frame{vec(machine.block_origin_mm()), size_mm,
-                                       stage_per_glass_ratio.value_or(1)};
-  Vec3 low_mm = frame.ToMachine(margin_mm);
-  const Vec3 high_mm = frame.ToMachine(size_mm - margin_mm);
-  if (!stage_per_glass_ratio) low_mm.z() = high_mm.z();
-  const std::array<const AxisLimits*, 3> axes = {&machine.x(), &machine.y(),
-                                                 &machine.z()};
-  for (int i = 0; i < 3; ++i) {
-    if (low_mm[i] >= axes[i]->travel_min_mm() && high_mm[i] <= axes[i]->travel_max_mm())
-      continue;
-    findings.Wrong(
-        fmt::format("block.size_mm.{}", "xyz"[i]), size_mm[i],
-        "does not fit in the travel of {}: the stage would have to go from {:.6g} to "
-        "{:.6g} mm, it can go from {} to {}",
-        machine.name(), low_mm[i], high_mm[i], axes[i]->travel_min_mm(),
-        axes[i]->travel_max_mm());
-  }
-}
-
 std::string PathOf(const Error& error) {
   return error.message.substr(0, error.message.find(':'));
 }
@@ -345,7 +319,7 @@ std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& mach
   Findings findings;
   if (job.block().has_size_mm()) {
     CheckRoom(whole, findings);
-    CheckTravel(whole, machine, stage_per_glass_ratio, findings);
+    CheckReach(whole, machine, stage_per_glass_ratio, findings);
   }
   CheckLens(whole.lens(), machine, findings);
   CheckLayers(whole, findings);

@@ -20,10 +20,14 @@ std::vector<Error> CheckJob(const JobSpec& job);
 /// The profile by itself.
 std::vector<Error> CheckMachine(const MachineSpec& machine);
 
-/// What the two say together: rate, lens, limits, room for the block in the travel. The
-/// depth of the block takes as much z travel as the glass makes of it; without
-/// `stage_per_glass_ratio` (OpticalValuesRecord) only the block's top is looked at.
-/// Both are taken with their defaults filled in.
+/// Its kinematics and the limits of its axes, a part of CheckMachine. machine_axes.h
+/// takes only what passes.
+std::vector<Error> CheckKinematics(const MachineSpec& machine);
+
+/// What the two say together: rate, lens, limits, room for the block in the reach and the
+/// travel of the axes. The depth of the block takes as much z travel as the glass makes
+/// of it; without `stage_per_glass_ratio` (OpticalValuesRecord) only the block's top is
+/// looked at. Both are taken with their defaults filled in.
 std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
                                      std::optional<double> stage_per_glass_ratio = {});
 

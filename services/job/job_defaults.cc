@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "services/job/machine/machine_axes.h"
 #include "services/job/model_kind.h"
 
 namespace intaglio {
@@ -228,15 +229,10 @@ void FillOrdering(Ordering& ordering, double spacing_mm) {
 }
 
 void FillMotion(MotionOptions& motion, const MachineSpec& machine) {
-  if (!motion.has_max_speed_mm_s()) {
-    motion.set_max_speed_mm_s(
-        std::max({machine.x().max_speed_mm_s(), machine.y().max_speed_mm_s(),
-                  machine.z().max_speed_mm_s()}));
-  }
+  const FocusLimits limits = FocusLimitsOf(machine);
+  if (!motion.has_max_speed_mm_s()) motion.set_max_speed_mm_s(limits.speed_mm_s);
   if (!motion.has_max_acceleration_mm_s2()) {
-    motion.set_max_acceleration_mm_s2(std::max({machine.x().max_acceleration_mm_s2(),
-                                                machine.y().max_acceleration_mm_s2(),
-                                                machine.z().max_acceleration_mm_s2()}));
+    motion.set_max_acceleration_mm_s2(limits.acceleration_mm_s2);
   }
   if (!motion.has_tolerance_um()) motion.set_tolerance_um(0);
 }

@@ -25,16 +25,68 @@ bool IsCellName(const std::string& name) {
   });
 }
 
+void Wrong(std::vector<Error>& errors, const std::string& path, const std::string& what) {
+  errors.push_back({ErrorCode::kInvalidValue, fmt::format("{}: {}", path, what), ""});
+}
+
+void CheckTravel(const std::string& path, const char* unit, double min, double max,
+                 std::vector<Error>& errors) {
+  if (min < max) return;
+  errors.push_back(
+      {ErrorCode::kInvalidValue,
+       fmt::format("{0}.travel_min_{1}: {2} is not below {0}.travel_max_{1}, "
+                   "{3}",
+                   path, unit, min, max),
+       fmt::format("{}", min)});
+}
+
 void CheckAxis(bool present, const AxisLimits& axis, const std::string& path,
                std::vector<Error>& errors) {
   if (!present)
     return Missing(errors, path, "give the travel and the limits of this axis");
-  if (axis.travel_min_mm() >= axis.travel_max_mm()) {
-    errors.push_back(
-        {ErrorCode::kInvalidValue,
-         fmt::format("{}.travel_min_mm: {} is not below {}.travel_max_mm, {}", path,
-                     axis.travel_min_mm(), path, axis.travel_max_mm()),
-         fmt::format("{}", axis.travel_min_mm())});
+  CheckTravel(path, "mm", axis.travel_min_mm(), axis.travel_max_mm(), errors);
+}
+
+void CheckAxis(bool present, const RotaryAxis& axis, const std::string& path,
+               std::vector<Error>& errors) {
+  if (!present)
+    return Missing(errors, path, "give the travel and the limits of this axis");
+  CheckTravel(path, "rad", axis.travel_min_rad(), axis.travel_max_rad(), errors);
+}
+
+// Numbers pass the readers of files.
+void CheckLinearAxis(const LinearAxis& axis, const std::string& path,
+                     std::vector<Error>& errors) {
+  if (AxisMoves_IsValid(axis.moves())) return;
+  Wrong(errors, path + ".moves",
+        fmt::format("{} is neither AXIS_MOVES_HEAD nor AXIS_MOVES_TABLE",
+                    static_cast<int>(axis.moves())));
+}
+
+void CheckCartesian(const MachineSpec& machine, std::vector<Error>& errors) {
+  CheckAxis(machine.has_x(), machine.x(), "x", errors);
+  CheckAxis(machine.has_y(), machine.y(), "y", errors);
+  CheckLinearAxis(machine.cartesian().x(), "cartesian.x", errors);
+  CheckLinearAxis(machine.cartesian().y(), "cartesian.y", errors);
+  CheckLinearAxis(machine.cartesian().z(), "cartesian.z", errors);
+}
+
+void CheckPolar(const MachineSpec& machine, std::vector<Error>& errors) {
+  const PolarKinematics& polar = machine.polar();
+  CheckAxis(polar.has_arm(), polar.arm(), "polar.arm", errors);
+  CheckAxis(polar.has_table(), polar.table(), "polar.table", errors);
+  CheckLinearAxis(polar.z(), "polar.z", errors);
+  if (!ArmSide_IsValid(polar.side())) {
+    Wrong(errors, "polar.side",
+          fmt::format("{} is neither ARM_SIDE_LEFT nor ARM_SIDE_RIGHT",
+                      static_cast<int>(polar.side())));
+  }
+  for (const char* field :
+       {"x", "y", "max_speed_norm_mm_s", "max_acceleration_norm_mm_s2"}) {
+    const auto* descriptor = MachineSpec::descriptor()->FindFieldByName(field);
+    if (!machine.GetReflection()->HasField(machine, descriptor)) continue;
+    Wrong(errors, field,
+          "is of linear axes, a polar machine has polar.arm and polar.table; remove it");
   }
 }
 
@@ -78,7 +130,23 @@ void CheckLine(bool present, const SerialLine& line, const std::string& path,
   }
 }
 
+void AddKinematics(const MachineSpec& machine, std::vector<Error>& errors) {
+  if (machine.has_polar()) {
+    CheckPolar(machine, errors);
+  } else {
+    CheckCartesian(machine, errors);
+  }
+  CheckAxis(machine.has_z(), machine.z(), "z", errors);
+}
+
 }  // namespace
+
+std::vector<Error> CheckKinematics(const MachineSpec& machine) {
+  std::vector<Error> errors;
+  if (machine.has_polar()) CheckRanges(machine.polar(), "polar", errors);
+  AddKinematics(machine, errors);
+  return errors;
+}
 
 std::vector<Error> CheckMachine(const MachineSpec& machine) {
   std::vector<Error> errors;
@@ -93,9 +161,7 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
          machine.name()});
   }
   CheckRanges(machine, "", errors);
-  CheckAxis(machine.has_x(), machine.x(), "x", errors);
-  CheckAxis(machine.has_y(), machine.y(), "y", errors);
-  CheckAxis(machine.has_z(), machine.z(), "z", errors);
+  AddKinematics(machine, errors);
   if (!machine.has_block_origin_mm()) {
     Missing(errors, "block_origin_mm", "say where the block's corner lies");
   }

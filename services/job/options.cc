@@ -9,6 +9,7 @@
 #include "engrave/motion/profiles.h"
 #include "engrave/sort/kdz.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/machine_axes.h"
 
 namespace intaglio {
 namespace {
@@ -161,16 +162,6 @@ sort::BeamCone BeamConeOf(const FrozenJob& job) {
 
 namespace {
 
-/// The stage's, as they are felt in the glass: a step in depth is a shorter one of the
-/// stage.
-motion::Limits GlassLimitsOf(const FrozenJob& job) {
-  motion::Limits limits = MotionOptionsOf(job).limits;
-  const double ratio = job.optics().stage_per_glass_ratio();
-  limits.max_speed_mm_s.z() /= ratio;
-  limits.max_acceleration_mm_s2.z() /= ratio;
-  return {limits.max_speed_mm_s, limits.max_acceleration_mm_s2};
-}
-
 void SetMethod(const Ordering& ordering, sort::OrderOptions& options) {
   switch (ordering.method_case()) {
     case Ordering::kKdz:
@@ -226,22 +217,11 @@ namespace {
 
 /// What only the motion that does not stop regards.
 void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
-  const MachineSpec& machine = job.machine();
-  const AxisLimits* axes[] = {&machine.x(), &machine.y(), &machine.z()};
-  for (int axis = 0; axis < 3; ++axis) {
-    if (axes[axis]->has_max_jerk_mm_s3()) {
-      plan.limits.max_jerk_mm_s3[axis] = axes[axis]->max_jerk_mm_s3();
-    }
-  }
-  if (machine.has_max_speed_norm_mm_s()) {
-    plan.limits.max_speed_norm_mm_s = machine.max_speed_norm_mm_s();
-  }
-  if (machine.has_max_acceleration_norm_mm_s2()) {
-    plan.limits.max_acceleration_norm_mm_s2 = machine.max_acceleration_norm_mm_s2();
-  }
-  // In the glass a move in depth is longer than the stage's.
-  plan.tolerance_mm = 1e-3 * job.job().motion().tolerance_um() *
-                      std::min(1.0, job.optics().stage_per_glass_ratio());
+  const motion::Limits own = AxisLimitsOf(job.machine());
+  plan.limits.max_jerk_mm_s3 = own.max_jerk_mm_s3;
+  plan.limits.max_speed_norm_mm_s = own.max_speed_norm_mm_s;
+  plan.limits.max_acceleration_norm_mm_s2 = own.max_acceleration_norm_mm_s2;
+  plan.tolerance_mm = AxisToleranceOf(job, 1e-3 * job.job().motion().tolerance_um());
 }
 
 }  // namespace
@@ -250,22 +230,8 @@ motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
   const MotionOptions& asked = job.job().motion();
   Require(asked.has_max_speed_mm_s() && job.job().laser().has_rate_hz(),
           "the job's defaults are not filled in");
-  const MachineSpec& machine = job.machine();
-  const Vec3 speed_mm_s(machine.x().max_speed_mm_s(), machine.y().max_speed_mm_s(),
-                        machine.z().max_speed_mm_s());
-  const Vec3 acceleration_mm_s2(machine.x().max_acceleration_mm_s2(),
-                                machine.y().max_acceleration_mm_s2(),
-                                machine.z().max_acceleration_mm_s2());
   motion::PlanOptions result;
-  result.limits.max_speed_mm_s =
-      speed_mm_s.cwiseMin(Vec3::Constant(asked.max_speed_mm_s()));
-  result.limits.max_acceleration_mm_s2 =
-      acceleration_mm_s2.cwiseMin(Vec3::Constant(asked.max_acceleration_mm_s2()));
-  result.limits.travel_mm = {
-      Vec3(machine.x().travel_min_mm(), machine.y().travel_min_mm(),
-           machine.z().travel_min_mm()),
-      Vec3(machine.x().travel_max_mm(), machine.y().travel_max_mm(),
-           machine.z().travel_max_mm())};
+  result.limits = CappedAxisLimitsOf(job);
   result.rate_hz = job.job().laser().rate_hz();
   result.continuous = asked.profile() == MOTION_PROFILE_CONTINUOUS;
   if (!result.continuous) {
@@ -274,7 +240,7 @@ motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
             static_cast<int>(asked.profile()));
     result.profile = *profile;
   }
-  result.stage_lag_s = machine.stage_lag_s();
+  result.stage_lag_s = job.machine().stage_lag_s();
   if (result.continuous) SetOptionalLimits(job, result);
   return result;
 }

@@ -50,11 +50,11 @@ optics::Lens LensOf(const JobSpec& job);
 /// number that is none.
 std::string ProfileName(MotionProfile profile);
 
-/// How the stage of a job is driven. Limits: the machine's, capped by the job's, and its
-/// travel.
+/// How the axes of a job are driven, in their units. Limits: the machine's, capped by the
+/// job's, and its travel (machine_axes.h).
 motion::PlanOptions MotionOptionsOf(const FrozenJob& job);
 
-/// Glass frame to machine frame, focus depth included.
+/// Glass frame to machine frame, focus depth included; the axes: machine_axes.h.
 optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job);
 
 }  // namespace intaglio

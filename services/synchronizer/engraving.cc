@@ -40,7 +40,8 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
       chain_(chain),
       results_(std::move(results)),
       ledger_(job_.machine_points_mm.size()),
-      open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent, job_.masks) {
+      open_points_(job_.places_mm.empty() ? job_.machine_points_mm : job_.places_mm,
+                   ledger_, job_.cone_tangent, job_.masks) {
   word_grant_ = job_.earlier.word_grant;
   // Armed before there was a path, and spent before it came.
   if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());

@@ -33,7 +33,7 @@
 #include <vector>
 
 #include "engrave/core/channels.h"
-#include "engrave/optics/machine_frame.h"
+#include "engrave/machine/axes_from_glass.h"
 #include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/motion_feed.h"
 #include "services/synchronizer/permission/permission_chain.h"
@@ -49,8 +49,12 @@ namespace intaglio::synchronizer {
 
 struct EngravingJob {
   std::string uid;
-  PointList machine_points_mm;  ///< in the order of engraving, machine frame
-  optics::MachineFromGlass machine_from_glass = {};  ///< for what people are told
+  /// The machine's axes at each point (mm, or rad of those that turn), in the order of
+  /// engraving.
+  PointList machine_points_mm;
+  machine::AxesFromGlass machine_from_glass = {};  ///< for messages
+  /// Where the focus is in air, machine frame; empty: the axes are the same numbers.
+  PointList places_mm = {};
   double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
   ChannelMask shutter_mask = 1;  ///< of all points

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "services/job/channels.h"
+#include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/path_check.h"
@@ -26,12 +27,11 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   EngravingJob job;
   job.uid = frozen.job_uid();
   job.plan = MotionOptionsOf(frozen);
-  job.machine_from_glass = MachineFromGlassOf(frozen);
-  if (auto checked = CheckPath(path, BlocksOfModels(frozen.job()), job.machine_from_glass,
-                               job.plan.limits.travel_mm);
-      !checked) {
-    return tl::unexpected(checked.error());
-  }
+  job.machine_from_glass = AxesFromGlassOf(frozen);
+  auto axes = CheckedAxes(path, BlocksOfModels(frozen.job()), job.machine_from_glass,
+                          job.plan.limits.travel_mm);
+  if (!axes) return tl::unexpected(axes.error());
+  job.machine_points_mm = std::move(*axes);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
   job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;
@@ -40,12 +40,12 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   if (!masks) return tl::unexpected(masks.error());
   job.shutter_mask = masks->front();
   if (DistinctMasks(*masks).size() > 1) job.masks = std::move(*masks);
-  job.machine_points_mm.reserve(path.size());
-  for (const Vec3& p : path.points_mm) {
-    job.machine_points_mm.push_back(job.machine_from_glass.ToMachine(p));
+  const optics::MachineFromGlass& optics = job.machine_from_glass.machine_from_glass();
+  if (!AreHeadCoordinates(frozen.machine())) {
+    job.places_mm.reserve(path.size());
+    for (const Vec3& p : path.points_mm) job.places_mm.push_back(optics.ToMachine(p));
   }
-  job.cone_tangent =
-      frozen.optics().cone_tangent() / job.machine_from_glass.stage_per_glass_ratio;
+  job.cone_tangent = frozen.optics().cone_tangent() / optics.stage_per_glass_ratio;
   return job;
 }
 
@@ -82,7 +82,8 @@ Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progres
   auto journal = OpenFolder(task, *path, on_disk);
   if (!journal) return tl::unexpected(journal.error());
   job->earlier = std::move(journal->earlier);
-  PlanInput plan{job->machine_points_mm, job->plan, job->masks};
+  PlanInput plan{job->machine_points_mm, job->plan, job->masks,
+                 ScaleBoundsOf(task.job).any_mm};
   return PreparedJob{std::move(*job), std::move(journal->writer), std::move(plan)};
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a task takes between its path and its engraving: the path checked, its places in
-// the machine computed, the job's folder written, its journal read and opened. It takes
+// What a task takes between its path and its engraving: the path checked, the axes at its
+// points computed, the job's folder written, its journal read and opened. It takes
 // seconds for millions of points or on a slow disk, so it is for a thread of its own;
 // nothing here is shared with the loop of the synchronizer.
 
@@ -33,8 +33,8 @@ struct PreparedJob {
 };
 
 /// `progress` is asked between two steps whether it is still wanted. Errors: those of
-/// ReadPath, CheckPath, ChannelsOfPoints, OpenJournal and WritePlan; kInvalidValue for a
-/// path without points; kCancelled.
+/// ReadPath, CheckedAxes, ChannelsOfPoints, OpenJournal and WritePlan; kInvalidValue for
+/// a path without points; kCancelled.
 Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progress);
 
 }  // namespace intaglio::synchronizer

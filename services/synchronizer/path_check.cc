@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <optional>
+#include <array>
 #include <string>
 
 #include "engrave/core/check.h"
@@ -12,11 +12,19 @@
 namespace intaglio::synchronizer {
 namespace {
 
-constexpr double kAllowedMm = 1e-3;
+constexpr double kAllowedMm = 1e-3, kAllowedRad = 1e-5;
 
-Box3 Wider(const Box3& box) {
-  const Vec3 allowed_mm = Vec3::Constant(kAllowedMm);
-  return {box.min_mm - allowed_mm, box.max_mm + allowed_mm};
+// Of the glass.
+constexpr std::array<machine::Axis, 3> kGlassAxes = {{{"x"}, {"y"}, {"z"}}};
+
+Box3 Wider(const Box3& box, const std::array<machine::Axis, 3>& axes) {
+  Vec3 allowed = Vec3::Constant(kAllowedMm);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (axes[i].unit == machine::AxisUnit::kRad) {
+      allowed[static_cast<int>(i)] = kAllowedRad;
+    }
+  }
+  return {box.min_mm - allowed, box.max_mm + allowed};
 }
 
 struct Finding {
@@ -26,20 +34,38 @@ struct Finding {
 
 class Findings {
  public:
-  void Add(std::size_t point, const char* what, const Vec3& place_mm, const Box3& limit) {
-    if (++count_ > 1) return;
-    first_ = {
-        point,
-        fmt::format("point {} of the order {} x {:.6g} y {:.6g} z {:.6g} mm, allowed "
-                    "are {:g} to {:g}, {:g} to {:g}, {:g} to {:g}",
-                    point, what, place_mm.x(), place_mm.y(), place_mm.z(),
-                    limit.min_mm.x(), limit.max_mm.x(), limit.min_mm.y(),
-                    limit.max_mm.y(), limit.min_mm.z(), limit.max_mm.z())};
+  /// `axes`: what the coordinates are; `what`: why they are wrong.
+  void Add(std::size_t point, const std::array<machine::Axis, 3>& axes, const char* what,
+           const Vec3& at, const Box3& limit) {
+    if (!IsFirst(point)) return;
+    const bool linear =
+        axes[0].unit == machine::AxisUnit::kMm && axes[1].unit == machine::AxisUnit::kMm;
+    const auto text = [&](std::size_t i) {
+      return fmt::format("{} {:.6g}{}", axes[i].name, at[static_cast<int>(i)],
+                         linear ? "" : " " + std::string(axes[i].unit_name()));
+    };
+    first_.text = fmt::format(
+        "point {} of the order {} {} {} {}{}, allowed are {:g} to {:g}, {:g} to {:g}, "
+        "{:g} to {:g}",
+        point, what, text(0), text(1), text(2), linear ? " mm" : "", limit.min_mm.x(),
+        limit.max_mm.x(), limit.min_mm.y(), limit.max_mm.y(), limit.min_mm.z(),
+        limit.max_mm.z());
+  }
+  void Add(std::size_t point, const Error& error) {
+    if (!IsFirst(point)) return;
+    first_.text =
+        fmt::format("point {} of the order is out of reach: {}", point, error.message);
   }
   std::size_t count() const { return count_; }
   const Finding& first() const { return first_; }
 
  private:
+  bool IsFirst(std::size_t point) {
+    if (++count_ > 1) return false;
+    first_.point = point;
+    return true;
+  }
+
   std::size_t count_ = 0;
   Finding first_;
 };
@@ -55,28 +81,42 @@ std::vector<Box3> BlocksOfModels(const JobSpec& job) {
   return blocks;
 }
 
-Status CheckPath(const PointCloud& path, const std::vector<Box3>& blocks,
-                 const optics::MachineFromGlass& machine_from_glass, const Box3& travel) {
+Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& blocks,
+                              const machine::AxesFromGlass& axes_from_glass,
+                              const Box3& travel) {
   Require(!blocks.empty() && path.source.size() == path.size(),
           "a path of {} points with {} sources and {} blocks", path.size(),
           path.source.size(), blocks.size());
-  const Box3 reach = Wider(travel);
+  const auto axes = axes_from_glass.kinematics().axes();
+  const Box3 reach = Wider(travel, axes);
   std::vector<Box3> allowed;
-  for (const Box3& block : blocks) allowed.push_back(Wider(block));
+  for (const Box3& block : blocks) allowed.push_back(Wider(block, kGlassAxes));
   Findings findings;
+  PointList axes_of_points;
+  axes_of_points.reserve(path.size());
+  Vec3 near = machine::BranchStart(travel);
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Vec3& place_mm = path.points_mm[i];
     const std::size_t model = path.source[i] < blocks.size() ? path.source[i] : 0;
-    const Vec3 machine_mm = machine_from_glass.ToMachine(place_mm);
     // A coordinate that is no number is in no box.
     if (!allowed[model].Contains(place_mm)) {
-      findings.Add(i, "is not in the block: it is at", place_mm, blocks[model]);
-    } else if (!reach.Contains(machine_mm)) {
-      findings.Add(i, "is out of the stage's travel: the stage would go to", machine_mm,
+      findings.Add(i, kGlassAxes, "is not in the block: it is at", place_mm,
+                   blocks[model]);
+      continue;
+    }
+    const auto at = axes_from_glass.ToAxes(place_mm, near);
+    if (!at) {
+      findings.Add(i, at.error());
+      continue;
+    }
+    if (!reach.Contains(*at)) {
+      findings.Add(i, axes, "is out of the stage's travel: the stage would go to", *at,
                    travel);
     }
+    near = *at;
+    axes_of_points.push_back(near);
   }
-  if (findings.count() == 0) return {};
+  if (findings.count() == 0) return axes_of_points;
   return Fail(
       ErrorCode::kOutsideBlock,
       fmt::format("{} of {} points of the path cannot be engraved; {}: the job is "

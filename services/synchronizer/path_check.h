@@ -1,12 +1,12 @@
 #pragma once
 
-// Whether every point of a path may be engraved: in the block, and within the travel of
-// this machine. Moves are straight or bounded by the planner's travel limits, so points
-// suffice.
+// Whether every point of a path may be engraved: in the block, and within the reach and
+// the travel of this machine's axes. Moves are straight or bounded by the planner's
+// travel limits, so points suffice.
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
-#include "engrave/optics/machine_frame.h"
+#include "engrave/machine/axes_from_glass.h"
 #include "proto/job.pb.h"
 
 namespace intaglio::synchronizer {
@@ -16,12 +16,14 @@ namespace intaglio::synchronizer {
 /// box for a job without models.
 std::vector<Box3> BlocksOfModels(const JobSpec& job);
 
-/// kOutsideBlock, with how many points fail, the first of them, its place and the limit,
-/// unless all points are finite, within 1 um inside the box of their model
-/// (`path.source`; a model that `blocks` does not have gets the first), and their machine
-/// positions within `travel`, 1 um allowed, too. `path`: glass frame, mm, in the order of
-/// engraving. `blocks`: at least one.
-Status CheckPath(const PointCloud& path, const std::vector<Box3>& blocks,
-                 const optics::MachineFromGlass& machine_from_glass, const Box3& travel);
+/// The axes at each point, each near the one before, the first near the middle of
+/// `travel`. kOutsideBlock, with how many points fail, the first of them, its place and
+/// the limit, unless all points are finite, within 1 um inside the box of their model
+/// (`path.source`; a model that `blocks` does not have gets the first), within reach, and
+/// their axes within `travel`, 1 um and 10 urad allowed, too. `path`: glass frame, mm, in
+/// the order of engraving. `blocks`: at least one.
+Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& blocks,
+                              const machine::AxesFromGlass& axes_from_glass,
+                              const Box3& travel);
 
 }  // namespace intaglio::synchronizer

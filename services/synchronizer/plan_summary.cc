@@ -53,6 +53,8 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
     take();
   }
   rest();
+  moves.max_mm *= plan.focus_mm_per_axis_unit;
+  moves.square_mm2 *= plan.focus_mm_per_axis_unit * plan.focus_mm_per_axis_unit;
   return PlanSummary{subticks_of_last_point / motion::kSubticksPerTick,
                      fmt::format("{:08x}", crc), moves};
 }

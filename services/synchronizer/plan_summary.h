@@ -15,11 +15,14 @@
 namespace intaglio::synchronizer {
 
 struct PlanInput {
-  /// In the order of engraving, machine frame, mm; at least one.
+  /// The axes at the points, in the order of engraving; at least one.
   PointList machine_points_mm;
   motion::PlanOptions options;
   /// Of each point, for the stage rests where they change; empty: they never do.
   std::vector<ChannelMask> masks = {};
+  /// The move of the focus, mm, for a move of the axes by one unit: for the moves of
+  /// points, which the planner knows on the axes.
+  double focus_mm_per_axis_unit = 1;
 };
 
 struct PlanSummary {

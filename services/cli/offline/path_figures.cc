@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 
 #include "engrave/core/check.h"
 #include "engrave/motion/planner.h"
@@ -16,6 +17,7 @@
 #include "services/client/figure_text.h"
 #include "services/client/proof_folder.h"
 #include "services/job/json_text.h"
+#include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
 
 namespace intaglio::cli {
@@ -25,22 +27,34 @@ namespace {
 // points at once.
 constexpr std::size_t kPointsATime = 4096;
 
-motion::VerifyOptions OptionsFor(const motion::PlanOptions& plan) {
-  motion::VerifyOptions options;
-  options.position_tolerance_mm += plan.tolerance_mm;
-  return options;
+/// The same limits for axes counted in millimetres of the focus.
+motion::Limits AtFocus(motion::Limits limits, const Vec3& focus_mm) {
+  limits.max_speed_mm_s = limits.max_speed_mm_s.cwiseProduct(focus_mm);
+  limits.max_acceleration_mm_s2 = limits.max_acceleration_mm_s2.cwiseProduct(focus_mm);
+  limits.max_jerk_mm_s3 = limits.max_jerk_mm_s3.cwiseProduct(focus_mm);
+  limits.travel_mm.min_mm = limits.travel_mm.min_mm.cwiseProduct(focus_mm);
+  limits.travel_mm.max_mm = limits.travel_mm.max_mm.cwiseProduct(focus_mm);
+  return limits;
 }
 
-/// Passes a plan on piece by piece, and measures the planner alone.
+/// Passes a plan on piece by piece, and measures the planner alone. It is verified with
+/// the axes counted in millimetres of the focus, `bounds` a unit, so that the figures of
+/// an axis in rad are those of a machine; of linear axes they are the axes' own.
 class MotionMeter {
  public:
-  MotionMeter(const motion::PlanOptions& plan, const PointList& path_mm,
-              const SegmentSink& sink)
+  MotionMeter(const motion::PlanOptions& plan, const PointList& path,
+              const machine::ScaleBounds& bounds, const SegmentSink& sink)
       : rate_hz_(plan.rate_hz),
+        bounds_(bounds),
         sink_(sink),
-        planner_(motion::MakePlanner(plan, path_mm.front())),
-        verifier_({path_mm.front(), Vec3::Zero()}, path_mm, plan.limits, plan.rate_hz,
-                  OptionsFor(plan)) {}
+        planner_(motion::MakePlanner(plan, path.front())),
+        verified_mm_(path) {
+    for (Vec3& point : verified_mm_) point = AtFocus(point);
+    motion::VerifyOptions options;
+    options.position_tolerance_mm += plan.tolerance_mm * bounds.any_mm;
+    verifier_.emplace(motion::KnotState{verified_mm_.front(), Vec3::Zero()}, verified_mm_,
+                      cli::AtFocus(plan.limits, bounds.axis_mm), plan.rate_hz, options);
+  }
 
   Status Plan(const PointList& path_mm, std::size_t begin, std::size_t end) {
     const auto began = Clock::now();
@@ -50,7 +64,7 @@ class MotionMeter {
     if (end == path_mm.size()) planner_->Finish(segments_);
     planning_ += Clock::now() - began;
     for (const motion::Segment& segment : segments_) {
-      verifier_.Append(segment);
+      verifier_->Append(AtFocus(segment));
       subticks_ += segment.duration_subticks;
       if (segment.point >= 0) subticks_of_last_point_ = subticks_;
       if (!sink_) continue;
@@ -62,7 +76,7 @@ class MotionMeter {
   }
 
   PlannedMotion Finish(std::size_t point_count) {
-    const motion::MotionReport report = verifier_.Finish();
+    const motion::MotionReport report = verifier_->Finish();
     const auto points = static_cast<double>(point_count);
     const auto ticks = subticks_of_last_point_ / motion::kSubticksPerTick;
     PlannedMotion planned;
@@ -78,7 +92,7 @@ class MotionMeter {
     planned.mutable_violations()->Assign(report.violations.begin(),
                                          report.violations.end());
     planned.set_segment_count(segment_count_);
-    planned.set_max_move_um(1e3 * planner_->moves().max_mm);
+    planned.set_max_move_um(1e3 * planner_->moves().max_mm * bounds_.any_mm);
     planned.set_planned_points_per_s(
         points / std::max(1e-9, std::chrono::duration<double>(planning_).count()));
     return planned;
@@ -86,10 +100,20 @@ class MotionMeter {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  Vec3 AtFocus(const Vec3& axes) const { return axes.cwiseProduct(bounds_.axis_mm); }
+  motion::Segment AtFocus(motion::Segment segment) const {
+    segment.end_position_mm = AtFocus(segment.end_position_mm);
+    segment.end_velocity_mm_s = AtFocus(segment.end_velocity_mm_s);
+    return segment;
+  }
+
   double rate_hz_;
+  machine::ScaleBounds bounds_;
   const SegmentSink& sink_;
   std::unique_ptr<motion::Planner> planner_;
-  motion::MotionVerifier verifier_;
+  PointList verified_mm_;
+  std::optional<motion::MotionVerifier> verifier_;
   std::vector<motion::Segment> segments_;
   Clock::duration planning_{};
   std::uint64_t subticks_ = 0, subticks_of_last_point_ = 0, segment_count_ = 0;
@@ -116,27 +140,28 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
   const motion::PlanOptions plan = MotionOptionsOf(job);
   report.set_machine(job.machine().name());
   report.set_rate_hz(plan.rate_hz);
-  report.set_max_speed_mm_s(plan.limits.max_speed_mm_s.minCoeff());
-  report.set_max_acceleration_mm_s2(plan.limits.max_acceleration_mm_s2.minCoeff());
+  const motion::Limits limits = AtFocus(plan.limits, ScaleBoundsOf(job).axis_mm);
+  report.set_max_speed_mm_s(limits.max_speed_mm_s.minCoeff());
+  report.set_max_acceleration_mm_s2(limits.max_acceleration_mm_s2.minCoeff());
   return report;
 }
 
-Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path_mm,
+Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
                                  const SegmentSink& sink, const ProgressSink& progress) {
-  Require(!path_mm.empty(), "a path without points");
+  Require(!path.empty(), "a path without points");
   motion::PlanOptions plan = MotionOptionsOf(job);
   plan.stage_lag_s = 0;
-  MotionMeter meter(plan, path_mm, sink);
-  for (std::size_t begin = 0; begin < path_mm.size(); begin += kPointsATime) {
-    const std::size_t end = std::min(begin + kPointsATime, path_mm.size());
-    if (auto planned = meter.Plan(path_mm, begin, end); !planned) {
+  MotionMeter meter(plan, path, ScaleBoundsOf(job), sink);
+  for (std::size_t begin = 0; begin < path.size(); begin += kPointsATime) {
+    const std::size_t end = std::min(begin + kPointsATime, path.size());
+    if (auto planned = meter.Plan(path, begin, end); !planned) {
       return tl::unexpected(planned.error());
     }
-    if (progress && !progress(end, path_mm.size())) {
+    if (progress && !progress(end, path.size())) {
       return Fail(ErrorCode::kCancelled, "the plan was ended early");
     }
   }
-  PlannedMotion planned = meter.Finish(path_mm.size());
+  PlannedMotion planned = meter.Finish(path.size());
   planned.set_planner(ProfileName(job.job().motion().profile()));
   return planned;
 }

@@ -55,8 +55,17 @@ Result<FrozenJob> BuildPathJob(const JobFlags& flags, const PointList& points_mm
 }
 
 void ForgetTravel(MachineSpec& machine) {
-  for (AxisLimits* axis :
-       {machine.mutable_x(), machine.mutable_y(), machine.mutable_z()}) {
+  std::vector<AxisLimits*> linear = {machine.mutable_z()};
+  if (machine.has_polar()) {
+    PolarKinematics& polar = *machine.mutable_polar();
+    for (RotaryAxis* axis : {polar.mutable_arm(), polar.mutable_table()}) {
+      axis->set_travel_min_rad(-motion::kUnlimited);
+      axis->set_travel_max_rad(motion::kUnlimited);
+    }
+  } else {
+    linear.insert(linear.end(), {machine.mutable_x(), machine.mutable_y()});
+  }
+  for (AxisLimits* axis : linear) {
     axis->set_travel_min_mm(-motion::kUnlimited);
     axis->set_travel_max_mm(motion::kUnlimited);
   }

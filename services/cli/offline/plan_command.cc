@@ -12,6 +12,7 @@
 #include "services/cli/offline/path_job.h"
 #include "services/cli/offline/segment_file.h"
 #include "services/client/exit_codes.h"
+#include "services/job/machine/machine_axes.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/options.h"
 #include "services/job/ordering.h"
@@ -27,9 +28,9 @@ struct PathOptions {
   bool json = false;
 };
 
-/// A path in both frames.
+/// A path as points of the glass and as axes of the machine.
 struct Path {
-  PointList glass_mm, machine_mm;
+  PointList glass_mm, axes;
 };
 
 Result<PointList> ReadPath(const PathOptions& options, const std::string& flag) {
@@ -48,30 +49,35 @@ Result<PointList> ReadPath(const PathOptions& options, const std::string& flag) 
   return std::move(table->points_mm);
 }
 
-Path InBothFrames(const FrozenJob& job, PointList points_mm, bool of_machine) {
-  const optics::MachineFromGlass machine_from_glass = MachineFromGlassOf(job);
+Result<Path> InBothFrames(const FrozenJob& job, PointList points, bool of_machine) {
+  const machine::AxesFromGlass axes_from_glass = AxesFromGlassOf(job);
   Path path;
-  PointList& other = of_machine ? path.glass_mm : path.machine_mm;
-  other.reserve(points_mm.size());
-  for (const Vec3& p : points_mm) {
-    other.push_back(of_machine ? machine_from_glass.ToGlass(p)
-                               : machine_from_glass.ToMachine(p));
+  if (of_machine) {
+    path.glass_mm.reserve(points.size());
+    for (const Vec3& axes : points)
+      path.glass_mm.push_back(axes_from_glass.ToGlass(axes));
+    path.axes = std::move(points);
+    return path;
   }
-  (of_machine ? path.machine_mm : path.glass_mm) = std::move(points_mm);
+  auto axes =
+      machine::AxesAlong(axes_from_glass, points, AxisLimitsOf(job.machine()).travel_mm);
+  if (!axes) return tl::unexpected(axes.error());
+  path.axes = std::move(*axes);
+  path.glass_mm = std::move(points);
   return path;
 }
 
 /// The job's own motion: its segments to the file of `--csv`, and the tick of each point.
 Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
-                              const PointList& path_mm,
-                              std::vector<double>& point_ticks) {
+                              const PointList& path, std::vector<double>& point_ticks) {
   std::optional<SegmentFile> file;
   if (!options.csv.empty()) {
-    auto created = SegmentFile::Create(options.csv, path_mm.front());
+    auto created = SegmentFile::Create(options.csv, KinematicsOf(job.machine())->axes(),
+                                       path.front());
     if (!created) return tl::unexpected(created.error());
     file.emplace(std::move(*created));
   }
-  point_ticks.assign(path_mm.size(), 0);
+  point_ticks.assign(path.size(), 0);
   std::uint64_t subticks = 0;
   const SegmentSink sink = [&](const motion::Segment& segment) -> Status {
     subticks += segment.duration_subticks;
@@ -82,16 +88,16 @@ Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
     return file ? file->Append(segment) : Status{};
   };
   Meter meter("plan");
-  auto planned = PlanMotion(job, path_mm, sink, meter.Sink());
+  auto planned = PlanMotion(job, path, sink, meter.Sink());
   if (!planned || !file) return planned;
   if (auto written = file->Commit(); !written) return tl::unexpected(written.error());
   return planned;
 }
 
-Status PlanOthers(const FrozenJob& job, const PointList& path_mm, PlanReport& report) {
+Status PlanOthers(const FrozenJob& job, const PointList& path, PlanReport& report) {
   for (const FrozenJob& other : WithOtherPlanners(job)) {
     Meter meter(ProfileName(other.job().motion().profile()));
-    auto planned = PlanMotion(other, path_mm, {}, meter.Sink());
+    auto planned = PlanMotion(other, path, {}, meter.Sink());
     if (!planned) return tl::unexpected(planned.error());
     *report.add_motions() = std::move(*planned);
   }
@@ -126,9 +132,10 @@ int Sort(const PathOptions& options) {
     return Complain(written.error(), client::kExitWrongInput);
   }
   PlanReport report = DescribePath(*job, table.points_mm);
-  const Path path = InBothFrames(*job, std::move(table.points_mm), false);
+  const auto path = InBothFrames(*job, std::move(table.points_mm), false);
+  if (!path) return Complain(path.error(), client::kExitWrongInput);
   std::vector<double> point_ticks;
-  auto planned = PlanOwn(options, *job, path.machine_mm, point_ticks);
+  auto planned = PlanOwn(options, *job, path->axes, point_ticks);
   if (!planned) return Complain(planned.error(), client::kExitWrongInput);
   *report.add_motions() = std::move(*planned);
   return Tell(options, report);
@@ -147,20 +154,21 @@ int Plan(const PathOptions& options) {
       return Complain(in_block.error(), client::kExitWrongInput);
     }
   }
-  Path path = InBothFrames(*job, std::move(*points_mm), of_machine);
-  PlanReport report = DescribePath(*job, path.glass_mm);
+  auto path = InBothFrames(*job, std::move(*points_mm), of_machine);
+  if (!path) return Complain(path.error(), client::kExitWrongInput);
+  PlanReport report = DescribePath(*job, path->glass_mm);
   std::vector<double> point_ticks;
-  auto planned = PlanOwn(options, *job, path.machine_mm, point_ticks);
+  auto planned = PlanOwn(options, *job, path->axes, point_ticks);
   if (!planned) return Complain(planned.error(), client::kExitWrongInput);
   *report.add_motions() = std::move(*planned);
   if (options.compare) {
-    if (auto others = PlanOthers(*job, path.machine_mm, report); !others) {
+    if (auto others = PlanOthers(*job, path->axes, report); !others) {
       return Complain(others.error(), client::kExitWrongInput);
     }
   }
   if (!options.out.empty()) {
     formats::PointTable table;
-    table.points_mm = std::move(of_machine ? path.machine_mm : path.glass_mm);
+    table.points_mm = std::move(of_machine ? path->axes : path->glass_mm);
     table.columns = {{"tick", std::move(point_ticks)}};
     if (auto written = WritePoints(options.out, table); !written) {
       return Complain(written.error(), client::kExitWrongInput);
@@ -201,7 +209,7 @@ void AddPlan(command_line::Command app) {
       .Require();
   plan.AddOption("--frame", options->frame,
                  "glass (default): the points lie in the block; machine: they are "
-                 "places of the stage, from a zero of their own")
+                 "places of the stage, the machine's axes, from a zero of their own")
       .OneOf({"glass", "machine"});
   plan.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
   plan.AddOption("--out", options->out,

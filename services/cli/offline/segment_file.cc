@@ -5,13 +5,20 @@
 namespace intaglio::cli {
 
 Result<SegmentFile> SegmentFile::Create(const std::filesystem::path& file,
-                                        const Vec3& start_mm) {
+                                        const std::array<machine::Axis, 3>& axes,
+                                        const Vec3& start) {
   auto opened = io::AtomicFile::Create(file);
   if (!opened) return tl::unexpected(opened.error());
   SegmentFile segments(std::move(*opened));
-  auto begun =
-      segments.file_.Write("tick,x_mm,y_mm,z_mm,vx_mm_s,vy_mm_s,vz_mm_s,point\n");
-  if (begun) begun = segments.WriteRow({start_mm, Vec3::Zero()}, -1);
+  std::string heading = "tick";
+  for (const auto& axis : axes) {
+    heading += fmt::format(",{}_{}", axis.name, axis.unit_name());
+  }
+  for (const auto& axis : axes) {
+    heading += fmt::format(",v{}_{}_s", axis.name, axis.unit_name());
+  }
+  auto begun = segments.file_.Write(heading + ",point\n");
+  if (begun) begun = segments.WriteRow({start, Vec3::Zero()}, -1);
   if (!begun) return tl::unexpected(begun.error());
   return segments;
 }

@@ -18,11 +18,15 @@ const Vec3 kBlockMm(50, 40, 30);
 // The stage reaches depths of 20 mm in the glass.
 const Box3 kTravel{Vec3(-1, -1, 30 - 20 * kRatio), Vec3(45, 100, 100)};
 
+machine::AxesFromGlass Straight() {
+  return {{Vec3::Zero(), kBlockMm, kRatio},
+          machine::MakeKinematics(machine::CartesianOptions{})};
+}
+
 std::string RefusalOf(const PointList& points_mm) {
   PointCloud path;
   for (const Vec3& p : points_mm) path.Add(p, 0);
-  const Status status = CheckPath(path, {{Vec3::Zero(), kBlockMm}},
-                                  {Vec3::Zero(), kBlockMm, kRatio}, kTravel);
+  const auto status = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, Straight(), kTravel);
   if (status) return "";
   EXPECT_EQ(status.error().code, ErrorCode::kOutsideBlock);
   return status.error().message;
@@ -70,7 +74,7 @@ TEST(PathCheck, ABlockThatIsNoNumberLetsNothingPass) {
   PointCloud path;
   path.Add(Vec3(1, 1, 20), 0);
   const Box3 no_number{Vec3::Zero(), Vec3::Constant(std::nan(""))};
-  EXPECT_FALSE(CheckPath(path, {no_number}, {Vec3::Zero(), kBlockMm, kRatio}, kTravel));
+  EXPECT_FALSE(CheckedAxes(path, {no_number}, Straight(), kTravel));
 }
 
 TEST(PathCheck, PointsOfAModelStayInTheBlockOfItsChannel) {
@@ -85,14 +89,45 @@ TEST(PathCheck, PointsOfAModelStayInTheBlockOfItsChannel) {
   small.mutable_size_mm()->set_x(10);
   const std::vector<Box3> blocks = BlocksOfModels(job);
   ASSERT_EQ(blocks.size(), 2);
-  const optics::MachineFromGlass frame{Vec3::Zero(), kBlockMm, kRatio};
   PointCloud path;
   path.Add(Vec3(20, 1, 20), 0);
-  EXPECT_TRUE(CheckPath(path, blocks, frame, kTravel));
+  EXPECT_TRUE(CheckedAxes(path, blocks, Straight(), kTravel));
   path.Add(Vec3(20, 1, 20), 1);
-  const Status status = CheckPath(path, blocks, frame, kTravel);
+  const auto status = CheckedAxes(path, blocks, Straight(), kTravel);
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().message, HasSubstr("point 1 of the order"));
+}
+
+TEST(PathCheck, AxesAreThoseOfTheFocusInAir) {
+  PointCloud path;
+  path.Add(Vec3(1, 2, 20), 0);
+  const auto axes = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, Straight(), kTravel);
+  ASSERT_TRUE(axes);
+  EXPECT_EQ(*axes, PointList{Vec3(1, 2, 30 - 10 * kRatio)});
+}
+
+// An arm of 120 mm, 200 mm from the axis of the table on which the block's edge lies 60
+// mm away: places nearer than 82 mm are not served, and the table may turn by 0.6 rad.
+TEST(PathCheck, ReachAndTravelOfAnArmAndATable) {
+  machine::PolarOptions options;
+  options.axis_distance_mm = 200;
+  options.arm_length_mm = 120;
+  const machine::AxesFromGlass polar({Vec3(-25, 60, 0), kBlockMm, 1},
+                                     machine::MakeKinematics(options));
+  const Box3 travel{Vec3(3, -0.2, 0), Vec3(6.3, 0.6, 30)};
+  const auto refusal = [&](const PointList& points_mm) {
+    PointCloud path;
+    for (const Vec3& p : points_mm) path.Add(p, 0);
+    const auto axes = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, polar, travel);
+    return axes ? "" : axes.error().message;
+  };
+  EXPECT_EQ(refusal({Vec3(25, 39, 5), Vec3(26, 39, 5)}), "");
+  EXPECT_THAT(refusal({Vec3(25, 39, 5), Vec3(25, 10, 5)}),
+              AllOf(HasSubstr("1 of 2 points"), HasSubstr("point 1 of the order"),
+                    HasSubstr("out of reach"), HasSubstr("block_origin_mm")));
+  EXPECT_THAT(refusal({Vec3(50, 39, 5)}),
+              AllOf(HasSubstr("out of the stage's travel"), HasSubstr("rad"),
+                    HasSubstr("-0.2 to 0.6")));
 }
 
 }  // namespace

@@ -88,6 +88,11 @@ INSTANTIATE_TEST_SUITE_P(
                [](auto& m) { m.mutable_lenses(0)->set_numerical_aperture(0.3); }},
         Change{"lenses[1].name", [](auto& m) { m.mutable_lenses(1)->set_name("g70"); }},
         Change{"stage_lag_s", [](auto& m) { m.set_stage_lag_s(0.01); }},
+        Change{"cartesian",
+               [](auto& m) {
+                 m.mutable_cartesian()->mutable_x()->set_moves(AXIS_MOVES_TABLE);
+               }},
+        Change{"polar", [](auto& m) { m.mutable_polar()->set_arm_length_mm(150); }},
         Change{"max_speed_norm_mm_s", [](auto& m) { m.set_max_speed_norm_mm_s(80); }},
         Change{"max_acceleration_norm_mm_s2",
                [](auto& m) { m.set_max_acceleration_norm_mm_s2(7000); }}));

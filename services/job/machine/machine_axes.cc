@@ -1,0 +1,159 @@
+#include "services/job/machine/machine_axes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/core/check.h"
+#include "services/job/options.h"
+
+namespace intaglio {
+namespace {
+
+// What MotionOptions.max_speed_mm_s and max_acceleration_mm_s2 may be.
+constexpr double kMaxJobSpeedMmS = 5000, kMaxJobAccelerationMmS2 = 100000;
+
+machine::LinearAxis LinearAxisOf(const LinearAxis& axis) {
+  return {axis.moves() == AXIS_MOVES_TABLE, axis.reversed()};
+}
+
+machine::PolarOptions PolarOptionsOf(const PolarKinematics& polar) {
+  machine::PolarOptions options;
+  options.axis_distance_mm = polar.axis_distance_mm();
+  options.arm_length_mm = polar.arm_length_mm();
+  options.side =
+      polar.side() == ARM_SIDE_RIGHT ? machine::ArmSide::kRight : machine::ArmSide::kLeft;
+  options.z = LinearAxisOf(polar.z());
+  if (polar.has_singular_margin_rad()) {
+    options.singular_margin_rad = polar.singular_margin_rad();
+  }
+  return options;
+}
+
+void SetAxis(motion::Limits& limits, int i, const AxisLimits& axis) {
+  limits.max_speed_mm_s[i] = axis.max_speed_mm_s();
+  limits.max_acceleration_mm_s2[i] = axis.max_acceleration_mm_s2();
+  if (axis.has_max_jerk_mm_s3()) limits.max_jerk_mm_s3[i] = axis.max_jerk_mm_s3();
+  limits.travel_mm.min_mm[i] = axis.travel_min_mm();
+  limits.travel_mm.max_mm[i] = axis.travel_max_mm();
+}
+
+void SetAxis(motion::Limits& limits, int i, const RotaryAxis& axis) {
+  limits.max_speed_mm_s[i] = axis.max_speed_rad_s();
+  limits.max_acceleration_mm_s2[i] = axis.max_acceleration_rad_s2();
+  if (axis.has_max_jerk_rad_s3()) limits.max_jerk_mm_s3[i] = axis.max_jerk_rad_s3();
+  limits.travel_mm.min_mm[i] = axis.travel_min_rad();
+  limits.travel_mm.max_mm[i] = axis.travel_max_rad();
+}
+
+}  // namespace
+
+machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine) {
+  if (machine.has_polar()) return PolarOptionsOf(machine.polar());
+  const CartesianKinematics& cartesian = machine.cartesian();
+  return machine::CartesianOptions{LinearAxisOf(cartesian.x()),
+                                   LinearAxisOf(cartesian.y()),
+                                   LinearAxisOf(cartesian.z())};
+}
+
+std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine) {
+  return machine::MakeKinematics(KinematicsOptionsOf(machine));
+}
+
+bool AreHeadCoordinates(const MachineSpec& machine) {
+  const auto kinematics = KinematicsOptionsOf(machine);
+  const auto* linear = std::get_if<machine::CartesianOptions>(&kinematics);
+  return linear != nullptr && linear->x.sign() > 0 && linear->y.sign() > 0 &&
+         linear->z.sign() > 0;
+}
+
+motion::Limits AxisLimitsOf(const MachineSpec& machine) {
+  motion::Limits limits;
+  SetAxis(limits, 2, machine.z());
+  if (machine.has_polar()) {
+    SetAxis(limits, 0, machine.polar().arm());
+    SetAxis(limits, 1, machine.polar().table());
+    return limits;
+  }
+  SetAxis(limits, 0, machine.x());
+  SetAxis(limits, 1, machine.y());
+  if (machine.has_max_speed_norm_mm_s()) {
+    limits.max_speed_norm_mm_s = machine.max_speed_norm_mm_s();
+  }
+  if (machine.has_max_acceleration_norm_mm_s2()) {
+    limits.max_acceleration_norm_mm_s2 = machine.max_acceleration_norm_mm_s2();
+  }
+  return limits;
+}
+
+FocusLimits FocusLimitsOf(const MachineSpec& machine) {
+  const motion::Limits limits = AxisLimitsOf(machine);
+  Vec3 scale_mm = Vec3::Ones();
+  if (machine.has_polar()) {
+    const double arm_mm = machine.polar().arm_length_mm();
+    scale_mm = Vec3(arm_mm, machine.polar().axis_distance_mm() + arm_mm, 1);
+  }
+  return {
+      std::min(kMaxJobSpeedMmS, limits.max_speed_mm_s.cwiseProduct(scale_mm).maxCoeff()),
+      std::min(kMaxJobAccelerationMmS2,
+               limits.max_acceleration_mm_s2.cwiseProduct(scale_mm).maxCoeff())};
+}
+
+machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job) {
+  return {MachineFromGlassOf(job), KinematicsOf(job.machine())};
+}
+
+machine::ScaleBounds ScaleBoundsOf(const FrozenJob& job) {
+  const Vec3 origin_mm = Vec3Of(job.machine().block_origin_mm());
+  return KinematicsOf(job.machine())
+      ->BoundsOver({origin_mm, origin_mm + BlockSizeOf(job.job())});
+}
+
+motion::Limits CappedAxisLimitsOf(const FrozenJob& job) {
+  const MotionOptions& asked = job.job().motion();
+  const Vec3 scale_mm = ScaleBoundsOf(job).axis_mm;
+  const motion::Limits own = AxisLimitsOf(job.machine());
+  motion::Limits limits;
+  limits.travel_mm = own.travel_mm;
+  limits.max_speed_mm_s =
+      own.max_speed_mm_s.cwiseMin(asked.max_speed_mm_s() * scale_mm.cwiseInverse());
+  limits.max_acceleration_mm_s2 = own.max_acceleration_mm_s2.cwiseMin(
+      asked.max_acceleration_mm_s2() * scale_mm.cwiseInverse());
+  return limits;
+}
+
+motion::Limits GlassLimitsOf(const FrozenJob& job) {
+  const machine::AxesFromGlass axes_from_glass = AxesFromGlassOf(job);
+  const motion::Limits axis_limits = CappedAxisLimitsOf(job);
+  const auto middle = axes_from_glass.ToAxes(0.5 * BlockSizeOf(job.job()),
+                                             machine::BranchStart(axis_limits.travel_mm));
+  Require(middle.has_value(), "the middle of the block: {}",
+          middle ? "" : middle.error().message);
+  const Mat3 axes_per_mm = axes_from_glass.kinematics().ScaleAt(*middle).inverse();
+  motion::Limits limits;
+  limits.max_speed_mm_s = limits.max_acceleration_mm_s2 =
+      Vec3::Constant(motion::kUnlimited);
+  for (int along = 0; along < 3; ++along) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double moved = std::abs(axes_per_mm(axis, along));
+      if (moved == 0) continue;
+      limits.max_speed_mm_s[along] = std::min(limits.max_speed_mm_s[along],
+                                              axis_limits.max_speed_mm_s[axis] / moved);
+      limits.max_acceleration_mm_s2[along] =
+          std::min(limits.max_acceleration_mm_s2[along],
+                   axis_limits.max_acceleration_mm_s2[axis] / moved);
+    }
+  }
+  // A step in depth is a shorter one of the focus in air.
+  const double ratio = job.optics().stage_per_glass_ratio();
+  limits.max_speed_mm_s.z() /= ratio;
+  limits.max_acceleration_mm_s2.z() /= ratio;
+  return limits;
+}
+
+double AxisToleranceOf(const FrozenJob& job, double tolerance_mm) {
+  // In the glass a move in depth is longer than in air.
+  return tolerance_mm * std::min(1.0, job.optics().stage_per_glass_ratio()) /
+         ScaleBoundsOf(job).any_mm;
+}
+
+}  // namespace intaglio

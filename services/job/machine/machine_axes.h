@@ -1,0 +1,55 @@
+#pragma once
+
+// The axes of a machine profile: its kinematics, and limits and tolerances as they are on
+// the axes (mm or rad) and at the focus (mm). All take profiles that CheckMachine passes.
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "engrave/machine/axes_from_glass.h"
+#include "engrave/motion/axis/limits.h"
+#include "proto/machine.pb.h"
+#include "proto/task.pb.h"
+
+namespace intaglio {
+
+/// What MachineSpec.kinematics chooses; absent: three linear axes that move the head.
+machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine);
+std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine);
+
+/// Whether the axes are the focus' own coordinates: linear, the head moves, all count up.
+bool AreHeadCoordinates(const MachineSpec& machine);
+
+/// The machine's own limits and its travel, of each axis in its unit: for one that turns
+/// the fields ending in _mm hold rad. Limits of lengths are those of linear axes.
+motion::Limits AxisLimitsOf(const MachineSpec& machine);
+
+/// The greatest speed and acceleration that one axis alone gives the focus, anywhere the
+/// machine reaches, mm/s and mm/s^2: what a job's limits are bounded by.
+struct FocusLimits {
+  double speed_mm_s = 0;
+  double acceleration_mm_s2 = 0;
+};
+FocusLimits FocusLimitsOf(const MachineSpec& machine);
+
+/// Glass frame to axes, focus depth included.
+machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job);
+
+/// How far the focus moves in air for a unit of the axes, at most, in the job's block.
+machine::ScaleBounds ScaleBoundsOf(const FrozenJob& job);
+
+/// Of the machine's axes, capped so that no axis alone moves the focus anywhere in the
+/// block faster than the job's limits. Without limits of jerk and lengths.
+motion::Limits CappedAxisLimitsOf(const FrozenJob& job);
+
+/// The same in the glass, along x, y, z: how fast the focus may go there in the middle of
+/// the block. The order of points is computed with it; where axes turn it differs over
+/// the block, and the motion itself is planned with the axes' limits.
+motion::Limits GlassLimitsOf(const FrozenJob& job);
+
+/// The move of the axes, as one vector, that moves no focus in the block by more than
+/// `tolerance_mm`, in the glass.
+double AxisToleranceOf(const FrozenJob& job, double tolerance_mm);
+
+}  // namespace intaglio

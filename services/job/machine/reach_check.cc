@@ -1,0 +1,63 @@
+#include "services/job/machine/reach_check.h"
+
+#include <fmt/format.h>
+
+#include "services/job/job_check.h"
+#include "services/job/machine/machine_axes.h"
+#include "services/job/options.h"
+
+namespace intaglio {
+namespace {
+
+std::string SizeText(const Vec3& size_mm) {
+  return fmt::format("{:g} x {:g} x {:g}", size_mm.x(), size_mm.y(), size_mm.z());
+}
+
+void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
+                     const Box3& needed, const MachineSpec& machine, Findings& findings) {
+  const Box3 travel = AxisLimitsOf(machine).travel_mm;
+  const double from = needed.min_mm[i], to = needed.max_mm[i];
+  if (from >= travel.min_mm[i] && to <= travel.max_mm[i]) return;
+  const Vec3 size_mm = BlockSizeOf(job);
+  if (axis.unit == machine::AxisUnit::kMm) {
+    return findings.Wrong(
+        fmt::format("block.size_mm.{}", axis.name), size_mm[i],
+        "does not fit in the travel of {}: the stage would have to go from {:.6g} to "
+        "{:.6g} mm, it can go from {} to {}",
+        machine.name(), from, to, travel.min_mm[i], travel.max_mm[i]);
+  }
+  findings.Wrong(
+      "block.size_mm", SizeText(size_mm),
+      "does not fit in the travel of {}: the axis {} would have to go from "
+      "{:.6g} to {:.6g} rad, it can go from {} to {}; take a smaller block, or "
+      "move it on the table and correct block_origin_mm",
+      machine.name(), axis.name, from, to, travel.min_mm[i], travel.max_mm[i]);
+}
+
+}  // namespace
+
+void CheckReach(const JobSpec& job, const MachineSpec& machine,
+                std::optional<double> stage_per_glass_ratio, Findings& findings) {
+  if (machine.has_polar() && !CheckKinematics(machine).empty()) return;
+  const Vec3 size_mm = BlockSizeOf(job);
+  const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
+  const machine::AxesFromGlass axes_from_glass(
+      {Vec3Of(machine.block_origin_mm()), size_mm, stage_per_glass_ratio.value_or(1)},
+      KinematicsOf(machine));
+  Box3 permitted_mm{margin_mm, size_mm - margin_mm};
+  if (!stage_per_glass_ratio) permitted_mm.min_mm.z() = permitted_mm.max_mm.z();
+  const auto needed =
+      machine::AxesOver(axes_from_glass, permitted_mm, AxisLimitsOf(machine).travel_mm);
+  if (!needed) {
+    return findings.Wrong("block.size_mm", SizeText(size_mm),
+                          "is not all within the reach of {}: {}", machine.name(),
+                          needed.error().message);
+  }
+  const auto axes = axes_from_glass.kinematics().axes();
+  for (int i = 0; i < 3; ++i) {
+    CheckAxisTravel(axes[static_cast<std::size_t>(i)], i, job, *needed, machine,
+                    findings);
+  }
+}
+
+}  // namespace intaglio
