@@ -62,8 +62,8 @@ Status WriteGcode(const std::filesystem::path& file, const PointTable& table,
     // All three words in every line: a run can be taken up at any of them.
     text = options.feed_mm_min > 0 ? "G1" : "G0";
     for (int axis = 0; axis < 3; ++axis) {
-      AppendWord("XYZ"[axis], p_mm[axis] - options.origin_mm[axis], options.decimals,
-                 text);
+      AppendWord(options.words[static_cast<std::size_t>(axis)],
+                 p_mm[axis] - options.origin_mm[axis], options.decimals, text);
     }
     text += '\n';
     text += options.pulse;

@@ -4,6 +4,7 @@
 // only. It knows nothing of lamp sync and limits of motion; intaglio's own machines are
 // driven by engrave/motion instead. docs/formats.md describes the lines.
 
+#include <array>
 #include <filesystem>
 #include <string>
 
@@ -24,6 +25,9 @@ struct GcodeOptions {
   std::string pulse = "M100";
   /// The place of the controller's zero in the frame of the points, mm.
   Vec3 origin_mm = Vec3::Zero();
+  /// The words of the three coordinates. Those of axes that turn are A, B and C, in
+  /// degrees.
+  std::array<char, 3> words = {'X', 'Y', 'Z'};
   /// Lines before the first move, and after the last. Default: mm (G21), absolute (G90);
   /// end of program.
   std::string header = "G21\nG90";

@@ -96,6 +96,11 @@ Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extensio
   return (*parser)(bytes, limits);
 }
 
+bool IsGcode(const std::filesystem::path& file) {
+  const Kind* kind = KindOf(LowerCaseExtension(file.extension().string()));
+  return kind != nullptr && kind->write == WriteDefaultGcode;
+}
+
 Status WritePoints(const std::filesystem::path& file, const PointTable& table) {
   const std::string extension = LowerCaseExtension(file.extension().string());
   if (const Kind* kind = KindOf(extension)) return kind->write(file, table);

@@ -27,6 +27,9 @@ Result<PointTable> ReadPoints(const std::filesystem::path& file,
 Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extension,
                                const PointFileLimits& limits = {});
 
+/// Whether the name is one of a G-code file.
+bool IsGcode(const std::filesystem::path& file);
+
 /// kUnsupported before anything is written. What exists and is no regular file (a
 /// terminal, a pipe) and has no extension is given XYZ text.
 Status WritePoints(const std::filesystem::path& file, const PointTable& table);

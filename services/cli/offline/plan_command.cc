@@ -2,8 +2,10 @@
 
 #include <iostream>
 #include <memory>
+#include <numbers>
 #include <optional>
 
+#include "engrave/formats/gcode_file.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/sort/order.h"
 #include "services/cli/complain.h"
@@ -23,7 +25,7 @@ namespace {
 struct PathOptions {
   JobFlags job;
   std::string input, out, csv, materials_db;
-  std::string frame = "glass";
+  std::string frame = "glass", out_frame;
   bool compare = false;
   bool json = false;
 };
@@ -92,6 +94,39 @@ Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
   if (!planned || !file) return planned;
   if (auto written = file->Commit(); !written) return tl::unexpected(written.error());
   return planned;
+}
+
+/// As a controller's axes: millimetres, and degrees of those that turn.
+Status WriteGcodeOfAxes(const std::string& file, formats::PointTable table,
+                        const machine::Kinematics& kinematics) {
+  formats::GcodeOptions options;
+  const auto axes = kinematics.axes();
+  // 1e-5 degrees are 0.03 um at the end of an arm of 150 mm.
+  if (axes[0].unit == machine::AxisUnit::kRad) options.decimals = 5;
+  const char* turning = "ACB";
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (axes[i].unit != machine::AxisUnit::kRad) continue;
+    options.words[i] = *turning++;
+    for (Vec3& point : table.points_mm) {
+      point[static_cast<int>(i)] *= 180 / std::numbers::pi;
+    }
+  }
+  return formats::WriteGcode(file, table, options);
+}
+
+/// The path for `--out`, with the tick of each point.
+Status WritePath(const PathOptions& options, const FrozenJob& job, Path path,
+                 std::vector<double> point_ticks) {
+  const std::string& frame =
+      options.out_frame.empty() ? options.frame : options.out_frame;
+  const bool of_machine = frame == "machine";
+  formats::PointTable table;
+  table.points_mm = std::move(of_machine ? path.axes : path.glass_mm);
+  table.columns = {{"tick", std::move(point_ticks)}};
+  if (!of_machine || !formats::IsGcode(options.out)) {
+    return WritePoints(options.out, table);
+  }
+  return WriteGcodeOfAxes(options.out, std::move(table), *KinematicsOf(job.machine()));
 }
 
 Status PlanOthers(const FrozenJob& job, const PointList& path, PlanReport& report) {
@@ -167,10 +202,8 @@ int Plan(const PathOptions& options) {
     }
   }
   if (!options.out.empty()) {
-    formats::PointTable table;
-    table.points_mm = std::move(of_machine ? path->axes : path->glass_mm);
-    table.columns = {{"tick", std::move(point_ticks)}};
-    if (auto written = WritePoints(options.out, table); !written) {
+    if (auto written = WritePath(options, *job, std::move(*path), std::move(point_ticks));
+        !written) {
       return Complain(written.error(), client::kExitWrongInput);
     }
   }
@@ -210,6 +243,11 @@ void AddPlan(command_line::Command app) {
   plan.AddOption("--frame", options->frame,
                  "glass (default): the points lie in the block; machine: they are "
                  "places of the stage, the machine's axes, from a zero of their own")
+      .OneOf({"glass", "machine"});
+  plan.AddOption(
+          "--out-frame", options->out_frame,
+          "of --out, that of the path when not given; machine: where the axes are, "
+          "for a controller (G-code)")
       .OneOf({"glass", "machine"});
   plan.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
   plan.AddOption("--out", options->out,

@@ -242,6 +242,65 @@ TEST_F(PlanCommand, WritesThePathAgainWithTheTickOfEachPoint) {
   }
 }
 
+/// The numbers behind a word of the lines of motion, e.g. 'X'.
+std::vector<double> WordsOf(const fs::path& gcode, char word) {
+  std::vector<double> values;
+  std::ifstream in(gcode);
+  for (std::string line; std::getline(in, line);) {
+    const auto at = line.find(std::string(" ") + word);
+    if (line.starts_with("G0") && at != std::string::npos) {
+      values.push_back(std::stod(line.substr(at + 2)));
+    }
+  }
+  return values;
+}
+
+TEST_F(PlanCommand, WritesTheAxesOfATableForAController) {
+  const fs::path machine = folder_ / "table.textproto", out = folder_ / "axes.ngc";
+  std::ifstream in(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string origin = "\nblock_origin_mm { x: 0";
+  text.replace(text.find(origin), origin.size(), "\nblock_origin_mm { x: -100");
+  std::ofstream(machine) << text << "cartesian { x { moves: AXIS_MOVES_TABLE } }\n";
+  Type({"plan", "--path", path().string(), "--machine", machine.string(), "--out",
+        out.string(), "--out-frame", "machine"});
+  const std::vector<double> x_mm = WordsOf(out, 'X'), y_mm = WordsOf(out, 'Y');
+  ASSERT_EQ(x_mm.size(), path_mm_.size()) << errors_;
+  for (std::size_t i = 0; i < path_mm_.size(); ++i) {
+    EXPECT_NEAR(x_mm[i], 100 - path_mm_[i].x(), 6e-4) << "three decimals";
+    EXPECT_NEAR(y_mm[i], path_mm_[i].y(), 6e-4);
+  }
+}
+
+// The figures are those of a machine of 150 mm, not of one whose millimetres are radians.
+TEST_F(PlanCommand, PlansAnArmAndARotaryTable) {
+  const fs::path out = folder_ / "axes.ngc";
+  const PlanReport report = ReportOf(
+      {"plan", "--path", path().string(), "--machine",
+       INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto", "--block", "50", "50",
+       "30", "--out", out.string(), "--out-frame", "machine", "--csv", csv().string()});
+  ASSERT_EQ(report.motions_size(), 1) << errors_;
+  EXPECT_EQ(report.motions(0).violation_count(), 0u);
+  EXPECT_GT(report.motions(0).peak_speed_mm_s(), 60);
+  EXPECT_LT(report.motions(0).peak_speed_mm_s(), 0.8 * 150 + 1e-3);
+  std::ifstream segments(csv());
+  std::string heading;
+  std::getline(segments, heading);
+  EXPECT_EQ(heading, "tick,arm_rad,table_rad,z_mm,varm_rad_s,vtable_rad_s,vz_mm_s,point");
+  // Turned forwards, the words lead to the points: the block's corner is at (-25, 90).
+  const std::vector<double> arm_deg = WordsOf(out, 'A'), table_deg = WordsOf(out, 'C');
+  ASSERT_EQ(arm_deg.size(), path_mm_.size());
+  ASSERT_EQ(table_deg.size(), path_mm_.size());
+  constexpr double kDeg = 3.14159265358979 / 180;
+  for (std::size_t i = 0; i < path_mm_.size(); ++i) {
+    const double arm = arm_deg[i] * kDeg, table = table_deg[i] * kDeg;
+    const double x_mm = 150 * std::sin(arm), y_mm = 200 - 150 * std::cos(arm);
+    const Vec2 on_table_mm(x_mm * std::cos(table) + y_mm * std::sin(table),
+                           y_mm * std::cos(table) - x_mm * std::sin(table));
+    EXPECT_LT((on_table_mm - Vec2(-25, 90) - path_mm_[i].head<2>()).norm(), 1e-4);
+  }
+}
+
 TEST_F(PlanCommand, SortPrintsTheFiguresThatPlanPrintsForItsPath) {
   const fs::path sorted = folder_ / "sorted.ply";
   const PlanReport sort = ReportOf(
