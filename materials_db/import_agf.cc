@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "engrave/io/number_text.h"
 #include "engrave/optics/dispersion_formulas.h"
 #include "materials_db/numbers.h"
 #include "materials_db/utf8.h"
@@ -112,7 +113,7 @@ class CatalogReader {
                fmt::format("glass {} is already in line {}", words[0], place->second),
                words[0]);
     }
-    const auto number = words.size() > 1 ? ParseNumber(words[1]) : std::nullopt;
+    const auto number = words.size() > 1 ? io::ParseFinite(words[1]) : std::nullopt;
     if (!number || !(std::abs(*number) <= 999) || *number != std::floor(*number)) {
       Complain(line_, ErrorCode::kInvalidValue,
                fmt::format("glass {}: NM needs the formula's number after the name",
@@ -128,7 +129,7 @@ class CatalogReader {
                fmt::format("glass {}: {}", glass_.name, formula.error().message),
                words[1]);
     }
-    if (words.size() > 3) nd_ = ParseNumber(words[3]);
+    if (words.size() > 3) nd_ = io::ParseFinite(words[3]);
   }
 
   /// A value of the line times `factor`; unknown where there is none.
@@ -136,7 +137,7 @@ class CatalogReader {
     if (place >= words.size() || words[place] == "-" || words[place] == "_") {
       return std::nullopt;
     }
-    const auto number = ParseNumber(words[place]);
+    const auto number = io::ParseFinite(words[place]);
     if (!number) {
       Complain(line_, ErrorCode::kInvalidValue,
                fmt::format("glass {}: \"{}\" is no number", glass_.name, words[place]),

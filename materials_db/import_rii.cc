@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/io/number_text.h"
 #include "materials_db/html_text.h"
 #include "materials_db/numbers.h"
 
@@ -24,7 +25,7 @@ std::optional<std::string> TextOf(const YAML::Node& node) {
 
 std::optional<double> NumberOf(const YAML::Node& node) {
   const auto text = TextOf(node);
-  return text ? ParseNumber(*text) : std::nullopt;
+  return text ? io::ParseFinite(*text) : std::nullopt;
 }
 
 /// A child of a map; null when there is none.
@@ -104,7 +105,8 @@ class RecordReader {
   void ReadFormula(const YAML::Node& entry, const std::string& type) {
     const bool is_agf = type.starts_with("agf formula ");
     const bool is_rii = type.starts_with("formula ");
-    const auto number = ParseNumber(std::string_view(type).substr(type.rfind(' ') + 1));
+    const auto number =
+        io::ParseFinite(std::string_view(type).substr(type.rfind(' ') + 1));
     if (!(is_agf || is_rii) || !number || !(*number >= 1 && *number <= 99) ||
         *number != static_cast<int>(*number)) {
       Complain(ErrorCode::kUnsupported,

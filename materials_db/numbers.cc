@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <cstdint>
+#include "engrave/io/number_text.h"
 
 namespace intaglio::materials_db {
 namespace {
@@ -30,20 +27,10 @@ std::vector<std::string_view> Split(std::string_view text, F is_separator) {
 
 }  // namespace
 
-std::optional<double> ParseNumber(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  double number = 0;
-  const auto [end, error] =
-      std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if (!std::isfinite(number)) return std::nullopt;
-  return number;
-}
-
 std::optional<std::vector<double>> ParseNumbers(std::string_view text) {
   std::vector<double> numbers;
   for (const auto word : Split(text, [](char c) { return IsSpace(c) || c == ','; })) {
-    const auto number = ParseNumber(word);
+    const auto number = io::ParseFinite(word);
     if (!number) return std::nullopt;
     numbers.push_back(*number);
   }

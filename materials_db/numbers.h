@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers as text, bit for bit there and back, whatever the locale.
+// Lists of numbers as text, bit for bit there and back, whatever the locale.
 
 #include <optional>
 #include <string>
@@ -9,13 +9,10 @@
 
 namespace intaglio::materials_db {
 
-/// A finite number that takes the whole text: "1.5", "-3e-06", "+2".
-std::optional<double> ParseNumber(std::string_view text);
-
-/// Numbers between white space or commas; none when one of them is not a number.
+/// Finite numbers between white space or commas; none when one of them is not a number.
 std::optional<std::vector<double>> ParseNumbers(std::string_view text);
 
-/// The shortest text that ParseNumber reads back as the same number.
+/// The shortest text that io::ParseFinite reads back as the same number.
 std::string FormatNumber(double number);
 /// The same, with one space between.
 std::string FormatNumbers(const std::vector<double>& numbers);

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
-
 #include "engrave/drawing/pieces.h"
+#include "engrave/io/number_text.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -104,15 +102,7 @@ std::string Shown(std::string_view text, std::size_t max_bytes) {
 std::optional<double> NumberOf(std::string_view text) {
   while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
   while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
-  double number = 0;
-  const auto [end, failure] =
-      std::from_chars(text.data(), text.data() + text.size(), number);
-  // Digits below the smallest double are zero to every drawing program.
-  if (failure == std::errc::result_out_of_range && text.find("e-") != text.npos) return 0;
-  if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if (!std::isfinite(number)) return std::nullopt;
-  return number;
+  return io::ParseFinite(text);
 }
 
 }  // namespace intaglio::drawing

@@ -17,7 +17,9 @@ bool TakeNumber(std::string_view& line, double& value) {
   line.remove_prefix(std::min(line.find_first_not_of(kSeparators), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kSeparators));
   line.remove_prefix(word.size());
-  return io::ParseNumber(word, value);
+  const std::optional<double> number = io::ParseNumber(word);
+  value = number.value_or(0);
+  return number.has_value();
 }
 
 std::string CommentOf(std::string_view line) {

@@ -119,7 +119,10 @@ Status PointReader::TakeUnit(std::string_view value) {
 }
 
 Status PointReader::TakeCoordinate(const Pair& pair) {
-  if (io::ParseNumber(pair.value, (*point_)[pair.code / 10 - 1])) return {};
+  if (const std::optional<double> number = io::ParseNumber(pair.value)) {
+    (*point_)[pair.code / 10 - 1] = *number;
+    return {};
+  }
   return Fail(ErrorCode::kUnreadable,
               fmt::format("line {} is not a coordinate: \"{:.60}\"; export the drawing "
                           "again",

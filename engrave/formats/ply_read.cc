@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "engrave/formats/ply_header.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/number_text.h"
 
 namespace intaglio::formats {
 namespace {
@@ -101,14 +101,9 @@ class AsciiValues final : public PlyValues {
   std::optional<double> Take() {
     static constexpr std::string_view kBlanks = " \t\r\n";
     rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
-    std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
     rest_.remove_prefix(word.size());
-    if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-    T value{};
-    const char* end = word.data() + word.size();
-    const auto parsed = std::from_chars(word.data(), end, value);
-    if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
-    return static_cast<double>(value);
+    return io::ParseNumber<T>(word);
   }
 
   // Some writers give integers a point ("255.0"); what is whole and in range is taken.

@@ -2,6 +2,9 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <limits>
+#include <type_traits>
 
 namespace intaglio::io {
 
@@ -18,11 +21,34 @@ void AppendShortestFixed(double value, std::string& text) {
   text.append(digits.data(), written.ptr);
 }
 
-bool ParseNumber(std::string_view word, double& value) {
+template <typename Number>
+std::optional<Number> ParseNumber(std::string_view word) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   const char* end = word.data() + word.size();
+  Number value = 0;
   const auto parsed = std::from_chars(word.data(), end, value);
-  return parsed.ec == std::errc() && parsed.ptr == end;
+  if (parsed.ptr != end) return std::nullopt;
+  if (parsed.ec == std::errc()) return value;
+  if (parsed.ec != std::errc::result_out_of_range) return std::nullopt;
+  // from_chars gives no value for what is out of range, too large or too small.
+  if constexpr (std::is_same_v<Number, float>) {
+    double wide = 0;
+    if (std::from_chars(word.data(), end, wide).ec == std::errc()) {
+      return static_cast<float>(wide);
+    }
+  }
+  const bool tiny = word.find("e-") != std::string_view::npos ||
+                    word.find("E-") != std::string_view::npos;
+  const Number magnitude = tiny ? 0 : std::numeric_limits<Number>::infinity();
+  return word[0] == '-' ? -magnitude : magnitude;
+}
+
+template std::optional<float> ParseNumber(std::string_view word);
+template std::optional<double> ParseNumber(std::string_view word);
+
+std::optional<double> ParseFinite(std::string_view word) {
+  const std::optional<double> number = ParseNumber(word);
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 }  // namespace intaglio::io

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
-#include <cmath>
 #include <cstring>
-#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engrave/io/number_text.h"
 #include "engrave/mesh/triangle_welder.h"
 
 namespace intaglio::mesh {
@@ -71,24 +70,6 @@ bool IsWord(std::string_view text, std::string_view lower_case) {
                     });
 }
 
-/// The number that the word is, rounded to a float; too large is infinite, too small 0.
-bool ParseFloat(std::string_view word, float& value) {
-  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  const char* end = word.data() + word.size();
-  const auto parsed = std::from_chars(word.data(), end, value);
-  if (parsed.ptr != end) return false;
-  if (parsed.ec != std::errc::result_out_of_range) return parsed.ec == std::errc();
-  double wide = 0;
-  if (std::from_chars(word.data(), end, wide).ec == std::errc()) {
-    value = static_cast<float>(wide);
-    return true;
-  }
-  const bool tiny = word.find("e-") != std::string_view::npos ||
-                    word.find("E-") != std::string_view::npos;
-  value = tiny ? 0 : std::numeric_limits<float>::infinity();
-  return true;
-}
-
 /// A line's words one after another.
 class Words {
  public:
@@ -137,9 +118,9 @@ Status TextReader::TakeCorner(Words& words, std::string_view line) {
   }
   Corner& corner = corners_[corner_count_++];
   for (float& coordinate : corner) {
-    if (!ParseFloat(words.Next(), coordinate)) {
-      return Refuse(fmt::format("is no vertex: \"{:.60}\"", line));
-    }
+    const std::optional<float> number = io::ParseNumber<float>(words.Next());
+    if (!number) return Refuse(fmt::format("is no vertex: \"{:.60}\"", line));
+    coordinate = *number;
   }
   return {};
 }

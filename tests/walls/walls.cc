@@ -16,10 +16,10 @@ constexpr int kMaxFiles = 39;
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/core", {}},
     {"engrave/io", {"engrave/core"}},
-    {"engrave/mesh", {"engrave/core"}},
-    {"engrave/drawing/dxf", {"engrave/core", "engrave/drawing"}},
+    {"engrave/mesh", {"engrave/core", "engrave/io"}},
+    {"engrave/drawing/dxf", {"engrave/core", "engrave/io", "engrave/drawing"}},
     {"engrave/drawing/svg", {"engrave/core", "engrave/drawing"}},
-    {"engrave/drawing", {"engrave/core"}},
+    {"engrave/drawing", {"engrave/core", "engrave/io"}},
     {"engrave/image", {"engrave/core"}},
     {"engrave/discretize",
      {"engrave/core", "engrave/mesh", "engrave/discretize/mesh",
