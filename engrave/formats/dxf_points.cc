@@ -13,6 +13,7 @@
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/atomic_file.h"
+#include "engrave/io/dxf_unit.h"
 #include "engrave/io/number_text.h"
 
 namespace intaglio::formats {
@@ -67,16 +68,6 @@ class Pairs {
   std::size_t line_number_ = 0;
 };
 
-/// $INSUNITS, the length of a drawing unit.
-std::optional<double> UnitOf(std::string_view code) {
-  static const std::map<std::string_view, double> kUnits_mm = {
-      {"0", 1},       {"1", 25.4},    {"2", 304.8}, {"4", 1},     {"5", 10},  {"6", 1000},
-      {"8", 25.4e-6}, {"9", 25.4e-3}, {"12", 1e-6}, {"13", 1e-3}, {"14", 100}};
-  const auto found = kUnits_mm.find(code);
-  if (found == kUnits_mm.end()) return std::nullopt;
-  return found->second;
-}
-
 class PointReader {
  public:
   PointReader(std::string_view bytes, const PointFileLimits& limits)
@@ -106,7 +97,7 @@ class PointReader {
 };
 
 Status PointReader::TakeUnit(std::string_view value) {
-  const std::optional<double> unit_mm = UnitOf(value);
+  const std::optional<double> unit_mm = io::DxfUnitMm(value);
   if (!unit_mm) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("its unit ($INSUNITS) is {:.20}; set the drawing's unit to "

@@ -14,37 +14,10 @@
 #include "engrave/drawing/dxf/dxf_insert.h"
 #include "engrave/drawing/dxf/dxf_layers.h"
 #include "engrave/drawing/pieces.h"
+#include "engrave/io/dxf_unit.h"
 
 namespace intaglio::drawing {
 namespace {
-
-// $INSUNITS 0 .. 24 in mm (DXF reference); 21 to 24 are of the US survey.
-constexpr double kSurveyFoot_mm = 1200.0 / 3937 * 1000;
-constexpr double kUnits_mm[] = {1,
-                                25.4,
-                                304.8,
-                                1609344,
-                                1,
-                                10,
-                                1000,
-                                1e6,
-                                25.4e-6,
-                                0.0254,
-                                914.4,
-                                1e-7,
-                                1e-6,
-                                1e-3,
-                                100,
-                                1e4,
-                                1e5,
-                                1e12,
-                                1.495978707e14,
-                                9.4607304725808e18,
-                                3.0856775814913673e19,
-                                kSurveyFoot_mm,
-                                kSurveyFoot_mm / 12,
-                                3 * kSurveyFoot_mm,
-                                5280 * kSurveyFoot_mm};
 
 struct Block {
   DxfText text;
@@ -139,16 +112,16 @@ class DxfReader {
   }
 
   bool TakeUnit(const DxfGroup& group) {
-    const std::optional<double> unit = NumberOf(group.value);
     if (options_.unit_mm) return true;
-    if (!unit || *unit < 0 || *unit >= std::size(kUnits_mm)) {
+    const std::optional<double> unit_mm = io::DxfUnitMm(group.value);
+    if (!unit_mm) {
       return builder_.Refuse(ErrorCode::kUnsupported,
                              fmt::format("line {}", group.line + 1),
                              "$INSUNITS is no unit of length known here (0 to 24); say "
                              "how many mm a unit is",
                              group.value);
     }
-    unit_mm_ = kUnits_mm[static_cast<std::size_t>(*unit)];
+    unit_mm_ = *unit_mm;
     return true;
   }
 

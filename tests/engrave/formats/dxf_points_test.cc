@@ -70,16 +70,20 @@ TEST(DxfPoints, ReadsWindowsLineEndsAndAPointWithoutZ) {
 }
 
 TEST(DxfPoints, AppliesTheDrawingsUnit) {
-  for (const auto& [code, mm] :
-       {std::pair{"0", 1.0}, {"1", 25.4}, {"4", 1.0}, {"6", 1000.0}, {"13", 0.001}}) {
+  for (const auto& [code, mm] : {std::pair{"0", 1.0},
+                                 {"1", 25.4},
+                                 {"4", 1.0},
+                                 {"6", 1000.0},
+                                 {"24", 5280 * 1200 / 3.937}}) {
     const auto read =
         ParseDxf(Drawing(fmt::format("9\n$INSUNITS\n70\n     {}\n", code), kPoint));
     ASSERT_TRUE(read.has_value()) << read.error().message;
-    EXPECT_EQ(read->points_mm[0], Vec3(Vec3(1, 2.5, -3) * mm)) << code;
+    // Within the roundings of two ways to write a survey mile.
+    EXPECT_TRUE(read->points_mm[0].isApprox(Vec3(1, 2.5, -3) * mm, 1e-15)) << code;
   }
-  const auto miles = ParseDxf(Drawing("9\n$INSUNITS\n70\n3\n", kPoint));
-  EXPECT_EQ(miles.error().code, ErrorCode::kUnsupported);
-  EXPECT_THAT(miles.error().message, HasSubstr("to millimetres"));
+  const auto unknown = ParseDxf(Drawing("9\n$INSUNITS\n70\n25\n", kPoint));
+  EXPECT_EQ(unknown.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(unknown.error().message, HasSubstr("to millimetres"));
 }
 
 TEST(DxfPoints, SaysWhatIsWrong) {

@@ -230,6 +230,9 @@ TEST(DxfRead, UnitsOfTheFileAndOfTheCaller) {
   ReadOptions options;
   options.unit_mm = 10;
   EXPECT_EQ(FlatDxf(head + line, options).curves[0].points_mm[1].x(), 20);
+  const std::string unknown = Groups("0 SECTION|2 HEADER|9 $INSUNITS|70 25|0 ENDSEC");
+  EXPECT_EQ(DxfError(unknown + line).code, ErrorCode::kUnsupported);
+  EXPECT_EQ(FlatDxf(unknown + line, options).curves[0].points_mm[1].x(), 20);
 }
 
 TEST(DxfRead, SheetsAndInvisibleAreLeftOut) {
