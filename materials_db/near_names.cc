@@ -1,8 +1,9 @@
 #include "materials_db/near_names.h"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
+
+#include "engrave/io/edit_distance.h"
 
 namespace intaglio::materials_db {
 namespace {
@@ -22,22 +23,6 @@ std::string Essence(std::string_view name) {
   return essence;
 }
 
-/// Levenshtein's distance: insertions, deletions and exchanges of one character.
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t exchanged = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({exchanged, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 std::vector<std::string> NearNames(std::string_view asked,
@@ -54,7 +39,7 @@ std::vector<std::string> NearNames(std::string_view asked,
     const bool contained =
         shorter.size() >= kMinContained && longer.find(shorter) != std::string_view::npos;
     if (!contained && longer.size() - shorter.size() > max_edits) continue;
-    const std::size_t edits = EditDistance(wanted, known);
+    const std::size_t edits = io::EditDistance(wanted, known);
     if (contained || edits <= max_edits) near.emplace_back(edits, name);
   }
   std::sort(near.begin(), near.end());

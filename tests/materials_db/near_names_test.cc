@@ -18,6 +18,8 @@ TEST(NearNames, FindsWhatWasMeant) {
   EXPECT_THAT(NearNames("fused silica", kNames), ElementsAre("fused-silica"));
   EXPECT_THAT(NearNames("sodalime glass", kNames), ElementsAre("soda-lime"));
   EXPECT_THAT(NearNames("H-K9", kNames), ElementsAre("H-K9L"));
+  EXPECT_THAT(NearNames("fsued silcia", kNames), ElementsAre("fused-silica"))
+      << "letters that changed places count once";
 }
 
 TEST(NearNames, IsSilentWhenNothingIsNear) {

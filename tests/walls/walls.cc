@@ -45,7 +45,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/platform/bus", {"engrave/core", "idl"}},
     {"services/platform/link", {"engrave/core"}},
     {"services/platform/recording", {"engrave/core"}},
-    {"services/platform/command_line", {"engrave/core"}},
+    {"services/platform/command_line", {"engrave/core", "engrave/io"}},
     {"services/platform/security", {"engrave/core", "services/platform/bus", "idl"}},
     {"services/platform/host",
      {"engrave/core", "services/platform/bus", "services/platform/command_line",
