@@ -1,11 +1,12 @@
 #include "engrave/formats/glass_record.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <bit>
 #include <cstring>
 #include <fstream>
+
+#include "engrave/io/crc32.h"
 
 namespace intaglio::formats {
 namespace {
@@ -27,11 +28,6 @@ T GetAt(const std::byte* at) {
   return value;
 }
 
-std::uint32_t Crc(const std::byte* bytes, std::size_t size) {
-  return static_cast<std::uint32_t>(
-      crc32(0, reinterpret_cast<const Bytef*>(bytes), static_cast<uInt>(size)));
-}
-
 }  // namespace
 
 std::vector<std::byte> EncodeGlassHeader(const GlassHeader& header) {
@@ -44,7 +40,7 @@ std::vector<std::byte> EncodeGlassHeader(const GlassHeader& header) {
   }
   PutAt(bytes.data() + 40, header.refractive_index);
   PutAt(bytes.data() + 48, header.numerical_aperture);
-  PutAt(bytes.data() + 60, Crc(bytes.data(), 60));
+  PutAt(bytes.data() + 60, io::Crc32(std::span(bytes).first(60)));
   return bytes;
 }
 
@@ -57,12 +53,12 @@ void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out) {
   PutAt(at + 32, crack.pulse_energy_mj);
   PutAt(at + 40, crack.channel);
   PutAt(at + 41, static_cast<std::uint8_t>(crack.in_glass ? 1 : 0));
-  PutAt(at + 44, Crc(at, 44));
+  PutAt(at + 44, io::Crc32({at, 44}));
 }
 
 Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   if (bytes.size() < kGlassHeaderSize || std::memcmp(bytes.data(), kGlassMagic, 8) != 0 ||
-      GetAt<std::uint32_t>(bytes.data() + 60) != Crc(bytes.data(), 60)) {
+      GetAt<std::uint32_t>(bytes.data() + 60) != io::Crc32(std::span(bytes).first(60))) {
     return Fail(ErrorCode::kUnreadable,
                 "not a glass record: its header is missing or damaged");
   }
@@ -83,7 +79,7 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   record.cracks.reserve((bytes.size() - offset) / kGlassRecordSize);
   for (; offset + kGlassRecordSize <= bytes.size(); offset += kGlassRecordSize) {
     const std::byte* at = bytes.data() + offset;
-    if (GetAt<std::uint32_t>(at + 44) != Crc(at, 44)) break;
+    if (GetAt<std::uint32_t>(at + 44) != io::Crc32({at, 44})) break;
     GlassCrack crack;
     crack.tick = GetAt<std::uint64_t>(at);
     for (int axis = 0; axis < 3; ++axis) {

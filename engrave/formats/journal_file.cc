@@ -1,12 +1,13 @@
 #include "engrave/formats/journal_file.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <optional>
+
+#include "engrave/io/crc32.h"
 
 namespace intaglio::formats {
 namespace {
@@ -33,14 +34,9 @@ T Get(std::span<const std::byte> bytes, std::size_t offset) {
   return static_cast<T>(value);
 }
 
-std::uint32_t Crc(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes.data()),
-                                          static_cast<uInt>(bytes.size())));
-}
-
 bool CrcHolds(std::span<const std::byte> bytes) {
   const std::size_t end = bytes.size() - 4;
-  return Crc(bytes.first(end)) == Get<std::uint32_t>(bytes, end);
+  return io::Crc32(bytes.first(end)) == Get<std::uint32_t>(bytes, end);
 }
 
 std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
@@ -75,7 +71,7 @@ std::array<std::byte, kJournalHeaderSize> EncodeJournalHeader(
   Put<std::uint64_t>(bytes, 16, header.point_count);
   Put<std::uint64_t>(bytes, 24, header.epoch);
   Put<std::uint32_t>(bytes, 32, header.path_crc);
-  Put<std::uint32_t>(bytes, 60, Crc(std::span(bytes).first(60)));
+  Put<std::uint32_t>(bytes, 60, io::Crc32(std::span(bytes).first(60)));
   return bytes;
 }
 
@@ -90,7 +86,7 @@ std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
   Put<std::uint32_t>(bytes, 16, record.point);
   Put<std::uint32_t>(bytes, 20, record.openings);
   Put<std::uint32_t>(bytes, 24, record.pulse_count);
-  Put<std::uint32_t>(bytes, 28, Crc(std::span(bytes).first(28)));
+  Put<std::uint32_t>(bytes, 28, io::Crc32(std::span(bytes).first(28)));
   return bytes;
 }
 
@@ -127,6 +123,14 @@ Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
   }
   journal.torn_bytes = bytes.size() - behind_last;
   return journal;
+}
+
+std::uint32_t PathCrc(const PointList& path_mm) {
+  std::uint32_t crc = 0;
+  for (const Vec3& p : path_mm) {
+    crc = io::Crc32(std::as_bytes(std::span(p.data(), 3)), crc);
+  }
+  return crc;
 }
 
 Result<Journal> ReadJournal(const std::filesystem::path& file) {

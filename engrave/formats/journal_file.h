@@ -37,6 +37,7 @@
 #include <span>
 #include <vector>
 
+#include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 
 namespace intaglio::formats {
@@ -83,9 +84,13 @@ struct JournalRecord {
 struct JournalHeader {
   std::uint64_t point_count = 0;
   std::uint64_t epoch = 0;
-  std::uint32_t path_crc = 0;
+  std::uint32_t path_crc = 0;  ///< PathCrc of what is engraved
   bool operator==(const JournalHeader&) const = default;
 };
+
+/// CRC-32 of the coordinates of a path or a cloud, x y z as doubles, glass frame, mm, in
+/// their order: what a journal knows its path by, and a proof its points.
+std::uint32_t PathCrc(const PointList& path_mm);
 
 inline constexpr std::size_t kJournalHeaderSize = 64;
 inline constexpr std::size_t kJournalRecordSize = 32;

@@ -22,7 +22,6 @@
 // chain without, bit for bit, and that is what the doubles of every other format do.
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -35,6 +34,7 @@
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/atomic_file.h"
+#include "engrave/io/crc32.h"
 
 namespace intaglio::formats {
 namespace {
@@ -67,15 +67,7 @@ T GetAt(std::string_view bytes, std::size_t at) {
 }
 
 std::uint32_t Crc(std::string_view bytes, std::uint32_t crc = 0) {
-  // zlib counts in 32 bits
-  for (constexpr std::size_t kStep = 1 << 30; !bytes.empty();) {
-    const std::string_view part = bytes.substr(0, kStep);
-    crc =
-        static_cast<std::uint32_t>(crc32(crc, reinterpret_cast<const Bytef*>(part.data()),
-                                         static_cast<uInt>(part.size())));
-    bytes.remove_prefix(part.size());
-  }
-  return crc;
+  return io::Crc32(std::as_bytes(std::span(bytes)), crc);
 }
 
 template <typename T>

@@ -2,7 +2,6 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <bit>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/formats/glass_record.h"
+#include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/proof/glass_comparison.h"
@@ -294,11 +294,7 @@ std::string UtcNow() {
 }
 
 std::string PointChecksum(const PointList& points_mm) {
-  uLong crc = crc32(0, nullptr, 0);
-  for (const Vec3& p : points_mm) {
-    crc = crc32(crc, reinterpret_cast<const Bytef*>(p.data()), sizeof(double) * 3);
-  }
-  return fmt::format("{:08x}", crc);
+  return fmt::format("{:08x}", formats::PathCrc(points_mm));
 }
 
 Result<JobReport> MakeProof(const ProofInputs& inputs) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "engrave/io/crc32.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/recording/conventions.h"
 #include "services/replayer/cause.h"
@@ -21,7 +22,7 @@ using Extents = std::map<StreamId, StreamExtent>;
 /// Over all bits of the batches, for telling two runs apart.
 std::uint32_t Checksum(const CloudBatch& batch, std::uint32_t before) {
   const auto add = [&before](const auto& values) {
-    before = recording::Crc32(std::as_bytes(std::span(values)), before);
+    before = io::Crc32(std::as_bytes(std::span(values)), before);
   };
   add(batch.x_mm);
   add(batch.y_mm);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
-#include <zlib.h>
 
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
@@ -60,14 +59,6 @@ Result<PointCloud> ReadPath(const fs::path& folder) {
   path.source = *source;
   path.points_mm = std::move(table->points_mm);
   return path;
-}
-
-std::uint32_t CrcOf(const PointCloud& path) {
-  uLong crc = crc32(0, nullptr, 0);
-  for (const Vec3& p : path.points_mm) {
-    crc = crc32(crc, reinterpret_cast<const Bytef*>(p.data()), 3 * sizeof(double));
-  }
-  return static_cast<std::uint32_t>(crc);
 }
 
 }  // namespace intaglio::synchronizer

@@ -3,7 +3,6 @@
 // What the synchronizer keeps of a job beside its journal, on the cell's host: the path
 // and the job, written before anything is fired, and read by whoever takes the job up.
 
-#include <cstdint>
 #include <filesystem>
 
 #include "engrave/core/geometry.h"
@@ -22,7 +21,5 @@ Status WritePlan(const std::filesystem::path& folder, const FrozenJob& job,
                  const PointCloud& path);
 /// kNotFound when nothing of the job was engraved; kUnreadable.
 Result<PointCloud> ReadPath(const std::filesystem::path& folder);
-/// CRC-32 of the coordinates: what a journal says of its path.
-std::uint32_t CrcOf(const PointCloud& path);
 
 }  // namespace intaglio::synchronizer

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "engrave/formats/journal_file.h"
 #include "services/job/channels.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
@@ -55,7 +56,8 @@ Result<OpenedJournal> OpenFolder(const PreparationTask& task, const PointCloud& 
   if (auto made = MakeJobFolder(folder); !made) return tl::unexpected(made.error());
   // Before the plan is written over: it may be refused for another's pulses.
   auto journal =
-      OpenJournal(folder / kJournalFile, {path.size(), task.job.epoch(), CrcOf(path)},
+      OpenJournal(folder / kJournalFile,
+                  {path.size(), task.job.epoch(), formats::PathCrc(path.points_mm)},
                   on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
   if (!journal || on_disk) return journal;
   if (auto written = WritePlan(folder, task.job, path); !written) {

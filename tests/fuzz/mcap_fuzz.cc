@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "engrave/io/crc32.h"
 #include "services/platform/recording/mcap_reader.h"
 #include "services/platform/recording/message_cursor.h"
 
@@ -55,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   PutRaw(sealed, std::as_bytes(std::span(kMagic, kMagicSize)));
   Encode(sealed, Header{"", "fuzz"});
   Encode(sealed, Channel{0, 0, "T", "cdr", {}});
-  EncodeChunkHead(sealed, {0, 1, size, Crc32(input), "", size});
+  EncodeChunkHead(sealed, {0, 1, size, intaglio::io::Crc32(input), "", size});
   PutRaw(sealed, input);
   ReadAll(std::move(sealed));
   return 0;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/io/crc32.h"
 #include "services/platform/recording/mcap_records.h"
 
 namespace intaglio::recording {
@@ -126,7 +127,7 @@ Status AppendFile::Append(std::initializer_list<ByteView> pieces) {
     }
     return refused;
   }
-  for (const ByteView piece : pieces) crc_ = Crc32(piece, crc_);
+  for (const ByteView piece : pieces) crc_ = io::Crc32(piece, crc_);
   size_ += total;
   return {};
 }

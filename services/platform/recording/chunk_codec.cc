@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include "engrave/core/check.h"
+#include "engrave/io/crc32.h"
 
 namespace intaglio::recording {
 
@@ -56,7 +57,7 @@ Result<Bytes> UnpackChunk(const ChunkHead& head, ByteView packed,
         head.compression);
   }
   if (records.size() != head.uncompressed_size ||
-      (head.uncompressed_crc != 0 && Crc32(records) != head.uncompressed_crc)) {
+      (head.uncompressed_crc != 0 && io::Crc32(records) != head.uncompressed_crc)) {
     return Fail(ErrorCode::kUnreadable, "its checksum does not hold: it is damaged");
   }
   return records;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engrave/io/crc32.h"
 #include "services/platform/recording/chunk_codec.h"
 #include "services/platform/recording/file_records.h"
 
@@ -89,7 +90,8 @@ std::optional<RecordingContents> ReadSummary(const FileRecords& file) {
     return std::nullopt;
   const std::uint64_t crc_at = footer_at + kRecordHeadSize + kFooterContent - 4;
   const auto covered = file.Raw(footer->summary_start, crc_at - footer->summary_start);
-  if (!covered || (footer->summary_crc != 0 && footer->summary_crc != Crc32(*covered)))
+  if (!covered ||
+      (footer->summary_crc != 0 && footer->summary_crc != io::Crc32(*covered)))
     return std::nullopt;
   Summary summary;
   bool good = true;

@@ -1,6 +1,6 @@
 #include "services/platform/recording/mcap_records.h"
 
-#include <zlib.h>
+#include "engrave/io/crc32.h"
 
 namespace intaglio::recording {
 namespace {
@@ -46,11 +46,6 @@ bool GetNumbers(FieldReader& in, std::map<std::uint16_t, std::uint64_t>& numbers
 }  // namespace
 
 const char kMagic[kMagicSize + 1] = "\x89MCAP0\r\n";
-
-std::uint32_t Crc32(ByteView bytes, std::uint32_t before) {
-  return static_cast<std::uint32_t>(crc32_z(
-      before, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
-}
 
 void Encode(Bytes& out, const Header& record) {
   const RecordScope scope(out, Opcode::kHeader);
@@ -214,7 +209,7 @@ void Encode(Bytes& out, const Attachment& record) {
   PutText(out, record.media_type);
   Put<std::uint64_t>(out, record.content.size());
   PutRaw(out, record.content);
-  Put(out, Crc32(ByteView(out).subspan(scope.content_begin())));
+  Put(out, io::Crc32(ByteView(out).subspan(scope.content_begin())));
 }
 
 bool Decode(ByteView content, Attachment& record) {
@@ -227,7 +222,7 @@ bool Decode(ByteView content, Attachment& record) {
   record.content.assign(bytes.begin(), bytes.end());
   const std::size_t covered = in.at();
   const auto crc = in.Get<std::uint32_t>();
-  return in.good() && (crc == 0 || crc == Crc32(content.first(covered)));
+  return in.good() && (crc == 0 || crc == io::Crc32(content.first(covered)));
 }
 
 void Encode(Bytes& out, const AttachmentIndex& record) {

@@ -189,7 +189,4 @@ bool Decode(ByteView content, MetadataIndex& record);
 /// `content` may end anywhere behind the head; `head_size` tells where the records begin.
 bool DecodeChunkHead(ByteView content, ChunkHead& head, std::size_t& head_size);
 
-/// CRC-32 of zlib, continued from `before`.
-std::uint32_t Crc32(ByteView bytes, std::uint32_t before = 0);
-
 }  // namespace intaglio::recording

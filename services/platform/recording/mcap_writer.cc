@@ -6,6 +6,7 @@
 #include <array>
 
 #include "engrave/core/check.h"
+#include "engrave/io/crc32.h"
 #include "services/platform/recording/append_file.h"
 #include "services/platform/recording/chunk_codec.h"
 
@@ -105,7 +106,7 @@ Status McapWriter::Impl::WriteChunk(Gathered& chunk) {
     head.compression = kZstd;
   }
   head.uncompressed_size = chunk.records.size();
-  head.uncompressed_crc = Crc32(chunk.records);
+  head.uncompressed_crc = io::Crc32(chunk.records);
   head.compressed_size = packed.size();
   Bytes front;
   EncodeChunkHead(front, head);
@@ -170,7 +171,7 @@ Status McapWriter::Impl::WriteSummary() {
   const std::size_t before_footer = summary.size();
   Encode(summary, footer);
   const std::size_t crc_at = summary.size() - sizeof footer.summary_crc;
-  footer.summary_crc = Crc32(ByteView(summary).first(crc_at));
+  footer.summary_crc = io::Crc32(ByteView(summary).first(crc_at));
   summary.resize(before_footer);
   Encode(summary, footer);
   PutRaw(summary, std::as_bytes(std::span(kMagic, kMagicSize)));

@@ -6,6 +6,7 @@
 #include <deque>
 #include <tuple>
 
+#include "engrave/io/crc32.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/mcap_writer.h"
 
@@ -86,7 +87,7 @@ class Repeats {
  private:
   using Id = std::tuple<std::uint32_t, std::uint64_t, std::uint32_t>;
   static Id IdOf(const MessageView& message) {
-    return {message.sequence, message.publish_time_ns, Crc32(message.payload)};
+    return {message.sequence, message.publish_time_ns, io::Crc32(message.payload)};
   }
   std::map<std::tuple<std::string, std::string, bool>, std::uint32_t> numbers_;
   std::map<std::uint32_t, std::map<Id, bool>> written_;  // by number of the stream
@@ -171,7 +172,7 @@ class Copy {
         report_.damages.push_back(attachment.error().message);
         continue;
       }
-      const std::pair alike(attachment->name, Crc32(attachment->content));
+      const std::pair alike(attachment->name, io::Crc32(attachment->content));
       if (!attachments_.insert(alike).second) continue;
       if (auto written = writer_.Write(*attachment); !written) return written;
     }

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "engrave/io/crc32.h"
+
 namespace intaglio::formats {
 namespace {
 
@@ -145,6 +149,18 @@ TEST(JournalFile, OnlyWhatIsUncertainIsOpenedByAWord) {
   EXPECT_FALSE(history[0].reopened);
   EXPECT_TRUE(history[1].open_intent);
   EXPECT_FALSE(history[1].reopened);
+}
+
+// The CRC-32 of the doubles as they lie in memory, all at once.
+TEST(JournalFile, APathIsKnownByAllItsBits) {
+  PointList path_mm = {Vec3(0.1, 1.0 / 3, 1e-17), Vec3(49.9, 2, 30)};
+  const std::uint32_t crc = PathCrc(path_mm);
+  std::vector<double> numbers;
+  for (const Vec3& p : path_mm) numbers.insert(numbers.end(), p.data(), p.data() + 3);
+  EXPECT_EQ(crc, io::Crc32(std::as_bytes(std::span(numbers))));
+  path_mm[1].z() = std::nextafter(30.0, 31.0);
+  EXPECT_NE(PathCrc(path_mm), crc);
+  EXPECT_EQ(PathCrc({}), 0u);
 }
 
 TEST(JournalFile, RefusesWhatIsNoJournal) {

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <limits>
 
 namespace intaglio::synchronizer {
 namespace {
@@ -31,15 +30,7 @@ TEST_F(JobFolderTest, ThePathComesBackBitForBit) {
   const auto read = ReadPath(folder_);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->points_mm, path_.points_mm);
-  EXPECT_EQ(CrcOf(*read), CrcOf(path_));
   EXPECT_TRUE(fs::exists(folder_ / "job.json"));
-}
-
-TEST_F(JobFolderTest, ANeighbouringNumberIsAnotherPath) {
-  PointCloud other = path_;
-  double& z = other.points_mm[1].z();
-  z = std::nextafter(z, std::numeric_limits<double>::infinity());
-  EXPECT_NE(CrcOf(other), CrcOf(path_));
 }
 
 TEST_F(JobFolderTest, NoPathMeansThatNothingWasEngraved) {

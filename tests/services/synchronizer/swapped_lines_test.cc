@@ -196,8 +196,8 @@ class Cell {
     }
     path.columns = {{"source", std::vector<std::uint32_t>(kPoints, 0)}};
     ASSERT_TRUE(formats::WritePly(folder_ / kPathFile, path));
-    ASSERT_TRUE(
-        JournalWriter::Create(folder_ / kJournalFile, {kPoints, kEpoch, CrcOf(cloud)}));
+    ASSERT_TRUE(JournalWriter::Create(
+        folder_ / kJournalFile, {kPoints, kEpoch, formats::PathCrc(cloud.points_mm)}));
   }
 
   std::string name_, job_ = "job of " + name_;

@@ -110,8 +110,8 @@ class WithAJob : public SynchronizerProcess {
     table.columns = {{"source", path.source}};
     ASSERT_TRUE(formats::WritePly(folder_ / kPathFile, table));
     std::filesystem::remove(folder_ / kJournalFile);
-    ASSERT_TRUE(JournalWriter::Create(folder_ / kJournalFile,
-                                      {path.size(), kEpoch, CrcOf(path)}));
+    ASSERT_TRUE(JournalWriter::Create(
+        folder_ / kJournalFile, {path.size(), kEpoch, formats::PathCrc(path.points_mm)}));
   }
   /// On the machine of the profile, in N-BK7.
   FrozenJob Job() {
