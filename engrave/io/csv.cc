@@ -164,6 +164,13 @@ Result<std::vector<std::string>> NamesOf(const CsvRow& header) {
 
 }  // namespace
 
+std::string CsvField(std::string_view text) {
+  if (text.find_first_of(",;\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
 const std::string* CsvTable::Find(const CsvRow& row, std::string_view name) const {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) return nullptr;

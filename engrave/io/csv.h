@@ -21,6 +21,10 @@
 
 namespace intaglio::io {
 
+/// A field as a table holds it: in double quotes when it holds a comma, a semicolon, a
+/// quote or a line end. ParseCsv gives it back.
+std::string CsvField(std::string_view text);
+
 struct CsvRow {
   std::vector<std::string> fields;  ///< as many as there are columns
   std::size_t line_number = 0;      ///< of its first line in the file, from 1

@@ -3,23 +3,18 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 
+#include "engrave/io/csv.h"
+
 namespace intaglio::cli {
 namespace {
 
 namespace pb = google::protobuf;
 
-std::string Quoted(const std::string& text) {
-  if (text.find_first_of(",;\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string FieldText(const pb::Message& message, const pb::FieldDescriptor& field) {
   const pb::Reflection& reflection = *message.GetReflection();
   switch (field.cpp_type()) {
     case pb::FieldDescriptor::CPPTYPE_STRING:
-      return Quoted(reflection.GetString(message, &field));
+      return io::CsvField(reflection.GetString(message, &field));
     case pb::FieldDescriptor::CPPTYPE_UINT32:
       return fmt::format("{}", reflection.GetUInt32(message, &field));
     case pb::FieldDescriptor::CPPTYPE_INT32:

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engrave/formats/point_file.h"
+#include "engrave/io/csv.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/message_decoder.h"
 #include "services/platform/recording/recording_copy.h"
@@ -38,13 +39,6 @@ std::string Entry(const recording::Channel& channel, const char* name) {
   return found == channel.metadata.end() ? std::string() : found->second;
 }
 
-std::string CsvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
 /// Names or values of the leaves of a message, each behind a comma.
 void PutLeaves(std::string& out, const recording::ValueObject& object,
                const std::string& prefix, bool names) {
@@ -55,11 +49,11 @@ void PutLeaves(std::string& out, const recording::ValueObject& object,
     }
     out += ',';
     if (names) {
-      out += CsvField(prefix + name);
+      out += io::CsvField(prefix + name);
     } else if (const auto* text = value.As<std::string>()) {
-      out += CsvField(*text);
+      out += io::CsvField(*text);
     } else {
-      out += CsvField(recording::JsonOf(value));
+      out += io::CsvField(recording::JsonOf(value));
     }
   }
 }
@@ -208,7 +202,7 @@ Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
                         }
                         line += fmt::format("{},{},{},{}", message.log_time_ns,
                                             message.publish_time_ns, message.sequence,
-                                            CsvField(Entry(channel, "partition")));
+                                            io::CsvField(Entry(channel, "partition")));
                         PutLeaves(line, *object, "", false);
                         out << line << "\r\n";
                       });

@@ -1,5 +1,6 @@
 #include "engrave/io/csv.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -73,6 +74,25 @@ TEST(Csv, ReadsBackWhateverIsQuoted) {
     ASSERT_EQ(table.rows.size(), rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r)
       EXPECT_EQ(table.rows[r].fields, rows[r]);
+  }
+}
+
+TEST(Csv, ReadsBackEveryField) {
+  EXPECT_EQ(CsvField("plain text"), "plain text");
+  EXPECT_EQ(CsvField("say \"hi\""), "\"say \"\"hi\"\"\"");
+  std::mt19937 random(9);
+  constexpr std::string_view kLetters = "ab,;\"\n\r \xC3\xA9";
+  for (int run = 0; run < 500; ++run) {
+    std::string first, second;
+    for (unsigned i = random() % 6; i > 0; --i) first += kLetters[random() % 10];
+    for (unsigned i = random() % 6; i > 0; --i) second += kLetters[random() % 10];
+    for (const char* separator : {",", ";"}) {
+      const CsvTable table =
+          Parsed(fmt::format("one{0}two{0}three\n1{0}{1}{0}{2}\n", separator,
+                             CsvField(first), CsvField(second)));
+      ASSERT_EQ(table.rows.size(), 1u);
+      EXPECT_THAT(table.rows[0].fields, ElementsAre("1", first, second));
+    }
   }
 }
 
