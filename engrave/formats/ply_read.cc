@@ -9,13 +9,19 @@
 #include <memory>
 #include <optional>
 
-#include "engrave/formats/ply_header.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/number_text.h"
+#include "engrave/io/ply_header.h"
 
 namespace intaglio::formats {
 namespace {
+
+using io::PlyElement;
+using io::PlyEncoding;
+using io::PlyHeader;
+using io::PlyProperty;
+using io::PlyType;
 
 static_assert(std::endian::native == std::endian::little,
               "big-endian values are reversed for this machine");
@@ -261,14 +267,17 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
 }  // namespace
 
 Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits) {
-  Result<PlyHeader> header = ParsePlyHeader(bytes);
+  const Result<PlyHeader> header = io::ParsePlyHeader(bytes);
   if (!header) return tl::unexpected(header.error());
   const std::string_view rest = bytes.substr(header->size);
   const std::unique_ptr<PlyValues> values = ValuesOf(header->encoding, rest);
   for (const PlyElement& element : header->elements) {
     if (element.name == "vertex") {
       Result<PointTable> table = ReadVertices(element, rest.size(), *values, limits);
-      if (table) table->comments = std::move(header->comments);
+      if (!table) return table;
+      for (const std::string& comment : header->comments) {
+        table->comments.push_back(OneLine(comment));
+      }
       return table;
     }
     if (Status status = PassOver(element, *values); !status) {

@@ -14,7 +14,7 @@
 #include "engrave/mesh/collada_check.h"
 #include "engrave/mesh/import_source.h"
 #include "engrave/mesh/library_import.h"
-#include "engrave/mesh/ply_header.h"
+#include "engrave/mesh/ply_check.h"
 #include "engrave/mesh/stl_file.h"
 #include "engrave/mesh/unpacked_size.h"
 

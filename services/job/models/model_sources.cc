@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -13,6 +14,7 @@
 #include "engrave/discretize/several.h"
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/formats/point_file_kinds.h"
+#include "engrave/io/ply_header.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/mesh/mesh_diagnosis.h"
 #include "engrave/mesh/mesh_import.h"
@@ -69,15 +71,16 @@ std::string_view TextOf(const FileBytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// A PLY without faces is a cloud.
+/// A PLY without faces is a cloud. Of a damaged header the reader of meshes reports what
+/// is wrong.
 bool HoldsPointsOnly(const Model& model, const FileBytes& file) {
   const std::string ending = ExtensionOf(model.file());
   if (ending != ".ply" && ending != ".PLY") return false;
-  const std::string_view text = TextOf(file);
-  const std::string_view header = text.substr(0, text.find("end_header"));
-  const auto faces = header.find("element face");
-  return faces == std::string_view::npos ||
-         header.substr(faces).starts_with("element face 0");
+  const auto header = io::ParsePlyHeader(TextOf(file));
+  return header && std::none_of(header->elements.begin(), header->elements.end(),
+                                [](const io::PlyElement& element) {
+                                  return io::HoldsFaces(element) && element.count > 0;
+                                });
 }
 
 class Maker {

@@ -208,7 +208,9 @@ TEST(MeshImport, ThreeMfThatUnpacksToTooMuchIsRefused) {
 TEST(MeshImport, PlyHeaderThatDoesNotEndIsAnError) {
   std::string ply = Ply(BoxMesh(kSize));
   ply.replace(ply.find("end_header"), 10, "end_Header");
-  ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "does not end with a line");
+  ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "line 9 is not one of a PLY");
+  ply.resize(ply.find("end_Header"));
+  ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "ends with end_header");
 }
 
 TEST(MeshImport, FileOfAnotherKindIsNotReadAsThatKind) {

@@ -77,6 +77,21 @@ TEST(ModelSources, APlyWithoutFacesIsACloud) {
        "y\nproperty double z\nend_header\n0 0 0\n3 0 0\n"});
   ASSERT_TRUE(made.has_value()) << made.error().message;
   EXPECT_EQ(made->cloud.size(), 2u);
+  // What a comment says of faces is no list of them; triangle strips are.
+  const std::string head = "ply\nformat ascii 1.0\ncomment element face 3\n";
+  const std::string points =
+      "element vertex 2\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string rows = "end_header\n0 0 0\n3 0 0\n";
+  const auto commented = one.Make({head + points + rows});
+  ASSERT_TRUE(commented.has_value()) << commented.error().message;
+  EXPECT_EQ(commented->cloud.size(), 2u);
+  const std::string strips =
+      head + points + "element tristrips 1\nproperty list int int vertex_indices\n" +
+      rows + "3 0 1 1\n";
+  const JobSpec whole = WithDefaults(one.job, GoodMachine());
+  const auto sources = MakeSources(whole, {BytesOf(strips)}, {}, {});
+  ASSERT_TRUE(sources.has_value()) << sources.error().message;
+  EXPECT_EQ(sources->meshes.size(), 1u);
 }
 
 TEST(ModelSources, ErrorsNameTheModelsFile) {

@@ -1,15 +1,14 @@
-#include "engrave/formats/ply_header.h"
+#include "engrave/io/ply_header.h"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <charconv>
+#include <limits>
 #include <optional>
 #include <utility>
 
-#include "engrave/formats/point_table_rules.h"
-
-namespace intaglio::formats {
+namespace intaglio::io {
 namespace {
 
 constexpr std::string_view kHeaderBlanks = " \t\r";
@@ -79,7 +78,12 @@ bool ParseElement(const std::vector<std::string_view>& words, PlyHeader& header)
   element.name = words[1];
   const char* end = words[2].data() + words[2].size();
   const auto parsed = std::from_chars(words[2].data(), end, element.count);
-  if (parsed.ec != std::errc() || parsed.ptr != end) return false;
+  if (parsed.ptr != end) return false;
+  if (parsed.ec == std::errc::result_out_of_range) {
+    element.count = std::numeric_limits<std::uint64_t>::max();
+  } else if (parsed.ec != std::errc()) {
+    return false;
+  }
   header.elements.push_back(std::move(element));
   return true;
 }
@@ -125,6 +129,11 @@ std::size_t SizeOf(PlyType type) {
   return 0;
 }
 
+bool HoldsFaces(const PlyElement& element) {
+  return element.name == "face" || element.name == "tristrips" ||
+         element.name == "range_grid";
+}
+
 Result<PlyHeader> ParsePlyHeader(std::string_view bytes) {
   PlyHeader header;
   bool has_format = false;
@@ -145,7 +154,7 @@ Result<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     } else if (keyword == "format") {
       understood = has_format = ParseFormat(words, header);
     } else if (keyword == "comment") {
-      header.comments.push_back(OneLine(CommentOf(line)));
+      header.comments.push_back(CommentOf(line));
     } else if (keyword == "element") {
       understood = ParseElement(words, header);
     } else if (keyword == "property") {
@@ -167,4 +176,4 @@ Result<PlyHeader> ParsePlyHeader(std::string_view bytes) {
       "PLY file");
 }
 
-}  // namespace intaglio::formats
+}  // namespace intaglio::io

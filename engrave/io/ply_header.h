@@ -7,7 +7,7 @@
 
 #include "engrave/core/result.h"
 
-namespace intaglio::formats {
+namespace intaglio::io {
 
 enum class PlyType {
   kInt8,
@@ -34,11 +34,11 @@ struct PlyProperty {
 
 struct PlyElement {
   std::string name;
-  std::uint64_t count = 0;
+  std::uint64_t count = 0;  ///< rows; the largest number when the header's is larger
   std::vector<PlyProperty> properties;
 };
 
-/// What stands before the values of a PLY file (Turk 1994).
+/// What is before the values of a PLY file (Turk 1994), of points or of a mesh.
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
   std::vector<PlyElement> elements;
@@ -46,7 +46,11 @@ struct PlyHeader {
   std::size_t size = 0;  ///< bytes up to the first value
 };
 
-/// kUnreadable, naming the line, when it is not the header of a PLY file.
+/// `bytes`: the file, or as much of its beginning as a header may take. kUnreadable,
+/// naming the line, when it is not the header of a PLY file.
 Result<PlyHeader> ParsePlyHeader(std::string_view bytes);
 
-}  // namespace intaglio::formats
+/// Whether the rows of that element are faces: polygons, triangle strips or a grid.
+bool HoldsFaces(const PlyElement& element);
+
+}  // namespace intaglio::io
