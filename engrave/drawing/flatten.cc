@@ -148,12 +148,4 @@ Result<FlatDrawing> Flatten(const Drawing& drawing, const FlattenOptions& option
   return flat;
 }
 
-Box3 ExtentOf(const FlatDrawing& flat) {
-  Box3 box;
-  for (const FlatCurve& curve : flat.curves) {
-    for (const Vec3& p : curve.points_mm) box.Extend(p);
-  }
-  return box;
-}
-
 }  // namespace intaglio::drawing

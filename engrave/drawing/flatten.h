@@ -46,7 +46,4 @@ void JoinOpenCurves(double tolerance_mm, FlatDrawing& flat);
 /// of comparing stays.
 void RemoveRepeatedContours(double tolerance_mm, FlatDrawing& flat);
 
-/// Of all points, mm; empty when there are none.
-Box3 ExtentOf(const FlatDrawing& flat);
-
 }  // namespace intaglio::drawing

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <istream>
 #include <span>
 #include <string_view>
 
@@ -15,18 +14,6 @@ class ByteReader {
   virtual ~ByteReader() = default;
   /// Fills the buffer as far as there are bytes; returns how many came.
   virtual std::size_t Read(std::span<char> buffer) = 0;
-};
-
-class StreamReader final : public ByteReader {
- public:
-  explicit StreamReader(std::istream& in) : in_(in) {}
-  std::size_t Read(std::span<char> buffer) override {
-    in_.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-    return static_cast<std::size_t>(in_.gcount());
-  }
-
- private:
-  std::istream& in_;
 };
 
 class MemoryReader final : public ByteReader {

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <new>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "engrave/mesh/collada_check.h"
@@ -20,8 +18,6 @@
 
 namespace intaglio::mesh {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 8> kExtensions = {"stl",  "obj", "ply", "3mf",
                                                          "gltf", "glb", "dae", "3ds"};
@@ -59,24 +55,6 @@ Status CheckSize(const ImportSource& source, std::uint64_t byte_count) {
   return {};
 }
 
-Status CheckFile(const ImportSource& source, const fs::path& file) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (status.type() == fs::file_type::not_found) {
-    return source.Refuse(ErrorCode::kNotFound,
-                         "there is no such file; check its name and folder");
-  }
-  if (!error && status.type() != fs::file_type::regular) {
-    return source.Refuse(ErrorCode::kIo, "this is not a file; name a model file");
-  }
-  const std::uint64_t byte_count = error ? 0 : fs::file_size(file, error);
-  if (error || !std::ifstream(file, std::ios::binary)) {
-    return source.Refuse(ErrorCode::kIo,
-                         "the file cannot be opened; check that you may read it");
-  }
-  return CheckSize(source, byte_count);
-}
-
 Status CheckCollada(const ImportSource& source, std::string_view text) {
   const std::string wrong = WrongInCollada(text);
   if (wrong.empty()) return {};
@@ -112,22 +90,6 @@ Status CheckContent(const ImportSource& source, std::string_view text,
   return {};
 }
 
-/// As much of the file as CheckContent() looks at.
-std::string ContentToCheck(const ImportSource& source, const fs::path& file) {
-  std::size_t size = 0;
-  if (source.extension == "ply") size = kMaxPlyHeaderSize;
-  if (source.extension == "dae" || source.extension == "3mf") {
-    std::error_code unreadable;
-    size = fs::file_size(file, unreadable);
-    if (unreadable) size = 0;
-  }
-  std::string content(size, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(content.data(), static_cast<std::streamsize>(content.size()));
-  content.resize(static_cast<std::size_t>(in.gcount()));
-  return content;
-}
-
 /// What `read` gives, or the error that there is not enough memory for it.
 template <typename Read>
 Result<TriangleMesh> WithinMemory(const ImportSource& source, Read read) {
@@ -145,30 +107,6 @@ bool IsReadByLibrary(std::string_view extension) {
   const std::string lower = LowerCaseExtension(extension);
   return lower != "stl" &&
          std::find(kExtensions.begin(), kExtensions.end(), lower) != kExtensions.end();
-}
-
-Result<TriangleMesh> ImportMesh(const fs::path& file, const ImportOptions& options) {
-  const ImportSource source{file.string(), LowerCaseExtension(file.extension().string()),
-                            options};
-  if (Status status = CheckFile(source, file); !status) {
-    return tl::unexpected(status.error());
-  }
-  if (Status status = CheckExtension(source); !status) {
-    return tl::unexpected(status.error());
-  }
-  std::error_code unreadable;
-  const std::uint64_t byte_count = fs::file_size(file, unreadable);
-  if (source.extension == "stl") {
-    std::ifstream in(file, std::ios::binary);
-    StreamReader bytes(in);
-    return WithinMemory(source, [&] { return ReadStl(bytes, byte_count, source); });
-  }
-  if (Status status = CheckContent(source, ContentToCheck(source, file), byte_count);
-      !status) {
-    return tl::unexpected(status.error());
-  }
-  return ImportByLibrary(
-      source, [&](Assimp::Importer& importer) { importer.ReadFile(file.string(), 0); });
 }
 
 Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads a model file into a welded triangle mesh, in the model frame.
+// Reads a model file, held in memory, into a welded triangle mesh, in the model frame.
 //
 // What is read: STL (ascii, binary), OBJ, PLY, 3MF, glTF (.gltf, .glb), DAE and 3DS.
 // The kind is taken from the file name's extension, in any case.
@@ -29,7 +29,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <span>
 #include <string_view>
@@ -52,15 +51,12 @@ struct ImportOptions {
   std::uint64_t max_triangles = 10'000'000;
 };
 
-/// Errors name the file, the problem and the remedy: kNotFound, kIo (cannot be opened),
-/// kUnsupported (extension), kUnreadable (empty, damaged, or not of its extension's
-/// format), kMissing (no triangles), kInvalidValue (a coordinate is not a finite
-/// number), kTooLarge. What the import library throws becomes kUnreadable.
-Result<TriangleMesh> ImportMesh(const std::filesystem::path& file,
-                                const ImportOptions& options = {});
-
-/// The same for a file held in memory. `extension` is "stl", ".STL" or the like; `name`
-/// is what errors call the model. A .gltf whose buffers are other files is kUnreadable.
+/// Errors name the file, the problem and the remedy: kUnsupported (extension),
+/// kUnreadable (empty, damaged, or not of its extension's format), kMissing (no
+/// triangles), kInvalidValue (a coordinate is not a finite number), kTooLarge. What the
+/// import library throws becomes kUnreadable. `extension` is "stl", ".STL" or the like;
+/// `name` is what errors call the model. A .gltf whose buffers are other files is
+/// kUnreadable.
 Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options = {},

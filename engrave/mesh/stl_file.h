@@ -21,7 +21,7 @@
 
 namespace intaglio::mesh {
 
-/// Errors as ImportMesh() has them. `byte_count` is the size of the whole file.
+/// Errors as ImportMeshFromMemory() has them. `byte_count` is the size of the whole file.
 Result<TriangleMesh> ReadStl(ByteReader& bytes, std::uint64_t byte_count,
                              const ImportSource& source);
 

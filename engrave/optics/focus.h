@@ -21,27 +21,9 @@ struct Lens {
 /// sqrt(1 - NA^2) / sqrt(n^2 - NA^2), in (0, 1].
 double StagePerGlassRatio(double refractive_index, double numerical_aperture);
 
-/// The same for rays near the axis: 1 / n.
-double ParaxialStagePerGlassRatio(double refractive_index);
-
-/// Stage move below the place where the focus is on the top face, for a depth of the
-/// marginal focus below that face; and back.
-double StageDepthForFocus(double depth_in_glass_mm, double refractive_index,
-                          double numerical_aperture);
-double FocusDepthForStage(double stage_depth_mm, double refractive_index,
-                          double numerical_aperture);
-
-/// Half angle of the converging cone in the glass: asin(NA / n).
-double ConeHalfAngleInGlassRad(double refractive_index, double numerical_aperture);
-
-/// Its tangent, NA / sqrt(n^2 - NA^2): a crack above a point, within this times the
-/// height difference of it, scatters the pulse.
+/// Tangent of the half angle of the converging cone in the glass, NA / sqrt(n^2 - NA^2):
+/// a crack above a point, within this times the height difference of it, scatters the
+/// pulse.
 double ConeTangentInGlass(double refractive_index, double numerical_aperture);
-
-/// Spherical aberration of the face: by how much the focus of the rays near the axis lies
-/// above that of the marginal rays when the latter is at this depth; >= 0, grows with the
-/// depth. Compare it with the crack's length (0.1-0.8 mm) to warn.
-double FocusSpreadAtDepthMm(double depth_in_glass_mm, double refractive_index,
-                            double numerical_aperture);
 
 }  // namespace intaglio::optics

@@ -18,7 +18,7 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
-#include <optional>
+#include <vector>
 
 #include "engrave/core/check.h"
 
@@ -112,17 +112,6 @@ class CrackTree {
   std::vector<Node> nodes_;
 };
 
-/// The earliest crack in the cone of the point made `rank`-th, if there is one.
-std::optional<std::uint32_t> EarliestCrack(const PointList& made_mm, std::uint32_t rank,
-                                           const BeamCone& cone) {
-  const Vec3& p = made_mm[rank];
-  for (std::uint32_t earlier = 0; earlier < rank; ++earlier) {
-    const Vec3 d = made_mm[earlier] - p;
-    if (Inside(d.x(), d.y(), d.z(), cone)) return earlier;
-  }
-  return std::nullopt;
-}
-
 void RequireRanges(const PointList& made_mm, const BeamCone& cone) {
   RequireUsable(cone);
   Require(made_mm.size() <= std::numeric_limits<std::uint32_t>::max(),
@@ -130,29 +119,6 @@ void RequireRanges(const PointList& made_mm, const BeamCone& cone) {
 }
 
 }  // namespace
-
-ShadowReport CheckShadow(const PointList& points_mm, const Order& order,
-                         const BeamCone& cone) {
-  PointList made_mm;
-  made_mm.reserve(order.size());
-  for (const std::uint32_t index : order) {
-    Require(index < points_mm.size(), "the order names point {} of {}", index,
-            points_mm.size());
-    made_mm.push_back(points_mm[index]);
-  }
-  RequireRanges(made_mm, cone);
-  const CrackTree tree(made_mm, cone);
-  ShadowReport report;
-  for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
-    if (!tree.IsViolated(rank)) continue;
-    ++report.violations;
-    if (report.first.size() == ShadowReport::kMaxPairs) continue;
-    const auto crack = EarliestCrack(made_mm, rank, cone);
-    Require(crack.has_value(), "the tree and the pairs disagree about point {}", rank);
-    report.first.push_back({order[rank], order[*crack]});
-  }
-  return report;
-}
 
 std::uint64_t CountShadowViolations(const PointList& made_mm, const BeamCone& cone) {
   RequireRanges(made_mm, cone);
@@ -185,16 +151,6 @@ std::uint64_t CountShadowViolations(const PointList& made_mm,
     }
   }
   return static_cast<std::uint64_t>(std::count(violated.begin(), violated.end(), true));
-}
-
-std::uint64_t CountShadowViolationsBruteForce(const PointList& made_mm,
-                                              const BeamCone& cone) {
-  RequireRanges(made_mm, cone);
-  std::uint64_t violations = 0;
-  for (std::uint32_t rank = 0; rank < made_mm.size(); ++rank) {
-    if (EarliestCrack(made_mm, rank, cone)) ++violations;
-  }
-  return violations;
 }
 
 }  // namespace intaglio::sort

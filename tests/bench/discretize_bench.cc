@@ -26,6 +26,7 @@
 #include "engrave/mesh/placement.h"
 #include "engrave/proof/nearest_distances.h"
 #include "tests/bench/discretize_peers.h"
+#include "tests/engrave/mesh/mesh_file.h"
 
 namespace intaglio::bench {
 namespace {

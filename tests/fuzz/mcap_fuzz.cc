@@ -7,6 +7,7 @@
 #include "engrave/io/crc32.h"
 #include "services/platform/recording/mcap_reader.h"
 #include "services/platform/recording/message_cursor.h"
+#include "tests/services/platform/recording/memory_source.h"
 
 namespace {
 

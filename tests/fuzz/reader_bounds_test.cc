@@ -20,6 +20,7 @@
 #include "engrave/io/csv.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/mesh/mesh_import.h"
+#include "tests/engrave/mesh/mesh_file.h"
 #include "tests/test_folder.h"
 
 // What any file may cost any reader: every seed of the fuzzers, and every broken file,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bytes that are read at any place: a file, or memory for tests.
+// Bytes that are read at any place.
 
 #include <cstdint>
 #include <filesystem>
@@ -26,6 +26,5 @@ class ByteSource {
 
 /// kNotFound or kIo.
 Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::filesystem::path& file);
-std::unique_ptr<ByteSource> MakeMemorySource(std::string name, Bytes bytes);
 
 }  // namespace intaglio::recording

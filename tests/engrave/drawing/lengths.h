@@ -31,6 +31,15 @@ double DenseLength(const At& at, int steps = 200'000) {
   return length;
 }
 
+/// Of all points, mm; empty when there are none.
+inline Box3 ExtentOf(const FlatDrawing& flat) {
+  Box3 box;
+  for (const FlatCurve& curve : flat.curves) {
+    for (const Vec3& p : curve.points_mm) box.Extend(p);
+  }
+  return box;
+}
+
 /// Shoelace area in the plane z = const, counter-clockwise positive.
 inline double AreaOf(const FlatCurve& curve) {
   double twice = 0;

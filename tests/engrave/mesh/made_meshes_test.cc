@@ -11,6 +11,7 @@
 #include "engrave/mesh/mesh_import.h"
 #include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/mesh/handmade_files.h"
+#include "tests/engrave/mesh/mesh_file.h"
 #include "tests/test_folder.h"
 
 // Meshes like those that people bring, computed and written as the programs write them

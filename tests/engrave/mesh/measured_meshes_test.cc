@@ -8,6 +8,7 @@
 
 #include "engrave/mesh/mesh_diagnosis.h"
 #include "engrave/mesh/mesh_import.h"
+#include "tests/engrave/mesh/mesh_file.h"
 
 // Meshes as people have them: scans, CAD exports, and files that are broken. Those that
 // may be handed on are in tests/data; the others are read where INTAGLIO_MESHES says.

@@ -8,6 +8,7 @@
 #include "engrave/sort/beam/lowest_point.h"
 #include "engrave/sort/planned_ticks.h"
 #include "tests/engrave/sort/order_checks.h"
+#include "tests/engrave/sort/shadow_oracle.h"
 
 namespace intaglio::sort {
 namespace {
@@ -46,7 +47,7 @@ TEST(Anneal, IsTheSameWhateverTheExecutorDoes) {
       EXPECT_EQ(MakeOrder(points_mm, options).value(), order) << name;
     }
     ExpectEachOnce(order, points_mm.size());
-    EXPECT_EQ(CheckShadow(points_mm, order, options.cone).violations, 0) << name;
+    EXPECT_EQ(CountShadowViolations(points_mm, order, options.cone), 0) << name;
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "engrave/sort/shadow.h"
 #include "tests/engrave/sort/clouds.h"
+#include "tests/engrave/sort/shadow_oracle.h"
 
 namespace intaglio::sort {
 namespace {
@@ -73,9 +74,9 @@ TEST(Layers, KeepsTheLayersOfALayeredCloudApart) {
 
 TEST(Layers, FiresThroughNothingWhenASlabIsALayer) {
   const PointList points_mm = SlicedVase(60, 0.1, 0.1);
-  EXPECT_EQ(CheckShadow(points_mm, MakeLayers(points_mm, 0.1), 0.7).violations, 0);
+  EXPECT_EQ(CountShadowViolations(points_mm, MakeLayers(points_mm, 0.1), 0.7), 0);
   // A slab of many layers is not safe, and the checker says so.
-  EXPECT_GT(CheckShadow(points_mm, MakeLayers(points_mm, 3), 0.7).violations, 0);
+  EXPECT_GT(CountShadowViolations(points_mm, MakeLayers(points_mm, 3), 0.7), 0);
 }
 
 }  // namespace

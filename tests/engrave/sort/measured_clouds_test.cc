@@ -9,6 +9,7 @@
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
 #include "tests/engrave/motion/paths.h"
+#include "tests/engrave/sort/shadow_oracle.h"
 
 namespace intaglio::sort {
 namespace {
@@ -26,7 +27,7 @@ class Scatter : public ::testing::Test {
 TEST_F(Scatter, KdzFiresThroughNothing) {
   for (const double tangent : {0.13, 0.3, 0.6}) {
     const Order order = MakeOrder(points_mm_, {}).value();
-    EXPECT_EQ(CheckShadow(points_mm_, order, tangent).violations, 0) << tangent;
+    EXPECT_EQ(CountShadowViolations(points_mm_, order, tangent), 0) << tangent;
   }
 }
 
@@ -56,7 +57,7 @@ TEST_F(Scatter, AnnealingUsesNearlyEveryPulse) {
   options.limits.max_speed_mm_s = Vec3::Constant(80);
   options.limits.max_acceleration_mm_s2 = Vec3::Constant(7000);
   const Order order = MakeOrder(points_mm_, options).value();
-  EXPECT_EQ(CheckShadow(points_mm_, order, options.cone).violations, 0);
+  EXPECT_EQ(CountShadowViolations(points_mm_, order, options.cone), 0);
   const auto ticks = PlannedTicks(points_mm_, order, options.limits, options.rate_hz);
   const double utilisation =
       static_cast<double>(order.size() - 1) / static_cast<double>(ticks);

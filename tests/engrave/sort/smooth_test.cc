@@ -10,6 +10,7 @@
 #include "engrave/sort/planned_ticks.h"
 #include "tests/engrave/motion/paths.h"
 #include "tests/engrave/sort/order_checks.h"
+#include "tests/engrave/sort/shadow_oracle.h"
 
 namespace intaglio::sort {
 namespace {
@@ -48,7 +49,7 @@ TEST(Smooth, FollowsTheContoursOfASphere) {
   options.cone = 0.1328;
   const Order order = MakeOrder(points_mm, options).value();
   ExpectEachOnce(order, points_mm.size());
-  EXPECT_EQ(CheckShadow(points_mm, order, options.cone).violations, 0);
+  EXPECT_EQ(CountShadowViolations(points_mm, order, options.cone), 0);
   const auto ticks = PlannedTicks(points_mm, order, options.limits, options.rate_hz);
   const double utilisation =
       static_cast<double>(points_mm.size() - 1) / static_cast<double>(ticks);

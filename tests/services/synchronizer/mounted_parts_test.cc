@@ -67,9 +67,9 @@ TEST(MountedParts, TheDepthErrorIsThatOfTheDeepestFocus) {
   const FrozenJob job = GoodTask("soda-lime");
   const double height_mm = job.job().block().size_mm().z();
   const double stage_mm =
-      optics::StageDepthForFocus(height_mm, job.optics().refractive_index(), 0.2);
+      height_mm * optics::StagePerGlassRatio(job.optics().refractive_index(), 0.2);
   for (const double mounted : {1.3, 1.46, 1.52, 1.9}) {
-    const double focus_mm = optics::FocusDepthForStage(stage_mm, mounted, 0.2);
+    const double focus_mm = stage_mm / optics::StagePerGlassRatio(mounted, 0.2);
     EXPECT_NEAR(DepthErrorMm(job, mounted), std::abs(focus_mm - height_mm), 1e-9);
   }
 }

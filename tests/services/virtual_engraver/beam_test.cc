@@ -50,7 +50,7 @@ TEST(Beam, IsTheInverseOfThePlannersCorrection) {
       const BlockInMachine block = Block(n, na);
       const double top_mm = block.origin_mm.z() + block.size_mm.z();
       for (const double depth_mm : {0.5, 12.0, 39.5}) {
-        const double travel_mm = optics::StageDepthForFocus(depth_mm, n, na);
+        const double travel_mm = depth_mm * optics::StagePerGlassRatio(n, na);
         const Focus focus = TraceFocus({50, 50, top_mm - travel_mm}, block);
         EXPECT_NEAR(block.size_mm.z() - focus.position_mm.z(), depth_mm, 1e-9);
       }

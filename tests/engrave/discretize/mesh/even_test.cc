@@ -13,6 +13,7 @@
 #include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/discretize/shapes.h"
 #include "tests/engrave/discretize/surface_checks.h"
+#include "tests/engrave/mesh/mesh_file.h"
 
 namespace intaglio::discretize {
 namespace {

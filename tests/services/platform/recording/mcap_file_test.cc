@@ -11,6 +11,7 @@
 #include "services/platform/recording/mcap_reader.h"
 #include "services/platform/recording/mcap_writer.h"
 #include "services/platform/recording/message_cursor.h"
+#include "tests/services/platform/recording/memory_source.h"
 #include "tests/services/platform/recording/recorded.h"
 #include "tests/test_folder.h"
 

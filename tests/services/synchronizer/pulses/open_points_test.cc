@@ -6,6 +6,7 @@
 
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
+#include "tests/engrave/sort/shadow_oracle.h"
 
 namespace intaglio::synchronizer {
 namespace {
