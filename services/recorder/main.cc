@@ -17,14 +17,14 @@ struct Options {
   std::string file;
   double split_mb = 0, split_min = 0, keep_mb = 0, keep_h = 0, queue_mb = 64;
   int compression = 1;
-  recorder::TopicFilter filter;
+  bus::TopicFilter filter;
 };
 
 void AddOptions(command_line::Command app, Options& options) {
   app.AddOption("--out", options.file,
                 "file to write; when it is there, NAME-0002.mcap and so on")
       .Require();
-  const auto names = [&app](const std::string& what, recorder::NameFilter& filter) {
+  const auto names = [&app](const std::string& what, bus::NameFilter& filter) {
     app.AddOption("--" + what, filter.only,
                   "record these only; a " + what + ", or a pattern with * and ?");
     app.AddOption("--not-" + what, filter.not_, "record all but these");

@@ -12,15 +12,15 @@
 
 #include "engrave/core/result.h"
 #include "services/platform/bus/bus.h"
+#include "services/platform/bus/topic_filter.h"
 #include "services/recorder/recording_series.h"
-#include "services/recorder/topic_filter.h"
 #include "services/recorder/write_queue.h"
 
 namespace intaglio::recorder {
 
 struct RecorderOptions {
   SeriesOptions series;
-  TopicFilter filter;
+  bus::TopicFilter filter;
   QueueLimits queue;
 };
 

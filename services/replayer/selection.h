@@ -17,9 +17,9 @@
 #include <map>
 #include <string>
 
+#include "services/platform/bus/topic_filter.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/mcap_reader.h"
-#include "services/recorder/topic_filter.h"
 
 namespace intaglio::replayer {
 
@@ -27,7 +27,7 @@ enum class Weight { kShown, kBelieved, kCommand };
 Weight WeightOf(const std::string& topic);
 
 struct SelectionOptions {
-  recorder::NameFilter topics = {};                 ///< names in the recording
+  bus::NameFilter topics = {};                      ///< names in the recording
   std::map<std::string, std::string> renames = {};  ///< from the name in the recording
   bool with_commands = false;
   bool services_live = false;    ///< on the bus where it is played

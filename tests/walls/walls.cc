@@ -62,10 +62,13 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/job", "services/job/models",
       "services/platform/*", "services/history", "services/mesh_reader"}},
+    // The stand-in of a cell's laser is the laser of the virtual engraver, whose pulses
+    // end as they did in the recording: a second model of it could not prove the first.
     {"services/replayer",
      {"engrave/core", "engrave/io", "idl", "proto", "services/platform/bus",
-      "services/platform/link", "services/platform/recording", "services/recorder",
+      "services/platform/link", "services/platform/recording",
       "services/virtual_engraver"}},
+    // A library that reads the job service's database; below client, above platform.
     {"services/history", {"engrave/core", "idl", "proto", "services/platform/host"}},
     {"services/virtual_engraver",
      {"engrave/core", "engrave/formats", "services/platform/command_line",

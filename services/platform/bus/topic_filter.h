@@ -1,12 +1,12 @@
 #pragma once
 
-// What is recorded: everything, or what the patterns say. A pattern may have * (any
-// characters) and ? (one).
+// Which topics are recorded or played: all, or those whose names match patterns. A
+// pattern may have * (any characters) and ? (one).
 
 #include <string>
 #include <vector>
 
-namespace intaglio::recorder {
+namespace intaglio::bus {
 
 /// Names that match a pattern of `only` (any name when that is empty), and none of
 /// `not_`.
@@ -24,4 +24,4 @@ struct TopicFilter {
                const std::string& type_name) const;
 };
 
-}  // namespace intaglio::recorder
+}  // namespace intaglio::bus

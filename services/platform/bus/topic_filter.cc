@@ -1,4 +1,4 @@
-#include "services/recorder/topic_filter.h"
+#include "services/platform/bus/topic_filter.h"
 
 #include <fnmatch.h>
 
@@ -6,7 +6,7 @@
 
 #include "services/platform/bus/role_names.h"
 
-namespace intaglio::recorder {
+namespace intaglio::bus {
 namespace {
 
 bool MatchesAny(const std::vector<std::string>& patterns, const std::string& name) {
@@ -25,7 +25,7 @@ bool TopicFilter::Accepts(const std::string& topic_name, const std::string& part
                           const std::string& type_name) const {
   if (!topic.Accepts(topic_name) || !type.Accepts(type_name)) return false;
   const bool of_no_machine = partitions.empty() || partitions == "*" ||
-                             partitions.starts_with(bus::kRolePartitionPrefix);
+                             partitions.starts_with(kRolePartitionPrefix);
   if (of_no_machine) return true;
   for (std::size_t at = 0; at <= partitions.size();) {
     const auto end = std::min(partitions.find(',', at), partitions.size());
@@ -35,4 +35,4 @@ bool TopicFilter::Accepts(const std::string& topic_name, const std::string& part
   return false;
 }
 
-}  // namespace intaglio::recorder
+}  // namespace intaglio::bus
