@@ -18,6 +18,7 @@
 #include "services/cli/interrupt.h"
 #include "services/cli/job_options.h"
 #include "services/cli/progress_bar.h"
+#include "services/cli/report_text.h"
 #include "services/cli/stage_bars.h"
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"
@@ -322,7 +323,7 @@ int RunSession::Prove(const client::JobView& job, const client::JobClient& clien
   for (const std::string& warning : report->warnings())
     std::cerr << "warning    " << warning << "\n";
   std::ostream& human = options_.events ? std::cerr : std::cout;
-  human << client::SummaryOf(*report) << "\n";
+  human << SummaryOf(*report) << "\n";
   human << "folder      " << out_.string()
         << "  (report.json, glass.ply, path.ply, views.png"
         << (options_.record ? ", session.mcap)\n" : ")\n");

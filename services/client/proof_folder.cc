@@ -346,38 +346,4 @@ Result<std::string> JsonOf(const JobReport& report) {
   return json;
 }
 
-std::string SummaryOf(const JobReport& report) {
-  const PointCounts& points = report.points();
-  std::string text = fmt::format(
-      "points      {} planned, {} made, {} skipped, {} missed, {} doubled, {} stray\n"
-      "order       {} points fired through an earlier crack\n"
-      "spacing     {:.4f} mm least, {:.4f} mm asked for\n"
-      "position    {:.2f} um rms, {:.2f} um max, tolerance {:.2f} um\n"
-      "time        {} at {:g} Hz, {} ticks, {:.4f} points a tick\n",
-      GroupedDigits(points.planned()), GroupedDigits(points.made()),
-      GroupedDigits(points.skipped()), GroupedDigits(points.missed()),
-      GroupedDigits(points.doubled()), GroupedDigits(points.stray()),
-      report.shadow_violations(), report.least_spacing_mm(), report.min_spacing_mm(),
-      report.position_errors().rms_um(), report.position_errors().max_um(),
-      report.position_errors().tolerance_um(), ShortDuration(report.machining_time_s()),
-      report.job().laser().rate_hz(), GroupedDigits(report.ticks()),
-      report.utilisation());
-  for (const ChannelCounts& channel : report.channels()) {
-    text += fmt::format("channel {}   {} planned, {} made, {} doubled, {} stray\n",
-                        channel.channel(), GroupedDigits(channel.planned()),
-                        GroupedDigits(channel.made()), GroupedDigits(channel.doubled()),
-                        GroupedDigits(channel.stray()));
-  }
-  if (report.position_errors().allowed_move_um() > 0) {
-    text += fmt::format(
-        "moves       {:.2f} um allowed, the plan's {:.2f} um at most, {:.2f} um rms\n",
-        report.position_errors().allowed_move_um(),
-        report.engrave().planned_max_move_um(), report.engrave().planned_rms_move_um());
-  }
-  if (report.verdict().good()) return text + "verdict     GOOD";
-  text += "verdict     NOT GOOD";
-  for (const std::string& reason : report.verdict().reasons()) text += "\n  - " + reason;
-  return text;
-}
-
 }  // namespace intaglio::client

@@ -37,9 +37,6 @@ Result<JobReport> VerifyFolder(const std::filesystem::path& folder);
 /// same order, bit for bit. The report's checksums "path" and "glass".
 std::string PointChecksum(const PointList& points_mm);
 
-/// The report in a few lines for the terminal.
-std::string SummaryOf(const JobReport& report);
-
 /// The report as report.json has it; kInvalidValue for text that is not UTF-8.
 Result<std::string> JsonOf(const JobReport& report);
 

@@ -13,6 +13,7 @@
 #include "services/cli/complain.h"
 #include "services/cli/job_options.h"
 #include "services/cli/offline/offline_steps.h"
+#include "services/cli/report_text.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/client/proof_folder.h"
@@ -72,8 +73,8 @@ int DiscretizeOffline(const OfflineOptions& options) {
 int VerifyOffline(const OfflineOptions& options) {
   const auto report = client::VerifyFolder(options.input);
   if (!report) return Complain(report.error(), client::kExitWrongInput);
-  const auto text = options.json ? client::JsonOf(*report)
-                                 : Result<std::string>(client::SummaryOf(*report));
+  const auto text =
+      options.json ? client::JsonOf(*report) : Result<std::string>(SummaryOf(*report));
   if (!text) return Complain(text.error(), client::kExitInternal);
   std::cout << *text << "\n";
   return report->verdict().good() ? client::kExitGood : client::kExitNotGood;

@@ -25,6 +25,7 @@ using formats::PointOutcome;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 constexpr double kSpacingMm = 0.3;
 constexpr double kToleranceUm = 20;
@@ -106,7 +107,7 @@ class ProofFolderTest : public ::testing::Test {
   std::string Reason() const {
     const JobReport report = Verified();
     EXPECT_FALSE(report.verdict().good());
-    EXPECT_EQ(report.verdict().reasons_size(), 1) << SummaryOf(report);
+    EXPECT_EQ(report.verdict().reasons_size(), 1) << report.verdict().ShortDebugString();
     return report.verdict().reasons_size() > 0 ? report.verdict().reasons(0) : "";
   }
   void Unmake(std::size_t point, PointOutcome outcome) {
@@ -127,7 +128,7 @@ class ProofFolderTest : public ::testing::Test {
 
 TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
   const JobReport report = Verified();
-  EXPECT_TRUE(report.verdict().good()) << SummaryOf(report);
+  EXPECT_TRUE(report.verdict().good()) << report.verdict().ShortDebugString();
   EXPECT_EQ(report.points().planned(), 4u);
   EXPECT_EQ(report.points().made(), 4u);
   EXPECT_EQ(report.position_errors().max_um(), 0);
@@ -136,7 +137,6 @@ TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
   EXPECT_EQ(report.ticks(), 7u);
   EXPECT_DOUBLE_EQ(report.machining_time_s(), 0.07);
   EXPECT_DOUBLE_EQ(report.utilisation(), 4.0 / 7);
-  EXPECT_THAT(SummaryOf(report), HasSubstr("verdict     GOOD"));
 }
 
 TEST_F(ProofFolderTest, AMissedPulseIsNotGood) {
@@ -208,9 +208,9 @@ TEST_F(ProofFolderTest, EveryReasonIsNamed) {
   ticks_.push_back(kFirstTick + 100);
   const JobReport report = Verified();
   EXPECT_EQ(report.verdict().reasons_size(), 3);
-  EXPECT_THAT(SummaryOf(report),
-              AllOf(HasSubstr("verdict     NOT GOOD\n  - "), HasSubstr("skipped"),
-                    HasSubstr("without a crack"), HasSubstr("no planned point")));
+  EXPECT_THAT(report.verdict().reasons(),
+              UnorderedElementsAre(HasSubstr("skipped"), HasSubstr("without a crack"),
+                                   HasSubstr("no planned point")));
 }
 
 TEST_F(ProofFolderTest, WhatIsNotThereOrNotWhatItShouldBeIsNamed) {
@@ -253,7 +253,7 @@ class ProofOfTwoBlocksTest : public ProofFolderTest {
 
 TEST_F(ProofOfTwoBlocksTest, EachHoldsItsOwn) {
   const JobReport report = Verified();
-  EXPECT_TRUE(report.verdict().good()) << SummaryOf(report);
+  EXPECT_TRUE(report.verdict().good()) << report.verdict().ShortDebugString();
   EXPECT_EQ(report.points().made(), 4u);
   ASSERT_EQ(report.channels_size(), 2);
   EXPECT_EQ(report.channels(0).channel(), 1u);
@@ -261,7 +261,6 @@ TEST_F(ProofOfTwoBlocksTest, EachHoldsItsOwn) {
   EXPECT_EQ(report.channels(0).made(), 2u);
   EXPECT_EQ(report.channels(1).planned(), 4u);
   EXPECT_EQ(report.channels(1).made(), 4u);
-  EXPECT_THAT(SummaryOf(report), HasSubstr("channel 2   4 planned, 4 made"));
 }
 
 TEST_F(ProofOfTwoBlocksTest, ACrackInTheWrongBlockIsStray) {
@@ -325,12 +324,12 @@ TEST_F(ProofFolderTest, IsMadeFromTheCellsFilesAndReadsBackTheSame) {
   inputs.warnings = {"a note"};
   const auto made = MakeProof(inputs);
   ASSERT_TRUE(made) << made.error().message;
-  EXPECT_TRUE(made->verdict().good()) << SummaryOf(*made);
+  EXPECT_TRUE(made->verdict().good()) << made->verdict().ShortDebugString();
   EXPECT_THAT(made->warnings(), ElementsAre("a note"));
   EXPECT_GT(fs::file_size(folder_ / "views.png"), 1000u);
   const auto verified = VerifyFolder(folder_);
   ASSERT_TRUE(verified);
-  EXPECT_EQ(SummaryOf(*verified), SummaryOf(*made));
+  EXPECT_EQ(verified->verdict().ShortDebugString(), made->verdict().ShortDebugString());
   EXPECT_EQ(verified->checksums().at("glass"), made->checksums().at("glass"));
 
   std::ifstream in(folder_ / "report.json");
