@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "engrave/io/lower_case.h"
 #include "engrave/io/whole_file.h"
 #include "materials_db/import_agf.h"
 #include "materials_db/import_rii.h"
@@ -12,13 +13,10 @@
 namespace intaglio::materials_db {
 
 Imported ImportFile(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  const bool is_agf = ending == ".agf";
+  const std::string ending = io::LowerCaseExtension(file.extension().string());
+  const bool is_agf = ending == "agf";
   Imported imported;
-  if (!is_agf && ending != ".yml" && ending != ".yaml") {
+  if (!is_agf && ending != "yml" && ending != "yaml") {
     imported.errors.push_back(
         {ErrorCode::kUnsupported,
          fmt::format("{}: name a glass catalog (.agf) or a refractiveindex.info record "

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "engrave/io/edit_distance.h"
+#include "engrave/io/lower_case.h"
 
 namespace intaglio::materials_db {
 namespace {
@@ -14,11 +15,7 @@ constexpr std::size_t kMinContained = 3;
 std::string Essence(std::string_view name) {
   std::string essence;
   for (const char c : name) {
-    if (c >= 'A' && c <= 'Z') {
-      essence += static_cast<char>(c - 'A' + 'a');
-    } else if (c != ' ' && c != '-' && c != '_') {
-      essence += c;
-    }
+    if (c != ' ' && c != '-' && c != '_') essence += io::LowerCase(c);
   }
   return essence;
 }

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "engrave/core/check.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/hpgl_scale.h"
 #include "engrave/drawing/pieces.h"
@@ -311,8 +310,7 @@ class HpglReader {
 
 Result<Drawing> ReadHpgl(std::string_view text, const ReadOptions& options,
                          std::string_view name) {
-  Require(!options.unit_mm || *options.unit_mm > 0, "unit_mm must be positive, is {}",
-          options.unit_mm.value_or(0));
+  RequireUsable(options);
   return HpglReader(text, options, name).Read();
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "engrave/core/check.h"
 #include "engrave/drawing/drawing.h"
 
 namespace intaglio::drawing {
@@ -12,5 +13,11 @@ struct ReadOptions {
   /// what its format says.
   std::optional<double> unit_mm;
 };
+
+/// Throws PreconditionError.
+inline void RequireUsable(const ReadOptions& options) {
+  Require(!options.unit_mm || *options.unit_mm > 0, "unit_mm must be positive, is {}",
+          options.unit_mm.value_or(0));
+}
 
 }  // namespace intaglio::drawing

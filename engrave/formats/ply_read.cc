@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <type_traits>
 
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
@@ -34,31 +35,37 @@ class PlyValues {
   virtual std::optional<double> Next(PlyType type) = 0;
 };
 
+/// take(T()) with the T of a PLY type.
+template <typename Take>
+std::optional<double> TakeAs(PlyType type, const Take& take) {
+  switch (type) {
+    case PlyType::kInt8:
+      return take(std::int8_t());
+    case PlyType::kUint8:
+      return take(std::uint8_t());
+    case PlyType::kInt16:
+      return take(std::int16_t());
+    case PlyType::kUint16:
+      return take(std::uint16_t());
+    case PlyType::kInt32:
+      return take(std::int32_t());
+    case PlyType::kUint32:
+      return take(std::uint32_t());
+    case PlyType::kFloat:
+      return take(float());
+    case PlyType::kDouble:
+      return take(double());
+  }
+  return std::nullopt;
+}
+
 class BinaryValues final : public PlyValues {
  public:
   BinaryValues(std::string_view rest, bool big_endian)
       : rest_(rest), big_endian_(big_endian) {}
 
   std::optional<double> Next(PlyType type) override {
-    switch (type) {
-      case PlyType::kInt8:
-        return Take<std::int8_t>();
-      case PlyType::kUint8:
-        return Take<std::uint8_t>();
-      case PlyType::kInt16:
-        return Take<std::int16_t>();
-      case PlyType::kUint16:
-        return Take<std::uint16_t>();
-      case PlyType::kInt32:
-        return Take<std::int32_t>();
-      case PlyType::kUint32:
-        return Take<std::uint32_t>();
-      case PlyType::kFloat:
-        return Take<float>();
-      case PlyType::kDouble:
-        return Take<double>();
-    }
-    return std::nullopt;
+    return TakeAs(type, [this](auto kind) { return Take<decltype(kind)>(); });
   }
 
  private:
@@ -81,25 +88,13 @@ class AsciiValues final : public PlyValues {
   explicit AsciiValues(std::string_view rest) : rest_(rest) {}
 
   std::optional<double> Next(PlyType type) override {
-    switch (type) {
-      case PlyType::kInt8:
-        return TakeInteger<std::int8_t>();
-      case PlyType::kUint8:
-        return TakeInteger<std::uint8_t>();
-      case PlyType::kInt16:
-        return TakeInteger<std::int16_t>();
-      case PlyType::kUint16:
-        return TakeInteger<std::uint16_t>();
-      case PlyType::kInt32:
-        return TakeInteger<std::int32_t>();
-      case PlyType::kUint32:
-        return TakeInteger<std::uint32_t>();
-      case PlyType::kFloat:
-        return Take<float>();
-      case PlyType::kDouble:
-        return Take<double>();
-    }
-    return std::nullopt;
+    return TakeAs(type, [this]<typename T>(T) {
+      if constexpr (std::is_integral_v<T>) {
+        return TakeInteger<T>();
+      } else {
+        return Take<T>();
+      }
+    });
   }
 
  private:

@@ -9,6 +9,7 @@
 
 #include "engrave/formats/gcode_file.h"
 #include "engrave/formats/point_table_rules.h"
+#include "engrave/io/lower_case.h"
 #include "engrave/io/whole_file.h"
 
 namespace intaglio::formats {
@@ -37,14 +38,6 @@ constexpr std::array<Kind, 9> kKinds = {{{"ply", ParsePly, WritePly},
                                          {"nc", nullptr, WriteDefaultGcode},
                                          {"ngc", nullptr, WriteDefaultGcode}}};
 
-std::string LowerCaseExtension(std::string_view text) {
-  if (!text.empty() && text.front() == '.') text.remove_prefix(1);
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return lower;
-}
-
 const Kind* KindOf(std::string_view extension) {
   const auto* found = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) {
     return kind.extension == extension;
@@ -53,7 +46,7 @@ const Kind* KindOf(std::string_view extension) {
 }
 
 Result<Parser> ParserOf(std::string_view extension) {
-  const std::string lower = LowerCaseExtension(extension);
+  const std::string lower = io::LowerCaseExtension(extension);
   const Kind* kind = KindOf(lower);
   if (kind != nullptr && kind->parse != nullptr) return kind->parse;
   return Fail(ErrorCode::kUnsupported,
@@ -102,7 +95,7 @@ bool IsGcode(const std::filesystem::path& file) {
 }
 
 Status WritePoints(const std::filesystem::path& file, const PointTable& table) {
-  const std::string extension = LowerCaseExtension(file.extension().string());
+  const std::string extension = io::LowerCaseExtension(file.extension().string());
   if (const Kind* kind = KindOf(extension)) return kind->write(file, table);
   std::error_code unknown;
   const auto status = std::filesystem::status(file, unknown);

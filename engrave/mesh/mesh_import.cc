@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "engrave/io/lower_case.h"
 #include "engrave/mesh/collada_check.h"
 #include "engrave/mesh/import_source.h"
 #include "engrave/mesh/library_import.h"
@@ -21,14 +22,6 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kExtensions = {"stl",  "obj", "ply", "3mf",
                                                          "gltf", "glb", "dae", "3ds"};
-
-std::string LowerCaseExtension(std::string_view text) {
-  if (!text.empty() && text.front() == '.') text.remove_prefix(1);
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return lower;
-}
 
 Status CheckExtension(const ImportSource& source) {
   if (std::find(kExtensions.begin(), kExtensions.end(), source.extension) !=
@@ -104,7 +97,7 @@ Result<TriangleMesh> WithinMemory(const ImportSource& source, Read read) {
 }  // namespace
 
 bool IsReadByLibrary(std::string_view extension) {
-  const std::string lower = LowerCaseExtension(extension);
+  const std::string lower = io::LowerCaseExtension(extension);
   return lower != "stl" &&
          std::find(kExtensions.begin(), kExtensions.end(), lower) != kExtensions.end();
 }
@@ -113,7 +106,8 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view extension,
                                           const ImportOptions& options,
                                           std::string_view name) {
-  const ImportSource source{std::string(name), LowerCaseExtension(extension), options};
+  const ImportSource source{std::string(name), io::LowerCaseExtension(extension),
+                            options};
   if (Status status = CheckExtension(source); !status) {
     return tl::unexpected(status.error());
   }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engrave/io/lower_case.h"
 #include "engrave/io/number_text.h"
 #include "engrave/mesh/triangle_welder.h"
 
@@ -65,9 +66,7 @@ bool IsBlank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 bool IsWord(std::string_view text, std::string_view lower_case) {
   return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
-                    [](char c, char expected) {
-                      return (c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c) == expected;
-                    });
+                    [](char c, char expected) { return io::LowerCase(c) == expected; });
 }
 
 /// A line's words one after another.

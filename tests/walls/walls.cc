@@ -18,7 +18,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/io", {"engrave/core"}},
     {"engrave/mesh", {"engrave/core", "engrave/io"}},
     {"engrave/drawing/dxf", {"engrave/core", "engrave/io", "engrave/drawing"}},
-    {"engrave/drawing/svg", {"engrave/core", "engrave/drawing"}},
+    {"engrave/drawing/svg", {"engrave/core", "engrave/io", "engrave/drawing"}},
     {"engrave/drawing", {"engrave/core", "engrave/io"}},
     {"engrave/image", {"engrave/core"}},
     {"engrave/discretize",

@@ -2,19 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "engrave/io/lower_case.h"
+
 namespace intaglio::drawing {
 namespace {
 
 constexpr int kFrozen = 1;  // of group 70
-
-/// ASCII alone: other letters are written as drawing programs agreed on them.
-std::string Lower(std::string_view name) {
-  std::string lower(name);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
-}
 
 }  // namespace
 
@@ -44,14 +37,14 @@ bool DxfLayers::Read(const DxfText& tables, DrawingBuilder& builder) {
                             fmt::format("more than {} layers; purge the drawing",
                                         builder.limits().max_entities));
     }
-    hidden_.insert_or_assign(Lower(name), state);
+    hidden_.insert_or_assign(io::LowerCase(name), state);
   }
   return records.good();
 }
 
 DxfLayers::State DxfLayers::StateOf(std::string_view name) const {
   if (hidden_.empty()) return {};
-  const auto found = hidden_.find(Lower(name));
+  const auto found = hidden_.find(io::LowerCase(name));
   return found == hidden_.end() ? State() : found->second;
 }
 

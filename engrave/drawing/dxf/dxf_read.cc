@@ -7,7 +7,6 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "engrave/core/check.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/dxf/dxf_curves.h"
 #include "engrave/drawing/dxf/dxf_hatch.h"
@@ -296,8 +295,7 @@ class DxfReader {
 
 Result<Drawing> ReadDxf(std::string_view text, const ReadOptions& options,
                         std::string_view name) {
-  Require(!options.unit_mm || *options.unit_mm > 0, "unit_mm must be positive, is {}",
-          options.unit_mm.value_or(0));
+  RequireUsable(options);
   return DxfReader(text, options, name).Read();
 }
 

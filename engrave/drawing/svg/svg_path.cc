@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "engrave/drawing/drawing_builder.h"
+#include "engrave/io/lower_case.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -15,11 +16,10 @@ namespace {
 using std::numbers::pi;
 
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// How many numbers a command takes; -1: no command.
 int NumberCountOf(char command) {
-  switch (Lower(command)) {
+  switch (io::LowerCase(command)) {
     case 'z':
       return 0;
     case 'h':
@@ -52,10 +52,11 @@ class PathParser {
       if (NumberCountOf(next) >= 0) {
         command = next;
         numbers_.Skip();
-      } else if (command == 0 || IsLetter(next) || Lower(command) == 'z') {
+      } else if (command == 0 || IsLetter(next) || io::LowerCase(command) == 'z') {
         return Wrong("a path command, one of MLHVCSQTAZ, should stand here");
       }
-      if (first_ && Lower(command) != 'm') return Wrong("a path begins with M or m");
+      if (first_ && io::LowerCase(command) != 'm')
+        return Wrong("a path begins with M or m");
       first_ = false;
       if (!ReadNumbers(command)) {
         return Wrong(fmt::format("the command {} needs {} finite numbers", command,
@@ -80,7 +81,7 @@ class PathParser {
     const int count = NumberCountOf(command);
     for (int i = 0; i < count; ++i) {
       if (i > 0) numbers_.SkipComma();
-      if (Lower(command) == 'a' && (i == 3 || i == 4)) {
+      if (io::LowerCase(command) == 'a' && (i == 3 || i == 4)) {
         const std::optional<bool> flag = numbers_.NextFlag();
         if (!flag) return false;
         n_[static_cast<std::size_t>(i)] = *flag ? 1 : 0;
@@ -102,7 +103,7 @@ class PathParser {
 
   void Draw(char command) {
     const bool relative = command >= 'a';
-    const char kind = Lower(command);
+    const char kind = io::LowerCase(command);
     // Smooth forms mirror the last control point of their own kind, or none.
     const Vec3 cubic = last_kind_ == 'c' ? Vec3(2 * at_ - control_) : at_;
     const Vec3 quadratic = last_kind_ == 'q' ? Vec3(2 * at_ - control_) : at_;

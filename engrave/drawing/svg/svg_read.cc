@@ -7,7 +7,6 @@
 #include <pugixml.hpp>
 #include <unordered_map>
 
-#include "engrave/core/check.h"
 #include "engrave/drawing/pieces.h"
 #include "engrave/drawing/svg/svg_path.h"
 #include "engrave/drawing/svg/svg_shapes.h"
@@ -388,8 +387,7 @@ class SvgReader {
 
 Result<Drawing> ReadSvg(std::string_view text, const ReadOptions& options,
                         std::string_view name) {
-  Require(!options.unit_mm || *options.unit_mm > 0, "unit_mm must be positive, is {}",
-          options.unit_mm.value_or(0));
+  RequireUsable(options);
   return SvgReader(text, options, name).Read();
 }
 

@@ -6,6 +6,7 @@
 
 #include "engrave/drawing/svg/svg_path.h"
 #include "engrave/drawing/svg/svg_shapes.h"
+#include "engrave/io/lower_case.h"
 
 namespace intaglio::drawing {
 namespace {
@@ -35,11 +36,7 @@ std::string_view Trimmed(std::string_view text) {
   return text;
 }
 std::string Lower(std::string_view text) {
-  std::string lower(text.substr(0, kMaxValueBytes));
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
+  return io::LowerCase(text.substr(0, kMaxValueBytes));
 }
 
 /// The end of the string that begins here.

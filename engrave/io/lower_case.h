@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace intaglio::io {
+
+/// The letters of ASCII in lower case, all else as it is, whatever the locale.
+constexpr char LowerCase(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+inline std::string LowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = LowerCase(c);
+  return lower;
+}
+
+/// Of ".STL" or "STL": "stl".
+inline std::string LowerCaseExtension(std::string_view extension) {
+  if (extension.starts_with('.')) extension.remove_prefix(1);
+  return LowerCase(extension);
+}
+
+}  // namespace intaglio::io
