@@ -97,7 +97,7 @@ class RunSession {
   ProgressBar bar_;
   StageBars bars_{bar_};
   client::EventLines events_{std::cout};
-  ShopVerdict proved_;  // by the glass; no word: there was nothing to prove
+  std::optional<ShopVerdict> proved_;  // by the glass; none: nothing to prove
   fs::path out_, session_;
   std::string started_utc_ = client::UtcNow();
   Clock::time_point started_ = Clock::now();
@@ -234,8 +234,8 @@ bool RunSession::GoesOn(const client::JobView& job) {
     paused_since_.reset();
     return true;
   }
-  // Somebody's own pause (job_permission.cc) ends when they say so.
-  if (job.message.starts_with("paused by ")) return true;
+  // A pause by a person ends when a person ends it.
+  if (job.paused_by_operator()) return true;
   if (!paused_since_) {
     paused_since_ = Clock::now();
     bar_.Finish();
@@ -299,7 +299,7 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
 
 void RunSession::TellEnd(client::JobClient& client, const client::JobView& job) {
   client::JobEnd end = EndOf(client, job);
-  if (!proved_.word.empty()) end.verdict = proved_;
+  if (proved_) end.verdict = *proved_;
   events_.Ended(job, end);
 }
 
@@ -327,8 +327,8 @@ int RunSession::Prove(const client::JobView& job, const client::JobClient& clien
   human << "folder      " << out_.string()
         << "  (report.json, glass.ply, path.ply, views.png"
         << (options_.record ? ", session.mcap)\n" : ")\n");
-  proved_.word = report->verdict().good() ? "good" : "not_good";
-  proved_.reason = fmt::format("{}", fmt::join(report->verdict().reasons(), "; "));
+  proved_ = {report->verdict().good() ? VerdictKind::kGood : VerdictKind::kNotGood,
+             fmt::format("{}", fmt::join(report->verdict().reasons(), "; "))};
   return report->verdict().good() ? client::kExitGood : client::kExitNotGood;
 }
 

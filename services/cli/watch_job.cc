@@ -23,7 +23,7 @@ std::string NoteOf(const client::JobView& job) {
   if (waits && !job.message.empty()) note += ", armed";
   if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
   if (job.state != intaglio_JOB_PAUSED) return note;
-  if (note.find("resume") != std::string::npos) return "paused: " + note;
+  if (job.armed) return "paused: " + note;
   return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
 }
 
@@ -35,7 +35,8 @@ int TellEnd(client::JobClient& client, const client::JobView& job,
   human << "job " << job.number << " " << client::NameOf(job.state)
         << (job.message.empty() ? "" : ": " + job.message) << "\n";
   if (!end.verdict.reason.empty()) {
-    human << "verdict: " << end.verdict.word << ", " << end.verdict.reason << "\n";
+    human << "verdict: " << VerdictName(end.verdict.verdict) << ", " << end.verdict.reason
+          << "\n";
   }
   return ExitCodeOf(job, end.verdict);
 }

@@ -44,7 +44,7 @@ JobEnd EndOf(JobClient& client, const JobView& job) {
 int ExitCodeOf(const JobView& job, const ShopVerdict& verdict) {
   if (job.state == intaglio_JOB_CANCELLED) return kExitCancelled;
   if (job.state != intaglio_JOB_DONE) return kExitMachine;
-  return verdict.word == "not_good" ? kExitNotGood : kExitGood;
+  return verdict.verdict == VerdictKind::kNotGood ? kExitNotGood : kExitGood;
 }
 
 JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
@@ -56,6 +56,7 @@ JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
   line.set_name(job.name);
   line.set_cell(job.cell);
   line.set_state(history::StateWord(job.state));
+  line.set_pause_reason(history::PauseReasonName(job.pause_reason));
   line.set_attempt(job.attempt);
   line.set_armed(job.armed && !job.ended());
   line.set_message(job.message);
@@ -83,7 +84,8 @@ void EventLines::Show(const JobView& job, const std::string& id) {
   const bool first = !told_.contains(job.uid);
   Told& told = told_[job.uid];
   const JobEvent line = EventOf("progress", job, id);
-  const bool state = first || line.state() != told.state || line.armed() != told.armed;
+  const bool state = first || line.state() != told.state || line.armed() != told.armed ||
+                     line.pause_reason() != told.pause_reason;
   const bool message = line.message() != told.message;
   const auto stage =
       static_cast<std::uint32_t>(StageAtWork(job) ? StageAtWork(job)->stage : 0);
@@ -92,8 +94,8 @@ void EventLines::Show(const JobView& job, const std::string& id) {
   const bool whole = line.total() > 0 && line.done() == line.total();
   const bool due = moved && (whole || now - told.at >= kPeriod);
   if (!state && !message && !due) return;
-  told = {line.state(), line.message(), stage, line.done(),
-          line.total(), line.armed(),   now};
+  told = {line.state(), line.message(), line.pause_reason(), stage,
+          line.done(),  line.total(),   line.armed(),        now};
   JobEvent event = line;
   event.set_event(state ? "state" : message ? "message" : "progress");
   Write(std::move(event));
@@ -101,7 +103,7 @@ void EventLines::Show(const JobView& job, const std::string& id) {
 
 void EventLines::Ended(const JobView& job, const JobEnd& end, const std::string& id) {
   JobEvent event = EventOf("ended", job, id);
-  event.set_verdict(end.verdict.word);
+  event.set_verdict(VerdictName(end.verdict.verdict));
   event.set_planned(Count(end.counts.planned_count()));
   event.set_made(Count(end.counts.made_count()));
   event.set_missed(Count(end.counts.missed_count()));

@@ -41,7 +41,7 @@ class EventLines {
 
  private:
   struct Told {
-    std::string state, message;
+    std::string state, message, pause_reason;
     std::uint32_t stage = 0, done = 0, total = 0;
     bool armed = false;
     std::chrono::system_clock::time_point at;

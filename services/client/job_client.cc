@@ -130,6 +130,7 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.number = status.number;
   view.attempt = status.attempt;
   view.state = status.state;
+  view.pause_reason = status.pause_reason;
   for (const intaglio_StageProgress& p : View(status.progress)) {
     view.progress.push_back({p.stage, p.done_count, p.total_count, p.elapsed_s});
   }

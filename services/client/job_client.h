@@ -24,6 +24,7 @@ struct JobView {
   std::uint32_t number = 0;
   std::uint32_t attempt = 0;
   intaglio_JobState state = intaglio_JOB_QUEUED;
+  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;  ///< unless paused
   struct Progress {
     intaglio_Stage stage;
     std::uint64_t done_count = 0, total_count = 0;
@@ -42,6 +43,10 @@ struct JobView {
 
   /// Done, failed or cancelled.
   bool ended() const;
+  /// A person paused it, and nobody has resumed it.
+  bool paused_by_operator() const {
+    return pause_reason == intaglio_PAUSE_OPERATOR && !armed;
+  }
 };
 
 /// "queued", "engraving", ...

@@ -7,14 +7,28 @@
 
 namespace intaglio {
 
+const char* VerdictName(VerdictKind verdict) {
+  switch (verdict) {
+    case VerdictKind::kNone:
+      return "none";
+    case VerdictKind::kUnknown:
+      return "unknown";
+    case VerdictKind::kNotGood:
+      return "not_good";
+    case VerdictKind::kGood:
+      return "good";
+  }
+  return "unknown";
+}
+
 ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome) {
   if (outcome == nullptr) {
-    if (!done) return {"none", ""};
-    return {"unknown", "what became of its points is not known any more"};
+    if (!done) return {VerdictKind::kNone, ""};
+    return {VerdictKind::kUnknown, "what became of its points is not known any more"};
   }
   const bool touched =
       outcome->made_count() + outcome->missed_count() + outcome->uncertain_count() > 0;
-  if (!done && !touched) return {"none", ""};
+  if (!done && !touched) return {VerdictKind::kNone, ""};
   std::vector<std::string> reasons;
   const auto add = [&reasons](std::uint64_t count, const char* what) {
     if (count > 0) reasons.push_back(fmt::format("{} {}", count, what));
@@ -25,10 +39,10 @@ ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome) {
   if (reasons.empty() && outcome->made_count() != outcome->planned_count()) {
     reasons.push_back(fmt::format("{} of them made", outcome->made_count()));
   }
-  if (done && reasons.empty()) return {"good", ""};
+  if (done && reasons.empty()) return {VerdictKind::kGood, ""};
   if (reasons.empty()) reasons.push_back("not brought to its end");
-  return {"not_good", fmt::format("of {} points {}", outcome->planned_count(),
-                                  fmt::join(reasons, ", "))};
+  return {VerdictKind::kNotGood, fmt::format("of {} points {}", outcome->planned_count(),
+                                             fmt::join(reasons, ", "))};
 }
 
 }  // namespace intaglio

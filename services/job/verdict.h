@@ -10,14 +10,22 @@
 
 namespace intaglio {
 
+enum class VerdictKind {
+  kNone,     ///< nothing is in the glass
+  kUnknown,  ///< done, but the outcome is not known any more
+  kNotGood,
+  kGood,  ///< done, every planned point is made, none is missed, skipped or uncertain
+};
+
+/// As programs read it: "none", "unknown", "not_good", "good".
+const char* VerdictName(VerdictKind verdict);
+
 struct ShopVerdict {
-  std::string word;    ///< "good", "not_good", "none" or "unknown"
+  VerdictKind verdict = VerdictKind::kNone;
   std::string reason;  ///< why it is not good, for people; else empty
 };
 
-/// Good: the job is done, every planned point is made, none is missed, skipped or
-/// uncertain. None: nothing is in the glass. Unknown: done, but the outcome (null) is not
-/// known any more.
+/// `outcome`: null when it is not known.
 ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome);
 
 }  // namespace intaglio

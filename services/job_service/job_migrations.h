@@ -123,7 +123,7 @@ ALTER TABLE jobs ADD COLUMN asks_before_resume INTEGER NOT NULL DEFAULT 1;
     R"sql(
 ALTER TABLE jobs ADD COLUMN first_point INTEGER NOT NULL DEFAULT 0;
 )sql",
-    // And the word to fire what is uncertain, of the newest command.
+    // Whether the newest command allows it to fire what is uncertain.
     R"sql(
 ALTER TABLE jobs ADD COLUMN fire_uncertain INTEGER NOT NULL DEFAULT 0;
 )sql",
@@ -148,6 +148,13 @@ INSERT INTO answered_commands SELECT job_uid, number, job_uid, kind, operator_na
   taken_utc FROM commands;
 DROP TABLE commands;
 ALTER TABLE answered_commands RENAME TO commands;
+)sql",
+    // Why a job is paused, as a PauseReason: 1 operator, 3 fault. Before, only the
+    // message had it. 5: JOB_PAUSED.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN pause_reason INTEGER NOT NULL DEFAULT 0;
+UPDATE jobs SET pause_reason = CASE WHEN message LIKE 'paused by %' THEN 1 ELSE 3 END
+  WHERE state = 5;
 )sql"};
 
 }  // namespace intaglio::job_service

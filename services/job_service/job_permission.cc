@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "engrave/core/result.h"
 #include "services/job_service/job_queue.h"
 
 // The part of the queue that has to do with the operator: arm, pause, resume, cancel, and
@@ -19,6 +18,11 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Nanoseconds kHold = 300ms;
+
+/// Of a machine that waits: it was halted by a fault, not by a permission that ended.
+bool SpendsTheArm(intaglio_PauseReason reason) {
+  return reason != intaglio_PAUSE_NONE && reason != intaglio_PAUSE_NOT_ARMED;
+}
 
 std::string IdOf(const CommandView& command) {
   return fmt::format("{}/{}", command.sender, command.number);
@@ -138,13 +142,19 @@ void JobQueue::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) 
                 : job.message);
 }
 
+void JobQueue::ChangeToPaused(JobRecord& job, intaglio_PauseReason reason,
+                              const std::string& message) {
+  job.pause_reason = reason;
+  Change(job, intaglio_JOB_PAUSED, message);
+}
+
 void JobQueue::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) {
   Disarm(job, "paused by " + command.operator_name, now);
-  const bool engraving = job.state == intaglio_JOB_ENGRAVING;
-  const bool active = engraving || job.state == intaglio_JOB_PAUSED;
-  Change(job, engraving ? intaglio_JOB_PAUSED : job.state,
-         active ? fmt::format("paused by {}; resume it to go on", command.operator_name)
-                : job.message);
+  if (job.state != intaglio_JOB_ENGRAVING && job.state != intaglio_JOB_PAUSED) {
+    return Change(job, job.state, job.message);
+  }
+  ChangeToPaused(job, intaglio_PAUSE_OPERATOR,
+                 fmt::format("paused by {}; resume it to go on", command.operator_name));
 }
 
 // Also of jobs that are not armed: an ARM may be on its way.
@@ -160,6 +170,9 @@ void JobQueue::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
     const bool was_armed = job.armed;
     Disarm(job, reason, now);
     job.fire_uncertain = false;
+    if (was_armed && job.state == intaglio_JOB_PAUSED) {
+      job.pause_reason = intaglio_PAUSE_EMERGENCY_STOP;
+    }
     Change(job, job.state, was_armed ? reason : job.message);
   }
 }
@@ -173,21 +186,26 @@ void JobQueue::Disarm(JobRecord& job, const std::string& reason, Nanoseconds now
 }
 
 void JobQueue::EngravePaused(JobRecord& job, const TaskView& task, Nanoseconds now) {
-  const bool fault = !task.error_code.empty();
+  const bool fault = SpendsTheArm(task.pause_reason);
   const bool outdated = fault && job.armed && now < job.armed_at + kHold;
   if (outdated) return Tell(job, job.state, job.message);
   if (fault && job.armed) {
     Disarm(job, task.message, now);
-    if (task.error_code == ErrorCodeName(ErrorCode::kLinkLost)) GoOn(job, now);
-    return Change(job, intaglio_JOB_PAUSED, task.message);  // a restart knows of it
+    if (task.pause_reason == intaglio_PAUSE_LINE_LOST) GoOn(job, now);
+    // Kept, so that a restart knows of it.
+    return ChangeToPaused(job, task.pause_reason, task.message);
   }
   // Who is paused by an operator or a fault keeps that reason.
-  const bool keep = !fault && !job.armed && job.state == intaglio_JOB_PAUSED;
+  const bool paused = job.state == intaglio_JOB_PAUSED;
+  const bool keep = !fault && !job.armed && paused;
+  if (fault || !paused) job.pause_reason = task.pause_reason;
   Tell(job, intaglio_JOB_PAUSED, keep ? job.message : task.message);
 }
 
 void JobQueue::SpentBeforehand(JobRecord& job, const TaskView& task, Nanoseconds now) {
-  if (!job.armed || task.error_code.empty() || now < job.armed_at + kHold) return;
+  if (!job.armed || !SpendsTheArm(task.pause_reason) || now < job.armed_at + kHold) {
+    return;
+  }
   Disarm(job, task.message, now);
   job.arm_loss = task.message;
   Change(job, job.state, task.message);

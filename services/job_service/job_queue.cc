@@ -39,9 +39,9 @@ std::pair<std::int32_t, std::uint32_t> TurnOf(const JobRecord& job) {
 }
 
 // Failures that a neighbour's death causes as well: worth another attempt.
-bool MayBeANeighbours(const std::string& error_code) {
-  return error_code == "link_lost" || error_code == "timed_out" ||
-         error_code == "cancelled";
+bool MayBeANeighbours(intaglio_ErrorCode code) {
+  return code == intaglio_ERROR_LINK_LOST || code == intaglio_ERROR_TIMED_OUT ||
+         code == intaglio_ERROR_CANCELLED;
 }
 
 }  // namespace
@@ -84,11 +84,11 @@ void JobQueue::RestoreOne(JobRecord& job, bool arm_stands, Nanoseconds now) {
     // What waits for a person keeps its reason.
     if (waited) return Change(job, intaglio_JOB_PAUSED, job.message);
     if (!job.armed) Disarm(job, "the job service was restarted", now);
-    return Change(job, intaglio_JOB_PAUSED,
-                  job.armed
-                      ? "the job service was restarted; the job goes on by itself"
-                      : "the job service was restarted while this job was engraved; "
-                        "resume it if the block was not touched, or cancel it");
+    return ChangeToPaused(
+        job, intaglio_PAUSE_RESTART,
+        job.armed ? "the job service was restarted; the job goes on by itself"
+                  : "the job service was restarted while this job was engraved; "
+                    "resume it if the block was not touched, or cancel it");
   }
   Requeue(job, "the job service was restarted", now);
   for (const GivenTask& given : job.GivenTasks()) Revoke(job, given, now);
@@ -113,6 +113,7 @@ JobRecord* JobQueue::FindOpen(const std::string& job_uid) {
 void JobQueue::Change(JobRecord& job, intaglio_JobState state,
                       const std::string& message) {
   job.state = state;
+  if (state != intaglio_JOB_PAUSED) job.pause_reason = intaglio_PAUSE_NONE;
   job.message = message;
   ++job.revision;
   actions_.Changed(job);

@@ -111,7 +111,8 @@ struct TaskView {
   std::uint64_t total_count = 0;
   double elapsed_s = 0;
   std::uint64_t estimate_ticks = 0;
-  std::string error_code;
+  intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
+  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;
   std::string message;
 };
 
@@ -198,6 +199,8 @@ class JobQueue {
   void GiveUpSilent(Nanoseconds now);
   bool CellIsTaken(const std::string& cell) const;
   void Change(JobRecord& job, intaglio_JobState state, const std::string& message);
+  void ChangeToPaused(JobRecord& job, intaglio_PauseReason reason,
+                      const std::string& message);
   /// As Change when the state differs; a message alone is told and not kept.
   void Tell(JobRecord& job, intaglio_JobState state, const std::string& message);
   void EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
@@ -250,8 +253,9 @@ class JobQueue {
   void CloseCell(const std::string& synchronizer, Nanoseconds now);
   /// Why the arm of this job ends; empty: it does not.
   using WhyItEnds = std::function<std::string(const JobRecord& job)>;
-  void EndArms(Nanoseconds now, const WhyItEnds& why);
-  void EndArm(JobRecord& job, const std::string& why, Nanoseconds now);
+  void EndArms(intaglio_PauseReason reason, Nanoseconds now, const WhyItEnds& why);
+  void EndArm(JobRecord& job, intaglio_PauseReason reason, const std::string& why,
+              Nanoseconds now);
   /// Arms it as it was armed, a while later; not for ever without a point made.
   void GoOn(JobRecord& job, Nanoseconds now);
 

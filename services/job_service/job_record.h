@@ -66,6 +66,7 @@ struct JobRecord {
   std::string frozen_job;  ///< serialized FrozenJob
 
   intaglio_JobState state = intaglio_JOB_QUEUED;
+  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;  ///< unless paused
   std::uint32_t attempt = 0;        ///< of the running chain; 0 before the first
   std::uint32_t lost_attempts = 0;  ///< chains that broke because a worker was lost
   std::string message;

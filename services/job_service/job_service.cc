@@ -29,7 +29,8 @@ TaskView ViewOf(const intaglio_TaskStatus& status) {
   view.total_count = status.total_count;
   view.elapsed_s = status.elapsed_s;
   view.estimate_ticks = status.estimate_ticks;
-  view.error_code = View(status.error_code);
+  view.error_code = status.error_code;
+  view.pause_reason = status.pause_reason;
   view.message = View(status.message);
   return view;
 }
@@ -161,7 +162,10 @@ void JobService::TellFault(const std::string& why) {
   for (const auto& [uid, job] : queue_.jobs()) {
     if (!job.active()) continue;
     JobRecord told = job;
-    if (told.state == intaglio_JOB_ENGRAVING) told.state = intaglio_JOB_PAUSED;
+    if (told.state == intaglio_JOB_ENGRAVING) {
+      told.state = intaglio_JOB_PAUSED;
+      told.pause_reason = intaglio_PAUSE_FAULT;
+    }
     told.message = why;
     ++told.revision;
     Publish(told);
@@ -181,6 +185,7 @@ void JobService::Publish(const JobRecord& job) {
   sample.number = job.number;
   sample.name = Borrow(job.name);
   sample.state = job.state;
+  sample.pause_reason = job.pause_reason;
   sample.attempt = job.attempt;
   Borrow(sample.progress, progress);
   sample.estimate_ticks = job.estimate_ticks;

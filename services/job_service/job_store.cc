@@ -106,7 +106,7 @@ constexpr const char* kColumns =
     "number, uid, submission_uid, epoch, name, cell, material, priority, rate_hz, "
     "result_directory, state, attempt, lost_attempts, message, estimate_ticks, revision, "
     "last_command, ever_granted, armed, operator_name, first_point, fire_uncertain, "
-    "asks_before_resume, disarm_count, disarm_reason, last_command_id";
+    "asks_before_resume, disarm_count, disarm_reason, last_command_id, pause_reason";
 
 JobRecord RecordOf(SQLite::Statement& row) {
   JobRecord job;
@@ -142,6 +142,8 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.disarm_count = u64("disarm_count");
   job.disarm_reason = text("disarm_reason");
   job.last_command_id = text("last_command_id");
+  job.pause_reason =
+      static_cast<intaglio_PauseReason>(row.getColumn("pause_reason").getInt());
   job.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
   return job;
 }
@@ -258,12 +260,12 @@ void JobStore::Keep(const JobRecord& job) {
             "message, "
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
             "armed, operator_name, asks_before_resume, first_point, "
-            "fire_uncertain, disarm_count, disarm_reason, last_command_id, "
+            "fire_uncertain, disarm_count, disarm_reason, last_command_id, pause_reason, "
             "changed_utc, ended_utc) "
             "VALUES "
             "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
             "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
-            "?25, ?26, ?27, ?28, {0}, "
+            "?25, ?26, ?27, ?28, ?29, {0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
@@ -276,6 +278,7 @@ void JobStore::Keep(const JobRecord& job) {
             "disarm_count = excluded.disarm_count, "
             "disarm_reason = excluded.disarm_reason, "
             "last_command_id = excluded.last_command_id, "
+            "pause_reason = excluded.pause_reason, "
             "changed_utc = excluded.changed_utc, "
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
@@ -314,6 +317,7 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(26, Signed(job.disarm_count));
     insert.bind(27, job.disarm_reason);
     insert.bind(28, job.last_command_id);
+    insert.bind(29, static_cast<int>(job.pause_reason));
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();

@@ -51,7 +51,7 @@ void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report
         "missed_count = ?5, skipped_count = ?6, uncertain_count = ?7, used_ticks = ?8, "
         "report = ?9, recording = ?10 WHERE uid = ?1");
     update.bind(1, job_uid);
-    update.bind(2, VerdictOf(done, known ? &outcome : nullptr).word);
+    update.bind(2, VerdictName(VerdictOf(done, known ? &outcome : nullptr).verdict));
     int column = 3;
     for (const std::uint64_t count :
          {outcome.planned_count(), outcome.made_count(), outcome.missed_count(),

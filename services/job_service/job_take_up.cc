@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "engrave/core/result.h"
 #include "services/job_service/job_queue.h"
 #include "services/platform/host/absence_limit.h"
 
@@ -52,10 +51,11 @@ void JobQueue::LoseEngraving(JobRecord& job, const std::string& why, Nanoseconds
   // about this job any more.
   const std::vector<GivenTask> given = job.GivenTasks();
   job.stage(intaglio_STAGE_ENGRAVE).worker.clear();
-  Change(job, intaglio_JOB_PAUSED,
-         fmt::format("{}: the next synchronizer of {} takes the job up where the journal "
-                     "ends{}",
-                     why, job.cell, job.armed ? "" : "; then resume it"));
+  ChangeToPaused(
+      job, intaglio_PAUSE_SYNCHRONIZER_LOST,
+      fmt::format("{}: the next synchronizer of {} takes the job up where the journal "
+                  "ends{}",
+                  why, job.cell, job.armed ? "" : "; then resume it"));
   Revoke(job, given, now);
 }
 
@@ -84,7 +84,7 @@ void JobQueue::TakeUp(JobRecord& job, Nanoseconds now) {
 void JobQueue::EndAbsences(Nanoseconds now) {
   const bool paused = last_turn_ && now - *last_turn_ > host::kMaxAbsence;
   last_turn_ = now;
-  EndArms(now, [&](const JobRecord& job) -> std::string {
+  EndArms(intaglio_PAUSE_ABSENCE, now, [&](const JobRecord& job) -> std::string {
     const bool absent = job.absent_since && now - *job.absent_since > host::kMaxAbsence;
     if (!paused && !absent) return {};
     return fmt::format("{} was away for more than {} s",
@@ -94,30 +94,37 @@ void JobQueue::EndAbsences(Nanoseconds now) {
 }
 
 void JobQueue::Close(Nanoseconds now) {
-  EndArms(now, [](const JobRecord&) { return std::string("the shop was closed"); });
+  EndArms(intaglio_PAUSE_CLOSED, now,
+          [](const JobRecord&) { return std::string("the shop was closed"); });
 }
 
 void JobQueue::CloseCell(const std::string& synchronizer, Nanoseconds now) {
-  EndArms(now, [&](const JobRecord& job) {
+  EndArms(intaglio_PAUSE_CLOSED, now, [&](const JobRecord& job) {
     return job.stage(intaglio_STAGE_ENGRAVE).worker == synchronizer
                ? fmt::format("the synchronizer of {} was closed", job.cell)
                : std::string();
   });
 }
 
-void JobQueue::EndArms(Nanoseconds now, const WhyItEnds& why) {
+void JobQueue::EndArms(intaglio_PauseReason reason, Nanoseconds now,
+                       const WhyItEnds& why) {
   for (auto& [uid, job] : jobs_) {
     if (job.ended() || !job.armed) continue;
-    if (const std::string reason = why(job); !reason.empty()) EndArm(job, reason, now);
+    const std::string text = why(job);
+    if (!text.empty()) EndArm(job, reason, text, now);
   }
 }
 
-void JobQueue::EndArm(JobRecord& job, const std::string& why, Nanoseconds now) {
+void JobQueue::EndArm(JobRecord& job, intaglio_PauseReason reason, const std::string& why,
+                      Nanoseconds now) {
   Disarm(job, why, now);
-  const bool engraving = job.state == intaglio_JOB_ENGRAVING;
-  Change(job, engraving ? intaglio_JOB_PAUSED : job.state,
-         fmt::format("{}: see that the right block is in the machine, then {} the job",
-                     why, job.ever_granted ? "resume" : "arm"));
+  const std::string message =
+      fmt::format("{}: see that the right block is in the machine, then {} the job", why,
+                  job.ever_granted ? "resume" : "arm");
+  const bool pauses =
+      job.state == intaglio_JOB_ENGRAVING || job.state == intaglio_JOB_PAUSED;
+  if (pauses) return ChangeToPaused(job, reason, message);
+  Change(job, job.state, message);
 }
 
 // Topics overtake each other after a network was away: a synchronizer may say that it is
@@ -125,7 +132,7 @@ void JobQueue::EndArm(JobRecord& job, const std::string& why, Nanoseconds now) {
 bool JobQueue::AnswersAnOldRevocation(const TaskView& task) const {
   const JobRecord* job = Find(task.task.job_uid);
   return task.stage == intaglio_STAGE_ENGRAVE && task.state == intaglio_TASK_FAILED &&
-         task.error_code == "cancelled" && job != nullptr && job->taken_up &&
+         task.error_code == intaglio_ERROR_CANCELLED && job != nullptr && job->taken_up &&
          workers_.IsAssigned(task.worker, task.task);
 }
 

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "services/replayer/found_service.h"
@@ -183,8 +184,8 @@ void Bench<Batch>::TakeStatus(Running& running) {
     running.ended =
         sample.state == intaglio_TASK_DONE || sample.state == intaglio_TASK_FAILED;
     if (sample.state == intaglio_TASK_FAILED)
-      running.failure =
-          fmt::format("{}: {}", bus::View(sample.error_code), bus::View(sample.message));
+      running.failure = fmt::format("{}: {}", bus::NameOf(sample.error_code),
+                                    bus::View(sample.message));
   });
 }
 

@@ -43,7 +43,9 @@ Publisher::Publisher(bus::Bus& bus, std::string cell, std::string worker)
 
 void Publisher::Tell(const TaskReport& report, std::chrono::nanoseconds now) {
   const bool changed = report.state != told_.state || report.message != told_.message ||
-                       report.job_uid != told_.job_uid || report.attempt != told_.attempt;
+                       report.job_uid != told_.job_uid ||
+                       report.attempt != told_.attempt ||
+                       report.pause_reason != told_.pause_reason;
   if (!changed && now < next_task_) return;
   next_task_ = now + kTaskPeriod;
   told_ = report;
@@ -59,7 +61,8 @@ void Publisher::Tell(const TaskReport& report, std::chrono::nanoseconds now) {
   sample.total_count = told_.total_count;
   sample.elapsed_s = told_.elapsed_s;
   sample.estimate_ticks = told_.estimate_ticks;
-  sample.error_code = Borrow(told_.error_code);
+  sample.error_code = told_.error_code;
+  sample.pause_reason = told_.pause_reason;
   sample.message = Borrow(told_.message);
   const std::vector<std::uint8_t> outcome(told_.outcome.begin(), told_.outcome.end());
   Borrow(sample.outcome, outcome);

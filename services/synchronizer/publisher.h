@@ -25,7 +25,8 @@ struct TaskReport {
   std::uint64_t total_count = 0;
   double elapsed_s = 0;
   std::uint64_t estimate_ticks = 0;
-  std::string error_code = {};
+  intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
+  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;
   std::string message = {};
   std::string outcome = {};  ///< serialized StageOutcome
 };

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/log.h"
 #include "services/platform/link/serial_port.h"
 #include "services/synchronizer/job_folder.h"
+#include "services/synchronizer/permission/pause_reason.h"
 #include "services/synchronizer/task_check.h"
 
 namespace intaglio::synchronizer {
@@ -104,7 +106,7 @@ void Synchronizer::TakeTasks() {
       if (engraving_) {
         engraving_->Stop("the job was cancelled", task.take_up);
       } else {
-        EndTask(intaglio_TASK_FAILED, "cancelled", "the job was cancelled");
+        EndTask(intaglio_TASK_FAILED, intaglio_ERROR_CANCELLED, "the job was cancelled");
       }
       return;
     }
@@ -147,7 +149,7 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
 }
 
 void Synchronizer::FailTask(const Error& error) {
-  EndTask(intaglio_TASK_FAILED, ErrorCodeName(error.code), error.message);
+  EndTask(intaglio_TASK_FAILED, bus::WireOf(error.code), error.message);
 }
 
 void Synchronizer::TakePath() {
@@ -208,9 +210,10 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
     publisher_.Flush(now, true);
     if (leaves_ && (!ledger.all_ended() || engraving_->asks())) return DropTask();
     if (cancelled_) {
-      return EndTask(intaglio_TASK_FAILED, "cancelled", engraving_->message());
+      return EndTask(intaglio_TASK_FAILED, intaglio_ERROR_CANCELLED,
+                     engraving_->message());
     }
-    if (planned_) return EndTask(intaglio_TASK_DONE, "", "");
+    if (planned_) return EndTask(intaglio_TASK_DONE, intaglio_ERROR_NONE, "");
   }
   const bool done = engraving_->phase() == Engraving::Phase::kDone;
   const bool waits = !done && engraving_->waits();
@@ -220,9 +223,11 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   report.total_count = ledger.size();
   report.elapsed_s = std::chrono::duration<double>(now - began_at_).count();
   report.estimate_ticks = plan_.ticks;
-  if (waits && engraving_->faulted()) {
-    report.error_code = ErrorCodeName(engraving_->lost_a_line() ? ErrorCode::kLinkLost
-                                                                : ErrorCode::kFault);
+  if (waits) {
+    report.pause_reason = PauseReasonOf({.faulted = engraving_->faulted(),
+                                         .lost_a_line = engraving_->lost_a_line(),
+                                         .asks = engraving_->asks(),
+                                         .spent_by = chain_.spent_by()});
   }
   report.message = done ? "all is engraved; the figures of the plan are being computed"
                         : engraving_->message();
@@ -262,7 +267,7 @@ EngraveOutcome Synchronizer::Outcome() const {
   return outcome;
 }
 
-void Synchronizer::EndTask(intaglio_TaskState state, const std::string& code,
+void Synchronizer::EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
                            const std::string& message) {
   TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_, .state = state};
   report.elapsed_s = std::chrono::duration<double>(now_ - began_at_).count();

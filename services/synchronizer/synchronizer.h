@@ -73,7 +73,7 @@ class Synchronizer {
   void FailTask(const Error& error);
   void Engrave(std::chrono::nanoseconds now);
   void DropTask();
-  void EndTask(intaglio_TaskState state, const std::string& code,
+  void EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
                const std::string& message);
   EngraveOutcome Outcome() const;
   EngravingInputs InputsAt(std::chrono::nanoseconds now);

@@ -5,6 +5,7 @@
 
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/log.h"
+#include "services/synchronizer/permission/pause_reason.h"
 #include "services/synchronizer/synchronizer.h"
 
 namespace intaglio::synchronizer {
@@ -108,7 +109,8 @@ void Synchronizer::WatchMachine(std::chrono::nanoseconds now) {
                    .attempt = attempt_,
                    .state = intaglio_TASK_PAUSED,
                    .elapsed_s = std::chrono::duration<double>(now - began_at_).count(),
-                   .error_code = ErrorCodeName(ErrorCode::kFault),
+                   .pause_reason = other_device.empty() ? PauseReasonOf(chain_.spent_by())
+                                                        : intaglio_PAUSE_FAULT,
                    .message = other_device.empty() ? TextOf(chain_.spent_by())
                                                    : other_device + ", then resume"},
                   now);

@@ -257,7 +257,7 @@ class Shop {
     Until([&] { return shop_.Status(submission).state == intaglio_JOB_CANCELLED; },
           submission);
     shop_.Report(shop_.Task(intaglio_STAGE_ENGRAVE), intaglio_STAGE_ENGRAVE,
-                 intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+                 intaglio_TASK_FAILED, 0, 0, intaglio_ERROR_CANCELLED, "");
     AwaitReady(sorter_->pid());
   }
 

@@ -271,7 +271,7 @@ class Forger {
     sample.part_count = 1;
     sample.attempt = attempt_;
     sample.state = state;
-    sample.error_code = sample.message = Borrow(word);
+    sample.message = Borrow(word);
     (void)dds_write(status_, &sample);
   }
 

@@ -32,12 +32,25 @@ bool IsEngraved(const client::JobView& job) {
 
 void SetCounts(const client::JobEnd& end, BatchJobResult& result) {
   const auto count = [](std::uint64_t n) { return static_cast<std::uint32_t>(n); };
-  result.set_verdict(end.verdict.word);
+  result.set_verdict(VerdictName(end.verdict.verdict));
   result.set_planned(count(end.counts.planned_count()));
   result.set_made(count(end.counts.made_count()));
   result.set_missed(count(end.counts.missed_count()));
   result.set_skipped(count(end.counts.skipped_count()));
   result.set_uncertain(count(end.counts.uncertain_count()));
+}
+
+JobResult WhatBecameOf(const client::JobView& job, VerdictKind verdict) {
+  switch (job.state) {
+    case intaglio_JOB_DONE:
+      return verdict == VerdictKind::kGood ? JobResult::kGood : JobResult::kNotGood;
+    case intaglio_JOB_FAILED:
+      return JobResult::kFailed;
+    case intaglio_JOB_CANCELLED:
+      return JobResult::kCancelled;
+    default:
+      return JobResult::kNotMade;
+  }
 }
 
 std::vector<PlannedJob> PlannedOf(const std::vector<BatchJob>& jobs) {
@@ -55,6 +68,7 @@ BatchRun::BatchRun(client::JobClient& client, std::vector<BatchJob> jobs,
       options_(std::move(options)),
       events_(events),
       plan_(PlannedOf(jobs_), options_.parallel),
+      ends_(jobs_.size(), JobResult::kNotMade),
       bar_(std::cerr, isatty(STDERR_FILENO) != 0) {
   results_.set_file(options_.file);
   for (const BatchJob& job : jobs_) {
@@ -101,9 +115,10 @@ void BatchRun::Turn() {
     for (const auto& [job, out] : out_) numbers.push_back(job);
     plan_.Stop();
     for (const std::size_t job : numbers) {
-      Fail(job, result(job).state(),
-           "the job service is gone, and with it what becomes of the job: start it again "
-           "(intaglio up), then intaglio list");
+      GiveUp(
+          job, "left",
+          "the job service is gone, and with it what becomes of the job: start it again "
+          "(intaglio up), then intaglio list");
     }
   }
   ShowProgress();
@@ -114,7 +129,7 @@ void BatchRun::Submit(const BatchPlan::Start& start) {
   BatchJobResult& told = result(start.job);
   told.set_cell(start.cell);
   const auto submitted = client_.Submit(job.by_cell.at(start.cell), kSubmitTime);
-  if (!submitted) return Fail(start.job, "refused", submitted.error().message);
+  if (!submitted) return Refuse(start.job, submitted.error().message);
   told.set_job(submitted->number);
   told.set_uid(submitted->uid);
   told.set_result_directory(submitted->result_directory);
@@ -132,8 +147,8 @@ void BatchRun::Follow(std::size_t job, Out& out) {
   result(job).set_message(view.message);
   if (view.ended()) return End(job, view);
   if (client_.IsForgotten(out.uid)) {
-    return Fail(
-        job, result(job).state(),
+    return GiveUp(
+        job, "left",
         fmt::format("the job has ended while this program was stopped or cut off: "
                     "intaglio history --job {} tells how",
                     view.number));
@@ -146,9 +161,9 @@ void BatchRun::Follow(std::size_t job, Out& out) {
 std::string BatchRun::WaitsFor(const client::JobView& view, const Out& out) const {
   if (view.armed) return {};
   if (view.state == intaglio_JOB_PAUSED) {
-    const bool by_person = view.message.starts_with("paused by ");
     return fmt::format("{}; intaglio resume {}",
-                       by_person ? view.disarm_reason : view.message, view.number);
+                       view.paused_by_operator() ? view.disarm_reason : view.message,
+                       view.number);
   }
   if (!out.arm || view.state == intaglio_JOB_QUEUED) return {};
   const std::string hint = fmt::format("; intaglio arm {}", view.number);
@@ -169,16 +184,16 @@ void BatchRun::ReportWaiting(std::size_t job, const client::JobView& view, Out& 
   result(job).set_message("waits for a person: " + why);
   if (out.waits_since == Clock::time_point()) out.waits_since = Clock::now();
   if (why != out.waits_for) {
-    Tell(fmt::format("{} (job {}, {}) waits for a person: {}, or cancel", jobs_[job].id,
-                     view.number, view.cell, why));
+    Report(fmt::format("{} (job {}, {}) waits for a person: {}, or cancel", jobs_[job].id,
+                       view.number, view.cell, why));
   }
   out.waits_for = why;
   const bool too_long = options_.pause_limit_s > 0 &&
                         Seconds(Clock::now() - out.waits_since) > options_.pause_limit_s;
   if (!too_long || out.cancelled) return;
-  Tell(fmt::format("{} (job {}) is cancelled: it waited for a person for {}",
-                   jobs_[job].id, view.number,
-                   client::ShortDuration(options_.pause_limit_s)));
+  Report(fmt::format("{} (job {}) is cancelled: it waited for a person for {}",
+                     jobs_[job].id, view.number,
+                     client::ShortDuration(options_.pause_limit_s)));
   Cancel(view, out);
 }
 
@@ -194,27 +209,33 @@ void BatchRun::End(std::size_t job, const client::JobView& view) {
   SetCounts(end, told);
   if (told.message().empty()) told.set_message(end.verdict.reason);
   if (events_ != nullptr) events_->Ended(view, end, jobs_[job].id);
-  Tell(fmt::format("{} (job {}, {}) {}, {}{}", jobs_[job].id, view.number, view.cell,
-                   client::NameOf(view.state), end.verdict.word,
-                   told.message().empty() ? "" : ": " + told.message()));
-  Settle(job, view.state == intaglio_JOB_DONE && end.verdict.word == "good");
+  Report(fmt::format("{} (job {}, {}) {}, {}{}", jobs_[job].id, view.number, view.cell,
+                     client::NameOf(view.state), VerdictName(end.verdict.verdict),
+                     told.message().empty() ? "" : ": " + told.message()));
+  ends_[job] = WhatBecameOf(view, end.verdict.verdict);
+  Settle(job, ends_[job] == JobResult::kGood);
 }
 
-void BatchRun::Fail(std::size_t job, const std::string& state,
-                    const std::string& message) {
+void BatchRun::Refuse(std::size_t job, const std::string& message) {
+  result(job).set_state("refused");
+  ends_[job] = JobResult::kFailed;
+  GiveUp(job, "refused", message);
+}
+
+void BatchRun::GiveUp(std::size_t job, const char* event_name,
+                      const std::string& message) {
   BatchJobResult& told = result(job);
-  told.set_state(state);
   told.set_message(message);
-  Tell(fmt::format("{} {}: {}", jobs_[job].id, state, message));
+  Report(fmt::format("{} {}: {}", jobs_[job].id, told.state(), message));
   if (events_ != nullptr) {
     JobEvent event;
-    event.set_event(state == "refused" ? "refused" : "left");
+    event.set_event(event_name);
     event.set_job(told.job());
     event.set_uid(told.uid());
     event.set_id(jobs_[job].id);
     event.set_name(jobs_[job].name);
     event.set_cell(told.cell());
-    event.set_verdict("none");
+    event.set_verdict(VerdictName(VerdictKind::kNone));
     event.set_message(message);
     events_->Write(event);
   }
@@ -227,13 +248,13 @@ void BatchRun::Settle(std::size_t job, bool good) {
     BatchJobResult& skipped = result(other);
     skipped.set_state("skipped");
     skipped.set_message(fmt::format("comes after {}, which is not good", jobs_[job].id));
-    Tell(fmt::format("{} is skipped: it {}", jobs_[other].id, skipped.message()));
+    Report(fmt::format("{} is skipped: it {}", jobs_[other].id, skipped.message()));
     if (events_ == nullptr) continue;
     JobEvent event;
     event.set_event("skipped");
     event.set_id(jobs_[other].id);
     event.set_name(jobs_[other].name);
-    event.set_verdict("none");
+    event.set_verdict(VerdictName(VerdictKind::kNone));
     event.set_message(skipped.message());
     events_->Write(event);
   }
@@ -258,7 +279,7 @@ void BatchRun::CancelWaiting() {
 void BatchRun::Leave() {
   interrupted_ = true;
   plan_.Stop();
-  Tell(
+  Report(
       "interrupted: what waits is cancelled, what is engraved goes on; Ctrl-C again "
       "leaves at once");
   const int before = Interrupts();
@@ -283,13 +304,13 @@ void BatchRun::Leave() {
     told.set_message(out.waits_for.empty()
                          ? fmt::format("goes on: intaglio watch {}", view.number)
                          : "waits for a person: " + out.waits_for);
-    Tell(fmt::format("{} (job {}, {}) is left {}: it {}", jobs_[job].id, view.number,
-                     view.cell, client::NameOf(view.state), told.message()));
+    Report(fmt::format("{} (job {}, {}) is left {}: it {}", jobs_[job].id, view.number,
+                       view.cell, client::NameOf(view.state), told.message()));
     if (events_ != nullptr) events_->Write(client::EventOf("left", view, jobs_[job].id));
   }
 }
 
-void BatchRun::Tell(const std::string& line) {
+void BatchRun::Report(const std::string& line) {
   bar_.Finish();
   std::cerr << line << "\n";
 }
@@ -310,23 +331,14 @@ void BatchRun::ShowProgress() {
 }
 
 void BatchRun::Count(BatchResults& results) const {
-  std::uint32_t good = 0, not_good = 0, failed = 0, cancelled = 0, not_made = 0;
-  for (const BatchJobResult& job : results.jobs()) {
-    if (job.state() == "done") {
-      ++(job.verdict() == "good" ? good : not_good);
-    } else if (job.state() == "failed" || job.state() == "refused") {
-      ++failed;
-    } else if (job.state() == "cancelled") {
-      ++cancelled;
-    } else {
-      ++not_made;
-    }
-  }
-  results.set_good(good);
-  results.set_not_good(not_good);
-  results.set_failed(failed);
-  results.set_cancelled(cancelled);
-  results.set_not_made(not_made);
+  const auto count = [this](JobResult result) {
+    return static_cast<std::uint32_t>(std::count(ends_.begin(), ends_.end(), result));
+  };
+  results.set_good(count(JobResult::kGood));
+  results.set_not_good(count(JobResult::kNotGood));
+  results.set_failed(count(JobResult::kFailed));
+  results.set_cancelled(count(JobResult::kCancelled));
+  results.set_not_made(count(JobResult::kNotMade));
 }
 
 }  // namespace intaglio::cli

@@ -29,6 +29,15 @@ struct BatchRunOptions {
                              ///< 0: never
 };
 
+/// How a job of a batch counts in the sums.
+enum class JobResult {
+  kNotMade,  ///< skipped, not submitted, or left as it is
+  kGood,
+  kNotGood,
+  kFailed,  ///< also refused
+  kCancelled,
+};
+
 class BatchRun {
  public:
   /// `events`: null for none.
@@ -60,12 +69,14 @@ class BatchRun {
   void ReportWaiting(std::size_t job, const client::JobView& view, Out& out);
   void Cancel(const client::JobView& view, Out& out);
   void End(std::size_t job, const client::JobView& view);
-  void Fail(std::size_t job, const std::string& state, const std::string& message);
+  void Refuse(std::size_t job, const std::string& message);
+  /// It is followed no further; its result keeps the state that it was in.
+  void GiveUp(std::size_t job, const char* event_name, const std::string& message);
   void Settle(std::size_t job, bool good);
   /// Cancels what is out and not yet engraved.
   void CancelWaiting();
   void Leave();
-  void Tell(const std::string& line);
+  void Report(const std::string& line);
   void ShowProgress();
   void Count(BatchResults& results) const;
   BatchJobResult& result(std::size_t job) {
@@ -77,6 +88,7 @@ class BatchRun {
   BatchRunOptions options_;
   client::EventLines* events_;
   BatchPlan plan_;
+  std::vector<JobResult> ends_;  // by job
   ProgressBar bar_;
   BatchResults results_;
   std::map<std::size_t, Out> out_;

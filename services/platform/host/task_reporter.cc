@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "services/platform/bus/error_code.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/log.h"
 
@@ -40,7 +41,6 @@ void TaskReporter::Failed(const StageTask& task, const TaskProgress& progress,
 void TaskReporter::Publish(const StageTask& task, intaglio_TaskState state,
                            const TaskProgress& progress, const Error& error,
                            const std::string& outcome) {
-  const std::string code = state == intaglio_TASK_FAILED ? ErrorCodeName(error.code) : "";
   const std::vector<std::uint8_t> bytes(outcome.begin(), outcome.end());
   intaglio_TaskStatus sample{};
   sample.job_uid = Borrow(task.job_uid);
@@ -54,7 +54,7 @@ void TaskReporter::Publish(const StageTask& task, intaglio_TaskState state,
   sample.done_count = progress.done_count;
   sample.total_count = progress.total_count;
   sample.elapsed_s = progress.elapsed_s;
-  sample.error_code = Borrow(code);
+  if (state == intaglio_TASK_FAILED) sample.error_code = bus::WireOf(error.code);
   sample.message = Borrow(error.message);
   Borrow(sample.outcome, bytes);
   if (auto written = writer_.Write(sample); !written) {

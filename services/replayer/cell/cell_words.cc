@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "services/platform/bus/error_code.h"
 #include "services/platform/bus/samples.h"
 #include "services/replayer/recorded_members.h"
 
@@ -29,6 +30,20 @@ const char* NameOf(intaglio_TaskState state) {
       return "TASK_FAILED";
   }
   return "";
+}
+
+/// Recordings of before had the name itself for a code, today's have the enumerator's:
+/// ERROR_LINK_LOST for link_lost, and ERROR_NONE for none.
+std::string ErrorNameOf(const std::string& recorded) {
+  for (int code = intaglio_ERROR_NONE; code <= intaglio_ERROR_CANCELLED; ++code) {
+    std::string name = bus::NameOf(static_cast<intaglio_ErrorCode>(code));
+    std::string enumerator = name.empty() ? "NONE" : name;
+    for (char& letter : enumerator) {
+      if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
+    }
+    if (recorded == "ERROR_" + enumerator) return name;
+  }
+  return recorded;
 }
 
 template <typename Sequence, typename Column>
@@ -81,6 +96,7 @@ std::optional<StatusWords> ReadStatus(const recording::Value& value) {
   members.Get("stage", words.stage);
   members.Get("state", words.state);
   members.Get("error_code", words.error_code);
+  words.error_code = ErrorNameOf(words.error_code);
   members.Get("message", words.message);
   members.Get("done_count", words.done_count);
   members.Get("total_count", words.total_count);
@@ -126,7 +142,7 @@ StatusWords WordsOf(const intaglio_TaskStatus& sample) {
   words.attempt = sample.attempt;
   words.stage = sample.stage == intaglio_STAGE_ENGRAVE ? "STAGE_ENGRAVE" : "";
   words.state = NameOf(sample.state);
-  words.error_code = bus::View(sample.error_code);
+  words.error_code = bus::NameOf(sample.error_code);
   words.message = bus::View(sample.message);
   words.done_count = sample.done_count;
   words.total_count = sample.total_count;

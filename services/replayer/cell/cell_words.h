@@ -42,7 +42,8 @@ struct PulseWords {
 struct StatusWords {
   std::string job_uid;
   std::uint32_t attempt = 0;
-  std::string stage, state, error_code, message;  ///< enums by name
+  std::string stage, state, message;  ///< enums by name
+  std::string error_code;             ///< ErrorCodeName; empty: none
   std::uint64_t done_count = 0, total_count = 0, estimate_ticks = 0;
   std::string outcome;  ///< intaglio.StageOutcome, serialized
   bool ended() const { return state == "TASK_DONE" || state == "TASK_FAILED"; }

@@ -100,6 +100,23 @@ TEST_F(EventLinesTest, TheEndHasTheVerdictAndTheCounts) {
   EXPECT_EQ(events[0].message(), "of 10 points 1 missed");
 }
 
+// A program decides on the reason, whatever the sentence.
+TEST_F(EventLinesTest, WhyAJobIsPausedIsALineOfItsOwn) {
+  job_.state = intaglio_JOB_PAUSED;
+  job_.pause_reason = intaglio_PAUSE_OPERATOR;
+  job_.message = "a sentence";
+  lines_.Show(job_);
+  const auto paused = Lines();
+  ASSERT_EQ(paused.size(), 1u);
+  EXPECT_EQ(paused[0].pause_reason(), "operator");
+  job_.pause_reason = intaglio_PAUSE_INTERLOCK;
+  lines_.Show(job_);
+  const auto open = Lines();
+  ASSERT_EQ(open.size(), 1u);
+  EXPECT_EQ(open[0].event(), "state");
+  EXPECT_EQ(open[0].pause_reason(), "interlock");
+}
+
 // A name from a file may be anything.
 TEST_F(EventLinesTest, ALineIsWrittenWhateverTheName) {
   job_.name = "\xff\xfe";
@@ -121,13 +138,13 @@ TEST_F(EventLinesTest, EveryLineHasEveryField) {
 TEST(ExitCode, FollowsTheStateAndTheVerdict) {
   JobView job;
   job.state = intaglio_JOB_DONE;
-  EXPECT_EQ(ExitCodeOf(job, {"good", ""}), kExitGood);
-  EXPECT_EQ(ExitCodeOf(job, {"not_good", "x"}), kExitNotGood);
-  EXPECT_EQ(ExitCodeOf(job, {"unknown", "x"}), kExitGood);
+  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kGood, ""}), kExitGood);
+  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kNotGood, "x"}), kExitNotGood);
+  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kUnknown, "x"}), kExitGood);
   job.state = intaglio_JOB_FAILED;
-  EXPECT_EQ(ExitCodeOf(job, {"none", ""}), kExitMachine);
+  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kNone, ""}), kExitMachine);
   job.state = intaglio_JOB_CANCELLED;
-  EXPECT_EQ(ExitCodeOf(job, {"not_good", ""}), kExitCancelled);
+  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kNotGood, ""}), kExitCancelled);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "services/platform/bus/error_code.h"
 #include "services/platform/host/cloud_flow.h"
 #include "tests/services/discretizer/box_model.h"
 #include "tests/services/platform/host/stage_shop.h"
@@ -155,7 +156,7 @@ TEST_F(DiscretizerTest, APartThatCannotBeIsRefused) {
   shop.Give(FrozenJobOf("parts", CubeJob()), 1, "", {4, 4, 0});
   const auto end = shop.AwaitEnd("parts", 1, {4, 4, 0});
   ASSERT_TRUE(end);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kUnreadable));
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kUnreadable));
 }
 
 TEST_F(DiscretizerTest, ABadModelFailsItsTaskAndNotTheProcess) {
@@ -164,7 +165,7 @@ TEST_F(DiscretizerTest, ABadModelFailsItsTaskAndNotTheProcess) {
   const auto bad = shop.AwaitEnd("bad", 1);
   ASSERT_TRUE(bad);
   EXPECT_EQ(bad->state, intaglio_TASK_FAILED);
-  EXPECT_FALSE(bad->error_code.empty());
+  EXPECT_NE(bad->error_code, intaglio_ERROR_NONE);
   EXPECT_NE(bad->message.find("/nowhere/cube.stl"), std::string::npos) << bad->message;
 
   // The next one is done; without a consumer nothing is streamed.
@@ -183,14 +184,14 @@ TEST_F(DiscretizerTest, PointsOutsideTheBlockAreAnErrorThatSaysHowMany) {
   const auto end = shop.AwaitEnd("outside", 1);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->state, intaglio_TASK_FAILED);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kOutsideBlock)) << end->message;
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kOutsideBlock)) << end->message;
 }
 
 TEST_F(DiscretizerTest, AnUnreadableTaskIsRefused) {
   shop.GiveBytes("garbled", 1, "\xff\xff\xff");
   const auto end = shop.AwaitEnd("garbled", 1);
   ASSERT_TRUE(end);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kUnreadable));
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kUnreadable));
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 }
 
@@ -203,7 +204,7 @@ TEST_F(DiscretizerTest, ARevokedTaskEndsPromptly) {
   const auto end = shop.AwaitEnd("revoked", 1);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->state, intaglio_TASK_FAILED);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kCancelled));
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kCancelled));
   EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
 }
 
@@ -225,7 +226,7 @@ TEST_F(DiscretizerTest, AConsumerThatGoesFailsTheTask) {
   ASSERT_TRUE(FeedModels(shop.bus(), "lonely", 1, {BoxStl(5, 5, 5)}));
   const auto end = shop.AwaitEnd("lonely", 1);
   ASSERT_TRUE(end);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kLinkLost)) << end->message;
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kLinkLost)) << end->message;
 }
 
 TEST_F(DiscretizerTest, TheEndOfTheJobServiceEndsTheTask) {
@@ -234,7 +235,7 @@ TEST_F(DiscretizerTest, TheEndOfTheJobServiceEndsTheTask) {
   shop.CloseTasks();
   const auto end = shop.AwaitEnd("orphan", 1);
   ASSERT_TRUE(end);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kLinkLost));
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kLinkLost));
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 }
 

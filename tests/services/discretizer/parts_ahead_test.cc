@@ -108,7 +108,7 @@ TEST_F(PartsAheadTest, ARevocationTakesAllOfTheChain) {
     const auto end = shop.AwaitEnd("box", 1, {part, 4, 0});
     ASSERT_TRUE(end) << part;
     EXPECT_EQ(end->state, intaglio_TASK_FAILED);
-    EXPECT_EQ(end->error_code, "cancelled");
+    EXPECT_EQ(end->error_code, intaglio_ERROR_CANCELLED);
   }
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 }
@@ -143,7 +143,7 @@ TEST_F(PartsAheadTest, EachFailsForItself) {
     const auto end = shop.AwaitEnd("box", 1, {part, 4, 0});
     ASSERT_TRUE(end) << part;
     EXPECT_EQ(end->state, intaglio_TASK_FAILED);
-    EXPECT_EQ(end->error_code, "link_lost");
+    EXPECT_EQ(end->error_code, intaglio_ERROR_LINK_LOST);
   }
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 }

@@ -14,14 +14,15 @@ EngraveOutcome Outcome(std::uint64_t planned, std::uint64_t made) {
 
 TEST(Verdict, GoodIsOnlyWhatIsWholeAndCertain) {
   EngraveOutcome outcome = Outcome(10, 10);
-  EXPECT_EQ(VerdictOf(true, &outcome).word, "good");
+  EXPECT_EQ(VerdictOf(true, &outcome).verdict, VerdictKind::kGood);
   EXPECT_EQ(VerdictOf(true, &outcome).reason, "");
   outcome = Outcome(10, 9);
   outcome.set_missed_count(1);
-  EXPECT_EQ(VerdictOf(true, &outcome).word, "not_good");
+  EXPECT_EQ(VerdictOf(true, &outcome).verdict, VerdictKind::kNotGood);
   EXPECT_EQ(VerdictOf(true, &outcome).reason, "of 10 points 1 missed");
   outcome.set_missed_count(0);
-  EXPECT_EQ(VerdictOf(true, &outcome).word, "not_good") << "a point is not accounted for";
+  EXPECT_EQ(VerdictOf(true, &outcome).verdict, VerdictKind::kNotGood)
+      << "a point is not accounted for";
   outcome.set_skipped_count(1);
   outcome.set_uncertain_count(2);
   EXPECT_EQ(VerdictOf(true, &outcome).reason, "of 10 points 1 skipped, 2 uncertain");
@@ -30,11 +31,12 @@ TEST(Verdict, GoodIsOnlyWhatIsWholeAndCertain) {
 TEST(Verdict, AJobThatDidNotEndLeavesASpoiledBlockOrAClearOne) {
   EngraveOutcome outcome = Outcome(10, 0);
   outcome.set_skipped_count(10);
-  EXPECT_EQ(VerdictOf(false, &outcome).word, "none");
+  EXPECT_EQ(VerdictOf(false, &outcome).verdict, VerdictKind::kNone);
   outcome = Outcome(10, 10);
-  EXPECT_EQ(VerdictOf(false, &outcome).word, "not_good") << "cancelled at the last point";
-  EXPECT_EQ(VerdictOf(false, nullptr).word, "none");
-  EXPECT_EQ(VerdictOf(true, nullptr).word, "unknown");
+  EXPECT_EQ(VerdictOf(false, &outcome).verdict, VerdictKind::kNotGood)
+      << "cancelled at the last point";
+  EXPECT_EQ(VerdictOf(false, nullptr).verdict, VerdictKind::kNone);
+  EXPECT_EQ(VerdictOf(true, nullptr).verdict, VerdictKind::kUnknown);
 }
 
 }  // namespace

@@ -162,7 +162,7 @@ void FakeShop::Die(intaglio_Stage stage, const std::string& instance) {
 
 void FakeShop::Report(const TaskCopy& task, intaglio_Stage stage,
                       intaglio_TaskState state, std::uint64_t done, std::uint64_t total,
-                      const std::string& code, const std::string& message) {
+                      intaglio_ErrorCode code, const std::string& message) {
   intaglio_TaskStatus sample{};
   sample.job_uid = Borrow(task.job_uid);
   sample.stage = stage;
@@ -176,7 +176,8 @@ void FakeShop::Report(const TaskCopy& task, intaglio_Stage stage,
   sample.done_count = done;
   sample.total_count = total;
   sample.estimate_ticks = stage == intaglio_STAGE_ENGRAVE ? 4321 : 0;
-  sample.error_code = Borrow(code);
+  sample.error_code = code;
+  if (state == intaglio_TASK_PAUSED) sample.pause_reason = intaglio_PAUSE_NOT_ARMED;
   sample.message = Borrow(message);
   (void)tasks_out_.at(stage).Write(sample);
 }

@@ -67,7 +67,8 @@ class FakeShop {
               intaglio_HealthState state);
   void Die(intaglio_Stage stage, const std::string& instance);
   void Report(const TaskCopy& task, intaglio_Stage stage, intaglio_TaskState state,
-              std::uint64_t done, std::uint64_t total, const std::string& code = "",
+              std::uint64_t done, std::uint64_t total,
+              intaglio_ErrorCode code = intaglio_ERROR_NONE,
               const std::string& message = "");
 
   /// Tests say "s"; on the bus a name ends in that of its participant.

@@ -46,7 +46,7 @@ class Forger {
   }
   void Report(const TaskCopy& task, const std::string& worker, intaglio_Stage stage,
               intaglio_TaskState state) {
-    const std::string message = "forged", code = "fault";
+    const std::string message = "forged";
     intaglio_TaskStatus sample{};
     sample.job_uid = Borrow(task.job_uid);
     sample.stage = stage;
@@ -57,7 +57,7 @@ class Forger {
     sample.part_attempt = task.part_attempt;
     sample.state = state;
     sample.done_count = sample.total_count = 100;
-    sample.error_code = Borrow(state == intaglio_TASK_FAILED ? code : empty_);
+    if (state == intaglio_TASK_FAILED) sample.error_code = intaglio_ERROR_FAULT;
     sample.message = Borrow(message);
     EXPECT_TRUE(tasks_.Write(sample));
   }

@@ -107,7 +107,7 @@ TEST_F(JobDisarmTest, AFaultWinsOverAResumeThatWasSentBeforeIt) {
   Engrave();
   const CommandView resume = Order(intaglio_COMMAND_RESUME);
   now_ += 1s;
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault",
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_FAULT,
        "the door is open");
   const CommandAnswer answer = Send(resume);
   EXPECT_EQ(answer.code, intaglio_ANSWER_SUPERSEDED);

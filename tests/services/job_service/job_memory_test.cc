@@ -144,7 +144,7 @@ TEST_F(JobMemoryTest, ALateWordOnAForgottenJobFreesItsWorker) {
   late.stage = intaglio_STAGE_ENGRAVE;
   late.worker = "y";
   late.state = intaglio_TASK_FAILED;
-  late.error_code = "cancelled";
+  late.error_code = intaglio_ERROR_CANCELLED;
   queue_.Take(late, now_);
   ReadyAll();
   actions_.Orders();

@@ -24,7 +24,7 @@ class PartsAheadTest : public JobQueueTest {
     actions_.Orders();
   }
   void Accept(std::uint32_t part) { Say(PartWord(part, intaglio_TASK_ACCEPTED, 0, 0)); }
-  void Fail(std::uint32_t part, const std::string& code) {
+  void Fail(std::uint32_t part, intaglio_ErrorCode code) {
     TaskView word = PartWord(part, intaglio_TASK_FAILED, 0, 0);
     word.error_code = code;
     Say(word);
@@ -141,7 +141,7 @@ TEST_F(PartsAheadTest, OneThatFailsForANeighbourLeavesTheNextToItsWorker) {
   Accept(0);
   Accept(2);
   actions_.Orders();
-  Fail(0, "link_lost");
+  Fail(0, intaglio_ERROR_LINK_LOST);
   EXPECT_EQ(part(0).worker, "");
   EXPECT_EQ(part(2).worker, "d");
   EXPECT_EQ(part(2).attempt, 0u);
@@ -250,7 +250,7 @@ class RandomShop : public JobActions {
     word.worker = name;
     word.state = state;
     word.done_count = word.total_count = 10;
-    if (state == intaglio_TASK_FAILED) word.error_code = "link_lost";
+    if (state == intaglio_TASK_FAILED) word.error_code = intaglio_ERROR_LINK_LOST;
     queue.Take(word, now);
   }
 

@@ -22,7 +22,7 @@ class JobPartsTest : public JobQueueTest {
     Add(1);
     actions_.Orders();
   }
-  void Fail(std::uint32_t part, const std::string& code, const std::string& text) {
+  void Fail(std::uint32_t part, intaglio_ErrorCode code, const std::string& text) {
     TaskView word = PartWord(part, intaglio_TASK_FAILED, 0, 0);
     word.error_code = code;
     word.message = text;
@@ -197,7 +197,7 @@ TEST_F(JobPartsTest, LossesOfDifferentPartsDoNotAddUp) {
 
 TEST_F(JobPartsTest, AFailureOfTheJobItselfFailsItAtOnce) {
   BeginWithTwo();
-  Fail(1, "outside_block", "12 points lie outside the block");
+  Fail(1, intaglio_ERROR_OUTSIDE_BLOCK, "12 points lie outside the block");
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
   EXPECT_EQ(job().message, "12 points lie outside the block");
   EXPECT_THAT(actions_.Orders(), ElementsAre("stop j1", "revoke d j1 1 0.0/16",
@@ -207,7 +207,7 @@ TEST_F(JobPartsTest, AFailureOfTheJobItselfFailsItAtOnce) {
 // The sorter that takes nothing may be dead: that is known after its lease at the latest.
 TEST_F(JobPartsTest, AFailureForWantOfTheSorterIsTriedAgainAfterItsLease) {
   BeginWithTwo();
-  Fail(0, "link_lost", "the consumer is gone");
+  Fail(0, intaglio_ERROR_LINK_LOST, "the consumer is gone");
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
   EXPECT_EQ(job().message, "part 1 of 16 begins again: d: the consumer is gone");
   EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 2.0/16 > s")) << "another part";
@@ -295,7 +295,7 @@ TEST_F(JobPartsTest, WhenTheSorterHasAllTheRestIsRevoked) {
               ElementsAre("revoke d j1 1 0.0/16", "revoke d2 j1 1 1.0/16", "stop j1"));
   Lose("d");
   EXPECT_NE(job().state, intaglio_JOB_QUEUED);
-  Fail(1, "cancelled", "the task was revoked");
+  Fail(1, intaglio_ERROR_CANCELLED, "the task was revoked");
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
 }
 

@@ -19,7 +19,8 @@ TEST_F(JobGrantTest, EveryArmIsAGreaterGrantAndNothingElseIs) {
   const std::uint64_t first = grant();
   EXPECT_GT(first, 0u);
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 12, 100);
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault", "the door");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_FAULT,
+       "the door");
   now_ += 1s;
   EXPECT_EQ(grant(), first);
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
@@ -37,7 +38,8 @@ TEST_F(JobGrantTest, ALostLineRenewsTheGrantAndAnArmDoesNotNeedTo) {
   LoadPath();
   Engrave();
   const PermissionView before = queue_.Permissions(now_).at(0);
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost", "the line");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_LINE_LOST,
+       "the line");
   now_ += 5s;
   const PermissionView after = queue_.Permissions(now_).at(0);
   EXPECT_TRUE(after.granted);
@@ -55,7 +57,8 @@ TEST_F(JobGrantTest, AnEmergencyStopDisarmsItsCellAndKeepsItSo) {
   queue_.SetStop("c", true, now_);
   EXPECT_FALSE(Granted());
   // Nor by itself: the line was lost at the same time.
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost", "the line");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_LINE_LOST,
+       "the line");
   const CommandAnswer pressed = Send(Order(intaglio_COMMAND_RESUME));
   EXPECT_EQ(pressed.code, intaglio_ANSWER_STOP_PRESSED);
   EXPECT_THAT(pressed.message, HasSubstr("intaglio stop c --reset"));
@@ -74,7 +77,8 @@ TEST_F(JobGrantTest, TheWordToFireUncertainPointsIsOfItsOwnGrantAlone) {
   Engrave();
   const auto permission = [this] { return queue_.Permissions(now_).at(0); };
   EXPECT_FALSE(permission().fire_uncertain);
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault", "look");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_FAULT,
+       "look");
   EXPECT_TRUE(ResumeFiringUncertain().taken());
   now_ += 1s;
   const PermissionView said = permission();
@@ -82,7 +86,8 @@ TEST_F(JobGrantTest, TheWordToFireUncertainPointsIsOfItsOwnGrantAlone) {
   EXPECT_TRUE(said.fire_uncertain);
   EXPECT_THAT(job().message, HasSubstr("uncertain points are fired"));
   // Gone on with by itself, it is the same grant.
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost", "the line");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_LINE_LOST,
+       "the line");
   now_ += 5s;
   EXPECT_EQ(permission().grant, said.grant);
   EXPECT_TRUE(permission().fire_uncertain);

@@ -23,7 +23,7 @@ TEST_F(JobQueueTest, HappyPath) {
   Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_ACCEPTED);
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, "", "waits for the arm");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, {}, "waits for the arm");
   EXPECT_EQ(job().state, intaglio_JOB_WAITING_FOR_ARM);
   EXPECT_EQ(job().message, "waits for the arm");
   EXPECT_EQ(job().estimate_ticks, 77u);
@@ -233,7 +233,7 @@ TEST_F(JobQueueTest, LostSynchronizerBeforeAnyPermissionIsAnotherAttempt) {
 TEST_F(JobQueueTest, FailuresOfAStage) {
   ReadyAll();
   Add(1);
-  Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0, "unreadable",
+  Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0, intaglio_ERROR_UNREADABLE,
        "cube.stl is empty");
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
   EXPECT_EQ(job().message, "cube.stl is empty");
@@ -242,7 +242,8 @@ TEST_F(JobQueueTest, FailuresOfAStage) {
 TEST_F(JobQueueTest, AFailureThatANeighboursDeathCausesIsTriedAgain) {
   ReadyAll();
   Add(1);
-  Task(intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "link_lost", "no points come");
+  Task(intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, intaglio_ERROR_LINK_LOST,
+       "no points come");
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_EQ(job().lost_attempts, 1u);
 }
@@ -339,7 +340,8 @@ TEST_F(JobQueueTest, PauseAndResume) {
   // The synchronizer hears of it later: its last words change nothing.
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 12, 100);
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "", "no permission");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_NOT_ARMED,
+       "no permission");
   EXPECT_EQ(job().message, "paused by ann@shop; resume it to go on");
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   EXPECT_FALSE(Granted()) << "the withdrawal has to be seen first";
@@ -354,24 +356,25 @@ TEST_F(JobQueueTest, AFaultWithdrawsThePermissionUntilResumed) {
   Add(1);
   LoadPath();
   Engrave();
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault",
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_FAULT,
        "the door is open");
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
   EXPECT_EQ(job().message, "the door is open");
   now_ += 5s;
   EXPECT_FALSE(Granted());
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "", "no permission");
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_NOT_ARMED,
+       "no permission");
   EXPECT_EQ(job().message, "the door is open");
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   EXPECT_TRUE(Granted());
   // Still about the old fault.
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "fault",
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_FAULT,
        "the door is open");
   EXPECT_TRUE(Granted());
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 13, 100);
   EXPECT_EQ(job().state, intaglio_JOB_ENGRAVING);
   now_ += 1s;
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 14, 100, "fault",
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 14, 100, intaglio_PAUSE_FAULT,
        "the stage is stuck");
   EXPECT_FALSE(Granted());
 }

@@ -44,8 +44,9 @@ class JobServiceTest : public testing::Test {
     });
   }
   void Report(intaglio_Stage stage, intaglio_TaskState state, std::uint64_t done,
-              const std::string& code = "", const std::string& message = "") {
-    shop_.Report(shop_.Task(stage), stage, state, done, 100, code, message);
+              const std::string& message = "") {
+    shop_.Report(shop_.Task(stage), stage, state, done, 100, intaglio_ERROR_NONE,
+                 message);
   }
   // From submission to the path in the synchronizer.
   void RunToArm(const JobSpec& job = GoodJob()) {
@@ -55,7 +56,7 @@ class JobServiceTest : public testing::Test {
     Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
     ASSERT_TRUE(Reaches(intaglio_JOB_SORTING));
     Report(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100);
-    Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, "", "waits for the arm");
+    Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, "waits for the arm");
     ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
   }
   void RunToEngraving(const JobSpec& job = GoodJob()) {
@@ -158,16 +159,16 @@ TEST_F(JobServiceTest, ADeadWorkersJobIsHandedOutAnew) {
   ASSERT_TRUE(shop_.Until([&] { return shop_.Task(intaglio_STAGE_DISCRETIZE).revoked; }));
   EXPECT_TRUE(Reaches(intaglio_JOB_QUEUED));
   EXPECT_THAT(Job().message, HasSubstr("s was lost"));
-  shop_.Report(first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0, "cancelled",
-               "");
+  shop_.Report(first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0,
+               intaglio_ERROR_CANCELLED, "");
   shop_.Report(shop_.Task(intaglio_STAGE_ENGRAVE), intaglio_STAGE_ENGRAVE,
-               intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+               intaglio_TASK_FAILED, 0, 0, intaglio_ERROR_CANCELLED, "");
   shop_.Health(intaglio_STAGE_SORT, "s2", intaglio_HEALTH_READY);
   ASSERT_TRUE(HasTasks(2));
   EXPECT_EQ(shop_.Task(intaglio_STAGE_SORT).worker, "s2");
   // The old attempt's word is not heard any more.
-  shop_.Report(first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0, "unreadable",
-               "old");
+  shop_.Report(first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0,
+               intaglio_ERROR_UNREADABLE, "old");
   const TaskCopy second = shop_.Task(intaglio_STAGE_DISCRETIZE);
   ASSERT_TRUE(shop_.Until([&] { return shop_.ReceiveModels(second); }));
   Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
@@ -248,7 +249,7 @@ TEST_F(JobServiceTest, PauseAndResume) {
   shop_.Command(Job(), intaglio_COMMAND_PAUSE, 2);
   ASSERT_TRUE(Reaches(intaglio_JOB_PAUSED));
   ASSERT_TRUE(shop_.Until([&] { return !shop_.granted(); }));
-  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, "", "no permission");
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, "no permission");
   shop_.Command(Job(), intaglio_COMMAND_RESUME, 3);
   ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 13);
@@ -329,7 +330,8 @@ TEST_F(JobServiceTest, AnArmedJobThatIsOvertakenIsNotPermittedToFire) {
          {intaglio_STAGE_DISCRETIZE, intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
       const TaskCopy task = shop_.Task(stage);
       if (task.revoked) {
-        shop_.Report(task, stage, intaglio_TASK_FAILED, 0, 0, "cancelled", "");
+        shop_.Report(task, stage, intaglio_TASK_FAILED, 0, 0, intaglio_ERROR_CANCELLED,
+                     "");
       }
       all = all && !task.revoked && task.job_uid == Job(submission).uid;
     }
@@ -343,7 +345,7 @@ TEST_F(JobServiceTest, AnArmedJobThatIsOvertakenIsNotPermittedToFire) {
   ASSERT_TRUE(shop_.Until([&] { return is_of("one"); }));
   Report(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100);
   Report(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100);
-  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, "", "waits for the arm");
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, "waits for the arm");
   ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
   const int before = shop_.permissions_seen();
   ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 10; }));
@@ -377,7 +379,7 @@ TEST_F(JobServiceTest, AKillWhileEngravingPausesAndTheSameSynchronizerGoesOn) {
       << "silence is no permission";
   // As a synchronizer does; its word may come before or after that on the restart is
   // read.
-  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 10, "", "waits for the arm");
+  Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 10, "waits for the arm");
   Start();
   ASSERT_TRUE(Reaches(intaglio_JOB_PAUSED));
   EXPECT_THAT(Job().message, testing::AnyOf(HasSubstr("the job service was restarted"),

@@ -47,6 +47,7 @@ class JobStoreTest : public testing::Test {
     job.disarm_count = 5;
     job.disarm_reason = "paused by ann";
     job.last_command_id = "ann@shop-1/7";
+    job.pause_reason = intaglio_PAUSE_INTERLOCK;
     return job;
   }
 
@@ -149,6 +150,7 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(job.disarm_count, kept.disarm_count);
   EXPECT_EQ(job.disarm_reason, kept.disarm_reason);
   EXPECT_EQ(job.last_command_id, kept.last_command_id);
+  EXPECT_EQ(job.pause_reason, kept.pause_reason);
   EXPECT_FALSE(job.armed);
   EXPECT_GT(job.revision, kept.revision) << "what was told since the last Keep is older";
   const StageRecord& stage = job.stage(intaglio_STAGE_SORT);
@@ -384,6 +386,46 @@ TEST_F(JobStoreTest, JobsOfAnOlderDatabaseHaveAHistory) {
   EXPECT_EQ(told.planned(), 7u);
   EXPECT_EQ(told.ended_utc(), "2026-01-02T03:04:05.678Z");
   EXPECT_NEAR(told.duration_s(), 245.678, 0.002);
+}
+
+// Version 7 knew why a job is paused from its message alone.
+TEST_F(JobStoreTest, PausedJobsOfAnOlderDatabaseGetTheirReason) {
+  struct Old {
+    intaglio_JobState state;
+    const char* message;
+    intaglio_PauseReason reason;
+  };
+  constexpr Old kOld[] = {
+      {intaglio_JOB_PAUSED, "paused by ann@shop; resume it to go on",
+       intaglio_PAUSE_OPERATOR},
+      {intaglio_JOB_PAUSED, "the door is open: close it, then resume",
+       intaglio_PAUSE_FAULT},
+      {intaglio_JOB_ENGRAVING, "", intaglio_PAUSE_NONE},
+      {intaglio_JOB_WAITING_FOR_ARM, "paused by ann@shop", intaglio_PAUSE_NONE}};
+  {
+    SQLite::Database old = OldDatabase(7);
+    int number = 0;
+    for (const Old& job : kOld) {
+      SQLite::Statement insert(
+          old,
+          "INSERT INTO jobs (number, uid, submission_uid, epoch, name, cell, rate_hz, "
+          "result_directory, frozen_job, state, ended, attempt, lost_attempts, message, "
+          "estimate_ticks, revision, last_command, ever_granted, changed_utc) VALUES "
+          "(?1, ?2, ?2, 1, 'cup', 'c', 100, '/r', '', ?3, 0, 1, 0, ?4, 0, 1, 0, 1, '')");
+      insert.bind(1, ++number);
+      insert.bind(2, fmt::format("{}-abc", number));
+      insert.bind(3, static_cast<int>(job.state));
+      insert.bind(4, job.message);
+      insert.exec();
+    }
+  }
+  const auto jobs = JobStore(path_).Load(0);
+  ASSERT_EQ(jobs.size(), std::size(kOld));
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    EXPECT_EQ(jobs[i].state, kOld[i].state);
+    EXPECT_EQ(jobs[i].pause_reason, kOld[i].reason) << kOld[i].message;
+    EXPECT_EQ(jobs[i].message, kOld[i].message);
+  }
 }
 
 TEST_F(JobStoreTest, ADatabaseOfANewerProgramIsRefused) {

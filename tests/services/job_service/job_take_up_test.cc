@@ -33,7 +33,8 @@ class TakeUpTest : public JobQueueTest {
     }
     NextSynchronizer();
     now_ += 1s;
-    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 50, 100, "", "waits for the arm");
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 50, 100, intaglio_PAUSE_NOT_ARMED,
+         "waits for the arm");
     now_ += 5s;
     queue_.Turn(now_);
   }
@@ -45,7 +46,8 @@ class TakeUpTest : public JobQueueTest {
     const auto state = job().state;
     ASSERT_TRUE(Command(intaglio_COMMAND_ARM));
     now_ += 1s;
-    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 0, 0, "fault", "the door is open");
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 0, 0, intaglio_PAUSE_FAULT,
+         "the door is open");
     EXPECT_FALSE(job().armed);
     EXPECT_EQ(job().state, state) << "the points are made all the same";
     EXPECT_EQ(job().message, "the door is open");
@@ -58,7 +60,7 @@ class TakeUpTest : public JobQueueTest {
   }
   void Lost() {
     Ready("y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
-    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "link_lost",
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_LINE_LOST,
          "the laser line is down");
   }
 };
@@ -86,7 +88,7 @@ TEST_F(TakeUpTest, ALateWordOnTheRevocationIsNotOneOnTheJob) {
   Ready("y", intaglio_ROLE_SYNCHRONIZER);
   queue_.Turn(now_);
   EXPECT_THAT(actions_.Orders(), ElementsAre("take up y j1 1"));
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 12, 100, "cancelled",
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 12, 100, intaglio_ERROR_CANCELLED,
        "the job was cancelled");
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
   now_ += 1s;
@@ -152,7 +154,7 @@ TEST_F(TakeUpTest, AFrozenSynchronizerLetsGoBeforeItTakesItUpAgain) {
   over.stage = intaglio_STAGE_ENGRAVE;
   over.worker = "y";
   over.state = intaglio_TASK_FAILED;
-  over.error_code = "cancelled";
+  over.error_code = intaglio_ERROR_CANCELLED;
   queue_.Take(over, now_);
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED) << "its end is not the job's";
   Ready("y", intaglio_ROLE_SYNCHRONIZER);
@@ -164,7 +166,7 @@ TEST_F(TakeUpTest, AFrozenSynchronizerLetsGoBeforeItTakesItUpAgain) {
 TEST_F(TakeUpTest, AMissingPathFailsTheJobAndEngravesNothingAnew) {
   EngraveAndLose();
   NextSynchronizer();
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, "not_found",
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, intaglio_ERROR_NOT_FOUND,
        "path.ply is not there");
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
   EXPECT_EQ(job().attempt, 1u);
@@ -182,7 +184,7 @@ TEST_F(TakeUpTest, AfterARestartTheLostOnesLastWordIsNotOneOnTheJob) {
   late.stage = intaglio_STAGE_ENGRAVE;
   late.worker = "y";
   late.state = intaglio_TASK_FAILED;
-  late.error_code = "cancelled";
+  late.error_code = intaglio_ERROR_CANCELLED;
   queue.Take(late, now_);
   EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_PAUSED);
   queue.Take(WorkerView{"y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_READY, "c", ""},
@@ -199,7 +201,8 @@ TEST_F(TakeUpTest, AFaultWhilePausedIsKept) {
   LoadPath();
   Engrave();
   const auto open_door = [this] {
-    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, "interlock", "the door");
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_INTERLOCK,
+         "the door");
   };
   now_ += 1s;
   open_door();
@@ -214,7 +217,7 @@ TEST_F(TakeUpTest, AFaultWhilePausedIsKept) {
 TEST_F(TakeUpTest, AJournalOfAnotherPathFailsTheJob) {
   EngraveAndLose();
   NextSynchronizer();
-  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, "refused",
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, intaglio_ERROR_REFUSED,
        "take the block out");
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
   EXPECT_EQ(job().message, "take the block out");

@@ -110,9 +110,10 @@ class KilledDiscretizerTest : public testing::Test {
         [&] { return shop_.Status(submission).state == intaglio_JOB_CANCELLED; }));
     const TaskCopy sort = shop_.Task(intaglio_STAGE_SORT);
     const TaskCopy engrave = shop_.Task(intaglio_STAGE_ENGRAVE);
-    shop_.Report(sort, intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0, "cancelled", "");
-    shop_.Report(engrave, intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0, "cancelled",
-                 "");
+    shop_.Report(sort, intaglio_STAGE_SORT, intaglio_TASK_FAILED, 0, 0,
+                 intaglio_ERROR_CANCELLED, "");
+    shop_.Report(engrave, intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0,
+                 intaglio_ERROR_CANCELLED, "");
   }
   std::vector<PartWord> TakeWords() {
     std::vector<PartWord> words;

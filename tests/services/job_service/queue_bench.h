@@ -49,6 +49,15 @@ class RecordingActions : public JobActions {
   std::vector<std::string> forgotten;
 };
 
+/// Why a task failed, or is paused.
+struct Cause {
+  Cause() = default;
+  Cause(intaglio_ErrorCode code) : error(code) {}
+  Cause(intaglio_PauseReason reason) : pause(reason) {}
+  intaglio_ErrorCode error = intaglio_ERROR_NONE;
+  intaglio_PauseReason pause = intaglio_PAUSE_NONE;
+};
+
 class JobQueueTest : public testing::Test {
  protected:
   void Ready(const std::string& instance, intaglio_ServiceRole role,
@@ -74,8 +83,7 @@ class JobQueueTest : public testing::Test {
     queue_.Turn(now_);
   }
   void Task(intaglio_Stage stage, intaglio_TaskState state, std::uint64_t done = 0,
-            std::uint64_t total = 0, const std::string& code = "",
-            const std::string& text = "") {
+            std::uint64_t total = 0, Cause cause = {}, const std::string& text = "") {
     const bool in_parts = stage == intaglio_STAGE_DISCRETIZE;
     TaskView task;
     task.task = job().TaskOf(stage);
@@ -84,7 +92,8 @@ class JobQueueTest : public testing::Test {
     task.state = state;
     task.done_count = done;
     task.total_count = total;
-    task.error_code = code;
+    task.error_code = cause.error;
+    task.pause_reason = cause.pause;
     task.message = text;
     task.estimate_ticks = stage == intaglio_STAGE_ENGRAVE ? 77 : 0;
     queue_.Take(task, now_);
@@ -153,7 +162,7 @@ class JobQueueTest : public testing::Test {
   void LoadPath() {
     DiscretizeAll();
     Task(intaglio_STAGE_SORT, intaglio_TASK_DONE, 100, 100);
-    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, "", "waits for the arm");
+    Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100, {}, "waits for the arm");
   }
   void Engrave(std::uint64_t done = 10) {
     ASSERT_TRUE(Command(intaglio_COMMAND_ARM));

@@ -165,7 +165,7 @@ TEST_F(RetainedJobs, WhatALateSynchronizerReportsReachesTheHistory) {
   outcome.mutable_engrave()->set_made_count(40);
   outcome.mutable_engrave()->set_skipped_count(60);
   const std::string text = outcome.SerializeAsString(), uid = "1-abc",
-                    worker = Synchronizer(), code = "cancelled", none;
+                    worker = Synchronizer(), none;
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
   intaglio_TaskStatus late{};
   late.job_uid = Borrow(uid);
@@ -173,7 +173,7 @@ TEST_F(RetainedJobs, WhatALateSynchronizerReportsReachesTheHistory) {
   late.worker = Borrow(worker);
   late.part_count = late.attempt = 1;
   late.state = intaglio_TASK_FAILED;
-  late.error_code = Borrow(code);
+  late.error_code = intaglio_ERROR_CANCELLED;
   late.message = Borrow(none);
   Borrow(late.outcome, bytes);
   bus::Writer<intaglio_TaskStatus> synchronizer(

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/cloud_flow.h"
 #include "tests/services/platform/host/stage_shop.h"
@@ -237,7 +238,7 @@ TEST_F(SorterTest, RefusesACloudWithoutPoints) {
   ASSERT_TRUE(Stream("empty", {}, false));
   const auto end = shop.AwaitEnd("empty", 1);
   ASSERT_TRUE(end);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kMissing)) << end->message;
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kMissing)) << end->message;
 }
 
 TEST_F(SorterTest, ADiscretizerThatNeverSendsIsEndedByRevoking) {
@@ -246,7 +247,7 @@ TEST_F(SorterTest, ADiscretizerThatNeverSendsIsEndedByRevoking) {
   shop.Revoke("waits", 1);
   const auto end = shop.AwaitEnd("waits", 1);
   ASSERT_TRUE(end);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kCancelled));
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kCancelled));
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 }
 
@@ -273,7 +274,7 @@ TEST_F(SorterTest, AnnealingIsEndedByRevoking) {
   shop.Revoke("endless", 1);
   const auto end = shop.AwaitEnd("endless", 1);
   ASSERT_TRUE(end);
-  EXPECT_EQ(end->error_code, ErrorCodeName(ErrorCode::kCancelled));
+  EXPECT_EQ(end->error_code, bus::WireOf(ErrorCode::kCancelled));
 }
 
 // Batches of other sorters' jobs reach every reader; a worker that computes for an hour
@@ -317,7 +318,7 @@ TEST_F(SorterTest, WrongOptionsFailTheTaskAndTheNextOneIsDone) {
   ASSERT_TRUE(Stream("wrong", RandomCloud(10), false));
   const auto wrong = shop.AwaitEnd("wrong", 1);
   ASSERT_TRUE(wrong);
-  EXPECT_EQ(wrong->error_code, ErrorCodeName(ErrorCode::kInvalidValue)) << wrong->message;
+  EXPECT_EQ(wrong->error_code, bus::WireOf(ErrorCode::kInvalidValue)) << wrong->message;
 
   shop.Give(FrozenJobOf("right", SortSpec()), 1, "");
   ASSERT_TRUE(Stream("right", RandomCloud(10), false));

@@ -146,8 +146,7 @@ class Cell {
     reports_.Take([&](const intaglio_TaskStatus& s) {
       if (bus::View(s.job_uid) != job_) return;
       job_message = bus::View(s.message);
-      if (s.state == intaglio_TASK_PAUSED)
-        TakeFault(std::string(bus::View(s.error_code)));
+      if (s.state == intaglio_TASK_PAUSED) TakePause(s.pause_reason);
     });
     states_.Take([&](const intaglio_MotionState& s) {
       motion_fault = s.fault;
@@ -172,9 +171,10 @@ class Cell {
  private:
   /// As the job service: a lost line renews the arm, every other fault ends it. What
   /// comes soon after an arm is still about the one before.
-  void TakeFault(const std::string& code) {
-    if (code.empty() || std::chrono::steady_clock::now() - armed_at_ < 300ms) return;
-    if (code == "link_lost") {
+  void TakePause(intaglio_PauseReason reason) {
+    if (reason == intaglio_PAUSE_NOT_ARMED) return;
+    if (std::chrono::steady_clock::now() - armed_at_ < 300ms) return;
+    if (reason == intaglio_PAUSE_LINE_LOST) {
       ++renewal_;
     } else {
       armed_ = false;

@@ -247,7 +247,7 @@ class WithAJob : public SynchronizerProcess {
   void TakeStatuses() {
     statuses_.Take([this](const intaglio_TaskStatus& s) {
       state_ = s.state;
-      error_code_ = bus::View(s.error_code);
+      error_code_ = s.error_code;
       message_ = bus::View(s.message);
       estimate_ticks_ = std::max(estimate_ticks_, s.estimate_ticks);
       total_count_ = s.total_count;
@@ -263,7 +263,8 @@ class WithAJob : public SynchronizerProcess {
   bus::Reader<intaglio_TaskStatus> statuses_;
   bus::Reader<intaglio_LampSync> lamp_;
   intaglio_TaskState state_ = intaglio_TASK_ACCEPTED;  // and so on, by the newest status
-  std::string error_code_, message_;
+  intaglio_ErrorCode error_code_ = intaglio_ERROR_NONE;
+  std::string message_;
   std::uint64_t estimate_ticks_ = 0, total_count_ = 0;
   std::unique_ptr<Running> bridge_;
   std::uint64_t permission_number_ = 0, reset_number_ = 0;
@@ -360,7 +361,7 @@ TEST_F(WithAJob, AJobForAnotherMachineIsRefusedAndEnds) {
   EXPECT_FALSE(FiresWithin(1s, kEpoch, 1));
   TakeStatuses();
   EXPECT_EQ(state_, intaglio_TASK_FAILED);
-  EXPECT_EQ(error_code_, "refused");
+  EXPECT_EQ(error_code_, intaglio_ERROR_REFUSED);
   EXPECT_THAT(message_,
               AllOf(HasSubstr("x.travel_max_mm is 400 in the job's profile and 172"),
                     HasSubstr("block_origin_mm.y"), HasSubstr(machine_file_.string())));

@@ -163,6 +163,37 @@ TEST(TopicTap, WritesTheTypeInIdl) {
     TASK_DONE,
     TASK_FAILED
   };
+  enum ErrorCode {
+    ERROR_NONE,
+    ERROR_INVALID_VALUE,
+    ERROR_MISSING,
+    ERROR_NOT_FOUND,
+    ERROR_UNREADABLE,
+    ERROR_UNSUPPORTED,
+    ERROR_OUTSIDE_BLOCK,
+    ERROR_TOO_LARGE,
+    ERROR_IO,
+    ERROR_LINK_LOST,
+    ERROR_TIMED_OUT,
+    ERROR_REFUSED,
+    ERROR_FAULT,
+    ERROR_CANCELLED
+  };
+  enum PauseReason {
+    PAUSE_NONE,
+    PAUSE_OPERATOR,
+    PAUSE_NOT_ARMED,
+    PAUSE_FAULT,
+    PAUSE_EMERGENCY_STOP,
+    PAUSE_INTERLOCK,
+    PAUSE_MACHINE_CHANGED,
+    PAUSE_ABSENCE,
+    PAUSE_CLOSED,
+    PAUSE_UNCERTAIN_POINTS,
+    PAUSE_LINE_LOST,
+    PAUSE_SYNCHRONIZER_LOST,
+    PAUSE_RESTART
+  };
   @final
   struct TaskStatus {
     @key string job_uid;
@@ -177,7 +208,8 @@ TEST(TopicTap, WritesTheTypeInIdl) {
     uint64 total_count;
     double elapsed_s;
     uint64 estimate_ticks;
-    string error_code;
+    intaglio::ErrorCode error_code;
+    intaglio::PauseReason pause_reason;
     string message;
     sequence<octet> outcome;
   };

@@ -18,7 +18,7 @@ class KeptTasksTest : public testing::Test {
     sample.stage = intaglio_STAGE_ENGRAVE;
     sample.worker = bus::Borrow(worker_);
     sample.part = part;
-    sample.error_code = sample.message = bus::Borrow(text);
+    sample.message = bus::Borrow(text);
     kept_.Keep(writer_, job_uid, part);
     ASSERT_TRUE(writer_.Write(sample));
   }

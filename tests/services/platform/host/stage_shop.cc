@@ -50,7 +50,7 @@ void StageShop::Poll() {
                       sample.state,
                       sample.done_count,
                       sample.total_count,
-                      std::string(View(sample.error_code)),
+                      sample.error_code,
                       std::string(View(sample.message)),
                       {}};
     const auto outcome = View(sample.outcome);

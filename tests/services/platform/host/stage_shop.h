@@ -27,7 +27,8 @@ struct TaskReport {
   host::TaskPart part;
   intaglio_TaskState state = intaglio_TASK_ACCEPTED;
   std::uint64_t done_count = 0, total_count = 0;
-  std::string error_code, message;
+  intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
+  std::string message;
   StageOutcome outcome;
 };
 
