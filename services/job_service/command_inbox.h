@@ -17,7 +17,7 @@
 #include <functional>
 #include <string>
 
-#include "services/job_service/job_queue.h"
+#include "services/job_service/queue/job_queue.h"
 #include "services/job_service/job_store.h"
 #include "services/platform/bus/bus.h"
 

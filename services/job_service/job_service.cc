@@ -104,10 +104,8 @@ void JobService::TakeTasks(Nanoseconds now) {
   const auto take = [&](const intaglio_TaskStatus& status) {
     const TaskView view = ViewOf(status);
     if (view.stage > intaglio_STAGE_ENGRAVE) return;
-    const bool over =
-        view.state == intaglio_TASK_DONE || view.state == intaglio_TASK_FAILED;
     bool fresh = false;
-    if (over && !queue_.AnswersAnOldRevocation(view)) {
+    if (view.ended() && !queue_.AnswersAnOldRevocation(view)) {
       const auto bytes = View(status.outcome);
       fresh = store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
     }
@@ -116,7 +114,7 @@ void JobService::TakeTasks(Nanoseconds now) {
     queue_.Take(view, now);
     // What a job that was ended from outside has left in the glass comes afterwards,
     // maybe when the queue has forgotten the job.
-    if (!over || view.stage != intaglio_STAGE_ENGRAVE) return;
+    if (!view.ended() || view.stage != intaglio_STAGE_ENGRAVE) return;
     if (had_ended) {
       statistics_.Ended(*job);
     } else if (job == nullptr && fresh) {
@@ -195,10 +193,10 @@ void JobService::Publish(const JobRecord& job) {
   sample.cell = Borrow(job.cell);
   sample.revision = job.revision;
   sample.speed_percent = job.speed_percent;
-  sample.armed = job.armed;
-  sample.last_command = job.last_command;
-  sample.disarm_count = job.disarm_count;
-  sample.disarm_reason = Borrow(job.disarm_reason);
+  sample.armed = job.arm.armed();
+  sample.last_command = job.arm.kept().last_command;
+  sample.disarm_count = job.arm.disarm_count();
+  sample.disarm_reason = Borrow(job.arm.disarm_reason());
   if (auto written = statuses_.Write(sample); !written) {
     host::LogWarning("status of job {}: {}", job.uid, written.error().message);
   }
@@ -232,7 +230,7 @@ void JobService::Give(const TaskOrder& order, const JobRecord& job) {
                 order.task.attempt, order.task.part, order.task.part_attempt,
                 order.revoked ? "revoked from" : "given to", order.worker);
   if (auto written = writer.Write(sample); !written) {
-    // A worker that does not answer costs the attempt (job_queue.h).
+    // A worker that does not answer costs the attempt (queue/job_queue.h).
     host::LogWarning("task of {}: {}", order.worker, written.error().message);
   }
 }

@@ -1,8 +1,8 @@
 #pragma once
 
 // The job service on the bus: takes submissions and commands, hands out tasks, follows
-// the workers, tells what becomes of every job. What it decides is in job_queue.h, what
-// it keeps in job_store.h. Used from one thread; a turn never waits for another process.
+// the workers, publishes what becomes of every job. What it decides is in
+// queue/job_queue.h, what it keeps in job_store.h. Used from one thread; a turn never waits for another process.
 
 #include <chrono>
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include <string>
 
 #include "services/job_service/command_inbox.h"
-#include "services/job_service/job_queue.h"
+#include "services/job_service/queue/job_queue.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/last_seen.h"
 #include "services/job_service/model_feed.h"

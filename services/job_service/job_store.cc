@@ -94,10 +94,9 @@ void LoadParts(SQLite::Database& database, JobRecord& job) {
   select.bind(2, job.attempt);
   select.bind(3, static_cast<int>(intaglio_STAGE_DISCRETIZE));
   while (select.executeStep()) {
-    const std::size_t part = select.getColumn(0).getUInt();
-    if (part >= job.parts.size()) job.parts.resize(part + 1);
-    job.parts[part].attempt = select.getColumn(1).getUInt();
-    job.parts[part].worker = select.getColumn(2).getString();
+    const std::uint32_t part = select.getColumn(0).getUInt();
+    job.parts.Restore(part, select.getColumn(1).getUInt(),
+                      select.getColumn(2).getString());
   }
 }
 
@@ -133,18 +132,20 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.message = text("message");
   job.estimate_ticks = u64("estimate_ticks");
   job.revision = u64("revision") + kRevisionLeap;
-  job.last_command = u64("last_command");
-  job.ever_granted = row.getColumn("ever_granted").getInt() != 0;
-  job.armed = row.getColumn("armed").getInt() != 0;
-  job.operator_name = text("operator_name");
-  job.first_point = u32("first_point");
-  job.fire_uncertain = row.getColumn("fire_uncertain").getInt() != 0;
-  job.disarm_count = u64("disarm_count");
-  job.disarm_reason = text("disarm_reason");
-  job.last_command_id = text("last_command_id");
+  KeptArm arm;
+  arm.armed = row.getColumn("armed").getInt() != 0;
+  arm.ever_granted = row.getColumn("ever_granted").getInt() != 0;
+  arm.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
+  arm.disarm_count = u64("disarm_count");
+  arm.disarm_reason = text("disarm_reason");
+  arm.operator_name = text("operator_name");
+  arm.first_point = u32("first_point");
+  arm.fire_uncertain = row.getColumn("fire_uncertain").getInt() != 0;
+  arm.last_command = u64("last_command");
+  arm.last_command_id = text("last_command_id");
+  job.arm = JobArm(std::move(arm));
   job.pause_reason =
       static_cast<intaglio_PauseReason>(row.getColumn("pause_reason").getInt());
-  job.asks_before_resume = row.getColumn("asks_before_resume").getInt() != 0;
   return job;
 }
 
@@ -289,6 +290,7 @@ void JobStore::Keep(const JobRecord& job) {
             "ended_utc = CASE WHEN ended_utc = '' THEN excluded.ended_utc ELSE ended_utc "
             "END",
             kNow));
+    const KeptArm arm = job.arm.ToKeep();
     insert.bind(1, job.number);
     insert.bind(2, job.uid);
     insert.bind(3, job.submission_uid);
@@ -305,18 +307,18 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(14, job.message);
     insert.bind(15, Signed(job.estimate_ticks));
     insert.bind(16, Signed(job.revision));
-    insert.bind(17, Signed(job.last_command));
-    insert.bind(18, job.ever_granted ? 1 : 0);
+    insert.bind(17, Signed(arm.last_command));
+    insert.bind(18, arm.ever_granted ? 1 : 0);
     insert.bind(19, job.priority);
     insert.bind(20, job.material);
-    insert.bind(21, job.keeps_arm_over_restart() ? 1 : 0);
-    insert.bind(22, job.operator_name);
-    insert.bind(23, job.asks_before_resume ? 1 : 0);
-    insert.bind(24, job.first_point);
-    insert.bind(25, job.fire_uncertain ? 1 : 0);
-    insert.bind(26, Signed(job.disarm_count));
-    insert.bind(27, job.disarm_reason);
-    insert.bind(28, job.last_command_id);
+    insert.bind(21, arm.armed ? 1 : 0);
+    insert.bind(22, arm.operator_name);
+    insert.bind(23, arm.asks_before_resume ? 1 : 0);
+    insert.bind(24, arm.first_point);
+    insert.bind(25, arm.fire_uncertain ? 1 : 0);
+    insert.bind(26, Signed(arm.disarm_count));
+    insert.bind(27, arm.disarm_reason);
+    insert.bind(28, arm.last_command_id);
     insert.bind(29, static_cast<int>(job.pause_reason));
     insert.exec();
     KeepStages(*database_, job);

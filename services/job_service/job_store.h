@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "proto/shop.pb.h"
-#include "services/job_service/job_queue.h"
-#include "services/job_service/job_record.h"
+#include "services/job_service/queue/job_queue.h"
+#include "services/job_service/queue/job_record.h"
 
 namespace SQLite {
 class Database;

@@ -87,7 +87,7 @@ void JobService::Accept(const SubmissionReader::Answer& submission, FrozenJob fr
   job.cell = frozen.machine().name();
   job.material = frozen.job().glass();
   job.priority = frozen.job().priority();
-  job.asks_before_resume = frozen.job().ask_before_resume();
+  job.arm = JobArm({.asks_before_resume = frozen.job().ask_before_resume()});
   job.rate_hz = frozen.job().laser().rate_hz();
   job.frozen_job = frozen.SerializeAsString();
   OpenCell(job.cell);

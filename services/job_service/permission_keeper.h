@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/job_service/job_queue.h"
+#include "services/job_service/queue/job_queue.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/stop_latch.h"
 

@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "proto/shop.pb.h"
-#include "services/job_service/job_record.h"
+#include "services/job_service/queue/job_record.h"
 #include "services/job_service/job_store.h"
 
 namespace intaglio::job_service {

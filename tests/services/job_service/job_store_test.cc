@@ -40,13 +40,13 @@ class JobStoreTest : public testing::Test {
     job.estimate_ticks = 12345678901234;
     job.stage(intaglio_STAGE_SORT) = {"sorter-1", true, 7, 8, 1.5};
     job.revision = 9;
-    job.last_command = 18446744073709551615u;
-    job.ever_granted = true;
-    job.first_point = 17;
-    job.fire_uncertain = true;
-    job.disarm_count = 5;
-    job.disarm_reason = "paused by ann";
-    job.last_command_id = "ann@shop-1/7";
+    job.arm = JobArm({.ever_granted = true,
+                      .disarm_count = 5,
+                      .disarm_reason = "paused by ann",
+                      .first_point = 17,
+                      .fire_uncertain = true,
+                      .last_command = 18446744073709551615u,
+                      .last_command_id = "ann@shop-1/7"});
     job.pause_reason = intaglio_PAUSE_INTERLOCK;
     return job;
   }
@@ -143,15 +143,16 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(job.lost_attempts, kept.lost_attempts);
   EXPECT_EQ(job.message, kept.message);
   EXPECT_EQ(job.estimate_ticks, kept.estimate_ticks);
-  EXPECT_EQ(job.last_command, kept.last_command);
-  EXPECT_TRUE(job.ever_granted);
-  EXPECT_EQ(job.first_point, kept.first_point);
-  EXPECT_TRUE(job.fire_uncertain);
-  EXPECT_EQ(job.disarm_count, kept.disarm_count);
-  EXPECT_EQ(job.disarm_reason, kept.disarm_reason);
-  EXPECT_EQ(job.last_command_id, kept.last_command_id);
+  const KeptArm& arm = job.arm.kept();
+  EXPECT_EQ(arm.last_command, kept.arm.kept().last_command);
+  EXPECT_TRUE(arm.ever_granted);
+  EXPECT_EQ(arm.first_point, kept.arm.kept().first_point);
+  EXPECT_TRUE(arm.fire_uncertain);
+  EXPECT_EQ(arm.disarm_count, kept.arm.kept().disarm_count);
+  EXPECT_EQ(arm.disarm_reason, kept.arm.kept().disarm_reason);
+  EXPECT_EQ(arm.last_command_id, kept.arm.kept().last_command_id);
   EXPECT_EQ(job.pause_reason, kept.pause_reason);
-  EXPECT_FALSE(job.armed);
+  EXPECT_FALSE(arm.armed);
   EXPECT_GT(job.revision, kept.revision) << "what was told since the last Keep is older";
   const StageRecord& stage = job.stage(intaglio_STAGE_SORT);
   EXPECT_EQ(stage.worker, "sorter-1");
@@ -299,7 +300,7 @@ TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
   JobStore store(path_);
   JobRecord job = Record(1, intaglio_JOB_QUEUED);
   job.attempt = 0;
-  job.ever_granted = false;
+  job.arm = JobArm();
   const auto now = std::chrono::system_clock::now();
   store.Keep(job);
   JobStatistics told = store.StatisticsOf(job, now);
@@ -307,7 +308,7 @@ TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
   EXPECT_NE(told.submitted_utc(), "");
   EXPECT_EQ(told.started_utc(), "");
   job.attempt = 2;
-  job.ever_granted = true;
+  job.arm.NoteGranted();
   job.state = intaglio_JOB_ENGRAVING;
   job.estimate_ticks = 400;
   store.Keep(job);

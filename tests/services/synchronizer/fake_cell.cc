@@ -181,7 +181,7 @@ void FakeCell::Poll() {
   controller->Poll(take, take);
 }
 
-// As JobQueue::EngravePaused and GoOn, in services/job_service.
+// As Arming::TakePaused and JobArm::Renew, in services/job_service/queue.
 void FakeCell::ActAsJobService() {
   if (now >= renewed_at_) {
     const int before = renewals_;

@@ -1,6 +1,6 @@
 // The grant that a permission carries, and the emergency stop that takes it away.
 
-#include "tests/services/job_service/queue_bench.h"
+#include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -1,6 +1,6 @@
-#include "services/job_service/job_queue.h"
+#include "services/job_service/queue/job_queue.h"
 
-#include "tests/services/job_service/queue_bench.h"
+#include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -29,7 +29,7 @@ TEST_F(JobQueueTest, HappyPath) {
   EXPECT_EQ(job().estimate_ticks, 77u);
   EXPECT_FALSE(Granted());
   Engrave();
-  EXPECT_TRUE(actions_.kept.at("j1").ever_granted);
+  EXPECT_TRUE(actions_.kept.at("j1").arm.ever_granted());
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100, 100);
   EXPECT_EQ(job().state, intaglio_JOB_DONE);
   EXPECT_FALSE(Granted());
@@ -104,15 +104,15 @@ TEST_F(JobQueueTest, AJobThatItsMachineDoesNotHaveCannotBeArmed) {
   EXPECT_EQ(answer.code, intaglio_ANSWER_NOT_YET) << "it waits for workers";
   EXPECT_THAT(answer.message, HasSubstr("waits for a synchronizer of c (none runs)"));
   EXPECT_THAT(answer.message, HasSubstr("intaglio arm 1"));
-  EXPECT_FALSE(job().armed);
+  EXPECT_FALSE(job().arm.armed());
   ReadyAll();
   queue_.Turn(now_);
   answer = Send(Order(intaglio_COMMAND_ARM, "j2"));
   EXPECT_EQ(answer.code, intaglio_ANSWER_NOT_YET);
-  EXPECT_FALSE(queue_.Find("j2")->armed);
+  EXPECT_FALSE(queue_.Find("j2")->arm.armed());
   EXPECT_THAT(answer.message, HasSubstr("waits for its turn on c"));
   EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
-  EXPECT_TRUE(job().armed);
+  EXPECT_TRUE(job().arm.armed());
 }
 
 TEST_F(JobQueueTest, AnotherCellGoesOnMeanwhile) {
@@ -292,7 +292,7 @@ TEST_F(JobQueueTest, StaleCommandsDoNothing) {
   EXPECT_EQ(Send(odd).code, intaglio_ANSWER_OUT_OF_RANGE);
   now_ += 1s;
   EXPECT_FALSE(Granted());
-  EXPECT_EQ(actions_.kept.at("j1").last_command, 0u);
+  EXPECT_EQ(actions_.kept.at("j1").arm.kept().last_command, 0u);
 }
 
 TEST_F(JobQueueTest, ArmedAheadIsGrantedOnlyWhenThePathIsThere) {
@@ -418,7 +418,7 @@ TEST_F(JobQueueTest, ARestartDisarmsAJobThatHasNotBegunToFire) {
   ReadyAll();
   Add(1);
   EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
-  ASSERT_TRUE(actions_.kept.at("j1").armed);
+  ASSERT_TRUE(actions_.kept.at("j1").arm.armed());
   for (const std::optional<Nanoseconds> absence :
        {std::optional<Nanoseconds>(2s), std::optional<Nanoseconds>(31s),
         std::optional<Nanoseconds>()}) {
@@ -431,9 +431,9 @@ TEST_F(JobQueueTest, ARestartDisarmsAJobThatHasNotBegunToFire) {
       JobQueue queue(actions);
       queue.Restore({kept}, absence, now_);
       EXPECT_EQ(queue.Find("j1")->state, intaglio_JOB_QUEUED);
-      EXPECT_FALSE(queue.Find("j1")->armed) << state;
+      EXPECT_FALSE(queue.Find("j1")->arm.armed()) << state;
       if (state == intaglio_JOB_QUEUED) continue;
-      EXPECT_GT(queue.Find("j1")->disarm_count, kept.disarm_count);
+      EXPECT_GT(queue.Find("j1")->arm.disarm_count(), kept.arm.disarm_count());
       EXPECT_THAT(queue.Find("j1")->message, HasSubstr("it is not armed any more"));
     }
   }
@@ -459,7 +459,7 @@ TEST_F(JobQueueTest, RestartPausesAnEngravingAndGoesOnWithTheSameSynchronizer) {
   EXPECT_EQ(queue.Take(resume, now_).code, intaglio_ANSWER_SUPERSEDED)
       << "sent before the restart";
   ++resume.number;
-  resume.disarm_count = queue.Find("j1")->disarm_count;
+  resume.disarm_count = queue.Find("j1")->arm.disarm_count();
   EXPECT_TRUE(queue.Take(resume, now_).taken());
   EXPECT_TRUE(queue.Permissions(now_).at(0).granted);
 }

@@ -1,6 +1,6 @@
 // What a queue that works for years keeps in memory.
 
-#include "tests/services/job_service/queue_bench.h"
+#include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {

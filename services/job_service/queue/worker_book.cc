@@ -1,4 +1,4 @@
-#include "services/job_service/worker_book.h"
+#include "services/job_service/queue/worker_book.h"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ void WorkerBook::Update(const WorkerView& view, Nanoseconds now) {
   Worker& worker = workers_[view.instance];
   worker.view = view;
   worker.alive = true;
-  worker.heard = now;
+  worker.reported_at = now;
   const Assignment& task = worker.has.task;
   if (task.revoked && view.state == intaglio_HEALTH_READY &&
       now - task.since >= kReadyAgain) {
@@ -48,13 +48,13 @@ WorkerBook::Assignments WorkerBook::Lose(const std::string& instance, Nanosecond
   return found->second.has;
 }
 
-// One that came back is not forgotten; lost once more, it stands in the list again.
+// One that came back is not forgotten; lost once more, it is in the list again.
 std::vector<std::string> WorkerBook::ForgetLost(Nanoseconds now) {
   std::vector<std::string> forgotten;
   while (auto instance = lost_.TakeOldest(now)) {
     const auto found = workers_.find(*instance);
     if (found == workers_.end() || found->second.alive ||
-        now - found->second.heard < kLostStaysFor) {
+        now - found->second.reported_at < kLostStaysFor) {
       continue;
     }
     workers_.erase(found);
@@ -117,7 +117,7 @@ void WorkerBook::Assign(const std::string& instance, const TaskId& task,
                         Nanoseconds now) {
   Worker& worker = workers_[instance];
   worker.has = {{task, now, false, false}, {}};
-  if (!worker.alive) worker.heard = now;
+  if (!worker.alive) worker.reported_at = now;
 }
 
 void WorkerBook::AssignNext(const std::string& instance, const TaskId& task,
@@ -175,7 +175,7 @@ std::vector<std::pair<std::string, WorkerBook::Assignments>> WorkerBook::Silent(
     const Assignment& task = worker.has.task;
     if (task.empty() || task.revoked) continue;
     const bool unanswered = !task.answered && now - task.since >= limit;
-    if (unanswered || now - worker.heard >= limit) {
+    if (unanswered || now - worker.reported_at >= limit) {
       silent.emplace_back(instance, worker.has);
     }
   }

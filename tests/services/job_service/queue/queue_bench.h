@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "services/job_service/job_queue.h"
+#include "services/job_service/queue/job_queue.h"
 
 namespace intaglio::job_service {
 
@@ -139,7 +139,7 @@ class JobQueueTest : public testing::Test {
     command.kind = kind;
     command.operator_name = "ann@shop";
     const JobRecord* job = queue_.Find(uid);
-    command.disarm_count = job == nullptr ? 0 : job->disarm_count;
+    command.disarm_count = job == nullptr ? 0 : job->arm.disarm_count();
     return command;
   }
   CommandAnswer Send(const CommandView& command) {

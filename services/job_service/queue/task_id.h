@@ -1,11 +1,14 @@
 #pragma once
 
-// What a task is about, and which try at it it is.
+// What a task is about, and which attempt at it it is.
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 
 namespace intaglio::job_service {
+
+using Nanoseconds = std::chrono::nanoseconds;
 
 struct TaskId {
   std::string job_uid;

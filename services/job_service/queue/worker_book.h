@@ -1,15 +1,16 @@
 #pragma once
 
-// Who could work, and who works on what, as health, tasks and their answers tell.
+// Which workers there are, and who works on what, by their health, their tasks and the
+// answers to them.
 //
 //   free --Assign--> assigned --Release (task ended)--> free
 //                       |--Revoke--> revoked --Release, or ready again for a second-->
 //                       free
 //
-// A worker is given a task only when it says that it is ready and nothing of ours is on
-// it: a task to a worker that still drops an older one could be lost. One that has said
-// that it is at work on a part may be given its next one ahead, which it then begins
-// without a word to us.
+// A worker is given a task only when it reports that it is ready and has nothing of ours:
+// a task to a worker that still drops an older one could be lost. One that has reported
+// to be at work on a part may be given its next one ahead, which it then begins by
+// itself.
 //
 // A lost worker is forgotten after kLostStaysFor, when kLostKept were lost after it:
 // until then it may come back, from a cut network. Used from one thread.
@@ -21,12 +22,10 @@
 #include <vector>
 
 #include "idl/service.h"
-#include "services/job_service/ended_list.h"
-#include "services/job_service/task_id.h"
+#include "services/job_service/queue/ended_list.h"
+#include "services/job_service/queue/task_id.h"
 
 namespace intaglio::job_service {
-
-using Nanoseconds = std::chrono::nanoseconds;
 
 /// ServiceHealth, the fields that count here.
 struct WorkerView {
@@ -65,7 +64,7 @@ class WorkerBook {
   std::size_t count() const { return workers_.size(); }
 
   /// The free workers of that role, for a synchronizer of that cell; by name, so that the
-  /// choice can be foretold.
+  /// choice can be predicted.
   std::vector<std::string> Free(intaglio_ServiceRole role, const std::string& cell) const;
   /// The workers of that role that are known to work on this chain of a job and have no
   /// next task.
@@ -78,7 +77,7 @@ class WorkerBook {
   void Assign(const std::string& instance, const TaskId& task, Nanoseconds now);
   /// To be begun when what it works on has ended.
   void AssignNext(const std::string& instance, const TaskId& task, Nanoseconds now);
-  /// Also for a worker that was not heard of yet (after our own restart).
+  /// Also of a worker without health so far (after our own restart).
   void Revoke(const std::string& instance, const TaskId& task, Nanoseconds now);
   void Answered(const std::string& instance, const TaskId& task);
   /// It has ended; the next one, if there is one, is worked on from now on.
@@ -87,8 +86,9 @@ class WorkerBook {
   bool IsAlive(const std::string& instance) const;
   /// Either to be worked on or as the next one, and not revoked.
   bool IsAssigned(const std::string& instance, const TaskId& task) const;
-  /// Workers with a task that have said nothing about it, or have not told their health,
-  /// for so long: health tells that a worker's loop runs, not only that its process is.
+  /// Workers with a task that have not answered it, or have not reported their health,
+  /// for so long: health shows that a worker's loop runs, not only that its process is
+  /// there.
   std::vector<std::pair<std::string, Assignments>> Silent(Nanoseconds now,
                                                           Nanoseconds limit) const;
 
@@ -96,7 +96,7 @@ class WorkerBook {
   struct Worker {
     WorkerView view;
     bool alive = false;
-    Nanoseconds heard{0};  ///< newest health; of one not heard of yet: its assignment
+    Nanoseconds reported_at{0};  ///< its newest health; before the first: its assignment
     Assignments has;
   };
   bool Serves(const Worker& worker, intaglio_ServiceRole role,

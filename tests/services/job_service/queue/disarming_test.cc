@@ -1,6 +1,6 @@
 // Commands that are sent at the same time, and armed jobs that lose their turn.
 
-#include "tests/services/job_service/queue_bench.h"
+#include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -79,7 +79,7 @@ TEST_F(JobDisarmTest, PauseWinsOverAnArmThatWasSentAtTheSameTime) {
       }
       now_ += 1s;
       EXPECT_FALSE(Granted());
-      EXPECT_FALSE(job().armed);
+      EXPECT_FALSE(job().arm.armed());
     }
   }
   EXPECT_TRUE(Command(intaglio_COMMAND_ARM)) << "by a person who knows of the pause";
@@ -170,7 +170,7 @@ TEST_F(JobDisarmTest, AJobThatIsHandedOutAgainAfterAHigherOneIsNotArmed) {
   const CommandView late = Order(intaglio_COMMAND_ARM);
   Lose("y");  // before any permission: the attempt is over
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
-  EXPECT_FALSE(job().armed);
+  EXPECT_FALSE(job().arm.armed());
   EXPECT_THAT(job().message, HasSubstr("it is not armed any more"));
   Add(2, "c", 1);
   HandOutAgain();
@@ -191,7 +191,7 @@ TEST_F(JobDisarmTest, OfTwoMachinesWithOneSorterTheOneThatWaitsIsNotArmed) {
   Add(1);
   EXPECT_TRUE(Command(intaglio_COMMAND_ARM));
   Lose("s");
-  EXPECT_FALSE(job().armed);
+  EXPECT_FALSE(job().arm.armed());
   // A higher one on the other machine gets the sorter when it is back.
   Add(2, "e", 1);
   HandOutAgain();

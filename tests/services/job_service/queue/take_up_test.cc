@@ -1,6 +1,6 @@
 // A synchronizer, a line or the job service itself is lost while pulses are in the glass.
 
-#include "tests/services/job_service/queue_bench.h"
+#include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -48,7 +48,7 @@ class TakeUpTest : public JobQueueTest {
     now_ += 1s;
     Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 0, 0, intaglio_PAUSE_FAULT,
          "the door is open");
-    EXPECT_FALSE(job().armed);
+    EXPECT_FALSE(job().arm.armed());
     EXPECT_EQ(job().state, state) << "the points are made all the same";
     EXPECT_EQ(job().message, "the door is open");
     LoadPath();
@@ -104,7 +104,7 @@ TEST_F(TakeUpTest, WhoAsksIsWaitedFor) {
   record.uid = "j1";
   record.epoch = kEpoch;
   record.cell = "c";
-  record.asks_before_resume = true;
+  record.arm = JobArm({.asks_before_resume = true});
   queue_.Add(record);
   queue_.Turn(now_);
   LoadPath();
@@ -208,10 +208,10 @@ TEST_F(TakeUpTest, AFaultWhilePausedIsKept) {
   open_door();
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   ASSERT_EQ(job().state, intaglio_JOB_PAUSED);
-  ASSERT_TRUE(actions_.kept.at("j1").armed);
+  ASSERT_TRUE(actions_.kept.at("j1").arm.armed());
   now_ += 2s;
   open_door();
-  EXPECT_FALSE(actions_.kept.at("j1").armed);
+  EXPECT_FALSE(actions_.kept.at("j1").arm.armed());
 }
 
 TEST_F(TakeUpTest, AJournalOfAnotherPathFailsTheJob) {
@@ -232,7 +232,7 @@ TEST_F(TakeUpTest, ALostLineIsResumedByItself) {
   now_ += 1s;
   Lost();
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  EXPECT_TRUE(job().armed);
+  EXPECT_TRUE(job().arm.armed());
   EXPECT_FALSE(Granted());
   now_ += 250ms;
   EXPECT_FALSE(Granted());
@@ -257,9 +257,9 @@ TEST_F(TakeUpTest, ALineThatDoesNotHoldIsGivenUp) {
     granted = is;
   }
   EXPECT_EQ(grants, 20);
-  EXPECT_FALSE(job().armed);
+  EXPECT_FALSE(job().arm.armed());
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
-  EXPECT_TRUE(job().armed);
+  EXPECT_TRUE(job().arm.armed());
 }
 
 TEST_F(TakeUpTest, AJobServiceThatWasAwayForAMomentGoesOn) {
@@ -268,7 +268,7 @@ TEST_F(TakeUpTest, AJobServiceThatWasAwayForAMomentGoesOn) {
   LoadPath();
   Engrave();
   const JobRecord kept = actions_.kept.at("j1");
-  ASSERT_TRUE(kept.armed);
+  ASSERT_TRUE(kept.arm.armed());
   for (const auto& [absence, goes_on] :
        {std::pair<std::optional<Nanoseconds>, bool>{2s, true},
         {28s, true},
@@ -290,7 +290,7 @@ TEST_F(TakeUpTest, AJobServiceThatWasAwayForAMomentGoesOn) {
 TEST_F(TakeUpTest, AnArmDoesNotOutliveALongAbsenceOfTheSynchronizer) {
   BeAwayFor(35s);
   EXPECT_FALSE(Granted());
-  EXPECT_FALSE(actions_.kept.at("j1").armed);
+  EXPECT_FALSE(actions_.kept.at("j1").arm.armed());
   EXPECT_THAT(job().message, HasSubstr("resume it if the block was not touched"));
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   now_ += 1s;
@@ -304,11 +304,11 @@ TEST_F(TakeUpTest, AnArmDuringAnAbsenceIsOneOfThatMoment) {
     now_ += 1s;
     queue_.Turn(now_);
   }
-  ASSERT_FALSE(job().armed);
+  ASSERT_FALSE(job().arm.armed());
   ASSERT_TRUE(Command(intaglio_COMMAND_RESUME));
   now_ += 2s;
   queue_.Turn(now_);
-  EXPECT_TRUE(job().armed);
+  EXPECT_TRUE(job().arm.armed());
   NextSynchronizer();
   EXPECT_TRUE(Granted());
 }
@@ -342,7 +342,7 @@ TEST_F(TakeUpTest, ClosingTheShopEndsEveryArm) {
   queue_.Close(now_);
   EXPECT_FALSE(Granted());
   const JobRecord& kept = actions_.kept.at("j1");
-  EXPECT_FALSE(kept.armed);
+  EXPECT_FALSE(kept.arm.armed());
   EXPECT_EQ(kept.state, intaglio_JOB_PAUSED);
   EXPECT_THAT(kept.message, HasSubstr("the shop was closed"));
 }
@@ -358,7 +358,7 @@ TEST_F(TakeUpTest, ClosingACellEndsItsArm) {
   NextSynchronizer();
   now_ += 5s;
   EXPECT_FALSE(Granted());
-  EXPECT_FALSE(job().armed);
+  EXPECT_FALSE(job().arm.armed());
 }
 
 // What a restart finds is an arm of which nobody knows how long it was unwatched.
@@ -367,13 +367,13 @@ TEST_F(TakeUpTest, AnArmWithoutASynchronizerIsNotKeptOverARestart) {
   Add(1);
   LoadPath();
   Engrave();
-  EXPECT_TRUE(job().keeps_arm_over_restart());
+  EXPECT_TRUE(job().arm.ToKeep().armed);
   Lose("y");
-  EXPECT_TRUE(job().armed);
-  EXPECT_FALSE(job().keeps_arm_over_restart());
+  EXPECT_TRUE(job().arm.armed());
+  EXPECT_FALSE(job().arm.ToKeep().armed);
   NextSynchronizer();
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 50, 100);
-  EXPECT_TRUE(actions_.kept.at("j1").keeps_arm_over_restart());
+  EXPECT_TRUE(actions_.kept.at("j1").arm.ToKeep().armed);
 }
 
 TEST_F(TakeUpTest, ADoorOpenedWhileThePointsAreMadeCostsTheArm) {

@@ -1,6 +1,6 @@
 // Why a job is paused, as clients decide on it: whatever the sentences say.
 
-#include "tests/services/job_service/queue_bench.h"
+#include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {
@@ -48,7 +48,7 @@ TEST_F(PauseReasonTest, OfAMachineThatHaltsItsOwnReasonCounts) {
     Ready("y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
     Paused(reason);
     ExpectPaused(reason);
-    EXPECT_EQ(job().armed, reason == intaglio_PAUSE_LINE_LOST)
+    EXPECT_EQ(job().arm.armed(), reason == intaglio_PAUSE_LINE_LOST)
         << "only a lost line is got over without a person";
     ASSERT_TRUE(Command(intaglio_COMMAND_RESUME));
     now_ += 1s;

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "services/platform/host/task_part.h"
-#include "tests/services/job_service/queue_bench.h"
+#include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -1,0 +1,178 @@
+#include "services/job_service/queue/arming.h"
+
+#include <fmt/format.h>
+
+namespace intaglio::job_service {
+
+CommandAnswer Arming::Check(const JobRecord& job, const CommandView& command) const {
+  if (command.epoch != job.epoch) {
+    return {intaglio_ANSWER_WRONG_EPOCH,
+            fmt::format("the command is for job {} of another run of the job service: "
+                        "see intaglio list",
+                        job.number)};
+  }
+  if (job.ended()) {
+    return {intaglio_ANSWER_ENDED_JOB,
+            fmt::format("job {} has ended: {}", job.number, job.message)};
+  }
+  switch (command.kind) {
+    case intaglio_COMMAND_ARM:
+    case intaglio_COMMAND_RESUME:
+      return CheckArm(job, command);
+    case intaglio_COMMAND_SPEED:
+      if (command.speed_percent >= kMinSpeedPercent && command.speed_percent <= 100) {
+        return {};
+      }
+      return {intaglio_ANSWER_OUT_OF_RANGE,
+              fmt::format("speed_percent {} of job {} is outside {}..100",
+                          command.speed_percent, job.number, kMinSpeedPercent)};
+    case intaglio_COMMAND_PAUSE:
+    case intaglio_COMMAND_CANCEL:
+      return {};
+  }
+  return {intaglio_ANSWER_OUT_OF_RANGE,
+          fmt::format("kind {} of a command for job {} is unknown: use the version of "
+                      "intaglio that the job service has",
+                      static_cast<int>(command.kind), job.number)};
+}
+
+CommandAnswer Arming::CheckArm(const JobRecord& job, const CommandView& command) const {
+  // The block in its machine is another job's, or was put there for another one.
+  if (!job.active()) {
+    return {
+        intaglio_ANSWER_NOT_YET,
+        fmt::format("job {} cannot be armed yet: {}; arm it (intaglio arm {}) when it "
+                    "is discretizing, with its block in the machine",
+                    job.number,
+                    job.message.empty() ? "it waits for " + job.cell : job.message,
+                    job.number)};
+  }
+  if (IsStopped(job.cell)) {
+    return {intaglio_ANSWER_STOP_PRESSED,
+            fmt::format("the emergency stop of {0} is pressed: check the machine, reset "
+                        "the stop (intaglio stop {0} --reset), then arm job {1} again",
+                        job.cell, job.number)};
+  }
+  if (command.disarm_count != job.arm.disarm_count()) {
+    return {intaglio_ANSWER_SUPERSEDED,
+            fmt::format("job {} was disarmed meanwhile ({}): check the machine and arm "
+                        "it again (intaglio arm {})",
+                        job.number, job.arm.disarm_reason(), job.number)};
+  }
+  return {};
+}
+
+void Arming::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
+  job.arm.Arm(command, now);
+  job.arm_loss.clear();
+  if (job.state != intaglio_JOB_PAUSED) {
+    return book_.Change(job, job.state, job.message);
+  }
+  book_.Change(
+      job, job.state,
+      fmt::format("resumed by {}{}; waits for the machine", command.operator_name,
+                  job.arm.kept().fire_uncertain ? ", uncertain points are fired" : ""));
+}
+
+void Arming::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) {
+  job.arm.Disarm("paused by " + command.operator_name, now);
+  if (job.state != intaglio_JOB_ENGRAVING && job.state != intaglio_JOB_PAUSED) {
+    return book_.Change(job, job.state, job.message);
+  }
+  book_.ChangeToPaused(
+      job, intaglio_PAUSE_OPERATOR,
+      fmt::format("paused by {}; resume it to go on", command.operator_name));
+}
+
+void Arming::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
+  if (!pressed) {
+    stopped_cells_.erase(cell);
+    return;
+  }
+  if (!stopped_cells_.insert(cell).second) return;
+  const std::string reason = "the emergency stop of " + cell + " was pressed";
+  for (auto& [uid, job] : book_.jobs()) {
+    if (!job.active() || job.cell != cell) continue;
+    const bool was_armed = job.arm.armed();
+    job.arm.Disarm(reason, now);
+    job.arm.ForbidUncertain();
+    if (was_armed && job.state == intaglio_JOB_PAUSED) {
+      job.pause_reason = intaglio_PAUSE_EMERGENCY_STOP;
+    }
+    book_.Change(job, job.state, was_armed ? reason : job.message);
+  }
+}
+
+void Arming::Renew(JobRecord& job, Nanoseconds now) {
+  if (IsStopped(job.cell)) return;
+  job.arm.Renew(job.stage(intaglio_STAGE_ENGRAVE).done_count, job.revision + 1, now);
+}
+
+void Arming::TakePaused(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  const bool has_path = task.total_count > 0;
+  if (!has_path) return SpendBeforePath(job, task, now);
+  const bool fault = SpendsTheGrant(task.pause_reason);
+  if (fault && job.arm.IsOutdated(now)) return book_.PublishProgress(job);
+  if (fault && job.arm.armed()) {
+    job.arm.Disarm(task.message, now);
+    if (task.pause_reason == intaglio_PAUSE_LINE_LOST) Renew(job, now);
+    // Kept, so that a restart knows of it.
+    return book_.ChangeToPaused(job, task.pause_reason, task.message);
+  }
+  // A job that is paused by an operator or a fault keeps that reason.
+  const bool paused = job.state == intaglio_JOB_PAUSED;
+  const bool keep = !fault && !job.arm.armed() && paused;
+  if (fault || !paused) job.pause_reason = task.pause_reason;
+  book_.Publish(job, intaglio_JOB_PAUSED, keep ? job.message : task.message);
+}
+
+void Arming::SpendBeforePath(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  if (!job.arm.armed() || job.arm.IsOutdated(now) || !SpendsTheGrant(task.pause_reason)) {
+    return;
+  }
+  job.arm.Disarm(task.message, now);
+  job.arm_loss = task.message;
+  book_.Change(job, job.state, task.message);
+}
+
+void Arming::EndArms(intaglio_PauseReason reason, Nanoseconds now, const WhyItEnds& why) {
+  for (auto& [uid, job] : book_.jobs()) {
+    if (job.ended() || !job.arm.armed()) continue;
+    const std::string text = why(job);
+    if (!text.empty()) EndArm(job, reason, text, now);
+  }
+}
+
+void Arming::EndArm(JobRecord& job, intaglio_PauseReason reason, const std::string& why,
+                    Nanoseconds now) {
+  job.arm.Disarm(why, now);
+  const std::string message =
+      fmt::format("{}: see that the right block is in the machine, then {} the job", why,
+                  job.arm.ever_granted() ? "resume" : "arm");
+  const bool pauses =
+      job.state == intaglio_JOB_ENGRAVING || job.state == intaglio_JOB_PAUSED;
+  if (pauses) return book_.ChangeToPaused(job, reason, message);
+  book_.Change(job, job.state, message);
+}
+
+std::vector<PermissionView> Arming::Permissions(Nanoseconds now) {
+  std::vector<PermissionView> permissions;
+  for (auto& [uid, job] : book_.jobs()) {
+    if (!job.active()) continue;
+    const std::string& synchronizer = job.stage(intaglio_STAGE_ENGRAVE).worker;
+    const bool granted =
+        job.may_be_granted() && job.arm.MayFire(now) && !IsStopped(job.cell) &&
+        workers_.IsAssigned(synchronizer, job.TaskOf(intaglio_STAGE_ENGRAVE));
+    if (granted && !job.arm.ever_granted()) {
+      job.arm.NoteGranted();
+      book_.Change(job, job.state, job.message);
+    }
+    const KeptArm& arm = job.arm.kept();
+    permissions.push_back({job.cell, uid, job.epoch, granted, arm.operator_name,
+                           job.speed_percent, job.arm.grant(), job.arm.renewal(),
+                           arm.first_point, arm.fire_uncertain});
+  }
+  return permissions;
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,129 @@
+#include "services/job_service/queue/discretizing.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "services/platform/host/task_part.h"
+
+namespace intaglio::job_service {
+
+void Discretizing::Cut(JobRecord& job, const std::vector<std::string>& discretizers,
+                       Nanoseconds now) {
+  job.parts.Cut(discretizers.size(), now);
+  const std::size_t count = std::min(discretizers.size(), job.parts.size());
+  for (std::uint32_t i = 0; i < count; ++i) job.parts.Give(i, discretizers[i]);
+}
+
+void Discretizing::GiveFirst(const JobRecord& job, Nanoseconds now) {
+  for (std::uint32_t part = 0; part < job.parts.size(); ++part) {
+    if (!job.parts[part].worker.empty()) tasks_.GivePart(job, part, now);
+  }
+}
+
+void Discretizing::GiveOpen(JobRecord& job, Nanoseconds now) {
+  if (!job.active() || job.stage(intaglio_STAGE_DISCRETIZE).done) return;
+  for (const std::string& worker :
+       tasks_.workers().Free(intaglio_ROLE_DISCRETIZER, job.cell)) {
+    const auto part = job.parts.NextOpen(now);
+    if (!part) break;
+    job.parts.Give(*part, worker);
+    tasks_.GivePart(job, *part, now);
+  }
+  GiveAhead(job, now);
+  PublishMessage(job);
+}
+
+void Discretizing::GiveAhead(JobRecord& job, Nanoseconds now) {
+  for (const std::string& worker :
+       tasks_.workers().WithoutNext(intaglio_ROLE_DISCRETIZER, job.uid, job.attempt)) {
+    const auto part = job.parts.NextAhead();
+    if (!part) return;
+    job.parts.Give(*part, worker);
+    tasks_.GivePartAhead(job, *part, now);
+  }
+}
+
+void Discretizing::PublishMessage(JobRecord& job) {
+  if (job.state != intaglio_JOB_DISCRETIZING) return;
+  std::vector<std::string> sentences;
+  if (!job.arm_loss.empty()) sentences.push_back(job.arm_loss);
+  if (!job.last_loss.empty()) {
+    sentences.push_back(fmt::format("attempt {}: {}", job.attempt, job.last_loss));
+  }
+  if (!job.parts.last_loss().empty()) sentences.push_back(job.parts.last_loss());
+  const WorkerBook& workers = tasks_.workers();
+  if (!job.parts.any_at_work() &&
+      workers.Free(intaglio_ROLE_DISCRETIZER, job.cell).empty()) {
+    sentences.push_back("waits for " +
+                        workers.WhyNone(intaglio_ROLE_DISCRETIZER, job.cell));
+  }
+  const std::string message = fmt::format("{}", fmt::join(sentences, "; "));
+  if (message != job.message) book_.Publish(job, job.state, message);
+}
+
+void Discretizing::SetProgress(JobRecord& job, Nanoseconds now) {
+  const JobParts::Progress progress = job.parts.ProgressAt(now);
+  StageRecord& stage = job.stage(intaglio_STAGE_DISCRETIZE);
+  stage.done_count = progress.done_count;
+  stage.total_count = progress.total_count;
+  stage.elapsed_s = progress.elapsed_s;
+}
+
+Discretizing::Outcome Discretizing::Take(JobRecord& job, const TaskView& task,
+                                         Nanoseconds now) {
+  const std::uint32_t part = task.task.part;
+  if (!job.parts.IsCurrent(task.worker, part, task.task.part_attempt)) {
+    return Outcome::kIgnored;
+  }
+  job.parts.SetProgress(part, task.done_count, task.total_count);
+  if (task.state == intaglio_TASK_FAILED) return Outcome::kFailed;
+  if (task.state == intaglio_TASK_DONE) job.parts.Finish(part);
+  SetProgress(job, now);
+  if (job.parts.all_done()) return Outcome::kAllDone;
+  book_.PublishProgress(job);
+  return Outcome::kProgress;
+}
+
+std::optional<std::string> Discretizing::Lose(JobRecord& job, std::uint32_t part,
+                                              const std::string& why, Nanoseconds pause,
+                                              Nanoseconds now) {
+  const PartRecord& record = job.parts.at(part);
+  if (record.done || !job.active()) return std::nullopt;
+  const GivenTask given{record.worker, intaglio_STAGE_DISCRETIZE,
+                        job.TaskOf(intaglio_STAGE_DISCRETIZE, part), false};
+  tasks_.RevokeHeld(job, {given}, now);
+  const std::uint32_t losses = record.losses + 1;
+  if (losses >= host::kMaxPartLosses) {
+    return fmt::format("{} is given up after {} attempts; {}", job.parts.NameOf(part),
+                       losses, why);
+  }
+  job.parts.Lose(part, why, now + pause);
+  SetProgress(job, now);
+  PublishMessage(job);
+  return std::nullopt;
+}
+
+void Discretizing::LoseAhead(const std::string& worker, const TaskId& task) {
+  JobRecord* job = book_.FindOpen(task.job_uid);
+  if (job == nullptr || job->attempt != task.attempt || !job->active()) return;
+  if (!job->parts.IsCurrent(worker, task.part, task.part_attempt)) return;
+  tasks_.RevokePartAhead(*job, worker, task);
+  job->parts.LoseAhead(task.part);
+}
+
+void Discretizing::Finish(JobRecord& job, Nanoseconds now) {
+  StageRecord& stage = job.stage(intaglio_STAGE_DISCRETIZE);
+  if (stage.done) return;
+  std::vector<GivenTask> parts = job.GivenTasks();
+  std::erase_if(parts, [](const GivenTask& given) {
+    return given.stage != intaglio_STAGE_DISCRETIZE || given.done;
+  });
+  tasks_.RevokeHeld(job, parts, now);
+  stage.done = true;
+  tasks_.StopFeed(job);
+}
+
+}  // namespace intaglio::job_service

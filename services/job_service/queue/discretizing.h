@@ -1,0 +1,65 @@
+#pragma once
+
+// Discretizing by several discretizers: hands the parts of the jobs under way
+// (job_parts.h) to whoever is free, and follows what becomes of them.
+//
+// 1. A part is made again from the beginning when its worker is lost; the others go on,
+//    and so do the stages behind, which get the same points whoever makes them.
+// 2. A worker gets its next part ahead, so that it does not wait while its points are
+//    sent, and while what has ended and what is given is kept on the disk. Two of a
+//    worker's tasks are never on their way to it at the same time, because only the
+//    newest is retained: it gets one ahead when it has accepted what it has.
+// 3. A part that is lost kMaxPartLosses times gives the job up.
+// Used from one thread.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "services/job_service/queue/job_book.h"
+#include "services/job_service/queue/task_handout.h"
+
+namespace intaglio::job_service {
+
+class Discretizing {
+ public:
+  Discretizing(JobBook& book, TaskHandout& tasks) : book_(book), tasks_(tasks) {}
+
+  /// Another attempt of the job: its parts, of which these discretizers have the first,
+  /// but are not given them yet.
+  static void Cut(JobRecord& job, const std::vector<std::string>& discretizers,
+                  Nanoseconds now);
+  /// The parts that discretizers have.
+  void GiveFirst(const JobRecord& job, Nanoseconds now);
+  /// To whoever is free, and ahead. Nothing for a job that is not under way.
+  void GiveOpen(JobRecord& job, Nanoseconds now);
+
+  enum class Outcome {
+    kIgnored,   ///< about an old attempt, or from another worker
+    kProgress,  ///< published
+    kFailed,    ///< the caller decides what follows
+    kAllDone,   ///< so was every other part
+  };
+  Outcome Take(JobRecord& job, const TaskView& task, Nanoseconds now);
+
+  /// A part is lost and open again after `pause`; why the job has to be given up over it,
+  /// else nothing.
+  std::optional<std::string> Lose(JobRecord& job, std::uint32_t part,
+                                  const std::string& why, Nanoseconds pause,
+                                  Nanoseconds now);
+  /// One that this worker was given ahead. That the worker is lost is reported by the
+  /// loss of the part it was at.
+  void LoseAhead(const std::string& worker, const TaskId& task);
+  /// No part is needed any more; whoever still makes one again makes it for nobody.
+  void Finish(JobRecord& job, Nanoseconds now);
+
+ private:
+  void GiveAhead(JobRecord& job, Nanoseconds now);
+  void PublishMessage(JobRecord& job);
+  static void SetProgress(JobRecord& job, Nanoseconds now);
+
+  JobBook& book_;
+  TaskHandout& tasks_;
+};
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,74 @@
+#pragma once
+
+// The jobs of the queue: each under its uid, the open ones in the order of their turn,
+// the ended ones until they may be forgotten. Every change of a job is published through
+// here, and its revision grows with each.
+//
+// 1. A change of state is kept (JobActions::Changed) before the call returns; a message
+//    or a progress alone is published and not kept.
+// 2. pause_reason is PAUSE_NONE exactly when the state is not JOB_PAUSED.
+// 3. Order of the turn: higher priorities first; of equal ones in the order of
+//    submission.
+// 4. An ended job leaves when kRememberedJobs have ended after it, kRememberedFor after
+//    its end at the earliest; the database keeps it (job_store.h). References to jobs
+//    last until Forget. Used from one thread.
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/job_service/queue/ended_list.h"
+#include "services/job_service/queue/job_actions.h"
+
+namespace intaglio::job_service {
+
+/// Ended jobs that stay in memory and on the bus, the newest: what `intaglio list` shows.
+inline constexpr std::size_t kRememberedJobs = 100;
+/// An end stays on the bus for so long at least. A client that was stopped or cut off
+/// reads it when it is back within this time; whoever comes later reads the history.
+inline constexpr std::chrono::seconds kRememberedFor{60};
+
+class JobBook {
+ public:
+  explicit JobBook(JobActions& actions) : actions_(actions) {}
+
+  /// A job that is open, at its place in the turn. Not published yet.
+  JobRecord& Add(JobRecord job);
+  /// One that ended in an earlier run of the job service: published.
+  void AddEnded(JobRecord job, Nanoseconds now);
+
+  const JobRecord* Find(const std::string& job_uid) const;
+  JobRecord* Find(const std::string& job_uid);
+  /// Null for one that has ended, too.
+  JobRecord* FindOpen(const std::string& job_uid);
+  const std::map<std::string, JobRecord>& jobs() const { return jobs_; }
+  /// By uid.
+  std::map<std::string, JobRecord>& jobs() { return jobs_; }
+  /// The open ones; what ends meanwhile stays valid.
+  std::vector<JobRecord*> InTurn();
+  bool CellIsTaken(const std::string& cell) const;
+
+  void Change(JobRecord& job, intaglio_JobState state, const std::string& message);
+  void ChangeToPaused(JobRecord& job, intaglio_PauseReason reason,
+                      const std::string& message);
+  /// As Change when the state differs; a message alone is published and not kept.
+  void Publish(JobRecord& job, intaglio_JobState state, const std::string& message);
+  void PublishProgress(JobRecord& job) { Publish(job, job.state, job.message); }
+  /// As it was kept by an earlier run of the job service.
+  void PublishRestored(const JobRecord& job) { actions_.Progressed(job); }
+  /// An ended state. Its frozen job, up to a megabyte, is of no use any more after this.
+  void End(JobRecord& job, intaglio_JobState state, const std::string& message,
+           Nanoseconds now);
+  /// What may be forgotten is.
+  void Forget(Nanoseconds now);
+
+ private:
+  JobActions& actions_;
+  std::map<std::string, JobRecord> jobs_;  // by uid
+  // By {-priority, number}; those that ended leave with the next Forget.
+  std::map<std::pair<std::int32_t, std::uint32_t>, std::string> in_turn_;
+  EndedList ended_{kRememberedJobs, kRememberedFor};
+};
+
+}  // namespace intaglio::job_service

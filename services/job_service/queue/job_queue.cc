@@ -1,0 +1,336 @@
+#include "services/job_service/queue/job_queue.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+#include "services/platform/host/absence_limit.h"
+
+namespace intaglio::job_service {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A worker's loop turns many times a second, and its health comes five times: one that is
+// silent so long never got its task, or hangs.
+constexpr Nanoseconds kAnswerWithin = 10s;
+
+// A part that failed for want of its neighbour waits until a dead sorter, which may be
+// the reason, is missed (its lease is 1.5 s): that costs the attempt, and none of the
+// part's attempts.
+constexpr Nanoseconds kPartPause = 2s;
+
+constexpr intaglio_ServiceRole RoleOf(intaglio_Stage stage) {
+  switch (stage) {
+    case intaglio_STAGE_DISCRETIZE:
+      return intaglio_ROLE_DISCRETIZER;
+    case intaglio_STAGE_SORT:
+      return intaglio_ROLE_SORTER;
+    case intaglio_STAGE_ENGRAVE:
+      break;
+  }
+  return intaglio_ROLE_SYNCHRONIZER;
+}
+
+// Failures that a neighbour's death causes as well: worth another attempt.
+bool MayBeANeighbours(intaglio_ErrorCode code) {
+  return code == intaglio_ERROR_LINK_LOST || code == intaglio_ERROR_TIMED_OUT ||
+         code == intaglio_ERROR_CANCELLED;
+}
+
+}  // namespace
+
+// ---- Jobs ---------------------------------------------------------------------------
+
+void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> absence,
+                       Nanoseconds now) {
+  const bool was_short = absence && *absence <= host::kMaxAbsence;
+  for (JobRecord& restored : jobs) {
+    if (restored.ended()) {
+      book_.AddEnded(std::move(restored), now);
+      continue;
+    }
+    JobRecord& job = book_.Add(std::move(restored));
+    if (!job.active()) {
+      job.arm.Drop();  // what waits for its machine is not armed
+      book_.PublishRestored(job);
+      continue;
+    }
+    const bool arm_counts =
+        job.arm.armed() && was_short && !job.arm.kept().asks_before_resume;
+    // Nothing was received from anybody meanwhile.
+    if (arm_counts) job.arm.BeginAbsence(now - *absence);
+    if (job.arm.ever_granted()) {
+      take_up_.Restore(job, arm_counts, now);
+      continue;
+    }
+    Requeue(job, "the job service was restarted", now);
+    for (const GivenTask& given : job.GivenTasks()) tasks_.Revoke(job, given, now);
+  }
+}
+
+void JobQueue::Add(JobRecord job) {
+  book_.Change(book_.Add(std::move(job)), intaglio_JOB_QUEUED, "");
+}
+
+void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
+                      Nanoseconds now) {
+  job.arm.Disarm(message, now);
+  book_.End(job, state, message, now);
+  tasks_.RevokeAndStopFeed(job, job.GivenTasks(), now);
+  job.frozen_job = {};  // up to a megabyte that nobody needs any more
+}
+
+CommandAnswer JobQueue::Take(const CommandView& command, Nanoseconds now) {
+  JobRecord* job = book_.Find(command.job_uid);
+  if (job == nullptr) {
+    return {intaglio_ANSWER_UNKNOWN_JOB,
+            fmt::format("there is no job {}: see intaglio list", command.job_uid)};
+  }
+  if (job->arm.IsRepeated(command)) return {};
+  CommandAnswer answer = arming_.Check(*job, command);
+  if (answer.taken()) Apply(*job, command, now);
+  return answer;
+}
+
+void JobQueue::Apply(JobRecord& job, const CommandView& command, Nanoseconds now) {
+  job.arm.Note(command);
+  switch (command.kind) {
+    case intaglio_COMMAND_PAUSE:
+      return arming_.Pause(job, command, now);
+    case intaglio_COMMAND_CANCEL:
+      return EndJob(job, intaglio_JOB_CANCELLED, "cancelled by " + command.operator_name,
+                    now);
+    case intaglio_COMMAND_ARM:
+    case intaglio_COMMAND_RESUME:
+      return arming_.Arm(job, command, now);
+    case intaglio_COMMAND_SPEED:
+      job.speed_percent = command.speed_percent;
+      return book_.Change(job, job.state, job.message);
+  }
+}
+
+// ---- Handing out --------------------------------------------------------------------
+
+void JobQueue::Turn(Nanoseconds now) {
+  take_up_.EndAbsences(now);
+  for (const auto& [instance, has] : tasks_.workers().Silent(now, kAnswerWithin)) {
+    LoseTasks(instance, has, instance + " does not answer", now);
+  }
+  book_.Forget(now);
+  tasks_.ForgetLost(now);
+  // A discretizer is of more use to a job that is under way than to the next one.
+  for (JobRecord* job : book_.InTurn()) discretizing_.GiveOpen(*job, now);
+  for (JobRecord* job : book_.InTurn()) take_up_.GiveToFree(*job, now);
+  StartWaiting(now);
+}
+
+void JobQueue::StartWaiting(Nanoseconds now) {
+  std::set<std::string> cells;  // whose first waiting job had its chance
+  for (JobRecord* job : book_.InTurn()) {
+    if (job->state != intaglio_JOB_QUEUED) continue;
+    if (!cells.insert(job->cell).second || book_.CellIsTaken(job->cell)) {
+      WaitFor(*job,
+              fmt::format("its turn on {}; arm it then, with its block in the machine",
+                          job->cell));
+    } else {
+      HandOut(*job, now);
+    }
+  }
+}
+
+void JobQueue::HandOut(JobRecord& job, Nanoseconds now) {
+  std::array<std::vector<std::string>, 3> workers;
+  std::vector<std::string> missing;
+  for (const intaglio_Stage stage :
+       {intaglio_STAGE_ENGRAVE, intaglio_STAGE_SORT, intaglio_STAGE_DISCRETIZE}) {
+    workers[stage] = tasks_.workers().Free(RoleOf(stage), job.cell);
+    if (workers[stage].empty())
+      missing.push_back(tasks_.workers().WhyNone(RoleOf(stage), job.cell));
+  }
+  if (missing.empty()) return Begin(job, workers, now);
+  WaitFor(job, fmt::format("{}", fmt::join(missing, ", ")));
+}
+
+void JobQueue::WaitFor(JobRecord& job, const std::string& what) {
+  const std::string before = job.last_loss.empty() ? "" : job.last_loss + "; ";
+  const std::string message = fmt::format("{}waits for {}", before, what);
+  if (message != job.message) book_.Change(job, intaglio_JOB_QUEUED, message);
+}
+
+// The consumer of a stream gets its task before the producer does.
+void JobQueue::Begin(JobRecord& job,
+                     const std::array<std::vector<std::string>, 3>& workers,
+                     Nanoseconds now) {
+  ++job.attempt;
+  job.estimate_ticks = 0;
+  for (const intaglio_Stage stage : kStages) job.stage(stage) = {};
+  const std::string& synchronizer = workers[intaglio_STAGE_ENGRAVE].front();
+  const std::string& sorter = workers[intaglio_STAGE_SORT].front();
+  job.stage(intaglio_STAGE_ENGRAVE).worker = synchronizer;
+  job.stage(intaglio_STAGE_SORT).worker = sorter;
+  Discretizing::Cut(job, workers[intaglio_STAGE_DISCRETIZE], now);
+  book_.Change(job, intaglio_JOB_DISCRETIZING,
+               job.last_loss.empty()
+                   ? ""
+                   : fmt::format("attempt {}: {}", job.attempt, job.last_loss));
+  tasks_.Give(job, intaglio_STAGE_ENGRAVE, synchronizer, {}, now);
+  tasks_.Give(job, intaglio_STAGE_SORT, sorter, synchronizer, now);
+  discretizing_.GiveFirst(job, now);
+}
+
+// ---- Workers ------------------------------------------------------------------------
+
+void JobQueue::Take(const WorkerView& worker, Nanoseconds now) {
+  tasks_.workers().Update(worker, now);
+  // It ends in order, and its process was asked to.
+  if (worker.role == intaglio_ROLE_SYNCHRONIZER &&
+      worker.state == intaglio_HEALTH_STOPPING) {
+    take_up_.CloseCell(worker.instance, now);
+  }
+}
+
+void JobQueue::WorkerLost(const std::string& instance, Nanoseconds now) {
+  const WorkerBook::Assignments lost = tasks_.workers().Lose(instance, now);
+  if (!lost.task.revoked) LoseTasks(instance, lost, instance + " was lost", now);
+}
+
+void JobQueue::LoseTasks(const std::string& instance, const WorkerBook::Assignments& has,
+                         const std::string& why, Nanoseconds now) {
+  discretizing_.LoseAhead(instance, has.next.task);
+  LoseTask(instance, has.task.task, why, now);
+}
+
+void JobQueue::LoseTask(const std::string& instance, const TaskId& task,
+                        const std::string& why, Nanoseconds now) {
+  JobRecord* job = book_.FindOpen(task.job_uid);
+  if (job == nullptr || job->attempt != task.attempt) return;
+  for (const GivenTask& given : job->GivenTasks()) {
+    if (given.worker != instance || given.task != task) continue;
+    if (given.stage == intaglio_STAGE_DISCRETIZE) {
+      return LosePart(*job, task.part, why, 0s, now);
+    }
+    return LoseStage(*job, given.stage, why, now);
+  }
+}
+
+void JobQueue::LosePart(JobRecord& job, std::uint32_t part, const std::string& why,
+                        Nanoseconds pause, Nanoseconds now) {
+  const auto given_up = discretizing_.Lose(job, part, why, pause, now);
+  if (given_up) EndJob(job, intaglio_JOB_FAILED, *given_up, now);
+}
+
+void JobQueue::LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
+                         Nanoseconds now) {
+  if (job.stage(stage).done || !job.active()) return;
+  if (stage != intaglio_STAGE_ENGRAVE || !job.arm.ever_granted()) {
+    return LoseAttempt(job, why, now);
+  }
+  take_up_.Lose(job, why, now);
+}
+
+void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now) {
+  ++job.lost_attempts;
+  job.last_loss = fmt::format("attempt {} broke: {}", job.attempt, why);
+  if (job.lost_attempts >= kMaxAttempts) {
+    return EndJob(
+        job, intaglio_JOB_FAILED,
+        fmt::format("given up after {} attempts; {}", job.lost_attempts, job.last_loss),
+        now);
+  }
+  Requeue(job, job.last_loss, now);
+  tasks_.RevokeAndStopFeed(job, job.GivenTasks(), now);
+}
+
+void JobQueue::Requeue(JobRecord& job, const std::string& why, Nanoseconds now) {
+  job.last_loss = why;
+  if (job.arm.armed()) {
+    job.last_loss += "; it is not armed any more: arm it when it has its machine again";
+  }
+  job.arm.Disarm(why, now);
+  book_.Change(job, intaglio_JOB_QUEUED, job.last_loss);
+}
+
+void JobQueue::FeedFailed(const std::string& job_uid, std::uint32_t attempt,
+                          const std::string& message, Nanoseconds now) {
+  JobRecord* job = book_.FindOpen(job_uid);
+  if (job == nullptr || job->attempt != attempt || !job->active()) return;
+  EndJob(*job, intaglio_JOB_FAILED, message, now);
+}
+
+// ---- Tasks --------------------------------------------------------------------------
+
+void JobQueue::Take(const TaskView& task, Nanoseconds now) {
+  if (AnswersAnOldRevocation(task)) return;
+  if (task.ended()) {
+    tasks_.workers().Release(task.worker, task.task, now);
+  } else {
+    tasks_.workers().Answered(task.worker, task.task);
+  }
+  JobRecord* job = book_.FindOpen(task.task.job_uid);
+  if (job == nullptr || !job->active() || task.task.attempt != job->attempt) return;
+  if (task.stage == intaglio_STAGE_DISCRETIZE) return TakePart(*job, task, now);
+  StageRecord& stage = job->stage(task.stage);
+  if (stage.worker != task.worker) return;
+  stage.done_count = task.done_count;
+  stage.total_count = task.total_count;
+  stage.elapsed_s = task.elapsed_s;
+  if (task.state == intaglio_TASK_FAILED) return StageFailed(*job, task, now);
+  if (task.state == intaglio_TASK_DONE) return StageDone(*job, task, now);
+  if (task.stage == intaglio_STAGE_ENGRAVE) return EngraveStatus(*job, task, now);
+  book_.PublishProgress(*job);
+}
+
+void JobQueue::TakePart(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  switch (discretizing_.Take(job, task, now)) {
+    case Discretizing::Outcome::kFailed:
+      return StageFailed(job, task, now);
+    case Discretizing::Outcome::kAllDone:
+      return StageDone(job, task, now);
+    case Discretizing::Outcome::kIgnored:
+    case Discretizing::Outcome::kProgress:
+      return;
+  }
+}
+
+void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  const bool in_parts = task.stage == intaglio_STAGE_DISCRETIZE;
+  const bool glass_is_clear =
+      task.stage != intaglio_STAGE_ENGRAVE || !job.arm.ever_granted();
+  if (job.stage(task.stage).done) return;
+  const std::string what = fmt::format("{}: {}", task.worker, task.message);
+  if (glass_is_clear && MayBeANeighbours(task.error_code)) {
+    return in_parts ? LosePart(job, task.task.part, what, kPartPause, now)
+                    : LoseAttempt(job, what, now);
+  }
+  EndJob(job, intaglio_JOB_FAILED, task.message.empty() ? what : task.message, now);
+}
+
+void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  discretizing_.Finish(job, now);
+  job.stage(task.stage).done = true;
+  if (task.stage == intaglio_STAGE_ENGRAVE) {
+    return EndJob(job, intaglio_JOB_DONE, task.message, now);
+  }
+  book_.Change(job,
+               job.state == intaglio_JOB_DISCRETIZING ? intaglio_JOB_SORTING : job.state,
+               job.message);
+}
+
+void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  job.arm.EndAbsence();
+  if (task.estimate_ticks != 0) job.estimate_ticks = task.estimate_ticks;
+  if (task.state == intaglio_TASK_PAUSED) return arming_.TakePaused(job, task, now);
+  const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
+  const bool held = job.state == intaglio_JOB_PAUSED && !job.arm.armed();
+  if (!loaded || held) return book_.PublishProgress(job);
+  // The whole path is there: nobody needs the earlier stages any more.
+  discretizing_.Finish(job, now);
+  job.stage(intaglio_STAGE_SORT).done = true;
+  book_.Publish(
+      job, task.done_count > 0 ? intaglio_JOB_ENGRAVING : intaglio_JOB_WAITING_FOR_ARM,
+      task.message);
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,129 @@
+#pragma once
+
+// What becomes of every job: pure decisions, without bus, clock, disk or thread.
+//
+// clang-format off
+//            workers free            points made            path is there
+//   kQueued -------------> kDiscretizing -------> kSorting ---------------> kWaitingForArm
+//      ^                      |                      |                            |
+//      +--- a worker lost ----+----------------------+                            | armed
+//      |    (the third: kFailed)                                                  v
+//      |                                                                     kEngraving --> kDone
+//      |                                  fault, pause, loss of the synchronizer |  ^
+//      |                                                                         v  | resumed, or
+//      +------- nothing was made, as it turns out ---------------------------- kPaused  by itself
+//
+//   any --cancel--> kCancelled      any --a worker gives up--> kFailed
+// clang-format on
+//
+// Composed of what has a state of its own:
+//   JobBook       the jobs, their turn, and the publishing of their changes
+//   TaskHandout   who works on what (WorkerBook), and the orders to workers
+//   Discretizing  the parts of a job (JobParts) and the discretizers that make them
+//   Arming        commands, emergency stops and permissions, by the arms (JobArm)
+//   TakeUp        engravings after a loss, an absence or a restart
+// This class is the way of a job through its stages.
+//
+// 1. One job at a time has a cell, from its first task to its end: a paused job keeps it,
+//    for its block is in the machine. Of the jobs that wait the first in turn is next.
+// 2. A job that is queued again is disarmed. A job that may have pulses in the glass
+//    never begins anew: the next synchronizer of its cell takes it up from its journal.
+// 3. Attempts are numbered per job; reports about an older attempt are dropped.
+// Used from one thread.
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/job_service/queue/arming.h"
+#include "services/job_service/queue/discretizing.h"
+#include "services/job_service/queue/job_book.h"
+#include "services/job_service/queue/take_up.h"
+#include "services/job_service/queue/task_handout.h"
+
+namespace intaglio::job_service {
+
+/// Chains of a job that may break before it is given up.
+inline constexpr std::uint32_t kMaxAttempts = 3;
+
+class JobQueue {
+ public:
+  explicit JobQueue(JobActions& actions) : book_(actions), tasks_(actions) {}
+  JobQueue(const JobQueue&) = delete;
+  JobQueue& operator=(const JobQueue&) = delete;
+
+  /// Jobs of an earlier run of the job service, before any other call.
+  /// Chains in hand start over; jobs that may have pulses in the glass are paused, and go
+  /// on by themselves if `absence`, for how long there was no job service on this machine
+  /// since it was switched on, is within host::kMaxAbsence. nullopt: not known.
+  void Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> absence,
+               Nanoseconds now);
+  void Add(JobRecord job);
+
+  void Take(const WorkerView& worker, Nanoseconds now);
+  void WorkerLost(const std::string& instance, Nanoseconds now);
+  /// Unless it is taken, nothing was changed. PAUSE and CANCEL of an open job are always
+  /// taken; ARM and RESUME as Arming allows. Which commands were answered before the
+  /// caller knows.
+  CommandAnswer Take(const CommandView& command, Nanoseconds now);
+  void Take(const TaskView& task, Nanoseconds now);
+  /// A model file could not be read or sent.
+  void FeedFailed(const std::string& job_uid, std::uint32_t attempt,
+                  const std::string& message, Nanoseconds now);
+  /// Hands out what can be handed out. After any of the above, and now and then.
+  void Turn(Nanoseconds now);
+
+  /// An emergency stop is pressed there, or not any more.
+  void SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
+    arming_.SetStop(cell, pressed, now);
+  }
+  /// A person closes the shop: whoever opens it again arms again.
+  void Close(Nanoseconds now) { take_up_.CloseShop(now); }
+  /// For every cell that has a job. A first grant is kept (Changed) before it is here.
+  std::vector<PermissionView> Permissions(Nanoseconds now) {
+    return arming_.Permissions(now);
+  }
+
+  const JobRecord* Find(const std::string& job_uid) const { return book_.Find(job_uid); }
+  /// As in TakeUp.
+  bool AnswersAnOldRevocation(const TaskView& task) const {
+    return take_up_.AnswersAnOldRevocation(task);
+  }
+  const std::map<std::string, JobRecord>& jobs() const { return book_.jobs(); }
+
+ private:
+  void Apply(JobRecord& job, const CommandView& command, Nanoseconds now);
+  void StartWaiting(Nanoseconds now);
+  void HandOut(JobRecord& job, Nanoseconds now);
+  /// The workers of the three stages, of the last two one each.
+  void Begin(JobRecord& job, const std::array<std::vector<std::string>, 3>& workers,
+             Nanoseconds now);
+  void WaitFor(JobRecord& job, const std::string& what);
+  void EndJob(JobRecord& job, intaglio_JobState state, const std::string& message,
+              Nanoseconds now);
+  void LoseTasks(const std::string& instance, const WorkerBook::Assignments& has,
+                 const std::string& why, Nanoseconds now);
+  void LoseTask(const std::string& instance, const TaskId& task, const std::string& why,
+                Nanoseconds now);
+  void LosePart(JobRecord& job, std::uint32_t part, const std::string& why,
+                Nanoseconds pause, Nanoseconds now);
+  void LoseStage(JobRecord& job, intaglio_Stage stage, const std::string& why,
+                 Nanoseconds now);
+  void LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
+  /// It leaves its machine, to wait for another attempt; its arm does not wait with it.
+  void Requeue(JobRecord& job, const std::string& why, Nanoseconds now);
+  void TakePart(JobRecord& job, const TaskView& task, Nanoseconds now);
+  void StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now);
+  void StageDone(JobRecord& job, const TaskView& task, Nanoseconds now);
+  void EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds now);
+
+  JobBook book_;
+  TaskHandout tasks_;
+  Discretizing discretizing_{book_, tasks_};
+  Arming arming_{book_, tasks_.workers()};
+  TakeUp take_up_{book_, tasks_, arming_};
+};
+
+}  // namespace intaglio::job_service

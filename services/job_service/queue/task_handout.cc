@@ -1,0 +1,78 @@
+#include "services/job_service/queue/task_handout.h"
+
+namespace intaglio::job_service {
+
+void TaskHandout::Give(const JobRecord& job, intaglio_Stage stage,
+                       const std::string& worker, const std::string& consumer,
+                       Nanoseconds now) {
+  workers_.Assign(worker, job.TaskOf(stage), now);
+  actions_.Give({worker, stage, job.TaskOf(stage), consumer, false}, job);
+}
+
+void TaskHandout::GiveTakeUp(const JobRecord& job, Nanoseconds now) {
+  const std::string& worker = job.stage(intaglio_STAGE_ENGRAVE).worker;
+  const TaskId task = job.TaskOf(intaglio_STAGE_ENGRAVE);
+  workers_.Assign(worker, task, now);
+  actions_.Give({.worker = worker,
+                 .stage = intaglio_STAGE_ENGRAVE,
+                 .task = task,
+                 .consumer = {},
+                 .take_up = true},
+                job);
+}
+
+void TaskHandout::GivePart(const JobRecord& job, std::uint32_t part, Nanoseconds now) {
+  workers_.Assign(job.parts[part].worker, job.TaskOf(intaglio_STAGE_DISCRETIZE, part),
+                  now);
+  SendPart(job, part);
+}
+
+void TaskHandout::GivePartAhead(const JobRecord& job, std::uint32_t part,
+                                Nanoseconds now) {
+  workers_.AssignNext(job.parts[part].worker, job.TaskOf(intaglio_STAGE_DISCRETIZE, part),
+                      now);
+  SendPart(job, part);
+}
+
+void TaskHandout::SendPart(const JobRecord& job, std::uint32_t part) {
+  actions_.Give({job.parts[part].worker, intaglio_STAGE_DISCRETIZE,
+                 job.TaskOf(intaglio_STAGE_DISCRETIZE, part),
+                 job.stage(intaglio_STAGE_SORT).worker, false},
+                job);
+}
+
+void TaskHandout::Revoke(const JobRecord& job, const GivenTask& given, Nanoseconds now) {
+  workers_.Revoke(given.worker, given.task, now);
+  const bool goes_on =
+      given.stage == intaglio_STAGE_ENGRAVE && job.arm.ever_granted() && !job.ended();
+  actions_.Give({given.worker, given.stage, given.task, {}, true, goes_on}, job);
+}
+
+// First which, for one revocation takes the others of its worker out of the book.
+void TaskHandout::RevokeHeld(const JobRecord& job, std::vector<GivenTask> tasks,
+                             Nanoseconds now) {
+  std::erase_if(tasks, [this](const GivenTask& given) {
+    return !workers_.IsAssigned(given.worker, given.task);
+  });
+  for (const GivenTask& given : tasks) Revoke(job, given, now);
+}
+
+void TaskHandout::RevokeAndStopFeed(const JobRecord& job,
+                                    const std::vector<GivenTask>& tasks,
+                                    Nanoseconds now) {
+  StopFeed(job);
+  RevokeHeld(job, tasks, now);
+}
+
+void TaskHandout::RevokePartAhead(const JobRecord& job, const std::string& worker,
+                                  const TaskId& task) {
+  actions_.Give({worker, intaglio_STAGE_DISCRETIZE, task, {}, true}, job);
+}
+
+void TaskHandout::ForgetLost(Nanoseconds now) {
+  for (const std::string& instance : workers_.ForgetLost(now)) {
+    actions_.WorkerForgotten(instance);
+  }
+}
+
+}  // namespace intaglio::job_service

@@ -1,0 +1,152 @@
+#include "services/job_service/queue/arming.h"
+
+#include "tests/services/job_service/queue/queue_bench.h"
+
+namespace intaglio::job_service {
+namespace {
+
+class ArmingTest : public testing::Test {
+ protected:
+  ArmingTest() {
+    JobRecord job;
+    job.number = 1;
+    job.uid = "j1";
+    job.epoch = 7;
+    job.cell = "c";
+    job.attempt = 1;
+    job.state = intaglio_JOB_WAITING_FOR_ARM;
+    job.stage(intaglio_STAGE_ENGRAVE).worker = "y";
+    job_ = &book_.Add(job);
+    workers_.Assign("y", job_->TaskOf(intaglio_STAGE_ENGRAVE), now_);
+  }
+  CommandView Of(intaglio_JobCommandKind kind) {
+    CommandView command;
+    command.epoch = 7;
+    command.kind = kind;
+    command.operator_name = "ann@shop";
+    command.disarm_count = job_->arm.disarm_count();
+    return command;
+  }
+  intaglio_CommandAnswerCode CodeOf(const CommandView& command) {
+    return arming_.Check(*job_, command).code;
+  }
+  bool Granted() { return arming_.Permissions(now_).at(0).granted; }
+  TaskView Paused(intaglio_PauseReason reason, std::uint64_t total_count = 100) {
+    TaskView task;
+    task.state = intaglio_TASK_PAUSED;
+    task.total_count = total_count;
+    task.pause_reason = reason;
+    task.message = "a sentence";
+    return task;
+  }
+
+  Nanoseconds now_{100s};
+  RecordingActions actions_;
+  JobBook book_{actions_};
+  WorkerBook workers_;
+  Arming arming_{book_, workers_};
+  JobRecord* job_ = nullptr;
+};
+
+TEST_F(ArmingTest, WhatIsRefused) {
+  EXPECT_EQ(CodeOf(Of(intaglio_COMMAND_ARM)), intaglio_ANSWER_TAKEN);
+  CommandView command = Of(intaglio_COMMAND_PAUSE);
+  command.epoch = 6;
+  EXPECT_EQ(CodeOf(command), intaglio_ANSWER_WRONG_EPOCH);
+  command = Of(intaglio_COMMAND_SPEED);
+  for (const auto& [percent, code] :
+       {std::pair{9u, intaglio_ANSWER_OUT_OF_RANGE},
+        std::pair{10u, intaglio_ANSWER_TAKEN}, std::pair{100u, intaglio_ANSWER_TAKEN},
+        std::pair{101u, intaglio_ANSWER_OUT_OF_RANGE}}) {
+    command.speed_percent = percent;
+    EXPECT_EQ(CodeOf(command), code) << percent;
+  }
+  const CommandView early = Of(intaglio_COMMAND_ARM);
+  arming_.Pause(*job_, Of(intaglio_COMMAND_PAUSE), now_);
+  EXPECT_EQ(CodeOf(early), intaglio_ANSWER_SUPERSEDED);
+  job_->state = intaglio_JOB_QUEUED;
+  EXPECT_EQ(CodeOf(Of(intaglio_COMMAND_RESUME)), intaglio_ANSWER_NOT_YET);
+  EXPECT_EQ(CodeOf(Of(intaglio_COMMAND_CANCEL)), intaglio_ANSWER_TAKEN);
+  job_->state = intaglio_JOB_DONE;
+  EXPECT_EQ(CodeOf(Of(intaglio_COMMAND_CANCEL)), intaglio_ANSWER_ENDED_JOB);
+}
+
+TEST_F(ArmingTest, APermissionIsOfTheWorkerThatHasTheTask) {
+  EXPECT_FALSE(Granted());
+  arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
+  EXPECT_TRUE(Granted());
+  EXPECT_TRUE(actions_.kept.at("j1").arm.ever_granted()) << "kept by then";
+  workers_.Release("y", job_->TaskOf(intaglio_STAGE_ENGRAVE), now_);
+  EXPECT_FALSE(Granted());
+}
+
+TEST_F(ArmingTest, NothingIsGrantedBeforeThePathIsThere) {
+  arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
+  for (const auto state : {intaglio_JOB_DISCRETIZING, intaglio_JOB_SORTING}) {
+    job_->state = state;
+    EXPECT_FALSE(Granted());
+  }
+  EXPECT_FALSE(job_->arm.ever_granted());
+}
+
+TEST_F(ArmingTest, AStopDisarmsAndForbidsEveryArmUntilItIsReset) {
+  arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
+  arming_.SetStop("c", true, now_);
+  EXPECT_FALSE(job_->arm.armed());
+  EXPECT_FALSE(Granted());
+  EXPECT_EQ(CodeOf(Of(intaglio_COMMAND_ARM)), intaglio_ANSWER_STOP_PRESSED);
+  arming_.Renew(*job_, now_);
+  EXPECT_FALSE(job_->arm.armed());
+  const std::uint64_t count = job_->arm.disarm_count();
+  arming_.SetStop("c", true, now_);
+  EXPECT_EQ(job_->arm.disarm_count(), count) << "the same press";
+  arming_.SetStop("c", false, now_);
+  EXPECT_FALSE(Granted());
+  EXPECT_EQ(CodeOf(Of(intaglio_COMMAND_ARM)), intaglio_ANSWER_TAKEN);
+}
+
+// A fault spends the arm; a lost line renews it; a permission that ended does neither.
+TEST_F(ArmingTest, WhatAPausedMachineDoesToTheArm) {
+  for (int i = 0; i <= intaglio_PAUSE_LINE_LOST; ++i) {
+    const auto reason = static_cast<intaglio_PauseReason>(i);
+    if (reason == intaglio_PAUSE_NONE) continue;
+    job_->state = intaglio_JOB_ENGRAVING;
+    arming_.Arm(*job_, Of(intaglio_COMMAND_RESUME), now_);
+    const std::uint64_t count = job_->arm.disarm_count();
+    now_ += 1s;
+    arming_.TakePaused(*job_, Paused(reason), now_);
+    const bool fault = reason != intaglio_PAUSE_NOT_ARMED;
+    EXPECT_EQ(job_->arm.disarm_count() > count, fault) << reason;
+    EXPECT_EQ(job_->arm.armed(), !fault || reason == intaglio_PAUSE_LINE_LOST) << reason;
+    EXPECT_EQ(job_->state, intaglio_JOB_PAUSED);
+    EXPECT_EQ(job_->pause_reason, reason);
+    now_ += 1s;
+  }
+}
+
+TEST_F(ArmingTest, AFaultBeforeThePathSpendsTheArmAndKeepsTheState) {
+  job_->state = intaglio_JOB_SORTING;
+  arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
+  arming_.TakePaused(*job_, Paused(intaglio_PAUSE_INTERLOCK, 0), now_);
+  EXPECT_TRUE(job_->arm.armed()) << "about the time before the arm";
+  now_ += JobArm::kHold;
+  arming_.TakePaused(*job_, Paused(intaglio_PAUSE_INTERLOCK, 0), now_);
+  EXPECT_FALSE(job_->arm.armed());
+  EXPECT_EQ(job_->state, intaglio_JOB_SORTING);
+  EXPECT_EQ(job_->arm_loss, "a sentence");
+}
+
+TEST_F(ArmingTest, OnlyArmsWithAReasonEnd) {
+  arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
+  arming_.EndArms(intaglio_PAUSE_CLOSED, now_,
+                  [](const JobRecord&) { return std::string(); });
+  EXPECT_TRUE(job_->arm.armed());
+  job_->state = intaglio_JOB_ENGRAVING;
+  arming_.EndArms(intaglio_PAUSE_CLOSED, now_,
+                  [](const JobRecord&) { return std::string("the shop was closed"); });
+  EXPECT_FALSE(job_->arm.armed());
+  EXPECT_EQ(job_->pause_reason, intaglio_PAUSE_CLOSED);
+}
+
+}  // namespace
+}  // namespace intaglio::job_service
