@@ -59,9 +59,8 @@ TEST_F(Arm, IsEndedByAPowerCycleOfTheMachine) {
   floor_.StartMachine();
   floor_.Start(kBridge);
   floor_.Start(kSynchronizer);
-  ASSERT_TRUE(Eventually(
-      [&] { return floor_.Newest("message").find("switched off") != std::string::npos; },
-      20s))
+  ASSERT_TRUE(
+      Eventually([&] { return floor_.Newest("pause_reason") == "machine_changed"; }, 20s))
       << floor_.Logs();
   ExpectNothingFires();
   EXPECT_EQ(floor_.Panel("cracks"), 0) << "the new block";

@@ -132,6 +132,10 @@ void Arming::SpendBeforePath(JobRecord& job, const TaskView& task, Nanoseconds n
   }
   job.arm.Disarm(task.message, now);
   job.arm_loss = task.message;
+  // Paused: it was taken up, and its path is being read.
+  if (job.state == intaglio_JOB_PAUSED) {
+    return book_.ChangeToPaused(job, task.pause_reason, task.message);
+  }
   book_.Change(job, job.state, task.message);
 }
 

@@ -136,6 +136,15 @@ TEST_F(ArmingTest, AFaultBeforeThePathSpendsTheArmAndKeepsTheState) {
   EXPECT_EQ(job_->arm_loss, "a sentence");
 }
 
+TEST_F(ArmingTest, AFaultWhileItIsTakenUpIsWhyItIsPaused) {
+  book_.ChangeToPaused(*job_, intaglio_PAUSE_SYNCHRONIZER_LOST, "");
+  arming_.Arm(*job_, Of(intaglio_COMMAND_RESUME), now_);
+  now_ += 1s;
+  arming_.TakePaused(*job_, Paused(intaglio_PAUSE_MACHINE_CHANGED, 0), now_);
+  EXPECT_FALSE(job_->arm.armed());
+  EXPECT_EQ(job_->pause_reason, intaglio_PAUSE_MACHINE_CHANGED);
+}
+
 TEST_F(ArmingTest, OnlyArmsWithAReasonEnd) {
   arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
   arming_.EndArms(intaglio_PAUSE_CLOSED, now_,
