@@ -59,7 +59,7 @@ std::string ProgressOf(const client::JobView& job) {
                      client::GroupedDigits(p->total_count));
 }
 
-void TellState(const client::JobView& job, std::ostream& out) {
+void PrintState(const client::JobView& job, std::ostream& out) {
   out << "job " << job.number << " is " << client::StateOf(job)
       << (job.message.empty() ? "" : ": " + job.message) << "\n";
 }
@@ -97,7 +97,7 @@ int AwaitEffect(client::JobClient& client, const client::JobView& job,
                 intaglio_JobCommandKind kind, std::ostream& out) {
   client.PollUntil([&] { return Reached(client.jobs().at(job.uid), kind); },
                    kMachineTime);
-  TellState(client.jobs().at(job.uid), out);
+  PrintState(client.jobs().at(job.uid), out);
   return client::kExitGood;
 }
 
@@ -303,7 +303,7 @@ void AddJobsCommands(command_line::Command app) {
   submit.SetFooter(
       "Example: intaglio submit job.textproto --arm --watch\n"
       "Example: intaglio submit badge.textproto --series names.csv\n"
-      "Without --arm the job waits until somebody who stands at the machine types "
+      "Without --arm the job waits until somebody at the machine types "
       "intaglio arm JOB.");
   submit.SetAction([options] { return Submit(*options); });
 
@@ -348,7 +348,7 @@ void AddJobsCommands(command_line::Command app) {
   resume.AddOption("--from", options->from_point,
                    "leave out what is not made before this place in the order, from 0");
   resume.AddFlag("--fire-uncertain", options->fire_uncertain,
-                 "you looked at the block: fire again, once, the points of which nobody "
+                 "you checked the block: fire again, once, the points of which nobody "
                  "knows whether they were fired");
   add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
 

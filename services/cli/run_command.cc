@@ -81,8 +81,8 @@ class RunSession {
   int Follow(client::ServiceSet& services, client::JobClient& client,
              client::JobView job);
   void Show(const client::JobView& job);
-  void TellEnd(client::JobClient& client, const client::JobView& job);
-  void Say(const std::vector<std::string>& sentences);
+  void WriteEnd(client::JobClient& client, const client::JobView& job);
+  void Print(const std::vector<std::string>& sentences);
   void Arm(client::JobClient& client, const client::JobView& job);
   bool GoesOn(const client::JobView& job);
   void Cancel(client::JobClient& client, const client::JobView& job,
@@ -220,15 +220,15 @@ void RunSession::Arm(client::JobClient& client, const client::JobView& job) {
   armed_attempt_ = job.attempt;
   const client::ArmOnce::State state = arm_->Follow(job);
   if (arm_holds_ && state == client::ArmOnce::State::kLeft) {
-    Say({fmt::format("waits for a person: {}; then intaglio arm {} --tag {}",
-                     arm_->reason(), job.number, options_.bus.tag)});
+    Print({fmt::format("waits for a person: {}; then intaglio arm {} --tag {}",
+                       arm_->reason(), job.number, options_.bus.tag)});
   }
   arm_holds_ = state != client::ArmOnce::State::kLeft &&
                (state != client::ArmOnce::State::kArmed || job.armed);
 }
 
 // What was lost is resumed by the job service. Everything else that pauses a machine is
-// for a person to look at, and so is a loss that lasts.
+// for a person to check, and so is a loss that lasts.
 bool RunSession::GoesOn(const client::JobView& job) {
   if (job.state != intaglio_JOB_PAUSED) {
     paused_since_.reset();
@@ -244,7 +244,7 @@ bool RunSession::GoesOn(const client::JobView& job) {
   return job.armed && Clock::now() - *paused_since_ < kPatience;
 }
 
-void RunSession::Say(const std::vector<std::string>& sentences) {
+void RunSession::Print(const std::vector<std::string>& sentences) {
   if (!sentences.empty()) bar_.Finish();
   for (const std::string& sentence : sentences) std::cerr << sentence << "\n";
 }
@@ -275,20 +275,20 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
       fault = revived.error();
       Cancel(client, job, "a process has died: the job is cancelled");
     }
-    if (revived) Say(*revived);
+    if (revived) Print(*revived);
     if (!fault && !cancelled_ && !GoesOn(job)) {
       fault = Error{ErrorCode::kFault, job.message, ""};
       Cancel(client, job, "the machine has paused: the job is cancelled");
     }
   }
   bar_.Finish();
-  // Give the last words of every stage time to arrive.
+  // Give the outcome of every stage time to arrive.
   client.PollUntil(
       [&] { return client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE).has_value(); },
       job.state == intaglio_JOB_FAILED ? 200ms : 2000ms);
   services.Stop();
   const int proved = Prove(job, client, services);
-  if (options_.events) TellEnd(client, job);
+  if (options_.events) WriteEnd(client, job);
   if (fault) return Complain(*fault, client::kExitMachine);
   if (cancelled_) return client::kExitCancelled;
   if (job.state != intaglio_JOB_DONE) {
@@ -297,7 +297,7 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
   return proved;
 }
 
-void RunSession::TellEnd(client::JobClient& client, const client::JobView& job) {
+void RunSession::WriteEnd(client::JobClient& client, const client::JobView& job) {
   client::JobEnd end = EndOf(client, job);
   if (proved_) end.verdict = *proved_;
   events_.Ended(job, end);
@@ -381,7 +381,7 @@ void AddRunCommand(command_line::Command app) {
   run.AddOption("--fault", options->faults,
                 "let the machine misbehave: \"AT_TICK COMMAND\" (docs/protocols.md)");
   run.AddFlag("--record,!--no-record", options->record,
-              "keep all that was said in session.mcap; on by default");
+              "keep every topic in session.mcap; on by default");
   run.AddOption("--without", options->without,
                 "services that are started elsewhere, e.g. discretizer");
   run.AddOption("--materials", options->materials_db,

@@ -87,7 +87,7 @@ Status AwaitNoRival(const client::ServiceSetOptions& set, client::JobClient& cli
   std::optional<client::ServiceView> rival;
   const auto is_decided = [&] {
     rival = RivalOf(set, client);
-    return !rival || rival->heard_at > looked_until + kGoesOnTime;
+    return !rival || rival->reported_at > looked_until + kGoesOnTime;
   };
   client.PollUntil(is_decided, kLeaveTime);
   if (!rival) return {};

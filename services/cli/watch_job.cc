@@ -27,8 +27,8 @@ std::string NoteOf(const client::JobView& job) {
   return fmt::format("paused: {} (intaglio resume {}, or cancel)", note, job.number);
 }
 
-int TellEnd(client::JobClient& client, const client::JobView& job,
-            client::EventLines* events) {
+int PrintEnd(client::JobClient& client, const client::JobView& job,
+             client::EventLines* events) {
   const client::JobEnd end = EndOf(client, job);
   if (events != nullptr) events->Ended(job, end);
   std::ostream& human = events != nullptr ? std::cerr : std::cout;
@@ -53,7 +53,7 @@ int WatchJob(client::JobClient& client, const std::string& uid,
     bars.Show(job, NoteOf(job));
     if (job.ended()) {
       bar.Finish();
-      return TellEnd(client, client::JobView(job), events);
+      return PrintEnd(client, client::JobView(job), events);
     }
     if (client.IsForgotten(uid)) {
       bar.Finish();

@@ -5,7 +5,7 @@
 #include <ostream>
 
 #include "services/client/exit_codes.h"
-#include "services/history/job_words.h"
+#include "services/history/job_names.h"
 #include "services/job/json_text.h"
 #include "services/platform/host/utc_time.h"
 
@@ -14,8 +14,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The job's last state and its stage's last word come from two processes.
-constexpr auto kLastWord = 2s;
+// The job's last state and the outcome of its engraving come from two processes.
+constexpr auto kOutcomeTime = 2s;
 
 std::uint32_t Count(std::uint64_t count) {
   return static_cast<std::uint32_t>(
@@ -25,14 +25,14 @@ std::uint32_t Count(std::uint64_t count) {
 }  // namespace
 
 JobEnd EndOf(JobClient& client, const JobView& job) {
-  const auto told = [&] {
+  const auto reported = [&] {
     return client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE).has_value();
   };
   const bool engraved = std::any_of(
       job.progress.begin(), job.progress.end(), [](const JobView::Progress& p) {
         return p.stage == intaglio_STAGE_ENGRAVE && p.total_count > 0;
       });
-  if (engraved) client.PollUntil(told, kLastWord);
+  if (engraved) client.PollUntil(reported, kOutcomeTime);
   const auto outcome = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
   const bool known = outcome && outcome->has_engrave();
   JobEnd end;
@@ -55,7 +55,7 @@ JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
   line.set_uid(job.uid);
   line.set_name(job.name);
   line.set_cell(job.cell);
-  line.set_state(history::StateWord(job.state));
+  line.set_state(history::StateName(job.state));
   line.set_pause_reason(history::PauseReasonName(job.pause_reason));
   line.set_attempt(job.attempt);
   line.set_armed(job.armed && !job.ended());
@@ -81,21 +81,22 @@ void EventLines::Submitted(const JobView& job, const std::string& id) {
 
 void EventLines::Show(const JobView& job, const std::string& id) {
   const auto now = clock_();
-  const bool first = !told_.contains(job.uid);
-  Told& told = told_[job.uid];
+  const bool first = !shown_.contains(job.uid);
+  Shown& shown = shown_[job.uid];
   const JobEvent line = EventOf("progress", job, id);
-  const bool state = first || line.state() != told.state || line.armed() != told.armed ||
-                     line.pause_reason() != told.pause_reason;
-  const bool message = line.message() != told.message;
+  const bool state = first || line.state() != shown.state ||
+                     line.armed() != shown.armed ||
+                     line.pause_reason() != shown.pause_reason;
+  const bool message = line.message() != shown.message;
   const auto stage =
       static_cast<std::uint32_t>(StageAtWork(job) ? StageAtWork(job)->stage : 0);
   const bool moved =
-      stage != told.stage || line.done() != told.done || line.total() != told.total;
+      stage != shown.stage || line.done() != shown.done || line.total() != shown.total;
   const bool whole = line.total() > 0 && line.done() == line.total();
-  const bool due = moved && (whole || now - told.at >= kPeriod);
+  const bool due = moved && (whole || now - shown.at >= kPeriod);
   if (!state && !message && !due) return;
-  told = {line.state(), line.message(), line.pause_reason(), stage,
-          line.done(),  line.total(),   line.armed(),        now};
+  shown = {line.state(), line.message(), line.pause_reason(), stage,
+           line.done(),  line.total(),   line.armed(),        now};
   JobEvent event = line;
   event.set_event(state ? "state" : message ? "message" : "progress");
   Write(std::move(event));
@@ -110,13 +111,13 @@ void EventLines::Ended(const JobView& job, const JobEnd& end, const std::string&
   event.set_skipped(Count(end.counts.skipped_count()));
   event.set_uncertain(Count(end.counts.uncertain_count()));
   if (event.message().empty()) event.set_message(end.verdict.reason);
-  told_.erase(job.uid);
+  shown_.erase(job.uid);
   Write(std::move(event));
 }
 
 void EventLines::Write(JobEvent event) {
   event.set_time(host::UtcText(clock_()));
-  // A name or message that is not UTF-8 came from a file; the line is told without it.
+  // A name or message that is not UTF-8 came from a file; the line is written without it.
   auto json = JsonTextOf(event, JsonLayout::kOneLine);
   if (!json) {
     event.clear_name();

@@ -21,7 +21,7 @@ struct JobEnd {
   EngraveOutcome counts;  ///< zeros when the engraving never began
 };
 
-/// Polls until the job's last word is there, for a moment at most.
+/// Polls until the outcome of the job's engraving is there, for a moment at most.
 JobEnd EndOf(JobClient& client, const JobView& job);
 
 class EventLines {
@@ -40,7 +40,7 @@ class EventLines {
   static constexpr std::chrono::milliseconds kPeriod{500};
 
  private:
-  struct Told {
+  struct Shown {
     std::string state, message, pause_reason;
     std::uint32_t stage = 0, done = 0, total = 0;
     bool armed = false;
@@ -48,7 +48,7 @@ class EventLines {
   };
   std::ostream& out_;
   Clock clock_;
-  std::map<std::string, Told> told_;  // by uid
+  std::map<std::string, Shown> shown_;  // by uid
 };
 
 /// The fields that a JobStatus has.

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "services/history/job_words.h"
+#include "services/history/job_names.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/identity_role.h"
@@ -58,7 +58,7 @@ bool JobView::ended() const {
 
 const char* NameOf(intaglio_JobState state) {
   return state == intaglio_JOB_WAITING_FOR_ARM ? "waiting for arm"
-                                               : history::StateWord(state);
+                                               : history::StateName(state);
 }
 
 std::string StateOf(const JobView& job) {
@@ -178,7 +178,8 @@ void JobClient::DropForgotten() {
 void JobClient::Drop(const std::string& uid) {
   lost_.erase(uid);
   jobs_.erase(uid);
-  words_.erase(words_.lower_bound({uid, 0}), words_.upper_bound({uid, kLastStage}));
+  outcomes_.erase(outcomes_.lower_bound({uid, 0}),
+                  outcomes_.upper_bound({uid, kLastStage}));
 }
 
 bool JobClient::IsForgotten(const std::string& uid) const {
@@ -189,17 +190,17 @@ bool JobClient::IsForgotten(const std::string& uid) const {
 
 void JobClient::Take(const intaglio_TaskStatus& status) {
   const std::pair key(std::string(View(status.job_uid)), static_cast<int>(status.stage));
-  StageWords& words = words_[key];
-  if (status.attempt < words.attempt) return;
-  if (status.attempt > words.attempt) words = {status.attempt, 1, {}};
-  words.part_count = status.part_count;
+  StageOutcomes& stage = outcomes_[key];
+  if (status.attempt < stage.attempt) return;
+  if (status.attempt > stage.attempt) stage = {status.attempt, 1, {}};
+  stage.part_count = status.part_count;
   const auto bytes = View(status.outcome);
   StageOutcome outcome;
   if (bytes.empty() ||
       !outcome.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return;
   }
-  words.outcomes[status.part] = outcome;
+  stage.outcomes[status.part] = outcome;
 }
 
 void JobClient::Poll(std::chrono::milliseconds timeout) {
@@ -344,8 +345,8 @@ Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
 
 std::optional<StageOutcome> JobClient::OutcomeOf(const std::string& job_uid,
                                                  intaglio_Stage stage) const {
-  const auto found = words_.find({job_uid, static_cast<int>(stage)});
-  if (found == words_.end()) return std::nullopt;
+  const auto found = outcomes_.find({job_uid, static_cast<int>(stage)});
+  if (found == outcomes_.end()) return std::nullopt;
   const auto& [attempt, part_count, parts] = found->second;
   if (parts.empty() || parts.size() < part_count) return std::nullopt;
   StageOutcome all = parts.begin()->second;

@@ -65,7 +65,7 @@ struct ServiceView {
   intaglio_ServiceRole role = intaglio_ROLE_JOB_SERVICE;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   int pid = 0;
-  std::chrono::steady_clock::time_point heard_at;  ///< its newest word
+  std::chrono::steady_clock::time_point reported_at;  ///< its newest health, received
 };
 
 /// What a person asks of a job.
@@ -156,16 +156,16 @@ class JobClient {
   std::map<std::string, JobView> jobs_;
   std::map<std::string, JobView> refused_;  // by submission
   std::vector<std::string> old_refusals_;   // no longer on the bus; were read by then
-  struct StageWords {
+  struct StageOutcomes {
     std::uint32_t attempt = 0, part_count = 1;
     std::map<std::uint32_t, StageOutcome> outcomes;  // by part
   };
-  std::uint64_t last_number_ = 0;                            // of a command
-  std::map<std::uint64_t, CommandReply> replies_;            // by command
-  std::map<std::pair<std::string, int>, StageWords> words_;  // by job and stage
+  std::uint64_t last_number_ = 0;                                  // of a command
+  std::map<std::uint64_t, CommandReply> replies_;                  // by command
+  std::map<std::pair<std::string, int>, StageOutcomes> outcomes_;  // by job and stage
   std::map<std::string, ServiceView> services_;
-  /// Jobs without a status on the bus, since when; the clock of open ones stands still
-  /// while there is no job service.
+  /// Jobs without a status on the bus, since when; for open ones this time does not
+  /// pass while there is no job service.
   std::map<std::string, Clock::time_point> lost_;
   std::function<Clock::time_point()> now_;
 };

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kMostEnds = 5;
+constexpr std::size_t kMaxEnds = 5;
 constexpr auto kWithin = 60s;
 // Of services/platform/host/only_instance.h.
 constexpr int kExitSecond = 3, kExitTakenOver = 4;
@@ -17,7 +17,7 @@ constexpr int kExitSecond = 3, kExitTakenOver = 4;
 Error EndOf(const ChildProcess& process) {
   return {
       ErrorCode::kFault,
-      fmt::format("{} has ended by itself (exit code {}); its last words:\n{}",
+      fmt::format("{} has ended by itself (exit code {}); its last output:\n{}",
                   process.name(), process.exit_code().value_or(-1), process.LastOutput()),
       process.name()};
 }
@@ -38,7 +38,7 @@ Result<std::optional<std::string>> KeptProcess::Revive(
   }
   ends_.push_back(now);
   while (now - ends_.front() > kWithin) ends_.pop_front();
-  if (ends_.size() >= kMostEnds) return tl::unexpected(EndOf(process_));
+  if (ends_.size() >= kMaxEnds) return tl::unexpected(EndOf(process_));
   auto started = ChildProcess::Start(process_.command());
   if (!started) return tl::unexpected(started.error());
   process_ = std::move(*started);

@@ -12,7 +12,7 @@
 
 namespace intaglio::client {
 
-/// What an ended process leaves to say: its exit code and its last words.
+/// What is known of an ended process: its exit code and its last output.
 Error EndOf(const ChildProcess& process);
 
 class KeptProcess {
@@ -21,7 +21,7 @@ class KeptProcess {
 
   ChildProcess& process() { return process_; }
   /// A sentence when it had ended and was started again; nullopt: it runs. kFault with
-  /// its last words at the fifth end within a minute, or when it cannot be started.
+  /// its last output at the fifth end within a minute, or when it cannot be started.
   Result<std::optional<std::string>> Revive(std::chrono::steady_clock::time_point now);
 
  private:

@@ -35,16 +35,16 @@ void Count(const Evidence& evidence, const proof::GlassComparison& glass,
   counts.set_stray(glass.stray_count);
   std::uint64_t skipped = 0, missed = 0, unaccounted = 0;
   for (std::size_t i = 0; i < evidence.plan_mm.size(); ++i) {
-    const formats::PointHistory& said = evidence.history[i];
+    const formats::PointHistory& journaled = evidence.history[i];
     const bool crack = glass.cracks_of_point[i] > 0;
-    const bool made = said.outcome == PointOutcome::kMade;
+    const bool made = journaled.outcome == PointOutcome::kMade;
     if (crack && made) continue;
-    const bool never_tried = said.outcome == PointOutcome::kSkipped ||
-                             said.outcome == PointOutcome::kLeftOut ||
-                             said.outcome == PointOutcome::kNone;
-    if (!crack && never_tried && !said.open_intent && !said.reopened) {
+    const bool never_tried = journaled.outcome == PointOutcome::kSkipped ||
+                             journaled.outcome == PointOutcome::kLeftOut ||
+                             journaled.outcome == PointOutcome::kNone;
+    if (!crack && never_tried && !journaled.open_intent && !journaled.reopened) {
       ++skipped;
-    } else if (!crack && said.outcome == PointOutcome::kMissed) {
+    } else if (!crack && journaled.outcome == PointOutcome::kMissed) {
       ++missed;
     } else {
       ++unaccounted;
@@ -213,7 +213,7 @@ Status WriteViews(const fs::path& file, const Evidence& evidence,
       render::RenderViews(cracks_mm, Vec3(block.x(), block.y(), block.z()), caption));
 }
 
-/// What the block of one channel looks like.
+/// What one channel made of the block.
 Status WriteChannelViews(const fs::path& file, const Evidence& evidence,
                          const JobReport& report, const ChannelCounts& counts) {
   using render::Tone;

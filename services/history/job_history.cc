@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "proto/task.pb.h"
-#include "services/history/job_words.h"
+#include "services/history/job_names.h"
 #include "services/platform/host/utc_time.h"
 
 namespace intaglio::history {
@@ -100,7 +100,7 @@ JobStatistics RowOf(SQLite::Statement& row) {
   s.set_name(text("name"));
   s.set_cell(text("cell"));
   s.set_material(text("material"));
-  s.set_state(StateWord(static_cast<intaglio_JobState>(row.getColumn("state").getInt())));
+  s.set_state(StateName(static_cast<intaglio_JobState>(row.getColumn("state").getInt())));
   s.set_verdict(text("verdict"));
   s.set_planned(u32("planned_count"));
   s.set_made(u32("made_count"));

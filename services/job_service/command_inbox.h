@@ -17,8 +17,8 @@
 #include <functional>
 #include <string>
 
-#include "services/job_service/queue/job_queue.h"
 #include "services/job_service/job_store.h"
+#include "services/job_service/queue/job_queue.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::job_service {

@@ -77,7 +77,7 @@ void JobService::OpenCell(const std::string& cell) {
   reports_.OpenCell(cell);
 }
 
-// Tasks before health: a worker's last word counts before its absence.
+// Tasks before health: a worker's last report counts before its absence.
 void JobService::Turn(Nanoseconds now) {
   TakeTasks(now);
   TakeHealth(now);
@@ -156,17 +156,17 @@ void JobService::Progressed(const JobRecord& job) {
   statistics_.Progressed(job);
 }
 
-void JobService::TellFault(const std::string& why) {
+void JobService::PublishFault(const std::string& why) {
   for (const auto& [uid, job] : queue_.jobs()) {
     if (!job.active()) continue;
-    JobRecord told = job;
-    if (told.state == intaglio_JOB_ENGRAVING) {
-      told.state = intaglio_JOB_PAUSED;
-      told.pause_reason = intaglio_PAUSE_FAULT;
+    JobRecord faulted = job;
+    if (faulted.state == intaglio_JOB_ENGRAVING) {
+      faulted.state = intaglio_JOB_PAUSED;
+      faulted.pause_reason = intaglio_PAUSE_FAULT;
     }
-    told.message = why;
-    ++told.revision;
-    Publish(told);
+    faulted.message = why;
+    ++faulted.revision;
+    Publish(faulted);
   }
 }
 

@@ -2,7 +2,8 @@
 
 // The job service on the bus: takes submissions and commands, hands out tasks, follows
 // the workers, publishes what becomes of every job. What it decides is in
-// queue/job_queue.h, what it keeps in job_store.h. Used from one thread; a turn never waits for another process.
+// queue/job_queue.h, what it keeps in job_store.h. Used from one thread; a turn never
+// waits for another process.
 
 #include <chrono>
 #include <filesystem>
@@ -10,11 +11,11 @@
 #include <string>
 
 #include "services/job_service/command_inbox.h"
-#include "services/job_service/queue/job_queue.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/last_seen.h"
 #include "services/job_service/model_feed.h"
 #include "services/job_service/permission_keeper.h"
+#include "services/job_service/queue/job_queue.h"
 #include "services/job_service/statistics_writer.h"
 #include "services/job_service/submission_reader.h"
 #include "services/job_service/worker_reports.h"
@@ -27,7 +28,7 @@ struct JobServiceOptions {
   std::filesystem::path database;   ///< the queue; made when it is not there
   std::filesystem::path materials;  ///< the material base
   std::filesystem::path results;    ///< a job's results go to results/<job_uid>/
-  /// Where all that is said is recorded: what the history names for a job that has no
+  /// Where every topic is recorded: what the history names for a job that has no
   /// recording of its own. Empty: nowhere.
   std::filesystem::path recording;
 };
@@ -42,8 +43,8 @@ class JobService : private JobActions {
   void Turn(Nanoseconds now);
   /// A person ends this process, and with it every arm.
   void Close(Nanoseconds now);
-  /// To whoever watches the jobs, as the last word of this life.
-  void TellFault(const std::string& why);
+  /// For whoever watches the jobs: the last that this process publishes.
+  void PublishFault(const std::string& why);
 
   template <typename Loop>
   void AttachTo(Loop& loop) {

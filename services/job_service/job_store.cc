@@ -27,7 +27,7 @@ void BindTask(SQLite::Statement& statement, intaglio_Stage stage, const TaskId& 
 }
 
 // More revisions than can have been published without being kept: progress ten times a
-// second for a month. Readers only look whether a revision is newer.
+// second for a month. Readers only check whether a revision is newer.
 constexpr std::uint64_t kRevisionLeap = 1u << 25;
 
 std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {

@@ -74,7 +74,7 @@ class JobStore {
   /// JobStatistics.
   void KeepVerdict(const std::string& job_uid, const std::string& report,
                    const std::string& recording);
-  /// Of a job that was kept, as it stands now.
+  /// Of a job that was kept, as it is now.
   JobStatistics StatisticsOf(const JobRecord& job,
                              std::chrono::system_clock::time_point now);
 

@@ -15,7 +15,7 @@
 namespace intaglio::job_service {
 namespace {
 
-/// Of the job's newest engraving that told one.
+/// Of the job's newest engraving that reported one.
 std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
                                         const std::string& job_uid) {
   SQLite::Statement select(
@@ -70,7 +70,7 @@ JobStatistics JobStore::StatisticsOf(const JobRecord& job,
     history::Filter filter;
     filter.job = job.number;
     JobStatistics statistics = history::SelectJobs(*database_, filter, now).at(0);
-    // Progress is told and not kept.
+    // Progress is published and not kept.
     const StageRecord& engraving = job.stage(intaglio_STAGE_ENGRAVE);
     history::AddProgress(statistics, engraving.done_count, engraving.total_count,
                          engraving.elapsed_s, now);

@@ -30,7 +30,7 @@ int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& op
     }
     service.Close(job_service::SinceBoot());
   } catch (const job_service::StoreError& error) {
-    service.TellFault(error.what());
+    service.PublishFault(error.what());
     throw;
   }
   return 0;
@@ -44,15 +44,18 @@ int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options
   host::OnlyInstance only(host, intaglio_ROLE_JOB_SERVICE);
   if (only.AwaitTurn()) return only.EndAsSecond("job service");
   bool opened = false;
-  std::string told;
+  std::string raised;
   while (!host.stopping()) {
     try {
       return ServeQueue(host, options, only, opened);
     } catch (const job_service::StoreError& error) {
       if (!opened && !error.passes()) throw;
       host.SetHealth(intaglio_HEALTH_FAULT, {}, error.what());
-      if (told != error.what()) host.RaiseAlarm(intaglio_ALARM_FAULT, "io", error.what());
-      told = error.what();
+      if (raised != error.what()) {
+        host.RaiseAlarm(intaglio_ALARM_FAULT, ErrorCodeName(ErrorCode::kIo),
+                        error.what());
+      }
+      raised = error.what();
     }
     for (const auto end = job_service::SinceBoot() + 1s;
          job_service::SinceBoot() < end && !host.stopping();) {

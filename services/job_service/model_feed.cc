@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using bus::Borrow;
 
-// How often it is looked whether a discretizer that gave credit is matched by now.
+// How often it is checked whether a discretizer that gave credit is matched by now.
 constexpr auto kLook = 50ms;
 
 Error CannotRead(const std::string& file, const std::string& why) {
@@ -58,7 +58,7 @@ std::vector<ModelFeed::Failure> ModelFeed::TakeFailures() {
 void ModelFeed::Run(const std::stop_token& stop) {
   wait_.Attach(credit_.reader());
   while (!stop.stop_requested()) {
-    // Without a stream there is nothing to look for.
+    // Without a stream there is nothing to wait for.
     (void)wait_.Wait(streams_.empty() ? 1000ms : kLook);
     credit_.Poll();
     {

@@ -53,7 +53,7 @@ void PermissionKeeper::Open(const std::string& cell,
                    0,
                    ++opened_})
           .first->second;
-  opened.told.cell = cell;
+  opened.decided.cell = cell;
 }
 
 std::vector<std::pair<std::string, bool>> PermissionKeeper::TakeStops() {
@@ -73,37 +73,38 @@ void PermissionKeeper::Decide(const std::vector<PermissionView>& permissions) {
   const std::lock_guard lock(mutex_);
   decided_at_ = std::chrono::steady_clock::now();
   for (auto& [name, cell] : cells_) {
-    PermissionView wanted = cell.told;
+    PermissionView wanted = cell.decided;
     wanted.granted = false;
     for (const PermissionView& permission : permissions) {
       if (permission.cell == name) wanted = permission;
     }
-    const bool changed =
-        wanted.granted != cell.told.granted || wanted.job_uid != cell.told.job_uid ||
-        wanted.grant != cell.told.grant || wanted.renewal != cell.told.renewal ||
-        wanted.speed_percent != cell.told.speed_percent;
-    cell.told = wanted;
+    const bool changed = wanted.granted != cell.decided.granted ||
+                         wanted.job_uid != cell.decided.job_uid ||
+                         wanted.grant != cell.decided.grant ||
+                         wanted.renewal != cell.decided.renewal ||
+                         wanted.speed_percent != cell.decided.speed_percent;
+    cell.decided = wanted;
     if (changed) Write(cell);
   }
 }
 
 void PermissionKeeper::Write(Cell& cell) {
   intaglio_Permission sample{};
-  sample.cell = bus::Borrow(cell.told.cell);
-  sample.job_uid = bus::Borrow(cell.told.job_uid);
-  sample.epoch = cell.told.epoch;
-  sample.granted = cell.told.granted;
-  sample.operator_name = bus::Borrow(cell.told.operator_name);
+  sample.cell = bus::Borrow(cell.decided.cell);
+  sample.job_uid = bus::Borrow(cell.decided.job_uid);
+  sample.epoch = cell.decided.epoch;
+  sample.granted = cell.decided.granted;
+  sample.operator_name = bus::Borrow(cell.decided.operator_name);
   sample.number = ++cell.number;
-  sample.speed_percent = cell.told.speed_percent;
-  sample.grant = cell.told.grant;
-  sample.renewal = cell.told.renewal;
-  sample.first_point = cell.told.first_point;
-  sample.fire_uncertain = cell.told.fire_uncertain;
+  sample.speed_percent = cell.decided.speed_percent;
+  sample.grant = cell.decided.grant;
+  sample.renewal = cell.decided.renewal;
+  sample.first_point = cell.decided.first_point;
+  sample.fire_uncertain = cell.decided.fire_uncertain;
   const auto held = host::WireOf(cell.stop.held());
   bus::Borrow(sample.bus_stops, held);
   if (auto written = cell.writer.Write(sample); !written) {
-    host::LogWarning("permission of {}: {}", cell.told.cell, written.error().message);
+    host::LogWarning("permission of {}: {}", cell.decided.cell, written.error().message);
   }
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
 // Keeps the permission of every cell fresh on the safety profile: granted or not, every
-// cell that ever had a job is told every kPeriod. Silence means no permission as well.
+// cell that ever had a job gets a sample every kPeriod. Silence means no permission as
+// well.
 //
 // A cell stops firing after 90 ms of silence, and the thread that decides may wait longer
 // than that for its disk. So a thread of this class repeats what was decided, as long as
@@ -44,8 +45,8 @@ class PermissionKeeper {
   /// Reads the emergency stops: every open cell, and whether its stop is pressed or was
   /// pressed since the last call.
   std::vector<std::pair<std::string, bool>> TakeStops();
-  /// What is to be repeated from now on; told at once when it is another. A cell that is
-  /// not in `permissions` has no job and gets none.
+  /// What is to be repeated from now on; published at once when it is another. A cell
+  /// that is not in `permissions` has no job and gets none.
   void Decide(const std::vector<PermissionView>& permissions);
 
  private:
@@ -53,7 +54,7 @@ class PermissionKeeper {
     bus::Writer<intaglio_Permission> writer;
     bus::Reader<intaglio_EmergencyStop> stops;
     host::StopLatch stop;
-    PermissionView told;
+    PermissionView decided;
     std::uint64_t number = 0;
     std::uint64_t opened = 0;  ///< grows with each Open
   };

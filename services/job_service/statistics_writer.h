@@ -15,8 +15,8 @@
 #include <thread>
 
 #include "proto/shop.pb.h"
-#include "services/job_service/queue/job_record.h"
 #include "services/job_service/job_store.h"
+#include "services/job_service/queue/job_record.h"
 
 namespace intaglio::job_service {
 
@@ -24,14 +24,14 @@ class StatisticsWriter {
  public:
   /// `store` has to outlive this. `recording`: of jobs without one in their folder.
   StatisticsWriter(JobStore& store, std::string recording);
-  /// What was told before is on the disk when this returns.
+  /// What came before is on the disk when this returns.
   ~StatisticsWriter();
 
   /// After the store's Keep.
   void Changed(const JobRecord& job);
   /// At most every kPeriod of a job.
   void Progressed(const JobRecord& job);
-  /// Also keeps the verdict. May come again when the machine's last word comes later.
+  /// Also keeps the verdict. May come again when the machine's outcome comes later.
   void Ended(const JobRecord& job);
 
   static constexpr std::chrono::seconds kPeriod{2};

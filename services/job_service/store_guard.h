@@ -21,7 +21,7 @@ inline std::int64_t Signed(std::uint64_t value) {
   return static_cast<std::int64_t>(value);
 }
 
-/// What SQLite said of the file, with the remedy.
+/// What SQLite reports of the file, with the remedy.
 inline StoreError ErrorOf(const std::string& file, const SQLite::Exception& error) {
   constexpr int kPrimary = 0xff;  // an extended code has it in its lowest byte
   switch (error.getErrorCode() & kPrimary) {

@@ -18,7 +18,7 @@ namespace intaglio::job_service {
 using FindMaterial =
     std::function<Result<materials_db::Material>(const std::string& name)>;
 
-/// Reads the machine file, looks the glass up, checks and freezes. Uid, epoch and result
+/// Reads the machine file, finds the glass, checks and freezes. Uid, epoch and result
 /// directory are left open: a job is numbered when it is taken. The error's message holds
 /// every mistake, one a line, also when machine or glass are not to be had. It waits for
 /// the disks of the files that the job names (submission_reader.h).

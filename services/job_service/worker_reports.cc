@@ -22,13 +22,13 @@ void WorkerReports::OpenCell(const std::string& cell) { Open(bus::CellRole(cell)
 void WorkerReports::Open(const std::string& role) {
   const std::string partition = bus::RolePartition(role);
   if (readers_.contains(partition)) return;
-  constexpr auto kHears = bus::Hears::kEverybody;
+  constexpr auto kAudience = bus::Hears::kEverybody;
   constexpr auto kKeeps = bus::Keeps::kEverySample;
-  readers_.emplace(
-      partition, Readers{bus::Reader<intaglio_TaskStatus>(bus_, bus::kTaskStatus,
-                                                          partition, kHears, kKeeps),
-                         bus::Reader<intaglio_ServiceHealth>(bus_, bus::kServiceHealth,
-                                                             partition, kHears, kKeeps)});
+  readers_.emplace(partition,
+                   Readers{bus::Reader<intaglio_TaskStatus>(bus_, bus::kTaskStatus,
+                                                            partition, kAudience, kKeeps),
+                           bus::Reader<intaglio_ServiceHealth>(
+                               bus_, bus::kServiceHealth, partition, kAudience, kKeeps)});
 }
 
 void WorkerReports::TakeTasks(const TaskSink& sink, Nanoseconds now) {

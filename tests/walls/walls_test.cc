@@ -50,7 +50,7 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"engrave/mesh/c.cc", "#include <google/protobuf/message.h>\n"},
       {"materials_db/a.cc", "#include \"services/job/options.h\"\n"},
       {"proto/a.cc", "#include \"engrave/core/result.h\"\n"},
-      {"services/job/a.cc", "#include \"services/history/job_words.h\"\n"},
+      {"services/job/a.cc", "#include \"services/history/job_names.h\"\n"},
       {"services/platform/host/a.cc", "#include \"services/job/options.h\"\n"},
       {"services/client/a.cc", "#include \"services/cli/job_options.h\"\n"},
       {"services/sorter/c.cc", "#include \"services/client/job_client.h\"\n"},

@@ -8,7 +8,7 @@
 
 #include "services/cli/interrupt.h"
 #include "services/client/figure_text.h"
-#include "services/history/job_words.h"
+#include "services/history/job_names.h"
 #include "services/platform/host/utc_time.h"
 
 namespace intaglio::cli {
@@ -126,14 +126,14 @@ void BatchRun::Turn() {
 
 void BatchRun::Submit(const BatchPlan::Start& start) {
   const BatchJob& job = jobs_[start.job];
-  BatchJobResult& told = result(start.job);
-  told.set_cell(start.cell);
+  BatchJobResult& entry = result(start.job);
+  entry.set_cell(start.cell);
   const auto submitted = client_.Submit(job.by_cell.at(start.cell), kSubmitTime);
   if (!submitted) return Refuse(start.job, submitted.error().message);
-  told.set_job(submitted->number);
-  told.set_uid(submitted->uid);
-  told.set_result_directory(submitted->result_directory);
-  told.set_state(history::StateWord(submitted->state));
+  entry.set_job(submitted->number);
+  entry.set_uid(submitted->uid);
+  entry.set_result_directory(submitted->result_directory);
+  entry.set_state(history::StateName(submitted->state));
   Out& out = out_[start.job];
   out.uid = submitted->uid;
   out.since = Clock::now();
@@ -143,7 +143,7 @@ void BatchRun::Submit(const BatchPlan::Start& start) {
 
 void BatchRun::Follow(std::size_t job, Out& out) {
   const client::JobView view = client_.jobs().at(out.uid);
-  result(job).set_state(history::StateWord(view.state));
+  result(job).set_state(history::StateName(view.state));
   result(job).set_message(view.message);
   if (view.ended()) return End(job, view);
   if (client_.IsForgotten(out.uid)) {
@@ -204,14 +204,14 @@ void BatchRun::Cancel(const client::JobView& view, Out& out) {
 
 void BatchRun::End(std::size_t job, const client::JobView& view) {
   const client::JobEnd end = EndOf(client_, view);
-  BatchJobResult& told = result(job);
-  told.set_time_s(Seconds(Clock::now() - out_.at(job).since));
-  SetCounts(end, told);
-  if (told.message().empty()) told.set_message(end.verdict.reason);
+  BatchJobResult& entry = result(job);
+  entry.set_time_s(Seconds(Clock::now() - out_.at(job).since));
+  SetCounts(end, entry);
+  if (entry.message().empty()) entry.set_message(end.verdict.reason);
   if (events_ != nullptr) events_->Ended(view, end, jobs_[job].id);
   Report(fmt::format("{} (job {}, {}) {}, {}{}", jobs_[job].id, view.number, view.cell,
                      client::NameOf(view.state), VerdictName(end.verdict.verdict),
-                     told.message().empty() ? "" : ": " + told.message()));
+                     entry.message().empty() ? "" : ": " + entry.message()));
   ends_[job] = WhatBecameOf(view, end.verdict.verdict);
   Settle(job, ends_[job] == JobResult::kGood);
 }
@@ -224,17 +224,17 @@ void BatchRun::Refuse(std::size_t job, const std::string& message) {
 
 void BatchRun::GiveUp(std::size_t job, const char* event_name,
                       const std::string& message) {
-  BatchJobResult& told = result(job);
-  told.set_message(message);
-  Report(fmt::format("{} {}: {}", jobs_[job].id, told.state(), message));
+  BatchJobResult& entry = result(job);
+  entry.set_message(message);
+  Report(fmt::format("{} {}: {}", jobs_[job].id, entry.state(), message));
   if (events_ != nullptr) {
     JobEvent event;
     event.set_event(event_name);
-    event.set_job(told.job());
-    event.set_uid(told.uid());
+    event.set_job(entry.job());
+    event.set_uid(entry.uid());
     event.set_id(jobs_[job].id);
     event.set_name(jobs_[job].name);
-    event.set_cell(told.cell());
+    event.set_cell(entry.cell());
     event.set_verdict(VerdictName(VerdictKind::kNone));
     event.set_message(message);
     events_->Write(event);
@@ -298,14 +298,14 @@ void BatchRun::Leave() {
   client_.PollUntil(settled, kCancelTime);
   for (const auto& [job, out] : out_) {
     const client::JobView& view = client_.jobs().at(out.uid);
-    BatchJobResult& told = result(job);
-    told.set_state(history::StateWord(view.state));
-    told.set_time_s(Seconds(Clock::now() - out.since));
-    told.set_message(out.waits_for.empty()
-                         ? fmt::format("goes on: intaglio watch {}", view.number)
-                         : "waits for a person: " + out.waits_for);
+    BatchJobResult& entry = result(job);
+    entry.set_state(history::StateName(view.state));
+    entry.set_time_s(Seconds(Clock::now() - out.since));
+    entry.set_message(out.waits_for.empty()
+                          ? fmt::format("goes on: intaglio watch {}", view.number)
+                          : "waits for a person: " + out.waits_for);
     Report(fmt::format("{} (job {}, {}) is left {}: it {}", jobs_[job].id, view.number,
-                       view.cell, client::NameOf(view.state), told.message()));
+                       view.cell, client::NameOf(view.state), entry.message()));
     if (events_ != nullptr) events_->Write(client::EventOf("left", view, jobs_[job].id));
   }
 }

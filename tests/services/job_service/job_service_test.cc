@@ -105,7 +105,7 @@ TEST_F(JobServiceTest, HappyPath) {
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0);
   ASSERT_TRUE(Reaches(intaglio_JOB_WAITING_FOR_ARM));
   EXPECT_EQ(Job().estimate_ticks, 4321u);
-  // Permission is told, and it is no.
+  // A permission is published, and it is not granted.
   const int before = shop_.permissions_seen();
   ASSERT_TRUE(shop_.Until([&] { return shop_.permissions_seen() >= before + 3; }));
   EXPECT_FALSE(shop_.granted());
@@ -113,7 +113,8 @@ TEST_F(JobServiceTest, HappyPath) {
   ASSERT_TRUE(shop_.Until([&] { return shop_.granted(); }));
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 50);
   ASSERT_TRUE(Reaches(intaglio_JOB_ENGRAVING));
-  // A person's word goes with the permission that it came with, and with no other.
+  // Firing what is uncertain goes with the permission that it came with, and with no
+  // other.
   EXPECT_FALSE(shop_.fire_uncertain());
   shop_.Command(Job(), intaglio_COMMAND_RESUME, 2, true);
   EXPECT_TRUE(shop_.Until([&] { return shop_.fire_uncertain(); }));
@@ -166,7 +167,7 @@ TEST_F(JobServiceTest, ADeadWorkersJobIsHandedOutAnew) {
   shop_.Health(intaglio_STAGE_SORT, "s2", intaglio_HEALTH_READY);
   ASSERT_TRUE(HasTasks(2));
   EXPECT_EQ(shop_.Task(intaglio_STAGE_SORT).worker, "s2");
-  // The old attempt's word is not heard any more.
+  // A report of the old attempt is ignored.
   shop_.Report(first, intaglio_STAGE_DISCRETIZE, intaglio_TASK_FAILED, 0, 0,
                intaglio_ERROR_UNREADABLE, "old");
   const TaskCopy second = shop_.Task(intaglio_STAGE_DISCRETIZE);
@@ -377,7 +378,7 @@ TEST_F(JobServiceTest, AKillWhileEngravingPausesAndTheSameSynchronizerGoesOn) {
   service_->Kill();
   ASSERT_TRUE(shop_.Until([&] { return !shop_.granted(); }))
       << "silence is no permission";
-  // As a synchronizer does; its word may come before or after that on the restart is
+  // As a synchronizer does; its report may come before or after that on the restart is
   // read.
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 10, "waits for the arm");
   Start();

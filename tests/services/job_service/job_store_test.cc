@@ -153,7 +153,8 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(arm.last_command_id, kept.arm.kept().last_command_id);
   EXPECT_EQ(job.pause_reason, kept.pause_reason);
   EXPECT_FALSE(arm.armed);
-  EXPECT_GT(job.revision, kept.revision) << "what was told since the last Keep is older";
+  EXPECT_GT(job.revision, kept.revision)
+      << "what was published since the last Keep is older";
   const StageRecord& stage = job.stage(intaglio_STAGE_SORT);
   EXPECT_EQ(stage.worker, "sorter-1");
   EXPECT_TRUE(stage.done);
@@ -303,10 +304,10 @@ TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
   job.arm = JobArm();
   const auto now = std::chrono::system_clock::now();
   store.Keep(job);
-  JobStatistics told = store.StatisticsOf(job, now);
-  EXPECT_EQ(told.state(), "queued");
-  EXPECT_NE(told.submitted_utc(), "");
-  EXPECT_EQ(told.started_utc(), "");
+  JobStatistics statistics = store.StatisticsOf(job, now);
+  EXPECT_EQ(statistics.state(), "queued");
+  EXPECT_NE(statistics.submitted_utc(), "");
+  EXPECT_EQ(statistics.started_utc(), "");
   job.attempt = 2;
   job.arm.NoteGranted();
   job.state = intaglio_JOB_ENGRAVING;
@@ -315,30 +316,31 @@ TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
   GiveEngraving(store);
   job.stage(intaglio_STAGE_ENGRAVE) = {"y", false, 25, 100, 1.0};
   const auto later = now + std::chrono::seconds(10);
-  told = store.StatisticsOf(job, later);
-  const std::string begun = told.engraving_utc();
+  statistics = store.StatisticsOf(job, later);
+  const std::string begun = statistics.engraving_utc();
   EXPECT_NE(begun, "");
-  EXPECT_EQ(told.progress_ratio(), 0.25);
-  EXPECT_EQ(told.made(), 25u);
-  EXPECT_EQ(told.estimated_s(), 4);
+  EXPECT_EQ(statistics.progress_ratio(), 0.25);
+  EXPECT_EQ(statistics.made(), 25u);
+  EXPECT_EQ(statistics.estimated_s(), 4);
   // A quarter took one second: three are left.
-  EXPECT_EQ(told.expected_end_utc(), host::UtcText(later + std::chrono::seconds(3)));
-  EXPECT_EQ(told.verdict(), "");
+  EXPECT_EQ(statistics.expected_end_utc(),
+            host::UtcText(later + std::chrono::seconds(3)));
+  EXPECT_EQ(statistics.verdict(), "");
   store.KeepTaskEnd(EngraveEnd(intaglio_TASK_DONE), Outcome(100, 100));
   job.state = intaglio_JOB_DONE;
   store.Keep(job);
   store.KeepVerdict(job.uid, "/r/report.json", "/r/all.mcap");
-  told = store.StatisticsOf(job, later);
-  EXPECT_EQ(told.verdict(), "good");
-  EXPECT_EQ(told.made(), 100u);
-  EXPECT_EQ(told.machining_s(), 2);
-  EXPECT_EQ(told.engraving_utc(), begun) << "the first time stays";
-  EXPECT_EQ(told.expected_end_utc(), "");
-  EXPECT_EQ(told.report(), "/r/report.json");
-  EXPECT_EQ(told.recording(), "/r/all.mcap");
+  statistics = store.StatisticsOf(job, later);
+  EXPECT_EQ(statistics.verdict(), "good");
+  EXPECT_EQ(statistics.made(), 100u);
+  EXPECT_EQ(statistics.machining_s(), 2);
+  EXPECT_EQ(statistics.engraving_utc(), begun) << "the first time stays";
+  EXPECT_EQ(statistics.expected_end_utc(), "");
+  EXPECT_EQ(statistics.report(), "/r/report.json");
+  EXPECT_EQ(statistics.recording(), "/r/all.mcap");
 }
 
-// A cancelled job's synchronizer tells afterwards what it left in the glass.
+// A cancelled job's synchronizer reports afterwards what it left in the glass.
 TEST_F(JobStoreTest, TheLastWordOfTheMachineChangesTheVerdict) {
   JobStore store(path_);
   JobRecord job = Record(1, intaglio_JOB_ENGRAVING);
@@ -380,13 +382,13 @@ TEST_F(JobStoreTest, JobsOfAnOlderDatabaseHaveAHistory) {
     task.exec();
   }
   JobStore store(path_);
-  const JobStatistics told =
+  const JobStatistics statistics =
       store.StatisticsOf(store.Load(1).at(0), std::chrono::system_clock::now());
-  EXPECT_EQ(told.material(), "K8");
-  EXPECT_EQ(told.verdict(), "good");
-  EXPECT_EQ(told.planned(), 7u);
-  EXPECT_EQ(told.ended_utc(), "2026-01-02T03:04:05.678Z");
-  EXPECT_NEAR(told.duration_s(), 245.678, 0.002);
+  EXPECT_EQ(statistics.material(), "K8");
+  EXPECT_EQ(statistics.verdict(), "good");
+  EXPECT_EQ(statistics.planned(), 7u);
+  EXPECT_EQ(statistics.ended_utc(), "2026-01-02T03:04:05.678Z");
+  EXPECT_NEAR(statistics.duration_s(), 245.678, 0.002);
 }
 
 // Version 7 knew why a job is paused from its message alone.

@@ -32,7 +32,7 @@ JobSpec LongJob() {
   return job;
 }
 
-struct PartWord {
+struct PartReport {
   std::string job_uid, worker;
   std::uint32_t part = 0, part_attempt = 0;
   intaglio_TaskState state = intaglio_TASK_ACCEPTED;
@@ -115,15 +115,15 @@ class KilledDiscretizerTest : public testing::Test {
     shop_.Report(engrave, intaglio_STAGE_ENGRAVE, intaglio_TASK_FAILED, 0, 0,
                  intaglio_ERROR_CANCELLED, "");
   }
-  std::vector<PartWord> TakeWords() {
-    std::vector<PartWord> words;
+  std::vector<PartReport> TakeReports() {
+    std::vector<PartReport> reports;
     statuses_.Take([&](const intaglio_TaskStatus& sample) {
       if (sample.stage != intaglio_STAGE_DISCRETIZE) return;
-      words.push_back({std::string(View(sample.job_uid)),
-                       std::string(View(sample.worker)), sample.part, sample.part_attempt,
-                       sample.state});
+      reports.push_back({std::string(View(sample.job_uid)),
+                         std::string(View(sample.worker)), sample.part,
+                         sample.part_attempt, sample.state});
     });
-    return words;
+    return reports;
   }
 
   fs::path folder_;
@@ -135,8 +135,8 @@ class KilledDiscretizerTest : public testing::Test {
   std::optional<ServiceProcess> service_;
 };
 
-/// What became of the parts of a job, as the discretizers tell.
-struct PartWords {
+/// What became of the parts of a job, as the discretizers report.
+struct PartReports {
   std::set<std::uint32_t> begun_by_victim, made_again;
 };
 
@@ -151,15 +151,15 @@ class DisturbedDiscretizerTest : public KilledDiscretizerTest {
     shop_.Health(intaglio_STAGE_ENGRAVE, "y", intaglio_HEALTH_READY);
   }
   /// The cloud of both, with `disturb` called between until the end.
-  PointCloud CloudOfTwo(const std::function<void(const PartWords&)>& disturb) {
+  PointCloud CloudOfTwo(const std::function<void(const PartReports&)>& disturb) {
     const TaskCopy sort = BeginInParts(16, submission_);
     return Receive(sort, [&] {
-      for (const PartWord& word : TakeWords()) {
-        if (word.job_uid != sort.job_uid) continue;
-        if (word.worker == victim_name_) words_.begun_by_victim.insert(word.part);
-        if (word.part_attempt > 0) words_.made_again.insert(word.part);
+      for (const PartReport& report : TakeReports()) {
+        if (report.job_uid != sort.job_uid) continue;
+        if (report.worker == victim_name_) reports_.begun_by_victim.insert(report.part);
+        if (report.part_attempt > 0) reports_.made_again.insert(report.part);
       }
-      disturb(words_);
+      disturb(reports_);
     });
   }
   /// The job went on without a new attempt; it has a cloud of the same bits from one.
@@ -173,7 +173,7 @@ class DisturbedDiscretizerTest : public KilledDiscretizerTest {
     victim_->Kill();
     std::string one;
     const TaskCopy again = BeginInParts(1, one);
-    const PointCloud of_one = Receive(again, [&] { TakeWords(); });
+    const PointCloud of_one = Receive(again, [&] { TakeReports(); });
     EXPECT_GT(of_one.size(), 100'000u);
     EXPECT_EQ(of_two.points_mm, of_one.points_mm);
     EXPECT_EQ(of_two.source, of_one.source);
@@ -181,30 +181,30 @@ class DisturbedDiscretizerTest : public KilledDiscretizerTest {
 
   std::unique_ptr<ChildProgram> victim_, other_;
   std::string victim_name_, submission_;
-  PartWords words_;
+  PartReports reports_;
 };
 
 // In its third part at most, for the next one is given ahead: it has the models.
 TEST_F(DisturbedDiscretizerTest, KilledItCostsItsPartAloneAndNoBitOfTheCloud) {
-  const PointCloud of_two = CloudOfTwo([&](const PartWords& words) {
-    if (victim_->running() && words.begun_by_victim.size() == 3) victim_->Kill();
+  const PointCloud of_two = CloudOfTwo([&](const PartReports& reports) {
+    if (victim_->running() && reports.begun_by_victim.size() == 3) victim_->Kill();
   });
   EXPECT_FALSE(victim_->running());
   // What it was at, and what lay ready for it.
-  EXPECT_GE(words_.made_again.size(), 1u);
-  EXPECT_LE(words_.made_again.size(), 2u);
+  EXPECT_GE(reports_.made_again.size(), 1u);
+  EXPECT_LE(reports_.made_again.size(), 2u);
   ExpectTheCloudOfOne(of_two);
 }
 
 // It comes back while the parts that it had are made by the other: it must not send them.
 TEST_F(DisturbedDiscretizerTest, StoppedForAWhileItCostsNoBitOfTheCloud) {
   bool stopped = false, continued = false;
-  const PointCloud of_two = CloudOfTwo([&](const PartWords& words) {
-    if (!stopped && words.begun_by_victim.size() == 3) {
+  const PointCloud of_two = CloudOfTwo([&](const PartReports& reports) {
+    if (!stopped && reports.begun_by_victim.size() == 3) {
       victim_->Signal(SIGSTOP);
       stopped = true;
     }
-    if (stopped && !continued && !words.made_again.empty()) {
+    if (stopped && !continued && !reports.made_again.empty()) {
       victim_->Signal(SIGCONT);
       continued = true;
     }

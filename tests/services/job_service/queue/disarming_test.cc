@@ -23,12 +23,12 @@ class JobDisarmTest : public JobQueueTest {
       TaskView done = StatusOf(job, intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE);
       done.task = job.TaskOf(intaglio_STAGE_DISCRETIZE, part);
       done.worker = job.parts[part].worker;
-      Say(done);
+      Report(done);
     }
-    Say(StatusOf(job, intaglio_STAGE_SORT, intaglio_TASK_DONE));
+    Report(StatusOf(job, intaglio_STAGE_SORT, intaglio_TASK_DONE));
     TaskView loaded = StatusOf(job, intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING);
     loaded.done_count = 0;
-    Say(loaded);
+    Report(loaded);
     ASSERT_EQ(job.state, intaglio_JOB_WAITING_FOR_ARM);
   }
   static TaskView StatusOf(const JobRecord& job, intaglio_Stage stage,
@@ -54,7 +54,7 @@ class JobDisarmTest : public JobQueueTest {
     ASSERT_TRUE(Send(Order(intaglio_COMMAND_ARM, uid)).taken());
     now_ += 1s;
     ASSERT_TRUE(GrantedTo(uid));
-    Say(StatusOf(*queue_.Find(uid), intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE));
+    Report(StatusOf(*queue_.Find(uid), intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE));
     ASSERT_EQ(queue_.Find(uid)->state, intaglio_JOB_DONE);
   }
 };

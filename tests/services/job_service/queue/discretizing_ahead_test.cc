@@ -23,11 +23,13 @@ class PartsAheadTest : public JobQueueTest {
     Add(1);
     actions_.Orders();
   }
-  void Accept(std::uint32_t part) { Say(PartWord(part, intaglio_TASK_ACCEPTED, 0, 0)); }
+  void Accept(std::uint32_t part) {
+    Report(PartReport(part, intaglio_TASK_ACCEPTED, 0, 0));
+  }
   void Fail(std::uint32_t part, intaglio_ErrorCode code) {
-    TaskView word = PartWord(part, intaglio_TASK_FAILED, 0, 0);
-    word.error_code = code;
-    Say(word);
+    TaskView report = PartReport(part, intaglio_TASK_FAILED, 0, 0);
+    report.error_code = code;
+    Report(report);
   }
   const PartRecord& part(std::size_t index) { return job().parts.at(index); }
 };
@@ -52,7 +54,7 @@ TEST_F(PartsAheadTest, NoOtherUntilTheOneGivenAheadIsAccepted) {
   Accept(0);
   Done(0);
   actions_.Orders();
-  Say(PartWord(2, intaglio_TASK_RUNNING, 1, 3));
+  Report(PartReport(2, intaglio_TASK_RUNNING, 1, 3));
   EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 3.0/16 > s"));
 }
 
@@ -212,23 +214,23 @@ class RandomShop : public JobActions {
       return queue.WorkerLost(name, now);
     }
     std::deque<Given>& tasks = worker->second;
-    if (tasks.empty()) return Tell(queue, name, now);
+    if (tasks.empty()) return Health(queue, name, now);
     for (Given& given : tasks) {
       if (given.accepted) continue;
       given.accepted = true;
-      return Say(queue, name, given.task, intaglio_TASK_ACCEPTED, now);
+      return Report(queue, name, given.task, intaglio_TASK_ACCEPTED, now);
     }
     const TaskId task = tasks.front().task;
     tasks.pop_front();
-    Say(queue, name, task, Upto(30) == 0 ? intaglio_TASK_FAILED : intaglio_TASK_DONE,
-        now);
-    Tell(queue, name, now);
+    Report(queue, name, task, Upto(30) == 0 ? intaglio_TASK_FAILED : intaglio_TASK_DONE,
+           now);
+    Health(queue, name, now);
   }
   void Join(JobQueue& queue, Nanoseconds now) {
     if (tasks_.size() > 3) return;
     const std::string name = fmt::format("w{}", joined_++);
     tasks_[name];
-    Tell(queue, name, now);
+    Health(queue, name, now);
   }
 
  private:
@@ -237,21 +239,21 @@ class RandomShop : public JobActions {
     bool accepted;
   };
   int Upto(int most) { return std::uniform_int_distribution(0, most)(random_); }
-  void Tell(JobQueue& queue, const std::string& name, Nanoseconds now) {
+  void Health(JobQueue& queue, const std::string& name, Nanoseconds now) {
     const bool idle = tasks_.at(name).empty();
     queue.Take(WorkerView{name, intaglio_ROLE_DISCRETIZER,
                           idle ? intaglio_HEALTH_READY : intaglio_HEALTH_BUSY, "", ""},
                now);
   }
-  static void Say(JobQueue& queue, const std::string& name, const TaskId& task,
-                  intaglio_TaskState state, Nanoseconds now) {
-    TaskView word;
-    word.task = task;
-    word.worker = name;
-    word.state = state;
-    word.done_count = word.total_count = 10;
-    if (state == intaglio_TASK_FAILED) word.error_code = intaglio_ERROR_LINK_LOST;
-    queue.Take(word, now);
+  static void Report(JobQueue& queue, const std::string& name, const TaskId& task,
+                     intaglio_TaskState state, Nanoseconds now) {
+    TaskView report;
+    report.task = task;
+    report.worker = name;
+    report.state = state;
+    report.done_count = report.total_count = 10;
+    if (state == intaglio_TASK_FAILED) report.error_code = intaglio_ERROR_LINK_LOST;
+    queue.Take(report, now);
   }
 
   std::mt19937 random_;
@@ -288,11 +290,11 @@ TEST(PartsAheadAtRandom, EveryPartIsMadeAndNoNumberGivenTwice) {
             WorkerView{other, sorts ? intaglio_ROLE_SORTER : intaglio_ROLE_SYNCHRONIZER,
                        intaglio_HEALTH_BUSY, sorts ? "" : "c", ""},
             now);
-        TaskView word;
-        word.task = {"j1", job.attempt, 0, 0};
-        word.stage = sorts ? intaglio_STAGE_SORT : intaglio_STAGE_ENGRAVE;
-        word.worker = other;
-        queue.Take(word, now);
+        TaskView report;
+        report.task = {"j1", job.attempt, 0, 0};
+        report.stage = sorts ? intaglio_STAGE_SORT : intaglio_STAGE_ENGRAVE;
+        report.worker = other;
+        queue.Take(report, now);
       }
       queue.Turn(now);
     }

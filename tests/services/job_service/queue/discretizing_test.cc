@@ -23,10 +23,10 @@ class JobPartsTest : public JobQueueTest {
     actions_.Orders();
   }
   void Fail(std::uint32_t part, intaglio_ErrorCode code, const std::string& text) {
-    TaskView word = PartWord(part, intaglio_TASK_FAILED, 0, 0);
-    word.error_code = code;
-    word.message = text;
-    Say(word);
+    TaskView report = PartReport(part, intaglio_TASK_FAILED, 0, 0);
+    report.error_code = code;
+    report.message = text;
+    Report(report);
   }
   const StageRecord& stage() { return job().stage(intaglio_STAGE_DISCRETIZE); }
 };
@@ -114,12 +114,12 @@ TEST_F(JobPartsTest, EitherMayBeLostAtAnyTime) {
       const auto finish_one = [&] {
         for (std::uint32_t i = 0; i < job.parts.size(); ++i) {
           if (job.parts[i].worker.empty() || job.parts[i].done) continue;
-          TaskView word;
-          word.task = job.TaskOf(intaglio_STAGE_DISCRETIZE, i);
-          word.worker = job.parts[i].worker;
-          word.state = intaglio_TASK_DONE;
-          word.done_count = word.total_count = 10;
-          queue.Take(word, now_);
+          TaskView report;
+          report.task = job.TaskOf(intaglio_STAGE_DISCRETIZE, i);
+          report.worker = job.parts[i].worker;
+          report.state = intaglio_TASK_DONE;
+          report.done_count = report.total_count = 10;
+          queue.Take(report, now_);
           queue.Turn(now_);
           ++done;
           return true;
@@ -224,7 +224,8 @@ TEST_F(JobPartsTest, AFailureForWantOfTheSorterIsTriedAgainAfterItsLease) {
 
 TEST_F(JobPartsTest, ASilentDiscretizerLosesItsPartAndIsUsedAgainWhenItHasDroppedIt) {
   BeginWithTwo();
-  for (const std::uint32_t part : {0u, 1u}) Say(PartWord(part, intaglio_TASK_ACCEPTED));
+  for (const std::uint32_t part : {0u, 1u})
+    Report(PartReport(part, intaglio_TASK_ACCEPTED));
   for (const auto s : {intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
     Task(s, intaglio_TASK_ACCEPTED);
   }
@@ -236,13 +237,13 @@ TEST_F(JobPartsTest, ASilentDiscretizerLosesItsPartAndIsUsedAgainWhenItHasDroppe
                                                    {"y", intaglio_ROLE_SYNCHRONIZER}}) {
     Ready(name, role, intaglio_HEALTH_BUSY);
   }
-  const TaskView late = PartWord(0, intaglio_TASK_DONE);
+  const TaskView late = PartReport(0, intaglio_TASK_DONE);
   queue_.Turn(now_);
   EXPECT_THAT(actions_.Orders(),
               ElementsAre("revoke d j1 1 2.0/16", "revoke d j1 1 0.0/16"));
   EXPECT_EQ(job().message, "part 1 of 16 begins again: d does not answer");
-  // It was done all the same: nobody hears it, but it is free again.
-  Say(late);
+  // It was done all the same: it is ignored, but it is free again.
+  Report(late);
   EXPECT_FALSE(job().parts.at(0).done);
   Ready("d", intaglio_ROLE_DISCRETIZER);
   queue_.Turn(now_);
@@ -252,12 +253,12 @@ TEST_F(JobPartsTest, ASilentDiscretizerLosesItsPartAndIsUsedAgainWhenItHasDroppe
 TEST_F(JobPartsTest, ProgressAddsUp) {
   BeginWithTwo();
   now_ += 3s;
-  Say(PartWord(0, intaglio_TASK_RUNNING, 7, 14));
-  Say(PartWord(1, intaglio_TASK_RUNNING, 1, 4));
+  Report(PartReport(0, intaglio_TASK_RUNNING, 7, 14));
+  Report(PartReport(1, intaglio_TASK_RUNNING, 1, 4));
   EXPECT_EQ(stage().done_count, 750u);
   EXPECT_EQ(stage().total_count, 16000u);
   EXPECT_EQ(stage().elapsed_s, 3.0);
-  Say(PartWord(0, intaglio_TASK_DONE, 123, 123));
+  Report(PartReport(0, intaglio_TASK_DONE, 123, 123));
   EXPECT_EQ(stage().done_count, 1250u);
   Lose("d2");
   EXPECT_EQ(stage().done_count, 1000u);

@@ -9,7 +9,7 @@ using testing::HasSubstr;
 
 class JobGrantTest : public JobQueueTest {};
 
-// What the synchronizer tells a new arm by.
+// By this the synchronizer recognises a new arm.
 TEST_F(JobGrantTest, EveryArmIsAGreaterGrantAndNothingElseIs) {
   ReadyAll();
   Add(1);
@@ -26,7 +26,8 @@ TEST_F(JobGrantTest, EveryArmIsAGreaterGrantAndNothingElseIs) {
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   const std::uint64_t second = grant();
   EXPECT_GT(second, first);
-  // Resumed before the word of another fault was here: a person has said it all the same.
+  // Resumed before the report of another fault was here: a person has asked for it all
+  // the same.
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   EXPECT_TRUE(Granted());
   EXPECT_GT(grant(), second);
@@ -70,7 +71,7 @@ TEST_F(JobGrantTest, AnEmergencyStopDisarmsItsCellAndKeepsItSo) {
   EXPECT_TRUE(Granted());
 }
 
-TEST_F(JobGrantTest, TheWordToFireUncertainPointsIsOfItsOwnGrantAlone) {
+TEST_F(JobGrantTest, FiringUncertainPointsIsAllowedByItsOwnGrantAlone) {
   ReadyAll();
   Add(1);
   LoadPath();
@@ -81,37 +82,37 @@ TEST_F(JobGrantTest, TheWordToFireUncertainPointsIsOfItsOwnGrantAlone) {
        "look");
   EXPECT_TRUE(ResumeFiringUncertain().taken());
   now_ += 1s;
-  const PermissionView said = permission();
-  EXPECT_TRUE(said.granted);
-  EXPECT_TRUE(said.fire_uncertain);
+  const PermissionView asked = permission();
+  EXPECT_TRUE(asked.granted);
+  EXPECT_TRUE(asked.fire_uncertain);
   EXPECT_THAT(job().message, HasSubstr("uncertain points are fired"));
   // Gone on with by itself, it is the same grant.
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_LINE_LOST,
        "the line");
   now_ += 5s;
-  EXPECT_EQ(permission().grant, said.grant);
+  EXPECT_EQ(permission().grant, asked.grant);
   EXPECT_TRUE(permission().fire_uncertain);
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
-  EXPECT_GT(permission().grant, said.grant);
+  EXPECT_GT(permission().grant, asked.grant);
   EXPECT_FALSE(permission().fire_uncertain);
 }
 
 // Every command is another grant, whatever becomes of it.
-TEST_F(JobGrantTest, TheNextCommandTakesTheWordBack) {
+TEST_F(JobGrantTest, TheNextCommandTakesThatBack) {
   ReadyAll();
   Add(1);
   LoadPath();
   Engrave();
-  const auto says = [this] { return queue_.Permissions(now_).at(0).fire_uncertain; };
+  const auto allows = [this] { return queue_.Permissions(now_).at(0).fire_uncertain; };
   EXPECT_TRUE(ResumeFiringUncertain().taken());
-  EXPECT_TRUE(says());
+  EXPECT_TRUE(allows());
   EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
-  EXPECT_FALSE(says());
+  EXPECT_FALSE(allows());
   EXPECT_TRUE(ResumeFiringUncertain().taken());
   queue_.SetStop("c", true, now_);
-  EXPECT_FALSE(says());
+  EXPECT_FALSE(allows());
   EXPECT_FALSE(ResumeFiringUncertain().taken()) << "the stop is pressed";
-  EXPECT_FALSE(says());
+  EXPECT_FALSE(allows());
 }
 
 }  // namespace

@@ -126,9 +126,9 @@ TEST_F(JobMemoryTest, AWorkerThatCameBackIsNotForgotten) {
   EXPECT_THAT(actions_.forgotten, testing::Not(testing::Contains("slow")));
 }
 
-// The synchronizer of a cancelled job may speak up when the queue has forgotten the job:
+// The synchronizer of a cancelled job may report when the queue has forgotten the job:
 // then it is free again, and nothing else follows.
-TEST_F(JobMemoryTest, ALateWordOnAForgottenJobFreesItsWorker) {
+TEST_F(JobMemoryTest, ALateReportOnAForgottenJobFreesItsWorker) {
   ReadyAll();
   Add(1);
   LoadPath();

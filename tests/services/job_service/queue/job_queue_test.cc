@@ -137,8 +137,8 @@ TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
               ElementsAre("stop j1", "revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_THAT(job().message, HasSubstr("attempt 1 broke: s was lost; waits for"));
-  // The discretizer says that it has dropped the old attempt; the synchronizer never got
-  // it.
+  // The discretizer reports that it has dropped the old attempt; the synchronizer never
+  // got it.
   TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
   dropped.stage = intaglio_STAGE_DISCRETIZE;
   dropped.worker = "d";
@@ -179,7 +179,7 @@ TEST_F(JobQueueTest, AWorkerThatSeemedLostIsRidOfItsTaskAndUsedAgain) {
   EXPECT_EQ(job().stage(intaglio_STAGE_ENGRAVE).worker, "y");
 }
 
-TEST_F(JobQueueTest, OldAttemptsAreNotHeard) {
+TEST_F(JobQueueTest, OldAttemptsAreIgnored) {
   ReadyAll();
   Ready("y2", intaglio_ROLE_SYNCHRONIZER);
   Add(1);
@@ -309,23 +309,25 @@ TEST_F(JobQueueTest, TakesASpeedWithinItsRangeAndTellsTheCell) {
   ReadyAll();
   Add(1);
   LoadPath();
-  const auto told = [this] { return queue_.Permissions(now_).at(0).speed_percent; };
+  const auto speed_percent = [this] {
+    return queue_.Permissions(now_).at(0).speed_percent;
+  };
   const auto speed = [this](std::uint32_t percent) {
     CommandView command = Order(intaglio_COMMAND_SPEED);
     command.speed_percent = percent;
     return Send(command);
   };
-  EXPECT_EQ(told(), 100u);
+  EXPECT_EQ(speed_percent(), 100u);
   EXPECT_TRUE(speed(30).taken());
-  EXPECT_EQ(told(), 30u);
+  EXPECT_EQ(speed_percent(), 30u);
   EXPECT_EQ(job().speed_percent, 30u);
   EXPECT_EQ(speed(9).code, intaglio_ANSWER_OUT_OF_RANGE);
   EXPECT_THAT(speed(101).message, HasSubstr("101 of job 1 is outside 10..100"));
-  EXPECT_EQ(told(), 30u);
+  EXPECT_EQ(speed_percent(), 30u);
   EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
-  EXPECT_EQ(told(), 30u);
+  EXPECT_EQ(speed_percent(), 30u);
   EXPECT_TRUE(speed(10).taken());
-  EXPECT_EQ(told(), 10u);
+  EXPECT_EQ(speed_percent(), 10u);
 }
 
 TEST_F(JobQueueTest, PauseAndResume) {
@@ -337,7 +339,7 @@ TEST_F(JobQueueTest, PauseAndResume) {
   EXPECT_FALSE(Granted());
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
   EXPECT_EQ(job().message, "paused by ann@shop; resume it to go on");
-  // The synchronizer hears of it later: its last words change nothing.
+  // The synchronizer receives it later: its last reports change nothing.
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 12, 100);
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_NOT_ARMED,

@@ -99,9 +99,9 @@ class JobQueueTest : public testing::Test {
     queue_.Take(task, now_);
     queue_.Turn(now_);
   }
-  /// A word about a part from whoever has it.
-  TaskView PartWord(std::uint32_t part, intaglio_TaskState state,
-                    std::uint64_t done = 100, std::uint64_t total = 100) {
+  /// A report about a part from whoever has it.
+  TaskView PartReport(std::uint32_t part, intaglio_TaskState state,
+                      std::uint64_t done = 100, std::uint64_t total = 100) {
     TaskView task;
     task.task = job().TaskOf(intaglio_STAGE_DISCRETIZE, part);
     task.worker = job().parts.at(part).worker;
@@ -110,11 +110,11 @@ class JobQueueTest : public testing::Test {
     task.total_count = total;
     return task;
   }
-  void Say(const TaskView& word) {
-    queue_.Take(word, now_);
+  void Report(const TaskView& report) {
+    queue_.Take(report, now_);
     queue_.Turn(now_);
   }
-  void Done(std::uint32_t part) { Say(PartWord(part, intaglio_TASK_DONE)); }
+  void Done(std::uint32_t part) { Report(PartReport(part, intaglio_TASK_DONE)); }
   /// Every part by whoever gets it; nothing when nobody has one.
   void DiscretizeAll() {
     for (std::uint32_t part = 0; part < job().parts.size(); ++part) {

@@ -142,7 +142,7 @@ TEST_F(TakeUpTest, ItsBlockKeepsTheMachine) {
   EXPECT_EQ(job().state, intaglio_JOB_CANCELLED);
 }
 
-// It only seemed lost: it is told to let go, and may take it up itself.
+// It only seemed lost: its task is revoked, and it may take it up itself.
 TEST_F(TakeUpTest, AFrozenSynchronizerLetsGoBeforeItTakesItUpAgain) {
   EngraveAndLose();
   EXPECT_THAT(actions_.Orders(), Contains("revoke y j1 1"));
@@ -223,7 +223,7 @@ TEST_F(TakeUpTest, AJournalOfAnotherPathFailsTheJob) {
   EXPECT_EQ(job().message, "take the block out");
 }
 
-// A withdrawal stands for long enough to be seen, and then the arm stands again.
+// A withdrawal lasts long enough to be seen, and then the job is armed again.
 TEST_F(TakeUpTest, ALostLineIsResumedByItself) {
   ReadyAll();
   Add(1);

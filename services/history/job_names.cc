@@ -1,8 +1,8 @@
-#include "services/history/job_words.h"
+#include "services/history/job_names.h"
 
 namespace intaglio::history {
 
-const char* StateWord(intaglio_JobState state) {
+const char* StateName(intaglio_JobState state) {
   switch (state) {
     case intaglio_JOB_QUEUED:
       return "queued";
