@@ -90,7 +90,7 @@ Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extensio
 }
 
 bool IsGcode(const std::filesystem::path& file) {
-  const Kind* kind = KindOf(LowerCaseExtension(file.extension().string()));
+  const Kind* kind = KindOf(io::LowerCaseExtension(file.extension().string()));
   return kind != nullptr && kind->write == WriteDefaultGcode;
 }
 
