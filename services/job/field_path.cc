@@ -150,6 +150,15 @@ bool Put(pb::Message& message, const Field& field, std::string_view text) {
   }
 }
 
+bool HoldsNumbersOnly(const pb::Descriptor& type) {
+  for (int i = 0; i < type.field_count(); ++i) {
+    if (type.field(i)->type() != Field::TYPE_DOUBLE || type.field(i)->is_repeated()) {
+      return false;
+    }
+  }
+  return true;
+}
+
 std::string Expected(const Field& field) {
   switch (field.cpp_type()) {
     case Field::CPPTYPE_DOUBLE:
@@ -170,6 +179,10 @@ std::string Expected(const Field& field) {
     }
     case Field::CPPTYPE_MESSAGE:
       if (field.message_type() == Vector3::descriptor()) return "three numbers";
+      if (field.is_repeated() && HoldsNumbersOnly(*field.message_type())) {
+        return fmt::format("numbers, {} for each place",
+                           FieldNames(*field.message_type()));
+      }
       if (field.is_repeated()) return "an index, as " + field.name() + "[0]";
       return fmt::format("true, or one of its fields by its path: {}",
                          FieldNames(*field.message_type()));
@@ -195,12 +208,29 @@ bool PutList(pb::Message& message, const Field& field, std::string_view text) {
                      [&](std::string_view word) { return Put(message, field, word); });
 }
 
+/// A list of groups of numbers, such as the places of a curve: one group after another.
+bool PutGroups(pb::Message& message, const Field& field, std::string_view text) {
+  const pb::Descriptor& type = *field.message_type();
+  if (!HoldsNumbersOnly(type)) return false;
+  const auto words = Words(text);
+  const auto fields_count = static_cast<std::size_t>(type.field_count());
+  if (words.size() % fields_count != 0) return false;
+  message.GetReflection()->ClearField(&message, &field);
+  pb::Message* group = nullptr;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto at = static_cast<int>(i % fields_count);
+    if (at == 0) group = message.GetReflection()->AddMessage(&message, &field);
+    if (!Put(*group, *type.field(at), words[i])) return false;
+  }
+  return true;
+}
+
 bool PutAny(pb::Message& message, const Field& field, std::string_view text) {
   if (field.cpp_type() != Field::CPPTYPE_MESSAGE) {
     return field.is_repeated() ? PutList(message, field, text)
                                : Put(message, field, text);
   }
-  if (field.is_repeated()) return false;
+  if (field.is_repeated()) return PutGroups(message, field, text);
   pb::Message& child = *message.GetReflection()->MutableMessage(&message, &field);
   if (field.message_type() == Vector3::descriptor()) return PutVector(child, text);
   return text == "true";

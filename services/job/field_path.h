@@ -6,8 +6,10 @@
 // A path is names and indices: models[0].placement.move_mm.x. An index has to be there.
 // Values: numbers; true and false; texts as they are; names of an enumeration, whole or
 // without what all of them begin with, in any case ("x" for AXIS_X); of a Vector3 three
-// numbers; of a list all its numbers. Blanks, commas or semicolons separate them. A group
-// of fields takes "true", which chooses it (ordering.kdz). Ranges are not looked at.
+// numbers; of a list all its numbers, of one of places all numbers of the first, then of
+// the second, and so on (halftone.curve: "0 0.2 1 0.8"). Blanks, commas or semicolons
+// separate them. A group of fields takes "true", which chooses it (ordering.kdz). Ranges
+// are not looked at.
 
 #include <google/protobuf/message.h>
 

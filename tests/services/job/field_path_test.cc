@@ -57,6 +57,10 @@ TEST_F(FieldPath, SetsEveryKindOfField) {
   EXPECT_EQ(job_.priority(), -7);
   EXPECT_EQ(job_.seed(), 18446744073709551615u);
   EXPECT_TRUE(job_.ordering().has_kdz());
+  Sets("models[0].halftone.curve", "0 0.25, 1 0.75");
+  ASSERT_EQ(job_.models(0).halftone().curve_size(), 2);
+  EXPECT_EQ(job_.models(0).halftone().curve(0).to(), 0.25);
+  EXPECT_EQ(job_.models(0).halftone().curve(1).from(), 1);
   Sets("laser.channels", "2");
   EXPECT_THAT(job_.laser().channels(), ElementsAre(2)) << "in its place, not behind it";
 }
@@ -85,6 +89,7 @@ TEST_F(FieldPath, WhatDoesNotFitIsNamedWithWhatDoes) {
   EXPECT_THAT(Refuses("glass.name", "K8"), HasSubstr("no fields"));
   EXPECT_THAT(Refuses("motion.profile", "fast"), HasSubstr("MOTION_PROFILE_LQ"));
   EXPECT_THAT(Refuses("laser.channels", "1 x"), HasSubstr("whole numbers"));
+  EXPECT_THAT(Refuses("models[0].halftone.curve", "0 1 2"), HasSubstr("from, to"));
   EXPECT_THAT(Refuses("priority", "1.5"), HasSubstr("whole number"));
   EXPECT_THAT(Refuses("ordering.kdz", "yes"), HasSubstr("up_ratio"));
   for (const char* broken : {"", ".", "block.", ".block", "models[", "models[-1].file",
