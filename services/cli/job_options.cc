@@ -11,7 +11,6 @@
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
-#include "services/job/model_kind.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/options.h"
 #include "services/mesh_reader/program_limits.h"
@@ -32,58 +31,6 @@ void Set(Vector3* to, const std::vector<double>& from) {
   to->set_x(from[0]);
   to->set_y(from[1]);
   to->set_z(from[2]);
-}
-
-/// The method of the meshes, by its name.
-Status ChooseMethod(const std::string& method, Discretization& d) {
-  const auto* field = Discretization::descriptor()->FindFieldByName(method);
-  if (field == nullptr || field->real_containing_oneof() == nullptr) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("--method '{}': there are sections, fill, rays, even and "
-                            "solid",
-                            method),
-                method);
-  }
-  d.GetReflection()->MutableMessage(&d, field);
-  return {};
-}
-
-/// --vertex: along a contour, a row, a grid or all over.
-void SetDistance(double distance_mm, JobSpec& job) {
-  Discretization& d = *job.mutable_discretization();
-  if (d.has_sections()) d.mutable_sections()->set_vertex_distance_mm(distance_mm);
-  if (d.has_fill()) d.mutable_fill()->set_vertex_distance_mm(distance_mm);
-  if (d.has_rays()) d.mutable_rays()->set_distance_mm(distance_mm);
-  if (d.has_even()) d.mutable_even()->set_distance_mm(distance_mm);
-  if (d.has_solid()) d.mutable_solid()->set_distance_mm(distance_mm);
-  for (Model& model : *job.mutable_models()) {
-    const auto kind = KindOf(model);
-    if (model.has_relief()) {
-      model.mutable_relief()->set_distance_mm(distance_mm);
-    } else if (kind == ModelKind::kImage) {
-      model.mutable_halftone()->set_distance_mm(distance_mm);
-    } else if (kind == ModelKind::kDrawing || kind == ModelKind::kText) {
-      model.mutable_curves()->set_distance_mm(distance_mm);
-    }
-  }
-}
-
-Status SetMethod(const JobFlags& flags, JobSpec& job) {
-  Discretization& d = *job.mutable_discretization();
-  if (flags.method) {
-    if (auto chosen = ChooseMethod(*flags.method, d); !chosen) return chosen;
-  }
-  if (d.method_case() == Discretization::METHOD_NOT_SET) d.mutable_sections();
-  if (flags.layer_mm && !d.has_sections()) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("--layer is a distance of the method sections, the method is "
-                            "{}: leave one of them out",
-                            flags.method.value_or("another")));
-  }
-  if (flags.spacing_mm) d.set_min_spacing_mm(*flags.spacing_mm);
-  if (flags.layer_mm) d.mutable_sections()->set_layer_distance_mm(*flags.layer_mm);
-  if (flags.vertex_mm) SetDistance(*flags.vertex_mm, job);
-  return {};
 }
 
 std::string ProfileNames() {
@@ -178,7 +125,10 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
     job.mutable_motion()->set_max_acceleration_mm_s2(*flags.acceleration_mm_s2);
   }
   if (flags.focal_mm) job.mutable_lens()->set_focal_length_mm(*flags.focal_mm);
-  if (auto set = SetMethod(flags, job); !set) return set;
+  if (flags.spacing_mm) {
+    job.mutable_discretization()->set_min_spacing_mm(*flags.spacing_mm);
+  }
+  if (auto set = SetMethods(flags.methods, job); !set) return set;
   return SetOrderAndProfile(flags, job);
 }
 
@@ -301,11 +251,7 @@ void AddJobFlags(command_line::Command command, JobFlags& flags) {
                   "drop points outside the block instead of failing");
   command.AddOption("--glass", flags.glass,
                     "glass (intaglio materials list), default N-BK7");
-  command.AddOption("--method", flags.method,
-                    "of meshes: sections (default), fill, rays, even or solid");
-  command.AddOption("--layer", flags.layer_mm, "sections: distance of the layers, mm");
-  command.AddOption("--vertex", flags.vertex_mm,
-                    "distance of points along a contour, row or grid, mm");
+  AddMethodFlags(command, flags.methods);
   command.AddOption("--spacing", flags.spacing_mm,
                     "no two points are nearer than this, mm");
   command.AddOption("--order", flags.order,

@@ -12,6 +12,7 @@
 #include "engrave/core/result.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
+#include "services/cli/flags/method_flags.h"
 #include "services/platform/command_line/program.h"
 
 namespace intaglio::cli {
@@ -24,8 +25,8 @@ struct JobFlags {
   std::vector<double> block_mm;    // none or three
   std::optional<double> margin_mm;
   std::optional<std::string> glass;
-  std::optional<std::string> method;  // of the meshes, a field of Discretization
-  std::optional<double> layer_mm, vertex_mm, spacing_mm;
+  MethodFlags methods;
+  std::optional<double> spacing_mm;
   std::optional<std::string> order;  // of Ordering, - for _
   std::optional<double> order_tries, order_time_s;
   std::optional<std::string> profile;  // of MotionProfile, - for _

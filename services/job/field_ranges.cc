@@ -7,12 +7,14 @@
 #include <cmath>
 
 #include "proto/job.pb.h"
+#include "services/job/methods/method_table.h"
 
 namespace intaglio {
 namespace {
 
 namespace pb = google::protobuf;
 
+/// Of all but the methods.
 constexpr std::array kRanges = {
     FieldRange{"Placement", "unit_mm", 0.000001, 1000000},
     FieldRange{"Placement", "scale_ratio", 0.000001, 1000000},
@@ -27,46 +29,12 @@ constexpr std::array kRanges = {
     FieldRange{"ChannelBlock", "size_mm", 1, 1000},
     FieldRange{"Lens", "focal_length_mm", 1, 1000},
     FieldRange{"Lens", "numerical_aperture", 0.01, 0.9},
-    FieldRange{"SectionsMethod", "layer_distance_mm", 0.01, 100},
-    FieldRange{"SectionsMethod", "vertex_distance_mm", 0.01, 100},
-    FieldRange{"SectionsMethod", "first_last_distance_ratio", 0, 1},
-    FieldRange{"SectionsMethod", "twist_phase_ratio", 0, 1},
-    FieldRange{"SectionsMethod", "rotate_deg", -180, 180},
-    FieldRange{"FillMethod", "vertex_distance_mm", 0.01, 100},
-    FieldRange{"RaysMethod", "distance_mm", 0.01, 100},
-    FieldRange{"RaysMethod", "rotate_deg", -180, 180},
     FieldRange{"Copies", "count_x", 1, 1000},
     FieldRange{"Copies", "count_y", 1, 1000},
     FieldRange{"Copies", "count_z", 1, 1000},
     FieldRange{"Copies", "step_mm", 0, 1000},
     FieldRange{"Text", "height_mm", 0.1, 500},
     FieldRange{"Text", "line_ratio", 0.5, 5},
-    FieldRange{"EvenMethod", "distance_mm", 0.01, 100},
-    FieldRange{"EvenMethod", "shell_depths_mm", 0, 500},
-    FieldRange{"EvenMethod", "curvature_radius_mm", 0.01, 1000},
-    FieldRange{"EvenMethod", "light", -1000, 1000},
-    FieldRange{"EvenMethod", "sparse_distance_mm", 0.01, 100},
-    FieldRange{"SolidMethod", "distance_mm", 0.01, 100},
-    FieldRange{"CurvesMethod", "distance_mm", 0.01, 100},
-    FieldRange{"CurvesMethod", "layer_count", 1, 10},
-    FieldRange{"CurvesMethod", "layer_distance_mm", 0, 50},
-    FieldRange{"CurvesMethod", "twist_phase_ratio", 0, 1},
-    FieldRange{"HalftoneMethod", "distance_mm", 0.01, 100},
-    FieldRange{"HalftoneMethod", "threshold_ratio", 0, 1},
-    FieldRange{"HalftoneMethod", "brightness", -1, 1},
-    FieldRange{"HalftoneMethod", "contrast_ratio", 0, 10},
-    FieldRange{"HalftoneMethod", "gamma", 0.1, 10},
-    FieldRange{"HalftoneMethod", "layer_count", 1, 10},
-    FieldRange{"HalftoneMethod", "layer_distance_mm", 0.01, 50},
-    FieldRange{"HalftoneMethod", "point_count", 1, 20000000},
-    FieldRange{"ReliefMethod", "depth_mm", 0.1, 500},
-    FieldRange{"ReliefMethod", "distance_mm", 0.01, 100},
-    FieldRange{"ReliefMethod", "gamma", 0.1, 10},
-    FieldRange{"ReliefMethod", "brightness", -1, 1},
-    FieldRange{"ReliefMethod", "contrast_ratio", 0, 10},
-    FieldRange{"ReliefMethod", "layer_count", 1, 10},
-    FieldRange{"ReliefMethod", "layer_distance_mm", 0.01, 50},
-    FieldRange{"ReliefMethod", "smoothing_mm", 0, 10},
     FieldRange{"TonePoint", "from", 0, 1},
     FieldRange{"TonePoint", "to", 0, 1},
     FieldRange{"Discretization", "min_spacing_mm", 0.02, 10},
@@ -119,6 +87,18 @@ constexpr std::array kRanges = {
     FieldRange{"MachineSpec", "max_speed_norm_mm_s", 0.1, 10000},
     FieldRange{"MachineSpec", "max_acceleration_norm_mm_s2", 1, 200000},
 };
+
+std::vector<FieldRange> WithMethods() {
+  std::vector<FieldRange> all(kRanges.begin(), kRanges.end());
+  for (const Method& method : Methods()) {
+    for (const MethodField& field : method.fields) {
+      if (!field.range) continue;
+      all.push_back(
+          {method.message().name(), field.name, field.range->min, field.range->max});
+    }
+  }
+  return all;
+}
 
 void CheckNumber(double value, const FieldRange& range, const std::string& path,
                  std::vector<Error>& errors) {
@@ -176,13 +156,17 @@ void CheckElement(const pb::Message& message, const pb::FieldDescriptor& field, 
 
 }  // namespace
 
-std::span<const FieldRange> FieldRanges() { return kRanges; }
+std::span<const FieldRange> FieldRanges() {
+  static const std::vector<FieldRange> kAll = WithMethods();
+  return kAll;
+}
 
 const FieldRange* FindRange(std::string_view message, std::string_view field) {
-  const auto found = std::find_if(
-      kRanges.begin(), kRanges.end(),
-      [&](const FieldRange& r) { return r.message == message && r.field == field; });
-  return found == kRanges.end() ? nullptr : &*found;
+  const auto all = FieldRanges();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const FieldRange& r) {
+    return r.message == message && r.field == field;
+  });
+  return found == all.end() ? nullptr : &*found;
 }
 
 std::string JoinPath(std::string_view path, std::string_view field) {

@@ -1,7 +1,8 @@
 #pragma once
 
-// The one table of allowed ranges of numbers in job.proto and machine.proto. The
-// comments there say the same; tests/services/job compares them.
+// The allowed ranges of numbers in job.proto and machine.proto: those of the methods come
+// from their table (methods/method_table.h), all others are listed here. The comments in
+// the schemas say the same; tests/services/job compares them.
 
 #include <google/protobuf/message.h>
 

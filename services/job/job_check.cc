@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <google/protobuf/descriptor.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
 #include "services/job/machine/reach_check.h"
+#include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 
 namespace intaglio {
@@ -107,34 +109,21 @@ void CheckRoom(const JobSpec& job, Findings& findings) {
   }
 }
 
-// The number of a picture's points is its brightness: none may be lost to the weld.
-template <typename Method>
-void CheckTone(const std::string& path, const Method& method, double spacing_mm,
-               Findings& findings) {
-  if (method.distance_mm() < spacing_mm) {
-    findings.Wrong(path + "distance_mm", method.distance_mm(),
-                   "is less than the minimum spacing, {}: points would be left out, and "
-                   "the tone would be wrong",
-                   spacing_mm);
-  }
-  for (int i = 1; i < method.curve_size(); ++i) {
-    const double before = method.curve(i - 1).from(), from = method.curve(i).from();
-    if (from > before) continue;
-    findings.Wrong(fmt::format("{}curve[{}].from", path, i), from,
-                   "does not rise above the place before it, {}", before);
+void CheckMethods(const JobSpec& job, Findings& findings) {
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Method* method = MethodOf(job.models(i));
+    if (method == nullptr || method->faults == nullptr) continue;
+    for (const MethodFault& fault : method->faults(job, job.models(i))) {
+      findings.Wrong(fmt::format("models[{}].{}.{}", i, method->name(), fault.field),
+                     fault.value, "{}", fault.what);
+    }
   }
 }
 
-void CheckTones(const JobSpec& job, Findings& findings) {
-  const double spacing_mm = job.discretization().min_spacing_mm();
-  for (int i = 0; i < job.models_size(); ++i) {
-    const Model& model = job.models(i);
-    const std::string path = fmt::format("models[{}].", i);
-    if (model.has_halftone())
-      CheckTone(path + "halftone.", model.halftone(), spacing_mm, findings);
-    if (model.has_relief())
-      CheckTone(path + "relief.", model.relief(), spacing_mm, findings);
-  }
+double LayerDistanceOf(const Method& method, const Model& model) {
+  const auto& message = MessageOf(method, model);
+  const auto* field = method.message().FindFieldByName(std::string(method.layer_field));
+  return message.GetReflection()->GetDouble(message, field);
 }
 
 // Sort by layers, Trochimczuk 2008 annex E: not thinner than the layers of the sections.
@@ -142,10 +131,12 @@ void CheckLayers(const JobSpec& job, Findings& findings) {
   if (!job.ordering().has_layers()) return;
   const double thickness_mm = job.ordering().layers().layer_thickness_mm();
   for (const Model& model : job.models()) {
-    const double distance_mm = model.sections().layer_distance_mm();
+    const Method* method = MethodOf(model);
+    if (method == nullptr || method->layer_field.empty()) continue;
+    const double distance_mm = LayerDistanceOf(*method, model);
     if (thickness_mm >= distance_mm) continue;
     return findings.Wrong("ordering.layers.layer_thickness_mm", thickness_mm,
-                          "is less than the layer distance of the sections, {}",
+                          "is less than the layer distance of the {}, {}", method->name(),
                           distance_mm);
   }
 }
@@ -323,7 +314,7 @@ std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& mach
   }
   CheckLens(whole.lens(), machine, findings);
   CheckLayers(whole, findings);
-  CheckTones(whole, findings);
+  CheckMethods(whole, findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaser(whole.laser(), machine, findings);
   CheckChannels(whole, findings);

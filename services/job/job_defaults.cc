@@ -6,15 +6,13 @@
 #include <string>
 
 #include "services/job/machine/machine_axes.h"
+#include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 
 namespace intaglio {
 namespace {
 
 constexpr double kDefaultMarginMm = 3;  // the source's objects are 3-5 mm smaller
-constexpr double kDefaultFirstLastRatio = 0.1;
-constexpr double kDefaultSparseRatio = 3;
-constexpr double kDefaultReliefMm = 10;
 constexpr double kDefaultTextMm = 5;
 constexpr double kDefaultStageLagS = 0.0002;
 constexpr std::uint32_t kDefaultMaxMissedInARow = 5;
@@ -54,136 +52,31 @@ void FillPlacement(Placement& placement) {
   if (!placement.has_centre_in_block()) placement.set_centre_in_block(true);
 }
 
-void Fill(SectionsMethod& sections, double spacing_mm) {
-  if (!sections.has_layer_distance_mm()) sections.set_layer_distance_mm(spacing_mm);
-  if (!sections.has_vertex_distance_mm()) sections.set_vertex_distance_mm(spacing_mm);
-  if (!sections.has_first_last_distance_ratio()) {
-    sections.set_first_last_distance_ratio(kDefaultFirstLastRatio);
-  }
-  if (!sections.has_twist_phase_ratio()) sections.set_twist_phase_ratio(0);
-  if (!sections.has_insert_end_points()) sections.set_insert_end_points(true);
-  if (!sections.has_rotate_deg()) *sections.mutable_rotate_deg() = MakeVector(0, 0, 0);
-}
-
-void Fill(FillMethod& fill, double spacing_mm) {
-  if (!fill.has_vertex_distance_mm()) fill.set_vertex_distance_mm(spacing_mm);
-  if (!fill.has_full_fill()) fill.set_full_fill(true);
-}
-
-void Fill(RaysMethod& rays, double spacing_mm) {
-  if (!rays.has_distance_mm()) rays.set_distance_mm(spacing_mm);
-  if (!rays.has_rotate_deg()) *rays.mutable_rotate_deg() = MakeVector(0, 0, 0);
-}
-
-void Fill(EvenMethod& even, double spacing_mm) {
-  if (!even.has_distance_mm()) even.set_distance_mm(spacing_mm);
-  if (even.shell_depths_mm().empty()) even.add_shell_depths_mm(0);
-  if (!even.has_sparse_distance_mm()) {
-    even.set_sparse_distance_mm(kDefaultSparseRatio * even.distance_mm());
-  }
-}
-
-void Fill(SolidMethod& solid, double spacing_mm) {
-  if (!solid.has_distance_mm()) solid.set_distance_mm(spacing_mm);
-}
-
-void Fill(CurvesMethod& curves, double spacing_mm) {
-  if (!curves.has_distance_mm()) curves.set_distance_mm(spacing_mm);
-  if (!curves.has_layer_count()) curves.set_layer_count(1);
-  if (!curves.has_layer_distance_mm()) curves.set_layer_distance_mm(spacing_mm);
-  if (!curves.has_twist_phase_ratio()) curves.set_twist_phase_ratio(0);
-  if (!curves.has_insert_end_points()) curves.set_insert_end_points(true);
-}
-
-/// What both methods of pictures have.
-template <typename Method>
-void FillPicture(Method& method, double spacing_mm) {
-  if (!method.has_distance_mm()) method.set_distance_mm(spacing_mm);
-  if (!method.has_brightness()) method.set_brightness(0);
-  if (!method.has_contrast_ratio()) method.set_contrast_ratio(1);
-  if (!method.has_gamma()) method.set_gamma(1);
-  if (!method.has_layer_count()) method.set_layer_count(1);
-  if (!method.has_layer_distance_mm())
-    method.set_layer_distance_mm(2 * method.distance_mm());
-}
-
-void Fill(HalftoneMethod& halftone, double spacing_mm) {
-  FillPicture(halftone, spacing_mm);
-  if (!halftone.has_threshold_ratio()) halftone.set_threshold_ratio(0.5);
-}
-
-void Fill(ReliefMethod& relief, double spacing_mm) {
-  FillPicture(relief, spacing_mm);
-  if (!relief.has_depth_mm()) relief.set_depth_mm(kDefaultReliefMm);
-  if (!relief.has_smoothing_mm()) relief.set_smoothing_mm(0);
+/// The method of a Model or a Discretization; nothing when it has none.
+void FillChosen(google::protobuf::Message& holder, double spacing_mm) {
+  const Method* method = MethodOf(holder);
+  if (method == nullptr) return;
+  FillDefaults(*method, spacing_mm, MutableMessageOf(*method, holder));
 }
 
 /// The method of meshes that say nothing else.
 void FillDiscretization(Discretization& discretization) {
   if (!discretization.has_height_ratio()) discretization.set_height_ratio(1);
-  const double spacing_mm = discretization.min_spacing_mm();
-  switch (discretization.method_case()) {
-    case Discretization::METHOD_NOT_SET:
-    case Discretization::kSections:
-      return Fill(*discretization.mutable_sections(), spacing_mm);
-    case Discretization::kFill:
-      return Fill(*discretization.mutable_fill(), spacing_mm);
-    case Discretization::kRays:
-      return Fill(*discretization.mutable_rays(), spacing_mm);
-    case Discretization::kEven:
-      return Fill(*discretization.mutable_even(), spacing_mm);
-    case Discretization::kSolid:
-      return Fill(*discretization.mutable_solid(), spacing_mm);
+  if (MethodOf(discretization) == nullptr) {
+    MutableMessageOf(*DefaultMethodOf(ModelKind::kMesh), discretization);
   }
+  FillChosen(discretization, discretization.min_spacing_mm());
 }
 
 void ChooseMethod(Model& model, const Discretization& of_meshes) {
   const auto kind = KindOf(model);
   if (!kind) return;  // the check says so
-  if (*kind == ModelKind::kDrawing || *kind == ModelKind::kText) model.mutable_curves();
-  if (*kind == ModelKind::kImage) model.mutable_halftone();
-  if (*kind != ModelKind::kMesh) return;
-  switch (of_meshes.method_case()) {
-    case Discretization::METHOD_NOT_SET:
-      break;
-    case Discretization::kSections:
-      *model.mutable_sections() = of_meshes.sections();
-      break;
-    case Discretization::kFill:
-      *model.mutable_fill() = of_meshes.fill();
-      break;
-    case Discretization::kRays:
-      *model.mutable_rays() = of_meshes.rays();
-      break;
-    case Discretization::kEven:
-      *model.mutable_even() = of_meshes.even();
-      break;
-    case Discretization::kSolid:
-      *model.mutable_solid() = of_meshes.solid();
-      break;
-  }
-}
-
-void FillMethodOf(Model& model, double spacing_mm) {
-  switch (model.method_case()) {
-    case Model::METHOD_NOT_SET:
-      break;
-    case Model::kSections:
-      return Fill(*model.mutable_sections(), spacing_mm);
-    case Model::kFill:
-      return Fill(*model.mutable_fill(), spacing_mm);
-    case Model::kRays:
-      return Fill(*model.mutable_rays(), spacing_mm);
-    case Model::kEven:
-      return Fill(*model.mutable_even(), spacing_mm);
-    case Model::kSolid:
-      return Fill(*model.mutable_solid(), spacing_mm);
-    case Model::kCurves:
-      return Fill(*model.mutable_curves(), spacing_mm);
-    case Model::kHalftone:
-      return Fill(*model.mutable_halftone(), spacing_mm);
-    case Model::kRelief:
-      return Fill(*model.mutable_relief(), spacing_mm);
+  if (*kind == ModelKind::kMesh) {
+    if (const Method* method = MethodOf(of_meshes)) {
+      MutableMessageOf(*method, model).CopyFrom(MessageOf(*method, of_meshes));
+    }
+  } else if (const Method* method = DefaultMethodOf(*kind)) {
+    MutableMessageOf(*method, model);
   }
 }
 
@@ -203,7 +96,7 @@ void FillModel(Model& model, const Discretization& discretization) {
     if (!copies.has_step_mm()) *copies.mutable_step_mm() = MakeVector(0, 0, 0);
   }
   if (model.method_case() == Model::METHOD_NOT_SET) ChooseMethod(model, discretization);
-  FillMethodOf(model, discretization.min_spacing_mm());
+  FillChosen(model, discretization.min_spacing_mm());
 }
 
 void FillOrdering(Ordering& ordering, double spacing_mm) {

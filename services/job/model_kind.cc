@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <google/protobuf/descriptor.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <filesystem>
 #include <string_view>
+#include <utility>
+
+#include "services/job/methods/method_table.h"
 
 namespace intaglio {
 namespace {
@@ -32,8 +36,20 @@ constexpr std::array kEndings = {
 
 using Visit = std::function<void(std::string&, const std::string&)>;
 
-void VisitDensity(EvenMethod& even, const std::string& path, const Visit& visit) {
-  if (even.has_image()) visit(*even.mutable_image(), path + ".image");
+/// The files that fields of the holder's method name.
+void VisitMethod(google::protobuf::Message& holder, const std::string& path,
+                 const Visit& visit) {
+  const Method* method = MethodOf(holder);
+  if (method == nullptr) return;
+  google::protobuf::Message& message = MutableMessageOf(*method, holder);
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  for (const MethodField& row : method->fields) {
+    const auto* field = method->message().FindFieldByName(std::string(row.name));
+    if (!row.names_image || !reflection.HasField(message, field)) continue;
+    std::string file = reflection.GetString(message, field);
+    visit(file, fmt::format("{}{}.{}", path, method->name(), row.name));
+    reflection.SetString(&message, field, std::move(file));
+  }
 }
 
 void VisitModel(Model& model, const std::string& path, const Visit& visit) {
@@ -42,10 +58,7 @@ void VisitModel(Model& model, const std::string& path, const Visit& visit) {
   } else {
     visit(*model.mutable_file(), path + ".file");
   }
-  if (model.has_even()) VisitDensity(*model.mutable_even(), path + ".even", visit);
-  if (model.has_relief() && !model.relief().photo().empty()) {
-    visit(*model.mutable_relief()->mutable_photo(), path + ".relief.photo");
-  }
+  VisitMethod(model, path + ".", visit);
 }
 
 }  // namespace
@@ -82,31 +95,18 @@ Result<ModelKind> KindOf(const Model& model) {
 }
 
 bool Suits(Model::MethodCase method, ModelKind kind) {
-  switch (method) {
-    case Model::kSections:
-    case Model::kFill:
-    case Model::kRays:
-    case Model::kEven:
-    case Model::kSolid:
-      return kind == ModelKind::kMesh;
-    case Model::kCurves:
-      return kind == ModelKind::kDrawing || kind == ModelKind::kText;
-    case Model::kHalftone:
-    case Model::kRelief:
-      return kind == ModelKind::kImage;
-    case Model::METHOD_NOT_SET:
-      break;
-  }
-  return kind == ModelKind::kCloud;
+  if (method == Model::METHOD_NOT_SET) return kind == ModelKind::kCloud;
+  return std::any_of(Methods().begin(), Methods().end(), [&](const Method& row) {
+    return row.number == method && row.Suits(kind);
+  });
 }
 
 void ForEachFile(JobSpec& job, const Visit& visit) {
   for (int i = 0; i < job.models_size(); ++i) {
     VisitModel(*job.mutable_models(i), fmt::format("models[{}]", i), visit);
   }
-  if (job.discretization().has_even()) {
-    VisitDensity(*job.mutable_discretization()->mutable_even(), "discretization.even",
-                 visit);
+  if (job.has_discretization()) {
+    VisitMethod(*job.mutable_discretization(), "discretization.", visit);
   }
 }
 

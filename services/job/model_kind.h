@@ -8,10 +8,9 @@
 
 #include "engrave/core/result.h"
 #include "proto/job.pb.h"
+#include "services/job/methods/method.h"
 
 namespace intaglio {
-
-enum class ModelKind { kMesh, kDrawing, kText, kImage, kCloud };
 
 /// "a mesh", "a drawing", ...
 const char* NameOf(ModelKind kind);

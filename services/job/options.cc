@@ -31,39 +31,6 @@ mesh::Fit FitOf(const Placement& placement, const Block& block) {
   return mesh::NoFit{};
 }
 
-discretize::Direction DirectionOf(Axis axis, const Vector3& rotate_deg) {
-  const discretize::Axis base = axis == AXIS_X   ? discretize::Axis::kX
-                                : axis == AXIS_Y ? discretize::Axis::kY
-                                                 : discretize::Axis::kZ;
-  return {base, Vec3Of(rotate_deg) * kRadPerDeg};
-}
-
-discretize::SectionOptions SectionOptionsOf(const SectionsMethod& asked,
-                                            const Placement& placement) {
-  Require(asked.has_layer_distance_mm() && asked.has_insert_end_points(),
-          "the job's defaults are not filled in");
-  discretize::SectionOptions options;
-  options.layer_distance_mm = asked.layer_distance_mm();
-  options.vertex_distance_mm = asked.vertex_distance_mm();
-  options.first_last_distance_ratio = asked.first_last_distance_ratio();
-  options.twist_phase_ratio = asked.twist_phase_ratio();
-  options.insert_end_points = asked.insert_end_points();
-  options.normal = DirectionOf(asked.axis(), asked.rotate_deg());
-  options.reference = asked.system() == COORDINATE_SYSTEM_WORLD
-                          ? discretize::SectionReference::kWorld
-                          : discretize::SectionReference::kObject;
-  if (asked.system() == COORDINATE_SYSTEM_OBJECT) {
-    // Its columns are the turned axes x, y, z.
-    options.object_axes = mesh::RotationOf(Vec3Of(placement.rotate_deg()) * kRadPerDeg);
-  }
-  options.parallel_faces = asked.parallel_faces() == PARALLEL_FACES_COVER
-                               ? discretize::ParallelFaces::kCover
-                           : asked.parallel_faces() == PARALLEL_FACES_REPORT
-                               ? discretize::ParallelFaces::kReport
-                               : discretize::ParallelFaces::kIgnore;
-  return options;
-}
-
 }  // namespace
 
 std::string ProfileName(MotionProfile profile) {
@@ -102,55 +69,6 @@ mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
                  : placement.pivot() == PIVOT_BLOCK ? mesh::Pivot::kBlock
                                                     : mesh::Pivot::kOrigin;
   return result;
-}
-
-namespace {
-
-discretize::EvenOptions EvenOptionsOf(const EvenMethod& asked,
-                                      const mesh::TriangleMesh& placed) {
-  discretize::EvenOptions options;
-  options.distance_mm = asked.distance_mm();
-  options.sparse_distance_mm = asked.sparse_distance_mm();
-  options.surface = false;
-  for (const double depth_mm : asked.shell_depths_mm()) {
-    if (depth_mm == 0) {
-      options.surface = true;
-    } else {
-      options.depths_mm.push_back(depth_mm);
-    }
-  }
-  if (asked.has_curvature_radius_mm()) {
-    options.density =
-        discretize::DensityByCurvature(placed, 1 / asked.curvature_radius_mm());
-  } else if (asked.has_light()) {
-    options.density = discretize::DensityByLight(placed, Vec3Of(asked.light()));
-  }
-  return options;
-}
-
-}  // namespace
-
-discretize::MeshMethod MeshMethodOf(const JobSpec& job, const Model& model,
-                                    const mesh::TriangleMesh& placed) {
-  switch (model.method_case()) {
-    case Model::kSections:
-      return SectionOptionsOf(model.sections(), model.placement());
-    case Model::kFill:
-      return discretize::FillOptions{model.fill().vertex_distance_mm(),
-                                     model.fill().full_fill()};
-    case Model::kRays:
-      return discretize::RayOptions{
-          model.rays().distance_mm(),
-          DirectionOf(model.rays().axis(), model.rays().rotate_deg()),
-          model.rays().interior_only()};
-    case Model::kEven:
-      return EvenOptionsOf(model.even(), placed);
-    case Model::kSolid:
-      return discretize::SolidOptions{model.solid().distance_mm(),
-                                      job.discretization().height_ratio()};
-    default:
-      throw PreconditionError("a mesh has no method: the defaults are not filled in");
-  }
 }
 
 sort::BeamCone BeamConeOf(const FrozenJob& job) {

@@ -1,14 +1,14 @@
 #pragma once
 
-// The one place where jobs, written for people (degrees, defaults), become the plain
-// options of engrave/ (radians, nothing open). All take jobs with every default filled
-// in: services/job/job_defaults.h, services/job/freeze.h; a broken precondition throws.
+// Where jobs, written for people (degrees, defaults), become the plain options of
+// engrave/ (radians, nothing open); the methods of discretization do so in their rows
+// (methods/method.h). All take jobs with every default filled in:
+// services/job/job_defaults.h, services/job/freeze.h; a broken precondition throws.
 
 #include <cstdint>
 #include <string>
 
 #include "engrave/core/geometry.h"
-#include "engrave/discretize/methods.h"
 #include "engrave/mesh/placement.h"
 #include "engrave/motion/planner.h"
 #include "engrave/optics/focus.h"
@@ -30,11 +30,6 @@ Box3 PermittedBoxOf(const Block& block);
 
 /// The way of a model into the job's block.
 mesh::Placement PlacementOf(const Placement& placement, const Block& block);
-
-/// How a placed mesh (glass frame) of a job becomes points. Density by an image is not in
-/// it: that takes the image (model_sources.h).
-discretize::MeshMethod MeshMethodOf(const JobSpec& job, const Model& model,
-                                    const mesh::TriangleMesh& placed);
 
 /// The beam above a point, and what the cracks of the job's lens take of it.
 sort::BeamCone BeamConeOf(const FrozenJob& job);

@@ -70,6 +70,7 @@ TEST(CommandLine, TellsANewcomerWhatToDoNext) {
 
 TEST(CommandLine, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
   const std::string document = TextIn(INTAGLIO_SOURCE_DIR "/docs/cli.md") +
+                               TextIn(INTAGLIO_SOURCE_DIR "/docs/jobs.md") +
                                TextIn(INTAGLIO_SOURCE_DIR "/docs/materials.md");
   const std::set<std::string> documented = FlagsIn(document);
   std::set<std::string> known = {"--help"};

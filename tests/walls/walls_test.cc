@@ -50,6 +50,8 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"engrave/mesh/c.cc", "#include <google/protobuf/message.h>\n"},
       {"materials_db/a.cc", "#include \"services/job/options.h\"\n"},
       {"proto/a.cc", "#include \"engrave/core/result.h\"\n"},
+      {"engrave/discretize/a.cc", "#include \"engrave/discretize/mesh/rays.h\"\n"},
+      {"services/job/methods/a.cc", "#include \"services/job/options.h\"\n"},
       {"services/job/a.cc", "#include \"services/history/job_names.h\"\n"},
       {"services/platform/host/a.cc", "#include \"services/job/options.h\"\n"},
       {"services/client/a.cc", "#include \"services/cli/job_options.h\"\n"},

@@ -1,6 +1,7 @@
 #include "services/job/models/discretize_outcome.h"
 
-#include "engrave/discretize/methods.h"
+#include "engrave/discretize/warnings.h"
+#include "services/job/methods/method_table.h"
 
 namespace intaglio {
 namespace {
@@ -35,11 +36,6 @@ discretize::MethodStatistics StatisticsOf(const MethodCounts& counts) {
   statistics.odd_ray_count = counts.odd_ray_count();
   statistics.shallow_count = counts.shallow_count();
   return statistics;
-}
-
-/// Whether somebody wants to hear of faces that the sections do not cut.
-bool ReportsParallelFaces(const Model& model) {
-  return model.sections().parallel_faces() == PARALLEL_FACES_REPORT;
 }
 
 }  // namespace
@@ -82,8 +78,9 @@ std::vector<std::string> WarningsOf(const DiscretizeOutcome& all, const JobSpec&
   discretize::MethodStatistics sum;
   for (int i = 0; i < all.methods_size(); ++i) {
     discretize::MethodStatistics one = StatisticsOf(all.methods(i));
-    if (i >= job.models_size() || !ReportsParallelFaces(job.models(i))) {
-      one.parallel_area_mm2 = 0;
+    const Method* method = i < job.models_size() ? MethodOf(job.models(i)) : nullptr;
+    if (method != nullptr && method->counts_to_warn_of != nullptr) {
+      one = method->counts_to_warn_of(job.models(i), one);
     }
     sum.Add(one);
   }

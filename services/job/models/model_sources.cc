@@ -1,6 +1,7 @@
 #include "services/job/models/model_sources.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/descriptor.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -8,9 +9,9 @@
 #include <span>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "engrave/core/check.h"
-#include "engrave/discretize/methods.h"
 #include "engrave/discretize/several.h"
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/formats/point_file_kinds.h"
@@ -20,6 +21,7 @@
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "services/job/channels.h"
+#include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
 #include "services/job/options.h"
@@ -103,101 +105,112 @@ class Maker {
     const FileBytes file = files_.Take();
     const auto kind = KindOf(model);
     if (!kind) return tl::unexpected(kind.error());
+    const Method* method = MethodOf(model);
+    Require(Suits(model.method_case(), *kind),
+            "{} has no method that suits it: the job's defaults are not filled in",
+            NameOf(*kind));
+    const Block block = BlockOf(job_, model);
+    MethodInput input{
+        job_, model, PlacementOf(model.placement(), block), Vec3Of(block.size_mm()), {}};
+    if (method != nullptr) {
+      if (auto read = ReadImages(*method, input); !read) {
+        return tl::unexpected(read.error());
+      }
+    }
     switch (*kind) {
       case ModelKind::kMesh:
-        return HoldsPointsOnly(model, file) ? OfCloud(model, file) : OfMesh(model, file);
+        return HoldsPointsOnly(model, file) ? OfCloud(input, file)
+                                            : OfMesh(*method, input, file);
       case ModelKind::kCloud:
-        return OfCloud(model, file);
+        return OfCloud(input, file);
       case ModelKind::kDrawing:
-        return MakeDrawing(job_, model, TextOf(file), limits_, made_.warnings);
+        return MakeDrawing(*method, input, TextOf(file), limits_, made_.warnings);
       case ModelKind::kImage:
-        return OfPicture(model, file);
+        return MakePicture(*method, input, TextOf(file), limits_);
       case ModelKind::kText:
-        return OfText(model, file);
+        return OfText(*method, input, file);
     }
     throw PreconditionError("a model of no kind");
   }
 
-  Result<Source> OfPicture(const Model& model, const FileBytes& file) {
-    if (model.relief().photo().empty()) {
-      return MakePicture(job_, model, TextOf(file), {}, limits_);
+  /// Takes the files that fields of the method name, in the order of FilesOf.
+  Status ReadImages(const Method& method, MethodInput& input) {
+    const auto& message = MessageOf(method, input.model);
+    for (const MethodField& row : method.fields) {
+      const auto* field = method.message().FindFieldByName(std::string(row.name));
+      if (!row.names_image || !message.GetReflection()->HasField(message, field)) {
+        continue;
+      }
+      const FileBytes file = files_.Take();
+      image::ImageOptions reading;
+      reading.limits = limits_.images;
+      auto image = image::ParseImage(TextOf(file), reading);
+      if (!image) {
+        const std::string name = message.GetReflection()->GetString(message, field);
+        return Fail(image.error().code, name + ": " + image.error().message,
+                    image.error().value);
+      }
+      input.images.emplace(row.name, std::move(*image));
     }
-    const FileBytes photo = files_.Take();
-    return MakePicture(job_, model, TextOf(file), TextOf(photo), limits_);
+    return {};
   }
 
   /// Copies of a numbered text are texts of their own.
-  Result<Source> OfText(const Model& model, const FileBytes& font) {
-    const std::string& text = model.text().text();
+  static Result<Source> OfText(const Method& method, const MethodInput& input,
+                               const FileBytes& font) {
+    const std::string& text = input.model.text().text();
     if (text.find(kNumber) == std::string::npos) {
-      return MakeText(job_, model, text, TextOf(font));
+      return MakeText(method, input, text, TextOf(font));
     }
     std::vector<Source> pieces;
-    for (const Vec3& offset_mm : CopyOffsetsOf(model)) {
+    for (const Vec3& offset_mm : CopyOffsetsOf(input.model)) {
       std::string numbered = text;
       for (auto at = numbered.find(kNumber); at != std::string::npos;
            at = numbered.find(kNumber, at)) {
         numbered.replace(at, kNumber.size(), std::to_string(pieces.size() + 1));
       }
-      auto piece = MakeText(job_, model, numbered, TextOf(font));
+      auto piece = MakeText(method, input, numbered, TextOf(font));
       if (!piece) return piece;
       pieces.push_back(discretize::MakeShifted(std::move(*piece), offset_mm));
     }
     return discretize::MakeSeveral(std::move(pieces));
   }
 
-  Result<Source> OfMesh(const Model& model, const FileBytes& file) {
-    auto imported =
-        limits_.read_mesh(file, ExtensionOf(model.file()), limits_.meshes, model.file());
+  Result<Source> OfMesh(const Method& method, const MethodInput& input,
+                        const FileBytes& file) {
+    const std::string& name = input.model.file();
+    auto imported = limits_.read_mesh(file, ExtensionOf(name), limits_.meshes, name);
     if (!imported) return tl::unexpected(imported.error());
-    const Block block = BlockOf(job_, model);
-    auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
-                                     Vec3Of(block.size_mm()));
+    auto placed = mesh::PlaceInBlock(*imported, input.placement, input.block_size_mm);
     if (!placed) return tl::unexpected(placed.error());
-    Diagnose(model, *placed);
-    discretize::MeshMethod method = MeshMethodOf(job_, model, *placed);
-    if (model.even().has_image()) {
-      const FileBytes image = files_.Take();
-      auto density = DensityOfPicture(TextOf(image), placed->Bounds(), limits_.images);
-      if (!density) {
-        return Fail(density.error().code,
-                    model.even().image() + ": " + density.error().message);
-      }
-      std::get<discretize::EvenOptions>(method).density = std::move(*density);
-    }
-    return discretize::MakeSource(std::move(*placed), method);
+    Diagnose(input, *placed);
+    return std::get<MeshMaker>(method.make)(input, std::move(*placed));
   }
 
-  void Diagnose(const Model& model, const mesh::TriangleMesh& placed) {
+  void Diagnose(const MethodInput& input, const mesh::TriangleMesh& placed) {
     const auto found = mesh::Diagnose(placed);
-    made_.meshes.push_back(RecordOf(model.file(), found));
-    const std::string name = std::filesystem::path(model.file()).filename().string();
+    const std::string& file = input.model.file();
+    made_.meshes.push_back(RecordOf(file, found));
+    const std::string name = std::filesystem::path(file).filename().string();
     for (std::string& warning : mesh::Warnings(found, name)) {
       made_.warnings.push_back(std::move(warning));
     }
-    const Vec3 block_size_mm = Vec3Of(BlockOf(job_, model).size_mm());
     if (auto warning =
-            mesh::SizeWarning(found.bounds_mm.size_mm(), block_size_mm, name)) {
+            mesh::SizeWarning(found.bounds_mm.size_mm(), input.block_size_mm, name)) {
       made_.warnings.push_back(std::move(*warning));
     }
   }
 
-  Result<Source> OfCloud(const Model& model, const FileBytes& file) {
-    const auto table =
-        formats::ParsePoints(TextOf(file), ExtensionOf(model.file()), limits_.points);
+  Result<Source> OfCloud(const MethodInput& input, const FileBytes& file) const {
+    const auto table = formats::ParsePoints(TextOf(file), ExtensionOf(input.model.file()),
+                                            limits_.points);
     if (!table) return tl::unexpected(table.error());
-    const auto glass_from_model = PlaceIn(table->points_mm, model);
+    const auto glass_from_model =
+        mesh::GlassFromModelOf(table->points_mm, input.placement, input.block_size_mm);
     if (!glass_from_model) return tl::unexpected(glass_from_model.error());
     discretize::SpacedCloud points;
     for (const Vec3& p : table->points_mm) points.Add(glass_from_model->Apply(p), 0);
     return discretize::MakeFixedPoints(std::move(points));
-  }
-
-  Result<mesh::GlassFromModel> PlaceIn(const PointList& points,
-                                       const Model& model) const {
-    const Block block = BlockOf(job_, model);
-    return mesh::GlassFromModelOf(points, PlacementOf(model.placement(), block),
-                                  Vec3Of(block.size_mm()));
   }
 
   static Source WithCopies(const Model& model, Source source) {

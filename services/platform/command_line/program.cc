@@ -127,6 +127,11 @@ Option Option::Describe(const std::string& text) const {
   return *this;
 }
 
+Option Option::Group(const std::string& heading) const {
+  option_->group(heading);
+  return *this;
+}
+
 // ---- Commands ------------------------------------------------------------------------
 
 Command Command::AddCommand(const std::string& name, const std::string& purpose) const {

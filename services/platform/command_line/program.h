@@ -53,6 +53,8 @@ class Option {
   /// The variable of the environment that counts when the option is not given.
   Option FromEnvironment(const std::string& variable) const;
   Option Describe(const std::string& text) const;
+  /// Under which heading --help shows it.
+  Option Group(const std::string& heading) const;
 
  private:
   CLI::Option* option_;

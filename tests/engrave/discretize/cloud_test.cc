@@ -6,7 +6,8 @@
 #include <atomic>
 #include <thread>
 
-#include "engrave/discretize/methods.h"
+#include "engrave/discretize/mesh/fill.h"
+#include "engrave/discretize/mesh/sections.h"
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/shapes.h"
@@ -30,9 +31,8 @@ Sources TorusAndSphere(double spacing_mm) {
   mesh::TriangleMesh torus = Torus(Vec3(0, 0, 0), 8, 2, 60, 30);
   for (Vec3& v : torus.vertices) std::swap(v.x(), v.z());
   Sources sources;
-  sources.push_back(*MakeSource(std::move(torus), sections));
-  sources.push_back(
-      *MakeSource(Sphere(Vec3(3, 0, 5), 4, 40, 60), FillOptions{spacing_mm, true}));
+  sources.push_back(*MakeSections(std::move(torus), sections));
+  sources.push_back(*MakeFill(Sphere(Vec3(3, 0, 5), 4, 40, 60), {spacing_mm, true}));
   return sources;
 }
 

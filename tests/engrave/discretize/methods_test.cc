@@ -1,30 +1,53 @@
-#include "engrave/discretize/methods.h"
+// What the methods that make points of a surface owe together with the cloud.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <map>
+#include <string>
+
 #include "engrave/discretize/cloud.h"
+#include "engrave/discretize/mesh/fill.h"
+#include "engrave/discretize/mesh/rays.h"
+#include "engrave/discretize/mesh/sections.h"
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/shapes.h"
 
 namespace intaglio::discretize {
 namespace {
 
-using ::testing::HasSubstr;
+using MakeSource =
+    std::function<Result<std::unique_ptr<PointSource>>(const mesh::TriangleMesh&)>;
 
-std::vector<MeshMethod> EveryMethod(double spacing_mm) {
-  SectionOptions sections;
-  sections.layer_distance_mm = sections.vertex_distance_mm = spacing_mm;
-  RayOptions rays;
-  rays.distance_mm = spacing_mm;
-  return {sections, FillOptions{spacing_mm, true}, rays};
+MakeSource SectionsOf(double spacing_mm, ParallelFaces parallel_faces) {
+  SectionOptions options;
+  options.layer_distance_mm = options.vertex_distance_mm = spacing_mm;
+  options.parallel_faces = parallel_faces;
+  return
+      [options](const mesh::TriangleMesh& mesh) { return MakeSections(mesh, options); };
+}
+
+MakeSource RaysOf(double spacing_mm) {
+  RayOptions options;
+  options.distance_mm = spacing_mm;
+  return [options](const mesh::TriangleMesh& mesh) { return MakeRays(mesh, options); };
+}
+
+/// Those whose points lie on the surface exactly, by their names.
+std::map<std::string, MakeSource> EveryMethod(double spacing_mm) {
+  return {{"sections", SectionsOf(spacing_mm, ParallelFaces::kCover)},
+          {"fill",
+           [spacing_mm](const mesh::TriangleMesh& mesh) {
+             return MakeFill(mesh, {spacing_mm, true});
+           }},
+          {"rays", RaysOf(spacing_mm)}};
 }
 
 Result<Discretized> Discretize(const std::vector<mesh::TriangleMesh>& models,
-                               const MeshMethod& method, double spacing_mm) {
+                               const MakeSource& make, double spacing_mm) {
   Sources sources;
   for (const mesh::TriangleMesh& model : models) {
-    auto source = MakeSource(model, method);
+    auto source = make(model);
     if (!source) return tl::unexpected(source.error());
     sources.push_back(std::move(*source));
   }
@@ -38,9 +61,9 @@ TEST(Methods, EveryMethodKeepsTheSpacingAndTheSurface) {
   // Two models that cut into each other: the weld holds over both.
   const std::vector<mesh::TriangleMesh> models = {Torus(Vec3(0, 0, 0), 5, 2, 24, 16),
                                                   Sphere(Vec3(5, 0, 0), 3, 16, 24)};
-  for (const MeshMethod& method : EveryMethod(0.4)) {
+  for (const auto& [name, method] : EveryMethod(0.4)) {
     const auto result = Discretize(models, method, 0.4);
-    ASSERT_TRUE(result.has_value()) << method.index();
+    ASSERT_TRUE(result.has_value()) << name;
     EXPECT_GT(result->cloud.size(), 500u);
     EXPECT_GE(LeastDistance(result->cloud.points_mm), 0.4);
     EXPECT_EQ(result->candidate_count, result->cloud.size() + result->welded_count);
@@ -54,10 +77,8 @@ TEST(Methods, EveryMethodKeepsTheSpacingAndTheSurface) {
 
 // Vertical walls cut at exactly the spacing: rounding may not cost a single layer.
 TEST(Methods, LayersASpacingApartAllStay) {
-  auto sections = std::get<SectionOptions>(EveryMethod(0.1)[0]);
-  sections.parallel_faces = ParallelFaces::kIgnore;
-  const auto result =
-      Discretize({Cuboid(Vec3(-3, -3, -2.07), Vec3(3, 3, 2))}, sections, 0.1);
+  const auto result = Discretize({Cuboid(Vec3(-3, -3, -2.07), Vec3(3, 3, 2))},
+                                 SectionsOf(0.1, ParallelFaces::kIgnore), 0.1);
   ASSERT_TRUE(result.has_value());
   EXPECT_LT(static_cast<double>(result->welded_count), 0.02 * result->candidate_count)
       << "only points at the corners of the square may go";
@@ -66,8 +87,8 @@ TEST(Methods, LayersASpacingApartAllStay) {
 // A square pillar with its faces on the grid of rays: hits on its flat top stand exactly
 // a grid step apart, and rounding may not cost one of them.
 TEST(Methods, RaysASpacingApartAllStay) {
-  const auto result = Discretize({Cuboid(Vec3(-3, -3, -2), Vec3(3.01, 3.01, 2))},
-                                 EveryMethod(0.1)[2], 0.1);
+  const auto result =
+      Discretize({Cuboid(Vec3(-3, -3, -2), Vec3(3.01, 3.01, 2))}, RaysOf(0.1), 0.1);
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(result->welded_count, 0u);
   EXPECT_EQ(result->cloud.size(), 2u * 61 * 61);
@@ -75,35 +96,21 @@ TEST(Methods, RaysASpacingApartAllStay) {
 
 TEST(Methods, TheSameModelTwiceGivesTheSamePointsOnce) {
   const auto mesh = Icosphere(4, 3, Vec3(0, 0, 0));
-  for (const MeshMethod& method : EveryMethod(0.3)) {
+  for (const auto& [name, method] : EveryMethod(0.3)) {
     const auto once = Discretize({mesh}, method, 0.3);
     const auto twice = Discretize({mesh, mesh}, method, 0.3);
     ASSERT_TRUE(once.has_value() && twice.has_value());
-    EXPECT_EQ(once->cloud.points_mm, twice->cloud.points_mm) << method.index();
+    EXPECT_EQ(once->cloud.points_mm, twice->cloud.points_mm) << name;
     EXPECT_EQ(once->cloud.source, twice->cloud.source);
   }
 }
 
 TEST(Methods, AnEmptyMeshHasNoPoints) {
-  for (const MeshMethod& method : EveryMethod(0.3)) {
+  for (const auto& [name, method] : EveryMethod(0.3)) {
     const auto result = Discretize({mesh::TriangleMesh{}}, method, 0.3);
-    ASSERT_TRUE(result.has_value()) << method.index();
+    ASSERT_TRUE(result.has_value()) << name;
     EXPECT_EQ(result->cloud.size(), 0u);
   }
-}
-
-TEST(Methods, WhatIsMissingIsToldWithTheRemedy) {
-  EXPECT_TRUE(WarningsOf({}, 0.1).empty());
-  MethodStatistics statistics;
-  statistics.parallel_area_mm2 = 50;
-  statistics.ray_count = 1000;
-  statistics.odd_ray_count = 3;
-  statistics.rejected_triangle_count = 2;
-  const auto warnings = WarningsOf(statistics, 0.1);
-  ASSERT_EQ(warnings.size(), 3u);
-  EXPECT_THAT(warnings[0], HasSubstr("50.00 mm^2"));
-  EXPECT_THAT(warnings[1], HasSubstr("3 of 1000 rays"));
-  EXPECT_THAT(warnings[2], HasSubstr("2 triangles"));
 }
 
 }  // namespace

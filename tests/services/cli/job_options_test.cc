@@ -167,7 +167,7 @@ TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
     return RefusalOf({"--mesh", kModel, "--height", "22", flag, name});
   };
   EXPECT_THAT(refusal("--method", "slices"),
-              HasSubstr("sections, fill, rays, even and solid"));
+              HasSubstr("sections (default), fill, rays, even, solid"));
   EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz, layers, smooth, anneal"));
   EXPECT_THAT(refusal("--order-tries", "-1"), HasSubstr("tries_per_point"));
   EXPECT_THAT(refusal("--profile", "s-curve"),

@@ -156,6 +156,21 @@ TEST(ModelSources, APhotosToneFollowsItsCurve) {
   EXPECT_EQ(count_of('\x80', 0), 0u);
 }
 
+// Which of the files belongs to which model does not depend on what they hold.
+TEST(ModelSources, ACloudThatCouldHaveBeenAMeshTakesTheImageOfItsMethod) {
+  OneModel one;
+  one.model.set_file("scan.ply");
+  one.model.mutable_even()->set_image("shade.bmp");
+  one.job.add_models()->set_file("three.xyz");
+  const std::string image = GreyBitmap('\x80');
+  const auto made = one.Make(
+      {"ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double "
+       "y\nproperty double z\nend_header\n5 5 5\n9 5 5\n",
+       image, "5 5 9\n6 5 9\n5 5 11\n"});
+  ASSERT_TRUE(made.has_value()) << made.error().message;
+  EXPECT_EQ(made->cloud.size(), 5u);
+}
+
 TEST(ModelSources, AReliefHasItsLayersAboveOneAnother) {
   const auto made_of = [](std::uint32_t layers) {
     OneModel one;

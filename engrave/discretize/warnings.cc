@@ -1,40 +1,8 @@
-#include "engrave/discretize/methods.h"
+#include "engrave/discretize/warnings.h"
 
 #include <fmt/format.h>
 
-#include <utility>
-
 namespace intaglio::discretize {
-namespace {
-
-using Made = Result<std::unique_ptr<PointSource>>;
-
-Made Make(mesh::TriangleMesh mesh, const SectionOptions& options) {
-  return MakeSections(std::move(mesh), options);
-}
-
-Made Make(mesh::TriangleMesh mesh, const FillOptions& options) {
-  return MakeFill(std::move(mesh), options);
-}
-
-Made Make(mesh::TriangleMesh mesh, const RayOptions& options) {
-  return MakeRays(std::move(mesh), options);
-}
-
-Made Make(mesh::TriangleMesh mesh, const EvenOptions& options) {
-  return MakeEven(std::move(mesh), options);
-}
-
-Made Make(const mesh::TriangleMesh& mesh, const SolidOptions& options) {
-  return MakeSolid(mesh, options);
-}
-
-}  // namespace
-
-Made MakeSource(mesh::TriangleMesh mesh, const MeshMethod& method) {
-  return std::visit([&](const auto& options) { return Make(std::move(mesh), options); },
-                    method);
-}
 
 std::vector<std::string> WarningsOf(const MethodStatistics& statistics,
                                     double min_spacing_mm) {

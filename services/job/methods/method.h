@@ -1,0 +1,127 @@
+#pragma once
+
+// A method of discretization as a job names it: a row of the table of methods
+// (method_table.h). From the rows follow the defaults of a job (job_defaults.h), the
+// ranges of its numbers (field_ranges.h), which method suits which model (model_kind.h),
+// the options of the command line and the table in docs/jobs.md. The algorithms know
+// nothing of this: a row's maker turns the message of the job into their options.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/discretize/drawing/curve_points.h"
+#include "engrave/discretize/drawing/place_drawing.h"
+#include "engrave/discretize/spacing/point_source.h"
+#include "engrave/image/image_file.h"
+#include "engrave/mesh/mesh.h"
+#include "engrave/mesh/placement.h"
+#include "proto/job.pb.h"
+
+namespace intaglio {
+
+enum class ModelKind { kMesh, kDrawing, kText, kImage, kCloud };
+
+/// What an absent field of a method becomes.
+struct FieldDefault {
+  enum class Of {
+    kNothing,  ///< it stays absent; one without presence is 0, false or its first name
+    kNumber,   ///< `factor`; 1 is true; of a Vector3 each component, of a list its only
+               ///< element
+    kMinSpacing,  ///< factor * Discretization.min_spacing_mm
+    kField,       ///< factor * the number in `field`, a row above in the same method
+  };
+  Of of = Of::kNothing;
+  double factor = 0;
+  std::string_view field = {};
+};
+
+constexpr FieldDefault Number(double value) {
+  return {FieldDefault::Of::kNumber, value, {}};
+}
+constexpr FieldDefault MinSpacing() { return {FieldDefault::Of::kMinSpacing, 1, {}}; }
+constexpr FieldDefault Times(double factor, std::string_view field) {
+  return {FieldDefault::Of::kField, factor, field};
+}
+
+/// Both ends are allowed.
+struct NumberRange {
+  double min = 0;
+  double max = 0;
+};
+
+/// Of the distance of points that a method takes.
+inline constexpr NumberRange kPointDistanceMm{0.01, 100};
+
+struct MethodField {
+  std::string_view name = {};  ///< in the message of the method; ends in its unit
+  /// Of numbers; of a Vector3 each component, of a list each element.
+  std::optional<NumberRange> range = {};
+  FieldDefault by_default = {};
+  /// On the command line, "--layer". Methods share an option for what means the same.
+  std::string_view option = {};
+  std::string_view meaning = {};  ///< a phrase, for docs/jobs.md and --help
+  bool names_image = false;       ///< the field is the name of an image file
+};
+
+/// What every maker gets besides the model as its reader gives it.
+struct MethodInput {
+  const JobSpec& job;         ///< with its defaults filled in
+  const Model& model;         ///< of that job, with this method
+  mesh::Placement placement;  ///< of the model
+  Vec3 block_size_mm;         ///< of the block that it is placed in
+  /// The files that fields of the method name, by MethodField.name; linear light.
+  std::map<std::string_view, image::GreyImage> images = {};
+};
+
+using MadePoints = Result<std::unique_ptr<discretize::PointSource>>;
+
+/// The mesh: glass frame, mm.
+using MeshMaker = MadePoints (*)(const MethodInput& input, mesh::TriangleMesh placed);
+/// `inside`: what counts as the inside of closed curves, where it is filled.
+using DrawingMaker = MadePoints (*)(const MethodInput& input,
+                                    const discretize::PlacedDrawing& placed,
+                                    discretize::CurveFill inside);
+struct PictureMaker {
+  image::Samples samples = image::Samples::kLinearLight;  ///< as which the file is read
+  MadePoints (*make)(const MethodInput& input, const image::GreyImage& picture) = nullptr;
+};
+
+/// A field that contradicts another field of the job.
+struct MethodFault {
+  std::string field;  ///< path from the method's message, "curve[2].from"
+  std::string value;
+  std::string what;  ///< follows the value in the sentence
+};
+
+struct Method {
+  int number = 0;                     ///< of its field in Model.method
+  std::vector<ModelKind> kinds = {};  ///< that it makes points of
+  std::vector<ModelKind> default_of =
+      {};                                ///< that it is the method of where none is named
+  std::string_view meaning = {};         ///< a phrase, for docs/jobs.md
+  std::vector<MethodField> fields = {};  ///< every field of its message, each once
+  std::variant<MeshMaker, DrawingMaker, PictureMaker> make = {};
+  /// The field with the distance of its layers, when an order by layers must not be
+  /// thinner than that; else empty.
+  std::string_view layer_field = {};
+  /// nullptr: nothing can contradict. `job` with its defaults filled in.
+  std::vector<MethodFault> (*faults)(const JobSpec& job, const Model& model) = nullptr;
+  /// The counts of which the job wants a warning; nullptr: all.
+  discretize::MethodStatistics (*counts_to_warn_of)(
+      const Model& model, discretize::MethodStatistics counts) = nullptr;
+
+  const google::protobuf::FieldDescriptor& field() const;  ///< in Model
+  const google::protobuf::Descriptor& message() const;     ///< its type
+  const std::string& name() const;                         ///< "sections"
+  bool Suits(ModelKind kind) const;
+  /// nullptr when the message has no such field.
+  const MethodField* FindField(std::string_view name) const;
+};
+
+}  // namespace intaglio
