@@ -174,13 +174,6 @@ std::vector<double> BlockAround(const PointList& points_mm) {
   return BlockFor(box.size_mm().cwiseMax(to_far_side_mm));
 }
 
-// Of points, the models are what they were made from, if anything: nobody reads them.
-std::vector<Error> WithoutModels(std::vector<Error> errors) {
-  std::erase_if(errors,
-                [](const Error& error) { return error.message.starts_with("models"); });
-  return errors;
-}
-
 Result<JobSpec> ReadJob(const JobFlags& flags, bool needs_model) {
   if (!flags.job_file.empty()) return ReadJobFile(flags.job_file);
   if (!flags.meshes.empty() || !needs_model) return JobSpec();
@@ -226,7 +219,10 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
   }
   job = WithDefaults(job, built.machine);
   auto errors = CheckAll(job, built.machine);
-  if (points_mm != nullptr) errors = WithoutModels(std::move(errors));
+  if (points_mm != nullptr) {
+    // What points were made from is not read.
+    std::erase_if(errors, [](const Finding& found) { return Concerns(found, "models"); });
+  }
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   return built;
 }

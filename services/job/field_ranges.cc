@@ -101,19 +101,20 @@ std::vector<FieldRange> WithMethods() {
 }
 
 void CheckNumber(double value, const FieldRange& range, const std::string& path,
-                 std::vector<Error>& errors) {
+                 std::vector<Finding>& found) {
   if (value >= range.min && value <= range.max) return;  // false for NaN
-  errors.push_back(
-      {ErrorCode::kInvalidValue,
-       fmt::format("{}: {} is outside {}..{}", path, value, range.min, range.max),
-       fmt::format("{}", value)});
+  found.push_back(
+      {{ErrorCode::kInvalidValue,
+        fmt::format("{}: {} is outside {}..{}", path, value, range.min, range.max),
+        fmt::format("{}", value)},
+       path});
 }
 
 void CheckVector(const Vector3& v, const FieldRange& range, const std::string& path,
-                 std::vector<Error>& errors) {
-  CheckNumber(v.x(), range, path + ".x", errors);
-  CheckNumber(v.y(), range, path + ".y", errors);
-  CheckNumber(v.z(), range, path + ".z", errors);
+                 std::vector<Finding>& found) {
+  CheckNumber(v.x(), range, path + ".x", found);
+  CheckNumber(v.y(), range, path + ".y", found);
+  CheckNumber(v.z(), range, path + ".z", found);
 }
 
 double NumberOf(const pb::Message& message, const pb::FieldDescriptor& field, int index) {
@@ -138,19 +139,41 @@ const pb::Message& MessageOf(const pb::Message& message, const pb::FieldDescript
                              : reflection.GetMessage(message, &field);
 }
 
+void AddOutOfRange(const pb::Message& message, const std::string& path,
+                   std::vector<Finding>& found);
+
 void CheckElement(const pb::Message& message, const pb::FieldDescriptor& field, int index,
                   const FieldRange* range, const std::string& path,
-                  std::vector<Error>& errors) {
+                  std::vector<Finding>& found) {
   if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
     const pb::Message& child = MessageOf(message, field, index);
     const auto* vector = dynamic_cast<const Vector3*>(&child);
     if (vector != nullptr && range != nullptr) {
-      CheckVector(*vector, *range, path, errors);
+      CheckVector(*vector, *range, path, found);
     } else {
-      CheckRanges(child, path, errors);
+      AddOutOfRange(child, path, found);
     }
   } else if (range != nullptr) {
-    CheckNumber(NumberOf(message, field, index), *range, path, errors);
+    CheckNumber(NumberOf(message, field, index), *range, path, found);
+  }
+}
+
+void AddOutOfRange(const pb::Message& message, const std::string& path,
+                   std::vector<Finding>& found) {
+  const pb::Descriptor& type = *message.GetDescriptor();
+  const pb::Reflection& reflection = *message.GetReflection();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const pb::FieldDescriptor& field = *type.field(i);
+    const FieldRange* range = FindRange(type.name(), field.name());
+    const std::string field_path = JoinPath(path, field.name());
+    if (field.is_repeated()) {
+      for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
+        CheckElement(message, field, k, range, fmt::format("{}[{}]", field_path, k),
+                     found);
+      }
+    } else if (!field.has_presence() || reflection.HasField(message, &field)) {
+      CheckElement(message, field, 0, range, field_path, found);
+    }
   }
 }
 
@@ -173,23 +196,10 @@ std::string JoinPath(std::string_view path, std::string_view field) {
   return path.empty() ? std::string(field) : fmt::format("{}.{}", path, field);
 }
 
-void CheckRanges(const pb::Message& message, const std::string& path,
-                 std::vector<Error>& errors) {
-  const pb::Descriptor& type = *message.GetDescriptor();
-  const pb::Reflection& reflection = *message.GetReflection();
-  for (int i = 0; i < type.field_count(); ++i) {
-    const pb::FieldDescriptor& field = *type.field(i);
-    const FieldRange* range = FindRange(type.name(), field.name());
-    const std::string field_path = JoinPath(path, field.name());
-    if (field.is_repeated()) {
-      for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
-        CheckElement(message, field, k, range, fmt::format("{}[{}]", field_path, k),
-                     errors);
-      }
-    } else if (!field.has_presence() || reflection.HasField(message, &field)) {
-      CheckElement(message, field, 0, range, field_path, errors);
-    }
-  }
+std::vector<Finding> OutOfRange(const pb::Message& message, const std::string& path) {
+  std::vector<Finding> found;
+  AddOutOfRange(message, path, found);
+  return found;
 }
 
 }  // namespace intaglio

@@ -9,9 +9,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "services/job/findings.h"
 
 namespace intaglio {
 
@@ -29,11 +31,18 @@ std::span<const FieldRange> FieldRanges();
 /// nullptr when the field has no range.
 const FieldRange* FindRange(std::string_view message, std::string_view field);
 
-/// Appends one error for each number of `message`, at any depth, that is outside its
-/// range. Paths start with `path`. Fields that tell presence are passed over when absent;
-/// the others are always looked at, so that a forgotten one shows as 0.
+/// One for each number of `message`, at any depth, that is outside its range. Paths start
+/// with `path`. Fields with presence are skipped when absent; the others are always
+/// checked, so that a forgotten one shows as 0.
+std::vector<Finding> OutOfRange(const google::protobuf::Message& message,
+                                const std::string& path);
+
+/// Appends them. Found: Finding, or Error for whoever needs no field.
+template <typename Found>
 void CheckRanges(const google::protobuf::Message& message, const std::string& path,
-                 std::vector<Error>& errors);
+                 std::vector<Found>& errors) {
+  for (Finding& found : OutOfRange(message, path)) errors.push_back(std::move(found));
+}
 
 /// "a.b", or "b" when a is empty.
 std::string JoinPath(std::string_view path, std::string_view field);

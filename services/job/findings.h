@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,15 +13,31 @@
 
 namespace intaglio {
 
+struct Finding : Error {
+  /// Implicit: an error by itself is a finding of no field.
+  Finding(Error error, std::string field_path = {})
+      : Error(std::move(error)), field(std::move(field_path)) {}
+
+  std::string field;  ///< its path, "models[0].file"; empty: of no field
+};
+
+/// Whether it is about this field or one within it: "models" and "models[0].file".
+inline bool Concerns(const Finding& finding, std::string_view field) {
+  if (!finding.field.starts_with(field)) return false;
+  const auto rest = std::string_view(finding.field).substr(field.size());
+  return rest.empty() || rest.front() == '.' || rest.front() == '[';
+}
+
 class Findings {
  public:
   template <typename... Args>
   void Missing(const std::string& path, fmt::format_string<Args...> remedy,
                Args&&... args) {
-    errors_.push_back({ErrorCode::kMissing,
+    found_.push_back({{ErrorCode::kMissing,
                        fmt::format("{}: is missing; {}", path,
                                    fmt::format(remedy, std::forward<Args>(args)...)),
-                       ""});
+                       ""},
+                      path});
   }
 
   /// `path: value what`
@@ -28,16 +45,17 @@ class Findings {
   void Wrong(const std::string& path, const Value& value,
              fmt::format_string<Args...> what, Args&&... args) {
     const std::string text = fmt::format("{}", value);
-    errors_.push_back({ErrorCode::kInvalidValue,
+    found_.push_back({{ErrorCode::kInvalidValue,
                        fmt::format("{}: {} {}", path, text,
                                    fmt::format(what, std::forward<Args>(args)...)),
-                       text});
+                       text},
+                      path});
   }
 
-  std::vector<Error>& errors() { return errors_; }
+  std::vector<Finding>& found() { return found_; }
 
  private:
-  std::vector<Error> errors_;
+  std::vector<Finding> found_;
 };
 
 }  // namespace intaglio

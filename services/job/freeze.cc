@@ -33,7 +33,7 @@ Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
   const MachineSpec whole_machine = WithMachineDefaults(machine);
   JobSpec whole = WithDefaults(job, whole_machine);
   const auto optics = OpticsOf(whole, material);
-  std::vector<Error> errors =
+  std::vector<Finding> errors =
       CheckAll(job, whole_machine,
                optics ? std::optional(optics->stage_per_glass_ratio()) : std::nullopt);
   if (!optics) errors.push_back(optics.error());

@@ -274,15 +274,11 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
   }
 }
 
-std::string PathOf(const Error& error) {
-  return error.message.substr(0, error.message.find(':'));
-}
-
 }  // namespace
 
-std::vector<Error> CheckJob(const JobSpec& job) {
+std::vector<Finding> CheckJob(const JobSpec& job) {
   Findings findings;
-  CheckRanges(job, "", findings.errors());
+  CheckRanges(job, "", findings.found());
   CheckModels(job, findings);
   if (!job.block().has_size_mm()) {
     findings.Missing("block.size_mm", "give the block's size, 1..1000 mm each way");
@@ -301,11 +297,11 @@ std::vector<Error> CheckJob(const JobSpec& job) {
     findings.Missing("machine_file",
                      "name a machine profile (deploy/machines holds some)");
   }
-  return std::move(findings.errors());
+  return std::move(findings.found());
 }
 
-std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
-                                     std::optional<double> stage_per_glass_ratio) {
+std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
+                                       std::optional<double> stage_per_glass_ratio) {
   const JobSpec whole = WithDefaults(job, machine);
   Findings findings;
   if (job.block().has_size_mm()) {
@@ -318,21 +314,24 @@ std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& mach
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaser(whole.laser(), machine, findings);
   CheckChannels(whole, findings);
-  return std::move(findings.errors());
+  return std::move(findings.found());
 }
 
-std::vector<Error> CheckAll(const JobSpec& job, const MachineSpec& machine,
-                            std::optional<double> stage_per_glass_ratio) {
-  std::vector<Error> errors = CheckMachine(machine);
-  for (Error& error : errors) error.message = "machine: " + error.message;
-  std::set<std::string> paths;
-  for (const auto& found :
+std::vector<Finding> CheckAll(const JobSpec& job, const MachineSpec& machine,
+                              std::optional<double> stage_per_glass_ratio) {
+  std::vector<Finding> all;
+  for (Error& error : CheckMachine(machine)) {
+    error.message = "machine: " + error.message;
+    all.push_back({std::move(error), "machine"});
+  }
+  std::set<std::string> fields;
+  for (const auto& part :
        {CheckJob(job), CheckJobOnMachine(job, machine, stage_per_glass_ratio)}) {
-    for (const Error& error : found) {
-      if (paths.insert(PathOf(error)).second) errors.push_back(error);
+    for (const Finding& finding : part) {
+      if (fields.insert(finding.field).second) all.push_back(finding);
     }
   }
-  return errors;
+  return all;
 }
 
 Error JoinErrors(const std::vector<Error>& errors) {
@@ -341,6 +340,10 @@ Error JoinErrors(const std::vector<Error>& errors) {
   for (std::size_t i = 1; i < errors.size(); ++i)
     joined.message += "\n" + errors[i].message;
   return joined;
+}
+
+Error JoinErrors(const std::vector<Finding>& findings) {
+  return JoinErrors(std::vector<Error>(findings.begin(), findings.end()));
 }
 
 }  // namespace intaglio

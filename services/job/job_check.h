@@ -10,12 +10,13 @@
 #include "engrave/core/result.h"
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"
+#include "services/job/findings.h"
 
 namespace intaglio {
 
 /// The job by itself: ranges, required fields, model files that are there. Fields that
 /// have a default may be absent.
-std::vector<Error> CheckJob(const JobSpec& job);
+std::vector<Finding> CheckJob(const JobSpec& job);
 
 /// The profile by itself.
 std::vector<Error> CheckMachine(const MachineSpec& machine);
@@ -28,14 +29,15 @@ std::vector<Error> CheckKinematics(const MachineSpec& machine);
 /// travel of the axes. The depth of the block takes as much z travel as the glass makes
 /// of it; without `stage_per_glass_ratio` (OpticalValuesRecord) only the block's top is
 /// looked at. Both are taken with their defaults filled in.
-std::vector<Error> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
-                                     std::optional<double> stage_per_glass_ratio = {});
+std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
+                                       std::optional<double> stage_per_glass_ratio = {});
 
-/// CheckMachine, CheckJob and CheckJobOnMachine together, at most one error a field.
-std::vector<Error> CheckAll(const JobSpec& job, const MachineSpec& machine,
-                            std::optional<double> stage_per_glass_ratio = {});
+/// CheckMachine, CheckJob and CheckJobOnMachine together, at most one of a job's field.
+std::vector<Finding> CheckAll(const JobSpec& job, const MachineSpec& machine,
+                              std::optional<double> stage_per_glass_ratio = {});
 
 /// All of them as one, one a line. Precondition: there is at least one.
 Error JoinErrors(const std::vector<Error>& errors);
+Error JoinErrors(const std::vector<Finding>& findings);
 
 }  // namespace intaglio

@@ -65,7 +65,7 @@ Result<FrozenJob> FreezeSubmission(std::span<const std::uint8_t> job_bytes,
     material = TakeOr(find_material(job.glass()), "glass", missing);
   if (machine && material)
     return FreezeJob(job, *machine, *material, {"", 0, "", software_version});
-  std::vector<Error> errors = machine ? CheckAll(job, *machine) : CheckJob(job);
+  std::vector<Finding> errors = machine ? CheckAll(job, *machine) : CheckJob(job);
   errors.insert(errors.end(), missing.begin(), missing.end());
   return tl::unexpected(JoinErrors(errors));
 }

@@ -176,6 +176,22 @@ TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
   EXPECT_THAT(refusal("--rate", "77"), HasSubstr("laser.rate_hz"));
 }
 
+// What the points were made from may be gone by then.
+TEST(JobOfPoints, IsCheckedWithoutItsModels) {
+  const fs::path file = test::FreshFolder() / "job.textproto";
+  std::ifstream in(kJob);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  text.replace(text.find("sample.obj"), 10, "gone.obj");
+  text.replace(text.find("../machines"), 11, INTAGLIO_SOURCE_DIR "/deploy/machines");
+  std::ofstream(file) << text;
+  EXPECT_THAT(RefusalOf({file.string()}), HasSubstr("gone.obj does not exist"));
+  const auto built = BuildJobOfPoints(Typed({file.string()}), {});
+  EXPECT_TRUE(built) << built.error().message;
+  const auto refused = BuildJobOfPoints(Typed({file.string(), "--rate", "77"}), {});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("laser.rate_hz"));
+}
+
 TEST(JobFlags, WithoutAnythingToEngraveSayWhatToName) {
   EXPECT_THAT(RefusalOf({}), HasSubstr("--mesh"));
   EXPECT_THAT(RefusalOf({"nowhere.textproto"}), HasSubstr("nowhere.textproto"));

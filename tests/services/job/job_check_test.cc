@@ -84,6 +84,26 @@ TEST(CheckJob, ErrorsCarryTheOffendingValue) {
   EXPECT_EQ(errors[0].value, "-1");
 }
 
+TEST(CheckJob, FindingsCarryTheirField) {
+  JobSpec job = GoodJob();
+  job.mutable_models(0)->set_file("/nowhere/cube.stl");
+  job.mutable_models(0)->mutable_placement()->set_fit_height_mm(2000);
+  job.mutable_block()->set_margin_mm(-1);
+  const auto found = CheckAll(job, GoodMachine(), kRatio);
+  ASSERT_EQ(found.size(), 3u);
+  std::vector<std::string> of_models, others;
+  for (const Finding& finding : found) {
+    EXPECT_THAT(finding.message, StartsWith(finding.field + ": "));
+    (Concerns(finding, "models") ? of_models : others).push_back(finding.field);
+  }
+  EXPECT_THAT(of_models, UnorderedElementsAre("models[0].placement.fit_height_mm",
+                                              "models[0].file"));
+  EXPECT_THAT(others, ElementsAre("block.margin_mm"));
+  EXPECT_TRUE(Concerns(Finding({}, "models"), "models"));
+  EXPECT_FALSE(Concerns(Finding({}, "models_of_others"), "models"));
+  EXPECT_FALSE(Concerns(Finding({}, "machine.models"), "models"));
+}
+
 struct Mistake {
   const char* path;
   const char* what;
