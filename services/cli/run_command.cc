@@ -12,9 +12,9 @@
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
-#include "services/cli/flags/clock_flags.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/flags/truth_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_options.h"
 #include "services/cli/progress_bar.h"
@@ -27,6 +27,7 @@
 #include "services/client/job_client.h"
 #include "services/client/proof_folder.h"
 #include "services/client/service_set.h"
+#include "services/client/virtual_truth.h"
 #include "services/job/options.h"
 
 namespace intaglio::cli {
@@ -47,9 +48,7 @@ struct RunOptions {
   bool lockstep = false;
   bool events = false;
   double speed = 1;
-  double clock_drift_ppm = 0;
-  double line_jitter_ms = 0;
-  double warm_up_s = -1;
+  TruthFlags truth;
   std::vector<std::string> faults;
   std::vector<std::string> without;
   bool record = true;
@@ -76,7 +75,9 @@ class RunSession {
 
  private:
   Status MakeFolders();
-  Result<client::ServiceSet> StartServices();
+  client::MountedDescription MountedParts() const;
+  Result<client::VirtualMachine> MachineOf() const;
+  Result<client::ServiceSet> StartServices(const client::VirtualMachine& machine);
   int Engrave(client::ServiceSet& services);
   int Follow(client::ServiceSet& services, client::JobClient& client,
              client::JobView job);
@@ -139,7 +140,24 @@ Status RunSession::MakeFolders() {
       out_.string());
 }
 
-Result<client::ServiceSet> RunSession::StartServices() {
+client::MountedDescription RunSession::MountedParts() const {
+  const Vector3& block = job_.job.block().size_mm();
+  return {Vec3(block.x(), block.y(), block.z()), optics_.refractive_index,
+          LensOf(job_.job)};
+}
+
+Result<client::VirtualMachine> RunSession::MachineOf() const {
+  client::VirtualMachine machine;
+  machine.truth = client::TruthOf(job_.machine, MountedParts());
+  if (auto changed = options_.truth.Change(machine.truth); !changed)
+    return tl::unexpected(changed.error());
+  machine.speed = options_.lockstep ? "lockstep" : fmt::format("{}", options_.speed);
+  machine.faults = options_.faults;
+  return machine;
+}
+
+Result<client::ServiceSet> RunSession::StartServices(
+    const client::VirtualMachine& machine) {
   client::ServiceSetOptions set;
   set.folder = session_;
   set.results = session_ / "jobs";
@@ -150,18 +168,7 @@ Result<client::ServiceSet> RunSession::StartServices() {
   set.bus = options_.bus;
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
-  client::VirtualMachine machine;
-  const Vector3& block = job_.job.block().size_mm();
-  machine.block_size_mm = Vec3(block.x(), block.y(), block.z());
-  machine.refractive_index = optics_.refractive_index;
-  machine.numerical_aperture = job_.job.lens().numerical_aperture();
-  set.mounted = {machine.block_size_mm, machine.refractive_index, LensOf(job_.job)};
-  machine.speed = options_.lockstep ? "lockstep" : fmt::format("{}", options_.speed);
-  machine.warm_up_s =
-      options_.warm_up_s >= 0 ? options_.warm_up_s : job_.machine.laser().warm_up_s();
-  machine.faults = options_.faults;
-  machine.clock_drift_ppm = options_.clock_drift_ppm;
-  machine.line_jitter_ms = options_.line_jitter_ms;
+  set.mounted = MountedParts();
   HandOnSizeLimits(options_.job.size_limits);
   return client::ServiceSet::Start(set, &machine);
 }
@@ -170,7 +177,9 @@ int RunSession::Run() {
   for (const std::string& note : job_.notes) std::cerr << note << "\n";
   if (auto made = MakeFolders(); !made)
     return Complain(made.error(), client::kExitWrongInput);
-  auto services = StartServices();
+  const auto machine = MachineOf();
+  if (!machine) return Complain(machine.error(), client::kExitWrongInput);
+  auto services = StartServices(*machine);
   if (!services) return Complain(services.error(), client::kExitInternal);
   try {
     return Engrave(*services);
@@ -374,10 +383,7 @@ void AddRunCommand(command_line::Command app) {
   run.AddOption("--speed", options->speed, "machine time against real time")
       .Within(0.01, 1000.0)
       .Exclude(lockstep);
-  AddClockFlags(run, options->clock_drift_ppm, options->line_jitter_ms);
-  run.AddOption("--warm-up", options->warm_up_s,
-                "lamp warm-up, s, instead of the profile's")
-      .Within(0.0, 3600.0);
+  AddTruthFlags(run, options->truth);
   run.AddOption("--fault", options->faults,
                 "let the machine misbehave: \"AT_TICK COMMAND\" (docs/protocols.md)");
   run.AddFlag("--record,!--no-record", options->record,

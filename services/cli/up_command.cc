@@ -12,7 +12,7 @@
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
-#include "services/cli/flags/clock_flags.h"
+#include "services/cli/flags/truth_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_options.h"
 #include "services/cli/mounted.h"
@@ -20,6 +20,7 @@
 #include "services/client/folder_lock.h"
 #include "services/client/job_client.h"
 #include "services/client/service_set.h"
+#include "services/client/virtual_truth.h"
 #include "services/job/job_file.h"
 #include "services/platform/host/utc_time.h"
 
@@ -44,22 +45,19 @@ struct UpOptions {
   bool lockstep = false;
   bool record = false;
   double speed = 1;
-  double clock_drift_ppm = 0;
-  double line_jitter_ms = 0;
+  TruthFlags truth;
   MountFlags mount;
 };
 
-client::VirtualMachine MachineOf(const UpOptions& options, const MachineSpec& machine,
-                                 const client::MountedDescription& mounted) {
+Result<client::VirtualMachine> MachineOf(const UpOptions& options,
+                                         const MachineSpec& machine,
+                                         const client::MountedDescription& mounted) {
   client::VirtualMachine virtual_machine;
-  virtual_machine.block_size_mm = mounted.block_size_mm.value();
-  virtual_machine.refractive_index = mounted.refractive_index.value();
-  virtual_machine.numerical_aperture = mounted.lens.value().numerical_aperture;
+  virtual_machine.truth = client::TruthOf(machine, mounted);
+  if (auto changed = options.truth.Change(virtual_machine.truth); !changed)
+    return tl::unexpected(changed.error());
   virtual_machine.speed =
       options.lockstep ? "lockstep" : fmt::format("{}", options.speed);
-  virtual_machine.warm_up_s = machine.laser().warm_up_s();
-  virtual_machine.clock_drift_ppm = options.clock_drift_ppm;
-  virtual_machine.line_jitter_ms = options.line_jitter_ms;
   return virtual_machine;
 }
 
@@ -143,7 +141,9 @@ int Up(const UpOptions& options) {
   }
   std::optional<client::VirtualMachine> virtual_machine;
   if (!options.real_machine) {
-    virtual_machine = MachineOf(options, *machine, mounted->description);
+    auto made = MachineOf(options, *machine, mounted->description);
+    if (!made) return Complain(made.error(), client::kExitWrongInput);
+    virtual_machine = std::move(*made);
   }
   auto services =
       client::ServiceSet::Start(set, virtual_machine ? &*virtual_machine : nullptr);
@@ -193,7 +193,7 @@ void AddUpCommand(command_line::Command app) {
   up.AddOption("--speed", options->speed, "virtual machine's time against real time")
       .Within(0.01, 1000.0)
       .Exclude(lockstep);
-  AddClockFlags(up, options->clock_drift_ppm, options->line_jitter_ms);
+  AddTruthFlags(up, options->truth);
   AddMountFlags(up, options->mount);
   up.SetFooter(
       "Example: intaglio up --folder shop --block 60 60 40, and from another terminal: "

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "services/job/job_file.h"
-#include "services/job/machine/machine_axes.h"
 #include "services/platform/command_line/other_programs.h"
+#include "services/virtual_engraver/truth/truth_file.h"
 
 namespace intaglio::client {
 namespace {
@@ -19,14 +19,6 @@ constexpr auto kReadyTimeout = 30s;
 constexpr auto kLinesTimeout = 10s;
 
 std::string Triple(const Vec3& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
-
-std::string RatesOf(const MachineSpec& machine) {
-  std::string text;
-  for (const double rate : machine.laser().rates_hz()) {
-    text += (text.empty() ? "" : ",") + fmt::format("{}", rate);
-  }
-  return text;
-}
 
 std::vector<std::string> ArgumentsOf(const MountedDescription& mounted) {
   std::vector<std::string> arguments;
@@ -41,22 +33,6 @@ std::vector<std::string> ArgumentsOf(const MountedDescription& mounted) {
                               mounted.lens->numerical_aperture));
   }
   return arguments;
-}
-
-std::string GuideText(const machine::LinearAxis& axis) {
-  return std::string(axis.reversed ? "-" : "") + (axis.moves_table ? "block" : "head");
-}
-
-/// What the virtual engraver's axes carry: those of the profile.
-std::string PositionerText(const MachineSpec& spec) {
-  const machine::KinematicsOptions kinematics = KinematicsOptionsOf(spec);
-  if (const auto* polar = std::get_if<machine::PolarOptions>(&kinematics)) {
-    return fmt::format("arm,{},{},{}", polar->axis_distance_mm, polar->arm_length_mm,
-                       GuideText(polar->z));
-  }
-  const auto& linear = std::get<machine::CartesianOptions>(kinematics);
-  return fmt::format("{},{},{}", GuideText(linear.x), GuideText(linear.y),
-                     GuideText(linear.z));
 }
 
 struct Expected {
@@ -138,58 +114,16 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   const fs::path laser = options.folder / "laser", motion = options.folder / "motion";
   panel_ = options.folder / "panel";
   glass_record_ = options.folder / "glass.rec";
-  const auto& axes = machine_;
-  const Vec3 origin(axes.block_origin_mm().x(), axes.block_origin_mm().y(),
-                    axes.block_origin_mm().z());
-  const Box3 travel = AxisLimitsOf(axes).travel_mm;
+  const fs::path truth = options.folder / "truth.textproto";
+  if (auto written = WriteTruthFile(truth, machine.truth); !written) return written;
   ChildProcess::Command command{"virtual-engraver",
                                 command_line::ProgramFolder() / "virtual-engraver",
                                 {},
                                 options.folder / "virtual-engraver.log"};
-  command.arguments = {"--laser-line",
-                       laser.string(),
-                       "--motion-line",
-                       motion.string(),
-                       "--panel",
-                       panel_.string(),
-                       "--glass-record",
-                       glass_record_.string(),
-                       "--rates",
-                       RatesOf(axes),
-                       "--warm-up",
-                       fmt::format("{}", machine.warm_up_s),
-                       "--travel-min",
-                       Triple(travel.min_mm),
-                       "--travel-max",
-                       Triple(travel.max_mm),
-                       "--positioner=" + PositionerText(axes),
-                       "--stage-lag",
-                       fmt::format("{}", axes.stage_lag_s()),
-                       "--position-tolerance-um",
-                       fmt::format("{}", axes.position_tolerance_um()),
-                       "--block-size",
-                       Triple(machine.block_size_mm),
-                       "--block-origin",
-                       Triple(origin),
-                       "--refractive-index",
-                       fmt::format("{}", machine.refractive_index),
-                       "--na",
-                       fmt::format("{}", machine.numerical_aperture),
-                       "--channels",
-                       fmt::format("{}", axes.laser().channels()),
-                       "--speed",
-                       machine.speed,
-                       "--clock-drift-ppm",
-                       fmt::format("{}", machine.clock_drift_ppm),
-                       "--line-jitter-ms",
-                       fmt::format("{}", machine.line_jitter_ms)};
-  // The virtual controllers are those that the profile names.
-  const std::pair<const char*, const SerialLine&> lines[] = {
-      {"--laser-serial", axes.laser_line()}, {"--motion-serial", axes.motion_line()}};
-  for (const auto& [option, line] : lines) {
-    if (!line.has_serial_number()) continue;
-    command.arguments.insert(command.arguments.end(), {option, line.serial_number()});
-  }
+  command.arguments = {
+      "--truth",        truth.string(),         "--laser-line", laser.string(),
+      "--motion-line",  motion.string(),        "--panel",      panel_.string(),
+      "--glass-record", glass_record_.string(), "--speed",      machine.speed};
   for (const std::string& fault : machine.faults) {
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "engrave/core/geometry.h"
 #include "proto/machine.pb.h"
+#include "proto/truth.pb.h"
 #include "services/client/child_process.h"
 #include "services/client/job_client.h"
 #include "services/client/kept_process.h"
@@ -20,17 +20,11 @@
 
 namespace intaglio::client {
 
-/// The block in the virtual engraver, and how it behaves.
+/// The virtual engraver and how it behaves.
 struct VirtualMachine {
-  Vec3 block_size_mm = Vec3::Constant(100);
-  double refractive_index = 1.5;
-  double numerical_aperture = 0.1;
+  MachineTruth truth;               ///< see virtual_truth.h
   std::string speed = "1";          ///< "1", "N" (times real time) or "lockstep"
   std::vector<std::string> faults;  ///< "AT_TICK COMMAND", as --fault of virtual-engraver
-  double warm_up_s = 30;
-  double clock_drift_ppm =
-      0;  ///< of the stage controller's own clock; 0: the lamp's ticks
-  double line_jitter_ms = 0;  ///< of both serial lines
 };
 
 struct ServiceSetOptions {

@@ -165,8 +165,8 @@ std::string Commands::DoWords(const std::vector<std::string>& words) {
     }
     OwnClock* own = machine_.stage().own_clock();
     if (own == nullptr) {
-      return "error the stage runs on the laser's ticks: start the machine with "
-             "--clock-drift-ppm";
+      return "error the stage counts the laser's ticks: give it a clock of its own by "
+             "stage.clock_drift_ppm in the truth file";
     }
     own->SetDrift(*drift_ppm);
     return "ok";

@@ -200,7 +200,7 @@ void Machine::Fire(std::uint8_t channels) {
       continue;
     }
     const Focus focus =
-        TraceFocus(FocusAt(options_.positioner, stage_.actual_mm()), options_.block);
+        TraceFocus(FocusAt(options_.positioner, stage_.place_mm()), options_.block);
     glass_.Add({laser_.tick(), focus.position_mm, options_.pulse_energy_mj, channel,
                 focus.in_glass});
     seen = seen && focus.in_glass;

@@ -6,10 +6,8 @@
 // cracks in the wrong place.
 
 #include <array>
-#include <string>
 
 #include "engrave/core/geometry.h"
-#include "engrave/core/result.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -31,11 +29,6 @@ struct PositionerOptions {
   double pivot_distance_mm = 0;  ///< > 0 with an arm
   double arm_length_mm = 0;      ///< from its pivot to the beam, > 0 with an arm
 };
-
-/// `text` is "X,Y,Z" of guides, or "arm,PIVOT_DISTANCE_MM,ARM_LENGTH_MM,Z". A guide is
-/// head or block, with a - before it when it is backwards: "block,-block,head". Empty:
-/// the head on all three. kInvalidValue names the part that is wrong.
-Result<PositionerOptions> ParsePositioner(const std::string& text);
 
 /// Where the focus would be in air, in the frame that goes with the block, mm. `axes`:
 /// mm, or rad of arm and turntable.

@@ -4,11 +4,6 @@
 #include <cmath>
 #include <utility>
 
-// Lag. An axis follows its command u with x' = (u - x) / tau. For a cubic u the
-// particular solution is q = u - tau u' + tau^2 u'' - tau^3 u''' (insert it: q + tau q' =
-// u, as the fourth derivative is zero), so over any piece of a cubic the exact state is
-//   x(t) = q(t) + (x(t0) - q(t0)) exp(-(t - t0) / tau).
-
 namespace intaglio::virtual_engraver {
 namespace {
 
@@ -33,9 +28,13 @@ constexpr double kGateTickRatio = 0.25;
 
 }  // namespace
 
-Stage::Stage(const StageOptions& options) : options_(options) {
-  commanded_mm_ = actual_mm_ = knot_mm_ =
-      Vec3::Zero().cwiseMax(options.travel_min_mm).cwiseMin(options.travel_max_mm);
+Stage::Stage(const StageOptions& options)
+    : options_(options),
+      knot_mm_(
+          Vec3::Zero().cwiseMax(options.travel_min_mm).cwiseMin(options.travel_max_mm)),
+      commanded_mm_(knot_mm_),
+      mechanics_(options.lag_s, options.second_order, knot_mm_),
+      repeatability_(options.repeatability_mm, options.repeatability_seed) {
   if (!options.own_clock) return;
   own_clock_.emplace(*options.own_clock);
   now_units_ = own_clock_->now_ns();
@@ -128,16 +127,11 @@ void Stage::Reset() {
   if (phase_ == Phase::kRest) fault_ = StageFault::kNone;
 }
 
-void Stage::Stick(int axis) {
-  for (int i = 0; i < 3; ++i) {
-    if (axis < 0 || axis == i) stuck_[static_cast<std::size_t>(i)] = true;
-  }
-}
-
 // The command brakes along its direction with constant acceleration: one cubic whose
 // end lies half the braking time ahead.
 void Stage::Brake(StageFault fault) {
   if (fault_ == StageFault::kNone) fault_ = fault;
+  repeatability_.LeaveAt(DoneRatio());
   queue_.clear();
   queued_units_ = in_piece_units_ = 0;
   passed_ = {};
@@ -171,37 +165,31 @@ bool Stage::MayPass(double rate_hz) const {
          queued_units_ - in_piece_units_ >= next - std::max(now_units_, start_units_);
 }
 
-Stage::Curve Stage::CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
+CubicCommand Stage::CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
                             const Vec3& v1, double duration_s) {
   const Vec3 mean = (p1 - p0) / duration_s;
   return {p0, v0, (3 * mean - 2 * v0 - v1) / duration_s,
           (v0 + v1 - 2 * mean) / (duration_s * duration_s)};
 }
 
-void Stage::FollowCurve(const Curve& curve, double from_s, double to_s) {
-  const double tau = options_.lag_s;
-  const auto command = [&](double s) {
-    return Vec3(curve.p + s * (curve.v + s * (curve.c2 + s * curve.c3)));
-  };
-  const auto speed = [&](double s) {
-    return Vec3(curve.v + s * (2 * curve.c2 + 3 * s * curve.c3));
-  };
-  const auto particular = [&](double s) {
-    return Vec3(command(s) - tau * speed(s) +
-                tau * tau * (2 * curve.c2 + 6 * s * curve.c3) -
-                6 * tau * tau * tau * curve.c3);
-  };
-  commanded_mm_ = command(to_s);
-  commanded_mm_s_ = speed(to_s);
-  const double fade = tau > 0 ? std::exp(-(to_s - from_s) / tau) : 0;
-  const Vec3 next = particular(to_s) + fade * (actual_mm_ - particular(from_s));
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!stuck_[static_cast<std::size_t>(axis)]) actual_mm_[axis] = next[axis];
-  }
+void Stage::FollowCurve(const CubicCommand& curve, double from_s, double to_s) {
+  commanded_mm_ = curve.At(to_s);
+  commanded_mm_s_ = curve.SpeedAt(to_s);
+  mechanics_.Follow(curve, from_s, to_s);
+}
+
+double Stage::DoneRatio() const {
+  if (in_piece_units_ == 0) return 0;
+  return static_cast<double>(in_piece_units_) / static_cast<double>(queue_.front().units);
+}
+
+Vec3 Stage::place_mm() const {
+  return actual_mm() + repeatability_.DeviationMm(DoneRatio());
 }
 
 void Stage::FinishPiece() {
   const Piece piece = queue_.front();
+  repeatability_.PassEnd();
   queue_.pop_front();
   queued_units_ -= piece.units;
   in_piece_units_ = 0;
@@ -223,8 +211,8 @@ std::uint64_t Stage::FollowQueue(std::uint64_t left) {
   while (left > 0 && !queue_.empty()) {
     const Piece& piece = queue_.front();
     const std::uint64_t step = std::min(left, piece.units - in_piece_units_);
-    const Curve curve = CurveOf(knot_mm_, knot_mm_s_, piece.end_mm, piece.end_mm_s,
-                                static_cast<double>(piece.units) * unit_s_);
+    const CubicCommand curve = CurveOf(knot_mm_, knot_mm_s_, piece.end_mm, piece.end_mm_s,
+                                       static_cast<double>(piece.units) * unit_s_);
     const double from_s = static_cast<double>(in_piece_units_) * unit_s_;
     FollowCurve(curve, from_s, from_s + static_cast<double>(step) * unit_s_);
     in_piece_units_ += step;
@@ -277,7 +265,7 @@ void Stage::AdvanceTick(double rate_hz) {
     if (executing) Latch();
   }
   in_position_ = GateIsOn();
-  const double error = AtFocus(commanded_mm_ - actual_mm_).cwiseAbs().maxCoeff();
+  const double error = AtFocus(commanded_mm_ - actual_mm()).cwiseAbs().maxCoeff();
   following_error_max_mm_ = std::max(following_error_max_mm_, error);
   if (error > options_.following_error_limit_mm && fault_ == StageFault::kNone) {
     Fail(StageFault::kFollowingError);
@@ -285,14 +273,15 @@ void Stage::AdvanceTick(double rate_hz) {
 }
 
 // With a clock of its own it is not the tick that decides between two places of a moving
-// stage, so the place is taken as exactly as it is known.
+// stage, so the place is taken as exactly as it is known. So it is with second-order
+// mechanics, whose lag is many times the tolerance.
 Vec3 Stage::PlaceOf(const Piece& piece) const {
-  if (!own_clock_) return piece.end_mm;
-  return piece.end_mm - options_.lag_s * piece.end_mm_s;
+  if (!own_clock_ && !options_.second_order) return piece.end_mm;
+  return piece.end_mm - mechanics_.velocity_lag_s() * piece.end_mm_s;
 }
 
 bool Stage::IsAt(const Vec3& place_mm) const {
-  return AtFocus(actual_mm_ - place_mm).norm() <= options_.position_tolerance_mm;
+  return AtFocus(actual_mm() - place_mm).norm() <= options_.position_tolerance_mm;
 }
 
 bool Stage::GateIsOn() const {
@@ -319,7 +308,7 @@ void Stage::Latch() {
     latched_.push_back({run_, tick_, {}});
   }
   latched_.back().positions.push_back(
-      {ToNm(actual_mm_.x()), ToNm(actual_mm_.y()), ToNm(actual_mm_.z())});
+      {ToNm(actual_mm().x()), ToNm(actual_mm().y()), ToNm(actual_mm().z())});
 }
 
 void Stage::LatchAt(const OwnClock::Heard& heard) {
@@ -329,7 +318,7 @@ void Stage::LatchAt(const OwnClock::Heard& heard) {
     timed_latched_.push_back({run_, heard.tick, {}});
   }
   timed_latched_.back().positions.push_back(
-      {heard.at_ns, ToNm(actual_mm_.x()), ToNm(actual_mm_.y()), ToNm(actual_mm_.z())});
+      {heard.at_ns, ToNm(actual_mm().x()), ToNm(actual_mm().y()), ToNm(actual_mm().z())});
 }
 
 std::vector<link::TimedPositions> Stage::TakeTimedPositions() {
@@ -343,9 +332,9 @@ std::vector<link::Positions> Stage::TakePositions() {
 link::MotionStatus Stage::Report() {
   link::MotionStatus status;
   status.tick = own_clock_ ? heard_tick_ : tick_;
-  status.x_nm = ToNm(actual_mm_.x());
-  status.y_nm = ToNm(actual_mm_.y());
-  status.z_nm = ToNm(actual_mm_.z());
+  status.x_nm = ToNm(actual_mm().x());
+  status.y_nm = ToNm(actual_mm().y());
+  status.z_nm = ToNm(actual_mm().z());
   status.vx_nm_s = ToNm(commanded_mm_s_.x());
   status.vy_nm_s = ToNm(commanded_mm_s_.y());
   status.vz_nm_s = ToNm(commanded_mm_s_.z());

@@ -14,7 +14,6 @@
 //
 // Not thread-safe; time is what AdvanceTick says.
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -23,14 +22,19 @@
 
 #include "engrave/core/geometry.h"
 #include "services/platform/link/motion_protocol.h"
+#include "services/virtual_engraver/mechanics.h"
 #include "services/virtual_engraver/own_clock.h"
+#include "services/virtual_engraver/repeatability.h"
 
 namespace intaglio::virtual_engraver {
 
 struct StageOptions {
   Vec3 travel_min_mm = Vec3::Zero();
   Vec3 travel_max_mm = Vec3::Constant(170);
-  double lag_s = 0.0002;                ///< first order, each axis; 0: none
+  double lag_s = 0.0002;  ///< first order, each axis; 0: none
+  std::optional<SecondOrderOptions> second_order = {};  ///< in place of the lag
+  double repeatability_mm = 0;  ///< of every place it goes to, each axis
+  unsigned repeatability_seed = 0;
   double position_tolerance_mm = 0.01;  ///< of the in-position output, distance
   /// How far the focus goes for a unit of each axis: what is in rad is compared in mm.
   Vec3 focus_per_axis_unit_mm = Vec3::Ones();
@@ -56,8 +60,8 @@ class Stage {
   void Fail(link::StageFault fault) { Brake(fault); }
   void Reset();
   /// An axis that does not move any more (-1: all of them), until Unstick.
-  void Stick(int axis);
-  void Unstick() { stuck_ = {false, false, false}; }
+  void Stick(int axis) { mechanics_.Stick(axis); }
+  void Unstick() { mechanics_.Unstick(); }
 
   /// Whether the tick after the present one may pass in lockstep: motion for it is here,
   /// or none is to come. It will last 1 / rate_hz.
@@ -66,10 +70,14 @@ class Stage {
   void AdvanceTick(double rate_hz);
 
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
-  /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick, and where
-  /// the stage is to be is the end less its lag times its velocity there.
+  /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick. There, and
+  /// with second-order mechanics, where the stage is to be is the end less its lag times
+  /// its velocity there.
   bool in_position() const { return in_position_; }
-  const Vec3& actual_mm() const { return actual_mm_; }
+  /// As its encoders measure it.
+  const Vec3& actual_mm() const { return mechanics_.actual_mm(); }
+  /// Where it is: the actual position and what its repeatability adds to it.
+  Vec3 place_mm() const;
   bool running() const { return phase_ != Phase::kRest; }
   link::StageFault fault() const { return fault_; }
   link::MotionStatus Report();
@@ -82,9 +90,6 @@ class Stage {
 
  private:
   enum class Phase { kRest, kRunning, kBraking };
-  struct Curve {  // from a knot: p + v s + c2 s^2 + c3 s^3, s seconds
-    Vec3 p = Vec3::Zero(), v = Vec3::Zero(), c2 = Vec3::Zero(), c3 = Vec3::Zero();
-  };
   /// What is queued; times in units: subticks, or ns of the controller's own clock.
   struct Piece {
     Vec3 end_mm = Vec3::Zero(), end_mm_s = Vec3::Zero();
@@ -96,19 +101,21 @@ class Stage {
     std::uint64_t at_units = 0;
     bool pulse = false;
   };
-  static Curve CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1, const Vec3& v1,
-                       double duration_s);
+  /// From a knot.
+  static CubicCommand CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
+                              const Vec3& v1, double duration_s);
   bool Refuses(bool timed);
   void Start(std::uint32_t run, std::uint64_t start_units);
   bool TakesSegments(std::uint32_t run, std::uint64_t first_number, std::size_t count);
   bool Queue(const Piece& piece);
   void Brake(link::StageFault fault);
-  void FollowCurve(const Curve& curve, double from_s, double to_s);
+  void FollowCurve(const CubicCommand& curve, double from_s, double to_s);
   /// At most `units`; what the queue did not cover is returned.
   std::uint64_t FollowQueue(std::uint64_t units);
   void AdvanceTo(std::uint64_t units);
   void AdvanceOwnClock();
   void FinishPiece();
+  double DoneRatio() const;
   bool GateIsOn() const;
   Vec3 PlaceOf(const Piece& piece) const;
   bool IsAt(const Vec3& place_mm) const;
@@ -137,8 +144,8 @@ class Stage {
   Knot passed_;                       // the last one of this run
   Vec3 knot_mm_ = Vec3::Zero(), knot_mm_s_ = Vec3::Zero();
   Vec3 commanded_mm_ = Vec3::Zero(), commanded_mm_s_ = Vec3::Zero();
-  Vec3 actual_mm_ = Vec3::Zero();
-  std::array<bool, 3> stuck_ = {false, false, false};
+  Mechanics mechanics_;
+  Repeatability repeatability_;
   bool in_position_ = false;
   double following_error_max_mm_ = 0;
   std::vector<link::Positions> latched_;

@@ -155,37 +155,21 @@ std::vector<std::string> ShopFloor::ArgumentsOf(const std::string& service) cons
 }
 
 void ShopFloor::StartMachine() {
+  std::ofstream(folder_ / "truth.textproto")
+      << "stage { travel_min_mm { x: -2 y: -2 z: -2 }\n"
+         "        travel_max_mm { x: 172 y: 172 z: 172 }\n"
+         "        first_order_lag_s: 0.0002 position_tolerance_um: 30 }\n"
+         "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] warm_up_s: 0.5 channels: 4 "
+         "}\n"
+         "block { size_mm { x: 50 y: 50 z: 30 } refractive_index: 1.5195\n"
+         "        numerical_aperture: 0.2 }\n";
   running_["machine"] = std::make_unique<Running>(
       Program("virtual-engraver"),
-      std::vector<std::string>{"--laser-line",
-                               (folder_ / kLaser).string(),
-                               "--motion-line",
-                               (folder_ / kMotion).string(),
-                               "--panel",
-                               (folder_ / "panel").string(),
-                               "--glass-record",
-                               (folder_ / "glass.rec").string(),
-                               "--rates",
-                               "1,2,5,10,25,50,100,200",
-                               "--warm-up",
-                               "0.5",
-                               "--travel-min",
-                               "-2,-2,-2",
-                               "--travel-max",
-                               "172,172,172",
-                               "--stage-lag",
-                               "0.0002",
-                               "--position-tolerance-um",
-                               "30",
-                               "--block-size",
-                               "50,50,30",
-                               "--refractive-index",
-                               "1.5195",
-                               "--na",
-                               "0.2",
-                               "--channels",
-                               "4",
-                               "--speed",
+      std::vector<std::string>{"--truth", (folder_ / "truth.textproto").string(),
+                               "--laser-line", (folder_ / kLaser).string(),
+                               "--motion-line", (folder_ / kMotion).string(), "--panel",
+                               (folder_ / "panel").string(), "--glass-record",
+                               (folder_ / "glass.rec").string(), "--speed",
                                fmt::format("{}", options_.machine_speed)},
       folder_ / "machine.log");
   Eventually([&] { return fs::exists(folder_ / kMotion); }, 5s);

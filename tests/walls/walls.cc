@@ -56,11 +56,12 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"engrave/*", "proto", "services/job", "services/job/methods"}},
     {"services/client",
      {"engrave/*", "proto", "idl", "services/job", "services/job/models",
-      "services/platform/*", "services/history"}},
+      "services/platform/*", "services/history", "services/virtual_engraver/truth"}},
     {"services/cli",
      {"engrave/*", "materials_db", "proto", "idl", "services/client", "services/job",
       "services/job/methods", "services/job/models", "services/platform/*",
-      "services/history", "services/mesh_reader", "services/replayer"}},
+      "services/history", "services/mesh_reader", "services/replayer",
+      "services/virtual_engraver/truth"}},
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/job", "services/job/models",
       "services/platform/*", "services/history", "services/mesh_reader"}},
@@ -73,8 +74,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // A library that reads the job service's database; below client, above platform.
     {"services/history", {"engrave/core", "idl", "proto", "services/platform/host"}},
     {"services/virtual_engraver",
-     {"engrave/core", "engrave/formats", "services/platform/command_line",
-      "services/platform/link"}},
+     {"engrave/core", "engrave/formats", "proto", "services/platform/command_line",
+      "services/platform/link", "services/virtual_engraver/truth"}},
+    {"services/virtual_engraver/truth", {"engrave/core", "engrave/io", "proto"}},
 };
 
 // Headers of libraries that have to stay in one place.

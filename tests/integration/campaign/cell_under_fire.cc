@@ -64,37 +64,20 @@ CellUnderFire::CellUnderFire(fs::path folder, std::string tag, const std::string
 }
 
 void CellUnderFire::StartMachine(const fs::path& glass) {
-  machine_ =
-      std::make_unique<Running>(Program("virtual-engraver"),
-                                std::vector<std::string>{"--laser-line",
-                                                         (folder_ / "laser").string(),
-                                                         "--motion-line",
-                                                         (folder_ / "motion").string(),
-                                                         "--panel",
-                                                         (folder_ / "panel").string(),
-                                                         "--glass-record",
-                                                         glass.string(),
-                                                         "--rates",
-                                                         "1,50,100,200",
-                                                         "--warm-up",
-                                                         "0",
-                                                         "--travel-min",
-                                                         "-2,-2,-2",
-                                                         "--travel-max",
-                                                         "172,172,172",
-                                                         "--position-tolerance-um",
-                                                         "30",
-                                                         "--block-size",
-                                                         "50,50,30",
-                                                         "--refractive-index",
-                                                         "1.51947",
-                                                         "--na",
-                                                         "0.2",
-                                                         "--channels",
-                                                         "4",
-                                                         "--speed",
-                                                         speed_},
-                                folder_ / "machine.log");
+  std::ofstream(folder_ / "truth.textproto")
+      << "stage { travel_min_mm { x: -2 y: -2 z: -2 }\n"
+         "        travel_max_mm { x: 172 y: 172 z: 172 } position_tolerance_um: 30 }\n"
+         "laser { rates_hz: [1, 50, 100, 200] warm_up_s: 0 channels: 4 }\n"
+         "block { size_mm { x: 50 y: 50 z: 30 } refractive_index: 1.51947\n"
+         "        numerical_aperture: 0.2 }\n";
+  machine_ = std::make_unique<Running>(
+      Program("virtual-engraver"),
+      std::vector<std::string>{"--truth", (folder_ / "truth.textproto").string(),
+                               "--laser-line", (folder_ / "laser").string(),
+                               "--motion-line", (folder_ / "motion").string(), "--panel",
+                               (folder_ / "panel").string(), "--glass-record",
+                               glass.string(), "--speed", speed_},
+      folder_ / "machine.log");
   Eventually([this] { return fs::exists(folder_ / "motion"); }, 10s);
 }
 

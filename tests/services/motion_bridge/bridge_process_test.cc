@@ -38,7 +38,9 @@ class BridgeProcess : public ::testing::Test {
  protected:
   BridgeProcess()
       : folder_(test::FreshFolder()),
-        engraver_(folder_, {"--travel-min", "-2,-2,-2", "--travel-max", "172,172,172"}),
+        engraver_(folder_,
+                  "stage { travel_min_mm { x: -2 y: -2 z: -2 }"
+                  "        travel_max_mm { x: 172 y: 172 z: 172 } }"),
         bus_(test::PrivateBusOptions(kCell)),
         batches_(bus_, bus::kMotionSegmentBatch, kCell),
         stops_(bus_, bus::kEmergencyStop, kCell),

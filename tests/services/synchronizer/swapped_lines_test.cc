@@ -50,9 +50,11 @@ class Cell {
         reports_(bus_, bus::kTaskStatus),
         states_(bus_, bus::kMotionState, name),
         interlocks_(bus_, bus::kInterlock, name),
-        engraver_(folder_, {"--rates", "100,200", "--travel-min", "-2,-2,-2",
-                            "--travel-max", "172,172,172", "--laser-serial", Laser(),
-                            "--motion-serial", Stage()}) {}
+        engraver_(folder_, "laser { rates_hz: [100, 200] serial_number: '" + Laser() +
+                               "' } stage { travel_min_mm { x: -2 y: -2 z: -2 }"
+                               " travel_max_mm { x: 172 y: 172 z: 172 }"
+                               " serial_number: '" +
+                               Stage() + "' }") {}
 
   std::string Laser() const { return "laser of " + name_; }
   std::string Stage() const { return "stage of " + name_; }

@@ -37,8 +37,10 @@ class SynchronizerProcess : public ::testing::Test {
  protected:
   SynchronizerProcess()
       : folder_(test::FreshFolder()),
-        engraver_(folder_, {"--rates", "1,2,5,10,25,50,100,200", "--travel-min",
-                            "-2,-2,-2", "--travel-max", "172,172,172"}),
+        engraver_(folder_,
+                  "laser { rates_hz: [1, 2, 5, 10, 25, 50, 100, 200] }"
+                  "stage { travel_min_mm { x: -2 y: -2 z: -2 }"
+                  "        travel_max_mm { x: 172 y: 172 z: 172 } }"),
         bus_(test::PrivateBusOptions(kCell)),
         interlocks_(bus_, bus::kInterlock, kCell) {}
 

@@ -9,28 +9,34 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <fstream>
+
 #include "services/platform/link/serial_port.h"
+#include "services/virtual_engraver/truth/truth_file.h"
 #include "tests/patience.h"
 
 namespace intaglio::virtual_engraver {
 namespace {
 
+constexpr const char* kPlain =
+    "stage { first_order_lag_s: 0 } laser { warm_up_s: 0 } block { refractive_index: 1 }";
+
 std::vector<std::string> Arguments(const std::filesystem::path& folder,
+                                   const std::string& truth_text,
                                    const std::vector<std::string>& more) {
-  std::vector<std::string> all = {"--laser-line",
-                                  folder / "laser",
-                                  "--motion-line",
-                                  folder / "motion",
-                                  "--glass-record",
-                                  folder / "glass.rec",
-                                  "--panel",
-                                  folder / "panel",
-                                  "--warm-up",
-                                  "0",
-                                  "--stage-lag",
-                                  "0",
-                                  "--refractive-index",
-                                  "1"};
+  const std::filesystem::path file = folder / "truth.textproto";
+  auto truth = ParseTruth(kPlain, "plain").value();
+  if (const auto changes = ParseTruth(truth_text, "changes")) {
+    Replace(*changes, truth);
+    (void)WriteTruthFile(file, truth);
+  } else {
+    std::ofstream(file) << truth_text;
+  }
+  std::vector<std::string> all = {"--truth",        file,
+                                  "--laser-line",   folder / "laser",
+                                  "--motion-line",  folder / "motion",
+                                  "--glass-record", folder / "glass.rec",
+                                  "--panel",        folder / "panel"};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -59,10 +65,11 @@ link::StreamOpener SerialPort(const std::string& device) {
 }  // namespace
 
 EngraverProcess::EngraverProcess(const std::filesystem::path& folder,
+                                 const std::string& truth,
                                  const std::vector<std::string>& more_options)
     : folder_(folder),
       program_(intaglio::testing::Program("virtual-engraver"),
-               Arguments(folder, more_options), folder / "engraver.log") {}
+               Arguments(folder, truth, more_options), folder / "engraver.log") {}
 
 bool EngraverProcess::AwaitReady() {
   return intaglio::testing::Eventually(

@@ -16,12 +16,16 @@ namespace intaglio::virtual_engraver {
 /// The engraver; killed with its holder. Warm at once, no lag, no refraction.
 class EngraverProcess {
  public:
-  /// Its lines, panel and record lie in `folder`.
-  EngraverProcess(const std::filesystem::path& folder,
-                  const std::vector<std::string>& more_options);
+  /// Its lines, panel, record and truth file lie in `folder`. What `truth`, the text of a
+  /// truth file, sets replaces what it is otherwise; a text that is no truth is its truth
+  /// file as it is.
+  explicit EngraverProcess(const std::filesystem::path& folder,
+                           const std::string& truth = {},
+                           const std::vector<std::string>& more_options = {});
 
   std::string laser_line() const { return (folder_ / "laser").string(); }
   std::string motion_line() const { return (folder_ / "motion").string(); }
+  std::filesystem::path truth_file() const { return folder_ / "truth.textproto"; }
   std::filesystem::path record_file() const { return folder_ / "glass.rec"; }
   intaglio::testing::Running& program() { return program_; }
 

@@ -2,6 +2,7 @@
 
 #include "tests/services/virtual_engraver/engraver_process.h"
 
+#include <gmock/gmock.h>
 #include <signal.h>
 
 #include "tests/services/virtual_engraver/stage_path.h"
@@ -13,6 +14,7 @@ namespace {
 using intaglio::testing::Eventually;
 using link::LaserFrame;
 using link::MotionFrame;
+using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 using namespace std::string_literals;
 
@@ -21,7 +23,7 @@ link::ArmWindow AllFrom(std::uint64_t first_tick, std::size_t count, bool gated 
 }
 
 TEST(EngraverProcess, EngravesAShortJobOverItsLines) {
-  EngraverProcess engraver(test::FreshFolder(), {});
+  EngraverProcess engraver(test::FreshFolder());
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   EngravingHost host(engraver);
   ASSERT_TRUE(host.Connect());
@@ -56,26 +58,17 @@ TEST(EngraverProcess, EngravesAShortJobOverItsLines) {
 }
 
 TEST(EngraverProcess, ReportsTheSerialNumbersItIsGiven) {
-  const auto identities = [](const std::vector<std::string>& options) {
-    EngraverProcess engraver(test::FreshFolder(), options);
+  const auto identities = [](const std::string& truth) {
+    EngraverProcess engraver(test::FreshFolder(), truth);
     EXPECT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
     EngravingHost host(engraver);
     EXPECT_TRUE(host.Connect());
     return std::pair(host.heard().laser_identities.back().serial_number,
                      host.heard().motion_identities.back().serial_number);
   };
-  EXPECT_EQ(identities({}), std::pair("virtual-laser-1"s, "virtual-stage-1"s));
-  EXPECT_EQ(identities({"--laser-serial", "A 03", "--motion-serial", "ST-7"}),
+  EXPECT_EQ(identities(""), std::pair("virtual-laser-1"s, "virtual-stage-1"s));
+  EXPECT_EQ(identities("laser { serial_number: 'A 03' } stage { serial_number: 'ST-7' }"),
             std::pair("A 03"s, "ST-7"s));
-}
-
-TEST(EngraverProcess, ASerialNumberThatTheLineCannotCarryIsRefused) {
-  for (const std::string& text : {std::string(65, 'x'), "A\n03"s}) {
-    EngraverProcess engraver(test::FreshFolder(), {"--motion-serial", text});
-    const auto ended = engraver.program().WaitForEnd(5s);
-    EXPECT_EQ(ended.exit_code, 2);
-    EXPECT_NE(ended.output.find("--motion-serial"), std::string::npos) << ended.output;
-  }
 }
 
 /// A host in a process of its own that fires every tick and stays there.
@@ -89,7 +82,7 @@ void FireForEver(const EngraverProcess& engraver) {
 
 TEST(EngraverProcess, AHostThatDiesOrHangsLeavesClosedShutters) {
   for (const int signal_number : {SIGKILL, SIGSTOP}) {
-    EngraverProcess engraver(test::FreshFolder(), {});
+    EngraverProcess engraver(test::FreshFolder());
     ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
     const ForkedHost host([&] { FireForEver(engraver); });
     ASSERT_TRUE(Eventually([&] { return engraver.StatusOf("shutters") == "1"; }, 5s));
@@ -112,7 +105,7 @@ TEST(EngraverProcess, AHostThatDiesOrHangsLeavesClosedShutters) {
 }
 
 TEST(EngraverProcess, KilledItLeavesARecordUpToTheLastCrackItToldOf) {
-  EngraverProcess engraver(test::FreshFolder(), {"--rates", "1000"});
+  EngraverProcess engraver(test::FreshFolder(), "laser { rates_hz: 1000 }");
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   EngravingHost host(engraver);
   ASSERT_TRUE(host.Connect());
@@ -132,9 +125,8 @@ TEST(EngraverProcess, KilledItLeavesARecordUpToTheLastCrackItToldOf) {
 }
 
 TEST(EngraverProcess, MisbehavesAtTheTickItWasTold) {
-  EngraverProcess engraver(
-      test::FreshFolder(),
-      {"--rates", "1000", "--fault", "30 door open", "--fault", "60 key off"});
+  EngraverProcess engraver(test::FreshFolder(), "laser { rates_hz: 1000 }",
+                           {"--fault", "30 door open", "--fault", "60 key off"});
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   ASSERT_TRUE(Eventually(
       [&] {
@@ -150,21 +142,26 @@ TEST(EngraverProcess, MisbehavesAtTheTickItWasTold) {
 
 TEST(EngraverProcess, RefusesOptionsThatCannotBe) {
   const auto folder = test::FreshFolder();
-  for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
-           {"--speed", "fast"},
-           {"--speed", "0"},
-           {"--travel-min", "0,0,0", "--travel-max", "10,0,10"},
-           {"--block-size", "10,-1,10"},
-           {"--channels", "5"},
-           {"--na", "1.2"},
-           {"--rates", "0"}}) {
-    EngraverProcess engraver(folder, options);
+  for (const std::vector<std::string>& options :
+       std::vector<std::vector<std::string>>{{"--speed", "fast"}, {"--speed", "0"}}) {
+    EngraverProcess engraver(folder, "", options);
     const auto ended = engraver.program().WaitForEnd(5s);
     EXPECT_EQ(ended.exit_code, 2) << options[0] << " " << options[1];
     EXPECT_NE(ended.output.find(options[0]), std::string::npos) << ended.output;
   }
-  EngraverProcess bad_fault(folder, {"--fault", "door open"});
+  EngraverProcess bad_fault(folder, "", {"--fault", "door open"});
   EXPECT_EQ(bad_fault.program().WaitForEnd(5s).exit_code, 1);
+}
+
+TEST(EngraverProcess, RefusesATruthFileThatCannotBe) {
+  EngraverProcess engraver(
+      test::FreshFolder(),
+      "laser { channels: 5 } block { size_mm { x: 10 y: -1 z: 10 } }");
+  const auto ended = engraver.program().WaitForEnd(5s);
+  EXPECT_EQ(ended.exit_code, 2);
+  const std::string file = engraver.truth_file().string();
+  EXPECT_THAT(ended.output, HasSubstr(file + ": laser.channels: 5 is outside 1..4\n"));
+  EXPECT_THAT(ended.output, HasSubstr(file + ": block.size_mm.y: -1 is outside"));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "engrave/machine/kinematics.h"
-#include "services/virtual_engraver/positioner.h"
+#include "tests/services/virtual_engraver/positioner_text.h"
 
 namespace intaglio::virtual_engraver {
 namespace {
@@ -21,11 +21,9 @@ machine::LinearAxis AxisOf(int bits) { return {(bits & 1) != 0, (bits & 2) != 0}
 
 double Off(const machine::Kinematics& kinematics, const std::string& positioner,
            const Vec3& place_mm) {
-  const auto parsed = ParsePositioner(positioner);
-  EXPECT_TRUE(parsed) << positioner;
   const auto axes = kinematics.ToAxes(place_mm, Vec3(5, 0, 0));
   EXPECT_TRUE(axes) << axes.error().message;
-  return (FocusAt(*parsed, *axes) - place_mm).norm();
+  return (FocusAt(PositionerOf(positioner), *axes) - place_mm).norm();
 }
 
 TEST(PositionerAgainstKinematics, EveryLinearArrangementAgrees) {

@@ -1,52 +1,46 @@
 #include "services/virtual_engraver/positioner.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "tests/services/virtual_engraver/positioner_text.h"
+
 namespace intaglio::virtual_engraver {
 namespace {
 
 using std::numbers::pi;
-using testing::HasSubstr;
-
-PositionerOptions Parsed(const std::string& text) {
-  const auto parsed = ParsePositioner(text);
-  EXPECT_TRUE(parsed) << text;
-  return parsed.value_or(PositionerOptions{});
-}
 
 TEST(Positioner, WithoutANameTheHeadGoesWhereTheAxesSay) {
   const Vec3 axes(0.1, -7, 1e-9);
-  EXPECT_EQ(FocusAt(Parsed(""), axes), axes);
-  EXPECT_EQ(FocusAt(Parsed("head,head,head"), axes), axes);
+  EXPECT_EQ(FocusAt(PositionerOf(""), axes), axes);
+  EXPECT_EQ(FocusAt(PositionerOf("head,head,head"), axes), axes);
 }
 
 // A block that goes right is hit farther left.
 TEST(Positioner, ABlockOnTheCarriageIsHitTheOtherWay) {
-  EXPECT_EQ(FocusAt(Parsed("block,block,head"), Vec3(1, 2, 3)), Vec3(-1, -2, 3));
-  EXPECT_EQ(FocusAt(Parsed("-block,head,-head"), Vec3(1, 2, 3)), Vec3(1, 2, -3));
+  EXPECT_EQ(FocusAt(PositionerOf("block,block,head"), Vec3(1, 2, 3)), Vec3(-1, -2, 3));
+  EXPECT_EQ(FocusAt(PositionerOf("-block,head,-head"), Vec3(1, 2, 3)), Vec3(1, 2, -3));
 }
 
 TEST(Positioner, AnArmSweepsACircleAndTheTableTurnsTheBlockBelow) {
-  const PositionerOptions arm = Parsed("arm,200,150,head");
+  const PositionerOptions arm = PositionerOf("arm,200,150,head");
   EXPECT_LT((FocusAt(arm, Vec3(0, 0, 4)) - Vec3(0, 50, 4)).norm(), 1e-12);
   // A quarter counterclockwise from -y is +x.
   EXPECT_LT((FocusAt(arm, Vec3(pi / 2, 0, 0)) - Vec3(150, 200, 0)).norm(), 1e-12);
   // The table turned a quarter counterclockwise brings what was at +x under +y.
   EXPECT_LT((FocusAt(arm, Vec3(0, pi / 2, 0)) - Vec3(50, 0, 0)).norm(), 1e-12);
-  EXPECT_LT(
-      (FocusAt(Parsed("arm,200,150,block"), Vec3(0, 0, 4)) - Vec3(0, 50, -4)).norm(),
-      1e-12);
+  EXPECT_LT((FocusAt(PositionerOf("arm,200,150,block"), Vec3(0, 0, 4)) - Vec3(0, 50, -4))
+                .norm(),
+            1e-12);
 }
 
 TEST(Positioner, FocusPerUnitIsTheLargestOverTheBlock) {
   const Box3 block{Vec3(-25, 80, 0), Vec3(25, 130, 30)};
-  EXPECT_EQ(FocusPerAxisUnitMm(Parsed("block,head,head"), block), Vec3(1, 1, 1));
-  const PositionerOptions arm = Parsed("arm,200,150,head");
+  EXPECT_EQ(FocusPerAxisUnitMm(PositionerOf("block,head,head"), block), Vec3(1, 1, 1));
+  const PositionerOptions arm = PositionerOf("arm,200,150,head");
   const Vec3 per_unit_mm = FocusPerAxisUnitMm(arm, block);
   EXPECT_EQ(per_unit_mm.x(), 150);
   // A turn of 1 urad of the table moves the farthest corner, (25, 130), by that much.
@@ -55,17 +49,6 @@ TEST(Positioner, FocusPerUnitIsTheLargestOverTheBlock) {
   const double moved_mm = (FocusAt(arm, turned) - at_mm).norm() / 1e-6;
   EXPECT_NEAR(moved_mm, at_mm.head<2>().norm(), 1e-6);
   EXPECT_NEAR(per_unit_mm.y(), std::hypot(25, 130), 1e-12);
-}
-
-TEST(Positioner, WhatIsNoPositionerIsNamed) {
-  for (const char* wrong : {"head", "head,head", "head,table,head", "arm,200,150",
-                            "arm,0,150,head", "arm,200,x,head", "head,head,head,head"}) {
-    const auto parsed = ParsePositioner(wrong);
-    ASSERT_FALSE(parsed) << wrong;
-    EXPECT_EQ(parsed.error().code, ErrorCode::kInvalidValue);
-    EXPECT_FALSE(parsed.error().message.empty());
-  }
-  EXPECT_THAT(ParsePositioner("head,table,head").error().message, HasSubstr("'table'"));
 }
 
 }  // namespace

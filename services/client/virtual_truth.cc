@@ -1,0 +1,77 @@
+#include "services/client/virtual_truth.h"
+
+#include "services/job/machine/machine_axes.h"
+
+namespace intaglio::client {
+namespace {
+
+Vector3 Vector(double x, double y, double z) {
+  Vector3 v;
+  v.set_x(x);
+  v.set_y(y);
+  v.set_z(z);
+  return v;
+}
+
+TruthGuide GuideOf(const machine::LinearAxis& axis) {
+  TruthGuide guide;
+  guide.set_carries_block(axis.moves_table);
+  guide.set_backwards(axis.reversed);
+  return guide;
+}
+
+/// What the axes carry.
+TruthPositioner PositionerOf(const MachineSpec& machine) {
+  TruthPositioner positioner;
+  const machine::KinematicsOptions kinematics = KinematicsOptionsOf(machine);
+  if (const auto* polar = std::get_if<machine::PolarOptions>(&kinematics)) {
+    positioner.mutable_arm()->set_pivot_distance_mm(polar->axis_distance_mm);
+    positioner.mutable_arm()->set_arm_length_mm(polar->arm_length_mm);
+    *positioner.mutable_z() = GuideOf(polar->z);
+    return positioner;
+  }
+  const auto& linear = std::get<machine::CartesianOptions>(kinematics);
+  *positioner.mutable_x() = GuideOf(linear.x);
+  *positioner.mutable_y() = GuideOf(linear.y);
+  *positioner.mutable_z() = GuideOf(linear.z);
+  return positioner;
+}
+
+void SetStage(const MachineSpec& machine, TruthStage& stage) {
+  const Box3 travel = AxisLimitsOf(machine).travel_mm;
+  *stage.mutable_travel_min_mm() =
+      Vector(travel.min_mm.x(), travel.min_mm.y(), travel.min_mm.z());
+  *stage.mutable_travel_max_mm() =
+      Vector(travel.max_mm.x(), travel.max_mm.y(), travel.max_mm.z());
+  *stage.mutable_positioner() = PositionerOf(machine);
+  stage.set_first_order_lag_s(machine.stage_lag_s());
+  stage.set_position_tolerance_um(machine.position_tolerance_um());
+  if (machine.motion_line().has_serial_number())
+    stage.set_serial_number(machine.motion_line().serial_number());
+}
+
+void SetLaser(const MachineSpec& machine, TruthLaser& laser) {
+  *laser.mutable_rates_hz() = machine.laser().rates_hz();
+  laser.set_warm_up_s(machine.laser().warm_up_s());
+  laser.set_channels(machine.laser().channels());
+  laser.set_pulse_energy_mj(machine.laser().pulse_energy_mj());
+  if (machine.laser_line().has_serial_number())
+    laser.set_serial_number(machine.laser_line().serial_number());
+}
+
+}  // namespace
+
+MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mounted) {
+  MachineTruth truth;
+  SetStage(machine, *truth.mutable_stage());
+  SetLaser(machine, *truth.mutable_laser());
+  TruthBlock& block = *truth.mutable_block();
+  const Vec3& size_mm = mounted.block_size_mm.value();
+  *block.mutable_size_mm() = Vector(size_mm.x(), size_mm.y(), size_mm.z());
+  *block.mutable_origin_mm() = machine.block_origin_mm();
+  block.set_refractive_index(mounted.refractive_index.value());
+  block.set_numerical_aperture(mounted.lens.value().numerical_aperture);
+  return truth;
+}
+
+}  // namespace intaglio::client

@@ -1,0 +1,16 @@
+#pragma once
+
+// The truth of a virtual engraver that is as its machine profile says.
+
+#include "proto/machine.pb.h"
+#include "proto/truth.pb.h"
+#include "services/client/mounted_description.h"
+
+namespace intaglio::client {
+
+/// `machine` is a profile with its defaults; of `mounted` everything is known. The
+/// repeatability is 0, not the profile's: the glass then shows what the services do and
+/// nothing else; a truth file of the user sets it.
+MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mounted);
+
+}  // namespace intaglio::client

@@ -1,0 +1,106 @@
+#include "services/virtual_engraver/mechanics.h"
+
+#include <cmath>
+#include <numbers>
+
+// First order. An axis follows its command u with x' = (u - x) / tau. For a cubic u the
+// particular solution is q = u - tau u' + tau^2 u'' - tau^3 u''' (insert it: q + tau q' =
+// u, as the fourth derivative is zero), so over any piece of a cubic the exact state is
+//   x(t) = q(t) + (x(t0) - q(t0)) exp(-(t - t0) / tau).
+//
+// Second order. With a = w t and derivatives by a, y = (x, x', u, u', u'', u''') obeys
+// y' = M y:  x'' = u - x - 2 d x', and u'''' = 0. So y(a) = exp(M a) y(0), whatever the
+// damping. The exponential is the Taylor series of M a / 2^k, squared k times.
+
+namespace intaglio::virtual_engraver {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// Below 0.25^13 / 13!, 3e-18, nothing is left of the series.
+constexpr int kTerms = 12;
+constexpr double kSmall = 0.25;
+
+Matrix6 Exponential(const Matrix6& exponent) {
+  const double size = exponent.cwiseAbs().colwise().sum().maxCoeff();
+  const int halvings =
+      size > kSmall ? static_cast<int>(std::ceil(std::log2(size / kSmall))) : 0;
+  const Matrix6 small = std::ldexp(1.0, -halvings) * exponent;
+  Matrix6 sum = Matrix6::Identity(), term = Matrix6::Identity();
+  for (int i = 1; i <= kTerms; ++i) {
+    term = (term * small / i).eval();
+    sum += term;
+  }
+  for (int i = 0; i < halvings; ++i) sum = (sum * sum).eval();
+  return sum;
+}
+
+}  // namespace
+
+Mechanics::Mechanics(double lag_s, const std::optional<SecondOrderOptions>& second_order,
+                     const Vec3& at_mm)
+    : lag_s_(lag_s), second_order_(second_order), actual_mm_(at_mm) {}
+
+double Mechanics::velocity_lag_s() const {
+  if (!second_order_) return lag_s_;
+  return second_order_->damping_ratio /
+         (std::numbers::pi * second_order_->natural_frequency_hz);
+}
+
+void Mechanics::Stick(int axis) {
+  for (int i = 0; i < 3; ++i) {
+    if (axis < 0 || axis == i) stuck_[static_cast<std::size_t>(i)] = true;
+  }
+}
+
+void Mechanics::Follow(const CubicCommand& command, double from_s, double to_s) {
+  const Vec3 next = second_order_ ? SecondOrder(command, from_s, to_s)
+                                  : FirstOrder(command, from_s, to_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (stuck_[static_cast<std::size_t>(axis)]) {
+      actual_mm_per_rad_[axis] = 0;
+    } else {
+      actual_mm_[axis] = next[axis];
+    }
+  }
+}
+
+Vec3 Mechanics::FirstOrder(const CubicCommand& command, double from_s,
+                           double to_s) const {
+  const double tau = lag_s_;
+  const auto particular = [&](double s) {
+    return Vec3(command.At(s) - tau * command.SpeedAt(s) +
+                tau * tau * (2 * command.c2 + 6 * s * command.c3) -
+                6 * tau * tau * tau * command.c3);
+  };
+  const double fade = tau > 0 ? std::exp(-(to_s - from_s) / tau) : 0;
+  return particular(to_s) + fade * (actual_mm_ - particular(from_s));
+}
+
+void Mechanics::Step(double angle_rad) {
+  if (angle_rad == step_rad_) return;
+  Matrix6 m = Matrix6::Zero();
+  m(0, 1) = 1;
+  m(1, 0) = -1, m(1, 1) = -2 * second_order_->damping_ratio, m(1, 2) = 1;
+  m(2, 3) = m(3, 4) = m(4, 5) = 1;
+  step_ = Exponential(angle_rad * m).topRows<2>();
+  step_rad_ = angle_rad;
+}
+
+Vec3 Mechanics::SecondOrder(const CubicCommand& command, double from_s, double to_s) {
+  const double w = 2 * std::numbers::pi * second_order_->natural_frequency_hz;
+  if (!(to_s > from_s)) return actual_mm_;
+  Step(w * (to_s - from_s));
+  Eigen::Matrix<double, 6, 3> y;
+  y.row(0) = actual_mm_;
+  y.row(1) = actual_mm_per_rad_;
+  y.row(2) = command.At(from_s);
+  y.row(3) = command.SpeedAt(from_s) / w;
+  y.row(4) = (2 * command.c2 + 6 * from_s * command.c3) / (w * w);
+  y.row(5) = 6 * command.c3 / (w * w * w);
+  const Eigen::Matrix<double, 2, 3> next = step_ * y;
+  actual_mm_per_rad_ = next.row(1);
+  return next.row(0);
+}
+
+}  // namespace intaglio::virtual_engraver

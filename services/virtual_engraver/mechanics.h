@@ -1,0 +1,64 @@
+#pragma once
+
+// How the stage's axes follow their commands: each axis by itself, all three alike.
+// Machine frame, mm. Written for itself: it shares nothing with engrave/drive, so that a
+// wrong compensation there shows as cracks in the wrong place.
+//
+// First order: x' = (c - x) / lag. Second order: x'' + 2 d w x' + w^2 x = w^2 c with w =
+// 2 pi times the natural frequency and d the damping ratio. Both are stepped exactly over
+// commands that are cubic in time.
+
+#include <array>
+#include <optional>
+
+#include "engrave/core/geometry.h"
+
+namespace intaglio::virtual_engraver {
+
+struct SecondOrderOptions {
+  double natural_frequency_hz = 100;  ///< > 0
+  double damping_ratio = 0.7;         ///< > 0
+};
+
+/// A command over a while: p + v s + c2 s^2 + c3 s^3, s in seconds.
+struct CubicCommand {
+  Vec3 p = Vec3::Zero(), v = Vec3::Zero(), c2 = Vec3::Zero(), c3 = Vec3::Zero();
+
+  Vec3 At(double s) const { return p + s * (v + s * (c2 + s * c3)); }
+  Vec3 SpeedAt(double s) const { return v + s * (2 * c2 + 3 * s * c3); }
+};
+
+class Mechanics {
+ public:
+  /// First order with `lag_s` >= 0 (0: no lag) unless `second_order` is given. At rest at
+  /// `at_mm`.
+  Mechanics(double lag_s, const std::optional<SecondOrderOptions>& second_order,
+            const Vec3& at_mm);
+
+  /// From `from_s` to `to_s` >= from_s of the command.
+  void Follow(const CubicCommand& command, double from_s, double to_s);
+  const Vec3& actual_mm() const { return actual_mm_; }
+  /// How much later than its command an axis of constant speed is, s.
+  double velocity_lag_s() const;
+
+  /// An axis that does not move any more (-1: all of them), until Unstick.
+  void Stick(int axis);
+  void Unstick() { stuck_ = {false, false, false}; }
+
+ private:
+  Vec3 FirstOrder(const CubicCommand& command, double from_s, double to_s) const;
+  Vec3 SecondOrder(const CubicCommand& command, double from_s, double to_s);
+  void Step(double angle_rad);
+
+  double lag_s_;
+  std::optional<SecondOrderOptions> second_order_;
+  Vec3 actual_mm_;
+  Vec3 actual_mm_per_rad_ = Vec3::Zero();  // of the second order: speed / w
+  std::array<bool, 3> stuck_ = {false, false, false};
+  // The last step of the second order: rows of x and x' / w over x, x' / w and the
+  // command with its derivatives by w t.
+  double step_rad_ = 0;
+  Eigen::Matrix<double, 2, 6> step_ = Eigen::Matrix<double, 2, 6>::Zero();
+};
+
+}  // namespace intaglio::virtual_engraver

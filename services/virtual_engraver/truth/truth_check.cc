@@ -1,0 +1,145 @@
+#include "services/virtual_engraver/truth/truth_check.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/message.h>
+
+#include <algorithm>
+#include <string>
+
+namespace intaglio {
+namespace {
+
+namespace pb = google::protobuf;
+
+// What a laser controller's identity can list (services/platform/link/laser_protocol.h).
+constexpr int kMaxRates = 32;
+// What a controller's identity can report.
+constexpr std::size_t kMaxSerialNumber = 64;
+
+constexpr TruthRange kRanges[] = {
+    {"TruthSecondOrder", "natural_frequency_hz", 1, 10000},
+    {"TruthSecondOrder", "damping_ratio", 0.05, 5},
+    {"TruthArm", "pivot_distance_mm", 0.001, 100000},
+    {"TruthArm", "arm_length_mm", 0.001, 100000},
+    {"TruthStage", "travel_min_mm", -10000, 10000},
+    {"TruthStage", "travel_max_mm", -10000, 10000},
+    {"TruthStage", "first_order_lag_s", 0, 0.1},
+    {"TruthStage", "brake_acceleration_mm_s2", 1, 1000000},
+    {"TruthStage", "position_tolerance_um", 0.001, 10000},
+    {"TruthStage", "clock_drift_ppm", -200, 200},
+    {"TruthStage", "repeatability_um", 0, 1000},
+    {"TruthLaser", "rates_hz", 0.1, 100000},
+    {"TruthLaser", "warm_up_s", 0, 3600},
+    {"TruthLaser", "channels", 1, 4},
+    {"TruthLaser", "pulse_energy_mj", 0.001, 10000},
+    {"TruthBlock", "size_mm", 0.1, 10000},
+    {"TruthBlock", "origin_mm", -10000, 10000},
+    {"TruthBlock", "refractive_index", 1, 4},
+    {"TruthBlock", "numerical_aperture", 0, 0.95},
+    {"MachineTruth", "line_jitter_ms", 0, 2},
+};
+
+const TruthRange* FindRange(const pb::FieldDescriptor& field) {
+  for (const TruthRange& range : kRanges) {
+    if (field.containing_type()->name() == range.message && field.name() == range.field)
+      return &range;
+  }
+  return nullptr;
+}
+
+class Checker {
+ public:
+  void CheckMessage(const pb::Message& message, const std::string& path) {
+    const pb::Reflection& reflection = *message.GetReflection();
+    // Without presence: always, so that a forgotten natural frequency shows as 0.
+    for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+      const pb::FieldDescriptor& field = *message.GetDescriptor()->field(i);
+      const std::string at = path.empty() ? field.name() : path + "." + field.name();
+      if (field.is_repeated()) {
+        for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
+          CheckNumber(reflection.GetRepeatedDouble(message, &field, k), *FindRange(field),
+                      fmt::format("{}[{}]", at, k));
+        }
+      } else if (!field.has_presence() || reflection.HasField(message, &field)) {
+        CheckField(message, field, at);
+      }
+    }
+  }
+
+  void CheckSerialNumber(const std::string& text, const std::string& path) {
+    const bool printable = std::all_of(text.begin(), text.end(),
+                                       [](char c) { return c >= ' ' && c <= '~'; });
+    if (printable && text.size() <= kMaxSerialNumber) return;
+    Add(path, fmt::format("{:?}", text), "is not 0 to 64 printable ASCII characters");
+  }
+
+  void CheckTravel(const TruthStage& stage) {
+    const auto axis = [this](const char* name, double min_mm, double max_mm) {
+      if (!(min_mm >= max_mm)) return;
+      Add(fmt::format("stage.travel_min_mm.{}", name), fmt::format("{}", min_mm),
+          fmt::format("is not below stage.travel_max_mm.{}, {}", name, max_mm));
+    };
+    Vector3 max = stage.travel_max_mm();
+    if (!stage.has_travel_max_mm()) max.set_x(170), max.set_y(170), max.set_z(170);
+    axis("x", stage.travel_min_mm().x(), max.x());
+    axis("y", stage.travel_min_mm().y(), max.y());
+    axis("z", stage.travel_min_mm().z(), max.z());
+  }
+
+  void CheckRates(const TruthLaser& laser) {
+    if (laser.rates_hz_size() <= kMaxRates) return;
+    Add("laser.rates_hz", fmt::format("{} rates", laser.rates_hz_size()),
+        fmt::format("are more than {}", kMaxRates));
+  }
+
+  std::vector<Error> Take() { return std::move(errors_); }
+
+ private:
+  void CheckField(const pb::Message& message, const pb::FieldDescriptor& field,
+                  const std::string& path) {
+    const pb::Reflection& reflection = *message.GetReflection();
+    const TruthRange* range = FindRange(field);
+    if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
+      const pb::Message& child = reflection.GetMessage(message, &field);
+      const auto* vector = dynamic_cast<const Vector3*>(&child);
+      if (vector == nullptr || range == nullptr) return CheckMessage(child, path);
+      CheckNumber(vector->x(), *range, path + ".x");
+      CheckNumber(vector->y(), *range, path + ".y");
+      CheckNumber(vector->z(), *range, path + ".z");
+    } else if (range != nullptr) {
+      CheckNumber(field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32
+                      ? reflection.GetUInt32(message, &field)
+                      : reflection.GetDouble(message, &field),
+                  *range, path);
+    }
+  }
+
+  void CheckNumber(double value, const TruthRange& range, const std::string& path) {
+    if (value >= range.min && value <= range.max) return;  // false for NaN
+    Add(path, fmt::format("{}", value),
+        fmt::format("is outside {}..{}", range.min, range.max));
+  }
+
+  void Add(const std::string& path, const std::string& value, const std::string& what) {
+    errors_.push_back(
+        {ErrorCode::kInvalidValue, fmt::format("{}: {} {}", path, value, what), value});
+  }
+
+  std::vector<Error> errors_;
+};
+
+}  // namespace
+
+std::span<const TruthRange> TruthRanges() { return kRanges; }
+
+std::vector<Error> CheckTruth(const MachineTruth& truth) {
+  Checker checker;
+  checker.CheckMessage(truth, "");
+  checker.CheckTravel(truth.stage());
+  checker.CheckSerialNumber(truth.stage().serial_number(), "stage.serial_number");
+  checker.CheckRates(truth.laser());
+  checker.CheckSerialNumber(truth.laser().serial_number(), "laser.serial_number");
+  return checker.Take();
+}
+
+}  // namespace intaglio

@@ -1,0 +1,77 @@
+#include "services/virtual_engraver/truth/truth_file.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/text_format.h>
+
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/whole_file.h"
+#include "services/virtual_engraver/truth/truth_check.h"
+
+namespace intaglio {
+namespace {
+
+namespace pb = google::protobuf;
+
+// The messages nest three deep.
+constexpr int kMaxDepth = 8;
+
+class FirstSyntaxError : public pb::io::ErrorCollector {
+ public:
+  void AddError(int line, pb::io::ColumnNumber column,
+                const std::string& message) override {
+    if (!text_.empty()) return;
+    text_ = line < 0 ? " " + message
+                     : fmt::format("{}:{}: {}", line + 1, column + 1, message);
+  }
+  void AddWarning(int, pb::io::ColumnNumber, const std::string&) override {}
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name) {
+  if (text.size() > kMaxTruthFileBytes) {
+    return Fail(ErrorCode::kTooLarge, fmt::format("{}: is larger than {} bytes; give a "
+                                                  "truth file (proto/truth.proto)",
+                                                  name, kMaxTruthFileBytes));
+  }
+  FirstSyntaxError first;
+  pb::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&first);
+  parser.SetRecursionLimit(kMaxDepth);
+  pb::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
+  MachineTruth truth;
+  if (!parser.Parse(&stream, &truth)) {
+    return Fail(ErrorCode::kUnreadable, fmt::format("{}:{}", name, first.text()));
+  }
+  std::string wrong;
+  for (const Error& error : CheckTruth(truth)) {
+    wrong += fmt::format("{}{}: {}", wrong.empty() ? "" : "\n", name, error.message);
+  }
+  if (!wrong.empty()) return Fail(ErrorCode::kInvalidValue, wrong);
+  return truth;
+}
+
+Result<MachineTruth> ReadTruthFile(const std::filesystem::path& file) {
+  const auto text = io::ReadWholeFile(file, kMaxTruthFileBytes);
+  if (!text) return tl::unexpected(text.error());
+  return ParseTruth(*text, file.string());
+}
+
+void Replace(const MachineTruth& changes, MachineTruth& truth) {
+  if (changes.laser().rates_hz_size() > 0) truth.mutable_laser()->clear_rates_hz();
+  truth.MergeFrom(changes);
+}
+
+Status WriteTruthFile(const std::filesystem::path& file, const MachineTruth& truth) {
+  std::string text;
+  pb::TextFormat::PrintToString(truth, &text);
+  return io::WriteFileAtomically(file, std::string_view(text));
+}
+
+}  // namespace intaglio

@@ -1,0 +1,79 @@
+#include "services/virtual_engraver/truth_options.h"
+
+#include <chrono>
+#include <cmath>
+
+namespace intaglio::virtual_engraver {
+namespace {
+
+Vec3 Vec3Of(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+void SetStage(const TruthStage& truth, StageOptions& stage) {
+  if (truth.has_travel_min_mm()) stage.travel_min_mm = Vec3Of(truth.travel_min_mm());
+  if (truth.has_travel_max_mm()) stage.travel_max_mm = Vec3Of(truth.travel_max_mm());
+  if (truth.has_first_order_lag_s()) stage.lag_s = truth.first_order_lag_s();
+  if (truth.has_second_order()) {
+    stage.second_order = SecondOrderOptions{truth.second_order().natural_frequency_hz(),
+                                            truth.second_order().damping_ratio()};
+  }
+  if (truth.has_brake_acceleration_mm_s2())
+    stage.brake_acceleration_mm_s2 = truth.brake_acceleration_mm_s2();
+  if (truth.has_position_tolerance_um())
+    stage.position_tolerance_mm = truth.position_tolerance_um() / 1000;
+  stage.repeatability_mm = truth.repeatability_um() / 1000;
+  if (truth.has_serial_number()) stage.serial_number = truth.serial_number();
+}
+
+Guide GuideOf(const TruthGuide& truth) {
+  return {truth.carries_block(), truth.backwards()};
+}
+
+PositionerOptions PositionerOf(const TruthPositioner& truth) {
+  PositionerOptions positioner;
+  positioner.guides = {GuideOf(truth.x()), GuideOf(truth.y()), GuideOf(truth.z())};
+  positioner.has_arm = truth.has_arm();
+  positioner.pivot_distance_mm = truth.arm().pivot_distance_mm();
+  positioner.arm_length_mm = truth.arm().arm_length_mm();
+  return positioner;
+}
+
+void SetLaser(const TruthLaser& truth, MachineOptions& options) {
+  LaserOptions& laser = options.laser;
+  if (!truth.rates_hz().empty())
+    laser.rates_hz.assign(truth.rates_hz().begin(), truth.rates_hz().end());
+  if (truth.has_warm_up_s()) laser.warm_up_s = truth.warm_up_s();
+  if (truth.has_channels()) laser.channels = static_cast<std::uint8_t>(truth.channels());
+  if (truth.has_serial_number()) laser.serial_number = truth.serial_number();
+  if (truth.has_pulse_energy_mj()) options.pulse_energy_mj = truth.pulse_energy_mj();
+}
+
+void SetBlock(const TruthBlock& truth, BlockInMachine& block) {
+  if (truth.has_size_mm()) block.size_mm = Vec3Of(truth.size_mm());
+  if (truth.has_origin_mm()) block.origin_mm = Vec3Of(truth.origin_mm());
+  if (truth.has_refractive_index()) block.refractive_index = truth.refractive_index();
+  if (truth.has_numerical_aperture())
+    block.numerical_aperture = truth.numerical_aperture();
+}
+
+}  // namespace
+
+MachineOptions OptionsOf(const MachineTruth& truth) {
+  MachineOptions options;
+  SetStage(truth.stage(), options.stage);
+  SetLaser(truth.laser(), options);
+  SetBlock(truth.block(), options.block);
+  options.positioner = PositionerOf(truth.stage().positioner());
+  const BlockInMachine& block = options.block;
+  options.stage.focus_per_axis_unit_mm = FocusPerAxisUnitMm(
+      options.positioner, {block.origin_mm, block.origin_mm + block.size_mm});
+  options.line_jitter =
+      std::chrono::nanoseconds(std::llround(1e6 * truth.line_jitter_ms()));
+  options.seed = options.stage.repeatability_seed = truth.seed();
+  if (truth.stage().has_clock_drift_ppm()) {
+    options.stage.own_clock = OwnClockOptions{
+        truth.stage().clock_drift_ppm(), 1e-3 * truth.line_jitter_ms(), 1, truth.seed()};
+  }
+  return options;
+}
+
+}  // namespace intaglio::virtual_engraver

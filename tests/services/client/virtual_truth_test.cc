@@ -1,0 +1,39 @@
+#include "services/client/virtual_truth.h"
+
+#include <gtest/gtest.h>
+
+#include "services/job/job_file.h"
+#include "services/virtual_engraver/truth/truth_check.h"
+
+namespace intaglio::client {
+namespace {
+
+TEST(VirtualTruth, IsWhatTheProfileSaysAndWhatIsMounted) {
+  auto machine =
+      ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").value();
+  machine.mutable_laser()->set_pulse_energy_mj(12);
+  machine.mutable_block_origin_mm()->set_y(7);
+  machine.mutable_motion_line()->set_serial_number("ST-7");
+  const MachineTruth truth =
+      TruthOf(machine, {Vec3(50, 60, 70), 1.52, optics::Lens{43, 0.2}});
+  EXPECT_TRUE(CheckTruth(truth).empty());
+  EXPECT_EQ(truth.stage().travel_min_mm().y(), -2);
+  EXPECT_EQ(truth.stage().travel_max_mm().z(), 172);
+  EXPECT_EQ(truth.stage().first_order_lag_s(), 0.0002);
+  EXPECT_EQ(truth.stage().position_tolerance_um(), 30);
+  EXPECT_EQ(truth.stage().serial_number(), "ST-7");
+  EXPECT_FALSE(truth.stage().has_repeatability_um());
+  EXPECT_FALSE(truth.stage().has_clock_drift_ppm());
+  EXPECT_EQ(truth.laser().rates_hz_size(), 8);
+  EXPECT_EQ(truth.laser().warm_up_s(), 30);
+  EXPECT_EQ(truth.laser().channels(), 4u);
+  EXPECT_EQ(truth.laser().pulse_energy_mj(), 12);
+  EXPECT_FALSE(truth.laser().has_serial_number());
+  EXPECT_EQ(truth.block().size_mm().x(), 50);
+  EXPECT_EQ(truth.block().origin_mm().y(), 7);
+  EXPECT_EQ(truth.block().refractive_index(), 1.52);
+  EXPECT_EQ(truth.block().numerical_aperture(), 0.2);
+}
+
+}  // namespace
+}  // namespace intaglio::client

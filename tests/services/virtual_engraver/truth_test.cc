@@ -1,0 +1,226 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <regex>
+
+#include "services/virtual_engraver/truth/truth_check.h"
+#include "services/virtual_engraver/truth/truth_file.h"
+#include "services/virtual_engraver/truth_options.h"
+#include "tests/test_folder.h"
+
+namespace intaglio {
+namespace {
+
+using ::testing::ContainerEq;
+using ::testing::HasSubstr;
+using Ranges = std::map<std::string, std::pair<double, double>>;
+
+std::string ErrorOf(const std::string& text) {
+  const auto truth = ParseTruth(text, "t.textproto");
+  return truth ? "" : truth.error().message;
+}
+
+/// "a..b" in the comment behind a field, or above it when there is none behind.
+Ranges DocumentedRanges() {
+  static const std::regex kMessage(R"(^message (\w+) \{)");
+  static const std::regex kField(R"(^\s+(?:optional |repeated )?\w+ (\w+) = \d+;(.*))");
+  static const std::regex kRange(R"((-?\d+(?:\.\d+)?)\.\.(-?\d+(?:\.\d+)?))");
+  Ranges ranges;
+  std::ifstream stream(INTAGLIO_SOURCE_DIR "/proto/truth.proto");
+  std::string message, comment;
+  for (std::string line; std::getline(stream, line);) {
+    std::smatch match, range;
+    if (std::regex_search(line, match, kMessage)) message = match[1];
+    if (std::regex_search(line, match, kField)) {
+      comment += match[2];
+      if (std::regex_search(comment, range, kRange)) {
+        ranges[fmt::format("{}.{}", message, match[1].str())] = {std::stod(range[1]),
+                                                                 std::stod(range[2])};
+      }
+      comment.clear();
+    } else {
+      comment = line.find("//") == std::string::npos ? "" : comment + line;
+    }
+  }
+  return ranges;
+}
+
+TEST(Truth, CommentsAndTableOfRangesAgree) {
+  Ranges table;
+  for (const TruthRange& range : TruthRanges()) {
+    table[fmt::format("{}.{}", range.message, range.field)] = {range.min, range.max};
+  }
+  EXPECT_THAT(table, ContainerEq(DocumentedRanges()));
+}
+
+TEST(Truth, EveryWrongValueIsNamedAtOnce) {
+  const std::string error = ErrorOf(
+      "stage { travel_min_mm { x: 5 y: 0 z: 20000 } travel_max_mm { x: 5 y: 1 z: 30 }\n"
+      "        second_order { natural_frequency_hz: 0.5 } clock_drift_ppm: -201\n"
+      "        serial_number: 'A\\n03' }\n"
+      "laser { rates_hz: [100, 0, nan] channels: 5 serial_number: '" +
+      std::string(65, 'x') +
+      "' }\n"
+      "block { numerical_aperture: 1.2 } line_jitter_ms: inf");
+  for (const char* part :
+       {"t.textproto: stage.travel_min_mm.z: 20000 is outside -10000..10000\n",
+        "stage.travel_min_mm.x: 5 is not below stage.travel_max_mm.x, 5\n",
+        "stage.travel_min_mm.z: 20000 is not below stage.travel_max_mm.z, 30\n",
+        "stage.second_order.natural_frequency_hz: 0.5 is outside 1..10000\n",
+        "stage.second_order.damping_ratio: 0 is outside 0.05..5\n",
+        "stage.clock_drift_ppm: -201 is outside -200..200\n",
+        "stage.serial_number: \"A\\n03\" is not 0 to 64 printable ASCII characters",
+        "laser.rates_hz[1]: 0 is outside 0.1..100000\n",
+        "laser.rates_hz[2]: nan is outside", "laser.channels: 5 is outside 1..4\n",
+        "laser.serial_number: ", "block.numerical_aperture: 1.2 is outside 0..0.95\n",
+        "line_jitter_ms: inf is outside 0..2"}) {
+    EXPECT_THAT(error, HasSubstr(part));
+  }
+}
+
+TEST(Truth, TravelThatTheDefaultsMakeEmptyIsRefused) {
+  EXPECT_THAT(ErrorOf("stage { travel_min_mm { x: 170 y: -1 z: 0 } }"),
+              HasSubstr("stage.travel_min_mm.x: 170 is not below"));
+  EXPECT_EQ(ErrorOf("stage { travel_min_mm { x: 169 y: -1 z: 0 } }"), "");
+}
+
+TEST(Truth, TooManyRatesForALineAreRefused) {
+  std::string rates = "1";
+  for (int i = 2; i <= 32; ++i) rates += fmt::format(", {}", i);
+  EXPECT_EQ(ErrorOf("laser { rates_hz: [" + rates + "] }"), "");
+  EXPECT_THAT(ErrorOf("laser { rates_hz: [" + rates + ", 33] }"),
+              HasSubstr("laser.rates_hz: 33 rates are more than 32"));
+}
+
+TEST(Truth, MistakesOfSyntaxHaveTheirPlace) {
+  EXPECT_THAT(ErrorOf("stage {\n  lag: 1\n}"),
+              HasSubstr("t.textproto:2:6: Message type \"intaglio.TruthStage\" has no"));
+  EXPECT_THAT(ErrorOf("stage { first_order_lag_s: 0 second_order { } }"),
+              HasSubstr("t.textproto:1:"));
+  EXPECT_THAT(ErrorOf(std::string(kMaxTruthFileBytes + 1, '#')),
+              HasSubstr("larger than"));
+  EXPECT_EQ(ReadTruthFile(test::FreshFolder() / "none.textproto").error().code,
+            ErrorCode::kNotFound);
+}
+
+TEST(Truth, AnEmptyFileIsTheMachineOfTheDefaults) {
+  using virtual_engraver::MachineOptions;
+  const MachineOptions options = virtual_engraver::OptionsOf(ParseTruth("", "t").value());
+  const MachineOptions plain;
+  EXPECT_EQ(options.stage.travel_max_mm, plain.stage.travel_max_mm);
+  EXPECT_EQ(options.stage.lag_s, 0.0002);
+  EXPECT_FALSE(options.stage.second_order.has_value());
+  EXPECT_FALSE(options.stage.own_clock.has_value());
+  EXPECT_EQ(options.stage.position_tolerance_mm, 0.01);
+  EXPECT_EQ(options.stage.repeatability_mm, 0);
+  EXPECT_EQ(options.laser.rates_hz, std::vector<double>{100});
+  EXPECT_EQ(options.laser.serial_number, "virtual-laser-1");
+  EXPECT_EQ(options.block.refractive_index, 1.5);
+  EXPECT_EQ(options.pulse_energy_mj, 30);
+}
+
+TEST(Truth, EveryFieldReachesTheMachine) {
+  const auto truth = ParseTruth(
+      "stage { travel_min_mm { x: -1 y: -2 z: -3 } travel_max_mm { x: 1 y: 2 z: 3 }\n"
+      "  second_order { natural_frequency_hz: 120 damping_ratio: 0.6 }\n"
+      "  brake_acceleration_mm_s2: 5000 position_tolerance_um: 25 clock_drift_ppm: 0\n"
+      "  repeatability_um: 9 serial_number: '' }\n"
+      "laser { rates_hz: [50, 200] warm_up_s: 2 channels: 3 pulse_energy_mj: 12\n"
+      "  serial_number: 'L' }\n"
+      "block { size_mm { x: 10 y: 20 z: 30 } origin_mm { x: 4 y: 5 z: 6 }\n"
+      "  refractive_index: 1.7 numerical_aperture: 0.2 }\n"
+      "line_jitter_ms: 1.5 seed: 77",
+      "t");
+  ASSERT_TRUE(truth.has_value()) << truth.error().message;
+  const auto options = virtual_engraver::OptionsOf(*truth);
+  EXPECT_EQ(options.stage.travel_min_mm, Vec3(-1, -2, -3));
+  EXPECT_EQ(options.stage.travel_max_mm, Vec3(1, 2, 3));
+  EXPECT_EQ(options.stage.second_order->natural_frequency_hz, 120);
+  EXPECT_EQ(options.stage.second_order->damping_ratio, 0.6);
+  EXPECT_EQ(options.stage.brake_acceleration_mm_s2, 5000);
+  EXPECT_EQ(options.stage.position_tolerance_mm, 0.025);
+  ASSERT_TRUE(options.stage.own_clock.has_value()) << "0 ppm is a clock of its own, too";
+  EXPECT_EQ(options.stage.own_clock->hearing_jitter_s, 0.0015);
+  EXPECT_EQ(options.stage.own_clock->seed, 77u);
+  EXPECT_EQ(options.stage.repeatability_mm, 0.009);
+  EXPECT_EQ(options.stage.repeatability_seed, 77u);
+  EXPECT_EQ(options.stage.serial_number, "");
+  EXPECT_EQ(options.laser.rates_hz, (std::vector<double>{50, 200}));
+  EXPECT_EQ(options.laser.warm_up_s, 2);
+  EXPECT_EQ(options.laser.channels, 3);
+  EXPECT_EQ(options.laser.serial_number, "L");
+  EXPECT_EQ(options.pulse_energy_mj, 12);
+  EXPECT_EQ(options.block.size_mm, Vec3(10, 20, 30));
+  EXPECT_EQ(options.block.origin_mm, Vec3(4, 5, 6));
+  EXPECT_EQ(options.block.refractive_index, 1.7);
+  EXPECT_EQ(options.block.numerical_aperture, 0.2);
+  EXPECT_EQ(options.line_jitter, std::chrono::microseconds(1500));
+  EXPECT_EQ(options.seed, 77u);
+}
+
+TEST(Truth, ThePositionerIsThatOfTheFile) {
+  const auto linear =
+      OptionsOf(*ParseTruth("stage { positioner { x { carries_block: true } "
+                            "z { backwards: true } } }",
+                            "t"));
+  EXPECT_TRUE(linear.positioner.guides[0].carries_block);
+  EXPECT_FALSE(linear.positioner.guides[1].carries_block);
+  EXPECT_TRUE(linear.positioner.guides[2].backwards);
+  EXPECT_FALSE(linear.positioner.has_arm);
+  EXPECT_EQ(linear.stage.focus_per_axis_unit_mm, Vec3(1, 1, 1));
+  const auto arm = OptionsOf(
+      *ParseTruth("stage { positioner { arm { pivot_distance_mm: 200 "
+                  "arm_length_mm: 150 } z { carries_block: true } } }"
+                  "block { origin_mm { x: -25 y: 80 } size_mm { x: 50 y: 50 z: 30 } }",
+                  "t"));
+  EXPECT_TRUE(arm.positioner.has_arm);
+  EXPECT_EQ(arm.positioner.pivot_distance_mm, 200);
+  EXPECT_EQ(arm.positioner.arm_length_mm, 150);
+  EXPECT_TRUE(arm.positioner.guides[2].carries_block);
+  EXPECT_EQ(arm.stage.focus_per_axis_unit_mm.x(), 150) << "a radian of the arm";
+  EXPECT_FALSE(ParseTruth("stage { positioner { arm { pivot_distance_mm: 200 } } }", "t"))
+      << "an arm without a length";
+}
+
+TEST(Truth, WhatAFileSetsReplacesTheRestStays) {
+  auto truth = ParseTruth(
+                   "stage { first_order_lag_s: 0.0002 position_tolerance_um: 30 }\n"
+                   "laser { rates_hz: [50, 100] warm_up_s: 30 }",
+                   "t")
+                   .value();
+  Replace(
+      ParseTruth("stage { second_order { natural_frequency_hz: 90 damping_ratio: 1 } }"
+                 "laser { rates_hz: 200 }",
+                 "t")
+          .value(),
+      truth);
+  EXPECT_FALSE(truth.stage().has_first_order_lag_s());
+  EXPECT_EQ(truth.stage().second_order().natural_frequency_hz(), 90);
+  EXPECT_EQ(truth.stage().position_tolerance_um(), 30);
+  ASSERT_EQ(truth.laser().rates_hz_size(), 1);
+  EXPECT_EQ(truth.laser().rates_hz(0), 200);
+  EXPECT_EQ(truth.laser().warm_up_s(), 30);
+}
+
+TEST(Truth, WhatIsWrittenReadsBackTheSame) {
+  const auto file = test::FreshFolder() / "truth.textproto";
+  const auto truth = ParseTruth(
+      "stage { first_order_lag_s: 0.1 repeatability_um: 0.3333333333333333 }", "t");
+  ASSERT_TRUE(WriteTruthFile(file, *truth).has_value());
+  const auto read = ReadTruthFile(file);
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(*read, *truth));
+}
+
+TEST(Truth, TheSuppliedFilesAreGood) {
+  const auto truth = ReadTruthFile(INTAGLIO_SOURCE_DIR "/deploy/truth/els-03.textproto");
+  EXPECT_TRUE(truth.has_value()) << truth.error().message;
+}
+
+}  // namespace
+}  // namespace intaglio
