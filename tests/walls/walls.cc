@@ -34,6 +34,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/sort/beam", {"engrave/core"}},
     {"engrave/sort", {"engrave/core", "engrave/motion*", "engrave/sort/beam"}},
     {"engrave/motion/axis", {"engrave/core"}},
+    {"engrave/drive", {"engrave/core"}},
     {"engrave/motion", {"engrave/core", "engrave/motion/axis"}},
     {"engrave/formats", {"engrave/core", "engrave/io"}},
     {"engrave/proof", {"engrave/core", "engrave/mesh"}},

@@ -1,0 +1,77 @@
+#pragma once
+
+// A drive: what an axis does when a position is commanded. Each axis by itself; positions
+// in the axis' own unit (mm or rad), here called u.
+//
+// Guarantees of every implementation, checked by tests/engrave/drive/conformance_test.cc:
+//  1. Follow is exact: over a command that is cubic in time it is the solution of the
+//     drive's equation, to 1e-9 of the command's size, however long the step is; two
+//     steps give what one of both their lengths gives.
+//  2. An axis at rest on a constant command stays there.
+//  3. The drive is stable: whatever the axis did before, it comes to Settled(command).
+//  4. Settled(command) is a course on which Follow stays.
+//  5. CommandFor is the inverse of Settled, and exact: an axis that is on a cubic course
+//     and is commanded CommandFor(course) stays on the course, to 1e-9.
+//  6. Error(command, t) is Settled(command) - command at t: what is predicted is what
+//     Follow does once the axis has settled.
+//  7. Parameters that are no finite numbers within the ranges of the drive's row in
+//     DriveKinds are refused (drive_kinds.h); so is nothing else.
+//  8. All is const, without memory: the same call gives the same bits, from any thread.
+
+#include <string_view>
+
+namespace intaglio::drive {
+
+/// p + v t + a t^2 / 2 + j t^3 / 6, t in seconds from its begin.
+struct Cubic {
+  double position_u = 0;
+  double velocity_u_s = 0;
+  double acceleration_u_s2 = 0;
+  double jerk_u_s3 = 0;
+
+  double At(double t_s) const {
+    return position_u +
+           t_s * (velocity_u_s + t_s * (acceleration_u_s2 / 2 + t_s * jerk_u_s3 / 6));
+  }
+  double VelocityAt(double t_s) const {
+    return velocity_u_s + t_s * (acceleration_u_s2 + t_s * jerk_u_s3 / 2);
+  }
+  double AccelerationAt(double t_s) const { return acceleration_u_s2 + t_s * jerk_u_s3; }
+};
+
+struct AxisState {
+  double position_u = 0;
+  /// Of the actual motion. Free where the drive's order makes it a state, else it follows
+  /// from position and command and is not read.
+  double velocity_u_s = 0;
+};
+
+class Drive {
+ public:
+  virtual ~Drive() = default;
+
+  /// The name of its row in DriveKinds, e.g. "first_order".
+  virtual std::string_view name() const = 0;
+
+  /// The state `duration_s` >= 0 later, while `command` is given from its begin.
+  virtual AxisState Follow(const AxisState& state, const Cubic& command,
+                           double duration_s) const = 0;
+
+  /// The course that the axis is on when its past has faded.
+  virtual Cubic Settled(const Cubic& command) const = 0;
+
+  /// The command that keeps an axis on `course`.
+  virtual Cubic CommandFor(const Cubic& course) const = 0;
+
+  /// How far the commands for a course that brakes to rest with 1 u/s^2 may lead beyond
+  /// the place of rest, in u: what a plan has to leave free at the ends of the travel,
+  /// for each unit of its acceleration. s^2.
+  virtual double lead_s2() const = 0;
+
+  /// The actual position less the commanded one at `t_s`, of a settled axis.
+  double Error(const Cubic& command, double t_s) const {
+    return Settled(command).At(t_s) - command.At(t_s);
+  }
+};
+
+}  // namespace intaglio::drive

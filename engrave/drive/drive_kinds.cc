@@ -1,0 +1,64 @@
+#include "engrave/drive/drive_kinds.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "engrave/drive/first_order.h"
+#include "engrave/drive/second_order.h"
+
+namespace intaglio::drive {
+namespace {
+
+constexpr DriveParameter kFirstOrder[] = {{"lag_s", 0, kMaxLagS}};
+constexpr DriveParameter kSecondOrder[] = {
+    {"natural_frequency_hz", kMinNaturalFrequencyHz, kMaxNaturalFrequencyHz},
+    {"damping_ratio", kMinDampingRatio, kMaxDampingRatio}};
+
+using Values = std::span<const double>;
+const DriveKind kKinds[] = {
+    {"first_order", kFirstOrder,
+     [](Values v) -> std::shared_ptr<const Drive> {
+       return std::make_shared<FirstOrder>(v[0]);
+     }},
+    {"second_order", kSecondOrder,
+     [](Values v) -> std::shared_ptr<const Drive> {
+       return std::make_shared<SecondOrder>(v[0], v[1]);
+     }},
+};
+
+Status CheckValues(const DriveKind& kind, Values values) {
+  if (values.size() != kind.parameters.size()) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("drive {}: {} values are given, it has {} parameters",
+                            kind.name, values.size(), kind.parameters.size()));
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const DriveParameter& parameter = kind.parameters[i];
+    if (values[i] >= parameter.min && values[i] <= parameter.max) continue;
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("drive {}: {} {} is outside {}..{}", kind.name,
+                            parameter.name, values[i], parameter.min, parameter.max),
+                fmt::format("{}", values[i]));
+  }
+  return {};
+}
+
+}  // namespace
+
+std::span<const DriveKind> DriveKinds() { return kKinds; }
+
+Result<std::shared_ptr<const Drive>> MakeDrive(std::string_view name, Values values) {
+  std::string known;
+  for (const DriveKind& kind : kKinds) {
+    known += (known.empty() ? "" : ", ") + std::string(kind.name);
+    if (kind.name != name) continue;
+    if (auto good = CheckValues(kind, values); !good) return tl::unexpected(good.error());
+    return kind.make(values);
+  }
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("drive {}: no such drive; known: {}", name, known),
+              std::string(name));
+}
+
+}  // namespace intaglio::drive

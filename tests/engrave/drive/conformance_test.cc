@@ -1,0 +1,268 @@
+// The guarantees of engrave/drive/drive.h, numbered as there, for every row of DriveKinds
+// over the corners and the middle of its parameters. The equation of each kind is written
+// here once more, and integrated by Runge-Kutta.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "engrave/drive/drive_kinds.h"
+
+namespace intaglio::drive {
+namespace {
+
+/// x'' (or x' of a first order, whose velocity is no state) from the state and command.
+struct Equation {
+  /// Derivatives of (x, v).
+  std::function<AxisState(const AxisState&, double command_u)> slope;
+  double fastest_s = 0;  ///< the shortest time constant; 0: none
+  double slowest_s = 0;  ///< what is left of the past is below e^-1 after it
+};
+
+Equation EquationOf(std::string_view name, const std::vector<double>& values) {
+  if (name == "first_order") {
+    const double lag_s = values[0];
+    return {[lag_s](const AxisState& at, double command_u) {
+              return AxisState{(command_u - at.position_u) / lag_s, 0};
+            },
+            lag_s, lag_s};
+  }
+  EXPECT_EQ(name, "second_order") << "write the equation of the new kind here";
+  const double w = 2 * std::numbers::pi * values[0], d = values[1];
+  const double slow_rate = d < 1 ? d * w : w * (d - std::sqrt(d * d - 1));
+  const double fast_rate = d < 1 ? w : w * (d + std::sqrt(d * d - 1));
+  return {[w, d](const AxisState& at, double command_u) {
+            return AxisState{at.velocity_u_s, w * w * (command_u - at.position_u) -
+                                                  2 * d * w * at.velocity_u_s};
+          },
+          1 / fast_rate, 1 / slow_rate};
+}
+
+AxisState Integrate(const Equation& equation, AxisState at, const Cubic& command,
+                    double duration_s) {
+  const int steps = static_cast<int>(std::ceil(duration_s / (equation.fastest_s / 100)));
+  const double h = duration_s / steps;
+  const auto along = [](const AxisState& from, const AxisState& by, double factor) {
+    return AxisState{from.position_u + factor * by.position_u,
+                     from.velocity_u_s + factor * by.velocity_u_s};
+  };
+  for (int i = 0; i < steps; ++i) {
+    const double t = i * h;
+    const AxisState k1 = equation.slope(at, command.At(t));
+    const AxisState k2 = equation.slope(along(at, k1, h / 2), command.At(t + h / 2));
+    const AxisState k3 = equation.slope(along(at, k2, h / 2), command.At(t + h / 2));
+    const AxisState k4 = equation.slope(along(at, k3, h), command.At(t + h));
+    for (const auto& [slope, weight] : {std::pair(k1, 1), {k2, 2}, {k3, 2}, {k4, 1}})
+      at = along(at, slope, weight * h / 6);
+  }
+  return at;
+}
+
+/// One kind with one set of parameters.
+struct Sample {
+  const DriveKind* kind = nullptr;
+  std::vector<double> values;
+  std::shared_ptr<const Drive> drive;
+  Equation equation;
+  std::string Text() const {
+    std::string text(kind->name);
+    for (const double value : values) text += " " + std::to_string(value);
+    return text;
+  }
+};
+
+/// Ends and geometric middle of each parameter, all combinations.
+std::vector<Sample> Samples() {
+  std::vector<Sample> samples;
+  for (const DriveKind& kind : DriveKinds()) {
+    std::vector<std::vector<double>> all = {{}};
+    for (const DriveParameter& parameter : kind.parameters) {
+      std::vector<std::vector<double>> longer;
+      for (const auto& values : all) {
+        const double low = std::max(parameter.min, 1e-4 * parameter.max);
+        for (const double value : {parameter.min, std::sqrt(low * parameter.max),
+                                   parameter.max, std::min(1.0, parameter.max)}) {
+          longer.push_back(values);
+          longer.back().push_back(value);
+        }
+      }
+      all = longer;
+    }
+    for (const auto& values : all) {
+      auto made = MakeDrive(kind.name, values);
+      EXPECT_TRUE(made.has_value()) << made.error().message;
+      samples.push_back({&kind, values, *made, EquationOf(kind.name, values)});
+    }
+  }
+  return samples;
+}
+
+/// Courses of a stage: +-80 mm/s, 7 m/s^2 and the jerk that reverses it in 5 ms.
+std::vector<Cubic> Courses() {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> ratio(-1, 1);
+  std::vector<Cubic> courses = {{}, {3, 0, 0, 0}, {0, 80, 0, 0}, {0, 0, 7000, 0}};
+  for (int i = 0; i < 20; ++i) {
+    courses.push_back({170 * ratio(random), 80 * ratio(random), 7000 * ratio(random),
+                       2.8e6 * ratio(random)});
+  }
+  return courses;
+}
+
+/// Sizes that roundings are measured by: of the command and of the coefficients that the
+/// drive adds to it.
+double SizeOf(const Cubic& a, double t_s) {
+  return 1 + std::abs(a.position_u) + t_s * std::abs(a.velocity_u_s) +
+         t_s * t_s * std::abs(a.acceleration_u_s2) +
+         t_s * t_s * t_s * std::abs(a.jerk_u_s3);
+}
+
+TEST(DriveConformance, FollowSolvesTheEquation) {  // 1
+  for (const Sample& sample : Samples()) {
+    if (sample.equation.fastest_s <= 0) continue;  // no lag: see below
+    // Some time constants, within what the integration can do in a moment.
+    const double duration_s =
+        std::min(3 * sample.equation.slowest_s, 400 * sample.equation.fastest_s);
+    for (const Cubic& command : Courses()) {
+      const AxisState from{command.position_u + 0.5, 12};
+      const AxisState expected = Integrate(sample.equation, from, command, duration_s);
+      const AxisState actual = sample.drive->Follow(from, command, duration_s);
+      // Steps of a hundredth of a time constant: 1e-9 of what moves.
+      EXPECT_NEAR(actual.position_u, expected.position_u,
+                  1e-8 * SizeOf(command, duration_s + sample.equation.slowest_s))
+          << sample.Text();
+    }
+  }
+}
+
+TEST(DriveConformance, TwoStepsAreOne) {  // 1
+  for (const Sample& sample : Samples()) {
+    for (const Cubic& command : Courses()) {
+      for (const double share : {0.01, 0.5, 0.9}) {
+        const double duration_s = 0.004;
+        const double first_s = share * duration_s;
+        const AxisState from{command.position_u - 0.3, -20};
+        const AxisState middle = sample.drive->Follow(from, command, first_s);
+        const Cubic later = {command.At(first_s), command.VelocityAt(first_s),
+                             command.AccelerationAt(first_s), command.jerk_u_s3};
+        const AxisState twice = sample.drive->Follow(middle, later, duration_s - first_s);
+        const AxisState once = sample.drive->Follow(from, command, duration_s);
+        const double size = SizeOf(command, duration_s + sample.equation.slowest_s);
+        EXPECT_NEAR(twice.position_u, once.position_u, 1e-9 * size) << sample.Text();
+      }
+    }
+  }
+}
+
+TEST(DriveConformance, RestStaysRest) {  // 2
+  for (const Sample& sample : Samples()) {
+    for (const double duration_s : {1e-6, 0.01, 1.0, 1000.0}) {
+      const AxisState rest = sample.drive->Follow({42.5, 0}, {42.5, 0, 0, 0}, duration_s);
+      EXPECT_DOUBLE_EQ(rest.position_u, 42.5) << sample.Text();
+      EXPECT_NEAR(rest.velocity_u_s, 0, 1e-9) << sample.Text();
+    }
+  }
+}
+
+TEST(DriveConformance, ItIsStableAndComesToTheSettledCourse) {  // 3
+  for (const Sample& sample : Samples()) {
+    for (const Cubic& command : Courses()) {
+      // e^-40 of 1 u and 1000 u/s is nothing.
+      const double duration_s = 40 * sample.equation.slowest_s;
+      const Cubic settled = sample.drive->Settled(command);
+      const AxisState end =
+          sample.drive->Follow({command.position_u + 1, 1000}, command, duration_s);
+      EXPECT_NEAR(end.position_u, settled.At(duration_s),
+                  1e-9 * (SizeOf(command, duration_s + sample.equation.slowest_s) +
+                          SizeOf(settled, duration_s)))
+          << sample.Text();
+    }
+  }
+}
+
+TEST(DriveConformance, TheSettledCourseIsKeptAndTheErrorIsAsPredicted) {  // 4, 6
+  for (const Sample& sample : Samples()) {
+    for (const Cubic& command : Courses()) {
+      const Cubic settled = sample.drive->Settled(command);
+      AxisState state{settled.position_u, settled.velocity_u_s};
+      const double size =
+          SizeOf(command, 0.02 + sample.equation.slowest_s) + SizeOf(settled, 0.02);
+      for (const double t_s : {0.001, 0.005, 0.02}) {
+        const AxisState at = sample.drive->Follow(state, command, t_s);
+        EXPECT_NEAR(at.position_u, settled.At(t_s), 1e-9 * size) << sample.Text();
+        EXPECT_NEAR(at.position_u - command.At(t_s), sample.drive->Error(command, t_s),
+                    1e-9 * size)
+            << sample.Text();
+      }
+    }
+  }
+}
+
+TEST(DriveConformance, TheInverseKeepsTheAxisOnItsCourse) {  // 5
+  for (const Sample& sample : Samples()) {
+    for (const Cubic& course : Courses()) {
+      const Cubic command = sample.drive->CommandFor(course);
+      const double size =
+          SizeOf(command, 0.02 + sample.equation.slowest_s) + SizeOf(course, 0.02);
+      AxisState state{course.position_u, course.velocity_u_s};
+      for (const double t_s : {0.001, 0.005, 0.02}) {
+        EXPECT_NEAR(sample.drive->Follow(state, command, t_s).position_u, course.At(t_s),
+                    1e-9 * size)
+            << sample.Text();
+      }
+      const Cubic back = sample.drive->Settled(command);
+      EXPECT_NEAR(back.At(0.01), course.At(0.01), 1e-9 * size) << sample.Text();
+    }
+  }
+}
+
+TEST(DriveConformance, CommandsOfABrakingCourseKeepTheirLead) {  // lead_s2
+  for (const Sample& sample : Samples()) {
+    const double braking_u_s2 = 7000;
+    const double bound_u = sample.drive->lead_s2() * braking_u_s2;
+    double largest_u = 0;
+    for (double v = 0; v < 20000; v = 1.01 * v + 0.01) {
+      // The place of rest is 0; on the way there the course may still accelerate.
+      const double at_u = -v * v / (2 * braking_u_s2);
+      for (const double a : {-braking_u_s2, braking_u_s2}) {
+        largest_u =
+            std::max(largest_u, sample.drive->CommandFor({at_u, v, a, 0}).position_u);
+      }
+    }
+    EXPECT_LE(largest_u, bound_u * (1 + 1e-9) + 1e-12) << sample.Text();
+    EXPECT_GE(largest_u, 0.99 * bound_u - 1e-9) << "a bound that wastes travel";
+  }
+}
+
+TEST(DriveConformance, WhatIsOutsideTheRangesIsRefusedWithItsName) {  // 7
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const DriveKind& kind : DriveKinds()) {
+    std::vector<double> good;
+    for (const DriveParameter& parameter : kind.parameters) good.push_back(parameter.max);
+    for (std::size_t i = 0; i < good.size(); ++i) {
+      const DriveParameter& parameter = kind.parameters[i];
+      for (const double wrong :
+           {std::nextafter(parameter.min, -1.0), -1.0,
+            std::nextafter(parameter.max, kInfinite), kNan, kInfinite, -kInfinite}) {
+        auto values = good;
+        values[i] = wrong;
+        const auto made = MakeDrive(kind.name, values);
+        ASSERT_FALSE(made.has_value()) << kind.name << " " << wrong;
+        EXPECT_NE(made.error().message.find(std::string(parameter.name)),
+                  std::string::npos)
+            << made.error().message;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::drive
