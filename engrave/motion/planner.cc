@@ -1,6 +1,6 @@
 #include "engrave/motion/planner.h"
 
-#include "engrave/motion/lag_compensation.h"
+#include "engrave/motion/drive_compensation.h"
 #include "engrave/motion/stop_and_go.h"
 #include "engrave/motion/tick_planner.h"
 
@@ -23,12 +23,11 @@ class Stopping : public Planner {
   StopAndGoPlanner planner_;
 };
 
-/// The travel less what the commands of a lagging stage lead it by where it brakes:
-/// v lag - v^2 / (2 A), at most A lag^2 / 2.
+/// The travel less what the commands lead the stage by where it brakes.
 Limits LimitsOfPlan(const PlanOptions& options) {
   Limits limits = options.limits;
-  const Vec3 lead_mm =
-      0.5 * options.stage_lag_s * options.stage_lag_s * limits.max_acceleration_mm_s2;
+  if (!options.drive) return limits;
+  const Vec3 lead_mm = options.drive->lead_s2() * limits.max_acceleration_mm_s2;
   limits.travel_mm.min_mm += lead_mm;
   limits.travel_mm.max_mm -= lead_mm;
   return limits;
@@ -45,7 +44,7 @@ class Continuous : public Planner {
   Continuous(const PlanOptions& options, const Vec3& start_mm)
       : planner_(LimitsOfPlan(options), options.rate_hz, PlannerOptionsOf(options),
                  {start_mm, Vec3::Zero()}),
-        compensation_(options.stage_lag_s, options.rate_hz, {start_mm, Vec3::Zero()}) {}
+        compensation_(options.drive, options.rate_hz, {start_mm, Vec3::Zero()}) {}
 
   void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
               std::vector<Segment>& out) override {
@@ -67,7 +66,7 @@ class Continuous : public Planner {
   }
 
   TickPlanner planner_;
-  LagCompensation compensation_;
+  DriveCompensation compensation_;
   std::vector<Segment> planned_;
 };
 

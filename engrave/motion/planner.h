@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "engrave/drive/drive.h"
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/axis/profile.h"
 #include "engrave/motion/point_shift.h"
@@ -20,7 +21,8 @@ struct PlanOptions {
   /// (stop_and_go.h).
   bool continuous = false;
   Profile profile = Profile::kMix;
-  double stage_lag_s = 0;  ///< first order; regarded where the stage does not stop
+  /// Of each axis; regarded where the stage does not stop. Null: it follows exactly.
+  std::shared_ptr<const drive::Drive> drive = {};
   /// How far a point may be moved where that saves ticks, >= 0; regarded where the stage
   /// does not stop.
   double tolerance_mm = 0;

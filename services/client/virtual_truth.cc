@@ -44,7 +44,13 @@ void SetStage(const MachineSpec& machine, TruthStage& stage) {
   *stage.mutable_travel_max_mm() =
       Vector(travel.max_mm.x(), travel.max_mm.y(), travel.max_mm.z());
   *stage.mutable_positioner() = PositionerOf(machine);
-  stage.set_first_order_lag_s(machine.stage_lag_s());
+  if (machine.has_second_order()) {
+    const SecondOrderDrive& drive = machine.second_order();
+    stage.mutable_second_order()->set_natural_frequency_hz(drive.natural_frequency_hz());
+    stage.mutable_second_order()->set_damping_ratio(drive.damping_ratio());
+  } else {
+    stage.set_first_order_lag_s(machine.stage_lag_s());
+  }
   stage.set_position_tolerance_um(machine.position_tolerance_um());
   if (machine.motion_line().has_serial_number())
     stage.set_serial_number(machine.motion_line().serial_number());

@@ -84,6 +84,8 @@ constexpr std::array kRanges = {
     FieldRange{"MachineSpec", "repeatability_um", 0.1, 1000},
     FieldRange{"MachineSpec", "position_tolerance_um", 1, 1000},
     FieldRange{"MachineSpec", "stage_lag_s", 0, 0.1},
+    FieldRange{"SecondOrderDrive", "natural_frequency_hz", 1, 10000},
+    FieldRange{"SecondOrderDrive", "damping_ratio", 0.05, 5},
     FieldRange{"MachineSpec", "max_speed_norm_mm_s", 0.1, 10000},
     FieldRange{"MachineSpec", "max_acceleration_norm_mm_s2", 1, 200000},
 };

@@ -189,7 +189,8 @@ MachineSpec WithMachineDefaults(MachineSpec machine) {
   for (SerialLine* line : {machine.mutable_laser_line(), machine.mutable_motion_line()}) {
     if (!line->has_baud()) line->set_baud(kDefaultBaud);
   }
-  if (!machine.has_stage_lag_s()) machine.set_stage_lag_s(kDefaultStageLagS);
+  if (machine.drive_case() == MachineSpec::DRIVE_NOT_SET)
+    machine.set_stage_lag_s(kDefaultStageLagS);
   if (machine.has_laser() && !machine.laser().has_max_missed_in_a_row()) {
     machine.mutable_laser()->set_max_missed_in_a_row(kDefaultMaxMissedInARow);
   }

@@ -4,8 +4,10 @@
 #include <cctype>
 #include <numbers>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/drive/drive_kinds.h"
 #include "engrave/motion/profiles.h"
 #include "engrave/sort/kdz.h"
 #include "services/job/job_defaults.h"
@@ -144,6 +146,20 @@ void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
 
 }  // namespace
 
+std::shared_ptr<const drive::Drive> DriveOf(const MachineSpec& machine) {
+  std::string_view name = "first_order";
+  std::vector<double> values = {machine.stage_lag_s()};
+  if (machine.has_second_order()) {
+    name = "second_order";
+    values = {machine.second_order().natural_frequency_hz(),
+              machine.second_order().damping_ratio()};
+  }
+  auto made = drive::MakeDrive(name, values);
+  Require(made.has_value(), "the machine was not checked: {}",
+          made ? "" : made.error().message);
+  return *made;
+}
+
 motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
   const MotionOptions& asked = job.job().motion();
   Require(asked.has_max_speed_mm_s() && job.job().laser().has_rate_hz(),
@@ -158,7 +174,7 @@ motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
             static_cast<int>(asked.profile()));
     result.profile = *profile;
   }
-  result.stage_lag_s = job.machine().stage_lag_s();
+  result.drive = DriveOf(job.machine());
   if (result.continuous) SetOptionalLimits(job, result);
   return result;
 }

@@ -45,6 +45,10 @@ optics::Lens LensOf(const JobSpec& job);
 /// number that is none.
 std::string ProfileName(MotionProfile profile);
 
+/// The drive of the stage's axes, by the field that the profile sets. `machine` is
+/// checked and has its defaults.
+std::shared_ptr<const drive::Drive> DriveOf(const MachineSpec& machine);
+
 /// How the axes of a job are driven, in their units. Limits: the machine's, capped by the
 /// job's, and its travel (machine_axes.h).
 motion::PlanOptions MotionOptionsOf(const FrozenJob& job);

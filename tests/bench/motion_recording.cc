@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/drive/first_order.h"
 #include "engrave/motion/planner.h"
 #include "services/recorder/recording_series.h"
 
@@ -96,7 +97,7 @@ class Walk {
     options.limits.max_acceleration_mm_s2 = Vec3::Constant(7000);
     options.rate_hz = kLampHz;
     options.continuous = true;
-    options.stage_lag_s = 0.0002;
+    options.drive = std::make_shared<drive::FirstOrder>(0.0002);
     return options;
   }
   double DurationOfFront() {

@@ -35,7 +35,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/sort", {"engrave/core", "engrave/motion*", "engrave/sort/beam"}},
     {"engrave/motion/axis", {"engrave/core"}},
     {"engrave/drive", {"engrave/core"}},
-    {"engrave/motion", {"engrave/core", "engrave/motion/axis"}},
+    {"engrave/motion", {"engrave/core", "engrave/drive", "engrave/motion/axis"}},
     {"engrave/formats", {"engrave/core", "engrave/io"}},
     {"engrave/proof", {"engrave/core", "engrave/mesh"}},
     {"engrave/render", {"engrave/core", "engrave/io"}},

@@ -150,7 +150,7 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
                                  const SegmentSink& sink, const ProgressSink& progress) {
   Require(!path.empty(), "a path without points");
   motion::PlanOptions plan = MotionOptionsOf(job);
-  plan.stage_lag_s = 0;
+  plan.drive = nullptr;
   MotionMeter meter(plan, path, ScaleBoundsOf(job), sink);
   for (std::size_t begin = 0; begin < path.size(); begin += kPointsATime) {
     const std::size_t end = std::min(begin + kPointsATime, path.size());

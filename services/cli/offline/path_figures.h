@@ -25,7 +25,7 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm);
 /// Plans the job's motion, from rest at the first point as the synchronizer does, and
 /// checks it with the independent verifier; holds only some segments at a time. The
 /// motion is that of the stage itself: commands to a stage that lags lead it
-/// (engrave/motion/lag_compensation.h). `path`: the axes at the points, not empty; the
+/// (engrave/motion/drive_compensation.h). `path`: the axes at the points, not empty; the
 /// figures of axes that turn are those of the focus farthest from their pivot. Errors are
 /// those of `sink`, and kCancelled.
 Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,

@@ -33,6 +33,13 @@ TEST(VirtualTruth, IsWhatTheProfileSaysAndWhatIsMounted) {
   EXPECT_EQ(truth.block().origin_mm().y(), 7);
   EXPECT_EQ(truth.block().refractive_index(), 1.52);
   EXPECT_EQ(truth.block().numerical_aperture(), 0.2);
+  machine.mutable_second_order()->set_natural_frequency_hz(120);
+  machine.mutable_second_order()->set_damping_ratio(0.7);
+  const MachineTruth second =
+      TruthOf(machine, {Vec3(50, 60, 70), 1.52, optics::Lens{43, 0.2}});
+  EXPECT_FALSE(second.stage().has_first_order_lag_s());
+  EXPECT_EQ(second.stage().second_order().natural_frequency_hz(), 120);
+  EXPECT_EQ(second.stage().second_order().damping_ratio(), 0.7);
 }
 
 }  // namespace

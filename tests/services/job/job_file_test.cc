@@ -131,6 +131,13 @@ TEST_F(JobFileTest, MachineFilesAreCheckedAndCompleted) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->stage_lag_s(), 0.0002);
   EXPECT_EQ(read->laser_line().baud(), 115200u);
+  machine.mutable_second_order()->set_natural_frequency_hz(120);
+  machine.mutable_second_order()->set_damping_ratio(0.7);
+  ASSERT_TRUE(WriteMachineFile(folder_ / "second.textproto", machine));
+  const auto second = ReadMachineFile(folder_ / "second.textproto");
+  ASSERT_TRUE(second);
+  EXPECT_FALSE(second->has_stage_lag_s()) << "it has its drive";
+  machine.clear_drive();
   machine.clear_name();
   machine.clear_lenses();
   ASSERT_TRUE(WriteMachineFile(folder_ / "b.textproto", machine));

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numbers>
+#include <string_view>
 
 #include "engrave/core/check.h"
+#include "engrave/drive/drive_kinds.h"
 #include "engrave/motion/profiles.h"
+#include "services/job/field_ranges.h"
 #include "services/job/job_defaults.h"
 #include "services/job/models/model_sources.h"
 #include "tests/services/job/test_job.h"
@@ -80,6 +84,40 @@ TEST(Options, EveryProfileOfAJobIsOneOfThePlanner) {
   EXPECT_EQ(stopping, motion::Profiles().size());
   EXPECT_EQ(ProfileName(MOTION_PROFILE_TIME_OPTIMAL), "time-optimal");
   EXPECT_EQ(ProfileName(static_cast<MotionProfile>(99)), "");
+}
+
+TEST(Options, TheDriveIsTheOneThatTheProfileNames) {
+  FrozenJob frozen = Frozen(GoodJob());
+  frozen.mutable_machine()->set_stage_lag_s(0.003);
+  const drive::Cubic ramp = {0, 80, 0, 0};
+  const auto first = MotionOptionsOf(frozen).drive;
+  EXPECT_EQ(first->name(), "first_order");
+  EXPECT_EQ(first->CommandFor(ramp).position_u, 80 * 0.003);
+  auto& asked = *frozen.mutable_machine()->mutable_second_order();
+  asked.set_natural_frequency_hz(50);
+  asked.set_damping_ratio(0.5);
+  const auto second = MotionOptionsOf(frozen).drive;
+  EXPECT_EQ(second->name(), "second_order");
+  EXPECT_NEAR(second->CommandFor(ramp).position_u,
+              80 * 2 * 0.5 / (2 * std::numbers::pi * 50), 1e-12);
+}
+
+// A profile that is good makes a drive, and one that makes none is no good profile.
+TEST(Options, TheRangesOfAProfileAreThoseOfTheDrives) {
+  const std::map<std::string_view, std::string_view> messages = {
+      {"lag_s", "MachineSpec"},
+      {"natural_frequency_hz", "SecondOrderDrive"},
+      {"damping_ratio", "SecondOrderDrive"}};
+  for (const drive::DriveKind& kind : drive::DriveKinds()) {
+    for (const drive::DriveParameter& parameter : kind.parameters) {
+      const std::string_view field =
+          parameter.name == "lag_s" ? "stage_lag_s" : parameter.name;
+      const FieldRange* range = FindRange(messages.at(parameter.name), field);
+      ASSERT_NE(range, nullptr) << field;
+      EXPECT_EQ(range->min, parameter.min) << field;
+      EXPECT_EQ(range->max, parameter.max) << field;
+    }
+  }
 }
 
 TEST(Options, ThePlannersKnowWhereTheTravelEnds) {

@@ -93,6 +93,11 @@ INSTANTIATE_TEST_SUITE_P(
                  m.mutable_cartesian()->mutable_x()->set_moves(AXIS_MOVES_TABLE);
                }},
         Change{"polar", [](auto& m) { m.mutable_polar()->set_arm_length_mm(150); }},
+        Change{"second_order",
+               [](auto& m) {
+                 m.mutable_second_order()->set_natural_frequency_hz(120);
+                 m.mutable_second_order()->set_damping_ratio(0.7);
+               }},
         Change{"max_speed_norm_mm_s", [](auto& m) { m.set_max_speed_norm_mm_s(80); }},
         Change{"max_acceleration_norm_mm_s2",
                [](auto& m) { m.set_max_acceleration_norm_mm_s2(7000); }}));
