@@ -16,7 +16,9 @@
 //     Follow does once the axis has settled.
 //  7. Parameters that are no finite numbers within the ranges of the drive's row in
 //     DriveKinds are refused (drive_kinds.h); so is nothing else.
-//  8. All is const, without memory: the same call gives the same bits, from any thread.
+//  8. CommandFor is linear and does not depend on the time: it adds to a course fixed
+//     multiples of its first, second and third derivative.
+//  9. All is const, without memory: the same call gives the same bits, from any thread.
 
 #include <string_view>
 

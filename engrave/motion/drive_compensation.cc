@@ -1,15 +1,18 @@
 #include "engrave/motion/drive_compensation.h"
 
-#include <utility>
-
 #include "engrave/core/check.h"
 
 namespace intaglio::motion {
 
-DriveCompensation::DriveCompensation(std::shared_ptr<const drive::Drive> drive,
-                                     double rate_hz, const KnotState& start)
-    : drive_(std::move(drive)), rate_hz_(rate_hz), from_(start) {
+DriveCompensation::DriveCompensation(const drive::Drive* drive, double rate_hz,
+                                     const KnotState& start)
+    : rate_hz_(rate_hz), from_(start) {
   Require(rate_hz > 0, "rate_hz {} must be positive", rate_hz);
+  if (drive == nullptr) return;
+  of_velocity_s_ = drive->CommandFor({0, 1, 0, 0}).position_u;
+  of_acceleration_s2_ = drive->CommandFor({0, 0, 1, 0}).position_u;
+  of_jerk_s3_ = drive->CommandFor({0, 0, 0, 1}).position_u;
+  jerk_counts_ = of_acceleration_s2_ != 0 || of_jerk_s3_ != 0;
 }
 
 void DriveCompensation::Append(const Segment& planned, std::vector<Segment>& out) {
@@ -18,9 +21,12 @@ void DriveCompensation::Append(const Segment& planned, std::vector<Segment>& out
     const double next_s = DurationSeconds(planned.duration_subticks, rate_hz_);
     const Vec3 before = HermiteAcceleration(from_, *held_, held_s, held_s);
     const Vec3 behind = HermiteAcceleration(held_->end(), planned, 0, next_s);
-    const Vec3 jerk_before = HermiteJerk(from_, *held_, held_s);
-    const Vec3 jerk_behind = HermiteJerk(held_->end(), planned, next_s);
-    out.push_back(Commanded(0.5 * (before + behind), 0.5 * (jerk_before + jerk_behind)));
+    Vec3 jerk = Vec3::Zero();
+    if (jerk_counts_) {
+      jerk = 0.5 * (HermiteJerk(from_, *held_, held_s) +
+                    HermiteJerk(held_->end(), planned, next_s));
+    }
+    out.push_back(Commanded(0.5 * (before + behind), jerk));
     from_ = held_->end();
   }
   held_ = planned;
@@ -36,14 +42,12 @@ void DriveCompensation::Finish(std::vector<Segment>& out) {
 Segment DriveCompensation::Commanded(const Vec3& acceleration_mm_s2,
                                      const Vec3& jerk_mm_s3) const {
   Segment segment = *held_;
-  if (!drive_) return segment;
-  for (int axis = 0; axis < 3; ++axis) {
-    const drive::Cubic command =
-        drive_->CommandFor({held_->end_position_mm[axis], held_->end_velocity_mm_s[axis],
-                            acceleration_mm_s2[axis], jerk_mm_s3[axis]});
-    segment.end_position_mm[axis] = command.position_u;
-    segment.end_velocity_mm_s[axis] = command.velocity_u_s;
-  }
+  segment.end_position_mm += of_velocity_s_ * held_->end_velocity_mm_s;
+  segment.end_velocity_mm_s += of_velocity_s_ * acceleration_mm_s2;
+  if (!jerk_counts_) return segment;
+  segment.end_position_mm +=
+      of_acceleration_s2_ * acceleration_mm_s2 + of_jerk_s3_ * jerk_mm_s3;
+  segment.end_velocity_mm_s += of_acceleration_s2_ * jerk_mm_s3;
   return segment;
 }
 

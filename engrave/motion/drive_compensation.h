@@ -10,7 +10,6 @@
 // of a first order and J / (2 w^2) of a second order is left of it at a point: 0.3 um for
 // the ELS-03, 12 um for 120 Hz and the same accelerations. The test measures both.
 
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -25,8 +24,7 @@ class DriveCompensation {
  public:
   /// `drive` is that of each axis; null: the axes are where they are commanded. The plan
   /// begins at rest at `start`. Throws PreconditionError unless rate_hz > 0.
-  DriveCompensation(std::shared_ptr<const drive::Drive> drive, double rate_hz,
-                    const KnotState& start);
+  DriveCompensation(const drive::Drive* drive, double rate_hz, const KnotState& start);
 
   void Append(const Segment& planned, std::vector<Segment>& out);
   /// Adds the segment still held, which ends at rest.
@@ -35,7 +33,9 @@ class DriveCompensation {
  private:
   Segment Commanded(const Vec3& acceleration_mm_s2, const Vec3& jerk_mm_s3) const;
 
-  std::shared_ptr<const drive::Drive> drive_;
+  // What the command adds to the course of its derivatives; guarantee 8 of a drive.
+  double of_velocity_s_ = 0, of_acceleration_s2_ = 0, of_jerk_s3_ = 0;
+  bool jerk_counts_ = false;
   double rate_hz_;
   KnotState from_;  ///< of the plan, where the held segment begins
   std::optional<Segment> held_;

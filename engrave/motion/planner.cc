@@ -44,7 +44,7 @@ class Continuous : public Planner {
   Continuous(const PlanOptions& options, const Vec3& start_mm)
       : planner_(LimitsOfPlan(options), options.rate_hz, PlannerOptionsOf(options),
                  {start_mm, Vec3::Zero()}),
-        compensation_(options.drive, options.rate_hz, {start_mm, Vec3::Zero()}) {}
+        compensation_(options.drive.get(), options.rate_hz, {start_mm, Vec3::Zero()}) {}
 
   void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
               std::vector<Segment>& out) override {

@@ -241,6 +241,30 @@ TEST(DriveConformance, CommandsOfABrakingCourseKeepTheirLead) {  // lead_s2
   }
 }
 
+TEST(DriveConformance, TheInverseAddsFixedMultiplesOfTheDerivatives) {  // 8
+  for (const Sample& sample : Samples()) {
+    const double of_velocity_s = sample.drive->CommandFor({0, 1, 0, 0}).position_u;
+    const double of_acceleration_s2 = sample.drive->CommandFor({0, 0, 1, 0}).position_u;
+    const double of_jerk_s3 = sample.drive->CommandFor({0, 0, 0, 1}).position_u;
+    for (const Cubic& course : Courses()) {
+      const Cubic command = sample.drive->CommandFor(course);
+      for (const double t_s : {0.0, 0.003, 0.02}) {
+        const double v = course.VelocityAt(t_s), a = course.AccelerationAt(t_s);
+        const double j = course.jerk_u_s3;
+        const double size = SizeOf(command, 0.02) + SizeOf(course, 0.02);
+        EXPECT_NEAR(
+            command.At(t_s),
+            course.At(t_s) + of_velocity_s * v + of_acceleration_s2 * a + of_jerk_s3 * j,
+            1e-12 * size)
+            << sample.Text();
+        EXPECT_NEAR(command.VelocityAt(t_s),
+                    v + of_velocity_s * a + of_acceleration_s2 * j, 1e-9 * size)
+            << sample.Text();
+      }
+    }
+  }
+}
+
 TEST(DriveConformance, WhatIsOutsideTheRangesIsRefusedWithItsName) {  // 7
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
