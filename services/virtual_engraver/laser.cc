@@ -118,6 +118,16 @@ TickOutcome Laser::OutcomeAt(bool armed, bool gated, bool in_position) const {
   return TickOutcome::kFiredSeen;  // Seen() says whether it was
 }
 
+bool Laser::NextFiresAtPlace() const {
+  const std::uint64_t next = tick_ + 1;
+  for (const link::ArmWindow& window : windows_) {
+    if (next < window.first_tick) return false;
+    const std::uint64_t i = next - window.first_tick;
+    if (i < window.fire.size()) return window.at_place && window.fire[i];
+  }
+  return false;
+}
+
 std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   ++tick_;
   past_[tick_ % past_.size()] = TickOutcome::kNotArmed;
@@ -203,8 +213,13 @@ link::LaserStatus Laser::Report() const {
 }
 
 link::LaserIdentity Laser::Identity() const {
-  return {options_.power_up, options_.lockstep,           options_.channels,
-          options_.rates_hz, "Intaglio virtual engraver", options_.serial_number};
+  return {options_.power_up,
+          options_.lockstep,
+          options_.channels,
+          options_.rates_hz,
+          "Intaglio virtual engraver",
+          options_.serial_number,
+          true};
 }
 
 }  // namespace intaglio::virtual_engraver

@@ -3,7 +3,8 @@
 // The laser and its controller: lamp, warm-up, tick counter, decided ticks, interlocks,
 // shutters, Q-switch. What it may fire at a tick:
 //
-//   armed -> [gated: in position] -> key, door, stop -> no safe state -> lamp warm
+//   armed -> [gated: in position; at a place: compare output] -> key, door, stop -> no
+//   safe state -> lamp warm
 //         -> a shutter is open -> pulse
 //
 // The first link that does not hold is the outcome. Not thread-safe; time is AdvanceTick.
@@ -59,6 +60,9 @@ class Laser {
 
   /// The next tick is decided (fire or not).
   bool NextIsDecided() const { return tick_ + 1 <= decided_through_; }
+  /// The next tick is armed to fire at a place: then AdvanceTick is given the stage's
+  /// compare output instead of the in-position output.
+  bool NextFiresAtPlace() const;
   /// Something could still fire without another word of the host.
   bool MayFire() const { return shutters_ != 0 || !windows_.empty(); }
   /// One lamp sync later, which comes `late_s` after its time. Returns the mask of

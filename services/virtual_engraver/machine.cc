@@ -175,8 +175,13 @@ void Machine::DelaySync(double seconds) {
 void Machine::PassTick() {
   const double late_s = std::exchange(sync_late_s_, 0);
   stage_.AdvanceTick(1 / (1 / laser_.rate_hz() + late_s));
-  const std::uint8_t channels = laser_.AdvanceTick(stage_.in_position(), late_s);
-  if (channels != 0) Fire(channels);
+  // What passes within the tick is known from its begin: nothing commands the stage anew
+  // before the next one.
+  const bool at_place = laser_.NextFiresAtPlace();
+  const auto passed_mm = at_place ? stage_.PlaceOfCompare() : std::nullopt;
+  const bool gate = at_place ? passed_mm.has_value() : stage_.in_position();
+  const std::uint8_t channels = laser_.AdvanceTick(gate, late_s);
+  if (channels != 0) Fire(channels, passed_mm ? *passed_mm : stage_.place_mm());
   next_tick_at_ +=
       nanoseconds(static_cast<std::int64_t>(1e9 / (laser_.rate_hz() * options_.speed)));
 }
@@ -190,7 +195,7 @@ bool Machine::PassTicks() {
   return passed > 0;
 }
 
-void Machine::Fire(std::uint8_t channels) {
+void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
   bool seen = to_overlook_ == 0;
   if (to_overlook_ > 0) --to_overlook_;
   for (std::uint8_t channel = 0; channel < 4; ++channel) {
@@ -200,7 +205,7 @@ void Machine::Fire(std::uint8_t channels) {
       continue;
     }
     const Focus focus =
-        TraceFocus(FocusAt(options_.positioner, stage_.place_mm()), options_.block);
+        TraceFocus(FocusAt(options_.positioner, place_mm), options_.block);
     glass_.Add({laser_.tick(), focus.position_mm, options_.pulse_energy_mj, channel,
                 focus.in_glass});
     seen = seen && focus.in_glass;

@@ -93,7 +93,7 @@ class Machine {
   bool MayPassTick() const;
   bool PassTicks();
   void PassTick();
-  void Fire(std::uint8_t channels);
+  void Fire(std::uint8_t channels, const Vec3& place_mm);
   void Tell(bool at_once);
 
   MachineOptions options_;

@@ -9,7 +9,6 @@ namespace {
 
 using link::StageFault;
 constexpr double kNmPerMm = 1e6;
-constexpr std::uint64_t kSubticksPerTick = 65536;
 
 Vec3 ToMm(std::int32_t x, std::int32_t y, std::int32_t z) {
   return Vec3(x, y, z) / kNmPerMm;
@@ -196,7 +195,7 @@ void Stage::FinishPiece() {
   knot_mm_ = piece.end_mm;
   knot_mm_s_ = piece.end_mm_s;
   if (phase_ == Phase::kRunning && (piece.pulse || !own_clock_)) {
-    passed_ = {PlaceOf(piece), now_units_, piece.pulse};
+    passed_ = {PlaceOf(piece), piece.end_mm, now_units_, piece.pulse};
   }
   if (piece.program_end) {
     phase_ = Phase::kRest;
@@ -363,6 +362,7 @@ link::MotionIdentity Stage::Identity() const {
   }
   identity.queue_capacity = options_.queue_capacity;
   identity.serial_number = options_.serial_number;
+  identity.compares_place = !own_clock_;
   return identity;
 }
 

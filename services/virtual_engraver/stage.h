@@ -28,6 +28,8 @@
 
 namespace intaglio::virtual_engraver {
 
+inline constexpr std::uint64_t kSubticksPerTick = 65536;
+
 struct StageOptions {
   Vec3 travel_min_mm = Vec3::Zero();
   Vec3 travel_max_mm = Vec3::Constant(170);
@@ -76,6 +78,10 @@ class Stage {
   bool in_position() const { return in_position_; }
   /// As its encoders measure it.
   const Vec3& actual_mm() const { return mechanics_.actual_mm(); }
+  /// Where it is when its compare output comes on in the tick that begins now: nearest to
+  /// the knot of this tick that is marked for a pulse. Nothing when it does not pass
+  /// within the tolerance before the next tick, or runs on a clock of its own.
+  std::optional<Vec3> PlaceOfCompare() const;
   /// Where it is: the actual position and what its repeatability adds to it.
   Vec3 place_mm() const;
   bool running() const { return phase_ != Phase::kRest; }
@@ -97,7 +103,8 @@ class Stage {
     bool pulse = false, program_end = false;
   };
   struct Knot {
-    Vec3 at_mm = Vec3::Zero();  // where the stage is to be, see PlaceOf
+    Vec3 at_mm = Vec3::Zero();   // where the stage is to be, see PlaceOf
+    Vec3 end_mm = Vec3::Zero();  // of its segment
     std::uint64_t at_units = 0;
     bool pulse = false;
   };
@@ -116,6 +123,7 @@ class Stage {
   void AdvanceOwnClock();
   void FinishPiece();
   double DoneRatio() const;
+  class Ahead;
   bool GateIsOn() const;
   Vec3 PlaceOf(const Piece& piece) const;
   bool IsAt(const Vec3& place_mm) const;

@@ -10,6 +10,8 @@ namespace intaglio::link {
 namespace {
 
 constexpr std::size_t kMaxModelText = 64;
+// Of the trigger in an ArmWindow.
+constexpr std::uint8_t kGatedBit = 1, kAtPlaceBit = 2;
 constexpr std::size_t kMaxLaserSerialNumber = 64;
 constexpr std::size_t kMaxRates = 32;
 constexpr std::uint8_t kAllInterlocks = (kSafeState << 1) - 1;
@@ -88,7 +90,8 @@ Result<ShutterCommand> Decode(std::span<const std::byte> payload) {
 Bytes Encode(const ArmWindow& m) {
   ByteWriter out;
   out.Put(m.first_tick);
-  out.Put(static_cast<std::uint8_t>(m.gated));
+  out.Put(static_cast<std::uint8_t>((m.gated ? kGatedBit : 0) |
+                                    (m.at_place ? kAtPlaceBit : 0)));
   out.Put(static_cast<std::uint16_t>(m.fire.size()));
   for (std::size_t i = 0; i < m.fire.size(); i += 8) {
     std::uint8_t bits = 0;
@@ -105,10 +108,12 @@ Result<ArmWindow> Decode(std::span<const std::byte> payload) {
   ByteReader in(payload);
   ArmWindow m;
   m.first_tick = in.Get<std::uint64_t>();
-  m.gated = in.GetFlag();
+  const auto trigger = in.Get<std::uint8_t>();
+  m.gated = (trigger & kGatedBit) != 0;
+  m.at_place = (trigger & kAtPlaceBit) != 0;
   const auto count = in.Get<std::uint16_t>();
-  if (!in.good() || count == 0 || count > kMaxArmTicks ||
-      GoesRound(m.first_tick, count)) {
+  if (!in.good() || trigger > (kGatedBit | kAtPlaceBit) || (m.at_place && !m.gated) ||
+      count == 0 || count > kMaxArmTicks || GoesRound(m.first_tick, count)) {
     return BadLaserFrame("ArmWindow");
   }
   m.fire.resize(count);
@@ -132,6 +137,7 @@ Bytes Encode(const LaserIdentity& m) {
     out.Put(m.rates_hz[i]);
   out.PutText(m.model, kMaxModelText);
   out.PutText(m.serial_number, kMaxLaserSerialNumber);
+  out.Put(static_cast<std::uint8_t>(m.fires_at_place));
   return out.Take();
 }
 
@@ -149,6 +155,7 @@ Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
   for (int i = 0; i < count; ++i) m.rates_hz.push_back(in.Get<double>());
   m.model = in.GetText(kMaxModelText);
   m.serial_number = in.GetPrintableText(kMaxLaserSerialNumber);
+  m.fires_at_place = in.GetFlag();
   if (!in.finished() || !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
     return BadLaserFrame("LaserIdentity");
   }

@@ -11,6 +11,10 @@
 // motion controller's in-position output is on at that tick: it is on when a segment
 // that ends at exactly this tick is marked for a pulse and the stage is within the
 // machine's position tolerance of its end. So two lines have to agree on a tick.
+//
+// When `at_place` is set, too, the pulse of an armed tick comes not at its lamp sync but
+// at the motion controller's compare output, which is on for an instant while the tick
+// lasts: when the stage passes nearest to the end of that segment, within the tolerance.
 
 #include <cstddef>
 #include <cstdint>
@@ -54,6 +58,7 @@ struct ArmWindow {
   std::uint64_t first_tick = 0;
   bool gated = true;
   std::vector<bool> fire;  ///< at most kMaxArmTicks, one a tick
+  bool at_place = false;   ///< only where `gated` is set and the identity offers it
 };
 inline constexpr std::size_t kMaxArmTicks = 4096;
 
@@ -65,6 +70,7 @@ struct LaserIdentity {
   std::vector<double> rates_hz;    ///< at most 32
   std::string model;               ///< at most 64 bytes
   std::string serial_number = {};  ///< printable ASCII, at most 64; empty: it has none
+  bool fires_at_place = false;     ///< takes windows `at_place`
 };
 
 enum InterlockBits : std::uint8_t {

@@ -110,6 +110,7 @@ Bytes Encode(const MotionIdentity& m) {
   for (const std::int32_t limit : m.travel_max_nm) out.Put(limit);
   out.Put(m.queue_capacity);
   out.PutText(m.serial_number, kMaxMotionSerialNumber);
+  out.Put(static_cast<std::uint8_t>(m.compares_place));
   return out.Take();
 }
 
@@ -121,6 +122,7 @@ Result<MotionIdentity> Decode(std::span<const std::byte> payload) {
   for (std::int32_t& limit : m.travel_max_nm) limit = in.Get<std::int32_t>();
   m.queue_capacity = in.Get<std::uint32_t>();
   m.serial_number = in.GetPrintableText(kMaxMotionSerialNumber);
+  m.compares_place = in.GetFlag();
   if (!in.finished()) return BadMotionFrame("MotionIdentity");
   return m;
 }

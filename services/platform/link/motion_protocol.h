@@ -65,6 +65,9 @@ struct MotionIdentity {
   std::int32_t travel_max_nm[3] = {0, 0, 0};
   std::uint32_t queue_capacity = 0;  ///< segments
   std::string serial_number = {};    ///< printable ASCII, at most 64; empty: it has none
+  /// Its compare output is on for an instant when the stage passes nearest to a knot that
+  /// is marked for a pulse, within the tick that begins at the knot.
+  bool compares_place = false;
 };
 
 enum class StageFault : std::uint8_t {

@@ -108,7 +108,7 @@ TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsSaidToBe) {
   EXPECT_FALSE(session.up());
   EXPECT_EQ(
       session.message(),
-      "the device does not answer: see that it is switched on and uses version 4 of "
+      "the device does not answer: see that it is switched on and uses version 5 of "
       "the frames");
   to_host->cut = false;
   TurnFor(milliseconds(50));

@@ -120,7 +120,10 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<LampCommand>(Encode(LampCommand{true, -1})));
   EXPECT_FALSE(Taken<ShutterCommand>(Encode(ShutterCommand{0x10})));
   EXPECT_FALSE(Taken<ArmWindow>(Encode(ArmWindow{1, true, {}})));
-  EXPECT_FALSE(Taken<ArmWindow>(Changed(Encode(ArmWindow{1, true, {true}}), 8, 2)));
+  EXPECT_TRUE(Taken<ArmWindow>(Encode(ArmWindow{1, true, {true}, true})));
+  EXPECT_FALSE(Taken<ArmWindow>(Changed(Encode(ArmWindow{1, true, {true}}), 8, 2)))
+      << "at a place without the gate";
+  EXPECT_FALSE(Taken<ArmWindow>(Changed(Encode(ArmWindow{1, true, {true}}), 8, 4)));
   EXPECT_FALSE(Taken<ArmWindow>(
       Encode(ArmWindow{1, true, std::vector<bool>(kMaxArmTicks + 1, true)})));
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 0, {}, ""})));
@@ -208,8 +211,8 @@ TEST(Protocols, SerialNumbersArePrintableAndOfAtMost64Characters) {
   CheckSerialNumbers<MotionIdentity>();
 }
 
-// Version 3 of the frames had none: such a payload is too short now.
-TEST(Protocols, AnIdentityWithoutTheFieldOfTheSerialNumberIsRefused) {
+// Version 4 of the frames had none: such a payload is too short now.
+TEST(Protocols, AnIdentityWithoutTheFieldOfThePlaceIsRefused) {
   Bytes laser = Encode(LaserIdentity{1, true, 1, {100}, "old"});
   laser.pop_back();
   EXPECT_FALSE(Taken<LaserIdentity>(laser));
@@ -253,16 +256,19 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   ASSERT_TRUE(window);
   EXPECT_EQ(window->first_tick, 4711u);
   EXPECT_TRUE(window->gated);
+  EXPECT_FALSE(window->at_place);
   EXPECT_EQ(window->fire, (std::vector<bool>{1, 0, 0, 1, 0, 0, 0, 0, 1}));
   const auto identity = Decode<LaserIdentity>(PayloadOf("LaserIdentity"));
   ASSERT_TRUE(identity);
   EXPECT_EQ(identity->rates_hz, (std::vector<double>{50, 100}));
   EXPECT_EQ(identity->model, "virtual");
   EXPECT_EQ(identity->serial_number, "A-03");
+  EXPECT_TRUE(identity->fires_at_place);
   const auto stage_identity = Decode<MotionIdentity>(PayloadOf("MotionIdentity"));
   ASSERT_TRUE(stage_identity);
   EXPECT_EQ(stage_identity->queue_capacity, 4096u);
   EXPECT_EQ(stage_identity->serial_number, "ST 7/2");
+  EXPECT_TRUE(stage_identity->compares_place);
   const auto status = Decode<LaserStatus>(PayloadOf("LaserStatus"));
   ASSERT_TRUE(status);
   EXPECT_EQ(status->machine_us, 47200000u);

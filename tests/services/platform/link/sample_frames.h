@@ -48,7 +48,7 @@ inline std::vector<SampleFrame> SampleFrames() {
       {"StatusRequest", laser(LaserFrame::kLaserStatusRequest), {}},
       {"PastRequest", laser(LaserFrame::kPastRequest), Encode(PastRequest{4711, 512})},
       {"LaserIdentity", laser(LaserFrame::kLaserIdentity),
-       Encode(LaserIdentity{0xC0FFEE, true, 4, {50, 100}, "virtual", "A-03"})},
+       Encode(LaserIdentity{0xC0FFEE, true, 4, {50, 100}, "virtual", "A-03", true})},
       {"LaserStatus", laser(LaserFrame::kLaserStatus),
        Encode(LaserStatus{4720, 47200000, 100, 1, 0x1f, 1, 3, 4719, 4725, 2, 7})},
       {"PulseReport", laser(LaserFrame::kPulseReport),
@@ -67,7 +67,7 @@ inline std::vector<SampleFrame> SampleFrames() {
       {"MotionReset", motion(MotionFrame::kMotionReset), {}},
       {"MotionIdentity", motion(MotionFrame::kMotionIdentity),
        Encode(MotionIdentity{
-           {0, 0, -1}, {300000000, 300000000, 100000000}, 4096, "ST 7/2"})},
+           {0, 0, -1}, {300000000, 300000000, 100000000}, 4096, "ST 7/2", true})},
       {"MotionStatus", motion(MotionFrame::kMotionStatus),
        Encode(MotionStatus{4720, 1, -2, 3, 4, -5, 6, 3, 4800, 4000, 96, false,
                            StageFault::kFollowingError, 12345})},

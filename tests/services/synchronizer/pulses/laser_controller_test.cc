@@ -243,7 +243,7 @@ TEST_F(LaserThatReports, AnIdentityThatCannotBeReadIsRefusedWithTheRemedy) {
   EXPECT_EQ(
       host->message(),
       "laser line: a frame LaserIdentity is malformed: the laser at /dev/ttyUSB0 has "
-      "to use version 4 of the frames (docs/protocols.md)");
+      "to use version 5 of the frames (docs/protocols.md)");
   EXPECT_TRUE(reports.empty());
 }
 
