@@ -175,6 +175,14 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
                                   machine.laser().rates_hz_size(), kMaxRates),
                       fmt::format("{}", machine.laser().rates_hz_size())});
   }
+  if (!PulseTriggerKind_IsValid(machine.pulse_trigger())) {
+    errors.push_back(
+        {ErrorCode::kInvalidValue,
+         fmt::format("pulse_trigger: {} is no trigger; give PULSE_TRIGGER_AT_TICK or "
+                     "PULSE_TRIGGER_AT_PLACE",
+                     static_cast<int>(machine.pulse_trigger())),
+         fmt::format("{}", static_cast<int>(machine.pulse_trigger()))});
+  }
   CheckLenses(machine, errors);
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);

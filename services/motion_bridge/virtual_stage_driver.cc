@@ -84,8 +84,10 @@ FaultText TextOf(link::StageFault fault) {
 class VirtualStageDriver final : public MotionDriver {
  public:
   VirtualStageDriver(link::StreamOpener open, link::SteadyClock clock,
-                     link::ExpectedDevice expected)
-      : expected_(std::move(expected)), session_(std::move(open), std::move(clock)) {}
+                     link::ExpectedDevice expected, bool needs_compare)
+      : expected_(std::move(expected)),
+        needs_compare_(needs_compare),
+        session_(std::move(open), std::move(clock)) {}
 
   void Poll() override {
     session_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
@@ -242,6 +244,11 @@ class VirtualStageDriver final : public MotionDriver {
       return Refuse(identity.error().message + ": " + expected_.VersionHint());
     if (auto why = link::RefusalOf(expected_, identity->serial_number); !why.empty())
       return Refuse(std::move(why));
+    if (needs_compare_ && !identity->compares_place) {
+      return Refuse(
+          "the stage controller has no compare output: set pulse_trigger in the machine "
+          "profile to PULSE_TRIGGER_AT_TICK");
+    }
     state_.refusal.clear();
     identified_ = identified_now_ = true;
     status_.queue_free = 0;  // until its first status
@@ -276,6 +283,7 @@ class VirtualStageDriver final : public MotionDriver {
   }
 
   link::ExpectedDevice expected_;
+  bool needs_compare_;
   link::LineSession session_;
   DriverState state_;
   link::MotionStatus status_;
@@ -292,9 +300,10 @@ class VirtualStageDriver final : public MotionDriver {
 
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(link::StreamOpener open,
                                                      link::SteadyClock clock,
-                                                     link::ExpectedDevice expected) {
+                                                     link::ExpectedDevice expected,
+                                                     bool needs_compare) {
   return std::make_unique<VirtualStageDriver>(std::move(open), std::move(clock),
-                                              std::move(expected));
+                                              std::move(expected), needs_compare);
 }
 
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine) {
@@ -304,7 +313,8 @@ std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine)
       },
       link::MonotonicClock(),
       {machine.motion_line().serial_number(), "stage controller", machine.name(),
-       machine.motion_line().device(), "motion_line"});
+       machine.motion_line().device(), "motion_line"},
+      machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE);
 }
 
 }  // namespace intaglio::motion_bridge

@@ -18,9 +18,11 @@ namespace intaglio::motion_bridge {
 /// Over motion_line.device of the machine.
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine);
 
-/// Over any line and clock; what tests use.
+/// Over any line and clock; what tests use. `needs_compare`: a controller without a
+/// compare output is refused, too.
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(link::StreamOpener open,
                                                      link::SteadyClock clock,
-                                                     link::ExpectedDevice expected = {});
+                                                     link::ExpectedDevice expected = {},
+                                                     bool needs_compare = false);
 
 }  // namespace intaglio::motion_bridge

@@ -319,6 +319,7 @@ bool Engraving::Prearm(std::uint64_t first, std::uint64_t last) {
         passed_by_ = true;
         passed_by_reason_ = SkipReason::kLate;
       });
+  job_.trigger->Mark(window.arm);
   if (!kept || journal_.failed()) {
     Halt(Missing::kNothing,
          journal_.failed() ? journal_.error()

@@ -43,6 +43,7 @@
 #include "services/synchronizer/pulses/open_points.h"
 #include "services/synchronizer/pulses/point_ledger.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
+#include "services/synchronizer/pulses/pulse_trigger.h"
 #include "services/synchronizer/pulses/tick_clock.h"
 
 namespace intaglio::synchronizer {
@@ -57,6 +58,7 @@ struct EngravingJob {
   PointList places_mm = {};
   double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
+  const PulseTrigger* trigger = &TriggerAtTick();
   ChannelMask shutter_mask = 1;  ///< of all points
   /// Of each point, when they differ: it is made with these shutters open and no other.
   std::vector<ChannelMask> masks = {};

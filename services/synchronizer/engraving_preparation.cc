@@ -29,6 +29,8 @@ std::string Engraving::WhatPreparationWaitsFor(const EngravingInputs& inputs) {
   if (!job_.block_misfit.empty()) return job_.block_misfit;
   if (!laser_.refusal().empty()) return laser_.refusal();
   if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
+  if (const auto can = job_.trigger->CheckLaser(laser_.identity()); !can)
+    return can.error().message;
   LightLamp(inputs);
   LeaveSafeState(inputs);
   KeepIdleTicksPassing();

@@ -28,6 +28,13 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   EngravingJob job;
   job.uid = frozen.job_uid();
   job.plan = MotionOptionsOf(frozen);
+  job.trigger = FindPulseTrigger(frozen.machine().pulse_trigger());
+  if (job.trigger == nullptr) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("pulse_trigger: this synchronizer knows no trigger {}",
+                            static_cast<int>(frozen.machine().pulse_trigger())));
+  }
+  job.trigger->Adapt(job.plan);
   job.machine_from_glass = AxesFromGlassOf(frozen);
   auto axes = CheckedAxes(path, BlocksOfModels(frozen.job()), job.machine_from_glass,
                           job.plan.limits.travel_mm);

@@ -69,12 +69,12 @@ std::optional<Vec3> Stage::PlaceOfCompare() const {
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kLookSeconds / unit_s_));
   Ahead ahead(*this);
   Vec3 nearest_mm = ahead.actual_mm();
-  double least_mm = (nearest_mm - passed_.end_mm).norm();
+  double least_mm = AtFocus(nearest_mm - passed_.end_mm).norm();
   for (std::uint64_t left = kSubticksPerTick; left > 1;) {
     const std::uint64_t stepped = ahead.Step(std::min(look, left - 1));
     if (stepped == 0) break;
     left -= stepped;
-    const double distance_mm = (ahead.actual_mm() - passed_.end_mm).norm();
+    const double distance_mm = AtFocus(ahead.actual_mm() - passed_.end_mm).norm();
     if (distance_mm > least_mm) break;
     least_mm = distance_mm;
     nearest_mm = ahead.actual_mm();

@@ -120,6 +120,35 @@ TEST_F(RunJob, ASecondOrderStageIsCompensatedByASecondOrderProfile) {
             1.5 * compensated.position_errors().max_um());
 }
 
+// The stage is 1 ms late, 80 um at full speed, and the profile does not say so. Fired at
+// the tick the cracks are late, too; fired at the place they are beside the way by what
+// the lag cuts from its corners, and none is made twice.
+TEST_F(RunJob, FiredAtThePlaceALateStageMakesItsPoints) {
+  const fs::path late = folder_ / "late.textproto", place = folder_ / "place.textproto";
+  const fs::path truth = folder_ / "truth.textproto";
+  WriteProfile(late, "stage_lag_s: 0\nposition_tolerance_um: 200");
+  WriteProfile(place,
+               "stage_lag_s: 0\nposition_tolerance_um: 200\n"
+               "pulse_trigger: PULSE_TRIGGER_AT_PLACE");
+  for (const fs::path& file : {late, place}) {  // the wider tolerance is the only one
+    std::string text = testing::TextIn(file);
+    const std::string narrow = "\nposition_tolerance_um: 30";
+    std::ofstream(file) << text.erase(text.find(narrow), narrow.size());
+  }
+  std::ofstream(truth) << "stage { first_order_lag_s: 0.001 }";
+  const auto run = [&](const fs::path& profile) {
+    const Ended ended = Run({"--lockstep", "--warm-up", "0", "--spacing", "0.8",
+                             "--machine", profile.string(), "--truth", truth.string()});
+    EXPECT_TRUE(ended.in_time);
+    EXPECT_EQ(Report().points().made(), Report().points().planned()) << ended.output;
+    EXPECT_EQ(Report().points().doubled() + Report().points().stray(), 0u);
+    return Report().position_errors().rms_um();
+  };
+  const double at_tick_um = run(late), at_place_um = run(place);
+  EXPECT_GT(at_tick_um, 20);
+  EXPECT_LT(at_place_um, 0.4 * at_tick_um);
+}
+
 TEST_F(RunJob, AWrongTruthFileIsWrongInput) {
   const fs::path truth = folder_ / "truth.textproto";
   std::ofstream(truth) << "stage { repeatability_um: -1 }";

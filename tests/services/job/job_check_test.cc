@@ -215,6 +215,15 @@ TEST(CheckMachine, ManyMistakesAtOnce) {
                            Says("motion_line.baud", "300 is outside 1200..4000000")));
 }
 
+TEST(CheckMachine, ATriggerIsOneOfTheEnumeration) {
+  MachineSpec machine = GoodMachine();
+  machine.set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
+  EXPECT_THAT(CheckMachine(machine), ::testing::IsEmpty());
+  machine.set_pulse_trigger(static_cast<PulseTriggerKind>(7));
+  EXPECT_THAT(CheckMachine(machine),
+              ElementsAre(Says("pulse_trigger", "7 is no trigger")));
+}
+
 TEST(CheckMachine, AnExpectedSerialNumberIsOneThatAControllerCanReport) {
   MachineSpec machine = GoodMachine();
   for (const std::string& good :

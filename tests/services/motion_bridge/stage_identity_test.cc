@@ -85,6 +85,18 @@ class ExpectedStage : public ::testing::Test {
 
 TEST_F(ExpectedStage, ItsStageIsTaken) { EXPECT_TRUE(Connect()); }
 
+// The fake stage has no compare output.
+TEST_F(ExpectedStage, AStageWithoutACompareOutputIsRefusedWhereThePlaceFires) {
+  MachineSpec machine = Profile();
+  machine.set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
+  driver = MakeVirtualStageDriver(machine);
+  ASSERT_TRUE(Refused());
+  EXPECT_FALSE(driver->state().link_up);
+  EXPECT_NE(driver->state().refusal.find("has no compare output: set pulse_trigger"),
+            std::string::npos)
+      << driver->state().refusal;
+}
+
 TEST_F(ExpectedStage, AnotherStageIsRefusedAndGetsNoMotion) {
   stage.serial_number = "S-17";
   stage.clock = 5;
