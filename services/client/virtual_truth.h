@@ -1,6 +1,6 @@
 #pragma once
 
-// The truth of a virtual engraver that is as its machine profile says.
+// The truth of a virtual engraver that agrees with its machine profile.
 
 #include "proto/machine.pb.h"
 #include "proto/truth.pb.h"

@@ -2,15 +2,15 @@
 
 #include "services/virtual_engraver/stage.h"
 
-// The compare output of the stage's controller. It looks at the actual position many
+// The compare output of the stage's controller. It samples the actual position many
 // times a tick and is on for an instant when the distance from the knot begins to grow.
 
 namespace intaglio::virtual_engraver {
 namespace {
 
-// At 80 mm/s the stage makes 1.6 um of it, and 0.8 um is the most by which the nearest
-// place is missed.
-constexpr double kLookSeconds = 20e-6;
+// At 80 mm/s the stage makes 1.6 um of it, so the nearest place is missed by at most
+// 0.8 um.
+constexpr double kSamplePeriodS = 20e-6;
 
 }  // namespace
 
@@ -65,21 +65,21 @@ class Stage::Ahead {
 std::optional<Vec3> Stage::PlaceOfCompare() const {
   const bool at_knot = passed_.pulse && passed_.at_units == now_units_;
   if (own_clock_ || !at_knot || fault_ != link::StageFault::kNone) return std::nullopt;
-  const auto look =
-      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kLookSeconds / unit_s_));
+  const auto period =
+      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kSamplePeriodS / unit_s_));
   Ahead ahead(*this);
   Vec3 nearest_mm = ahead.actual_mm();
-  double least_mm = AtFocus(nearest_mm - passed_.end_mm).norm();
+  double min_distance_mm = AtFocus(nearest_mm - passed_.end_mm).norm();
   for (std::uint64_t left = kSubticksPerTick; left > 1;) {
-    const std::uint64_t stepped = ahead.Step(std::min(look, left - 1));
+    const std::uint64_t stepped = ahead.Step(std::min(period, left - 1));
     if (stepped == 0) break;
     left -= stepped;
     const double distance_mm = AtFocus(ahead.actual_mm() - passed_.end_mm).norm();
-    if (distance_mm > least_mm) break;
-    least_mm = distance_mm;
+    if (distance_mm > min_distance_mm) break;
+    min_distance_mm = distance_mm;
     nearest_mm = ahead.actual_mm();
   }
-  if (least_mm > options_.position_tolerance_mm) return std::nullopt;
+  if (min_distance_mm > options_.position_tolerance_mm) return std::nullopt;
   return nearest_mm + repeatability_.DeviationMm(DoneRatio());
 }
 

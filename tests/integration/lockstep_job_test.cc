@@ -87,9 +87,10 @@ void WriteProfile(const fs::path& file, const std::string& drive) {
   std::ofstream(file) << machine.replace(machine.find(line), line.size(), "\n" + drive);
 }
 
-// The machine rings at 120 Hz. A profile that says so has every point made, within 12 um
-// of the stage and as much more in depth as its moves are longer in the glass. One that
-// gives its lag at constant speed as a first order is beside the points by more.
+// The machine rings at 120 Hz. With a profile that has this drive every point is made,
+// within 12 um of the stage and as much more in depth as its moves are longer in the
+// glass. One that gives its lag at constant speed as a first order is beside the points
+// by more.
 TEST_F(RunJob, ASecondOrderStageIsCompensatedByASecondOrderProfile) {
   const std::string drive =
       "second_order { natural_frequency_hz: 120 damping_ratio: 0.7 }";
@@ -120,7 +121,7 @@ TEST_F(RunJob, ASecondOrderStageIsCompensatedByASecondOrderProfile) {
             1.5 * compensated.position_errors().max_um());
 }
 
-// The stage is 1 ms late, 80 um at full speed, and the profile does not say so. Fired at
+// The stage is 1 ms late, 80 um at full speed, and the profile does not have it. Fired at
 // the tick the cracks are late, too; fired at the place they are beside the way by what
 // the lag cuts from its corners, and none is made twice.
 TEST_F(RunJob, FiredAtThePlaceALateStageMakesItsPoints) {

@@ -30,7 +30,7 @@ void AddTruthFlags(command_line::Command command, TruthFlags& flags) {
       .Within(-200.0, 200.0);
   command
       .AddOption("--line-jitter", flags.line_jitter_ms,
-                 "what is said on a serial line arrives up to this much later, ms")
+                 "every message on a serial line arrives up to this much later, ms")
       .Within(0.0, 2.0);
 }
 

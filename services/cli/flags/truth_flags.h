@@ -1,6 +1,6 @@
 #pragma once
 
-// How the virtual engraver differs from what the machine profile says.
+// How the virtual engraver differs from the machine profile.
 
 #include <string>
 

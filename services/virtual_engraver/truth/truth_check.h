@@ -1,6 +1,6 @@
 #pragma once
 
-// The allowed values of proto/truth.proto. The comments there say the same;
+// The allowed values of proto/truth.proto. The comments there have the same values;
 // tests/services/virtual_engraver compares them.
 
 #include <span>

@@ -22,7 +22,7 @@ Result<MachineTruth> ReadTruthFile(const std::filesystem::path& file);
 /// The same from memory; `name` is given for the file in errors.
 Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name);
 
-/// What `changes` sets replaces what `truth` says; of messages field by field, of the
+/// What `changes` sets replaces the value in `truth`; of messages field by field, of the
 /// rates all.
 void Replace(const MachineTruth& changes, MachineTruth& truth);
 

@@ -7,7 +7,7 @@
 namespace intaglio::virtual_engraver {
 namespace {
 
-/// Deviations of the places at which a stage of this repeatability stands after each of
+/// Deviations of the places at which a stage of this repeatability rests after each of
 /// some moves.
 std::vector<Vec3> DeviationsMm(double repeatability_mm, unsigned seed) {
   StageOptions options = Roomy(0);

@@ -192,7 +192,7 @@ TEST_P(PlaceTrigger, CracksLieNearerThanAtTheTick) {
   if (GetParam()->kind() == PULSE_TRIGGER_AT_TICK) {
     EXPECT_NEAR(largest_mm, 10 * kLagS, 1e-6) << "the way that the lag makes late";
   } else {
-    // It looks every 20 us, which is 0.2 um of the way.
+    // It samples every 20 us, which is 0.2 um of the way.
     EXPECT_LE(largest_mm, 0.0001 + 1e-6);
   }
 }
