@@ -56,8 +56,14 @@ class Findings {
     first_.text =
         fmt::format("point {} of the order is out of reach: {}", point, error.message);
   }
-  std::size_t count() const { return count_; }
-  const Finding& first() const { return first_; }
+  bool any() const { return count_ > 0; }
+  tl::unexpected<Error> Refusal(std::size_t of_points) const {
+    return Fail(ErrorCode::kOutsideBlock,
+                fmt::format("{} of {} points of the path cannot be engraved; {}: the job "
+                            "is refused; submit it again",
+                            count_, of_points, first_.text),
+                std::to_string(first_.point));
+  }
 
  private:
   bool IsFirst(std::size_t point) {
@@ -116,13 +122,8 @@ Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& b
     near = *at;
     axes_of_points.push_back(near);
   }
-  if (findings.count() == 0) return axes_of_points;
-  return Fail(
-      ErrorCode::kOutsideBlock,
-      fmt::format("{} of {} points of the path cannot be engraved; {}: the job is "
-                  "refused; submit it again",
-                  findings.count(), path.size(), findings.first().text),
-      std::to_string(findings.first().point));
+  if (findings.any()) return findings.Refusal(path.size());
+  return axes_of_points;
 }
 
 }  // namespace intaglio::synchronizer

@@ -133,6 +133,36 @@ TEST_F(JobPlannerTest, WhatIsPreparedLiesInTheFolderAndIsTakenUpFromThere) {
   EXPECT_EQ((*prepared_)->engraving.machine_points_mm, points_mm);
 }
 
+// A table that rises to the lens counts up where the focus goes down: what lies above a
+// point is decided by places, and motion by axes.
+TEST_F(JobPlannerTest, AxesThatAreNoPlacesAreKeptBesideThem) {
+  PreparationTask task = TaskOf(PathOf(500));
+  const PointList glass_mm = task.path->points_mm;
+  const double ratio = task.job.optics().stage_per_glass_ratio();
+  MachineSpec& machine = *task.job.mutable_machine();
+  machine.mutable_cartesian()->mutable_z()->set_moves(AXIS_MOVES_TABLE);
+  machine.mutable_block_origin_mm()->set_z(-50);
+  planner_.Begin(std::move(task));
+  ASSERT_TRUE(Prepares());
+  ASSERT_TRUE(*prepared_) << prepared_->error().message;
+  const EngravingJob& job = (*prepared_)->engraving;
+  ASSERT_EQ(job.places_mm.size(), glass_mm.size());
+  for (std::size_t i = 0; i < glass_mm.size(); ++i) {
+    // The top of the block of 30 mm is at -20.
+    const Vec3 place_mm(glass_mm[i].x(), glass_mm[i].y(),
+                        -20 - (30 - glass_mm[i].z()) * ratio);
+    EXPECT_LT((job.places_mm[i] - place_mm).norm(), 1e-12);
+    EXPECT_EQ(job.machine_points_mm[i].z(), -job.places_mm[i].z());
+    EXPECT_LT(
+        (job.machine_from_glass.ToGlass(job.machine_points_mm[i]) - glass_mm[i]).norm(),
+        1e-12);
+  }
+  planner_.Begin(TaskOf(PathOf(500)));
+  ASSERT_TRUE(Prepares());
+  ASSERT_TRUE(*prepared_) << prepared_->error().message;
+  EXPECT_TRUE((*prepared_)->engraving.places_mm.empty()) << "a head's axes are places";
+}
+
 TEST_F(JobPlannerTest, APathOutsideTheBlockIsRefusedAndNothingIsWritten) {
   PointCloud path = PathOf(10);
   path.points_mm[7].x() = 50.5;
