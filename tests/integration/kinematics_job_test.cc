@@ -101,6 +101,18 @@ TEST_F(KinematicsJob, WithArmAndRotaryTableOnAClockOfItsOwnIsInPlace) {
       RunOn(kMachines + "polar.textproto", {"--profile", "mix", "--clock-drift", "50"}));
 }
 
+// The in-position output is measured at the focus: 30 um are 0.2 mrad of the arm.
+TEST_F(KinematicsJob, AStuckArmMakesNoStrayCrack) {
+  const Ended run = RunOn(kMachines + "polar.textproto", {"--fault", "9000 stick x"});
+  ASSERT_TRUE(run.in_time);
+  EXPECT_NE(run.exit_code, 0) << run.output;
+  const PointCounts points = Report().points();
+  EXPECT_GT(points.made(), 100u);
+  EXPECT_LT(points.made(), points.planned());
+  EXPECT_EQ(points.stray() + points.doubled(), 0u);
+  EXPECT_LT(Report().position_errors().max_um(), 30) << "the tolerance";
+}
+
 TEST_F(KinematicsJob, OutOfTheArmsReachIsRefusedWithTheRemedy) {
   const Ended run = RunOn(kMachines + "polar.textproto", {"--block", "400", "50", "30"});
   EXPECT_EQ(run.exit_code, 2) << run.output;
