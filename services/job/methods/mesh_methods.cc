@@ -36,7 +36,7 @@ MethodField Distance(std::string_view name, std::string_view meaning) {
 
 // ---- sections ------------------------------------------------------------------------
 
-MadePoints MakeFromSections(const MethodInput& input, mesh::TriangleMesh placed) {
+MadePoints MakeFromSections(const MethodInput& input, mesh::TriangleMesh&& placed) {
   const SectionsMethod& asked = input.model.sections();
   discretize::SectionOptions options;
   options.layer_distance_mm = asked.layer_distance_mm();
@@ -109,7 +109,7 @@ Method Sections() {
 
 // ---- fill ----------------------------------------------------------------------------
 
-MadePoints MakeFromFill(const MethodInput& input, mesh::TriangleMesh placed) {
+MadePoints MakeFromFill(const MethodInput& input, mesh::TriangleMesh&& placed) {
   const FillMethod& asked = input.model.fill();
   return discretize::MakeFill(std::move(placed),
                               {asked.vertex_distance_mm(), asked.full_fill()});
@@ -128,7 +128,7 @@ Method Fill() {
 
 // ---- rays ----------------------------------------------------------------------------
 
-MadePoints MakeFromRays(const MethodInput& input, mesh::TriangleMesh placed) {
+MadePoints MakeFromRays(const MethodInput& input, mesh::TriangleMesh&& placed) {
   const RaysMethod& asked = input.model.rays();
   return discretize::MakeRays(
       std::move(placed),
@@ -182,7 +182,7 @@ discretize::Density DensityOf(const MethodInput& input,
   return {};
 }
 
-MadePoints MakeFromEven(const MethodInput& input, mesh::TriangleMesh placed) {
+MadePoints MakeFromEven(const MethodInput& input, mesh::TriangleMesh&& placed) {
   const EvenMethod& asked = input.model.even();
   discretize::EvenOptions options;
   options.distance_mm = asked.distance_mm();
@@ -235,7 +235,7 @@ Method Even() {
 
 // ---- solid ---------------------------------------------------------------------------
 
-MadePoints MakeFromSolid(const MethodInput& input, mesh::TriangleMesh placed) {
+MadePoints MakeFromSolid(const MethodInput& input, mesh::TriangleMesh&& placed) {
   return discretize::MakeSolid(placed, {input.model.solid().distance_mm(),
                                         input.job.discretization().height_ratio()});
 }

@@ -81,8 +81,8 @@ struct MethodInput {
 
 using MadePoints = Result<std::unique_ptr<discretize::PointSource>>;
 
-/// The mesh: glass frame, mm.
-using MeshMaker = MadePoints (*)(const MethodInput& input, mesh::TriangleMesh placed);
+/// The mesh: glass frame, mm; the maker may move from it.
+using MeshMaker = MadePoints (*)(const MethodInput& input, mesh::TriangleMesh&& placed);
 /// `inside`: what counts as the inside of closed curves, where it is filled.
 using DrawingMaker = MadePoints (*)(const MethodInput& input,
                                     const discretize::PlacedDrawing& placed,
