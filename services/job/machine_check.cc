@@ -5,6 +5,7 @@
 
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
+#include "services/platform/link/endpoint.h"
 
 namespace intaglio {
 namespace {
@@ -118,6 +119,13 @@ void CheckLine(bool present, const SerialLine& line, const std::string& path,
                std::vector<Error>& errors) {
   if (!present || line.protocol().empty()) {
     Missing(errors, path + ".protocol", "name the driver, e.g. \"virtual-laser\"");
+  }
+  // None yet: --device of the program at the machine gives it.
+  if (!line.device().empty()) {
+    if (const auto good = link::CheckDevice(line.device()); !good) {
+      errors.push_back({ErrorCode::kInvalidValue,
+                        fmt::format("{}.device: {}", path, good.error().message), line.device()});
+    }
   }
   if (line.has_serial_number() && !IsSerialNumber(line.serial_number())) {
     errors.push_back(

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <deque>
 
+#include "services/platform/link/endpoint.h"
 #include "services/platform/link/motion_protocol.h"
-#include "services/platform/link/serial_port.h"
 
 namespace intaglio::motion_bridge {
 namespace {
@@ -308,9 +308,7 @@ std::unique_ptr<MotionDriver> MakeVirtualStageDriver(link::StreamOpener open,
 
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine) {
   return MakeVirtualStageDriver(
-      [line = machine.motion_line()]() -> Result<std::unique_ptr<link::ByteStream>> {
-        return link::OpenSerialPort(line.device(), line.baud());
-      },
+      link::EndpointOpener(machine.motion_line().device(), machine.motion_line().baud()),
       link::MonotonicClock(),
       {machine.motion_line().serial_number(), "stage controller", machine.name(),
        machine.motion_line().device(), "motion_line"},

@@ -9,7 +9,7 @@
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/log.h"
-#include "services/platform/link/serial_port.h"
+#include "services/platform/link/endpoint.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/permission/pause_reason.h"
 #include "services/synchronizer/task_check.h"
@@ -20,9 +20,7 @@ namespace {
 using bus::View;
 
 link::StreamOpener LaserLineOf(const MachineSpec& machine) {
-  return [line = machine.laser_line()]() -> Result<std::unique_ptr<link::ByteStream>> {
-    return link::OpenSerialPort(line.device(), line.baud());
-  };
+  return link::EndpointOpener(machine.laser_line().device(), machine.laser_line().baud());
 }
 
 }  // namespace

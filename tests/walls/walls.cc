@@ -52,7 +52,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/job/methods", {"engrave/*", "proto"}},
     {"services/job",
      {"engrave/*", "materials_db", "proto", "services/job/methods",
-      "services/platform/host"}},
+      "services/platform/host", "services/platform/link"}},
     {"services/job/models",
      {"engrave/*", "proto", "services/job", "services/job/methods"}},
     {"services/client",

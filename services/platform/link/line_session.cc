@@ -3,11 +3,14 @@
 namespace intaglio::link {
 namespace {
 constexpr std::chrono::milliseconds kReopenAfter{500};
-}  // namespace
 
-SteadyClock MonotonicClock() {
-  return [] { return std::chrono::steady_clock::now().time_since_epoch(); };
+const std::string& NoAnswer() {
+  static const std::string text =
+      "the device does not answer: see that it is switched on and uses version " +
+      std::to_string(kFrameVersion) + " of the frames";
+  return text;
 }
+}  // namespace
 
 LineSession::LineSession(StreamOpener open, SteadyClock clock)
     : open_(std::move(open)), clock_(std::move(clock)) {}
@@ -23,8 +26,19 @@ void LineSession::TryOpen() {
   link_ = std::make_unique<ReliableLink>(Side::kHost, std::move(*stream), clock_,
                                          LinkOptions{}, epoch_);
   link_session_ = 0;
-  message_ = "the device does not answer: see that it is switched on and uses version " +
-             std::to_string(kFrameVersion) + " of the frames";
+  connected_at_.reset();
+}
+
+// Not before it had the time to answer: until then the reason of the loss before is the
+// better message, as of a device that closes each new connection at once.
+void LineSession::KeepDownMessage() {
+  if (link_session_ != 0) {
+    message_ = "the device has fallen silent";
+    return;
+  }
+  if (!link_->connected()) return;
+  if (!connected_at_) connected_at_ = clock_();
+  if (clock_() - *connected_at_ >= LinkOptions{}.dead_after) message_ = NoAnswer();
 }
 
 void LineSession::Poll(const ReliableLink::Handler& handler) {
@@ -40,10 +54,7 @@ void LineSession::Poll(const ReliableLink::Handler& handler) {
     link_.reset();
     return;
   }
-  if (!link_->up()) {
-    if (link_session_ != 0) message_ = "the device has fallen silent";
-    return;
-  }
+  if (!link_->up()) return KeepDownMessage();
   message_.clear();
   if (link_->session() != link_session_) {
     link_session_ = link_->session();

@@ -1,20 +1,16 @@
 #pragma once
 
-// A serial line that is opened again when it was lost: host's side of both lines.
+// A line that is opened again when it was lost: host's side of both lines.
 
 #include <chrono>
-#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "services/platform/link/endpoint.h"
 #include "services/platform/link/reliable_link.h"
 
 namespace intaglio::link {
-
-using StreamOpener = std::function<Result<std::unique_ptr<ByteStream>>()>;
-
-/// The monotonic clock of the machine.
-SteadyClock MonotonicClock();
 
 /// Owns the link to one device over whatever number of openings of its line.
 /// Not thread-safe; nothing blocks.
@@ -37,6 +33,7 @@ class LineSession {
 
  private:
   void TryOpen();
+  void KeepDownMessage();
 
   StreamOpener open_;
   SteadyClock clock_;
@@ -45,6 +42,7 @@ class LineSession {
   std::uint32_t link_session_ = 0;
   std::uint32_t sessions_ = 0;
   std::chrono::nanoseconds next_open_{0};
+  std::optional<std::chrono::nanoseconds> connected_at_ = {};
   std::string message_ = "the line was not opened yet";
 };
 

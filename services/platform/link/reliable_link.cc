@@ -345,6 +345,7 @@ bool ReliableLink::up() const {
 std::uint32_t ReliableLink::session() const { return state_->session; }
 nanoseconds ReliableLink::silence() const { return state_->clock() - state_->last_heard; }
 int ReliableLink::fd() const { return state_->stream->fd(); }
+bool ReliableLink::connected() const { return state_->stream->connected(); }
 const ReliableLink::Counters& ReliableLink::counters() const { return state_->counters; }
 
 }  // namespace intaglio::link

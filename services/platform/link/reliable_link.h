@@ -27,24 +27,11 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "services/platform/link/byte_stream.h"
 #include "services/platform/link/frame.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::link {
-
-/// Monotonic time; tests inject their own.
-using SteadyClock = std::function<std::chrono::nanoseconds()>;
-
-/// Bytes in, bytes out, never blocking: a serial port, a pseudo-terminal, a test's pipe.
-class ByteStream {
- public:
-  virtual ~ByteStream() = default;
-  /// Bytes read into `buffer`; 0 when there are none; kLinkLost when the line is gone.
-  virtual Result<std::size_t> Read(std::span<std::byte> buffer) = 0;
-  /// Bytes taken (maybe fewer than given); kLinkLost when the line is gone.
-  virtual Result<std::size_t> Write(std::span<const std::byte> bytes) = 0;
-  /// For poll(2); -1 when there is none.
-  virtual int fd() const = 0;
-};
 
 struct LinkOptions {
   std::uint16_t window_frames = 32;            ///< sent and not acknowledged, 1..1024
@@ -88,6 +75,8 @@ class ReliableLink {
   /// Time since the last valid frame of the peer.
   std::chrono::nanoseconds silence() const;
   int fd() const;
+  /// Its stream is connected; no session has to be agreed yet.
+  bool connected() const;
 
   struct Counters {
     std::uint64_t sent_frames = 0, resent_frames = 0, received_frames = 0;

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "services/platform/link/reliable_link.h"
+#include "services/platform/link/byte_stream.h"
 
 namespace intaglio::link {
 

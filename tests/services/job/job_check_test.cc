@@ -244,6 +244,18 @@ TEST(CheckMachine, AnExpectedSerialNumberIsOneThatAControllerCanReport) {
               ElementsAre(Says("motion_line.serial_number", "remove the line")));
 }
 
+TEST(CheckMachine, ADeviceIsOfAFormThatCanBeOpened) {
+  MachineSpec machine = GoodMachine();
+  machine.mutable_laser_line()->set_device("tcp:192.168.7.20:5000");
+  machine.mutable_motion_line()->set_device("serial:/dev/ttyUSB1");
+  EXPECT_THAT(CheckMachine(machine), IsEmpty());
+  machine.mutable_laser_line()->set_device("tcp:laser-box:5000");
+  machine.mutable_motion_line()->set_device("usb:1");
+  EXPECT_THAT(CheckMachine(machine),
+              UnorderedElementsAre(Says("laser_line.device", "\"laser-box\" is neither"),
+                                   Says("motion_line.device", "\"usb:1\": it begins")));
+}
+
 TEST(JoinErrors, OneALine) {
   const Error joined =
       JoinErrors({{ErrorCode::kMissing, "a: b", "1"}, {ErrorCode::kIo, "c: d", "2"}});
