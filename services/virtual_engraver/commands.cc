@@ -18,6 +18,16 @@ std::optional<T> NumberOf(const std::string& text) {
   return value;
 }
 
+// The one before frees its name first; a port that was chosen stays the same.
+Status PlugIn(Plugs::Plug& plug, const std::string& name) {
+  plug.line.reset();
+  auto line = OpenMachineLine(plug.device, name);
+  if (!line) return tl::unexpected(line.error());
+  plug.line = std::move(*line);
+  plug.device = plug.line->device();
+  return {};
+}
+
 std::vector<std::string> WordsOf(const std::string& line) {
   std::istringstream in(line);
   std::vector<std::string> words;
@@ -28,19 +38,22 @@ std::vector<std::string> WordsOf(const std::string& line) {
 }  // namespace
 
 Status Commands::PlugLaser() {
-  auto line = PtyLine::Open(plugs_.laser_path, "laser line");
-  if (!line) return tl::unexpected(line.error());
-  plugs_.laser = std::move(*line);
-  machine_.PlugLaserLine(plugs_.laser->MachineEnd());
+  if (auto plugged = PlugIn(plugs_.laser, "laser line"); !plugged) return plugged;
+  machine_.PlugLaserLine(plugs_.laser.line->MachineEnd());
   return {};
 }
 
 Status Commands::PlugMotion() {
-  auto line = PtyLine::Open(plugs_.motion_path, "motion line");
-  if (!line) return tl::unexpected(line.error());
-  plugs_.motion = std::move(*line);
-  machine_.PlugMotionLine(plugs_.motion->MachineEnd());
+  if (auto plugged = PlugIn(plugs_.motion, "motion line"); !plugged) return plugged;
+  machine_.PlugMotionLine(plugs_.motion.line->MachineEnd());
   return {};
+}
+
+void Commands::TakeHangUps() {
+  if (plugs_.laser.line && plugs_.laser.line->HostHasGone())
+    machine_.PlugLaserLine(plugs_.laser.line->MachineEnd());
+  if (plugs_.motion.line && plugs_.motion.line->HostHasGone())
+    machine_.PlugMotionLine(plugs_.motion.line->MachineEnd());
 }
 
 std::string Commands::Do(const std::string& command) {
@@ -57,10 +70,10 @@ std::string Commands::Line(const std::string& verb, const std::string& which) {
   if (verb == "unplug") {
     if (laser) {
       machine_.PlugLaserLine(nullptr);
-      plugs_.laser.reset();
+      plugs_.laser.line.reset();
     } else {
       machine_.PlugMotionLine(nullptr);
-      plugs_.motion.reset();
+      plugs_.motion.line.reset();
     }
     return "ok";
   }
@@ -151,7 +164,7 @@ std::string Commands::DoWords(const std::vector<std::string>& words) {
   if (verb == "drop-bytes" && words.size() == 3) {
     const auto ratio = NumberOf<double>(what);
     const bool laser = words[2] == "laser";
-    auto& line = laser ? plugs_.laser : plugs_.motion;
+    const auto& line = (laser ? plugs_.laser : plugs_.motion).line;
     if (!ratio || !(*ratio >= 0 && *ratio <= 1) || !line ||
         (!laser && words[2] != "motion"))
       return "error drop-bytes 0..1 laser|motion";

@@ -11,20 +11,25 @@
 //   quit
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engrave/core/result.h"
 #include "services/virtual_engraver/machine.h"
-#include "services/virtual_engraver/pty_line.h"
+#include "services/virtual_engraver/machine_line.h"
 
 namespace intaglio::virtual_engraver {
 
 /// The two plugs at the back of the machine.
 struct Plugs {
-  std::string laser_path, motion_path;
-  std::optional<PtyLine> laser, motion;
+  struct Plug {
+    /// As OpenMachineLine takes it; once it was plugged in, what a host has to open.
+    std::string device;
+    std::unique_ptr<MachineLine> line = {};  ///< null: unplugged
+  };
+  Plug laser, motion;
   unsigned seed = 0;
 };
 
@@ -34,6 +39,8 @@ class Commands {
 
   Status PlugLaser();
   Status PlugMotion();
+  /// A host that closes its end is a lost line, before any silence shows it.
+  void TakeHangUps();
   /// "ok", "ok {...}" or "error why".
   std::string Do(const std::string& command);
   bool quit() const { return quit_; }

@@ -35,11 +35,11 @@ void AddOptions(command_line::Command app, Options& o) {
   app.AddOption("--truth", o.truth_file,
                 "truth file: the physics of this machine (proto/truth.proto)")
       .Require();
-  app.AddOption("--laser-line", o.laser_line, "symbolic link to make for the laser line")
+  app.AddOption("--laser-line", o.laser_line,
+                "laser line: the symbolic link to make for a pseudo-terminal, or "
+                "tcp:HOST:PORT to listen there (port 0: a free one)")
       .Require();
-  app.AddOption("--motion-line", o.motion_line,
-                "symbolic link to make for the motion line")
-      .Require();
+  app.AddOption("--motion-line", o.motion_line, "motion line, as --laser-line").Require();
   app.AddOption("--glass-record", o.glass_record, "file that remembers every crack")
       .Require();
   app.AddOption("--panel", o.panel, "Unix socket for buttons and misbehaviour");
@@ -70,21 +70,11 @@ Status Finish(Options& o) {
   return {};
 }
 
-// A host that closes its port is a lost line, before any silence tells.
-void TakeHangUps(Machine& machine, Plugs& plugs) {
-  if (plugs.laser && plugs.laser->HostHasGone()) {
-    machine.PlugLaserLine(plugs.laser->MachineEnd());
-  }
-  if (plugs.motion && plugs.motion->HostHasGone()) {
-    machine.PlugMotionLine(plugs.motion->MachineEnd());
-  }
-}
-
 void WaitFor(const Plugs& plugs, const Panel* panel, std::chrono::nanoseconds time) {
   std::vector<pollfd> fds;
-  for (const auto* line : {&plugs.laser, &plugs.motion}) {
-    // A line without a host is ready at any time.
-    if (*line && (*line)->host_there()) fds.push_back({(*line)->fd(), POLLIN, 0});
+  for (const auto* plug : {&plugs.laser, &plugs.motion}) {
+    if (!plug->line) continue;
+    for (const int fd : plug->line->descriptors()) fds.push_back({fd, POLLIN, 0});
   }
   if (panel != nullptr) {
     for (const int fd : panel->fds()) fds.push_back({fd, POLLIN, 0});
@@ -108,7 +98,7 @@ int Serve(Options& options) {
     faults.push_back(std::move(*fault));
   }
   Machine machine(options.machine, std::move(*glass), link::MonotonicClock());
-  Plugs plugs{options.laser_line, options.motion_line, {}, {}, options.machine.seed};
+  Plugs plugs{{options.laser_line}, {options.motion_line}, options.machine.seed};
   Commands commands(machine, plugs);
   for (const auto& plugged : {commands.PlugLaser(), commands.PlugMotion()}) {
     if (!plugged) throw std::runtime_error(plugged.error().message);
@@ -119,10 +109,10 @@ int Serve(Options& options) {
     if (!opened) throw std::runtime_error(opened.error().message);
     panel.emplace(std::move(*opened));
   }
-  std::cout << "ready laser=" << options.laser_line << " motion=" << options.motion_line
+  std::cout << "ready laser=" << plugs.laser.device << " motion=" << plugs.motion.device
             << std::endl;
   while (stop_asked == 0 && !commands.quit()) {
-    TakeHangUps(machine, plugs);
+    commands.TakeHangUps();
     const auto idle = machine.Turn();
     std::erase_if(faults, [&](const ScheduledFault& fault) {
       if (machine.laser().tick() < fault.tick) return false;
@@ -147,7 +137,7 @@ int Serve(Options& options) {
 int main(int argc, char** argv) {
   const pid_t parent = getppid();
   command_line::Program program("virtual-engraver",
-                                "a laser engraving machine behind two pseudo-terminals");
+                                "a laser engraving machine behind two lines");
   program.root().SetFooter(
       "Example: virtual-engraver --truth els-03-truth.textproto --laser-line /tmp/laser "
       "--motion-line /tmp/motion "

@@ -12,8 +12,8 @@ class PanelWords : public MachineBench {
  protected:
   void SetUp() override {
     Start(PlainOptions(false));
-    plugs.laser_path = record_file.parent_path() / "laser";
-    plugs.motion_path = record_file.parent_path() / "motion";
+    plugs.laser.device = record_file.parent_path() / "laser";
+    plugs.motion.device = record_file.parent_path() / "motion";
     commands = std::make_unique<Commands>(*machine, plugs);
     ASSERT_TRUE(commands->PlugLaser().has_value());
     ASSERT_TRUE(commands->PlugMotion().has_value());
@@ -61,7 +61,7 @@ TEST_F(PanelWords, AColdLampWarmsUpAgain) {
   MachineOptions options = PlainOptions(false);
   options.laser.warm_up_s = 0.1;
   Start(options);
-  Plugs cold_plugs{"", "", {}, {}, 0};
+  Plugs cold_plugs;
   Commands cold(*machine, cold_plugs);
   machine->laser().SetLamp({true, 100});
   Pass(std::chrono::milliseconds(150));
@@ -142,8 +142,8 @@ TEST_F(PanelWords, RefusesWhatItDoesNotKnow) {
 }
 
 TEST_F(PanelWords, PlugsAreTheSymbolicLinks) {
-  for (const auto& [name, path] :
-       {std::pair{"laser", plugs.laser_path}, std::pair{"motion", plugs.motion_path}}) {
+  for (const auto& [name, path] : {std::pair{"laser", plugs.laser.device},
+                                   std::pair{"motion", plugs.motion.device}}) {
     EXPECT_TRUE(link::OpenSerialPort(path, 115200).has_value()) << name;
     EXPECT_EQ(commands->Do(std::string("unplug ") + name), "ok");
     EXPECT_FALSE(fs::exists(path)) << name;
@@ -155,6 +155,21 @@ TEST_F(PanelWords, PlugsAreTheSymbolicLinks) {
     EXPECT_TRUE(link::OpenSerialPort(path, 115200).has_value()) << name;
     EXPECT_EQ(commands->Do(std::string("drop-bytes 0.5 ") + name), "ok");
   }
+}
+
+TEST_F(PanelWords, APlugOverTcpKeepsItsPort) {
+  Plugs tcp{{"tcp:127.0.0.1:0"}, {"tcp:127.0.0.1:0"}, 0};
+  Commands over_tcp(*machine, tcp);
+  ASSERT_TRUE(over_tcp.PlugLaser());
+  ASSERT_TRUE(over_tcp.PlugMotion());
+  const std::string device = tcp.laser.device;
+  EXPECT_NE(device, "tcp:127.0.0.1:0");
+  EXPECT_NE(device, tcp.motion.device);
+  EXPECT_EQ(over_tcp.Do("unplug laser"), "ok");
+  EXPECT_EQ(over_tcp.Do("plug laser"), "ok");
+  EXPECT_EQ(tcp.laser.device, device);
+  EXPECT_EQ(over_tcp.Do("plug laser"), "ok") << "again, while it is plugged in";
+  EXPECT_EQ(tcp.laser.device, device);
 }
 
 TEST(ScheduledFault, IsATickAndACommand) {

@@ -11,7 +11,7 @@
 
 #include <fstream>
 
-#include "services/platform/link/serial_port.h"
+#include "services/platform/link/endpoint.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 #include "tests/patience.h"
 
@@ -23,7 +23,8 @@ constexpr const char* kPlain =
 
 std::vector<std::string> Arguments(const std::filesystem::path& folder,
                                    const std::string& truth_text,
-                                   const std::vector<std::string>& more) {
+                                   const std::vector<std::string>& more, bool over_tcp) {
+  const std::string free_port = "tcp:127.0.0.1:0";
   const std::filesystem::path file = folder / "truth.textproto";
   auto truth = ParseTruth(kPlain, "plain").value();
   if (const auto changes = ParseTruth(truth_text, "changes")) {
@@ -32,11 +33,12 @@ std::vector<std::string> Arguments(const std::filesystem::path& folder,
   } else {
     std::ofstream(file) << truth_text;
   }
-  std::vector<std::string> all = {"--truth",        file,
-                                  "--laser-line",   folder / "laser",
-                                  "--motion-line",  folder / "motion",
-                                  "--glass-record", folder / "glass.rec",
-                                  "--panel",        folder / "panel"};
+  std::vector<std::string> all = {
+      "--truth",        file,
+      "--laser-line",   over_tcp ? free_port : (folder / "laser").string(),
+      "--motion-line",  over_tcp ? free_port : (folder / "motion").string(),
+      "--glass-record", folder / "glass.rec",
+      "--panel",        folder / "panel"};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -58,23 +60,31 @@ int ConnectTo(const std::filesystem::path& folder, const std::string& name) {
   return -1;
 }
 
-link::StreamOpener SerialPort(const std::string& device) {
-  return [device] { return link::OpenSerialPort(device, 115200); };
-}
-
 }  // namespace
 
 EngraverProcess::EngraverProcess(const std::filesystem::path& folder,
                                  const std::string& truth,
-                                 const std::vector<std::string>& more_options)
+                                 const std::vector<std::string>& more_options,
+                                 bool over_tcp)
     : folder_(folder),
+      over_tcp_(over_tcp),
       program_(intaglio::testing::Program("virtual-engraver"),
-               Arguments(folder, truth, more_options), folder / "engraver.log") {}
+               Arguments(folder, truth, more_options, over_tcp),
+               folder / "engraver.log") {}
 
 bool EngraverProcess::AwaitReady() {
   return intaglio::testing::Eventually(
       [this] { return program_.Output().find("ready ") != std::string::npos; },
       std::chrono::seconds(5));
+}
+
+std::string EngraverProcess::DeviceOf(const std::string& line) const {
+  if (!over_tcp_) return (folder_ / line).string();
+  const std::string output = program_.Output(), key = line + "=";
+  const auto at = output.find(key);
+  if (at == std::string::npos) return {};
+  const auto begin = at + key.size();
+  return output.substr(begin, output.find_first_of(" \n", begin) - begin);
 }
 
 std::string EngraverProcess::Ask(const std::string& command) const {
@@ -101,8 +111,9 @@ std::string EngraverProcess::StatusOf(const std::string& name) const {
 }
 
 EngravingHost::EngravingHost(const EngraverProcess& engraver)
-    : laser_(SerialPort(engraver.laser_line()), link::MonotonicClock()),
-      motion_(SerialPort(engraver.motion_line()), link::MonotonicClock()) {}
+    : laser_(link::EndpointOpener(engraver.laser_line(), 115200), link::MonotonicClock()),
+      motion_(link::EndpointOpener(engraver.motion_line(), 115200),
+              link::MonotonicClock()) {}
 
 void EngravingHost::Poll() {
   const auto take = [this](std::uint8_t type, std::span<const std::byte> payload) {

@@ -16,15 +16,17 @@ namespace intaglio::virtual_engraver {
 /// The engraver; killed with its holder. Warm at once, no lag, no refraction.
 class EngraverProcess {
  public:
-  /// Its lines, panel, record and truth file lie in `folder`. What `truth`, the text of a
-  /// truth file, sets replaces what it is otherwise; a text that is no truth is its truth
-  /// file as it is.
+  /// Its lines, panel, record and truth file lie in `folder`; over TCP it chooses free
+  /// ports. What `truth`, the text of a truth file, sets replaces what it is otherwise; a
+  /// text that is no truth is its truth file as it is.
   explicit EngraverProcess(const std::filesystem::path& folder,
                            const std::string& truth = {},
-                           const std::vector<std::string>& more_options = {});
+                           const std::vector<std::string>& more_options = {},
+                           bool over_tcp = false);
 
-  std::string laser_line() const { return (folder_ / "laser").string(); }
-  std::string motion_line() const { return (folder_ / "motion").string(); }
+  /// What a host has to open; after AwaitReady.
+  std::string laser_line() const { return DeviceOf("laser"); }
+  std::string motion_line() const { return DeviceOf("motion"); }
   std::filesystem::path truth_file() const { return folder_ / "truth.textproto"; }
   std::filesystem::path record_file() const { return folder_ / "glass.rec"; }
   intaglio::testing::Running& program() { return program_; }
@@ -37,7 +39,10 @@ class EngraverProcess {
   std::string StatusOf(const std::string& name) const;
 
  private:
+  std::string DeviceOf(const std::string& line) const;
+
   std::filesystem::path folder_;
+  bool over_tcp_;
   intaglio::testing::Running program_;
 };
 

@@ -22,8 +22,13 @@ link::ArmWindow AllFrom(std::uint64_t first_tick, std::size_t count, bool gated 
   return {first_tick, gated, std::vector<bool>(count, true)};
 }
 
-TEST(EngraverProcess, EngravesAShortJobOverItsLines) {
-  EngraverProcess engraver(test::FreshFolder());
+/// Over pseudo-terminals and over TCP.
+class EngraverLines : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Of, EngraverLines, ::testing::Bool(),
+                         [](const auto& tcp) { return tcp.param ? "tcp" : "pty"; });
+
+TEST_P(EngraverLines, CarryAShortJob) {
+  EngraverProcess engraver(test::FreshFolder(), {}, {}, GetParam());
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   EngravingHost host(engraver);
   ASSERT_TRUE(host.Connect());
@@ -80,9 +85,9 @@ void FireForEver(const EngraverProcess& engraver) {
   host.Until([] { return false; }, 60s);
 }
 
-TEST(EngraverProcess, AHostThatDiesOrHangsLeavesClosedShutters) {
+TEST_P(EngraverLines, OfAHostThatDiesOrHangsLeaveClosedShutters) {
   for (const int signal_number : {SIGKILL, SIGSTOP}) {
-    EngraverProcess engraver(test::FreshFolder());
+    EngraverProcess engraver(test::FreshFolder(), {}, {}, GetParam());
     ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
     const ForkedHost host([&] { FireForEver(engraver); });
     ASSERT_TRUE(Eventually([&] { return engraver.StatusOf("shutters") == "1"; }, 5s));
