@@ -144,12 +144,12 @@ std::vector<std::string> ShopFloor::ArgumentsOf(const std::string& service) cons
                           (folder_ / "materials.db").string(), "--real-time"});
   }
   if (service == kSynchronizer) {
-    return Joined(words, {"--machine", machine, "--real-time", "--device",
-                          (folder_ / kLaser).string()});
+    return Joined(words,
+                  {"--machine", machine, "--real-time", "--device", OpenedFor(kLaser)});
   }
   if (service == kBridge) {
-    return Joined(words, {"--machine", machine, "--real-time", "--device",
-                          (folder_ / kMotion).string()});
+    return Joined(words,
+                  {"--machine", machine, "--real-time", "--device", OpenedFor(kMotion)});
   }
   return words;
 }
@@ -166,13 +166,32 @@ void ShopFloor::StartMachine() {
   running_["machine"] = std::make_unique<Running>(
       Program("virtual-engraver"),
       std::vector<std::string>{"--truth", (folder_ / "truth.textproto").string(),
-                               "--laser-line", (folder_ / kLaser).string(),
-                               "--motion-line", (folder_ / kMotion).string(), "--panel",
+                               "--laser-line", PlugOf(kLaser),
+                               "--motion-line", PlugOf(kMotion), "--panel",
                                (folder_ / "panel").string(), "--glass-record",
                                (folder_ / "glass.rec").string(), "--speed",
                                fmt::format("{}", options_.machine_speed)},
       folder_ / "machine.log");
-  Eventually([&] { return fs::exists(folder_ / kMotion); }, 5s);
+  Eventually([&] { return at("machine").Output().find("ready ") != std::string::npos; },
+             5s);
+}
+
+std::string ShopFloor::PlugOf(const std::string& line) const {
+  return options_.lines_over_tcp ? "tcp:127.0.0.1:0" : (folder_ / line).string();
+}
+
+std::string ShopFloor::DeviceOf(const std::string& line) const {
+  if (!options_.lines_over_tcp) return (folder_ / line).string();
+  std::smatch device;
+  const std::string output = TextIn(folder_ / "machine.log");
+  return std::regex_search(output, device, std::regex(line + "=(tcp:\\S+)"))
+             ? device[1]
+             : std::string();
+}
+
+std::string ShopFloor::OpenedFor(const std::string& line) const {
+  const auto led = led_.find(line);
+  return led == led_.end() ? DeviceOf(line) : led->second;
 }
 
 void ShopFloor::Start(const std::string& service,
@@ -187,6 +206,10 @@ void ShopFloor::Start(const std::string& service,
 
 void ShopFloor::StartAll() {
   StartMachine();
+  StartServices();
+}
+
+void ShopFloor::StartServices() {
   for (const char* service : {kJobService, kDiscretizer, kSorter, kBridge, kSynchronizer})
     Start(service);
 }

@@ -29,6 +29,7 @@ class ShopFloor {
     std::filesystem::path results;   ///< empty: below the folder
     std::filesystem::path database;  ///< empty: in the folder
     double machine_speed = 1;
+    bool lines_over_tcp = false;       ///< on free ports of this computer
     const TestHost* office = nullptr;  ///< of operator, job service and workers
     const TestHost* cell = nullptr;    ///< of synchronizer, bridge and machine
   };
@@ -36,6 +37,11 @@ class ShopFloor {
 
   void StartAll();
   void StartMachine();
+  void StartServices();
+  /// What a host has to open for the machine's "laser" or "motion" line.
+  std::string DeviceOf(const std::string& line) const;
+  /// Services that are started later open this device for that line instead.
+  void Lead(const std::string& line, const std::string& device) { led_[line] = device; }
   /// Again, when it has run before. `environment`: of this process alone.
   void Start(const std::string& service,
              const std::map<std::string, std::string>& environment = {});
@@ -68,6 +74,8 @@ class ShopFloor {
 
  private:
   std::vector<std::string> ArgumentsOf(const std::string& service) const;
+  std::string PlugOf(const std::string& line) const;
+  std::string OpenedFor(const std::string& line) const;
   const TestHost* HostOf(const std::string& service) const;
 
   std::filesystem::path folder_;
@@ -75,6 +83,7 @@ class ShopFloor {
   std::map<std::string, std::unique_ptr<Running>> running_;
   std::unique_ptr<Running> watch_;
   std::map<std::string, int> starts_;
+  std::map<std::string, std::string> led_;
   int typed_ = 0;
 };
 
