@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
         app.AddOption("--machine", options.machine_file, "machine profile (.textproto)")
             .Require();
         app.AddOption("--device", options.device,
-                      "serial device instead of the profile's motion_line.device");
+                      "device instead of the profile's motion_line.device");
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);

@@ -1,7 +1,8 @@
 #pragma once
 
 // What a motion controller family has to be able to do for the bridge. A driver is one
-// header, one source, one test and one line of the registry in motion_driver.cc.
+// header, one source, one test, one row of the table in motion_driver.cc and one bench of
+// its controller in tests/services/motion_bridge/motion_rig.cc.
 // Frame machine, mm and mm/s; time in ticks of the lamp sync, and for a controller with a
 // clock of its own also in ns of that clock.
 
@@ -9,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engrave/core/geometry.h"
@@ -16,6 +18,8 @@
 #include "engrave/motion/segment.h"
 #include "idl/motion.h"
 #include "proto/machine.pb.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::motion_bridge {
 
@@ -46,14 +50,43 @@ struct LatchedPositions {
   std::vector<std::uint64_t> at_ns = {};  ///< by a clock of its own; else empty
 };
 
-/// Not thread-safe. Nothing blocks: what cannot be sent now is refused by Room() == 0 or
-/// kRefused and tried again by the caller.
+/// Guarantees of every driver together with its controller; each is checked for all that
+/// MotionDriverKinds lists (tests/services/motion_bridge/motion_conformance.cc):
+///   M1  Nothing blocks. What cannot be taken now is refused, by Room() == 0 or an error,
+///       and nothing of it is done; the caller tries again.
+///   M2  state() is the controller's own newest report. While nothing is known of it,
+///       link_up is false, `fault` says why, and every command is refused; so it is
+///       within 300 ms after a line is cut. `message` says what to do.
+///   M3  A run begins at its tick, from rest and without a fault. Begun too late, or
+///   while
+///       another moves, it is a fault, and the stage comes to rest.
+///   M4  Segments are executed completely, each once, in order, and end where and when
+///       they say; a segment with `program_end` ends the run at rest.
+///   M5  AbortRun brings the stage to rest, without a fault; nothing of the run follows.
+///   M6  A fault brings the stage to rest and lasts until Reset; no run begins before.
+///       Reset moves nothing.
+///   M7  A target outside the travel is MOTION_LIMIT, and the stage never leaves the
+///       travel, whatever it is given.
+///   M8  Motion that ends without `program_end` is MOTION_STARVED.
+///   M9  A line that is cut at any byte, and a host that dies or hangs, bring the stage
+///   to
+///       rest by the controller itself: within 250 ms and the time that braking takes.
+///   M10 A lost line comes back by itself; no motion does. The run that was lost shows as
+///       a fault until Reset.
+///   M11 A power cycle of the controller ends everything that was begun before.
+///   M12 Positions are latched once for every tick of a run, in order, without gap, and
+///       are where the stage is, in the machine frame.
+///   M13 A controller with another serial number than the profile's is refused
+///       (MOTION_WRONG_CONTROLLER) and moves nothing.
+/// Not thread-safe. An object may be a laser driver, too
+/// (services/synchronizer/pulses/laser_controller.h), when one controller is both.
 class MotionDriver {
  public:
   virtual ~MotionDriver() = default;
   /// Moves bytes both ways and opens a lost line again; never an error by itself:
-  /// state() tells.
+  /// state() has it.
   virtual void Poll() = 0;
+  /// For poll(2); -1 when there is none.
   virtual int fd() const = 0;
   virtual const DriverState& state() const = 0;
   virtual std::vector<LatchedPositions> TakePositions() = 0;
@@ -74,7 +107,20 @@ class MotionDriver {
   virtual Status Reset() = 0;
 };
 
-/// The driver that the machine's motion_line names; kUnsupported lists what there is.
+/// One row of the table of controller families.
+struct MotionDriverKind {
+  std::string_view protocol;  ///< motion_line.protocol of the profile
+  bool needs_device;          ///< it opens motion_line.device through `open`
+  /// `open` is unused by a driver that needs no device.
+  std::unique_ptr<MotionDriver> (*make)(const MachineSpec& machine,
+                                        link::StreamOpener open, link::SteadyClock clock);
+};
+
+/// All there are.
+std::span<const MotionDriverKind> MotionDriverKinds();
+
+/// The driver that the machine's motion_line names, on its device and the clock of this
+/// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device.
 Result<std::unique_ptr<MotionDriver>> MakeDriver(const MachineSpec& machine);
 
 }  // namespace intaglio::motion_bridge

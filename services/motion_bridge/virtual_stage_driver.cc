@@ -6,7 +6,8 @@
 #include <cmath>
 #include <deque>
 
-#include "services/platform/link/endpoint.h"
+#include "services/platform/link/expected_device.h"
+#include "services/platform/link/line_session.h"
 #include "services/platform/link/motion_protocol.h"
 
 namespace intaglio::motion_bridge {
@@ -298,20 +299,14 @@ class VirtualStageDriver final : public MotionDriver {
 
 }  // namespace
 
-std::unique_ptr<MotionDriver> MakeVirtualStageDriver(link::StreamOpener open,
-                                                     link::SteadyClock clock,
-                                                     link::ExpectedDevice expected,
-                                                     bool needs_compare) {
-  return std::make_unique<VirtualStageDriver>(std::move(open), std::move(clock),
-                                              std::move(expected), needs_compare);
-}
-
-std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine) {
-  return MakeVirtualStageDriver(
-      link::EndpointOpener(machine.motion_line().device(), machine.motion_line().baud()),
-      link::MonotonicClock(),
-      {machine.motion_line().serial_number(), "stage controller", machine.name(),
-       machine.motion_line().device(), "motion_line"},
+std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
+                                                     link::StreamOpener open,
+                                                     link::SteadyClock clock) {
+  const SerialLine& line = machine.motion_line();
+  return std::make_unique<VirtualStageDriver>(
+      std::move(open), std::move(clock),
+      link::ExpectedDevice{line.serial_number(), "stage controller", machine.name(),
+                           line.device(), "motion_line"},
       machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE);
 }
 

@@ -51,9 +51,15 @@ int Serve(host::ServiceHost& host, const Options& options) {
     std::cerr << "--lens: " << mounted.error().message << "\n";
     return 2;
   }
+  auto laser = synchronizer::MakeLaserDriver(*machine);
+  if (!laser) {
+    std::cerr << options.machine_file << ": " << laser.error().message << "\n";
+    return 2;
+  }
   host::OnlyInstance only(host, intaglio_ROLE_SYNCHRONIZER);
   if (only.AwaitTurn()) return only.EndAsSecond("synchronizer");
-  synchronizer::Synchronizer cell(host, *machine, options.machine_file, *mounted);
+  synchronizer::Synchronizer cell(host, *machine, options.machine_file, *mounted,
+                                  std::move(*laser));
   host::PollLoop loop(host.bus());
   cell.AttachTo(loop);
   const auto ready_at = Now() + kLaserTime;
@@ -88,7 +94,7 @@ int main(int argc, char** argv) {
         app.AddOption("--machine", options.machine_file, "machine profile (.textproto)")
             .Require();
         app.AddOption("--device", options.device,
-                      "serial device instead of the profile's laser_line.device");
+                      "device instead of the profile's laser_line.device");
         app.AddOption("--block", options.block_mm,
                       "size of the block in the machine, x,y,z in mm: a job for another "
                       "one is not fired; default: not known, not compared")

@@ -9,7 +9,6 @@
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/log.h"
-#include "services/platform/link/endpoint.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/permission/pause_reason.h"
 #include "services/synchronizer/task_check.h"
@@ -19,14 +18,11 @@ namespace {
 
 using bus::View;
 
-link::StreamOpener LaserLineOf(const MachineSpec& machine) {
-  return link::EndpointOpener(machine.laser_line().device(), machine.laser_line().baud());
-}
-
 }  // namespace
 
 Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
-                           std::string machine_file, const MountedParts& mounted)
+                           std::string machine_file, const MountedParts& mounted,
+                           std::unique_ptr<LaserController> laser)
     : host_(host),
       machine_(machine),
       machine_file_(std::move(machine_file)),
@@ -41,9 +37,8 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       segments_(host.bus(), bus::kMotionSegmentBatch, cell_),
       intake_(host.bus(), host.instance()),
       publisher_(host.bus(), cell_, host.instance()),
-      laser_(LaserLineOf(machine), link::MonotonicClock(),
-             {machine.laser_line().serial_number(), "laser", machine.name(),
-              machine.laser_line().device(), "laser_line"}),
+      laser_driver_(std::move(laser)),
+      laser_(*laser_driver_),
       feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
             [this](const std::string& stream) { return credit_.Find(stream); }) {}
 

@@ -24,9 +24,10 @@ namespace intaglio::synchronizer {
 class Synchronizer {
  public:
   /// `machine`: the profile of this cell, read from `machine_file`; no value of the
-  /// machine is taken from a task. `mounted`: as far as it is known.
+  /// machine is taken from a task. `mounted`: as far as it is known. `laser`: not null.
   Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
-               std::string machine_file, const MountedParts& mounted);
+               std::string machine_file, const MountedParts& mounted,
+               std::unique_ptr<LaserController> laser);
   ~Synchronizer();
 
   /// One turn of the loop; never blocks.
@@ -95,7 +96,8 @@ class Synchronizer {
   PathIntake intake_;
   JobPlanner planner_;
   Publisher publisher_;
-  LaserController laser_;
+  std::unique_ptr<LaserController> laser_driver_;
+  LaserController& laser_;
   MotionFeed feed_;
   PermissionChain chain_;
   std::unique_ptr<JournalWriter> journal_;

@@ -1,99 +1,131 @@
 #pragma once
 
-// The laser controller at the end of the laser line, as the synchronizer sees it.
+// What a laser controller family has to be able to do for the synchronizer: the laser at
+// the end of the laser line. A driver is one header, one source, one test, one row of the
+// table in laser_controller.cc and one bench of its controller in
+// tests/services/synchronizer/pulses/laser_rig.cc.
 //
-// A controller with another serial number than the expected one is refused at the
-// handshake. For the user of this class its line is down: up() is false, nothing of it is
-// taken, and nothing is sent but, once a session, "shutters closed, disarm, lamp off". So
-// it is when the cable was swapped while the process runs.
-// Not thread-safe; nothing blocks.
+// Time is the laser's: a tick is one lamp sync, counted from its power-up. A family
+// without ticks counts periods of its pulse rate.
+//
+// Guarantees of every driver together with its controller; each is checked for all that
+// LaserDriverKinds lists (tests/services/synchronizer/pulses/laser_conformance.cc):
+//   L1  Nothing blocks. What cannot be taken now is refused with an error, and nothing of
+//       it is done.
+//   L2  A pulse comes at a tick only if a window of this session decides that tick to
+//   fire,
+//       and then once: however often it is armed, and whatever is repeated on the line.
+//   L3  Disarm, a new session, Stop, and an interlock leave no armed tick. disarmed() is
+//       true only once the controller has reported that it took the newest Disarm: what
+//       was armed before and is not reported then, never comes.
+//   L4  The outcome of every decided tick is reported once, in order, without gap, as
+//   long
+//       as the line holds. A window that comes too late is reported so and fires nothing.
+//   L5  status().pulse_count counts every pulse since power-up, seen or not.
+//   L6  RequestPast answers for the newest link::kRememberedTicks ticks, whichever
+//   session
+//       armed them: so that a pulse is known after a lost line or a killed process.
+//   L7  A line that is cut, and a host that dies or hangs, close the shutters and leave
+//       nothing armed, by the controller itself: within 250 ms. up() is false within
+//       300 ms.
+//   L8  A lost line comes back by itself, with a new session(); the shutters do not open,
+//       and nothing fires, before this host says so again.
+//   L9  Key, door and stop button let no pulse pass, and status().openings counts each
+//       letting go, also while no host is connected.
+//   L10 Without a warm lamp, or an open shutter, nothing fires; both are in the status.
+//   L11 A power cycle is another identity().power_up: other ticks, other counters.
+//   L12 A controller with another serial number than the profile's is refused: up() is
+//       false, refusal() says why, nothing of it is taken, and it is closed and disarmed.
+// Not thread-safe. An object may be a motion driver, too
+// (services/motion_bridge/motion_driver.h), when one controller is both.
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 
-#include "services/platform/link/expected_device.h"
+#include "proto/machine.pb.h"
+#include "services/platform/link/endpoint.h"
 #include "services/platform/link/laser_protocol.h"
-#include "services/platform/link/line_session.h"
+#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::synchronizer {
 
 class LaserController {
  public:
   using ReportSink = std::function<void(const link::PulseReport&)>;
+  using PastSink = std::function<void(const link::PastReport&)>;
   /// A status comes every 20 ms; without one nothing is known of the interlocks.
   static constexpr std::chrono::milliseconds kStatusLease{500};
-  using PastSink = std::function<void(const link::PastReport&)>;
 
-  LaserController(link::StreamOpener open, link::SteadyClock clock,
-                  link::ExpectedDevice expected = {});
+  virtual ~LaserController() = default;
 
   /// Moves bytes and takes what came; `sink` gets every pulse report once, in order,
   /// `past` every answer to RequestPast.
-  void Poll(const ReportSink& sink, const PastSink& past = nullptr);
+  virtual void Poll(const ReportSink& sink, const PastSink& past) = 0;
 
-  /// Up, identified, and a status of this session has come.
-  bool up() const { return session_.up() && identified_ && status_number_ > 0; }
+  /// Connected, identified, and a status of this session has come.
+  virtual bool up() const = 0;
   /// Not before the identity has come: a Disarm of a session that is not known yet would
   /// be counted by the controller and not by us.
-  bool CanSend() const { return session_.CanSend() && identified_; }
-  /// A newer host has the controller; for good, and nothing more is said to it.
-  bool taken_over() const { return session_.fenced(); }
+  virtual bool CanSend() const = 0;
+  /// A newer host has the controller; for good, and nothing more is sent to it.
+  virtual bool taken_over() const = 0;
   /// Why the line is down; empty while it is up.
-  const std::string& message() const {
-    return refusal_.empty() ? session_.message() : refusal_;
-  }
+  virtual const std::string& message() const = 0;
   /// Why the controller that answers now is refused, and what to do; empty: it is not.
-  const std::string& refusal() const { return refusal_; }
-  int fd() const { return session_.fd(); }
+  virtual const std::string& refusal() const = 0;
+  /// For poll(2); -1 when there is none.
+  virtual int fd() const = 0;
 
-  const link::LaserIdentity& identity() const { return identity_; }
-  const link::LaserStatus& status() const { return status_; }
+  virtual const link::LaserIdentity& identity() const = 0;
+  virtual const link::LaserStatus& status() const = 0;
   /// Statuses of this session; grows with each.
-  std::uint64_t status_number() const { return status_number_; }
+  virtual std::uint64_t status_number() const = 0;
+  /// When the newest status came, by the driver's clock.
+  virtual std::chrono::nanoseconds status_at() const = 0;
+  /// Grows with every session, i.e. whenever what was sent may have been lost.
+  virtual std::uint64_t session() const = 0;
+  /// A status that was made after the newest Disarm of this session has come.
+  virtual bool disarmed() const = 0;
+
   /// Up, and the newest status is young enough to act on.
   bool IsFresh(std::chrono::nanoseconds now) const {
-    return up() && now - status_at_ < kStatusLease;
+    return up() && now - status_at() < kStatusLease;
   }
-  /// Grows with every session, i.e. whenever what was sent may have been lost.
-  std::uint64_t session() const { return sessions_; }
-  /// A status that was made after the newest Disarm of this session has come.
-  bool disarmed() const { return up() && status_.disarms_taken == disarms_sent_; }
-  bool Has(link::InterlockBits bit) const { return (status_.interlocks & bit) != 0; }
+  bool Has(link::InterlockBits bit) const { return (status().interlocks & bit) != 0; }
 
-  Status Lamp(bool on, double rate_hz);
-  Status OpenShutters(std::uint8_t mask);
-  Status Arm(const link::ArmWindow& window);
-  Status Disarm();
-  Status Reset();
+  virtual Status Lamp(bool on, double rate_hz) = 0;
+  virtual Status OpenShutters(std::uint8_t mask) = 0;
+  virtual Status Arm(const link::ArmWindow& window) = 0;
+  virtual Status Disarm() = 0;
+  virtual Status Reset() = 0;
   /// Emergency stop, which the controller keeps latched until Reset.
-  Status Stop();
-  Status RequestStatus();
+  virtual Status Stop() = 0;
+  virtual Status RequestStatus() = 0;
   /// Asks what came of `count` ticks (1..link::kMaxReportTicks), whichever session armed
   /// them. False: the line takes nothing now. A new session loses what was asked before.
-  bool RequestPast(std::uint64_t first_tick, std::uint16_t count);
-
- private:
-  void Handle(link::LaserFrame type, std::span<const std::byte> payload,
-              const ReportSink& sink, const PastSink& past);
-  void Identify(std::span<const std::byte> payload);
-  void Refuse(const std::string& why);
-  Status SendFrame(link::LaserFrame type, const link::Bytes& payload = {});
-
-  link::SteadyClock clock_;
-  link::ExpectedDevice expected_;
-  std::string refusal_;
-  link::LineSession session_;
-  link::LaserIdentity identity_;
-  link::LaserStatus status_;
-  bool identified_ = false;
-  bool identified_now_ = false, refused_now_ = false;  // in this Poll
-  std::uint32_t polled_sessions_ = 0;
-  std::uint64_t status_number_ = 0;
-  std::chrono::nanoseconds status_at_{0};
-  std::uint64_t sessions_ = 0;
-  std::uint32_t disarms_sent_ = 0;
+  virtual bool RequestPast(std::uint64_t first_tick, std::uint16_t count) = 0;
 };
+
+/// One row of the table of controller families.
+struct LaserDriverKind {
+  std::string_view protocol;  ///< laser_line.protocol of the profile
+  bool needs_device;          ///< it opens laser_line.device through `open`
+  /// `open` is unused by a driver that needs no device.
+  std::unique_ptr<LaserController> (*make)(const MachineSpec& machine,
+                                           link::StreamOpener open,
+                                           link::SteadyClock clock);
+};
+
+/// All there are.
+std::span<const LaserDriverKind> LaserDriverKinds();
+
+/// The driver that the machine's laser_line names, on its device and the clock of this
+/// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device.
+Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& machine);
 
 }  // namespace intaglio::synchronizer

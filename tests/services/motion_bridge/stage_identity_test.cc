@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "services/motion_bridge/virtual_stage_driver.h"
+#include "services/motion_bridge/motion_driver.h"
 #include "tests/integration/run_program.h"
 #include "tests/services/motion_bridge/fake_stage.h"
 #include "tests/test_folder.h"
@@ -19,7 +19,7 @@ class ExpectedStage : public ::testing::Test {
   ExpectedStage()
       : device(test::FreshFolder() / "motion"),
         stage(device, 100),
-        driver(MakeVirtualStageDriver(Profile())) {}
+        driver(MakeDriver(Profile()).value()) {}
 
   MachineSpec Profile() const {
     MachineSpec machine;

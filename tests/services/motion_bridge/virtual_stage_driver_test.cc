@@ -29,7 +29,7 @@ class VirtualStageDriver : public ::testing::Test {
   VirtualStageDriver()
       : device(test::FreshFolder() / "motion"),
         stage(device, kCapacity),
-        driver(MakeVirtualStageDriver(MachineAt(device))) {}
+        driver(MakeDriver(MachineAt(device)).value()) {}
 
   bool Until(const std::function<bool()>& condition,
              std::chrono::milliseconds bound = 3s) {
@@ -332,6 +332,18 @@ TEST(MotionDrivers, AnUnknownOneNamesWhatThereIs) {
     EXPECT_EQ(driver.error().value, protocol);
     EXPECT_NE(driver.error().message.find("virtual-stage"), std::string::npos);
     EXPECT_NE(driver.error().message.find("motion_line.protocol"), std::string::npos);
+  }
+}
+
+TEST(MotionDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
+  for (const auto& [device, why] :
+       {std::pair("", "is missing; give"), std::pair("udp:1", "no known kind of line"),
+        std::pair("tcp:laser-box:5", "not looked up")}) {
+    const auto driver = MakeDriver(MachineAt(device));
+    ASSERT_FALSE(driver.has_value()) << device;
+    EXPECT_NE(driver.error().message.find("motion_line.device: "), std::string::npos);
+    EXPECT_NE(driver.error().message.find(why), std::string::npos)
+        << driver.error().message;
   }
 }
 

@@ -10,6 +10,8 @@
 #include <thread>
 #include <utility>
 
+#include "services/synchronizer/pulses/virtual_laser_driver.h"
+
 namespace intaglio::synchronizer {
 namespace {
 
@@ -87,10 +89,14 @@ FakeCell::FakeCell(const CellOptions& options)
 
 // What a process that is started has: the disk, the line and the bus, and nothing else.
 void FakeCell::Begin(JobBegun begun) {
-  controller = std::make_unique<LaserController>(
+  MachineSpec machine;
+  machine.set_name("els-03");
+  machine.mutable_laser_line()->set_device("/dev/ttyUSB0");
+  machine.mutable_laser_line()->set_serial_number("A-03");
+  controller = MakeVirtualLaserDriver(
+      machine,
       [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
-      [this] { return now; },
-      link::ExpectedDevice{"A-03", "laser", "els-03", "/dev/ttyUSB0", "laser_line"});
+      [this] { return now; });
   feed = std::make_unique<MotionFeed>(
       [this](const intaglio_MotionSegmentBatch& batch) { return stage.Take(batch, now); },
       [this](const std::string& stream) { return stage.GrantOf(stream); });

@@ -28,6 +28,7 @@ struct FaultyPipe {
   double bytes_per_s = 0;              ///< 0: without limit
   std::size_t buffer_size = 4096;      ///< taken and not sent yet, as a kernel does
   bool cut = false;                    ///< bytes go in and nowhere
+  std::uint64_t cut_after = UINT64_MAX;  ///< so it is from the byte of this number on
   bool stuck = false;                  ///< takes no byte
   bool gone = false;                   ///< both ends fail
   std::uint64_t taken_count = 0;
@@ -58,9 +59,9 @@ class FaultyEnd : public ByteStream {
   Result<std::size_t> Write(std::span<const std::byte> bytes) override {
     if (out_->gone) return Fail(ErrorCode::kLinkLost, "the test's line is gone");
     const std::size_t count = std::min(bytes.size(), Room());
-    out_->taken_count += count;
     for (std::byte byte : bytes.first(count)) {
       const auto due = Due();
+      if (++out_->taken_count > out_->cut_after) out_->cut = true;
       if (out_->cut || Happens(out_->drop_ratio)) continue;
       if (Happens(out_->damage_ratio)) byte ^= std::byte((*random_)() | 1);
       out_->bytes.push_back({due, byte});

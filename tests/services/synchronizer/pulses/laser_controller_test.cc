@@ -1,7 +1,6 @@
-#include "services/synchronizer/pulses/laser_controller.h"
-
 #include <gtest/gtest.h>
 
+#include "services/synchronizer/pulses/virtual_laser_driver.h"
 #include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
 
@@ -10,6 +9,16 @@ namespace {
 
 using link::TickOutcome;
 using std::chrono::milliseconds;
+
+/// The profile of a cell whose laser has this serial number; empty: any.
+MachineSpec Profile(const std::string& serial_number) {
+  MachineSpec machine;
+  machine.set_name("els-03");
+  machine.mutable_laser_line()->set_device("/dev/ttyUSB0");
+  if (!serial_number.empty())
+    machine.mutable_laser_line()->set_serial_number(serial_number);
+  return machine;
+}
 
 /// A laser whose host may die: the line stays in.
 class LaserAndHosts : public ::testing::Test {
@@ -24,15 +33,16 @@ class LaserAndHosts : public ::testing::Test {
                                              [this] { return now; });
   }
   void NewHost() {
-    Connect({});
+    Connect("");
     ASSERT_TRUE(host->up());
   }
-  void Connect(const link::ExpectedDevice& expected) {
-    host = std::make_unique<LaserController>(
+  void Connect(const std::string& expected) {
+    host = MakeVirtualLaserDriver(
+        Profile(expected),
         [this]() -> Result<std::unique_ptr<link::ByteStream>> {
           return End(to_host, to_laser);
         },
-        [this] { return now; }, expected);
+        [this] { return now; });
     StepFor(milliseconds(600));
   }
   /// The line is pulled out and put in again at the device with this serial number.
@@ -122,7 +132,7 @@ TEST_F(LaserAndHosts, AQuestionThatTheLineDoesNotTakeIsNotAsked) {
   EXPECT_EQ(pasts.size(), 1u);
 }
 
-const link::ExpectedDevice kA03{"A-03", "laser", "els-03", "/dev/ttyUSB0", "laser_line"};
+constexpr char kA03[] = "A-03";
 constexpr char kRefusal[] =
     "the line at /dev/ttyUSB0 leads to laser 'B-17', the profile of els-03 expects "
     "'A-03': "
@@ -186,11 +196,12 @@ class LaserThatReports : public LaserAndHosts {
   void ConnectTo(const link::Bytes& identity) {
     link::ReliableLink device(link::Side::kDevice, End(to_laser, to_host),
                               [this] { return now; });
-    host = std::make_unique<LaserController>(
+    host = MakeVirtualLaserDriver(
+        Profile(kA03),
         [this]() -> Result<std::unique_ptr<link::ByteStream>> {
           return End(to_host, to_laser);
         },
-        [this] { return now; }, kA03);
+        [this] { return now; });
     const auto send = [&](link::LaserFrame type, const link::Bytes& payload) {
       EXPECT_TRUE(device.Send(static_cast<std::uint8_t>(type), payload));
     };
@@ -245,6 +256,30 @@ TEST_F(LaserThatReports, AnIdentityThatCannotBeReadIsRefusedWithTheRemedy) {
       "laser line: a frame LaserIdentity is malformed: the laser at /dev/ttyUSB0 has "
       "to use version 5 of the frames (docs/protocols.md)");
   EXPECT_TRUE(reports.empty());
+}
+
+TEST(LaserDrivers, AnUnknownOneNamesWhatThereIs) {
+  for (const char* protocol : {"", "grbl", "virtual-stage"}) {
+    MachineSpec machine = Profile("");
+    machine.mutable_laser_line()->set_protocol(protocol);
+    const auto driver = MakeLaserDriver(machine);
+    ASSERT_FALSE(driver) << protocol;
+    EXPECT_EQ(driver.error().code, ErrorCode::kUnsupported);
+    EXPECT_EQ(driver.error().value, protocol);
+    EXPECT_EQ(driver.error().message, "laser_line.protocol: no driver for '" +
+                                          std::string(protocol) +
+                                          "'; there are: virtual-laser");
+  }
+}
+
+TEST(LaserDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
+  MachineSpec machine = Profile("");
+  machine.mutable_laser_line()->set_protocol("virtual-laser");
+  EXPECT_TRUE(MakeLaserDriver(machine));
+  machine.mutable_laser_line()->set_device("tcp:10.0.0.1");
+  EXPECT_EQ(MakeLaserDriver(machine).error().code, ErrorCode::kInvalidValue);
+  machine.mutable_laser_line()->clear_device();
+  EXPECT_EQ(MakeLaserDriver(machine).error().code, ErrorCode::kMissing);
 }
 
 }  // namespace

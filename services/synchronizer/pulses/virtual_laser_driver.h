@@ -1,0 +1,19 @@
+#pragma once
+
+// Driver of the virtual engraver's laser controller:
+// services/platform/link/laser_protocol.h.
+//
+// A controller with another serial number than the expected one is refused at the
+// handshake: its line counts as down, nothing of it is taken, and nothing is sent but,
+// once a session, "shutters closed, disarm, lamp off". So it is when the cable was
+// swapped while the process runs.
+
+#include "services/synchronizer/pulses/laser_controller.h"
+
+namespace intaglio::synchronizer {
+
+std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machine,
+                                                        link::StreamOpener open,
+                                                        link::SteadyClock clock);
+
+}  // namespace intaglio::synchronizer

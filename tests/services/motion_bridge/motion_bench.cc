@@ -1,0 +1,37 @@
+#include "tests/services/motion_bridge/motion_bench.h"
+
+namespace intaglio::motion_bridge {
+
+void Bench::ExpectGoodRun(std::uint32_t run) {
+  const Course course = CourseFromHere();
+  positions.clear();
+  const std::uint64_t start = Begin(run);
+  Append(course.Segments());
+  Expect(Until([&] { return state().run == run && !state().at_rest; }),
+         "M2: the run is not reported: " + Message());
+  Expect(Until([&] { return state().at_rest; }), "M4: the run does not end");
+  StepFor(kReportTime);
+  Expect(state().fault == intaglio_MOTION_OK, "M4: a good run is a fault: " + Message());
+  Expect(std::abs(x() - course.end_mm()) <= rig_->tolerance_mm(),
+         fmt::format("M4: the run ends at {}, not {}", x(), course.end_mm()));
+  Expect((state().position_mm - rig_->actual_mm()).norm() <= rig_->tolerance_mm(),
+         "M2: the reported position is not where the stage is");
+  std::uint64_t tick = start + 1;
+  for (const LatchedPositions& part : positions) {
+    Expect(part.run == run, "M12: positions of another run");
+    Expect(part.first_tick == tick,
+           fmt::format("M12: positions of tick {} follow those up to tick {}",
+                       part.first_tick, tick - 1));
+    for (const Vec3& p : part.positions_mm) {
+      const double planned = course.At(static_cast<std::uint32_t>(tick - start));
+      Expect((p - Vec3(planned, 0, 0)).norm() <= rig_->tolerance_mm(),
+             fmt::format("M4, M12: at tick {} of the run x is {}, not {}", tick - start,
+                         p.x(), planned));
+      ++tick;
+    }
+  }
+  Expect(tick == start + 1 + course.ticks(),
+         fmt::format("M12: {} positions of {} ticks", tick - start - 1, course.ticks()));
+}
+
+}  // namespace intaglio::motion_bridge

@@ -1,0 +1,29 @@
+#pragma once
+
+// The guarantees of motion_driver.h as checks that run on any rig. They return what is
+// violated instead of failing a test, so that a test can see that they do find a fault.
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "tests/services/motion_bridge/motion_rig.h"
+
+namespace intaglio::motion_bridge {
+
+/// A fresh rig; of one whose profile names another controller when that is given.
+using RigMaker =
+    std::function<std::unique_ptr<MotionRig>(const std::string& serial_number)>;
+
+struct MotionCheck {
+  const char* name;  ///< with the guarantees' numbers
+  void (*run)(const RigMaker& make);
+};
+
+std::span<const MotionCheck> MotionChecks();
+
+/// The first violation, in a sentence; empty when the check passes.
+std::string ViolationOf(const MotionCheck& check, const RigMaker& make);
+
+}  // namespace intaglio::motion_bridge

@@ -1,0 +1,69 @@
+#pragma once
+
+// A motion driver together with its controller, or with what stands for that, on a clock
+// that the test moves: what the conformance of a driver is checked on.
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "services/motion_bridge/motion_driver.h"
+
+namespace intaglio::motion_bridge {
+
+class MotionRig {
+ public:
+  virtual ~MotionRig() = default;
+
+  /// A millisecond of the driver and its controller.
+  void Step() {
+    AdvanceController();
+    driver->Poll();
+  }
+  void StepFor(std::chrono::milliseconds time) {
+    for (std::int64_t i = 0; i < time.count(); ++i) Step();
+  }
+  /// False when it did not become true within `limit`.
+  bool Until(const std::function<bool()>& condition,
+             std::chrono::milliseconds limit = std::chrono::seconds(3)) {
+    for (std::int64_t i = 0; i < limit.count() && !condition(); ++i) Step();
+    return condition();
+  }
+  bool Connect() {
+    return Until([this] {
+      return driver->state().link_up && driver->state().fault == intaglio_MOTION_OK;
+    });
+  }
+
+  /// Nothing passes either way, and the ends stay open.
+  virtual void CutLine(bool cut) = 0;
+  /// So it is after this many bytes more to the controller.
+  virtual void CutLineAfter(std::uint64_t bytes) = 0;
+  virtual void PowerCycle() = 0;
+
+  // What the stage really does, whatever is reported.
+  virtual Vec3 actual_mm() = 0;
+  virtual bool moves() = 0;
+  /// Of the controller, Hz.
+  virtual double rate_hz() const = 0;
+  virtual Vec3 travel_min_mm() const = 0;
+  virtual Vec3 travel_max_mm() const = 0;
+  /// How far from the commanded place the stage may be at a tick.
+  virtual double tolerance_mm() const = 0;
+  /// From 10 mm/s to rest, with all delays of the controller.
+  virtual std::chrono::milliseconds braking_time() const = 0;
+
+  std::unique_ptr<MotionDriver> driver;
+
+ private:
+  virtual void AdvanceController() = 0;
+};
+
+/// Its profile names `serial_number`; empty: the one of the controller. Null for a driver
+/// that has no rig: the conformance test fails for it.
+std::unique_ptr<MotionRig> MakeMotionRig(std::string_view protocol,
+                                         const std::string& serial_number = "");
+
+}  // namespace intaglio::motion_bridge
