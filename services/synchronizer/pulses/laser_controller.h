@@ -29,7 +29,7 @@
 //       nothing armed, by the controller itself: within 250 ms. up() is false within
 //       300 ms.
 //   L8  A lost line comes back by itself, with a new session(); the shutters do not open,
-//       and nothing fires, before this host says so again.
+//       and nothing fires, before this host commands it again.
 //   L9  Key, door and stop button let no pulse pass, and status().openings counts each
 //       letting go, also while no host is connected.
 //   L10 Without a warm lamp, or an open shutter, nothing fires; both are in the status.

@@ -28,7 +28,10 @@ class MachineRig {
       to_machine = std::make_shared<link::FaultyPipe>();
       to_host = std::make_shared<link::FaultyPipe>();
     }
-    void Cut(bool cut) { to_machine->cut = to_host->cut = cut; }
+    void Cut(bool cut) {
+      to_machine->cut = to_host->cut = cut;
+      to_machine->cut_after = UINT64_MAX;
+    }
     /// After so many bytes more to the machine nothing passes, either way.
     void CutAfter(std::uint64_t bytes) {
       to_machine->cut_after = to_machine->taken_count + bytes;

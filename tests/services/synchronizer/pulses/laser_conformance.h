@@ -1,0 +1,29 @@
+#pragma once
+
+// The guarantees of laser_controller.h as checks that run on any rig. They return what is
+// violated instead of failing a test, so that a test can see that they do find a fault.
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "tests/services/synchronizer/pulses/laser_rig.h"
+
+namespace intaglio::synchronizer {
+
+/// A fresh rig; of one whose profile names another controller when that is given.
+using LaserRigMaker =
+    std::function<std::unique_ptr<LaserRig>(const std::string& serial_number)>;
+
+struct LaserCheck {
+  const char* name;  ///< with the guarantees' numbers
+  void (*run)(const LaserRigMaker& make);
+};
+
+std::span<const LaserCheck> LaserChecks();
+
+/// The first violation, in a sentence; empty when the check passes.
+std::string ViolationOf(const LaserCheck& check, const LaserRigMaker& make);
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,72 @@
+#include "tests/services/synchronizer/pulses/laser_rig.h"
+
+#include "tests/services/virtual_engraver/machine_rig.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+constexpr char kSerialNumber[] = "A-03";
+
+class VirtualLaserRig final : public LaserRig {
+ public:
+  VirtualLaserRig(const LaserDriverKind& kind, const std::string& serial_number)
+      : machine_(Options()) {
+    MachineSpec profile;
+    profile.set_name("els-03");
+    profile.mutable_laser_line()->set_device("the line");
+    profile.mutable_laser_line()->set_serial_number(
+        serial_number.empty() ? kSerialNumber : serial_number);
+    driver = kind.make(profile, machine_.Opener(machine_.laser), machine_.clock());
+  }
+
+  void CutLine(bool cut) override { machine_.laser.Cut(cut); }
+  void CutLineAfter(std::uint64_t bytes) override { machine_.laser.CutAfter(bytes); }
+  void PowerCycle() override {
+    machine_.SwitchOff();
+    for (int i = 0; i < 1000; ++i) Step();
+    machine_.SwitchOn();
+  }
+  void Set(Interlock interlock, bool holds) override {
+    if (interlock == Interlock::kKey) laser().SetKey(holds);
+    if (interlock == Interlock::kDoor) laser().SetDoor(holds);
+    if (interlock == Interlock::kStopButton) laser().SetStopButton(!holds);
+  }
+  std::uint64_t tick() override { return laser().tick(); }
+  std::vector<std::uint64_t> FiredTicks() override {
+    std::vector<std::uint64_t> ticks;
+    for (const auto& crack : machine_.Cracks()) ticks.push_back(crack.tick);
+    return ticks;
+  }
+  std::uint8_t shutters() override { return laser().shutters(); }
+  bool lamp_on() override { return (laser().Report().interlocks & link::kLampOn) != 0; }
+  double rate_hz() const override { return 100; }
+  double fast_rate_hz() const override { return 4000; }
+
+ private:
+  virtual_engraver::Laser& laser() { return machine_.machine().laser(); }
+  void AdvanceController() override { machine_.Advance(); }
+  virtual_engraver::MachineOptions Options() const {
+    virtual_engraver::MachineOptions options;
+    options.laser.rates_hz = {rate_hz(), fast_rate_hz()};
+    options.laser.warm_up_s = 0.1;
+    // Around the place where the stage is, so that the photosensor sees every crack.
+    options.block.origin_mm = Vec3::Constant(-50);
+    options.laser.serial_number = kSerialNumber;
+    return options;
+  }
+
+  virtual_engraver::MachineRig machine_;
+};
+
+}  // namespace
+
+std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
+                                       const std::string& serial_number) {
+  for (const LaserDriverKind& kind : LaserDriverKinds()) {
+    if (kind.protocol == protocol && protocol == "virtual-laser")
+      return std::make_unique<VirtualLaserRig>(kind, serial_number);
+  }
+  return nullptr;
+}
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,61 @@
+#pragma once
+
+// A laser driver together with its controller, or a simulation of it, on a clock
+// that the test moves: what the conformance of a driver is checked on.
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/synchronizer/pulses/laser_controller.h"
+
+namespace intaglio::synchronizer {
+
+class LaserRig {
+ public:
+  enum class Interlock { kKey, kDoor, kStopButton };
+
+  virtual ~LaserRig() = default;
+
+  /// A millisecond of the driver and its controller.
+  void Step() {
+    AdvanceController();
+    driver->Poll([this](const link::PulseReport& r) { reports.push_back(r); },
+                 [this](const link::PastReport& r) { pasts.push_back(r); });
+  }
+
+  /// Nothing passes either way, and the ends stay open.
+  virtual void CutLine(bool cut) = 0;
+  /// So it is after this many bytes more to the controller.
+  virtual void CutLineAfter(std::uint64_t bytes) = 0;
+  virtual void PowerCycle() = 0;
+  /// Lets go, or holds again.
+  virtual void Set(Interlock interlock, bool holds) = 0;
+
+  // What the laser really does, whatever is reported.
+  virtual std::uint64_t tick() = 0;
+  /// In the order in which they were fired, since power-up.
+  virtual std::vector<std::uint64_t> FiredTicks() = 0;
+  virtual std::uint8_t shutters() = 0;
+  virtual bool lamp_on() = 0;
+  /// The slowest and the fastest that it has.
+  virtual double rate_hz() const = 0;
+  virtual double fast_rate_hz() const = 0;
+
+  std::unique_ptr<LaserController> driver;
+  std::vector<link::PulseReport> reports;
+  std::vector<link::PastReport> pasts;
+
+ private:
+  virtual void AdvanceController() = 0;
+};
+
+/// Its profile names `serial_number`; empty: the one of the controller. Null for a driver
+/// that has no rig: the conformance test fails for it.
+std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
+                                       const std::string& serial_number = "");
+
+}  // namespace intaglio::synchronizer
