@@ -55,18 +55,19 @@ struct LatchedPositions {
 ///   M1  Nothing blocks. What cannot be taken now is refused, by Room() == 0 or an error,
 ///       and nothing of it is done; the caller tries again.
 ///   M2  state() is the controller's own newest report. While nothing is known of it,
-///       link_up is false, `fault` says why, and every command is refused; so it is
-///       within 300 ms after a line is cut. `message` says what to do.
+///       link_up is false, `fault` is the reason, and every command is refused; so it is
+///       within 300 ms after a line is cut. `message` contains the remedy.
 ///   M3  A run begins at its tick, from rest and without a fault. Begun too late, or
 ///   while
 ///       another moves, it is a fault, and the stage comes to rest.
-///   M4  Segments are executed completely, each once, in order, and end where and when
-///       they say; a segment with `program_end` ends the run at rest.
+///   M4  Segments are executed completely, each once, in order, and end at their place
+///   and
+///       time; a segment with `program_end` ends the run at rest.
 ///   M5  AbortRun brings the stage to rest, without a fault; nothing of the run follows.
 ///   M6  A fault brings the stage to rest and lasts until Reset; no run begins before.
 ///       Reset moves nothing.
-///   M7  A target outside the travel is MOTION_LIMIT, and the stage never leaves the
-///       travel, whatever it is given.
+///   M7  A target outside the travel, or one that is not a number, is MOTION_LIMIT, and
+///       the stage does not leave the travel for it.
 ///   M8  Motion that ends without `program_end` is MOTION_STARVED.
 ///   M9  A line that is cut at any byte, and a host that dies or hangs, bring the stage
 ///   to

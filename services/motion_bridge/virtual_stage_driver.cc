@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 
 #include "services/platform/link/expected_device.h"
 #include "services/platform/link/line_session.h"
@@ -17,7 +18,8 @@ using link::MotionFrame;
 constexpr double kNmPerMm = 1e6;
 
 std::int32_t ToNm(double mm) {
-  // Travel is checked to lie within +-2 m, so this only keeps a wild value defined.
+  // Travel lies within +-2 m, so a wild value is outside of it, and a NaN is made to be.
+  if (std::isnan(mm)) return std::numeric_limits<std::int32_t>::max();
   return static_cast<std::int32_t>(
       std::llround(std::clamp(mm * kNmPerMm, -2.1e9, 2.1e9)));
 }

@@ -159,7 +159,7 @@ class Bench {
     ExpectStill(kReportTime, "M6: Reset moves the stage");
     Expect(state().fault == intaglio_MOTION_OK, "M6: Reset does not clear the fault");
   }
-  /// All of a course, as its oracle says.
+  /// All of a course, as its oracle has it.
   void ExpectGoodRun(std::uint32_t run);
 
   std::vector<LatchedPositions> positions;

@@ -1,6 +1,7 @@
 #include "tests/services/motion_bridge/motion_conformance.h"
 
 #include <array>
+#include <cmath>
 
 #include "tests/services/motion_bridge/motion_bench.h"
 
@@ -90,7 +91,7 @@ void AFaultLastsUntilReset(const RigMaker& make) {
 
 void ATargetOutsideTheTravelIsNotDrivenTo(const RigMaker& make) {
   for (const double side : {-1.0, 1.0}) {
-    for (const double beyond_mm : {1e-5, 1.0, 1e4, 1e300}) {
+    for (const double beyond_mm : {1e-5, 1.0, 1e4, 1e300, std::nan("")}) {
       Bench bench(make);
       bench.Connect();
       const double end =

@@ -1,6 +1,6 @@
 #pragma once
 
-// A motion driver together with its controller, or with what stands for that, on a clock
+// A motion driver together with its controller, or a simulation of it, on a clock
 // that the test moves: what the conformance of a driver is checked on.
 
 #include <chrono>

@@ -338,7 +338,7 @@ TEST(MotionDrivers, AnUnknownOneNamesWhatThereIs) {
 TEST(MotionDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
   for (const auto& [device, why] :
        {std::pair("", "is missing; give"), std::pair("udp:1", "no known kind of line"),
-        std::pair("tcp:laser-box:5", "not looked up")}) {
+        std::pair("tcp:laser-box:5", "not resolved")}) {
     const auto driver = MakeDriver(MachineAt(device));
     ASSERT_FALSE(driver.has_value()) << device;
     EXPECT_NE(driver.error().message.find("motion_line.device: "), std::string::npos);
