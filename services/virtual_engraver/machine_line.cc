@@ -20,7 +20,7 @@ struct MachineLine::Loss {
 
 namespace {
 
-/// Loses what `loses` says of the bytes that come in.
+/// Loses those of the bytes that come in for which `loses` returns true.
 class LossyStream final : public link::ByteStream {
  public:
   LossyStream(std::unique_ptr<link::ByteStream> inner, std::function<bool()> loses)

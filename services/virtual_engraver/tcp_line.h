@@ -2,8 +2,8 @@
 
 // A line over TCP: the machine listens, and has one host at a time. A second one is
 // turned away (its connection is reset) as long as the first is connected, so that nobody
-// takes a machine from its host in mid-job; a host that is gone without a word, with its
-// cable or its power, frees the line after link::kTcpSilentMs.
+// takes a machine from its host in mid-job. A host whose computer lost its power, or its
+// cable, frees the line after link::kTcpSilentMs.
 //
 //   waiting --a host connects--> taken --it closes, or the kernel gives it up--> gone
 //      ^                                                                          |

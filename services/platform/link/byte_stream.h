@@ -9,7 +9,7 @@
 //   E1  Bytes arrive in the order in which they were written, unchanged, none twice.
 //   E2  No call blocks: not Read without bytes, not Write to a peer that reads nothing,
 //   not
-//       opening, whatever the peer or the network does. Nothing looks up a name.
+//       opening, whatever the peer or the network does. No name is resolved.
 //   E3  Write takes as much as there is room for and returns how much: a prefix.
 //   E4  A peer that closes its end, and a device that is removed, make Read and Write
 //       return kLinkLost. The stream stays lost; the error names the line and the remedy.

@@ -13,7 +13,7 @@
 
 namespace intaglio::link {
 
-/// What the profile says of a line; SerialLine of proto/machine.proto.
+/// A line of the profile; SerialLine of proto/machine.proto.
 struct NamedLine {
   std::string field;     ///< "laser_line" or "motion_line"
   std::string protocol;  ///< name of the driver

@@ -184,7 +184,7 @@ Result<TcpAddress> ParseTcpAddress(const std::string& text) {
   if (!found || (found->ai_family == AF_INET6) != bracketed) {
     return Invalid(text, fmt::format("the host \"{}\" is neither localhost nor an IPv4 "
                                      "address nor an IPv6 address in brackets (names are "
-                                     "not looked up: `getent hosts NAME` shows the "
+                                     "not resolved: `getent hosts NAME` shows the "
                                      "address)",
                                      host));
   }

@@ -32,8 +32,8 @@ struct TcpAddress {
 };
 
 /// "HOST:PORT": HOST is an IPv4 address, an IPv6 address in brackets, or "localhost"
-/// (127.0.0.1); PORT 0..65535. Other names are refused, since looking them up can take
-/// many seconds. kInvalidValue says what is wrong.
+/// (127.0.0.1); PORT 0..65535. Other names are refused, since resolving them can take
+/// many seconds. kInvalidValue: the reason is in the message.
 Result<TcpAddress> ParseTcpAddress(const std::string& text);
 
 /// Begins to connect and returns; port > 0. Read and Write take nothing before the

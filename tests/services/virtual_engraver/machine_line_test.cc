@@ -39,13 +39,13 @@ class EveryMachineLine : public ::testing::TestWithParam<bool> {
   bool Talk(link::ByteStream& host) {
     const Bytes question(3, std::byte{'q'}), answer(5, std::byte{'a'});
     Bytes asked, answered;
-    const bool heard = test::Eventually([&] {
+    const bool asked_it = test::Eventually([&] {
       if (asked.empty() && host.connected()) (void)host.Write(question);
       if (!host.connected()) (void)host.Read({});
       asked = ReadFrom(*end);
       return asked == question;
     });
-    return heard && end->Write(answer) == answer.size() &&
+    return asked_it && end->Write(answer) == answer.size() &&
            test::Eventually([&] { return (answered = ReadFrom(host)) == answer; });
   }
   static Bytes ReadFrom(link::ByteStream& stream) {
