@@ -171,7 +171,7 @@ void Bridge::Begin(std::chrono::nanoseconds now) {
   }
   if (now < next_preparation_) return;
   next_preparation_ = now + kPreparationPeriod;
-  (void)(state.fault != intaglio_MOTION_OK ? driver_->Reset() : driver_->AbortRun());
+  (void)(state.fault != intaglio_MOTION_OK ? driver_->ClearFault() : driver_->AbortRun());
 }
 
 void Bridge::Feed() {

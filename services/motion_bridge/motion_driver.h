@@ -64,8 +64,8 @@ struct LatchedPositions {
 ///   and
 ///       time; a segment with `program_end` ends the run at rest.
 ///   M5  AbortRun brings the stage to rest, without a fault; nothing of the run follows.
-///   M6  A fault brings the stage to rest and lasts until Reset; no run begins before.
-///       Reset moves nothing.
+///   M6  A fault brings the stage to rest and lasts until ClearFault; no run begins
+///       before. ClearFault moves nothing.
 ///   M7  A target outside the travel, or one that is not a number, is MOTION_LIMIT, and
 ///       the stage does not leave the travel for it.
 ///   M8  Motion that ends without `program_end` is MOTION_STARVED.
@@ -73,14 +73,15 @@ struct LatchedPositions {
 ///   to
 ///       rest by the controller itself: within 250 ms and the time that braking takes.
 ///   M10 A lost line comes back by itself; no motion does. The run that was lost shows as
-///       a fault until Reset.
+///       a fault until ClearFault.
 ///   M11 A power cycle of the controller ends everything that was begun before.
 ///   M12 Positions are latched once for every tick of a run, in order, without gap, and
 ///       are where the stage is, in the machine frame.
 ///   M13 A controller with another serial number than the profile's is refused
 ///       (MOTION_WRONG_CONTROLLER) and moves nothing.
 /// Not thread-safe. An object may be a laser driver, too
-/// (services/synchronizer/pulses/laser_controller.h), when one controller is both.
+/// (services/synchronizer/pulses/laser_controller.h), when one controller is both: fd()
+/// is the same in both interfaces, and nothing else is.
 class MotionDriver {
  public:
   virtual ~MotionDriver() = default;
@@ -105,7 +106,7 @@ class MotionDriver {
   /// Brake to rest and forget the run.
   virtual Status AbortRun() = 0;
   /// Clear a fault whose cause is gone.
-  virtual Status Reset() = 0;
+  virtual Status ClearFault() = 0;
 };
 
 /// One row of the table of controller families.

@@ -157,7 +157,7 @@ class VirtualStageDriver final : public MotionDriver {
   }
 
   Status AbortRun() override { return SendFrame(MotionFrame::kAbortRun, {}); }
-  Status Reset() override { return SendFrame(MotionFrame::kMotionReset, {}); }
+  Status ClearFault() override { return SendFrame(MotionFrame::kMotionReset, {}); }
 
  private:
   /// How far in ticks the motion reaches that a clock of its own counts in ns.

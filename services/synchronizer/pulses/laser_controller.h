@@ -37,7 +37,8 @@
 //   L12 A controller with another serial number than the profile's is refused: up() is
 //       false, refusal() says why, nothing of it is taken, and it is closed and disarmed.
 // Not thread-safe. An object may be a motion driver, too
-// (services/motion_bridge/motion_driver.h), when one controller is both.
+// (services/motion_bridge/motion_driver.h), when one controller is both: fd() is the same
+// in both interfaces, and nothing else is.
 
 #include <chrono>
 #include <cstdint>

@@ -154,10 +154,11 @@ class Bench {
                        static_cast<int>(state().fault), static_cast<int>(fault)));
     Expect(!Message().empty(), what + ": the fault has no message");
   }
-  void Reset() {
-    Expect(driver().Reset(), "Reset");
-    ExpectStill(kReportTime, "M6: Reset moves the stage");
-    Expect(state().fault == intaglio_MOTION_OK, "M6: Reset does not clear the fault");
+  void ClearFault() {
+    Expect(driver().ClearFault(), "ClearFault");
+    ExpectStill(kReportTime, "M6: ClearFault moves the stage");
+    Expect(state().fault == intaglio_MOTION_OK,
+           "M6: ClearFault does not clear the fault");
   }
   /// All of a course, as its oracle has it.
   void ExpectGoodRun(std::uint32_t run);

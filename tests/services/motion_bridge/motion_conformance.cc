@@ -55,7 +55,7 @@ void ARunThatIsLateDoesNotBegin(const RigMaker& make) {
   const std::uint64_t number = bench.state().number;
   bench.StepFor(kReportTime);
   Expect(bench.state().number > number, "M2: state().number does not grow");
-  bench.Reset();
+  bench.ClearFault();
   bench.ExpectGoodRun(2);
 }
 
@@ -67,11 +67,11 @@ void ARunIntoAnotherStopsBoth(const RigMaker& make) {
   Expect(bench.RestsWithin(kReportTime), "M3: the stage goes on");
   bench.ExpectFault(intaglio_MOTION_LATE, "M3: a run that begins in another");
   bench.ExpectStill(500ms, "M3: motion follows");
-  bench.Reset();
+  bench.ClearFault();
   bench.ExpectGoodRun(3);
 }
 
-void AFaultLastsUntilReset(const RigMaker& make) {
+void AFaultLastsUntilItIsCleared(const RigMaker& make) {
   Bench bench(make);
   bench.Connect();
   bench.Begin(1);
@@ -84,8 +84,8 @@ void AFaultLastsUntilReset(const RigMaker& make) {
   if (bench.driver().BeginRun(2, bench.state().tick + 20, 0)) {
     (void)bench.driver().Append(Course().Segments(), {});
   }
-  bench.ExpectStill(500ms, "M6: a run begins before Reset");
-  bench.Reset();
+  bench.ExpectStill(500ms, "M6: a run begins before ClearFault");
+  bench.ClearFault();
   bench.ExpectGoodRun(3);
 }
 
@@ -102,7 +102,7 @@ void ATargetOutsideTheTravelIsNotDrivenTo(const RigMaker& make) {
                         fmt::format("M7: a target {} mm outside", beyond_mm));
       Expect(bench.RestsWithin(kReportTime), "M7: the stage does not brake");
       bench.ExpectStill(500ms, "M7: the stage moves");
-      bench.Reset();
+      bench.ClearFault();
       bench.ExpectGoodRun(2);
     }
   }
@@ -114,7 +114,7 @@ void ExpectRecovery(Bench& bench) {
          "M10: the line does not come back: " + bench.Message());
   bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M10: a run that was lost");
   bench.ExpectStill(500ms, "M10: motion comes back by itself");
-  bench.Reset();
+  bench.ClearFault();
   bench.ExpectGoodRun(9);
 }
 
@@ -131,7 +131,7 @@ void ACutLineBringsTheStageToRest(const RigMaker& make) {
   Expect(bench.driver().Room() == 0, "M1: there is room on a lost line");
   Expect(!bench.driver().Append(std::vector{To(0, 0, 1)}, {}) &&
              !bench.driver().BeginRun(2, 1000, 0) && !bench.driver().AbortRun() &&
-             !bench.driver().Reset(),
+             !bench.driver().ClearFault(),
          "M2: a lost line takes commands");
   bench.StepFor(1s);
   bench.rig().CutLine(false);
@@ -183,8 +183,8 @@ void AnotherControllerMovesNothing(const RigMaker& make) {
   Expect(!bench.state().link_up && !bench.state().refusal.empty(),
          "M13: the refusal is not reported");
   Expect(!bench.driver().BeginRun(1, bench.state().tick + 50, 0) &&
-             !bench.driver().Append(Course().Segments(), {}) && !bench.driver().Reset() &&
-             bench.driver().Room() == 0,
+             !bench.driver().Append(Course().Segments(), {}) &&
+             !bench.driver().ClearFault() && bench.driver().Room() == 0,
          "M13: it takes commands");
   bench.ExpectStill(1s, "M13: it moves");
 }
@@ -195,7 +195,7 @@ constexpr std::array kChecks = {
     MotionCheck{"M5_abort", &AnAbortEndsTheRun},
     MotionCheck{"M3_late", &ARunThatIsLateDoesNotBegin},
     MotionCheck{"M3_run_into_another", &ARunIntoAnotherStopsBoth},
-    MotionCheck{"M6M8_fault_until_reset", &AFaultLastsUntilReset},
+    MotionCheck{"M6M8_fault", &AFaultLastsUntilItIsCleared},
     MotionCheck{"M7_travel", &ATargetOutsideTheTravelIsNotDrivenTo},
     MotionCheck{"M2M9M10_cut", &ACutLineBringsTheStageToRest},
     MotionCheck{"M9_cut_at_any_byte", &ALineCutAtAnyByteBringsTheStageToRest},

@@ -56,7 +56,7 @@ class Planted : public MotionDriver {
     return inner_->Append(segments, end_ns);
   }
   Status AbortRun() override { return inner_->AbortRun(); }
-  Status Reset() override { return inner_->Reset(); }
+  Status ClearFault() override { return inner_->ClearFault(); }
 
  protected:
   std::unique_ptr<MotionDriver> inner_;
@@ -121,9 +121,9 @@ struct ForgetsAborts : Planted {
   using Planted::Planted;
   Status AbortRun() override { return {}; }
 };
-struct ForgetsResets : Planted {
+struct ClearsNoFault : Planted {
   using Planted::Planted;
-  Status Reset() override { return {}; }
+  Status ClearFault() override { return {}; }
 };
 struct ReportsAnotherState : Planted {
   using Planted::Planted;
@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(ThatADriver, MotionConformance,
                          ::testing::Values(PLANT(BeginsATickLate), PLANT(DropsASegment),
                                            PLANT(DoublesASegment), PLANT(SwapsAxes),
                                            PLANT(LosesPositions), PLANT(DoublesPositions),
-                                           PLANT(ForgetsAborts), PLANT(ForgetsResets),
+                                           PLANT(ForgetsAborts), PLANT(ClearsNoFault),
                                            PLANT(MirrorsX), PLANT(HidesFaults),
                                            PLANT(StaysUp), PLANT(PromisesRoom),
                                            PLANT(TakesAnyController)),

@@ -68,7 +68,7 @@ class ExpectedStage : public ::testing::Test {
     EXPECT_FALSE(driver->BeginRun(1, 10, 0));
     EXPECT_FALSE(driver->BeginRun(1, 10, 77));
     EXPECT_FALSE(driver->Append(std::vector{motion::Segment{}}, {}));
-    EXPECT_FALSE(driver->Reset());
+    EXPECT_FALSE(driver->ClearFault());
     EXPECT_FALSE(driver->AbortRun());
     Settle(100ms);
     EXPECT_TRUE(stage.begun.empty());
@@ -89,7 +89,7 @@ TEST_F(ExpectedStage, ItsStageIsTaken) { EXPECT_TRUE(Connect()); }
 TEST_F(ExpectedStage, AStageWithoutACompareOutputIsRefusedWhereThePlaceFires) {
   MachineSpec machine = Profile();
   machine.set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
-  driver = MakeVirtualStageDriver(machine);
+  driver = MakeDriver(machine).value();
   ASSERT_TRUE(Refused());
   EXPECT_FALSE(driver->state().link_up);
   EXPECT_NE(driver->state().refusal.find("has no compare output: set pulse_trigger"),

@@ -242,7 +242,7 @@ TEST_F(VirtualStageDriver, PassesAbortAndResetOn) {
   ASSERT_TRUE(driver->AbortRun().has_value());
   ASSERT_TRUE(Until([&] { return stage.aborts == 1; }));
   EXPECT_EQ(stage.resets, 0);
-  ASSERT_TRUE(driver->Reset().has_value());
+  ASSERT_TRUE(driver->ClearFault().has_value());
   ASSERT_TRUE(Until([&] { return stage.resets == 1; }));
   EXPECT_EQ(stage.aborts, 1);
 }

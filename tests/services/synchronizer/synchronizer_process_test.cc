@@ -72,6 +72,19 @@ class SynchronizerProcess : public ::testing::Test {
   bus::Reader<intaglio_Interlock> interlocks_;
 };
 
+TEST_F(SynchronizerProcess, OfAnUnknownLaserEndsAtOnceAndNamesWhatThereIs) {
+  auto machine = ReadMachineFile(machine_file_).value();
+  machine.mutable_laser_line()->set_protocol("grbl");
+  machine_file_ = folder_ / "grbl.textproto";
+  ASSERT_TRUE(WriteMachineFile(machine_file_, machine));
+  const auto ended = Start("synchronizer.log")->WaitForEnd(5s);
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.output,
+              AllOf(HasSubstr(machine_file_.string()),
+                    HasSubstr("laser_line.protocol: no driver for 'grbl'; there are: "
+                              "virtual-laser")));
+}
+
 TEST_F(SynchronizerProcess, WhoseLaserIsTakenOverEndsWithAFault) {
   const auto synchronizer = Start("synchronizer.log");
   ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
