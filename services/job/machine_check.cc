@@ -124,7 +124,8 @@ void CheckLine(bool present, const SerialLine& line, const std::string& path,
   if (!line.device().empty()) {
     if (const auto good = link::CheckDevice(line.device()); !good) {
       errors.push_back({ErrorCode::kInvalidValue,
-                        fmt::format("{}.device: {}", path, good.error().message), line.device()});
+                        fmt::format("{}.device: {}", path, good.error().message),
+                        line.device()});
     }
   }
   if (line.has_serial_number() && !IsSerialNumber(line.serial_number())) {

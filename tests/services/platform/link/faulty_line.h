@@ -24,13 +24,13 @@ struct FaultyPipe {
   std::deque<InFlight> bytes;
   double drop_ratio = 0, damage_ratio = 0, double_ratio = 0;  ///< of the bytes, 0..1
   std::chrono::nanoseconds delay{0};
-  std::chrono::nanoseconds jitter{0};  ///< more delay at random; bytes keep their order
-  double bytes_per_s = 0;              ///< 0: without limit
-  std::size_t buffer_size = 4096;      ///< taken and not sent yet, as a kernel does
-  bool cut = false;                    ///< bytes go in and nowhere
+  std::chrono::nanoseconds jitter{0};    ///< more delay at random; bytes keep their order
+  double bytes_per_s = 0;                ///< 0: without limit
+  std::size_t buffer_size = 4096;        ///< taken and not sent yet, as a kernel does
+  bool cut = false;                      ///< bytes go in and nowhere
   std::uint64_t cut_after = UINT64_MAX;  ///< so it is from the byte of this number on
-  bool stuck = false;                  ///< takes no byte
-  bool gone = false;                   ///< both ends fail
+  bool stuck = false;                    ///< takes no byte
+  bool gone = false;                     ///< both ends fail
   std::uint64_t taken_count = 0;
   std::chrono::nanoseconds busy_until{0}, newest_due{0};
 };
