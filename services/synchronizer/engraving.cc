@@ -8,7 +8,6 @@
 namespace intaglio::synchronizer {
 namespace {
 
-using formats::JournalKind;
 using formats::PointOutcome;
 using namespace std::chrono_literals;
 
@@ -36,11 +35,12 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
     : job_(std::move(job)),
       laser_(laser),
       feed_(feed),
-      journal_(journal),
       chain_(chain),
       results_(std::move(results)),
-      ledger_(job_.machine_points_mm.size()),
-      open_points_(job_.machine_points_mm, ledger_, job_.cone_tangent, job_.masks) {
+      record_(job_.machine_points_mm.size(), job_.photosensor_feedback, journal,
+              [this](const PulseResult& result) { Note(result); }),
+      open_points_(job_.machine_points_mm, record_.ledger(), job_.cone_tangent,
+                   job_.masks) {
   word_grant_ = job_.earlier.word_grant;
   // Armed before there was a path, and spent before it came.
   if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
@@ -77,10 +77,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   HearWord(inputs);
   AskOverUncertain(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
-  if (phase_ != Phase::kRunning && flushed_ != journal_.appended()) {
-    flushed_ = journal_.appended();
-    journal_.Flush();
-  }
+  if (phase_ != Phase::kRunning) record_.FlushAppended();
   switch (phase_) {
     case Phase::kPreparing:
       return Prepare(inputs);
@@ -99,7 +96,7 @@ void Engraving::Take(const link::PulseReport& report) {
   if (report.outcome.empty()) return;
   reported_through_ =
       std::max(reported_through_, report.first_tick + report.outcome.size() - 1);
-  schedule_.Apply(report, [this](const PulseResult& result) { Record(result); });
+  schedule_.Apply(report, [this](const PulseResult& result) { record_.Resolve(result); });
 }
 
 void Engraving::Await(const EngravingInputs& inputs) {
@@ -135,7 +132,7 @@ void Engraving::Await(const EngravingInputs& inputs) {
     message_ = "a shutter does not close: see to it, then the job goes on";
   }
   if (!closed || !inputs.motion.at_rest) return;
-  if (LeaveOutBefore(inputs.first_point) && ReopenUncertain(inputs) &&
+  if (record_.LeaveOutBefore(inputs.first_point) && ReopenUncertain(inputs) &&
       JournalIsWritten()) {
     StartRun(inputs);
   }
@@ -143,26 +140,9 @@ void Engraving::Await(const EngravingInputs& inputs) {
 
 // With room for what a run appends, and nothing that only this process knows.
 bool Engraving::JournalIsWritten() {
-  if (journal_.durable() == journal_.appended()) return true;
-  if (journal_.failed()) message_ = journal_.error();
+  if (record_.is_durable()) return true;
+  if (record_.disk_failed()) message_ = record_.disk_error();
   return false;
-}
-
-// For good: the journal tells every later life of it. They may be more than the journal's
-// ring takes at once; false: the next turns go on.
-bool Engraving::LeaveOutBefore(std::uint32_t point) {
-  for (auto next = ledger_.NextOpen(left_out_before_); next && *next < point;
-       next = ledger_.NextOpen(*next)) {
-    if (!journal_.Append({JournalKind::kOutcome, PointOutcome::kLeftOut,
-                          static_cast<std::uint8_t>(SkipReason::kLeftOut), run_, 0, *next,
-                          pulses_before_job_ + fired_count_})) {
-      return false;
-    }
-    ledger_.LeaveOut(*next);
-    results_({0, *next, PointOutcome::kSkipped, SkipReason::kLeftOut});
-    left_out_before_ = *next + 1;
-  }
-  return true;
 }
 
 void Engraving::StartRun(const EngravingInputs& inputs) {
@@ -171,21 +151,20 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   run_mask_ = mask;
   (void)laser_.RequestStatus();
   const link::LaserStatus& status = laser_.status();
-  if (!started() || power_up_ != laser_.identity().power_up) TakeCounters();
-  if (openings_accepted_ != chain_.counters().openings) {
-    openings_accepted_ = chain_.counters().openings;
-    TellSession();
+  if (!started() || record_.power_up() != laser_.identity().power_up) {
+    record_.TakeCounters(laser_);
   }
+  record_.AcceptOpenings(laser_, chain_.counters().openings);
   session_ = laser_.session();
-  run_ = std::max(run_, inputs.motion.highest_run) + 1;
+  record_.SkipRuns(inputs.motion.highest_run);
+  record_.BeginRun();
   ++run_count_;
   asks_ = asked_ = false;
   passed_by_ = false;
   missed_in_a_row_ = 0;
   passed_by_tick_ = 0;
   shutters_seen_open_ = false;
-  ended_before_run_ =
-      ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
+  ended_before_run_ = record_.fired_point_count();
   decided_ = std::max({TickNow(inputs), status.decided_through,
                        laser_.identity().lockstep ? decided_ : 0});
   sent_through_ = reported_through_ = decided_;
@@ -193,8 +172,8 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   const std::uint64_t lead =
       laser_.identity().lockstep ? 4 : AheadTicks() << late_starts_;
   TakeSpeed(inputs);
-  feed_.Begin(job_.uid, run_, decided_ + lead, inputs.motion.position_mm, job_.plan,
-              inputs.motion_clock);
+  feed_.Begin(job_.uid, record_.run(), decided_ + lead, inputs.motion.position_mm,
+              job_.plan, inputs.motion_clock);
   if (own_clock_) clock_steps_ = inputs.motion_clock->steps();
   run_began_at_ = inputs.now;
   message_.clear();
@@ -209,7 +188,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
   ChainLinks links = LinksNow(inputs);
   // Until the controller executes this run, a fault is that of an older one, which the
   // bridge clears, or a start that came too late, which is tried again.
-  const bool our_run = inputs.motion.run == run_;
+  const bool our_run = inputs.motion.run == record_.run();
   if (!our_run && !inputs.motion.line_down()) {
     links.motion_without_fault = true;
   }
@@ -269,7 +248,7 @@ void Engraving::FeedMotion(const EngravingInputs& inputs) {
 
 void Engraving::DecideTicks(const EngravingInputs& inputs) {
   const bool lockstep = laser_.identity().lockstep;
-  const bool covered = inputs.motion.run == run_;
+  const bool covered = inputs.motion.run == record_.run();
   const std::uint64_t now = TickNow(inputs);
   if (!covered && !lockstep && now >= feed_.start_tick()) {
     // The run did not reach the stage in time; nothing was armed, so it may start anew.
@@ -309,31 +288,28 @@ bool Engraving::Prearm(std::uint64_t first, std::uint64_t last) {
   bool kept = true;
   window.arm = schedule_.Decide(
       first, last,
-      [&](std::uint64_t tick, std::uint32_t point) {
-        ledger_.Arm(point);
-        kept &= journal_.Append(
-            {JournalKind::kIntent, PointOutcome::kNone, 0, run_, tick, point, 0});
-      },
+      [&](std::uint64_t tick, std::uint32_t point) { kept &= record_.Arm(tick, point); },
       [this](std::uint32_t) {
         passed_by_ = true;
         passed_by_reason_ = SkipReason::kLate;
       });
-  if (!kept || journal_.failed()) {
+  if (!kept || record_.disk_failed()) {
     Halt(Missing::kNothing,
-         journal_.failed() ? journal_.error()
-                           : "the journal's disk does not keep up: the run is stopped",
+         record_.disk_failed()
+             ? record_.disk_error()
+             : "the journal's disk does not keep up: the run is stopped",
          true);
     return false;
   }
-  window.journal_number = journal_.appended();
+  window.journal_number = record_.appended();
   windows_.push_back(std::move(window));
-  journal_.Flush();
+  record_.Flush();
   return true;
 }
 
 void Engraving::SendDurableWindows() {
-  if (journal_.failed()) return Halt(Missing::kNothing, journal_.error(), true);
-  while (!windows_.empty() && windows_.front().journal_number <= journal_.durable()) {
+  if (record_.disk_failed()) return Halt(Missing::kNothing, record_.disk_error(), true);
+  while (!windows_.empty() && windows_.front().journal_number <= record_.durable()) {
     const link::ArmWindow& arm = windows_.front().arm;
     if (!laser_.CanSend() || !laser_.Arm(arm)) return;
     sent_through_ = arm.first_tick + arm.fire.size() - 1;
@@ -348,9 +324,8 @@ void Engraving::AwaitShutter(const EngravingInputs& inputs) {
 }
 
 void Engraving::FinishRun() {
-  const std::uint64_t ended =
-      ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
-  idle_runs_ = ended == ended_before_run_ ? idle_runs_ + 1 : 0;
+  const bool idle = record_.fired_point_count() == ended_before_run_;
+  idle_runs_ = idle ? idle_runs_ + 1 : 0;
   phase_ = Phase::kWaiting;
 }
 

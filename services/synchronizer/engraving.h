@@ -38,10 +38,9 @@
 #include "services/synchronizer/motion_feed.h"
 #include "services/synchronizer/permission/permission_chain.h"
 #include "services/synchronizer/pulses/earlier_work.h"
-#include "services/synchronizer/pulses/journal_writer.h"
 #include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/open_points.h"
-#include "services/synchronizer/pulses/point_ledger.h"
+#include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 #include "services/synchronizer/pulses/tick_clock.h"
 
@@ -85,7 +84,7 @@ class Engraving {
   void Stop(const std::string& why, bool lamp_stays = false);
 
   Phase phase() const { return phase_; }
-  const PointLedger& ledger() const { return ledger_; }
+  const PointLedger& ledger() const { return record_.ledger(); }
   /// What it waits for or why it halted; empty while all is well.
   const std::string& message() const { return message_; }
   /// Halted by a fault, not by a withdrawn permission: the grant is spent.
@@ -102,8 +101,8 @@ class Engraving {
     return begun && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
   }
   std::uint32_t run_count() const { return run_count_; }
-  std::uint64_t first_fired_tick() const { return first_fired_tick_; }
-  std::uint64_t last_fired_tick() const { return last_fired_tick_; }
+  std::uint64_t first_fired_tick() const { return record_.first_fired_tick(); }
+  std::uint64_t last_fired_tick() const { return record_.last_fired_tick(); }
   /// Least speed override that motion was planned with, and how often it changed.
   std::uint32_t least_speed_percent() const { return least_speed_percent_; }
   std::uint32_t speed_changes() const { return speed_changes_; }
@@ -128,7 +127,6 @@ class Engraving {
   void HaltOverOtherDevice(const EngravingInputs& inputs);
   bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
-  bool LeaveOutBefore(std::uint32_t point);
   void HearWord(const EngravingInputs& inputs);
   bool WordIsOf(const Grant& grant) const;
   bool WordStands(const EngravingInputs& inputs) const;
@@ -159,12 +157,11 @@ class Engraving {
   void AskForThePast();
   void CompareCounters();
   bool DoubtNextPoints();
-  void TakeCounters();
-  void TellSession();
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
   void AwaitShutter(const EngravingInputs& inputs);
   void KeepIdleTicksPassing();
-  void Record(PulseResult result);
+  void Note(const PulseResult& result);
+  void NoteInRun(const PulseResult& result);
   void Finish();
 
   // Of what is asked for until it is answered.
@@ -180,10 +177,9 @@ class Engraving {
   EngravingJob job_;
   LaserController& laser_;
   MotionFeed& feed_;
-  JournalWriter& journal_;
   PermissionChain& chain_;
   PulseSchedule::ResultSink results_;
-  PointLedger ledger_;
+  PulseRecord record_;
   OpenPoints open_points_;
   PulseSchedule schedule_;
   std::deque<Window> windows_;
@@ -198,10 +194,7 @@ class Engraving {
   std::vector<std::uint32_t> word_of_;  // what it is about and is not open yet
   bool stopping_ = false;
   bool lamp_stays_ = false;
-  std::uint32_t left_out_before_ = 0;
-  bool taken_up_ = false;      // from an earlier life
-  bool session_told_ = false;  // to the journal
-  std::uint32_t run_ = 0;
+  bool taken_up_ = false;  // from an earlier life
   std::uint32_t run_count_ = 0;
   bool passed_by_ = false;  // a point of this run was reached and not fired
   SkipReason passed_by_reason_ = SkipReason::kNone;
@@ -223,18 +216,9 @@ class Engraving {
   std::uint64_t sent_through_ = 0;
   std::uint64_t reported_through_ = 0;
   std::uint64_t session_ = 0;
-  std::uint32_t power_up_ = 0;
-  // Both modulo 2^32: what the controller counted before, and what it made for us.
-  std::uint32_t pulses_before_job_ = 0;
-  std::uint32_t fired_count_ = 0;
-  // Openings of interlocks in spite of which a run was begun: what later lives need not
-  // ask about.
-  std::uint32_t openings_accepted_ = 0;
   std::uint32_t doubts_left_ = 0;  // pulses that may have made the next open points
   std::uint64_t uncertain_before_halt_ = 0;
   std::uint64_t settled_by_memory_ = 0;
-  std::uint64_t first_fired_tick_ = 0;
-  std::uint64_t last_fired_tick_ = 0;
   std::chrono::nanoseconds now_{0};
   intaglio_MotionFault motion_fault_ = intaglio_MOTION_OK;
   std::chrono::nanoseconds run_began_at_{0};
@@ -248,7 +232,6 @@ class Engraving {
   std::chrono::nanoseconds next_request_{0}, next_close_{0}, next_past_{0},
       next_abort_{0};
   std::uint64_t lamp_session_ = 0;
-  std::uint64_t flushed_ = 0;
 };
 
 }  // namespace intaglio::synchronizer

@@ -53,7 +53,7 @@ void Engraving::Halt(Missing missing, const std::string& text, bool fault) {
   SettleAs(schedule_.ArmedWithin(sent_through_ + 1, UINT64_MAX), PointOutcome::kSkipped);
   Explain(missing, text, fault);
   halted_at_ = now_;
-  uncertain_before_halt_ = ledger_.count(PointState::kUncertain);
+  uncertain_before_halt_ = record_.ledger().count(PointState::kUncertain);
   phase_ = Phase::kHalting;
 }
 
@@ -85,9 +85,7 @@ void Engraving::HaltOverSkipped() {
     default:
       break;
   }
-  const bool fruitless =
-      ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed) ==
-      ended_before_run_;
+  const bool fruitless = record_.fired_point_count() == ended_before_run_;
   fruitless_runs_ = fruitless ? fruitless_runs_ + 1 : 0;
   if (fruitless_runs_ < kMaxFruitlessRuns) {
     return Halt(Missing::kNothing, "pulses were skipped: the run starts again there",
@@ -115,7 +113,7 @@ void Engraving::LookForFaultBehindSkips(const EngravingInputs& inputs) {
   if (!starts_again_) return;
   ChainLinks links = LinksNow(inputs);
   // A run that came too late is no fault of this one.
-  if (inputs.motion.run != run_) links.motion_without_fault = true;
+  if (inputs.motion.run != record_.run()) links.motion_without_fault = true;
   const Missing missing = FirstMissing(links, false);
   if (missing == Missing::kNothing || missing == Missing::kPermission) return;
   Explain(missing,
@@ -208,7 +206,8 @@ void Engraving::SettleAs(std::vector<PulseResult> points, PointOutcome outcome) 
     point.outcome = outcome;
     point.reason = outcome == PointOutcome::kSkipped ? skip_reason_ : SkipReason::kNone;
   }
-  schedule_.Settle(points, [this](const PulseResult& result) { Record(result); });
+  schedule_.Settle(points,
+                   [this](const PulseResult& result) { record_.Resolve(result); });
 }
 
 }  // namespace intaglio::synchronizer

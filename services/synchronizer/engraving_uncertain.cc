@@ -14,24 +14,21 @@
 
 namespace intaglio::synchronizer {
 
-using formats::JournalKind;
-using formats::PointOutcome;
-
 // What lies before the place that is engraved from is left for good. While it halts
 // nothing is armed any more, and nothing is before the first run that the word lets
 // begin: what is armed by now is what the person means, too. A run that goes on arms
 // more.
 void Engraving::HearWord(const EngravingInputs& inputs) {
   if (!inputs.fire_uncertain || inputs.grant.number <= word_grant_ || stopping_) return;
-  if (!journal_.Append({JournalKind::kWord, PointOutcome::kNone, 0, run_,
-                        inputs.grant.number, 0, pulses_before_job_ + fired_count_})) {
+  if (!record_.KeepConsent(inputs.grant.number)) {
     return;
   }
   word_grant_ = inputs.grant.number;
   word_of_.clear();
   const bool settles = phase_ == Phase::kHalting;
-  for (std::uint32_t point = inputs.first_point; point < ledger_.size(); ++point) {
-    const PointState state = ledger_.state(point);
+  for (std::uint32_t point = inputs.first_point; point < record_.ledger().size();
+       ++point) {
+    const PointState state = record_.ledger().state(point);
     if (state == PointState::kUncertain || (settles && state == PointState::kArmed)) {
       word_of_.push_back(point);
     }
@@ -45,7 +42,7 @@ bool Engraving::WordIsOf(const Grant& grant) const {
 bool Engraving::WordStands(const EngravingInputs& inputs) const {
   return inputs.fire_uncertain && WordIsOf(inputs.grant) &&
          std::any_of(word_of_.begin(), word_of_.end(), [this](std::uint32_t point) {
-           return ledger_.state(point) == PointState::kUncertain;
+           return record_.ledger().state(point) == PointState::kUncertain;
          });
 }
 
@@ -54,9 +51,10 @@ bool Engraving::WordAnswers(const EngravingInputs& inputs) const {
   if (!WordStands(inputs) || chain_.has_lost(inputs.grant)) return false;
   const auto meant =
       std::count_if(word_of_.begin(), word_of_.end(), [this](std::uint32_t point) {
-        return ledger_.state(point) == PointState::kUncertain;
+        return record_.ledger().state(point) == PointState::kUncertain;
       });
-  return static_cast<std::uint64_t>(meant) == ledger_.count(PointState::kUncertain);
+  return static_cast<std::uint64_t>(meant) ==
+         record_.ledger().count(PointState::kUncertain);
 }
 
 // Once the chain is whole, with nothing armed: what has been settled otherwise is not
@@ -66,15 +64,11 @@ bool Engraving::ReopenUncertain(const EngravingInputs& inputs) {
   if (!inputs.fire_uncertain || !WordIsOf(inputs.grant)) word_of_.clear();
   for (; !word_of_.empty(); word_of_.pop_back()) {
     const std::uint32_t point = word_of_.back();
-    if (ledger_.state(point) != PointState::kUncertain) continue;
-    if (!journal_.Append({JournalKind::kReopened, PointOutcome::kNone, 0, run_,
-                          word_grant_, point, pulses_before_job_ + fired_count_})) {
-      return false;
-    }
-    ledger_.Reopen(point);
+    if (record_.ledger().state(point) != PointState::kUncertain) continue;
+    if (!record_.Reopen(point, word_grant_)) return false;
     idle_runs_ = 0;
   }
-  asks_ = asks_ && ledger_.count(PointState::kUncertain) > 0;
+  asks_ = asks_ && record_.ledger().count(PointState::kUncertain) > 0;
   return true;
 }
 
@@ -92,8 +86,8 @@ void Engraving::AskOverUncertain(const EngravingInputs& inputs) {
 std::string Engraving::QuestionOverUncertain() const {
   std::uint32_t first = 0, last = 0;
   bool found = false;
-  for (std::uint32_t point = 0; point < ledger_.size(); ++point) {
-    if (ledger_.state(point) != PointState::kUncertain) continue;
+  for (std::uint32_t point = 0; point < record_.ledger().size(); ++point) {
+    if (record_.ledger().state(point) != PointState::kUncertain) continue;
     if (!found) first = point;
     found = true;
     last = point;
@@ -104,7 +98,7 @@ std::string Engraving::QuestionOverUncertain() const {
       "order (from 0), the first at {:.3f}, {:.3f}, {:.3f} mm of the block; look at the "
       "block; `intaglio resume JOB` leaves them as they are, "
       "`intaglio resume JOB --fire-uncertain` makes them",
-      ledger_.count(PointState::kUncertain), first, last, at_mm.x(), at_mm.y(),
+      record_.ledger().count(PointState::kUncertain), first, last, at_mm.x(), at_mm.y(),
       at_mm.z());
 }
 
@@ -114,7 +108,7 @@ bool Engraving::NothingIsLeft(const EngravingInputs& inputs) const {
   if (WordStands(inputs)) return false;
   const bool granted = inputs.permission_fresh && inputs.permission_granted;
   if (asks_ && (!asked_ || chain_.latched() || !granted)) return false;
-  return !ledger_.NextOpen(0) || idle_runs_ >= kMaxIdleRuns;
+  return !record_.ledger().NextOpen(0) || idle_runs_ >= kMaxIdleRuns;
 }
 
 }  // namespace intaglio::synchronizer
