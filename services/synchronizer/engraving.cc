@@ -9,7 +9,6 @@ namespace intaglio::synchronizer {
 namespace {
 
 using formats::PointOutcome;
-using namespace std::chrono_literals;
 
 // In real time the motion is this far ahead, the arms half as far: long enough for the
 // journal's disk and a loaded host, short enough that a pause is felt at once.
@@ -21,7 +20,6 @@ constexpr std::uint64_t kLockstepWindowTicks = 512;
 constexpr std::uint64_t kLeastOwnClockTicks = 64;
 constexpr std::uint64_t kTicksToRest = 4;
 constexpr int kMaxLateStarts = 5;
-constexpr auto kShutterTimeout = 2s;
 
 std::string TextFor(Missing missing, const MotionView& motion) {
   return missing == Missing::kMotionFault ? motion.message : TextOf(missing);
@@ -40,7 +38,8 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
       record_(job_.machine_points_mm.size(), job_.photosensor_feedback, journal,
               [this](const PulseResult& result) { Note(result); }),
       open_points_(job_.machine_points_mm, record_.ledger(), job_.cone_tangent,
-                   job_.masks) {
+                   job_.masks),
+      shutters_(laser) {
   word_grant_ = job_.earlier.word_grant;
   // Armed before there was a path, and spent before it came.
   if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
@@ -117,7 +116,7 @@ void Engraving::Await(const EngravingInputs& inputs) {
   if (!chain_.latched() && !inputs.motion.line_down()) {
     links.motion_without_fault = true;
   }
-  const bool closed = ShuttersClosed(inputs);
+  const bool closed = shutters_.KeepClosed(inputs.now);
   const Missing missing = chain_.WhatIsMissing(links, false);
   if (missing != Missing::kNothing) {
     starts_again_ = false;
@@ -128,7 +127,7 @@ void Engraving::Await(const EngravingInputs& inputs) {
   if (!laser_.identity().lockstep && !clock_.settled()) return;
   if (!MotionClockSettles(inputs)) return;
   // The plan begins where the stage stands, and with a shutter that is seen to open.
-  if (!closed && inputs.now - closing_since_ > kShutterTimeout) {
+  if (shutters_.fails_to_close(inputs.now)) {
     message_ = "a shutter does not close: see to it, then the job goes on";
   }
   if (!closed || !inputs.motion.at_rest) return;
@@ -146,10 +145,7 @@ bool Engraving::JournalIsWritten() {
 }
 
 void Engraving::StartRun(const EngravingInputs& inputs) {
-  const ChannelMask mask = MaskOfNextRun();
-  if (!laser_.CanSend() || !laser_.OpenShutters(mask)) return;
-  run_mask_ = mask;
-  (void)laser_.RequestStatus();
+  if (!shutters_.Open(MaskOfNextRun(), inputs.now)) return;
   const link::LaserStatus& status = laser_.status();
   if (!started() || record_.power_up() != laser_.identity().power_up) {
     record_.TakeCounters(laser_);
@@ -163,7 +159,6 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   passed_by_ = false;
   missed_in_a_row_ = 0;
   passed_by_tick_ = 0;
-  shutters_seen_open_ = false;
   ended_before_run_ = record_.fired_point_count();
   decided_ = std::max({TickNow(inputs), status.decided_through,
                        laser_.identity().lockstep ? decided_ : 0});
@@ -175,7 +170,6 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   feed_.Begin(job_.uid, record_.run(), decided_ + lead, inputs.motion.position_mm,
               job_.plan, inputs.motion_clock);
   if (own_clock_) clock_steps_ = inputs.motion_clock->steps();
-  run_began_at_ = inputs.now;
   message_.clear();
   phase_ = Phase::kRunning;
 }
@@ -192,8 +186,7 @@ void Engraving::Run(const EngravingInputs& inputs) {
   if (!our_run && !inputs.motion.line_down()) {
     links.motion_without_fault = true;
   }
-  shutters_seen_open_ = shutters_seen_open_ || links.shutters_open;
-  const Missing missing = chain_.WhatIsMissing(links, shutters_seen_open_);
+  const Missing missing = chain_.WhatIsMissing(links, shutters_.UpdateSeenOpen());
   if (missing != Missing::kNothing) {
     const bool fault = missing != Missing::kPermission;
     return Halt(
@@ -277,7 +270,7 @@ void Engraving::DecideTicks(const EngravingInputs& inputs) {
     // A narrow window costs as much as a wide one; wait unless the machine waits for us.
     const bool idle = reported_through_ >= decided_ && windows_.empty();
     if (lockstep && last - decided_ < window / 4 && !idle) return;
-    if (!LinksNow(inputs).shutters_open) return AwaitShutter(inputs);
+    if (!shutters_.are_open()) return AwaitShutter(inputs);
     if (!Prearm(decided_ + 1, last)) return;
     decided_ = last;
   }
@@ -318,7 +311,7 @@ void Engraving::SendDurableWindows() {
 }
 
 void Engraving::AwaitShutter(const EngravingInputs& inputs) {
-  if (inputs.now - run_began_at_ > kShutterTimeout) {
+  if (shutters_.fails_to_open(inputs.now)) {
     Halt(Missing::kShutter, TextOf(Missing::kShutter), true);
   }
 }

@@ -34,6 +34,7 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/optics/machine_frame.h"
+#include "services/synchronizer/engraving/shutters.h"
 #include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/motion_feed.h"
 #include "services/synchronizer/permission/permission_chain.h"
@@ -111,7 +112,7 @@ class Engraving {
 
  private:
   ChainLinks LinksNow(const EngravingInputs& inputs) const {
-    return LinksOf(inputs, laser_, run_mask_);
+    return LinksOf(inputs, laser_, shutters_.run_mask());
   }
   std::uint64_t TickNow(const EngravingInputs& inputs) const;
   std::uint64_t AheadTicks() const;
@@ -125,7 +126,6 @@ class Engraving {
   void LightLamp(const EngravingInputs& inputs);
   void TurnChain(const EngravingInputs& inputs);
   void HaltOverOtherDevice(const EngravingInputs& inputs);
-  bool ShuttersClosed(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
   void HearWord(const EngravingInputs& inputs);
   bool WordIsOf(const Grant& grant) const;
@@ -183,6 +183,7 @@ class Engraving {
   OpenPoints open_points_;
   PulseSchedule schedule_;
   std::deque<Window> windows_;
+  Shutters shutters_;
 
   Phase phase_ = Phase::kPreparing;
   std::string message_;
@@ -199,9 +200,6 @@ class Engraving {
   bool passed_by_ = false;  // a point of this run was reached and not fired
   SkipReason passed_by_reason_ = SkipReason::kNone;
   std::uint64_t passed_by_tick_ = 0;
-  ChannelMask run_mask_ = 0;                    // shutters of this run
-  bool shutters_seen_open_ = false;             // in this run
-  std::chrono::nanoseconds closing_since_{-1};  // outside a run; -1: all are closed
   std::uint64_t ended_before_run_ = 0;
   int idle_runs_ = 0;
   int fruitless_runs_ = 0;
@@ -221,7 +219,6 @@ class Engraving {
   std::uint64_t settled_by_memory_ = 0;
   std::chrono::nanoseconds now_{0};
   intaglio_MotionFault motion_fault_ = intaglio_MOTION_OK;
-  std::chrono::nanoseconds run_began_at_{0};
   std::chrono::nanoseconds halted_at_{0};
   SkipReason skip_reason_ = SkipReason::kNone;
   std::uint64_t disarm_session_ = 0;
@@ -229,8 +226,7 @@ class Engraving {
   bool disarm_seen_ = false;
   TickClock clock_;
   std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number
-  std::chrono::nanoseconds next_request_{0}, next_close_{0}, next_past_{0},
-      next_abort_{0};
+  std::chrono::nanoseconds next_request_{0}, next_past_{0}, next_abort_{0};
   std::uint64_t lamp_session_ = 0;
 };
 

@@ -148,21 +148,6 @@ void Engraving::HaltOverOtherDevice(const EngravingInputs& inputs) {
   if (faulted()) message_ = why + ", then resume";
 }
 
-// Outside a run no shutter is open, whatever happened before.
-bool Engraving::ShuttersClosed(const EngravingInputs& inputs) {
-  if (laser_.status().shutters_open == 0) {
-    closing_since_ = -1ns;
-    return true;
-  }
-  if (closing_since_ < 0ns) closing_since_ = inputs.now;
-  if (inputs.now >= next_close_ && laser_.CanSend()) {
-    next_close_ = inputs.now + kRequestPeriod;
-    (void)laser_.OpenShutters(0);
-    (void)laser_.RequestStatus();
-  }
-  return false;
-}
-
 bool Engraving::AskToDisarm() {
   disarm_session_ = laser_.session();
   disarm_seen_ = false;
