@@ -39,8 +39,8 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
               [this](const PulseResult& result) { Note(result); }),
       open_points_(job_.machine_points_mm, record_.ledger(), job_.cone_tangent,
                    job_.masks),
-      shutters_(laser) {
-  word_grant_ = job_.earlier.word_grant;
+      shutters_(laser),
+      consent_(job_, record_, chain_) {
   // Armed before there was a path, and spent before it came.
   if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
   if (!job_.earlier.points.empty()) TakeUp();
@@ -73,7 +73,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   HearDisarmed();
   TurnChain(inputs);
   HaltOverOtherDevice(inputs);
-  HearWord(inputs);
+  if (!stopping_) consent_.TakeConsent(inputs, phase_ == Phase::kHalting);
   AskOverUncertain(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
   if (phase_ != Phase::kRunning) record_.FlushAppended();
@@ -131,10 +131,26 @@ void Engraving::Await(const EngravingInputs& inputs) {
     message_ = "a shutter does not close: see to it, then the job goes on";
   }
   if (!closed || !inputs.motion.at_rest) return;
-  if (record_.LeaveOutBefore(inputs.first_point) && ReopenUncertain(inputs) &&
-      JournalIsWritten()) {
-    StartRun(inputs);
-  }
+  bool reopened_any = false;
+  const bool all_open =
+      record_.LeaveOutBefore(inputs.first_point) && consent_.Reopen(inputs, reopened_any);
+  if (reopened_any) idle_runs_ = 0;
+  if (all_open && JournalIsWritten()) StartRun(inputs);
+}
+
+// Also when nothing is open any more: it costs the grant, as a fault does, and the answer
+// is a newer one. Before any was received, there is none that could be spent.
+void Engraving::AskOverUncertain(const EngravingInputs& inputs) {
+  const bool settled = phase_ == Phase::kPreparing || phase_ == Phase::kWaiting;
+  if (stopping_ || !settled || !consent_.MustAsk(inputs)) return;
+  const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
+  Explain(Missing::kNothing, why + consent_.Question(), true);
+  consent_.NoteAsked();
+}
+
+bool Engraving::NothingIsLeft(const EngravingInputs& inputs) const {
+  if (consent_.KeepsJobOpen(inputs)) return false;
+  return !record_.ledger().NextOpen(0) || idle_runs_ >= kMaxIdleRuns;
 }
 
 // With room for what a run appends, and nothing that only this process knows.
@@ -155,7 +171,7 @@ void Engraving::StartRun(const EngravingInputs& inputs) {
   record_.SkipRuns(inputs.motion.highest_run);
   record_.BeginRun();
   ++run_count_;
-  asks_ = asked_ = false;
+  consent_.BeginRun();
   passed_by_ = false;
   missed_in_a_row_ = 0;
   passed_by_tick_ = 0;

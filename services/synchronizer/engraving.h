@@ -32,13 +32,12 @@
 #include <string>
 #include <vector>
 
-#include "engrave/core/channels.h"
-#include "engrave/optics/machine_frame.h"
+#include "services/synchronizer/engraving/consent.h"
+#include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving/shutters.h"
 #include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/motion_feed.h"
 #include "services/synchronizer/permission/permission_chain.h"
-#include "services/synchronizer/pulses/earlier_work.h"
 #include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/open_points.h"
 #include "services/synchronizer/pulses/pulse_record.h"
@@ -46,25 +45,6 @@
 #include "services/synchronizer/pulses/tick_clock.h"
 
 namespace intaglio::synchronizer {
-
-struct EngravingJob {
-  std::string uid;
-  PointList machine_points_mm;  ///< in the order of engraving, machine frame
-  optics::MachineFromGlass machine_from_glass = {};  ///< for what people are told
-  double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
-  motion::PlanOptions plan;
-  ChannelMask shutter_mask = 1;  ///< of all points
-  /// Of each point, when they differ: it is made with these shutters open and no other.
-  std::vector<ChannelMask> masks = {};
-  /// Pulses that no crack was seen of, until it pauses.
-  std::uint32_t max_missed_in_a_row = 5;
-  bool photosensor_feedback = true;  ///< false: nothing sees cracks, fired is made
-  /// Points of which nobody knows whether they were fired: a person is asked.
-  bool asks_when_uncertain = false;
-  /// Why nothing is to be fired into the block that is in the machine; empty: it is.
-  std::string block_misfit = {};
-  EarlierWork earlier = {};
-};
 
 class Engraving {
  public:
@@ -95,7 +75,7 @@ class Engraving {
   bool lost_a_line() const { return lost_a_line_; }
   bool started() const { return run_count_ > 0 || taken_up_; }
   /// Of points that nobody knows of, and nobody has answered yet.
-  bool asks() const { return asks_; }
+  bool asks() const { return consent_.asks(); }
   /// It fires nothing until somebody or something outside lets it.
   bool waits() const {
     const bool begun = started() || faulted() || (granted_ && !job_.block_misfit.empty());
@@ -127,13 +107,7 @@ class Engraving {
   void TurnChain(const EngravingInputs& inputs);
   void HaltOverOtherDevice(const EngravingInputs& inputs);
   void Await(const EngravingInputs& inputs);
-  void HearWord(const EngravingInputs& inputs);
-  bool WordIsOf(const Grant& grant) const;
-  bool WordStands(const EngravingInputs& inputs) const;
-  bool WordAnswers(const EngravingInputs& inputs) const;
-  bool ReopenUncertain(const EngravingInputs& inputs);
   void AskOverUncertain(const EngravingInputs& inputs);
-  std::string QuestionOverUncertain() const;
   bool NothingIsLeft(const EngravingInputs& inputs) const;
   bool JournalIsWritten();
   ChannelMask MaskOfNextRun();
@@ -184,15 +158,13 @@ class Engraving {
   PulseSchedule schedule_;
   std::deque<Window> windows_;
   Shutters shutters_;
+  Consent consent_;
 
   Phase phase_ = Phase::kPreparing;
   std::string message_;
   bool granted_ = false, grant_heard_ = false;  // by the newest word; of this job
   bool starts_again_ = false;  // of its own accord, after a run that began too late
   bool lost_a_line_ = false;
-  bool asks_ = false, asked_ = false;   // of uncertain points: not answered; said
-  std::uint64_t word_grant_ = 0;        // greatest whose word to fire them was heard
-  std::vector<std::uint32_t> word_of_;  // what it is about and is not open yet
   bool stopping_ = false;
   bool lamp_stays_ = false;
   bool taken_up_ = false;  // from an earlier life

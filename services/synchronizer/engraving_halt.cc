@@ -135,7 +135,7 @@ void Engraving::TurnChain(const EngravingInputs& inputs) {
   }
   starts_again_ = lost_a_line_ = false;
   message_ = TextOf(spent_by);
-  if (asked_) message_ += "; " + QuestionOverUncertain();
+  if (consent_.was_asked()) message_ += "; " + consent_.Question();
 }
 
 // A line that leads to another machine is no lost line: somebody changes cables, and is

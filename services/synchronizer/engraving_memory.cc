@@ -20,6 +20,7 @@ constexpr auto kAbortPeriod = 200ms;
 
 void Engraving::Note(const PulseResult& result) {
   if (result.reason != SkipReason::kLeftOut) NoteInRun(result);
+  consent_.Note(result);
   results_(result);
 }
 
@@ -31,10 +32,6 @@ void Engraving::NoteInRun(const PulseResult& result) {
   }
   if (result.outcome == PointOutcome::kMissed) ++missed_in_a_row_;
   if (result.outcome == PointOutcome::kMade) missed_in_a_row_ = 0;
-  if (result.outcome == PointOutcome::kUncertain && job_.asks_when_uncertain) {
-    asks_ = true;
-    asked_ = false;
-  }
 }
 
 // The ledger as the journal has it. What was armed is asked of the controller if it has
@@ -47,8 +44,7 @@ void Engraving::TakeUp() {
   message_ = "the job is taken up again: what was armed is asked of the laser controller";
   const EarlierWork& earlier = job_.earlier;
   std::vector<PulseResult> armed = record_.TakeUp(earlier);
-  asks_ = job_.asks_when_uncertain && earlier.uncertain_unanswered &&
-          record_.ledger().count(PointState::kUncertain) > 0;
+  consent_.TakeUp();
   for (PulseResult& one : armed) {
     const bool askable = record_.power_up() != 0 &&
                          earlier.points[one.point].power_up == record_.power_up();

@@ -46,9 +46,9 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
         earlier.pulses_before_job = record.pulse_count;
         earlier.openings = record.openings;
         break;
-      case JournalKind::kWord:
+      case JournalKind::kConsent:
       case JournalKind::kReopened:
-        earlier.word_grant = std::max(earlier.word_grant, record.tick);
+        earlier.consent_grant = std::max(earlier.consent_grant, record.tick);
         break;
     }
   }

@@ -22,8 +22,8 @@ struct EarlierWork {
   std::uint32_t highest_run = 0;
   /// Points became uncertain, and no run has begun since.
   bool uncertain_unanswered = false;
-  /// Greatest grant whose word to fire uncertain points was taken: it counts once.
-  std::uint64_t word_grant = 0;
+  /// Greatest grant whose consent to fire uncertain points was taken: it counts once.
+  std::uint64_t consent_grant = 0;
   std::uint64_t damaged_records = 0;
 };
 

@@ -95,7 +95,7 @@ bool PulseRecord::LeaveOutBefore(std::uint32_t point) {
 }
 
 bool PulseRecord::KeepConsent(std::uint64_t grant_number) {
-  return journal_.Append({JournalKind::kWord, PointOutcome::kNone, 0, run_, grant_number,
+  return journal_.Append({JournalKind::kConsent, PointOutcome::kNone, 0, run_, grant_number,
                           0, known_pulse_count()});
 }
 

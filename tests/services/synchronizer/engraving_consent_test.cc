@@ -231,7 +231,7 @@ TEST_P(UncertainWord, KilledAtAnyInstantAfterTheWordNothingIsFiredByItAnew) {
     cell.DieAndTakeUp();
     const std::size_t reopened = ReopenedIn(cell);
     // What no life has heard by then is heard by the next one.
-    const bool heard = RecordsIn(cell, formats::JournalKind::kWord) > 0;
+    const bool heard = RecordsIn(cell, formats::JournalKind::kConsent) > 0;
     const std::size_t to_open = heard ? 0 : cell.Count(PointState::kUncertain);
     cell.RenewGrant();
     cell.StepFor(1s);
