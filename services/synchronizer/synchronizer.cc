@@ -253,11 +253,11 @@ EngraveOutcome Synchronizer::Outcome() const {
   }
   outcome.set_controller_pulse_count(laser_.status().pulse_count);
   outcome.set_run_count(engraving_->run_count());
-  outcome.set_settled_by_memory_count(engraving_->settled_by_memory());
+  outcome.set_settled_by_memory_count(engraving_->settled_by_memory_count());
   outcome.set_plan_checksum(plan_.checksum);
   outcome.set_planned_max_move_um(1e3 * plan_.moves.max_mm);
   outcome.set_planned_rms_move_um(1e3 * plan_.moves.rms_mm());
-  outcome.set_least_speed_percent(engraving_->least_speed_percent());
+  outcome.set_least_speed_percent(engraving_->min_speed_percent());
   outcome.set_speed_changes(engraving_->speed_changes());
   return outcome;
 }

@@ -9,9 +9,8 @@ namespace intaglio::synchronizer {
 using formats::PointOutcome;
 
 void Consent::TakeUp() {
-  asks_ = asks_ ||
-          (job_.asks_when_uncertain && job_.earlier.uncertain_unanswered &&
-           record_.ledger().count(PointState::kUncertain) > 0);
+  asks_ = asks_ || (job_.asks_when_uncertain && job_.earlier.uncertain_unanswered &&
+                    record_.ledger().count(PointState::kUncertain) > 0);
 }
 
 void Consent::Note(const PulseResult& result) {

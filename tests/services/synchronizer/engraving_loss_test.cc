@@ -55,7 +55,7 @@ TEST_F(EngravingLoss, TheControllerTellsOfPulsesFiredWhileTheLineWasDown) {
   EXPECT_GT(cell_.Count(PointState::kArmed), 0);
   RestoreAndSettle();
   EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
-  EXPECT_EQ(cell_.engraving->settled_by_memory(), cell_.made() - known);
+  EXPECT_EQ(cell_.engraving->settled_by_memory_count(), cell_.made() - known);
   EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
   GoOnToTheEnd();
   EXPECT_EQ(cell_.made(), 160);
