@@ -66,6 +66,10 @@ std::optional<HaltReason> EngravingRun::Turn(const EngravingInputs& inputs) {
 
 std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
   if (passed_by_) return WhySkipped();
+  // Also when there is nothing to arm any more, as all its ticks have passed meanwhile.
+  if (!shutters_.was_seen_open() && shutters_.fails_to_open(inputs.now)) {
+    return HaltReason{Missing::kShutter, TextOf(Missing::kShutter), true};
+  }
   // A dead beam or a blind sensor would go on through the whole block.
   if (missed_in_a_row_ >= job_.max_missed_in_a_row) {
     return HaltReason{
@@ -152,10 +156,7 @@ std::optional<HaltReason> EngravingRun::DecideTicks(const EngravingInputs& input
     const bool idle =
         ticks_.reported_through() >= ticks_.decided() && !ticks_.holds_windows();
     if (horizon_.lockstep() && last - ticks_.decided() < window / 4 && !idle) break;
-    if (!shutters_.are_open()) {
-      if (!shutters_.fails_to_open(inputs.now)) break;
-      return HaltReason{Missing::kShutter, TextOf(Missing::kShutter), true};
-    }
+    if (!shutters_.are_open()) break;
     if (auto reason = ArmThrough(last)) return reason;
   }
   return std::nullopt;

@@ -38,6 +38,7 @@ class Shutters {
   }
   /// They are, or have been since Open: to be updated once a turn of a run.
   bool UpdateSeenOpen() { return seen_open_ = seen_open_ || are_open(); }
+  bool was_seen_open() const { return seen_open_; }
   bool fails_to_open(std::chrono::nanoseconds now) const {
     return now - opened_at_ > kTravelTimeout;
   }
