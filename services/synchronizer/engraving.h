@@ -19,11 +19,12 @@
 // |            | TickWindows arms its ticks; Shutters: those of its channels open    |
 // | kHalting   | Settling: disarm, brake, and a result for every armed point         |
 //
-// kHalting is not left before the controller has said that nothing is armed, and its
+// kHalting is not left before the controller has reported that nothing is armed, and its
 // counter was checked if the line was lost. A job that an earlier life left begins there.
 // After a fault (anything but a withdrawn permission) only a new grant counts: nothing
-// restarts by itself (permission_chain.h). So it is, if the job says so, when points are
-// left of which nobody knows whether they were fired, even if nothing else is left.
+// restarts by itself (permission_chain.h). The same holds, if the job asks for it, when
+// points are left of which nobody knows whether they were fired, even if nothing else is
+// left.
 //
 // No pulse without: an intent on disk, the motion for its tick in the controller, and
 // the whole permission chain at the moment of arming. Used from one thread; no waits.

@@ -22,7 +22,7 @@ Status WritePlan(const std::filesystem::path& folder, const FrozenJob& job,
                  const PointCloud& path);
 /// kNotFound when nothing of the job was engraved; kUnreadable.
 Result<PointCloud> ReadPath(const std::filesystem::path& folder);
-/// CRC-32 of the coordinates: what a journal says of its path.
+/// CRC-32 of the coordinates: by which a journal knows its path.
 std::uint32_t CrcOf(const PointCloud& path);
 
 }  // namespace intaglio::synchronizer

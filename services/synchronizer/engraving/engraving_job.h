@@ -17,7 +17,7 @@ namespace intaglio::synchronizer {
 struct EngravingJob {
   std::string uid;
   PointList machine_points_mm;  ///< in the order of engraving, machine frame
-  optics::MachineFromGlass machine_from_glass = {};  ///< for what people are told
+  optics::MachineFromGlass machine_from_glass = {};  ///< for messages
   double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
   motion::PlanOptions plan;
   ChannelMask shutter_mask = 1;  ///< of all points

@@ -2,7 +2,7 @@
 
 // What comes before a run, each time: the right block in the machine, the laser line up,
 // the lamp on and warm at the job's rate, the laser controller out of its safe state, the
-// stage heard of.
+// state of the stage known.
 //
 //   Refusal() empty --> lamp commanded --> warm, rate right --> stage fresh -->
 //   WhatIsMissing() empty

@@ -134,7 +134,7 @@ std::optional<std::string> Settling::CompareCounters(bool no_run_yet) {
     if (taken_up_ && no_run_yet && more <= ledger.size()) unmarked_count_ = more;
     finding = fmt::format(
         "the laser controller counts {} pulses where {} are known{}: "
-        "look at the block, then resume or cancel",
+        "check the block, then resume or cancel",
         counted, known,
         unmarked_count_ == 0
             ? ""

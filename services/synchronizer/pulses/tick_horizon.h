@@ -26,7 +26,7 @@ class TickHorizon {
   /// Once a turn: takes the newest status.
   void Observe(std::chrono::nanoseconds now);
   /// The clock of the stage's controller; null: it runs on the lamp's ticks. The clock is
-  /// told how far ahead it is used.
+  /// set to how far ahead it is used.
   void UseMotionClock(MotionClock* clock);
 
   bool lockstep() const { return laser_.identity().lockstep; }

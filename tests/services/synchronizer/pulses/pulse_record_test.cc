@@ -106,7 +106,7 @@ TEST_F(PulseRecordTest, TheNextLifeBeginsWithTheSameLedger) {
   EXPECT_EQ(armed[0].tick, 70u);
   EXPECT_EQ(armed[0].point, 7u);
   EXPECT_EQ(next.run(), 1u);
-  EXPECT_EQ(next.ledger().doubted_count(), 1u) << "it was reopened and is not fired yet";
+  EXPECT_EQ(next.ledger().unknown_count(), 1u) << "it was reopened and is not fired yet";
 }
 
 TEST_F(PulseRecordTest, OpenIntentsComeInTheOrderOfTheirTicks) {
