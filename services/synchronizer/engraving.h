@@ -2,14 +2,17 @@
 
 // Makes the points of one job: a state machine over the parts that do the work.
 //
-//             laser up, motion state        chain whole, points open
-//   kPreparing ------------------> kWaiting ------------------------> kRunning
-//       lamp on, warms up          ^  ^  | nothing left                  |  |
-//                                  |  |  +--> kDone                      |  | all sent,
-//                                  reported, |  +----------------------------------+  |
-//                                  at rest: next pass |                    (pass
-//                                  finished)     | | | a link of the chain lost
-//                                  +--- all armed settled, at rest --- kHalting
+//               laser up, lamp warm,        chain whole,
+//               stage state known           points open
+//   kPreparing ----------------------> kWaiting --------> kRunning
+//       ^                               |  ^  ^              |  |
+//       |  lamp or laser line lost      |  |  | all made,    |  |
+//       +-------------------------------+  |  | at rest      |  |  a link lost, a point
+//                                       |  |  +--------------+  |  passed by
+//        nothing is left                |  |                    v
+//   kDone <-----------------------------+  +-------------- kHalting <-- taken up
+//     ^                  all armed settled, at rest             |
+//     +------ stopped: settled, or the line stays down ----------+
 //
 // | phase      | part that works                                                     |
 // |------------|---------------------------------------------------------------------|

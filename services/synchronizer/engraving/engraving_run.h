@@ -34,7 +34,8 @@ namespace intaglio::synchronizer {
 
 class EngravingRun {
  public:
-  /// Passes over points that were skipped, as long as a pass makes at least one.
+  /// Finished runs in a row that made nothing before the open points are given up: each
+  /// is one more pass over points that were skipped.
   static constexpr int kMaxIdleRuns = 2;
 
   /// All outlive this.
