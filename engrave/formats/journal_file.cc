@@ -44,7 +44,7 @@ std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
   const auto kind = static_cast<JournalKind>(bytes[0]);
   const bool of_point = IsOfPoint(kind);
   const bool known =
-      of_point || kind == JournalKind::kSession || kind == JournalKind::kWord;
+      of_point || kind == JournalKind::kSession || kind == JournalKind::kConsent;
   const auto point = Get<std::uint32_t>(bytes, 16);
   if (!CrcHolds(bytes) || !known || (of_point && point >= header.point_count) ||
       bytes[1] > static_cast<std::byte>(PointOutcome::kLeftOut)) {

@@ -21,7 +21,7 @@
 //        2     1  reason (idl SkipReason)
 //        3     1  zero
 //        4     4  run
-//        8     8  tick; kinds word and reopened: number of the grant
+//        8     8  tick; kinds consent and reopened: number of the grant
 //       16     4  point: place in the order
 //       20     4  kind session: times an interlock was opened; else zero
 //       24     4  pulses counted by the controller
@@ -46,8 +46,8 @@ enum class JournalKind : std::uint8_t {
   kIntent = 1,    ///< the point may fire at this tick; on disk before it can
   kOutcome = 2,   ///< what became of it
   kSession = 3,   ///< the ticks from here on are of this power-up of the controller
-  kWord = 4,      ///< a person's: fire again what is uncertain, or armed and found so
-  kReopened = 5,  ///< an uncertain point is open again, by such a word
+  kConsent = 4,   ///< a person's: fire again what is uncertain, or armed and found so
+  kReopened = 5,  ///< an uncertain point is open again, by such consent
 };
 
 enum class PointOutcome : std::uint8_t {
@@ -55,8 +55,8 @@ enum class PointOutcome : std::uint8_t {
   kMade = 1,
   kMissed = 2,     ///< fired, and no crack was seen
   kSkipped = 3,    ///< not fired; may be tried again
-  kUncertain = 4,  ///< nobody knows; fired again by a person's word alone
-  kLeftOut = 5,    ///< not fired, and never will be: the operator's word
+  kUncertain = 4,  ///< nobody knows; fired again by a person's consent alone
+  kLeftOut = 5,    ///< not fired, and never will be: the operator's choice
 };
 
 /// A crack was tried: such a point is never fired again.
@@ -74,7 +74,7 @@ struct JournalRecord {
   PointOutcome outcome = PointOutcome::kNone;
   std::uint8_t reason = 0;
   std::uint32_t run = 0;
-  std::uint64_t tick = 0;   ///< kWord, kReopened: the grant that the word came with
+  std::uint64_t tick = 0;   ///< kConsent, kReopened: the grant that the consent came with
   std::uint32_t point = 0;  ///< kSession: power-up
   std::uint32_t pulse_count = 0;
   std::uint32_t openings = 0;  ///< kSession alone
@@ -122,8 +122,8 @@ struct PointHistory {
   std::uint32_t power_up = 0;     ///< that the tick is of; 0: not known
   std::uint32_t fired_count = 0;  ///< outcomes made or missed
   bool open_intent = false;       ///< an intent without an outcome: uncertain
-  /// It was uncertain, and by a person's word is not any more: until it is fired nobody
-  /// knows whether it holds a crack.
+  /// It was uncertain, and by a person's consent is not any more: until it is fired
+  /// nobody knows whether it holds a crack.
   bool reopened = false;
 };
 std::vector<PointHistory> HistoryOf(const Journal& journal);

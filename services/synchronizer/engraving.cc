@@ -1,31 +1,50 @@
 #include "services/synchronizer/engraving.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 namespace intaglio::synchronizer {
 namespace {
 
-using formats::JournalKind;
-using formats::PointOutcome;
-using namespace std::chrono_literals;
-
-// In real time the motion is this far ahead, the arms half as far: long enough for the
-// journal's disk and a loaded host, short enough that a pause is felt at once.
-constexpr double kAheadSeconds = 1.0;
-// In lockstep the machine waits for us, so the windows only have to be worth a turn.
-constexpr std::uint64_t kLockstepAheadTicks = 4096;
-constexpr std::uint64_t kLockstepWindowTicks = 512;
-// With a clock of its own also the controller's time is extrapolated that far.
-constexpr std::uint64_t kLeastOwnClockTicks = 64;
-constexpr std::uint64_t kTicksToRest = 4;
-constexpr int kMaxLateStarts = 5;
-constexpr auto kShutterTimeout = 2s;
+// In lockstep a run begins behind what is decided: that is to have passed, and the
+// stamps of all but so many ticks are to have come.
+constexpr std::uint64_t kMaxUnstampedTicks = 16;
 
 std::string TextFor(Missing missing, const MotionView& motion) {
   return missing == Missing::kMotionFault ? motion.message : TextOf(missing);
+}
+
+SkipReason ReasonOf(Missing missing) {
+  switch (missing) {
+    case Missing::kLaserLine:
+      return SkipReason::kLink;
+    case Missing::kLamp:
+      return SkipReason::kLamp;
+    case Missing::kShutter:
+      return SkipReason::kShutter;
+    case Missing::kMotionState:
+    case Missing::kMotionFault:
+      return SkipReason::kPosition;
+    case Missing::kEmergencyStop:
+    case Missing::kKey:
+    case Missing::kDoor:
+    case Missing::kSafeState:
+    case Missing::kOpenedUnseen:
+      return SkipReason::kInterlock;
+    default:
+      break;
+  }
+  return SkipReason::kNoPermission;
+}
+
+// What a person does not have to walk to the machine for.
+bool IsLostLine(Missing missing, intaglio_MotionFault motion_fault) {
+  if (missing == Missing::kMotionFault) {
+    return motion_fault != intaglio_MOTION_LIMIT &&
+           motion_fault != intaglio_MOTION_FOLLOWING_ERROR &&
+           motion_fault != intaglio_MOTION_WRONG_CONTROLLER;
+  }
+  return missing == Missing::kLaserLine || missing == Missing::kMotionState ||
+         missing == Missing::kSafeState;
 }
 
 }  // namespace
@@ -35,333 +54,275 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
                      PulseSchedule::ResultSink results)
     : job_(std::move(job)),
       laser_(laser),
-      feed_(feed),
-      journal_(journal),
       chain_(chain),
       results_(std::move(results)),
-      ledger_(job_.machine_points_mm.size()),
-      open_points_(job_.places_mm.empty() ? job_.machine_points_mm : job_.places_mm,
-                   ledger_, job_.cone_tangent, job_.masks) {
-  word_grant_ = job_.earlier.word_grant;
+      record_(job_.machine_points_mm.size(), job_.photosensor_feedback, journal,
+              [this](const PulseResult& result) { Note(result); }),
+      ticks_(laser, record_),
+      horizon_(laser, job_.plan.rate_hz),
+      preparation_(job_, laser),
+      shutters_(laser),
+      run_(job_, feed, horizon_, ticks_, record_, shutters_),
+      settling_(laser, feed, ticks_, record_),
+      consent_(job_, record_, chain) {
   // Armed before there was a path, and spent before it came.
   if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
-  if (!job_.earlier.points.empty()) TakeUp();
+  if (job_.earlier.points.empty()) return;
+  taken_up_ = true;
+  phase_ = Phase::kHalting;
+  message_ = "the job is taken up again: what was armed is asked of the laser controller";
+  settling_.BeginTakenUp(job_.earlier);
+  consent_.TakeUp();
 }
 
-std::uint64_t Engraving::TickNow(const EngravingInputs& inputs) const {
-  if (laser_.identity().lockstep) return laser_.status().tick;
-  return clock_.TickAt(inputs.now);
+void Engraving::Note(const PulseResult& result) {
+  if (result.reason != SkipReason::kLeftOut) run_.Note(result);
+  consent_.Note(result);
+  results_(result);
 }
 
-std::uint64_t Engraving::AheadTicks() const {
-  if (laser_.identity().lockstep) {
-    if (!own_clock_) return kLockstepAheadTicks;
-    return std::clamp(static_cast<std::uint64_t>(kAheadSeconds * job_.plan.rate_hz),
-                      kLeastOwnClockTicks, kLockstepAheadTicks);
-  }
-  return static_cast<std::uint64_t>(std::ceil(kAheadSeconds * clock_.ticks_per_s())) + 4;
+ChainLinks Engraving::LinksNow(const EngravingInputs& inputs) const {
+  return LinksOf(inputs, laser_, shutters_.run_mask());
 }
 
 void Engraving::Turn(const EngravingInputs& inputs) {
-  now_ = inputs.now;
-  motion_fault_ = inputs.motion.fault;
   granted_ = inputs.permission_granted;
-  grant_heard_ = inputs.grant.number > 0;
-  const std::pair status_number{laser_.session(), laser_.status_number()};
-  if (laser_.up() && status_number != status_number_) {
-    status_number_ = status_number;
-    clock_.Observe(laser_.status(), inputs.now);
-  }
-  HearDisarmed();
+  horizon_.Observe(inputs.now);
+  settling_.TakeDisarmed();
   TurnChain(inputs);
-  HaltOverOtherDevice(inputs);
-  HearWord(inputs);
+  RefuseOtherDevice(inputs);
+  if (!stopping_) consent_.TakeConsent(inputs, phase_ == Phase::kHalting);
   AskOverUncertain(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
-  if (phase_ != Phase::kRunning && flushed_ != journal_.appended()) {
-    flushed_ = journal_.appended();
-    journal_.Flush();
-  }
+  if (phase_ != Phase::kRunning) record_.FlushAppended();
   switch (phase_) {
     case Phase::kPreparing:
       return Prepare(inputs);
     case Phase::kWaiting:
-      return Await(inputs);
+      return Wait(inputs);
     case Phase::kRunning:
       return Run(inputs);
     case Phase::kHalting:
-      return SettleHalted(inputs);
+      return Settle(inputs);
     case Phase::kDone:
       return;
   }
 }
 
-void Engraving::Take(const link::PulseReport& report) {
-  if (report.outcome.empty()) return;
-  reported_through_ =
-      std::max(reported_through_, report.first_tick + report.outcome.size() - 1);
-  schedule_.Apply(report, [this](const PulseResult& result) { Record(result); });
+// Key, door and stop latch also before and between runs.
+void Engraving::TurnChain(const EngravingInputs& inputs) {
+  ChainLinks links = LinksNow(inputs);
+  // A new arm counts when it can be acted on: a Reset is sent between runs.
+  if (phase_ == Phase::kHalting) links.permission_fresh = false;
+  const Missing spent_by = chain_.Turn(links, inputs.now);
+  if (spent_by == Missing::kNothing || stopping_) return;
+  if (phase_ == Phase::kRunning) {
+    // An interlock that is open now halts it by itself.
+    if (IsUnseen(spent_by)) Halt({spent_by, TextOf(spent_by), true}, inputs);
+    return;
+  }
+  starts_again_ = lost_a_line_ = false;
+  message_ = TextOf(spent_by);
+  if (consent_.was_asked()) message_ += "; " + consent_.Question();
 }
 
-void Engraving::Await(const EngravingInputs& inputs) {
-  if (stopping_ || NothingIsLeft(inputs)) return Finish();
-  if (!laser_.up() || !laser_.Has(link::kLampWarm) || !job_.block_misfit.empty()) {
+// A line that leads to another machine is no lost line: somebody changes cables, and is
+// to arm when that is done. So each arm is spent while another device answers.
+void Engraving::RefuseOtherDevice(const EngravingInputs& inputs) {
+  const std::string why = OtherDevice(inputs, laser_);
+  if (stopping_ || why.empty()) return;
+  chain_.Latch(false);
+  starts_again_ = lost_a_line_ = false;
+  if (faulted()) message_ = why + ", then resume";
+}
+
+// Also when nothing is open any more: it costs the grant, as a fault does, and the answer
+// is a newer one. Before any was received, there is none that could be spent.
+void Engraving::AskOverUncertain(const EngravingInputs& inputs) {
+  const bool settled = phase_ == Phase::kPreparing || phase_ == Phase::kWaiting;
+  if (stopping_ || !settled || !consent_.MustAsk(inputs)) return;
+  const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
+  Explain({Missing::kNothing, why + consent_.Question(), true}, inputs.motion.fault);
+  consent_.NoteAsked();
+}
+
+void Engraving::Prepare(const EngravingInputs& inputs) {
+  if (stopping_) return Finish();
+  std::string wait = preparation_.Refusal();
+  if (wait.empty()) {
+    preparation_.LightLamp(inputs.now);
+    preparation_.LeaveSafeState(chain_.may_reset(LinksNow(inputs)), inputs.now);
+    SendIdleTicks();
+    wait = preparation_.WhatIsMissing(inputs.motion);
+  }
+  // A fault that waits for the operator keeps its message.
+  if (!faulted()) message_ = wait;
+  if (wait.empty()) phase_ = Phase::kWaiting;
+}
+
+void Engraving::Wait(const EngravingInputs& inputs) {
+  const auto nothing_is_left = [&] {
+    return !consent_.KeepsJobOpen(inputs) &&
+           (!record_.ledger().NextOpen(0) || run_.is_fruitless());
+  };
+  if (stopping_ || nothing_is_left()) return Finish();
+  if (preparation_.is_lost()) {
     phase_ = Phase::kPreparing;
     return;
   }
-  LeaveSafeState(inputs);
+  preparation_.LeaveSafeState(chain_.may_reset(LinksNow(inputs)), inputs.now);
   // In lockstep it brakes only while ticks pass, which in a safe state none does.
   const bool seen = inputs.motion.fresh && !inputs.motion.line_down();
   if (seen && !inputs.motion.at_rest) {
-    AbortEarlierRun(inputs);
-    KeepIdleTicksPassing();
+    if (run_count() == 0) settling_.AbortEarlierRun(inputs.motion, inputs.now);
+    SendIdleTicks();
   }
+  const bool closed = shutters_.KeepClosed(inputs.now);
+  if (!MayFire(inputs) || !ClocksAreKnown(inputs)) return;
+  if (shutters_.fails_to_close(inputs.now)) {
+    message_ = "a shutter does not close: see to it, then the job goes on";
+  }
+  // The plan begins where the stage is, and with a shutter that is seen to open.
+  if (!closed || !inputs.motion.at_rest) return;
+  bool reopened_any = false;
+  const bool all_open =
+      record_.LeaveOutBefore(inputs.first_point) && consent_.Reopen(inputs, reopened_any);
+  if (reopened_any) run_.ForgetFruitless();
+  if (all_open && JournalIsWritten()) BeginRun(inputs);
+}
+
+// All links but the shutters, which open when the others hold.
+bool Engraving::MayFire(const EngravingInputs& inputs) {
   ChainLinks links = LinksNow(inputs);
   // A stage's fault is cleared by the bridge when it begins the run.
   if (!chain_.latched() && !inputs.motion.line_down()) {
     links.motion_without_fault = true;
   }
-  const bool closed = ShuttersClosed(inputs);
   const Missing missing = chain_.WhatIsMissing(links, false);
-  if (missing != Missing::kNothing) {
-    starts_again_ = false;
-    if (!faulted()) message_ = TextFor(missing, inputs.motion);
-    return;
+  if (missing == Missing::kNothing) return true;
+  starts_again_ = false;
+  if (!faulted()) message_ = TextFor(missing, inputs.motion);
+  return false;
+}
+
+// How far ahead to plan is not known before the lamp's pace is, and a stage on a clock of
+// its own is moved only by a clock that is known.
+bool Engraving::ClocksAreKnown(const EngravingInputs& inputs) {
+  if (!horizon_.is_settled()) return false;
+  horizon_.UseMotionClock(inputs.motion_clock);
+  if (inputs.motion_clock == nullptr) return true;
+  if (inputs.motion_clock->settled()) {
+    return !horizon_.lockstep() ||
+           inputs.motion_clock->newest_tick() + kMaxUnstampedTicks >= ticks_.decided();
   }
-  // How far ahead to plan is not known before the lamp's pace is.
-  if (!laser_.identity().lockstep && !clock_.settled()) return;
-  if (!MotionClockSettles(inputs)) return;
-  // The plan begins where the stage stands, and with a shutter that is seen to open.
-  if (!closed && inputs.now - closing_since_ > kShutterTimeout) {
-    message_ = "a shutter does not close: see to it, then the job goes on";
-  }
-  if (!closed || !inputs.motion.at_rest) return;
-  if (LeaveOutBefore(inputs.first_point) && ReopenUncertain(inputs) &&
-      JournalIsWritten()) {
-    StartRun(inputs);
-  }
+  if (!started()) message_ = "the clock of the stage's controller is being measured";
+  SendIdleTicks();
+  return false;
 }
 
 // With room for what a run appends, and nothing that only this process knows.
 bool Engraving::JournalIsWritten() {
-  if (journal_.durable() == journal_.appended()) return true;
-  if (journal_.failed()) message_ = journal_.error();
+  if (record_.is_durable()) return true;
+  if (record_.disk_failed()) message_ = record_.disk_error();
   return false;
 }
 
-// For good: the journal tells every later life of it. They may be more than the journal's
-// ring takes at once; false: the next turns go on.
-bool Engraving::LeaveOutBefore(std::uint32_t point) {
-  for (auto next = ledger_.NextOpen(left_out_before_); next && *next < point;
-       next = ledger_.NextOpen(*next)) {
-    if (!journal_.Append({JournalKind::kOutcome, PointOutcome::kLeftOut,
-                          static_cast<std::uint8_t>(SkipReason::kLeftOut), run_, 0, *next,
-                          pulses_before_job_ + fired_count_})) {
-      return false;
-    }
-    ledger_.LeaveOut(*next);
-    results_({0, *next, PointOutcome::kSkipped, SkipReason::kLeftOut});
-    left_out_before_ = *next + 1;
+void Engraving::BeginRun(const EngravingInputs& inputs) {
+  if (!shutters_.Open(run_.NextMask(), inputs.now)) return;
+  if (!started() || record_.power_up() != laser_.identity().power_up) {
+    record_.TakeCounters(laser_);
   }
-  return true;
-}
-
-void Engraving::StartRun(const EngravingInputs& inputs) {
-  const ChannelMask mask = MaskOfNextRun();
-  if (!laser_.CanSend() || !laser_.OpenShutters(mask)) return;
-  run_mask_ = mask;
-  (void)laser_.RequestStatus();
-  const link::LaserStatus& status = laser_.status();
-  if (!started() || power_up_ != laser_.identity().power_up) TakeCounters();
-  if (openings_accepted_ != chain_.counters().openings) {
-    openings_accepted_ = chain_.counters().openings;
-    TellSession();
-  }
-  session_ = laser_.session();
-  run_ = std::max(run_, inputs.motion.highest_run) + 1;
-  ++run_count_;
-  asks_ = asked_ = false;
-  passed_by_ = false;
-  missed_in_a_row_ = 0;
-  passed_by_tick_ = 0;
-  shutters_seen_open_ = false;
-  ended_before_run_ =
-      ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
-  decided_ = std::max({TickNow(inputs), status.decided_through,
-                       laser_.identity().lockstep ? decided_ : 0});
-  sent_through_ = reported_through_ = decided_;
-  windows_.clear();
-  const std::uint64_t lead =
-      laser_.identity().lockstep ? 4 : AheadTicks() << late_starts_;
-  TakeSpeed(inputs);
-  feed_.Begin(job_.uid, run_, decided_ + lead, inputs.motion.position_mm, job_.plan,
-              inputs.motion_clock);
-  if (own_clock_) clock_steps_ = inputs.motion_clock->steps();
-  run_began_at_ = inputs.now;
+  record_.AcceptOpenings(laser_, chain_.counters().openings);
+  consent_.BeginRun();
+  run_.Begin(inputs);
   message_.clear();
   phase_ = Phase::kRunning;
 }
 
 void Engraving::Run(const EngravingInputs& inputs) {
-  if (stopping_) return Halt(Missing::kNothing, message_, false);
-  if (laser_.session() != session_) {
-    return Halt(Missing::kLaserLine, TextOf(Missing::kLaserLine), true);
+  if (stopping_) return Halt({Missing::kNothing, message_, false}, inputs);
+  if (ticks_.session_lost()) {
+    return Halt({Missing::kLaserLine, TextOf(Missing::kLaserLine), true}, inputs);
   }
   ChainLinks links = LinksNow(inputs);
   // Until the controller executes this run, a fault is that of an older one, which the
   // bridge clears, or a start that came too late, which is tried again.
-  const bool our_run = inputs.motion.run == run_;
-  if (!our_run && !inputs.motion.line_down()) {
+  if (!run_.is_executed(inputs.motion) && !inputs.motion.line_down()) {
     links.motion_without_fault = true;
   }
-  shutters_seen_open_ = shutters_seen_open_ || links.shutters_open;
-  const Missing missing = chain_.WhatIsMissing(links, shutters_seen_open_);
+  const Missing missing = chain_.WhatIsMissing(links, shutters_.UpdateSeenOpen());
   if (missing != Missing::kNothing) {
     const bool fault = missing != Missing::kPermission;
-    return Halt(
-        missing,
-        missing == Missing::kMotionFault ? inputs.motion.message : TextOf(missing),
-        fault);
+    return Halt({missing, TextFor(missing, inputs.motion), fault}, inputs);
   }
-  if (passed_by_) return HaltOverSkipped();
-  if (missed_in_a_row_ >= job_.max_missed_in_a_row) return HaltOverMissed();
-  if (feed_.dropped()) {
-    return Halt(Missing::kMotionState, "the motion bridge has dropped the run; resume",
-                true);
-  }
-  if (own_clock_ &&
-      (inputs.motion_clock == nullptr || inputs.motion_clock->steps() != clock_steps_)) {
-    return Halt(
-        Missing::kNothing,
-        "the clock of the stage's controller has changed its pace: the run starts "
-        "again",
-        false);
-  }
-  FeedMotion(inputs);
-  DecideTicks(inputs);
-  if (phase_ != Phase::kRunning) return;
-  SendDurableWindows();
-  if (our_run && feed_.sent_all() && schedule_.empty() && inputs.motion.at_rest &&
-      windows_.empty()) {
-    FinishRun();
-  }
-}
-
-void Engraving::TakeSpeed(const EngravingInputs& inputs) {
-  if (inputs.speed_percent == speed_percent_) return;
-  speed_percent_ = inputs.speed_percent;
-  least_speed_percent_ = std::min(least_speed_percent_, speed_percent_);
-  ++speed_changes_;
-  feed_.SetSpeed(speed_percent_ / 100.0, schedule_);
-}
-
-void Engraving::FeedMotion(const EngravingInputs& inputs) {
-  TakeSpeed(inputs);
-  const auto next = [this]() -> std::optional<MotionFeed::Target> {
-    const auto point = open_points_.Next();
-    if (!point) return std::nullopt;
-    return MotionFeed::Target{*point, job_.machine_points_mm[*point]};
-  };
-  std::uint64_t now = TickNow(inputs);
-  // No further than the controller's clock is known.
-  if (own_clock_) now = std::min(now, inputs.motion_clock->newest_tick());
-  feed_.Advance(std::max(now, feed_.start_tick()) + AheadTicks(), next, schedule_);
-}
-
-void Engraving::DecideTicks(const EngravingInputs& inputs) {
-  const bool lockstep = laser_.identity().lockstep;
-  const bool covered = inputs.motion.run == run_;
-  const std::uint64_t now = TickNow(inputs);
-  if (!covered && !lockstep && now >= feed_.start_tick()) {
-    // The run did not reach the stage in time; nothing was armed, so it may start anew.
-    if (++late_starts_ > kMaxLateStarts) {
-      late_starts_ = 0;
-      return Halt(Missing::kMotionState, "the motion bridge is too slow to start a run",
-                  true);
-    }
-    return Halt(Missing::kNothing, "the run is started again: it came too late", false);
-  }
-  if (covered) late_starts_ = 0;
-  std::uint64_t limit =
-      covered ? inputs.motion.covered_through_tick : feed_.start_tick() - 1;
-  std::uint64_t window = kLockstepWindowTicks;
-  // By a clock of its own the stage may come to rest a little after its last tick.
-  if (lockstep && own_clock_ && covered && feed_.sent_all()) limit += kTicksToRest;
-  if (lockstep) {
-    limit = std::min(limit, reported_through_ + 4 * window);
-  } else {
-    window = std::clamp<std::uint64_t>(AheadTicks() / 2, 2, link::kMaxArmTicks);
-    limit = std::min(limit, now + window);
-    decided_ = std::max(decided_, now);
-  }
-  while (decided_ < limit) {
-    const std::uint64_t last = std::min(limit, decided_ + window);
-    // A narrow window costs as much as a wide one; wait unless the machine waits for us.
-    const bool idle = reported_through_ >= decided_ && windows_.empty();
-    if (lockstep && last - decided_ < window / 4 && !idle) return;
-    if (!LinksNow(inputs).shutters_open) return AwaitShutter(inputs);
-    if (!Prearm(decided_ + 1, last)) return;
-    decided_ = last;
-  }
-}
-
-bool Engraving::Prearm(std::uint64_t first, std::uint64_t last) {
-  Window window;
-  bool kept = true;
-  window.arm = schedule_.Decide(
-      first, last,
-      [&](std::uint64_t tick, std::uint32_t point) {
-        ledger_.Arm(point);
-        kept &= journal_.Append(
-            {JournalKind::kIntent, PointOutcome::kNone, 0, run_, tick, point, 0});
-      },
-      [this](std::uint32_t) {
-        passed_by_ = true;
-        passed_by_reason_ = SkipReason::kLate;
-      });
-  job_.trigger->Mark(window.arm);
-  if (!kept || journal_.failed()) {
-    Halt(Missing::kNothing,
-         journal_.failed() ? journal_.error()
-                           : "the journal's disk does not keep up: the run is stopped",
-         true);
-    return false;
-  }
-  window.journal_number = journal_.appended();
-  windows_.push_back(std::move(window));
-  journal_.Flush();
-  return true;
-}
-
-void Engraving::SendDurableWindows() {
-  if (journal_.failed()) return Halt(Missing::kNothing, journal_.error(), true);
-  while (!windows_.empty() && windows_.front().journal_number <= journal_.durable()) {
-    const link::ArmWindow& arm = windows_.front().arm;
-    if (!laser_.CanSend() || !laser_.Arm(arm)) return;
-    sent_through_ = arm.first_tick + arm.fire.size() - 1;
-    windows_.pop_front();
-  }
-}
-
-void Engraving::AwaitShutter(const EngravingInputs& inputs) {
-  if (inputs.now - run_began_at_ > kShutterTimeout) {
-    Halt(Missing::kShutter, TextOf(Missing::kShutter), true);
-  }
-}
-
-void Engraving::FinishRun() {
-  const std::uint64_t ended =
-      ledger_.count(PointState::kMade) + ledger_.count(PointState::kMissed);
-  idle_runs_ = ended == ended_before_run_ ? idle_runs_ + 1 : 0;
+  if (const auto reason = run_.Turn(inputs)) return Halt(*reason, inputs);
+  if (!run_.is_finished(inputs)) return;
+  run_.Finish();
   phase_ = Phase::kWaiting;
 }
 
-// While the line is up the next turn tries again: nobody comes after it to say "off".
+void Engraving::Halt(const HaltReason& reason, const EngravingInputs& inputs) {
+  settling_.Begin(ReasonOf(reason.missing), inputs.now);
+  Explain(reason, inputs.motion.fault);
+  phase_ = Phase::kHalting;
+}
+
+void Engraving::Explain(const HaltReason& reason, intaglio_MotionFault motion_fault) {
+  message_ = reason.text;
+  starts_again_ = reason.starts_again();
+  lost_a_line_ = IsLostLine(reason.missing, motion_fault);
+  if (reason.fault) chain_.Latch(lost_a_line_);
+}
+
+void Engraving::Settle(const EngravingInputs& inputs) {
+  CheckFaultBehindSkips(inputs);
+  if (run_count() == 0) settling_.AbortEarlierRun(inputs.motion, inputs.now);
+  const auto finding =
+      settling_.Turn(inputs.now, inputs.grant.number > 0, run_count() == 0);
+  if (finding) Explain({Missing::kNothing, *finding, true}, inputs.motion.fault);
+  LeaveHalt(inputs);
+}
+
+void Engraving::LeaveHalt(const EngravingInputs& inputs) {
+  const bool late = settling_.is_late(inputs.now), disarmed = settling_.disarmed();
+  // Who is ending does not wait for a line that may never come back: the intents stay
+  // open in the journal, and who takes the job up asks the controller.
+  if (late && stopping_) return Finish();
+  if (!settling_.all_settled()) return;
+  const bool grant_known = inputs.grant.number > 0;
+  if (stopping_ ? laser_.up() && !disarmed : !disarmed || !grant_known) return;
+  if (starts_again_ && inputs.motion.tick < run_.passed_by_tick() && !late) return;
+  const bool moving = inputs.motion.fresh && !inputs.motion.at_rest;
+  if (moving && !late) return SendIdleTicks();
+  if (stopping_) return Finish();
+  phase_ = Phase::kWaiting;
+}
+
+// The laser's report of a skipped pulse may come before the stage's report of why, or
+// before the controller's own: then the run does not start again by itself.
+void Engraving::CheckFaultBehindSkips(const EngravingInputs& inputs) {
+  if (!starts_again_) return;
+  ChainLinks links = LinksNow(inputs);
+  // A run that came too late is no fault of this one.
+  if (!run_.is_executed(inputs.motion)) links.motion_without_fault = true;
+  const Missing missing = FirstMissing(links, false);
+  if (missing == Missing::kNothing || missing == Missing::kPermission) return;
+  Explain({missing, TextFor(missing, inputs.motion), true}, inputs.motion.fault);
+}
+
+// In lockstep no tick passes that nobody decided: a lamp warms up by ticks, and a stage
+// brakes by them.
+void Engraving::SendIdleTicks() {
+  if (!horizon_.lockstep() || !laser_.CanSend()) return;
+  if (!settling_.AwaitsDisarm()) ticks_.SendIdle(horizon_.IdleTicks());
+}
+
+// While the line is up the next turn tries again: nobody comes after it to switch off.
 void Engraving::Finish() {
   if (!stopping_ && !JournalIsWritten()) return;
-  const bool told = laser_.CanSend() && laser_.OpenShutters(0) &&
+  const bool sent = laser_.CanSend() && laser_.OpenShutters(0) &&
                     (lamp_stays_ || laser_.Lamp(false, job_.plan.rate_hz));
-  if (told || !laser_.up()) phase_ = Phase::kDone;
+  if (sent || !laser_.up()) phase_ = Phase::kDone;
 }
 
 void Engraving::Stop(const std::string& why, bool lamp_stays) {

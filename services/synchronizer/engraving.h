@@ -1,97 +1,81 @@
 #pragma once
 
-// Makes the points of one job: decides every tick ahead, and takes every result.
+// Makes the points of one job: a state machine over the parts that do the work.
 //
-//             laser up, motion state        chain whole, points open
-//   kPreparing ------------------> kWaiting ------------------------> kRunning
-//       lamp on, warms up          ^  ^  | nothing left                  |  |
-//                                  |  |  +--> kDone                      |  | all sent,
-//                                  reported, |  +----------------------------------+  |
-//                                  at rest: next pass |                    (pass
-//                                  finished)     | | | a link of the chain lost
-//                                  +--- all armed settled, at rest --- kHalting
+//               laser up, lamp warm,        chain whole,
+//               stage state known           points open
+//   kPreparing ----------------------> kWaiting --------> kRunning
+//       ^                               |  ^  ^              |  |
+//       |  lamp or laser line lost      |  |  | all made,    |  |
+//       +-------------------------------+  |  | at rest      |  |  a link lost, a point
+//                                       |  |  +--------------+  |  passed by
+//        nothing is left                |  |                    v
+//   kDone <-----------------------------+  +-------------- kHalting <-- taken up
+//     ^                  all armed settled, at rest             |
+//     +------ stopped: settled, or the line stays down ----------+
 //
-// A run is a pass over the open points from rest to rest, as far as they are made in the
-// same channels: shutters are moved between runs. kHalting takes back what has
-// not fired (Disarm), brakes the stage and closes the shutters, then settles every armed
-// point: by report, by what the controller remembers when reports were lost, or, after
-// another power-up of it, as uncertain. It is not left before the controller has said
-// that nothing is armed, and its counter was looked at if the line was lost. A job that
-// an earlier life left begins there.
+// | phase      | part that works                                                     |
+// |------------|---------------------------------------------------------------------|
+// | kPreparing | MachinePreparation: lamp, safe state                                |
+// | kWaiting   | Consent: uncertain points; Shutters: closed                         |
+// | kRunning   | EngravingRun: one pass over the open points, from rest to rest;     |
+// |            | TickWindows arms its ticks; Shutters: those of its channels open    |
+// | kHalting   | Settling: disarm, brake, and a result for every armed point         |
+//
+// kHalting is not left before the controller has reported that nothing is armed, and its
+// counter was checked if the line was lost. A job that an earlier life left begins there.
 // After a fault (anything but a withdrawn permission) only a new grant counts: nothing
-// restarts by itself (permission_chain.h). So it is, if the job says so, when points are
-// left of which nobody knows whether they were fired, even if nothing else is left.
+// restarts by itself (permission_chain.h). The same holds, if the job asks for it, when
+// points are left of which nobody knows whether they were fired, even if nothing else is
+// left.
 //
 // No pulse without: an intent on disk, the motion for its tick in the controller, and
 // the whole permission chain at the moment of arming. Used from one thread; no waits.
 
-#include <chrono>
 #include <cstdint>
-#include <deque>
-#include <functional>
 #include <string>
-#include <vector>
 
-#include "engrave/core/channels.h"
-#include "engrave/machine/axes_from_glass.h"
+#include "services/synchronizer/engraving/consent.h"
+#include "services/synchronizer/engraving/engraving_job.h"
+#include "services/synchronizer/engraving/engraving_run.h"
+#include "services/synchronizer/engraving/halt_reason.h"
+#include "services/synchronizer/engraving/machine_preparation.h"
+#include "services/synchronizer/engraving/settling.h"
+#include "services/synchronizer/engraving/shutters.h"
 #include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/motion_feed.h"
 #include "services/synchronizer/permission/permission_chain.h"
-#include "services/synchronizer/pulses/earlier_work.h"
 #include "services/synchronizer/pulses/journal_writer.h"
 #include "services/synchronizer/pulses/laser_controller.h"
-#include "services/synchronizer/pulses/open_points.h"
-#include "services/synchronizer/pulses/point_ledger.h"
+#include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
-#include "services/synchronizer/pulses/pulse_trigger.h"
-#include "services/synchronizer/pulses/tick_clock.h"
+#include "services/synchronizer/pulses/tick_horizon.h"
+#include "services/synchronizer/pulses/tick_windows.h"
 
 namespace intaglio::synchronizer {
-
-struct EngravingJob {
-  std::string uid;
-  /// The machine's axes at each point (mm, or rad of those that turn), in the order of
-  /// engraving.
-  PointList machine_points_mm;
-  machine::AxesFromGlass machine_from_glass = {};  ///< for messages
-  /// Where the focus is in air, machine frame; empty: the axes are the same numbers.
-  PointList places_mm = {};
-  double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
-  motion::PlanOptions plan;
-  const PulseTrigger* trigger = &TriggerAtTick();
-  ChannelMask shutter_mask = 1;  ///< of all points
-  /// Of each point, when they differ: it is made with these shutters open and no other.
-  std::vector<ChannelMask> masks = {};
-  /// Pulses that no crack was seen of, until it pauses.
-  std::uint32_t max_missed_in_a_row = 5;
-  bool photosensor_feedback = true;  ///< false: nothing sees cracks, fired is made
-  /// Points of which nobody knows whether they were fired: a person is asked.
-  bool asks_when_uncertain = false;
-  /// Why nothing is to be fired into the block that is in the machine; empty: it is.
-  std::string block_misfit = {};
-  EarlierWork earlier = {};
-};
 
 class Engraving {
  public:
   enum class Phase { kPreparing, kWaiting, kRunning, kHalting, kDone };
 
-  /// `chain` has been told of the job, and is turned by this from now on.
+  /// All outlive this. `chain` has begun the job, and is turned by this from now on.
   Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
             JournalWriter& journal, PermissionChain& chain,
             PulseSchedule::ResultSink results);
 
   void Turn(const EngravingInputs& inputs);
   /// The controller's report, as LaserController::Poll hands it over.
-  void Take(const link::PulseReport& report);
-  void Take(const link::PastReport& report);
+  void Take(const link::PulseReport& report) { ticks_.Take(report); }
+  void Take(const link::PastReport& report) {
+    if (phase_ == Phase::kHalting) settling_.Take(report);
+  }
   /// Shutters closed, lamp off, motion braked; what is armed is settled over the next
   /// turns, or left open in the journal when the line stays down. For cancelled jobs and
   /// the end of the process; `lamp_stays` for a job that will be taken up again.
   void Stop(const std::string& why, bool lamp_stays = false);
 
   Phase phase() const { return phase_; }
-  const PointLedger& ledger() const { return ledger_; }
+  const PointLedger& ledger() const { return record_.ledger(); }
   /// What it waits for or why it halted; empty while all is well.
   const std::string& message() const { return message_; }
   /// Halted by a fault, not by a withdrawn permission: the grant is spent.
@@ -99,162 +83,69 @@ class Engraving {
   /// What was lost is a line or a neighbour, not the machine's safety: it may be resumed
   /// without anybody walking to the machine.
   bool lost_a_line() const { return lost_a_line_; }
-  bool started() const { return run_count_ > 0 || taken_up_; }
+  bool started() const { return run_.count() > 0 || taken_up_; }
   /// Of points that nobody knows of, and nobody has answered yet.
-  bool asks() const { return asks_; }
+  bool asks() const { return consent_.asks(); }
   /// It fires nothing until somebody or something outside lets it.
   bool waits() const {
     const bool begun = started() || faulted() || (granted_ && !job_.block_misfit.empty());
     return begun && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
   }
-  std::uint32_t run_count() const { return run_count_; }
-  std::uint64_t first_fired_tick() const { return first_fired_tick_; }
-  std::uint64_t last_fired_tick() const { return last_fired_tick_; }
-  /// Least speed override that motion was planned with, and how often it changed.
-  std::uint32_t least_speed_percent() const { return least_speed_percent_; }
-  std::uint32_t speed_changes() const { return speed_changes_; }
-  /// Points made that no report told of, but the controller's memory.
-  std::uint64_t settled_by_memory() const { return settled_by_memory_; }
+  std::uint32_t run_count() const { return run_.count(); }
+  std::uint64_t first_fired_tick() const { return record_.first_fired_tick(); }
+  std::uint64_t last_fired_tick() const { return record_.last_fired_tick(); }
+  /// Lowest speed override that motion was planned with, and how often it changed.
+  std::uint32_t min_speed_percent() const { return run_.min_speed_percent(); }
+  std::uint32_t speed_changes() const { return run_.speed_changes(); }
+  /// Points made that no report was received of, but the controller's memory.
+  std::uint64_t settled_by_memory_count() const {
+    return settling_.settled_by_memory_count();
+  }
 
  private:
-  ChainLinks LinksNow(const EngravingInputs& inputs) const {
-    return LinksOf(inputs, laser_, run_mask_);
-  }
-  std::uint64_t TickNow(const EngravingInputs& inputs) const;
-  std::uint64_t AheadTicks() const;
-  bool MotionClockSettles(const EngravingInputs& inputs);
-  void TakeSpeed(const EngravingInputs& inputs);
-  void FeedMotion(const EngravingInputs& inputs);
+  void Note(const PulseResult& result);
+  ChainLinks LinksNow(const EngravingInputs& inputs) const;
+  void TurnChain(const EngravingInputs& inputs);
+  void RefuseOtherDevice(const EngravingInputs& inputs);
+  void AskOverUncertain(const EngravingInputs& inputs);
 
   void Prepare(const EngravingInputs& inputs);
-  std::string WhatPreparationWaitsFor(const EngravingInputs& inputs);
-  void LeaveSafeState(const EngravingInputs& inputs);
-  void LightLamp(const EngravingInputs& inputs);
-  void TurnChain(const EngravingInputs& inputs);
-  void HaltOverOtherDevice(const EngravingInputs& inputs);
-  bool ShuttersClosed(const EngravingInputs& inputs);
-  void Await(const EngravingInputs& inputs);
-  bool LeaveOutBefore(std::uint32_t point);
-  void HearWord(const EngravingInputs& inputs);
-  bool WordIsOf(const Grant& grant) const;
-  bool WordStands(const EngravingInputs& inputs) const;
-  bool WordAnswers(const EngravingInputs& inputs) const;
-  bool ReopenUncertain(const EngravingInputs& inputs);
-  void AskOverUncertain(const EngravingInputs& inputs);
-  std::string QuestionOverUncertain() const;
-  bool NothingIsLeft(const EngravingInputs& inputs) const;
-  bool JournalIsWritten();
-  ChannelMask MaskOfNextRun();
-  void StartRun(const EngravingInputs& inputs);
+  void Wait(const EngravingInputs& inputs);
+  bool MayFire(const EngravingInputs& inputs);
+  bool ClocksAreKnown(const EngravingInputs& inputs);
+  void BeginRun(const EngravingInputs& inputs);
   void Run(const EngravingInputs& inputs);
-  void DecideTicks(const EngravingInputs& inputs);
-  bool Prearm(std::uint64_t first, std::uint64_t last);
-  void SendDurableWindows();
-  void FinishRun();
-  void Halt(Missing missing, const std::string& text, bool fault);
-  void Explain(Missing missing, const std::string& text, bool fault);
-  void HaltOverSkipped();
-  void HaltOverMissed();
-  void LookForFaultBehindSkips(const EngravingInputs& inputs);
-  void SettleHalted(const EngravingInputs& inputs);
-  bool AskToDisarm();
-  void HearDisarmed();
-  void TakeUp();
-  void AbortEarlierRun(const EngravingInputs& inputs);
-  void SettleByMemory(bool late);
-  void AskForThePast();
-  void CompareCounters();
-  bool DoubtNextPoints();
-  void TakeCounters();
-  void TellSession();
-  void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
-  void AwaitShutter(const EngravingInputs& inputs);
-  void KeepIdleTicksPassing();
-  void Record(PulseResult result);
+  void Settle(const EngravingInputs& inputs);
+  void LeaveHalt(const EngravingInputs& inputs);
   void Finish();
 
-  // Of what is asked for until it is answered.
-  static constexpr std::chrono::milliseconds kRequestPeriod{20};
-  // Passes over points that were skipped, as long as a pass makes at least one.
-  static constexpr int kMaxIdleRuns = 2;
-
-  struct Window {
-    std::uint64_t journal_number = 0;  // sent once this many records are durable
-    link::ArmWindow arm;
-  };
+  void Halt(const HaltReason& reason, const EngravingInputs& inputs);
+  void Explain(const HaltReason& reason, intaglio_MotionFault motion_fault);
+  void CheckFaultBehindSkips(const EngravingInputs& inputs);
+  bool JournalIsWritten();
+  void SendIdleTicks();
 
   EngravingJob job_;
   LaserController& laser_;
-  MotionFeed& feed_;
-  JournalWriter& journal_;
   PermissionChain& chain_;
   PulseSchedule::ResultSink results_;
-  PointLedger ledger_;
-  OpenPoints open_points_;
-  PulseSchedule schedule_;
-  std::deque<Window> windows_;
+  PulseRecord record_;
+  TickWindows ticks_;
+  TickHorizon horizon_;
+  MachinePreparation preparation_;
+  Shutters shutters_;
+  EngravingRun run_;
+  Settling settling_;
+  Consent consent_;
 
   Phase phase_ = Phase::kPreparing;
   std::string message_;
-  bool granted_ = false, grant_heard_ = false;  // by the newest word; of this job
-  bool starts_again_ = false;  // of its own accord, after a run that began too late
+  bool granted_ = false;       // by the newest permission
+  bool starts_again_ = false;  // by itself, after a run that was broken off
   bool lost_a_line_ = false;
-  bool asks_ = false, asked_ = false;   // of uncertain points: not answered; said
-  std::uint64_t word_grant_ = 0;        // greatest whose word to fire them was heard
-  std::vector<std::uint32_t> word_of_;  // what it is about and is not open yet
   bool stopping_ = false;
   bool lamp_stays_ = false;
-  std::uint32_t left_out_before_ = 0;
-  bool taken_up_ = false;      // from an earlier life
-  bool session_told_ = false;  // to the journal
-  std::uint32_t run_ = 0;
-  std::uint32_t run_count_ = 0;
-  bool passed_by_ = false;  // a point of this run was reached and not fired
-  SkipReason passed_by_reason_ = SkipReason::kNone;
-  std::uint64_t passed_by_tick_ = 0;
-  ChannelMask run_mask_ = 0;                    // shutters of this run
-  bool shutters_seen_open_ = false;             // in this run
-  std::chrono::nanoseconds closing_since_{-1};  // outside a run; -1: all are closed
-  std::uint64_t ended_before_run_ = 0;
-  int idle_runs_ = 0;
-  int fruitless_runs_ = 0;
-  std::uint32_t missed_in_a_row_ = 0;  // in this run
-  int late_starts_ = 0;
-  std::uint32_t speed_percent_ = 100;  // of the motion planned last
-  std::uint32_t least_speed_percent_ = 100;
-  std::uint32_t speed_changes_ = 0;
-  bool own_clock_ = false;  // of the motion controller, in this run
-  std::uint32_t clock_steps_ = 0;
-  std::uint64_t decided_ = 0;  // by us, sent or about to be
-  std::uint64_t sent_through_ = 0;
-  std::uint64_t reported_through_ = 0;
-  std::uint64_t session_ = 0;
-  std::uint32_t power_up_ = 0;
-  // Both modulo 2^32: what the controller counted before, and what it made for us.
-  std::uint32_t pulses_before_job_ = 0;
-  std::uint32_t fired_count_ = 0;
-  // Openings of interlocks in spite of which a run was begun: what later lives need not
-  // ask about.
-  std::uint32_t openings_accepted_ = 0;
-  std::uint32_t doubts_left_ = 0;  // pulses that may have made the next open points
-  std::uint64_t uncertain_before_halt_ = 0;
-  std::uint64_t settled_by_memory_ = 0;
-  std::uint64_t first_fired_tick_ = 0;
-  std::uint64_t last_fired_tick_ = 0;
-  std::chrono::nanoseconds now_{0};
-  intaglio_MotionFault motion_fault_ = intaglio_MOTION_OK;
-  std::chrono::nanoseconds run_began_at_{0};
-  std::chrono::nanoseconds halted_at_{0};
-  SkipReason skip_reason_ = SkipReason::kNone;
-  std::uint64_t disarm_session_ = 0;
-  bool disarm_asked_ = false;
-  bool disarm_seen_ = false;
-  TickClock clock_;
-  std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number
-  std::chrono::nanoseconds next_request_{0}, next_close_{0}, next_past_{0},
-      next_abort_{0};
-  std::uint64_t lamp_session_ = 0;
-  std::uint64_t flushed_ = 0;
+  bool taken_up_ = false;  // from an earlier life
 };
 
 }  // namespace intaglio::synchronizer

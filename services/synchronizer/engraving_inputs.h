@@ -35,7 +35,7 @@ struct MotionView {
   }
 };
 
-/// What the outside says at one turn.
+/// The state of the world outside, of one turn.
 struct EngravingInputs {
   std::chrono::nanoseconds now{0};  ///< monotonic
   bool permission_fresh = false;
@@ -44,8 +44,7 @@ struct EngravingInputs {
   bool stop_pressed = false;
   std::uint32_t speed_percent = 100;  ///< override, 10..100
   std::uint32_t first_point = 0;      ///< open points before it are left out
-  /// With the grant: a person's word to fire again what is uncertain when it is heard, or
-  /// becomes so of what was armed before it.
+  /// With the grant: a person's consent to fire uncertain points again (consent.h).
   bool fire_uncertain = false;
   MotionView motion;
   /// Of a controller with a clock of its own; lives as long as the Engraving.

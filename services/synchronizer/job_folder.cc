@@ -44,7 +44,7 @@ Result<PointCloud> ReadPath(const fs::path& folder) {
     return Fail(ErrorCode::kNotFound,
                 file.string() +
                     " is not there, but the job was begun: see that the folder "
-                    "of its results is mounted, and look at the block",
+                    "of its results is mounted, and check the block",
                 file.string());
   }
   auto table = formats::ReadPly(file);

@@ -5,15 +5,15 @@
 
 #include "engrave/core/check.h"
 
-// How far the line is off. n stamps, late by 0..J evenly: the least of n is late by
-// J / (n + 1) on the average, and the two that carry the line are such least ones of its
+// How far the line is off. n stamps, late by 0..J evenly: the minimum of n is late by
+// J / (n + 1) on the average, and the two that carry the line are such minima of its
 // halves, so at its end, half a window further, it is off by about 4 J / n.
 //
 // How a change of pace shows. All of m stamps are late by more than x with probability
 // (1 - x / J)^m, which for x = 20 J / m is e^-20: never in a job. So each quarter of the
 // stamps has one below that, or there is no one line: the clock has become slower. One
 // that has become faster gives stamps below the line of a second ago, where none can be.
-// A lesser change is followed without a word.
+// A smaller change is followed and not reported.
 
 namespace intaglio::synchronizer {
 namespace {
@@ -21,11 +21,11 @@ namespace {
 // Long enough that the line is good to some us, short enough to follow a crystal that
 // warms up by 1 ppm a second.
 constexpr double kWindowSeconds = 4, kWindowPerAhead = 4;
-constexpr double kLeastWindow = 400, kGreatestWindow = 4096;
+constexpr double kMinWindow = 400, kMaxWindow = 4096;
 constexpr std::size_t kFitEvery = 16;
-constexpr std::size_t kLeastStamps = 16;
+constexpr std::size_t kMinStamps = 16;
 constexpr std::size_t kParts = 4;
-constexpr std::size_t kLeastPart = 64;
+constexpr std::size_t kMinPart = 64;
 constexpr double kNeverFactor = 20;
 // No stamp is early; only the line of a second ago may be wrong, seen 0.35 of the limit.
 constexpr double kAheadOfLimit = 0.6;
@@ -48,7 +48,7 @@ void MotionClock::Reset(double rate_hz) {
 
 void MotionClock::SetAhead(double ticks) {
   window_ = static_cast<std::size_t>(
-      std::clamp(kWindowPerAhead * ticks, kLeastWindow, kGreatestWindow));
+      std::clamp(kWindowPerAhead * ticks, kMinWindow, kMaxWindow));
 }
 
 void MotionClock::Observe(std::uint64_t tick, std::uint64_t controller_ns) {
@@ -65,11 +65,11 @@ void MotionClock::Observe(std::uint64_t tick, std::uint64_t controller_ns) {
       static_cast<double>(static_cast<std::int64_t>(controller_ns - base_ns_));
   stamps_.push_back({ticks, ns - ticks * tick_ns_});
   while (stamps_.size() > window_) stamps_.pop_front();
-  if (++unfitted_ >= kFitEvery || stamps_.size() < kLeastStamps) Fit();
+  if (++unfitted_ >= kFitEvery || stamps_.size() < kMinStamps) Fit();
 }
 
 double MotionClock::ControllerNsAt(double tick) const {
-  Require(!stamps_.empty(), "nothing was heard of tick {} or any other", tick);
+  Require(!stamps_.empty(), "no stamp of tick {} or any other has come", tick);
   const double ticks = tick - static_cast<double>(base_tick_);
   return static_cast<double>(base_ns_) + ticks * tick_ns_ + line_.LateNsAt(ticks);
 }
@@ -117,7 +117,7 @@ void MotionClock::Measure() {
 
 bool MotionClock::LeavesLine() const {
   const std::size_t part = stamps_.size() / kParts;
-  if (part < kLeastPart) return false;
+  if (part < kMinPart) return false;
   for (std::size_t i = 0; i < kParts; ++i) {
     const auto begin = above_ns_.begin() + static_cast<std::ptrdiff_t>(i * part);
     const auto end = begin + static_cast<std::ptrdiff_t>(part);
@@ -155,7 +155,7 @@ void MotionClock::Fit() {
     FitLine();
     Measure();
   }
-  settled_ = stamps_.size() >= kLeastStamps &&
+  settled_ = stamps_.size() >= kMinStamps &&
              uncertainty_ns_ <= std::max(kSettledNs, kSettledTickRatio * tick_ns_);
 }
 

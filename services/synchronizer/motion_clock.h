@@ -1,7 +1,7 @@
 #pragma once
 
 // The clock of a motion controller that runs on an oscillator of its own, against the
-// lamp: from stamps "the lamp's tick n was heard of at t", t in the controller's time,
+// lamp: from stamps "the lamp's tick n was received at t", t in the controller's time,
 // its phase and its drift. A stamp is never early; it is late by what the line took, 0 to
 // some milliseconds, seldom twice the same. So the true line lies just below all stamps:
 // of the lower convex hull of the newest ones it is the edge below their middle (Moon,
@@ -31,7 +31,7 @@ class MotionClock {
   /// How many ticks ahead the line is used: it is laid through four times as many.
   void SetAhead(double ticks);
 
-  /// Controller's time since its power-up, ns, when it heard of `tick`. A tick that does
+  /// Controller's time since its power-up, ns, when it received `tick`. A tick that does
   /// not follow is another power-up of the laser: everything before is forgotten.
   void Observe(std::uint64_t tick, std::uint64_t controller_ns);
 
@@ -46,7 +46,7 @@ class MotionClock {
   /// How often the pace was seen to change.
   std::uint32_t steps() const { return steps_; }
   bool empty() const { return stamps_.empty(); }
-  /// Newest tick that was heard of; 0: none.
+  /// Newest tick that a stamp has come of; 0: none.
   std::uint64_t newest_tick() const { return newest_tick_; }
 
  private:
@@ -76,7 +76,7 @@ class MotionClock {
   Line line_;
   std::deque<Line> earlier_lines_;  // of the last quarter of a window, one a fit
   double uncertainty_ns_ = 0;
-  double limit_ns_ = 0;  // what no chance takes a stamp or the least of a part beyond
+  double limit_ns_ = 0;  // what no chance takes a stamp or the minimum of a part beyond
   bool settled_ = false;
   std::uint32_t steps_ = 0;
 };

@@ -15,7 +15,7 @@ constexpr std::size_t kBatchSegments = 128;
 constexpr std::size_t kTurnSegments = 256;
 // What a better knowledge of the controller's clock may change in a segment's duration at
 // once: 10 us in a tick of 5 ms, 0.12 mm/s of 60.
-constexpr double kMostCorrectionRatio = 0.002;
+constexpr double kMaxCorrectionRatio = 0.002;
 }  // namespace
 
 MotionFeed::MotionFeed(BatchWriter write, GrantLookup grant_of)
@@ -58,9 +58,9 @@ std::vector<std::uint64_t> MotionFeed::ControllerTimes() {
   for (const motion::Segment& segment : pending_) {
     timed_subticks_ += segment.duration_subticks;
     const double due_ns = ns_after(timed_subticks_);
-    const double most_ns = kMostCorrectionRatio * (due_ns - before_ns);
+    const double max_ns = kMaxCorrectionRatio * (due_ns - before_ns);
     const double correction_ns =
-        std::clamp(before_ns - sent_controller_ns_, -most_ns, most_ns);
+        std::clamp(before_ns - sent_controller_ns_, -max_ns, max_ns);
     sent_controller_ns_ += due_ns - before_ns + correction_ns;
     before_ns = due_ns;
     times.push_back(static_cast<std::uint64_t>(std::llround(sent_controller_ns_)));

@@ -44,10 +44,10 @@ class MotionFeed {
                PulseSchedule& schedule);
   /// The share of the job's speed limits that holds from the next motion planned on,
   /// 0.1..1: all the way is taken more slowly, so accelerations go with its square and
-  /// jerks with its cube. What is planned already stands, and comes to rest first.
+  /// jerks with its cube. What is planned already stays, and comes to rest first.
   void SetSpeed(double ratio, PulseSchedule& schedule);
-  /// Tells the bridge to brake to rest and forget its run, ours or, of an earlier life,
-  /// one up to `run`.
+  /// Commands the bridge to brake to rest and forget its run, ours or, of an earlier
+  /// life, one up to `run`.
   Status Abort(std::uint32_t run = 0);
 
   /// The whole run, to its end at rest, has been handed to the bridge.

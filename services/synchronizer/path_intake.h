@@ -25,10 +25,10 @@ class PathIntake {
   /// beyond the window or the size of a batch: then the stream is closed, and what still
   /// comes of it is dropped.
   Status Poll();
-  /// Takes what comes when none is wanted, be it the word that a sorter has gone: left
+  /// Takes what comes when none is wanted, be it the notice that a sorter has gone: left
   /// untaken it would wake the loop again and again.
   void Drop();
-  /// Tells the sorter that no more is wanted.
+  /// Cancels the stream at the sorter.
   void Close();
 
   bool complete() const { return complete_; }

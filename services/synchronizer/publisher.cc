@@ -41,30 +41,31 @@ Publisher::Publisher(bus::Bus& bus, std::string cell, std::string worker)
       lamp_(bus, bus::kLampSync, cell_),
       interlocks_(bus, bus::kInterlock, cell_) {}
 
-void Publisher::Tell(const TaskReport& report, std::chrono::nanoseconds now) {
-  const bool changed = report.state != told_.state || report.message != told_.message ||
-                       report.job_uid != told_.job_uid ||
-                       report.attempt != told_.attempt ||
-                       report.pause_reason != told_.pause_reason;
+void Publisher::PublishTask(const TaskReport& report, std::chrono::nanoseconds now) {
+  const bool changed =
+      report.state != published_.state || report.message != published_.message ||
+      report.job_uid != published_.job_uid || report.attempt != published_.attempt ||
+      report.pause_reason != published_.pause_reason;
   if (!changed && now < next_task_) return;
   next_task_ = now + kTaskPeriod;
-  told_ = report;
-  kept_tasks_.Keep(tasks_, told_.job_uid, 0);
+  published_ = report;
+  kept_tasks_.Keep(tasks_, published_.job_uid, 0);
   intaglio_TaskStatus sample{};
-  sample.job_uid = Borrow(told_.job_uid);
+  sample.job_uid = Borrow(published_.job_uid);
   sample.stage = intaglio_STAGE_ENGRAVE;
   sample.part_count = 1;
-  sample.attempt = told_.attempt;
+  sample.attempt = published_.attempt;
   sample.worker = Borrow(worker_);
-  sample.state = told_.state;
-  sample.done_count = told_.done_count;
-  sample.total_count = told_.total_count;
-  sample.elapsed_s = told_.elapsed_s;
-  sample.estimate_ticks = told_.estimate_ticks;
-  sample.error_code = told_.error_code;
-  sample.pause_reason = told_.pause_reason;
-  sample.message = Borrow(told_.message);
-  const std::vector<std::uint8_t> outcome(told_.outcome.begin(), told_.outcome.end());
+  sample.state = published_.state;
+  sample.done_count = published_.done_count;
+  sample.total_count = published_.total_count;
+  sample.elapsed_s = published_.elapsed_s;
+  sample.estimate_ticks = published_.estimate_ticks;
+  sample.error_code = published_.error_code;
+  sample.pause_reason = published_.pause_reason;
+  sample.message = Borrow(published_.message);
+  const std::vector<std::uint8_t> outcome(published_.outcome.begin(),
+                                          published_.outcome.end());
   Borrow(sample.outcome, outcome);
   (void)tasks_.Write(sample);
 }
@@ -96,28 +97,28 @@ void Publisher::Flush(std::chrono::nanoseconds now, bool all) {
   tick_.clear(), point_.clear(), outcome_.clear(), reason_.clear();
 }
 
-void Publisher::TellLaser(const LaserController& laser, const host::StopLatch& stop,
-                          std::chrono::nanoseconds now) {
-  if (laser.up() && laser.status_number() != told_status_) {
-    told_status_ = laser.status_number();
-    TellLampSync(laser);
+void Publisher::PublishLaser(const LaserController& laser, const host::StopLatch& stop,
+                             std::chrono::nanoseconds now) {
+  if (laser.up() && laser.status_number() != published_status_) {
+    published_status_ = laser.status_number();
+    PublishLampSync(laser);
   }
   const std::uint32_t interlocks =
       (laser.up()
            ? laser.status().interlocks | laser.status().shutters_open << 8 | 1u << 16
            : 0) |
       (stop.pressed() ? 1u << 17 : 0u);
-  if (interlocks == told_interlocks_ && stop.revision() == told_stop_ &&
+  if (interlocks == published_interlocks_ && stop.revision() == published_stop_ &&
       now < next_interlock_) {
     return;
   }
-  told_interlocks_ = interlocks;
-  told_stop_ = stop.revision();
+  published_interlocks_ = interlocks;
+  published_stop_ = stop.revision();
   next_interlock_ = now + kInterlockPeriod;
-  TellInterlock(laser, stop);
+  PublishInterlock(laser, stop);
 }
 
-void Publisher::TellLampSync(const LaserController& laser) {
+void Publisher::PublishLampSync(const LaserController& laser) {
   const link::LaserStatus& status = laser.status();
   intaglio_LampSync sample{};
   sample.cell = Borrow(cell_);
@@ -130,7 +131,8 @@ void Publisher::TellLampSync(const LaserController& laser) {
   (void)lamp_.Write(sample);
 }
 
-void Publisher::TellInterlock(const LaserController& laser, const host::StopLatch& stop) {
+void Publisher::PublishInterlock(const LaserController& laser,
+                                 const host::StopLatch& stop) {
   intaglio_Interlock sample{};
   sample.bus_stop_pressed = stop.pressed();
   const auto held = host::WireOf(stop.held());

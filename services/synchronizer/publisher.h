@@ -1,6 +1,7 @@
 #pragma once
 
-// What a cell tells the bus: the lamp's clock, the interlocks, the pulses, the task.
+// What a cell publishes on the bus: the lamp's clock, the interlocks, the pulses, the
+// task.
 
 #include <chrono>
 #include <cstdint>
@@ -36,19 +37,19 @@ class Publisher {
   Publisher(bus::Bus& bus, std::string cell, std::string worker);
 
   /// At most ten times a second, unless the state or the message changed.
-  void Tell(const TaskReport& report, std::chrono::nanoseconds now);
+  void PublishTask(const TaskReport& report, std::chrono::nanoseconds now);
   /// Pulse results are gathered; a batch goes out when it is full or 20 ms old.
   void BeginJob(const std::string& job_uid);
   void Add(const PulseResult& result);
   void Flush(std::chrono::nanoseconds now, bool all);
   /// The lamp's clock with every status of the controller; interlocks when they change
   /// and once a second.
-  void TellLaser(const LaserController& laser, const host::StopLatch& stop,
-                 std::chrono::nanoseconds now);
+  void PublishLaser(const LaserController& laser, const host::StopLatch& stop,
+                    std::chrono::nanoseconds now);
 
  private:
-  void TellLampSync(const LaserController& laser);
-  void TellInterlock(const LaserController& laser, const host::StopLatch& stop);
+  void PublishLampSync(const LaserController& laser);
+  void PublishInterlock(const LaserController& laser, const host::StopLatch& stop);
 
   std::string cell_;
   std::string worker_;
@@ -58,7 +59,7 @@ class Publisher {
   bus::Writer<intaglio_LampSync> lamp_;
   bus::Writer<intaglio_Interlock> interlocks_;
 
-  TaskReport told_;
+  TaskReport published_;
   std::chrono::nanoseconds next_task_{0};
   std::string job_uid_;
   std::uint64_t pulse_number_ = 0;
@@ -66,9 +67,9 @@ class Publisher {
   std::vector<std::uint32_t> point_;
   std::vector<std::uint8_t> outcome_, reason_;
   std::chrono::nanoseconds next_pulses_{0};
-  std::uint64_t told_status_ = 0;
-  std::uint32_t told_interlocks_ = 0xffffffff;
-  std::uint64_t told_stop_ = 0;
+  std::uint64_t published_status_ = 0;
+  std::uint32_t published_interlocks_ = 0xffffffff;
+  std::uint64_t published_stop_ = 0;
   std::chrono::nanoseconds next_interlock_{0};
 };
 

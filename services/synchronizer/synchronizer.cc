@@ -67,7 +67,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
     intake_.Drop();
   }
   if (engraving_) Engrave(now);
-  publisher_.TellLaser(laser_, stop_, now);
+  publisher_.PublishLaser(laser_, stop_, now);
   publisher_.Flush(now, false);
 }
 
@@ -138,7 +138,7 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   if (auto opened = intake_.Open(job_->job_uid(), attempt_); !opened) {
     return FailTask(opened.error());
   }
-  publisher_.Tell({.job_uid = job_->job_uid(), .attempt = attempt_}, now_);
+  publisher_.PublishTask({.job_uid = job_->job_uid(), .attempt = attempt_}, now_);
 }
 
 void Synchronizer::FailTask(const Error& error) {
@@ -167,7 +167,7 @@ void Synchronizer::StartEngraving(PreparedJob prepared) {
     const std::filesystem::path folder = job_->result_directory();
     host_.RaiseAlarm(
         intaglio_ALARM_WARNING, ErrorCodeName(ErrorCode::kUnreadable),
-        fmt::format("{} records of {} are damaged: look at the block before "
+        fmt::format("{} records of {} are damaged: check the block before "
                     "you resume",
                     job.earlier.damaged_records, (folder / kJournalFile).string()),
         job.uid);
@@ -228,7 +228,7 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
     logged_message_ = report.message;
     if (!logged_message_.empty()) host::LogInfo("{}", logged_message_);
   }
-  publisher_.Tell(report, now);
+  publisher_.PublishTask(report, now);
 }
 
 EngraveOutcome Synchronizer::Outcome() const {
@@ -239,9 +239,9 @@ EngraveOutcome Synchronizer::Outcome() const {
   outcome.set_missed_count(ledger.count(PointState::kMissed));
   outcome.set_skipped_count(ledger.count(PointState::kSkipped) +
                             ledger.count(PointState::kPlanned) +
-                            ledger.count(PointState::kLeftOut) - ledger.doubted_count());
+                            ledger.count(PointState::kLeftOut) - ledger.unknown_count());
   outcome.set_uncertain_count(ledger.count(PointState::kUncertain) +
-                              ledger.count(PointState::kArmed) + ledger.doubted_count());
+                              ledger.count(PointState::kArmed) + ledger.unknown_count());
   outcome.set_estimate_ticks(plan_.ticks);
   outcome.set_first_tick(engraving_->first_fired_tick());
   outcome.set_last_tick(engraving_->last_fired_tick());
@@ -251,11 +251,11 @@ EngraveOutcome Synchronizer::Outcome() const {
   }
   outcome.set_controller_pulse_count(laser_.status().pulse_count);
   outcome.set_run_count(engraving_->run_count());
-  outcome.set_settled_by_memory_count(engraving_->settled_by_memory());
+  outcome.set_settled_by_memory_count(engraving_->settled_by_memory_count());
   outcome.set_plan_checksum(plan_.checksum);
   outcome.set_planned_max_move_um(1e3 * plan_.moves.max_mm);
   outcome.set_planned_rms_move_um(1e3 * plan_.moves.rms_mm());
-  outcome.set_least_speed_percent(engraving_->least_speed_percent());
+  outcome.set_least_speed_percent(engraving_->min_speed_percent());
   outcome.set_speed_changes(engraving_->speed_changes());
   return outcome;
 }
@@ -276,11 +276,11 @@ void Synchronizer::EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
   }
   report.outcome = outcome.SerializeAsString();
   DropTask();
-  publisher_.Tell(report, now_);
+  publisher_.PublishTask(report, now_);
   host_.SetHealth(intaglio_HEALTH_READY);
 }
 
-// The journal's last records are on disk before anybody hears that the job is over.
+// The journal's last records are on disk before the end of the job is published.
 void Synchronizer::DropTask() {
   engraving_.reset();
   journal_.reset();

@@ -1,6 +1,6 @@
 #pragma once
 
-// The service of one cell: takes an EngraveTask, its path, and has it made; tells the
+// The service of one cell: takes an EngraveTask, its path, and has it made; publishes the
 // bus what is going on. Everything that decides about a pulse is in engraving.h.
 
 #include <chrono>
@@ -62,7 +62,7 @@ class Synchronizer {
   void TakePermission(std::chrono::nanoseconds now);
   /// A press that was not known: this turn at least is stopped.
   void NoteStop(std::string_view source, std::string_view reason);
-  void TellStop();
+  void SendStop();
   void TakeMotion(std::chrono::nanoseconds now);
   void TakePositions();
   void TakePath();
@@ -135,7 +135,7 @@ class Synchronizer {
   std::uint32_t speed_percent_ = 100;
   host::StopLatch stop_;
   bool stop_came_ = false;  ///< in this turn, though it may be released by now
-  std::uint64_t stop_told_session_ = 0;  ///< to the laser; 0: not
+  std::uint64_t stop_sent_session_ = 0;  ///< to the laser; 0: not
 };
 
 }  // namespace intaglio::synchronizer

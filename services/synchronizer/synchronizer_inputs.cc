@@ -14,7 +14,7 @@ namespace {
 using bus::View;
 using namespace std::chrono_literals;
 
-// Permission is written every 20 ms; a lost sample or two is no withdrawal yet.
+// Permission is written every 20 ms; one or two lost samples are no withdrawal yet.
 constexpr auto kPermissionLease = 90ms;
 constexpr auto kMotionLease = 500ms;
 
@@ -42,7 +42,7 @@ void Synchronizer::TakePermission(std::chrono::nanoseconds now) {
   stops_.Take([this](const intaglio_EmergencyStop& stop) {
     if (stop_.Take(stop)) NoteStop(View(stop.operator_name), View(stop.reason));
   });
-  TellStop();
+  SendStop();
 }
 
 void Synchronizer::NoteStop(std::string_view source, std::string_view reason) {
@@ -51,12 +51,12 @@ void Synchronizer::NoteStop(std::string_view source, std::string_view reason) {
 }
 
 // The controller keeps it latched by itself, over the end of this process, too.
-void Synchronizer::TellStop() {
+void Synchronizer::SendStop() {
   if (!stop_.pressed()) {
-    stop_told_session_ = 0;
-  } else if (stop_told_session_ != laser_.session() && laser_.CanSend() &&
+    stop_sent_session_ = 0;
+  } else if (stop_sent_session_ != laser_.session() && laser_.CanSend() &&
              laser_.Stop()) {
-    stop_told_session_ = laser_.session();
+    stop_sent_session_ = laser_.session();
   }
 }
 
@@ -105,15 +105,16 @@ void Synchronizer::WatchMachine(std::chrono::nanoseconds now) {
   const std::string other_device = OtherDevice(inputs, laser_);
   if (!other_device.empty()) chain_.Latch(false);
   if (inputs.grant.number == 0 || !chain_.has_lost(inputs.grant)) return;
-  publisher_.Tell({.job_uid = job_->job_uid(),
-                   .attempt = attempt_,
-                   .state = intaglio_TASK_PAUSED,
-                   .elapsed_s = std::chrono::duration<double>(now - began_at_).count(),
-                   .pause_reason = other_device.empty() ? PauseReasonOf(chain_.spent_by())
-                                                        : intaglio_PAUSE_FAULT,
-                   .message = other_device.empty() ? TextOf(chain_.spent_by())
-                                                   : other_device + ", then resume"},
-                  now);
+  publisher_.PublishTask(
+      {.job_uid = job_->job_uid(),
+       .attempt = attempt_,
+       .state = intaglio_TASK_PAUSED,
+       .elapsed_s = std::chrono::duration<double>(now - began_at_).count(),
+       .pause_reason =
+           other_device.empty() ? PauseReasonOf(chain_.spent_by()) : intaglio_PAUSE_FAULT,
+       .message = other_device.empty() ? TextOf(chain_.spent_by())
+                                       : other_device + ", then resume"},
+      now);
 }
 
 EngravingInputs Synchronizer::InputsAt(std::chrono::nanoseconds now) {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint64_t kEveryRenewal = std::numeric_limits<std::uint64_t>::max();
 
-// Who lets go of one gives a new permission. What a line that is down said last is not
-// known to hold or not.
+// Who lets go of one gives a new permission. What a line that is down reported last is
+// not known to hold or not.
 Missing OpenInterlock(const ChainLinks& links) {
   if (!links.stop_not_pressed) return Missing::kEmergencyStop;
   if (!links.laser_line_up) return Missing::kNothing;
@@ -97,7 +97,7 @@ std::string TextOf(Missing missing) {
     case Missing::kShutter:
       return "the shutter does not open: check its drive, then resume";
     case Missing::kOpenedUnseen:
-      return "key, door or stop button was opened while nobody watched: look at the "
+      return "key, door or stop button was opened while nobody watched: check the "
              "block, then resume or cancel";
     case Missing::kPowerCycle:
       return "the laser controller was switched off and on: see that the right block is "
@@ -142,18 +142,18 @@ void PermissionChain::BeginJob() {
 }
 
 void PermissionChain::Watch(const ChainLinks& links, std::chrono::nanoseconds now) {
-  (void)LookForUnseenEvent(links, now);
+  (void)CheckForUnseenEvent(links, now);
 }
 
-Missing PermissionChain::LookForUnseenEvent(const ChainLinks& links,
-                                            std::chrono::nanoseconds now) {
+Missing PermissionChain::CheckForUnseenEvent(const ChainLinks& links,
+                                             std::chrono::nanoseconds now) {
   const bool closed = links.key_on && links.door_closed && links.stop_released;
   return ReasonOf(watch_.Update(
       {links.laser_line_up, closed, links.counters, links.motion_fresh}, now));
 }
 
 Missing PermissionChain::Turn(const ChainLinks& links, std::chrono::nanoseconds now) {
-  Missing unseen = LookForUnseenEvent(links, now);
+  Missing unseen = CheckForUnseenEvent(links, now);
   grant_ = std::max(grant_, links.grant);
   const bool had_worth = HasWorth();
   if (grant_.number == 0) {
@@ -195,7 +195,7 @@ Missing PermissionChain::AdvanceState(const ChainLinks& links,
         state_ = State::kClear;
         return Missing::kNothing;
       }
-      // A word that is only late is waited for, too.
+      // A permission that is only late is waited for, too.
       if (links.permission_granted && links.laser_line_up &&
           (open == Missing::kNothing || OnlyMachineStopIsOpen(links)) &&
           now - resetting_since_ <= kResetTime) {

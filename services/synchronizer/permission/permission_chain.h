@@ -12,7 +12,7 @@
 // fault of a run. A spent grant is worth nothing any more, however often it is repeated
 // and whatever was withdrawn in between: only a greater one counts. A line or a neighbour
 // that was lost costs only the grant's renewal, which the job service may replace by a
-// greater one on the word that was given before; unless an interlock is open meanwhile.
+// greater one by itself; unless an interlock is open meanwhile.
 // An older grant than the newest that was seen, granted or withdrawn, is worth nothing.
 //
 // The chain exists as long as the process, and is updated from the moment a job is given
@@ -40,9 +40,9 @@
 // clang-format on
 //
 // Interlocks: the stop on the bus always; key, door and the machine's stop as far as the
-// line tells: nothing gets to kClear while it is down. The machine keeps its stop latched
-// until it is reset, which is allowed in kResetting, and, for a safe state, in kClear:
-// who arms means that, too.
+// line reports: nothing gets to kClear while it is down. The machine keeps its stop
+// latched until it is reset, which is allowed in kResetting, and, for a safe state, in
+// kClear: who arms means that, too.
 
 #include <chrono>
 #include <compare>
@@ -100,7 +100,7 @@ enum class Missing : std::uint8_t {
 /// A reason why a grant was spent that no link shows.
 constexpr bool IsUnseen(Missing missing) { return missing >= Missing::kOpenedUnseen; }
 
-/// The first link that does not hold by itself, whatever is spent; shutters are looked at
+/// The first link that does not hold by itself, whatever is spent; shutters are checked
 /// when `with_shutters`, which is what whoever is about to arm does: they open when all
 /// the others hold.
 Missing FirstMissing(const ChainLinks& links, bool with_shutters);
@@ -139,13 +139,13 @@ class PermissionChain {
   const MachineCounters& counters() const { return watch_.counters(); }
   /// No renewal of this one counts any more, but a greater number alone.
   bool has_lost(const Grant& grant) const;
-  /// The machine may be told to leave its safe state and its latched stop.
+  /// The machine may be commanded to leave its safe state and its latched stop.
   bool may_reset(const ChainLinks& links) const;
 
  private:
   void Spend();
   bool HasWorth() const;
-  Missing LookForUnseenEvent(const ChainLinks& links, std::chrono::nanoseconds now);
+  Missing CheckForUnseenEvent(const ChainLinks& links, std::chrono::nanoseconds now);
   Missing AdvanceState(const ChainLinks& links, std::chrono::nanoseconds now);
   /// Not one from before the newest, repeated by somebody who was away meanwhile.
   bool IsNewest(const ChainLinks& links) const { return links.grant >= grant_; }

@@ -18,7 +18,7 @@ Result<OpenedJournal> BeginJournal(const fs::path& file,
 }
 
 // Nothing fires before its intent is in the file.
-bool TellsOfNothing(const formats::Journal& journal) {
+bool HasNoPointRecords(const formats::Journal& journal) {
   return std::none_of(journal.records.begin(), journal.records.end(),
                       [](const auto& record) { return formats::IsOfPoint(record.kind); });
 }
@@ -46,9 +46,9 @@ EarlierWork EarlierWorkOf(const formats::Journal& journal) {
         earlier.pulses_before_job = record.pulse_count;
         earlier.openings = record.openings;
         break;
-      case JournalKind::kWord:
+      case JournalKind::kConsent:
       case JournalKind::kReopened:
-        earlier.word_grant = std::max(earlier.word_grant, record.tick);
+        earlier.consent_grant = std::max(earlier.consent_grant, record.tick);
         break;
     }
   }
@@ -65,7 +65,7 @@ Result<OpenedJournal> OpenJournal(const fs::path& file,
       return Fail(
           ErrorCode::kUnreadable,
           fmt::format("{} is gone or cut to nothing, but the job was begun: nobody "
-                      "knows what is in the block; look at it, cancel the job, "
+                      "knows what is in the block; check it, cancel the job, "
                       "and make it again on a new one (intaglio again)",
                       file.string()),
           file.string());
@@ -78,9 +78,9 @@ Result<OpenedJournal> OpenJournal(const fs::path& file,
   if (!journal) return tl::unexpected(journal.error());
   const bool same_path = journal->header.point_count == header.point_count &&
                          journal->header.path_crc == header.path_crc;
-  if (!same_path && !TellsOfNothing(*journal)) {
+  if (!same_path && !HasNoPointRecords(*journal)) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} tells of pulses along another path of {} points: take "
+                fmt::format("{} has pulses of another path of {} points: take "
                             "the block out and cancel the job",
                             file.string(), journal->header.point_count),
                 file.string());

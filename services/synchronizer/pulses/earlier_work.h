@@ -22,8 +22,8 @@ struct EarlierWork {
   std::uint32_t highest_run = 0;
   /// Points became uncertain, and no run has begun since.
   bool uncertain_unanswered = false;
-  /// Greatest grant whose word to fire uncertain points was taken: it counts once.
-  std::uint64_t word_grant = 0;
+  /// Greatest grant whose consent to fire uncertain points was taken: it counts once.
+  std::uint64_t consent_grant = 0;
   std::uint64_t damaged_records = 0;
 };
 
@@ -37,7 +37,7 @@ struct OpenedJournal {
 /// What a job leaves on the disk from its beginning: the journal, and then its path.
 enum class JobBegun : std::uint8_t { kNo, kItsPathIsThere };
 
-/// Begins the journal, or goes on with the one that is there. kRefused when it tells of
+/// Begins the journal, or goes on with the one that is there. kRefused when it has
 /// pulses made along another path (the block in the machine is not as this job left it),
 /// kUnreadable when it may hold pulses and cannot be read, or is gone though the job was
 /// begun; kIo.

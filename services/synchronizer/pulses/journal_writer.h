@@ -47,7 +47,7 @@ class JournalWriter {
   std::uint64_t durable() const { return durable_.load(std::memory_order_acquire); }
   /// The disk refuses what is to be written, as yet.
   bool failed() const { return failed_.load(std::memory_order_acquire) != 0; }
-  /// What the disk says while it does, and the remedy.
+  /// The error of the disk meanwhile, and the remedy.
   std::string error() const;
   /// Readable when durable() has grown since the last ClearEvent.
   int event_fd() const { return event_fd_; }

@@ -9,18 +9,18 @@ void OpenPoints::Rewind() {
   cursor_ = 0;
   mask_ = 0;
   if (masks_.empty()) return;
-  if (const auto first = Look()) mask_ = masks_[*first];
+  if (const auto first = FindOpen()) mask_ = masks_[*first];
 }
 
 std::optional<std::uint32_t> OpenPoints::Next() {
-  const auto point = Look();
+  const auto point = FindOpen();
   // What comes later in the order, in these channels again, may lie above this one.
   if (!point || (!masks_.empty() && masks_[*point] != mask_)) return std::nullopt;
   cursor_ = *point + 1;
   return point;
 }
 
-std::optional<std::uint32_t> OpenPoints::Look() {
+std::optional<std::uint32_t> OpenPoints::FindOpen() {
   for (;;) {
     const auto point = ledger_.NextOpen(cursor_);
     if (!point || !Shadowed(*point)) return point;

@@ -2,7 +2,7 @@
 
 // Which point of the order is next. As a rule the first that has not ended; but a point
 // that was passed by, and above which cracks were made since, is not fired through them:
-// it stays open, and the report says so. And shutters do not move during a run: it ends
+// it stays open, and is reported as such. Shutters do not move during a run: it ends
 // where the next point is to be made in other channels than the first.
 
 #include <cstdint>
@@ -35,7 +35,7 @@ class OpenPoints {
   std::optional<std::uint32_t> Next();
 
  private:
-  std::optional<std::uint32_t> Look();
+  std::optional<std::uint32_t> FindOpen();
   bool Shadowed(std::uint32_t point) const;
 
   const PointList& points_mm_;

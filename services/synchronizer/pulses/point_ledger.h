@@ -6,10 +6,10 @@
 //    ^ ^                  |  \---fired, unseen----> kMissed
 //    | |                  |   \--nobody knows-----> kUncertain --+
 //    | +--new run-- kSkipped <--not fired                         |
-//    +----------------- a person's word: fire it again -----------+
+//    +-------------- a person's consent: fire it again -----------+
 //
 // kMade, kMissed and kLeftOut, which a planned or skipped point becomes by the operator's
-// word, are ends: such a point is never armed again. So is kUncertain without that word.
+// choice, are ends: such a point is never armed again. So is kUncertain without consent.
 
 #include <cstdint>
 #include <optional>
@@ -44,7 +44,7 @@ class PointLedger {
 
   /// Planned, skipped or left out, and uncertain before: nobody knows whether they hold a
   /// crack, as long as they are not fired.
-  std::uint64_t doubted_count() const { return doubted_count_; }
+  std::uint64_t unknown_count() const { return unknown_count_; }
 
   /// First point at or after `from` that may be armed: planned, or skipped earlier.
   std::optional<std::uint32_t> NextOpen(std::uint32_t from) const;
@@ -58,9 +58,9 @@ class PointLedger {
 
   /// Throws PreconditionError unless the point is planned or skipped.
   void Arm(std::uint32_t point);
-  /// For good, by the operator's word. Throws unless the point is planned or skipped.
+  /// For good, by the operator's choice. Throws unless the point is planned or skipped.
   void LeaveOut(std::uint32_t point);
-  /// By a person's word. Throws PreconditionError unless the point is uncertain.
+  /// By a person's consent. Throws PreconditionError unless the point is uncertain.
   void Reopen(std::uint32_t point);
   /// Throws PreconditionError unless the point is armed; `outcome` is not kNone.
   void Resolve(std::uint32_t point, formats::PointOutcome outcome);
@@ -70,7 +70,7 @@ class PointLedger {
   std::vector<PointState> states_;
   std::vector<bool> reopened_;  // once
   std::uint64_t counts_[7] = {};
-  std::uint64_t doubted_count_ = 0;
+  std::uint64_t unknown_count_ = 0;
   std::uint32_t ended_below_ = 0;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Which tick fires which point, from the moment its motion is planned until the laser
-// controller has said what became of it. In the order of ticks; frame-free.
+// controller has reported what became of it. In the order of ticks; frame-free.
 
 #include <cstdint>
 #include <deque>
@@ -52,9 +52,9 @@ class PulseSchedule {
   /// of; before any Add. False: the tick does not follow the last one.
   bool AddArmed(std::uint64_t tick, std::uint32_t point);
 
-  /// Takes the controller's word; ticks that were not armed by us are passed over.
+  /// Takes the controller's report; ticks that were not armed here are ignored.
   void Apply(const link::PulseReport& report, const ResultSink& sink);
-  /// Its word on what is past, after a Disarm: what it calls not armed was not fired.
+  /// Its memory of the past, after a Disarm: what it reports as not armed was not fired.
   void Apply(const link::PastReport& report, const ResultSink& sink);
 
   /// Armed points without a result whose tick is within first..last.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the lamp's ticks stand by our own clock: from the controller's statuses, which
+// The lamp's ticks by our own clock: from the controller's statuses, which
 // arrive late by a while, the newest tick and how fast ticks really pass. A virtual
 // machine may run at many times real time, a real one drifts by some parts in a million.
 
@@ -17,7 +17,7 @@ class TickClock {
   /// rate is another clock.
   void Observe(const link::LaserStatus& status, std::chrono::nanoseconds now);
 
-  /// The tick that is likely by now; never less than the newest one told.
+  /// The tick that is likely by now; never less than the newest one reported.
   std::uint64_t TickAt(std::chrono::nanoseconds now) const;
   /// Ticks in a second of our clock; the nominal rate until it was seen for 50 ms.
   double ticks_per_s() const { return ticks_per_s_; }

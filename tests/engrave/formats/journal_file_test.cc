@@ -120,7 +120,7 @@ TEST(JournalFile, AnUncertainPointIsOpenAgainByAWordAndFiredThenAsAnyOther) {
     records.push_back(
         Of(JournalKind::kOutcome, point, 100 + point, PointOutcome::kUncertain));
   }
-  records.push_back(Of(JournalKind::kWord, 0, kGrant));
+  records.push_back(Of(JournalKind::kConsent, 0, kGrant));
   records.push_back(Of(JournalKind::kReopened, 0, kGrant));
   records.push_back(Of(JournalKind::kReopened, 1, kGrant));
   records.push_back(Of(JournalKind::kIntent, 1, 300));
@@ -137,7 +137,7 @@ TEST(JournalFile, AnUncertainPointIsOpenAgainByAWordAndFiredThenAsAnyOther) {
   EXPECT_FALSE(history[2].reopened);
 }
 
-// Whatever else is missing in the file: no word opens what was made, or is armed.
+// Whatever else is missing in the file: no consent opens what was made, or is armed.
 TEST(JournalFile, OnlyWhatIsUncertainIsOpenedByAWord) {
   const std::vector<JournalRecord> records = {
       Of(JournalKind::kIntent, 0, 100),

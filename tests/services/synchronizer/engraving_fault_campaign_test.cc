@@ -1,5 +1,5 @@
 // Jobs under random schedules of faults. Whatever comes when: every point has exactly one
-// state, none is fired twice, and glass, ledger and journal say the same.
+// state, none is fired twice, and glass, ledger and journal agree.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -26,7 +26,7 @@ class Campaign : public testing::TestWithParam<std::uint64_t> {
   /// One fault that comes, lasts and goes.
   void Strike() {
     const int kind = std::uniform_int_distribution<int>(0, 15)(random_);
-    said_ += fmt::format(" {}@{}", kind, cell_.now / 1ms);
+    faults_ += fmt::format(" {}@{}", kind, cell_.now / 1ms);
     Toggle(kind, true);
     cell_.StepFor(Milliseconds(1, 900));
     Toggle(kind, false);
@@ -97,7 +97,7 @@ class Campaign : public testing::TestWithParam<std::uint64_t> {
                   .lockstep = GetParam() % 4 == 0,
                   .masks = GetParam() % 5 == 0 ? MasksInStretches(kCampaignPoints)
                                                : std::vector<ChannelMask>{}}};
-  std::string said_;
+  std::string faults_;
 };
 
 TEST_P(Campaign, EveryPointIsAccountedForAndNoneFiredTwice) {
@@ -107,7 +107,7 @@ TEST_P(Campaign, EveryPointIsAccountedForAndNoneFiredTwice) {
   for (int i = 0; i < 12 && !cell_.done(); ++i) {
     cell_.StepFor(Milliseconds(0, 1200));
     Strike();
-    ASSERT_THAT(cell_.Disagreements(), IsEmpty()) << said_;
+    ASSERT_THAT(cell_.Disagreements(), IsEmpty()) << faults_;
     if (random_() % 2 == 0) cell_.GrantAnew();
   }
   // Whatever latched is resumed until nothing is left.
@@ -115,12 +115,12 @@ TEST_P(Campaign, EveryPointIsAccountedForAndNoneFiredTwice) {
     cell_.GrantAnew();
     cell_.StepFor(3s);
   }
-  ASSERT_TRUE(cell_.done()) << cell_.Description() << said_;
+  ASSERT_TRUE(cell_.done()) << cell_.Description() << faults_;
   EXPECT_EQ(cell_.made() + cell_.Count(PointState::kMissed) +
                 cell_.Count(PointState::kUncertain),
             kCampaignPoints)
-      << said_;
-  EXPECT_THAT(cell_.Disagreements(), IsEmpty()) << said_;
+      << faults_;
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty()) << faults_;
 }
 
 INSTANTIATE_TEST_SUITE_P(Engraving, Campaign, testing::Range<std::uint64_t>(1, 61));

@@ -188,7 +188,7 @@ TEST(EngravingLatch, APulseThatTheMachineHeldBackWantsAPerson) {
   FakeCell cell;
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(10));
-  cell.laser.mute = true;  // no status tells of it
+  cell.laser.mute = true;  // no status shows it
   cell.laser.door_closed = false;
   cell.StepFor(30ms);
   cell.laser.door_closed = true;
@@ -217,7 +217,7 @@ TEST(EngravingLatch, FivePulsesInARowOfWhichNoCrackWasSeenPauseIt) {
   EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("5 pulses in a row"));
   EXPECT_EQ(cell.laser.shutters(), 0);
   EXPECT_FALSE(cell.stage.running());
-  // What was on its way when the fifth was told of.
+  // What was on its way when the fifth was reported.
   EXPECT_LE(cell.Count(PointState::kMissed), 7);
   cell.laser.blind = false;
   cell.RepeatGrant();
@@ -229,7 +229,7 @@ TEST(EngravingLatch, FivePulsesInARowOfWhichNoCrackWasSeenPauseIt) {
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
 }
 
-// As the machine's profile says.
+// As the machine's profile has it.
 TEST(EngravingLatch, HowManyItWaitsForIsTheMachinesChoice) {
   FakeCell cell({.max_missed_in_a_row = 12});
   cell.Grant();

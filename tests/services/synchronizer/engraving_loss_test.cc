@@ -55,7 +55,7 @@ TEST_F(EngravingLoss, TheControllerTellsOfPulsesFiredWhileTheLineWasDown) {
   EXPECT_GT(cell_.Count(PointState::kArmed), 0);
   RestoreAndSettle();
   EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
-  EXPECT_EQ(cell_.engraving->settled_by_memory(), cell_.made() - known);
+  EXPECT_EQ(cell_.engraving->settled_by_memory_count(), cell_.made() - known);
   EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
   GoOnToTheEnd();
   EXPECT_EQ(cell_.made(), 160);
@@ -72,7 +72,7 @@ TEST_F(EngravingLoss, TheControllerTellsThatNothingFiredWhileTheLineWasDown) {
   EXPECT_EQ(cell_.made(), 160);
 }
 
-// Some of the armed ticks found the stage elsewhere: a count could not say which.
+// Some of the armed ticks found the stage elsewhere: a count could not show which.
 TEST_F(EngravingLoss, TheControllerTellsWhichOfTheArmedTicksFired) {
   MakeAndLoseTheLine(40);
   cell_.StepFor(20ms);
@@ -154,7 +154,7 @@ TEST_F(EngravingLoss, AnotherPowerUpLeavesArmedPointsUncertainAndNeverFiresThemA
   const std::uint64_t uncertain = cell_.Count(PointState::kUncertain);
   EXPECT_EQ(cell_.Count(PointState::kArmed), 0);
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
-  // The lamp is lit and warmed up again, without anybody's word; nothing fires.
+  // The lamp is lit and warmed up again, without a grant; nothing fires.
   cell_.StepFor(1000ms);
   EXPECT_TRUE(cell_.laser.lamp_on());
   EXPECT_TRUE(cell_.engraving->faulted());

@@ -85,7 +85,7 @@ TEST_P(TakeUp, AgainAndAgain) {
   EXPECT_EQ(cell.Count(PointState::kUncertain), 0u);
 }
 
-// Nothing fires before somebody who stands there has said so again.
+// Nothing fires before somebody at the machine has armed it again.
 TEST_P(TakeUp, WaitsForAPermission) {
   FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   cell.Grant();
@@ -136,7 +136,7 @@ TEST_P(TakeUp, AJournalCutAtAnyByteBehindTheLastIntent) {
   EXPECT_GT(last, formats::kJournalRecordSize) << "or the test tests nothing";
 }
 
-// A disk that had confirmed what it did not have. The controller's counter tells how many
+// A disk that had confirmed what it did not have. The controller's counter shows how many
 // records are gone, and the order which points they were about: a person is asked, and
 // nothing is fired twice.
 TEST_P(TakeUp, AJournalWithoutItsLast64KilobytesDoublesNothing) {
@@ -208,7 +208,7 @@ void ExpectNoPointTwice(const FakeCell& cell) {
   }
 }
 
-// Nothing is left to be asked of the controller, and yet its counter is looked at,
+// Nothing is left to be asked of the controller, and yet its counter is compared,
 // however late its line comes up: what it counts more is the glass's.
 TEST_P(TakeUp, AJournalWithoutItsLastRunDoublesNothing) {
   for (const auto silence : {0ms, 3000ms}) {
@@ -227,7 +227,7 @@ TEST_P(TakeUp, AJournalWithoutItsLastRunDoublesNothing) {
     EXPECT_TRUE(cell.engraving->waits());
     EXPECT_TRUE(cell.engraving->faulted());
     EXPECT_FALSE(cell.engraving->lost_a_line());
-    EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("look at the block"));
+    EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("check the block"));
     cell.GrantAnew();
     ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
     EXPECT_EQ(cell.Count(PointState::kUncertain), before - known);
@@ -236,8 +236,8 @@ TEST_P(TakeUp, AJournalWithoutItsLastRunDoublesNothing) {
   }
 }
 
-// The word of before is heard when all of that is known already: it is none on it.
-TEST_P(TakeUp, AGrantThatIsHeardLateIsSpentByWhatIsFoundAllTheSame) {
+// The grant of before comes when all of that is known already: it does not cover it.
+TEST_P(TakeUp, AGrantThatComesLateIsSpentByWhatIsFoundAllTheSame) {
   FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   LoseTheSecondRun(cell);
   const std::size_t before = cell.laser.cracks().size();
@@ -248,7 +248,7 @@ TEST_P(TakeUp, AGrantThatIsHeardLateIsSpentByWhatIsFoundAllTheSame) {
   cell.StepFor(2s);
   EXPECT_EQ(cell.laser.cracks().size(), before);
   EXPECT_TRUE(cell.engraving->faulted());
-  EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("look at the block"));
+  EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("check the block"));
   cell.GrantAnew();
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
   ExpectNoPointTwice(cell);
@@ -341,13 +341,13 @@ TEST(TakenUp, ADoorThatWasOpenedMeanwhileWantsAPerson) {
   cell.StepFor(2s);
   EXPECT_EQ(cell.laser.cracks().size(), made);
   EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("was opened"));
-  // One who looks away before anybody has come knows no more.
+  // Another life, before anybody has come, knows no more.
   cell.DieAndTakeUp();
   cell.RenewGrant();
   cell.StepFor(2s);
   EXPECT_EQ(cell.laser.cracks().size(), made);
   GoOnToTheEnd(cell);
-  // Told to the journal: it costs one arm only.
+  // It is in the journal: it costs one arm only.
   const formats::Journal journal = *formats::ReadJournal(cell.journal_file);
   const auto newest = std::find_if(
       journal.records.rbegin(), journal.records.rend(),

@@ -100,7 +100,7 @@ TEST_P(EngravingModes, ChangesItsSpeedInMidJobWithoutALostOrDoubledPoint) {
   EXPECT_EQ(cell.made(), points);
   EXPECT_EQ(cell.laser.cracks().size(), points);
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
-  EXPECT_EQ(cell.engraving->least_speed_percent(), 30u);
+  EXPECT_EQ(cell.engraving->min_speed_percent(), 30u);
   EXPECT_EQ(cell.engraving->speed_changes(), 2u);
 }
 

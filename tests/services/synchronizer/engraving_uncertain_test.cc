@@ -58,7 +58,7 @@ TEST_P(Uncertain, WhoeverTakesTheJobUpAsks) {
   ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kArmed) > 0; }));
   cell.PowerCycle(100ms);
   cell.DieAndTakeUp();
-  // The grant of before is what it hears first.
+  // The grant of before is the first that comes.
   ExpectItWaits(cell);
   EXPECT_GT(cell.Count(PointState::kUncertain), 0u);
   LeaveThemAndEnd(cell);
@@ -131,7 +131,7 @@ TEST_P(Uncertain, ADoorThatIsOpenedMeanwhileDoesNotHideTheQuestion) {
   cell.GrantAnew();
   cell.StepFor(500ms);
   EXPECT_THAT(cell.engraving->message(), HasSubstr("the door is open"));
-  EXPECT_THAT(cell.engraving->message(), HasSubstr("look at the block"));
+  EXPECT_THAT(cell.engraving->message(), HasSubstr("check the block"));
   cell.laser.door_closed = true;
   cell.StepFor(100ms);
   ExpectItWaits(cell);

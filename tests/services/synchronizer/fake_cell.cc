@@ -34,7 +34,7 @@ fs::path NewJournalFile() {
   return folder / fmt::format("intaglio-{}-{}.bin", getpid(), ++number);
 }
 
-// Neighbours 50..250 um apart, no two in one place: a crack tells its point.
+// Neighbours 50..250 um apart, no two in one place: a crack belongs to one point.
 PointList ManyPoints(std::uint32_t count) {
   std::mt19937_64 random(7);
   PointList points;
@@ -277,13 +277,14 @@ void FakeCell::PowerCycle(milliseconds time) {
 }
 
 std::string FakeCell::Description() const {
-  const link::LaserStatus& told = controller->status();
+  const link::LaserStatus& status = controller->status();
   const MotionView& view = stage.view();
   return fmt::format(
-      "phase {} '{}', tick {} (told {}, decided {}), interlocks {:#x}, shutters {}, {} "
+      "phase {} '{}', tick {} (reported {}, decided {}), interlocks {:#x}, shutters {}, "
+      "{} "
       "made, {} armed; stage: run {} of {}, at rest {}, fault {}, covered {}; line up {}",
-      static_cast<int>(phase()), engraving->message(), laser.tick(), told.tick,
-      told.decided_through, told.interlocks, told.shutters_open, made(),
+      static_cast<int>(phase()), engraving->message(), laser.tick(), status.tick,
+      status.decided_through, status.interlocks, status.shutters_open, made(),
       Count(PointState::kArmed), view.run, view.highest_run, view.at_rest,
       static_cast<int>(view.fault), view.covered_through_tick, controller->up());
 }
@@ -325,7 +326,7 @@ void FakeCell::CheckGlass(std::vector<std::string>& wrong) const {
       }
     }
   }
-  // By a person's word, each time once more.
+  // By a person's consent, each time once more.
   std::vector<std::size_t> allowed(points_mm.size(), 1);
   for (const formats::JournalRecord& record : JournalOnDisk().records) {
     if (record.kind == JournalKind::kReopened) ++allowed[record.point];

@@ -67,7 +67,7 @@ class FakeCell {
     RepeatGrant();
     ++grant.renewal;
   }
-  /// As a person's resume with the word to fire what is uncertain.
+  /// As a person's resume with the consent to fire what is uncertain.
   void GrantFiringUncertain() {
     GrantAnew();
     fire_uncertain = true;
@@ -85,10 +85,10 @@ class FakeCell {
   /// until everything that was armed is settled, as uncertain.
   void CutLineOverForgottenPulses();
   /// As kill -9 of the synchronizer and a new one: what it knew is lost but for the
-  /// journal, of which `keep` says what came to the disk.
+  /// journal, of which `keep` leaves what came to the disk.
   void DieAndTakeUp(
       const std::function<void(const std::filesystem::path&)>& keep = nullptr);
-  /// The next life is told that the block is not the job's.
+  /// The next life is given another block than the job's.
   void ChangeBlock(const std::string& misfit) { options_.block_misfit = misfit; }
   /// As the laser's mains switch: the line is silent for `time`, then another power-up.
   void PowerCycle(std::chrono::milliseconds time);
@@ -98,7 +98,7 @@ class FakeCell {
   std::uint64_t made() const { return Count(PointState::kMade); }
   std::uint64_t Count(PointState state) const { return engraving->ledger().count(state); }
 
-  /// Where everything stands, for a failing test.
+  /// The state of everything, for a failing test.
   std::string Description() const;
   /// Waits for the journal's thread; then what is on disk.
   formats::Journal JournalOnDisk() const;

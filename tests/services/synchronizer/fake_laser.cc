@@ -43,12 +43,12 @@ void FakeLaser::Poll() {
     disarms_taken_ = 0;
     outcomes_.clear();
     waiting_.clear();
-    Say(LaserFrame::kLaserIdentity,
-        Encode(link::LaserIdentity{
-            power_up_, lockstep_, 4, {kRateHz}, "test", serial_number}));
+    Send(LaserFrame::kLaserIdentity,
+         Encode(link::LaserIdentity{
+             power_up_, lockstep_, 4, {kRateHz}, "test", serial_number}));
   }
   if (!line_->up() && (shutters_ != 0 || !decided_.empty())) EnterSafeState();
-  Tell();
+  SendStatus();
   (void)line_->Poll(receive);
 }
 
@@ -81,8 +81,8 @@ void FakeLaser::Receive(LaserFrame type, std::span<const std::byte> payload) {
       status_asked_ = true;
       return;
     case LaserFrame::kPastRequest:
-      return Say(LaserFrame::kPastReport,
-                 Encode(Past(*link::Decode<link::PastRequest>(payload))));
+      return Send(LaserFrame::kPastReport,
+                  Encode(Past(*link::Decode<link::PastRequest>(payload))));
     default:
       return;
   }
@@ -97,9 +97,9 @@ void FakeLaser::Decide(const link::ArmWindow& window) {
     }
     if (tick <= std::max(tick_, decided_through_)) {
       if (window.fire[i]) {
-        SayReports();
-        Say(LaserFrame::kPulseReport,
-            Encode(link::PulseReport{tick, {TickOutcome::kTooLate}}));
+        SendReports();
+        Send(LaserFrame::kPulseReport,
+             Encode(link::PulseReport{tick, {TickOutcome::kTooLate}}));
       }
     } else if (!safe_) {
       decided_[tick] = {window.fire[i], window.gated};
@@ -181,32 +181,32 @@ link::PastReport FakeLaser::Past(const link::PastRequest& asked) const {
   return report;
 }
 
-void FakeLaser::Say(LaserFrame type, link::Bytes payload) {
+void FakeLaser::Send(LaserFrame type, link::Bytes payload) {
   waiting_.emplace_back(type, std::move(payload));
 }
 
-void FakeLaser::SayReports() {
+void FakeLaser::SendReports() {
   for (std::size_t i = 0; i < outcomes_.size();) {
     link::PulseReport report{outcomes_[i].first, {}};
     while (i < outcomes_.size() && report.outcome.size() < link::kMaxReportTicks &&
            outcomes_[i].first == report.first_tick + report.outcome.size()) {
       report.outcome.push_back(outcomes_[i++].second);
     }
-    Say(LaserFrame::kPulseReport, Encode(report));
+    Send(LaserFrame::kPulseReport, Encode(report));
   }
   outcomes_.clear();
 }
 
-void FakeLaser::Tell() {
+void FakeLaser::SendStatus() {
   const link::LaserStatus status = Status();
-  const std::uint32_t word = status.interlocks | status.shutters_open << 8;
+  const std::uint32_t state = status.interlocks | status.shutters_open << 8;
   if (mute || !line_->up()) return;
-  SayReports();
-  if (status_asked_ || word != told_ || clock_() >= next_status_) {
+  SendReports();
+  if (status_asked_ || state != sent_state_ || clock_() >= next_status_) {
     status_asked_ = false;
-    told_ = word;
+    sent_state_ = state;
     next_status_ = clock_() + 20ms;
-    Say(LaserFrame::kLaserStatus, Encode(status));
+    Send(LaserFrame::kLaserStatus, Encode(status));
   }
   while (!waiting_.empty() && line_->CanSend()) {
     const auto& [type, payload] = waiting_.front();

@@ -44,7 +44,7 @@ class FakeLaser {
   /// Bytes, frames, the safe state; no tick passes.
   void Poll();
   bool MayPassTick() const { return !lockstep_ || tick_ < decided_through_; }
-  /// One lamp sync, the stage being where it says.
+  /// One lamp sync, with the stage at this place.
   void AdvanceTick(bool in_position, const Vec3& at_mm);
 
   std::uint64_t tick() const { return tick_; }
@@ -72,7 +72,7 @@ class FakeLaser {
   std::uint8_t stuck_open = 0;  ///< shutters that are open, whatever is commanded
   std::chrono::nanoseconds shutter_travel{0};  ///< from the command to the movement
   bool blind = false;                          ///< the photosensor sees no crack
-  bool mute = false;     ///< keeps the line alive and says nothing of itself
+  bool mute = false;     ///< keeps the line alive and reports nothing
   bool forgets = false;  ///< nothing that was asked about the past is known
   /// Called with each tick that is about to be armed, before it is.
   std::function<void(std::uint64_t tick)> on_arm;
@@ -81,9 +81,9 @@ class FakeLaser {
   void Receive(link::LaserFrame type, std::span<const std::byte> payload);
   void Decide(const link::ArmWindow& window);
   void Disarm();
-  void Say(link::LaserFrame type, link::Bytes payload);
-  void SayReports();
-  void Tell();
+  void Send(link::LaserFrame type, link::Bytes payload);
+  void SendReports();
+  void SendStatus();
   link::PastReport Past(const link::PastRequest& asked) const;
   link::LaserStatus Status() const;
   bool warm() const { return burns() && lamp_s_ >= kWarmUpS; }
@@ -122,7 +122,7 @@ class FakeLaser {
   std::map<std::uint64_t, link::TickOutcome> past_;  // of decided ticks since power-up
   std::deque<std::pair<link::LaserFrame, link::Bytes>> waiting_;
   bool status_asked_ = false;
-  std::uint32_t told_ = 0;
+  std::uint32_t sent_state_ = 0;
   std::chrono::nanoseconds next_status_{0}, newest_arm_at_{0}, newest_pulse_at_{0};
   int lamp_switched_on_count_ = 0;
   std::vector<Crack> cracks_;

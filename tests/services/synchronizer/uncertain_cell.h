@@ -46,7 +46,7 @@ inline void ExpectItWaits(FakeCell& cell) {
   EXPECT_TRUE(cell.engraving->waits()) << cell.Description();
   EXPECT_TRUE(cell.engraving->faulted());
   EXPECT_FALSE(cell.engraving->lost_a_line()) << "or the job service lets it go on";
-  EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("look at the block"));
+  EXPECT_THAT(cell.engraving->message(), testing::HasSubstr("check the block"));
 }
 
 inline void LeaveThemAndEnd(FakeCell& cell) {
@@ -99,7 +99,7 @@ inline void FireThemAndEnd(FakeCell& cell) {
   ASSERT_TRUE(cell.StepUntilDone()) << cell.Description();
   EXPECT_THAT(cell.Disagreements(), testing::IsEmpty());
   EXPECT_EQ(cell.made(), cell.points_mm.size());
-  EXPECT_EQ(cell.engraving->ledger().doubted_count(), 0u);
+  EXPECT_EQ(cell.engraving->ledger().unknown_count(), 0u);
   EXPECT_EQ(ReopenedIn(cell), reopened + uncertain) << "each once";
   EXPECT_LE(cell.laser.cracks().size(), cell.points_mm.size() + reopened + uncertain);
 }

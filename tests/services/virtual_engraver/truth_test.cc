@@ -164,16 +164,16 @@ TEST(Truth, EveryFieldReachesTheMachine) {
 }
 
 TEST(Truth, ThePositionerIsThatOfTheFile) {
-  const auto linear =
-      OptionsOf(*ParseTruth("stage { positioner { x { carries_block: true } "
-                            "z { backwards: true } } }",
-                            "t"));
+  const auto linear = virtual_engraver::OptionsOf(
+      *ParseTruth("stage { positioner { x { carries_block: true } "
+                  "z { backwards: true } } }",
+                  "t"));
   EXPECT_TRUE(linear.positioner.guides[0].carries_block);
   EXPECT_FALSE(linear.positioner.guides[1].carries_block);
   EXPECT_TRUE(linear.positioner.guides[2].backwards);
   EXPECT_FALSE(linear.positioner.has_arm);
   EXPECT_EQ(linear.stage.focus_per_axis_unit_mm, Vec3(1, 1, 1));
-  const auto arm = OptionsOf(
+  const auto arm = virtual_engraver::OptionsOf(
       *ParseTruth("stage { positioner { arm { pivot_distance_mm: 200 "
                   "arm_length_mm: 150 } z { carries_block: true } } }"
                   "block { origin_mm { x: -25 y: 80 } size_mm { x: 50 y: 50 z: 30 } }",

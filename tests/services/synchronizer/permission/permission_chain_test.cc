@@ -66,13 +66,13 @@ enum class Arm { kNone, kOld, kRenewed, kNew };
 enum class Event { kTurn, kLateTurn, kFault, kLostLine };  // late: after kResetTime
 
 struct Situation {
-  bool granted;       // the operator's newest word
+  bool granted;       // the operator's newest permission
   bool armed;         // it is fresh, too
   bool bus_stop;      // pressed on the bus
   bool line;          // the laser line is up
   bool key_or_door;   // key off or door open
   bool machine_stop;  // the machine's own, pressed or latched
-  // With the line down what was said last of the machine counts for nothing.
+  // With the line down the machine's last report counts for nothing.
   bool any_open() const { return bus_stop || (line && (key_or_door || machine_stop)); }
 };
 
@@ -160,7 +160,7 @@ const std::vector<Row>& Table() {
       {"released", From::kResetting,
        [](S s, Arm, Event) { return !s.machine_stop && s.armed; }, State::kClear,
        Left::kWhole},
-      {"button held, or the word late, for too long", From::kResetting,
+      {"button held, or the permission late, for too long", From::kResetting,
        [](S, Arm, Event e) { return e == Event::kLateTurn; }, State::kLatched,
        Left::kNothing},
       {"being reset", From::kResetting, always, State::kResetting, Left::kWhole},
@@ -391,7 +391,7 @@ TEST(PermissionChain, AnotherJobBeginsWithGrantsOfItsOwn) {
   EXPECT_TRUE(Fires(chain, WholeChain({1, 0}, {5, 0})));
 }
 
-// The first number that is heard may be of an arm from before.
+// The first number that comes may be of an arm from before.
 TEST(PermissionChain, AnEventBeforeTheFirstGrantIsKnownCountsAgainstIt) {
   PermissionChain chain;
   chain.BeginJob();

@@ -116,29 +116,29 @@ TEST_F(OpenJournalTest, AnotherPathBeforeAnyPulseIsANewBeginning) {
 }
 
 // It counts once, also when nothing was uncertain.
-TEST_F(OpenJournalTest, TheGreatestGrantWithAWordIsKnownInTheNextLife) {
+TEST_F(OpenJournalTest, TheGreatestGrantWithConsentIsKnownInTheNextLife) {
   const auto of_grant = [](JournalKind kind, std::uint64_t grant) {
     return formats::JournalRecord{kind, PointOutcome::kNone, 0, 4, grant, 0, 17};
   };
-  Write({kSession, of_grant(JournalKind::kWord, 7)});
+  Write({kSession, of_grant(JournalKind::kConsent, 7)});
   auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
-  EXPECT_EQ(opened->earlier.word_grant, 7u);
+  EXPECT_EQ(opened->earlier.consent_grant, 7u);
   EXPECT_FALSE(opened->earlier.points.empty()) << "what came behind it may be lost";
   opened->writer.reset();
-  // The word's own record may be missing on the disk.
+  // The record of the consent may be missing on the disk.
   Write({kIntent, of_grant(JournalKind::kReopened, 9)});
   opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
-  EXPECT_EQ(opened->earlier.word_grant, 9u);
+  EXPECT_EQ(opened->earlier.consent_grant, 9u);
 }
 
-// Heard before the first run, by a life that ended there.
-TEST_F(OpenJournalTest, AWordAloneIsKnownAndNoRunHasBegun) {
-  Write({{JournalKind::kWord, PointOutcome::kNone, 0, 0, 7, 0, 17}});
+// Taken before the first run, by a life that ended there.
+TEST_F(OpenJournalTest, ConsentAloneIsKnownAndNoRunHasBegun) {
+  Write({{JournalKind::kConsent, PointOutcome::kNone, 0, 0, 7, 0, 17}});
   const auto opened = OpenJournal(file_, kHeader, JobBegun::kItsPathIsThere);
   ASSERT_TRUE(opened);
-  EXPECT_EQ(opened->earlier.word_grant, 7u);
+  EXPECT_EQ(opened->earlier.consent_grant, 7u);
   EXPECT_TRUE(opened->earlier.points.empty());
 }
 

@@ -78,19 +78,19 @@ TEST(PointLedger, AReopenedPointIsInDoubtUntilItIsFired) {
   ledger.Resolve(0, PointOutcome::kUncertain);
   ledger.Resolve(1, PointOutcome::kUncertain);
   ledger.Resolve(2, PointOutcome::kSkipped);
-  EXPECT_EQ(ledger.doubted_count(), 0u);
+  EXPECT_EQ(ledger.unknown_count(), 0u);
   ledger.Reopen(0);
   ledger.Reopen(1);
-  EXPECT_EQ(ledger.doubted_count(), 2u);
+  EXPECT_EQ(ledger.unknown_count(), 2u);
   ledger.Arm(0);
-  EXPECT_EQ(ledger.doubted_count(), 1u);
+  EXPECT_EQ(ledger.unknown_count(), 1u);
   ledger.Resolve(0, PointOutcome::kSkipped);
-  EXPECT_EQ(ledger.doubted_count(), 2u);
+  EXPECT_EQ(ledger.unknown_count(), 2u);
   ledger.LeaveOut(0);
-  EXPECT_EQ(ledger.doubted_count(), 2u);
+  EXPECT_EQ(ledger.unknown_count(), 2u);
   ledger.Arm(1);
   ledger.Resolve(1, PointOutcome::kMade);
-  EXPECT_EQ(ledger.doubted_count(), 1u);
+  EXPECT_EQ(ledger.unknown_count(), 1u);
 }
 
 TEST(PointLedger, ResolvesOnlyWhatIsArmed) {

@@ -1,4 +1,4 @@
-// A person's word to fire again the points of which nobody knows.
+// A person's consent to fire again the points of which nobody knows.
 
 #include "tests/services/synchronizer/uncertain_cell.h"
 
@@ -9,33 +9,33 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using namespace std::chrono_literals;
 
-class UncertainWord : public Uncertain {};
+class UncertainConsent : public Uncertain {};
 
-INSTANTIATE_TEST_SUITE_P(Engraving, UncertainWord, testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Engraving, UncertainConsent, testing::Bool(),
                          [](const auto& param) {
                            return std::string(param.param ? "Lockstep" : "RealTime");
                          });
 
-TEST_P(UncertainWord, APersonsWordMakesEachOnceMore) {
+TEST_P(UncertainConsent, APersonsConsentMakesEachOnceMore) {
   FakeCell cell(Asking());
   LeaveSomeUncertain(cell, 40);
   ExpectItWaits(cell);
   FireThemAndEnd(cell);
 }
 
-// Whoever listens hears what became of each in the end.
-TEST_P(UncertainWord, WhatIsFiredByItIsToldAnew) {
+// A subscriber gets what became of each in the end.
+TEST_P(UncertainConsent, WhatIsFiredByItIsPublishedAnew) {
   FakeCell cell({.points = kPoints, .lockstep = lockstep()});
   LeaveSomeUncertain(cell, 40);
   FireThemAndEnd(cell);
-  std::map<std::uint32_t, std::vector<formats::PointOutcome>> told;
+  std::map<std::uint32_t, std::vector<formats::PointOutcome>> published;
   for (const PulseResult& result : cell.results) {
     if (result.outcome == formats::PointOutcome::kSkipped) continue;
-    told[result.point].push_back(result.outcome);
+    published[result.point].push_back(result.outcome);
   }
-  ASSERT_EQ(told.size(), kPoints);
+  ASSERT_EQ(published.size(), kPoints);
   std::size_t twice = 0;
-  for (const auto& [point, outcomes] : told) {
+  for (const auto& [point, outcomes] : published) {
     EXPECT_EQ(outcomes.back(), formats::PointOutcome::kMade) << point;
     if (outcomes.size() == 1) continue;
     ++twice;
@@ -45,13 +45,13 @@ TEST_P(UncertainWord, WhatIsFiredByItIsToldAnew) {
   EXPECT_EQ(twice, ReopenedIn(cell));
 }
 
-TEST_P(UncertainWord, TheWordCountsAlsoInAJobThatDoesNotAsk) {
+TEST_P(UncertainConsent, TheConsentCountsAlsoInAJobThatDoesNotAsk) {
   FakeCell cell({.points = kPoints, .lockstep = lockstep()});
   LeaveSomeUncertain(cell, 40);
   FireThemAndEnd(cell);
 }
 
-TEST_P(UncertainWord, TheWordCountsWhenNothingElseIsLeft) {
+TEST_P(UncertainConsent, TheConsentCountsWhenNothingElseIsLeft) {
   FakeCell cell(Asking(4));
   cell.laser.on_arm = [&cell](std::uint64_t) { cell.PowerCycle(50ms); };
   cell.Grant();
@@ -61,11 +61,11 @@ TEST_P(UncertainWord, TheWordCountsWhenNothingElseIsLeft) {
   FireThemAndEnd(cell);
 }
 
-TEST_P(UncertainWord, ANewArmWithoutTheWordTakesItBack) {
+TEST_P(UncertainConsent, ANewArmWithoutConsentTakesItBack) {
   FakeCell cell(Asking());
   LeaveSomeUncertain(cell, 40);
   ExpectItWaits(cell);
-  // Said, and taken back before the machine let it fire.
+  // Given, and taken back before the machine let it fire.
   cell.GrantFiringUncertain();
   cell.Withdraw();
   cell.StepFor(500ms);
@@ -73,8 +73,8 @@ TEST_P(UncertainWord, ANewArmWithoutTheWordTakesItBack) {
   EXPECT_EQ(ReopenedIn(cell), 0u);
 }
 
-// Whoever says it twice in the same arm has said it once, whatever becomes uncertain.
-TEST_P(UncertainWord, WhatBecomesUncertainLaterIsNotMeant) {
+// Given twice in the same arm it counts once, whatever becomes uncertain.
+TEST_P(UncertainConsent, WhatBecomesUncertainLaterIsNotMeant) {
   for (const bool dies : {false, true}) {
     SCOPED_TRACE(dies);
     FakeCell cell({.points = kMoreThanAWindow, .lockstep = lockstep()});
@@ -97,8 +97,8 @@ TEST_P(UncertainWord, WhatBecomesUncertainLaterIsNotMeant) {
   }
 }
 
-// Who says it at a machine that has lost its laser means what was under the beam then.
-TEST_P(UncertainWord, TheWordHoldsForWhatIsStillBeingSettledWhenItIsSaid) {
+// Who gives it at a machine that has lost its laser means what was under the beam then.
+TEST_P(UncertainConsent, ItHoldsForWhatIsStillBeingSettledWhenItIsGiven) {
   for (const bool asks : {false, true}) {
     SCOPED_TRACE(asks);
     FakeCell cell(
@@ -117,12 +117,12 @@ TEST_P(UncertainWord, TheWordHoldsForWhatIsStillBeingSettledWhenItIsSaid) {
   }
 }
 
-TEST_P(UncertainWord, WhatIsSettledOtherwiseTheWordDoesNotTouch) {
+TEST_P(UncertainConsent, WhatIsSettledOtherwiseItDoesNotTouch) {
   FakeCell cell(Asking(kMoreThanAWindow));
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(20));
   ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kArmed) > 0; }));
-  // Said while the armed ones are taken back: the controller knows of all of them.
+  // Given while the armed ones are taken back: the controller knows of all of them.
   cell.GrantFiringUncertain();
   const std::uint64_t armed = cell.Count(PointState::kArmed);
   ASSERT_TRUE(cell.StepUntilMade(cell.laser.cracks().size() + 5)) << cell.Description();
@@ -137,7 +137,7 @@ TEST_P(UncertainWord, WhatIsSettledOtherwiseTheWordDoesNotTouch) {
 }
 
 // A run that goes on arms more, and by the same grant: those it cannot mean.
-TEST_P(UncertainWord, AWordThatIsHeardInARunIsNotAboutWhatIsArmed) {
+TEST_P(UncertainConsent, ConsentThatComesInARunIsNotAboutWhatIsArmed) {
   FakeCell cell({.points = kMoreThanAWindow, .lockstep = lockstep()});
   cell.Grant();
   ASSERT_TRUE(cell.StepUntilMade(20));
@@ -154,15 +154,16 @@ TEST_P(UncertainWord, AWordThatIsHeardInARunIsNotAboutWhatIsArmed) {
   EXPECT_EQ(ReopenedIn(cell), 0u);
 }
 
-// What spends the grant takes the word with it: then the question is still to be asked.
-TEST_P(UncertainWord, AWordWhoseGrantIsSpentBeforeItIsUsedAnswersNothing) {
+// What spends the grant takes the consent with it: then the question is still to be
+// asked.
+TEST_P(UncertainConsent, ConsentWhoseGrantIsSpentBeforeItIsUsedAnswersNothing) {
   FakeCell cell(Asking());
   LeaveSomeUnsettled(cell, 40);
   FireUncertainAtOnce(cell);
   ASSERT_TRUE(cell.StepUntil([&] { return cell.Count(PointState::kUncertain) > 0; }));
   cell.laser.door_closed = false;
   cell.StepFor(500ms);
-  EXPECT_THAT(cell.engraving->message(), HasSubstr("look at the block"));
+  EXPECT_THAT(cell.engraving->message(), HasSubstr("check the block"));
   cell.laser.door_closed = true;
   cell.StepFor(100ms);
   ExpectItWaits(cell);
@@ -170,8 +171,8 @@ TEST_P(UncertainWord, AWordWhoseGrantIsSpentBeforeItIsUsedAnswersNothing) {
   EXPECT_EQ(ReopenedIn(cell), 0u);
 }
 
-// A life that ends takes its word with it, whatever was settled: the next one asks.
-TEST_P(UncertainWord, AWordOfAnEarlierLifeIsNotOneAboutWhatIsUnsettled) {
+// A life that ends takes its consent with it, whatever was settled: the next one asks.
+TEST_P(UncertainConsent, ConsentOfAnEarlierLifeDoesNotCoverWhatIsUnsettled) {
   FakeCell cell(Asking());
   LeaveSomeUnsettled(cell, 40);
   cell.CutLine(true);
@@ -186,7 +187,7 @@ TEST_P(UncertainWord, AWordOfAnEarlierLifeIsNotOneAboutWhatIsUnsettled) {
 }
 
 // There was nothing that it could have meant.
-TEST_P(UncertainWord, AWordBeforeAnythingIsUncertainIsVoid) {
+TEST_P(UncertainConsent, ConsentBeforeAnythingIsUncertainIsVoid) {
   for (const bool dies : {false, true}) {
     SCOPED_TRACE(dies);
     FakeCell cell({.points = kMoreThanAWindow, .lockstep = lockstep()});
@@ -205,7 +206,7 @@ TEST_P(UncertainWord, AWordBeforeAnythingIsUncertainIsVoid) {
   }
 }
 
-TEST_P(UncertainWord, WhatLiesBeforeThePlaceToGoOnFromIsNotFired) {
+TEST_P(UncertainConsent, WhatLiesBeforeThePlaceToGoOnFromIsNotFired) {
   FakeCell cell(Asking(kMoreThanAWindow));
   LeaveSomeUncertain(cell, 20);
   ExpectItWaits(cell);
@@ -217,9 +218,9 @@ TEST_P(UncertainWord, WhatLiesBeforeThePlaceToGoOnFromIsNotFired) {
   EXPECT_THAT(cell.Disagreements(), IsEmpty());
 }
 
-// The grant that is heard in the next life is the one that was answered with: nothing of
+// The grant that comes to the next life is the one that was answered with: nothing of
 // it is left but what was open on disk.
-TEST_P(UncertainWord, KilledAtAnyInstantAfterTheWordNothingIsFiredByItAnew) {
+TEST_P(UncertainConsent, KilledAtAnyInstantAfterConsentNothingIsFiredByItAnew) {
   for (int instant_ms = 0; instant_ms < 700; instant_ms += lockstep() ? 1 : 17) {
     SCOPED_TRACE(testing::Message() << instant_ms << " ms");
     FakeCell cell(Asking());
@@ -230,9 +231,9 @@ TEST_P(UncertainWord, KilledAtAnyInstantAfterTheWordNothingIsFiredByItAnew) {
     if (cell.done()) break;
     cell.DieAndTakeUp();
     const std::size_t reopened = ReopenedIn(cell);
-    // What no life has heard by then is heard by the next one.
-    const bool heard = RecordsIn(cell, formats::JournalKind::kWord) > 0;
-    const std::size_t to_open = heard ? 0 : cell.Count(PointState::kUncertain);
+    // What no life has taken by then is taken by the next one.
+    const bool taken = RecordsIn(cell, formats::JournalKind::kConsent) > 0;
+    const std::size_t to_open = taken ? 0 : cell.Count(PointState::kUncertain);
     cell.RenewGrant();
     cell.StepFor(1s);
     EXPECT_EQ(ReopenedIn(cell), reopened + to_open);
@@ -262,7 +263,7 @@ void MakeUncertain(const std::filesystem::path& file, std::uint32_t count) {
 }
 
 // More than the journal takes at once: whoever dies in between opens no more of them.
-TEST_P(UncertainWord, OfManyNoneIsOpenedByTheSameWordInAnotherLife) {
+TEST_P(UncertainConsent, OfManyNoneIsOpenedByTheSameConsentInAnotherLife) {
   constexpr std::uint32_t kMany = 150'000;
   FakeCell cell({.points = kMany, .lockstep = lockstep()});
   cell.DieAndTakeUp([](const auto& file) { MakeUncertain(file, kMany - 1); });
@@ -273,10 +274,10 @@ TEST_P(UncertainWord, OfManyNoneIsOpenedByTheSameWordInAnotherLife) {
   })) << cell.Description();
   const std::uint64_t left = cell.Count(PointState::kUncertain);
   ASSERT_GT(left, 0u) << "or the test tests nothing";
-  EXPECT_EQ(cell.engraving->ledger().doubted_count(), kMany - 1 - left);
+  EXPECT_EQ(cell.engraving->ledger().unknown_count(), kMany - 1 - left);
   cell.DieAndTakeUp();
   EXPECT_EQ(cell.Count(PointState::kUncertain), left);
-  EXPECT_EQ(cell.engraving->ledger().doubted_count(), kMany - 1 - left);
+  EXPECT_EQ(cell.engraving->ledger().unknown_count(), kMany - 1 - left);
   cell.RenewGrant();
   cell.StepFor(1s);
   EXPECT_EQ(cell.Count(PointState::kUncertain), left);

@@ -1,0 +1,42 @@
+#pragma once
+
+// What is engraved: the points of one job in the machine's frame, and the job's choices.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/geometry.h"
+#include "engrave/machine/axes_from_glass.h"
+#include "engrave/motion/planner.h"
+#include "services/synchronizer/pulses/earlier_work.h"
+#include "services/synchronizer/pulses/pulse_trigger.h"
+
+namespace intaglio::synchronizer {
+
+struct EngravingJob {
+  std::string uid;
+  /// The machine's axes at each point (mm, or rad of those that turn), in the order of
+  /// engraving.
+  PointList machine_points_mm;
+  machine::AxesFromGlass machine_from_glass = {};  ///< for messages
+  /// Where the focus is in air, machine frame; empty: the axes are the same numbers.
+  PointList places_mm = {};
+  double cone_tangent = 0;  ///< half angle of the beam above a point, machine frame
+  motion::PlanOptions plan;
+  const PulseTrigger* trigger = &TriggerAtTick();
+  ChannelMask shutter_mask = 1;  ///< of all points
+  /// Of each point, when they differ: it is made with these shutters open and no other.
+  std::vector<ChannelMask> masks = {};
+  /// Pulses that no crack was seen of, until it pauses.
+  std::uint32_t max_missed_in_a_row = 5;
+  bool photosensor_feedback = true;  ///< false: nothing sees cracks, fired is made
+  /// Points of which nobody knows whether they were fired: a person is asked.
+  bool asks_when_uncertain = false;
+  /// Why nothing is to be fired into the block that is in the machine; empty: it is.
+  std::string block_misfit = {};
+  EarlierWork earlier = {};
+};
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,233 @@
+#include "services/synchronizer/engraving/engraving_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace intaglio::synchronizer {
+namespace {
+
+using formats::PointOutcome;
+
+// In lockstep: windows that may be on the way without a report.
+constexpr std::uint64_t kUnreportedWindows = 4;
+constexpr std::uint64_t kLockstepLeadTicks = 4;
+constexpr std::uint64_t kTicksToRest = 4;
+constexpr int kMaxLateStarts = 5;
+// Passes in a row that were broken off over a skipped point before they made any.
+constexpr int kMaxFruitlessHalts = 5;
+
+}  // namespace
+
+EngravingRun::EngravingRun(const EngravingJob& job, MotionFeed& feed,
+                           TickHorizon& horizon, TickWindows& ticks, PulseRecord& record,
+                           Shutters& shutters)
+    : job_(job),
+      feed_(feed),
+      horizon_(horizon),
+      ticks_(ticks),
+      record_(record),
+      shutters_(shutters),
+      open_points_(job_.places_mm.empty() ? job_.machine_points_mm : job_.places_mm,
+                   record.ledger(), job_.cone_tangent, job_.masks) {}
+
+ChannelMask EngravingRun::NextMask() {
+  open_points_.Rewind();
+  return open_points_.mask() != 0 ? open_points_.mask() : job_.shutter_mask;
+}
+
+void EngravingRun::Begin(const EngravingInputs& inputs) {
+  record_.SkipRuns(inputs.motion.highest_run);
+  record_.BeginRun();
+  ++count_;
+  passed_by_.reset();
+  passed_by_tick_ = 0;
+  missed_in_a_row_ = 0;
+  fired_points_before_ = record_.fired_point_count();
+  ticks_.Begin(horizon_.TickAt(inputs.now), horizon_.lockstep());
+  const std::uint64_t lead_ticks =
+      horizon_.lockstep() ? kLockstepLeadTicks : horizon_.AheadTicks() << late_starts_;
+  TakeSpeed(inputs);
+  feed_.Begin(job_.uid, record_.run(), ticks_.decided() + lead_ticks,
+              inputs.motion.position_mm, job_.plan, inputs.motion_clock);
+  if (horizon_.has_own_clock()) clock_steps_ = inputs.motion_clock->steps();
+}
+
+std::optional<HaltReason> EngravingRun::Turn(const EngravingInputs& inputs) {
+  if (auto reason = WhyHalt(inputs)) return reason;
+  FeedMotion(inputs);
+  if (auto reason = DecideTicks(inputs)) return reason;
+  if (record_.disk_failed()) {
+    return HaltReason{Missing::kNothing, record_.disk_error(), true};
+  }
+  ticks_.SendDurable();
+  return std::nullopt;
+}
+
+std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
+  if (passed_by_) return WhySkipped();
+  // Also when there is nothing to arm any more, as all its ticks have passed meanwhile.
+  if (!shutters_.was_seen_open() && shutters_.fails_to_open(inputs.now)) {
+    return HaltReason{Missing::kShutter, TextOf(Missing::kShutter), true};
+  }
+  // A dead beam or a blind sensor would go on through the whole block.
+  if (missed_in_a_row_ >= job_.max_missed_in_a_row) {
+    return HaltReason{
+        Missing::kNothing,
+        fmt::format("no crack was seen of {} pulses in a row: see to lens, block, pulse "
+                    "energy and photosensor, then resume",
+                    missed_in_a_row_),
+        true};
+  }
+  if (feed_.dropped()) {
+    return HaltReason{Missing::kMotionState,
+                      "the motion bridge has dropped the run; resume", true};
+  }
+  if (horizon_.has_own_clock() &&
+      (inputs.motion_clock == nullptr || inputs.motion_clock->steps() != clock_steps_)) {
+    return HaltReason{
+        Missing::kNothing,
+        "the clock of the stage's controller has changed its pace: the run starts again",
+        false};
+  }
+  return std::nullopt;
+}
+
+// What comes later in the order may lie in the beam of what was passed by, so the run
+// starts again there; but not by itself when it was the machine that held a pulse back.
+HaltReason EngravingRun::WhySkipped() {
+  switch (*passed_by_) {
+    case SkipReason::kInterlock:
+      return {Missing::kDoor,
+              "an interlock of the machine held a pulse back: see to key, door and "
+              "stop, then resume",
+              true};
+    case SkipReason::kLamp:
+      return {Missing::kLamp, TextOf(Missing::kLamp), true};
+    case SkipReason::kShutter:
+      return {Missing::kShutter, TextOf(Missing::kShutter), true};
+    default:
+      break;
+  }
+  const bool fruitless = record_.fired_point_count() == fired_points_before_;
+  fruitless_halts_ = fruitless ? fruitless_halts_ + 1 : 0;
+  if (fruitless_halts_ < kMaxFruitlessHalts) {
+    return {Missing::kNothing, "pulses were skipped: the run starts again there", false};
+  }
+  fruitless_halts_ = 0;
+  return {
+      Missing::kNothing,
+      "the same point was skipped again and again: see that the stage follows and the "
+      "disk keeps up, then resume",
+      true};
+}
+
+void EngravingRun::TakeSpeed(const EngravingInputs& inputs) {
+  if (inputs.speed_percent == speed_percent_) return;
+  speed_percent_ = inputs.speed_percent;
+  min_speed_percent_ = std::min(min_speed_percent_, speed_percent_);
+  ++speed_changes_;
+  feed_.SetSpeed(speed_percent_ / 100.0, ticks_.schedule());
+}
+
+void EngravingRun::FeedMotion(const EngravingInputs& inputs) {
+  TakeSpeed(inputs);
+  const auto next = [this]() -> std::optional<MotionFeed::Target> {
+    const auto point = open_points_.Next();
+    if (!point) return std::nullopt;
+    return MotionFeed::Target{*point, job_.machine_points_mm[*point]};
+  };
+  std::uint64_t tick = horizon_.TickAt(inputs.now);
+  // No further than the controller's clock is known.
+  if (horizon_.has_own_clock()) {
+    tick = std::min(tick, inputs.motion_clock->newest_tick());
+  }
+  feed_.Advance(std::max(tick, feed_.start_tick()) + horizon_.AheadTicks(), next,
+                ticks_.schedule());
+}
+
+std::optional<HaltReason> EngravingRun::DecideTicks(const EngravingInputs& inputs) {
+  if (auto late = CheckStart(inputs)) return late;
+  const std::uint64_t limit = ArmLimit(inputs);
+  const std::uint64_t window = horizon_.WindowTicks();
+  while (ticks_.decided() < limit) {
+    const std::uint64_t last = std::min(limit, ticks_.decided() + window);
+    // A narrow window costs as much as a wide one; wait unless the machine waits for us.
+    const bool idle =
+        ticks_.reported_through() >= ticks_.decided() && !ticks_.holds_windows();
+    if (horizon_.lockstep() && last - ticks_.decided() < window / 4 && !idle) break;
+    if (!shutters_.are_open()) break;
+    if (auto reason = ArmThrough(last)) return reason;
+  }
+  return std::nullopt;
+}
+
+// A run that did not reach the stage in time: nothing was armed, so it may start anew.
+std::optional<HaltReason> EngravingRun::CheckStart(const EngravingInputs& inputs) {
+  if (is_executed(inputs.motion)) {
+    late_starts_ = 0;
+    return std::nullopt;
+  }
+  if (horizon_.lockstep() || horizon_.TickAt(inputs.now) < feed_.start_tick()) {
+    return std::nullopt;
+  }
+  if (++late_starts_ > kMaxLateStarts) {
+    late_starts_ = 0;
+    return HaltReason{Missing::kMotionState,
+                      "the motion bridge is too slow to start a run", true};
+  }
+  return HaltReason{Missing::kNothing, "the run is started again: it came too late",
+                    false};
+}
+
+// Through which tick points may be armed: as far as the stage's controller has the
+// motion, and no further ahead than is worth a window.
+std::uint64_t EngravingRun::ArmLimit(const EngravingInputs& inputs) {
+  const bool executed = is_executed(inputs.motion);
+  std::uint64_t limit =
+      executed ? inputs.motion.covered_through_tick : feed_.start_tick() - 1;
+  if (!horizon_.lockstep()) {
+    const std::uint64_t now = horizon_.TickAt(inputs.now);
+    ticks_.SkipTo(now);
+    return std::min(limit, now + horizon_.WindowTicks());
+  }
+  // By a clock of its own the stage may come to rest a little after its last tick.
+  if (horizon_.has_own_clock() && executed && feed_.sent_all()) limit += kTicksToRest;
+  return std::min(
+      limit, ticks_.reported_through() + kUnreportedWindows * horizon_.WindowTicks());
+}
+
+std::optional<HaltReason> EngravingRun::ArmThrough(std::uint64_t last) {
+  const bool armed = ticks_.Arm(
+      last, [this](std::uint32_t) { passed_by_ = SkipReason::kLate; }, *job_.trigger);
+  if (armed) return std::nullopt;
+  return HaltReason{Missing::kNothing,
+                    record_.disk_failed()
+                        ? record_.disk_error()
+                        : "the journal's disk does not keep up: the run is stopped",
+                    true};
+}
+
+void EngravingRun::Note(const PulseResult& result) {
+  if (result.outcome == PointOutcome::kSkipped) {
+    if (passed_by_) return;
+    passed_by_ = result.reason;
+    passed_by_tick_ = result.tick;
+  } else if (result.outcome == PointOutcome::kMissed) {
+    ++missed_in_a_row_;
+  } else if (result.outcome == PointOutcome::kMade) {
+    missed_in_a_row_ = 0;
+  }
+}
+
+bool EngravingRun::is_finished(const EngravingInputs& inputs) const {
+  return is_executed(inputs.motion) && feed_.sent_all() && ticks_.schedule().empty() &&
+         inputs.motion.at_rest && !ticks_.holds_windows();
+}
+
+void EngravingRun::Finish() {
+  const bool idle = record_.fired_point_count() == fired_points_before_;
+  idle_runs_ = idle ? idle_runs_ + 1 : 0;
+}
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,49 @@
+#include "services/synchronizer/engraving/machine_preparation.h"
+
+#include <fmt/format.h>
+
+#include "services/synchronizer/permission/permission_chain.h"
+
+namespace intaglio::synchronizer {
+namespace {
+constexpr std::chrono::milliseconds kPreparationPeriod{20};  // until it is answered
+}  // namespace
+
+std::string MachinePreparation::Refusal() const {
+  if (!job_.block_misfit.empty()) return job_.block_misfit;
+  if (!laser_.refusal().empty()) return laser_.refusal();
+  if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
+  if (const auto can = job_.trigger->CheckLaser(laser_.identity()); !can)
+    return can.error().message;
+  return "";
+}
+
+bool MachinePreparation::MaySend(std::chrono::nanoseconds now) {
+  if (now < next_request_ || !laser_.CanSend()) return false;
+  next_request_ = now + kPreparationPeriod;
+  return true;
+}
+
+void MachinePreparation::LightLamp(std::chrono::nanoseconds now) {
+  if (lamp_session_ == laser_.session() && laser_.Has(link::kLampOn)) return;
+  if (!MaySend(now)) return;
+  if (laser_.Lamp(true, job_.plan.rate_hz)) lamp_session_ = laser_.session();
+}
+
+void MachinePreparation::LeaveSafeState(bool may_reset, std::chrono::nanoseconds now) {
+  const bool latched = laser_.Has(link::kSafeState) || !laser_.Has(link::kStopReleased);
+  if (!latched || !may_reset || !MaySend(now)) return;
+  (void)laser_.Reset();
+  (void)laser_.RequestStatus();
+}
+
+std::string MachinePreparation::WhatIsMissing(const MotionView& motion) const {
+  const bool right_rate = laser_.status().rate_hz == job_.plan.rate_hz;
+  if (!laser_.Has(link::kLampWarm) || !right_rate) {
+    return fmt::format("the lamp warms up: {:.0f} %", 100 * laser_.status().warm_ratio);
+  }
+  if (!motion.fresh) return TextOf(Missing::kMotionState);
+  return motion.line_down() ? motion.message : "";
+}
+
+}  // namespace intaglio::synchronizer

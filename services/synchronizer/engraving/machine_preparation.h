@@ -1,0 +1,52 @@
+#pragma once
+
+// What comes before a run, each time: the right block in the machine, the laser line up,
+// the lamp on and warm at the job's rate, the laser controller out of its safe state, the
+// state of the stage known.
+//
+//   Refusal() empty --> lamp commanded --> warm, rate right --> stage fresh -->
+//   WhatIsMissing() empty
+//
+// The lamp is commanded once in a session: another session may be another power-up, and
+// its lamp is off. A safe state and a latched stop are reset only by a grant
+// (PermissionChain::may_reset). Used from one thread; nothing waits.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "services/synchronizer/engraving/engraving_job.h"
+#include "services/synchronizer/engraving_inputs.h"
+#include "services/synchronizer/pulses/laser_controller.h"
+
+namespace intaglio::synchronizer {
+
+class MachinePreparation {
+ public:
+  /// Both outlive this.
+  MachinePreparation(const EngravingJob& job, LaserController& laser)
+      : job_(job), laser_(laser) {}
+
+  /// Another block, another device, or no line: then nothing is prepared. Empty: none.
+  std::string Refusal() const;
+  /// Switches the lamp on at the job's rate, unless it is.
+  void LightLamp(std::chrono::nanoseconds now);
+  /// `may_reset`: see PermissionChain.
+  void LeaveSafeState(bool may_reset, std::chrono::nanoseconds now);
+  /// What the machine is not ready for yet, with no refusal; empty: it is ready.
+  std::string WhatIsMissing(const MotionView& motion) const;
+  /// It was ready and is not any more: back to preparing.
+  bool is_lost() const {
+    return !laser_.up() || !laser_.Has(link::kLampWarm) || !job_.block_misfit.empty();
+  }
+
+ private:
+  bool MaySend(std::chrono::nanoseconds now);
+
+  const EngravingJob& job_;
+  LaserController& laser_;
+  std::chrono::nanoseconds next_request_{0};
+  std::uint64_t lamp_session_ = 0;  // that the lamp was switched on in
+};
+
+}  // namespace intaglio::synchronizer

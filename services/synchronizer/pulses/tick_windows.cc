@@ -1,0 +1,72 @@
+#include "services/synchronizer/pulses/tick_windows.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace intaglio::synchronizer {
+
+void TickWindows::Begin(std::uint64_t tick, bool lockstep) {
+  session_ = laser_.session();
+  decided_ = std::max({tick, laser_.status().decided_through, lockstep ? decided_ : 0});
+  sent_through_ = reported_through_ = decided_;
+  held_.clear();
+}
+
+bool TickWindows::Arm(std::uint64_t last,
+                      const std::function<void(std::uint32_t point)>& late,
+                      const PulseTrigger& trigger) {
+  HeldWindow window;
+  bool kept = true;
+  window.arm = schedule_.Decide(
+      decided_ + 1, last,
+      [&](std::uint64_t tick, std::uint32_t point) { kept &= record_.Arm(tick, point); },
+      late);
+  trigger.Mark(window.arm);
+  if (!kept || record_.disk_failed()) return false;
+  window.journal_number = record_.appended();
+  held_.push_back(std::move(window));
+  record_.Flush();
+  decided_ = last;
+  return true;
+}
+
+void TickWindows::SendDurable() {
+  while (!held_.empty() && held_.front().journal_number <= record_.durable()) {
+    const link::ArmWindow& arm = held_.front().arm;
+    if (!laser_.CanSend() || !laser_.Arm(arm)) return;
+    sent_through_ = arm.first_tick + arm.fire.size() - 1;
+    held_.pop_front();
+  }
+}
+
+void TickWindows::SendIdle(std::size_t count) {
+  const link::LaserStatus& status = laser_.status();
+  // In a safe state or another session it has forgotten what was decided.
+  const bool forgotten = session_lost() || laser_.Has(link::kSafeState);
+  decided_ = std::max({forgotten ? 0 : decided_, status.decided_through, status.tick});
+  session_ = laser_.session();
+  if (laser_.Has(link::kSafeState) || decided_ > status.tick) return;
+  link::ArmWindow idle{decided_ + 1, true, std::vector<bool>(count, false)};
+  if (!laser_.Arm(idle)) return;
+  decided_ += idle.fire.size();
+  (void)laser_.RequestStatus();
+}
+
+void TickWindows::Take(const link::PulseReport& report) {
+  if (report.outcome.empty()) return;
+  reported_through_ =
+      std::max(reported_through_, report.first_tick + report.outcome.size() - 1);
+  schedule_.Apply(report, [this](const PulseResult& r) { record_.Resolve(r); });
+}
+
+void TickWindows::Take(const link::PastReport& report) {
+  schedule_.Apply(report, [this](const PulseResult& r) { record_.Resolve(r); });
+}
+
+std::vector<PulseResult> TickWindows::DropUnsent() {
+  schedule_.DropUnarmed();
+  held_.clear();
+  return schedule_.ArmedWithin(sent_through_ + 1, UINT64_MAX);
+}
+
+}  // namespace intaglio::synchronizer

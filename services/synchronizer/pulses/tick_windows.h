@@ -1,0 +1,90 @@
+#pragma once
+
+// Which ticks are decided, for one laser controller: the points planned for them are
+// armed, and the windows are sent when their intents are on disk.
+//
+//   planned --Arm: intent appended--> armed, held --intent durable: Send--> sent -->
+//   settled
+//      ^        (the one place where             |                               by
+//      result
+//   schedule     a point is armed)               +--DropUnsent: never sent, never fires
+//
+// Ticks are decided once, in order. What was decided holds for one session of the line:
+// after a Disarm or in another session it begins again (TakeDisarmed, Begin). Used from
+// one thread; nothing waits.
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/synchronizer/pulses/pulse_record.h"
+#include "services/synchronizer/pulses/pulse_schedule.h"
+#include "services/synchronizer/pulses/pulse_trigger.h"
+
+namespace intaglio::synchronizer {
+
+class TickWindows {
+ public:
+  /// Both outlive this.
+  TickWindows(LaserController& laser, PulseRecord& record)
+      : laser_(laser), record_(record) {}
+
+  /// What is planned and what is armed; planned points are added to it.
+  PulseSchedule& schedule() { return schedule_; }
+  const PulseSchedule& schedule() const { return schedule_; }
+
+  /// A run, in the session of now: everything up to `tick`, the newest one, is decided,
+  /// and what the controller has decided already. `lockstep`: idle ticks that are still
+  /// on their way, too.
+  void Begin(std::uint64_t tick, bool lockstep);
+  /// Ticks up to this one have passed undecided.
+  void SkipTo(std::uint64_t tick) { decided_ = std::max(decided_, tick); }
+  /// Decides the ticks that follow, through `last`: what is planned for them is armed, in
+  /// ledger, journal and window. `late` gets points whose tick is decided already. False
+  /// when an intent does not get to the journal: then nothing of it is sent, ever.
+  /// `trigger` marks the window.
+  bool Arm(std::uint64_t last, const std::function<void(std::uint32_t point)>& late,
+           const PulseTrigger& trigger = TriggerAtTick());
+  /// Sends the windows whose intents are on disk, as far as the line takes them.
+  void SendDurable();
+  /// Lockstep, with nothing armed: decides `count` ticks that fire nothing when the
+  /// machine has come to the end of what was decided.
+  void SendIdle(std::size_t count);
+
+  /// The controller's results; what was not armed here is passed over.
+  void Take(const link::PulseReport& report);
+  void Take(const link::PastReport& report);
+
+  /// Forgets what is planned and what is held; returns the armed points of windows that
+  /// were never sent.
+  std::vector<PulseResult> DropUnsent();
+  /// Disarmed: what the controller has decided by its status, and no more, is decided.
+  void TakeDisarmed() { decided_ = laser_.status().decided_through; }
+
+  std::uint64_t decided() const { return decided_; }
+  std::uint64_t reported_through() const { return reported_through_; }
+  /// Windows wait for the journal's disk or for the line.
+  bool holds_windows() const { return !held_.empty(); }
+  /// Another session than the one that ticks were decided in.
+  bool session_lost() const { return laser_.session() != session_; }
+
+ private:
+  struct HeldWindow {
+    std::uint64_t journal_number = 0;  // sent once this many records are durable
+    link::ArmWindow arm;
+  };
+
+  LaserController& laser_;
+  PulseRecord& record_;
+  PulseSchedule schedule_;
+  std::deque<HeldWindow> held_;
+  std::uint64_t decided_ = 0;  // sent or held
+  std::uint64_t sent_through_ = 0;
+  std::uint64_t reported_through_ = 0;
+  std::uint64_t session_ = 0;
+};
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,94 @@
+#include "services/synchronizer/engraving/machine_preparation.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/services/synchronizer/laser_bench.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using link::LaserFrame;
+using testing::HasSubstr;
+using namespace std::chrono_literals;
+
+class MachinePreparationTest : public testing::Test {
+ protected:
+  MachinePreparationTest() { job_.plan.rate_hz = FakeLaser::kRateHz; }
+  void LightLampFor(std::chrono::milliseconds time) {
+    for (const auto end = bench_.now + time; bench_.now < end;) {
+      bench_.Step();
+      preparation_.LightLamp(bench_.now);
+    }
+  }
+
+  EngravingJob job_;
+  LaserBench bench_;
+  MachinePreparation preparation_{job_, bench_.controller};
+};
+
+TEST_F(MachinePreparationTest, RefusesAnotherBlockAndALineThatIsDown) {
+  EXPECT_EQ(preparation_.Refusal(), "");
+  job_.block_misfit = "another block";
+  EXPECT_EQ(preparation_.Refusal(), "another block");
+  EXPECT_TRUE(preparation_.is_lost());
+  job_.block_misfit.clear();
+  bench_.CutLine(true);
+  bench_.StepFor(600ms);
+  EXPECT_THAT(preparation_.Refusal(), HasSubstr("laser line is down"));
+}
+
+TEST_F(MachinePreparationTest, SwitchesTheLampOnOnceASession) {
+  LightLampFor(200ms);
+  EXPECT_TRUE(bench_.laser.lamp_on());
+  EXPECT_EQ(bench_.ReceivedCount(LaserFrame::kLampCommand), 1u);
+  bench_.PowerCycle();
+  EXPECT_FALSE(bench_.laser.lamp_on());
+  LightLampFor(200ms);
+  EXPECT_TRUE(bench_.laser.lamp_on());
+  EXPECT_EQ(bench_.ReceivedCount(LaserFrame::kLampCommand), 2u);
+}
+
+TEST_F(MachinePreparationTest, WaitsForTheLampAndThenForTheStage) {
+  MotionView motion;
+  motion.fault = intaglio_MOTION_OK;
+  motion.fresh = true;
+  LightLampFor(50ms);
+  EXPECT_THAT(preparation_.WhatIsMissing(motion), HasSubstr("the lamp warms up: 0 %"));
+  EXPECT_TRUE(preparation_.is_lost());
+  bench_.PassTicks(30);
+  bench_.StepFor(30ms);
+  EXPECT_EQ(preparation_.WhatIsMissing(motion), "");
+  EXPECT_FALSE(preparation_.is_lost());
+  motion.fault = intaglio_MOTION_LINK_LOST;
+  motion.message = "no cable";
+  EXPECT_EQ(preparation_.WhatIsMissing(motion), "no cable");
+  motion.fresh = false;
+  EXPECT_EQ(preparation_.WhatIsMissing(motion), TextOf(Missing::kMotionState));
+}
+
+TEST_F(MachinePreparationTest, ALampOfAnotherRateIsNotReady) {
+  bench_.WarmUp();
+  job_.plan.rate_hz = 2 * FakeLaser::kRateHz;
+  MotionView motion;
+  motion.fresh = true;
+  motion.fault = intaglio_MOTION_OK;
+  EXPECT_THAT(preparation_.WhatIsMissing(motion), HasSubstr("warms up"));
+}
+
+TEST_F(MachinePreparationTest, ASafeStateIsResetByAGrantAlone) {
+  bench_.laser.EnterSafeState();
+  bench_.StepFor(30ms);
+  ASSERT_TRUE(bench_.controller.Has(link::kSafeState));
+  preparation_.LeaveSafeState(false, bench_.now);
+  bench_.StepFor(30ms);
+  EXPECT_EQ(bench_.ReceivedCount(LaserFrame::kLaserReset), 0u);
+  preparation_.LeaveSafeState(true, bench_.now);
+  bench_.StepFor(30ms);
+  EXPECT_FALSE(bench_.controller.Has(link::kSafeState));
+  preparation_.LeaveSafeState(true, bench_.now);
+  bench_.StepFor(30ms);
+  EXPECT_EQ(bench_.ReceivedCount(LaserFrame::kLaserReset), 1u) << "there is no need";
+}
+
+}  // namespace
+}  // namespace intaglio::synchronizer
