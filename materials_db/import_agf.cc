@@ -46,10 +46,11 @@ class CatalogReader {
     if (imported_.errors.size() < kMaxAgfErrors) FinishGlass();
     if (first_lines_.empty() && imported_.errors.empty()) {
       Complain(1, ErrorCode::kUnreadable,
-               "there is no glass in it (no NM line); is it an AGF catalog?");
+               "it contains no glass (no NM line); check that it is an AGF catalog");
     } else if (imported_.errors.size() >= kMaxAgfErrors) {
-      Complain(line_, ErrorCode::kUnreadable,
-               "too many mistakes, the rest is not read; is it an AGF catalog?");
+      Complain(
+          line_, ErrorCode::kUnreadable,
+          "too many mistakes, the rest is not read; check that it is an AGF catalog");
     }
     return std::move(imported_);
   }
@@ -89,7 +90,7 @@ class CatalogReader {
   bool InGlass(std::string_view kind) {
     if (in_glass_) return true;
     Complain(line_, ErrorCode::kUnreadable,
-             fmt::format("{} stands before the first NM line", kind), kind);
+             fmt::format("{} occurs before the first NM line", kind), kind);
     return false;
   }
 
@@ -140,7 +141,7 @@ class CatalogReader {
     const auto number = io::ParseFinite(words[place]);
     if (!number) {
       Complain(line_, ErrorCode::kInvalidValue,
-               fmt::format("glass {}: \"{}\" is no number", glass_.name, words[place]),
+               fmt::format("glass {}: \"{}\" is not a number", glass_.name, words[place]),
                words[place]);
       return std::nullopt;
     }

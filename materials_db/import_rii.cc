@@ -80,8 +80,9 @@ class RecordReader {
   void ReadDispersion() {
     const YAML::Node entries = Child(record_, "DATA");
     if (!entries.IsSequence()) {
-      Complain(ErrorCode::kMissing,
-               "the record has no DATA; is it one of refractiveindex.info?");
+      Complain(
+          ErrorCode::kMissing,
+          "the record has no DATA; check that it is a record of refractiveindex.info");
       return;
     }
     bool has_table = false;
@@ -95,7 +96,7 @@ class RecordReader {
     }
     if (has_table) {
       Complain(ErrorCode::kUnsupported,
-               "the record has a table and no formula; take a record of this glass that "
+               "the record has a table and no formula; use a record of this glass that "
                "has a formula, or fit one and use `intaglio materials add`");
     } else {
       Complain(ErrorCode::kMissing, "DATA has no entry of a type \"formula N\"");
@@ -110,7 +111,7 @@ class RecordReader {
     if (!(is_agf || is_rii) || !number || !(*number >= 1 && *number <= 99) ||
         *number != static_cast<int>(*number)) {
       Complain(ErrorCode::kUnsupported,
-               fmt::format("DATA has the type \"{}\", which is not known", type), type);
+               fmt::format("DATA has the type \"{}\", which is unknown", type), type);
       return;
     }
     const auto formula =
@@ -126,7 +127,7 @@ class RecordReader {
     const auto coefficients = text ? ParseNumbers(*text) : std::nullopt;
     if (!coefficients) {
       Complain(ErrorCode::kInvalidValue,
-               "coefficients must be numbers with a space between", text.value_or(""));
+               "coefficients must be numbers separated by spaces", text.value_or(""));
       return;
     }
     material_.dispersion.coefficients = *coefficients;
@@ -241,10 +242,10 @@ Imported ImportRii(std::string_view yaml, std::string_view name) {
   } catch (const YAML::Exception& exception) {
     imported.materials.clear();
     refuse(ErrorCode::kUnreadable,
-           fmt::format("this is no YAML record: {}", exception.what()));
+           fmt::format("this is not a YAML record: {}", exception.what()));
   }
   if (imported.materials.empty() && imported.errors.empty()) {
-    refuse(ErrorCode::kMissing, "the file is empty: there is no record in it");
+    refuse(ErrorCode::kMissing, "the file is empty");
   }
   return imported;
 }

@@ -39,7 +39,7 @@ void CheckText(const char* field, const std::string& text, std::size_t max_bytes
   });
   if (has_control) {
     errors.push_back({ErrorCode::kInvalidValue,
-                      fmt::format("{} has a control character in it; retype it", field),
+                      fmt::format("{} contains a control character; retype it", field),
                       ""});
   }
 }
@@ -47,10 +47,10 @@ void CheckText(const char* field, const std::string& text, std::size_t max_bytes
 void CheckName(const std::string& name, std::vector<Error>& errors) {
   CheckText("name", name, kMaxNameBytes, false, errors);
   if (name.empty()) {
-    errors.push_back({ErrorCode::kMissing, "name is missing; give the glass one", ""});
+    errors.push_back({ErrorCode::kMissing, "name is missing; give the glass a name", ""});
   } else if (name.front() == ' ' || name.back() == ' ') {
     errors.push_back({ErrorCode::kInvalidValue,
-                      "name begins or ends with a space; take the space away", name});
+                      "name begins or ends with a space; remove the space", name});
   }
 }
 

@@ -183,8 +183,8 @@ Status MaterialStore::Import(std::span<const Material> materials, bool replace) 
     }
     if (!taken.empty()) {
       return Fail(ErrorCode::kInvalidValue,
-                  fmt::format("there already is {} in the material base; replace or "
-                              "remove it, or choose another name",
+                  fmt::format("{} is already in the material base; replace or remove it, "
+                              "or choose another name",
                               taken),
                   taken);
     }
@@ -227,7 +227,7 @@ Error MaterialStore::NotFound(std::string_view name) const {
   const auto near = NearNames(name, names);
   return {ErrorCode::kNotFound,
           near.empty() ? fmt::format("there is no glass \"{}\" in the material base; "
-                                     "`intaglio materials list` shows what there is",
+                                     "`intaglio materials list` lists the glasses",
                                      name)
                        : fmt::format("there is no glass \"{}\" in the material base; did "
                                      "you mean {}?",

@@ -25,19 +25,19 @@ Status CheckOwner(SQLite::Database& database, const std::filesystem::path& file)
       database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
   const bool is_ours = Pragma(database, "application_id") == kApplicationId;
   if (!is_ours && !(is_empty && version == 0)) {
-    return Fail(ErrorCode::kUnreadable,
-                fmt::format("{}: this is a database, but not one of materials; name "
-                            "another file",
-                            file.string()),
-                file.string());
+    return Fail(
+        ErrorCode::kUnreadable,
+        fmt::format("{}: this database is not one of materials; give another file",
+                    file.string()),
+        file.string());
   }
   if (version > newest) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: the database of materials has version {}, this program "
-                            "knows versions up to {}; use a newer intaglio or another "
-                            "file",
-                            file.string(), version, newest),
-                std::to_string(version));
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: the database of materials has version {}, this program supports "
+                    "versions up to {}; use a newer intaglio or another file",
+                    file.string(), version, newest),
+        std::to_string(version));
   }
   return {};
 }
@@ -86,7 +86,7 @@ Error ErrorFrom(const SQLite::Exception& exception, const std::filesystem::path&
       return make(ErrorCode::kTimedOut, "another program is writing to it, try again");
     case SQLITE_NOTADB:
       return make(ErrorCode::kUnreadable,
-                  "this is not a database of materials, name another file");
+                  "this is not a database of materials, give another file");
     case SQLITE_CORRUPT:
       return make(ErrorCode::kUnreadable,
                   "the database is damaged, restore a copy or move it away");

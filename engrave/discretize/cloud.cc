@@ -145,8 +145,8 @@ Result<Discretized> MakeCloud(const Sources& sources, const CloudOptions& option
 
 Error NoPoints() {
   return {ErrorCode::kMissing,
-          "no points came out: the model is empty, lies outside the block, or is smaller "
-          "than the distances asked for",
+          "the model gave no points: it is empty, lies outside the block, or is smaller "
+          "than the requested distances",
           ""};
 }
 

@@ -22,9 +22,8 @@ std::vector<std::string> WarningsOf(const MethodStatistics& statistics,
   }
   if (statistics.shallow_count > 0) {
     warnings.push_back(fmt::format(
-        "{:.0f} % of the places for points lie where the model is too thin for its "
-        "shells, "
-        "and were left out: take smaller depths (shell_depths_mm)",
+        "{:.0f} % of the points were left out, because the model is too thin for its "
+        "shells there: use smaller depths (shell_depths_mm)",
         100 * static_cast<double>(statistics.shallow_count) /
             static_cast<double>(statistics.shallow_count + statistics.point_count)));
   }

@@ -30,8 +30,8 @@ bool DrawingBuilder::Refuse(ErrorCode code, std::string_view place,
 bool DrawingBuilder::CountEntity(std::string_view place) {
   if (++entities_ <= limits_.max_entities) return true;
   return Refuse(ErrorCode::kTooLarge, place,
-                fmt::format("more than {} entities, blocks and references unfolded; "
-                            "divide the drawing or raise the limit",
+                fmt::format("more than {} entities after blocks and references are "
+                            "expanded; divide the drawing or raise the limit",
                             limits_.max_entities));
 }
 
@@ -39,7 +39,7 @@ bool DrawingBuilder::CountUnfolded(std::uint64_t bytes, std::string_view place) 
   unfolded_bytes_ += bytes;
   if (unfolded_bytes_ <= limits_.max_unfolded_bytes) return true;
   return Refuse(ErrorCode::kTooLarge, place,
-                fmt::format("blocks or references unfold to more than {} bytes; explode "
+                fmt::format("blocks or references expand to more than {} bytes; explode "
                             "them in the drawing program or raise the limit",
                             limits_.max_unfolded_bytes));
 }

@@ -138,10 +138,10 @@ Result<FlatDrawing> Flatten(const Drawing& drawing, const FlattenOptions& option
     if (flattener.too_many()) {
       return Fail(
           ErrorCode::kTooLarge,
-          fmt::format("the drawing's curves become more than {} points at a chord "
-                      "tolerance of {} mm; make the drawing smaller or the "
-                      "tolerance larger",
-                      options.max_points, options.chord_tolerance_mm));
+          fmt::format(
+              "the drawing's curves need more than {} points at a chord tolerance of {} "
+              "mm; make the drawing smaller or the tolerance larger",
+              options.max_points, options.chord_tolerance_mm));
     }
     if (!next.points_mm.empty()) flat.curves.push_back(std::move(next));
   }

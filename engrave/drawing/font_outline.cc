@@ -114,7 +114,7 @@ class Typesetter {
       file = std::move(*found);
     }
     FT_Library library = nullptr;
-    Require(FT_Init_FreeType(&library) == 0, "FreeType does not start");
+    Require(FT_Init_FreeType(&library) == 0, "FreeType cannot be initialized");
     library_.reset(library);
     FT_Face face = nullptr;
     const FT_Error failure =
@@ -130,8 +130,7 @@ class Typesetter {
     if (failure != 0) {
       return Fail(
           ErrorCode::kUnreadable,
-          fmt::format("{} is no font that can be read; take a TrueType or OpenType "
-                      "file",
+          fmt::format("{} cannot be read as a font; use a TrueType or OpenType file",
                       file),
           file);
     }
@@ -139,8 +138,7 @@ class Typesetter {
     if (!FT_IS_SCALABLE(face) || FT_Select_Charmap(face, FT_ENCODING_UNICODE) != 0) {
       return Fail(
           ErrorCode::kUnreadable,
-          fmt::format("{} has no outlines of Unicode characters; take another font",
-                      file),
+          fmt::format("{} has no outlines of Unicode characters; use another font", file),
           file);
     }
     return FindCapHeight(file);
@@ -183,7 +181,7 @@ class Typesetter {
     if (cap_height_ > 0) return {};
     return Fail(
         ErrorCode::kUnreadable,
-        fmt::format("{} does not say how high its letters are; take another font", file),
+        fmt::format("{} does not give the height of its letters; use another font", file),
         file);
   }
 
@@ -194,7 +192,7 @@ class Typesetter {
     while (!text.empty()) {
       const std::optional<char32_t> code = NextCharacter(text);
       if (!code) {
-        return Fail(ErrorCode::kUnreadable, "the text is no UTF-8; save it as UTF-8",
+        return Fail(ErrorCode::kUnreadable, "the text is not UTF-8; save it as UTF-8",
                     Shown(text));
       }
       if (*code == '\r') continue;
@@ -223,7 +221,7 @@ class Typesetter {
       const auto name = fmt::format("U+{:04X}", static_cast<std::uint32_t>(code));
       return Fail(
           ErrorCode::kMissing,
-          fmt::format("the font {} has no character {}; take another font or text",
+          fmt::format("the font {} has no character {}; use another font or text",
                       face_->family_name != nullptr ? face_->family_name : "", name),
           name);
     }
@@ -290,12 +288,11 @@ Result<std::string> FindFontFile(std::string_view family) {
     }
   }
   if (!best.empty()) return best;
-  return Fail(
-      ErrorCode::kNotFound,
-      fmt::format("there is no font \"{}\" in the system; install it, correct its "
-                  "name or give its file",
-                  family),
-      std::string(family));
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("the font \"{}\" is not installed; install it, correct its "
+                          "name or give its file",
+                          family),
+              std::string(family));
 }
 
 }  // namespace intaglio::drawing

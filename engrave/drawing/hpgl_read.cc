@@ -47,7 +47,7 @@ class HpglReader {
     if (good && EndLine() && !any_) {
       builder_.Refuse(
           ErrorCode::kUnreadable, "",
-          "there is no instruction of HPGL such as PU or PA; the file is none");
+          "the file has no HPGL instruction such as PU or PA; it is not HPGL");
     }
     return builder_.Take();
   }
@@ -71,8 +71,7 @@ class HpglReader {
       name_ = Shown(text_.substr(at_, 2));
       return Refuse(
           ErrorCode::kUnreadable,
-          "two letters of an instruction should stand here; the file is damaged "
-          "or no HPGL",
+          "expected the two letters of an instruction; the file is damaged or not HPGL",
           text_.substr(at_, 8));
     }
     name_ = {Upper(text_[at_]), Upper(text_[at_ + 1])};
@@ -113,7 +112,7 @@ class HpglReader {
     const std::optional<double> number = NumberOf(text_.substr(begin, at_ - begin));
     if (!number) {
       ok = Refuse(ErrorCode::kInvalidValue,
-                  "a finite number should stand here; export the drawing again",
+                  "expected a finite number; export the drawing again",
                   text_.substr(begin, at_ - begin));
     }
     return number;
@@ -128,10 +127,9 @@ class HpglReader {
       numbers.push_back(*number);
     }
     if (!ok || numbers.size() >= least) return ok;
-    return Refuse(
-        ErrorCode::kInvalidValue,
-        fmt::format("{} numbers are needed, {} stand here; plot the drawing again", least,
-                    numbers.size()));
+    return Refuse(ErrorCode::kInvalidValue,
+                  fmt::format("needs {} numbers, got {}; plot the drawing again", least,
+                              numbers.size()));
   }
 
   bool Do() {
@@ -170,7 +168,7 @@ class HpglReader {
     while (const std::optional<double> x = NextNumber(ok)) {
       const std::optional<double> y = NextNumber(ok);
       if (!ok) return false;
-      if (!y) return Refuse(ErrorCode::kInvalidValue, "a coordinate lacks its y");
+      if (!y) return Refuse(ErrorCode::kInvalidValue, "a coordinate has no y");
       if (!UnitsKnown()) return false;
       pen_ = PointAtUser(*x, *y, relative_);
       if (!down_) continue;

@@ -25,7 +25,7 @@ std::optional<HpglScale::Wrong> HpglScale::TakeScale(const std::vector<double>& 
       numbers.size() > 7) {
     return Wrong{ErrorCode::kInvalidValue,
                  "a scale has four numbers, its kind, and for kind 1 two shares of the "
-                 "free room; plot the drawing again"};
+                 "free space; plot the drawing again"};
   }
   if (kind != 0 && kind != kIsotropic && kind != kByFactor) {
     return Wrong{ErrorCode::kInvalidValue,
@@ -80,8 +80,8 @@ std::optional<HpglScale::Wrong> HpglScale::FindUnits() {
   }
   if (!p1_ || (!by_factor && !p2_)) {
     return Wrong{ErrorCode::kUnsupported,
-                 "the drawing has a scale for a page whose size the file does not tell; "
-                 "plot it with scaling points (IP) or in plotter units, without SC"};
+                 "the drawing has a scale for a page whose size is not in the file; plot "
+                 "it with scaling points (IP) or in plotter units, without SC"};
   }
   offset_ = *p1_;
   if (by_factor) {
@@ -98,7 +98,7 @@ std::optional<HpglScale::Wrong> HpglScale::UpdateByPoints(const Vec2& span) {
   const Vec2 room = *p2_ - *p1_;
   if ((room.array() == 0).any()) {
     return Wrong{ErrorCode::kInvalidValue,
-                 "the scaling points (IP) of the drawing lie above or beside each other; "
+                 "the scaling points (IP) of the drawing have the same x or the same y; "
                  "plot the drawing again"};
   }
   factor_ = room.cwiseQuotient(span);

@@ -46,10 +46,10 @@ Status ReadLine(std::string_view line, std::size_t line_number, PointTable& tabl
                     line_number, line));
   }
   if (!p.allFinite()) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("line {} has a point at ({}, {}, {}), which is not a place; "
-                            "remove it",
-                            line_number, p.x(), p.y(), p.z()));
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("line {} has a point at ({}, {}, {}), which is not finite; remove it",
+                    line_number, p.x(), p.y(), p.z()));
   }
   table.points_mm.push_back(p);
   return {};
@@ -79,7 +79,7 @@ Result<PointTable> ParseCoordinateLines(std::string_view bytes,
     if (table.points_mm.size() > limits.max_points) return MorePointsThanAllowed(limits);
   }
   if (table.points_mm.empty()) {
-    return Fail(ErrorCode::kMissing, "it holds no points; write x y z a line, in mm");
+    return Fail(ErrorCode::kMissing, "it has no points; write x y z a line, in mm");
   }
   return table;
 }

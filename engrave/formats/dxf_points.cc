@@ -125,10 +125,11 @@ Status PointReader::EndPoint() {
   const Vec3 p_mm = *point_ * unit_mm_;
   point_.reset();
   if (!p_mm.allFinite()) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("the POINT before line {} lies at ({}, {}, {}), which is not "
-                            "a place; remove it",
-                            pairs_.line_number(), p_mm.x(), p_mm.y(), p_mm.z()));
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format(
+            "the POINT before line {} is at ({}, {}, {}), which is not finite; remove it",
+            pairs_.line_number(), p_mm.x(), p_mm.y(), p_mm.z()));
   }
   if (table_.points_mm.size() >= limits_.max_points)
     return MorePointsThanAllowed(limits_);
@@ -187,7 +188,7 @@ Result<PointTable> PointReader::Read() {
     if (!pair) return tl::unexpected(pair.error());
     if (!*pair) {
       return Fail(ErrorCode::kUnreadable,
-                  fmt::format("it ends after line {} without EOF, so it was cut off; "
+                  fmt::format("it ends after line {} without EOF, so it is truncated; "
                               "export the drawing again",
                               pairs_.line_number()));
     }
@@ -196,16 +197,14 @@ Result<PointTable> PointReader::Read() {
   if (table_.points_mm.empty()) {
     return Fail(ErrorCode::kMissing,
                 passed_over_count_ == 0
-                    ? std::string("it holds no POINT; draw points in its model space")
-                    : fmt::format("it holds no POINT, only {}; import it as a drawing, "
+                    ? std::string("it has no POINT; draw points in its model space")
+                    : fmt::format("it has no POINT, only {}; import it as a drawing, "
                                   "which makes points along its curves",
                                   PassedOver()));
   }
   if (passed_over_count_ > 0) {
-    table_.comments.push_back(
-        fmt::format("{} entities that are no POINT were passed "
-                    "over: {}",
-                    passed_over_count_, PassedOver()));
+    table_.comments.push_back(fmt::format("{} entities other than POINT were ignored: {}",
+                                          passed_over_count_, PassedOver()));
   }
   return std::move(table_);
 }

@@ -36,7 +36,7 @@ void RequireInRange(const GcodeOptions& options) {
   Require(std::isfinite(options.feed_mm_min) && options.feed_mm_min >= 0,
           "a feed of {} mm/min", options.feed_mm_min);
   Require(!options.pulse.empty(), "no pulse command");
-  Require(options.origin_mm.allFinite(), "the origin is not a place");
+  Require(options.origin_mm.allFinite(), "the origin is not finite");
 }
 
 std::string Beginning(const PointTable& table, const GcodeOptions& options) {

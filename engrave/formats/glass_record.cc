@@ -65,7 +65,7 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   if (const auto version = GetAt<std::uint32_t>(bytes.data() + 8);
       version != kGlassVersion) {
     return Fail(ErrorCode::kUnsupported,
-                fmt::format("the glass record is of version {}; this program reads {}",
+                fmt::format("the glass record has version {}; this program reads {}",
                             version, kGlassVersion),
                 fmt::format("{}", version));
   }

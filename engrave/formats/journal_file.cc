@@ -99,7 +99,7 @@ Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
   }
   if (const auto version = Get<std::uint32_t>(bytes, 8); version != kJournalVersion) {
     return Fail(ErrorCode::kUnsupported,
-                fmt::format("the journal is of version {}; this program reads version {}",
+                fmt::format("the journal has version {}; this program reads version {}",
                             version, kJournalVersion),
                 fmt::format("{}", version));
   }
@@ -108,7 +108,7 @@ Result<Journal> ParseJournal(std::span<const std::byte> bytes) {
   journal.header.epoch = Get<std::uint64_t>(bytes, 24);
   journal.header.path_crc = Get<std::uint32_t>(bytes, 32);
   if (journal.header.point_count > kMaxPoints) {
-    return Fail(ErrorCode::kTooLarge, "the journal names too many points",
+    return Fail(ErrorCode::kTooLarge, "the journal has too many points",
                 fmt::format("{}", journal.header.point_count));
   }
   std::size_t behind_last = kJournalHeaderSize;

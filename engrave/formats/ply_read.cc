@@ -244,9 +244,9 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
     if (!p.allFinite()) {
       return Fail(
           ErrorCode::kInvalidValue,
-          fmt::format("point {} lies at ({}, {}, {}), which is not a place; remove "
-                      "it from the file",
-                      row + 1, p.x(), p.y(), p.z()));
+          fmt::format(
+              "point {} is at ({}, {}, {}), which is not finite; remove it from the file",
+              row + 1, p.x(), p.y(), p.z()));
     }
     table.points_mm.push_back(p);
   }

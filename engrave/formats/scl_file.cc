@@ -173,9 +173,10 @@ Result<SclHeader> ParseParts(std::string_view bytes, std::size_t size) {
   header.point_count = GetAt<std::uint64_t>(bytes, 16);
   header.unit_mm = GetAt<double>(bytes, 24);
   if (!std::isfinite(header.unit_mm) || header.unit_mm <= 0) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("its unit is {} mm, which is no length; write it again",
-                            header.unit_mm));
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("its unit is {} mm, which is not a valid length; write it again",
+                    header.unit_mm));
   }
   HeaderParts parts(bytes.substr(kFixedSize, size - kCrcSize - kFixedSize));
   std::uint32_t flags = 0;
@@ -191,7 +192,7 @@ Result<SclHeader> ParseParts(std::string_view bytes, std::size_t size) {
     }
   }
   if (!parts.empty() || flags != GetAt<std::uint32_t>(bytes, 32)) {
-    return Damaged("its header does not agree with itself");
+    return Damaged("its header is inconsistent");
   }
   return header;
 }
@@ -202,25 +203,25 @@ Result<SclHeader> ParseHeader(std::string_view bytes) {
                 "it is not an SCL of this program, whose first bytes are 89 53 43 4C; "
                 "export the points as CFT or XYZ text instead");
   }
-  if (bytes.size() < kFixedSize + kCrcSize) return Damaged("the file was cut off");
+  if (bytes.size() < kFixedSize + kCrcSize) return Damaged("the file is truncated");
   if (!bytes.starts_with(kSclMagic)) {
     return Damaged("its line ends were changed, as by a transfer in text mode");
   }
   const std::size_t size = GetAt<std::uint32_t>(bytes, 12);
   if (size < kFixedSize + kCrcSize) return Damaged("its header is damaged");
-  if (size > bytes.size()) return Damaged("the file was cut off, or its header damaged");
+  if (size > bytes.size())
+    return Damaged("the file is truncated, or its header is damaged");
   if (Crc(bytes.substr(0, size - kCrcSize)) !=
       GetAt<std::uint32_t>(bytes, size - kCrcSize)) {
     return Damaged("its header is damaged");
   }
   const auto version = GetAt<std::uint32_t>(bytes, 8);
   if (version != kSclVersion) {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("it is of version {}, this program reads {}; take the program "
-                    "that wrote it, or have it write XYZ",
-                    version, kSclVersion),
-        fmt::format("{}", version));
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("it has version {}, this program reads {}; use the program "
+                            "that wrote it, or export XYZ",
+                            version, kSclVersion),
+                fmt::format("{}", version));
   }
   return ParseParts(bytes, size);
 }
@@ -234,17 +235,16 @@ Result<std::string_view> PayloadOf(std::string_view bytes, const SclHeader& head
   if (header.point_count > rest.size() / row_size ||
       header.point_count * row_size + kCrcSize > rest.size()) {
     return Damaged(
-        fmt::format("the file was cut off: its {} points take more than its "
-                    "{} bytes",
+        fmt::format("the file is truncated: its {} points need more than its {} bytes",
                     header.point_count, bytes.size()));
   }
   const std::size_t size = header.point_count * row_size;
   if (rest.size() > size + kCrcSize) {
-    return Damaged(fmt::format("{} bytes too many stand behind its {} points",
+    return Damaged(fmt::format("{} extra bytes follow its {} points",
                                rest.size() - size - kCrcSize, header.point_count));
   }
   if (Crc(rest.substr(0, size)) != GetAt<std::uint32_t>(rest, size)) {
-    return Damaged("its points are damaged, their check sum is wrong");
+    return Damaged("its points are damaged: their checksum is wrong");
   }
   return rest.substr(0, size);
 }
@@ -316,8 +316,8 @@ Result<PointTable> ParseScl(std::string_view bytes, const PointFileLimits& limit
     if (header->unit_mm != 1) p *= header->unit_mm;
     if (p.allFinite()) continue;
     return Fail(ErrorCode::kInvalidValue,
-                fmt::format("point {} lies at ({}, {}, {}), which is not a place; write "
-                            "the file again without it",
+                fmt::format("point {} is at ({}, {}, {}), which is not finite; write the "
+                            "file again without it",
                             i + 1, p.x(), p.y(), p.z()));
   }
   for (Column& column : header->columns) {

@@ -58,7 +58,7 @@ struct Bitmap {
 
 tl::unexpected<Error> CutOff(std::string_view what) {
   return Fail(ErrorCode::kUnreadable,
-              fmt::format("the BMP ends within {}: copy or save it anew", what));
+              fmt::format("the BMP ends within {}: copy or save it again", what));
 }
 
 Status ReadMasks(Bitmap& b, std::uint32_t header_size) {
@@ -106,7 +106,7 @@ Result<Bitmap> ReadHeader(std::string_view bytes, const ImageLimits& limits) {
   const bool old = header_size == 12;
   if ((!old && header_size < 40) || !b.Has(kFileHeader, header_size)) {
     return Fail(ErrorCode::kUnreadable,
-                "the BMP's header has a size no BMP has; save the picture again",
+                "the BMP's header has an invalid size; save the picture again",
                 std::to_string(header_size));
   }
   const std::size_t at = kFileHeader + 4;
@@ -122,11 +122,10 @@ Result<Bitmap> ReadHeader(std::string_view bytes, const ImageLimits& limits) {
   b.depth = b.U16(old ? at + 6 : at + 10);
   if (!old) b.compression = b.U32(at + 12);
   if (!IsKnown(b.depth, b.compression)) {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("a BMP of {} bits a pixel and compression {} is not read: save "
-                    "it with 24 bits, not compressed, or as PNG",
-                    b.depth, b.compression));
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("a BMP of {} bits a pixel and compression {} is not "
+                            "supported: save it with 24 bits, not compressed, or as PNG",
+                            b.depth, b.compression));
   }
   b.palette_at = kFileHeader + header_size;
   b.palette_step = old ? 3 : 4;
@@ -248,7 +247,7 @@ class Runs {
 
 Result<GreyImage> ReadRuns(const Bitmap& b, const Luminance& luminance) {
   if (b.top_down) {
-    return Fail(ErrorCode::kUnreadable, "a compressed BMP cannot stand on its head");
+    return Fail(ErrorCode::kUnreadable, "a compressed BMP cannot be stored top-down");
   }
   const std::vector<std::uint16_t> palette = ReadPalette(b, luminance);
   GreyImage image{static_cast<int>(b.width), static_cast<int>(b.height), {}};

@@ -8,7 +8,7 @@ namespace intaglio::image {
 
 Status CheckSize(std::int64_t width, std::int64_t height, const ImageLimits& limits) {
   if (width <= 0 || height <= 0) {
-    return Fail(ErrorCode::kUnreadable, "the picture has no pixels: save it anew",
+    return Fail(ErrorCode::kUnreadable, "the picture has no pixels: save it again",
                 fmt::format("{} x {}", width, height));
   }
   if (static_cast<std::uint64_t>(width) >
@@ -25,12 +25,11 @@ Status CheckSize(std::int64_t width, std::int64_t height, const ImageLimits& lim
 Status CheckDecoder(std::uint64_t needed_bytes, const ImageLimits& limits,
                     std::string_view remedy) {
   if (needed_bytes <= limits.max_decoder_bytes) return {};
-  return Fail(
-      ErrorCode::kTooLarge,
-      fmt::format("to decode the picture takes {} bytes beside its own, more than "
-                  "the {} allowed: {}, or raise the limit",
-                  needed_bytes, limits.max_decoder_bytes, remedy),
-      std::to_string(needed_bytes));
+  return Fail(ErrorCode::kTooLarge,
+              fmt::format("decoding the picture takes {} additional bytes, more than the "
+                          "{} allowed: {}, or raise the limit",
+                          needed_bytes, limits.max_decoder_bytes, remedy),
+              std::to_string(needed_bytes));
 }
 
 std::uint16_t* AddRow(GreyImage& image) {
@@ -55,7 +54,7 @@ Result<GreyImage> ParseImage(std::string_view bytes, const ImageOptions& options
   if (bytes.starts_with("\xff\xd8")) return ParseJpeg(bytes, options);
   return Fail(
       ErrorCode::kUnreadable,
-      "the file is no BMP, PNG or JPEG: save the picture in one of these formats");
+      "the file is not a BMP, PNG or JPEG: save the picture in one of these formats");
 }
 
 }  // namespace intaglio::image

@@ -140,12 +140,12 @@ tl::unexpected<Error> Refused(const JpegReader& r, const ImageLimits& limits) {
   if (r.out_of_memory) {
     return Fail(
         ErrorCode::kTooLarge,
-        fmt::format("to decode the JPEG takes more than the {} bytes allowed beside "
-                    "its own: save it without \"progressive\", or raise the limit",
+        fmt::format("decoding the JPEG takes more than the {} additional bytes allowed: "
+                    "save it without \"progressive\", or raise the limit",
                     limits.max_decoder_bytes));
   }
   return Fail(ErrorCode::kUnreadable,
-              fmt::format("the JPEG is damaged at row {} of {}: {}; save it anew",
+              fmt::format("the JPEG is damaged at row {} of {}: {}; save it again",
                           r.jpeg.output_scanline, r.jpeg.image_height, r.message));
 }
 

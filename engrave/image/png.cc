@@ -42,7 +42,7 @@ static void OnPngWarning(png_structp, png_const_charp) {}
 
 static void ReadPngBytes(png_structp png, png_bytep to, std::size_t count) {
   auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
-  if (reader->bytes.size() - reader->at < count) png_error(png, "the file is cut off");
+  if (reader->bytes.size() - reader->at < count) png_error(png, "the file is truncated");
   std::memcpy(to, reader->bytes.data() + reader->at, count);
   reader->at += count;
 }
@@ -117,7 +117,7 @@ void AppendRow(const png_byte* row, const PngReader& r, const Luminance& luminan
 tl::unexpected<Error> Damaged(const PngReader& r) {
   return Fail(
       ErrorCode::kUnreadable,
-      fmt::format("the PNG is damaged at row {} of {} (byte {}): {}; save it anew", r.y,
+      fmt::format("the PNG is damaged at row {} of {} (byte {}): {}; save it again", r.y,
                   r.height, r.at, r.message));
 }
 
@@ -127,7 +127,7 @@ Result<GreyImage> ParsePng(std::string_view bytes, const ImageOptions& options) 
   PngReader r(bytes);
   r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, OnPngError, OnPngWarning);
   if (r.png) r.info = png_create_info_struct(r.png);
-  if (!r.info) return Fail(ErrorCode::kTooLarge, "no memory for the reader of PNG");
+  if (!r.info) return Fail(ErrorCode::kTooLarge, "not enough memory for the PNG reader");
   if (!ReadHeader(r, options.limits)) return Damaged(r);
   const Status size = CheckSize(r.width, r.height, options.limits);
   if (!size) return tl::unexpected(size.error());

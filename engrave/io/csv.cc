@@ -101,7 +101,8 @@ class Records {
     while (true) {
       const std::size_t size = rest_.find('"');
       if (size == std::string_view::npos) {
-        return Unreadable(first_line, "opens a quote that nothing closes; add it");
+        return Unreadable(first_line,
+                          "has an opening quote without a closing one; add it");
       }
       const std::string_view part = rest_.substr(0, size);
       if (field.size() + size > limits_.max_field_bytes) return TooLarge(FieldBytes());
@@ -183,7 +184,8 @@ Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits) {
   Records records(bytes, limits);
   if (records.AtEnd()) {
     return Fail(ErrorCode::kMissing,
-                "it is empty; its first line names the columns, a row a piece follows");
+                "it is empty; the first line names the columns, then one row follows for "
+                "each piece");
   }
   const Result<CsvRow> header = records.Next();
   if (!header) return tl::unexpected(header.error());
@@ -195,8 +197,8 @@ Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits) {
     if (!row) return tl::unexpected(row.error());
     if (row->fields.size() != table.names.size()) {
       return Fail(ErrorCode::kUnreadable,
-                  fmt::format("line {} has {} fields for {} columns; put a field that "
-                              "holds a separator in quotes",
+                  fmt::format("line {} has {} fields for {} columns; put a field with a "
+                              "separator in quotes",
                               row->line_number, row->fields.size(), table.names.size()));
     }
     if (table.rows.size() == limits.max_rows) {

@@ -165,15 +165,14 @@ Result<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     if (!understood) {
       return Fail(
           ErrorCode::kUnreadable,
-          fmt::format("line {} is not one of a PLY header; check that this is a PLY "
-                      "file",
-                      line_number));
+          fmt::format(
+              "line {} is not a line of a PLY header; check that this is a PLY file",
+              line_number));
     }
   }
   return Fail(
       ErrorCode::kUnreadable,
-      "there is no PLY header that ends with end_header; check that this is a whole "
-      "PLY file");
+      "no PLY header that ends with end_header; check that this is a whole PLY file");
 }
 
 }  // namespace intaglio::io

@@ -50,7 +50,7 @@ Result<std::string> ReadWholeFile(const std::filesystem::path& file,
   struct stat status = {};
   if (stat(file.c_str(), &status) != 0 && (errno == ENOENT || errno == ENOTDIR)) {
     return refuse(ErrorCode::kNotFound,
-                  "there is no such file; check its name and folder");
+                  "the file does not exist; check its name and folder");
   }
   constexpr std::string_view kNoFile = "this is not a file; name a file";
   if (status.st_mode != 0 && !S_ISREG(status.st_mode)) {

@@ -93,9 +93,10 @@ std::optional<std::map<std::string_view, std::uint64_t>> ArraysOf(std::string_vi
 }  // namespace
 
 std::string WrongInCollada(std::string_view text) {
-  if (HasBadIndexList(text)) return "a list of indices holds something else than numbers";
+  if (HasBadIndexList(text))
+    return "a list of indices contains something other than numbers";
   const auto arrays = ArraysOf(text);
-  if (!arrays) return "an array of numbers does not say how many there are";
+  if (!arrays) return "an array of numbers has no count";
   std::string wrong;
   ForEachTag(text, "accessor", [&](std::string_view tag, std::size_t end) {
     const auto source = Attribute(tag, "source");
@@ -110,11 +111,11 @@ std::string WrongInCollada(std::string_view text) {
     ForEachTag(inside, "param",
                [&](std::string_view, std::size_t) { return ++read > 0; });
     if (!count || !stride || !offset) {
-      wrong = "an accessor does not say what it reads";
+      wrong = "an accessor has no source";
     } else if (*count > 0 && *offset + (*count - 1) * *stride + std::max(*stride, read) >
                                  array->second) {
-      wrong = fmt::format("an accessor reads behind the {} numbers of '{}'",
-                          array->second, array->first);
+      wrong = fmt::format("an accessor exceeds the {} numbers of '{}'", array->second,
+                          array->first);
     }
     return wrong.empty();
   });

@@ -22,11 +22,10 @@ struct ImportSource {
   }
   /// For a file that is damaged, or not what its extension says.
   tl::unexpected<Error> RefuseAsUnreadable(std::string_view why) const {
-    return Refuse(
-        ErrorCode::kUnreadable,
-        fmt::format("it cannot be read as {} ({}); check that it is complete and "
-                    "of that format, or export it again",
-                    extension, why));
+    return Refuse(ErrorCode::kUnreadable,
+                  fmt::format("it cannot be read as {} ({}); check that it is complete "
+                              "and has this format, or export it again",
+                              extension, why));
   }
   tl::unexpected<Error> RefuseTriangleCount() const {
     return Refuse(ErrorCode::kTooLarge,
@@ -36,7 +35,7 @@ struct ImportSource {
   }
   tl::unexpected<Error> RefuseEmptyModel() const {
     return Refuse(ErrorCode::kMissing,
-                  "it holds no triangles; export the model as a surface mesh, not as "
+                  "it has no triangles; export the model as a surface mesh, not as "
                   "points or lines");
   }
 };

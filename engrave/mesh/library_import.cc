@@ -91,11 +91,10 @@ Status CheckFaces(const ImportSource& source, const aiScene& scene) {
       const aiFace& face = part.mFaces[f];
       for (unsigned c = 0; c < face.mNumIndices; ++c) {
         if (face.mIndices[c] >= part.mNumVertices) {
-          return source.Refuse(
-              ErrorCode::kUnreadable,
-              fmt::format("face {} names vertex {} of {}; the file is damaged, export it "
-                          "again",
-                          f, face.mIndices[c], part.mNumVertices));
+          return source.Refuse(ErrorCode::kUnreadable,
+                               fmt::format("face {} refers to vertex {} of {}; the file "
+                                           "is damaged, export it again",
+                                           f, face.mIndices[c], part.mNumVertices));
         }
       }
       if (face.mNumIndices >= 3) triangle_counts[m] += face.mNumIndices - 2;
@@ -129,11 +128,10 @@ Status AddInstance(const ImportSource& source, const aiMesh& part,
       if (welded[index] == kUnset) {
         const Vec3 p = model_from_node.Apply(part.mVertices[index]);
         if (!p.allFinite()) {
-          return source.Refuse(
-              ErrorCode::kInvalidValue,
-              fmt::format("a corner of triangle {} lies at ({}, {}, {}), which is not a "
-                          "place; export the model again",
-                          triangles.size(), p.x(), p.y(), p.z()));
+          return source.Refuse(ErrorCode::kInvalidValue,
+                               fmt::format("a corner of triangle {} is at ({}, {}, {}), "
+                                           "which is not finite; export the model again",
+                                           triangles.size(), p.x(), p.y(), p.z()));
         }
         welded[index] = welder.Add(p);
       }
@@ -156,10 +154,10 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
   }
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) {
-    return source.Refuse(ErrorCode::kUnreadable,
-                         fmt::format("its polygons cannot be cut into triangles ({}); "
-                                     "export it as triangles",
-                                     importer.GetErrorString()));
+    return source.Refuse(
+        ErrorCode::kUnreadable,
+        fmt::format("its polygons cannot be triangulated ({}); export it as triangles",
+                    importer.GetErrorString()));
   }
   VertexWelder welder;
   TriangleMesh mesh;
@@ -217,7 +215,7 @@ Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
     return MeshFromScene(source, importer);
   } catch (const std::bad_alloc&) {
     return source.Refuse(ErrorCode::kTooLarge,
-                         "there is not enough memory to read it; reduce the mesh");
+                         "not enough memory to read it; reduce the mesh");
   } catch (const std::exception& thrown) {
     return source.Refuse(
         ErrorCode::kUnreadable,

@@ -213,28 +213,23 @@ std::vector<std::string> Warnings(const MeshDiagnosis& d, std::string_view model
         fmt::format("{}: {}", model_name, fmt::format(fmt::runtime(sentence), count)));
   };
   warn_if(d.open_edge_count,
-          "the surface is open along {} edges; points are made on it all the same, but "
-          "contours there do not close: fill the holes in a mesh editor if they are not "
-          "meant");
-  warn_if(
-      d.non_manifold_edge_count,
-      "{} edges belong to more than two triangles, as where walls meet inside; remove "
-      "inner walls in a mesh editor if points there are not wanted");
+          "the surface is open along {} edges; points are made on it, but contours there "
+          "do not close: fill the holes in a mesh editor if they are not intended");
+  warn_if(d.non_manifold_edge_count,
+          "{} edges belong to more than two triangles, for example where walls meet "
+          "inside; remove inner walls in a mesh editor if no points are wanted there");
   warn_if(d.flipped_triangle_count,
-          "{} triangles face the other way than their neighbours; make the normals agree "
-          "in a mesh editor if inside and outside matter");
-  warn_if(
-      d.orientable ? 0 : 1,
-      "inside and outside cannot be told apart ({} or more parts are one-sided like a "
-      "Moebius strip); points are made on the surface all the same");
-  warn_if(
-      d.closed() && d.flipped_edge_count == 0 && d.signed_volume_mm3 < 0 ? 1 : 0,
-      "the surface is turned inside out; points are made on it all the same, flip the "
-      "normals in a mesh editor if inside and outside matter");
-  warn_if(d.degenerate_triangle_count,
-          "{} triangles have no area; they get no points of their own");
+          "{} triangles are oriented against their neighbours; make the normals "
+          "consistent in a mesh editor if inside and outside matter");
+  warn_if(d.orientable ? 0 : 1,
+          "inside and outside cannot be distinguished ({} or more parts are one-sided "
+          "like a Moebius strip); points are still made on the surface");
+  warn_if(d.closed() && d.flipped_edge_count == 0 && d.signed_volume_mm3 < 0 ? 1 : 0,
+          "the surface is inside out; points are still made on it; flip the normals in a "
+          "mesh editor if inside and outside matter");
+  warn_if(d.degenerate_triangle_count, "{} triangles have no area; they get no points");
   warn_if(d.duplicate_triangle_count,
-          "{} triangles are there twice or more; remove doubles in a mesh editor");
+          "{} triangles occur more than once; remove duplicates in a mesh editor");
   return warnings;
 }
 
@@ -247,8 +242,8 @@ std::optional<std::string> SizeWarning(const Vec3& size_mm, const Vec3& block_si
   const bool too_small = size_mm.maxCoeff() < kMinSizeRatio * block_size_mm.minCoeff();
   if (!too_large && !too_small) return std::nullopt;
   return fmt::format(
-      "{}: the model is {}, {} the block of {}; is the file in inches or metres? Set its "
-      "unit, or fit it to a height or size",
+      "{}: the model is {}, {} the block of {}; if the file is in inches or metres, set "
+      "its unit, or fit it to a height or size",
       model_name, describe(size_mm), too_large ? "larger than" : "less than 2 % of",
       describe(block_size_mm));
 }

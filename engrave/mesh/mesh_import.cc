@@ -30,7 +30,7 @@ Status CheckExtension(const ImportSource& source) {
   }
   return source.Refuse(
       ErrorCode::kUnsupported,
-      fmt::format("models of the kind '{}' are not read; export it as one of {}",
+      fmt::format("models of the kind '{}' cannot be read; export it as one of {}",
                   source.extension, fmt::join(kExtensions, ", ")));
 }
 
@@ -60,7 +60,7 @@ Status CheckCollada(const ImportSource& source, std::string_view text) {
 Status CheckPackage(const ImportSource& source, std::string_view archive) {
   const std::optional<std::uint64_t> unpacked = UnpackedSize(archive);
   if (!unpacked) {
-    return source.RefuseAsUnreadable("it is no zip archive, or was cut off");
+    return source.RefuseAsUnreadable("it is not a zip archive, or it is truncated");
   }
   if (*unpacked <= source.options.max_file_bytes &&
       *unpacked / source.options.max_unpacked_ratio <= archive.size()) {
@@ -90,7 +90,7 @@ Result<TriangleMesh> WithinMemory(const ImportSource& source, Read read) {
     return read();
   } catch (const std::bad_alloc&) {
     return source.Refuse(ErrorCode::kTooLarge,
-                         "there is not enough memory to read it; reduce the mesh");
+                         "not enough memory to read it; reduce the mesh");
   }
 }
 

@@ -74,12 +74,11 @@ Result<double> RatioTo(double wanted_mm, double extent_mm, const char* extent_na
   Require(wanted_mm > 0 && std::isfinite(wanted_mm),
           "a fit's size must be positive, is {}", wanted_mm);
   if (!(extent_mm > 0)) {
-    return Fail(
-        ErrorCode::kInvalidValue,
-        fmt::format("the model has no {} that could be fitted to {} mm; rotate it "
-                    "or fit its largest size instead",
-                    extent_name, wanted_mm),
-        fmt::format("{}", extent_mm));
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("the model has no {} to fit to {} mm; rotate it or fit its "
+                            "largest size instead",
+                            extent_name, wanted_mm),
+                fmt::format("{}", extent_mm));
   }
   return wanted_mm / extent_mm;
 }
@@ -139,10 +138,8 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
     transform.offset_mm += pivot_mm - transform.linear * (pivot_mm / placement.unit_mm);
   }
   if (!transform.linear.allFinite() || !transform.offset_mm.allFinite()) {
-    return Fail(
-        ErrorCode::kInvalidValue,
-        "the model's size after scaling is beyond all numbers; check its unit and "
-        "scale");
+    return Fail(ErrorCode::kInvalidValue,
+                "the model's size after scaling is not finite; check its unit and scale");
   }
   return transform;
 }

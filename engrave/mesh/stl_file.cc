@@ -43,10 +43,9 @@ Result<TriangleMesh> ReadBinary(ByteReader& bytes, std::uint64_t count,
     const auto wanted =
         std::min<std::uint64_t>(count, kTrianglesARead) * std::uint64_t{kTriangleSize};
     if (bytes.Read(std::span(buffer).first(wanted)) != wanted) {
-      return source.Refuse(
-          ErrorCode::kIo,
-          "it cannot be read to its end; check the disk, and that nobody "
-          "writes the file meanwhile");
+      return source.Refuse(ErrorCode::kIo,
+                           "it cannot be read to its end; check the disk, and that no "
+                           "program writes the file");
     }
     for (std::size_t at = 0; at < wanted; at += kTriangleSize) {
       std::array<Corner, 3> corners;
@@ -113,12 +112,12 @@ class TextReader {
 
 Status TextReader::TakeCorner(Words& words, std::string_view line) {
   if (!in_facet_ || corner_count_ == corners_.size()) {
-    return Refuse("has a vertex too many, or outside a facet");
+    return Refuse("has an extra vertex, or one outside a facet");
   }
   Corner& corner = corners_[corner_count_++];
   for (float& coordinate : corner) {
     const std::optional<float> number = io::ParseNumber<float>(words.Next());
-    if (!number) return Refuse(fmt::format("is no vertex: \"{:.60}\"", line));
+    if (!number) return Refuse(fmt::format("is not a vertex: \"{:.60}\"", line));
     coordinate = *number;
   }
   return {};
@@ -153,7 +152,7 @@ Status TextReader::TakeLine(std::string_view line) {
       return {};  // the rest is its name
     } else if (!IsWord(word, "outer") && !IsWord(word, "loop") &&
                !IsWord(word, "endloop")) {
-      return Refuse(fmt::format("is not of an STL: \"{:.60}\"", line));
+      return Refuse(fmt::format("is not a line of an STL: \"{:.60}\"", line));
     }
   }
   return {};
@@ -162,7 +161,7 @@ Status TextReader::TakeLine(std::string_view line) {
 Result<TriangleMesh> TextReader::Take() {
   if (in_solid_) {
     return source_.RefuseAsUnreadable(fmt::format(
-        "it ends after line {} without endsolid, so it was cut off", line_number_));
+        "it ends after line {} without endsolid, so it is truncated", line_number_));
   }
   return welder_.Take();
 }
@@ -227,7 +226,7 @@ Result<TriangleMesh> ReadStl(ByteReader& bytes, std::uint64_t byte_count,
   // A few bytes behind the last triangle are the padding of some writers.
   if (rest_size / kTriangleSize != count) {
     return source.RefuseAsUnreadable(
-        fmt::format("it should hold {} triangles and has room for {}", count,
+        fmt::format("its header declares {} triangles, its size allows {}", count,
                     rest_size / kTriangleSize));
   }
   return ReadBinary(bytes, count, source);

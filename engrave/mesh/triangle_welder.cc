@@ -43,8 +43,8 @@ Status TriangleWelder::Flush() {
     return source_.Refuse(
         ErrorCode::kInvalidValue,
         fmt::format(
-            "a corner of triangle {} lies at ({}, {}, {}), which is not a place; "
-            "export the model again",
+            "a corner of triangle {} is at ({}, {}, {}), which is not finite; export the "
+            "model again",
             triangles_.size() + static_cast<std::size_t>(bad - corners_.begin()) / 3,
             (*bad)[0], (*bad)[1], (*bad)[2]));
   }

@@ -35,7 +35,7 @@ std::size_t VertexWelder::SlotOf(const Vec3& normalized) const {
 }
 
 std::uint32_t VertexWelder::Add(const Vec3& point) {
-  Require(point.allFinite(), "a vertex to weld must be finite, is ({}, {}, {})",
+  Require(point.allFinite(), "a vertex to merge must be finite, is ({}, {}, {})",
           point.x(), point.y(), point.z());
   // In round-to-nearest -0.0 + 0.0 is 0.0, and every other value stays as it is.
   const Vec3 normalized = point.array() + 0.0;

@@ -28,7 +28,7 @@ class GridCourse {
     const TimeOptimalChoice choice = ChooseTimeOptimal(length_mm, limits);
     const double longest = static_cast<double>(kMaxStepTicks * kSubticksPerTick);
     Require(choice.seconds / grid_s * kGridSubticks < longest,
-            "a way of {} mm takes {} s, that is over {} ticks", length_mm, choice.seconds,
+            "a step of {} mm takes {} s, more than {} ticks", length_mm, choice.seconds,
             kMaxStepTicks);
     const auto grid_lengths = [grid_s](double seconds) {
       // The slack of WholeTicks: a rounding more is no grid length more.

@@ -233,7 +233,7 @@ std::uint64_t ParabolaProgram::Append(const Vec3& from_mm, const Vec3& to_mm,
       choice.speed_mm_s / choice.acceleration_mm_s2 / choice.seconds;
   std::uint64_t ticks = WholeTicks(choice.seconds, rate_hz_);
   while (true) {
-    Require(ticks <= kMaxStepTicks, "a leap of ({}, {}, {}) mm takes {} ticks",
+    Require(ticks <= kMaxStepTicks, "a parabola of ({}, {}, {}) mm takes {} ticks",
             to_mm.x() - from_mm.x(), to_mm.y() - from_mm.y(), to_mm.z() - from_mm.z(),
             ticks);
     const std::vector<Segment> pieces =

@@ -31,8 +31,8 @@ TickPlanner::TickPlanner(const Limits& limits, double rate_hz,
       labels_(choices_, rate_hz, options.labels) {
   Require(options.window_points >= 2 && options.look_ahead_points >= 0 &&
               options.look_ahead_points < options.window_points,
-          "a window of {} points cannot look {} points ahead", options.window_points,
-          options.look_ahead_points);
+          "a window of {} points is too small for a look-ahead of {} points",
+          options.window_points, options.look_ahead_points);
   Require(options.tolerance_mm >= 0 && std::isfinite(options.tolerance_mm),
           "tolerance_mm must not be negative, is {}", options.tolerance_mm);
 }

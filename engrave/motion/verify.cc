@@ -216,13 +216,14 @@ void MotionVerifier::CheckLengths(const Segment& to, double d, double speed,
   const double bit_mm = 2.0 * BitMm(from_, to);  // of three axes together
   const double allowed = 1.0 + options_.limit_slack_ratio;
   if (speed > limits_.max_speed_norm_mm_s * allowed + 3.0 * bit_mm / d) {
-    Violate(fmt::format("segment {}: the velocity is {} mm/s long, limit {}", segment_,
-                        speed, limits_.max_speed_norm_mm_s));
+    Violate(fmt::format("segment {}: the length of the velocity is {} mm/s, limit {}",
+                        segment_, speed, limits_.max_speed_norm_mm_s));
   }
   if (acceleration >
       limits_.max_acceleration_norm_mm_s2 * allowed + 12.0 * bit_mm / (d * d)) {
-    Violate(fmt::format("segment {}: the acceleration is {} mm/s^2 long, limit {}",
-                        segment_, acceleration, limits_.max_acceleration_norm_mm_s2));
+    Violate(
+        fmt::format("segment {}: the length of the acceleration is {} mm/s^2, limit {}",
+                    segment_, acceleration, limits_.max_acceleration_norm_mm_s2));
   }
   report_.peak_speed_mm_s = std::max(report_.peak_speed_mm_s, speed);
   report_.peak_acceleration_mm_s2 =
@@ -290,7 +291,7 @@ void MotionVerifier::CheckPoint(const Segment& to) {
   const bool in_place = off_mm <= options_.position_tolerance_mm;
   if (!on_tick) Violate(fmt::format("point {} is not at a whole tick", point));
   if (!in_place) {
-    Violate(fmt::format("point {} is {} mm from its place", point, off_mm));
+    Violate(fmt::format("point {} is {} mm from its planned position", point, off_mm));
   }
   report_.points += on_tick && in_place ? 1 : 0;
 }

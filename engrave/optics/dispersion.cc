@@ -56,10 +56,9 @@ Result<DispersionFormula> DispersionFormulaFromName(std::string_view name) {
     if (name == row.name) return row.formula;
     known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
   }
-  return Fail(
-      ErrorCode::kNotFound,
-      fmt::format("there is no dispersion formula \"{}\"; known are {}", name, known),
-      std::string(name));
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("unknown dispersion formula \"{}\"; known are {}", name, known),
+              std::string(name));
 }
 
 Result<DispersionFormula> DispersionFormulaFromAgf(int number) {

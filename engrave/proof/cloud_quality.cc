@@ -79,13 +79,13 @@ void WarnOfSpacing(const QualityOptions& options, CloudQuality& quality) {
   const NearestDistances& nearest = quality.nearest;
   if (nearest.doubled_count > 0) {
     quality.warnings.push_back(fmt::format(
-        "{} points stand where another one stands, e.g. at {}: weld the cloud",
+        "{} points have the same place as another one, e.g. at {}: thin the cloud",
         nearest.doubled_count, At(nearest.least.first_mm)));
   } else if (nearest.near_pair_count > 0) {
     const bool scaled = options.height_ratio != 1;
     quality.warnings.push_back(fmt::format(
         "{}{} pairs of points are nearer than the minimum spacing of {:g} mm{}, the "
-        "nearest {:.6f} mm at {}: weld the cloud at that spacing",
+        "nearest {:.6f} mm at {}: thin the cloud with that spacing",
         nearest.near_pair_count, nearest.more_pairs ? " or more" : "",
         options.min_spacing_mm,
         scaled ? fmt::format(" (heights divided by {:g})", options.height_ratio) : "",
@@ -100,9 +100,8 @@ void WarnOfHoles(CloudQuality& quality) {
   if (quality.point_count > 1 && hole.radius_mm <= kWideHole * usual_mm) return;
   quality.warnings.push_back(fmt::format(
       "the surface has a hole of radius {:.2f} mm at {}, where points are {:.2f} mm "
-      "apart "
-      "on average: a face parallel to the sections or rays is lost, or the model hides "
-      "it; fill such faces, or take the method even",
+      "apart on average: a face parallel to the sections or rays has no points, or the "
+      "model hides it; fill such faces, or use the method even",
       hole.radius_mm, At(hole.place_mm), usual_mm));
 }
 
@@ -118,12 +117,12 @@ void WarnOfCracks(const QualityOptions& options, CloudQuality& quality) {
   // faster in solids.
   const double wider = std::sqrt(worst.crack_share / risk.max_share);
   const double spacing_mm = std::ceil(wider * options.min_spacing_mm * 100) / 100;
-  quality.warnings.push_back(fmt::format(
-      "the glass may break at {}{}: {:.0f} points per mm^3, cracks take {:.0f} % of the "
-      "volume, {:.0f} % is sound; set a minimum spacing of {:.2f} mm, or thin out what "
-      "overlaps there",
-      At(worst.place_mm), others, worst.points_per_mm3, 100 * worst.crack_share,
-      100 * risk.max_share, spacing_mm));
+  quality.warnings.push_back(
+      fmt::format("the glass may break at {}{}: {:.0f} points per mm^3, cracks take "
+                  "{:.0f} % of the volume, {:.0f} % is safe; set a minimum spacing of "
+                  "{:.2f} mm, or remove overlapping parts there",
+                  At(worst.place_mm), others, worst.points_per_mm3,
+                  100 * worst.crack_share, 100 * risk.max_share, spacing_mm));
 }
 
 }  // namespace
@@ -135,8 +134,7 @@ Result<CloudQuality> MeasureCloud(const PointCloud& cloud,
   Require(cloud.source.size() == cloud.size(), "{} points of {} sources", cloud.size(),
           cloud.source.size());
   if (cloud.size() == 0) {
-    return Fail(ErrorCode::kMissing,
-                "the cloud has no points: there is nothing to measure");
+    return Fail(ErrorCode::kMissing, "the cloud has no points to measure");
   }
   std::vector<double> areas_mm2;
   bool has_triangles = false;

@@ -80,7 +80,7 @@ Result<Method> MethodFromName(std::string_view name) {
     known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
   }
   return Fail(ErrorCode::kNotFound,
-              fmt::format("there is no order method \"{}\"; known are {}", name, known),
+              fmt::format("unknown order method \"{}\"; known are {}", name, known),
               std::string(name));
 }
 

@@ -41,7 +41,7 @@ void PrintTable(const std::vector<JobStatistics>& jobs) {
                            client::GroupedDigits(job.planned())),
                client::ShortDuration(job.duration_s()), job.name());
   }
-  if (jobs.empty()) std::cerr << "no job has ended that is asked for\n";
+  if (jobs.empty()) std::cerr << "no ended job matches these options\n";
 }
 
 int PrintJson(const std::vector<JobStatistics>& jobs) {
@@ -76,18 +76,21 @@ int History(const HistoryOptions& options) {
 
 void AddHistoryCommand(command_line::Command app) {
   auto options = std::make_shared<HistoryOptions>();
-  command_line::Command history = app.AddCommand("history", "what a shop has made");
-  const auto folder =
-      history.AddOption("--folder", options->folder, "of the shop, as for intaglio up")
-          .ShowDefault();
+  command_line::Command history =
+      app.AddCommand("history", "list the jobs that a shop has made");
+  const auto folder = history
+                          .AddOption("--folder", options->folder,
+                                     "folder of the shop, as for intaglio up")
+                          .ShowDefault();
   history
       .AddOption("--database", options->database,
-                 "or the job service's file, as its --database")
+                 "or the database file of the job service, as for its --database")
       .Exclude(folder);
-  history.AddOption("--since", options->filter.since,
-                    "ended on this day or later, UTC: 2026-11-21, or 2026-11-21T15:30");
+  history.AddOption(
+      "--since", options->filter.since,
+      "only jobs that ended on this day or later, UTC: 2026-11-21, or 2026-11-21T15:30");
   history.AddOption("--until", options->filter.until,
-                    "ended on this day or earlier, UTC");
+                    "only jobs that ended on this day or earlier, UTC");
   history.AddOption("--name", options->filter.piece, "a part of the job's name");
   history.AddOption("--glass", options->filter.material, "the material");
   history.AddOption("--verdict", options->filter.verdict,

@@ -63,7 +63,8 @@ Status SetOrder(const JobFlags& flags, Ordering& ordering) {
     const auto* field = OrderField(*flags.order);
     if (field == nullptr) {
       return Fail(ErrorCode::kInvalidValue,
-                  fmt::format("--order '{}': there are {}", *flags.order, OrderNames()),
+                  fmt::format("--order '{}': unknown order; known are {}", *flags.order,
+                              OrderNames()),
                   *flags.order);
     }
     ordering.GetReflection()->MutableMessage(&ordering, field);
@@ -71,7 +72,7 @@ Status SetOrder(const JobFlags& flags, Ordering& ordering) {
   if (!flags.order_tries && !flags.order_time_s) return {};
   if (ordering.method_case() != Ordering::METHOD_NOT_SET && !ordering.has_anneal()) {
     return Fail(ErrorCode::kInvalidValue,
-                "--order-tries and --order-time are for --order anneal", "");
+                "--order-tries and --order-time apply only to --order anneal", "");
   }
   AnnealOrder& anneal = *ordering.mutable_anneal();
   if (flags.order_tries) anneal.set_tries_per_point(*flags.order_tries);
@@ -88,10 +89,10 @@ Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
     c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   }
   if (!MotionProfile_Parse(name, &profile)) {
-    return Fail(
-        ErrorCode::kInvalidValue,
-        fmt::format("--profile '{}': there are {}", *flags.profile, ProfileNames()),
-        *flags.profile);
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("--profile '{}': unknown profile; known are {}",
+                            *flags.profile, ProfileNames()),
+                *flags.profile);
   }
   job.mutable_motion()->set_profile(profile);
   return {};
@@ -151,8 +152,9 @@ Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine,
   complete = WithDefaults(std::move(complete), machine);
   for (const Model& model : complete.models()) {
     if (!model.placement().has_fit_block()) continue;
-    return Fail(ErrorCode::kMissing,
-                model.file() + " is to fill the block: give its size with --block");
+    return Fail(
+        ErrorCode::kMissing,
+        model.file() + " has to fill the block: give the size of the block with --block");
   }
   const auto measured = SizeOf(complete, limits);
   if (!measured) return tl::unexpected(measured.error());
@@ -160,8 +162,8 @@ Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine,
   const std::vector<double> block = BlockFor(size);
   Set(job.mutable_block()->mutable_size_mm(), block);
   return fmt::format(
-      "block {:g} x {:g} x {:g} mm, chosen to fit the object ({:.1f} x {:.1f} x "
-      "{:.1f} mm); --block X Y Z sets another",
+      "block {:g} x {:g} x {:g} mm, chosen to fit the object ({:.1f} x {:.1f} x {:.1f} "
+      "mm); use --block X Y Z for another size",
       block[0], block[1], block[2], size.x(), size.y(), size.z());
 }
 
@@ -238,26 +240,29 @@ void AddJobFlags(command_line::Command command, JobFlags& flags) {
   command.AddOption("--size", flags.size_mm, "scale the largest extent to this, mm")
       .Exclude(command.OptionOf("--height"));
   command.AddOption("--unit", flags.unit_mm,
-                    "mm that a file unit is long (inches 25.4, m 1000)");
-  command.AddOption("--rotate", flags.rotate_deg, "turn about x, y, z, degrees")
+                    "length of a file unit, mm (inches 25.4, m 1000)");
+  command.AddOption("--rotate", flags.rotate_deg, "rotation about x, y, z, degrees")
       .TakeValues(3);
   command.AddOption("--block", flags.block_mm, "block size x y z, mm").TakeValues(3);
-  command.AddOption("--margin", flags.margin_mm, "glass left free at each wall, mm");
+  command.AddOption("--margin", flags.margin_mm,
+                    "margin without points at each wall, mm");
   command.AddFlag("--clip", flags.clip,
                   "drop points outside the block instead of failing");
   command.AddOption("--glass", flags.glass,
                     "glass (intaglio materials list), default N-BK7");
   AddMethodFlags(command, flags.methods);
   command.AddOption("--spacing", flags.spacing_mm,
-                    "no two points are nearer than this, mm");
+                    "minimum distance of any two points, mm");
   command.AddOption("--order", flags.order,
                     "anneal (default), smooth, kdz, layers, boustrophedon or "
                     "published-kdz");
-  command.AddOption("--order-tries", flags.order_tries,
-                    "anneal: changes tried for each point; more make a better order");
-  command.AddOption("--order-time", flags.order_time_s, "anneal: or for so many seconds");
+  command.AddOption(
+      "--order-tries", flags.order_tries,
+      "anneal: changes tried for each point; more changes give a better order");
+  command.AddOption("--order-time", flags.order_time_s,
+                    "anneal: or the time to spend, s");
   command.AddOption("--profile", flags.profile,
-                    "how the stage goes on, default continuous: " + ProfileNames());
+                    "motion of the stage, default continuous: " + ProfileNames());
   command.AddOption("--machine", flags.machine,
                     "machine profile: els-03 (default), or a file");
   command.AddOption("--rate", flags.rate_hz, "lamp sync rate, Hz; one of the machine's");
@@ -288,8 +293,9 @@ Result<fs::path> FindMachineFile(const std::string& name_or_file) {
   }
   return Fail(
       ErrorCode::kNotFound,
-      fmt::format("--machine '{}': neither a file nor a supplied profile; supplied: {}",
-                  name_or_file, known.empty() ? "none" : known),
+      fmt::format(
+          "--machine '{}': neither a file nor a supplied profile; supplied profiles: {}",
+          name_or_file, known.empty() ? "none" : known),
       name_or_file);
 }
 
@@ -306,8 +312,8 @@ Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job) {
 Result<JobSpec> ReadPattern(const JobFlags& flags) {
   if (flags.name) {
     return Fail(ErrorCode::kInvalidValue,
-                "--name would be the same for every piece: give the job file a name with "
-                "a column in it",
+                "--name would be the same for every piece: put a name with a column into "
+                "the job file",
                 *flags.name);
   }
   return ReadJob(flags, true);

@@ -88,7 +88,7 @@ int ComplainOf(const Error& error) { return Complain(error, client::kExitMachine
 std::optional<Error> WhyEnded(const client::JobView& job) {
   if (!job.ended()) return std::nullopt;
   return Error{ErrorCode::kRefused,
-               fmt::format("job {} is {} already", job.number, client::NameOf(job.state)),
+               fmt::format("job {} is already {}", job.number, client::NameOf(job.state)),
                ""};
 }
 
@@ -128,8 +128,8 @@ int Watch(client::JobClient& client, const std::string& uid, const JobsOptions& 
 int SubmitSeries(const JobsOptions& options) {
   if (options.arm || options.watch) {
     return Complain({ErrorCode::kInvalidValue,
-                     "--arm and --watch are for one job: every piece of a series is "
-                     "armed by somebody who put its block in (intaglio arm JOB)",
+                     "--arm and --watch apply to one job: arm every piece of a series "
+                     "when its block is in the machine (intaglio arm JOB)",
                      ""},
                     client::kExitWrongInput);
   }
@@ -142,7 +142,7 @@ int SubmitSeries(const JobsOptions& options) {
     const auto submitted = SubmitOne(client, piece.job, options);
     if (!submitted) return Complain(submitted.error(), client::kExitWrongInput);
   }
-  options.human() << series->size() << " jobs; intaglio list shows them\n";
+  options.human() << series->size() << " jobs submitted; list them with intaglio list\n";
   client.Poll(500ms);
   return client::kExitGood;
 }
@@ -160,7 +160,7 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   }
   if (options.watch) return Watch(client, submitted->uid, options);
   if (!options.arm)
-    options.human() << "intaglio arm " << submitted->number << " lets it fire\n";
+    options.human() << "intaglio arm " << submitted->number << " arms it\n";
   client.Poll(500ms);
   const client::JobView& job = client.jobs().at(submitted->uid);
   return job.ended() && job.state != intaglio_JOB_DONE ? client::kExitMachine
@@ -188,7 +188,7 @@ int List(const JobsOptions& options) {
   client::JobClient client(bus);
   client.PollUntil([] { return false; }, bus.discovery_time());
   if (client.services().empty()) {
-    std::cerr << "intaglio: no services are seen: start them (intaglio up), or check "
+    std::cerr << "intaglio: no services found: start them (intaglio up), or check "
                  "--domain, --interface and --tag\n";
     return client::kExitWrongInput;
   }
@@ -224,7 +224,7 @@ int SetSpeed(client::JobClient& client, const client::JobView& job,
     return ComplainOf(taken.error());
   }
   std::cout << "job " << job.number << " goes on at " << percent
-            << " % speed, from the next motion that is planned\n";
+            << " % speed, from the next planned motion on\n";
   return client::kExitGood;
 }
 
@@ -263,28 +263,30 @@ int ShowJob(const client::JobView& job) {
 }
 
 void AddArmAndWatch(command_line::Command command, JobsOptions& options) {
-  command.AddFlag("--arm", options.arm,
-                  "you are at the machine: it is armed, once, when its machine has it");
+  command.AddFlag(
+      "--arm", options.arm,
+      "you are at the machine: the job is armed once, as soon as it has its machine");
   command.AddFlag("--watch", options.watch, "follow it to its end");
   AddEventsFlag(command, options.events);
 }
 
 void AddAgain(command_line::Command app, const std::shared_ptr<JobsOptions>& options) {
   command_line::Command again =
-      app.AddCommand("again", "the next piece: a job once more, on a new block");
+      app.AddCommand("again", "make a job again on a new block");
   again.AddOption("JOB", options->uid, "number or uid (intaglio history)").Require();
-  const auto folder =
-      again.AddOption("--folder", options->folder, "of the shop, as for intaglio up")
-          .ShowDefault();
+  const auto folder = again
+                          .AddOption("--folder", options->folder,
+                                     "folder of the shop, as for intaglio up")
+                          .ShowDefault();
   again
       .AddOption("--database", options->database,
-                 "or the job service's file, as its --database")
+                 "or the database file of the job service, as for its --database")
       .Exclude(folder);
   AddArmAndWatch(again, *options);
   AddBusFlags(again, options->bus);
   again.SetFooter(
       "Example: intaglio again 12 --arm --watch\n"
-      "It gets a number of its own, and is made from its files as they are now.");
+      "It gets a new number, and is made from the present contents of its files.");
   again.SetAction([options] { return Again(*options); });
 }
 
@@ -293,7 +295,7 @@ void AddAgain(command_line::Command app, const std::shared_ptr<JobsOptions>& opt
 void AddJobsCommands(command_line::Command app) {
   auto options = std::make_shared<JobsOptions>();
   command_line::Command submit =
-      app.AddCommand("submit", "give a job to the running job service");
+      app.AddCommand("submit", "submit a job to the running job service");
   AddJobFlags(submit, options->job);
   AddBusFlags(submit, options->bus);
   AddArmAndWatch(submit, *options);
@@ -310,7 +312,7 @@ void AddJobsCommands(command_line::Command app) {
   AddAgain(app, options);
 
   command_line::Command list =
-      app.AddCommand("list", "the jobs of the running job service");
+      app.AddCommand("list", "list the jobs of the running job service");
   AddBusFlags(list, options->bus);
   list.SetFooter("Example: intaglio list; then intaglio show 1");
   list.SetAction([options] { return List(*options); });
@@ -325,7 +327,7 @@ void AddJobsCommands(command_line::Command app) {
         command.SetAction([options, act] { return WithJob(*options, act); });
         return command;
       };
-  add("show", "all about one job",
+  add("show", "show all about one job",
       [](client::JobClient&, const client::JobView& job) { return ShowJob(job); });
   AddEventsFlag(add("watch", "follow a job to its end",
                     [options](client::JobClient& client, const client::JobView& job) {
@@ -340,22 +342,25 @@ void AddJobsCommands(command_line::Command app) {
                          .fire_uncertain = options->fire_uncertain});
     };
   };
-  add("arm", "you are at the machine, and its block is in: the job may fire",
+  add("arm", "you are at the machine, and the job's block is in it: the job may fire",
       command(intaglio_COMMAND_ARM));
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
-  command_line::Command resume = add("resume", "go on at the first point not made",
+  command_line::Command resume = add("resume", "continue at the first point not made",
                                      command(intaglio_COMMAND_RESUME));
-  resume.AddOption("--from", options->from_point,
-                   "leave out what is not made before this place in the order, from 0");
+  resume.AddOption(
+      "--from", options->from_point,
+      "leave out permanently what is not made before this place in the order, from 0");
   resume.AddFlag("--fire-uncertain", options->fire_uncertain,
                  "you checked the block: fire again, once, the points of which nobody "
                  "knows whether they were fired");
   add("cancel", "end the job", command(intaglio_COMMAND_CANCEL));
 
   command_line::Command speed =
-      app.AddCommand("speed", "let a job run more slowly, or as before");
+      app.AddCommand("speed", "set the speed of a job in percent");
   speed.AddOption("JOB", options->uid, "number or uid (intaglio list)").Require();
-  speed.AddOption("PERCENT", options->percent, "of the job's speed limits, 10..100")
+  speed
+      .AddOption("PERCENT", options->percent,
+                 "percent of the job's speed limits, 10..100")
       .Require();
   AddBusFlags(speed, options->bus);
   speed.SetFooter("Example: intaglio speed 1 30; then intaglio speed 1 100");

@@ -21,13 +21,11 @@
 namespace {
 
 constexpr const char* kWelcome =
-    "Intaglio engraves 3D objects inside glass: a mesh goes in, a proved engraved block "
-    "comes "
-    "out.";
+    "Intaglio engraves 3D objects inside glass and proves from the glass what was made.";
 
 constexpr const char* kNext = R"(Where to begin:
   intaglio run --mesh FILE --height 40 --lockstep   engrave in the virtual engraver
-  intaglio materials list                           the glasses that are known
+  intaglio materials list                           list the known glasses
   intaglio up                                       open a shop; then submit, list, watch
   intaglio COMMAND --help                           all about one command)";
 

@@ -27,7 +27,7 @@ Status MountLens(const std::string& name, const MachineSpec& machine, Mounted& m
     std::vector<std::string> names;
     for (const MachineLens& other : machine.lenses()) names.push_back(other.name());
     return Fail(ErrorCode::kNotFound,
-                fmt::format("--lens: \"{}\" is no lens of {}; it has {}", name,
+                fmt::format("--lens: \"{}\" is not a lens of {}; it has {}", name,
                             machine.name(), fmt::join(names, ", ")),
                 name);
   }

@@ -11,7 +11,7 @@ std::string SummaryOf(const JobReport& report) {
   std::string text = fmt::format(
       "points      {} planned, {} made, {} skipped, {} missed, {} doubled, {} stray\n"
       "order       {} points fired through an earlier crack\n"
-      "spacing     {:.4f} mm least, {:.4f} mm asked for\n"
+      "spacing     {:.4f} mm minimum, {:.4f} mm required\n"
       "position    {:.2f} um rms, {:.2f} um max, tolerance {:.2f} um\n"
       "time        {} at {:g} Hz, {} ticks, {:.4f} points a tick\n",
       client::GroupedDigits(points.planned()), client::GroupedDigits(points.made()),
@@ -30,7 +30,7 @@ std::string SummaryOf(const JobReport& report) {
   }
   if (report.position_errors().allowed_move_um() > 0) {
     text += fmt::format(
-        "moves       {:.2f} um allowed, the plan's {:.2f} um at most, {:.2f} um rms\n",
+        "moves       {:.2f} um allowed, {:.2f} um maximum of the plan, {:.2f} um rms\n",
         report.position_errors().allowed_move_um(),
         report.engrave().planned_max_move_um(), report.engrave().planned_rms_move_um());
   }

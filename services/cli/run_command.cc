@@ -364,9 +364,10 @@ int RunJob(const RunOptions& given) {
 
 void AddRunCommand(command_line::Command app) {
   auto options = std::make_shared<RunOptions>();
-  command_line::Command run = app.AddCommand(
-      "run",
-      "engrave one job in the virtual engraver, with processes of its own, and prove it");
+  command_line::Command run =
+      app.AddCommand("run",
+                     "engrave one job in the virtual engraver, with a separate set of "
+                     "processes, and prove the result");
   run.SetFooter(
       "Example: intaglio run --mesh bunny.obj --height 40 --glass N-BK7 --method "
       "sections "
@@ -379,17 +380,19 @@ void AddRunCommand(command_line::Command app) {
   run.AddOption("--out", options->out,
                 "folder of the proof, default intaglio-out/NAME-TIME");
   const auto lockstep = run.AddFlag("--lockstep", options->lockstep,
-                                    "the machine runs as fast as the data comes");
-  run.AddOption("--speed", options->speed, "machine time against real time")
+                                    "the machine runs as fast as the points arrive");
+  run.AddOption("--speed", options->speed,
+                "speed of the machine as a multiple of real time")
       .Within(0.01, 1000.0)
       .Exclude(lockstep);
   AddTruthFlags(run, options->truth);
-  run.AddOption("--fault", options->faults,
-                "let the machine misbehave: \"AT_TICK COMMAND\" (docs/protocols.md)");
+  run.AddOption(
+      "--fault", options->faults,
+      "inject a fault into the machine: \"AT_TICK COMMAND\" (docs/protocols.md)");
   run.AddFlag("--record,!--no-record", options->record,
               "keep every topic in session.mcap; on by default");
   run.AddOption("--without", options->without,
-                "services that are started elsewhere, e.g. discretizer");
+                "services that run elsewhere, e.g. discretizer");
   run.AddOption("--materials", options->materials_db,
                 "material base, default the user's");
   AddBusFlags(run, options->bus);

@@ -34,10 +34,10 @@ int TellFolders(const SecurityOptions& options, const security::ShopOptions& sho
     std::cout << (fs::path(options.folder) / role.name).string() << "\n";
   }
   std::cerr << "valid for " << options.lifetime.identity_days
-            << " days; copy each of these folders to the hosts of that role "
+            << " days; copy each of these folders to the hosts of its role "
                "(docs/deployment.md), and keep "
             << (fs::path(options.folder) / "authority").string()
-            << " where nobody else comes\n";
+            << " where nobody else has access\n";
   return client::kExitGood;
 }
 
@@ -87,7 +87,7 @@ int CheckAll(const SecurityOptions& options) {
   if (roles.empty()) {
     return Complain(
         {ErrorCode::kNotFound,
-         fmt::format("{} is no identity, and there are none in it", folder.string()),
+         fmt::format("{} is not an identity and contains none", folder.string()),
          folder.string()});
   }
   std::sort(roles.begin(), roles.end());
@@ -122,7 +122,7 @@ void AddDays(command_line::Command command, security::Lifetime& lifetime) {
 void AddSecurityCommand(command_line::Command app) {
   auto options = std::make_shared<SecurityOptions>();
   command_line::Command group =
-      app.AddCommand("security", "who may command the machines");
+      app.AddCommand("security", "manage the identities that may command the machines");
   group.RequireCommand();
   group.SetFooter("Example: intaglio security new shop-keys --cell els-03");
   const auto add = [&](const char* name, const char* text, auto action) {
@@ -139,7 +139,7 @@ void AddSecurityCommand(command_line::Command app) {
       add("new", "make authorities and the identities of all roles", New);
   add_folder(fresh, "an empty or new folder");
   fresh.AddOption("--cell", options->shop.cells,
-                  "machines, as named in their profiles; els-03 when not given");
+                  "machines, as named in their profiles; default els-03");
   fresh.AddOption("--domain", options->shop.domains, "control domains of the shop")
       .Within(0, 99)
       .ShowDefault();
@@ -156,13 +156,13 @@ void AddSecurityCommand(command_line::Command app) {
   renew.AddOption("--cell", options->shop.cells, "machines to add");
   AddDays(renew, options->lifetime);
   command_line::Command check =
-      add("check", "look through an identity, or all in a folder", CheckAll);
+      add("check", "check an identity, or all in a folder", CheckAll);
   add_folder(check, "an identity, or a folder of several");
   check.AddOption("--domain", options->shop.domains, "control domain")
       .Within(0, 99)
       .TakeValues(1)
       .ShowDefault();
-  add("roles", "say which role writes and reads what",
+  add("roles", "print which role writes and reads what",
       [](const SecurityOptions&) { return TellRoles(); });
 }
 

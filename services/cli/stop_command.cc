@@ -162,8 +162,8 @@ int ComplainOf(const std::string& text, int exit_code) {
 
 int ComplainOfNoMachine() {
   return ComplainOf(
-      "no machine is found: press its own button; then check --domain, --interface and "
-      "--tag",
+      "no machine found: press the machine's own button; then check --domain, "
+      "--interface and --tag",
       client::kExitWrongInput);
 }
 
@@ -221,16 +221,16 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
   for (const auto& [cell, stops] : machines) cells.push_back(cell);
   if (cells.empty()) {
     return Fail(ErrorCode::kInvalidValue,
-                "no machine is found: check --domain, --interface and --tag");
+                "no machine found: check --domain, --interface and --tag");
   }
   return Fail(ErrorCode::kInvalidValue,
-              fmt::format("there are several machines ({}): name the one to reset",
+              fmt::format("several machines found ({}): name the one to reset",
                           fmt::join(cells, ", ")));
 }
 
 int ReportReset(const std::string& cell, const MachineStops& stops) {
   if (!stops.pressed) {
-    std::cout << cell << ": reset; an arm or a resume lets it go on\n";
+    std::cout << cell << ": reset; arm or resume the job to continue\n";
     return client::kExitGood;
   }
   std::vector<std::string> presses;
@@ -258,9 +258,9 @@ int Reset(const StopOptions& options) {
   if (!cell) return Complain(cell.error());
   if (!Until([&] { return reports.Of(*cell).reported; }, kAnswerTime)) {
     return ComplainOf(
-        fmt::format("{} has not reported its stops within {} s: is its synchronizer "
-                    "running?",
-                    *cell, kAnswerTime.count()),
+        fmt::format(
+            "{} has not reported its stops within {} s: check that its synchronizer runs",
+            *cell, kAnswerTime.count()),
         client::kExitMachine);
   }
   const HeldPresses named = reports.Of(*cell).held;
@@ -274,11 +274,11 @@ int Reset(const StopOptions& options) {
     });
   };
   if (!Until(released, kAnswerTime)) {
-    return ComplainOf(fmt::format("{} has not confirmed the reset within {} s: are its "
-                                  "synchronizer, its motion bridge and the job service "
-                                  "running?",
-                                  *cell, kAnswerTime.count()),
-                      client::kExitMachine);
+    return ComplainOf(
+        fmt::format("{} has not confirmed the reset within {} s: check that its "
+                    "synchronizer, its motion bridge and the job service run",
+                    *cell, kAnswerTime.count()),
+        client::kExitMachine);
   }
   return ReportReset(*cell, reports.Of(*cell));
 }
@@ -290,12 +290,13 @@ void AddStopCommand(command_line::Command app) {
       "stop", "emergency stop: no more pulses, the stage comes to rest, latched");
   auto options = std::make_shared<StopOptions>();
   AddBusFlags(command, options->bus);
-  command.AddOption("machine", options->cell, "its name; every machine if none is given");
+  command.AddOption("machine", options->cell,
+                    "name of the machine; default every machine");
   command.AddFlag("--reset", options->reset,
-                  "release it again; nothing starts before an arm or a resume");
-  command.AddOption("--reason", options->reason, "for the log").ShowDefault();
+                  "release the stop; nothing starts before an arm or a resume");
+  command.AddOption("--reason", options->reason, "reason for the log").ShowDefault();
   command.SetFooter(
-      "It goes by network and programs: who stands at a machine uses its button.\n"
+      "It depends on the network and on programs: at a machine, use its button.\n"
       "Ends with 0 when every machine has confirmed it, with 4 when one has not.\n"
       "A reset releases the presses that the machine reports, and no other; it ends\n"
       "with 4 when another press holds the machine afterwards.\n"

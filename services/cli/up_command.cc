@@ -90,8 +90,8 @@ Status AwaitNoRival(const client::ServiceSetOptions& set, client::JobClient& cli
   client.PollUntil(is_decided, kLeaveTime);
   if (!rival) return {};
   return Fail(ErrorCode::kRefused,
-              fmt::format("{} (process {} on {}) is there already: end that shop, or "
-                          "open this one in another --domain or with another --tag",
+              fmt::format("{} (process {} on {}) already runs: end that shop, or open "
+                          "this one in another --domain or with another --tag",
                           rival->instance, rival->pid, rival->host));
 }
 
@@ -185,12 +185,14 @@ void AddUpCommand(command_line::Command app) {
   up.AddOption("--materials", options->materials_db, "material base, default the user's");
   up.AddOption("--without", options->without, "services that run elsewhere");
   up.AddFlag("--record", options->record,
-             "keep all that is said in a file of the folder's recordings");
+             "record all messages in the folder's recordings");
   up.AddFlag("--real-machine", options->real_machine,
              "no virtual engraver: the profile's serial devices are used");
-  const auto lockstep = up.AddFlag("--lockstep", options->lockstep,
-                                   "the virtual machine runs as fast as the data comes");
-  up.AddOption("--speed", options->speed, "virtual machine's time against real time")
+  const auto lockstep =
+      up.AddFlag("--lockstep", options->lockstep,
+                 "the virtual machine runs as fast as the points arrive");
+  up.AddOption("--speed", options->speed,
+               "speed of the virtual machine as a multiple of real time")
       .Within(0.01, 1000.0)
       .Exclude(lockstep);
   AddTruthFlags(up, options->truth);

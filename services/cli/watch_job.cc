@@ -57,18 +57,19 @@ int WatchJob(client::JobClient& client, const std::string& uid,
     }
     if (client.IsForgotten(uid)) {
       bar.Finish();
-      return Complain({ErrorCode::kNotFound,
-                       fmt::format("job {0} has ended while this program was stopped or "
-                                   "cut off, and the job service lists it no more: "
-                                   "intaglio history --job {0} tells how",
-                                   job.number),
-                       uid},
-                      client::kExitInternal);
+      return Complain(
+          {ErrorCode::kNotFound,
+           fmt::format(
+               "job {0} has ended while this program was stopped or disconnected, and "
+               "the job service no longer lists it: see intaglio history --job {0}",
+               job.number),
+           uid},
+          client::kExitInternal);
     }
     if (events != nullptr) events->Show(job);
     if (Interrupts() > 0) {
       bar.Finish();
-      std::cerr << "the job goes on; intaglio cancel " << job.number << " ends it\n";
+      std::cerr << "the job continues; intaglio cancel " << job.number << " ends it\n";
       return client::kExitGood;
     }
     client.Poll(100ms);

@@ -64,8 +64,8 @@ Status ArmWhenTaken(JobClient& client, const JobView& submitted,
                     job.number));
   }
   return Fail(ErrorCode::kTimedOut,
-              fmt::format("job {0} is left {1} and not armed{2}: when it has its machine "
-                          "and its block is in, intaglio arm {0}",
+              fmt::format("job {0} stays {1} and is not armed{2}: when it has its "
+                          "machine and its block is in, run intaglio arm {0}",
                           job.number, NameOf(job.state),
                           job.message.empty() ? "" : " (" + job.message + ")"));
 }

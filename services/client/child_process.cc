@@ -28,7 +28,7 @@ std::string DieWithUs() { return fmt::format("--die-with-parent={}", getpid()); 
 Result<ChildProcess> ChildProcess::Start(const Command& command) {
   if (access(command.program.c_str(), X_OK) != 0) {
     return Fail(ErrorCode::kNotFound,
-                fmt::format("the program {} is not there: build or install it",
+                fmt::format("the program {} does not exist: build or install it",
                             command.program.string()),
                 command.program.string());
   }

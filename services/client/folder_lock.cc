@@ -23,8 +23,9 @@ Result<FolderLock> FolderLock::Take(const fs::path& folder) {
   if (fd < 0) {
     return Fail(
         ErrorCode::kIo,
-        fmt::format("cannot write in the folder {}: {}; choose another with --folder",
-                    folder.string(), std::strerror(errno)),
+        fmt::format(
+            "cannot write to the folder {}: {}; choose another folder with --folder",
+            folder.string(), std::strerror(errno)),
         folder.string());
   }
   if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
@@ -32,8 +33,8 @@ Result<FolderLock> FolderLock::Take(const fs::path& folder) {
     std::ifstream(file) >> pid;
     close(fd);
     return Fail(ErrorCode::kRefused,
-                fmt::format("the folder {} is in use by the process {}; end that one, or "
-                            "choose another with --folder",
+                fmt::format("the folder {} is in use by the process {}; end that "
+                            "process, or choose another folder with --folder",
                             folder.string(), pid),
                 folder.string());
   }
@@ -43,9 +44,9 @@ Result<FolderLock> FolderLock::Take(const fs::path& folder) {
     close(fd);
     return Fail(
         ErrorCode::kIo,
-        fmt::format("{}: {}; make room on the disk, or choose another folder with "
-                    "--folder",
-                    file.string(), std::strerror(why)),
+        fmt::format(
+            "{}: {}; free space on the disk, or choose another folder with --folder",
+            file.string(), std::strerror(why)),
         folder.string());
   }
   return FolderLock(fd);

@@ -338,7 +338,7 @@ Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
   }
   if (services_.empty()) return Fail(ErrorCode::kTimedOut, kNobodyThere);
   return Fail(ErrorCode::kNotFound,
-              fmt::format("there is no job '{}'; there are: {}", uid_or_number,
+              fmt::format("no job '{}'; the known jobs are: {}", uid_or_number,
                           known.empty() ? "none" : known),
               uid_or_number);
 }

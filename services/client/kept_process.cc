@@ -42,10 +42,9 @@ Result<std::optional<std::string>> KeptProcess::Revive(
   auto started = ChildProcess::Start(process_.command());
   if (!started) return tl::unexpected(started.error());
   process_ = std::move(*started);
-  return std::optional(
-      fmt::format("{} has ended by itself (exit code {}) and was started "
-                  "again as process {}",
-                  process_.name(), exit_code, process_.pid()));
+  return std::optional(fmt::format(
+      "{} has ended unexpectedly (exit code {}) and was restarted as process {}",
+      process_.name(), exit_code, process_.pid()));
 }
 
 }  // namespace intaglio::client

@@ -21,8 +21,9 @@ Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
   FrozenJob job;
   const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &job);
   if (!parsed.ok()) {
-    return Fail(ErrorCode::kUnreadable, fmt::format("{} is not a frozen job: {}",
-                                                    file.string(), parsed.ToString()));
+    return Fail(ErrorCode::kUnreadable,
+                fmt::format("{} does not contain a frozen job: {}", file.string(),
+                            parsed.ToString()));
   }
   return job;
 }

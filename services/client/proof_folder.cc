@@ -194,7 +194,7 @@ Status WriteViews(const fs::path& file, const Evidence& evidence,
       {"stray", number(points.stray()), good_if(points.stray() == 0)},
       {"shadow violations", number(report.shadow_violations()),
        good_if(report.shadow_violations() == 0)},
-      {"least spacing", fmt::format("{:.4f} mm", report.least_spacing_mm()),
+      {"minimum spacing", fmt::format("{:.4f} mm", report.least_spacing_mm()),
        good_if(report.least_spacing_mm() >= report.min_spacing_mm())},
       {"error, rms", fmt::format("{:.2f} µm", errors.rms_um())},
       {"error, max", fmt::format("{:.2f} µm", errors.max_um()),
@@ -251,7 +251,8 @@ Status WriteGlass(const fs::path& record_file, const fs::path& file) {
     tick.push_back(static_cast<double>(crack.tick));
     channel.push_back(static_cast<std::uint8_t>(crack.channel));
   }
-  table.comments = {"cracks as the virtual engraver's glass holds them, glass frame, mm"};
+  table.comments = {
+      "cracks as recorded by the virtual engraver's glass, glass frame, mm"};
   table.columns = {{"tick", std::move(tick)}, {"channel", std::move(channel)}};
   return formats::WritePly(file, table);
 }
@@ -263,7 +264,7 @@ Status CopyInto(const fs::path& from, const fs::path& to) {
   return Fail(
       ErrorCode::kIo,
       fmt::format(
-          "cannot copy {} to {}: {}; make room on the disk or choose another --out",
+          "cannot copy {} to {}: {}; free space on the disk or choose another --out",
           from.string(), to.string(), error.message()),
       to.string());
 }

@@ -79,14 +79,14 @@ int main(int argc, char** argv) {
   std::size_t threads = 0;
   double size_limits = 1;
   const host::ServiceDescription description{
-      intaglio_ROLE_DISCRETIZER, "discretizer", "makes points of the models of a job",
+      intaglio_ROLE_DISCRETIZER, "discretizer", "makes points from the models of a job",
       [&](command_line::Command app) {
         app.AddOption("--threads", threads,
-                      "threads that compute; all cores when not given")
+                      "number of computing threads; default all cores")
             .Within(1, 1024);
         app.AddOption("--size-limits", size_limits,
-                      "factor on the largest files, pictures, meshes and clouds that "
-                      "are read (docs/jobs.md)")
+                      "factor on the size limits of files, pictures, meshes and clouds "
+                      "(docs/jobs.md)")
             .FromEnvironment(kSizeLimitsVariable)
             .Within(kLeastSizeLimits, kGreatestSizeLimits)
             .ShowDefault();

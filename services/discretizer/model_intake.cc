@@ -50,7 +50,7 @@ Result<bool> ModelIntake::Poll() {
 Status ModelIntake::Check(const intaglio_ModelChunk& chunk) const {
   if (chunk.sequence_number != expected_) {
     return Fail(ErrorCode::kLinkLost,
-                fmt::format("chunk {} of the models is missing: hand the job out again",
+                fmt::format("chunk {} of the models is missing: assign the task again",
                             expected_));
   }
   const bool begins = chunk.offset == 0 && chunk.model == files_.size() &&
@@ -64,7 +64,7 @@ Status ModelIntake::Check(const intaglio_ModelChunk& chunk) const {
   if (!(begins || continues) || chunk.model >= model_count_ || end > chunk.file_size ||
       !ends_right) {
     return Fail(ErrorCode::kFault,
-                fmt::format("chunk {} of the models does not fit to the ones before it",
+                fmt::format("chunk {} of the models does not match the previous ones",
                             expected_));
   }
   if (begins && (chunk.file_size > limits_.max_file_bytes ||

@@ -171,7 +171,7 @@ Status CheckFilter(const Filter& filter) {
     return {};
   }
   return Fail(ErrorCode::kInvalidValue,
-              fmt::format("--verdict '{}': there are {}", filter.verdict,
+              fmt::format("--verdict '{}': unknown verdict; known are {}", filter.verdict,
                           fmt::join(kVerdicts, ", ")),
               filter.verdict);
 }
@@ -202,8 +202,8 @@ Result<T> Opened(const fs::path& path, const Read& read) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) {
     return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: there is no such file: name the folder of the shop with "
-                            "--folder, or the job service's --database",
+                fmt::format("{}: the file does not exist: give the folder of the shop "
+                            "with --folder, or the job service's --database",
                             path.string()),
                 path.string());
   }
@@ -212,16 +212,16 @@ Result<T> Opened(const fs::path& path, const Read& read) {
     const int version = database.execAndGet("PRAGMA user_version").getInt();
     if (version < kHistoryVersion) {
       return Fail(ErrorCode::kUnreadable,
-                  fmt::format("{}: is of version {}, without a history: a job service of "
-                              "today that is started on it adds one (intaglio up)",
+                  fmt::format("{}: has version {}, without a history: start a current "
+                              "job service on it to add one (intaglio up)",
                               path.string(), version),
                   path.string());
     }
     return read(database);
   } catch (const SQLite::Exception& error) {
     return Fail(ErrorCode::kIo,
-                fmt::format("{}: {}: is it the database of a job service, and may you "
-                            "read it and write in its folder?",
+                fmt::format("{}: {}: check that it is the database of a job service, and "
+                            "that you may read it and write to its folder",
                             path.string(), error.what()),
                 path.string());
   }
@@ -250,7 +250,7 @@ Result<JobSpec> ReadJob(const fs::path& path, const std::string& uid_or_number) 
     select.bind(1, uid_or_number);
     if (!select.executeStep()) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: there is no job '{}'; intaglio history lists them",
+                  fmt::format("{}: no job '{}'; intaglio history lists the jobs",
                               path.string(), uid_or_number),
                   uid_or_number);
     }

@@ -61,12 +61,13 @@ Result<std::string> TextOf(const pb::Value& value, const std::string& path) {
     default:
       break;
   }
-  return Fail(ErrorCode::kInvalidValue,
-              fmt::format("overrides.{}: give a number, a text, true, false or a list of "
-                          "numbers; a group of fields is written field by field, as "
-                          "\"block.margin_mm\": 5",
-                          path),
-              path);
+  return Fail(
+      ErrorCode::kInvalidValue,
+      fmt::format(
+          "overrides.{}: give a number, a text, true, false or a list of numbers; write "
+          "a group of fields field by field, as \"block.margin_mm\": 5",
+          path),
+      path);
 }
 
 /// Adds the entry's overrides and its priority as columns of one row.
@@ -76,7 +77,7 @@ void AddColumns(const BatchEntry& entry, BatchLine& line, std::vector<Error>& er
     auto text = TextOf(value, path);
     if (path.empty() || path.starts_with('#')) {
       errors.push_back(At(line.line_number, ErrorCode::kInvalidValue,
-                          fmt::format("overrides: '{}' is no field", path), path));
+                          fmt::format("overrides: '{}' is not a field", path), path));
     } else if (text) {
       columns[path] = std::move(*text);
     } else {
@@ -102,7 +103,7 @@ std::vector<std::string> WordsOf(const std::string& text) {
 void CheckId(const BatchLine& line, std::vector<Error>& errors) {
   if (line.id.find_first_of(" \t\r\n") == std::string::npos) return;
   errors.push_back(At(line.line_number, ErrorCode::kInvalidValue,
-                      fmt::format("id '{}': has blanks in it; use '-'", line.id),
+                      fmt::format("id '{}': contains blanks; use '-'", line.id),
                       line.id));
 }
 
@@ -162,11 +163,12 @@ void AddCircles(const ById& by_id, std::vector<Error>& errors) {
     if (errors.size() >= kMaxErrors) return;
     const auto circle = CircleFrom(by_id, left, id, walked);
     if (circle.empty()) continue;
-    errors.push_back(At(by_id.at(circle.front())->line_number, ErrorCode::kInvalidValue,
-                        fmt::format("after: the jobs wait for each other in a circle, "
-                                    "{}; take one of these out",
-                                    fmt::join(circle, " after ")),
-                        circle.front()));
+    errors.push_back(
+        At(by_id.at(circle.front())->line_number, ErrorCode::kInvalidValue,
+           fmt::format(
+               "after: the jobs wait for each other in a cycle, {}; remove one of these",
+               fmt::join(circle, " after ")),
+           circle.front()));
   }
 }
 
@@ -187,7 +189,7 @@ Result<std::vector<BatchLine>> ParseBatchJson(std::string_view text,
     if (row.find_first_not_of(" \t\r") == row.npos) continue;
     if (lines.size() == limits.max_jobs) {
       return Fail(ErrorCode::kTooLarge,
-                  fmt::format("has more than {} jobs: cut it in two", limits.max_jobs));
+                  fmt::format("has more than {} jobs: divide the file", limits.max_jobs));
     }
     BatchLine& line = lines.emplace_back();
     line.line_number = number;
@@ -207,7 +209,7 @@ Result<std::vector<BatchLine>> ParseBatchJson(std::string_view text,
     CheckId(line, errors);
   }
   if (lines.empty()) {
-    return Fail(ErrorCode::kMissing, "has no jobs: write a JSON object a line");
+    return Fail(ErrorCode::kMissing, "has no jobs: write one JSON object a line");
   }
   if (!errors.empty()) return Together(std::move(errors));
   return lines;
@@ -220,7 +222,7 @@ Result<std::vector<BatchLine>> ParseBatchCsv(std::string_view text,
   const auto table = io::ParseCsv(text, csv_limits);
   if (!table) return tl::unexpected(table.error());
   if (table->rows.empty()) {
-    return Fail(ErrorCode::kMissing, "has no rows: write a job in each");
+    return Fail(ErrorCode::kMissing, "has no rows: write one job in each row");
   }
   std::vector<BatchLine> lines;
   std::vector<Error> errors;
@@ -255,7 +257,7 @@ std::vector<Error> CheckBatchOrder(const std::vector<BatchLine>& lines) {
     const auto [other, is_new] = by_id.emplace(line.id, &line);
     if (is_new) continue;
     errors.push_back(At(line.line_number, ErrorCode::kInvalidValue,
-                        fmt::format("id '{}': line {} has it already", line.id,
+                        fmt::format("id '{}': is already used in line {}", line.id,
                                     other->second->line_number),
                         line.id));
   }
@@ -277,7 +279,7 @@ Result<std::vector<BatchLine>> ReadBatchFile(const fs::path& file) {
   if (!json && ending != ".csv") {
     return Fail(
         ErrorCode::kUnsupported,
-        fmt::format("{}: the ending has to be .jsonl, .ndjson or .csv", file.string()),
+        fmt::format("{}: the extension has to be .jsonl, .ndjson or .csv", file.string()),
         ending);
   }
   const auto text = io::ReadWholeFile(file, BatchLimits().max_bytes);

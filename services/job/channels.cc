@@ -45,11 +45,11 @@ Result<std::vector<ChannelMask>> ChannelsOfPoints(const JobSpec& job,
   masks.reserve(source.size());
   for (const std::uint32_t model : source) {
     if (model >= of_models.size()) {
-      return Fail(ErrorCode::kFault,
-                  fmt::format("point {} is of model {}, and the job has {}: hand the job "
-                              "out again",
-                              masks.size(), model, of_models.size()),
-                  std::to_string(model));
+      return Fail(
+          ErrorCode::kFault,
+          fmt::format("point {} is of model {}, but the job has {}: restart the task",
+                      masks.size(), model, of_models.size()),
+          std::to_string(model));
     }
     masks.push_back(of_models[model]);
   }

@@ -165,7 +165,8 @@ std::string Expected(const Field& field) {
       return field.is_repeated() ? "numbers" : "a number";
     case Field::CPPTYPE_UINT32:
     case Field::CPPTYPE_UINT64:
-      return field.is_repeated() ? "whole numbers from 0 on" : "a whole number from 0 on";
+      return field.is_repeated() ? "whole numbers, 0 or more"
+                                 : "a whole number, 0 or more";
     case Field::CPPTYPE_INT32:
       return "a whole number";
     case Field::CPPTYPE_BOOL:
@@ -264,11 +265,12 @@ Status SetField(pb::Message& message, std::string_view path, std::string_view te
   for (std::string_view rest = path;;) {
     const auto step = TakeStep(rest);
     if (!step) {
-      return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: is no path of a field; write it as "
-                              "models[0].placement.move_mm.x",
-                              path),
-                  std::string(path));
+      return Fail(
+          ErrorCode::kNotFound,
+          fmt::format(
+              "{}: is not the path of a field; write it as models[0].placement.move_mm.x",
+              path),
+          std::string(path));
     }
     const pb::Descriptor& type = *at->GetDescriptor();
     const Field* field = type.FindFieldByName(std::string(step->name));
@@ -287,7 +289,7 @@ Status SetField(pb::Message& message, std::string_view path, std::string_view te
     }
     if (!is_message) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: '{}' has no fields of its own", path, step->name),
+                  fmt::format("{}: '{}' has no fields", path, step->name),
                   std::string(step->name));
     }
     if (rest.empty()) return NoSuchField(path, *field->message_type(), "");

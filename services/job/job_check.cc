@@ -50,26 +50,26 @@ void CheckKindAndMethod(const Model& model, const std::string& path, Findings& f
   const Model::MethodCase method = model.method_case();
   if (method == Model::METHOD_NOT_SET || Suits(method, *kind)) return;
   findings.Wrong(path + "." + FieldOf(method), NameOf(*kind),
-                 "has no points by this method; leave it out for the usual one");
+                 "cannot be made by this method; remove the method for the default one");
 }
 
 void CheckModel(const Model& model, const std::string& path, Findings& findings) {
   CheckKindAndMethod(model, path, findings);
   if (model.has_text() && !model.file().empty()) {
     findings.Wrong(path + ".file", model.file(),
-                   "stands beside a text; make two models of them");
+                   "is given beside a text; make two models");
   }
   if (model.has_text() && model.text().text().empty()) {
-    findings.Missing(path + ".text.text", "say what is to be written");
+    findings.Missing(path + ".text.text", "give the text to write");
   }
   if (model.placement().has_fit_block() && !model.placement().fit_block()) {
     findings.Wrong(path + ".placement.fit_block", false,
-                   "is no fit; say true or leave it out");
+                   "is not a fit; use true or remove the field");
   }
 }
 
 void CheckModels(const JobSpec& job, Findings& findings) {
-  if (job.models().empty()) findings.Missing("models", "name one model file or more");
+  if (job.models().empty()) findings.Missing("models", "give at least one model file");
   JobSpec copy = job;
   ForEachFile(copy, [&](const std::string& file, const std::string& path) {
     CheckFile(file, path, findings);
@@ -87,7 +87,7 @@ void CheckRoom(const JobSpec& job, Findings& findings) {
   if (2 * margin_mm >= least_mm) {
     return findings.Wrong(
         "block.margin_mm", margin_mm,
-        "leaves no room in a block of {} x {} x {} mm; it has to be below {}", size.x(),
+        "leaves no space in a block of {} x {} x {} mm; it has to be below {}", size.x(),
         size.y(), size.z(), least_mm / 2);
   }
   if (job.block().clip()) return;
@@ -153,10 +153,10 @@ void CheckAmongLasers(const Channels& channels, const LaserOptions& laser,
     const auto& open = laser.channels();
     if (std::find(open.begin(), open.end(), channel) == open.end()) {
       findings.Wrong(path, channel,
-                     "is not among laser.channels, {}; add it there or leave it out",
+                     "is not among laser.channels, {}; add it there or remove it here",
                      fmt::join(open, " "));
     } else if (!seen.insert(channel).second) {
-      findings.Wrong(path, channel, "is there twice");
+      findings.Wrong(path, channel, "occurs twice");
     }
   }
 }
@@ -165,7 +165,7 @@ void CheckChannelBlock(const ChannelBlock& own, const Block& block,
                        const std::string& path, Findings& findings) {
   if (!own.has_size_mm()) {
     return findings.Missing(path + ".size_mm",
-                            "give the block's size, 1..1000 mm each way");
+                            "give the block's size, 1..1000 mm in each axis");
   }
   const Vector3& size = own.size_mm();
   const Vector3& largest = block.size_mm();
@@ -173,11 +173,11 @@ void CheckChannelBlock(const ChannelBlock& own, const Block& block,
     if (size_mm > most_mm) {
       findings.Wrong(path + ".size_mm." + axis, size_mm,
                      "is more than that of the block, {}; give the size of the largest "
-                     "as block.size_mm",
+                     "block as block.size_mm",
                      most_mm);
     } else if (size_mm <= 2 * block.margin_mm()) {
       findings.Wrong(path + ".size_mm." + axis, size_mm,
-                     "leaves no room between the margins; lower block.margin_mm, {}",
+                     "leaves no space between the margins; reduce block.margin_mm, {}",
                      block.margin_mm());
     }
   };
@@ -185,8 +185,8 @@ void CheckChannelBlock(const ChannelBlock& own, const Block& block,
   check_side("y", size.y(), largest.y());
   if (size.z() != largest.z()) {
     findings.Wrong(path + ".size_mm.z", size.z(),
-                   "is not the height of the block, {}; all channels are focused alike: "
-                   "take blocks of one height",
+                   "is not the height of the block, {}; all channels have the same "
+                   "focus: use blocks of one height",
                    largest.z());
   }
 }
@@ -235,7 +235,7 @@ void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
       findings.Wrong(path, channel, "is above the number of channels of {}, {}",
                      machine.name(), head.channels());
     } else if (!seen.insert(channel).second) {
-      findings.Wrong(path, channel, "is there twice");
+      findings.Wrong(path, channel, "occurs twice");
     }
   }
 }
@@ -245,7 +245,7 @@ void CheckLens(const Lens& lens, const MachineSpec& machine, Findings& findings)
   std::vector<double> lengths_mm;
   for (const MachineLens& l : machine.lenses()) lengths_mm.push_back(l.focal_length_mm());
   findings.Wrong("lens.focal_length_mm", lens.focal_length_mm(),
-                 "is no lens of {}; it has {}", machine.name(),
+                 "is not a lens of {}; it has {}", machine.name(),
                  fmt::join(lengths_mm, " "));
 }
 
@@ -254,7 +254,7 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
   // Numbers pass the readers of files.
   if (!MotionProfile_IsValid(motion.profile())) {
     findings.Wrong("motion.profile", static_cast<int>(motion.profile()),
-                   "is none of the profiles, 0..{}", static_cast<int>(MotionProfile_MAX));
+                   "is not a profile, 0..{}", static_cast<int>(MotionProfile_MAX));
   }
   const MotionOptions most = WithDefaults(JobSpec(), machine).motion();
   if (motion.max_speed_mm_s() > most.max_speed_mm_s()) {
@@ -281,21 +281,19 @@ std::vector<Finding> CheckJob(const JobSpec& job) {
   CheckRanges(job, "", findings.found());
   CheckModels(job, findings);
   if (!job.block().has_size_mm()) {
-    findings.Missing("block.size_mm", "give the block's size, 1..1000 mm each way");
+    findings.Missing("block.size_mm", "give the block's size, 1..1000 mm in each axis");
   }
   if (job.glass().empty()) {
     findings.Missing("glass",
                      "name a glass of the material base (intaglio materials list)");
   }
   if (!job.discretization().has_min_spacing_mm()) {
-    findings.Missing(
-        "discretization.min_spacing_mm",
-        "give the least distance of two points, 0.02..10 mm (0.09 with f = 43 mm, "
-        "0.13 with f = 70 mm)");
+    findings.Missing("discretization.min_spacing_mm",
+                     "give the minimum distance of any two points, 0.02..10 mm (0.09 "
+                     "with f = 43 mm, 0.13 with f = 70 mm)");
   }
   if (job.machine_file().empty()) {
-    findings.Missing("machine_file",
-                     "name a machine profile (deploy/machines holds some)");
+    findings.Missing("machine_file", "name a machine profile (see deploy/machines)");
   }
   return std::move(findings.found());
 }

@@ -70,10 +70,10 @@ Result<JobFileFormat> FormatOf(const fs::path& path) {
   const std::string ending = path.extension().string();
   if (ending == ".textproto" || ending == ".txtpb") return JobFileFormat::kText;
   if (ending == ".json") return JobFileFormat::kJson;
-  return Fail(
-      ErrorCode::kUnsupported,
-      fmt::format("{}: the ending has to be .textproto, .txtpb or .json", path.string()),
-      ending);
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("{}: the extension has to be .textproto, .txtpb or .json",
+                          path.string()),
+              ending);
 }
 
 Status ReadMessage(const fs::path& path, pb::Message& message) {

@@ -92,7 +92,7 @@ void CheckPolar(const MachineSpec& machine, std::vector<Error>& errors) {
 }
 
 void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {
-  if (machine.lenses().empty()) Missing(errors, "lenses", "give one lens or more");
+  if (machine.lenses().empty()) Missing(errors, "lenses", "give at least one lens");
   std::set<std::string> names;
   for (int i = 0; i < machine.lenses_size(); ++i) {
     const std::string& name = machine.lenses(i).name();
@@ -102,7 +102,7 @@ void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {
     } else if (!names.insert(name).second) {
       errors.push_back(
           {ErrorCode::kInvalidValue,
-           fmt::format("{}: \"{}\" is the name of an earlier lens too", path, name),
+           fmt::format("{}: \"{}\" is already the name of an earlier lens", path, name),
            name});
     }
   }
@@ -164,20 +164,19 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   } else if (!IsCellName(machine.name())) {
     errors.push_back(
         {ErrorCode::kInvalidValue,
-         fmt::format("name: \"{}\" has other characters than letters, digits, - "
-                     "and _",
+         fmt::format("name: \"{}\" has characters other than letters, digits, - and _",
                      machine.name()),
          machine.name()});
   }
   CheckRanges(machine, "", errors);
   AddKinematics(machine, errors);
   if (!machine.has_block_origin_mm()) {
-    Missing(errors, "block_origin_mm", "say where the block's corner lies");
+    Missing(errors, "block_origin_mm", "give the position of the block's corner");
   }
   if (!machine.has_laser()) {
     Missing(errors, "laser", "give its rates, energy, wavelength and channels");
   } else if (machine.laser().rates_hz().empty()) {
-    Missing(errors, "laser.rates_hz", "give one lamp sync rate or more");
+    Missing(errors, "laser.rates_hz", "give at least one lamp sync rate");
   } else if (machine.laser().rates_hz_size() > kMaxRates) {
     errors.push_back({ErrorCode::kInvalidValue,
                       fmt::format("laser.rates_hz: {} rates are more than {}",

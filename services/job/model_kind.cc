@@ -89,9 +89,10 @@ Result<ModelKind> KindOf(const Model& model) {
     if (candidate.text == ending) return candidate.kind;
     known.push_back(candidate.text);
   }
-  return Fail(ErrorCode::kUnsupported,
-              fmt::format("is of no kind that is read: {}", fmt::join(known, " ")),
-              model.file());
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("has an unknown extension; known are: {}", fmt::join(known, " ")),
+      model.file());
 }
 
 bool Suits(Model::MethodCase method, ModelKind kind) {

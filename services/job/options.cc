@@ -170,7 +170,7 @@ motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
   result.continuous = asked.profile() == MOTION_PROFILE_CONTINUOUS;
   if (!result.continuous) {
     const auto profile = motion::ProfileByName(ProfileName(asked.profile()));
-    Require(profile.has_value(), "motion.profile: {} is no profile",
+    Require(profile.has_value(), "motion.profile: {} is not a profile",
             static_cast<int>(asked.profile()));
     result.profile = *profile;
   }

@@ -100,10 +100,10 @@ void SetColumns(const io::CsvTable& table, const io::CsvRow& row,
     if (!BeginsWithField(*JobSpec::descriptor(), name)) {
       errors.push_back(
           {ErrorCode::kMissing,
-           fmt::format("column '{0}': is no field of a job, and no text or file name of "
-                       "the job file has {{{0}}} in it: correct it, or call it '#{0}' to "
-                       "have it passed over",
-                       name),
+           fmt::format(
+               "column '{0}': is not a field of a job, and no text or file name of the "
+               "job file contains {{{0}}}: correct it, or name it '#{0}' to ignore it",
+               name),
            name});
     } else if (!row.fields[i].empty()) {
       const auto done = SetField(job, name, row.fields[i]);
@@ -113,11 +113,11 @@ void SetColumns(const io::CsvTable& table, const io::CsvRow& row,
   }
   for (const std::string& name : set) {
     if (IsSet(job, name)) continue;
-    errors.push_back({ErrorCode::kInvalidValue,
-                      fmt::format("{}: excludes another column of this row; leave one of "
-                                  "the two empty",
-                                  name),
-                      name});
+    errors.push_back(
+        {ErrorCode::kInvalidValue,
+         fmt::format("{}: excludes another column of this row; empty one of the two",
+                     name),
+         name});
   }
 }
 
@@ -153,7 +153,8 @@ void TellApart(JobSpec& job, const JobSpec& pattern, const std::string& what) {
 Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern, const io::CsvTable& table,
                                         const std::filesystem::path& folder) {
   if (table.rows.empty()) {
-    return Fail(ErrorCode::kMissing, "the table has no rows: write a piece in each");
+    return Fail(ErrorCode::kMissing,
+                "the table has no rows: write one piece in each row");
   }
   std::vector<JobSpec> jobs;
   std::vector<Error> errors;

@@ -24,7 +24,7 @@ const char* VerdictName(VerdictKind verdict) {
 ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome) {
   if (outcome == nullptr) {
     if (!done) return {VerdictKind::kNone, ""};
-    return {VerdictKind::kUnknown, "what became of its points is not known any more"};
+    return {VerdictKind::kUnknown, "the outcome of its points is no longer known"};
   }
   const bool touched =
       outcome->made_count() + outcome->missed_count() + outcome->uncertain_count() > 0;
@@ -40,7 +40,7 @@ ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome) {
     reasons.push_back(fmt::format("{} of them made", outcome->made_count()));
   }
   if (done && reasons.empty()) return {VerdictKind::kGood, ""};
-  if (reasons.empty()) reasons.push_back("not brought to its end");
+  if (reasons.empty()) reasons.push_back("not finished");
   return {VerdictKind::kNotGood, fmt::format("of {} points {}", outcome->planned_count(),
                                              fmt::join(reasons, ", "))};
 }

@@ -74,7 +74,7 @@ CommandAnswer CommandInbox::AnswerTo(const CommandView& command, const Decide& d
   const CommandAnswer answer = decide(command);
   store_.KeepAnswer(command, answer);
   if (answer.taken()) {
-    host::LogInfo("job {}: command {} of {} is taken", command.job_uid,
+    host::LogInfo("job {}: command {} of {} is accepted", command.job_uid,
                   static_cast<int>(command.kind), command.operator_name);
   } else {
     host::LogWarning("job {}: command {} of {} is refused: {}", command.job_uid,

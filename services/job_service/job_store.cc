@@ -184,11 +184,10 @@ void JobStore::Migrate() {
     const int version = database_->execAndGet("PRAGMA user_version").getInt();
     const int newest = static_cast<int>(kMigrations.size());
     if (version > newest) {
-      throw StoreError(
-          fmt::format("job database {} is of version {}, this program knows {}; use the "
-                      "newer program",
-                      database_->getFilename(), version, newest),
-          false);
+      throw StoreError(fmt::format("job database {} has version {}, this program "
+                                   "supports {}; use the newer program",
+                                   database_->getFilename(), version, newest),
+                       false);
     }
     for (int next = version; next < newest; ++next) {
       SQLite::Transaction transaction(*database_);

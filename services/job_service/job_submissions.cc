@@ -63,9 +63,9 @@ void JobService::Submit(const intaglio_JobSubmission& submission, Nanoseconds no
     return;
   }
   if (submission.epoch != 0 && submission.epoch != epoch_) {
-    return Refuse(
-        submission_uid,
-        "the submission is meant for another run of the job service; submit again", now);
+    return Refuse(submission_uid,
+                  "the submission is for another run of the job service; submit again",
+                  now);
   }
   const auto job = View(submission.job);
   reader_.Add(

@@ -73,14 +73,14 @@ int main(int argc, char** argv) {
   options.materials = materials_db::DefaultDatabasePath();
   const host::ServiceDescription description{
       intaglio_ROLE_JOB_SERVICE, "job-service",
-      "keeps the queue of jobs and hands their stages to workers",
+      "keeps the queue of jobs and assigns their stages to workers",
       [&options](command_line::Command app) {
         app.AddOption("--database", options.database, "file of the queue").Require();
         app.AddOption("--materials-db", options.materials, "material base").ShowDefault();
         app.AddOption("--results", options.results, "folder of the jobs' results")
             .Require();
         app.AddOption("--recording", options.recording,
-                      "where the shop is recorded, for the history");
+                      "recording of the shop, for the history");
       }};
   return host::RunService(description, argc, argv, [&options](host::ServiceHost& host) {
     return Serve(host, options);

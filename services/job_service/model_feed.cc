@@ -99,13 +99,14 @@ Status ModelFeed::OpenNext(Stream& stream) {
   std::error_code error;
   // What became a FIFO since the submission would hold up all jobs.
   if (!std::filesystem::is_regular_file(path, error)) {
-    return tl::unexpected(CannotRead(path, "is no file any more; was it moved?"));
+    return tl::unexpected(
+        CannotRead(path, "is no longer a file; check whether it was moved"));
   }
   stream.file_size = std::filesystem::file_size(path, error);
   stream.file = std::ifstream(path, std::ios::binary);
   stream.offset = 0;
   if (!error && stream.file) return {};
-  return tl::unexpected(CannotRead(path, "cannot be opened; was it moved?"));
+  return tl::unexpected(CannotRead(path, "cannot be opened; check whether it was moved"));
 }
 
 Result<bool> ModelFeed::SendChunk(Stream& stream) {
@@ -117,8 +118,9 @@ Result<bool> ModelFeed::SendChunk(Stream& stream) {
   stream.file.read(reinterpret_cast<char*>(chunk_.data()),
                    static_cast<std::streamsize>(chunk_.size()));
   if (!stream.file) {
-    return tl::unexpected(CannotRead(stream.files[stream.model],
-                                     "cannot be read to its end; was it changed?"));
+    return tl::unexpected(
+        CannotRead(stream.files[stream.model],
+                   "cannot be read to its end; check whether it was changed"));
   }
   const bool ends_file = stream.offset + chunk_.size() == stream.file_size;
   intaglio_ModelChunk sample{};

@@ -34,17 +34,17 @@ inline StoreError ErrorOf(const std::string& file, const SQLite::Exception& erro
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
     case SQLITE_NOMEM:
-      return {fmt::format("job database {}: {}; make room on its disk, and see that its "
-                          "folder is there and may be written: the job service then goes "
-                          "on by itself",
-                          file, error.what()),
-              true};
-    default:
       return {
-          fmt::format("job database {}: {}; name another file with --database, or put "
-                      "a copy that is whole in its place",
-                      file, error.what()),
-          false};
+          fmt::format(
+              "job database {}: {}; free space on its disk, and check that its folder "
+              "exists and may be written: the job service then continues automatically",
+              file, error.what()),
+          true};
+    default:
+      return {fmt::format("job database {}: {}; give another file with --database, or "
+                          "replace it by an intact copy",
+                          file, error.what()),
+              false};
   }
 }
 

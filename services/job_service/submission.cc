@@ -50,7 +50,7 @@ Result<FrozenJob> FreezeSubmission(std::span<const std::uint8_t> job_bytes,
   if (job_bytes.size() > kMaxJobFileBytes ||
       !job.ParseFromArray(job_bytes.data(), static_cast<int>(job_bytes.size()))) {
     return Fail(ErrorCode::kUnreadable,
-                "the submission holds no job: use a client of the same version");
+                "the submission contains no job: use a client of the same version");
   }
   if (const auto errors = CheckPaths(job); !errors.empty()) {
     return tl::unexpected(JoinErrors(errors));

@@ -67,7 +67,7 @@ void SubmissionReader::Start(Nanoseconds now) {
         Fail(ErrorCode::kTimedOut,
              fmt::format(
                  "the job service still waits for the files of {} earlier submissions, "
-                 "and reads no more: bring their network mounts back, or restart it",
+                 "and reads no more: restore their network mounts, or restart it",
                  kMaxHanging));
     return;
   }
@@ -98,11 +98,10 @@ std::vector<SubmissionReader::Answer> SubmissionReader::Take(Nanoseconds now) {
     if (!result && now - since_ < kReadWithin) break;
     if (!result) {
       hanging_.push_back(reading_);
-      result =
-          Fail(ErrorCode::kTimedOut,
-               fmt::format("machine_file, models: cannot be read within {} s on the job "
-                           "service's host: are their disks and network mounts there?",
-                           kReadWithin.count()));
+      result = Fail(ErrorCode::kTimedOut,
+                    fmt::format("machine_file, models: cannot be read within {} s on the "
+                                "job service's host: check its disks and network mounts",
+                                kReadWithin.count()));
     }
     known_.erase(current_.uid);
     answers.push_back({current_.uid, current_.client, std::move(*result)});

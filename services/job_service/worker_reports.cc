@@ -58,7 +58,7 @@ void WorkerReports::Refuse(const char* topic, std::string_view named,
   next_warning_ = now + kWarningPeriod;
   host::LogWarning(
       "a {} that names {} is ignored: it was written by another process, the participant "
-      "{} of {}; if that is no test, renew the identities",
+      "{} of {}; if this is not a test, renew the identities",
       topic, named, origin.writer == nullptr ? "(gone)" : origin.writer->participant,
       origin.writer == nullptr ? "(unknown)" : origin.writer->partition);
 }

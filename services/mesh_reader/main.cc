@@ -12,20 +12,23 @@ int main(int argc, char** argv) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   command_line::Program program(
       "intaglio-mesh-reader",
-      "Reads a model for another program of Intaglio, so that a damaged file ends this\n"
-      "one alone: the file is its standard input, the answer its standard output. A\n"
-      "person looks at a model with: intaglio discretize, or intaglio measure.");
+      "Reads a model for another program of Intaglio, so that a damaged file crashes "
+      "this\n"
+      "one only: the file is its standard input, the answer its standard output. To\n"
+      "inspect a model, use intaglio discretize or intaglio measure.");
   std::string extension, name;
   mesh::ImportOptions options;
   const command_line::Command root = program.root();
   root.AddOption("extension", extension, "obj, ply, 3mf, gltf, glb, dae, 3ds or stl")
       .Require();
-  root.AddOption("name", name, "what errors call the model").Require();
-  root.AddOption("max-file-bytes", options.max_file_bytes, "largest file").ShowDefault();
-  root.AddOption("max-unpacked-ratio", options.max_unpacked_ratio,
-                 "most that a 3mf may grow when it is unpacked")
+  root.AddOption("name", name, "name of the model in error messages").Require();
+  root.AddOption("max-file-bytes", options.max_file_bytes, "maximum size of the file")
       .ShowDefault();
-  root.AddOption("max-triangles", options.max_triangles, "most triangles").ShowDefault();
+  root.AddOption("max-unpacked-ratio", options.max_unpacked_ratio,
+                 "maximum ratio by which a 3mf may grow when it is unpacked")
+      .ShowDefault();
+  root.AddOption("max-triangles", options.max_triangles, "maximum number of triangles")
+      .ShowDefault();
   if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;
   return mesh_reader::ReadStandardInput(extension, name, options);
 }

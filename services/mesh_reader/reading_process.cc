@@ -127,7 +127,7 @@ Answer Read(const ReadingProcess& reader, std::span<const std::byte> bytes,
   MemoryFile input, output;
   if (input.descriptor() < 0 || output.descriptor() < 0 ||
       !WriteAll(input.descriptor(), bytes)) {
-    return refuse(ErrorCode::kIo, fmt::format("no memory to hand it to {}: {}", program,
+    return refuse(ErrorCode::kIo, fmt::format("no memory to send it to {}: {}", program,
                                               std::generic_category().message(errno)));
   }
   const auto time = reader.time + std::chrono::seconds(bytes.size() / kBytesPerSecond);
@@ -139,7 +139,7 @@ Answer Read(const ReadingProcess& reader, std::span<const std::byte> bytes,
   if (ended.error != 0) {
     return Fail(ErrorCode::kNotFound,
                 fmt::format("{} cannot be read: the program {} cannot be started ({}); "
-                            "install it beside the others",
+                            "install it in the folder of the other programs",
                             name, program, std::generic_category().message(ended.error)),
                 program);
   }
@@ -155,8 +155,8 @@ Answer Read(const ReadingProcess& reader, std::span<const std::byte> bytes,
       return *std::move(answer);
   }
   return refuse(ErrorCode::kUnreadable,
-                fmt::format("it broke the reader of {} files ({}); the file is damaged, "
-                            "export it again, best as stl",
+                fmt::format("it crashed the reader of {} files ({}); the file is "
+                            "damaged, export it again, preferably as stl",
                             extension, HowItEnded(ended.status)));
 }
 

@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   Options options;
   const host::ServiceDescription description{
       intaglio_ROLE_MOTION_BRIDGE, "motion-bridge",
-      "hands motion to one machine's controller and its position back",
+      "sends motion to one machine's controller and publishes its position",
       [&options](command_line::Command app) {
         app.AddOption("--machine", options.machine_file, "machine profile (.textproto)")
             .Require();

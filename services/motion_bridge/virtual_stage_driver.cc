@@ -59,27 +59,28 @@ FaultText TextOf(link::StageFault fault) {
     case StageFault::kNone:
       return {intaglio_MOTION_OK, ""};
     case StageFault::kStarved:
-      return {
-          intaglio_MOTION_STARVED,
-          "the stage ran out of motion in mid-run: the host or the line was too slow"};
+      return {intaglio_MOTION_STARVED,
+              "the queue of the stage ran empty during a run: the host or the line was "
+              "too slow"};
     case StageFault::kLimit:
       return {
           intaglio_MOTION_LIMIT,
           "a target lies outside the axes' travel: check block_origin_mm and the block"};
     case StageFault::kFollowingError:
       return {intaglio_MOTION_FOLLOWING_ERROR,
-              "the stage is not where it should be: free it and check the drive"};
+              "the following error of the stage is too large: free the stage and check "
+              "its drive"};
     case StageFault::kLate:
       return {intaglio_MOTION_LATE, "the run reached the stage after its start tick"};
     case StageFault::kRunRefused:
       return {intaglio_MOTION_LATE,
-              "the stage was not at rest when the run was to begin"};
+              "the stage was not at rest at the beginning of the run"};
     case StageFault::kSafeState:
       return {intaglio_MOTION_SAFE_STATE,
-              "the stage heard nothing for 250 ms and stopped by itself"};
+              "the stage received no frame for 250 ms and stopped"};
     case StageFault::kBadSequence:
       return {intaglio_MOTION_SAFE_STATE,
-              "segments were lost on the motion line and the stage stopped by itself"};
+              "segments were lost on the motion line, and the stage stopped"};
   }
   return {intaglio_MOTION_SAFE_STATE, "the stage reports an unknown fault"};
 }

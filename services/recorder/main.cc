@@ -22,7 +22,7 @@ struct Options {
 
 void AddOptions(command_line::Command app, Options& options) {
   app.AddOption("--out", options.file,
-                "file to write; when it is there, NAME-0002.mcap and so on")
+                "file to write; if it exists, NAME-0002.mcap and so on")
       .Require();
   const auto names = [&app](const std::string& what, bus::NameFilter& filter) {
     app.AddOption("--" + what, filter.only,
@@ -40,9 +40,9 @@ void AddOptions(command_line::Command app, Options& options) {
   amount("--keep-mb", options.keep_mb,
          "remove the oldest files beyond this size together, MB; 0: keep all");
   amount("--keep-h", options.keep_h,
-         "remove files last written so many hours ago; 0: keep all");
+         "remove files not written for this many hours; 0: keep all");
   amount("--queue-mb", options.queue_mb,
-         "memory for what waits for the disk, MB; beyond it bulk is left out");
+         "memory for messages that wait for the disk, MB; beyond it bulk is left out");
   app.AddOption("--compression", options.compression, "level of zstd; 0: none")
       .Within(0, 19)
       .ShowDefault();

@@ -162,7 +162,7 @@ void RecordingSeries::Write(std::uint32_t stream, std::uint64_t log_time_ns,
   Repeat(std::min(file_began_ns_, log_time_ns));
   retained_.Take(stream, known.sequence, log_time_ns, publish_time_ns, payload);
   if (trouble_ && known.stream.bulk) {
-    CountMissing(stream, log_time_ns, "the disk refused");
+    CountMissing(stream, log_time_ns, "writing to the disk failed");
     return;
   }
   if (!known.channel) {
@@ -173,7 +173,7 @@ void RecordingSeries::Write(std::uint32_t stream, std::uint64_t log_time_ns,
   Note(writer_->Write(recording::MessageView{*known.channel, known.sequence++,
                                              log_time_ns, publish_time_ns, payload}));
   if (trouble_ && writer_->gathered_bytes(Lane::kSmall) > kMaxWaitingBytes) {
-    GiveUp(Lane::kSmall, "the disk refused for too long");
+    GiveUp(Lane::kSmall, "writing to the disk failed for too long");
   }
 }
 
@@ -181,7 +181,7 @@ void RecordingSeries::Write(std::uint32_t stream, std::uint64_t log_time_ns,
 void RecordingSeries::Note(const Status& written) {
   if (written) return;
   trouble_ = written.error();
-  GiveUp(Lane::kLarge, "the disk refused");
+  GiveUp(Lane::kLarge, "writing to the disk failed");
 }
 
 void RecordingSeries::GiveUp(Lane lane, const char* reason) {

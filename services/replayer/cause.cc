@@ -24,9 +24,9 @@ Status NameCause(ReplayComparison& result,
   const auto chance = differs_again();
   if (!chance) return tl::unexpected(chance.error());
   if (*chance) {
-    say("chance", "the same task, done twice now, makes two results");
+    say("chance", "the same task, done twice now, gives two results");
   } else if (result.version_then() != result.version_now()) {
-    say("version", fmt::format("version {} made it then, {} makes it now",
+    say("version", fmt::format("recorded with version {}, compared with version {}",
                                result.version_then(), result.version_now()));
   } else {
     say("code", fmt::format("same input, options and version {}: the code has changed",

@@ -63,8 +63,8 @@ Status Player::MakeWriters(bus::CdrPublisher& publisher) {
       const auto recipe = recipes.find(stream.type);
       if (recipe == recipes.end()) {
         return Fail(ErrorCode::kMissing,
-                    fmt::format("{}: the recording does not hold its type {}; leave it "
-                                "out with --without-topic {}",
+                    fmt::format("{}: the recording does not contain its type {}; leave "
+                                "it out with --without-topic {}",
                                 stream.topic, stream.type, stream.topic),
                     stream.topic);
       }

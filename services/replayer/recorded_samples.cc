@@ -109,7 +109,7 @@ Result<std::map<StreamId, StreamExtent>> ExtentsOf(const recording::McapReader& 
     members.Get("last", last);
     if (!members.good()) {
       return Fail(ErrorCode::kUnsupported,
-                  topic + ": the recording is of a version whose samples are not known",
+                  topic + ": the recording has a version whose samples are unknown",
                   topic);
     }
     StreamExtent& extent = extents[id];

@@ -128,8 +128,8 @@ void Rehearsal::TellMissing() {
 
 bool Rehearsal::HasInput(const RecordedTask& task) {
   const auto lacks = [&](const std::string& what) {
-    result_.add_input(
-        fmt::format("{} of job {} is not whole in the recording", what, task.id.job_uid));
+    result_.add_input(fmt::format("{} of job {} is not complete in the recording", what,
+                                  task.id.job_uid));
     return false;
   };
   if (!sort_) return models_.contains(task.id.job_uid) || lacks(input_topic_);

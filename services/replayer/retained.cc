@@ -38,7 +38,7 @@ std::vector<recording::RetainedSample> Retained::Before(std::uint64_t log_time_n
       channels.insert(id);
     } else {
       complaints_.push_back(fmt::format(
-          "{} is not restored: the recording does not tell its key", stream.topic));
+          "{} is not restored: the recording does not contain its key", stream.topic));
     }
   }
   recording::MessageCursor cursor(reader_, {.to_ns = log_time_ns, .channels = channels});

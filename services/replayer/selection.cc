@@ -24,14 +24,14 @@ bool Contains(const auto& names, std::string_view name) {
 /// Empty: it is played.
 std::string WhyNot(const std::string& recorded, const std::string& played,
                    const SelectionOptions& options) {
-  if (!options.topics.Accepts(recorded)) return "not chosen";
+  if (!options.topics.Accepts(recorded)) return "not selected";
   const Weight weight = WeightOf(played);
   if (options.credit_is_given && played == "Credit")
-    return "the consumers' own credit paces what is sent";
+    return "the credit of the consumers is used instead";
   if (options.with_commands) return {};
-  if (weight == Weight::kCommand) return "somebody would obey it; --with-commands";
+  if (weight == Weight::kCommand) return "a command; play it with --with-commands";
   if (weight == Weight::kBelieved && options.services_live)
-    return "the services of this bus would believe it; --with-commands";
+    return "live services would use it; play it with --with-commands";
   return {};
 }
 
@@ -42,12 +42,11 @@ Status CheckTypes(const Selection& selection) {
     const PlayedChannel& first =
         *by_name.try_emplace({channel.stream.bulk, channel.name}, &channel).first->second;
     if (first.stream.type == channel.stream.type) continue;
-    return Fail(
-        ErrorCode::kInvalidValue,
-        fmt::format("{} would be of two types, {} and {}; rename it otherwise, or leave "
-                    "one out with --without-topic",
-                    channel.name, first.stream.type, channel.stream.type),
-        channel.name);
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("{} would have two types, {} and {}; use another name, or "
+                            "leave one out with --without-topic",
+                            channel.name, first.stream.type, channel.stream.type),
+                channel.name);
   }
   return {};
 }
@@ -82,12 +81,11 @@ Result<Selection> Select(const recording::RecordingContents& contents,
     selection.channels.emplace(id, PlayedChannel{*stream, name});
   }
   if (!unused.empty()) {
-    return Fail(
-        ErrorCode::kNotFound,
-        fmt::format("the recording has no topic {} to rename; `intaglio recording "
-                    "list` tells what there is",
-                    unused.begin()->first),
-        unused.begin()->first);
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("the recording has no topic {} to rename; `intaglio "
+                            "recording list` lists its topics",
+                            unused.begin()->first),
+                unused.begin()->first);
   }
   if (auto checked = CheckTypes(selection); !checked)
     return tl::unexpected(checked.error());

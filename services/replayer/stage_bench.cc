@@ -204,7 +204,7 @@ Result<std::string> Bench<Batch>::Perform(const RecordedTask& task,
   while (!running.ended || (running.failure.empty() && !running.all_taken)) {
     if (auto on = keep_on(); !on) return tl::unexpected(on.error());
     if (Clock::now() - running.moved_at > kPatience)
-      return Fail(ErrorCode::kTimedOut, "the service does not go on");
+      return Fail(ErrorCode::kTimedOut, "the service does not continue");
     book_.Poll();
     if (auto fed = input->Advance(book_); !fed) return tl::unexpected(fed.error());
     TakeOutput(running, sink);

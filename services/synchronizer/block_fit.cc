@@ -19,7 +19,7 @@ std::string BlockMisfit(const Vec3& job_size_mm, const Vec3& in_machine_mm) {
   }
   return fmt::format(
       "the job is for a block of {0:g} x {1:g} x {2:g} mm, the one in the machine has "
-      "{3:g} x {4:g} x {5:g} mm: nothing is fired; close the shop and open it with "
+      "{3:g} x {4:g} x {5:g} mm: no pulse is fired; close the shop and open it with "
       "`intaglio up --block {0:g} {1:g} {2:g}`, then resume the job",
       job_size_mm.x(), job_size_mm.y(), job_size_mm.z(), in_machine_mm.x(),
       in_machine_mm.y(), in_machine_mm.z());

@@ -70,7 +70,9 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
   if (job_.earlier.points.empty()) return;
   taken_up_ = true;
   phase_ = Phase::kHalting;
-  message_ = "the job is taken up again: what was armed is asked of the laser controller";
+  message_ =
+      "the job continues: requesting the outcomes of the armed ticks from the laser "
+      "controller";
   settling_.BeginTakenUp(job_.earlier);
   consent_.TakeUp();
 }
@@ -180,7 +182,7 @@ void Engraving::Wait(const EngravingInputs& inputs) {
   const bool closed = shutters_.KeepClosed(inputs.now);
   if (!MayFire(inputs) || !ClocksAreKnown(inputs)) return;
   if (shutters_.fails_to_close(inputs.now)) {
-    message_ = "a shutter does not close: see to it, then the job goes on";
+    message_ = "a shutter does not close: check its drive, then the job continues";
   }
   // The plan begins where the stage is, and with a shutter that is seen to open.
   if (!closed || !inputs.motion.at_rest) return;

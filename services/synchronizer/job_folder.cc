@@ -52,7 +52,7 @@ Result<PointCloud> ReadPath(const fs::path& folder) {
   const auto* source = table->Find<std::uint32_t>("source");
   if (source == nullptr) {
     return Fail(ErrorCode::kUnreadable,
-                file.string() + " has no column 'source': the job cannot be taken up",
+                file.string() + " has no column 'source': the job cannot be continued",
                 file.string());
   }
   PointCloud path;

@@ -80,7 +80,7 @@ Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progres
   std::uint64_t steps = 0;
   const auto wanted = [&] { return progress(++steps, kSteps); };
   const auto cancelled = [] {
-    return Fail(ErrorCode::kCancelled, "the job is not wanted any more");
+    return Fail(ErrorCode::kCancelled, "the job was cancelled during its preparation");
   };
   const auto path = PathOf(task);
   if (!path) return tl::unexpected(path.error());

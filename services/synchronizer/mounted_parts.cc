@@ -62,14 +62,13 @@ std::string LensMisfit(const FrozenJob& job, const optics::Lens& mounted) {
   };
   const std::string name = NameOf(wanted, job.machine());
   return fmt::format(
-      "the job is for {}, {} is mounted: nothing is fired; {}", text(wanted),
+      "the job is for {}, but {} is mounted: no pulse is fired; {}", text(wanted),
       text(mounted),
-      name.empty()
-          ? "no lens of this machine is the job's: cancel it and submit it again "
-            "with the mounted one"
-          : fmt::format("mount it and open the shop with `intaglio up --lens "
-                        "{}`, then resume the job",
-                        name));
+      name.empty() ? "this machine does not have the job's lens: cancel the job and "
+                     "submit it again with the mounted lens"
+                   : fmt::format("mount it and open the shop with `intaglio up --lens "
+                                 "{}`, then resume the job",
+                                 name));
 }
 
 std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
@@ -80,9 +79,8 @@ std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
   return fmt::format(
       "the job is for {} (refractive index {:.6g}), the block in the machine has the "
       "index {:.6g}: the deepest points would be off by {:.3f} mm, {:.3f} mm are "
-      "allowed: "
-      "nothing is fired; put a block of the job's glass in and open the shop with "
-      "`intaglio up --block-glass {}`, then resume the job",
+      "allowed: no pulse is fired; insert a block of the job's glass and open the shop "
+      "with `intaglio up --block-glass {}`, then resume the job",
       job.job().glass(), job.optics().refractive_index(), mounted_index, error_mm,
       allowed_mm, job.job().glass());
 }
@@ -102,12 +100,11 @@ Result<std::optional<optics::Lens>> MountedLens(const std::string& text,
   }
   const auto numbers = ParseLens(text);
   if (numbers && FindLens(machine, numbers->focal_length_mm) != nullptr) return numbers;
-  return Fail(
-      ErrorCode::kNotFound,
-      fmt::format("lens \"{}\" is none of {}, which has {}; give one of these, or "
-                  "focal length (mm) and numerical aperture: 43,0.2",
-                  text, machine.name(), fmt::join(names, ", ")),
-      text);
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("lens \"{}\" is not a lens of {}, which has {}; give one of "
+                          "these, or focal length (mm) and numerical aperture: 43,0.2",
+                          text, machine.name(), fmt::join(names, ", ")),
+              text);
 }
 
 double DepthErrorMm(const FrozenJob& job, double mounted_index) {

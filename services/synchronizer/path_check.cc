@@ -106,7 +106,7 @@ Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& b
     const std::size_t model = path.source[i] < blocks.size() ? path.source[i] : 0;
     // A coordinate that is no number is in no box.
     if (!allowed[model].Contains(place_mm)) {
-      findings.Add(i, kGlassAxes, "is not in the block: it is at", place_mm,
+      findings.Add(i, kGlassAxes, "is outside the block: it is at", place_mm,
                    blocks[model]);
       continue;
     }
@@ -116,7 +116,7 @@ Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& b
       continue;
     }
     if (!reach.Contains(*at)) {
-      findings.Add(i, axes, "is out of the stage's travel: the stage would go to", *at,
+      findings.Add(i, axes, "is outside the stage's travel: the stage would move to", *at,
                    travel);
     }
     near = *at;

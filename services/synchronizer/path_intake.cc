@@ -58,17 +58,16 @@ void PathIntake::Drop() {
 Status PathIntake::Check(const intaglio_PathBatch& batch) const {
   const std::size_t count = bus::View(batch.x_mm).size();
   if (batch.sequence_number != expected_ || batch.first_index != path_.size()) {
-    return Fail(
-        ErrorCode::kFault,
-        fmt::format("path batch {} is missing: the job has to be handed out again",
-                    expected_));
+    return Fail(ErrorCode::kFault,
+                fmt::format("path batch {} is missing: the task has to be assigned again",
+                            expected_));
   }
   if (batch.sequence_number >= granted_ || count > host::kBatchPoints) {
     return Fail(
         ErrorCode::kFault,
-        fmt::format("path batch {} with {} points is more than was granted, "
-                    "batches below {} with up to {} points: the sorter is not of "
-                    "this version, or faulty; restart it and submit the job again",
+        fmt::format("path batch {} with {} points exceeds the granted credit, batches "
+                    "below {} with up to {} points: the sorter has another version or is "
+                    "faulty; restart it and submit the job again",
                     batch.sequence_number, count, granted_, host::kBatchPoints));
   }
   const bool agrees = bus::View(batch.y_mm).size() == count &&

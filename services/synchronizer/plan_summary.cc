@@ -43,7 +43,7 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
   };
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
     if (i % kProgressPoints == 0 && !progress(i, points_mm.size())) {
-      return Fail(ErrorCode::kCancelled, "the plan's summary is not wanted any more");
+      return Fail(ErrorCode::kCancelled, "the plan's summary was cancelled");
     }
     if (i > 0 && !plan.masks.empty() && plan.masks[i] != plan.masks[i - 1]) {
       rest();

@@ -117,7 +117,8 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   FrozenJob job;
   const auto bytes = View(task.frozen_job);
   if (!job.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    host::LogError("task of job {} is not readable; it is ignored", View(task.job_uid));
+    host::LogError("the task of job {} cannot be parsed; it is ignored",
+                   View(task.job_uid));
     return;
   }
   job_ = std::move(job);
@@ -190,7 +191,7 @@ void Synchronizer::TakePlan() {
   if (*plan) {
     plan_ = **plan;
   } else {
-    host::LogError("the plan of job {} is not known: {}", job_->job_uid(),
+    host::LogError("the plan of job {} cannot be computed: {}", job_->job_uid(),
                    plan->error().message);
   }
 }
@@ -222,8 +223,9 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
                                          .asks = engraving_->asks(),
                                          .spent_by = chain_.spent_by()});
   }
-  report.message = done ? "all is engraved; the figures of the plan are being computed"
-                        : engraving_->message();
+  report.message =
+      done ? "all points are engraved; the figures of the plan are being computed"
+           : engraving_->message();
   if (report.message != logged_message_) {
     logged_message_ = report.message;
     if (!logged_message_.empty()) host::LogInfo("{}", logged_message_);

@@ -85,7 +85,7 @@ std::vector<std::string> MachineDifferences(const MachineSpec& of_job,
 void CompareOptics(const char* field, double of_task, double expected,
                    std::vector<std::string>& differences) {
   if (std::abs(of_task - expected) <= kSameValue) return;
-  differences.push_back(fmt::format("optics.{} is {} where the job's values give {}",
+  differences.push_back(fmt::format("optics.{} is {}, but the job's values give {}",
                                     field, of_task, expected));
 }
 
@@ -124,12 +124,11 @@ Status CheckTask(const FrozenJob& task, const MachineSpec& own,
     wrong.push_back(error.message);
   }
   if (wrong.empty()) return {};
-  return Fail(
-      ErrorCode::kRefused,
-      fmt::format("the job was not made for this machine, {}: {}; submit it again "
-                  "with the profile of this cell, {}",
-                  own.name(), fmt::join(wrong, "; "), own_file),
-      own_file);
+  return Fail(ErrorCode::kRefused,
+              fmt::format("the profile of the job differs from that of this machine, {}: "
+                          "{}; submit it again with the profile of this cell, {}",
+                          own.name(), fmt::join(wrong, "; "), own_file),
+              own_file);
 }
 
 }  // namespace intaglio::synchronizer

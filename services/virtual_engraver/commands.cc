@@ -58,7 +58,7 @@ void Commands::TakeHangUps() {
 
 std::string Commands::Do(const std::string& command) {
   const auto words = WordsOf(command);
-  if (words.empty()) return "error an empty command";
+  if (words.empty()) return "error empty command";
   const std::string answer = DoWords(words);
   return answer.empty() ? "error unknown command '" + command + "'; see docs/protocols.md"
                         : answer;

@@ -7,7 +7,7 @@ namespace {
 
 tl::unexpected<Error> CannotWrite(const std::filesystem::path& file) {
   return Fail(ErrorCode::kIo,
-              fmt::format("cannot write the glass record {}: make room on the disk",
+              fmt::format("cannot write the glass record {}: free space on the disk",
                           file.string()),
               file.string());
 }

@@ -40,14 +40,14 @@ void AddOptions(command_line::Command app, Options& o) {
                 "tcp:HOST:PORT to listen there (port 0: a free one)")
       .Require();
   app.AddOption("--motion-line", o.motion_line, "motion line, as --laser-line").Require();
-  app.AddOption("--glass-record", o.glass_record, "file that remembers every crack")
+  app.AddOption("--glass-record", o.glass_record, "file that records every crack")
       .Require();
-  app.AddOption("--panel", o.panel, "Unix socket for buttons and misbehaviour");
+  app.AddOption("--panel", o.panel, "Unix socket for buttons and injected faults");
   app.AddFlag("--die-with-parent{-1}", o.die_with_parent,
-              "power off when the process that started this one ends; =PID names it, "
-              "should it be quicker");
+              "power off when the process that started this one ends; =PID names that "
+              "process, which may have ended already");
   app.AddOption("--speed", o.speed, "1, N times real time, or lockstep").ShowDefault();
-  app.AddOption("--fault", o.faults, "\"AT_TICK COMMAND\": misbehave by itself");
+  app.AddOption("--fault", o.faults, "\"AT_TICK COMMAND\": inject a fault at a tick");
 }
 
 Status Finish(Options& o) {
@@ -140,10 +140,10 @@ int main(int argc, char** argv) {
                                 "a laser engraving machine behind two lines");
   program.root().SetFooter(
       "Example: virtual-engraver --truth els-03-truth.textproto --laser-line /tmp/laser "
-      "--motion-line /tmp/motion "
-      "--glass-record /tmp/glass.rec --panel /tmp/panel --speed lockstep\n"
-      "Usually started by `intaglio run` or `intaglio up`; docs/protocols.md says what "
-      "it speaks.");
+      "--motion-line /tmp/motion --glass-record /tmp/glass.rec --panel /tmp/panel "
+      "--speed lockstep\n"
+      "Usually started by `intaglio run` or `intaglio up`; docs/protocols.md describes "
+      "its protocols.");
   Options options;
   AddOptions(program.root(), options);
   if (const auto exit_code = program.Parse(argc, argv)) return *exit_code;

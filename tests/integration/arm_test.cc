@@ -86,7 +86,7 @@ TEST_F(Arm, IsEndedByClosingTheCell) {
   floor_.Start(kSynchronizer);
   ASSERT_TRUE(Eventually(
       [&] {
-        return floor_.Newest("message").find("takes the job up") != std::string::npos;
+        return floor_.Newest("message").find("continues the job") != std::string::npos;
       },
       20s))
       << floor_.Logs();

@@ -44,7 +44,7 @@ TEST(Batch, TheExampleMakesAllButTheBadOne) {
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output,
               HasSubstr(std::to_string(std::stoi(count) - 1) + " good, 1 failed"));
-  EXPECT_THAT(ended.output, HasSubstr("empty.stl: it holds no triangles"));
+  EXPECT_THAT(ended.output, HasSubstr("empty.stl: it has no triangles"));
   const Ended history = Type(
       {"history", "--folder", (folder / "left").string(), "--verdict", "good"}, folder);
   EXPECT_EQ(history.exit_code, 0) << history.output;
@@ -74,7 +74,7 @@ TEST(Batch, EveryMistakeOfEveryLineIsToldBefore) {
               HasSubstr("line 1 (a): block.margin_mm: -1 is outside 0..100"));
   EXPECT_THAT(ended.output, HasSubstr("line 2 (b): column 'blok'"));
   EXPECT_THAT(ended.output, HasSubstr("line 3 (c): cell: 'nowhere'"));
-  EXPECT_THAT(ended.output, HasSubstr("in a circle, b after c after b"));
+  EXPECT_THAT(ended.output, HasSubstr("in a cycle, b after c after b"));
   EXPECT_THAT(ended.output, HasSubstr("line 4 (d): "));
   EXPECT_THAT(ended.output, HasSubstr("absent.textproto"));
 
@@ -82,7 +82,7 @@ TEST(Batch, EveryMistakeOfEveryLineIsToldBefore) {
   const Ended right =
       Type({"batch", (folder / "right.csv").string(), "--job", job, "--check"}, folder);
   EXPECT_EQ(right.exit_code, 0) << right.output;
-  EXPECT_THAT(right.output, HasSubstr("2 jobs, all of them right"));
+  EXPECT_THAT(right.output, HasSubstr("2 jobs, all without mistakes"));
 }
 
 // What is engraved goes on, what waits is cancelled, what is left is never submitted; the
@@ -118,7 +118,7 @@ TEST(Batch, CtrlCLeavesTheBlockInTheMachineAndCancelsTheRest) {
   batch.Signal(SIGINT);
   const Ended ended = batch.WaitForEnd(20s);
   EXPECT_EQ(ended.exit_code, 5) << ended.output;
-  EXPECT_THAT(ended.output, HasSubstr("goes on: intaglio watch 1"));
+  EXPECT_THAT(ended.output, HasSubstr("continues: intaglio watch 1"));
   EXPECT_THAT(ended.output, HasSubstr("\"event\":\"left\""));
   EXPECT_THAT(ended.output, HasSubstr("1 cancelled, 2 not made"));
   // A host that is too busy for the machine's lines may have paused it.

@@ -164,7 +164,7 @@ TEST_F(FourBlocks, TakenUpByAnotherSynchronizerNoneGetsWhatIsNotItsOwn) {
   const Ended ended = run.WaitForEnd(kBound);
   ASSERT_TRUE(ended.in_time) << ended.output;
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
-  EXPECT_THAT(ended.output, HasSubstr("synchronizer has ended by itself"));
+  EXPECT_THAT(ended.output, HasSubstr("synchronizer has ended unexpectedly"));
   EXPECT_TRUE(Report().verdict().good());
   ExpectEachBlockHoldsItsOwn();
 }

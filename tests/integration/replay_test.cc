@@ -249,7 +249,7 @@ TEST_F(Replay, StopsWhenAServiceComes) {
                           {"--tag", bus_.options().tag}, folder_ / "sorter.txt");
   const auto ended = play.WaitForEnd(30s);
   EXPECT_EQ(ended.exit_code, 4) << ended.output;
-  EXPECT_THAT(ended.output, HasSubstr("services came"));
+  EXPECT_THAT(ended.output, HasSubstr("live services appeared"));
 }
 
 TEST_F(Replay, TheServicesOfTodayMakeTheSame) {

@@ -194,7 +194,7 @@ TEST_F(Resources, AFullDiskOfResultsPausesTheJob) {
   EXPECT_EQ(floor.Newest("state"), "paused");
   EXPECT_THAT(floor.Newest("message"), HasSubstr("journal.bin"));
   EXPECT_THAT(floor.Newest("message"), HasSubstr("No space left on device"));
-  EXPECT_THAT(floor.Newest("message"), HasSubstr("make room"));
+  EXPECT_THAT(floor.Newest("message"), HasSubstr("free space"));
   std::cout << "  " << floor.Newest("message") << "\n";
 
   // It stays so while the disk is full, whatever the operator says.
@@ -236,7 +236,7 @@ TEST_F(Resources, AFullDiskOfTheQueuePausesTheJob) {
   EXPECT_EQ(floor.Panel("cracks"), cracks);
   EXPECT_EQ(floor.Newest("state"), "paused");
   EXPECT_THAT(floor.Newest("message"), HasSubstr("jobs.db"));
-  EXPECT_THAT(floor.Newest("message"), HasSubstr("make room"));
+  EXPECT_THAT(floor.Newest("message"), HasSubstr("free space"));
   std::cout << "  " << floor.Newest("message") << "\n";
   disk.MakeRoom();
   ASSERT_TRUE(Eventually(

@@ -160,7 +160,7 @@ TEST_P(KillOne, CostsAPauseAndNoPoint) {
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output,
               HasSubstr(GetParam().substr(std::string("intaglio-").size()) +
-                        " has ended by itself (exit code 137) and was started again"));
+                        " has ended unexpectedly (exit code 137) and was restarted"));
   EXPECT_TRUE(NothingLeft());
   const JobReport report = Report();
   EXPECT_EQ(report.points().doubled(), 0u);
@@ -195,7 +195,7 @@ TEST_F(RunJob, ASorterLostBeforeTheGlassIsTouchedCostsAnAttempt) {
   const Ended ended = run.WaitForEnd(kBound);
   ASSERT_TRUE(ended.in_time) << ended.output;
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
-  EXPECT_THAT(ended.output, HasSubstr("attempt 1 broke: sorter"));
+  EXPECT_THAT(ended.output, HasSubstr("attempt 1 failed: sorter"));
   EXPECT_TRUE(Report().verdict().good());
 }
 

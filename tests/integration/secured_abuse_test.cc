@@ -77,7 +77,7 @@ class SecuredAbuse : public ::testing::Test {
     EXPECT_EQ(ended.exit_code, 0) << ended.output;
     const std::string logs = Logs();
     EXPECT_NE(logs, "");
-    for (const char* disturbance : {"leaves the bus", "second_instance", "was lost",
+    for (const char* disturbance : {"leaves the domain", "second_instance", "was lost",
                                     "does not answer", "attempt 2", "pauses", "paused"}) {
       EXPECT_THAT(logs, Not(HasSubstr(disturbance)));
     }

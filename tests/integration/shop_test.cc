@@ -354,7 +354,7 @@ TEST_F(Shop, IsNotOpenedASecondTime) {
   EXPECT_THAT(same_folder.output, HasSubstr(std::to_string(up_->pid())));
   const Ended same_domain = Type({"up", "--folder", (folder_ / "other").string()});
   EXPECT_EQ(same_domain.exit_code, 2);
-  EXPECT_THAT(same_domain.output, HasSubstr("is there already"));
+  EXPECT_THAT(same_domain.output, HasSubstr("already runs"));
   EXPECT_TRUE(up_->running());
 }
 

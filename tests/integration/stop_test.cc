@@ -233,10 +233,11 @@ TEST_F(Stop, AMachineThatDoesNotConfirmIsNamed) {
 TEST_F(Stop, WithoutAMachineIsAnError) {
   const Ended ended = Type({});
   EXPECT_EQ(ended.exit_code, 2);
-  EXPECT_THAT(ended.output, HasSubstr("no machine is found: press its own button"));
+  EXPECT_THAT(ended.output,
+              HasSubstr("no machine found: press the machine's own button"));
   const Ended reset = Type({"els-03", "--reset"});
   EXPECT_EQ(reset.exit_code, 4);
-  EXPECT_THAT(reset.output, HasSubstr("is its synchronizer running?"));
+  EXPECT_THAT(reset.output, HasSubstr("check that its synchronizer runs"));
 }
 
 // Every machine in one partition "*" is what an operator's identity may write, and what a

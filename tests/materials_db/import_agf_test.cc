@@ -110,7 +110,7 @@ TEST(ImportAgf, ReportsEveryMistakeWithItsLine) {
       "LD 0.4 0.7\n",
       "BAD");
   EXPECT_THAT(MessagesOf(imported),
-              ElementsAre(StartsWith("line 1: CD stands before"),
+              ElementsAre(StartsWith("line 1: CD occurs before"),
                           StartsWith("line 2: glass A: AGF dispersion formula 99"),
                           StartsWith("line 3: glass A: CD must be numbers"),
                           StartsWith("line 7: glass b is already in line 4"),
@@ -124,9 +124,10 @@ TEST(ImportAgf, ReportsEveryMistakeWithItsLine) {
 }
 
 TEST(ImportAgf, RefusesWhatIsNoCatalog) {
-  EXPECT_THAT(MessagesOf(ImportAgf("", "X")), ElementsAre(HasSubstr("no glass in it")));
+  EXPECT_THAT(MessagesOf(ImportAgf("", "X")),
+              ElementsAre(HasSubstr("contains no glass")));
   EXPECT_THAT(MessagesOf(ImportAgf("\x89PNG\r\n\x1A\n", "X")),
-              ElementsAre(HasSubstr("no glass in it")));
+              ElementsAre(HasSubstr("contains no glass")));
   EXPECT_THAT(MessagesOf(ImportAgf(std::string(kMaxAgfBytes + 1, '\n'), "X")),
               ElementsAre(HasSubstr("more than")));
 }

@@ -93,7 +93,7 @@ TEST(ImportRii, NamesEachMistake) {
   EXPECT_THAT(ErrorOf("just words"), HasSubstr("no DATA"));
   EXPECT_THAT(ErrorOf(Record("{type: tabulated k}")), HasSubstr("formula N"));
   EXPECT_THAT(ErrorOf(""), HasSubstr("empty"));
-  EXPECT_THAT(ErrorOf("DATA: [1, 2"), HasSubstr("no YAML"));
+  EXPECT_THAT(ErrorOf("DATA: [1, 2"), HasSubstr("not a YAML"));
   for (const char* type : {"formula 10", "formula x", "formula 0", "agf formula 14",
                            "formula 1.5", "my formula 2", "formula 99999999999"}) {
     EXPECT_THAT(ErrorOf(Record(fmt::format("{{type: {}}}", type))), HasSubstr("formula"))

@@ -211,8 +211,8 @@ class PlaneFill {
       if (off_mm <= kFlat_mm) continue;
       return Fail(ErrorCode::kUnsupported,
                   fmt::format("a closed curve at ({:.3f}, {:.3f}, {:.3f}) mm leaves the "
-                              "drawing's plane by {:.4f} mm and cannot be filled; switch "
-                              "the fill off or flatten the drawing",
+                              "drawing's plane by {:.4f} mm and cannot be filled; turn "
+                              "off the fill or flatten the drawing",
                               p.x(), p.y(), p.z(), off_mm),
                   fmt::format("{}", off_mm));
     }

@@ -52,8 +52,8 @@ Result<RayGrid> GridOver(const Box3& bounds, double step_u_mm, double step_v_mm)
   const double rows = std::floor(size.y() / grid.step_v_mm) + 1;
   if (columns * rows > kMaxRays || std::max(columns, rows) > kMaxRaysPerAxis) {
     return Fail(ErrorCode::kTooLarge,
-                fmt::format("a grid of {:.3g} rays is too fine for the model; take a "
-                            "larger distance than {} mm",
+                fmt::format("a grid of {:.3g} rays is too fine for the model; use a "
+                            "distance larger than {} mm",
                             columns * rows, step_u_mm),
                 fmt::format("{}", step_u_mm));
   }

@@ -165,9 +165,8 @@ std::vector<Error> CheckHalftone(const HalftoneOptions& options) {
     errors.push_back(
         {ErrorCode::kInvalidValue,
          fmt::format(
-             "layers {:g} mm apart stand nearer than their points, {:g} mm: the "
-             "weld would take points and the tone with them; set layer_distance_mm "
-             "to {:g} or more",
+             "layers {:g} mm apart are nearer than their points, {:g} mm: thinning would "
+             "remove points and change the tone; set layer_distance_mm to {:g} or more",
              options.layer_distance_mm, options.vertex_distance_mm,
              options.vertex_distance_mm),
          fmt::format("{:g}", options.layer_distance_mm)});

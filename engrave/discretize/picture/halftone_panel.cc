@@ -57,8 +57,8 @@ Result<Panel> PlacePanel(const Vec2& size_mm, const mesh::GlassFromModel& placem
   if (!(std::min({x.norm(), y.norm(), z.norm()}) > 0) ||
       shear > 1e-9 * longest * longest || !placement.offset_mm.allFinite()) {
     return Fail(ErrorCode::kInvalidValue,
-                "a picture can be turned, mirrored, scaled and moved, but not sheared or "
-                "made flat: correct its placement");
+                "a picture can be rotated, mirrored, scaled and moved, but not sheared "
+                "or flattened: correct its placement");
   }
   Panel panel;
   panel.origin_mm = placement.offset_mm;
@@ -75,10 +75,10 @@ Status CheckLayerPlaces(double count) {
   if (count <= kMaxLayerPlaces) return {};
   return Fail(
       ErrorCode::kTooLarge,
-      fmt::format("a layer of the picture would have {:.0f} places for points, more "
-                  "than the {:.0f} allowed: raise vertex_distance_mm, or make the "
-                  "picture smaller",
-                  count, kMaxLayerPlaces),
+      fmt::format(
+          "a layer of the picture would have {:.0f} candidates, more than the {:.0f} "
+          "allowed: increase vertex_distance_mm, or make the picture smaller",
+          count, kMaxLayerPlaces),
       fmt::format("{:.0f}", count));
 }
 

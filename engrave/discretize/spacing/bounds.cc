@@ -87,7 +87,7 @@ Error OutsideBlock(const BoundsReport& report, std::uint64_t point_count) {
   }
   return {ErrorCode::kOutsideBlock,
           fmt::format("{} of {} points lie outside the block minus its margin: {}; scale "
-                      "or move the model, take a larger block, or set block.clip",
+                      "or move the model, use a larger block, or set block.clip",
                       report.outside_count, point_count, sides),
           fmt::format("{}", report.outside_count)};
 }

@@ -7,8 +7,8 @@ namespace intaglio::discretize {
 Status CheckCandidateCount(double count) {
   if (count <= static_cast<double>(kMaxCandidates)) return {};
   return Fail(ErrorCode::kTooLarge,
-              fmt::format("the options ask for {:.3g} points and more, {} are the most: "
-                          "take larger distances or a smaller model",
+              fmt::format("the options require at least {:.3g} points, {} are allowed: "
+                          "use larger distances or a smaller model",
                           count, kMaxCandidates),
               fmt::format("{:.0f}", count));
 }

@@ -131,7 +131,7 @@ class Welder {
       const Vec3& p = cloud.points_mm[i];
       const float spacing_mm = cloud.spacing_mm[i];
       Require(std::isfinite(p.x() + p.y() + p.z()),
-              "a point to weld is not finite: {} {} {}", p.x(), p.y(), p.z());
+              "a point to thin is not finite: {} {} {}", p.x(), p.y(), p.z());
       Require(spacing_mm >= 0 && std::isfinite(spacing_mm),
               "a point's spacing_mm must not be negative, is {}", spacing_mm);
       if (extent == nullptr || source != cloud.source[i]) {

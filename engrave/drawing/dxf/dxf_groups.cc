@@ -34,19 +34,18 @@ bool DxfGroups::Next(DxfGroup& group) {
   const std::string_view code = NextLine();
   if (position_ == text_.size()) {
     if (code.empty()) return false;
-    good_ = builder_.Refuse(ErrorCode::kUnreadable, LinePlace(group.line),
-                            "the file ends within a group; it is cut off, copy it again",
-                            code);
+    good_ = builder_.Refuse(
+        ErrorCode::kUnreadable, LinePlace(group.line),
+        "the file ends within a group; it is truncated, copy it again", code);
     return false;
   }
   const auto [end, failure] =
       std::from_chars(code.data(), code.data() + code.size(), group.code);
   if (failure != std::errc() || end != code.data() + code.size()) {
-    good_ =
-        builder_.Refuse(ErrorCode::kUnreadable, LinePlace(group.line),
-                        "a group code, a whole number, should stand here; the file is "
-                        "damaged or no DXF in text form, export it again",
-                        code);
+    good_ = builder_.Refuse(ErrorCode::kUnreadable, LinePlace(group.line),
+                            "expected a group code, a whole number; the file is damaged "
+                            "or not DXF in text form, export it again",
+                            code);
     return false;
   }
   group.value = NextLine();

@@ -81,7 +81,7 @@ class DxfReader {
     }
     if (!groups.good()) return false;
     return any || builder_.Refuse(ErrorCode::kUnreadable, "",
-                                  "there is no SECTION; the file is no DXF");
+                                  "the file has no SECTION; it is not DXF");
   }
 
   bool ReadSection(std::string_view section, DxfGroups& groups) {
@@ -106,7 +106,7 @@ class DxfReader {
     }
     return builder_.Refuse(
         ErrorCode::kUnreadable, fmt::format("line {}", groups.line()),
-        fmt::format("the file ends within section {}; it is cut off, copy it again",
+        fmt::format("the file ends within section {}; it is truncated, copy it again",
                     Shown(section)));
   }
 
@@ -116,8 +116,8 @@ class DxfReader {
     if (!unit_mm) {
       return builder_.Refuse(ErrorCode::kUnsupported,
                              fmt::format("line {}", group.line + 1),
-                             "$INSUNITS is no unit of length known here (0 to 24); say "
-                             "how many mm a unit is",
+                             "$INSUNITS is not a known unit of length (0 to 24); give "
+                             "the length of a unit in mm",
                              group.value);
     }
     unit_mm_ = *unit_mm;
@@ -242,13 +242,14 @@ class DxfReader {
     }
     if (std::ranges::find(in.blocks, insert.block) != in.blocks.end()) {
       return refuse(ErrorCode::kInvalidValue,
-                    "the block holds itself; explode it in the drawing program");
+                    "the block contains itself; explode it in the drawing program");
     }
     if (in.blocks.size() >= static_cast<std::size_t>(options_.limits.max_nesting)) {
-      return refuse(ErrorCode::kTooLarge,
-                    fmt::format("blocks stand more than {} deep in blocks; explode them "
-                                "in the drawing program",
-                                options_.limits.max_nesting));
+      return refuse(
+          ErrorCode::kTooLarge,
+          fmt::format(
+              "blocks are nested more than {} deep; explode them in the drawing program",
+              options_.limits.max_nesting));
     }
     if ((insert.scale.array() == 0).any()) {
       return refuse(ErrorCode::kInvalidValue, "a scale of the block is 0; delete it");

@@ -27,9 +27,9 @@ bool CheckNurbs(const DxfEntity& entity, DrawingBuilder& builder, const Nurbs& n
   if (controls < static_cast<std::size_t>(degree) + 1 || nurbs.knots.size() != wanted) {
     return Refuse(
         entity, builder,
-        fmt::format("{} control points of degree {} and {} knots make no spline "
-                    "(one more knot than both together is needed, and more "
-                    "control points than the degree); export the drawing again",
+        fmt::format("{} control points of degree {} and {} knots do not make a spline "
+                    "(one more knot than both together is needed, and more control "
+                    "points than the degree); export the drawing again",
                     controls, degree, nurbs.knots.size()),
         static_cast<double>(nurbs.knots.size()));
   }

@@ -53,10 +53,10 @@ class PathParser {
         command = next;
         numbers_.Skip();
       } else if (command == 0 || IsLetter(next) || io::LowerCase(command) == 'z') {
-        return Wrong("a path command, one of MLHVCSQTAZ, should stand here");
+        return Wrong("expected a path command, one of MLHVCSQTAZ");
       }
       if (first_ && io::LowerCase(command) != 'm')
-        return Wrong("a path begins with M or m");
+        return Wrong("a path must begin with M or m");
       first_ = false;
       if (!ReadNumbers(command)) {
         return Wrong(fmt::format("the command {} needs {} finite numbers", command,

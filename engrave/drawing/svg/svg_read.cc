@@ -43,7 +43,7 @@ class SvgReader {
       const pugi::xml_node root = document_.document_element();
       if (SvgName(root.name()) != "svg") {
         builder_.Refuse(ErrorCode::kUnreadable, "",
-                        "there is no svg element; the file is no SVG", root.name());
+                        "the file has no svg element; it is not SVG", root.name());
       } else if (NoteIdsAndSheets(root)) {
         ReadPage(root);
       }
@@ -97,7 +97,7 @@ class SvgReader {
         parsed.status == pugi::status_out_of_memory ? ErrorCode::kTooLarge
                                                     : ErrorCode::kUnreadable,
         LineAt(parsed.offset),
-        fmt::format("no well-formed XML ({}); export the drawing again",
+        fmt::format("not well-formed XML ({}); export the drawing again",
                     parsed.description()));
   }
 
@@ -140,8 +140,7 @@ class SvgReader {
   bool RefuseDepth(const pugi::xml_node& node) {
     return builder_.Refuse(
         ErrorCode::kTooLarge, PlaceOf(node),
-        fmt::format("elements or references stand more than {} deep in "
-                    "each other; ungroup them",
+        fmt::format("elements or references are nested more than {} deep; ungroup them",
                     options_.limits.max_nesting));
   }
 
@@ -172,7 +171,7 @@ class SvgReader {
       const std::optional<double> number = numbers.Next();
       if (!number) {
         return builder_.Refuse(ErrorCode::kInvalidValue, PlaceOf(node),
-                               "attribute viewBox: four finite numbers are needed", text);
+                               "attribute viewBox: needs four finite numbers", text);
       }
       value = *number;
       numbers.SkipComma();
@@ -320,7 +319,7 @@ class SvgReader {
     const auto found =
         target.starts_with('#') ? by_id_.find(target.substr(1)) : by_id_.end();
     if (found == by_id_.end()) {
-      builder_.LeaveOut("use of what is not in the file");
+      builder_.LeaveOut("use of an element that is not in the file");
       return true;
     }
     if (!builder_.CountEntity("use")) return false;

@@ -64,8 +64,7 @@ class ShapeReader {
       const std::optional<double> x = numbers.Next();
       numbers.SkipComma();
       const std::optional<double> y = x ? numbers.Next() : std::nullopt;
-      if (!y)
-        return Refuse("points", "pairs of finite numbers are needed", numbers.rest());
+      if (!y) return Refuse("points", "needs pairs of finite numbers", numbers.rest());
       numbers.SkipComma();
       line.points_mm.emplace_back(*x, *y, 0);
       if (line.points_mm.size() > builder_.limits().max_points) {

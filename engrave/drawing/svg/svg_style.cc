@@ -243,7 +243,7 @@ bool SvgStyleSheets::CountCompared(std::uint64_t bytes) {
   compared_bytes_ += bytes;
   if (compared_bytes_ <= builder_.limits().max_unfolded_bytes) return true;
   return builder_.Refuse(ErrorCode::kTooLarge, "style",
-                         "the rules of the style sheets hold for too many elements; "
+                         "the rules of the style sheets apply to too many elements; "
                          "export the drawing without style sheets");
 }
 

@@ -37,9 +37,10 @@ Status CheckResultsFile(const std::string& file) {
   const fs::path folder = fs::absolute(file).parent_path();
   std::error_code ignored;
   if (fs::is_directory(folder, ignored)) return {};
-  return Fail(ErrorCode::kNotFound,
-              fmt::format("--results {}: there is no folder {}", file, folder.string()),
-              file);
+  return Fail(
+      ErrorCode::kNotFound,
+      fmt::format("--results {}: the folder {} does not exist", file, folder.string()),
+      file);
 }
 
 Status WriteResults(const BatchResults& results, const std::string& file) {
@@ -81,7 +82,7 @@ int Batch(const BatchOptions& given) {
   auto jobs = BuildBatch(options.source);
   if (!jobs) return Complain(jobs.error(), client::kExitWrongInput);
   if (options.check) {
-    std::cout << jobs->size() << " jobs, all of them right\n";
+    std::cout << jobs->size() << " jobs, all without mistakes\n";
     return client::kExitGood;
   }
   CatchInterrupts();
@@ -116,7 +117,7 @@ int Batch(const BatchOptions& given) {
 void AddBatchCommand(command_line::Command app) {
   auto options = std::make_shared<BatchOptions>();
   command_line::Command batch =
-      app.AddCommand("batch", "make a list of jobs, over the machines of a shop");
+      app.AddCommand("batch", "make a list of jobs on the machines of a shop");
   batch.AddOption("FILE", options->source.file, "list of jobs: .jsonl or .csv").Require();
   batch.AddOption("--job", options->source.job_file, "job file of those that name none");
   batch.AddOption("--cells", options->source.cells,
@@ -124,20 +125,21 @@ void AddBatchCommand(command_line::Command app) {
                   "no cell");
   batch
       .AddOption("--parallel", options->run.parallel,
-                 "jobs at a time over all machines, default one a machine")
+                 "jobs at a time over all machines, default one for each machine")
       .Within(1, 1000);
-  batch.AddFlag("--keep-going", options->run.keep_going,
-                "go on after a job that is not good; what comes after it is skipped");
+  batch.AddFlag(
+      "--keep-going", options->run.keep_going,
+      "continue after a job that is not good; only jobs that come after it are skipped");
   batch.AddFlag("--arm", options->run.arm,
-                "you are at the machines and change the blocks: each job is armed "
-                "once, when its machine has it");
+                "you are at the machines and change the blocks: each job is armed once, "
+                "as soon as it has its machine");
   batch
       .AddOption("--pause-limit", options->run.pause_limit_s,
                  "seconds after which a job that waits for a person is cancelled; "
                  "default: never")
       .Within(0.0, 1e6);
-  batch.AddOption("--results", options->results, "write what became of every job: JSON");
-  batch.AddFlag("--check", options->check, "only say what is wrong; submit nothing");
+  batch.AddOption("--results", options->results, "write the result of every job as JSON");
+  batch.AddFlag("--check", options->check, "only check; submit nothing");
   batch.AddOption("--materials", options->materials_db,
                   "material base, default the user's");
   AddEventsFlag(batch, options->events);
@@ -146,8 +148,8 @@ void AddBatchCommand(command_line::Command app) {
       "Example: intaglio batch cups.csv --job cup.textproto --arm --keep-going\n"
       "Example: intaglio batch jobs.jsonl --cells left.textproto right.textproto --arm "
       "--results made.json\n"
-      "Everything is checked before the first job is submitted. Ctrl-C cancels what "
-      "waits; what is engraved goes on.");
+      "Everything is checked before the first job is submitted. Ctrl-C cancels waiting "
+      "jobs; a job that is being engraved continues.");
   batch.SetAction([options] { return Batch(*options); });
 }
 

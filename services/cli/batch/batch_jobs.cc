@@ -32,8 +32,8 @@ class BatchBuilder {
         errors.push_back(Prefixed(cell.error(), "--cells: "));
       } else if (!cells_.emplace(cell->name, *cell).second) {
         errors.push_back({ErrorCode::kInvalidValue,
-                          fmt::format("--cells: two profiles of the name '{}': give each "
-                                      "machine a name of its own",
+                          fmt::format("--cells: two profiles have the name '{}': give "
+                                      "each machine a different name",
                                       cell->name),
                           cell->name});
       }
@@ -78,8 +78,7 @@ class BatchBuilder {
     if (!file) {
       return Fail(
           ErrorCode::kNotFound,
-          fmt::format("'{}': is no machine of --cells, no supplied profile and no "
-                      "file",
+          fmt::format("'{}': is not a machine of --cells, a supplied profile or a file",
                       wanted),
           wanted);
     }

@@ -87,8 +87,9 @@ BatchResults BatchRun::Run() {
   bar_.Finish();
   for (BatchJobResult& job : *results_.mutable_jobs()) {
     if (job.state() != "not_submitted") continue;
-    job.set_message(interrupted_ ? "interrupted before its turn came"
-                                 : "not begun after one that is not good (--keep-going)");
+    job.set_message(interrupted_
+                        ? "interrupted before its turn came"
+                        : "not started after a job that is not good (--keep-going)");
   }
   results_.set_ended_utc(host::UtcText(std::chrono::system_clock::now()));
   results_.set_time_s(Seconds(Clock::now() - began_));
@@ -115,10 +116,9 @@ void BatchRun::Turn() {
     for (const auto& [job, out] : out_) numbers.push_back(job);
     plan_.Stop();
     for (const std::size_t job : numbers) {
-      GiveUp(
-          job, "left",
-          "the job service is gone, and with it what becomes of the job: start it again "
-          "(intaglio up), then intaglio list");
+      GiveUp(job, "left",
+             "the job service no longer runs, so the result of the job is unknown: start "
+             "it again (intaglio up), then intaglio list");
     }
   }
   ShowProgress();
@@ -147,11 +147,10 @@ void BatchRun::Follow(std::size_t job, Out& out) {
   result(job).set_message(view.message);
   if (view.ended()) return End(job, view);
   if (client_.IsForgotten(out.uid)) {
-    return GiveUp(
-        job, "left",
-        fmt::format("the job has ended while this program was stopped or cut off: "
-                    "intaglio history --job {} tells how",
-                    view.number));
+    return GiveUp(job, "left",
+                  fmt::format("the job has ended while this program was stopped or "
+                              "disconnected: see intaglio history --job {}",
+                              view.number));
   }
   if (events_ != nullptr) events_->Show(view, jobs_[job].id);
   if (out.arm) out.arm->Follow(view);
@@ -280,8 +279,8 @@ void BatchRun::Leave() {
   interrupted_ = true;
   plan_.Stop();
   Report(
-      "interrupted: what waits is cancelled, what is engraved goes on; Ctrl-C again "
-      "leaves at once");
+      "interrupted: waiting jobs are cancelled, a job that is being engraved continues; "
+      "Ctrl-C again ends at once");
   const int before = Interrupts();
   const auto settled = [&] {
     CancelWaiting();
@@ -302,9 +301,9 @@ void BatchRun::Leave() {
     entry.set_state(history::StateName(view.state));
     entry.set_time_s(Seconds(Clock::now() - out.since));
     entry.set_message(out.waits_for.empty()
-                          ? fmt::format("goes on: intaglio watch {}", view.number)
+                          ? fmt::format("continues: intaglio watch {}", view.number)
                           : "waits for a person: " + out.waits_for);
-    Report(fmt::format("{} (job {}, {}) is left {}: it {}", jobs_[job].id, view.number,
+    Report(fmt::format("{} (job {}, {}) is still {}: it {}", jobs_[job].id, view.number,
                        view.cell, client::NameOf(view.state), entry.message()));
     if (events_ != nullptr) events_->Write(client::EventOf("left", view, jobs_[job].id));
   }

@@ -10,9 +10,10 @@ void AddBusFlags(command_line::Command command, bus::BusOptions& options) {
       .ShowDefault();
   command
       .AddOption("--interface", options.interface,
-                 "network interface; lo stays on this machine")
+                 "network interface; lo: this computer only")
       .ShowDefault();
-  command.AddOption("--tag", options.tag, "only participants of the same tag are seen");
+  command.AddOption("--tag", options.tag,
+                    "only participants with the same tag communicate");
   command
       .AddOption("--security", options.security,
                  "folder of the operator's or observer's identity, or of all roles; "

@@ -5,8 +5,8 @@ namespace intaglio::cli {
 
 void AddEventsFlag(command_line::Command command, bool& events) {
   command.AddFlag("--events", events,
-                  "JSON lines for programs on the standard output, what people read on "
-                  "the standard error stream");
+                  "write JSON lines for programs to the standard output, text for people "
+                  "to the standard error stream");
 }
 
 }  // namespace intaglio::cli

@@ -11,7 +11,7 @@ namespace intaglio::cli {
 void AddSizeLimitsFlag(command_line::Command command, double& factor) {
   command
       .AddOption("--size-limits", factor,
-                 "factor on the largest files, pictures, meshes and clouds that are read "
+                 "factor on the size limits of files, pictures, meshes and clouds "
                  "(docs/jobs.md), default 1")
       .FromEnvironment(kSizeLimitsVariable)
       .Within(kLeastSizeLimits, kGreatestSizeLimits);

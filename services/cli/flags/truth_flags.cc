@@ -25,8 +25,8 @@ void AddTruthFlags(command_line::Command command, TruthFlags& flags) {
       .Within(0.0, 3600.0);
   command
       .AddOption("--clock-drift", flags.clock_drift_ppm,
-                 "the virtual stage runs on a clock of its own, this much too fast, ppm; "
-                 "0: on the laser's ticks")
+                 "the virtual stage runs on its own clock, fast by this, ppm; 0: on the "
+                 "laser's ticks")
       .Within(-200.0, 200.0);
   command
       .AddOption("--line-jitter", flags.line_jitter_ms,

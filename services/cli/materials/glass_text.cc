@@ -128,7 +128,7 @@ std::string OpticsAsTable(const OpticalValues& optics, const PrintedLight& light
                      light.numerical_aperture) +
          Table({{"refractive index", fmt::format("{:.5f}", optics.refractive_index)},
                 {"Abbe number", OrUnknown(optics.abbe_number, 2)},
-                {"stage move per mm in glass",
+                {"stage travel per mm in glass",
                  fmt::format("{:.5f} mm", optics.stage_per_glass_ratio)},
                 {"cone's tangent in glass", fmt::format("{:.5f}", optics.cone_tangent)},
                 {"reflected at the top face",

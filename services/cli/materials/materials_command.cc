@@ -129,7 +129,7 @@ Result<Material> ReadOne(const std::string& file, const std::string& name) {
     if (material.name == name) return std::move(material);
   }
   return Fail(ErrorCode::kNotFound,
-              fmt::format("{}: has {} glasses and none is called {}", file,
+              fmt::format("{}: has {} glasses, none of them named {}", file,
                           imported.materials.size(), name),
               name);
 }
@@ -146,11 +146,11 @@ Status Replace(const Flags& flags, MaterialStore& store) {
   }
   if (Status status = ApplyFields(flags, material); !status) return status;
   if (material == *present) {
-    return Fail(ErrorCode::kMissing,
-                fmt::format("nothing of glass {} would change; name a field, or a file "
-                            "with --from",
-                            present->name),
-                present->name);
+    return Fail(
+        ErrorCode::kMissing,
+        fmt::format("no new value for glass {}; give a field, or a file with --from",
+                    present->name),
+        present->name);
   }
   return store.Replace(material);
 }
@@ -175,8 +175,8 @@ Status Import(const Flags& flags, MaterialStore& store) {
     }
     if (!materials.empty()) {
       all.message += fmt::format(
-          "\nnothing is imported; --skip-bad imports the {} sound "
-          "glasses",
+          "\n"
+          "nothing is imported; --skip-bad imports the {} valid glasses",
           materials.size());
     }
     return tl::unexpected(std::move(all));
@@ -184,8 +184,8 @@ Status Import(const Flags& flags, MaterialStore& store) {
   if (!flags.as.empty()) {
     if (materials.size() != 1) {
       return Fail(ErrorCode::kInvalidValue,
-                  fmt::format("--as names one glass, the files have {}; import them "
-                              "without it",
+                  fmt::format("--as is the name of one glass, but the files have {}; "
+                              "import them without it",
                               materials.size()),
                   flags.as);
     }
@@ -219,13 +219,13 @@ Status Export(const Flags& flags, MaterialStore& store) {
 // ---- The command line ----------------------------------------------------------
 
 void AddFieldFlags(command_line::Command command, Flags& flags) {
-  command.AddOption("--manufacturer", flags.manufacturer, "who makes it");
-  command.AddOption("--source", flags.source, "where the values come from");
+  command.AddOption("--manufacturer", flags.manufacturer, "manufacturer");
+  command.AddOption("--source", flags.source, "source of the values");
   command.AddOption("--formula", flags.formula,
                     "dispersion formula, e.g. sellmeier_1, schott, rii_formula_2");
   command.AddOption("--coefficients", flags.coefficients,
-                    "the formula's, in its catalog's order");
-  command.AddOption("--range", flags.range_um, "wavelengths it holds for, um: MIN MAX")
+                    "coefficients of the formula, in the order of its catalog");
+  command.AddOption("--range", flags.range_um, "range of valid wavelengths, um: MIN MAX")
       .TakeValues(2);
   for (const PropertyRow& row : PropertyRows()) {
     std::string flag = fmt::format("--{}", row.name);
@@ -254,7 +254,7 @@ int Run(const Flags& flags, Action action) {
 void AddMaterialsCommand(command_line::Command app) {
   auto flags = std::make_shared<Flags>();
   command_line::Command materials =
-      app.AddCommand("materials", "the glasses that are known");
+      app.AddCommand("materials", "manage the known glasses");
   materials.RequireCommand();
   materials.SetFooter(
       "Example: intaglio materials list; then intaglio materials show N-BK7\n"
@@ -274,46 +274,47 @@ void AddMaterialsCommand(command_line::Command app) {
   const auto add_json = [&](command_line::Command command) {
     command.AddFlag("--json", flags->json, "for programs, as in report.json");
   };
-  command_line::Command list = add("list", "all glasses, one a line", List);
+  command_line::Command list = add("list", "list all glasses, one a line", List);
   add_wavelength(list);
   add_json(list);
 
-  command_line::Command show =
-      add("show", "all of one glass, and its optical values", Show);
+  command_line::Command show = add("show", "show one glass and its optical values", Show);
   show.AddOption("NAME", flags->name, "the glass").Require();
   add_wavelength(show);
-  show.AddOption("--na", flags->numerical_aperture, "the lens's, in air").ShowDefault();
+  show.AddOption("--na", flags->numerical_aperture,
+                 "numerical aperture of the lens, in air")
+      .ShowDefault();
   add_json(show);
 
-  command_line::Command add_glass = add("add", "a new glass from values given here", Add);
+  command_line::Command add_glass = add("add", "add a glass with these values", Add);
   add_glass.AddOption("NAME", flags->name, "its name").Require();
   AddFieldFlags(add_glass, *flags);
   for (const char* needed : {"--formula", "--coefficients", "--range"}) {
     add_glass.OptionOf(needed).Require();
   }
 
-  command_line::Command replace =
-      add("replace", "new values for a glass that is there", Replace);
+  command_line::Command replace = add("replace", "change values of a glass", Replace);
   replace.AddOption("NAME", flags->name, "the glass").Require();
-  replace.AddOption("--from", flags->from, "a file as for import: all values from it");
+  replace.AddOption("--from", flags->from,
+                    "take all values from this file, as for import");
   AddFieldFlags(replace, *flags);
 
-  add("remove", "take a glass out", Remove)
+  add("remove", "remove a glass", Remove)
       .AddOption("NAME", flags->name, "the glass")
       .Require();
 
-  command_line::Command import = add("import", "glasses from files", Import);
+  command_line::Command import = add("import", "import glasses from files", Import);
   import
       .AddOption("FILE", flags->files,
                  "glass catalogs (.agf), refractiveindex.info records (.yml)")
       .Require();
   import.AddOption("--as", flags->as, "the name of the one glass in the file");
-  import.AddFlag("--replace", flags->replace, "glasses that are there are replaced");
+  import.AddFlag("--replace", flags->replace, "replace existing glasses");
   import.AddFlag("--skip-bad", flags->skip_bad,
-                 "the sound glasses of a file, although others have mistakes");
+                 "import the valid glasses of a file, even if others have mistakes");
 
   command_line::Command export_ =
-      add("export", "as refractiveindex.info records (YAML)", Export);
+      add("export", "export as refractiveindex.info records (YAML)", Export);
   export_.AddOption("NAME", flags->name, "one glass, default all");
   export_.AddOption("--out", flags->out, "file, default the standard output");
 }

@@ -56,11 +56,11 @@ Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one
   if (!model.has_copies()) return one;
   const PointList offsets_mm = CopyOffsetsOf(model);
   if (offsets_mm.size() * one.triangles.size() > kMostTriangles) {
-    return Fail(ErrorCode::kTooLarge,
-                fmt::format("{}: {} copies of {} triangles are more than {} together; "
-                            "measure fewer copies",
-                            model.file(), offsets_mm.size(), one.triangles.size(),
-                            kMostTriangles));
+    return Fail(
+        ErrorCode::kTooLarge,
+        fmt::format(
+            "{}: {} copies of {} triangles exceed {} triangles; measure fewer copies",
+            model.file(), offsets_mm.size(), one.triangles.size(), kMostTriangles));
   }
   mesh::TriangleMesh all;
   for (const Vec3& offset_mm : offsets_mm) Append(one, offset_mm, all);
@@ -139,8 +139,8 @@ Result<PointCloud> InChannel(const MeasureOptions& options, const JobSpec& job,
   if (!options.channel) {
     if (DistinctMasks(read.masks).size() == 1) return std::move(read.cloud);
     return Fail(ErrorCode::kMissing,
-                "--channel: is missing; the points are in different blocks, say which "
-                "one to measure");
+                "--channel: is missing; the points are in different blocks, give the "
+                "channel to measure");
   }
   PointCloud in_channel =
       PointsIn(MaskOfChannel(*options.channel), read.cloud, read.masks);
@@ -165,8 +165,8 @@ render::ViewsCaption CaptionOf(const MeasureOptions& options,
   render::ViewsCaption caption;
   caption.title_lines = {
       fs::path(options.cloud).filename().string(),
-      fmt::format("{} points; distance to the nearest other point, against the minimum "
-                  "spacing of {:g} mm",
+      fmt::format("{} points; distance to the nearest other point, compared with the "
+                  "minimum spacing of {:g} mm",
                   client::GroupedDigits(record.point_count()), record.min_spacing_mm())};
   auto& figures = caption.figures;
   figures = {{"least", fmt::format("{:.4f} mm", nearest.least_mm()),
@@ -179,7 +179,7 @@ render::ViewsCaption CaptionOf(const MeasureOptions& options,
     const SurfaceFigures& surface = record.surface();
     figures.push_back({"largest uncovered disc",
                        fmt::format("{:.3f} mm", surface.uncovered_radius_mm())});
-    figures.push_back({"greatest distance off surface",
+    figures.push_back({"maximum distance off surface",
                        fmt::format("{:.2f} µm", 1000 * surface.greatest_distance_mm())});
     figures.push_back({"density", fmt::format("{:.1f} /mm²", surface.points_per_mm2())});
     figures.push_back(
@@ -234,22 +234,23 @@ int Measure(const MeasureOptions& options) {
 /// Those of a job that place its models and name its lens.
 void AddPlacementFlags(command_line::Command measure, JobFlags& job) {
   measure.AddOption("--job", job.job_file,
-                    "job file: its models, spacing and lens; options win");
+                    "job file: its models, spacing and lens; options take precedence");
   measure.AddOption("--mesh", job.meshes, "model file that the cloud was made from");
   measure.AddOption("--height", job.height_mm, "scale it to this height, mm");
   measure.AddOption("--size", job.size_mm, "scale its largest extent to this, mm")
       .Exclude(measure.OptionOf("--height"));
-  measure.AddOption("--unit", job.unit_mm, "mm that a file unit is long");
-  measure.AddOption("--rotate", job.rotate_deg, "turn it about x, y, z, degrees")
+  measure.AddOption("--unit", job.unit_mm, "length of a file unit, mm");
+  measure.AddOption("--rotate", job.rotate_deg, "rotate it about x, y, z, degrees")
       .TakeValues(3);
   measure.AddOption("--block", job.block_mm, "block size x y z, mm").TakeValues(3);
-  measure.AddOption("--margin", job.margin_mm, "glass left free at each wall, mm");
+  measure.AddOption("--margin", job.margin_mm, "margin without points at each wall, mm");
   measure.AddOption("--spacing", job.spacing_mm,
-                    "no two points should be nearer than this, mm, default 0.1");
+                    "required minimum distance of any two points, mm, default 0.1");
   measure.AddOption("--machine", job.machine,
                     "machine profile: els-03 (default), or a file");
-  measure.AddOption("--focal", job.focal_mm,
-                    "focal length of the lens, mm: its cracks decide what breaks");
+  measure.AddOption(
+      "--focal", job.focal_mm,
+      "focal length of the lens, mm: its cracks decide where the glass may break");
   AddSizeLimitsFlag(measure, job.size_limits);
 }
 
@@ -257,14 +258,15 @@ void AddPlacementFlags(command_line::Command measure, JobFlags& job) {
 
 void AddMeasureCommand(command_line::Command app) {
   auto options = std::make_shared<MeasureOptions>();
-  command_line::Command measure =
-      app.AddCommand("measure", "what a cloud is worth: even, complete, sound");
-  measure.AddOption("CLOUD", options->cloud, "points, in any format that is read")
+  command_line::Command measure = app.AddCommand(
+      "measure", "measure the quality of a cloud: evenness, coverage, stress");
+  measure.AddOption("CLOUD", options->cloud, "points, in any format that can be read")
       .Require();
   AddPlacementFlags(measure, options->job);
   measure
       .AddOption("--height-ratio", options->height_ratio,
-                 "heights count by this part only, 1..10, default the job's, or 1")
+                 "divide heights by this when pairs are compared, 1..10, default the "
+                 "job's, or 1")
       .Within(1.0, 10.0);
   measure
       .AddOption("--channel", options->channel,

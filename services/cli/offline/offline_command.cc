@@ -63,7 +63,8 @@ int DiscretizeOffline(const OfflineOptions& options) {
   if (auto written = WritePoints(options.out, table); !written) {
     return Complain(written.error(), client::kExitWrongInput);
   }
-  std::cout << client::GroupedDigits(table.points_mm.size()) << " points, least spacing "
+  std::cout << client::GroupedDigits(table.points_mm.size())
+            << " points, minimum spacing "
             << fmt::format("{:.4f} mm", proof::LeastSpacing(table.points_mm))
             << ", checksum " << client::PointChecksum(table.points_mm) << ", in "
             << options.out << "\n";
@@ -95,9 +96,9 @@ int RenderOffline(const OfflineOptions& options) {
           : Vec3(options.block_mm[0], options.block_mm[1], options.block_mm[2]);
   render::ViewsCaption caption;
   caption.title_lines = {fs::path(options.input).filename().string()};
-  caption.figures = {
-      {"points", client::GroupedDigits(table->points_mm.size())},
-      {"least spacing", fmt::format("{:.4f} mm", proof::LeastSpacing(table->points_mm))}};
+  caption.figures = {{"points", client::GroupedDigits(table->points_mm.size())},
+                     {"minimum spacing",
+                      fmt::format("{:.4f} mm", proof::LeastSpacing(table->points_mm))}};
   const auto written = render::WritePng(
       options.out, render::RenderViews(table->points_mm, block, caption));
   if (!written) return Complain(written.error(), client::kExitWrongInput);
@@ -113,7 +114,7 @@ void AddOfflineCommands(command_line::Command app) {
     return [options, act] { return act(*options); };
   };
   command_line::Command discretize =
-      app.AddCommand("discretize", "models to a cloud of points");
+      app.AddCommand("discretize", "make a cloud of points from models");
   AddJobFlags(discretize, options->job);
   discretize
       .AddOption("--out", options->out, "cloud: " + formats::WritablePointExtensions())
@@ -125,7 +126,8 @@ void AddOfflineCommands(command_line::Command app) {
 
   command_line::Command verify =
       app.AddCommand("verify", "check a finished folder again");
-  verify.AddOption("FOLDER", options->input, "as `intaglio run` leaves it").Require();
+  verify.AddOption("FOLDER", options->input, "a folder written by `intaglio run`")
+      .Require();
   verify.AddFlag("--json", options->json, "for programs, as report.json");
   verify.SetFooter(
       "Example: intaglio verify intaglio-out/bunny\n"
@@ -133,7 +135,7 @@ void AddOfflineCommands(command_line::Command app) {
   verify.SetAction(with_options(VerifyOffline));
 
   command_line::Command render =
-      app.AddCommand("render", "a picture of a cloud of points");
+      app.AddCommand("render", "make a picture of a cloud of points");
   render
       .AddOption("CLOUD", options->input, "points: " + formats::ReadablePointExtensions())
       .Require();

@@ -81,10 +81,11 @@ Status RequireInBlock(const FrozenJob& job, const PointList& points_mm) {
     const std::string place = fmt::format("({:g}, {:g}, {:g})", p.x(), p.y(), p.z());
     return Fail(
         ErrorCode::kOutsideBlock,
-        fmt::format("--path: point {} at {} mm is outside the block of {:g} x {:g} x "
-                    "{:g} mm, whose corner is at zero; give the --block that it was "
-                    "made for, or --frame machine when the path is the stage's",
-                    i, place, size_mm.x(), size_mm.y(), size_mm.z()),
+        fmt::format(
+            "--path: point {} at {} mm is outside the block of {:g} x {:g} x {:g} mm, "
+            "whose corner is at zero; give the --block that the path was made for, or "
+            "--frame machine if the points are positions of the stage",
+            i, place, size_mm.x(), size_mm.y(), size_mm.z()),
         place);
   }
   return {};

@@ -213,19 +213,20 @@ int Plan(const PathOptions& options) {
 void AddSort(command_line::Command app) {
   auto options = std::make_shared<PathOptions>();
   command_line::Command sort =
-      app.AddCommand("sort", "a cloud of points to the order of engraving");
+      app.AddCommand("sort", "put a cloud of points into the order of engraving");
   sort.AddOption("--cloud", options->input,
                  "points: " + formats::ReadablePointExtensions())
       .Require();
   sort.AddOption("--out", options->out, "path: " + formats::WritablePointExtensions())
       .Require();
-  sort.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
+  sort.AddOption("--csv", options->csv, "the motion's segments, one row for each knot");
   sort.AddFlag("--json", options->json, "the figures for programs");
   sort.AddOption("--materials", options->materials_db,
                  "material base, default the user's");
   AddJobFlags(sort, options->job);
   sort.SetFooter(
-      "The job's machine, glass, lens and order count; its models only give the block.\n"
+      "The job's machine, glass, lens and order are used; its models only give the "
+      "block.\n"
       "Example: intaglio sort --cloud cloud.ply --mesh bunny.obj --height 40 --out "
       "path.ply\n"
       "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
@@ -235,7 +236,7 @@ void AddSort(command_line::Command app) {
 void AddPlan(command_line::Command app) {
   auto options = std::make_shared<PathOptions>();
   command_line::Command plan =
-      app.AddCommand("plan", "the motion along a path, and its figures");
+      app.AddCommand("plan", "plan the motion along a path and print its figures");
   plan.AddOption(
           "--path", options->input,
           "points in the order of engraving: " + formats::ReadablePointExtensions())
@@ -249,16 +250,16 @@ void AddPlan(command_line::Command app) {
           "of --out, that of the path when not given; machine: where the axes are, "
           "for a controller (G-code)")
       .OneOf({"glass", "machine"});
-  plan.AddOption("--csv", options->csv, "the motion's segments, a row a knot");
+  plan.AddOption("--csv", options->csv, "the motion's segments, one row for each knot");
   plan.AddOption("--out", options->out,
-                 "the path again; .ply and .scl have the tick of each point");
+                 "copy of the path; .ply and .scl have the tick of each point");
   plan.AddFlag("--compare", options->compare, "a table of all planners");
   plan.AddFlag("--json", options->json, "the figures for programs");
   plan.AddOption("--materials", options->materials_db,
                  "material base, default the user's");
   AddJobFlags(plan, options->job);
   plan.SetFooter(
-      "The job's machine, glass, lens, rate and motion count.\n"
+      "The job's machine, glass, lens, rate and motion are used.\n"
       "Example: intaglio plan --path path.ply --rate 100 --csv segments.csv --compare\n"
       "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
   plan.SetAction([options] { return Plan(*options); });

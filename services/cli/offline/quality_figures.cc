@@ -90,16 +90,17 @@ class Lines {
 
 void AddNearest(const CloudQuality& quality, Lines& lines) {
   const NearestDistanceFigures& nearest = quality.nearest();
-  lines.Add("nearest", "least {:.6f} mm, mean {:.4f} mm, largest {:.3f} mm; varies by {}",
+  lines.Add("nearest",
+            "minimum {:.6f} mm, mean {:.4f} mm, largest {:.3f} mm; varies by {}",
             nearest.least_mm(), nearest.mean_mm(), nearest.largest_mm(),
             Percent(nearest.variation_ratio()));
   if (quality.height_ratio() != 1) {
-    lines.Add("", "least {:.6f} mm with heights divided by {:g}",
+    lines.Add("", "minimum {:.6f} mm with heights divided by {:g}",
               nearest.least_scaled_mm(), quality.height_ratio());
   }
   lines.Add("nearest pair", "points {} and {} of the file, at {}", nearest.first_point(),
             nearest.second_point(), PlaceText(nearest.first_mm()));
-  lines.Add("too near", "{}{} pairs below {:g} mm, {} points at another's place",
+  lines.Add("too near", "{}{} pairs below {:g} mm, {} points at the place of another one",
             client::GroupedDigits(nearest.near_pair_count()),
             nearest.more_pairs() ? " or more" : "", quality.min_spacing_mm(),
             client::GroupedDigits(nearest.doubled_count()));
@@ -117,8 +118,8 @@ void AddSurface(const CloudQuality& quality, Lines& lines) {
                             surface.on_surface_count();
   lines.Add(
       "off surface",
-      "greatest distance {:.3f} um, of the point at {}; {} points ({}) are farther "
-      "than half a spacing, the others at most {:.3f} um",
+      "maximum distance {:.3f} um, of the point at {}; {} points ({}) are farther than "
+      "half a spacing, the others at most {:.3f} um",
       1000 * surface.greatest_distance_mm(), PlaceText(surface.farthest_point_mm()),
       client::GroupedDigits(off),
       Percent(static_cast<double>(off) / static_cast<double>(quality.point_count())),

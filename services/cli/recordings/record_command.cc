@@ -38,8 +38,8 @@ struct RecordOptions {
       {"--split-mb", "begin a new file at this size, MB"},
       {"--split-min", "begin a new file after this time, minutes"},
       {"--keep-mb", "remove the oldest files beyond this size together, MB"},
-      {"--keep-h", "remove files last written so many hours ago"},
-      {"--queue-mb", "memory for what waits for the disk, MB, default 64"},
+      {"--keep-h", "remove files not written for this many hours"},
+      {"--queue-mb", "memory for messages that wait for the disk, MB, default 64"},
       {"--compression", "level of zstd, 0 to 19, default 1; 0: none"}};
 };
 
@@ -69,7 +69,7 @@ int Record(const RecordOptions& options) {
   std::cerr << "records into " << words[2] << "; Ctrl-C ends it\n";
   execv(program.c_str(), argv.data());
   std::cerr << "intaglio: cannot start " << program << ": " << std::strerror(errno)
-            << "; it has to lie beside intaglio\n";
+            << "; it has to be in the folder of intaglio\n";
   return client::kExitInternal;
 }
 
@@ -78,18 +78,18 @@ int Record(const RecordOptions& options) {
 void AddRecordCommand(command_line::Command app) {
   auto options = std::make_shared<RecordOptions>();
   command_line::Command record =
-      app.AddCommand("record", "record everything that a shop says, until Ctrl-C");
+      app.AddCommand("record", "record all messages of a shop, until Ctrl-C");
   AddBusFlags(record, options->bus);
-  record.AddOption("--out", options->out,
-                   "file, default recording-TIME.mcap; when it is there, NAME-0002.mcap "
-                   "and so on");
+  record.AddOption(
+      "--out", options->out,
+      "file, default recording-TIME.mcap; if it exists, NAME-0002.mcap and so on");
   for (Handed& handed : options->handed) {
     record.AddOption(handed.flag, handed.values, handed.help);
   }
   record.SetFooter(
       "Example: intaglio record --out night.mcap --split-min 60 --keep-mb 20000\n"
-      "It slows nobody down: when the disk is too slow, models and points are left out, "
-      "and the file says what is missing. `intaglio recording info FILE` tells.");
+      "It delays no other process: if the disk is too slow, models and points are left "
+      "out, and the file records what is missing (`intaglio recording info FILE`).");
   record.SetAction([options] { return Record(*options); });
 }
 

@@ -71,7 +71,7 @@ int Copy(const Options& options, const std::string& default_ending) {
   }
   fmt::print("{} messages in {}", report->message_count, out.string());
   if (report->repeat_count > 0)
-    fmt::print("; {} repeats of messages that are there left out", report->repeat_count);
+    fmt::print("; {} repeats of present messages left out", report->repeat_count);
   fmt::print("\n");
   return client::kExitGood;
 }
@@ -86,10 +86,9 @@ Status ExportMessages(const Options& options, const McapReader& reader,
   query.channels = std::move(*channels);
   if (options.format == "jsonl") return ExportJsonLines(reader, query, out);
   if (options.topics.size() != 1) {
-    return Fail(
-        ErrorCode::kMissing,
-        "a table is of one topic: name it with --topic; `intaglio recording list` "
-        "tells what there is");
+    return Fail(ErrorCode::kMissing,
+                "a table has one topic: give it with --topic; `intaglio recording list` "
+                "lists them");
   }
   return ExportCsv(reader, options.topics.front(), query, out);
 }
@@ -110,8 +109,8 @@ int Export(const Options& options) {
     std::ofstream out(options.out, std::ios::binary);
     done = ExportMessages(options, reader, out);
     if (done && !out.flush()) {
-      done = Fail(ErrorCode::kIo,
-                  "cannot write " + options.out + "; is there room, and the folder?");
+      done = Fail(ErrorCode::kIo, "cannot write " + options.out +
+                                      "; check the folder and the free space");
     }
   }
   return done ? client::kExitGood : Complain(done.error());
@@ -131,16 +130,17 @@ void AddSpan(command_line::Command command, const Shared& options) {
 
 void AddLookCommands(command_line::Command group, const Shared& options) {
   command_line::Command info = group.AddCommand(
-      "info", "time, counts, attachments, and what is missing or damaged");
+      "info", "show time, counts, attachments, and what is missing or damaged");
   AddFile(info, options);
   info.SetFooter("Example: intaglio recording info session.mcap");
   info.SetAction([options] { return Print(*options, InfoText); });
-  command_line::Command list = group.AddCommand("list", "topics, with counts and rates");
+  command_line::Command list =
+      group.AddCommand("list", "list the topics, with counts and rates");
   AddFile(list, options);
   list.SetFooter("Example: intaglio recording list session.mcap");
   list.SetAction([options] { return Print(*options, ChannelTable); });
-  command_line::Command exported =
-      group.AddCommand("export", "messages as JSON lines or a table, or the cracks");
+  command_line::Command exported = group.AddCommand(
+      "export", "export messages as JSON lines or a table, or the cracks");
   AddFile(exported, options);
   AddSpan(exported, options);
   exported
@@ -149,9 +149,9 @@ void AddLookCommands(command_line::Command group, const Shared& options) {
       .OneOf({"jsonl", "csv", "ply"})
       .ShowDefault();
   exported.AddOption("--out", options->out, "file, default standard output");
-  exported.AddOption("--job", options->job, "of ply: uid of the job, default the first");
+  exported.AddOption("--job", options->job, "for ply: uid of the job, default the first");
   exported.AddOption("--path", options->path,
-                     "of ply: the job's path.ply, when the recording has no points");
+                     "for ply: the job's path.ply, if the recording has no points");
   exported.SetFooter(
       "Example: intaglio recording export session.mcap --topic JobStatus --format csv");
   exported.SetAction([options] { return Export(*options); });
@@ -159,13 +159,14 @@ void AddLookCommands(command_line::Command group, const Shared& options) {
 
 void AddCopyCommands(command_line::Command group, const Shared& options) {
   command_line::Command repair = group.AddCommand(
-      "repair", "a whole file of what can be read of a cut or damaged one");
+      "repair",
+      "write a whole file from the readable part of a truncated or damaged one");
   AddFile(repair, options);
   repair.AddOption("--out", options->out, "file, default NAME-repaired.mcap");
   repair.SetFooter("Example: intaglio recording repair session.mcap");
   repair.SetAction([options] { return Copy(*options, "-repaired.mcap"); });
   command_line::Command merge =
-      group.AddCommand("merge", "several files as one, by time");
+      group.AddCommand("merge", "merge two or more files into one, by time");
   merge.AddOption("files", options->files, "recordings, .mcap")
       .Require()
       .TakeValues(2, 1000);
@@ -173,7 +174,8 @@ void AddCopyCommands(command_line::Command group, const Shared& options) {
   merge.SetFooter(
       "Example: intaglio recording merge session.mcap session-0002.mcap --out all.mcap");
   merge.SetAction([options] { return Copy(*options, "-merged.mcap"); });
-  command_line::Command cut = group.AddCommand("cut", "a span of time, or some topics");
+  command_line::Command cut =
+      group.AddCommand("cut", "write a span of time, or some topics, to another file");
   AddFile(cut, options);
   AddSpan(cut, options);
   cut.AddOption("--out", options->out, "file, default NAME-cut.mcap");
@@ -186,16 +188,15 @@ void AddCopyCommands(command_line::Command group, const Shared& options) {
 
 void AddRecordingCommand(command_line::Command app) {
   command_line::Command group =
-      app.AddCommand("recording", "look into a recording, or cut it");
+      app.AddCommand("recording", "inspect, export, repair, merge or cut recordings");
   group.RequireCommand();
   const auto options = std::make_shared<Options>();
   AddLookCommands(group, options);
   AddCopyCommands(group, options);
   group.SetFooter(
       "Example: intaglio recording export session.mcap --topic JobStatus --format csv\n"
-      "Files cut by a kill or a full disk are read as they are; repair makes them quick "
-      "to "
-      "open.");
+      "Files truncated by a kill or a full disk can be read as they are; repair makes "
+      "them faster to open.");
 }
 
 }  // namespace intaglio::cli

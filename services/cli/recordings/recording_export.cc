@@ -109,8 +109,8 @@ class Cracks {
       const auto place = places_.find(point);
       if (place == places_.end()) {
         return Fail(ErrorCode::kMissing,
-                    fmt::format("the place of point {} is not in the recording; give the "
-                                "job's path.ply with --path",
+                    fmt::format("the position of point {} is not in the recording; give "
+                                "the job's path.ply with --path",
                                 point),
                     std::to_string(point));
       }

@@ -74,9 +74,10 @@ std::string RepeatedText(const recording::McapReader& reader) {
 
 std::string SummaryState(const recording::RecordingContents& contents) {
   if (contents.complete) return "whole";
-  std::string text = "open: its writer was killed, is at work, or the copy was cut";
+  std::string text =
+      "open: its writer was killed, is still writing, or the copy was truncated";
   if (contents.torn_bytes > 0) {
-    text += fmt::format("; {} bytes at its end are torn", contents.torn_bytes);
+    text += fmt::format("; {} bytes at its end are incomplete", contents.torn_bytes);
   }
   return text;
 }

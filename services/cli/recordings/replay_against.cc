@@ -50,7 +50,7 @@ Status Change(FrozenJob& job, const std::string& words) {
   if (at == std::string::npos) {
     return Fail(ErrorCode::kInvalidValue,
                 "--set " + words +
-                    ": say it as PATH=VALUE, e.g. discretization.min_spacing_mm=0.1",
+                    ": write it as PATH=VALUE, e.g. discretization.min_spacing_mm=0.1",
                 words);
   }
   const std::string path = words.substr(0, at), value = words.substr(at + 1);

@@ -42,7 +42,8 @@ Result<std::map<std::string, std::string>> RenamesOf(
     if (at == std::string::npos || at == 0 || at + 1 == word.size()) {
       return Fail(
           ErrorCode::kInvalidValue,
-          "--rename " + word + ": say it as OLD=NEW, e.g. JobStatus=Old/JobStatus", word);
+          "--rename " + word + ": write it as OLD=NEW, e.g. JobStatus=Old/JobStatus",
+          word);
     }
     renames[word.substr(0, at)] = word.substr(at + 1);
   }
@@ -147,17 +148,18 @@ Result<replayer::Selection> Replay::Choose() {
   if (!selection) return selection;
   if (!there.empty()) {
     std::cerr << "on this bus: " << Listed(there)
-              << (options_.with_commands ? "; they will obey what is played\n" : "\n");
+              << (options_.with_commands ? "; they will obey the played commands\n"
+                                         : "\n");
   }
   for (const auto& [topic, why] : selection->left_out) {
-    if (why != "not chosen") std::cerr << fmt::format("left out    {}: {}\n", topic, why);
+    if (why != "not selected")
+      std::cerr << fmt::format("left out    {}: {}\n", topic, why);
   }
   if (selection->channels.empty()) {
-    return Fail(ErrorCode::kMissing,
-                chosen.services_live
-                    ? "nothing is left to play where these services live: take another "
-                      "--domain or --tag"
-                    : "nothing is left to play");
+    return Fail(ErrorCode::kMissing, chosen.services_live
+                                         ? "nothing may be played beside these live "
+                                           "services: use another --domain or --tag"
+                                         : "nothing remains to play");
   }
   return selection;
 }
@@ -173,8 +175,9 @@ void Replay::Tell(const replayer::PlayReport& report) const {
 
 int Replay::EndCode(const replayer::PlayReport& report) const {
   if (!intruders_.empty()) {
-    std::cerr << "intaglio: stopped, because services came that would believe it: "
-              << intruders_ << "; take another --domain or --tag\n";
+    std::cerr << "intaglio: stopped, because live services appeared that would use the "
+                 "played state: "
+              << intruders_ << "; use another --domain or --tag\n";
     return client::kExitMachine;
   }
   if (Interrupts() > 0) return client::kExitCancelled;
@@ -228,37 +231,37 @@ int Run(const ReplayOptions& options) {
 
 void AddFlags(command_line::Command replay, ReplayOptions& options) {
   replay.AddOption("file", options.file, "recording, .mcap").Require();
-  const auto rate = replay.AddOption("--rate", options.rate, "times real time")
+  const auto rate = replay.AddOption("--rate", options.rate, "multiple of real time")
                         .Within(1e-3, 1e3)
                         .ShowDefault();
   const auto fast = replay.AddFlag("--fast", options.fast,
-                                   "as fast as the consumers of points give credit");
-  const auto step = replay.AddFlag("--step", options.step,
-                                   "one sample at each Enter, N at N Enter; q ends");
+                                   "as fast as the consumers of points grant credit");
+  const auto step = replay.AddFlag(
+      "--step", options.step, "one sample at each Enter, N samples at N Enter; q ends");
   rate.Exclude(fast).Exclude(step);
   replay
       .AddOption("--start", options.start_s,
-                 "seconds after the beginning; what was retained by then comes first")
+                 "seconds after the beginning; the samples retained at that time are "
+                 "played first")
       .Within(0.0, 1e9);
   replay.AddOption("--stop", options.stop_s, "seconds after the beginning")
       .Within(0.0, 1e9);
-  replay.AddFlag("--loop", options.loop, "again and again, until Ctrl-C");
+  replay.AddFlag("--loop", options.loop, "repeat until Ctrl-C");
   replay.AddOption("--topic", options.topics,
                    "these topics only; a name, or a pattern with * and ?");
   replay.AddOption("--without-topic", options.without, "all topics but these");
-  replay.AddOption("--rename", options.renames, "OLD=NEW: under another name");
-  replay.AddFlag("--with-commands", options.with_commands,
-                 "also what machines and services obey: tasks, commands, permission, "
-                 "motion");
+  replay.AddOption("--rename", options.renames, "OLD=NEW: publish under another name");
+  replay.AddFlag(
+      "--with-commands", options.with_commands,
+      "also play what machines and services obey: tasks, commands, permission, motion");
 }
 
 void AddAgainstFlags(command_line::Command replay, AgainstOptions& options) {
-  const auto against =
-      replay
-          .AddOption("--against", options.service,
-                     "sorter, discretizer or synchronizer: does it make the same today, "
-                     "bit by bit?")
-          .OneOf({"sorter", "discretizer", "synchronizer"});
+  const auto against = replay
+                           .AddOption("--against", options.service,
+                                      "sorter, discretizer or synchronizer: compare what "
+                                      "it makes today with the recording, bit by bit")
+                           .OneOf({"sorter", "discretizer", "synchronizer"});
   replay
       .AddOption("--set", options.changes,
                  "PATH=VALUE: with another option of the job, e.g. "
@@ -277,11 +280,11 @@ void AddReplayCommand(command_line::Command app) {
   AddFlags(replay, *options);
   AddAgainstFlags(replay, options->against);
   replay.SetFooter(
-      "Example: intaglio replay session.mcap --tag look --rate 10\n"
-      "Nothing that a machine obeys is played unless --with-commands is said, and where "
-      "services live nothing that they believe.\n"
-      "With --against the service works alone on a bus of its own, and nobody else hears "
-      "of it. Exit 0: identical; 3: different, and the report says where and why.");
+      "Example: intaglio replay session.mcap --tag replay --rate 10\n"
+      "Commands to machines are played only with --with-commands. If services are live, "
+      "their state and that of the machine is not played, either.\n"
+      "With --against the service runs alone on a private bus. Exit 0: identical; 3: "
+      "different, and the report gives place and cause.");
   replay.SetAction([options] { return Run(*options); });
 }
 

@@ -20,11 +20,10 @@ void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
   if (from >= travel.min_mm[i] && to <= travel.max_mm[i]) return;
   const Vec3 size_mm = BlockSizeOf(job);
   if (axis.unit == machine::AxisUnit::kMm) {
-    return findings.Wrong(
-        fmt::format("block.size_mm.{}", axis.name), size_mm[i],
-        "does not fit in the travel of {}: the stage would have to go from {:.6g} to "
-        "{:.6g} mm, it can go from {} to {}",
-        machine.name(), from, to, travel.min_mm[i], travel.max_mm[i]);
+    return findings.Wrong(fmt::format("block.size_mm.{}", axis.name), size_mm[i],
+                          "does not fit in the travel of {}: the stage would have to "
+                          "move from {:.6g} to {:.6g} mm, its travel is {} to {}",
+                          machine.name(), from, to, travel.min_mm[i], travel.max_mm[i]);
   }
   findings.Wrong(
       "block.size_mm", SizeText(size_mm),

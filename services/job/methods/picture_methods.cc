@@ -69,19 +69,16 @@ std::vector<MethodFault> ToneFaults(const JobSpec& job, const Message& asked) {
   std::vector<MethodFault> faults;
   const double spacing_mm = job.discretization().min_spacing_mm();
   if (asked.distance_mm() < spacing_mm) {
-    faults.push_back(
-        {"distance_mm", fmt::format("{}", asked.distance_mm()),
-         fmt::format(
-             "is less than the minimum spacing, {}: points would be left out, and "
-             "the tone would be wrong",
-             spacing_mm)});
+    faults.push_back({"distance_mm", fmt::format("{}", asked.distance_mm()),
+                      fmt::format("is less than the minimum spacing, {}: thinning would "
+                                  "remove points and change the tone",
+                                  spacing_mm)});
   }
   for (int i = 1; i < asked.curve_size(); ++i) {
     const double before = asked.curve(i - 1).from(), from = asked.curve(i).from();
     if (from > before) continue;
-    faults.push_back(
-        {fmt::format("curve[{}].from", i), fmt::format("{}", from),
-         fmt::format("does not rise above the place before it, {}", before)});
+    faults.push_back({fmt::format("curve[{}].from", i), fmt::format("{}", from),
+                      fmt::format("is not above the previous one, {}", before)});
   }
   return faults;
 }

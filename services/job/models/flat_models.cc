@@ -56,7 +56,7 @@ MadePoints MakeDrawing(const Method& method, const MethodInput& input,
   auto drawing = ReadDrawing(name, file, limits.drawings);
   if (!drawing) return tl::unexpected(drawing.error());
   for (const auto& [kind, count] : drawing->left_out) {
-    warnings.push_back(fmt::format("{}: left out {} times: {}",
+    warnings.push_back(fmt::format("{}: left out {} entities: {}",
                                    std::filesystem::path(name).filename().string(), count,
                                    kind));
   }

@@ -31,8 +31,8 @@ CommandAnswer Arming::Check(const JobRecord& job, const CommandView& command) co
       return {};
   }
   return {intaglio_ANSWER_OUT_OF_RANGE,
-          fmt::format("kind {} of a command for job {} is unknown: use the version of "
-                      "intaglio that the job service has",
+          fmt::format("kind {} of a command for job {} is unknown: use the same version "
+                      "of intaglio as the job service",
                       static_cast<int>(command.kind), job.number)};
 }
 
@@ -81,7 +81,7 @@ void Arming::Pause(JobRecord& job, const CommandView& command, Nanoseconds now) 
   }
   book_.ChangeToPaused(
       job, intaglio_PAUSE_OPERATOR,
-      fmt::format("paused by {}; resume it to go on", command.operator_name));
+      fmt::format("paused by {}; resume it to continue", command.operator_name));
 }
 
 void Arming::SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
@@ -151,8 +151,8 @@ void Arming::EndArm(JobRecord& job, intaglio_PauseReason reason, const std::stri
                     Nanoseconds now) {
   job.arm.Disarm(why, now);
   const std::string message =
-      fmt::format("{}: see that the right block is in the machine, then {} the job", why,
-                  job.arm.ever_granted() ? "resume" : "arm");
+      fmt::format("{}: check that the right block is in the machine, then {} the job",
+                  why, job.arm.ever_granted() ? "resume" : "arm");
   const bool pauses =
       job.state == intaglio_JOB_ENGRAVING || job.state == intaglio_JOB_PAUSED;
   if (pauses) return book_.ChangeToPaused(job, reason, message);

@@ -97,7 +97,7 @@ std::optional<std::string> Discretizing::Lose(JobRecord& job, std::uint32_t part
   tasks_.RevokeHeld(job, {given}, now);
   const std::uint32_t losses = record.losses + 1;
   if (losses >= host::kMaxPartLosses) {
-    return fmt::format("{} is given up after {} attempts; {}", job.parts.NameOf(part),
+    return fmt::format("{} has failed after {} attempts; {}", job.parts.NameOf(part),
                        losses, why);
   }
   job.parts.Lose(part, why, now + pause);

@@ -95,7 +95,7 @@ void JobParts::Lose(std::uint32_t part, const std::string& why, Nanoseconds not_
   record = AnotherAttempt(record);
   ++record.losses;
   record.not_before = not_before;
-  last_loss_ = fmt::format("{} begins again: {}", NameOf(part), why);
+  last_loss_ = fmt::format("{} starts again: {}", NameOf(part), why);
 }
 
 void JobParts::LoseAhead(std::uint32_t part) {

@@ -86,7 +86,7 @@ CommandAnswer JobQueue::Take(const CommandView& command, Nanoseconds now) {
   JobRecord* job = book_.Find(command.job_uid);
   if (job == nullptr) {
     return {intaglio_ANSWER_UNKNOWN_JOB,
-            fmt::format("there is no job {}: see intaglio list", command.job_uid)};
+            fmt::format("no job {}: see intaglio list", command.job_uid)};
   }
   if (job->arm.IsRepeated(command)) return {};
   CommandAnswer answer = arming_.Check(*job, command);
@@ -232,11 +232,11 @@ void JobQueue::LoseStage(JobRecord& job, intaglio_Stage stage, const std::string
 
 void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now) {
   ++job.lost_attempts;
-  job.last_loss = fmt::format("attempt {} broke: {}", job.attempt, why);
+  job.last_loss = fmt::format("attempt {} failed: {}", job.attempt, why);
   if (job.lost_attempts >= kMaxAttempts) {
     return EndJob(
         job, intaglio_JOB_FAILED,
-        fmt::format("given up after {} attempts; {}", job.lost_attempts, job.last_loss),
+        fmt::format("failed after {} attempts; {}", job.lost_attempts, job.last_loss),
         now);
   }
   Requeue(job, job.last_loss, now);
@@ -246,7 +246,7 @@ void JobQueue::LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds n
 void JobQueue::Requeue(JobRecord& job, const std::string& why, Nanoseconds now) {
   job.last_loss = why;
   if (job.arm.armed()) {
-    job.last_loss += "; it is not armed any more: arm it when it has its machine again";
+    job.last_loss += "; it is no longer armed: arm it when it has its machine again";
   }
   job.arm.Disarm(why, now);
   book_.Change(job, intaglio_JOB_QUEUED, job.last_loss);

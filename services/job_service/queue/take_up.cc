@@ -21,11 +21,11 @@ void TakeUp::Restore(JobRecord& job, bool arm_counts, Nanoseconds now) {
   // A job that waits for a person keeps its reason.
   if (waited) return book_.Change(job, intaglio_JOB_PAUSED, job.message);
   if (!job.arm.armed()) job.arm.Disarm("the job service was restarted", now);
-  book_.ChangeToPaused(job, intaglio_PAUSE_RESTART,
-                       job.arm.armed()
-                           ? "the job service was restarted; the job goes on by itself"
-                           : "the job service was restarted while this job was engraved; "
-                             "resume it if the block was not touched, or cancel it");
+  book_.ChangeToPaused(
+      job, intaglio_PAUSE_RESTART,
+      job.arm.armed() ? "the job service was restarted; the job continues automatically"
+                      : "the job service was restarted while this job was being "
+                        "engraved; resume it if the block was not touched, or cancel it");
 }
 
 void TakeUp::Lose(JobRecord& job, const std::string& why, Nanoseconds now) {
@@ -39,9 +39,9 @@ void TakeUp::Lose(JobRecord& job, const std::string& why, Nanoseconds now) {
   job.stage(intaglio_STAGE_ENGRAVE).worker.clear();
   book_.ChangeToPaused(
       job, intaglio_PAUSE_SYNCHRONIZER_LOST,
-      fmt::format("{}: the next synchronizer of {} takes the job up where the journal "
-                  "ends{}",
-                  why, job.cell, job.arm.armed() ? "" : "; then resume it"));
+      fmt::format(
+          "{}: the next synchronizer of {} continues the job where the journal ends{}",
+          why, job.cell, job.arm.armed() ? "" : "; then resume it"));
   tasks_.RevokeAndStopFeed(job, given, now);
 }
 
@@ -55,9 +55,9 @@ void TakeUp::GiveToFree(JobRecord& job, Nanoseconds now) {
   job.taken_up = true;
   book_.Change(job, job.state,
                job.arm.armed()
-                   ? fmt::format("{} takes the job up", stage.worker)
-                   : fmt::format("{} takes the job up; resume it if the block was not "
-                                 "touched, or cancel it",
+                   ? fmt::format("{} continues the job", stage.worker)
+                   : fmt::format("{} continues the job after a resume: resume it if the "
+                                 "block was not touched, or cancel it",
                                  stage.worker));
   tasks_.GiveTakeUp(job, now);
 }
@@ -68,7 +68,7 @@ void TakeUp::EndAbsences(Nanoseconds now) {
   arming_.EndArms(intaglio_PAUSE_ABSENCE, now, [&](const JobRecord& job) -> std::string {
     const bool absent = job.arm.IsAbsentLongerThan(host::kMaxAbsence, now);
     if (!paused && !absent) return {};
-    return fmt::format("{} was away for more than {} s",
+    return fmt::format("{} was absent for more than {} s",
                        absent ? "the synchronizer of " + job.cell : "the job service",
                        host::kMaxAbsence.count());
   });

@@ -57,11 +57,11 @@ std::string SecurityOf(const BusOptions& options, std::chrono::sys_seconds& end,
                        std::string& role) {
   if (options.security.empty()) {
     if (options.interface == "lo") return {};
-    throw BusError(fmt::format(
-        "--interface {}: nobody leaves this machine without an identity, because whoever "
-        "reaches that network could command the laser; give --security FOLDER (make one "
-        "with `intaglio security new`), or stay on --interface lo",
-        options.interface));
+    throw BusError(
+        fmt::format("--interface {}: a network requires an identity, because anybody who "
+                    "reaches it could command the laser; give --security FOLDER (make "
+                    "one with `intaglio security new`), or stay on --interface lo",
+                    options.interface));
   }
   const auto now =
       std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -102,8 +102,9 @@ dds_entity_t Must(dds_entity_t entity, const std::string& what) {
 dds_entity_t ParticipantIn(int domain, const BusOptions& options) {
   return Must(
       dds_create_participant(static_cast<dds_domainid_t>(domain), nullptr, nullptr),
-      fmt::format("cannot join DDS domain {} on interface {} (is the interface up?)",
-                  domain, options.interface));
+      fmt::format(
+          "cannot join DDS domain {} on interface {}: check that the interface is up",
+          domain, options.interface));
 }
 
 }  // namespace
@@ -130,7 +131,8 @@ DomainHold::DomainHold(int domain, const BusOptions& options, const std::string&
     held.configuration = configuration;
     held.handle = Must(
         dds_create_domain(static_cast<dds_domainid_t>(domain), configuration.c_str()),
-        fmt::format("cannot set up DDS domain {} on interface {} (does it exist?)",
+        fmt::format("cannot set up DDS domain {} on interface {}: check that the "
+                    "interface exists",
                     domain, options.interface));
   }
   ++held.count;

@@ -118,7 +118,7 @@ Status CdrWriter::Write(CdrKind kind, std::span<const std::byte> cdr,
   if (code == DDS_RETCODE_OK) return {};
   if (code == DDS_RETCODE_TIMEOUT)
     return Fail(ErrorCode::kTimedOut,
-                fmt::format("{}: its readers do not follow", name_));
+                fmt::format("{}: its readers do not keep up", name_));
   return Fail(ErrorCode::kUnreadable,
               fmt::format("a sample of {} is refused: {}", name_, dds_strretcode(code)));
 }
@@ -136,7 +136,8 @@ bool CdrWriter::IsMatched(const Guid& reader) const {
 
 Status CdrWriter::WaitForAcknowledgements(std::chrono::milliseconds timeout) {
   if (dds_wait_for_acks(writer_, DDS_MSECS(timeout.count())) == DDS_RETCODE_OK) return {};
-  return Fail(ErrorCode::kTimedOut, fmt::format("not all readers of {} have it", name_));
+  return Fail(ErrorCode::kTimedOut,
+              fmt::format("not all readers have acknowledged {}", name_));
 }
 
 struct CdrPublisher::Parts {

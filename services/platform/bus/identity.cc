@@ -24,7 +24,7 @@ using openssl::Certificate;
 
 constexpr char kRenew[] = "renew it (intaglio security renew) and copy it here again";
 constexpr char kCopyAgain[] =
-    "copy the whole folder again from where `intaglio security` made it";
+    "copy the whole folder again from the place where `intaglio security` made it";
 constexpr char kSecurity[] = R"(
   <Security>
     <Authentication>
@@ -102,7 +102,7 @@ Status CheckPeriod(const fs::path& file, const char* what, std::chrono::sys_seco
   }
   if (now < begin) {
     return Wrong(ErrorCode::kRefused, file,
-                 fmt::format("{} is valid from {} only, and this host's clock says {}",
+                 fmt::format("{} is valid from {} on, but this host's clock shows {}",
                              what, DayOf(begin), DayOf(now)),
                  "set the clock");
   }
@@ -143,7 +143,7 @@ class FolderReader {
   Result<Certificate> CertificateIn(const char* name) {
     Certificate certificate = openssl::ReadCertificate(texts_[name]);
     if (!certificate) {
-      return Wrong(ErrorCode::kUnreadable, File(name), "it is no certificate (PEM)",
+      return Wrong(ErrorCode::kUnreadable, File(name), "it is not a certificate (PEM)",
                    kCopyAgain);
     }
     const auto begin = TimeOf(X509_get0_notBefore(certificate.get()), File(name));
@@ -213,7 +213,7 @@ class FolderReader {
     const pugi::xml_node grant = xml.select_node("/dds/permissions/grant").node();
     if (subject_ != grant.child_value("subject_name")) {
       return Wrong(ErrorCode::kRefused, file,
-                   fmt::format("it is for '{}', and the certificate is that of '{}'",
+                   fmt::format("it is for '{}', but the certificate is for '{}'",
                                grant.child_value("subject_name"), subject_),
                    kCopyAgain);
     }
@@ -224,12 +224,11 @@ class FolderReader {
       if (domain == std::to_string(control_domain_)) return {};
       domains += (domains.empty() ? "" : ", ") + domain;
     }
-    return Wrong(
-        ErrorCode::kRefused, file,
-        fmt::format("it is for domain {} and not for {}", domains, control_domain_),
-        fmt::format("give --domain {}, or make identities with "
-                    "`intaglio security new --domain {}`",
-                    domains.substr(0, domains.find(',')), control_domain_));
+    return Wrong(ErrorCode::kRefused, file,
+                 fmt::format("it is for domain {}, not for {}", domains, control_domain_),
+                 fmt::format("give --domain {}, or make identities with "
+                             "`intaglio security new --domain {}`",
+                             domains.substr(0, domains.find(',')), control_domain_));
   }
 
   Status CheckDates(const fs::path& file, const pugi::xml_node& validity) {
@@ -292,12 +291,13 @@ Result<Identity> ReadIdentity(const fs::path& folder, int control_domain,
   std::error_code error;
   const fs::path absolute = fs::absolute(folder).lexically_normal();
   if (!fs::is_directory(absolute, error)) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("--security: there is no folder {}{}; make identities with "
-                            "`intaglio security new FOLDER` and copy this role's here",
-                            absolute.string(),
-                            error ? " (" + error.message() + ")" : std::string()),
-                absolute.string());
+    return Fail(
+        ErrorCode::kNotFound,
+        fmt::format("--security: the folder {}{} does not exist; make identities with "
+                    "`intaglio security new FOLDER` and copy this role's here",
+                    absolute.string(),
+                    error ? " (" + error.message() + ")" : std::string()),
+        absolute.string());
   }
   if (absolute.string().find_first_of("<>&\"$") != std::string::npos) {
     return Fail(ErrorCode::kInvalidValue,

@@ -22,8 +22,8 @@ constexpr std::size_t kMaxKnownWriters = 4096;
 dds_entity_t Must(dds_entity_t entity, const char* what, const char* topic) {
   if (entity == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY) {
     throw NotAllowedError(
-        fmt::format("cannot create a {} of {}: the identity's permissions do "
-                    "not allow it (`intaglio security roles` says who may)",
+        fmt::format("cannot create a {} of {}: the identity's permissions do not allow "
+                    "it (see `intaglio security roles`)",
                     what, topic));
   }
   if (entity < 0) {

@@ -137,7 +137,7 @@ void TopicTap::Impl::MakeReader(Domain& domain, const dds_builtintopic_endpoint_
   if (resolved != DDS_RETCODE_OK) {
     if (++domain.tries[topic] >= kTypeTries) {
       GiveUp(domain, topic,
-             fmt::format("its type {} is not to be had: {}", writer.type_name,
+             fmt::format("its type {} is not available: {}", writer.type_name,
                          dds_strretcode(resolved)));
     }
     return;

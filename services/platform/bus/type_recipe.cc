@@ -124,12 +124,11 @@ Result<RecipeDescriptor> RecipeDescriptor::Parse(const TypeRecipe& recipe) {
     return found == recipe.end() ? std::string_view() : std::string_view(found->second);
   };
   if (entry("library") != kLibrary) {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("the recipe of type {} was written for {}, this is {}: record "
-                    "it anew, or compile its IDL",
-                    entry("name"), entry("library"), kLibrary),
-        std::string(entry("library")));
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("the recipe of type {} was written for {}, this is {}: "
+                            "record it again, or compile its IDL",
+                            entry("name"), entry("library"), kLibrary),
+                std::string(entry("library")));
   }
   auto parts = std::make_unique<Parts>();
   Parts& p = *parts;

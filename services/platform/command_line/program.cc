@@ -52,9 +52,9 @@ std::string TextOfUnknownWords(const CLI::App& app) {
   const auto meant = NearestWord(word, known);
   const std::string path = PathOf(innermost);
   const std::string what = option          ? "has no option"
-                           : known.empty() ? "has no use for"
+                           : known.empty() ? "does not accept"
                                            : "has no command";
-  return fmt::format("{} {} '{}'{}; {} --help tells what there is", path, what, word,
+  return fmt::format("{} {} '{}'{}; see {} --help", path, what, word,
                      meant ? fmt::format(", did you mean {}?", *meant) : "", path);
 }
 

@@ -102,17 +102,17 @@ template <typename Batch>
 Status CloudIntake<Batch>::Check(const Batch& batch, const Part& part) const {
   if (batch.sequence_number != part.expected || batch.first_index != part.cloud.size()) {
     return Fail(ErrorCode::kLinkLost,
-                fmt::format("batch {} of {}, part {} is missing: hand the job out again",
+                fmt::format("batch {} of {}, part {} is missing: assign the task again",
                             part.expected, topic_name_, batch.part));
   }
   std::uint64_t others = 0;
   for (const Part& other : parts_) others += &other == &part ? 0 : other.total_count;
   if (batch.total_count > kMaxCloudPoints - std::min(others, kMaxCloudPoints)) {
-    return Fail(ErrorCode::kTooLarge,
-                fmt::format("a cloud of {} points is more than the {} allowed: take a "
-                            "wider spacing",
-                            others + batch.total_count, kMaxCloudPoints),
-                std::to_string(batch.total_count));
+    return Fail(
+        ErrorCode::kTooLarge,
+        fmt::format("a cloud of {} points exceeds the {} allowed: use a larger spacing",
+                    others + batch.total_count, kMaxCloudPoints),
+        std::to_string(batch.total_count));
   }
   const std::size_t count = batch.x_mm._length, size = part.cloud.size() + count;
   const bool other_total = part.expected > 0 && batch.total_count != part.total_count;
@@ -204,7 +204,7 @@ Result<bool> CloudSender<Batch>::Advance(std::chrono::steady_clock::time_point n
   if (grant.cancelled) {
     return Fail(
         ErrorCode::kLinkLost,
-        fmt::format("the consumer of {} is gone or wants no more of it", stream_));
+        fmt::format("the consumer of {} has ended or accepts no more of it", stream_));
   }
   if (grant.consumed != consumed_) moved_at_ = now;
   consumed_ = grant.consumed;
@@ -218,7 +218,7 @@ Result<bool> CloudSender<Batch>::Advance(std::chrono::steady_clock::time_point n
   }
   if (now - moved_at_ > kPatience) {
     return Fail(ErrorCode::kTimedOut,
-                fmt::format("nobody takes {}: see whether its consumer runs", stream_));
+                fmt::format("{} has no consumer: check that its consumer runs", stream_));
   }
   return false;
 }

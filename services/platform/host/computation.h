@@ -56,7 +56,7 @@ class Computation {
         return !cancelled_;
       });
     } catch (const std::bad_alloc&) {
-      return Fail(ErrorCode::kTooLarge, "the job needs more memory than there is");
+      return Fail(ErrorCode::kTooLarge, "the job needs more memory than is available");
     } catch (const std::exception& error) {
       return Fail(ErrorCode::kFault, std::string("internal error: ") + error.what());
     }

@@ -84,7 +84,7 @@ int OnlyInstance::EndAsSecond(const std::string& name) {
 
 int EndTakenOver(ServiceHost& host, const std::string& name) {
   return End(host, "taken_over",
-             "another " + name + " has taken this machine over; this process ends",
+             "another " + name + " has taken over this machine; this process ends",
              kExitTakenOver);
 }
 

@@ -57,33 +57,34 @@ void AddCommonOptions(command_line::Command app, CommonOptions& options) {
       .Within(0, 99)
       .ShowDefault();
   app.AddOption("--interface", options.bus.interface,
-                "network interface; lo stays on this machine")
+                "network interface; lo: this computer only")
       .ShowDefault();
-  app.AddOption("--tag", options.bus.tag, "only participants of the same tag are seen");
-  app.AddOption("--cell", options.bus.cell, "machine cell that is served");
+  app.AddOption("--tag", options.bus.tag,
+                "only participants with the same tag communicate");
+  app.AddOption("--cell", options.bus.cell, "machine cell that this service belongs to");
   app.AddOption("--security", options.bus.security,
                 "folder of this service's identity, or of all roles; needed beyond lo")
       .FromEnvironment("INTAGLIO_SECURITY");
   app.AddFlag("--allow-root", options.allow_root, "serve a network even as root")
       .FromEnvironment("INTAGLIO_ALLOW_ROOT");
-  app.AddOption("--log-file", options.log_file, "log there besides to stderr");
+  app.AddOption("--log-file", options.log_file, "log file, in addition to stderr");
   app.AddOption("--log-level", options.log_level, "trace, debug, info, warning or error")
       .OneOf({"trace", "debug", "info", "warning", "error"})
       .ShowDefault();
   app.AddFlag("--die-with-parent{-1}", options.die_with_parent,
-              "end when the process that started this one does; =PID names it, should it "
-              "be quicker");
+              "end when the process that started this one ends; =PID names that process, "
+              "which may have ended already");
   app.AddFlag("--real-time", options.real_time,
-              "ask the system for real-time scheduling and locked memory");
+              "request real-time scheduling and locked memory from the system");
 }
 
 /// A service that others can reach has no business with the rights of root.
 void CheckUser(const CommonOptions& options) {
   if (geteuid() != 0 || options.allow_root || options.bus.interface == "lo") return;
-  throw bus::BusError(fmt::format(
-      "--interface {}: not as root; run it as a user of its own (deploy/systemd has "
-      "units for that), or say --allow-root",
-      options.bus.interface));
+  throw bus::BusError(
+      fmt::format("--interface {}: not as root; run it as a separate user "
+                  "(deploy/systemd has units for that), or use --allow-root",
+                  options.bus.interface));
 }
 
 /// The identity of a cell is that of one machine.
@@ -91,7 +92,8 @@ void CheckCell(const ServiceDescription& description, const bus::BusOptions& opt
   const bool of_cell = description.role == intaglio_ROLE_SYNCHRONIZER ||
                        description.role == intaglio_ROLE_MOTION_BRIDGE;
   if (!of_cell || options.security.empty() || !options.cell.empty()) return;
-  throw bus::BusError("--security needs --cell too: the identity is that of one machine");
+  throw bus::BusError(
+      "--security also needs --cell: the identity is that of one machine");
 }
 
 int EndByFault(ServiceHost& host, const char* code, const std::string& why) {
@@ -138,8 +140,8 @@ struct ServiceHost::Impl {
   void LeaveWhoLostUs() {
     if (!presence.Turn(Clock::now())) return;
     LogWarning(
-        "a peer does not acknowledge what this service writes: it leaves the bus for {} "
-        "ms, so that both find each other anew",
+        "a peer does not acknowledge the samples of this service: this service leaves "
+        "the domain for {} ms and rejoins",
         OneSidedLoss::kAway.count());
     bus.Leave(OneSidedLoss::kAway);
   }
@@ -199,11 +201,12 @@ void ServiceHost::WarnOfExpiry() {
   const auto left = bus().identity_end() - std::chrono::floor<std::chrono::seconds>(
                                                std::chrono::system_clock::now());
   if (left > kExpiryWarning) return;
-  RaiseAlarm(intaglio_ALARM_WARNING, "identity_expires",
-             fmt::format("the identity in {} expires in {} days; then nobody hears this "
-                         "service any more: intaglio security renew",
-                         bus().options().security,
-                         std::chrono::floor<std::chrono::days>(left).count()));
+  RaiseAlarm(
+      intaglio_ALARM_WARNING, "identity_expires",
+      fmt::format("the identity in {} expires in {} days; after that other processes "
+                  "drop the samples of this service: run intaglio security renew",
+                  bus().options().security,
+                  std::chrono::floor<std::chrono::days>(left).count()));
 }
 
 void ServiceHost::RaiseAlarm(intaglio_AlarmSeverity severity, const std::string& code,
@@ -260,8 +263,8 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
       return code;
     } catch (const std::bad_alloc&) {
       return EndByFault(host, "no_memory",
-                        "the system gives no more memory: take a limit away, or make the "
-                        "job smaller; this service ends and may be started again");
+                        "the system has no more memory: remove a limit, or make the job "
+                        "smaller; this service ends and may be started again");
     } catch (const std::exception& error) {
       return EndByFault(host, "internal", error.what());
     }

@@ -66,7 +66,8 @@ void StageWorker::TakeTasks() {
         if (View(sample.worker) != host_.instance()) return;
         if (origin.alive) return Take(sample);
         pending_.reset();
-        Withdraw(ErrorCode::kLinkLost, "the job service that gave the task is gone");
+        Withdraw(ErrorCode::kLinkLost,
+                 "the job service that assigned the task no longer runs");
       });
 }
 
@@ -86,7 +87,7 @@ void StageWorker::Take(const intaglio_StageTask& sample) {
                other.task.part.index != work.task.part.index;
       });
   if (joins) return Accept(std::move(work));
-  Withdraw(ErrorCode::kCancelled, "a newer task was given");
+  Withdraw(ErrorCode::kCancelled, "a newer task was assigned");
   pending_ = std::move(work);
 }
 
@@ -173,7 +174,7 @@ Status StageWorker::Begin(Work& work) {
   work.phase = Phase::kInput;
   if (readable && work.task.part.valid()) return input_.Open(work.task);
   return Fail(ErrorCode::kUnreadable,
-              "the task cannot be read: the job service is of another version");
+              "the task cannot be parsed: the job service has another version");
 }
 
 Status StageWorker::FinishComputing(Work& work) {

@@ -5,7 +5,7 @@
 namespace intaglio::link {
 
 std::string ExpectedDevice::VersionHint() const {
-  return "the " + kind + " at " + device + " has to use version " +
+  return "the " + kind + " at " + device + " must use version " +
          std::to_string(kFrameVersion) + " of the frames (docs/protocols.md)";
 }
 

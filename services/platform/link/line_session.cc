@@ -6,7 +6,7 @@ constexpr std::chrono::milliseconds kReopenAfter{500};
 
 const std::string& NoAnswer() {
   static const std::string text =
-      "the device does not answer: see that it is switched on and uses version " +
+      "the device does not answer: check that it is switched on and uses version " +
       std::to_string(kFrameVersion) + " of the frames";
   return text;
 }
@@ -33,7 +33,7 @@ void LineSession::TryOpen() {
 // better message, as of a device that closes each new connection at once.
 void LineSession::KeepDownMessage() {
   if (link_session_ != 0) {
-    message_ = "the device has fallen silent";
+    message_ = "the device no longer sends";
     return;
   }
   if (!link_->connected()) return;
@@ -50,7 +50,7 @@ void LineSession::Poll(const ReliableLink::Handler& handler) {
     return;
   }
   if (fenced()) {
-    message_ = "another host has taken this machine over";
+    message_ = "another host has taken over this machine";
     link_.reset();
     return;
   }

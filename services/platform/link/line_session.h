@@ -43,7 +43,7 @@ class LineSession {
   std::uint32_t sessions_ = 0;
   std::chrono::nanoseconds next_open_{0};
   std::optional<std::chrono::nanoseconds> connected_at_ = {};
-  std::string message_ = "the line was not opened yet";
+  std::string message_ = "the line is not open yet";
 };
 
 }  // namespace intaglio::link

@@ -62,7 +62,8 @@ class DescriptorStream final : public ByteStream {
   tl::unexpected<Error> Lost() const {
     return Fail(
         ErrorCode::kLinkLost,
-        fmt::format("the line {} is gone: check cable and power of the device", name_),
+        fmt::format("the line {} is disconnected: check cable and power of the device",
+                    name_),
         name_);
   }
   int descriptor_;
@@ -107,17 +108,17 @@ Result<std::unique_ptr<ByteStream>> OpenSerialPort(const std::string& device,
     if (known.rate == baud) chosen = &known;
   }
   if (chosen == nullptr) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("baud {} of {} is not one of the usual rates, e.g. 115200",
-                            baud, device),
-                fmt::format("{}", baud));
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("baud {} of {} is not a standard rate, e.g. 115200", baud, device),
+        fmt::format("{}", baud));
   }
   const int descriptor = open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return CannotOpen(device, std::strerror(errno));
   auto stream = WrapDescriptor(descriptor, device);
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) {
-    return CannotOpen(device, "it is no terminal device");
+    return CannotOpen(device, "it is not a terminal device");
   }
   if (!TakeForOneself(descriptor)) {
     return CannotOpen(device, "another process has it");

@@ -18,7 +18,7 @@ namespace {
 tl::unexpected<Error> Refused(const std::filesystem::path& path, const char* what) {
   const int reason = errno;
   const char* remedy = reason == ENOSPC || reason == EDQUOT
-                           ? "make room, or record elsewhere"
+                           ? "free space, or record to another disk"
                            : "check the folder, the permissions and the disk";
   const bool no_folder = reason == ENOENT || reason == ENOTDIR;
   return Fail(no_folder ? ErrorCode::kNotFound : ErrorCode::kIo,
@@ -74,7 +74,7 @@ Result<AppendFile> AppendFile::Create(const std::filesystem::path& path,
       open(path.c_str(), O_WRONLY | O_CREAT | when_there | O_CLOEXEC, 0666);
   if (descriptor < 0 && errno == EEXIST) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} is there already; take another name", path.string()),
+                fmt::format("{} already exists; use another name", path.string()),
                 path.string());
   }
   if (descriptor < 0) return Refused(path, "make");

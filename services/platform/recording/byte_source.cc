@@ -27,13 +27,12 @@ class FileSource final : public ByteSource {
           pread(descriptor_, out.data(), out.size(), static_cast<off_t>(offset));
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) {
-        return Fail(
-            ErrorCode::kIo,
-            fmt::format("{}: cannot read at byte {}: {}; is the disk well, or was "
-                        "the file made shorter?",
-                        name_, offset,
-                        count < 0 ? std::strerror(errno) : "the file ends"),
-            name_);
+        return Fail(ErrorCode::kIo,
+                    fmt::format("{}: cannot read at byte {}: {}; check the disk, and "
+                                "whether the file was truncated",
+                                name_, offset,
+                                count < 0 ? std::strerror(errno) : "the file ends"),
+                    name_);
       }
       offset += static_cast<std::uint64_t>(count);
       out = out.subspan(static_cast<std::size_t>(count));

@@ -26,7 +26,7 @@ Result<Bytes> UnpackChunk(const ChunkHead& head, ByteView packed,
                           std::uint64_t max_bytes) {
   if (head.uncompressed_size > max_bytes) {
     return Fail(ErrorCode::kTooLarge,
-                fmt::format("holds {} bytes, more than the {} that are read at once",
+                fmt::format("has {} bytes, more than the {} that can be read at once",
                             head.uncompressed_size, max_bytes),
                 std::to_string(head.uncompressed_size));
   }
@@ -38,7 +38,7 @@ Result<Bytes> UnpackChunk(const ChunkHead& head, ByteView packed,
     const auto told = ZSTD_getFrameContentSize(packed.data(), packed.size());
     if (told == ZSTD_CONTENTSIZE_ERROR ||
         (told != ZSTD_CONTENTSIZE_UNKNOWN && told != head.uncompressed_size)) {
-      return Fail(ErrorCode::kUnreadable, "is no zstd frame of the size it should have");
+      return Fail(ErrorCode::kUnreadable, "is not a zstd frame of the expected size");
     }
     records.resize(static_cast<std::size_t>(head.uncompressed_size));
     const std::size_t size =
@@ -58,7 +58,7 @@ Result<Bytes> UnpackChunk(const ChunkHead& head, ByteView packed,
   }
   if (records.size() != head.uncompressed_size ||
       (head.uncompressed_crc != 0 && io::Crc32(records) != head.uncompressed_crc)) {
-    return Fail(ErrorCode::kUnreadable, "its checksum does not hold: it is damaged");
+    return Fail(ErrorCode::kUnreadable, "its checksum is wrong: it is damaged");
   }
   return records;
 }

@@ -34,9 +34,9 @@ Result<Bytes> FileRecords::Raw(std::uint64_t offset, std::uint64_t length) const
     return tl::unexpected(Damaged(offset, "it reaches beyond the end of the file"));
   }
   if (length > limits_.max_record_bytes) {
-    Error error = Damaged(offset, fmt::format("{} bytes, more than the {} that are read "
-                                              "at once",
-                                              length, limits_.max_record_bytes));
+    Error error =
+        Damaged(offset, fmt::format("{} bytes, more than the {} that can be read at once",
+                                    length, limits_.max_record_bytes));
     error.code = ErrorCode::kTooLarge;
     return tl::unexpected(error);
   }
@@ -58,7 +58,7 @@ Result<Bytes> FileRecords::Content(std::uint64_t offset, Opcode opcode) const {
   auto head = HeadAt(offset);
   if (!head) return tl::unexpected(head.error());
   if (!*head || (*head)->opcode != opcode) {
-    return tl::unexpected(Damaged(offset, "it is not what the summary says"));
+    return tl::unexpected(Damaged(offset, "it does not match the summary"));
   }
   return ContentOf(**head);
 }

@@ -256,7 +256,7 @@ Result<IdlTypes> ParseIdl(std::string_view text) {
     return Parser(text).Parse();
   } catch (const Stop& stop) {
     return Fail(stop.code,
-                fmt::format("the schema's IDL is not understood at \"{}\"", stop.word),
+                fmt::format("the schema's IDL cannot be parsed at \"{}\"", stop.word),
                 stop.word);
   }
 }

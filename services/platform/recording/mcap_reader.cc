@@ -23,12 +23,11 @@ Result<McapReader> McapReader::Open(std::unique_ptr<ByteSource> source,
   const auto magic = file.Raw(0, std::min<std::uint64_t>(kMagicSize, file.size()));
   if (!magic) return tl::unexpected(magic.error());
   if (magic->size() < kMagicSize || std::memcmp(magic->data(), kMagic, kMagicSize) != 0) {
-    return Fail(
-        ErrorCode::kUnreadable,
-        fmt::format("{} is no recording: it does not begin with the MCAP magic at "
-                    "byte 0; give a .mcap file",
-                    reader.name()),
-        reader.name());
+    return Fail(ErrorCode::kUnreadable,
+                fmt::format("{} is not a recording: it does not begin with the MCAP "
+                            "magic at byte 0; give a .mcap file",
+                            reader.name()),
+                reader.name());
   }
   if (auto summary = ReadSummary(file)) {
     reader.contents_ = std::move(*summary);

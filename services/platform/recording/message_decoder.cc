@@ -16,7 +16,7 @@ Result<Value> MessageDecoder::Decode(const MessageView& message) {
   }
   if (schema->encoding != kOmgIdl || channel.message_encoding != kCdr) {
     return Fail(ErrorCode::kUnsupported,
-                fmt::format("topic {}: only cdr messages with omgidl schemas are read",
+                fmt::format("topic {}: only cdr messages with omgidl schemas can be read",
                             channel.topic),
                 channel.topic);
   }

@@ -204,8 +204,7 @@ Result<std::optional<std::set<std::uint16_t>>> ChannelsOf(
     if (!found) {
       return Fail(
           ErrorCode::kNotFound,
-          fmt::format("{} has no topic {}; `intaglio recording list` tells what it "
-                      "has",
+          fmt::format("{} has no topic {}; `intaglio recording list` lists its topics",
                       reader.name(), topic),
           topic);
     }
@@ -222,10 +221,11 @@ Result<CopyReport> CopyRecordings(const std::vector<McapReader>& sources,
     // What a killed copy left behind may be a source, too.
     for (const std::filesystem::path& written : {target, temporary}) {
       if (!std::filesystem::equivalent(source.name(), written, error)) continue;
-      return Fail(ErrorCode::kInvalidValue,
-                  fmt::format("{} is read and cannot be written; name another file",
-                              written.string()),
-                  written.string());
+      return Fail(
+          ErrorCode::kInvalidValue,
+          fmt::format("{} is an input and cannot be overwritten; give another file",
+                      written.string()),
+          written.string());
     }
   }
   auto writer = McapWriter::Create(temporary, {.library = options.library});

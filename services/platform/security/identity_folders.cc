@@ -64,8 +64,8 @@ Result<std::string> Read(const fs::path& file) {
   text << in.rdbuf();
   if (in && !text.str().empty()) return text.str();
   return Fail(ErrorCode::kNotFound,
-              fmt::format("cannot read {}: this is the folder that `intaglio security "
-                          "new` made, with its authority?",
+              fmt::format("cannot read {}: give the folder that `intaglio security new` "
+                          "made, with its authority",
                           file.string()),
               file.string());
 }
@@ -186,8 +186,8 @@ Status NewIdentities(const fs::path& folder, const ShopOptions& shop,
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} has something in it: `intaglio security renew` renews "
-                            "identities, new ones take an empty folder",
+                fmt::format("{} is not empty: `intaglio security renew` renews "
+                            "identities, new ones need an empty folder",
                             folder.string()),
                 folder.string());
   }

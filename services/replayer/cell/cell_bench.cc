@@ -330,8 +330,10 @@ CellBench::Stillness CellBench::WhyNothingMore(const Performance& performance) c
             true};
   if (still < kPatience) return {};
   if (run != nullptr && !run->undisturbed() && all_ended)
-    return {fmt::format("what ended run {} is not in the recording", run->number), true};
-  return {"the synchronizer does not go on: " + performance.listener.message(), false};
+    return {fmt::format("the cause of the end of run {} is not in the recording",
+                        run->number),
+            true};
+  return {"the synchronizer does not continue: " + performance.listener.message(), false};
 }
 
 /// The last words, and the next task finds a synchronizer without one.

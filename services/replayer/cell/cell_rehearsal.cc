@@ -78,13 +78,14 @@ bool CellRehearsal::HasInput(const CellSession& session) {
     return false;
   };
   if (session.job.machine().name() != cell_)
-    return lacks(fmt::format("it was engraved by {}, and this is {}",
+    return lacks(fmt::format("it was engraved by {}, this is {}",
                              session.job.machine().name(), cell_));
   if (session.task.take_up)
-    return lacks("it was taken up in its middle; what lay in its folder is not recorded");
+    return lacks(
+        "it was resumed in the middle; the contents of its folder are not recorded");
   const auto path = paths_.find(id);
   if (path == paths_.end() || !path->second.whole)
-    return lacks("its path is not whole in the recording");
+    return lacks("its path is not complete in the recording");
   return true;
 }
 

@@ -22,11 +22,10 @@ Status ForEach(const recording::McapReader& reader, const char* topic, Sink&& si
     if (!value) return tl::unexpected(value.error());
     if (!*value) return {};
     if (!sink(**value, values.publish_time_ns())) {
-      return Fail(ErrorCode::kUnsupported,
-                  fmt::format("{}: the recording is of a version whose samples are not "
-                              "known",
-                              topic),
-                  topic);
+      return Fail(
+          ErrorCode::kUnsupported,
+          fmt::format("{}: the recording has a version whose samples are unknown", topic),
+          topic);
     }
   }
 }
@@ -237,7 +236,7 @@ void SessionReader::EndBeforeTheUncertain() {
   const std::uint32_t lost = session_.words.uncertain_run;
   if (lost == 0) return;
   session_.ends_early =
-      fmt::format("in run {} nobody knew any more what had become of some pulses", lost);
+      fmt::format("in run {} the outcome of some pulses was unknown", lost);
   std::erase_if(session_.words.runs,
                 [lost](const CellRun& run) { return run.number >= lost; });
   session_.words.end.reset();

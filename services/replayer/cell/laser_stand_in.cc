@@ -34,7 +34,7 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
 
 Result<std::unique_ptr<LaserStandIn>> LaserStandIn::Make(
     const std::filesystem::path& link, const MachineSpec& machine) {
-  auto line = virtual_engraver::PtyLine::Open(link, "laser stand-in");
+  auto line = virtual_engraver::PtyLine::Open(link, "simulated laser");
   if (!line) return tl::unexpected(line.error());
   return std::unique_ptr<LaserStandIn>(
       new LaserStandIn(std::move(*line), OptionsOf(machine)));

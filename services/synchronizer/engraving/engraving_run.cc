@@ -74,8 +74,8 @@ std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
   if (missed_in_a_row_ >= job_.max_missed_in_a_row) {
     return HaltReason{
         Missing::kNothing,
-        fmt::format("no crack was seen of {} pulses in a row: see to lens, block, pulse "
-                    "energy and photosensor, then resume",
+        fmt::format("no crack was detected for {} pulses in a row: check lens, block, "
+                    "pulse energy and photosensor, then resume",
                     missed_in_a_row_),
         true};
   }
@@ -87,7 +87,7 @@ std::optional<HaltReason> EngravingRun::WhyHalt(const EngravingInputs& inputs) {
       (inputs.motion_clock == nullptr || inputs.motion_clock->steps() != clock_steps_)) {
     return HaltReason{
         Missing::kNothing,
-        "the clock of the stage's controller has changed its pace: the run starts again",
+        "the clock of the stage controller has changed its rate: the run starts again",
         false};
   }
   return std::nullopt;
@@ -99,8 +99,8 @@ HaltReason EngravingRun::WhySkipped() {
   switch (*passed_by_) {
     case SkipReason::kInterlock:
       return {Missing::kDoor,
-              "an interlock of the machine held a pulse back: see to key, door and "
-              "stop, then resume",
+              "an interlock of the machine blocked a pulse: check key, door and stop, "
+              "then resume",
               true};
     case SkipReason::kLamp:
       return {Missing::kLamp, TextOf(Missing::kLamp), true};
@@ -115,11 +115,10 @@ HaltReason EngravingRun::WhySkipped() {
     return {Missing::kNothing, "pulses were skipped: the run starts again there", false};
   }
   fruitless_halts_ = 0;
-  return {
-      Missing::kNothing,
-      "the same point was skipped again and again: see that the stage follows and the "
-      "disk keeps up, then resume",
-      true};
+  return {Missing::kNothing,
+          "the same point was skipped repeatedly: check that the stage follows and the "
+          "disk is fast enough, then resume",
+          true};
 }
 
 void EngravingRun::TakeSpeed(const EngravingInputs& inputs) {
@@ -176,7 +175,7 @@ std::optional<HaltReason> EngravingRun::CheckStart(const EngravingInputs& inputs
     return HaltReason{Missing::kMotionState,
                       "the motion bridge is too slow to start a run", true};
   }
-  return HaltReason{Missing::kNothing, "the run is started again: it came too late",
+  return HaltReason{Missing::kNothing, "the run starts again: its start was too late",
                     false};
 }
 

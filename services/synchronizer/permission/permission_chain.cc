@@ -90,7 +90,7 @@ std::string TextOf(Missing missing) {
     case Missing::kLamp:
       return "the lamp is not warm yet";
     case Missing::kMotionState:
-      return "the motion bridge is silent: see that intaglio-motion-bridge runs, then "
+      return "the motion bridge is silent: check that intaglio-motion-bridge runs, then "
              "resume";
     case Missing::kMotionFault:
       return "the stage reports a fault";
@@ -100,19 +100,19 @@ std::string TextOf(Missing missing) {
       return "key, door or stop button was opened while nobody watched: check the "
              "block, then resume or cancel";
     case Missing::kPowerCycle:
-      return "the laser controller was switched off and on: see that the right block is "
-             "in the machine, then resume or cancel";
+      return "the laser controller was switched off and on: check that the right block "
+             "is in the machine, then resume or cancel";
     case Missing::kNotWatched:
-      return "key and door were not watched until now: see that the right block is in "
-             "the machine, then resume or cancel";
+      return "key and door were not supervised until now: check that the right block is "
+             "in the machine, then resume or cancel";
     case Missing::kLaserAway:
       return fmt::format(
-          "the laser controller was silent for more than {} s: see that the right block "
-          "is in the machine, then resume or cancel",
+          "the laser controller was silent for more than {} s: check that the right "
+          "block is in the machine, then resume or cancel",
           host::kMaxAbsence.count());
     case Missing::kMotionAway:
       return fmt::format(
-          "the motion controller was silent for more than {} s: see that the right "
+          "the motion controller was silent for more than {} s: check that the right "
           "block is in the machine, then resume or cancel",
           host::kMaxAbsence.count());
   }

@@ -39,8 +39,8 @@ bool SyncFolderOf(const std::filesystem::path& file) {
 
 std::string DiskError(const std::filesystem::path& path, int error_number) {
   return fmt::format(
-      "cannot write the journal {}: {}; make room on the disk or choose "
-      "another result directory",
+      "cannot write the journal {}: {}; free space on the disk or choose another result "
+      "directory",
       path.string(), std::strerror(error_number));
 }
 

@@ -49,8 +49,7 @@ TEST(DxfPoints, TakesOnlyThePointsOfTheModelSpace) {
   ASSERT_TRUE(read.has_value()) << read.error().message;
   EXPECT_THAT(read->points_mm, ElementsAre(Vec3(1, 2.5, -3)));
   EXPECT_THAT(read->comments,
-              ElementsAre("3 entities that are no POINT were passed over: "
-                          "CIRCLE 1, LINE 2"));
+              ElementsAre("3 entities other than POINT were ignored: CIRCLE 1, LINE 2"));
 }
 
 // A carriage return inside a line is of a damaged file, or of an old Macintosh.
@@ -112,7 +111,7 @@ TEST(DxfPoints, SaysWhatIsWrong) {
 TEST(DxfPoints, DrawingsOfCurvesAreNamedAsSuch) {
   const auto read = ReadDxf(INTAGLIO_SOURCE_DIR "/tests/data/trimesh/wrench.dxf");
   ASSERT_FALSE(read.has_value());
-  EXPECT_THAT(read.error().message, HasSubstr("wrench.dxf: it holds no POINT, only"));
+  EXPECT_THAT(read.error().message, HasSubstr("wrench.dxf: it has no POINT, only"));
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ TEST(SclFile, CutAnywhereIsRefused) {
     ASSERT_FALSE(read.has_value()) << size;
     EXPECT_EQ(read.error().code, ErrorCode::kUnreadable);
   }
-  EXPECT_THAT(ParseScl(bytes + "x").error().message, HasSubstr("1 bytes too many"));
+  EXPECT_THAT(ParseScl(bytes + "x").error().message, HasSubstr("1 extra bytes"));
 }
 
 TEST(SclFile, EveryFlippedBitIsSeen) {
@@ -134,7 +134,7 @@ TEST(SclFile, NamesANewerVersionAndATextTransfer) {
   Change(newer, 8, std::uint32_t{2});
   Seal(newer);
   EXPECT_EQ(ParseScl(newer).error().code, ErrorCode::kUnsupported);
-  EXPECT_THAT(ParseScl(newer).error().message, HasSubstr("is of version 2"));
+  EXPECT_THAT(ParseScl(newer).error().message, HasSubstr("has version 2"));
   std::string text = Written(TwoPoints());
   text.erase(4, 1);  // CR LF to LF
   EXPECT_THAT(ParseScl(text).error().message, HasSubstr("transfer in text mode"));
@@ -162,7 +162,7 @@ TEST(SclFile, BelievesNoCountThatTheFileCannotHold) {
     Seal(bytes);
     PointFileLimits limits;
     limits.max_points = std::numeric_limits<std::uint64_t>::max();
-    EXPECT_THAT(ParseScl(bytes, limits).error().message, HasSubstr("was cut off"));
+    EXPECT_THAT(ParseScl(bytes, limits).error().message, HasSubstr("is truncated"));
   }
   EXPECT_EQ(ParseScl(bytes).error().code, ErrorCode::kTooLarge);
   Change(bytes, 16, std::uint64_t{2});
@@ -177,7 +177,7 @@ TEST(SclFile, RefusesPointsThatAreNoPlace) {
   Change(bytes, h + 8, std::numeric_limits<double>::infinity());
   Change(bytes, h + 24, CrcBitByBit(bytes.substr(h, 24)));
   EXPECT_EQ(ParseScl(bytes).error().code, ErrorCode::kInvalidValue);
-  EXPECT_THAT(ParseScl(bytes).error().message, HasSubstr("point 1 lies at (1, inf, 3)"));
+  EXPECT_THAT(ParseScl(bytes).error().message, HasSubstr("point 1 is at (1, inf, 3)"));
 }
 
 }  // namespace

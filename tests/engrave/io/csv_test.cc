@@ -105,7 +105,8 @@ TEST(Csv, SaysWhatIsWrongAndWhere) {
   ExpectError("a,b\n\n1\n", ErrorCode::kUnreadable, "line 3 has 1 fields for 2");
   ExpectError("a,b\n1,2\"x\n", ErrorCode::kUnreadable, "line 2 has a quote inside");
   ExpectError("a,b\n\"1\"x,2\n", ErrorCode::kUnreadable, "line 2 has text behind");
-  ExpectError("a,b\n1,2\n3,\"4\n5,6\n", ErrorCode::kUnreadable, "line 3 opens a quote");
+  ExpectError("a,b\n1,2\n3,\"4\n5,6\n", ErrorCode::kUnreadable,
+              "line 3 has an opening quote");
   ExpectError(std::string_view("a\n1\0\n", 5), ErrorCode::kUnreadable, "a NUL byte");
 }
 

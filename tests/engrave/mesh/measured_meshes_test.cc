@@ -80,7 +80,7 @@ std::string Complaint(const char* name) {
 }
 
 TEST(BrokenMeshes, EachGivesAClearComplaint) {
-  EXPECT_THAT(Complaint("empty.stl"), HasSubstr("empty.stl: it holds no triangles"));
+  EXPECT_THAT(Complaint("empty.stl"), HasSubstr("empty.stl: it has no triangles"));
   EXPECT_THAT(Complaint("empty_binary.stl"), HasSubstr("empty_binary.stl: it"));
   EXPECT_THAT(Complaint("cut_short.stl"), HasSubstr("cut_short.stl: "));
   EXPECT_THAT(Complaint("points_only.obj"), HasSubstr("not as points or lines"));

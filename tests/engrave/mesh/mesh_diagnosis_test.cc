@@ -57,7 +57,8 @@ TEST(MeshDiagnosis, CountsTheTrianglesToTurnOver) {
   EXPECT_EQ(d.flipped_edge_count, 9u);
   EXPECT_TRUE(d.closed());
   EXPECT_TRUE(d.orientable);
-  EXPECT_THAT(Warnings(d, "m"), ElementsAre(HasSubstr("3 triangles face the other way")));
+  EXPECT_THAT(Warnings(d, "m"),
+              ElementsAre(HasSubstr("3 triangles are oriented against")));
 }
 
 TEST(MeshDiagnosis, SaysWhenTheWholeSurfaceIsInsideOut) {

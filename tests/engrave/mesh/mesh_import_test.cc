@@ -226,7 +226,7 @@ TEST(MeshImport, FileOfAnotherKindIsNotReadAsThatKind) {
 TEST(MeshImport, DaeWithTextAmongItsIndicesIsAnError) {
   std::string dae = Dae(BoxMesh(kSize), "", kIdentity);
   dae.insert(dae.find("<p>") + 4, "i");
-  ExpectError(Import(dae, "dae"), ErrorCode::kUnreadable, "something else than numbers");
+  ExpectError(Import(dae, "dae"), ErrorCode::kUnreadable, "something other than numbers");
 }
 
 // The library reads where an accessor tells it to.
@@ -246,11 +246,11 @@ TEST(ImportMesh, ADaeWhoseAccessorsReachTooFarIsRefused) {
                           "</float_array><technique_common><accessor source=\"#b\" "
                           "count=\"1\"/></technique_common></source><source"),
                      "dae"));
-  const char* too_far = "reads behind the";
+  const char* too_far = "exceeds the";
   ExpectError(Import(with("<float_array", "count=\"", "count=\"0\" of=\""), "dae"),
               ErrorCode::kUnreadable, too_far);
   ExpectError(Import(with("<float_array", "count=\"", "cuont=\""), "dae"),
-              ErrorCode::kUnreadable, "does not say how many");
+              ErrorCode::kUnreadable, "has no count");
   ExpectError(Import(with("<accessor", "count=\"", "count=\"9"), "dae"),
               ErrorCode::kUnreadable, too_far);
   ExpectError(Import(with("<accessor", "stride=\"3", "stride=\"4"), "dae"),
@@ -258,7 +258,7 @@ TEST(ImportMesh, ADaeWhoseAccessorsReachTooFarIsRefused) {
   ExpectError(Import(with("<accessor", "count=\"", "offset='1' count=\""), "dae"),
               ErrorCode::kUnreadable, too_far);
   ExpectError(Import(with("<accessor", "count=\"", "count=\"x"), "dae"),
-              ErrorCode::kUnreadable, "does not say what");
+              ErrorCode::kUnreadable, "has no source");
 }
 
 TEST(MeshImport, CutsPolygonsIntoTriangles) {
@@ -301,9 +301,9 @@ TEST(MeshImport, SaysWhatIsWrongWithBytes) {
   ExpectError(Import(stl.substr(0, stl.size() - 60), "stl"), ErrorCode::kUnreadable,
               "cannot be read as stl");
   ExpectError(Import("v 0 0 0\nv 1 0 0\nl 1 2\n", "obj"), ErrorCode::kMissing,
-              "holds no triangles");
+              "has no triangles");
   ExpectError(Import("solid nothing\nendsolid nothing\n", "stl"), ErrorCode::kMissing,
-              "holds no triangles");
+              "has no triangles");
 }
 
 TEST(MeshImport, RefusesCoordinatesThatAreNotFinite) {
@@ -311,7 +311,7 @@ TEST(MeshImport, RefusesCoordinatesThatAreNotFinite) {
     TriangleMesh mesh = BoxMesh(kSize);
     mesh.vertices[5].y() = bad;
     ExpectError(Import(BinaryStl(mesh), "stl"), ErrorCode::kInvalidValue,
-                "which is not a place");
+                "which is not finite");
   }
 }
 

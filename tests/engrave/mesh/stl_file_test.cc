@@ -115,8 +115,9 @@ TEST(StlFile, TellsTextFromBinaryByTheSize) {
   EXPECT_EQ(Read(binary)->triangles.size(), 12u);
   EXPECT_EQ(Read(binary + "pad")->triangles.size(), 12u);
   ExpectError(binary.substr(0, binary.size() - 1), ErrorCode::kUnreadable,
-              "should hold 12 triangles and has room for 11");
-  ExpectError(binary + std::string(50, '\0'), ErrorCode::kUnreadable, "has room for 13");
+              "declares 12 triangles, its size allows 11");
+  ExpectError(binary + std::string(50, '\0'), ErrorCode::kUnreadable,
+              "its size allows 13");
   ExpectError("not an stl", ErrorCode::kUnreadable, "neither begins with \"solid\"");
 }
 
@@ -124,19 +125,19 @@ TEST(StlFile, SaysInWhichLineATextIsWrong) {
   const std::string good = Facet(kCorners);
   ExpectError("solid\n" + good, ErrorCode::kUnreadable, "after line 8 without endsolid");
   ExpectError("solid\n" + Facet("vertex 0 0 0\nvertex 1,5 0 0\n") + "endsolid\n",
-              ErrorCode::kUnreadable, "line 5 is no vertex: \"vertex 1,5 0 0\"");
+              ErrorCode::kUnreadable, "line 5 is not a vertex: \"vertex 1,5 0 0\"");
   ExpectError("solid\n" + Facet("vertex 0 0 0\nvertex 1 0 0\n") + "endsolid\n",
               ErrorCode::kUnreadable, "line 7 ends a facet of 2 vertices");
   ExpectError("solid\n" + Facet(std::string(kCorners) + "vertex 1 1 0\n") + "endsolid\n",
-              ErrorCode::kUnreadable, "line 7 has a vertex too many");
+              ErrorCode::kUnreadable, "line 7 has an extra vertex");
   ExpectError("solid\n" + good + "<html>\nendsolid\n", ErrorCode::kUnreadable,
-              "line 9 is not of an STL: \"<html>\"");
+              "line 9 is not a line of an STL: \"<html>\"");
   ExpectError("solid\nsolid\n" + good, ErrorCode::kUnreadable, "line 2 has a solid in");
   ExpectError("solid\nendsolid\n" + good, ErrorCode::kUnreadable,
               "line 3 begins a facet");
   ExpectError(
       "solid\n" + Facet("vertex 0 0 0\nvertex 1e99 0 0\nvertex 0 1 0\n") + "endsolid\n",
-      ErrorCode::kInvalidValue, "lies at (inf, 0, 0)");
+      ErrorCode::kInvalidValue, "is at (inf, 0, 0)");
   ExpectError("solid " + std::string(3 << 20, 'x'), ErrorCode::kUnreadable,
               "longer than a megabyte");
 }
@@ -155,7 +156,7 @@ TEST(StlFile, NamesTheTriangleWhoseCornerIsNowhere) {
   std::string bytes = BinaryStl(torus);
   const float nowhere = std::nanf("");
   std::memcpy(bytes.data() + 84 + 50 * 15'000 + 12 + 16, &nowhere, 4);
-  ExpectError(bytes, ErrorCode::kInvalidValue, "a corner of triangle 15000 lies at (");
+  ExpectError(bytes, ErrorCode::kInvalidValue, "a corner of triangle 15000 is at (");
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ TEST(CloudQuality, WarnsOfWhatIsWrongWithItsPlace) {
   points.push_back(points[200]);
   const auto doubled = MeasureCloud(CloudOf(points), {}, Options(0.2));
   EXPECT_EQ(doubled->nearest.doubled_count, 1u);
-  EXPECT_THAT(doubled->warnings.at(0), HasSubstr("stand where another one stands"));
+  EXPECT_THAT(doubled->warnings.at(0), HasSubstr("have the same place as another one"));
 }
 
 TEST(CloudQuality, TellsTheShareOfEverySource) {

@@ -142,7 +142,7 @@ TEST_F(JobClientTest, ArmsWhenTheMachineHasTheJobAndElseLeavesItQueued) {
   ASSERT_TRUE(job.has_value());
   const auto late = ArmWhenTaken(ann_, *job, 500ms);
   ASSERT_FALSE(late.has_value());
-  EXPECT_THAT(late.error().message, HasSubstr("job 1 is left queued and not armed"));
+  EXPECT_THAT(late.error().message, HasSubstr("job 1 stays queued and is not armed"));
   EXPECT_THAT(late.error().message, HasSubstr("intaglio arm 1"));
   shop_.ready = true;
   EXPECT_TRUE(ArmWhenTaken(ann_, *job, 10s).has_value());

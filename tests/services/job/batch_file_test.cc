@@ -86,10 +86,10 @@ TEST(BatchFile, OrdersThatCannotBeKeptAreRefused) {
   EXPECT_THAT(OrderMistakes("id,after\na,x\nb,\n"),
               HasSubstr("line 2: after 'x': no job of this file has that id"));
   EXPECT_THAT(OrderMistakes("id,after\na,\na,\n"),
-              HasSubstr("line 3: id 'a': line 2 has it already"));
+              HasSubstr("line 3: id 'a': is already used in line 2"));
   EXPECT_THAT(OrderMistakes("id,after\na,a\n"), HasSubstr("a after a;"));
   const std::string circle = OrderMistakes("id,after\na,c\nb,a\nc,b\nd,c\n");
-  EXPECT_THAT(circle, HasSubstr("in a circle, a after "));
+  EXPECT_THAT(circle, HasSubstr("in a cycle, a after "));
   EXPECT_THAT(circle, testing::Not(HasSubstr("line 3"))) << "one circle is told once";
   EXPECT_THAT(circle, testing::Not(HasSubstr("line 5"))) << "who waits for it is no part";
 }

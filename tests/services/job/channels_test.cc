@@ -101,31 +101,30 @@ TEST(JobChannels, MistakesAreToldWithTheirRemedies) {
   job.mutable_laser()->add_channels(2);
   job.mutable_laser()->add_channels(4);
   job.mutable_models(1)->add_channels(2);
-  EXPECT_THAT(Complaints(job),
-              UnorderedElementsAre(
-                  "models[1].channels[1]: 2 is there twice",
-                  "models[2].channels[1]: 3 is not among laser.channels, 2 4; add it "
-                  "there or leave it out"));
+  EXPECT_THAT(
+      Complaints(job),
+      UnorderedElementsAre("models[1].channels[1]: 2 occurs twice",
+                           "models[2].channels[1]: 3 is not among laser.channels, 2 4; "
+                           "add it there or remove it here"));
   job = WithBlock(FourBlocks(), 3, 60, 5, 25);
   job.mutable_laser()->mutable_channels()->RemoveLast();
   job.mutable_models(2)->set_channels(0, 3);
   job.mutable_models(2)->mutable_channels()->RemoveLast();
   job = WithBlock(WithBlock(job, 3, 40, 40, 30), 4, 40, 40, 30);
   job.add_channel_blocks()->set_channel(1);
-  EXPECT_THAT(
-      Complaints(job),
-      UnorderedElementsAre(
-          "channel_blocks[0].size_mm.x: 60 is more than that of the block, 50; give the "
-          "size of the largest as block.size_mm",
-          "channel_blocks[0].size_mm.y: 5 leaves no room between the margins; lower "
-          "block.margin_mm, 3",
-          "channel_blocks[0].size_mm.z: 25 is not the height of the block, 30; all "
-          "channels are focused alike: take blocks of one height",
-          "channel_blocks[1].channel: 3 is there twice",
-          "channel_blocks[2].channel: 4 is not among laser.channels, 1 2 3; add it there "
-          "or leave it out",
-          "channel_blocks[3].size_mm: is missing; give the block's size, 1..1000 mm each "
-          "way"));
+  EXPECT_THAT(Complaints(job),
+              UnorderedElementsAre(
+                  "channel_blocks[0].size_mm.x: 60 is more than that of the block, 50; "
+                  "give the size of the largest block as block.size_mm",
+                  "channel_blocks[0].size_mm.y: 5 leaves no space between the margins; "
+                  "reduce block.margin_mm, 3",
+                  "channel_blocks[0].size_mm.z: 25 is not the height of the block, 30; "
+                  "all channels have the same focus: use blocks of one height",
+                  "channel_blocks[1].channel: 3 occurs twice",
+                  "channel_blocks[2].channel: 4 is not among laser.channels, 1 2 3; add "
+                  "it there or remove it here",
+                  "channel_blocks[3].size_mm: is missing; give the block's size, 1..1000 "
+                  "mm in each axis"));
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST(CheckJob, AProfileThatIsNoneIsTold) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_profile(static_cast<MotionProfile>(99));
   EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-              ElementsAre(Says("motion.profile", "99 is none of the profiles, 0..8")));
+              ElementsAre(Says("motion.profile", "99 is not a profile, 0..8")));
 }
 
 TEST(CheckJob, AnEmptyJobTellsAllThatIsRequired) {
@@ -114,7 +114,7 @@ TEST(CheckJob, EachMistakeIsFoundByItself) {
   const std::vector<Mistake> mistakes = {
       {"models[0].file", "is no",
        [](JobSpec& j) { j.mutable_models(0)->set_file("/tmp"); }},
-      {"models[0].file", "no kind that is read",
+      {"models[0].file", "has an unknown extension",
        [](JobSpec& j) { j.mutable_models(0)->set_file(__FILE__); }},
       {"models[0].file", "missing",
        [](JobSpec& j) { j.mutable_models(0)->clear_file(); }},
@@ -135,7 +135,7 @@ TEST(CheckJob, EachMistakeIsFoundByItself) {
          auto& scale = *j.mutable_models(0)->mutable_placement()->mutable_scale_ratio();
          scale.set_x(2), scale.set_z(2);
        }},
-      {"block.margin_mm", "leaves no room",
+      {"block.margin_mm", "leaves no space",
        [](JobSpec& j) { j.mutable_block()->set_margin_mm(15); }},
       {"block.size_mm.x", "does not fit in the travel",
        [](JobSpec& j) { j.mutable_block()->mutable_size_mm()->set_x(176); }},
@@ -279,8 +279,9 @@ TEST(CheckJob, ATonesCurveRises) {
   for (const double from : {0.0, 0.5, 0.5}) halftone.add_curve()->set_from(from);
   const auto errors = CheckJobOnMachine(job, GoodMachine());
   ASSERT_EQ(errors.size(), 1u);
-  EXPECT_THAT(errors[0].message,
-              HasSubstr("models[0].halftone.curve[2].from: 0.5 does not rise"));
+  EXPECT_THAT(
+      errors[0].message,
+      HasSubstr("models[0].halftone.curve[2].from: 0.5 is not above the previous one"));
   halftone.mutable_curve(2)->set_from(1);
   EXPECT_TRUE(CheckJobOnMachine(job, GoodMachine()).empty());
   halftone.mutable_curve(2)->set_to(1.5);

@@ -49,7 +49,7 @@ TEST_F(FullDiskAtStart, OfAShopThatIsNew) {
   ServiceProcess service(folder_, test::PrivateTag());
   ASSERT_TRUE(Waits());
   EXPECT_THAT(shop_.JobServiceHealth().message, HasSubstr("jobs.db"));
-  EXPECT_THAT(shop_.JobServiceHealth().message, HasSubstr("make room"));
+  EXPECT_THAT(shop_.JobServiceHealth().message, HasSubstr("free space"));
   int exit_code = 0;
   EXPECT_FALSE(service.Exited(exit_code)) << exit_code;
   fs::remove(folder_ / "full");

@@ -193,7 +193,7 @@ TEST_F(JobServiceTest, ADeadDiscretizersPartIsHandedOutAgainAndTheOthersGoOn) {
   ASSERT_TRUE(shop_.Until([&] { return Discretize().revoked; }));
   EXPECT_EQ(Discretize().part, 1u);
   ASSERT_TRUE(shop_.Until([&] { return !Job().message.empty(); }));
-  EXPECT_EQ(Job().message, "part 2 of 16 begins again: d2 was lost");
+  EXPECT_EQ(Job().message, "part 2 of 16 starts again: d2 was lost");
   shop_.Health(intaglio_STAGE_DISCRETIZE, "d3", intaglio_HEALTH_READY);
   ASSERT_TRUE(shop_.Until([&] { return Discretize().worker == "d3"; }));
   EXPECT_EQ(Discretize().part, 1u);
@@ -340,7 +340,7 @@ TEST_F(JobServiceTest, AnArmedJobThatIsOvertakenIsNotPermittedToFire) {
   };
   shop_.Health(intaglio_STAGE_SORT, "s2", intaglio_HEALTH_READY);
   ASSERT_TRUE(shop_.Until([&] { return is_of("two"); }));
-  EXPECT_THAT(Job().message, HasSubstr("it is not armed any more"));
+  EXPECT_THAT(Job().message, HasSubstr("it is no longer armed"));
   Report(intaglio_STAGE_ENGRAVE, intaglio_TASK_DONE, 100);
   ASSERT_TRUE(Reaches(intaglio_JOB_DONE, "two"));
   ASSERT_TRUE(shop_.Until([&] { return is_of("one"); }));

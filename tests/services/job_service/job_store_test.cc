@@ -399,7 +399,7 @@ TEST_F(JobStoreTest, PausedJobsOfAnOlderDatabaseGetTheirReason) {
     intaglio_PauseReason reason;
   };
   constexpr Old kOld[] = {
-      {intaglio_JOB_PAUSED, "paused by ann@shop; resume it to go on",
+      {intaglio_JOB_PAUSED, "paused by ann@shop; resume it to continue",
        intaglio_PAUSE_OPERATOR},
       {intaglio_JOB_PAUSED, "the door is open: close it, then resume",
        intaglio_PAUSE_FAULT},
@@ -445,7 +445,7 @@ TEST_F(JobStoreTest, WhatIsNoDatabaseIsRefused) {
   const StoreError no_folder = Refusal("/proc/nowhere/jobs.db");
   EXPECT_TRUE(no_folder.passes());
   EXPECT_THAT(no_folder.what(), testing::HasSubstr("/proc/nowhere/jobs.db"));
-  EXPECT_THAT(no_folder.what(), testing::HasSubstr("make room"));
+  EXPECT_THAT(no_folder.what(), testing::HasSubstr("free space"));
 
   fs::create_directories(path_);
   const StoreError folder = Refusal(path_);

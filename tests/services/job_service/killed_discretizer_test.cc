@@ -166,7 +166,7 @@ class DisturbedDiscretizerTest : public KilledDiscretizerTest {
   void ExpectTheCloudOfOne(const PointCloud& of_two) {
     EXPECT_EQ(shop_.Status(submission_).attempt, 1u);
     EXPECT_THAT(shop_.Status(submission_).message,
-                HasSubstr("begins again: " + victim_name_));
+                HasSubstr("starts again: " + victim_name_));
     ASSERT_TRUE(shop_.Until(
         [&] { return shop_.Status(submission_).state == intaglio_JOB_SORTING; }));
     Cancel(submission_);

@@ -60,7 +60,7 @@ TEST_F(SubmittedFiles, AreFilesAndNothingElse) {
   EXPECT_THAT(AnswerTo(Path("huge")),
               AllOf(HasSubstr(Path("huge").string()), HasSubstr("8589934592 bytes")));
   EXPECT_THAT(AnswerTo(Path("loop")), HasSubstr(Path("loop").string()));
-  EXPECT_THAT(AnswerTo(Path("absent")), HasSubstr("there is no such file"));
+  EXPECT_THAT(AnswerTo(Path("absent")), HasSubstr("the file does not exist"));
 
   const int before = shop_.permissions_seen();
   EXPECT_TRUE(shop_.Until([&] { return shop_.permissions_seen() > before + 3; }));

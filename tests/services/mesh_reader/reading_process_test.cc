@@ -106,11 +106,11 @@ TEST(ReadingProcess, SaysWhatTheLibrarysReaderSays) {
 
 TEST(ReadingProcess, AFileThatCrashesTheLibraryIsRefusedByName) {
   ExpectRefused(Read(OfNames(), "dae"), ErrorCode::kUnreadable,
-                "it broke the reader of dae files (Segmentation fault)");
+                "it crashed the reader of dae files (Segmentation fault)");
   // A second copy is placed by a transform without numbers.
   ExpectRefused(Read(ThreeMf(mesh::BoxMesh(Vec3(1, 2, 3)), "inch", ""), "3mf"),
                 ErrorCode::kUnreadable,
-                "it broke the reader of 3mf files (Segmentation fault)");
+                "it crashed the reader of 3mf files (Segmentation fault)");
 }
 
 TEST(ReadingProcess, ANameThatLooksLikeAnOptionIsAName) {
@@ -145,7 +145,7 @@ TEST(ReadingProcess, OneThatTakesAllMemoryIsRefusedIt) {
 }
 
 TEST(ReadingProcess, WhatIsNoAnswerIsNone) {
-  const std::string broke = "it broke the reader of obj files";
+  const std::string broke = "it crashed the reader of obj files";
   ExpectRefused(ReadBy(Script("echo a mesh"), "file", "obj"), ErrorCode::kUnreadable,
                 broke);
   ExpectRefused(ReadBy(Script("exit 0"), "file", "obj"), ErrorCode::kUnreadable, broke);
@@ -166,7 +166,7 @@ TEST(ProgramLimits, LookForTheProgramBesideTheOneThatRuns) {
   const TriangleMesh box = mesh::BoxMesh(Vec3(1, 2, 3));
   EXPECT_TRUE(limits.read_mesh(BytesOf(Obj(box)), "obj", limits.meshes, "box"));
   ExpectRefused(limits.read_mesh(BytesOf(OfNames()), "dae", limits.meshes, "box"),
-                ErrorCode::kUnreadable, "it broke the reader");
+                ErrorCode::kUnreadable, "it crashed the reader");
 }
 
 }  // namespace

@@ -241,8 +241,7 @@ TEST_F(BridgeProcess, WhoseStageIsTakenOverEndsWithAFault) {
   }));
   EXPECT_EQ(code, "taken_over");
   EXPECT_EQ(message,
-            "another motion bridge has taken this machine over; this process "
-            "ends");
+            "another motion bridge has taken over this machine; this process ends");
   EXPECT_EQ(bridge_->ExitCode(), 4);
 }
 

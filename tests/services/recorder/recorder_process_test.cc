@@ -213,7 +213,7 @@ TEST_F(RecorderProcess, ADiskThatIsFullAtTheStartIsWaitedFor) {
       [&] { return Log().find("No space left on device") != std::string::npos; }, 20s))
       << Log();
   EXPECT_THAT(Log(), HasSubstr("s.mcap"));
-  EXPECT_THAT(Log(), HasSubstr("make room"));
+  EXPECT_THAT(Log(), HasSubstr("free space"));
   fs::remove(disk / "full");
   EXPECT_TRUE(test::Eventually([&] { return fs::exists(file_); }, 20s)) << Log();
   recorder.Signal(SIGTERM);

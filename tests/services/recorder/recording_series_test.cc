@@ -232,7 +232,7 @@ TEST_F(Series, SaysWhatIsMissing) {
   const auto stream = series.AddStream(bulk_, types_);
   series.CountMissing(stream, 7 * kSecond, "the disk is too slow", 3);
   series.CountMissing(stream, 9 * kSecond, "the disk is too slow", 2);
-  series.TellUnrecorded("Odd", "its type is not to be had");
+  series.TellUnrecorded("Odd", "its type is not available");
   ASSERT_TRUE(series.Close());
   const auto records =
       McapReader::Open(options_.file)->ReadMetadata(recording::kMissingRecord).value();

@@ -293,7 +293,7 @@ TEST_F(EngravingTest, AFullDiskPausesBeforeAnythingFiresWithoutIntent) {
     ASSERT_TRUE(cell_.StepUntil([&] { return cell_.engraving->faulted(); }));
     cell_.StepFor(1s);
   }
-  EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("make room on the disk"));
+  EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("free space on the disk"));
   EXPECT_EQ(cell_.laser.shutters(), 0);
   std::set<std::uint64_t> meant;
   const auto on_disk = formats::ReadJournal(cell_.journal_file);

@@ -28,7 +28,7 @@ TEST(MountedParts, AJobForAnotherLensIsNamedWithBothAndTheRemedy) {
       MountMisfit(GoodTask(), {.lens = kF70}),
       AllOf(HasSubstr("for the lens f43 (f 43 mm, NA 0.2)"),
             HasSubstr("the lens f70 (f 70 mm, NA 0.124) is mounted"),
-            HasSubstr("nothing is fired"), HasSubstr("`intaglio up --lens f43`")));
+            HasSubstr("no pulse is fired"), HasSubstr("`intaglio up --lens f43`")));
 }
 
 TEST(MountedParts, AnotherApertureIsAnotherLens) {

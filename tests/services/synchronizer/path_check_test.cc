@@ -41,7 +41,7 @@ TEST(PathCheck, OnePointOutsideTheBlockIsRefusedWithItsPlace) {
   EXPECT_THAT(
       RefusalOf({Vec3(1, 1, 20), Vec3(1, 40.002, 20)}),
       AllOf(HasSubstr("1 of 2 points"), HasSubstr("point 1 of the order"),
-            HasSubstr("not in the block"), HasSubstr("y 40.002"), HasSubstr("0 to 40")));
+            HasSubstr("outside the block"), HasSubstr("y 40.002"), HasSubstr("0 to 40")));
   EXPECT_NE(RefusalOf({Vec3(-0.002, 1, 20)}), "");
   EXPECT_NE(RefusalOf({Vec3(1, 1, 30.002)}), "");
 }
@@ -54,7 +54,7 @@ TEST(PathCheck, AllPointsThatFailAreCountedAndTheFirstIsNamed) {
 // z by the focus: a point 21 mm deep takes the stage 21 * 0.65 mm down.
 TEST(PathCheck, APointThatTheStageCannotReachIsRefusedWithTheTravel) {
   EXPECT_THAT(RefusalOf({Vec3(1, 1, 9)}),
-              AllOf(HasSubstr("out of the stage's travel"), HasSubstr("z 16.35"),
+              AllOf(HasSubstr("outside the stage's travel"), HasSubstr("z 16.35"),
                     HasSubstr("17 to 100")));
   EXPECT_THAT(RefusalOf({Vec3(46, 1, 20)}), HasSubstr("x 46"));
 }
@@ -126,7 +126,7 @@ TEST(PathCheck, ReachAndTravelOfAnArmAndATable) {
               AllOf(HasSubstr("1 of 2 points"), HasSubstr("point 1 of the order"),
                     HasSubstr("out of reach"), HasSubstr("block_origin_mm")));
   EXPECT_THAT(refusal({Vec3(50, 39, 5)}),
-              AllOf(HasSubstr("out of the stage's travel"), HasSubstr("rad"),
+              AllOf(HasSubstr("outside the stage's travel"), HasSubstr("rad"),
                     HasSubstr("-0.2 to 0.6")));
 }
 

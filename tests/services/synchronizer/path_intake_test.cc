@@ -163,7 +163,7 @@ TEST_F(PathIntakeTest, AFloodBeyondTheWindowIsRefusedAndDropped) {
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::kFault);
   EXPECT_THAT(status.error().message,
-              testing::HasSubstr("batch 32 with 1 points is more"));
+              testing::HasSubstr("batch 32 with 1 points exceeds"));
   EXPECT_EQ(intake_.path().size(), kWindow);
   EXPECT_TRUE(Eventually([this] {
     credit_.Poll();

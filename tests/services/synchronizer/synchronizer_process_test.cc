@@ -92,7 +92,7 @@ TEST_F(SynchronizerProcess, WhoseLaserIsTakenOverEndsWithAFault) {
   const auto ended = synchronizer->WaitForEnd(5s);
   EXPECT_EQ(ended.exit_code, 4);
   EXPECT_NE(ended.output.find(
-                "another synchronizer has taken this machine over; this process ends"),
+                "another synchronizer has taken over this machine; this process ends"),
             std::string::npos)
       << ended.output;
 }

@@ -256,7 +256,7 @@ TEST(DxfRead, ErrorsNameThePlaceTheValueAndTheRemedy) {
   EXPECT_EQ(DxfError("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n").code,
             ErrorCode::kUnreadable);
   EXPECT_THAT(DxfError("0\nSECTION\n2\nENTITIES\n0\nLINE\n").message,
-              HasSubstr("cut off"));
+              HasSubstr("truncated"));
   EXPECT_EQ(DxfError("AutoCAD Binary DXF\r\n").code, ErrorCode::kUnsupported);
   EXPECT_EQ(DxfError("AC1018\n").code, ErrorCode::kUnsupported);
   EXPECT_EQ(DxfError(Entities("0 INSERT|2 X")).code, ErrorCode::kNotFound);
@@ -270,7 +270,7 @@ TEST(DxfRead, BlocksWithoutEndEndInErrors) {
       WithBlocks("0 BLOCK|2 A|0 INSERT|2 B|0 ENDBLK|0 BLOCK|2 B|0 INSERT|2 A|0 ENDBLK",
                  "0 INSERT|2 A"));
   EXPECT_EQ(loop.code, ErrorCode::kInvalidValue);
-  EXPECT_THAT(loop.message, HasSubstr("holds itself"));
+  EXPECT_THAT(loop.message, HasSubstr("contains itself"));
 
   // Ten blocks, each of ten of the next: ten thousand million insertions.
   std::string blocks;

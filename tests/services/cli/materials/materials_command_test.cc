@@ -210,7 +210,7 @@ TEST(MaterialsCommand, ImportsUnderAName) {
             "melt 4711\n");
   const Outcome two = RunMaterials(folder, {"import", file, file, "--as", "one"});
   EXPECT_EQ(two.exit_code, 2);
-  EXPECT_THAT(two.err, HasSubstr("--as names one glass"));
+  EXPECT_THAT(two.err, HasSubstr("--as is the name of one glass"));
 }
 
 TEST(MaterialsCommand, SkipsBadGlassesOnlyWhenAsked) {

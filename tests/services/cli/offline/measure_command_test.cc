@@ -89,7 +89,7 @@ TEST_F(MeasureCommand, EndsWithOneWhenPointsAreTooNear) {
   points_.points_mm.push_back(points_.points_mm[7] + Vec3(0.1, 0, 0));
   EXPECT_EQ(Run({"--spacing", "0.5"}), 3);
   EXPECT_THAT(out_, HasSubstr("2 pairs below 0.5 mm"));
-  EXPECT_THAT(out_, HasSubstr("least 0.100000 mm"));
+  EXPECT_THAT(out_, HasSubstr("minimum 0.100000 mm"));
   EXPECT_THAT(out_, HasSubstr("\nwarning"));
   EXPECT_EQ(Run({"--spacing", "0.09"}), 0);
   // In z cracks are longer: what is 0.5 mm apart there counts as 0.25.

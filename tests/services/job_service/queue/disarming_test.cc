@@ -171,7 +171,7 @@ TEST_F(JobDisarmTest, AJobThatIsHandedOutAgainAfterAHigherOneIsNotArmed) {
   Lose("y");  // before any permission: the attempt is over
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_FALSE(job().arm.armed());
-  EXPECT_THAT(job().message, HasSubstr("it is not armed any more"));
+  EXPECT_THAT(job().message, HasSubstr("it is no longer armed"));
   Add(2, "c", 1);
   HandOutAgain();
   Finish("j2");

@@ -94,7 +94,7 @@ TEST_F(PartsAheadTest, ALostDiscretizerLosesBothAndOneOfThemIsNoLossOfIts) {
   Lose("d");
   EXPECT_THAT(actions_.Orders(),
               ElementsAre("revoke d j1 1 2.0/16", "revoke d j1 1 0.0/16"));
-  EXPECT_EQ(job().message, "part 1 of 16 begins again: d was lost");
+  EXPECT_EQ(job().message, "part 1 of 16 starts again: d was lost");
   EXPECT_EQ(part(0).attempt, 1u);
   EXPECT_EQ(part(0).losses, 1u);
   EXPECT_EQ(part(2).attempt, 1u) << "it may be begun yet";
@@ -135,7 +135,7 @@ TEST_F(PartsAheadTest, APartHasAsManyNumbersAsItCanBeLost) {
     Lose(name);
   }
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
-  EXPECT_EQ(job().message, "part 3 of 16 is given up after 3 attempts; e3 was lost");
+  EXPECT_EQ(job().message, "part 3 of 16 has failed after 3 attempts; e3 was lost");
 }
 
 TEST_F(PartsAheadTest, OneThatFailsForANeighbourLeavesTheNextToItsWorker) {
@@ -177,7 +177,7 @@ TEST_F(PartsAheadTest, OneThatDoesNotBeginItsNextPartIsSilent) {
   Ready("y", intaglio_ROLE_SYNCHRONIZER, intaglio_HEALTH_BUSY);
   queue_.Turn(now_);
   EXPECT_THAT(actions_.Orders(), ElementsAre("revoke d j1 1 2.0/16"));
-  EXPECT_EQ(job().message, "part 3 of 16 begins again: d does not answer");
+  EXPECT_EQ(job().message, "part 3 of 16 starts again: d does not answer");
 }
 
 /// Discretizers that work, fail and die at random; each does its tasks in their order.
@@ -299,7 +299,7 @@ TEST(PartsAheadAtRandom, EveryPartIsMadeAndNoNumberGivenTwice) {
       queue.Turn(now);
     }
     if (job.state == intaglio_JOB_FAILED) {
-      EXPECT_THAT(job.message, testing::HasSubstr("is given up after 3 attempts"));
+      EXPECT_THAT(job.message, testing::HasSubstr("has failed after 3 attempts"));
       continue;
     }
     ASSERT_EQ(job.state, intaglio_JOB_SORTING) << "seed " << seed;

@@ -83,7 +83,7 @@ TEST_F(JobPartsTest, ALostDiscretizerCostsItsPartAlone) {
   EXPECT_THAT(actions_.Orders(), ElementsAre("revoke d j1 1 0.0/16"));
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
   EXPECT_EQ(job().attempt, 1u);
-  EXPECT_EQ(job().message, "part 1 of 16 begins again: d was lost");
+  EXPECT_EQ(job().message, "part 1 of 16 starts again: d was lost");
   Done(1);
   EXPECT_THAT(actions_.Orders(), ElementsAre("d2 j1 1 0.1/16 > s"));
   DiscretizeAll();
@@ -147,7 +147,7 @@ TEST_F(JobPartsTest, WithoutAnyItWaitsAndSaysSoAndANewOneGoesOn) {
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
   EXPECT_EQ(
       job().message,
-      "part 2 of 16 begins again: d2 was lost; waits for a discretizer (none runs)");
+      "part 2 of 16 starts again: d2 was lost; waits for a discretizer (none runs)");
   for (const auto stage : {intaglio_STAGE_SORT, intaglio_STAGE_ENGRAVE}) {
     Task(stage, intaglio_TASK_ACCEPTED);
   }
@@ -160,7 +160,7 @@ TEST_F(JobPartsTest, WithoutAnyItWaitsAndSaysSoAndANewOneGoesOn) {
   Ready("d3", intaglio_ROLE_DISCRETIZER);
   queue_.Turn(now_);
   EXPECT_THAT(actions_.Orders(), ElementsAre("d3 j1 1 1.1/16 > s"));
-  EXPECT_EQ(job().message, "part 2 of 16 begins again: d2 was lost");
+  EXPECT_EQ(job().message, "part 2 of 16 starts again: d2 was lost");
   DiscretizeAll();
   EXPECT_EQ(job().state, intaglio_JOB_SORTING);
 }
@@ -177,7 +177,7 @@ TEST_F(JobPartsTest, TheThirdLossOfOnePartFailsTheJobAndNamesIt) {
     Lose(next);
   }
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
-  EXPECT_EQ(job().message, "part 1 of 16 is given up after 3 attempts; e2 was lost");
+  EXPECT_EQ(job().message, "part 1 of 16 has failed after 3 attempts; e2 was lost");
 }
 
 TEST_F(JobPartsTest, LossesOfDifferentPartsDoNotAddUp) {
@@ -209,7 +209,7 @@ TEST_F(JobPartsTest, AFailureForWantOfTheSorterIsTriedAgainAfterItsLease) {
   BeginWithTwo();
   Fail(0, intaglio_ERROR_LINK_LOST, "the consumer is gone");
   EXPECT_EQ(job().state, intaglio_JOB_DISCRETIZING);
-  EXPECT_EQ(job().message, "part 1 of 16 begins again: d: the consumer is gone");
+  EXPECT_EQ(job().message, "part 1 of 16 starts again: d: the consumer is gone");
   EXPECT_THAT(actions_.Orders(), ElementsAre("d j1 1 2.0/16 > s")) << "another part";
   now_ += 1900ms;
   Done(2);
@@ -241,7 +241,7 @@ TEST_F(JobPartsTest, ASilentDiscretizerLosesItsPartAndIsUsedAgainWhenItHasDroppe
   queue_.Turn(now_);
   EXPECT_THAT(actions_.Orders(),
               ElementsAre("revoke d j1 1 2.0/16", "revoke d j1 1 0.0/16"));
-  EXPECT_EQ(job().message, "part 1 of 16 begins again: d does not answer");
+  EXPECT_EQ(job().message, "part 1 of 16 starts again: d does not answer");
   // It was done all the same: it is ignored, but it is free again.
   Report(late);
   EXPECT_FALSE(job().parts.at(0).done);

@@ -62,7 +62,7 @@ TEST(JobParts, ALostOneWaitsAndCountsItsLossesUnlessItWasGivenAhead) {
   EXPECT_EQ(parts[1].losses, 0u);
   EXPECT_EQ(parts[0].attempt, 1u);
   EXPECT_EQ(parts[1].attempt, 1u) << "its number is used up";
-  EXPECT_EQ(parts.last_loss(), "part 1 of 16 begins again: a was lost");
+  EXPECT_EQ(parts.last_loss(), "part 1 of 16 starts again: a was lost");
   EXPECT_EQ(parts.NextOpen(101s), 1u);
   EXPECT_EQ(parts.NextOpen(102s), 0u);
 }

@@ -136,7 +136,7 @@ TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
   EXPECT_THAT(actions_.Orders(),
               ElementsAre("stop j1", "revoke d j1 1", "revoke s j1 1", "revoke y j1 1"));
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
-  EXPECT_THAT(job().message, HasSubstr("attempt 1 broke: s was lost; waits for"));
+  EXPECT_THAT(job().message, HasSubstr("attempt 1 failed: s was lost; waits for"));
   // The discretizer reports that it has dropped the old attempt; the synchronizer never
   // got it.
   TaskView dropped = SortStatus(1, intaglio_TASK_FAILED);
@@ -152,7 +152,7 @@ TEST_F(JobQueueTest, LostWorkerMeansANewAttempt) {
   Lose("s");  // came back in ReadyAll; gone for good now
   queue_.Turn(now_);
   EXPECT_THAT(actions_.Orders(), ElementsAre("y j1 2", "s2 j1 2 > y", "d j1 2 > s2"));
-  EXPECT_THAT(job().message, HasSubstr("attempt 2: attempt 1 broke: s was lost"));
+  EXPECT_THAT(job().message, HasSubstr("attempt 2: attempt 1 failed: s was lost"));
 }
 
 // A worker on a busy host may miss its heartbeats and go on.
@@ -209,7 +209,7 @@ TEST_F(JobQueueTest, TheThirdLossFailsTheJob) {
   }
   EXPECT_EQ(job().state, intaglio_JOB_FAILED);
   EXPECT_THAT(job().message,
-              HasSubstr("given up after 3 attempts; attempt 3 broke: s was lost"));
+              HasSubstr("failed after 3 attempts; attempt 3 failed: s was lost"));
 }
 
 TEST_F(JobQueueTest, AWorkerThatIsDoneMayGo) {
@@ -338,13 +338,13 @@ TEST_F(JobQueueTest, PauseAndResume) {
   EXPECT_TRUE(Command(intaglio_COMMAND_PAUSE));
   EXPECT_FALSE(Granted());
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  EXPECT_EQ(job().message, "paused by ann@shop; resume it to go on");
+  EXPECT_EQ(job().message, "paused by ann@shop; resume it to continue");
   // The synchronizer receives it later: its last reports change nothing.
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 12, 100);
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
   Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_PAUSED, 12, 100, intaglio_PAUSE_NOT_ARMED,
        "no permission");
-  EXPECT_EQ(job().message, "paused by ann@shop; resume it to go on");
+  EXPECT_EQ(job().message, "paused by ann@shop; resume it to continue");
   EXPECT_TRUE(Command(intaglio_COMMAND_RESUME));
   EXPECT_FALSE(Granted()) << "the withdrawal has to be seen first";
   now_ += 400ms;
@@ -436,7 +436,7 @@ TEST_F(JobQueueTest, ARestartDisarmsAJobThatHasNotBegunToFire) {
       EXPECT_FALSE(queue.Find("j1")->arm.armed()) << state;
       if (state == intaglio_JOB_QUEUED) continue;
       EXPECT_GT(queue.Find("j1")->arm.disarm_count(), kept.arm.disarm_count());
-      EXPECT_THAT(queue.Find("j1")->message, HasSubstr("it is not armed any more"));
+      EXPECT_THAT(queue.Find("j1")->message, HasSubstr("it is no longer armed"));
     }
   }
 }

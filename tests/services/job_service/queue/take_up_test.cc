@@ -68,7 +68,7 @@ class TakeUpTest : public JobQueueTest {
 TEST_F(TakeUpTest, TheNextSynchronizerTakesItUpAndItGoesOn) {
   EngraveAndLose();
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  EXPECT_THAT(job().message, HasSubstr("the next synchronizer of c takes the job up"));
+  EXPECT_THAT(job().message, HasSubstr("the next synchronizer of c continues the job"));
   EXPECT_FALSE(Granted());
   actions_.Orders();
   NextSynchronizer();
@@ -331,7 +331,7 @@ TEST_F(TakeUpTest, AJobServiceThatStoodStillForLongDisarms) {
   queue_.Turn(now_);
   EXPECT_FALSE(Granted());
   EXPECT_EQ(job().state, intaglio_JOB_PAUSED);
-  EXPECT_THAT(job().message, HasSubstr("the job service was away"));
+  EXPECT_THAT(job().message, HasSubstr("the job service was absent"));
 }
 
 TEST_F(TakeUpTest, ClosingTheShopEndsEveryArm) {

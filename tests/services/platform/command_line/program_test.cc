@@ -210,27 +210,23 @@ class UnknownWords : public testing::Test {
 };
 
 TEST_F(UnknownWords, ACommandIsNamedWithTheNearestOne) {
-  EXPECT_EQ(
-      Said({"rum", "--height", "3"}),
-      "intaglio has no command 'rum', did you mean run?; intaglio --help tells what "
-      "there is");
-  EXPECT_EQ(Said({"engrave"}),
-            "intaglio has no command 'engrave'; intaglio --help tells what there is");
+  EXPECT_EQ(Said({"rum", "--height", "3"}),
+            "intaglio has no command 'rum', did you mean run?; see intaglio --help");
+  EXPECT_EQ(Said({"engrave"}), "intaglio has no command 'engrave'; see intaglio --help");
 }
 
 TEST_F(UnknownWords, AnOptionIsThatOfTheInnermostCommand) {
   EXPECT_EQ(Said({"run", "--hieght=3"}),
-            "intaglio run has no option '--hieght', did you mean --height?; intaglio run "
-            "--help tells what there is");
+            "intaglio run has no option '--hieght', did you mean --height?; see intaglio "
+            "run --help");
   EXPECT_EQ(Said({"recording", "repiar", "x"}),
-            "intaglio recording has no command 'repiar', did you mean repair?; intaglio "
-            "recording --help tells what there is");
+            "intaglio recording has no command 'repiar', did you mean repair?; see "
+            "intaglio recording --help");
 }
 
 TEST_F(UnknownWords, AWordTooManyIsNotTakenForACommand) {
-  EXPECT_EQ(
-      Said({"run", "--height", "3", "more"}),
-      "intaglio run has no use for 'more'; intaglio run --help tells what there is");
+  EXPECT_EQ(Said({"run", "--height", "3", "more"}),
+            "intaglio run does not accept 'more'; see intaglio run --help");
   EXPECT_EQ(Said({"run", "--height", "3"}), "understood");
 }
 

@@ -106,10 +106,9 @@ TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsSaidToBe) {
   to_host->cut = true;
   TurnFor(milliseconds(2000));
   EXPECT_FALSE(session.up());
-  EXPECT_EQ(
-      session.message(),
-      "the device does not answer: see that it is switched on and uses version 5 of "
-      "the frames");
+  EXPECT_EQ(session.message(),
+            "the device does not answer: check that it is switched on and uses version 5 "
+            "of the frames");
   to_host->cut = false;
   TurnFor(milliseconds(50));
   EXPECT_TRUE(session.up());
@@ -135,7 +134,7 @@ TEST_F(DeviceAndSession, SilenceIsNoticedAndEndsWithANewSession) {
   EXPECT_TRUE(session.up()) << "the last word is at most 50 ms old";
   TurnFor(milliseconds(53));
   EXPECT_FALSE(session.up());
-  EXPECT_EQ(session.message(), "the device has fallen silent");
+  EXPECT_EQ(session.message(), "the device no longer sends");
   EXPECT_FALSE(session.Send(0x10));
   to_host->cut = false;
   TurnFor(milliseconds(100));
@@ -175,7 +174,7 @@ TEST_F(DeviceAndSession, WhoIsFencedOffSaysSoAndOpensNothing) {
   TurnFor(milliseconds(300));
   EXPECT_TRUE(session.fenced());
   EXPECT_FALSE(session.up());
-  EXPECT_EQ(session.message(), "another host has taken this machine over");
+  EXPECT_EQ(session.message(), "another host has taken over this machine");
   EXPECT_EQ(session.fd(), -1) << "the port is closed for whoever has it now";
   const std::size_t opened = open_times.size();
   TurnFor(milliseconds(2000));

@@ -173,7 +173,7 @@ TEST(SerialPort, AnAbsentDeviceIsNamed) {
 TEST(SerialPort, WhatIsNoTerminalIsRefused) {
   const auto port = OpenSerialPort("/dev/null", 115200);
   ASSERT_FALSE(port);
-  EXPECT_THAT(port.error().message, HasSubstr("no terminal"));
+  EXPECT_THAT(port.error().message, HasSubstr("not a terminal"));
 }
 
 TEST(SerialPort, AnUnpluggedLineIsLostForReadingAndWriting) {

@@ -306,7 +306,7 @@ TEST_F(McapFile, FullDiskIsToldWithTheRemedy) {
   auto writer = McapWriter::Create("/dev/full", {.library = "x"});
   ASSERT_FALSE(writer);
   EXPECT_EQ(writer.error().code, ErrorCode::kIo);
-  EXPECT_THAT(writer.error().message, HasSubstr("make room"));
+  EXPECT_THAT(writer.error().message, HasSubstr("free space"));
 }
 
 /// The system's limit on the size of files stands in for a disk that is full.

@@ -135,7 +135,7 @@ TEST_F(IdentityFiles, AKeyThatOthersMayReadIsNotTaken) {
 
 TEST_F(IdentityFiles, NoCertificateAndNoKeyAreTold) {
   Replace(bus::kCertificateFile, "CERTIFICATE", "CERTIFICATION");
-  EXPECT_THAT(Complaint(bus::kCertificateFile), HasSubstr("no certificate"));
+  EXPECT_THAT(Complaint(bus::kCertificateFile), HasSubstr("not a certificate"));
 }
 
 TEST_F(IdentityFiles, AnothersKeyIsTold) {
@@ -193,7 +193,7 @@ TEST_F(IdentityFiles, RenewalGivesNewKeysByTheSameAuthorities) {
 
 TEST_F(IdentityFiles, AnotherDomainIsTold) {
   EXPECT_THAT(Complaint(bus::kPermissionsFile, kNow, 50),
-              AllOf(HasSubstr("domain 40, 60 and not for 50"), HasSubstr("--domain")));
+              AllOf(HasSubstr("domain 40, 60, not for 50"), HasSubstr("--domain")));
 }
 
 TEST_F(IdentityFiles, NamesThatWouldBeMoreThanNamesAreRefused) {

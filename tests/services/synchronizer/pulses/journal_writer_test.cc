@@ -101,7 +101,7 @@ TEST(JournalWriter, GoesOnWhenTheDiskHasRoomAgain) {
     EXPECT_TRUE((*journal)->failed());
     EXPECT_EQ((*journal)->durable(), 1u);
     EXPECT_THAT((*journal)->error(), testing::HasSubstr("journal.bin"));
-    EXPECT_THAT((*journal)->error(), testing::HasSubstr("make room"));
+    EXPECT_THAT((*journal)->error(), testing::HasSubstr("free space"));
     // What comes meanwhile is kept.
     ASSERT_TRUE(append(**journal, 10));
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
