@@ -12,8 +12,8 @@
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
 #include "services/job/models/model_sources.h"
+#include "services/job/models/program_limits.h"
 #include "services/job/options.h"
-#include "services/mesh_reader/program_limits.h"
 #include "services/platform/command_line/other_programs.h"
 
 namespace intaglio::cli {

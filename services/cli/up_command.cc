@@ -22,7 +22,7 @@
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
 #include "services/job/job_file.h"
-#include "services/platform/host/utc_time.h"
+#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "services/client/exit_codes.h"
 #include "services/history/job_names.h"
 #include "services/job/json_text.h"
-#include "services/platform/host/utc_time.h"
+#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
 namespace {

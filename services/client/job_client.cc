@@ -10,7 +10,7 @@
 #include "services/history/job_names.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/identity_role.h"
+#include "services/platform/host/peers/identity_role.h"
 
 namespace intaglio::client {
 namespace {

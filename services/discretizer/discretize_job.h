@@ -8,7 +8,7 @@
 #include "engrave/core/result.h"
 #include "proto/task.pb.h"
 #include "services/job/models/model_sources.h"
-#include "services/platform/host/stage_task.h"
+#include "services/platform/host/stage/stage_task.h"
 
 namespace intaglio::discretizer {
 

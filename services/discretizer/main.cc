@@ -3,13 +3,13 @@
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
 #include "services/job/model_kind.h"
+#include "services/job/models/program_limits.h"
 #include "services/job/models/read_limits.h"
-#include "services/mesh_reader/program_limits.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/command_line/program.h"
-#include "services/platform/host/cloud_output.h"
-#include "services/platform/host/service_host.h"
-#include "services/platform/host/worker_threads.h"
+#include "services/platform/host/process/service_host.h"
+#include "services/platform/host/stage/cloud_output.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace {
 

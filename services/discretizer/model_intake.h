@@ -12,7 +12,7 @@
 #include "engrave/core/result.h"
 #include "services/job/models/model_sources.h"
 #include "services/platform/bus/flow.h"
-#include "services/platform/host/task_part.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::discretizer {
 

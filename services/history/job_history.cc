@@ -11,7 +11,7 @@
 
 #include "proto/task.pb.h"
 #include "services/history/job_names.h"
-#include "services/platform/host/utc_time.h"
+#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::history {
 namespace {

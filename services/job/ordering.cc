@@ -1,6 +1,6 @@
 #include "services/job/ordering.h"
 
-#include "services/platform/host/worker_threads.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::host {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/process/log.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -6,7 +6,7 @@
 #include "services/job/model_kind.h"
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/process/log.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -20,7 +20,7 @@
 #include "services/job_service/submission_reader.h"
 #include "services/job_service/worker_reports.h"
 #include "services/platform/bus/bus.h"
-#include "services/platform/host/service_host.h"
+#include "services/platform/host/process/service_host.h"
 
 namespace intaglio::job_service {
 

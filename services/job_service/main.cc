@@ -5,8 +5,8 @@
 #include "services/job_service/boot_clock.h"
 #include "services/job_service/job_service.h"
 #include "services/platform/command_line/program.h"
-#include "services/platform/host/only_instance.h"
-#include "services/platform/host/poll_loop.h"
+#include "services/platform/host/process/only_instance.h"
+#include "services/platform/host/process/poll_loop.h"
 
 namespace {
 

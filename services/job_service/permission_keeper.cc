@@ -1,7 +1,7 @@
 #include "services/job_service/permission_keeper.h"
 
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/process/log.h"
 
 namespace intaglio::job_service {
 

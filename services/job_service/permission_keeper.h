@@ -23,7 +23,7 @@
 
 #include "services/job_service/queue/job_queue.h"
 #include "services/platform/bus/bus.h"
-#include "services/platform/host/stop_latch.h"
+#include "services/platform/host/safety/stop_latch.h"
 
 namespace intaglio::job_service {
 

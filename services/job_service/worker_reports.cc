@@ -2,8 +2,8 @@
 
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/identity_role.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/peers/identity_role.h"
+#include "services/platform/host/process/log.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -2,7 +2,8 @@
 
 // ServiceHealth and TaskStatus of the workers, as far as they count: written by the
 // process that they name, with the identity of the service that they name, a cell's about
-// engraving and a stage worker's about the rest (services/platform/host/identity_role.h).
+// engraving and a stage worker's about the rest
+// (services/platform/host/peers/identity_role.h).
 //
 // Each identity has readers of its own: what another one writes about the same instance
 // or task neither takes the place of a sample here nor ends an instance. Within an

@@ -3,7 +3,7 @@
 #include <csignal>
 #include <string>
 
-#include "services/mesh_reader/reading_process.h"
+#include "services/job/models/reading_process.h"
 #include "services/platform/command_line/program.h"
 
 int main(int argc, char** argv) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/process/log.h"
 
 namespace intaglio::motion_bridge {
 namespace {

@@ -20,8 +20,8 @@
 
 #include "services/motion_bridge/motion_driver.h"
 #include "services/platform/bus/flow.h"
-#include "services/platform/host/service_host.h"
-#include "services/platform/host/stop_latch.h"
+#include "services/platform/host/process/service_host.h"
+#include "services/platform/host/safety/stop_latch.h"
 
 namespace intaglio::motion_bridge {
 

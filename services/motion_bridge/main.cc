@@ -3,8 +3,8 @@
 #include "services/job/job_file.h"
 #include "services/motion_bridge/bridge.h"
 #include "services/platform/command_line/program.h"
-#include "services/platform/host/only_instance.h"
-#include "services/platform/host/poll_loop.h"
+#include "services/platform/host/process/only_instance.h"
+#include "services/platform/host/process/poll_loop.h"
 
 namespace {
 

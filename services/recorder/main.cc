@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "services/platform/command_line/program.h"
-#include "services/platform/host/service_host.h"
+#include "services/platform/host/process/service_host.h"
 #include "services/recorder/job_papers.h"
 #include "services/recorder/recorder.h"
 

@@ -10,7 +10,7 @@
 #include <variant>
 
 #include "services/platform/bus/topic_tap.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/process/log.h"
 
 namespace intaglio::recorder {
 namespace {

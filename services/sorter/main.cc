@@ -1,6 +1,6 @@
 #include "services/platform/bus/role_names.h"
-#include "services/platform/host/cloud_output.h"
-#include "services/platform/host/service_host.h"
+#include "services/platform/host/process/service_host.h"
+#include "services/platform/host/stage/cloud_output.h"
 #include "services/sorter/sort_job.h"
 
 namespace {

@@ -14,7 +14,7 @@
 #include "services/job/options.h"
 #include "services/job/ordering.h"
 #include "services/job/quality_options.h"
-#include "services/platform/host/worker_threads.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::sorter {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
-#include "services/platform/host/stage_task.h"
+#include "services/platform/host/stage/stage_task.h"
 
 namespace intaglio::sorter {
 

@@ -16,7 +16,7 @@
 #include <optional>
 #include <vector>
 
-#include "services/platform/host/computation.h"
+#include "services/platform/host/threads/computation.h"
 #include "services/synchronizer/job_preparation.h"
 
 namespace intaglio::synchronizer {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/cloud_flow.h"
+#include "services/platform/host/stage/cloud_flow.h"
 
 namespace intaglio::synchronizer {
 namespace {

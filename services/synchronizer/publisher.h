@@ -10,8 +10,8 @@
 
 #include "proto/task.pb.h"
 #include "services/platform/bus/bus.h"
-#include "services/platform/host/kept_tasks.h"
-#include "services/platform/host/stop_latch.h"
+#include "services/platform/host/safety/stop_latch.h"
+#include "services/platform/host/stage/kept_tasks.h"
 #include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 

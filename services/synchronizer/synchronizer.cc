@@ -8,7 +8,7 @@
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/process/log.h"
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/permission/pause_reason.h"
 #include "services/synchronizer/task_check.h"

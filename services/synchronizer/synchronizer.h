@@ -11,8 +11,8 @@
 
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
-#include "services/platform/host/service_host.h"
-#include "services/platform/host/stop_latch.h"
+#include "services/platform/host/process/service_host.h"
+#include "services/platform/host/safety/stop_latch.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
 #include "services/synchronizer/mounted_parts.h"

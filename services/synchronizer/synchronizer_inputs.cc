@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/log.h"
+#include "services/platform/host/process/log.h"
 #include "services/synchronizer/permission/pause_reason.h"
 #include "services/synchronizer/synchronizer.h"
 

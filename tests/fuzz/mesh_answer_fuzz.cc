@@ -6,7 +6,7 @@
 #include <span>
 
 #include "engrave/core/check.h"
-#include "services/mesh_reader/mesh_answer.h"
+#include "services/job/models/mesh_answer.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;

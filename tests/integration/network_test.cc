@@ -179,7 +179,8 @@ TEST_F(Network, ACutWithinTheLimitOfAbsence) {
   ExpectSafe(outage, 0.30);
 }
 
-// The block may have been changed meanwhile (services/platform/host/absence_limit.h).
+// The block may have been changed meanwhile
+// (services/platform/host/safety/absence_limit.h).
 TEST_F(Network, ACutBeyondTheLimitOfAbsenceWaitsForAPerson) {
   if (!LongTests()) GTEST_SKIP() << "takes a minute: set INTAGLIO_LONG=1";
   ASSERT_TRUE(Begin(60)) << floor_->Logs();

@@ -18,7 +18,7 @@
 #include "services/platform/bus/bus.h"
 #include "services/platform/bus/identity.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/stop_latch.h"
+#include "services/platform/host/safety/stop_latch.h"
 #include "tests/integration/run_program.h"
 #include "tests/test_folder.h"
 

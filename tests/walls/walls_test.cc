@@ -30,7 +30,7 @@ TEST(Walls, HoldInThisTree) { EXPECT_THAT(Violations(INTAGLIO_SOURCE_DIR), IsEmp
 TEST_F(MadeUpTree, GoodTreeHasNoViolation) {
   Write("engrave/sort/a.h", "#pragma once\n#include \"engrave/core/geometry.h\"\n");
   Write("services/cli/a.cc",
-        "#include \"services/platform/host/b.h\"\n#include <thread>\n");
+        "#include \"services/platform/host/process/b.h\"\n#include <thread>\n");
   EXPECT_THAT(Violations(root_), IsEmpty());
 }
 
@@ -53,7 +53,11 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"engrave/discretize/a.cc", "#include \"engrave/discretize/mesh/rays.h\"\n"},
       {"services/job/methods/a.cc", "#include \"services/job/options.h\"\n"},
       {"services/job/a.cc", "#include \"services/history/job_names.h\"\n"},
-      {"services/platform/host/a.cc", "#include \"services/job/options.h\"\n"},
+      {"services/platform/host/process/a.cc", "#include \"services/job/options.h\"\n"},
+      {"services/platform/host/process/b.cc",
+       "#include \"services/platform/host/stage/stage_task.h\"\n"},
+      {"services/job/b.cc",
+       "#include \"services/platform/host/process/service_host.h\"\n"},
       {"services/client/a.cc", "#include \"services/cli/job_options.h\"\n"},
       {"services/sorter/c.cc", "#include \"services/client/job_client.h\"\n"},
       {"services/cli/a.cc", "#include \"services/sorter/sort_job.h\"\n"},
@@ -61,7 +65,7 @@ TEST_F(MadeUpTree, EveryWallIsSeenWhenItIsCrossed) {
       {"services/sorter/a.cc", "#include <dds/dds.h>\n"},
       {"services/sorter/b.cc", "int x = dds_write(1, 2);\n"},
       {"services/virtual_engraver/a.cc", "#include \"engrave/optics/focus.h\"\n"},
-      {"services/platform/host/a.h", "int once;\n"}};
+      {"services/platform/host/process/a.h", "int once;\n"}};
   for (const auto& [path, text] : crossings) {
     fs::remove_all(root_);
     Write(path, text);

@@ -9,7 +9,7 @@
 #include "services/cli/interrupt.h"
 #include "services/client/figure_text.h"
 #include "services/history/job_names.h"
-#include "services/platform/host/utc_time.h"
+#include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::cli {
 namespace {

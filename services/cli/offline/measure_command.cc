@@ -21,11 +21,11 @@
 #include "services/job/channels.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/model_sources.h"
+#include "services/job/models/program_limits.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/options.h"
 #include "services/job/quality_options.h"
-#include "services/mesh_reader/program_limits.h"
-#include "services/platform/host/worker_threads.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {

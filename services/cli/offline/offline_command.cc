@@ -19,8 +19,8 @@
 #include "services/client/proof_folder.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/job/models/model_sources.h"
-#include "services/mesh_reader/program_limits.h"
-#include "services/platform/host/worker_threads.h"
+#include "services/job/models/program_limits.h"
+#include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
 namespace {

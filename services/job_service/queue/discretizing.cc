@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "services/platform/host/task_part.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::job_service {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "services/platform/host/task_part.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "services/platform/host/absence_limit.h"
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::job_service {
 namespace {

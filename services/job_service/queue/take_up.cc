@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "services/platform/host/absence_limit.h"
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::job_service {
 

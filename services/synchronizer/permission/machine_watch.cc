@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "services/platform/host/absence_limit.h"
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::synchronizer {
 

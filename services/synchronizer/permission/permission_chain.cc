@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "services/platform/host/absence_limit.h"
+#include "services/platform/host/safety/absence_limit.h"
 
 namespace intaglio::synchronizer {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "services/platform/bus/error_code.h"
-#include "services/platform/host/cloud_flow.h"
+#include "services/platform/host/stage/cloud_flow.h"
 #include "tests/services/discretizer/box_model.h"
-#include "tests/services/platform/host/stage_shop.h"
+#include "tests/services/platform/host/stage/stage_shop.h"
 
 namespace intaglio {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "services/platform/host/cloud_flow.h"
+#include "services/platform/host/stage/cloud_flow.h"
 #include "tests/services/discretizer/box_model.h"
-#include "tests/services/platform/host/stage_shop.h"
+#include "tests/services/platform/host/stage/stage_shop.h"
 
 namespace intaglio {
 namespace {

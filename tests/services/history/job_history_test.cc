@@ -10,7 +10,7 @@
 #include "proto/task.pb.h"
 #include "services/job_service/job_migrations.h"
 #include "services/job_service/job_store.h"
-#include "services/platform/host/utc_time.h"
+#include "services/platform/host/times/utc_time.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::history {

@@ -10,7 +10,7 @@
 
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/cloud_flow.h"
+#include "services/platform/host/stage/cloud_flow.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/fake_shop.h"
 #include "tests/services/platform/bus/child_program.h"

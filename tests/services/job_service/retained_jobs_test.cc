@@ -11,7 +11,7 @@
 #include "services/job_service/job_service.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
-#include "services/platform/host/identity_role.h"
+#include "services/platform/host/peers/identity_role.h"
 #include "tests/services/job/test_job.h"
 #include "tests/services/job_service/past_jobs.h"
 #include "tests/services/platform/bus/private_bus.h"
@@ -102,7 +102,8 @@ class RetainedJobs : public testing::Test {
     sample.operator_name = Borrow(name);
     ASSERT_TRUE(commands_.Write(sample));
   }
-  /// A worker's name proves which process it is (services/platform/host/identity_role.h).
+  /// A worker's name proves which process it is
+  /// (services/platform/host/peers/identity_role.h).
   std::string Synchronizer() const {
     return host::InstanceName("synchronizer", "host", 1234, bus_.participant_name());
   }

@@ -10,8 +10,8 @@
 
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
-#include "services/platform/host/cloud_flow.h"
-#include "tests/services/platform/host/stage_shop.h"
+#include "services/platform/host/stage/cloud_flow.h"
+#include "tests/services/platform/host/stage/stage_shop.h"
 
 namespace intaglio {
 namespace {

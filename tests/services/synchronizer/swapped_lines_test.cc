@@ -16,7 +16,7 @@
 #include "services/synchronizer/job_folder.h"
 #include "services/synchronizer/pulses/journal_writer.h"
 #include "tests/services/platform/bus/private_bus.h"
-#include "tests/services/platform/host/stage_shop.h"
+#include "tests/services/platform/host/stage/stage_shop.h"
 #include "tests/services/virtual_engraver/engraver_process.h"
 #include "tests/test_folder.h"
 

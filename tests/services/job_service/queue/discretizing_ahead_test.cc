@@ -5,7 +5,7 @@
 #include <deque>
 #include <random>
 
-#include "services/platform/host/task_part.h"
+#include "services/platform/host/stage/task_part.h"
 #include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {

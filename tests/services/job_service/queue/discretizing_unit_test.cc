@@ -1,7 +1,7 @@
 // Discretizing alone; with the rest of the queue: discretizing_test.cc.
 
 #include "services/job_service/queue/discretizing.h"
-#include "services/platform/host/task_part.h"
+#include "services/platform/host/stage/task_part.h"
 #include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {

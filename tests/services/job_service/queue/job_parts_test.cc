@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "services/platform/host/task_part.h"
+#include "services/platform/host/stage/task_part.h"
 
 namespace intaglio::job_service {
 namespace {

@@ -1,7 +1,7 @@
 // TakeUp alone; with the rest of the queue: take_up_test.cc.
 
 #include "services/job_service/queue/take_up.h"
-#include "services/platform/host/absence_limit.h"
+#include "services/platform/host/safety/absence_limit.h"
 #include "tests/services/job_service/queue/queue_bench.h"
 
 namespace intaglio::job_service {

@@ -1,0 +1,15 @@
+#include "services/platform/host/process/init_system.h"
+
+#include <systemd/sd-daemon.h>
+
+namespace intaglio::host {
+
+void TellInitReady(const std::string& what) {
+  sd_notify(0, ("READY=1\nSTATUS=" + what).c_str());
+}
+
+void TellInitAlive() { sd_notify(0, "WATCHDOG=1"); }
+
+void TellInitStopping() { sd_notify(0, "STOPPING=1"); }
+
+}  // namespace intaglio::host

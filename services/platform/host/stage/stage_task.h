@@ -1,0 +1,37 @@
+#pragma once
+
+// What a worker of one stage (discretizer, sorter) is given, and what it makes of it.
+
+#include <cstdint>
+#include <string>
+
+#include "engrave/core/geometry.h"
+#include "proto/task.pb.h"
+#include "services/platform/host/stage/task_part.h"
+
+namespace intaglio::host {
+
+struct StageTask {
+  std::string job_uid;
+  std::uint32_t attempt = 0;
+  TaskPart part;
+  std::uint32_t input_part_count = 1;  ///< parts in which the input comes
+  FrozenJob job;
+  std::string consumer;  ///< instance that takes the points; empty: nobody does
+
+  bool SameAs(const StageTask& other) const {
+    return job_uid == other.job_uid && attempt == other.attempt &&
+           part.index == other.part.index && part.attempt == other.part.attempt;
+  }
+  /// Of the same chain: both are wanted, or neither is.
+  bool IsOfChain(const StageTask& other) const {
+    return job_uid == other.job_uid && attempt == other.attempt;
+  }
+};
+
+struct StageResult {
+  PointCloud cloud;      ///< what goes to the consumer, in its order
+  StageOutcome outcome;  ///< what goes to the job service; elapsed_s is filled in for it
+};
+
+}  // namespace intaglio::host

@@ -1,0 +1,99 @@
+#include "services/job/models/mesh_answer.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "tests/engrave/mesh/test_meshes.h"
+
+namespace intaglio::mesh_reader {
+namespace {
+
+using mesh::TriangleMesh;
+
+template <typename T>
+T At(const std::vector<std::byte>& bytes, std::size_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+template <typename T>
+void Put(T value, std::size_t offset, std::vector<std::byte>& bytes) {
+  std::memcpy(bytes.data() + offset, &value, sizeof value);
+}
+
+TEST(MeshAnswer, CarriesAMeshBitByBit) {
+  TriangleMesh mesh = mesh::BoxMesh(Vec3(1.0 / 3, 1e-300, 7));
+  const auto bytes = EncodeAnswer(mesh);
+  const auto answer = ParseAnswer(bytes);
+  ASSERT_TRUE(answer && *answer);
+  EXPECT_EQ((*answer)->vertices, mesh.vertices);
+  EXPECT_EQ((*answer)->triangles, mesh.triangles);
+}
+
+TEST(MeshAnswer, LiesAsItsHeaderSays) {
+  TriangleMesh mesh;
+  mesh.vertices = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}};
+  mesh.triangles = {{0, 1, 2}, {3, 2, 1}};
+  const auto bytes = EncodeAnswer(mesh);
+  ASSERT_EQ(bytes.size(), 32u + 4 * 24 + 2 * 12);
+  EXPECT_EQ(std::memcmp(bytes.data(), "IMESH1\0\0", 8), 0);
+  EXPECT_EQ(At<std::uint64_t>(bytes, 8), 0u);
+  EXPECT_EQ(At<std::uint64_t>(bytes, 16), 4u);
+  EXPECT_EQ(At<std::uint64_t>(bytes, 24), 2u);
+  EXPECT_EQ(At<double>(bytes, 32 + 24 + 8), 5);
+  EXPECT_EQ(At<std::uint32_t>(bytes, 32 + 4 * 24 + 12), 3u);
+
+  const auto error = EncodeAnswer(Fail(ErrorCode::kTooLarge, "sentence", "12"));
+  ASSERT_EQ(error.size(), 32u + 8 + 2);
+  EXPECT_EQ(At<std::uint64_t>(error, 8), 7u);
+  EXPECT_EQ(At<std::uint64_t>(error, 16), 8u);
+  EXPECT_EQ(At<std::uint64_t>(error, 24), 2u);
+  EXPECT_EQ(std::memcmp(error.data() + 32, "sentence12", 10), 0);
+}
+
+TEST(MeshAnswer, CarriesEveryError) {
+  for (int code = 0; code <= static_cast<int>(ErrorCode::kCancelled); ++code) {
+    const Error error{static_cast<ErrorCode>(code), "what to do about it", ""};
+    const auto answer = ParseAnswer(EncodeAnswer(tl::unexpected(error)));
+    ASSERT_TRUE(answer && !*answer);
+    EXPECT_EQ(answer->error().code, error.code);
+    EXPECT_EQ(answer->error().message, error.message);
+    EXPECT_EQ(answer->error().value, "");
+  }
+}
+
+TEST(MeshAnswer, NoPartOfOneIsOne) {
+  for (const Answer& answer :
+       {Answer(mesh::BoxMesh(Vec3(1, 2, 3))), Answer(Fail(ErrorCode::kIo, "no", "1"))}) {
+    auto bytes = EncodeAnswer(answer);
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_FALSE(ParseAnswer(std::span(bytes.data(), size))) << size;
+    }
+    bytes.push_back({});
+    EXPECT_FALSE(ParseAnswer(bytes));
+  }
+}
+
+TEST(MeshAnswer, IsNotBelievedWhenItContradictsItself) {
+  const auto good = EncodeAnswer(mesh::BoxMesh(Vec3(1, 2, 3)));
+  const std::size_t corners = 32 + 8 * 24;
+  const auto with = [&good](auto value, std::size_t offset) {
+    auto bytes = good;
+    Put(value, offset, bytes);
+    return ParseAnswer(bytes);
+  };
+  EXPECT_TRUE(with(std::uint32_t{7}, corners));
+  EXPECT_FALSE(with(std::uint32_t{8}, corners)) << "a corner that is no vertex";
+  EXPECT_FALSE(with(std::numeric_limits<double>::quiet_NaN(), 32)) << "no place";
+  EXPECT_FALSE(with('2', 5)) << "another version";
+  EXPECT_FALSE(with(std::uint64_t{15}, 8)) << "an error that there is not";
+  EXPECT_FALSE(with(~std::uint64_t{0}, 16)) << "more than there is";
+  // So many that their bytes come round to what is there.
+  EXPECT_FALSE(with(std::uint64_t{8} + (std::uint64_t{1} << 61), 16));
+}
+
+}  // namespace
+}  // namespace intaglio::mesh_reader
