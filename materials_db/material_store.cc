@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "materials_db/near_names.h"
 #include "materials_db/numbers.h"
 #include "materials_db/open_database.h"
@@ -116,9 +117,8 @@ MaterialStore& MaterialStore::operator=(MaterialStore&&) noexcept = default;
 MaterialStore::~MaterialStore() = default;
 
 Result<MaterialStore> MaterialStore::Open(const std::filesystem::path& file) {
-  auto database = OpenDatabase(file);
-  if (!database) return tl::unexpected(database.error());
-  return MaterialStore(std::move(*database), file);
+  auto database = INTAGLIO_TRY(OpenDatabase(file));
+  return MaterialStore(std::move(database), file);
 }
 
 template <typename F>
@@ -136,9 +136,8 @@ Result<std::vector<Material>> MaterialStore::List() const {
         *database_, fmt::format("SELECT {} FROM material ORDER BY name", Columns()));
     std::vector<Material> materials;
     while (query.executeStep()) {
-      auto material = ReadRow(query);
-      if (!material) return tl::unexpected(material.error());
-      materials.push_back(std::move(*material));
+      auto material = INTAGLIO_TRY(ReadRow(query));
+      materials.push_back(std::move(material));
     }
     return materials;
   });
@@ -159,7 +158,7 @@ Status MaterialStore::Add(const Material& material) {
 }
 
 Status MaterialStore::Replace(const Material& material) {
-  if (Status status = CheckAll({&material, 1}); !status) return status;
+  INTAGLIO_TRY(CheckAll({&material, 1}));
   return Guarded([&]() -> Status {
     SQLite::Transaction transaction(*database_, SQLite::TransactionBehavior::IMMEDIATE);
     if (!Contains(material.name)) return tl::unexpected(NotFound(material.name));
@@ -170,7 +169,7 @@ Status MaterialStore::Replace(const Material& material) {
 }
 
 Status MaterialStore::Import(std::span<const Material> materials, bool replace) {
-  if (Status status = CheckAll(materials); !status) return status;
+  INTAGLIO_TRY(CheckAll(materials));
   return Guarded([&]() -> Status {
     SQLite::Transaction transaction(*database_, SQLite::TransactionBehavior::IMMEDIATE);
     std::string taken;

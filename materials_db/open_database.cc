@@ -6,6 +6,7 @@
 
 #include <system_error>
 
+#include "engrave/core/try.h"
 #include "materials_db/migrations.h"
 
 namespace intaglio::materials_db {
@@ -43,13 +44,13 @@ Status CheckOwner(SQLite::Database& database, const std::filesystem::path& file)
 }
 
 Status Migrate(SQLite::Database& database, const std::filesystem::path& file) {
-  if (Status status = CheckOwner(database, file); !status) return status;
+  INTAGLIO_TRY(CheckOwner(database, file));
   const auto migrations = Migrations();
   const auto newest = static_cast<int>(migrations.size());
   while (Pragma(database, "user_version") < newest) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
     // Another process may have migrated while this one waited for the lock.
-    if (Status status = CheckOwner(database, file); !status) return status;
+    INTAGLIO_TRY(CheckOwner(database, file));
     const int version = Pragma(database, "user_version");
     if (version < newest) {
       database.exec(migrations[static_cast<std::size_t>(version)].sql);
@@ -104,15 +105,11 @@ Error ErrorFrom(const SQLite::Exception& exception, const std::filesystem::path&
 
 Result<std::unique_ptr<SQLite::Database>> OpenDatabase(
     const std::filesystem::path& file) {
-  if (Status status = MakeFolder(file); !status) {
-    return tl::unexpected(status.error());
-  }
+  INTAGLIO_TRY(MakeFolder(file));
   try {
     auto database = std::make_unique<SQLite::Database>(
         file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, kBusyTimeoutMs);
-    if (Status status = Migrate(*database, file); !status) {
-      return tl::unexpected(status.error());
-    }
+    INTAGLIO_TRY(Migrate(*database, file));
     return database;
   } catch (const SQLite::Exception& exception) {
     return tl::unexpected(ErrorFrom(exception, file));

@@ -5,6 +5,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/shared_progress.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/spacing/bounds.h"
 
 namespace intaglio::discretize {
@@ -50,20 +51,17 @@ class SlabMaker {
   Result<SlabResult> Make(std::size_t slab) const {
     SlabResult result;
     result.models.resize(sources_.size());
-    auto lower = Welded(slabs_.Seam(slab), {}, result);
-    if (!lower) return tl::unexpected(lower.error());
-    SpacedCloud taken = *lower;
+    auto lower = INTAGLIO_TRY(Welded(slabs_.Seam(slab), {}, result));
+    SpacedCloud taken = lower;
     if (slab + 1 < slabs_.count()) {
       SlabResult of_next;  // who makes that slab counts it
       of_next.models.resize(sources_.size());
-      const auto upper = Welded(slabs_.Seam(slab + 1), {}, of_next);
-      if (!upper) return tl::unexpected(upper.error());
-      Append(*upper, taken);
+      const auto upper = INTAGLIO_TRY(Welded(slabs_.Seam(slab + 1), {}, of_next));
+      Append(upper, taken);
     }
-    const auto between = Welded(slabs_.Between(slab), taken, result);
-    if (!between) return tl::unexpected(between.error());
-    result.kept = std::move(*lower);
-    Append(*between, result.kept);
+    const auto between = INTAGLIO_TRY(Welded(slabs_.Between(slab), taken, result));
+    result.kept = std::move(lower);
+    Append(between, result.kept);
     return result;
   }
 
@@ -75,9 +73,9 @@ class SlabMaker {
       const auto goes_on = [this](std::uint64_t, std::uint64_t) {
         return progress_.GoesOn(0);
       };
-      const auto added = sources_[i]->AddPoints(range, i, goes_on, candidates);
-      if (!added) return tl::unexpected(added.error());
-      result.models[i].Add(*added);
+      const auto added =
+          INTAGLIO_TRY(sources_[i]->AddPoints(range, i, goes_on, candidates));
+      result.models[i].Add(added);
     }
     const std::size_t offered = candidates.size();
     const auto& of_source = options_.permitted_of_source_mm;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/drawing/drawing_builder.h"
 #include "engrave/drawing/pieces.h"
 
@@ -109,9 +110,8 @@ class Typesetter {
     std::string file = options_.font;
     const std::string_view bytes = options_.font_bytes;
     if (bytes.empty() && !LooksLikeFile(file)) {
-      auto found = FindFontFile(file);
-      if (!found) return tl::unexpected(found.error());
-      file = std::move(*found);
+      auto found = INTAGLIO_TRY(FindFontFile(file));
+      file = std::move(found);
     }
     FT_Library library = nullptr;
     Require(FT_Init_FreeType(&library) == 0, "FreeType cannot be initialized");
@@ -155,9 +155,7 @@ class Typesetter {
     Drawing drawing;
     const double step = options_.line_spacing_ratio * static_cast<double>(face_->height);
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      if (auto ok = SetLine(lines[i], -step * static_cast<double>(i), drawing); !ok) {
-        return tl::unexpected(ok.error());
-      }
+      INTAGLIO_TRY(SetLine(lines[i], -step * static_cast<double>(i), drawing));
     }
     std::erase_if(drawing.curves,
                   [](const Curve& curve) { return curve.pieces.empty(); });
@@ -252,7 +250,7 @@ Result<Drawing> TextOutline(std::string_view utf8, const TextOptions& options) {
   Require(options.line_spacing_ratio >= 0.5 && options.line_spacing_ratio <= 5,
           "line_spacing_ratio must be 0.5 .. 5, is {}", options.line_spacing_ratio);
   Typesetter typesetter(options);
-  if (auto ok = typesetter.Open(); !ok) return tl::unexpected(ok.error());
+  INTAGLIO_TRY(typesetter.Open());
   return typesetter.Set(utf8);
 }
 

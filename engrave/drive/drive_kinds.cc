@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "engrave/core/try.h"
 #include "engrave/drive/first_order.h"
 #include "engrave/drive/second_order.h"
 
@@ -53,7 +54,7 @@ Result<std::shared_ptr<const Drive>> MakeDrive(std::string_view name, Values val
   for (const DriveKind& kind : kKinds) {
     known += (known.empty() ? "" : ", ") + std::string(kind.name);
     if (kind.name != name) continue;
-    if (auto good = CheckValues(kind, values); !good) return tl::unexpected(good.error());
+    INTAGLIO_TRY(CheckValues(kind, values));
     return kind.make(values);
   }
   return Fail(ErrorCode::kNotFound,

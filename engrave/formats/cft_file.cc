@@ -1,3 +1,4 @@
+#include "engrave/core/try.h"
 #include "engrave/formats/coordinate_lines.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
@@ -8,8 +9,7 @@ namespace intaglio::formats {
 
 Status WriteCft(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
-  if (!out) return tl::unexpected(out.error());
+  io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
   std::string line;
   for (const Vec3& p : table.points_mm) {
     line.clear();
@@ -17,9 +17,9 @@ Status WriteCft(const std::filesystem::path& file, const PointTable& table) {
       io::AppendShortestFixed(p[axis], line);
       line += axis < 2 ? " " : "\r\n";
     }
-    if (Status status = out->Write(line); !status) return status;
+    if (Status status = out.Write(line); !status) return status;
   }
-  return out->Commit();
+  return out.Commit();
 }
 
 Result<PointTable> ParseCft(std::string_view bytes, const PointFileLimits& limits) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/number_text.h"
 
@@ -73,9 +74,7 @@ Result<PointTable> ParseCoordinateLines(std::string_view bytes,
     std::string_view line = bytes.substr(begin, end - begin);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     begin = end + 1;
-    if (Status status = ReadLine(line, line_number, table); !status) {
-      return tl::unexpected(status.error());
-    }
+    INTAGLIO_TRY(ReadLine(line, line_number, table));
     if (table.points_mm.size() > limits.max_points) return MorePointsThanAllowed(limits);
   }
   if (table.points_mm.empty()) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/coordinate_lines.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
@@ -153,7 +154,7 @@ void PointReader::Begin(std::string_view what) {
 
 Status PointReader::Take(const Pair& pair) {
   if (pair.code == 0) {
-    if (Status status = EndPoint(); !status) return status;
+    INTAGLIO_TRY(EndPoint());
     Begin(pair.value);
     return {};
   }
@@ -184,15 +185,14 @@ std::string PointReader::PassedOver() const {
 
 Result<PointTable> PointReader::Read() {
   while (!ended_) {
-    const auto pair = pairs_.Next();
-    if (!pair) return tl::unexpected(pair.error());
-    if (!*pair) {
+    const auto pair = INTAGLIO_TRY(pairs_.Next());
+    if (!pair) {
       return Fail(ErrorCode::kUnreadable,
                   fmt::format("it ends after line {} without EOF, so it is truncated; "
                               "export the drawing again",
                               pairs_.line_number()));
     }
-    if (Status status = Take(**pair); !status) return tl::unexpected(status.error());
+    if (Status status = Take(*pair); !status) return tl::unexpected(status.error());
   }
   if (table_.points_mm.empty()) {
     return Fail(ErrorCode::kMissing,
@@ -217,8 +217,7 @@ void AppendPair(int code, std::string_view value, std::string& text) {
 
 Status WriteDxf(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
-  if (!out) return tl::unexpected(out.error());
+  io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
   std::string text;
   for (const std::string& comment : table.comments) AppendPair(999, comment, text);
   text +=
@@ -231,12 +230,12 @@ Status WriteDxf(const std::filesystem::path& file, const PointTable& table) {
       io::AppendShortestFixed(p[axis], text);
       text += '\n';
     }
-    if (Status status = out->Write(text); !status) return status;
+    INTAGLIO_TRY(out.Write(text));
     text.clear();
   }
   text += "0\nENDSEC\n0\nEOF\n";
-  if (Status status = out->Write(text); !status) return status;
-  return out->Commit();
+  INTAGLIO_TRY(out.Write(text));
+  return out.Commit();
 }
 
 Result<PointTable> ParseDxf(std::string_view bytes, const PointFileLimits& limits) {

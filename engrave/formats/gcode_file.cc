@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/atomic_file.h"
 
@@ -54,9 +55,8 @@ Status WriteGcode(const std::filesystem::path& file, const PointTable& table,
                   const GcodeOptions& options) {
   RequireWritable(table);
   RequireInRange(options);
-  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
-  if (!out) return tl::unexpected(out.error());
-  if (Status status = out->Write(Beginning(table, options)); !status) return status;
+  io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
+  INTAGLIO_TRY(out.Write(Beginning(table, options)));
   std::string text;
   for (const Vec3& p_mm : table.points_mm) {
     // All three words in every line: a run can be taken up at any of them.
@@ -68,12 +68,12 @@ Status WriteGcode(const std::filesystem::path& file, const PointTable& table,
     text += '\n';
     text += options.pulse;
     text += '\n';
-    if (Status status = out->Write(text); !status) return status;
+    if (Status status = out.Write(text); !status) return status;
   }
   if (!options.footer.empty()) {
-    if (Status status = out->Write(options.footer + "\n"); !status) return status;
+    if (Status status = out.Write(options.footer + "\n"); !status) return status;
   }
-  return out->Commit();
+  return out.Commit();
 }
 
 }  // namespace intaglio::formats

@@ -10,6 +10,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/number_text.h"
@@ -222,8 +223,7 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
                             "raise the limit",
                             vertices.count, limits.max_points));
   }
-  const auto coordinates = CoordinatesOf(vertices);
-  if (!coordinates) return tl::unexpected(coordinates.error());
+  const auto coordinates = INTAGLIO_TRY(CoordinatesOf(vertices));
   // A row has three values of a byte or more: what cannot be there is not allocated.
   if (vertices.count > rest_size / 3) return CutOff(vertices, rest_size / 3);
   std::vector<std::vector<double>> columns(vertices.properties.size());
@@ -239,8 +239,8 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
   PointTable table;
   table.points_mm.reserve(vertices.count);
   for (std::uint64_t row = 0; row < vertices.count; ++row) {
-    const Vec3 p(columns[(*coordinates)[0]][row], columns[(*coordinates)[1]][row],
-                 columns[(*coordinates)[2]][row]);
+    const Vec3 p(columns[coordinates[0]][row], columns[coordinates[1]][row],
+                 columns[coordinates[2]][row]);
     if (!p.allFinite()) {
       return Fail(
           ErrorCode::kInvalidValue,
@@ -252,7 +252,7 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
   }
   for (std::size_t p = 0; p < columns.size(); ++p) {
     const bool is_coordinate =
-        std::find(coordinates->begin(), coordinates->end(), p) != coordinates->end();
+        std::find(coordinates.begin(), coordinates.end(), p) != coordinates.end();
     if (is_coordinate || vertices.properties[p].is_list) continue;
     table.columns.push_back(ColumnOf(vertices.properties[p], columns[p]));
   }
@@ -262,22 +262,19 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
 }  // namespace
 
 Result<PointTable> ParsePly(std::string_view bytes, const PointFileLimits& limits) {
-  const Result<PlyHeader> header = io::ParsePlyHeader(bytes);
-  if (!header) return tl::unexpected(header.error());
-  const std::string_view rest = bytes.substr(header->size);
-  const std::unique_ptr<PlyValues> values = ValuesOf(header->encoding, rest);
-  for (const PlyElement& element : header->elements) {
+  const PlyHeader header = INTAGLIO_TRY(io::ParsePlyHeader(bytes));
+  const std::string_view rest = bytes.substr(header.size);
+  const std::unique_ptr<PlyValues> values = ValuesOf(header.encoding, rest);
+  for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
       Result<PointTable> table = ReadVertices(element, rest.size(), *values, limits);
       if (!table) return table;
-      for (const std::string& comment : header->comments) {
+      for (const std::string& comment : header.comments) {
         table->comments.push_back(OneLine(comment));
       }
       return table;
     }
-    if (Status status = PassOver(element, *values); !status) {
-      return tl::unexpected(status.error());
-    }
+    INTAGLIO_TRY(PassOver(element, *values));
   }
   return Fail(ErrorCode::kMissing,
               "it has no element \"vertex\"; a point file has vertices with x, y and z");

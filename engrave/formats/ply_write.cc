@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/atomic_file.h"
@@ -43,9 +44,8 @@ void AppendValue(T value, std::vector<std::byte>& row) {
 
 Status WritePly(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
-  if (!out) return tl::unexpected(out.error());
-  if (Status status = out->Write(HeaderOf(table)); !status) return status;
+  io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
+  INTAGLIO_TRY(out.Write(HeaderOf(table)));
   std::vector<std::byte> row;
   for (std::size_t i = 0; i < table.points_mm.size(); ++i) {
     row.clear();
@@ -53,9 +53,9 @@ Status WritePly(const std::filesystem::path& file, const PointTable& table) {
     for (const NamedColumn& column : table.columns) {
       std::visit([&](const auto& values) { AppendValue(values[i], row); }, column.values);
     }
-    if (Status status = out->Write(row); !status) return status;
+    if (Status status = out.Write(row); !status) return status;
   }
-  return out->Commit();
+  return out.Commit();
 }
 
 }  // namespace intaglio::formats

@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/gcode_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/lower_case.h"
@@ -84,9 +85,8 @@ Result<PointTable> ReadPoints(const std::filesystem::path& file,
 
 Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extension,
                                const PointFileLimits& limits) {
-  const Result<Parser> parser = ParserOf(extension);
-  if (!parser) return tl::unexpected(parser.error());
-  return (*parser)(bytes, limits);
+  const Parser parser = INTAGLIO_TRY(ParserOf(extension));
+  return parser(bytes, limits);
 }
 
 bool IsGcode(const std::filesystem::path& file) {

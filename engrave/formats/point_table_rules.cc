@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 
 namespace intaglio::formats {
@@ -39,9 +40,8 @@ Result<PointTable> ReadAndParse(const std::filesystem::path& file,
                                 const PointFileLimits& limits,
                                 Result<PointTable> (*parse)(std::string_view,
                                                             const PointFileLimits&)) {
-  const Result<std::string> bytes = io::ReadWholeFile(file, limits.max_file_bytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return parse(*bytes, limits).map_error([&](const Error& error) {
+  const std::string bytes = INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes));
+  return parse(bytes, limits).map_error([&](const Error& error) {
     return io::AboutFile(error, file);
   });
 }

@@ -31,6 +31,7 @@
 #include <optional>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/atomic_file.h"
@@ -278,15 +279,14 @@ NamedColumn::Values TakeColumn(std::string_view& payload, std::size_t type,
 
 Status WriteScl(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
-  if (!out) return tl::unexpected(out.error());
-  if (Status status = out->Write(SclHeaderOf(table)); !status) return status;
+  io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
+  INTAGLIO_TRY(out.Write(SclHeaderOf(table)));
   std::uint32_t crc = 0;
   const auto write = [&](std::string_view bytes) {
     crc = Crc(bytes, crc);
-    return out->Write(bytes);
+    return out.Write(bytes);
   };
-  if (Status status = write(BytesOf(table.points_mm)); !status) return status;
+  INTAGLIO_TRY(write(BytesOf(table.points_mm)));
   for (const NamedColumn& column : table.columns) {
     const Status status = std::visit(
         [&](const auto& values) { return write(BytesOf(values)); }, column.values);
@@ -294,37 +294,35 @@ Status WriteScl(const std::filesystem::path& file, const PointTable& table) {
   }
   std::string trailer;
   Put(crc, trailer);
-  if (Status status = out->Write(trailer); !status) return status;
-  return out->Commit();
+  INTAGLIO_TRY(out.Write(trailer));
+  return out.Commit();
 }
 
 Result<PointTable> ParseScl(std::string_view bytes, const PointFileLimits& limits) {
-  Result<SclHeader> header = ParseHeader(bytes);
-  if (!header) return tl::unexpected(header.error());
-  if (header->point_count > limits.max_points) {
+  SclHeader header = INTAGLIO_TRY(ParseHeader(bytes));
+  if (header.point_count > limits.max_points) {
     return Fail(ErrorCode::kTooLarge,
                 fmt::format("it has {} points, more than the {} allowed; thin it out or "
                             "raise the limit",
-                            header->point_count, limits.max_points));
+                            header.point_count, limits.max_points));
   }
-  Result<std::string_view> payload = PayloadOf(bytes, *header);
-  if (!payload) return tl::unexpected(payload.error());
+  std::string_view payload = INTAGLIO_TRY(PayloadOf(bytes, header));
   PointTable table;
-  table.points_mm = TakeValues<Vec3>(*payload, header->point_count);
+  table.points_mm = TakeValues<Vec3>(payload, header.point_count);
   for (std::size_t i = 0; i < table.points_mm.size(); ++i) {
     Vec3& p = table.points_mm[i];
-    if (header->unit_mm != 1) p *= header->unit_mm;
+    if (header.unit_mm != 1) p *= header.unit_mm;
     if (p.allFinite()) continue;
     return Fail(ErrorCode::kInvalidValue,
                 fmt::format("point {} is at ({}, {}, {}), which is not finite; write the "
                             "file again without it",
                             i + 1, p.x(), p.y(), p.z()));
   }
-  for (Column& column : header->columns) {
+  for (Column& column : header.columns) {
     table.columns.push_back(
-        {std::move(column.name), TakeColumn(*payload, column.type, header->point_count)});
+        {std::move(column.name), TakeColumn(payload, column.type, header.point_count)});
   }
-  table.comments = std::move(header->comments);
+  table.comments = std::move(header.comments);
   return table;
 }
 

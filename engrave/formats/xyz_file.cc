@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/coordinate_lines.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/formats/point_table_rules.h"
@@ -11,12 +12,11 @@ namespace intaglio::formats {
 
 Status WriteXyz(const std::filesystem::path& file, const PointTable& table) {
   RequireWritable(table);
-  Result<io::AtomicFile> out = io::AtomicFile::Create(file);
-  if (!out) return tl::unexpected(out.error());
+  io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
   std::string line;
   for (const std::string& comment : table.comments) {
     line = fmt::format("# {}\n", comment);
-    if (Status status = out->Write(line); !status) return status;
+    if (Status status = out.Write(line); !status) return status;
   }
   for (const Vec3& p : table.points_mm) {
     line.clear();
@@ -24,9 +24,9 @@ Status WriteXyz(const std::filesystem::path& file, const PointTable& table) {
       io::AppendShortest(p[axis], line);
       line += axis < 2 ? ' ' : '\n';
     }
-    if (Status status = out->Write(line); !status) return status;
+    if (Status status = out.Write(line); !status) return status;
   }
-  return out->Commit();
+  return out.Commit();
 }
 
 Result<PointTable> ParseXyz(std::string_view bytes, const PointFileLimits& limits) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
 #include "engrave/image/luminance.h"
 
@@ -117,8 +118,7 @@ Result<Bitmap> ReadHeader(std::string_view bytes, const ImageLimits& limits) {
   const std::int64_t height = old ? std::int64_t{b.U16(at + 2)} : side(at + 4);
   b.top_down = height < 0;
   b.height = std::abs(height);
-  const Status size = CheckSize(b.width, b.height, limits);
-  if (!size) return tl::unexpected(size.error());
+  INTAGLIO_TRY(CheckSize(b.width, b.height, limits));
   b.depth = b.U16(old ? at + 6 : at + 10);
   if (!old) b.compression = b.U32(at + 12);
   if (!IsKnown(b.depth, b.compression)) {
@@ -129,8 +129,7 @@ Result<Bitmap> ReadHeader(std::string_view bytes, const ImageLimits& limits) {
   }
   b.palette_at = kFileHeader + header_size;
   b.palette_step = old ? 3 : 4;
-  const Status masks = ReadMasks(b, header_size);
-  if (!masks) return tl::unexpected(masks.error());
+  INTAGLIO_TRY(ReadMasks(b, header_size));
   if (b.depth <= 8) {
     const std::uint32_t used = old ? 0 : b.U32(kFileHeader + 32);
     b.palette_count = used == 0 ? std::size_t{1} << b.depth
@@ -252,19 +251,17 @@ Result<GreyImage> ReadRuns(const Bitmap& b, const Luminance& luminance) {
   const std::vector<std::uint16_t> palette = ReadPalette(b, luminance);
   GreyImage image{static_cast<int>(b.width), static_cast<int>(b.height), {}};
   image.samples.assign(static_cast<std::size_t>(b.width * b.height), palette[0]);
-  const Status read = Runs(b, image, palette).Read();
-  if (!read) return tl::unexpected(read.error());
+  INTAGLIO_TRY(Runs(b, image, palette).Read());
   return image;
 }
 
 }  // namespace
 
 Result<GreyImage> ParseBmp(std::string_view bytes, const ImageOptions& options) {
-  const auto bitmap = ReadHeader(bytes, options.limits);
-  if (!bitmap) return tl::unexpected(bitmap.error());
+  const auto bitmap = INTAGLIO_TRY(ReadHeader(bytes, options.limits));
   const Luminance luminance(options, false);
-  const bool runs = bitmap->compression == kRle8 || bitmap->compression == kRle4;
-  return runs ? ReadRuns(*bitmap, luminance) : ReadPlain(*bitmap, luminance);
+  const bool runs = bitmap.compression == kRle8 || bitmap.compression == kRle4;
+  return runs ? ReadRuns(bitmap, luminance) : ReadPlain(bitmap, luminance);
 }
 
 }  // namespace intaglio::image

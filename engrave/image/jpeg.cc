@@ -5,6 +5,7 @@
 #include <csetjmp>
 #include <cstdio>
 
+#include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
 #include "engrave/image/exif.h"
 #include "engrave/image/luminance.h"
@@ -163,8 +164,7 @@ Result<GreyImage> ParseJpeg(std::string_view bytes, const ImageOptions& options)
   r.progress.progress_monitor = OnJpegProgress;
   r.jpeg.progress = &r.progress;
   if (!ReadHeader(r, bytes)) return Refused(r, options.limits);
-  const Status size = CheckSize(r.jpeg.image_width, r.jpeg.image_height, options.limits);
-  if (!size) return tl::unexpected(size.error());
+  INTAGLIO_TRY(CheckSize(r.jpeg.image_width, r.jpeg.image_height, options.limits));
   if (!Start(r, options.limits)) return Refused(r, options.limits);
   r.row.resize(std::size_t{r.jpeg.output_width} *
                static_cast<std::size_t>(r.jpeg.output_components));

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 
+#include "engrave/core/try.h"
 #include "engrave/image/decoders.h"
 #include "engrave/image/luminance.h"
 
@@ -129,15 +130,13 @@ Result<GreyImage> ParsePng(std::string_view bytes, const ImageOptions& options) 
   if (r.png) r.info = png_create_info_struct(r.png);
   if (!r.info) return Fail(ErrorCode::kTooLarge, "not enough memory for the PNG reader");
   if (!ReadHeader(r, options.limits)) return Damaged(r);
-  const Status size = CheckSize(r.width, r.height, options.limits);
-  if (!size) return tl::unexpected(size.error());
+  INTAGLIO_TRY(CheckSize(r.width, r.height, options.limits));
   const std::size_t row_bytes = std::size_t{r.width} *
                                 static_cast<std::size_t>(r.channels) *
                                 static_cast<std::size_t>(r.depth / 8);
   const bool whole = r.passes > 1;
   const std::uint64_t needed = row_bytes * (whole ? r.height : 1);
-  const Status fits = CheckDecoder(needed, options.limits, "save it without interlacing");
-  if (!fits) return tl::unexpected(fits.error());
+  INTAGLIO_TRY(CheckDecoder(needed, options.limits, "save it without interlacing"));
   r.pixels.resize(needed);
   if (!ReadEarlierPasses(r, row_bytes)) return Damaged(r);
   const Luminance luminance(options, r.depth == 16, r.gamma);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 
 namespace intaglio::io {
 namespace {
@@ -174,8 +175,8 @@ Status AtomicFile::CloseDurably() {
 
 Status AtomicFile::Commit() {
   Require(descriptor_ >= 0, "{}: committed after its end", target_.string());
-  if (Status status = Flush(); !status) return status;
-  if (Status status = CloseDurably(); !status) return status;
+  INTAGLIO_TRY(Flush());
+  INTAGLIO_TRY(CloseDurably());
   if (temporary_.empty()) return {};
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
     const int error_number = errno;
@@ -188,10 +189,9 @@ Status AtomicFile::Commit() {
 }
 
 Status WriteFileAtomically(const fs::path& target, std::span<const std::byte> bytes) {
-  Result<AtomicFile> file = AtomicFile::Create(target);
-  if (!file) return tl::unexpected(file.error());
-  if (Status status = file->Write(bytes); !status) return status;
-  return file->Commit();
+  AtomicFile file = INTAGLIO_TRY(AtomicFile::Create(target));
+  INTAGLIO_TRY(file.Write(bytes));
+  return file.Commit();
 }
 
 Status WriteFileAtomically(const fs::path& target, std::string_view text) {

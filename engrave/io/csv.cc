@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 
 namespace intaglio::io {
@@ -39,12 +40,11 @@ class Records {
     CsvRow row;
     row.line_number = line_number_;
     while (true) {
-      Result<std::string> field = TakeField();
-      if (!field) return tl::unexpected(field.error());
+      std::string field = INTAGLIO_TRY(TakeField());
       if (row.fields.size() == limits_.max_columns) {
         return TooLarge(fmt::format("more than the {} columns", limits_.max_columns));
       }
-      row.fields.push_back(std::move(*field));
+      row.fields.push_back(std::move(field));
       if (rest_.starts_with(separator_)) {
         rest_.remove_prefix(1);
         continue;
@@ -187,19 +187,16 @@ Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits) {
                 "it is empty; the first line names the columns, then one row follows for "
                 "each piece");
   }
-  const Result<CsvRow> header = records.Next();
-  if (!header) return tl::unexpected(header.error());
-  Result<std::vector<std::string>> names = NamesOf(*header);
-  if (!names) return tl::unexpected(names.error());
-  CsvTable table{std::move(*names), {}};
+  const CsvRow header = INTAGLIO_TRY(records.Next());
+  std::vector<std::string> names = INTAGLIO_TRY(NamesOf(header));
+  CsvTable table{std::move(names), {}};
   while (!records.AtEnd()) {
-    Result<CsvRow> row = records.Next();
-    if (!row) return tl::unexpected(row.error());
-    if (row->fields.size() != table.names.size()) {
+    CsvRow row = INTAGLIO_TRY(records.Next());
+    if (row.fields.size() != table.names.size()) {
       return Fail(ErrorCode::kUnreadable,
                   fmt::format("line {} has {} fields for {} columns; put a field with a "
                               "separator in quotes",
-                              row->line_number, row->fields.size(), table.names.size()));
+                              row.line_number, row.fields.size(), table.names.size()));
     }
     if (table.rows.size() == limits.max_rows) {
       return Fail(ErrorCode::kTooLarge,
@@ -207,15 +204,14 @@ Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits) {
                               "raise the limit",
                               limits.max_rows));
     }
-    table.rows.push_back(std::move(*row));
+    table.rows.push_back(std::move(row));
   }
   return table;
 }
 
 Result<CsvTable> ReadCsv(const std::filesystem::path& file, const CsvLimits& limits) {
-  const Result<std::string> bytes = ReadWholeFile(file, limits.max_file_bytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return ParseCsv(*bytes, limits).map_error([&](const Error& error) {
+  const std::string bytes = INTAGLIO_TRY(ReadWholeFile(file, limits.max_file_bytes));
+  return ParseCsv(bytes, limits).map_error([&](const Error& error) {
     return AboutFile(error, file);
   });
 }

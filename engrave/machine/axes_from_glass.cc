@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::machine {
 namespace {
 
@@ -22,11 +24,10 @@ Result<Box3> AxesOver(const AxesFromGlass& axes_from_glass, const Box3& glass_mm
     for (int row = 0; row <= kGrid; ++row) {
       for (int i = 0; i <= kGrid; ++i) {
         const int column = row % 2 == 0 ? i : kGrid - i;
-        const auto axes =
-            axes_from_glass.ToAxes(Vec3(along(0, column), along(1, row), z_mm), near);
-        if (!axes) return tl::unexpected(axes.error());
-        needed.Extend(*axes);
-        near = *axes;
+        const auto axes = INTAGLIO_TRY(
+            axes_from_glass.ToAxes(Vec3(along(0, column), along(1, row), z_mm), near));
+        needed.Extend(axes);
+        near = axes;
       }
     }
   }
@@ -39,10 +40,9 @@ Result<PointList> AxesAlong(const AxesFromGlass& axes_from_glass,
   axes_of_points.reserve(glass_mm.size());
   Vec3 near = BranchStart(travel);
   for (const Vec3& point_mm : glass_mm) {
-    const auto axes = axes_from_glass.ToAxes(point_mm, near);
-    if (!axes) return tl::unexpected(axes.error());
-    axes_of_points.push_back(*axes);
-    near = *axes;
+    const auto axes = INTAGLIO_TRY(axes_from_glass.ToAxes(point_mm, near));
+    axes_of_points.push_back(axes);
+    near = axes;
   }
   return axes_of_points;
 }

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "engrave/mesh/weld_vertices.h"
 
 // Debian builds Assimp with its assertions on, and a failed one, which a damaged file can
@@ -149,9 +150,7 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
   if (scene == nullptr) {
     return source.RefuseAsUnreadable(importer.GetErrorString());
   }
-  if (Status status = CheckFaces(source, *scene); !status) {
-    return tl::unexpected(status.error());
-  }
+  INTAGLIO_TRY(CheckFaces(source, *scene));
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) {
     return source.Refuse(
@@ -161,12 +160,11 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
   }
   VertexWelder welder;
   TriangleMesh mesh;
-  const Status status = ForEachInstance(
+  INTAGLIO_TRY(ForEachInstance(
       *scene, ModelFromScene(source),
       [&](const aiMesh& part, const NodeTransform& model_from_node) {
         return AddInstance(source, part, model_from_node, welder, mesh.triangles);
-      });
-  if (!status) return tl::unexpected(status.error());
+      }));
   if (mesh.triangles.empty()) {
     return source.RefuseEmptyModel();
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/mesh/collada_check.h"
 #include "engrave/mesh/import_source.h"
@@ -108,20 +109,14 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           std::string_view name) {
   const ImportSource source{std::string(name), io::LowerCaseExtension(extension),
                             options};
-  if (Status status = CheckExtension(source); !status) {
-    return tl::unexpected(status.error());
-  }
-  if (Status status = CheckSize(source, bytes.size()); !status) {
-    return tl::unexpected(status.error());
-  }
+  INTAGLIO_TRY(CheckExtension(source));
+  INTAGLIO_TRY(CheckSize(source, bytes.size()));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (source.extension == "stl") {
     MemoryReader reader(text);
     return WithinMemory(source, [&] { return ReadStl(reader, text.size(), source); });
   }
-  if (Status status = CheckContent(source, text, text.size()); !status) {
-    return tl::unexpected(status.error());
-  }
+  INTAGLIO_TRY(CheckContent(source, text, text.size()));
   return ImportByLibrary(source, [&](Assimp::Importer& importer) {
     importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, source.extension.c_str());
   });

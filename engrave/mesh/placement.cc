@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 
 namespace intaglio::mesh {
 namespace {
@@ -126,9 +127,8 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
   GlassFromModel transform;
   transform.linear = TurnedFromModel(placement);
   const Vec3 size_mm = BoundsAfter(transform.linear, vertices).size_mm();
-  const Result<double> ratio = std::visit(FitRatio{size_mm}, placement.fit);
-  if (!ratio) return tl::unexpected(ratio.error());
-  transform.linear *= *ratio;
+  const double ratio = INTAGLIO_TRY(std::visit(FitRatio{size_mm}, placement.fit));
+  transform.linear *= ratio;
   transform.offset_mm = placement.move_mm;
   if (placement.centre_in_block) {
     const Box3 fitted = BoundsAfter(transform.linear, vertices);
@@ -146,11 +146,10 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
 
 Result<TriangleMesh> PlaceInBlock(const TriangleMesh& mesh, const Placement& placement,
                                   const Vec3& block_size_mm) {
-  const Result<GlassFromModel> glass_from_model =
-      GlassFromModelOf(mesh.vertices, placement, block_size_mm);
-  if (!glass_from_model) return tl::unexpected(glass_from_model.error());
+  const GlassFromModel glass_from_model =
+      INTAGLIO_TRY(GlassFromModelOf(mesh.vertices, placement, block_size_mm));
   TriangleMesh placed = mesh;
-  for (Vec3& v : placed.vertices) v = glass_from_model->Apply(v);
+  for (Vec3& v : placed.vertices) v = glass_from_model.Apply(v);
   const bool mirrored = (placement.mirror_x != placement.mirror_y) != placement.mirror_z;
   if (mirrored) {
     for (Triangle& t : placed.triangles) std::swap(t[1], t[2]);

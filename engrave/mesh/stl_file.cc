@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/number_text.h"
 #include "engrave/mesh/triangle_welder.h"
@@ -50,9 +51,7 @@ Result<TriangleMesh> ReadBinary(ByteReader& bytes, std::uint64_t count,
     for (std::size_t at = 0; at < wanted; at += kTriangleSize) {
       std::array<Corner, 3> corners;
       std::memcpy(&corners, buffer.data() + at + kNormalSize, sizeof corners);
-      if (Status status = welder.Add(corners); !status) {
-        return tl::unexpected(status.error());
-      }
+      INTAGLIO_TRY(welder.Add(corners));
     }
     count -= wanted / kTriangleSize;
   }
@@ -184,9 +183,7 @@ Result<TriangleMesh> ReadText(std::string beginning, ByteReader& bytes,
          size != std::string_view::npos || (at_end && !rest.empty());
          size = rest.find('\n')) {
       const std::string_view line = rest.substr(0, size);
-      if (Status status = reader.TakeLine(line); !status) {
-        return tl::unexpected(status.error());
-      }
+      INTAGLIO_TRY(reader.TakeLine(line));
       rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     }
     if (rest.size() == kTextSize) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::mesh {
 namespace {
 
@@ -58,7 +60,7 @@ Status TriangleWelder::Flush() {
 }
 
 Result<TriangleMesh> TriangleWelder::Take() {
-  if (Status status = Flush(); !status) return tl::unexpected(status.error());
+  INTAGLIO_TRY(Flush());
   if (triangles_.empty()) return source_.RefuseEmptyModel();
   return TriangleMesh{welder_.TakePoints(), std::move(triangles_)};
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/optics/dispersion_formulas.h"
 
 namespace intaglio::optics {
@@ -109,9 +110,7 @@ Status CheckDispersion(const Dispersion& dispersion) {
 }
 
 Result<double> RefractiveIndex(const Dispersion& dispersion, double wavelength_nm) {
-  if (const Status status = CheckDispersion(dispersion); !status) {
-    return tl::unexpected(status.error());
-  }
+  INTAGLIO_TRY(CheckDispersion(dispersion));
   const double wavelength_um = wavelength_nm / 1000;
   if (!(wavelength_um >= dispersion.min_wavelength_um - kRangeSlackUm &&
         wavelength_um <= dispersion.max_wavelength_um + kRangeSlackUm)) {

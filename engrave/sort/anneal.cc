@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/sort/planned_ticks.h"
 #include "engrave/sort/smooth.h"
 #include "engrave/sort/stretch.h"
@@ -120,7 +121,7 @@ class Annealing {
 }  // namespace
 
 Status CheckAnnealOptions(const OrderOptions& options) {
-  if (const Status status = CheckSmoothOptions(options); !status) return status;
+  INTAGLIO_TRY(CheckSmoothOptions(options));
   const double tries = options.anneal.tries_per_point;
   if (tries >= 0 && tries <= kMostTries) return {};
   return Fail(

@@ -5,17 +5,15 @@
 #include <numeric>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "engrave/sort/cone_order.h"
 #include "engrave/sort/slabs.h"
 
 namespace intaglio::sort {
 
 Status CheckBoustrophedonOptions(const OrderOptions& options) {
-  if (auto status = CheckThickness("boustrophedon.layer_thickness_mm",
-                                   options.boustrophedon.layer_thickness_mm);
-      !status) {
-    return status;
-  }
+  INTAGLIO_TRY(CheckThickness("boustrophedon.layer_thickness_mm",
+                              options.boustrophedon.layer_thickness_mm));
   return CheckThickness("boustrophedon.row_width_mm", options.boustrophedon.row_width_mm);
 }
 

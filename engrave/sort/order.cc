@@ -8,6 +8,7 @@
 #include <string>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/sort/anneal.h"
 #include "engrave/sort/beam/channel_groups.h"
 #include "engrave/sort/boustrophedon.h"
@@ -91,12 +92,8 @@ Status CheckOrderOptions(const OrderOptions& options) {
 Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
                         const ProgressSink& progress) {
   const MethodRow& row = RowOf(options.method);
-  if (const Status status = row.check(options); !status) {
-    return tl::unexpected(status.error());
-  }
-  if (const Status status = CheckPoints(points_mm); !status) {
-    return tl::unexpected(status.error());
-  }
+  INTAGLIO_TRY(row.check(options));
+  INTAGLIO_TRY(CheckPoints(points_mm));
   return row.make(points_mm, options, progress);
 }
 
@@ -134,9 +131,7 @@ Result<Order> MakeChannelOrder(const PointList& points_mm,
           "{} points have {} masks, or one without a channel", points_mm.size(),
           masks.size());
   if (DistinctMasks(masks).size() < 2) return MakeOrder(points_mm, options, progress);
-  if (const Status status = CheckPoints(points_mm); !status) {
-    return tl::unexpected(status.error());
-  }
+  INTAGLIO_TRY(CheckPoints(points_mm));
   const auto groups = GroupByChannels(points_mm, masks, options.cone, progress);
   if (groups.empty()) return Fail(ErrorCode::kCancelled, "the sort was cancelled");
   Order order;

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "engrave/core/try.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
@@ -81,7 +82,7 @@ Status SetOrder(const JobFlags& flags, Ordering& ordering) {
 }
 
 Status SetOrderAndProfile(const JobFlags& flags, JobSpec& job) {
-  if (auto status = SetOrder(flags, *job.mutable_ordering()); !status) return status;
+  INTAGLIO_TRY(SetOrder(flags, *job.mutable_ordering()));
   if (!flags.profile) return {};
   MotionProfile profile;
   std::string name = "MOTION_PROFILE_" + *flags.profile;
@@ -129,7 +130,7 @@ Status Apply(const JobFlags& flags, JobSpec& job) {
   if (flags.spacing_mm) {
     job.mutable_discretization()->set_min_spacing_mm(*flags.spacing_mm);
   }
-  if (auto set = SetMethods(flags.methods, job); !set) return set;
+  INTAGLIO_TRY(SetMethods(flags.methods, job));
   return SetOrderAndProfile(flags, job);
 }
 
@@ -156,9 +157,8 @@ Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine,
         ErrorCode::kMissing,
         model.file() + " has to fill the block: give the size of the block with --block");
   }
-  const auto measured = SizeOf(complete, limits);
-  if (!measured) return tl::unexpected(measured.error());
-  const Vec3& size = *measured;
+  const auto measured = INTAGLIO_TRY(SizeOf(complete, limits));
+  const Vec3& size = measured;
   const std::vector<double> block = BlockFor(size);
   Set(job.mutable_block()->mutable_size_mm(), block);
   return fmt::format(
@@ -189,9 +189,8 @@ Status SetBlock(JobAndMachine& built, const PointList* points_mm,
     Set(built.job.mutable_block()->mutable_size_mm(), BlockAround(*points_mm));
     return {};
   }
-  auto note = ChooseBlock(built.job, built.machine, limits);
-  if (!note) return tl::unexpected(note.error());
-  built.notes.push_back(std::move(*note));
+  auto note = INTAGLIO_TRY(ChooseBlock(built.job, built.machine, limits));
+  built.notes.push_back(std::move(note));
   return {};
 }
 
@@ -200,16 +199,14 @@ Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
                             const PointList* points_mm) {
   JobAndMachine built;
   JobSpec& job = built.job = std::move(read);
-  if (auto applied = Apply(flags, job); !applied) return tl::unexpected(applied.error());
+  INTAGLIO_TRY(Apply(flags, job));
   if (job.glass().empty() && flags.job_file.empty()) job.set_glass("N-BK7");
   if (flags.machine || job.machine_file().empty()) {
-    auto file = FindMachineFile(flags.machine.value_or("els-03"));
-    if (!file) return tl::unexpected(file.error());
-    job.set_machine_file(file->string());
+    auto file = INTAGLIO_TRY(FindMachineFile(flags.machine.value_or("els-03")));
+    job.set_machine_file(file.string());
   }
-  auto machine = ReadMachineFile(job.machine_file());
-  if (!machine) return tl::unexpected(machine.error());
-  built.machine = std::move(*machine);
+  auto machine = INTAGLIO_TRY(ReadMachineFile(job.machine_file()));
+  built.machine = std::move(machine);
   if (flags.job_file.empty() && !job.discretization().has_min_spacing_mm()) {
     job.mutable_discretization()->set_min_spacing_mm(0.1);
   }
@@ -300,9 +297,8 @@ Result<fs::path> FindMachineFile(const std::string& name_or_file) {
 }
 
 Result<JobAndMachine> BuildJob(const JobFlags& flags) {
-  auto read = ReadJob(flags, true);
-  if (!read) return tl::unexpected(read.error());
-  return Build(flags, std::move(*read), nullptr);
+  auto read = INTAGLIO_TRY(ReadJob(flags, true));
+  return Build(flags, std::move(read), nullptr);
 }
 
 Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job) {
@@ -321,9 +317,8 @@ Result<JobSpec> ReadPattern(const JobFlags& flags) {
 
 Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags,
                                        const PointList& points_mm) {
-  auto read = ReadJob(flags, false);
-  if (!read) return tl::unexpected(read.error());
-  return Build(flags, std::move(*read), &points_mm);
+  auto read = INTAGLIO_TRY(ReadJob(flags, false));
+  return Build(flags, std::move(read), &points_mm);
 }
 
 }  // namespace intaglio::cli

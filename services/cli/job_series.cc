@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "engrave/core/try.h"
 #include "engrave/io/csv.h"
 #include "services/job/job_check.h"
 #include "services/job/series.h"
@@ -24,11 +25,9 @@ Error Prefixed(Error error, const std::string& prefix) {
 
 Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
                                                const fs::path& table) {
-  const auto pattern = ReadPattern(flags);
-  if (!pattern) return tl::unexpected(pattern.error());
-  const auto rows = io::ReadCsv(table);
-  if (!rows) return tl::unexpected(rows.error());
-  auto jobs = MakeSeries(*pattern, *rows, fs::absolute(table).parent_path());
+  const auto pattern = INTAGLIO_TRY(ReadPattern(flags));
+  const auto rows = INTAGLIO_TRY(io::ReadCsv(table));
+  auto jobs = MakeSeries(pattern, rows, fs::absolute(table).parent_path());
   if (!jobs) return tl::unexpected(Prefixed(jobs.error(), table.string() + ", "));
   std::vector<JobAndMachine> series;
   std::vector<Error> errors;
@@ -39,7 +38,7 @@ Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
     } else {
       errors.push_back(Prefixed(
           built.error(),
-          fmt::format("{}, line {}: ", table.string(), rows->rows[i].line_number)));
+          fmt::format("{}, line {}: ", table.string(), rows.rows[i].line_number)));
     }
   }
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));

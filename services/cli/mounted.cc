@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 
 namespace intaglio::cli {
@@ -41,15 +42,12 @@ Status MountLens(const std::string& name, const MachineSpec& machine, Mounted& m
 /// laser's wavelength.
 Status MountGlass(const std::string& name, const MachineSpec& machine,
                   const fs::path& materials_db, Mounted& mounted) {
-  const auto store = materials_db::MaterialStore::Open(materials_db);
-  if (!store) return tl::unexpected(store.error());
-  const auto material = store->Find(name);
-  if (!material) return tl::unexpected(material.error());
-  const auto values = materials_db::ComputeOptics(
-      *material, machine.laser().wavelength_nm(), machine.lenses(0).numerical_aperture());
-  if (!values) return tl::unexpected(values.error());
-  mounted.glass = material->name;
-  mounted.description.refractive_index = values->refractive_index;
+  const auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(materials_db));
+  const auto material = INTAGLIO_TRY(store.Find(name));
+  const auto values = INTAGLIO_TRY(materials_db::ComputeOptics(
+      material, machine.laser().wavelength_nm(), machine.lenses(0).numerical_aperture()));
+  mounted.glass = material.name;
+  mounted.description.refractive_index = values.refractive_index;
   return {};
 }
 

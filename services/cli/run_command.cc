@@ -9,6 +9,7 @@
 #include <iostream>
 #include <random>
 
+#include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
@@ -149,8 +150,7 @@ client::MountedDescription RunSession::MountedParts() const {
 Result<client::VirtualMachine> RunSession::MachineOf() const {
   client::VirtualMachine machine;
   machine.truth = client::TruthOf(job_.machine, MountedParts());
-  if (auto changed = options_.truth.Change(machine.truth); !changed)
-    return tl::unexpected(changed.error());
+  INTAGLIO_TRY(options_.truth.Change(machine.truth));
   machine.speed = options_.lockstep ? "lockstep" : fmt::format("{}", options_.speed);
   machine.faults = options_.faults;
   return machine;

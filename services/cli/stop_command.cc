@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/client/exit_codes.h"
@@ -91,8 +92,7 @@ class StopSource {
     sample.operator_name = Borrow(operator_name_);
     sample.reason = Borrow(reason);
     Borrow(sample.released, released);
-    if (auto written = writer_.Write(sample); !written)
-      return tl::unexpected(written.error());
+    INTAGLIO_TRY(writer_.Write(sample));
     return number_;
   }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
@@ -54,8 +55,7 @@ Result<client::VirtualMachine> MachineOf(const UpOptions& options,
                                          const client::MountedDescription& mounted) {
   client::VirtualMachine virtual_machine;
   virtual_machine.truth = client::TruthOf(machine, mounted);
-  if (auto changed = options.truth.Change(virtual_machine.truth); !changed)
-    return tl::unexpected(changed.error());
+  INTAGLIO_TRY(options.truth.Change(virtual_machine.truth));
   virtual_machine.speed =
       options.lockstep ? "lockstep" : fmt::format("{}", options.speed);
   return virtual_machine;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "engrave/core/try.h"
 #include "services/history/job_names.h"
 #include "services/job/models/discretize_outcome.h"
 #include "services/platform/bus/samples.h"
@@ -261,9 +262,7 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   sample.client = Borrow(client);
   Borrow(sample.job, bytes);
   sample.steady_ns = SteadyNs();
-  if (auto written = commands_->submissions.Write(sample); !written) {
-    return tl::unexpected(written.error());
-  }
+  INTAGLIO_TRY(commands_->submissions.Write(sample));
   const JobView* found = nullptr;
   const auto answered = [&] {
     if (refused_.contains(uid)) return true;
@@ -291,9 +290,7 @@ Result<std::uint64_t> JobClient::Send(const JobView& job, const JobOrder& order)
   sample.from_point = order.from_point;
   sample.fire_uncertain = order.fire_uncertain;
   sample.speed_percent = order.speed_percent;
-  if (auto written = commands_->commands.Write(sample); !written) {
-    return tl::unexpected(written.error());
-  }
+  INTAGLIO_TRY(commands_->commands.Write(sample));
   return last_number_;
 }
 
@@ -315,17 +312,16 @@ std::optional<CommandReply> JobClient::AnswerTo(std::uint64_t number) const {
 
 Status JobClient::Command(const JobView& job, const JobOrder& order,
                           std::chrono::milliseconds timeout) {
-  const auto number = Send(job, order);
-  if (!number) return tl::unexpected(number.error());
-  if (!PollUntil([&] { return AnswerTo(*number).has_value(); }, timeout)) {
-    Withdraw(*number);
+  const auto number = INTAGLIO_TRY(Send(job, order));
+  if (!PollUntil([&] { return AnswerTo(number).has_value(); }, timeout)) {
+    Withdraw(number);
     return Fail(ErrorCode::kTimedOut,
                 fmt::format("the job service did not answer the command for job {0} "
                             "within {1:.0f} s: check that it runs (intaglio list) and "
                             "what the job does (intaglio show {0})",
                             job.number, std::chrono::duration<double>(timeout).count()));
   }
-  const CommandReply reply = *AnswerTo(*number);
+  const CommandReply reply = *AnswerTo(number);
   if (reply.taken()) return {};
   return Fail(ErrorCode::kRefused, reply.message);
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::client {
 namespace {
 
@@ -23,9 +25,8 @@ Error EndOf(const ChildProcess& process) {
 }
 
 Result<KeptProcess> KeptProcess::Start(const ChildProcess::Command& command) {
-  auto started = ChildProcess::Start(command);
-  if (!started) return tl::unexpected(started.error());
-  return KeptProcess(std::move(*started));
+  auto started = INTAGLIO_TRY(ChildProcess::Start(command));
+  return KeptProcess(std::move(started));
 }
 
 Result<std::optional<std::string>> KeptProcess::Revive(
@@ -39,9 +40,8 @@ Result<std::optional<std::string>> KeptProcess::Revive(
   ends_.push_back(now);
   while (now - ends_.front() > kWithin) ends_.pop_front();
   if (ends_.size() >= kMaxEnds) return tl::unexpected(EndOf(process_));
-  auto started = ChildProcess::Start(process_.command());
-  if (!started) return tl::unexpected(started.error());
-  process_ = std::move(*started);
+  auto started = INTAGLIO_TRY(ChildProcess::Start(process_.command()));
+  process_ = std::move(started);
   return std::optional(fmt::format(
       "{} has ended unexpectedly (exit code {}) and was restarted as process {}",
       process_.name(), exit_code, process_.pid()));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/whole_file.h"
 #include "services/job/channels.h"
@@ -16,10 +17,9 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMaxTextBytes = 16 << 20;
 
 Result<FrozenJob> ReadFrozenJob(const fs::path& file) {
-  const auto text = io::ReadWholeFile(file, kMaxTextBytes);
-  if (!text) return tl::unexpected(text.error());
+  const auto text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxTextBytes));
   FrozenJob job;
-  const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &job);
+  const auto parsed = google::protobuf::util::JsonStringToMessage(text, &job);
   if (!parsed.ok()) {
     return Fail(ErrorCode::kUnreadable,
                 fmt::format("{} does not contain a frozen job: {}", file.string(),
@@ -43,38 +43,31 @@ Result<const std::vector<Value>*> ColumnOf(const formats::PointTable& table,
 
 Result<Evidence> ReadEvidence(const fs::path& folder) {
   Evidence evidence;
-  auto job = ReadFrozenJob(folder / "job.json");
-  if (!job) return tl::unexpected(job.error());
-  evidence.job = std::move(*job);
-  auto plan = formats::ReadPly(folder / "path.ply");
-  if (!plan) return tl::unexpected(plan.error());
-  const auto source = ColumnOf<std::uint32_t>(*plan, "source", folder / "path.ply");
-  if (!source) return tl::unexpected(source.error());
-  auto masks = ChannelsOfPoints(evidence.job.job(), **source);
-  if (!masks) return tl::unexpected(masks.error());
-  evidence.masks = std::move(*masks);
-  evidence.plan_mm = std::move(plan->points_mm);
-  const auto glass = formats::ReadPly(folder / "glass.ply");
-  if (!glass) return tl::unexpected(glass.error());
-  const auto tick = ColumnOf<double>(*glass, "tick", folder / "glass.ply");
-  if (!tick) return tl::unexpected(tick.error());
-  const auto channel = ColumnOf<std::uint8_t>(*glass, "channel", folder / "glass.ply");
-  if (!channel) return tl::unexpected(channel.error());
-  for (std::size_t i = 0; i < glass->points_mm.size(); ++i) {
-    const std::uint8_t number = (**channel)[i];
+  auto job = INTAGLIO_TRY(ReadFrozenJob(folder / "job.json"));
+  evidence.job = std::move(job);
+  auto plan = INTAGLIO_TRY(formats::ReadPly(folder / "path.ply"));
+  const auto source =
+      INTAGLIO_TRY(ColumnOf<std::uint32_t>(plan, "source", folder / "path.ply"));
+  auto masks = INTAGLIO_TRY(ChannelsOfPoints(evidence.job.job(), *source));
+  evidence.masks = std::move(masks);
+  evidence.plan_mm = std::move(plan.points_mm);
+  const auto glass = INTAGLIO_TRY(formats::ReadPly(folder / "glass.ply"));
+  const auto tick = INTAGLIO_TRY(ColumnOf<double>(glass, "tick", folder / "glass.ply"));
+  const auto channel =
+      INTAGLIO_TRY(ColumnOf<std::uint8_t>(glass, "channel", folder / "glass.ply"));
+  for (std::size_t i = 0; i < glass.points_mm.size(); ++i) {
+    const std::uint8_t number = (*channel)[i];
     if (number >= kMaxChannels) {
       return Fail(
           ErrorCode::kInvalidValue,
           fmt::format("{}: crack {} is in channel {}, of 0..{}",
                       (folder / "glass.ply").string(), i, number, kMaxChannels - 1));
     }
-    evidence.cracks.push_back({glass->points_mm[i],
-                               static_cast<std::uint64_t>((**tick)[i]),
+    evidence.cracks.push_back({glass.points_mm[i], static_cast<std::uint64_t>((*tick)[i]),
                                MaskOfChannel(number + 1u)});
   }
-  const auto journal = formats::ReadJournal(folder / "journal.bin");
-  if (!journal) return tl::unexpected(journal.error());
-  evidence.history = formats::HistoryOf(*journal);
+  const auto journal = INTAGLIO_TRY(formats::ReadJournal(folder / "journal.bin"));
+  evidence.history = formats::HistoryOf(journal);
   evidence.history.resize(evidence.plan_mm.size());
   return evidence;
 }

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "engrave/core/channels.h"
+#include "engrave/core/try.h"
 #include "engrave/formats/glass_record.h"
 #include "engrave/formats/journal_file.h"
 #include "engrave/formats/point_file.h"
@@ -240,12 +241,11 @@ Status WriteChannelViews(const fs::path& file, const Evidence& evidence,
 }
 
 Status WriteGlass(const fs::path& record_file, const fs::path& file) {
-  const auto record = formats::ReadGlassRecord(record_file);
-  if (!record) return tl::unexpected(record.error());
+  const auto record = INTAGLIO_TRY(formats::ReadGlassRecord(record_file));
   formats::PointTable table;
   std::vector<double> tick;
   std::vector<std::uint8_t> channel;
-  for (const auto& crack : record->cracks) {
+  for (const auto& crack : record.cracks) {
     if (!crack.in_glass) continue;
     table.points_mm.push_back(crack.position_mm);
     tick.push_back(static_cast<double>(crack.tick));
@@ -303,42 +303,25 @@ Result<JobReport> MakeProof(const ProofInputs& inputs) {
        {std::pair{inputs.job_folder / "path.ply", "path.ply"},
         std::pair{inputs.job_folder / "job.json", "job.json"},
         std::pair{inputs.job_folder / "journal.bin", "journal.bin"}}) {
-    if (auto copied = CopyInto(from, inputs.folder / to); !copied) {
-      return tl::unexpected(copied.error());
-    }
+    INTAGLIO_TRY(CopyInto(from, inputs.folder / to));
   }
-  if (auto written = WriteGlass(inputs.glass_record, inputs.folder / "glass.ply");
-      !written) {
-    return tl::unexpected(written.error());
-  }
-  const auto evidence = ReadEvidence(inputs.folder);
-  if (!evidence) return tl::unexpected(evidence.error());
-  JobReport report = ReportOf(*evidence);
+  INTAGLIO_TRY(WriteGlass(inputs.glass_record, inputs.folder / "glass.ply"));
+  const auto evidence = INTAGLIO_TRY(ReadEvidence(inputs.folder));
+  JobReport report = ReportOf(evidence);
   AddOutcomes(inputs, report);
-  if (auto written = WriteViews(inputs.folder / "views.png", *evidence, report);
-      !written) {
-    return tl::unexpected(written.error());
-  }
+  INTAGLIO_TRY(WriteViews(inputs.folder / "views.png", evidence, report));
   for (const ChannelCounts& counts : report.channels()) {
     const auto file = fmt::format("views-channel-{}.png", counts.channel());
-    if (auto written = WriteChannelViews(inputs.folder / file, *evidence, report, counts);
-        !written) {
-      return tl::unexpected(written.error());
-    }
+    INTAGLIO_TRY(WriteChannelViews(inputs.folder / file, evidence, report, counts));
   }
-  const auto json = JsonOf(report);
-  if (!json) return tl::unexpected(json.error());
-  if (auto written = io::WriteFileAtomically(inputs.folder / "report.json", *json);
-      !written) {
-    return tl::unexpected(written.error());
-  }
+  const auto json = INTAGLIO_TRY(JsonOf(report));
+  INTAGLIO_TRY(io::WriteFileAtomically(inputs.folder / "report.json", json));
   return report;
 }
 
 Result<JobReport> VerifyFolder(const fs::path& folder) {
-  const auto evidence = ReadEvidence(folder);
-  if (!evidence) return tl::unexpected(evidence.error());
-  return ReportOf(*evidence);
+  const auto evidence = INTAGLIO_TRY(ReadEvidence(folder));
+  return ReportOf(evidence);
 }
 
 Result<std::string> JsonOf(const JobReport& report) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "engrave/core/try.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/other_programs.h"
 #include "services/virtual_engraver/truth/truth_file.h"
@@ -62,14 +63,10 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
                                             options.folder.string(), error.message()));
   }
   if (virtual_machine != nullptr) {
-    if (auto started = set.StartEngraver(options, *virtual_machine); !started) {
-      return tl::unexpected(started.error());
-    }
+    INTAGLIO_TRY(set.StartEngraver(options, *virtual_machine));
   }
   set.machine_file_ = options.folder / "machine.textproto";
-  if (auto written = WriteMachineFile(set.machine_file_, set.machine_); !written) {
-    return tl::unexpected(written.error());
-  }
+  INTAGLIO_TRY(WriteMachineFile(set.machine_file_, set.machine_));
   const std::string machine = set.machine_file_.string();
   // A machine that waits for us leaves the processor to the others.
   const bool lockstep =
@@ -102,9 +99,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
       {"synchronizer", of_the_laser}};
   for (const auto& [name, arguments] : services) {
     if (options.without.contains(name) || (name == "recorder" && !set.records_)) continue;
-    if (auto started = set.StartService(options, name, arguments); !started) {
-      return tl::unexpected(started.error());
-    }
+    INTAGLIO_TRY(set.StartService(options, name, arguments));
   }
   return set;
 }
@@ -115,7 +110,7 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
   panel_ = options.folder / "panel";
   glass_record_ = options.folder / "glass.rec";
   const fs::path truth = options.folder / "truth.textproto";
-  if (auto written = WriteTruthFile(truth, machine.truth); !written) return written;
+  INTAGLIO_TRY(WriteTruthFile(truth, machine.truth));
   ChildProcess::Command command{"virtual-engraver",
                                 command_line::ProgramFolder() / "virtual-engraver",
                                 {},
@@ -128,9 +123,8 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }
   if (options.die_with_parent) command.arguments.push_back(DieWithUs());
-  auto started = ChildProcess::Start(command);
-  if (!started) return tl::unexpected(started.error());
-  engraver_.push_back(std::make_unique<ChildProcess>(std::move(*started)));
+  auto started = INTAGLIO_TRY(ChildProcess::Start(command));
+  engraver_.push_back(std::make_unique<ChildProcess>(std::move(started)));
   machine_.mutable_laser_line()->set_protocol("virtual-laser");
   machine_.mutable_laser_line()->set_device(laser.string());
   machine_.mutable_motion_line()->set_protocol("virtual-stage");
@@ -169,9 +163,8 @@ Status ServiceSet::StartService(const ServiceSetOptions& options, const std::str
   if (!bus.security.empty())
     command.arguments.insert(command.arguments.end(), {"--security", bus.security});
   if (options.die_with_parent) command.arguments.push_back(DieWithUs());
-  auto started = KeptProcess::Start(command);
-  if (!started) return tl::unexpected(started.error());
-  services_.push_back(std::make_unique<KeptProcess>(std::move(*started)));
+  auto started = INTAGLIO_TRY(KeptProcess::Start(command));
+  services_.push_back(std::make_unique<KeptProcess>(std::move(started)));
   return {};
 }
 

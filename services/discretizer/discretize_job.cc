@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "engrave/discretize/cloud.h"
 #include "services/job/models/discretize_outcome.h"
 
@@ -11,25 +12,23 @@ Result<std::shared_ptr<const PreparedJob>> PrepareJob(const FrozenJob& job,
                                                       std::vector<FileBytes> files,
                                                       const ReadLimits& limits,
                                                       const ProgressSink& progress) {
-  auto sources = MakeSources(job.job(), std::move(files), limits, progress);
-  if (!sources) return tl::unexpected(sources.error());
-  return std::make_shared<const PreparedJob>(PreparedJob{job.job(), std::move(*sources)});
+  auto sources = INTAGLIO_TRY(MakeSources(job.job(), std::move(files), limits, progress));
+  return std::make_shared<const PreparedJob>(PreparedJob{job.job(), std::move(sources)});
 }
 
 Result<host::StageResult> DiscretizePart(const PreparedJob& prepared,
                                          const discretize::Part& part,
                                          const Executor& executor,
                                          const ProgressSink& progress) {
-  auto made = discretize::MakeCloud(
-      prepared.sources.sources, CloudOptionsOf(prepared.job), part, executor, progress);
-  if (!made) return tl::unexpected(made.error());
+  auto made = INTAGLIO_TRY(discretize::MakeCloud(
+      prepared.sources.sources, CloudOptionsOf(prepared.job), part, executor, progress));
   // Of several parts, one may be empty; the sorter refuses a job without points.
-  if (part.count == 1 && made->cloud.size() == 0) {
+  if (part.count == 1 && made.cloud.size() == 0) {
     return tl::unexpected(discretize::NoPoints());
   }
   host::StageResult result;
-  *result.outcome.mutable_discretize() = OutcomeOf(prepared.sources, *made, part);
-  result.cloud = std::move(made->cloud);
+  *result.outcome.mutable_discretize() = OutcomeOf(prepared.sources, made, part);
+  result.cloud = std::move(made.cloud);
   return result;
 }
 

@@ -1,4 +1,5 @@
 
+#include "engrave/core/try.h"
 #include "services/discretizer/discretize_job.h"
 #include "services/discretizer/kept_job.h"
 #include "services/discretizer/model_intake.h"
@@ -43,9 +44,9 @@ class ModelInput final : public host::StageInput {
             limits = limits_, files = intake_.TakeFiles()](
                const ProgressSink& progress) mutable -> Result<host::StageResult> {
       if (*kept == nullptr) {
-        auto prepared = discretizer::PrepareJob(job, std::move(files), limits, progress);
-        if (!prepared) return tl::unexpected(prepared.error());
-        *kept = std::move(*prepared);
+        auto prepared = INTAGLIO_TRY(
+            discretizer::PrepareJob(job, std::move(files), limits, progress));
+        *kept = std::move(prepared);
       }
       return discretizer::DiscretizePart(**kept, {part.index, part.count}, executor,
                                          progress);

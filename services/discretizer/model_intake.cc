@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::discretizer {
@@ -80,7 +81,7 @@ Status ModelIntake::Check(const intaglio_ModelChunk& chunk) const {
 }
 
 Status ModelIntake::Accept(const intaglio_ModelChunk& chunk) {
-  if (auto fits = Check(chunk); !fits) return fits;
+  INTAGLIO_TRY(Check(chunk));
   if (chunk.offset == 0 && chunk.model == files_.size()) {
     files_.emplace_back();
     files_.back().reserve(chunk.file_size);

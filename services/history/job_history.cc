@@ -9,6 +9,7 @@
 #include <cctype>
 #include <string_view>
 
+#include "engrave/core/try.h"
 #include "proto/task.pb.h"
 #include "services/history/job_names.h"
 #include "services/platform/host/times/utc_time.h"
@@ -164,8 +165,8 @@ void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
 }
 
 Status CheckFilter(const Filter& filter) {
-  if (auto good = CheckTime("--since", filter.since); !good) return good;
-  if (auto good = CheckTime("--until", filter.until); !good) return good;
+  INTAGLIO_TRY(CheckTime("--since", filter.since));
+  INTAGLIO_TRY(CheckTime("--until", filter.until));
   if (filter.verdict.empty() ||
       std::find(kVerdicts.begin(), kVerdicts.end(), filter.verdict) != kVerdicts.end()) {
     return {};

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 #include "services/job/job_check.h"
 #include "services/job/json_position.h"
@@ -219,18 +220,17 @@ Result<std::vector<BatchLine>> ParseBatchCsv(std::string_view text,
                                              const BatchLimits& limits) {
   const io::CsvLimits csv_limits{.max_file_bytes = limits.max_bytes,
                                  .max_rows = limits.max_jobs};
-  const auto table = io::ParseCsv(text, csv_limits);
-  if (!table) return tl::unexpected(table.error());
-  if (table->rows.empty()) {
+  const auto table = INTAGLIO_TRY(io::ParseCsv(text, csv_limits));
+  if (table.rows.empty()) {
     return Fail(ErrorCode::kMissing, "has no rows: write one job in each row");
   }
   std::vector<BatchLine> lines;
   std::vector<Error> errors;
-  for (const io::CsvRow& row : table->rows) {
+  for (const io::CsvRow& row : table.rows) {
     BatchLine& line = lines.emplace_back();
     line.line_number = row.line_number;
     const auto field = [&](const char* name) {
-      const std::string* text_of = table->Find(row, name);
+      const std::string* text_of = table.Find(row, name);
       return text_of == nullptr ? std::string() : *text_of;
     };
     line.id = field("id").empty() ? std::to_string(lines.size()) : field("id");
@@ -239,9 +239,9 @@ Result<std::vector<BatchLine>> ParseBatchCsv(std::string_view text,
     line.cell = field("cell");
     io::CsvRow& own = line.columns.rows.emplace_back();
     own.line_number = row.line_number;
-    for (std::size_t i = 0; i < table->names.size(); ++i) {
-      if (kOwnColumns.contains(table->names[i])) continue;
-      line.columns.names.push_back(table->names[i]);
+    for (std::size_t i = 0; i < table.names.size(); ++i) {
+      if (kOwnColumns.contains(table.names[i])) continue;
+      line.columns.names.push_back(table.names[i]);
       own.fields.push_back(row.fields[i]);
     }
     CheckId(line, errors);
@@ -282,9 +282,8 @@ Result<std::vector<BatchLine>> ReadBatchFile(const fs::path& file) {
         fmt::format("{}: the extension has to be .jsonl, .ndjson or .csv", file.string()),
         ending);
   }
-  const auto text = io::ReadWholeFile(file, BatchLimits().max_bytes);
-  if (!text) return tl::unexpected(text.error());
-  auto lines = json ? ParseBatchJson(*text) : ParseBatchCsv(*text);
+  const auto text = INTAGLIO_TRY(io::ReadWholeFile(file, BatchLimits().max_bytes));
+  auto lines = json ? ParseBatchJson(text) : ParseBatchCsv(text);
   if (!lines) {
     Error error = lines.error();
     std::string message;

@@ -6,6 +6,7 @@
 #include <google/protobuf/text_format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "engrave/core/try.h"
 #include "engrave/drawing/font_outline.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
@@ -77,18 +78,15 @@ Result<JobFileFormat> FormatOf(const fs::path& path) {
 }
 
 Status ReadMessage(const fs::path& path, pb::Message& message) {
-  const auto format = FormatOf(path);
-  if (!format) return tl::unexpected(format.error());
-  const auto text = io::ReadWholeFile(path, kMaxJobFileBytes);
-  if (!text) return tl::unexpected(text.error());
-  return Parse(*text, *format, path.string(), message);
+  const auto format = INTAGLIO_TRY(FormatOf(path));
+  const auto text = INTAGLIO_TRY(io::ReadWholeFile(path, kMaxJobFileBytes));
+  return Parse(text, format, path.string(), message);
 }
 
 Status WriteMessage(const fs::path& path, const pb::Message& message) {
-  const auto format = FormatOf(path);
-  if (!format) return tl::unexpected(format.error());
+  const auto format = INTAGLIO_TRY(FormatOf(path));
   std::string text;
-  if (*format == JobFileFormat::kJson) {
+  if (format == JobFileFormat::kJson) {
     pb::util::JsonPrintOptions options;
     options.add_whitespace = true;
     options.preserve_proto_field_names = true;
@@ -121,24 +119,20 @@ void NameFontFiles(JobSpec& job) {
 Result<JobSpec> ParseJob(std::string_view text, JobFileFormat format,
                          const std::string& name) {
   JobSpec job;
-  if (auto parsed = Parse(text, format, name, job); !parsed) {
-    return tl::unexpected(parsed.error());
-  }
+  INTAGLIO_TRY(Parse(text, format, name, job));
   return job;
 }
 
 Result<MachineSpec> ParseMachine(std::string_view text, JobFileFormat format,
                                  const std::string& name) {
   MachineSpec machine;
-  if (auto parsed = Parse(text, format, name, machine); !parsed) {
-    return tl::unexpected(parsed.error());
-  }
+  INTAGLIO_TRY(Parse(text, format, name, machine));
   return machine;
 }
 
 Result<JobSpec> ReadJobFile(const fs::path& path) {
   JobSpec job;
-  if (auto read = ReadMessage(path, job); !read) return tl::unexpected(read.error());
+  INTAGLIO_TRY(ReadMessage(path, job));
   ResolveFiles(job, fs::absolute(path).parent_path());
   return job;
 }
@@ -152,7 +146,7 @@ void ResolveFiles(JobSpec& job, const fs::path& folder) {
 
 Result<MachineSpec> ReadMachineFile(const fs::path& path) {
   MachineSpec machine;
-  if (auto read = ReadMessage(path, machine); !read) return tl::unexpected(read.error());
+  INTAGLIO_TRY(ReadMessage(path, machine));
   if (const auto errors = CheckMachine(machine); !errors.empty()) {
     Error all = JoinErrors(errors);
     all.message = fmt::format("{}:\n{}", path.string(), all.message);

@@ -1,6 +1,7 @@
 #include "services/job/material_record.h"
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 
 namespace intaglio {
 namespace {
@@ -35,14 +36,14 @@ MaterialRecord RecordOf(const materials_db::Material& material) {
 }
 
 Result<materials_db::Material> MaterialOf(const MaterialRecord& record) {
-  const auto formula = optics::DispersionFormulaFromName(record.dispersion_formula());
-  if (!formula) return tl::unexpected(formula.error());
+  const auto formula =
+      INTAGLIO_TRY(optics::DispersionFormulaFromName(record.dispersion_formula()));
   materials_db::Material material;
   material.name = record.name();
   material.manufacturer = record.manufacturer();
   material.source = record.source();
   material.dispersion = {
-      *formula,
+      formula,
       {record.dispersion_coefficients().begin(), record.dispersion_coefficients().end()},
       record.min_wavelength_um(),
       record.max_wavelength_um()};

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "services/job/json_text.h"
 #include "services/platform/host/process/log.h"
@@ -30,9 +31,8 @@ Status WriteStatistics(const JobStatistics& statistics) {
   const fs::path folder = statistics.result_directory();
   std::error_code ignored;  // the writing says what is wrong
   fs::create_directories(folder, ignored);
-  const auto json = JsonTextOf(statistics);
-  if (!json) return tl::unexpected(json.error());
-  return io::WriteFileAtomically(folder / kFile, *json);
+  const auto json = INTAGLIO_TRY(JsonTextOf(statistics));
+  return io::WriteFileAtomically(folder / kFile, json);
 }
 
 }  // namespace

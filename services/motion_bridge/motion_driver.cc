@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "engrave/core/try.h"
 #include "services/motion_bridge/virtual_stage_driver.h"
 #include "services/platform/link/driver_table.h"
 
@@ -18,11 +19,10 @@ std::span<const MotionDriverKind> MotionDriverKinds() { return kKinds; }
 
 Result<std::unique_ptr<MotionDriver>> MakeDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.motion_line();
-  const auto kind = link::FindDriver(MotionDriverKinds(),
-                                     {"motion_line", line.protocol(), line.device()});
-  if (!kind) return tl::unexpected(kind.error());
-  return (*kind)->make(machine, link::EndpointOpener(line.device(), line.baud()),
-                       link::MonotonicClock());
+  const auto kind = INTAGLIO_TRY(link::FindDriver(
+      MotionDriverKinds(), {"motion_line", line.protocol(), line.device()}));
+  return kind->make(machine, link::EndpointOpener(line.device(), line.baud()),
+                    link::MonotonicClock());
 }
 
 }  // namespace intaglio::motion_bridge

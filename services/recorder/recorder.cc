@@ -9,6 +9,7 @@
 #include <thread>
 #include <variant>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/topic_tap.h"
 #include "services/platform/host/process/log.h"
 
@@ -175,9 +176,8 @@ Recorder::~Recorder() {
 
 Result<std::unique_ptr<Recorder>> Recorder::Start(bus::Bus& bus,
                                                   const RecorderOptions& options) {
-  auto series = RecordingSeries::Open(options.series, WallNow());
-  if (!series) return tl::unexpected(series.error());
-  auto impl = std::make_unique<Impl>(bus, options, std::move(*series));
+  auto series = INTAGLIO_TRY(RecordingSeries::Open(options.series, WallNow()));
+  auto impl = std::make_unique<Impl>(bus, options, std::move(series));
   Impl* const shared = impl.get();
   shared->Publish();
   shared->hearing =

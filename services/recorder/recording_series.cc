@@ -7,6 +7,7 @@
 #include <chrono>
 #include <limits>
 
+#include "engrave/core/try.h"
 #include "services/recorder/series_files.h"
 
 namespace intaglio::recorder {
@@ -59,9 +60,7 @@ Result<RecordingSeries> RecordingSeries::Open(const SeriesOptions& options,
   RecordingSeries series(options, now_ns);
   const auto there = FilesOf(options.file);
   series.file_number_ = there.empty() ? 0 : there.back().number;
-  if (auto opened = series.OpenNext(now_ns); !opened) {
-    return tl::unexpected(opened.error());
-  }
+  INTAGLIO_TRY(series.OpenNext(now_ns));
   return series;
 }
 

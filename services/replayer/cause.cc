@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::replayer {
 
 Status NameCause(ReplayComparison& result,
@@ -21,9 +23,8 @@ Status NameCause(ReplayComparison& result,
     say("input", result.input(0));
     return {};
   }
-  const auto chance = differs_again();
-  if (!chance) return tl::unexpected(chance.error());
-  if (*chance) {
+  const auto chance = INTAGLIO_TRY(differs_again());
+  if (chance) {
     say("chance", "the same task, done twice now, gives two results");
   } else if (result.version_then() != result.version_now()) {
     say("version", fmt::format("recorded with version {}, compared with version {}",

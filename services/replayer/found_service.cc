@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::replayer {
@@ -21,7 +22,7 @@ Result<FoundService> AwaitService(bus::Reader<intaglio_ServiceHealth>& health,
   const auto end = Clock::now() + kStart;
   FoundService found;
   while (found.instance.empty()) {
-    if (auto on = keep_on(); !on) return tl::unexpected(on.error());
+    INTAGLIO_TRY(keep_on());
     if (Clock::now() > end)
       return Fail(ErrorCode::kTimedOut, "the service does not become ready");
     health.Take([&](const intaglio_ServiceHealth& sample) {

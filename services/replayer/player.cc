@@ -6,6 +6,7 @@
 #include <thread>
 #include <tuple>
 
+#include "engrave/core/try.h"
 #include "services/platform/recording/message_cursor.h"
 
 namespace intaglio::replayer {
@@ -42,16 +43,14 @@ Result<std::unique_ptr<Player>> Player::Make(bus::Bus& bus, bus::CdrPublisher& p
                                              const recording::McapReader& reader,
                                              Selection selection) {
   std::unique_ptr<Player> player(new Player(bus, reader, std::move(selection)));
-  if (auto made = player->MakeWriters(publisher); !made)
-    return tl::unexpected(made.error());
+  INTAGLIO_TRY(player->MakeWriters(publisher));
   return player;
 }
 
 Status Player::MakeWriters(bus::CdrPublisher& publisher) {
-  const auto records = reader_.ReadMetadata(recording::kTypeRecord);
-  if (!records) return tl::unexpected(records.error());
+  const auto records = INTAGLIO_TRY(reader_.ReadMetadata(recording::kTypeRecord));
   std::map<std::string, const bus::TypeRecipe*> recipes;
-  for (const recording::Metadata& record : *records) {
+  for (const recording::Metadata& record : records) {
     const auto name = record.entries.find("name");
     if (name != record.entries.end()) recipes.emplace(name->second, &record.entries);
   }
@@ -68,13 +67,12 @@ Status Player::MakeWriters(bus::CdrPublisher& publisher) {
                                 stream.topic, stream.type, stream.topic),
                     stream.topic);
       }
-      auto fresh = publisher.MakeWriter(
+      auto fresh = INTAGLIO_TRY(publisher.MakeWriter(
           {stream.bulk ? bus::DomainKind::kBulk : bus::DomainKind::kControl, channel.name,
            stream.partition, stream.qos},
-          *recipe->second);
-      if (!fresh) return tl::unexpected(fresh.error());
-      writer = fresh->get();
-      writers_.push_back(std::move(*fresh));
+          *recipe->second));
+      writer = fresh.get();
+      writers_.push_back(std::move(fresh));
     }
     writer_of_[id] = writer;
   }

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "engrave/core/try.h"
 #include "services/platform/recording/conventions.h"
 #include "services/replayer/recorded_members.h"
 
@@ -82,14 +83,12 @@ RecordedValues::RecordedValues(const recording::McapReader& reader,
       cursor_(reader, {.from_ns = from_ns, .channels = ValueChannelsOf(reader, topic)}) {}
 
 Result<std::optional<Value>> RecordedValues::Next() {
-  const auto message = cursor_.Next();
-  if (!message) return tl::unexpected(message.error());
-  if (!*message) return std::nullopt;
-  log_time_ns_ = (*message)->log_time_ns;
-  publish_time_ns_ = (*message)->publish_time_ns;
-  auto value = decoder_.Decode(**message);
-  if (!value) return tl::unexpected(value.error());
-  return std::optional(std::move(*value));
+  const auto message = INTAGLIO_TRY(cursor_.Next());
+  if (!message) return std::nullopt;
+  log_time_ns_ = message->log_time_ns;
+  publish_time_ns_ = message->publish_time_ns;
+  auto value = INTAGLIO_TRY(decoder_.Decode(*message));
+  return std::optional(std::move(value));
 }
 
 Result<std::map<StreamId, StreamExtent>> ExtentsOf(const recording::McapReader& reader,
@@ -97,13 +96,12 @@ Result<std::map<StreamId, StreamExtent>> ExtentsOf(const recording::McapReader& 
   std::map<StreamId, StreamExtent> extents;
   RecordedValues values(reader, topic);
   for (;;) {
-    const auto value = values.Next();
-    if (!value) return tl::unexpected(value.error());
-    if (!*value) return extents;
+    const auto value = INTAGLIO_TRY(values.Next());
+    if (!value) return extents;
     StreamId id;
     std::uint64_t number = 0;
     bool last = false;
-    Members members(**value);
+    Members members(*value);
     members.Get(id);
     members.Get("sequence_number", number);
     members.Get("last", last);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "engrave/core/try.h"
 #include "engrave/io/crc32.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/recording/conventions.h"
@@ -77,10 +78,9 @@ Status Rehearsal::ReadTasks() {
   std::set<StreamId> known;
   RecordedValues values(reader_, task_topic_);
   for (;;) {
-    const auto value = values.Next();
-    if (!value) return tl::unexpected(value.error());
-    if (!*value) return {};
-    auto task = ReadTask(**value);
+    const auto value = INTAGLIO_TRY(values.Next());
+    if (!value) return {};
+    auto task = ReadTask(*value);
     if (!task || task->revoked || !outputs_.contains(task->id)) continue;
     if (!known.insert(task->id).second) continue;
     task->log_time_ns = values.log_time_ns();
@@ -91,16 +91,15 @@ Status Rehearsal::ReadTasks() {
 Status Rehearsal::ReadRecording() {
   for (const auto& [topic, extents] :
        {std::pair(&output_topic_, &outputs_), {&input_topic_, &inputs_}}) {
-    auto found = ExtentsOf(reader_, *topic);
-    if (!found) return tl::unexpected(found.error());
-    *extents = std::move(*found);
+    auto found = INTAGLIO_TRY(ExtentsOf(reader_, *topic));
+    *extents = std::move(found);
   }
   if (!sort_) {
     for (const auto& [id, extent] : inputs_) {
       if (extent.whole) models_.try_emplace(id.job_uid, id);
     }
   }
-  if (auto read = ReadTasks(); !read) return read;
+  INTAGLIO_TRY(ReadTasks());
   if (tasks_.empty()) {
     return Fail(ErrorCode::kMissing,
                 fmt::format("the recording has no {} whose {} was recorded: nothing to "
@@ -154,7 +153,7 @@ Status Rehearsal::ChangeOptions(RecordedTask& task) {
   result_.set_version_then(then.software_version());
   if (!options_.change) return {};
   FrozenJob now = then;
-  if (auto changed = options_.change(now); !changed) return changed;
+  INTAGLIO_TRY(options_.change(now));
   if (result_.options().empty()) {
     for (OptionDifference& difference : OptionDifferences(then, now))
       *result_.add_options() = std::move(difference);
@@ -197,38 +196,35 @@ Result<Rehearsal::Performed> Rehearsal::Perform(const RecordedTask& task,
     counts.set_different_batch_count(counts.different_batch_count() + 1);
     if (!performed.first) performed.first = std::move(difference);
   };
-  const auto failure = bench_->Perform(
+  const auto failure = INTAGLIO_TRY(bench_->Perform(
       task, job_uid,
       [&](CloudBatch&& now) {
         performed.checksum = Checksum(now, performed.checksum);
         const auto then = next_then();
         if (then || extent.whole) note(then ? &*then : nullptr, &now);
       },
-      keep_on_);
-  if (!failure) return tl::unexpected(failure.error());
+      keep_on_));
   while (const auto then = next_then()) note(&*then, nullptr);
   if (!damage) return tl::unexpected(damage.error());
-  if (!failure->empty() && performed.first)
-    performed.first->set_now("none: the task failed, " + *failure);
+  if (!failure.empty() && performed.first)
+    performed.first->set_now("none: the task failed, " + failure);
   return performed;
 }
 
 /// Of the first task that made something else.
 Status Rehearsal::FindCause(const RecordedTask& task, const Performed& performed) {
   return NameCause(result_, [&]() -> Result<bool> {
-    const auto again = Perform(task, task.id.job_uid + "-again");
-    if (!again) return tl::unexpected(again.error());
-    return again->checksum != performed.checksum;
+    const auto again = INTAGLIO_TRY(Perform(task, task.id.job_uid + "-again"));
+    return again.checksum != performed.checksum;
   });
 }
 
 Result<ReplayComparison> Rehearsal::Run() {
   result_.set_service(sort_ ? "sorter" : "discretizer");
-  if (auto read = ReadRecording(); !read) return tl::unexpected(read.error());
+  INTAGLIO_TRY(ReadRecording());
   bench_ = MakeBench(bus_, reader_, options_.stage, models_);
-  const auto version = bench_->FindService(keep_on_);
-  if (!version) return tl::unexpected(version.error());
-  result_.set_version_now(*version);
+  const auto version = INTAGLIO_TRY(bench_->FindService(keep_on_));
+  result_.set_version_now(version);
   bool all_performed = true;
   std::optional<std::pair<const RecordedTask*, Performed>> different;
   for (RecordedTask& task : tasks_) {
@@ -236,12 +232,10 @@ Result<ReplayComparison> Rehearsal::Run() {
       all_performed = false;
       continue;
     }
-    if (auto changed = ChangeOptions(task); !changed)
-      return tl::unexpected(changed.error());
-    auto performed = Perform(task, task.id.job_uid);
-    if (!performed) return tl::unexpected(performed.error());
-    *result_.add_tasks() = performed->counts;
-    if (performed->first && !different) different.emplace(&task, std::move(*performed));
+    INTAGLIO_TRY(ChangeOptions(task));
+    auto performed = INTAGLIO_TRY(Perform(task, task.id.job_uid));
+    *result_.add_tasks() = performed.counts;
+    if (performed.first && !different) different.emplace(&task, std::move(performed));
   }
   result_.set_identical(!different && all_performed);
   if (different) {

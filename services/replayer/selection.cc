@@ -6,6 +6,8 @@
 #include <array>
 #include <string_view>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::replayer {
 namespace {
 
@@ -87,8 +89,7 @@ Result<Selection> Select(const recording::RecordingContents& contents,
                             unused.begin()->first),
                 unused.begin()->first);
   }
-  if (auto checked = CheckTypes(selection); !checked)
-    return tl::unexpected(checked.error());
+  INTAGLIO_TRY(CheckTypes(selection));
   return selection;
 }
 

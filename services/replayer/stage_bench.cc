@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
@@ -119,11 +120,10 @@ CloudBatch Copied(const Batch& sample) {
 
 template <typename Batch>
 Result<std::string> Bench<Batch>::FindService(const KeepOn& keep_on) {
-  auto found = AwaitService(
-      health_, wait_, sort_ ? intaglio_ROLE_SORTER : intaglio_ROLE_DISCRETIZER, keep_on);
-  if (!found) return tl::unexpected(found.error());
-  instance_ = found->instance;
-  return found->version;
+  auto found = INTAGLIO_TRY(AwaitService(
+      health_, wait_, sort_ ? intaglio_ROLE_SORTER : intaglio_ROLE_DISCRETIZER, keep_on));
+  instance_ = found.instance;
+  return found.version;
 }
 
 template <typename Batch>
@@ -197,16 +197,14 @@ Result<std::string> Bench<Batch>::Perform(const RecordedTask& task,
                   bus::PartStreamName(job_uid, task.id.attempt, output_topic_.name,
                                       task.id.part, task.id.part_attempt)};
   const auto input = InputOf(task, job_uid);
-  if (auto opened = grantor_.Open(running.stream, output_.guid(), kPointWindowBatches);
-      !opened)
-    return tl::unexpected(opened.error());
-  if (auto given = Give(task, job_uid); !given) return tl::unexpected(given.error());
+  INTAGLIO_TRY(grantor_.Open(running.stream, output_.guid(), kPointWindowBatches));
+  INTAGLIO_TRY(Give(task, job_uid));
   while (!running.ended || (running.failure.empty() && !running.all_taken)) {
-    if (auto on = keep_on(); !on) return tl::unexpected(on.error());
+    INTAGLIO_TRY(keep_on());
     if (Clock::now() - running.moved_at > kPatience)
       return Fail(ErrorCode::kTimedOut, "the service does not continue");
     book_.Poll();
-    if (auto fed = input->Advance(book_); !fed) return tl::unexpected(fed.error());
+    INTAGLIO_TRY(input->Advance(book_));
     TakeOutput(running, sink);
     TakeStatus(running);
     (void)wait_.Wait(kTurn);

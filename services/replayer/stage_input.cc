@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::replayer {
@@ -48,11 +49,10 @@ CloudInput<Batch>::CloudInput(bus::Writer<Batch>& writer,
 template <typename Batch>
 Status CloudInput<Batch>::FindNext() {
   while (!next_ && !ended_) {
-    auto value = values_.Next();
-    if (!value) return tl::unexpected(value.error());
-    ended_ = !*value;
+    auto value = INTAGLIO_TRY(values_.Next());
+    ended_ = !value;
     if (ended_) break;
-    auto batch = ReadBatch(**value);
+    auto batch = ReadBatch(*value);
     if (batch && batch->id.job_uid == task_.job_uid && batch->id.attempt == task_.attempt)
       next_ = std::move(batch);
   }
@@ -62,7 +62,7 @@ Status CloudInput<Batch>::FindNext() {
 template <typename Batch>
 Result<bool> CloudInput<Batch>::Advance(const bus::CreditBook& credit) {
   for (;;) {
-    if (auto found = FindNext(); !found) return tl::unexpected(found.error());
+    INTAGLIO_TRY(FindNext());
     if (!next_) return true;
     const CloudBatch& batch = *next_;
     const auto turn = TurnOf(credit,
@@ -105,11 +105,10 @@ ModelInput::ModelInput(bus::Writer<intaglio_ModelChunk>& writer,
 
 Status ModelInput::FindNext() {
   while (!next_ && !ended_) {
-    auto value = values_.Next();
-    if (!value) return tl::unexpected(value.error());
-    ended_ = !*value;
+    auto value = INTAGLIO_TRY(values_.Next());
+    ended_ = !value;
     if (ended_) break;
-    auto piece = ReadPiece(**value);
+    auto piece = ReadPiece(*value);
     if (piece && piece->id == recorded_) next_ = std::move(piece);
   }
   return {};
@@ -122,7 +121,7 @@ Result<bool> ModelInput::Advance(const bus::CreditBook& credit) {
   for (;;) {
     // Models are large: nothing is read before somebody asks.
     if (!credit.Find(stream).open) return false;
-    if (auto found = FindNext(); !found) return tl::unexpected(found.error());
+    INTAGLIO_TRY(FindNext());
     if (!next_) return true;
     const ModelPiece& piece = *next_;
     const auto turn = TurnOf(credit, stream, piece.sequence_number, writer_);

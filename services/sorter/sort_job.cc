@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "engrave/core/channels.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/cloud.h"
 #include "engrave/proof/cloud_quality.h"
 #include "engrave/sort/order.h"
@@ -51,22 +52,20 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress) {
   // No maker of a part can tell that the others are empty as well.
   if (cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
-  const auto of_cloud = ChannelsOfPoints(job.job(), cloud.source);
-  if (!of_cloud) return tl::unexpected(of_cloud.error());
-  const auto order =
-      sort::MakeChannelOrder(cloud.points_mm, *of_cloud, host::OrderingOf(job), progress);
-  if (!order) return tl::unexpected(order.error());
+  const auto of_cloud = INTAGLIO_TRY(ChannelsOfPoints(job.job(), cloud.source));
+  const auto order = INTAGLIO_TRY(
+      sort::MakeChannelOrder(cloud.points_mm, of_cloud, host::OrderingOf(job), progress));
   host::StageResult result;
   SortOutcome& outcome = *result.outcome.mutable_sort();
-  outcome.set_point_count(order->size());
-  outcome.set_travel_mm(sort::MeasureTravel(cloud.points_mm, *order).largest_axis_mm);
-  result.cloud.points_mm.reserve(order->size());
-  result.cloud.source.reserve(order->size());
+  outcome.set_point_count(order.size());
+  outcome.set_travel_mm(sort::MeasureTravel(cloud.points_mm, order).largest_axis_mm);
+  result.cloud.points_mm.reserve(order.size());
+  result.cloud.source.reserve(order.size());
   std::vector<ChannelMask> masks;
-  masks.reserve(order->size());
-  for (const std::uint32_t index : *order) {
+  masks.reserve(order.size());
+  for (const std::uint32_t index : order) {
     result.cloud.Add(cloud.points_mm[index], cloud.source[index]);
-    masks.push_back((*of_cloud)[index]);
+    masks.push_back(of_cloud[index]);
   }
   cloud = {};
   outcome.set_shadow_violation_count(sort::CountShadowViolations(

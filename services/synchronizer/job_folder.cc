@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
 
@@ -28,8 +29,7 @@ Status WritePlan(const fs::path& folder, const FrozenJob& job, const PointCloud&
   table.comments = {"path of job " + job.job_uid() +
                     ", glass frame, mm, in the order of engraving"};
   table.columns.push_back({"source", path.source});
-  if (auto written = formats::WritePly(folder / kPathFile, table); !written)
-    return written;
+  INTAGLIO_TRY(formats::WritePly(folder / kPathFile, table));
   std::string json;
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;
@@ -47,9 +47,8 @@ Result<PointCloud> ReadPath(const fs::path& folder) {
                     "of its results is mounted, and check the block",
                 file.string());
   }
-  auto table = formats::ReadPly(file);
-  if (!table) return tl::unexpected(table.error());
-  const auto* source = table->Find<std::uint32_t>("source");
+  auto table = INTAGLIO_TRY(formats::ReadPly(file));
+  const auto* source = table.Find<std::uint32_t>("source");
   if (source == nullptr) {
     return Fail(ErrorCode::kUnreadable,
                 file.string() + " has no column 'source': the job cannot be continued",
@@ -57,7 +56,7 @@ Result<PointCloud> ReadPath(const fs::path& folder) {
   }
   PointCloud path;
   path.source = *source;
-  path.points_mm = std::move(table->points_mm);
+  path.points_mm = std::move(table.points_mm);
   return path;
 }
 

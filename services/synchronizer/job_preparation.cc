@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/journal_file.h"
 #include "services/job/channels.h"
 #include "services/job/machine/machine_axes.h"
@@ -36,18 +37,17 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   }
   job.trigger->Adapt(job.plan);
   job.machine_from_glass = AxesFromGlassOf(frozen);
-  auto axes = CheckedAxes(path, BlocksOfModels(frozen.job()), job.machine_from_glass,
-                          job.plan.limits.travel_mm);
-  if (!axes) return tl::unexpected(axes.error());
-  job.machine_points_mm = std::move(*axes);
+  auto axes =
+      INTAGLIO_TRY(CheckedAxes(path, BlocksOfModels(frozen.job()), job.machine_from_glass,
+                               job.plan.limits.travel_mm));
+  job.machine_points_mm = std::move(axes);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
   job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;
   job.block_misfit = task.block_misfit;
-  auto masks = ChannelsOfPoints(frozen.job(), path.source);
-  if (!masks) return tl::unexpected(masks.error());
-  job.shutter_mask = masks->front();
-  if (DistinctMasks(*masks).size() > 1) job.masks = std::move(*masks);
+  auto masks = INTAGLIO_TRY(ChannelsOfPoints(frozen.job(), path.source));
+  job.shutter_mask = masks.front();
+  if (DistinctMasks(masks).size() > 1) job.masks = std::move(masks);
   const optics::MachineFromGlass& optics = job.machine_from_glass.machine_from_glass();
   if (!AreHeadCoordinates(frozen.machine())) {
     job.places_mm.reserve(path.size());
@@ -60,16 +60,14 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
 Result<OpenedJournal> OpenFolder(const PreparationTask& task, const PointCloud& path,
                                  bool on_disk) {
   const std::filesystem::path folder = task.job.result_directory();
-  if (auto made = MakeJobFolder(folder); !made) return tl::unexpected(made.error());
+  INTAGLIO_TRY(MakeJobFolder(folder));
   // Before the plan is written over: it may be refused for another's pulses.
   auto journal =
       OpenJournal(folder / kJournalFile,
                   {path.size(), task.job.epoch(), formats::PathCrc(path.points_mm)},
                   on_disk ? JobBegun::kItsPathIsThere : JobBegun::kNo);
   if (!journal || on_disk) return journal;
-  if (auto written = WritePlan(folder, task.job, path); !written) {
-    return tl::unexpected(written.error());
-  }
+  INTAGLIO_TRY(WritePlan(folder, task.job, path));
   return journal;
 }
 
@@ -82,18 +80,15 @@ Result<PreparedJob> PrepareJob(PreparationTask task, const ProgressSink& progres
   const auto cancelled = [] {
     return Fail(ErrorCode::kCancelled, "the job was cancelled during its preparation");
   };
-  const auto path = PathOf(task);
-  if (!path) return tl::unexpected(path.error());
+  const auto path = INTAGLIO_TRY(PathOf(task));
   if (!wanted()) return cancelled();
-  auto job = EngravingOf(task, *path);
-  if (!job) return tl::unexpected(job.error());
+  auto job = INTAGLIO_TRY(EngravingOf(task, path));
   if (!wanted()) return cancelled();
-  auto journal = OpenFolder(task, *path, on_disk);
-  if (!journal) return tl::unexpected(journal.error());
-  job->earlier = std::move(journal->earlier);
-  PlanInput plan{job->machine_points_mm, job->plan, job->masks,
+  auto journal = INTAGLIO_TRY(OpenFolder(task, path, on_disk));
+  job.earlier = std::move(journal.earlier);
+  PlanInput plan{job.machine_points_mm, job.plan, job.masks,
                  ScaleBoundsOf(task.job).any_mm};
-  return PreparedJob{std::move(*job), std::move(journal->writer), std::move(plan)};
+  return PreparedJob{std::move(job), std::move(journal.writer), std::move(plan)};
 }
 
 }  // namespace intaglio::synchronizer

@@ -1,5 +1,6 @@
 #include <iostream>
 
+#include "engrave/core/try.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/only_instance.h"
@@ -33,9 +34,8 @@ Result<synchronizer::MountedParts> MountedOf(const Options& options,
   if (!options.block_mm.empty())
     mounted.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
   if (options.refractive_index > 0) mounted.refractive_index = options.refractive_index;
-  auto lens = synchronizer::MountedLens(options.lens, machine);
-  if (!lens) return tl::unexpected(lens.error());
-  mounted.lens = *lens;
+  auto lens = INTAGLIO_TRY(synchronizer::MountedLens(options.lens, machine));
+  mounted.lens = lens;
   return mounted;
 }
 

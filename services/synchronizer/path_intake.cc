@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/stage/cloud_flow.h"
 
@@ -84,7 +85,7 @@ Status PathIntake::Check(const intaglio_PathBatch& batch) const {
 }
 
 Status PathIntake::Accept(const intaglio_PathBatch& batch) {
-  if (auto checked = Check(batch); !checked) return checked;
+  INTAGLIO_TRY(Check(batch));
   const auto x = bus::View(batch.x_mm), y = bus::View(batch.y_mm),
              z = bus::View(batch.z_mm);
   const auto source = bus::View(batch.source);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::virtual_engraver {
 namespace {
 
@@ -21,9 +23,8 @@ std::optional<T> NumberOf(const std::string& text) {
 // The one before frees its name first; a port that was chosen stays the same.
 Status PlugIn(Plugs::Plug& plug, const std::string& name) {
   plug.line.reset();
-  auto line = OpenMachineLine(plug.device, name);
-  if (!line) return tl::unexpected(line.error());
-  plug.line = std::move(*line);
+  auto line = INTAGLIO_TRY(OpenMachineLine(plug.device, name));
+  plug.line = std::move(line);
   plug.device = plug.line->device();
   return {};
 }
@@ -38,13 +39,13 @@ std::vector<std::string> WordsOf(const std::string& line) {
 }  // namespace
 
 Status Commands::PlugLaser() {
-  if (auto plugged = PlugIn(plugs_.laser, "laser line"); !plugged) return plugged;
+  INTAGLIO_TRY(PlugIn(plugs_.laser, "laser line"));
   machine_.PlugLaserLine(plugs_.laser.line->MachineEnd());
   return {};
 }
 
 Status Commands::PlugMotion() {
-  if (auto plugged = PlugIn(plugs_.motion, "motion line"); !plugged) return plugged;
+  INTAGLIO_TRY(PlugIn(plugs_.motion, "motion line"));
   machine_.PlugMotionLine(plugs_.motion.line->MachineEnd());
   return {};
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::virtual_engraver {
 namespace {
 // What a line holds at most; more is not taken, as by a full buffer of a serial port.
@@ -28,10 +30,9 @@ void LateLine::Delay(Way& way, std::span<const std::byte> bytes) {
 Status LateLine::TakeIn() {
   std::array<std::byte, 4096> buffer;
   while (in_.size < kMostBytes) {
-    const auto got = inner_->Read(buffer);
-    if (!got) return tl::unexpected(got.error());
-    if (*got == 0) break;
-    Delay(in_, std::span(buffer).first(*got));
+    const auto got = INTAGLIO_TRY(inner_->Read(buffer));
+    if (got == 0) break;
+    Delay(in_, std::span(buffer).first(got));
   }
   return {};
 }
@@ -40,10 +41,9 @@ Status LateLine::LetOut() {
   const auto now = clock_();
   while (!out_.pieces.empty() && out_.pieces.front().due <= now) {
     auto& bytes = out_.pieces.front().bytes;
-    const auto sent = inner_->Write(bytes);
-    if (!sent) return tl::unexpected(sent.error());
-    out_.size -= *sent;
-    bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*sent));
+    const auto sent = INTAGLIO_TRY(inner_->Write(bytes));
+    out_.size -= sent;
+    bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(sent));
     if (!bytes.empty()) break;
     out_.pieces.pop_front();
   }
@@ -51,8 +51,8 @@ Status LateLine::LetOut() {
 }
 
 Result<std::size_t> LateLine::Read(std::span<std::byte> buffer) {
-  if (const auto out = LetOut(); !out) return tl::unexpected(out.error());
-  if (const auto in = TakeIn(); !in) return tl::unexpected(in.error());
+  INTAGLIO_TRY(LetOut());
+  INTAGLIO_TRY(TakeIn());
   const auto now = clock_();
   std::size_t count = 0;
   while (count < buffer.size() && !in_.pieces.empty() && in_.pieces.front().due <= now) {
@@ -71,7 +71,7 @@ Result<std::size_t> LateLine::Read(std::span<std::byte> buffer) {
 Result<std::size_t> LateLine::Write(std::span<const std::byte> bytes) {
   if (out_.size >= kMostBytes) return 0;
   if (!bytes.empty()) Delay(out_, bytes);
-  if (const auto out = LetOut(); !out) return tl::unexpected(out.error());
+  INTAGLIO_TRY(LetOut());
   return bytes.size();
 }
 

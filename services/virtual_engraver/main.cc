@@ -7,6 +7,7 @@
 #include <iostream>
 #include <random>
 
+#include "engrave/core/try.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/link/line_session.h"
 #include "services/platform/link/real_time.h"
@@ -51,10 +52,9 @@ void AddOptions(command_line::Command app, Options& o) {
 }
 
 Status Finish(Options& o) {
-  const auto truth = ReadTruthFile(o.truth_file);
-  if (!truth) return tl::unexpected(truth.error());
+  const auto truth = INTAGLIO_TRY(ReadTruthFile(o.truth_file));
   MachineOptions& m = o.machine;
-  m = OptionsOf(*truth);
+  m = OptionsOf(truth);
   m.laser.power_up = std::random_device{}();
   if (m.stage.own_clock) {
     m.stage.own_clock->power_up = std::max(1u, std::random_device{}());

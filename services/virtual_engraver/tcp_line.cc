@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "services/platform/link/tcp_stream.h"
 
 namespace intaglio::virtual_engraver {
@@ -82,9 +83,8 @@ Result<TcpLine> TcpLine::Open(const std::string& address, const std::string& nam
                 "cannot make the line tcp:" + address + ": " + parsed.error().message,
                 address);
   }
-  const auto listener = link::ListenTcp(*parsed);
-  if (!listener) return tl::unexpected(listener.error());
-  return TcpLine(std::make_shared<Socket>(*listener, name));
+  const auto listener = INTAGLIO_TRY(link::ListenTcp(*parsed));
+  return TcpLine(std::make_shared<Socket>(listener, name));
 }
 
 TcpLine::TcpLine(std::shared_ptr<Socket> socket) : socket_(std::move(socket)) {}

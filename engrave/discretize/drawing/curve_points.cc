@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/drawing/fill_outline.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
 #include "engrave/discretize/spacing/contour_points.h"
@@ -194,9 +195,7 @@ class PlaneFill {
     for (std::size_t i = 0; i < rings.size();) {
       std::size_t end = i;
       while (end < rings.size() && rings[end].first - rings[i].first <= kFlat_mm) ++end;
-      if (auto ok = FillPlane(std::span(rings).subspan(i, end - i)); !ok) {
-        return ok;
-      }
+      INTAGLIO_TRY(FillPlane(std::span(rings).subspan(i, end - i)));
       i = end;
     }
     return {};
@@ -235,7 +234,7 @@ class PlaneFill {
       if (off < options_.distance_mm) kept.push_back(InPlane(points_[i]));
     }
     const OutlineFill fill{options_.distance_mm, options_.fill == CurveFill::kEvenOdd};
-    if (auto ok = AddInnerPoints(polygons, kept, fill, inner); !ok) return ok;
+    INTAGLIO_TRY(AddInnerPoints(polygons, kept, fill, inner));
     for (const Vec2& p : inner) {
       points_.push_back(axes_ * Vec3(p.x(), p.y(), height));
     }
@@ -263,9 +262,7 @@ Result<PointList> LayerPoints(const FlatDrawing& placed, const CurveOptions& opt
   PointList points;
   for (const FlatCurve& curve : placed.curves) curve_points.Add(curve, points);
   if (options.fill != CurveFill::kNone) {
-    if (auto ok = PlaneFill(options, points).Add(placed); !ok) {
-      return tl::unexpected(ok.error());
-    }
+    INTAGLIO_TRY(PlaneFill(options, points).Add(placed));
   }
   const Vec3 shift =
       options.layer_direction.normalized() * (options.layer_distance_mm * layer);
@@ -281,15 +278,14 @@ Result<std::unique_ptr<PointSource>> MakeCurvePoints(const FlatDrawing& placed,
   const double expected =
       options.layer_count * (TotalLength(placed) / options.distance_mm +
                              static_cast<double>(placed.curves.size()));
-  if (auto ok = CheckCandidateCount(expected); !ok) return tl::unexpected(ok.error());
+  INTAGLIO_TRY(CheckCandidateCount(expected));
   SpacedCloud cloud;
   MethodStatistics statistics;
   for (int layer = 0; layer < options.layer_count; ++layer) {
-    const Result<PointList> points = LayerPoints(placed, options, layer);
-    if (!points) return tl::unexpected(points.error());
-    const double count = static_cast<double>(cloud.size() + points->size());
-    if (auto ok = CheckCandidateCount(count); !ok) return tl::unexpected(ok.error());
-    for (const Vec3& p : *points) cloud.Add(p, 0);
+    const PointList points = INTAGLIO_TRY(LayerPoints(placed, options, layer));
+    const double count = static_cast<double>(cloud.size() + points.size());
+    INTAGLIO_TRY(CheckCandidateCount(count));
+    for (const Vec3& p : points) cloud.Add(p, 0);
     ++statistics.plane_count;
     for (const FlatCurve& curve : placed.curves) {
       ++(curve.closed ? statistics.closed_contour_count : statistics.open_contour_count);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "engrave/core/try.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
 #include "engrave/discretize/spacing/statistics.h"
 
@@ -50,12 +51,12 @@ class Inside {
   /// Fails when the rows would hold more edges than a job has points.
   Status Build() {
     if (edges_.empty()) return {};
-    if (auto ok = CheckCandidateCount((highest_ - lowest_) / row_mm_); !ok) return ok;
+    INTAGLIO_TRY(CheckCandidateCount((highest_ - lowest_) / row_mm_));
     double entries = 0;
     for (const Edge& edge : edges_) {
       entries += static_cast<double>(RowOf(edge.high.y()) - RowOf(edge.low.y()) + 1);
     }
-    if (auto ok = CheckCandidateCount(entries); !ok) return ok;
+    INTAGLIO_TRY(CheckCandidateCount(entries));
     rows_.resize(RowOf(highest_) + 1);
     for (std::uint32_t i = 0; i < edges_.size(); ++i) {
       const std::size_t last = RowOf(edges_[i].high.y());
@@ -234,14 +235,14 @@ Status AddInnerPoints(const std::vector<std::vector<Vec2>>& polygons_mm,
   const double pitch_mm = fill.distance_mm * kRoundingAllowance;
   const double row_mm = pitch_mm * std::numbers::sqrt3 / 2;
   Inside inside(polygons_mm, fill.even_odd, row_mm);
-  if (auto ok = inside.Build(); !ok) return ok;
+  INTAGLIO_TRY(inside.Build());
   if (!(inside.highest() > inside.lowest())) return {};
   // Counted before they are placed: too many is told at once.
   double count = 0;
   ForEachSpan(inside, row_mm, pitch_mm, [&](double, double, double from, double to) {
     count += (to - from) / pitch_mm;
   });
-  if (auto ok = CheckCandidateCount(count); !ok) return ok;
+  INTAGLIO_TRY(CheckCandidateCount(count));
   Filler filler(inside, kept_mm, fill.distance_mm, points_mm);
   filler.AddLattice(row_mm);
   filler.AddBetween();

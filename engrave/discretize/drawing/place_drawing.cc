@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "engrave/drawing/pieces.h"
 
 namespace intaglio::discretize {
@@ -13,27 +14,25 @@ Result<PlacedDrawing> PlaceDrawing(const drawing::Drawing& drawing,
                                    const drawing::FlattenOptions& flatten,
                                    double join_mm) {
   // Fit and centre ask for the extent, which the flattened curves have to the tolerance.
-  const auto unplaced = drawing::Flatten(drawing, flatten);
-  if (!unplaced) return tl::unexpected(unplaced.error());
+  const auto unplaced = INTAGLIO_TRY(drawing::Flatten(drawing, flatten));
   PointList points;
-  for (const drawing::FlatCurve& curve : unplaced->curves) {
+  for (const drawing::FlatCurve& curve : unplaced.curves) {
     points.insert(points.end(), curve.points_mm.begin(), curve.points_mm.end());
   }
   if (points.empty()) {
     return Fail(ErrorCode::kMissing,
                 "the drawing has no curves; convert its texts to paths");
   }
-  const auto glass = mesh::GlassFromModelOf(points, placement, block_size_mm);
-  if (!glass) return tl::unexpected(glass.error());
+  const auto glass =
+      INTAGLIO_TRY(mesh::GlassFromModelOf(points, placement, block_size_mm));
   drawing::Drawing moved = drawing;
-  drawing::Transform(glass->linear, glass->offset_mm, moved);
-  auto flat = drawing::Flatten(moved, flatten);
-  if (!flat) return tl::unexpected(flat.error());
-  if (join_mm > 0) drawing::JoinOpenCurves(join_mm, *flat);
+  drawing::Transform(glass.linear, glass.offset_mm, moved);
+  auto flat = INTAGLIO_TRY(drawing::Flatten(moved, flatten));
+  if (join_mm > 0) drawing::JoinOpenCurves(join_mm, flat);
   // Two flattened images of one curve are apart by their two tolerances.
-  drawing::RemoveRepeatedContours(join_mm + 2 * flatten.chord_tolerance_mm, *flat);
-  const Vec3 normal = glass->linear.col(0).cross(glass->linear.col(1)).normalized();
-  return PlacedDrawing{std::move(*flat), normal};
+  drawing::RemoveRepeatedContours(join_mm + 2 * flatten.chord_tolerance_mm, flat);
+  const Vec3 normal = glass.linear.col(0).cross(glass.linear.col(1)).normalized();
+  return PlacedDrawing{std::move(flat), normal};
 }
 
 }  // namespace intaglio::discretize

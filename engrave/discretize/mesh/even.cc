@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/mesh/shells.h"
 #include "engrave/discretize/mesh/surface_grid.h"
 
@@ -110,10 +111,9 @@ Result<std::unique_ptr<PointSource>> MakeEven(mesh::TriangleMesh mesh,
                                    kLatticeStepsPerDistance * kRoundingAllowance};
   std::vector<std::unique_ptr<Layer>> layers;
   for (const double depth_mm : options.depths_mm) {
-    auto check = DepthCheck::Make(mesh, depth_mm);
-    if (!check) return tl::unexpected(check.error());
+    auto check = INTAGLIO_TRY(DepthCheck::Make(mesh, depth_mm));
     auto layer =
-        std::make_unique<Layer>(Layer{Inward(mesh, depth_mm), {}, *std::move(check)});
+        std::make_unique<Layer>(Layer{Inward(mesh, depth_mm), {}, std::move(check)});
     layer->grid.emplace(layer->mesh, lattice);
     layers.push_back(std::move(layer));
   }

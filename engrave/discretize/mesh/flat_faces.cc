@@ -6,6 +6,7 @@
 #include <numbers>
 #include <span>
 
+#include "engrave/core/try.h"
 #include "engrave/discretize/mesh/ray_caster.h"
 #include "engrave/discretize/spacing/statistics.h"
 #include "engrave/mesh/edge_neighbours.h"
@@ -79,9 +80,9 @@ Result<PointList> CoverFlatFaces(const FlatFaces& faces, const PointList& vertic
   PointList points;
   if (box.empty()) return points;
   const double step_mm = distance_mm * kRoundingAllowance;
-  const Result<RayGrid> grid = GridOver(box, step_mm, std::numbers::sqrt3 * step_mm);
-  if (!grid) return tl::unexpected(grid.error());
-  for (const RayGrid& part : {*grid, grid->Between()}) {
+  const RayGrid grid =
+      INTAGLIO_TRY(GridOver(box, step_mm, std::numbers::sqrt3 * step_mm));
+  for (const RayGrid& part : {grid, grid.Between()}) {
     const Status cast =
         RayCaster(part, turned)
             .Cast(faces.triangles, [&](std::uint32_t column, std::uint32_t row,

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/mesh/ray_grid.h"
 #include "engrave/discretize/mesh/ray_heights.h"
 #include "engrave/discretize/mesh/ray_sweep.h"
@@ -47,12 +48,12 @@ template <typename Visit>
 Status RayCaster::Cast(std::span<const mesh::Triangle> triangles,
                        const Visit& visit) const {
   RaySweep sweep(grid_, corners_, triangles);
-  if (Status few = CheckCandidateCount(sweep.reached_row_count()); !few) return few;
+  INTAGLIO_TRY(CheckCandidateCount(sweep.reached_row_count()));
   RayHeights heights(grid_.column_count);
   double crossing_count = 0;
   while (sweep.Next()) {
     crossing_count += heights.Take(sweep.spans());
-    if (Status few = CheckCandidateCount(crossing_count); !few) return few;
+    INTAGLIO_TRY(CheckCandidateCount(crossing_count));
     heights.ForEachRay([&](std::uint32_t column, std::span<const double> ray) {
       visit(column, sweep.row(), ray);
     });

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/mesh/ray_caster.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
 #include "engrave/discretize/spacing/interval_index.h"
@@ -163,9 +164,8 @@ class Crossings final : public RaySource {
     std::vector<mesh::Triangle> part;
     if (!all) part = TrianglesIn(range);
     const std::size_t before = cloud.size();
-    const Status added = AddCrossings(all ? triangles() : part, range, cloud.points_mm,
-                                      all ? &statistics : nullptr);
-    if (!added) return tl::unexpected(added.error());
+    INTAGLIO_TRY(AddCrossings(all ? triangles() : part, range, cloud.points_mm,
+                              all ? &statistics : nullptr));
     const std::size_t count = cloud.size();
     cloud.source.resize(count, source);
     cloud.spacing_mm.resize(count, 0);
@@ -178,7 +178,7 @@ class Crossings final : public RaySource {
   Status AddCrossings(std::span<const mesh::Triangle> triangles, const HeightRange& range,
                       PointList& points_mm, MethodStatistics* statistics) const {
     const double about = caster().CrossingsAbout(triangles);
-    if (Status few = CheckCandidateCount(about); !few) return few;
+    INTAGLIO_TRY(CheckCandidateCount(about));
     PointsBehind points(points_mm, static_cast<std::size_t>(about * kRoomRatio));
     const Vec3 direction = this->direction();
     return caster().Cast(triangles, [&](std::uint32_t column, std::uint32_t row,
@@ -225,9 +225,7 @@ class Insides final : public RaySource {
         return tl::unexpected(Cancelled().error());
       }
       const auto [first, last] = StepsIn(ways_[i], range);
-      const Status few =
-          CheckCandidateCount(static_cast<double>(cloud.size()) + last - first);
-      if (!few) return tl::unexpected(few.error());
+      INTAGLIO_TRY(CheckCandidateCount(static_cast<double>(cloud.size()) + last - first));
       for (double step = first; step <= last; ++step) {
         const Vec3 p = PointOf(ways_[i], step);
         if (range.Contains(p.z())) cloud.Add(p, source);
@@ -276,15 +274,12 @@ Result<std::unique_ptr<PointSource>> MakeRays(mesh::TriangleMesh mesh,
   for (const Vec3& v : vertices) bounds.Extend(v);
   if (bounds.empty()) bounds.Extend(Vec3(0, 0, 0));
   const double step_mm = options.distance_mm * kRoundingAllowance;
-  const Result<RayGrid> grid = GridOver(bounds, step_mm, step_mm);
-  if (!grid) return tl::unexpected(grid.error());
+  const RayGrid grid = INTAGLIO_TRY(GridOver(bounds, step_mm, step_mm));
   if (!options.interior_only) {
-    return std::make_unique<Crossings>(std::move(mesh), vertices, *grid, frame);
+    return std::make_unique<Crossings>(std::move(mesh), vertices, grid, frame);
   }
-  auto insides = std::make_unique<Insides>(std::move(mesh), vertices, *grid, frame);
-  if (Status found = insides->FindWays(options.distance_mm); !found) {
-    return tl::unexpected(found.error());
-  }
+  auto insides = std::make_unique<Insides>(std::move(mesh), vertices, grid, frame);
+  INTAGLIO_TRY(insides->FindWays(options.distance_mm));
   return insides;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/mesh/contour_tracer.h"
 #include "engrave/discretize/mesh/flat_faces.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
@@ -35,7 +36,7 @@ Result<PlaneStack> StackOver(double low_mm, double high_mm,
     // The last plane that fits is not lost to rounding of the division.
     count = std::floor((last_mm - first_mm) / options.layer_distance_mm + 1e-9) + 1;
   }
-  if (Status few = CheckCandidateCount(count); !few) return tl::unexpected(few.error());
+  INTAGLIO_TRY(CheckCandidateCount(count));
   planes.count = static_cast<std::uint32_t>(std::max(count, 0.0));
   return planes;
 }
@@ -122,7 +123,7 @@ ContourSteps Sections::StepsOf(const Contours& contours, const Contour& contour)
 Status Sections::TraceAslant() {
   if (level_) return {};
   const auto crossings = static_cast<double>(tracer_.crossing_count());
-  if (Status few = CheckCandidateCount(crossings); !few) return few;
+  INTAGLIO_TRY(CheckCandidateCount(crossings));
   tracer_.Trace({0, planes_.count}, contours_, [](std::uint32_t) { return true; });
   for (std::size_t c = 0; c < contours_.list.size(); ++c) {
     const Contour& contour = contours_.list[c];
@@ -143,11 +144,10 @@ Status Sections::TraceAslant() {
 Status Sections::Cover(const FlatFaces& flat, const PointList& vertices,
                        const Mat3& frame) {
   if (options_.parallel_faces != ParallelFaces::kCover || flat.face_count == 0) return {};
-  const Result<PointList> points =
-      CoverFlatFaces(flat, vertices, frame, options_.vertex_distance_mm);
-  if (!points) return tl::unexpected(points.error());
+  const PointList points =
+      INTAGLIO_TRY(CoverFlatFaces(flat, vertices, frame, options_.vertex_distance_mm));
   SpacedCloud cloud;
-  for (const Vec3& p : *points) cloud.Add(p, 0);
+  for (const Vec3& p : points) cloud.Add(p, 0);
   cover_ = MakeFixedPoints(std::move(cloud));
   return {};
 }
@@ -271,22 +271,17 @@ Result<std::unique_ptr<PointSource>> MakeSections(mesh::TriangleMesh mesh,
     low_mm = *low;
     high_mm = *high;
   }
-  const Result<PlaneStack> planes = StackOver(low_mm, high_mm, options);
-  if (!planes) return tl::unexpected(planes.error());
+  const PlaneStack planes = INTAGLIO_TRY(StackOver(low_mm, high_mm, options));
   std::vector<std::uint32_t> rank;
   rank.reserve(heights_mm.size());
-  for (const double height_mm : heights_mm) rank.push_back(planes->RankOf(height_mm));
-  mesh::OrderByRank(mesh, rank, planes->count + 1);
+  for (const double height_mm : heights_mm) rank.push_back(planes.RankOf(height_mm));
+  mesh::OrderByRank(mesh, rank, planes.count + 1);
   const std::vector<std::uint32_t> neighbours = mesh::EdgeNeighbours(mesh);
   const FlatFaces flat = FindFlatFaces(mesh, neighbours, normal);
-  auto sections = std::make_unique<Sections>(mesh, options, *planes, std::move(rank),
+  auto sections = std::make_unique<Sections>(mesh, options, planes, std::move(rank),
                                              frame, neighbours, flat);
-  if (Status traced = sections->TraceAslant(); !traced) {
-    return tl::unexpected(traced.error());
-  }
-  if (Status covered = sections->Cover(flat, mesh.vertices, frame); !covered) {
-    return tl::unexpected(covered.error());
-  }
+  INTAGLIO_TRY(sections->TraceAslant());
+  INTAGLIO_TRY(sections->Cover(flat, mesh.vertices, frame));
   return sections;
 }
 

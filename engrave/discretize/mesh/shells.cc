@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/mesh/vertex_normals.h"
 
 namespace intaglio::discretize {
@@ -59,9 +60,8 @@ Result<DepthCheck> DepthCheck::Make(const mesh::TriangleMesh& mesh, double depth
   Require(depth_mm > 0, "depth_mm must be positive, is {}", depth_mm);
   PointList samples;
   const SurfaceGrid grid(mesh, {kStepRatio * depth_mm});
-  const auto counted =
-      grid.ForEach({}, {}, [&](const SurfacePoint& s) { samples.push_back(s.p_mm); });
-  if (!counted) return tl::unexpected(counted.error());
+  INTAGLIO_TRY(
+      grid.ForEach({}, {}, [&](const SurfacePoint& s) { samples.push_back(s.p_mm); }));
   return DepthCheck(grid.bounds(), depth_mm, std::move(samples));
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/mesh/surface_lattice.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
 
@@ -75,8 +76,7 @@ class SolidSource final : public PointSource {
       }
     }
     statistics.point_count = cloud.size() - before;
-    const Status few = CheckCandidateCount(static_cast<double>(statistics.point_count));
-    if (!few) return tl::unexpected(few.error());
+    INTAGLIO_TRY(CheckCandidateCount(static_cast<double>(statistics.point_count)));
     return statistics;
   }
 
@@ -136,8 +136,7 @@ Result<Lines> CrossLattice(const mesh::TriangleMesh& mesh, const Vec3& shift_mm,
                        mesh.vertices[t[2]] - shift_mm};
     const Vec3 normal = (c[1] - c[0]).cross(c[2] - c[0]);
     const double nodes = std::abs(normal.z()) / (2 * step_mm * step_mm);
-    const Status few = CheckCandidateCount(static_cast<double>(crossings.size()) + nodes);
-    if (!few) return tl::unexpected(few.error());
+    INTAGLIO_TRY(CheckCandidateCount(static_cast<double>(crossings.size()) + nodes));
     ForEachNode(
         c, normal, LatticeFrames()[0], step_mm, {},
         [&](const Vec3& p, std::int64_t i, std::int64_t j) {
@@ -160,9 +159,8 @@ Result<std::unique_ptr<PointSource>> MakeSolid(const mesh::TriangleMesh& mesh,
   std::array<Lines, 3> lattices;
   for (int k = 0; k < 3; ++k) {
     const Vec3 shift_mm = k * step_mm * Vec3(0.5, 0.5 / std::numbers::sqrt3, 0);
-    auto lines = CrossLattice(mesh, shift_mm, step_mm, progress);
-    if (!lines) return tl::unexpected(lines.error());
-    lattices[static_cast<std::size_t>(k)] = *std::move(lines);
+    auto lines = INTAGLIO_TRY(CrossLattice(mesh, shift_mm, step_mm, progress));
+    lattices[static_cast<std::size_t>(k)] = std::move(lines);
   }
   return std::make_unique<SolidSource>(options, mesh.Bounds(), std::move(lattices));
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/mesh/own_points.h"
 #include "engrave/discretize/mesh/surface_lattice.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
@@ -139,8 +140,7 @@ class SurfaceGrid::Walk {
   }
 
   Status OwnPoints() {
-    if (const Status few = Fits(static_cast<double>(own_.points().size())); !few)
-      return few;
+    INTAGLIO_TRY(Fits(static_cast<double>(own_.points().size())));
     for (const OnePerCube::Point& own : own_.points()) {
       if (range_.Contains(own.p_mm.z())) Visit({own.p_mm, own.triangle, kMaxLevel});
     }
@@ -179,11 +179,9 @@ Result<MethodStatistics> SurfaceGrid::ForEach(const HeightRange& range,
     if (i % kTrianglesPerReport == 0 && progress && !progress(i, found.size())) {
       return Fail(ErrorCode::kCancelled, "making the points of a surface was cancelled");
     }
-    if (const Status done = walk.Triangle(found[i].item); !done) {
-      return tl::unexpected(done.error());
-    }
+    INTAGLIO_TRY(walk.Triangle(found[i].item));
   }
-  if (const Status done = walk.OwnPoints(); !done) return tl::unexpected(done.error());
+  INTAGLIO_TRY(walk.OwnPoints());
   return walk.statistics();
 }
 

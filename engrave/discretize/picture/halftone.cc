@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "engrave/discretize/picture/halftone_grid.h"
 #include "engrave/discretize/picture/halftone_mask.h"
 #include "engrave/discretize/picture/halftone_screen.h"
@@ -187,21 +188,18 @@ Result<std::unique_ptr<PointSource>> MakeHalftone(const image::GreyImage& pictur
                                                   const HalftoneOptions& options) {
   const std::vector<Error> errors = CheckHalftone(options);
   if (!errors.empty()) return tl::unexpected(errors.front());
-  const auto size = PanelSizeOf(picture, options.size, options.vertex_distance_mm);
-  if (!size) return tl::unexpected(size.error());
-  const auto panel = PlacePanel(*size, placement);
-  if (!panel) return tl::unexpected(panel.error());
-  const double most = MostHalftonePoints(*panel, options);
-  const Status places = CheckLayerPlaces(most / options.layer_count);
-  if (!places) return tl::unexpected(places.error());
-  const Status few = CheckCandidateCount(most);
-  if (!few) return tl::unexpected(few.error());
+  const auto size =
+      INTAGLIO_TRY(PanelSizeOf(picture, options.size, options.vertex_distance_mm));
+  const auto panel = INTAGLIO_TRY(PlacePanel(size, placement));
+  const double most = MostHalftonePoints(panel, options);
+  INTAGLIO_TRY(CheckLayerPlaces(most / options.layer_count));
+  INTAGLIO_TRY(CheckCandidateCount(most));
 
   SpacedCloud cloud;
-  const std::vector<PanelPoints> layers = Layers(picture, *panel, options);
+  const std::vector<PanelPoints> layers = Layers(picture, panel, options);
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const double z_mm = static_cast<double>(i) * options.layer_distance_mm;
-    for (const Vec2& p : layers[i]) cloud.Add(panel->ToGlass(p.x(), p.y(), z_mm), 0);
+    for (const Vec2& p : layers[i]) cloud.Add(panel.ToGlass(p.x(), p.y(), z_mm), 0);
   }
   return MakeFixedPoints(std::move(cloud));
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::discretize {
 namespace {
 
@@ -21,10 +23,8 @@ Status CheckSide(const char* name, double side_mm) {
 
 Result<Vec2> PanelSizeOf(const image::GreyImage& picture, const PanelSize& size,
                          double vertex_distance_mm) {
-  const Status width = CheckSide("width_mm", size.width_mm);
-  if (!width) return tl::unexpected(width.error());
-  const Status height = CheckSide("height_mm", size.height_mm);
-  if (!height) return tl::unexpected(height.error());
+  INTAGLIO_TRY(CheckSide("width_mm", size.width_mm));
+  INTAGLIO_TRY(CheckSide("height_mm", size.height_mm));
   const Vec2 pixels(picture.width, picture.height);
   if (size.rule == PanelSize::Rule::kPixel) return Vec2(pixels * vertex_distance_mm);
   const Vec2 scale(size.width_mm / pixels.x(),

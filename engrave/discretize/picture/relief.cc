@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "engrave/discretize/picture/relief_surface.h"
 #include "engrave/discretize/spacing/fixed_points.h"
 
@@ -63,22 +64,18 @@ Result<std::unique_ptr<PointSource>> MakeRelief(
   const std::vector<Error> errors = CheckRelief(options);
   if (!errors.empty()) return tl::unexpected(errors.front());
   const double d = options.vertex_distance_mm;
-  const auto size = PanelSizeOf(depth_map, options.size, d);
-  if (!size) return tl::unexpected(size.error());
-  const auto panel = PlacePanel(*size, placement);
-  if (!panel) return tl::unexpected(panel.error());
-  const Status places = CheckLayerPlaces(panel->width_mm * panel->height_mm / (d * d));
-  if (!places) return tl::unexpected(places.error());
-  const ReliefSurface surface = SurfaceOf(depth_map, *panel, options);
+  const auto size = INTAGLIO_TRY(PanelSizeOf(depth_map, options.size, d));
+  const auto panel = INTAGLIO_TRY(PlacePanel(size, placement));
+  INTAGLIO_TRY(CheckLayerPlaces(panel.width_mm * panel.height_mm / (d * d)));
+  const ReliefSurface surface = SurfaceOf(depth_map, panel, options);
   const std::vector<float> areas = SurfaceAreas(surface, d);
   const double steep = std::accumulate(areas.begin(), areas.end(), 0.0) / (d * d);
-  const Status few = CheckLayerPlaces(steep * options.layer_count);
-  if (!few) return tl::unexpected(few.error());
+  INTAGLIO_TRY(CheckLayerPlaces(steep * options.layer_count));
 
   image::FloatImage light{1, 1, {1}};
   if (photo) {
-    light = image::Resample(*photo, PixelsFor(panel->width_mm, d, photo->width),
-                            PixelsFor(panel->height_mm, d, photo->height));
+    light = image::Resample(*photo, PixelsFor(panel.width_mm, d, photo->width),
+                            PixelsFor(panel.height_mm, d, photo->height));
     ApplyTone(options.tone, light);
   }
   const double apart_mm = d * kRoundingAllowance;
@@ -89,9 +86,9 @@ Result<std::unique_ptr<PointSource>> MakeRelief(
     const std::vector<float> ranks = EvenRanks(points, apart_mm, options.seed);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3& p = points[i];
-      const float brightness = image::Interpolate(light, p.x() / panel->width_mm,
-                                                  1 - p.y() / panel->height_mm);
-      if (ranks[i] < brightness) cloud.Add(panel->ToGlass(p.x(), p.y(), p.z()), 0);
+      const float brightness =
+          image::Interpolate(light, p.x() / panel.width_mm, 1 - p.y() / panel.height_mm);
+      if (ranks[i] < brightness) cloud.Add(panel.ToGlass(p.x(), p.y(), p.z()), 0);
     }
   }
   return MakeFixedPoints(std::move(cloud));

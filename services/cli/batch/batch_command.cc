@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "materials_db/material_store.h"
 #include "services/cli/batch/batch_run.h"
@@ -44,9 +45,8 @@ Status CheckResultsFile(const std::string& file) {
 }
 
 Status WriteResults(const BatchResults& results, const std::string& file) {
-  const auto json = JsonTextOf(results);
-  if (!json) return tl::unexpected(json.error());
-  return io::WriteFileAtomically(file, *json);
+  const auto json = INTAGLIO_TRY(JsonTextOf(results));
+  return io::WriteFileAtomically(file, json);
 }
 
 int Finish(const BatchOptions& options, const BatchResults& results, bool interrupted,

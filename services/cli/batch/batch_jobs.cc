@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
@@ -43,18 +44,15 @@ class BatchBuilder {
   }
 
   Result<BatchJob> Build(const BatchLine& line) {
-    const auto pattern = Pattern(line.job_file);
-    if (!pattern) return tl::unexpected(pattern.error());
-    const auto spec = JobOf(line, *pattern, folder_);
-    if (!spec) return tl::unexpected(spec.error());
-    const auto cells = CellsOf(line);
-    if (!cells) return tl::unexpected(cells.error());
+    const auto pattern = INTAGLIO_TRY(Pattern(line.job_file));
+    const auto spec = INTAGLIO_TRY(JobOf(line, pattern, folder_));
+    const auto cells = INTAGLIO_TRY(CellsOf(line));
     BatchJob job;
     job.id = line.id;
-    job.planned.priority = spec->priority();
+    job.planned.priority = spec.priority();
     std::optional<Error> first;
-    for (const std::optional<std::string>& machine : *cells) {
-      auto complete = Complete(*spec, machine);
+    for (const std::optional<std::string>& machine : cells) {
+      auto complete = Complete(spec, machine);
       if (!complete) {
         if (!first) first = complete.error();
         continue;
@@ -82,9 +80,8 @@ class BatchBuilder {
                       wanted),
           wanted);
     }
-    const auto machine = ReadMachineFile(*file);
-    if (!machine) return tl::unexpected(machine.error());
-    return Cell{machine->name(), file->string()};
+    const auto machine = INTAGLIO_TRY(ReadMachineFile(*file));
+    return Cell{machine.name(), file->string()};
   }
 
   /// Profiles to try; one without a file: the job's own.
@@ -124,8 +121,7 @@ class BatchBuilder {
     if (!complete) return complete;
     const auto material = materials_.Find(complete->job.glass());
     if (!material) return tl::unexpected(Prefixed(material.error(), "glass: "));
-    const auto frozen = FreezeJob(complete->job, complete->machine, *material, {});
-    if (!frozen) return tl::unexpected(frozen.error());
+    INTAGLIO_TRY(FreezeJob(complete->job, complete->machine, *material, {}));
     return complete;
   }
 
@@ -139,19 +135,17 @@ class BatchBuilder {
 }  // namespace
 
 Result<std::vector<BatchJob>> BuildBatch(const BatchSource& source) {
-  const auto lines = ReadBatchFile(source.file);
-  if (!lines) return tl::unexpected(lines.error());
-  auto materials = materials_db::MaterialStore::Open(source.materials_db);
-  if (!materials) return tl::unexpected(materials.error());
-  BatchBuilder builder(source, *materials);
-  if (auto found = builder.FindCells(); !found) return tl::unexpected(found.error());
+  const auto lines = INTAGLIO_TRY(ReadBatchFile(source.file));
+  auto materials = INTAGLIO_TRY(materials_db::MaterialStore::Open(source.materials_db));
+  BatchBuilder builder(source, materials);
+  INTAGLIO_TRY(builder.FindCells());
   std::vector<Error> errors;
-  for (const Error& error : CheckBatchOrder(*lines)) {
+  for (const Error& error : CheckBatchOrder(lines)) {
     errors.push_back(Prefixed(error, source.file.string() + ", "));
   }
   std::vector<BatchJob> jobs;
   std::map<std::string, std::size_t> place;
-  for (const BatchLine& line : *lines) {
+  for (const BatchLine& line : lines) {
     place.emplace(line.id, place.size());
     auto job = builder.Build(line);
     if (job) {
@@ -164,7 +158,7 @@ Result<std::vector<BatchJob>> BuildBatch(const BatchSource& source) {
   }
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    for (const std::string& before : (*lines)[i].after) {
+    for (const std::string& before : lines[i].after) {
       jobs[i].planned.after.push_back(place.at(before));
     }
   }

@@ -1,5 +1,6 @@
 #include "services/cli/flags/truth_flags.h"
 
+#include "engrave/core/try.h"
 #include "services/virtual_engraver/truth/truth_file.h"
 
 namespace intaglio::cli {
@@ -9,9 +10,8 @@ Status TruthFlags::Change(MachineTruth& truth) const {
   if (clock_drift_ppm != 0) truth.mutable_stage()->set_clock_drift_ppm(clock_drift_ppm);
   if (line_jitter_ms != 0) truth.set_line_jitter_ms(line_jitter_ms);
   if (file.empty()) return {};
-  const auto changes = ReadTruthFile(file);
-  if (!changes) return tl::unexpected(changes.error());
-  Replace(*changes, truth);
+  const auto changes = INTAGLIO_TRY(ReadTruthFile(file));
+  Replace(changes, truth);
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "materials_db/export_rii.h"
 #include "materials_db/import_file.h"
@@ -57,26 +58,24 @@ PrintedLight LightOf(const Flags& flags) {
 // ---- What is known -------------------------------------------------------------
 
 Status List(const Flags& flags, MaterialStore& store) {
-  const auto materials = store.List();
-  if (!materials) return tl::unexpected(materials.error());
+  const auto materials = INTAGLIO_TRY(store.List());
   if (flags.json) {
-    std::cout << GlassesAsJson(*materials, LightOf(flags)) << "\n";
+    std::cout << GlassesAsJson(materials, LightOf(flags)) << "\n";
   } else {
-    std::cout << GlassesAsTable(*materials, LightOf(flags));
+    std::cout << GlassesAsTable(materials, LightOf(flags));
   }
   return {};
 }
 
 /// What is kept is shown also of a glass for whose wavelength nothing can be computed.
 Status Show(const Flags& flags, MaterialStore& store) {
-  const auto material = store.Find(flags.name);
-  if (!material) return tl::unexpected(material.error());
-  const auto optics = materials_db::ComputeOptics(*material, flags.wavelength_nm,
+  const auto material = INTAGLIO_TRY(store.Find(flags.name));
+  const auto optics = materials_db::ComputeOptics(material, flags.wavelength_nm,
                                                   flags.numerical_aperture);
   if (flags.json) {
-    std::cout << GlassAsJson(*material, LightOf(flags)) << "\n";
+    std::cout << GlassAsJson(material, LightOf(flags)) << "\n";
   } else {
-    std::cout << GlassAsTable(*material);
+    std::cout << GlassAsTable(material);
     if (optics) std::cout << "\n" << OpticsAsTable(*optics, LightOf(flags));
   }
   if (!optics) return tl::unexpected(optics.error());
@@ -90,9 +89,8 @@ Status ApplyFields(const Flags& flags, Material& material) {
   if (flags.manufacturer) material.manufacturer = *flags.manufacturer;
   if (flags.source) material.source = *flags.source;
   if (flags.formula) {
-    const auto formula = optics::DispersionFormulaFromName(*flags.formula);
-    if (!formula) return tl::unexpected(formula.error());
-    material.dispersion.formula = *formula;
+    const auto formula = INTAGLIO_TRY(optics::DispersionFormulaFromName(*flags.formula));
+    material.dispersion.formula = formula;
   }
   if (!flags.coefficients.empty()) {
     const std::string text = fmt::format("{}", fmt::join(flags.coefficients, " "));
@@ -116,7 +114,7 @@ Status ApplyFields(const Flags& flags, Material& material) {
 Status Add(const Flags& flags, MaterialStore& store) {
   Material material;
   material.name = flags.name;
-  if (Status status = ApplyFields(flags, material); !status) return status;
+  INTAGLIO_TRY(ApplyFields(flags, material));
   return store.Add(material);
 }
 
@@ -135,22 +133,20 @@ Result<Material> ReadOne(const std::string& file, const std::string& name) {
 }
 
 Status Replace(const Flags& flags, MaterialStore& store) {
-  const auto present = store.Find(flags.name);
-  if (!present) return tl::unexpected(present.error());
-  Material material = *present;
+  const auto present = INTAGLIO_TRY(store.Find(flags.name));
+  Material material = present;
   if (!flags.from.empty()) {
-    auto read = ReadOne(flags.from, present->name);
-    if (!read) return tl::unexpected(read.error());
-    material = std::move(*read);
-    material.name = present->name;
+    auto read = INTAGLIO_TRY(ReadOne(flags.from, present.name));
+    material = std::move(read);
+    material.name = present.name;
   }
-  if (Status status = ApplyFields(flags, material); !status) return status;
-  if (material == *present) {
+  INTAGLIO_TRY(ApplyFields(flags, material));
+  if (material == present) {
     return Fail(
         ErrorCode::kMissing,
         fmt::format("no new value for glass {}; give a field, or a file with --from",
-                    present->name),
-        present->name);
+                    present.name),
+        present.name);
   }
   return store.Replace(material);
 }
@@ -191,9 +187,7 @@ Status Import(const Flags& flags, MaterialStore& store) {
     }
     materials.front().name = flags.as;
   }
-  if (Status status = store.Import(materials, flags.replace); !status) {
-    return status;
-  }
+  INTAGLIO_TRY(store.Import(materials, flags.replace));
   for (const Error& error : errors) std::cerr << "skipped: " << error.message << "\n";
   for (const Material& material : materials) std::cout << material.name << "\n";
   return {};
@@ -202,13 +196,11 @@ Status Import(const Flags& flags, MaterialStore& store) {
 Status Export(const Flags& flags, MaterialStore& store) {
   std::vector<Material> materials;
   if (flags.name.empty()) {
-    auto all = store.List();
-    if (!all) return tl::unexpected(all.error());
-    materials = std::move(*all);
+    auto all = INTAGLIO_TRY(store.List());
+    materials = std::move(all);
   } else {
-    auto one = store.Find(flags.name);
-    if (!one) return tl::unexpected(one.error());
-    materials.push_back(std::move(*one));
+    auto one = INTAGLIO_TRY(store.Find(flags.name));
+    materials.push_back(std::move(one));
   }
   const std::string yaml = materials_db::ExportRii(materials);
   if (!flags.out.empty()) return io::WriteFileAtomically(flags.out, yaml);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "engrave/proof/cloud_quality.h"
@@ -86,16 +87,13 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options
                                          MaskOfChannel(*options.channel))) {
       continue;
     }
-    const auto imported = ReadMeshOf(model, limits);
-    if (!imported) return tl::unexpected(imported.error());
+    const auto imported = INTAGLIO_TRY(ReadMeshOf(model, limits));
     const Block block = BlockOf(job, model);
-    auto placed = mesh::PlaceInBlock(*imported, PlacementOf(model.placement(), block),
-                                     Vec3Of(block.size_mm()));
-    if (!placed) return tl::unexpected(placed.error());
-    auto copied = WithCopies(model, std::move(*placed));
-    if (!copied) return tl::unexpected(copied.error());
-    any = any || !copied->triangles.empty();
-    surfaces[static_cast<std::size_t>(i)] = std::move(*copied);
+    auto placed = INTAGLIO_TRY(mesh::PlaceInBlock(
+        imported, PlacementOf(model.placement(), block), Vec3Of(block.size_mm())));
+    auto copied = INTAGLIO_TRY(WithCopies(model, std::move(placed)));
+    any = any || !copied.triangles.empty();
+    surfaces[static_cast<std::size_t>(i)] = std::move(copied);
   }
   if (!any) surfaces.clear();
   return surfaces;
@@ -132,9 +130,8 @@ Result<MeasuredCloud> ReadCloud(const std::string& file, const ReadLimits& limit
 Result<PointCloud> InChannel(const MeasureOptions& options, const JobSpec& job,
                              MeasuredCloud read) {
   if (read.masks.empty()) {
-    auto masks = ChannelsOfPoints(job, read.cloud.source);
-    if (!masks) return tl::unexpected(masks.error());
-    read.masks = std::move(*masks);
+    auto masks = INTAGLIO_TRY(ChannelsOfPoints(job, read.cloud.source));
+    read.masks = std::move(masks);
   }
   if (!options.channel) {
     if (DistinctMasks(read.masks).size() == 1) return std::move(read.cloud);

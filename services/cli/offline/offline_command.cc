@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "engrave/core/try.h"
 #include "engrave/discretize/cloud.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/proof/glass_comparison.h"
@@ -36,16 +37,14 @@ struct OfflineOptions {
 
 /// The job's points, made here in one process.
 Result<discretize::Discretized> MakePoints(const JobSpec& job, const ReadLimits& limits) {
-  auto files = ReadFilesOf(job, limits);
-  if (!files) return tl::unexpected(files.error());
+  auto files = INTAGLIO_TRY(ReadFilesOf(job, limits));
   Meter meter("discretize", Meter::Of::kShares);
-  auto sources = MakeSources(job, std::move(*files), limits, meter.Sink());
-  if (!sources) return tl::unexpected(sources.error());
-  auto made = discretize::MakeCloud(sources->sources, CloudOptionsOf(job), {},
+  auto sources = INTAGLIO_TRY(MakeSources(job, std::move(files), limits, meter.Sink()));
+  auto made = discretize::MakeCloud(sources.sources, CloudOptionsOf(job), {},
                                     host::AllCores(), meter.Sink());
   if (!made) return made;
   if (made->cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
-  for (const std::string& warning : WarningsOf(OutcomeOf(*sources, *made, {}), job)) {
+  for (const std::string& warning : WarningsOf(OutcomeOf(sources, *made, {}), job)) {
     std::cerr << "warning    " << warning << "\n";
   }
   return made;

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/motion/planner.h"
 #include "engrave/motion/verify.h"
 #include "engrave/sort/shadow.h"
@@ -154,9 +155,7 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
   MotionMeter meter(plan, path, ScaleBoundsOf(job), sink);
   for (std::size_t begin = 0; begin < path.size(); begin += kPointsATime) {
     const std::size_t end = std::min(begin + kPointsATime, path.size());
-    if (auto planned = meter.Plan(path, begin, end); !planned) {
-      return tl::unexpected(planned.error());
-    }
+    INTAGLIO_TRY(meter.Plan(path, begin, end));
     if (progress && !progress(end, path.size())) {
       return Fail(ErrorCode::kCancelled, "the plan was ended early");
     }

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "engrave/core/try.h"
 #include "engrave/motion/axis/limits.h"
 #include "materials_db/material_store.h"
 #include "services/job/job_check.h"
@@ -21,36 +22,31 @@ constexpr double kOnFaceMm = 1e-9;
 
 Result<OpticalValuesRecord> OpticsOf(const JobSpec& job,
                                      const std::string& materials_db) {
-  auto store = materials_db::MaterialStore::Open(materials_db.empty()
-                                                     ? materials_db::DefaultDatabasePath()
-                                                     : fs::path(materials_db));
-  if (!store) return tl::unexpected(store.error());
-  const auto material = store->Find(job.glass());
-  if (!material) return tl::unexpected(material.error());
+  auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(
+      materials_db.empty() ? materials_db::DefaultDatabasePath()
+                           : fs::path(materials_db)));
+  const auto material = INTAGLIO_TRY(store.Find(job.glass()));
   const double wavelength_nm = job.laser().wavelength_nm();
   const double numerical_aperture = job.lens().numerical_aperture();
-  const auto optics =
-      materials_db::ComputeOptics(*material, wavelength_nm, numerical_aperture);
-  if (!optics) return tl::unexpected(optics.error());
-  return RecordOf(*optics, wavelength_nm, numerical_aperture);
+  const auto optics = INTAGLIO_TRY(
+      materials_db::ComputeOptics(material, wavelength_nm, numerical_aperture));
+  return RecordOf(optics, wavelength_nm, numerical_aperture);
 }
 
 }  // namespace
 
 Result<FrozenJob> BuildPathJob(const JobFlags& flags, const PointList& points_mm,
                                const std::string& materials_db) {
-  const auto built = BuildJobOfPoints(flags, points_mm);
-  if (!built) return tl::unexpected(built.error());
-  const auto optics = OpticsOf(built->job, materials_db);
-  if (!optics) return tl::unexpected(optics.error());
+  const auto built = INTAGLIO_TRY(BuildJobOfPoints(flags, points_mm));
+  const auto optics = INTAGLIO_TRY(OpticsOf(built.job, materials_db));
   // Again, now that the glass says how much travel the block's depth takes.
   const auto errors =
-      CheckJobOnMachine(built->job, built->machine, optics->stage_per_glass_ratio());
+      CheckJobOnMachine(built.job, built.machine, optics.stage_per_glass_ratio());
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   FrozenJob frozen;
-  *frozen.mutable_machine() = WithMachineDefaults(built->machine);
-  *frozen.mutable_job() = WithDefaults(built->job, frozen.machine());
-  *frozen.mutable_optics() = *optics;
+  *frozen.mutable_machine() = WithMachineDefaults(built.machine);
+  *frozen.mutable_job() = WithDefaults(built.job, frozen.machine());
+  *frozen.mutable_optics() = optics;
   return frozen;
 }
 

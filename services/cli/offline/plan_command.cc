@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/gcode_file.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/sort/order.h"
@@ -61,10 +62,9 @@ Result<Path> InBothFrames(const FrozenJob& job, PointList points, bool of_machin
     path.axes = std::move(points);
     return path;
   }
-  auto axes =
-      machine::AxesAlong(axes_from_glass, points, AxisLimitsOf(job.machine()).travel_mm);
-  if (!axes) return tl::unexpected(axes.error());
-  path.axes = std::move(*axes);
+  auto axes = INTAGLIO_TRY(
+      machine::AxesAlong(axes_from_glass, points, AxisLimitsOf(job.machine()).travel_mm));
+  path.axes = std::move(axes);
   path.glass_mm = std::move(points);
   return path;
 }
@@ -74,10 +74,9 @@ Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
                               const PointList& path, std::vector<double>& point_ticks) {
   std::optional<SegmentFile> file;
   if (!options.csv.empty()) {
-    auto created = SegmentFile::Create(options.csv, KinematicsOf(job.machine())->axes(),
-                                       path.front());
-    if (!created) return tl::unexpected(created.error());
-    file.emplace(std::move(*created));
+    auto created = INTAGLIO_TRY(SegmentFile::Create(
+        options.csv, KinematicsOf(job.machine())->axes(), path.front()));
+    file.emplace(std::move(created));
   }
   point_ticks.assign(path.size(), 0);
   std::uint64_t subticks = 0;
@@ -92,7 +91,7 @@ Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
   Meter meter("plan");
   auto planned = PlanMotion(job, path, sink, meter.Sink());
   if (!planned || !file) return planned;
-  if (auto written = file->Commit(); !written) return tl::unexpected(written.error());
+  INTAGLIO_TRY(file->Commit());
   return planned;
 }
 
@@ -132,9 +131,8 @@ Status WritePath(const PathOptions& options, const FrozenJob& job, Path path,
 Status PlanOthers(const FrozenJob& job, const PointList& path, PlanReport& report) {
   for (const FrozenJob& other : WithOtherPlanners(job)) {
     Meter meter(ProfileName(other.job().motion().profile()));
-    auto planned = PlanMotion(other, path, {}, meter.Sink());
-    if (!planned) return tl::unexpected(planned.error());
-    *report.add_motions() = std::move(*planned);
+    auto planned = INTAGLIO_TRY(PlanMotion(other, path, {}, meter.Sink()));
+    *report.add_motions() = std::move(planned);
   }
   return {};
 }

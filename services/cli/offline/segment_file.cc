@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::cli {
 
 Result<SegmentFile> SegmentFile::Create(const std::filesystem::path& file,
                                         const std::array<machine::Axis, 3>& axes,
                                         const Vec3& start) {
-  auto opened = io::AtomicFile::Create(file);
-  if (!opened) return tl::unexpected(opened.error());
-  SegmentFile segments(std::move(*opened));
+  auto opened = INTAGLIO_TRY(io::AtomicFile::Create(file));
+  SegmentFile segments(std::move(opened));
   std::string heading = "tick";
   for (const auto& axis : axes) {
     heading += fmt::format(",{}_{}", axis.name, axis.unit_name());

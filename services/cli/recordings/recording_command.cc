@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 
+#include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/recordings/recording_export.h"
 #include "services/cli/recordings/recording_report.h"
@@ -30,9 +31,8 @@ using Shared = std::shared_ptr<Options>;
 Result<std::vector<McapReader>> OpenAll(const Options& options) {
   std::vector<McapReader> readers;
   for (const std::string& file : options.files) {
-    auto reader = McapReader::Open(fs::path(file));
-    if (!reader) return tl::unexpected(reader.error());
-    readers.push_back(std::move(*reader));
+    auto reader = INTAGLIO_TRY(McapReader::Open(fs::path(file)));
+    readers.push_back(std::move(reader));
   }
   return readers;
 }
@@ -81,9 +81,8 @@ Status ExportMessages(const Options& options, const McapReader& reader,
   recording::MessageQuery query;
   if (options.from_s > 0) query.from_ns = LogTimeAt(reader, options.from_s);
   query.to_ns = LogTimeAt(reader, options.to_s);
-  auto channels = recording::ChannelsOf(reader, options.topics);
-  if (!channels) return tl::unexpected(channels.error());
-  query.channels = std::move(*channels);
+  auto channels = INTAGLIO_TRY(recording::ChannelsOf(reader, options.topics));
+  query.channels = std::move(channels);
   if (options.format == "jsonl") return ExportJsonLines(reader, query, out);
   if (options.topics.size() != 1) {
     return Fail(ErrorCode::kMissing,

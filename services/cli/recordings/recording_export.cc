@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/csv.h"
 #include "services/platform/recording/conventions.h"
@@ -25,12 +26,10 @@ Status ForEachValue(const recording::McapReader& reader,
   recording::MessageDecoder decoder(reader);
   recording::MessageCursor cursor(reader, query);
   for (;;) {
-    const auto message = cursor.Next();
-    if (!message) return tl::unexpected(message.error());
-    if (!*message) return {};
-    const auto value = decoder.Decode(**message);
-    if (!value) return tl::unexpected(value.error());
-    visit(reader.contents().channels.at((*message)->channel_id), **message, *value);
+    const auto message = INTAGLIO_TRY(cursor.Next());
+    if (!message) return {};
+    const auto value = INTAGLIO_TRY(decoder.Decode(*message));
+    visit(reader.contents().channels.at(message->channel_id), *message, value);
   }
 }
 
@@ -97,7 +96,7 @@ class Cracks {
   }
 
   Status Write(const std::filesystem::path& path, const std::filesystem::path& target) {
-    if (auto looked_up = LookUp(path); !looked_up) return looked_up;
+    INTAGLIO_TRY(LookUp(path));
     std::vector<std::pair<std::uint64_t, std::uint64_t>> cracks;  // tick, point
     for (const auto& [point, tick] : made_at_) cracks.emplace_back(tick, point);
     std::sort(cracks.begin(), cracks.end());
@@ -143,10 +142,9 @@ class Cracks {
   }
   Status LookUp(const std::filesystem::path& path) {
     if (path.empty()) return {};
-    const auto table = formats::ReadPly(path);
-    if (!table) return tl::unexpected(table.error());
-    for (std::size_t i = 0; i < table->points_mm.size(); ++i) {
-      places_.try_emplace(i, table->points_mm[i]);
+    const auto table = INTAGLIO_TRY(formats::ReadPly(path));
+    for (std::size_t i = 0; i < table.points_mm.size(); ++i) {
+      places_.try_emplace(i, table.points_mm[i]);
     }
     return {};
   }
@@ -212,7 +210,7 @@ Status ExportCracks(const recording::McapReader& reader, const std::string& job_
                     const std::filesystem::path& path,
                     const std::filesystem::path& target) {
   Cracks cracks(job_uid);
-  if (auto collected = cracks.Collect(reader); !collected) return collected;
+  INTAGLIO_TRY(cracks.Collect(reader));
   return cracks.Write(path, target);
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
 #include "services/client/child_process.h"
@@ -136,14 +137,12 @@ Result<client::ChildProcess> StartService(const Bench& bench) {
        client::DieWithUs()},
       bench.folder / "service.log"};
   if (service == "synchronizer") {
-    auto machine = replayer::MachineOf(bench.reader);
-    if (!machine) return tl::unexpected(machine.error());
+    auto machine = INTAGLIO_TRY(replayer::MachineOf(bench.reader));
     const fs::path file = bench.folder / "machine.textproto";
-    if (auto written = WriteMachineFile(file, *machine); !written)
-      return tl::unexpected(written.error());
+    INTAGLIO_TRY(WriteMachineFile(file, machine));
     command.arguments.insert(command.arguments.end(),
                              {"--machine", file.string(), "--device",
-                              bench.laser_line().string(), "--cell", machine->name()});
+                              bench.laser_line().string(), "--cell", machine.name()});
   }
   return client::ChildProcess::Start(command);
 }

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/interrupt.h"
@@ -137,9 +138,8 @@ bool Replay::KeepOn() {
 Result<replayer::Selection> Replay::Choose() {
   replayer::SelectionOptions chosen;
   chosen.topics = {options_.topics, options_.without};
-  auto renames = RenamesOf(options_.renames);
-  if (!renames) return tl::unexpected(renames.error());
-  chosen.renames = std::move(*renames);
+  auto renames = INTAGLIO_TRY(RenamesOf(options_.renames));
+  chosen.renames = std::move(renames);
   chosen.with_commands = options_.with_commands;
   chosen.credit_is_given = options_.fast;
   const auto& there = bystanders_.Look();

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "engrave/discretize/picture/halftone.h"
 #include "engrave/discretize/picture/relief.h"
 #include "services/job/methods/method_table.h"
@@ -57,9 +58,9 @@ Options PictureOptionsOf(const JobSpec& job, const Message& asked) {
 Result<mesh::GlassFromModel> PlacementOfPanel(const MethodInput& input,
                                               const image::GreyImage& picture,
                                               double distance_mm) {
-  const auto size_mm = discretize::PanelSizeOf(picture, kPixels, distance_mm);
-  if (!size_mm) return tl::unexpected(size_mm.error());
-  return mesh::GlassFromModelOf(discretize::PanelCorners(*size_mm, 0), input.placement,
+  const auto size_mm =
+      INTAGLIO_TRY(discretize::PanelSizeOf(picture, kPixels, distance_mm));
+  return mesh::GlassFromModelOf(discretize::PanelCorners(size_mm, 0), input.placement,
                                 input.block_size_mm);
 }
 
@@ -97,9 +98,9 @@ MadePoints MakeFromHalftone(const MethodInput& input, const image::GreyImage& pi
   // Where one layer becomes full and the next begins a line would be seen.
   options.sharing = discretize::LayerSharing::kEven;
   options.target_point_count = asked.point_count();
-  const auto placement = PlacementOfPanel(input, picture, options.vertex_distance_mm);
-  if (!placement) return tl::unexpected(placement.error());
-  return discretize::MakeHalftone(picture, *placement, options);
+  const auto placement =
+      INTAGLIO_TRY(PlacementOfPanel(input, picture, options.vertex_distance_mm));
+  return discretize::MakeHalftone(picture, placement, options);
 }
 
 Method Halftone() {
@@ -138,14 +139,14 @@ MadePoints MakeFromRelief(const MethodInput& input, const image::GreyImage& dept
   options.depth_mm = asked.depth_mm();
   options.white_is_near = !asked.invert();
   options.smoothing_mm = asked.smoothing_mm();
-  const auto placement = PlacementOfPanel(input, depth_map, options.vertex_distance_mm);
-  if (!placement) return tl::unexpected(placement.error());
+  const auto placement =
+      INTAGLIO_TRY(PlacementOfPanel(input, depth_map, options.vertex_distance_mm));
   // A fit is of the panel; the depth is meant in the glass.
-  const double scale = placement->linear.col(2).norm();
+  const double scale = placement.linear.col(2).norm();
   if (scale > 0) options.depth_mm /= scale;
   std::optional<image::GreyImage> photo;
   if (!asked.photo().empty()) photo = input.images.at("photo");
-  return discretize::MakeRelief(depth_map, photo, *placement, options);
+  return discretize::MakeRelief(depth_map, photo, placement, options);
 }
 
 Method Relief() {

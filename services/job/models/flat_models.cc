@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <variant>
 
+#include "engrave/core/try.h"
 #include "engrave/drawing/dxf/dxf_read.h"
 #include "engrave/drawing/font_outline.h"
 #include "engrave/drawing/hpgl_read.h"
@@ -17,10 +18,9 @@ namespace {
 
 MadePoints PointsOf(const Method& method, const MethodInput& input,
                     const drawing::Drawing& drawing, discretize::CurveFill inside) {
-  const auto placed =
-      discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm);
-  if (!placed) return tl::unexpected(placed.error());
-  return std::get<DrawingMaker>(method.make)(input, *placed, inside);
+  const auto placed = INTAGLIO_TRY(
+      discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
+  return std::get<DrawingMaker>(method.make)(input, placed, inside);
 }
 
 Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
@@ -53,14 +53,13 @@ MadePoints MakeDrawing(const Method& method, const MethodInput& input,
                        std::string_view file, const ReadLimits& limits,
                        std::vector<std::string>& warnings) {
   const std::string& name = input.model.file();
-  auto drawing = ReadDrawing(name, file, limits.drawings);
-  if (!drawing) return tl::unexpected(drawing.error());
-  for (const auto& [kind, count] : drawing->left_out) {
+  auto drawing = INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings));
+  for (const auto& [kind, count] : drawing.left_out) {
     warnings.push_back(fmt::format("{}: left out {} entities: {}",
                                    std::filesystem::path(name).filename().string(), count,
                                    kind));
   }
-  return PointsOf(method, input, *drawing, discretize::CurveFill::kEvenOdd);
+  return PointsOf(method, input, drawing, discretize::CurveFill::kEvenOdd);
 }
 
 MadePoints MakeText(const Method& method, const MethodInput& input,
@@ -72,9 +71,8 @@ MadePoints MakeText(const Method& method, const MethodInput& input,
   options.cap_height_mm = asked.height_mm();
   options.line_spacing_ratio = asked.line_ratio();
   options.alignment = AlignmentOf(asked.alignment());
-  const auto outline = drawing::TextOutline(text, options);
-  if (!outline) return tl::unexpected(outline.error());
-  return PointsOf(method, input, *outline, discretize::CurveFill::kNonZero);
+  const auto outline = INTAGLIO_TRY(drawing::TextOutline(text, options));
+  return PointsOf(method, input, outline, discretize::CurveFill::kNonZero);
 }
 
 MadePoints MakePicture(const Method& method, const MethodInput& input,
@@ -83,9 +81,8 @@ MadePoints MakePicture(const Method& method, const MethodInput& input,
   image::ImageOptions reading;
   reading.limits = limits.images;
   reading.samples = maker.samples;
-  const auto picture = image::ParseImage(file, reading);
-  if (!picture) return tl::unexpected(picture.error());
-  return maker.make(input, *picture);
+  const auto picture = INTAGLIO_TRY(image::ParseImage(file, reading));
+  return maker.make(input, picture);
 }
 
 }  // namespace intaglio

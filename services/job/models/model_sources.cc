@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/discretize/several.h"
 #include "engrave/discretize/spacing/fixed_points.h"
 #include "engrave/formats/point_file_kinds.h"
@@ -103,21 +104,18 @@ class Maker {
  private:
   Result<Source> MakeOne(const Model& model) {
     const FileBytes file = files_.Take();
-    const auto kind = KindOf(model);
-    if (!kind) return tl::unexpected(kind.error());
+    const auto kind = INTAGLIO_TRY(KindOf(model));
     const Method* method = MethodOf(model);
-    Require(Suits(model.method_case(), *kind),
+    Require(Suits(model.method_case(), kind),
             "{} has no method that suits it: the job's defaults are not filled in",
-            NameOf(*kind));
+            NameOf(kind));
     const Block block = BlockOf(job_, model);
     MethodInput input{
         job_, model, PlacementOf(model.placement(), block), Vec3Of(block.size_mm()), {}};
     if (method != nullptr) {
-      if (auto read = ReadImages(*method, input); !read) {
-        return tl::unexpected(read.error());
-      }
+      INTAGLIO_TRY(ReadImages(*method, input));
     }
-    switch (*kind) {
+    switch (kind) {
       case ModelKind::kMesh:
         return HoldsPointsOnly(model, file) ? OfCloud(input, file)
                                             : OfMesh(*method, input, file);
@@ -179,12 +177,12 @@ class Maker {
   Result<Source> OfMesh(const Method& method, const MethodInput& input,
                         const FileBytes& file) {
     const std::string& name = input.model.file();
-    auto imported = limits_.read_mesh(file, ExtensionOf(name), limits_.meshes, name);
-    if (!imported) return tl::unexpected(imported.error());
-    auto placed = mesh::PlaceInBlock(*imported, input.placement, input.block_size_mm);
-    if (!placed) return tl::unexpected(placed.error());
-    Diagnose(input, *placed);
-    return std::get<MeshMaker>(method.make)(input, std::move(*placed));
+    auto imported =
+        INTAGLIO_TRY(limits_.read_mesh(file, ExtensionOf(name), limits_.meshes, name));
+    auto placed =
+        INTAGLIO_TRY(mesh::PlaceInBlock(imported, input.placement, input.block_size_mm));
+    Diagnose(input, placed);
+    return std::get<MeshMaker>(method.make)(input, std::move(placed));
   }
 
   void Diagnose(const MethodInput& input, const mesh::TriangleMesh& placed) {
@@ -202,14 +200,12 @@ class Maker {
   }
 
   Result<Source> OfCloud(const MethodInput& input, const FileBytes& file) const {
-    const auto table = formats::ParsePoints(TextOf(file), ExtensionOf(input.model.file()),
-                                            limits_.points);
-    if (!table) return tl::unexpected(table.error());
-    const auto glass_from_model =
-        mesh::GlassFromModelOf(table->points_mm, input.placement, input.block_size_mm);
-    if (!glass_from_model) return tl::unexpected(glass_from_model.error());
+    const auto table = INTAGLIO_TRY(formats::ParsePoints(
+        TextOf(file), ExtensionOf(input.model.file()), limits_.points));
+    const auto glass_from_model = INTAGLIO_TRY(
+        mesh::GlassFromModelOf(table.points_mm, input.placement, input.block_size_mm));
     discretize::SpacedCloud points;
-    for (const Vec3& p : table->points_mm) points.Add(glass_from_model->Apply(p), 0);
+    for (const Vec3& p : table.points_mm) points.Add(glass_from_model.Apply(p), 0);
     return discretize::MakeFixedPoints(std::move(points));
   }
 
@@ -237,9 +233,8 @@ Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
   JobSources made;
   Maker maker(job, std::move(files), limits, made);
   for (const Model& model : job.models()) {
-    auto source = maker.Make(model);
-    if (!source) return tl::unexpected(source.error());
-    made.sources.push_back(std::move(*source));
+    auto source = INTAGLIO_TRY(maker.Make(model));
+    made.sources.push_back(std::move(source));
     if (progress && !progress(0, 0)) {
       return Fail(ErrorCode::kCancelled, "the task was cancelled");
     }
@@ -268,13 +263,11 @@ Result<mesh::TriangleMesh> ReadMeshOf(const Model& model, const ReadLimits& limi
 }
 
 Result<Vec3> SizeOf(const JobSpec& job, const ReadLimits& limits) {
-  auto files = ReadFilesOf(job, limits);
-  if (!files) return tl::unexpected(files.error());
+  auto files = INTAGLIO_TRY(ReadFilesOf(job, limits));
   // How many and how near does not matter: the fewest will do.
-  const auto made = MakeSources(job, std::move(*files), limits, {});
-  if (!made) return tl::unexpected(made.error());
+  const auto made = INTAGLIO_TRY(MakeSources(job, std::move(files), limits, {}));
   Vec3 size_mm = Vec3::Zero();
-  for (const auto& source : made->sources) {
+  for (const auto& source : made.sources) {
     size_mm = size_mm.cwiseMax(source->Bounds().size_mm());
   }
   return size_mm;

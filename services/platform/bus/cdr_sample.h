@@ -8,6 +8,7 @@
 #include <span>
 
 #include "engrave/core/result.h"
+#include "engrave/core/try.h"
 #include "services/platform/bus/topics.h"
 
 namespace intaglio::bus {
@@ -27,8 +28,7 @@ class CdrSample {
   /// sample.
   static Result<CdrSample> Read(const Topic<T>& topic, std::span<const std::byte> cdr) {
     CdrSample made(topic.descriptor);
-    if (auto read = internal::ReadCdr(*topic.descriptor, cdr, made.sample_.get()); !read)
-      return tl::unexpected(read.error());
+    INTAGLIO_TRY(internal::ReadCdr(*topic.descriptor, cdr, made.sample_.get()));
     return made;
   }
   T& operator*() { return *sample_; }

@@ -9,6 +9,7 @@
 #include <deque>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/endpoint_qos.h"
 #include "services/platform/bus/qos.h"
 
@@ -167,9 +168,8 @@ CdrPublisher::~CdrPublisher() {
 
 Result<std::unique_ptr<CdrWriter>> CdrPublisher::MakeWriter(const CdrTopic& topic,
                                                             const TypeRecipe& recipe) {
-  auto type = RecipeDescriptor::Parse(recipe);
-  if (!type) return tl::unexpected(type.error());
-  parts_->types.push_back(std::move(*type));
+  auto type = INTAGLIO_TRY(RecipeDescriptor::Parse(recipe));
+  parts_->types.push_back(std::move(type));
   const auto refused = [&topic](dds_entity_t code) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{} cannot be written: {}",
                                                      topic.name, dds_strretcode(code)));

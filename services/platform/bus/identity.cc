@@ -14,6 +14,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/openssl_pointers.h"
 
 namespace intaglio::bus {
@@ -133,9 +134,8 @@ class FolderReader {
     for (const char* name :
          {kCertificateFile, kPrivateKeyFile, kIdentityAuthorityFile,
           kPermissionsAuthorityFile, kGovernanceFile, kPermissionsFile}) {
-      auto text = ReadText(File(name));
-      if (!text) return tl::unexpected(text.error());
-      texts_[name] = std::move(*text);
+      auto text = INTAGLIO_TRY(ReadText(File(name)));
+      texts_[name] = std::move(text);
     }
     return CheckSecret(File(kPrivateKeyFile));
   }
@@ -149,36 +149,30 @@ class FolderReader {
     const auto begin = TimeOf(X509_get0_notBefore(certificate.get()), File(name));
     const auto end = TimeOf(X509_get0_notAfter(certificate.get()), File(name));
     if (!begin || !end) return tl::unexpected((begin ? end : begin).error());
-    if (auto good = CheckPeriod(File(name), "the certificate", *begin, *end, now_);
-        !good) {
-      return tl::unexpected(good.error());
-    }
+    INTAGLIO_TRY(CheckPeriod(File(name), "the certificate", *begin, *end, now_));
     identity_.not_after = std::min(identity_.not_after, *end);
     return certificate;
   }
 
   Status CheckCertificates() {
-    const auto own = CertificateIn(kCertificateFile);
-    if (!own) return tl::unexpected(own.error());
-    const auto issuer = CertificateIn(kIdentityAuthorityFile);
-    if (!issuer) return tl::unexpected(issuer.error());
-    auto signer = CertificateIn(kPermissionsAuthorityFile);
-    if (!signer) return tl::unexpected(signer.error());
-    signer_ = std::move(*signer);
-    if (X509_verify(own->get(), X509_get0_pubkey(issuer->get())) != 1) {
+    const auto own = INTAGLIO_TRY(CertificateIn(kCertificateFile));
+    const auto issuer = INTAGLIO_TRY(CertificateIn(kIdentityAuthorityFile));
+    auto signer = INTAGLIO_TRY(CertificateIn(kPermissionsAuthorityFile));
+    signer_ = std::move(signer);
+    if (X509_verify(own.get(), X509_get0_pubkey(issuer.get())) != 1) {
       return Wrong(ErrorCode::kRefused, File(kCertificateFile),
                    fmt::format("it was not signed by the authority {}",
                                File(kIdentityAuthorityFile).string()),
                    kCopyAgain);
     }
     const openssl::Key key = openssl::ReadKey(texts_[kPrivateKeyFile]);
-    if (!key || X509_check_private_key(own->get(), key.get()) != 1) {
+    if (!key || X509_check_private_key(own.get(), key.get()) != 1) {
       return Wrong(ErrorCode::kRefused, File(kPrivateKeyFile),
                    fmt::format("it is not the key of {}", kCertificateFile), kCopyAgain);
     }
-    subject_ = openssl::SubjectOf(own->get());
+    subject_ = openssl::SubjectOf(own.get());
     char name[256] = {};
-    X509_NAME_get_text_by_NID(X509_get_subject_name(own->get()), NID_commonName, name,
+    X509_NAME_get_text_by_NID(X509_get_subject_name(own.get()), NID_commonName, name,
                               sizeof name);
     identity_.role = name;
     return {};
@@ -217,7 +211,7 @@ class FolderReader {
                                grant.child_value("subject_name"), subject_),
                    kCopyAgain);
     }
-    if (auto good = CheckDates(file, grant.child("validity")); !good) return good;
+    INTAGLIO_TRY(CheckDates(file, grant.child("validity")));
     std::string domains;
     for (const auto& found : grant.select_nodes("allow_rule[1]/domains/id")) {
       const std::string domain = found.node().child_value();
@@ -309,10 +303,9 @@ Result<Identity> ReadIdentity(const fs::path& folder, int control_domain,
 }
 
 Result<std::string> SecurityConfiguration(const Identity& identity) {
-  const auto plugins = PluginFolder();
-  if (!plugins) return tl::unexpected(plugins.error());
+  const auto plugins = INTAGLIO_TRY(PluginFolder());
   return fmt::format(
-      kSecurity, fmt::arg("plugins", plugins->string()),
+      kSecurity, fmt::arg("plugins", plugins.string()),
       fmt::arg("folder", identity.folder.string()),
       fmt::arg("identity_ca", kIdentityAuthorityFile),
       fmt::arg("certificate", kCertificateFile), fmt::arg("key", kPrivateKeyFile),

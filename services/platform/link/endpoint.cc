@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engrave/core/try.h"
 #include "services/platform/link/serial_port.h"
 #include "services/platform/link/tcp_stream.h"
 
@@ -17,16 +18,14 @@ Status CheckPath(const std::string& path) {
 }
 
 Status CheckTcp(const std::string& text) {
-  const auto address = ParseTcpAddress(text);
-  if (!address) return tl::unexpected(address.error());
-  if (address->port != 0) return {};
+  const auto address = INTAGLIO_TRY(ParseTcpAddress(text));
+  if (address.port != 0) return {};
   return Fail(ErrorCode::kInvalidValue, "port 0 cannot be connected to, give 1..65535");
 }
 
 Result<std::unique_ptr<ByteStream>> OpenTcpText(const std::string& text, std::uint32_t) {
-  const auto address = ParseTcpAddress(text);
-  if (!address) return tl::unexpected(address.error());
-  return OpenTcp(*address, MonotonicClock());
+  const auto address = INTAGLIO_TRY(ParseTcpAddress(text));
+  return OpenTcp(address, MonotonicClock());
 }
 
 constexpr std::array kKinds = {
@@ -79,7 +78,7 @@ Status CheckDevice(const std::string& device) {
 
 Result<std::unique_ptr<ByteStream>> OpenEndpoint(const std::string& device,
                                                  std::uint32_t baud) {
-  if (auto good = CheckDevice(device); !good) return tl::unexpected(good.error());
+  INTAGLIO_TRY(CheckDevice(device));
   const Device divided = Divide(device);
   return divided.kind->open(divided.address, baud);
 }

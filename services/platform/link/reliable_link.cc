@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "services/platform/link/byte_codec.h"
 
 // Go-back-N. The receiver takes only the frame it expects; anything else it answers with
@@ -274,9 +275,8 @@ void ReliableLink::State::KeepTime() {
 
 Status ReliableLink::State::Write() {
   while (written < unwritten.size()) {
-    const auto taken = stream->Write(std::span(unwritten).subspan(written));
-    if (!taken) return tl::unexpected(taken.error());
-    if (*taken == 0) {
+    const auto taken = INTAGLIO_TRY(stream->Write(std::span(unwritten).subspan(written)));
+    if (taken == 0) {
       // What the line has not taken yet nobody can have answered.
       last_progress = clock();
       unwritten.erase(unwritten.begin(),
@@ -284,7 +284,7 @@ Status ReliableLink::State::Write() {
       written = 0;
       return {};
     }
-    written += *taken;
+    written += taken;
   }
   unwritten.clear();
   written = 0;
@@ -303,20 +303,19 @@ Status ReliableLink::Poll(const Handler& handler) {
   State& s = *state_;
   std::array<std::byte, kReadAtOnce> buffer;
   for (;;) {
-    const auto got = s.stream->Read(buffer);
-    if (!got) return tl::unexpected(got.error());
-    if (*got == 0) break;
-    s.parser.Feed(std::span(buffer).first(*got),
+    const auto got = INTAGLIO_TRY(s.stream->Read(buffer));
+    if (got == 0) break;
+    s.parser.Feed(std::span(buffer).first(got),
                   [&](const FrameHeader& header, std::span<const std::byte> payload) {
                     s.Receive(header, payload, handler);
                   });
-    if (*got < buffer.size()) break;
+    if (got < buffer.size()) break;
   }
   s.counters.dropped_bytes = s.parser.dropped_bytes();
   s.counters.bad_crc = s.parser.bad_crc_count();
   s.KeepTime();
   for (;;) {
-    if (auto wrote = s.Write(); !wrote) return wrote;
+    INTAGLIO_TRY(s.Write());
     if (!s.unwritten.empty() || !s.HasNew()) return {};
     s.SendNew();
   }

@@ -16,6 +16,8 @@
 #include <optional>
 #include <utility>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::link {
 namespace {
 
@@ -79,7 +81,7 @@ class TcpStream final : public ByteStream {
   ~TcpStream() override { close(socket_); }
 
   Result<std::size_t> Read(std::span<std::byte> buffer) override {
-    if (auto made = KeepConnecting(); !made) return tl::unexpected(made.error());
+    INTAGLIO_TRY(KeepConnecting());
     if (!connected()) return std::size_t{0};
     const ssize_t got = recv(socket_, buffer.data(), buffer.size(), 0);
     if (got > 0) {
@@ -91,7 +93,7 @@ class TcpStream final : public ByteStream {
   }
 
   Result<std::size_t> Write(std::span<const std::byte> bytes) override {
-    if (auto made = KeepConnecting(); !made) return tl::unexpected(made.error());
+    INTAGLIO_TRY(KeepConnecting());
     if (!connected()) return std::size_t{0};
     const ssize_t taken = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (taken >= 0) return static_cast<std::size_t>(taken);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/try.h"
 #include "services/platform/recording/chunk_codec.h"
 
 namespace intaglio::recording {
@@ -19,7 +20,7 @@ Error FileRecords::Damaged(std::uint64_t offset, const std::string& why) const {
 Result<std::optional<RecordHead>> FileRecords::HeadAt(std::uint64_t offset) const {
   if (offset > size() || size() - offset < kRecordHeadSize) return std::nullopt;
   std::byte raw[kRecordHeadSize];
-  if (auto read = source_.Read(offset, raw); !read) return tl::unexpected(read.error());
+  INTAGLIO_TRY(source_.Read(offset, raw));
   FieldReader in(raw);
   RecordHead head;
   head.opcode = static_cast<Opcode>(in.Get<std::uint8_t>());
@@ -41,7 +42,7 @@ Result<Bytes> FileRecords::Raw(std::uint64_t offset, std::uint64_t length) const
     return tl::unexpected(error);
   }
   Bytes bytes(static_cast<std::size_t>(length));
-  if (auto read = source_.Read(offset, bytes); !read) return tl::unexpected(read.error());
+  INTAGLIO_TRY(source_.Read(offset, bytes));
   return bytes;
 }
 
@@ -55,24 +56,22 @@ Result<Bytes> FileRecords::ContentOf(const RecordHead& head) const {
 }
 
 Result<Bytes> FileRecords::Content(std::uint64_t offset, Opcode opcode) const {
-  auto head = HeadAt(offset);
-  if (!head) return tl::unexpected(head.error());
-  if (!*head || (*head)->opcode != opcode) {
+  auto head = INTAGLIO_TRY(HeadAt(offset));
+  if (!head || head->opcode != opcode) {
     return tl::unexpected(Damaged(offset, "it does not match the summary"));
   }
-  return ContentOf(**head);
+  return ContentOf(*head);
 }
 
 Result<Bytes> FileRecords::UnpackedChunk(std::uint64_t offset) const {
-  const auto content = Content(offset, Opcode::kChunk);
-  if (!content) return tl::unexpected(content.error());
+  const auto content = INTAGLIO_TRY(Content(offset, Opcode::kChunk));
   ChunkHead head;
   std::size_t head_size = 0;
-  if (!DecodeChunkHead(*content, head, head_size) ||
-      head.compressed_size > content->size() - head_size) {
+  if (!DecodeChunkHead(content, head, head_size) ||
+      head.compressed_size > content.size() - head_size) {
     return tl::unexpected(Damaged(offset));
   }
-  const ByteView packed = ByteView(*content).subspan(
+  const ByteView packed = ByteView(content).subspan(
       head_size, static_cast<std::size_t>(head.compressed_size));
   return UnpackChunk(head, packed, limits_.max_record_bytes)
       .map_error([&](const Error& error) {

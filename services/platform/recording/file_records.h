@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "services/platform/recording/byte_source.h"
 #include "services/platform/recording/mcap_reader.h"
 
@@ -33,10 +34,9 @@ class FileRecords {
   /// The record at this offset, of this opcode, decoded. kUnreadable when there is none.
   template <typename Record>
   Result<Record> Get(std::uint64_t offset, Opcode opcode) const {
-    auto content = Content(offset, opcode);
-    if (!content) return tl::unexpected(content.error());
+    auto content = INTAGLIO_TRY(Content(offset, opcode));
     Record record;
-    if (!Decode(*content, record)) return tl::unexpected(Damaged(offset));
+    if (!Decode(content, record)) return tl::unexpected(Damaged(offset));
     return record;
   }
   /// The records of the Chunk at this offset.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/try.h"
 #include "services/platform/recording/chunk_codec.h"
 #include "services/platform/recording/file_records.h"
 
@@ -20,17 +21,15 @@ class Scan {
   Result<RecordingContents> Walk() {
     std::uint64_t offset = kMagicSize;
     for (;;) {
-      const auto head = file_.HeadAt(offset);
-      if (!head) return tl::unexpected(head.error());
+      const auto head = INTAGLIO_TRY(file_.HeadAt(offset));
       // A hole that the system filled with zeros is a torn end, too.
-      if (!*head || (*head)->opcode == Opcode{} || (*head)->opcode == Opcode::kFooter)
-        break;
-      if ((*head)->opcode == Opcode::kDataEnd) {
+      if (!head || head->opcode == Opcode{} || head->opcode == Opcode::kFooter) break;
+      if (head->opcode == Opcode::kDataEnd) {
         offset = file_.size();
         break;
       }
-      if (auto added = Add(**head); !added) return tl::unexpected(added.error());
-      offset = (*head)->end();
+      INTAGLIO_TRY(Add(*head));
+      offset = head->end();
     }
     contents_.file_bytes = file_.size();
     contents_.torn_bytes = file_.size() - offset;
@@ -91,11 +90,10 @@ class Scan {
   Status AddChunk(const RecordHead& head) {
     const auto records = file_.UnpackedChunk(head.offset);
     if (!records) return NoteUnlessIo(records.error());
-    const auto content = file_.ContentOf(head, kAttachmentHead);
-    if (!content) return tl::unexpected(content.error());
+    const auto content = INTAGLIO_TRY(file_.ContentOf(head, kAttachmentHead));
     ChunkHead chunk;
     std::size_t head_size = 0;
-    if (!DecodeChunkHead(*content, chunk, head_size)) return {};
+    if (!DecodeChunkHead(content, chunk, head_size)) return {};
     MessageBlock block{chunk.start_ns,
                        chunk.end_ns,
                        head.offset,
@@ -145,9 +143,8 @@ class Scan {
   }
 
   Status AddAttachment(const RecordHead& head) {
-    const auto content = file_.ContentOf(head, kAttachmentHead);
-    if (!content) return tl::unexpected(content.error());
-    FieldReader in(*content);
+    const auto content = INTAGLIO_TRY(file_.ContentOf(head, kAttachmentHead));
+    FieldReader in(content);
     AttachmentIndex index{head.offset, head.end() - head.offset, 0, 0, 0, "", ""};
     index.log_time_ns = in.Get<std::uint64_t>();
     index.create_time_ns = in.Get<std::uint64_t>();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engrave/core/try.h"
 #include "services/platform/recording/file_records.h"
 
 namespace intaglio::recording {
@@ -11,18 +12,17 @@ McapReader::McapReader(std::unique_ptr<ByteSource> source, const ReaderLimits& l
 
 Result<McapReader> McapReader::Open(const std::filesystem::path& file,
                                     const ReaderLimits& limits) {
-  auto source = OpenFileSource(file);
-  if (!source) return tl::unexpected(source.error());
-  return Open(std::move(*source), limits);
+  auto source = INTAGLIO_TRY(OpenFileSource(file));
+  return Open(std::move(source), limits);
 }
 
 Result<McapReader> McapReader::Open(std::unique_ptr<ByteSource> source,
                                     const ReaderLimits& limits) {
   McapReader reader(std::move(source), limits);
   const FileRecords file(*reader.source_, limits);
-  const auto magic = file.Raw(0, std::min<std::uint64_t>(kMagicSize, file.size()));
-  if (!magic) return tl::unexpected(magic.error());
-  if (magic->size() < kMagicSize || std::memcmp(magic->data(), kMagic, kMagicSize) != 0) {
+  const auto magic =
+      INTAGLIO_TRY(file.Raw(0, std::min<std::uint64_t>(kMagicSize, file.size())));
+  if (magic.size() < kMagicSize || std::memcmp(magic.data(), kMagic, kMagicSize) != 0) {
     return Fail(ErrorCode::kUnreadable,
                 fmt::format("{} is not a recording: it does not begin with the MCAP "
                             "magic at byte 0; give a .mcap file",
@@ -33,9 +33,8 @@ Result<McapReader> McapReader::Open(std::unique_ptr<ByteSource> source,
     reader.contents_ = std::move(*summary);
     return reader;
   }
-  auto scanned = ScanFile(file);
-  if (!scanned) return tl::unexpected(scanned.error());
-  reader.contents_ = std::move(*scanned);
+  auto scanned = INTAGLIO_TRY(ScanFile(file));
+  reader.contents_ = std::move(scanned);
   return reader;
 }
 
@@ -64,9 +63,8 @@ Result<std::vector<Metadata>> McapReader::ReadMetadata(
   std::vector<Metadata> found;
   for (const MetadataIndex& index : contents_.metadata) {
     if (index.name != metadata_name) continue;
-    auto metadata = Read(index);
-    if (!metadata) return tl::unexpected(metadata.error());
-    found.push_back(std::move(*metadata));
+    auto metadata = INTAGLIO_TRY(Read(index));
+    found.push_back(std::move(metadata));
   }
   return found;
 }

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "engrave/core/check.h"
+#include "engrave/core/try.h"
 #include "engrave/io/crc32.h"
 #include "services/platform/recording/append_file.h"
 #include "services/platform/recording/chunk_codec.h"
@@ -74,11 +75,11 @@ struct McapWriter::Impl {
 
 Status McapWriter::Impl::WriteDefinitions() {
   for (; schemas_written < schemas.size(); ++schemas_written) {
-    if (auto written = Append(schemas[schemas_written]); !written) return written;
+    INTAGLIO_TRY(Append(schemas[schemas_written]));
     ++statistics.schema_count;
   }
   for (; channels_written < channels.size(); ++channels_written) {
-    if (auto written = Append(channels[channels_written]); !written) return written;
+    INTAGLIO_TRY(Append(channels[channels_written]));
     ++statistics.channel_count;
   }
   return {};
@@ -97,7 +98,7 @@ Status McapWriter::Impl::WriteChunks() {
 // or a torn end.
 Status McapWriter::Impl::WriteChunk(Gathered& chunk) {
   if (chunk.records.empty()) return {};
-  if (auto written = WriteDefinitions(); !written) return written;
+  INTAGLIO_TRY(WriteDefinitions());
   ChunkHead& head = chunk.head;
   ByteView packed = chunk.records;
   head.compression.clear();
@@ -125,7 +126,7 @@ Status McapWriter::Impl::WriteChunk(Gathered& chunk) {
     Encode(scratch, entries);
   }
   index.message_index_length = scratch.size();
-  if (auto written = file.Append({front, packed, scratch}); !written) return written;
+  INTAGLIO_TRY(file.Append({front, packed, scratch}));
   CountChunk(chunk, index);
   chunk.Clear();
   return {};
@@ -186,10 +187,9 @@ McapWriter::~McapWriter() = default;
 Result<McapWriter> McapWriter::Create(const std::filesystem::path& file,
                                       const WriterOptions& options) {
   using Existing = AppendFile::Existing;
-  auto target = AppendFile::Create(
-      file, options.keep_existing ? Existing::kKeep : Existing::kReplace);
-  if (!target) return tl::unexpected(target.error());
-  auto impl = std::make_unique<Impl>(std::move(*target), options);
+  auto target = INTAGLIO_TRY(AppendFile::Create(
+      file, options.keep_existing ? Existing::kKeep : Existing::kReplace));
+  auto impl = std::make_unique<Impl>(std::move(target), options);
   Bytes begin;
   PutRaw(begin, std::as_bytes(std::span(kMagic, kMagicSize)));
   Encode(begin, Header{"", options.library});
@@ -246,7 +246,7 @@ Status McapWriter::Write(const MessageView& message) {
 Status McapWriter::Write(const Metadata& record) {
   Require(!impl_->closed, "metadata after the end");
   MetadataIndex index{impl_->file.size(), 0, record.name};
-  if (auto written = impl_->Append(record); !written) return written;
+  INTAGLIO_TRY(impl_->Append(record));
   index.length = impl_->file.size() - index.offset;
   impl_->metadata.push_back(std::move(index));
   ++impl_->statistics.metadata_count;
@@ -258,7 +258,7 @@ Status McapWriter::Write(const Attachment& record) {
   AttachmentIndex index{
       impl_->file.size(),    0,           record.log_time_ns, record.create_time_ns,
       record.content.size(), record.name, record.media_type};
-  if (auto written = impl_->Append(record); !written) return written;
+  INTAGLIO_TRY(impl_->Append(record));
   index.length = impl_->file.size() - index.offset;
   impl_->attachments.push_back(std::move(index));
   ++impl_->statistics.attachment_count;
@@ -291,9 +291,9 @@ std::map<std::uint16_t, McapWriter::Dropped> McapWriter::Drop(Lane lane) {
 
 Status McapWriter::Close() {
   Require(!impl_->closed, "a recording is closed once");
-  if (auto written = impl_->WriteChunks(); !written) return written;
-  if (auto written = impl_->WriteDefinitions(); !written) return written;
-  if (auto written = impl_->WriteSummary(); !written) return written;
+  INTAGLIO_TRY(impl_->WriteChunks());
+  INTAGLIO_TRY(impl_->WriteDefinitions());
+  INTAGLIO_TRY(impl_->WriteSummary());
   impl_->closed = true;
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/try.h"
 #include "services/platform/recording/chunk_codec.h"
 
 namespace intaglio::recording {
@@ -28,10 +29,9 @@ bool MessageCursor::Wants(const MessageBlock& block) const {
 Status MessageCursor::OpenNextBlock() {
   const MessageBlock& block = *waiting_.back();
   waiting_.pop_back();
-  auto records = reader_.ReadBlock(block);
-  if (!records) return tl::unexpected(records.error());
+  auto records = INTAGLIO_TRY(reader_.ReadBlock(block));
   OpenBlock open;
-  open.records = std::move(*records);
+  open.records = std::move(records);
   open.offset = block.offset;
   const auto& channels = reader_.contents().channels;
   ForEachRecord(open.records, [&](Opcode opcode, ByteView content, std::size_t) {

@@ -6,6 +6,7 @@
 #include <deque>
 #include <tuple>
 
+#include "engrave/core/try.h"
 #include "engrave/io/crc32.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/mcap_writer.h"
@@ -99,15 +100,14 @@ class Copy {
       : writer_(writer), options_(options) {}
 
   Status Add(const McapReader& reader) {
-    auto channels = ChannelsOf(reader, options_.topics);
-    if (!channels) return tl::unexpected(channels.error());
+    auto channels = INTAGLIO_TRY(ChannelsOf(reader, options_.topics));
     const auto& damages = reader.contents().damages;
     report_.damages.insert(report_.damages.end(), damages.begin(), damages.end());
-    const MessageQuery query{options_.from_ns, options_.to_ns, std::move(*channels)};
+    const MessageQuery query{options_.from_ns, options_.to_ns, std::move(channels)};
     Source& source = sources_.emplace_back(reader, query);
     repeats_.Expect(source, query);
     source.Advance(report_.damages);
-    if (auto copied = CopyMetadata(reader); !copied) return copied;
+    INTAGLIO_TRY(CopyMetadata(reader));
     return CopyAttachments(reader);
   }
 
@@ -127,9 +127,7 @@ class Copy {
         continue;
       }
       message.channel_id = TargetOf(*first, message.channel_id);
-      if (auto written = writer_.Write(message); !written) {
-        return tl::unexpected(written.error());
-      }
+      INTAGLIO_TRY(writer_.Write(message));
       ++report_.message_count;
       first->Advance(report_.damages);
     }
@@ -159,7 +157,7 @@ class Copy {
       }
       if (std::find(metadata_.begin(), metadata_.end(), *metadata) != metadata_.end())
         continue;
-      if (auto written = writer_.Write(*metadata); !written) return written;
+      INTAGLIO_TRY(writer_.Write(*metadata));
       metadata_.push_back(std::move(*metadata));
     }
     return {};
@@ -228,16 +226,15 @@ Result<CopyReport> CopyRecordings(const std::vector<McapReader>& sources,
           written.string());
     }
   }
-  auto writer = McapWriter::Create(temporary, {.library = options.library});
-  if (!writer) return tl::unexpected(writer.error());
-  Copy copy(*writer, options);
+  auto writer = INTAGLIO_TRY(McapWriter::Create(temporary, {.library = options.library}));
+  Copy copy(writer, options);
   Status added;
   for (const McapReader& source : sources) {
     if (added) added = copy.Add(source);
   }
   auto report = added ? copy.Run() : Result<CopyReport>(tl::unexpected(added.error()));
   if (report) {
-    if (auto closed = writer->Close(); !closed) report = tl::unexpected(closed.error());
+    if (auto closed = writer.Close(); !closed) report = tl::unexpected(closed.error());
   }
   if (!report) {
     std::filesystem::remove(temporary, error);

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/identity.h"
 #include "services/platform/security/certificates.h"
 
@@ -80,11 +81,9 @@ Status WriteAuthority(const fs::path& folder, const char* certificate,
 
 Result<KeyPair> ReadAuthority(const fs::path& folder, const char* certificate) {
   const fs::path file = folder / certificate;
-  auto text = Read(file);
-  if (!text) return tl::unexpected(text.error());
-  auto key = Read(fs::path(file).replace_extension(".key"));
-  if (!key) return tl::unexpected(key.error());
-  return KeyPair{*text, *key};
+  auto text = INTAGLIO_TRY(Read(file));
+  auto key = INTAGLIO_TRY(Read(fs::path(file).replace_extension(".key")));
+  return KeyPair{text, key};
 }
 
 struct Authorities {
@@ -93,12 +92,11 @@ struct Authorities {
 
 Status WriteRole(const fs::path& folder, const Role& role, const ShopOptions& shop,
                  const Authorities& by, const Validity& validity) {
-  const auto pair = NewIdentity(by.identity, shop.name, role.name, validity);
-  if (!pair) return tl::unexpected(pair.error());
-  const auto subject = SubjectOf(pair->certificate);
-  if (!subject) return tl::unexpected(subject.error());
+  const auto pair =
+      INTAGLIO_TRY(NewIdentity(by.identity, shop.name, role.name, validity));
+  const auto subject = INTAGLIO_TRY(SubjectOf(pair.certificate));
   const auto permissions =
-      Sign(by.permissions, PermissionsText(role, *subject, shop.domains, validity));
+      Sign(by.permissions, PermissionsText(role, subject, shop.domains, validity));
   const auto governance = Sign(by.permissions, GovernanceText(shop.domains));
   if (!permissions || !governance) {
     return tl::unexpected((permissions ? governance : permissions).error());
@@ -108,17 +106,15 @@ Status WriteRole(const fs::path& folder, const Role& role, const ShopOptions& sh
     const std::string& text;
     mode_t mode;
   };
-  if (auto made = MakeFolder(folder); !made) return made;
+  INTAGLIO_TRY(MakeFolder(folder));
   for (const File& file :
-       {File{bus::kPrivateKeyFile, pair->private_key, kSecret},
-        File{bus::kCertificateFile, pair->certificate, kPublic},
+       {File{bus::kPrivateKeyFile, pair.private_key, kSecret},
+        File{bus::kCertificateFile, pair.certificate, kPublic},
         File{bus::kIdentityAuthorityFile, by.identity.certificate, kPublic},
         File{bus::kPermissionsAuthorityFile, by.permissions.certificate, kPublic},
         File{bus::kGovernanceFile, *governance, kPublic},
         File{bus::kPermissionsFile, *permissions, kPublic}}) {
-    if (auto written = Write(folder / file.name, file.text, file.mode); !written) {
-      return written;
-    }
+    INTAGLIO_TRY(Write(folder / file.name, file.text, file.mode));
   }
   return {};
 }
@@ -149,7 +145,7 @@ Status CheckName(const char* what, const std::string& name, const char* also_all
 }
 
 Status CheckShop(const ShopOptions& shop) {
-  if (auto good = CheckName("--name", shop.name, "-_. "); !good) return good;
+  INTAGLIO_TRY(CheckName("--name", shop.name, "-_. "));
   for (const std::string& cell : shop.cells) {
     if (auto good = CheckName("--cell", cell, "-_"); !good) return good;
   }
@@ -182,7 +178,7 @@ ShopOptions ShopIn(const std::string& text) {
 
 Status NewIdentities(const fs::path& folder, const ShopOptions& shop,
                      const Lifetime& lifetime) {
-  if (auto good = CheckShop(shop); !good) return good;
+  INTAGLIO_TRY(CheckShop(shop));
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
     return Fail(ErrorCode::kRefused,
@@ -219,13 +215,12 @@ Result<ShopOptions> RenewIdentities(const fs::path& folder,
                                     const std::vector<std::string>& more_cells,
                                     const Lifetime& lifetime) {
   const fs::path authority = folder / kAuthority;
-  const auto text = Read(authority / kShopFile);
-  if (!text) return tl::unexpected(text.error());
-  const auto identity = ReadAuthority(authority, bus::kIdentityAuthorityFile);
-  if (!identity) return tl::unexpected(identity.error());
-  const auto permissions = ReadAuthority(authority, bus::kPermissionsAuthorityFile);
-  if (!permissions) return tl::unexpected(permissions.error());
-  ShopOptions shop = ShopIn(*text);
+  const auto text = INTAGLIO_TRY(Read(authority / kShopFile));
+  const auto identity =
+      INTAGLIO_TRY(ReadAuthority(authority, bus::kIdentityAuthorityFile));
+  const auto permissions =
+      INTAGLIO_TRY(ReadAuthority(authority, bus::kPermissionsAuthorityFile));
+  ShopOptions shop = ShopIn(text);
   for (const std::string& cell : more_cells) {
     if (std::find(shop.cells.begin(), shop.cells.end(), cell) == shop.cells.end())
       shop.cells.push_back(cell);
@@ -233,7 +228,7 @@ Result<ShopOptions> RenewIdentities(const fs::path& folder,
   return CheckShop(shop)
       .and_then([&] { return Write(authority / kShopFile, ShopText(shop), kPublic); })
       .and_then([&] {
-        return WriteRoles(folder, shop, {*identity, *permissions}, lifetime);
+        return WriteRoles(folder, shop, {identity, permissions}, lifetime);
       })
       .map([&] { return shop; });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 #include "services/replayer/found_service.h"
 
@@ -82,11 +83,10 @@ Result<std::string> CellBench::FindService(const KeepOn& keep_on) {
                 [](std::size_t) { return std::optional<PulseEnd>(); });
     return keep_on();
   };
-  auto found =
-      AwaitService(health_, wait_, intaglio_ROLE_SYNCHRONIZER, answer_and_keep_on);
-  if (!found) return tl::unexpected(found.error());
-  instance_ = found->instance;
-  return found->version;
+  auto found = INTAGLIO_TRY(
+      AwaitService(health_, wait_, intaglio_ROLE_SYNCHRONIZER, answer_and_keep_on));
+  instance_ = found.instance;
+  return found.version;
 }
 
 Status CellBench::Give(const Performance& performance, bool revoked, bool take_up) {
@@ -114,17 +114,15 @@ Result<CellBench::Performed> CellBench::Perform(const CellSession& session,
   performance.path =
       std::make_unique<PathInput>(path_, reader_, session.task, session.task.id.job_uid);
   if (!session.starts_mm.empty()) stage_.StandAt(session.starts_mm.front());
-  if (auto given = Give(performance, false, false); !given)
-    return tl::unexpected(given.error());
+  INTAGLIO_TRY(Give(performance, false, false));
   Stillness stillness;
   while (!performance.listener.end()) {
-    if (auto on = keep_on(); !on) return tl::unexpected(on.error());
-    if (auto turned = Turn(performance); !turned) return tl::unexpected(turned.error());
+    INTAGLIO_TRY(keep_on());
+    INTAGLIO_TRY(Turn(performance));
     stillness = WhyNothingMore(performance);
     if (!stillness.why.empty()) break;
   }
-  if (auto finished = Finish(performance, keep_on); !finished)
-    return tl::unexpected(finished.error());
+  INTAGLIO_TRY(Finish(performance, keep_on));
   Performed performed{performance.listener.Words(), std::move(stillness),
                       performance.begun};
   if (!performed.stillness.why.empty()) performed.words.end.reset();
@@ -133,8 +131,7 @@ Result<CellBench::Performed> CellBench::Perform(const CellSession& session,
 
 Status CellBench::Turn(Performance& performance) {
   book_.Poll();
-  if (auto fed = performance.path->Advance(book_); !fed)
-    return tl::unexpected(fed.error());
+  INTAGLIO_TRY(performance.path->Advance(book_));
   TakeWords(performance);
   DeliverDue(performance);
   KeepPermission(performance, false);
@@ -346,8 +343,8 @@ Status CellBench::Finish(Performance& performance, const KeepOn& keep_on) {
   const auto until = Clock::now() + (ended ? kLastWords : kPatience);
   auto end = until;
   while (Clock::now() < end) {
-    if (auto on = keep_on(); !on) return on;
-    if (auto turned = Turn(performance); !turned) return turned;
+    INTAGLIO_TRY(keep_on());
+    INTAGLIO_TRY(Turn(performance));
     if (!ended && performance.listener.end() && end == until)
       end = std::min(until, Clock::now() + kLastWords);
   }

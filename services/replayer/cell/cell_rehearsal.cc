@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/bus.h"
 #include "services/replayer/cause.h"
 #include "services/replayer/cell/cell_bench.h"
@@ -56,18 +57,14 @@ class CellRehearsal {
 };
 
 Status CellRehearsal::ReadRecording() {
-  const auto machine = MachineOf(reader_);
-  if (!machine) return tl::unexpected(machine.error());
-  cell_ = machine->name();
-  auto sessions = ReadCellSessions(reader_);
-  if (!sessions) return tl::unexpected(sessions.error());
-  sessions_ = std::move(*sessions);
-  auto paths = ExtentsOf(reader_, bus::kPathBatch.name);
-  if (!paths) return tl::unexpected(paths.error());
-  paths_ = std::move(*paths);
-  auto laser = LaserStandIn::Make(options_.laser_line, *machine);
-  if (!laser) return tl::unexpected(laser.error());
-  laser_ = std::move(*laser);
+  const auto machine = INTAGLIO_TRY(MachineOf(reader_));
+  cell_ = machine.name();
+  auto sessions = INTAGLIO_TRY(ReadCellSessions(reader_));
+  sessions_ = std::move(sessions);
+  auto paths = INTAGLIO_TRY(ExtentsOf(reader_, bus::kPathBatch.name));
+  paths_ = std::move(paths);
+  auto laser = INTAGLIO_TRY(LaserStandIn::Make(options_.laser_line, machine));
+  laser_ = std::move(laser);
   return {};
 }
 
@@ -93,8 +90,7 @@ Result<FrozenJob> CellRehearsal::FreezeAgain(const CellSession& session) {
   FrozenJob now = session.job;
   result_.set_version_then(now.software_version());
   if (options_.change) {
-    if (auto changed = options_.change(now); !changed)
-      return tl::unexpected(changed.error());
+    INTAGLIO_TRY(options_.change(now));
     if (result_.options().empty()) {
       for (OptionDifference& difference : OptionDifferences(session.job, now))
         *result_.add_options() = std::move(difference);
@@ -121,18 +117,17 @@ Result<CellBench::Performed> CellRehearsal::Perform(const CellSession& session,
 Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& session,
                                                                const FrozenJob& job,
                                                                CellWords& now) {
-  auto performed = Perform(session, job);
-  if (!performed) return tl::unexpected(performed.error());
-  now = std::move(performed->words);
+  auto performed = INTAGLIO_TRY(Perform(session, job));
+  now = std::move(performed.words);
   TaskComparison& counts = *result_.add_tasks();
   counts.set_job_uid(session.task.id.job_uid);
   counts.set_attempt(session.task.id.attempt);
-  const CellBench::Stillness& stillness = performed->stillness;
+  const CellBench::Stillness& stillness = performed.stillness;
   if (!stillness.why.empty() && stillness.by_recording) {
     counts.set_recorded_in_part(true);
     counts.set_part_reason(stillness.why);
     CellWords& then = session.words;
-    if (then.runs.size() > performed->run_count) then.runs.resize(performed->run_count);
+    if (then.runs.size() > performed.run_count) then.runs.resize(performed.run_count);
     then.end.reset();
   }
   auto found = CompareCells(session.words, now, counts);
@@ -156,35 +151,31 @@ Status CellRehearsal::CompareAll() {
       all_performed_ = false;
       continue;
     }
-    auto job = FreezeAgain(session);
-    if (!job) return tl::unexpected(job.error());
+    auto job = INTAGLIO_TRY(FreezeAgain(session));
     CellWords now;
-    auto found = Compare(session, *job, now);
-    if (!found) return tl::unexpected(found.error());
-    if (!*found || different_) continue;
-    *result_.mutable_first() = **found;
-    different_ = {&session, std::move(*job), std::move(now)};
+    auto found = INTAGLIO_TRY(Compare(session, job, now));
+    if (!found || different_) continue;
+    *result_.mutable_first() = *found;
+    different_ = {&session, std::move(job), std::move(now)};
   }
   return {};
 }
 
 Status CellRehearsal::FindCause() {
   return NameCause(result_, [this]() -> Result<bool> {
-    const auto again = Perform(*different_->session, different_->job);
-    if (!again) return tl::unexpected(again.error());
+    const auto again = INTAGLIO_TRY(Perform(*different_->session, different_->job));
     TaskComparison ignored;
-    return CompareCells(different_->now, again->words, ignored).has_value();
+    return CompareCells(different_->now, again.words, ignored).has_value();
   });
 }
 
 Result<ReplayComparison> CellRehearsal::Run() {
   result_.set_service("synchronizer");
-  if (auto read = ReadRecording(); !read) return tl::unexpected(read.error());
+  INTAGLIO_TRY(ReadRecording());
   bench_ = std::make_unique<CellBench>(bus_, reader_, cell_, *laser_);
-  const auto version = bench_->FindService(keep_on_);
-  if (!version) return tl::unexpected(version.error());
-  result_.set_version_now(*version);
-  if (auto compared = CompareAll(); !compared) return tl::unexpected(compared.error());
+  const auto version = INTAGLIO_TRY(bench_->FindService(keep_on_));
+  result_.set_version_now(version);
+  INTAGLIO_TRY(CompareAll());
   result_.set_identical(!different_ && all_performed_);
   if (different_) {
     if (auto found = FindCause(); !found) return tl::unexpected(found.error());
@@ -200,10 +191,9 @@ Result<ReplayComparison> CellRehearsal::Run() {
 Result<MachineSpec> MachineOf(const recording::McapReader& reader) {
   RecordedValues values(reader, bus::kEngraveTask.name);
   for (;;) {
-    const auto value = values.Next();
-    if (!value) return tl::unexpected(value.error());
-    if (!*value) break;
-    const auto task = ReadTask(**value);
+    const auto value = INTAGLIO_TRY(values.Next());
+    if (!value) break;
+    const auto task = ReadTask(*value);
     FrozenJob job;
     if (task && job.ParseFromString(task->frozen_job)) return job.machine();
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/topics.h"
 #include "services/replayer/recorded_members.h"
 
@@ -18,10 +19,9 @@ template <typename Sink>
 Status ForEach(const recording::McapReader& reader, const char* topic, Sink&& sink) {
   RecordedValues values(reader, topic);
   for (;;) {
-    const auto value = values.Next();
-    if (!value) return tl::unexpected(value.error());
-    if (!*value) return {};
-    if (!sink(**value, values.publish_time_ns())) {
+    const auto value = INTAGLIO_TRY(values.Next());
+    if (!value) return {};
+    if (!sink(*value, values.publish_time_ns())) {
       return Fail(
           ErrorCode::kUnsupported,
           fmt::format("{}: the recording has a version whose samples are unknown", topic),
@@ -243,11 +243,11 @@ void SessionReader::EndBeforeTheUncertain() {
 }
 
 Status SessionReader::Read() {
-  if (auto read = ReadWords(); !read) return read;
-  if (auto read = ReadInterlocks(); !read) return read;
+  INTAGLIO_TRY(ReadWords());
+  INTAGLIO_TRY(ReadInterlocks());
   EndBeforeTheUncertain();
-  if (auto read = ReadPermission(); !read) return read;
-  if (auto read = ReadMotion(); !read) return read;
+  INTAGLIO_TRY(ReadPermission());
+  INTAGLIO_TRY(ReadMotion());
   std::stable_sort(
       session_.events.begin(), session_.events.end(),
       [](const CellEvent& a, const CellEvent& b) { return a.time_ns < b.time_ns; });
@@ -260,7 +260,7 @@ Status SessionReader::Read() {
 Result<std::vector<CellSession>> ReadCellSessions(const recording::McapReader& reader) {
   std::vector<CellSession> sessions;
   std::vector<std::pair<std::uint64_t, RecordedTask>> revoked;
-  const auto tasks = ForEach(
+  INTAGLIO_TRY(ForEach(
       reader, bus::kEngraveTask.name, [&](const Value& value, std::uint64_t at_ns) {
         auto task = ReadTask(value);
         if (!task) return false;
@@ -279,8 +279,7 @@ Result<std::vector<CellSession>> ReadCellSessions(const recording::McapReader& r
         session.task = std::move(*task);
         sessions.push_back(std::move(session));
         return true;
-      });
-  if (!tasks) return tl::unexpected(tasks.error());
+      }));
   for (auto session = sessions.begin(); session != sessions.end(); ++session) {
     const auto next =
         std::find_if(std::next(session), sessions.end(), [&](const CellSession& other) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engrave/core/try.h"
 #include "services/platform/link/line_session.h"
 
 namespace intaglio::replayer {
@@ -34,10 +35,9 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
 
 Result<std::unique_ptr<LaserStandIn>> LaserStandIn::Make(
     const std::filesystem::path& link, const MachineSpec& machine) {
-  auto line = virtual_engraver::PtyLine::Open(link, "simulated laser");
-  if (!line) return tl::unexpected(line.error());
+  auto line = INTAGLIO_TRY(virtual_engraver::PtyLine::Open(link, "simulated laser"));
   return std::unique_ptr<LaserStandIn>(
-      new LaserStandIn(std::move(*line), OptionsOf(machine)));
+      new LaserStandIn(std::move(line), OptionsOf(machine)));
 }
 
 LaserStandIn::LaserStandIn(virtual_engraver::PtyLine line,

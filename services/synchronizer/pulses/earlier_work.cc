@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::synchronizer {
 namespace {
 
@@ -12,9 +14,8 @@ using formats::JournalKind;
 
 Result<OpenedJournal> BeginJournal(const fs::path& file,
                                    const formats::JournalHeader& header) {
-  auto writer = JournalWriter::Create(file, header);
-  if (!writer) return tl::unexpected(writer.error());
-  return OpenedJournal{std::move(*writer), {}};
+  auto writer = INTAGLIO_TRY(JournalWriter::Create(file, header));
+  return OpenedJournal{std::move(writer), {}};
 }
 
 // Nothing fires before its intent is in the file.
@@ -74,24 +75,22 @@ Result<OpenedJournal> OpenJournal(const fs::path& file,
     fs::remove(file, error);
     return BeginJournal(file, header);
   }
-  const auto journal = formats::ReadJournal(file);
-  if (!journal) return tl::unexpected(journal.error());
-  const bool same_path = journal->header.point_count == header.point_count &&
-                         journal->header.path_crc == header.path_crc;
-  if (!same_path && !HasNoPointRecords(*journal)) {
+  const auto journal = INTAGLIO_TRY(formats::ReadJournal(file));
+  const bool same_path = journal.header.point_count == header.point_count &&
+                         journal.header.path_crc == header.path_crc;
+  if (!same_path && !HasNoPointRecords(journal)) {
     return Fail(ErrorCode::kRefused,
                 fmt::format("{} has pulses of another path of {} points: take "
                             "the block out and cancel the job",
-                            file.string(), journal->header.point_count),
+                            file.string(), journal.header.point_count),
                 file.string());
   }
   if (!same_path) {
     fs::remove(file, error);
     return BeginJournal(file, header);
   }
-  auto writer = JournalWriter::Continue(file);
-  if (!writer) return tl::unexpected(writer.error());
-  return OpenedJournal{std::move(*writer), EarlierWorkOf(*journal)};
+  auto writer = INTAGLIO_TRY(JournalWriter::Continue(file));
+  return OpenedJournal{std::move(writer), EarlierWorkOf(journal)};
 }
 
 }  // namespace intaglio::synchronizer

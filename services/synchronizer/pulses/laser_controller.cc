@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "engrave/core/try.h"
 #include "services/platform/link/driver_table.h"
 #include "services/synchronizer/pulses/virtual_laser_driver.h"
 
@@ -18,11 +19,10 @@ std::span<const LaserDriverKind> LaserDriverKinds() { return kKinds; }
 
 Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.laser_line();
-  const auto kind = link::FindDriver(LaserDriverKinds(),
-                                     {"laser_line", line.protocol(), line.device()});
-  if (!kind) return tl::unexpected(kind.error());
-  return (*kind)->make(machine, link::EndpointOpener(line.device(), line.baud()),
-                       link::MonotonicClock());
+  const auto kind = INTAGLIO_TRY(link::FindDriver(
+      LaserDriverKinds(), {"laser_line", line.protocol(), line.device()}));
+  return kind->make(machine, link::EndpointOpener(line.device(), line.baud()),
+                    link::MonotonicClock());
 }
 
 }  // namespace intaglio::synchronizer

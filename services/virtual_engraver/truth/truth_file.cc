@@ -5,6 +5,7 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
+#include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
 #include "services/virtual_engraver/truth/truth_check.h"
@@ -58,9 +59,8 @@ Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name) 
 }
 
 Result<MachineTruth> ReadTruthFile(const std::filesystem::path& file) {
-  const auto text = io::ReadWholeFile(file, kMaxTruthFileBytes);
-  if (!text) return tl::unexpected(text.error());
-  return ParseTruth(*text, file.string());
+  const auto text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxTruthFileBytes));
+  return ParseTruth(text, file.string());
 }
 
 void Replace(const MachineTruth& changes, MachineTruth& truth) {

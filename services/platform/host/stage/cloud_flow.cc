@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 
 namespace intaglio::host {
@@ -143,7 +144,7 @@ Status CloudIntake<Batch>::Accept(const Batch& batch) {
     return credit_.Consumed(stream, batch.sequence_number + 1, batch.last);
   }
   if (batch.part_attempt > part.attempt) BeginAgain(batch.part, batch.part_attempt);
-  if (auto fits = Check(batch, part); !fits) return fits;
+  INTAGLIO_TRY(Check(batch, part));
   const auto x = bus::View(batch.x_mm), y = bus::View(batch.y_mm),
              z = bus::View(batch.z_mm);
   const auto source = bus::View(batch.source);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engrave/core/try.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
 
@@ -148,7 +149,7 @@ bool StageWorker::Make(Result<bool>& taken) {
 
 Result<bool> StageWorker::MakeOne(Work& work, Result<bool>& taken) {
   if (work.phase == Phase::kWaiting) {
-    if (auto begun = Begin(work); !begun) return tl::unexpected(begun.error());
+    INTAGLIO_TRY(Begin(work));
     taken = input_.Poll(now_);  // it may be there already
   }
   work.progress.elapsed_s = std::chrono::duration<double>(now_ - work.began_at).count();
@@ -161,9 +162,7 @@ Result<bool> StageWorker::MakeOne(Work& work, Result<bool>& taken) {
   work.progress.done_count = computation_->done();
   work.progress.total_count = computation_->total();
   if (!computation_->ready()) return false;
-  if (auto finished = FinishComputing(work); !finished) {
-    return tl::unexpected(finished.error());
-  }
+  INTAGLIO_TRY(FinishComputing(work));
   return true;
 }
 
