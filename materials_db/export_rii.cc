@@ -36,7 +36,7 @@ void WriteDispersion(YAML::Emitter& out, const optics::Dispersion& dispersion) {
   out << YAML::EndMap << YAML::EndSeq;
 }
 
-/// What the site's own records have: a list of values.
+/// The format of the site's own records: a list of values.
 void WriteProperty(YAML::Emitter& out, const char* key, std::optional<double> value) {
   if (!value) return;
   out << YAML::Key << key << YAML::Value << YAML::BeginSeq << YAML::BeginMap;

@@ -29,7 +29,7 @@ bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-/// What an entity stands for, given without its & and ;.
+/// The character of an entity, given without its & and ;.
 std::optional<char32_t> EntityCharacter(std::string_view name) {
   for (const auto& [known, c] : kEntities) {
     if (name == known) return c;
@@ -46,8 +46,8 @@ std::optional<char32_t> EntityCharacter(std::string_view name) {
   return c;
 }
 
-/// Plain text that grows; white space of the HTML waits until it is known to stand
-/// between two words of a line.
+/// Plain text that grows; white space of the HTML is added only when text precedes and
+/// follows it on the same line.
 class PlainText {
  public:
   void Space() { space_ = true; }

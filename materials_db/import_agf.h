@@ -21,7 +21,7 @@ namespace intaglio::materials_db {
 /// The largest catalogs known have about 1 MB.
 inline constexpr std::size_t kMaxAgfBytes = 16 * 1024 * 1024;
 
-/// After so many mistakes the file is not worth reading on.
+/// After this many errors the reading of the file ends.
 inline constexpr std::size_t kMaxAgfErrors = 100;
 
 /// `bytes`: ASCII, UTF-8, Latin-1, or UTF-16 with a byte order mark. `catalog`: the

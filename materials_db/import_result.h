@@ -7,8 +7,8 @@
 
 namespace intaglio::materials_db {
 
-/// What a file of glasses gave: the sound ones, and every mistake of the others with its
-/// place in the file.
+/// The result of reading a file of glasses: the valid ones, and every error of the others
+/// with its place in the file.
 struct Imported {
   std::vector<Material> materials;
   std::vector<Error> errors;

@@ -203,8 +203,8 @@ class RecordReader {
   std::vector<Error> errors_;
 };
 
-/// The documents of a file, each from its "---" on. YAML::LoadAll never ends on a file
-/// that holds no more than a comma, so each document is loaded on its own.
+/// The documents of a file, each from its "---" on. YAML::LoadAll never returns for a
+/// file that contains only a comma, so each document is loaded separately.
 std::vector<std::string> Documents(std::string_view yaml) {
   std::vector<std::string> documents(1);
   while (!yaml.empty()) {

@@ -15,8 +15,8 @@ namespace intaglio::materials_db {
 /// A record has some kilobytes; a parsed YAML takes a hundred times its size in memory.
 inline constexpr std::size_t kMaxRiiBytes = 4 * 1024 * 1024;
 
-/// `name` is for a record that does not say its own: those of the site never do, their
-/// file's name is the glass's.
+/// `name` is used for a record without a name of its own. The site's records never have
+/// one: their file name is the name of the glass.
 Imported ImportRii(std::string_view yaml, std::string_view name);
 
 }  // namespace intaglio::materials_db

@@ -25,9 +25,9 @@ struct Material : Properties {
   bool operator==(const Material&) const = default;
 };
 
-/// Every mistake of a material, each with its field's name as the message's first word
-/// and the allowed range; empty when it is sound. A sound glass has an index at the ends
-/// and in the middle of its wavelength range.
+/// All errors of a material. Each message begins with the field's name and gives the
+/// allowed range; empty when the material is valid. A valid glass has an index at the
+/// ends and in the middle of its wavelength range.
 std::vector<Error> CheckMaterial(const Material& material);
 
 /// The values a job is made with.
@@ -37,8 +37,8 @@ struct OpticalValues {
   double reflectance_ratio = 0;       ///< Fresnel, normal incidence, the top face, 0..1
   double stage_per_glass_ratio = 0;   ///< stage move for a focus move in the glass, 0..1
   double cone_tangent = 0;            ///< of the beam's half angle in the glass
-  /// Sudden temperature difference the whole body stands; unknown when a value of it is
-  /// (strength, Poisson's ratio, expansion > 0, Young's modulus).
+  /// Sudden temperature difference that the whole body withstands; unknown when one of
+  /// its values is (strength, Poisson's ratio, expansion > 0, Young's modulus).
   std::optional<double> thermal_strength_k;
 };
 

@@ -101,7 +101,7 @@ std::filesystem::path PathFrom(const char* variable) {
 std::filesystem::path DefaultDatabasePath() {
   constexpr auto kFile = "intaglio/materials.db";
   if (auto file = PathFrom("INTAGLIO_MATERIALS_DB"); !file.empty()) return file;
-  // The XDG base directory specification: a relative path is to be ignored.
+  // The XDG base directory specification: a relative path must be ignored.
   if (const auto xdg = PathFrom("XDG_DATA_HOME"); xdg.is_absolute()) return xdg / kFile;
   if (const auto home = PathFrom("HOME"); !home.empty()) {
     return home / ".local/share" / kFile;

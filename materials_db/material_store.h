@@ -1,8 +1,8 @@
 #pragma once
 
-// The material base: glasses by name, in a SQLite file. It comes with N-BK7, H-K9L,
+// The material base: glasses by name, in a SQLite file. A new one contains N-BK7, H-K9L,
 // fused-silica and soda-lime. Several processes may use one file at once; one object
-// belongs to one thread. Nothing but a sound glass (CheckMaterial) goes in.
+// belongs to one thread. Only a valid glass (CheckMaterial) can be stored.
 
 #include <filesystem>
 #include <memory>

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMinContained = 3;
 
-/// Letters in lower case, digits, and what is not ASCII.
+/// Letters in lower case, digits, and non-ASCII characters.
 std::string Essence(std::string_view name) {
   std::string essence;
   for (const char c : name) {

@@ -8,9 +8,9 @@
 namespace intaglio::materials_db {
 
 /// The names a person may have meant, nearest first, at most `max_count`. Names are
-/// compared without case, hyphens and spaces; near are names at most 2 edits
-/// (io::EditDistance) away (1 for names of up to 3 characters) and names that contain
-/// what was asked for, or it them.
+/// compared without case, hyphens and spaces; a name is near if it is at most 2 edits
+/// (io::EditDistance) away (1 for names of up to 3 characters), or if it contains the
+/// requested name or is contained in it.
 std::vector<std::string> NearNames(std::string_view asked,
                                    std::span<const std::string> names,
                                    std::size_t max_count = 3);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of numbers as text, bit for bit there and back, whatever the locale.
+// Lists of numbers as text, bit for bit in both directions, independent of the locale.
 
 #include <optional>
 #include <string>
@@ -17,7 +17,7 @@ std::string FormatNumber(double number);
 /// The same, with one space between.
 std::string FormatNumbers(const std::vector<double>& numbers);
 
-/// The words of a line, cut at white space.
+/// The tokens of a line, split at white space.
 std::vector<std::string_view> SplitWords(std::string_view line);
 
 }  // namespace intaglio::materials_db

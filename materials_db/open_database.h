@@ -21,7 +21,7 @@ inline constexpr int kBusyTimeoutMs = 5000;
 /// (kUnreadable), one of a newer version (kUnsupported).
 Result<std::unique_ptr<SQLite::Database>> OpenDatabase(const std::filesystem::path& file);
 
-/// What SQLite says as an error with the file and the remedy: kTimedOut, kIo or
+/// SQLite's message as an error with the file and the remedy: kTimedOut, kIo or
 /// kUnreadable.
 Error ErrorFrom(const SQLite::Exception& exception, const std::filesystem::path& file);
 

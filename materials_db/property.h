@@ -30,8 +30,8 @@ struct PropertyRow {
   const char* title;  ///< for people, e.g. "density"
   const char* unit;   ///< for people, e.g. "kg/m3"; empty for a ratio
   std::optional<double> Properties::*value;
-  /// What is allowed, ends included. Wide enough for every transparent solid; a value
-  /// outside is a slip of unit (g/cm3, MPa for GPa, 1e-6/K).
+  /// The allowed range, ends included. Wide enough for every transparent solid; a value
+  /// outside is in a wrong unit (g/cm3, MPa for GPa, 1e-6/K).
   double min;
   double max;
 };

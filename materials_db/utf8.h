@@ -15,8 +15,8 @@ std::string ToUtf8(std::string_view bytes);
 /// `c`: one of those that IsCharacter allows.
 void AppendUtf8(std::string& text, char32_t c);
 
-/// Whether `c` may stand in text: no surrogate, and none of the code points that Unicode
-/// sets aside as noncharacters (YAML does not carry them).
+/// Whether `c` is allowed in text: not a surrogate, and not one of Unicode's
+/// noncharacters (YAML cannot contain them).
 constexpr bool IsCharacter(char32_t c) {
   return c <= 0x10FFFF && !(c >= 0xD800 && c <= 0xDFFF) && (c & 0xFFFE) != 0xFFFE &&
          !(c >= 0xFDD0 && c <= 0xFDEF);

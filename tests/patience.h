@@ -13,7 +13,7 @@
 namespace intaglio::test {
 
 /// Jiffies of all processors so far: those they worked, and those that the host of this
-/// computer gave to others. Zeros where the system does not tell.
+/// computer gave to others. Zeros where the system does not report them.
 struct HostTime {
   double all = 0, worked = 0, stolen = 0;
 
@@ -65,7 +65,7 @@ class Patience {
   HostTime before_;
 };
 
-/// Looks every 2 ms until the condition holds or the patience is over; the last look
+/// Checks every 2 ms until the condition holds or the patience is over; the last check
 /// counts. Discovery between processes has no event of its own that could be waited for.
 inline bool Eventually(const std::function<bool()>& condition,
                        std::chrono::milliseconds bound = std::chrono::seconds(10)) {

@@ -1,7 +1,8 @@
 #pragma once
 
 // Folders of tests, below the build tree. Cases run side by side, each in a process of
-// its own, so a folder that two cases share is emptied under the feet of one of them.
+// its own, so a folder that two cases share would be emptied while the other case uses
+// it.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,8 @@
 
 namespace intaglio::test {
 
-/// An empty folder, of this name: for what is made for several cases, or outside of any.
+/// An empty folder of this name: for files made for several cases, or outside of any
+/// case.
 inline std::filesystem::path FreshFolder(const std::filesystem::path& name) {
   std::filesystem::path folder = std::filesystem::path(INTAGLIO_TEST_DIR) / name;
   std::filesystem::remove_all(folder);

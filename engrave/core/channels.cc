@@ -16,7 +16,7 @@ std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks) {
   return distinct;
 }
 
-// A channel says nothing that another does not, which all of its masks have, too.
+// A channel adds no information if another channel occurs in all masks that contain it.
 std::vector<ChannelMask> TellingChannels(std::span<const ChannelMask> masks) {
   const std::vector<ChannelMask> distinct = DistinctMasks(masks);
   const auto implies = [&distinct](ChannelMask a, ChannelMask b) {

@@ -1,8 +1,8 @@
 #pragma once
 
 // The machine splits its beam into up to four channels, each with a block of its own. A
-// point is made in the channels of its mask; points without a channel in common are in
-// different blocks and know nothing of one another.
+// point is made in the channels of its mask; points without a common channel are in
+// different blocks and do not affect each other.
 
 #include <cstdint>
 #include <span>

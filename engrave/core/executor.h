@@ -8,12 +8,13 @@
 namespace intaglio {
 
 /// Calls work(0) .. work(count - 1), each once, in any order and on any threads, and
-/// returns when all are done; rethrows what one of them threw. Results must not depend on
-/// which thread does what.
+/// returns when all are done; rethrows an exception of one of them. Results must not
+/// depend on which thread does what.
 using Executor =
     std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)>;
 
-/// One after another in the calling thread; what an empty Executor stands for.
+/// Runs the tasks one after another in the calling thread. An empty Executor has the same
+/// effect.
 inline void RunEach(const Executor& executor, std::size_t count,
                     const std::function<void(std::size_t)>& work) {
   if (executor) return executor(count, work);

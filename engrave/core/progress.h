@@ -1,6 +1,6 @@
 #pragma once
 
-// How a long computation tells how far it is, without knowing who listens.
+// How a long computation reports its progress, independent of the receiver.
 
 #include <cstdint>
 #include <functional>

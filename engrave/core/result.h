@@ -19,11 +19,11 @@ enum class ErrorCode {
   kOutsideBlock,  ///< Points lie outside the block minus its margin.
   kTooLarge,      ///< A limit on size, count or memory is exceeded.
   kIo,            ///< The operating system refused to read or write.
-  kLinkLost,      ///< A serial line or a peer is gone.
+  kLinkLost,      ///< A serial line or a peer is lost.
   kTimedOut,      ///< An answer did not come in time.
-  kRefused,       ///< A peer or an interlock said no.
+  kRefused,       ///< A peer or an interlock refused.
   kFault,         ///< A machine reported a fault.
-  kCancelled,     ///< Somebody asked for the end of it.
+  kCancelled,     ///< The caller requested the cancellation.
 };
 
 /// The name of a code as it appears in reports and logs, e.g. "invalid_value".
@@ -40,7 +40,7 @@ struct Error {
 template <typename T>
 using Result = tl::expected<T, Error>;
 
-/// Result of something that is done for its effect.
+/// Result of a function that returns no value.
 using Status = tl::expected<void, Error>;
 
 inline tl::unexpected<Error> Fail(ErrorCode code, std::string message,

@@ -9,15 +9,16 @@
 
 namespace intaglio {
 
-/// How far all parts are together, told to one sink by whichever of them comes by.
+/// The total progress of several parallel parts, reported to one sink. Any part may make
+/// the report.
 class SharedProgress {
  public:
   /// `sink` may be empty and has to outlive this.
   SharedProgress(const ProgressSink& sink, std::uint64_t total)
       : sink_(sink), total_(total) {}
 
-  /// Whether to go on, with `more` units done. Of several calls at the same time one
-  /// asks the sink. From any thread.
+  /// Adds `more` units done and returns whether to continue. Of several simultaneous
+  /// calls only one calls the sink. May be called from any thread.
   bool GoesOn(std::uint64_t more) {
     done_ += more;
     if (!sink_ || asking_.test_and_set()) return !cancelled_;

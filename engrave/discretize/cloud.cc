@@ -11,7 +11,7 @@
 namespace intaglio::discretize {
 namespace {
 
-// A seam, what lies below the next, and the next one's seam.
+// A seam, the points between it and the next seam, and that next seam.
 constexpr std::uint64_t kWeldsPerSlab = 3;
 
 struct SlabResult {
@@ -54,7 +54,7 @@ class SlabMaker {
     auto lower = INTAGLIO_TRY(Welded(slabs_.Seam(slab), {}, result));
     SpacedCloud taken = lower;
     if (slab + 1 < slabs_.count()) {
-      SlabResult of_next;  // who makes that slab counts it
+      SlabResult of_next;  // discarded: counted when slab + 1 is made
       of_next.models.resize(sources_.size());
       const auto upper = INTAGLIO_TRY(Welded(slabs_.Seam(slab + 1), {}, of_next));
       Append(upper, taken);

@@ -1,7 +1,7 @@
 #pragma once
 
-// From the sources of a job to its cloud: candidates, bounds, weld, slab by slab. Memory
-// grows with the points, and with the candidates of the slabs that are being made.
+// Makes the cloud of a job from its sources, slab by slab: candidates, bounds, thinning.
+// Memory is proportional to the points, plus the candidates of the slabs in progress.
 
 #include <cstdint>
 #include <memory>
@@ -29,7 +29,7 @@ struct Discretized {
   PointCloud cloud;  ///< glass frame; from the lowest point up
   std::uint64_t candidate_count = 0;
   std::uint64_t clipped_count = 0;
-  std::uint64_t welded_count = 0;        ///< left out by the weld
+  std::uint64_t welded_count = 0;        ///< removed by thinning
   std::vector<MethodStatistics> models;  ///< one a source
 };
 
@@ -43,7 +43,7 @@ Result<Discretized> MakeCloud(const Sources& sources, const CloudOptions& option
                               const Part& part, const Executor& executor,
                               const ProgressSink& progress);
 
-/// kMissing, with the remedy, for a job that no point came of.
+/// kMissing, with the remedy, for a job without any point.
 Error NoPoints();
 
 }  // namespace intaglio::discretize

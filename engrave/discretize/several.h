@@ -18,8 +18,8 @@ std::unique_ptr<PointSource> MakeShifted(std::shared_ptr<const PointSource> sour
 std::unique_ptr<PointSource> MakeSeveral(
     std::vector<std::unique_ptr<PointSource>> sources);
 
-/// Where copies stand: count[i] along axis i, step_mm[i] apart, x first, then y, then z.
-/// With `centred` the middle of the grid is at 0, else its first copy.
+/// The positions of copies: count[i] along axis i, step_mm[i] apart, x first, then y,
+/// then z. With `centred` the middle of the grid is at 0, else its first copy.
 PointList GridOffsets(const Eigen::Vector3i& count, const Vec3& step_mm, bool centred);
 
 }  // namespace intaglio::discretize

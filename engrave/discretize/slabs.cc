@@ -11,10 +11,10 @@ namespace {
 // A seam is made twice and a front of points ends at each: with this many of its
 // thicknesses between two of them, that is one layer in thirty.
 constexpr double kSeamsPerSlab = 32;
-// Enough for every machine, and few enough that the cut costs nothing.
+// Enough for every machine, and few enough that the cost of cutting is negligible.
 constexpr double kMostSlabs = 256;
-// So much more than the reach: two points this far apart in height are never too near,
-// whatever rounding did to them.
+// Factor on the reach: two points this far apart in height are never too near, whatever
+// rounding did to them.
 constexpr double kSeamAllowance = 1 + 1e-6;
 
 }  // namespace

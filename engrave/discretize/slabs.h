@@ -1,12 +1,12 @@
 #pragma once
 
-// How a job is cut by height, so that its slabs can be made by anybody, in any order, and
-// be together the same cloud, bit for bit.
+// How a job is cut by height into slabs. Any process can make any slab, in any order, and
+// the slabs together are the same cloud, bit for bit.
 //
-// A slab's lowest sheet, its seam, is welded by itself; then what lies between two seams
-// is welded with the points of both taken as given. A seam is as thick as points reach,
-// so no two slabs need to know more of one another than the seam between them, which
-// either makes for itself: nobody waits for anybody.
+// The lowest sheet of a slab, its seam, is thinned by itself; then the points between two
+// seams are thinned with the points of both seams fixed. A seam is as thick as the
+// points' reach, so two neighbouring slabs share only the seam between them, and each
+// computes that seam itself: no slab waits for another.
 //
 //   ------------ seam k + 1    slab k gives seam k and what is between;
 //      between                 seam k + 1, made by slab k as well, is given by slab k + 1
@@ -22,7 +22,8 @@ namespace intaglio::discretize {
 class Slabs {
  public:
   /// Of a job whose points lie in `bounds` (glass frame, mm) and keep no more than
-  /// reach_mm (> 0) apart in height. They follow from both, not from who makes them.
+  /// reach_mm (> 0) apart in height. The slabs depend on these two alone, not on which
+  /// process makes them.
   Slabs(const Box3& bounds, double reach_mm);
 
   std::size_t count() const { return heights_mm_.size() + 1; }

@@ -7,7 +7,7 @@ namespace intaglio::discretize {
 std::vector<std::string> WarningsOf(const MethodStatistics& statistics,
                                     double min_spacing_mm) {
   std::vector<std::string> warnings;
-  // A square of ten spacings is seen with the naked eye when it is missing.
+  // A missing square of ten spacings is visible to the naked eye.
   const double seen_mm2 = 100 * min_spacing_mm * min_spacing_mm;
   if (statistics.parallel_area_mm2 > seen_mm2) {
     warnings.push_back(

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the counts of the methods mean for the person who engraves.
+// Turns the counts of the methods into warnings for the user.
 
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace intaglio::discretize {
 
-/// What a person should know of one model's points before they are engraved, a sentence
-/// each with the remedy.
+/// Warnings about one model's points before they are engraved, one sentence each with the
+/// remedy.
 std::vector<std::string> WarningsOf(const MethodStatistics& statistics,
                                     double min_spacing_mm);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Cells of a grid in so many dimensions, as keys of an unordered_map: what is near each
-// other is in the same cell or in the next one.
+// Cells of a grid in a given number of dimensions, as keys of an unordered_map: places
+// near each other are in the same cell or in neighbouring ones.
 
 #include <array>
 #include <cstddef>

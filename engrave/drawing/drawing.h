@@ -1,8 +1,8 @@
 #pragma once
 
 // A drawing as curves, read from DXF, SVG, HPGL or made of text. Frame: drawing, mm, x to
-// the right, y up, z towards the reader; flat files lie at z = 0. Pieces are exact and
-// stay so under every affine transform, so they are flattened only where they stand.
+// the right, y up, z towards the viewer; flat files lie at z = 0. Pieces are exact and
+// stay so under every affine transform, so they are flattened only at their final place.
 
 #include <array>
 #include <cstddef>
@@ -59,12 +59,12 @@ struct Curve {
 struct Drawing {
   std::vector<Curve> curves;
   std::vector<std::string> names{std::string()};  ///< the first is "no name"
-  /// What a file holds beside curves, and how often: "TEXT", "image", "LB".
+  /// The entities of a file that are not curves, and their number: "TEXT", "image", "LB".
   std::map<std::string, std::uint64_t> left_out;
 };
 
-/// Bounds on what reading may cost; beyond them is ErrorCode::kTooLarge. The defaults
-/// keep the reading of any file under 2 s and 512 MB.
+/// Limits on the time and memory of reading; beyond them: ErrorCode::kTooLarge. The
+/// defaults keep the reading of any file under 2 s and 512 MB.
 struct DrawingLimits {
   std::uint64_t max_file_bytes = std::uint64_t{64} << 20;
   /// Entities after blocks and references are unfolded; SVG: also elements of the file.
@@ -73,7 +73,8 @@ struct DrawingLimits {
   std::uint64_t max_points = 3'000'000;
   /// Blocks within blocks, groups and references within each other.
   int max_nesting = 64;
-  /// Unfolding reads the bytes of a block or reference anew each time; all together.
+  /// Unfolding reads the bytes of a block or reference again each time; this is the limit
+  /// of their sum.
   std::uint64_t max_unfolded_bytes = std::uint64_t{128} << 20;
   /// Farthest coordinate from the origin, mm.
   double max_coordinate_mm = 1e9;

@@ -9,7 +9,7 @@ namespace intaglio::drawing {
 namespace {
 
 constexpr std::size_t kMaxNameBytes = 255;
-// Kinds that are told by name; all beyond go under "other".
+// Kinds that are reported by name; all others are counted as "other".
 constexpr std::size_t kMaxKinds = 64;
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the readers share: names, limits, and the first error.
+// The part common to the readers: names, limits, and the first error.
 
 #include <cstdint>
 #include <optional>
@@ -27,19 +27,19 @@ class DrawingBuilder {
 
   /// Counts one entity of the limit: each curve, each insertion, each reference.
   bool CountEntity(std::string_view place);
-  /// Counts bytes that a block or reference makes be read again.
+  /// Counts bytes that are read again because of a block or reference.
   bool CountUnfolded(std::uint64_t bytes, std::string_view place);
   /// Counts points before they are stored.
   bool CountPoints(std::uint64_t points, std::string_view place);
 
-  /// Adds a curve that CountEntity counted; curves without pieces are passed over. Its
+  /// Adds a curve that CountEntity counted; curves without pieces are skipped. Its
   /// numbers must be finite and within reach.
   bool Add(Curve curve, std::string_view place);
 
   /// The index of the name; names longer than 255 bytes are cut.
   std::uint32_t NameIndex(std::string_view name);
 
-  /// Notes that something of this kind was left out.
+  /// Records that an entity of this kind was left out.
   void LeaveOut(std::string_view kind, std::uint64_t count = 1);
 
   const DrawingLimits& limits() const { return limits_; }
@@ -61,8 +61,8 @@ class DrawingBuilder {
 /// At most `max_bytes` of a text that an error shows, with what is not printable as "?".
 std::string Shown(std::string_view text, std::size_t max_bytes = 40);
 
-/// A decimal number that makes up the whole text but for blanks around it and a plus;
-/// not finite is no number.
+/// A decimal number that is the whole text, except for surrounding blanks and a plus
+/// sign. A value that is not finite is not accepted.
 std::optional<double> NumberOf(std::string_view text);
 
 }  // namespace intaglio::drawing

@@ -42,7 +42,7 @@ class Flattener {
            (points.front() - points.back()).norm() <= kSameEnd_mm) {
       points.pop_back();
     }
-    // Two points have no inside; a line there and back would double its points.
+    // Two points have no inside; a line in both directions would double its points.
     if (points.size() < 3) flat_.closed = false;
     total_ += points.size();
     return std::move(flat_);
@@ -83,7 +83,7 @@ class Flattener {
   }
 
   /// From t = begin to end in `parts` equal parts, each halved until it is straight
-  /// enough; several, so that the middle of a part tells of its form.
+  /// enough. There are several parts so that the midpoint of each represents its shape.
   template <typename At>
   void Follow(const At& at, double begin, double end, int parts) {
     Vec3 from = at(begin);

@@ -278,7 +278,8 @@ Result<std::string> FindFontFile(std::string_view family) {
         FcPatternGetString(fonts->fonts[i], FC_STYLE, 0, &of_style) == FcResultMatch &&
         (std::string(reinterpret_cast<const char*>(of_style)) == "Regular" ||
          std::string(reinterpret_cast<const char*>(of_style)) == "Book");
-    // The first by path, regular ones before all: the same wherever the fonts are.
+    // The first by path, regular fonts first: the same result in whatever order the fonts
+    // are listed.
     const bool preferred = regular && style.empty();
     if (best.empty() || std::pair(!preferred, path) < std::pair(!best_preferred, best)) {
       best = path;

@@ -1,8 +1,9 @@
 #pragma once
 
 // Text as closed curves in a given font. TrueType, OpenType and Type 1 outlines; kerning
-// by the font's kern table. Letters stand one after another from left to right: scripts
-// whose letters join or run the other way (Arabic, Devanagari) need a shaper first.
+// by the font's kern table. Letters are placed one after another from left to right:
+// scripts whose letters join or run the other way (Arabic, Devanagari) need a shaper
+// first.
 
 #include <string>
 #include <string_view>
@@ -24,8 +25,7 @@ struct TextOptions {
   std::string_view font_bytes;
   /// Height of a capital H, mm; 0.1 .. 1000.
   double cap_height_mm = 5;
-  /// From baseline to baseline, as a multiple of the distance that the font wants;
-  /// 0.5 .. 5.
+  /// From baseline to baseline, as a multiple of the font's own distance; 0.5 .. 5.
   double line_spacing_ratio = 1;
   TextAlignment alignment = TextAlignment::kLeft;
   bool kerning = true;
@@ -34,14 +34,14 @@ struct TextOptions {
 
 /// UTF-8 text, lines divided by \n. The first line's baseline is y = 0, further ones lie
 /// below; x = 0 is the left, the middle or the right of the lines. To be filled with
-/// non-zero winding: letters may overlap themselves.
-/// Errors: kNotFound (font), kUnreadable (a file that is no font, a bitmap font, a text
-/// that is no UTF-8), kMissing (a character that the font lacks, named; a text without
-/// any visible one), kTooLarge. Broken preconditions: numbers outside their ranges.
+/// non-zero winding: letters may overlap themselves. Errors: kNotFound (font),
+/// kUnreadable (a file that is not a font, a bitmap font, a text that is not UTF-8),
+/// kMissing (a character that the font does not have, named; a text without a visible
+/// character), kTooLarge. Broken preconditions: numbers outside their ranges.
 Result<Drawing> TextOutline(std::string_view utf8, const TextOptions& options);
 
-/// The file of a font of this family and style ("Family" or "Family:Style"), as
-/// fontconfig knows it; no substitute for what is not there. kNotFound.
+/// The file of a font of this family and style ("Family" or "Family:Style"), as found by
+/// fontconfig; no substitute for a missing font. kNotFound.
 Result<std::string> FindFontFile(std::string_view family);
 
 }  // namespace intaglio::drawing

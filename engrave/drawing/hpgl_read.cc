@@ -118,7 +118,7 @@ class HpglReader {
     return number;
   }
 
-  /// All numbers of an instruction with few; `least` of them must be there.
+  /// All numbers of an instruction that has few; at least `least` of them are required.
   bool Numbers(std::size_t least, std::vector<double>& numbers) {
     bool ok = true;
     while (const std::optional<double> number = NextNumber(ok)) {

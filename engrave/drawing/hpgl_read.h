@@ -3,12 +3,12 @@
 // Reads HPGL, the pen plotters' language.
 //
 // What is read: IN DF PU PD PA PR (pen and moves), AA AR (arcs), CI (circle), EA ER RA RR
-// (rectangles), EW WG (wedges), SP (pen: the layer). Rectangles and wedges that are
-// filled become their outline. Texts (LB), device control (ESC), and all other
-// instructions are passed over and counted. Frame: the plotter's, y up. Units: 40 a
-// millimetre, or those of a scale (SC of every kind) between scaling points (IP). The
-// plotter's page is not known: a scale that asks for it (kinds 0 and 1 without IP, any
-// with IR) is an error, and P1 is the origin when nothing is said.
+// (rectangles), EW WG (wedges), SP (pen: the layer). Filled rectangles and wedges become
+// their outline. Texts (LB), device control (ESC), and all other instructions are skipped
+// and counted. Frame: the plotter's, y up. Units: 40 per millimetre, or those of a scale
+// (SC of every kind) between scaling points (IP). The plotter's page is not known: a
+// scale that needs it (kinds 0 and 1 without IP, any with IR) is an error, and P1 is the
+// origin by default.
 
 #include <string_view>
 

@@ -93,7 +93,7 @@ std::optional<HpglScale::Wrong> HpglScale::FindUnits() {
   return std::nullopt;
 }
 
-/// The factor, and in the offset where the low corner lies.
+/// Computes the factor, and stores the position of the low corner in the offset.
 std::optional<HpglScale::Wrong> HpglScale::UpdateByPoints(const Vec2& span) {
   const Vec2 room = *p2_ - *p1_;
   if ((room.array() == 0).any()) {

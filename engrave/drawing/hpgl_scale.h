@@ -32,7 +32,7 @@ class HpglScale {
   /// IR: they lie at shares of the page, whose size is not in the file.
   void TakePointsOfPage();
 
-  /// Why factor and offset are not known: to be told when they are needed, for files
+  /// Why factor and offset are not known. Report it only when they are needed: files
   /// change scale and points one after the other.
   const std::optional<Wrong>& wrong() const { return wrong_; }
   const Vec2& factor() const { return factor_; }

@@ -12,7 +12,7 @@ namespace {
 /// End 2 i is the beginning of curve i, end 2 i + 1 its end.
 using End = std::size_t;
 constexpr End kNoEnd = static_cast<End>(-1);
-// So many ends in one cell cannot be two that meet.
+// More ends than this in one cell cannot be a pair that meets.
 constexpr std::size_t kCrowd = 8;
 
 End OtherEnd(End end) { return end ^ 1; }
@@ -103,7 +103,8 @@ class Joiner {
     while (true) {
       used_[end / 2] = true;
       PointList part = std::move(curves_[end / 2].points_mm);
-      const auto skip = points.empty() ? 0 : 1;  // the joint stands already
+      const auto skip = points.empty() ? 0 : 1;  // the point of the joint is already in
+                                                 // the list
       if (end % 2 == 0) {
         points.insert(points.end(), part.begin() + skip, part.end());
       } else {

@@ -5,7 +5,7 @@
 namespace intaglio::drawing {
 
 /// Point of the piece at t, 0..1 (NURBS: over its range of knots), mm. Not for a
-/// polyline, whose points are its own.
+/// polyline, which holds its points itself.
 Vec3 PointAt(const EllipticArc& arc, double t);
 Vec3 PointAt(const CubicBezier& bezier, double t);
 /// At a knot value u within the range of knots.

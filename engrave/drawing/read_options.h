@@ -9,8 +9,8 @@ namespace intaglio::drawing {
 
 struct ReadOptions {
   DrawingLimits limits;
-  /// mm that a unit of the file is long; positive. Default: what the file declares, or
-  /// what its format says.
+  /// Length of the file's unit, mm; positive. Default: as the file declares, or as its
+  /// format defines.
   std::optional<double> unit_mm;
 };
 

@@ -10,9 +10,9 @@
 #include "engrave/drawing/cell.h"
 #include "engrave/drawing/flatten.h"
 
-// Curves that run along each other have the same bounding box: boxes are looked up in a
-// grid of their six numbers. What is left is compared by the distance of some points of
-// each from the other.
+// Curves that run along each other have the same bounding box: boxes are found in a grid
+// of their six numbers. The remaining pairs are compared by the distances of some points
+// of each curve from the other.
 
 namespace intaglio::drawing {
 namespace {
@@ -58,7 +58,8 @@ class Repeated {
     BoxCell home{}, other{};
     std::size_t straddled = 0;
     for (std::size_t i = 0; i < 6; ++i) {
-      // Far out a cell is below the digits of the number; no integer holds it then.
+      // Far from the origin a cell is smaller than the resolution of the number, and its
+      // index does not fit an integer.
       const double at = std::clamp(shape.box[i] / cell_mm, -1e15, 1e15);
       home[i] = static_cast<std::int64_t>(std::floor(at));
       other[i] = static_cast<std::int64_t>(

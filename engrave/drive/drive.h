@@ -14,11 +14,12 @@
 //     and is commanded CommandFor(course) stays on the course, to 1e-9.
 //  6. Error(command, t) is Settled(command) - command at t: what is predicted is what
 //     Follow does once the axis has settled.
-//  7. Parameters that are no finite numbers within the ranges of the drive's row in
-//     DriveKinds are refused (drive_kinds.h); so is nothing else.
+//  7. Parameters that are not finite numbers within the ranges of the drive's row in
+//     DriveKinds are refused (drive_kinds.h), and only those.
 //  8. CommandFor is linear and does not depend on the time: it adds to a course fixed
 //     multiples of its first, second and third derivative.
-//  9. All is const, without memory: the same call gives the same bits, from any thread.
+//  9. All functions are const and without state: the same call gives the same bits, from
+//     any thread.
 
 #include <string_view>
 
@@ -59,18 +60,18 @@ class Drive {
   virtual AxisState Follow(const AxisState& state, const Cubic& command,
                            double duration_s) const = 0;
 
-  /// The course that the axis is on when its past has faded.
+  /// The course of the axis after its transients have decayed.
   virtual Cubic Settled(const Cubic& command) const = 0;
 
   /// The command that keeps an axis on `course`.
   virtual Cubic CommandFor(const Cubic& course) const = 0;
 
-  /// How far the commands for a course that brakes to rest with 1 u/s^2 may lead beyond
-  /// the place of rest, in u: what a plan has to leave free at the ends of the travel,
-  /// for each unit of its acceleration. s^2.
+  /// How far the commands for a course that brakes to rest with 1 u/s^2 may go beyond the
+  /// place of rest, in u: the margin that a plan needs at the ends of the travel, per
+  /// unit of its acceleration. s^2.
   virtual double lead_s2() const = 0;
 
-  /// The actual position less the commanded one at `t_s`, of a settled axis.
+  /// The actual position minus the commanded one at `t_s`, of a settled axis.
   double Error(const Cubic& command, double t_s) const {
     return Settled(command).At(t_s) - command.At(t_s);
   }

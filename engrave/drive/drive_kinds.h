@@ -1,7 +1,7 @@
 #pragma once
 
-// The registry of drives: one row a kind. A new kind is a class in a file of its own and
-// a row in drive_kinds.cc; the conformance test finds it there.
+// The registry of drives: one row per kind. A new kind is a class in a file of its own
+// and a row in drive_kinds.cc; the conformance test finds it there.
 
 #include <memory>
 #include <span>

@@ -7,12 +7,12 @@
 // For a cubic command c the particular solution of x + T x' = c is
 //   q = c - T c' + T^2 c'' - T^3 c'''
 // (insert it: q + T q' = c, as the fourth derivative is zero), here by its derivatives
-// from the highest down, q^(k) = c^(k) - T q^(k+1). The rest fades: x = q + e exp(-t /
+// from the highest down, q^(k) = c^(k) - T q^(k+1). The rest decays: x = q + e exp(-t /
 // T).
 //
-// Lead. Where the course brakes with A and has the way s = v^2 / (2 A) left, the command
-// is T v ahead, which is T v - v^2 / (2 A) beyond the place of rest: at most A T^2 / 2,
-// at v = A T.
+// Lead. Where the course brakes with A and has the distance s = v^2 / (2 A) left, the
+// command is T v ahead, which is T v - v^2 / (2 A) beyond the place of rest: at most A
+// T^2 / 2, at v = A T.
 
 namespace intaglio::drive {
 

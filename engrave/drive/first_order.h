@@ -1,8 +1,8 @@
 #pragma once
 
 // An axis that lags behind its command: x' = (c - x) / lag. It passes a point at speed v
-// a distance lag v late: 16 um at 80 mm/s and 0.2 ms. Commanded c = p + lag p' it is on
-// the course p.
+// a distance lag v late: 16 um at 80 mm/s and 0.2 ms. With the command c = p + lag p' it
+// follows the course p.
 
 #include "engrave/drive/drive.h"
 

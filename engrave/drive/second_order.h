@@ -1,10 +1,10 @@
 #pragma once
 
-// An axis as a mass on a spring with a damper, which is also what a position loop around
-// a drive with closed velocity loop is:
+// An axis as a mass on a spring with a damper. A position loop around a drive with closed
+// velocity loop has the same equation:
 //   x'' + 2 d w x' + w^2 x = w^2 c,   w = 2 pi natural_frequency_hz, d the damping ratio.
 // It passes a point at speed v a distance 2 d v / w late: 0.15 mm at 80 mm/s, 120 Hz and
-// d = 0.7. Commanded c = p + 2 d p' / w + p'' / w^2 it is on the course p.
+// d = 0.7. With the command c = p + 2 d p' / w + p'' / w^2 it follows the course p.
 
 #include "engrave/drive/drive.h"
 
@@ -14,7 +14,7 @@ namespace intaglio::drive {
 /// than the rounding of commands to nm.
 inline constexpr double kMinNaturalFrequencyHz = 1;
 inline constexpr double kMaxNaturalFrequencyHz = 10000;
-/// Below it, it rings for more than ten periods: nothing to engrave with.
+/// Below this it rings for more than ten periods, which is unusable for engraving.
 inline constexpr double kMinDampingRatio = 0.05;
 inline constexpr double kMaxDampingRatio = 5;
 

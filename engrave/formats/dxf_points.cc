@@ -37,7 +37,7 @@ class Pairs {
  public:
   explicit Pairs(std::string_view rest) : rest_(rest) {}
 
-  /// Nothing at the end. Where a line is no group code, that is an error.
+  /// Nothing at the end. A line that is not a group code is an error.
   Result<std::optional<Pair>> Next() {
     if (rest_.empty()) return std::nullopt;
     const std::string_view line = Trimmed(TakeLine());
@@ -138,7 +138,7 @@ Status PointReader::EndPoint() {
   return {};
 }
 
-/// What a code 0 begins.
+/// The kind of object that a code 0 begins.
 void PointReader::Begin(std::string_view what) {
   begins_section_ = what == "SECTION";
   if (what == "EOF") ended_ = true;

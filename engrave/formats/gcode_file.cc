@@ -13,7 +13,7 @@
 namespace intaglio::formats {
 namespace {
 
-/// A comment may not hold parentheses, which do not nest in G-code.
+/// A comment must not contain parentheses, because they do not nest in G-code.
 std::string CommentLine(std::string comment) {
   std::replace(comment.begin(), comment.end(), '(', '[');
   std::replace(comment.begin(), comment.end(), ')', ']');
@@ -59,7 +59,7 @@ Status WriteGcode(const std::filesystem::path& file, const PointTable& table,
   INTAGLIO_TRY(out.Write(Beginning(table, options)));
   std::string text;
   for (const Vec3& p_mm : table.points_mm) {
-    // All three words in every line: a run can be taken up at any of them.
+    // All three coordinates in every line: a run can be resumed at any line.
     text = options.feed_mm_min > 0 ? "G1" : "G0";
     for (int axis = 0; axis < 3; ++axis) {
       AppendWord(options.words[static_cast<std::size_t>(axis)],

@@ -1,8 +1,8 @@
 #pragma once
 
-// G-code for a motion controller of others: to each point in turn, then a pulse. Written
-// only. It knows nothing of lamp sync and limits of motion; intaglio's own machines are
-// driven by engrave/motion instead. docs/formats.md describes the lines.
+// G-code for third-party motion controllers: a move to each point in turn, then a pulse.
+// Write only. It contains neither lamp sync nor limits of motion; intaglio's own machines
+// are driven by engrave/motion instead. docs/formats.md describes the lines.
 
 #include <array>
 #include <filesystem>
@@ -25,8 +25,8 @@ struct GcodeOptions {
   std::string pulse = "M100";
   /// The place of the controller's zero in the frame of the points, mm.
   Vec3 origin_mm = Vec3::Zero();
-  /// The words of the three coordinates. Those of axes that turn are A, B and C, in
-  /// degrees.
+  /// The address letters of the three coordinates. Those of rotary axes are A, B and C,
+  /// in degrees.
   std::array<char, 3> words = {'X', 'Y', 'Z'};
   /// Lines before the first move, and after the last. Default: mm (G21), absolute (G90);
   /// end of program.
@@ -34,7 +34,7 @@ struct GcodeOptions {
   std::string footer = "M2";
 };
 
-/// The points in their order; columns are left out, comments stand in parentheses.
+/// Writes the points in their order; columns are omitted, comments are in parentheses.
 /// Atomic; errors are those of the disk. Options outside their ranges are a broken
 /// precondition.
 Status WriteGcode(const std::filesystem::path& file, const PointTable& table,

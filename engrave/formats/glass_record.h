@@ -1,7 +1,7 @@
 #pragma once
 
-// What the glass of a virtual machine remembers, on disk while it happens: append-only,
-// fixed-size records, readable up to wherever it was cut.
+// The record of the glass of a virtual machine, written to disk as the pulses happen:
+// append-only, fixed-size records, readable up to the place where the file was cut.
 //
 //   offset  size  header (64 bytes)         offset  size  record (48 bytes)
 //        0     8  "INTGLAS1"                     0     8  tick

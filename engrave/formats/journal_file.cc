@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kJournalMagic[] = "INTJRNL1";
 constexpr std::uint32_t kJournalVersion = 2;
-// A record's point may not make the reader allocate without bound.
+// A record's point must not make the reader allocate without bound.
 constexpr std::uint64_t kMaxPoints = 100'000'000;
 
 template <typename T>
@@ -161,7 +161,7 @@ std::vector<PointHistory> HistoryOf(const Journal& journal) {
     if (!IsOfPoint(record.kind)) continue;
     PointHistory& point = history[record.point];
     if (record.kind == JournalKind::kReopened) {
-      // Of anything else it says nothing: an outcome may be missing in the file.
+      // It does not apply to any other state: an outcome may be missing in the file.
       if (point.outcome != PointOutcome::kUncertain || point.open_intent) continue;
       point.outcome = PointOutcome::kNone;
       point.reopened = true;

@@ -1,9 +1,10 @@
 #pragma once
 
-// The journal of an engraving: what was about to be fired, and what became of it. The
-// synchronizer appends, over all its lives; reports, resume and checks read. Fixed-size
-// records with a checksum each, at fixed places: a file that is cut anywhere, or whose
-// last blocks reached the disk in another order, tells all that it has.
+// The journal of an engraving: which points were about to be fired, and the outcome of
+// each. The synchronizer appends to it, across its restarts; reports, resume and checks
+// read it. Fixed-size records with a checksum each, at fixed places: of a file that is
+// cut anywhere, or whose last blocks reached the disk in another order, all intact
+// records can be read.
 //
 //   offset  size  header (64 bytes)
 //        0     8  "INTJRNL1"
@@ -44,10 +45,11 @@ namespace intaglio::formats {
 
 enum class JournalKind : std::uint8_t {
   kIntent = 1,    ///< the point may fire at this tick; on disk before it can
-  kOutcome = 2,   ///< what became of it
-  kSession = 3,   ///< the ticks from here on are of this power-up of the controller
-  kConsent = 4,   ///< a person's: fire again what is uncertain, or armed and found so
-  kReopened = 5,  ///< an uncertain point is open again, by such consent
+  kOutcome = 2,   ///< the outcome of the point
+  kSession = 3,   ///< ticks after this record count from this power-up of the controller
+  kConsent = 4,   ///< a person's: fire the uncertain points again, and those now armed
+                  ///< that become uncertain
+  kReopened = 5,  ///< an uncertain point is open again by such consent
 };
 
 enum class PointOutcome : std::uint8_t {
@@ -55,8 +57,9 @@ enum class PointOutcome : std::uint8_t {
   kMade = 1,
   kMissed = 2,     ///< fired, and no crack was seen
   kSkipped = 3,    ///< not fired; may be tried again
-  kUncertain = 4,  ///< nobody knows; fired again by a person's consent alone
-  kLeftOut = 5,    ///< not fired, and never will be: the operator's choice
+  kUncertain = 4,  ///< unknown whether it was fired; fired again only with a person's
+                   ///< consent
+  kLeftOut = 5,    ///< not fired, and never will be, by the operator's choice
 };
 
 /// A crack was tried: such a point is never fired again.
@@ -74,7 +77,8 @@ struct JournalRecord {
   PointOutcome outcome = PointOutcome::kNone;
   std::uint8_t reason = 0;
   std::uint32_t run = 0;
-  std::uint64_t tick = 0;   ///< kConsent, kReopened: the grant that the consent came with
+  std::uint64_t tick = 0;   ///< kConsent, kReopened: number of the grant that carried the
+                            ///< consent
   std::uint32_t point = 0;  ///< kSession: power-up
   std::uint32_t pulse_count = 0;
   std::uint32_t openings = 0;  ///< kSession alone
@@ -89,7 +93,7 @@ struct JournalHeader {
 };
 
 /// CRC-32 of the coordinates of a path or a cloud, x y z as doubles, glass frame, mm, in
-/// their order: what a journal knows its path by, and a proof its points.
+/// their order. It identifies the path of a journal and the points of a proof.
 std::uint32_t PathCrc(const PointList& path_mm);
 
 inline constexpr std::size_t kJournalHeaderSize = 64;
@@ -105,8 +109,8 @@ struct Journal {
   std::vector<JournalRecord> records;
   /// Bytes after the last whole record with a right checksum: a cut, never an error.
   std::uint64_t torn_bytes = 0;
-  /// Unreadable records with readable ones behind them: what a power failure leaves of
-  /// blocks that no sync had confirmed, or a damaged disk.
+  /// Unreadable records with readable ones behind them: the result of a power failure
+  /// before a sync was confirmed, or of a damaged disk.
   std::uint64_t damaged_records = 0;
 };
 
@@ -114,16 +118,16 @@ struct Journal {
 Result<Journal> ParseJournal(std::span<const std::byte> bytes);
 Result<Journal> ReadJournal(const std::filesystem::path& file);
 
-/// What the journal says of each point, by place in the order.
+/// What the journal records of each point, by place in the order.
 struct PointHistory {
   PointOutcome outcome = PointOutcome::kNone;
   std::uint8_t reason = 0;
   std::uint64_t tick = 0;
-  std::uint32_t power_up = 0;     ///< that the tick is of; 0: not known
+  std::uint32_t power_up = 0;     ///< to which the tick belongs; 0: not known
   std::uint32_t fired_count = 0;  ///< outcomes made or missed
   bool open_intent = false;       ///< an intent without an outcome: uncertain
-  /// It was uncertain, and by a person's consent is not any more: until it is fired
-  /// nobody knows whether it holds a crack.
+  /// It was uncertain and has been reopened by a person's consent. Until it is fired it
+  /// is unknown whether it holds a crack.
   bool reopened = false;
 };
 std::vector<PointHistory> HistoryOf(const Journal& journal);

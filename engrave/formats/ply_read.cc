@@ -108,7 +108,8 @@ class AsciiValues final : public PlyValues {
     return io::ParseNumber<T>(word);
   }
 
-  // Some writers give integers a point ("255.0"); what is whole and in range is taken.
+  // Some writers write integers with a decimal point ("255.0"); whole values in range are
+  // accepted.
   template <typename T>
   std::optional<double> TakeInteger() {
     const std::optional<double> value = Take<double>();
@@ -224,7 +225,8 @@ Result<PointTable> ReadVertices(const PlyElement& vertices, std::size_t rest_siz
                             vertices.count, limits.max_points));
   }
   const auto coordinates = INTAGLIO_TRY(CoordinatesOf(vertices));
-  // A row has three values of a byte or more: what cannot be there is not allocated.
+  // A row has at least three values of at least a byte, so no more rows are allocated
+  // than the file can hold.
   if (vertices.count > rest_size / 3) return CutOff(vertices, rest_size / 3);
   std::vector<std::vector<double>> columns(vertices.properties.size());
   for (std::size_t p = 0; p < columns.size(); ++p) {

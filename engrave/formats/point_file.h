@@ -46,10 +46,11 @@ struct PointTable {
   }
 };
 
-/// Bounds on what reading may cost; beyond them is ErrorCode::kTooLarge.
+/// Limits on the time and memory of reading; beyond them: ErrorCode::kTooLarge.
 struct PointFileLimits {
   std::uint64_t max_file_bytes = std::uint64_t{1} << 30;  ///< 1 GiB
-  std::uint64_t max_points = 20'000'000;  ///< ten times what a machine engraves
+  std::uint64_t max_points = 20'000'000;  ///< ten times the points that a machine
+                                          ///< engraves
 };
 
 // Writing is atomic (atomic_file.h); errors are those of the disk. A table that breaks
@@ -81,13 +82,13 @@ Status WriteDxf(const std::filesystem::path& file, const PointTable& table);
 /// PLY of any kind (ascii, binary of both byte orders). Takes the scalar properties of
 /// the element "vertex": x, y, z of any type as the points, the others as columns;
 /// integers narrower than 32 bits other than uchar become int. Lists and all other
-/// elements (faces) are passed over. "comment" lines become comments.
+/// elements (faces) are skipped. "comment" lines become comments.
 Result<PointTable> ReadPly(const std::filesystem::path& file,
                            const PointFileLimits& limits = {});
 
-/// Text with three or more numbers a line, separated by blanks, tabs, commas or
-/// semicolons; what follows the third is passed over. Lines beginning with # are
-/// comments, empty lines are passed over. Errors name the line.
+/// Text with three or more numbers per line, separated by blanks, tabs, commas or
+/// semicolons; text after the third is skipped. Lines beginning with # are comments,
+/// empty lines are skipped. Errors name the line.
 Result<PointTable> ReadXyz(const std::filesystem::path& file,
                            const PointFileLimits& limits = {});
 
@@ -100,8 +101,8 @@ Result<PointTable> ReadScl(const std::filesystem::path& file,
                            const PointFileLimits& limits = {});
 
 /// The POINT entities of an ASCII DXF's section ENTITIES, in mm by its $INSUNITS (taken
-/// for mm where it is absent or 0). All other entities are passed over, and a comment
-/// tells how many. kUnsupported: a binary DXF, or a unit that has no place in a block.
+/// for mm where it is absent or 0). All other entities are skipped, and a comment gives
+/// their number. kUnsupported: a binary DXF, or a unit that has no place in a block.
 Result<PointTable> ReadDxf(const std::filesystem::path& file,
                            const PointFileLimits& limits = {});
 

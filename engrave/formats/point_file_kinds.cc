@@ -25,7 +25,7 @@ Status WriteDefaultGcode(const std::filesystem::path& file, const PointTable& ta
 
 struct Kind {
   std::string_view extension;
-  Parser parse;  ///< null for what is only written
+  Parser parse;  ///< null for formats that are only written
   Writer write;
 };
 

@@ -14,12 +14,12 @@
 
 namespace intaglio::formats {
 
-/// The extensions as a sentence has them: "ply, xyz, ...".
+/// The extensions as written in a message: "ply, xyz, ...".
 std::string ReadablePointExtensions();
 std::string WritablePointExtensions();
 
-/// Errors as the format's reader has them, and kUnsupported, naming what there is, for
-/// an extension of no known kind or a kind that is only written.
+/// Errors are those of the format's reader, and kUnsupported, naming the known kinds, for
+/// an unknown extension or a kind that is only written.
 Result<PointTable> ReadPoints(const std::filesystem::path& file,
                               const PointFileLimits& limits = {});
 
@@ -30,8 +30,8 @@ Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extensio
 /// Whether the name is one of a G-code file.
 bool IsGcode(const std::filesystem::path& file);
 
-/// kUnsupported before anything is written. What exists and is no regular file (a
-/// terminal, a pipe) and has no extension is given XYZ text.
+/// kUnsupported before anything is written. An existing path that is not a regular file
+/// (a terminal, a pipe) and has no extension gets XYZ text.
 Status WritePoints(const std::filesystem::path& file, const PointTable& table);
 
 }  // namespace intaglio::formats

@@ -16,7 +16,8 @@
 //                 the columns, each n values
 //   last    4     CRC-32 of all between h and here
 //
-// The first 16 bytes and the place of the header's check sum stay in every version.
+// The first 16 bytes and the place of the header's checksum stay the same in every
+// version.
 //
 // Doubles and not fixed-point nanometres: a chain through files must give the path of a
 // chain without, bit for bit, and that is what the doubles of every other format do.
@@ -48,7 +49,7 @@ constexpr std::string_view kSclMagic = "\x89SCL\r\n\x1a\n";
 constexpr std::uint32_t kSclVersion = 1;
 constexpr std::size_t kFixedSize = 44;
 constexpr std::size_t kCrcSize = 4;
-// Bit i of the flags tells of column i.
+// Bit i of the flags belongs to column i.
 constexpr std::array<std::string_view, 4> kFlagged = {"source", "tick", "channel_mask",
                                                       "spacing_mm"};
 constexpr std::array<std::size_t, 5> kTypeSizes = {8, 4, 4, 4, 1};
@@ -133,8 +134,8 @@ bool MayNameAColumn(std::string_view name) {
          name.find_first_of(" \t\r\n") == std::string_view::npos;
 }
 
-/// The header's parts behind its fixed ones, taken off its front. False where it ends
-/// too early or holds what no table may.
+/// Reads the variable parts of the header one after another. False where it ends too
+/// early or holds something that is not allowed in a table.
 class HeaderParts {
  public:
   explicit HeaderParts(std::string_view rest) : rest_(rest) {}
@@ -167,7 +168,7 @@ class HeaderParts {
   std::string_view rest_;
 };
 
-/// What the header says behind its check sum, which holds.
+/// Reads the header behind its checksum, which has been verified.
 Result<SclHeader> ParseParts(std::string_view bytes, std::size_t size) {
   SclHeader header;
   header.size = size;

@@ -20,8 +20,8 @@ Status CheckSize(std::int64_t width, std::int64_t height, const ImageLimits& lim
 Status CheckDecoder(std::uint64_t needed_bytes, const ImageLimits& limits,
                     std::string_view remedy);
 
-/// Another row of samples below the others. The first call takes the address space of all
-/// rows; memory comes with what is written, so a header alone costs none.
+/// Another row of samples below the others. The first call reserves the address space of
+/// all rows; memory is used only for the rows written, so a header alone uses none.
 std::uint16_t* AddRow(GreyImage& image);
 
 }  // namespace intaglio::image

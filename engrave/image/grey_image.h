@@ -6,10 +6,10 @@
 
 namespace intaglio::image {
 
-/// A picture of one brightness a pixel: 0 black, 65535 white; row 0 on top, rows one
+/// A picture of one brightness per pixel: 0 black, 65535 white; row 0 on top, rows one
 /// after another from the left. Samples are linear light (a photo) or the values as
-/// stored (a map of depths), as image_file.h was told. 16 bits: a step of 8-bit sRGB is
-/// at least 20 steps of theirs, at half the memory of float.
+/// stored (a depth map), as chosen in image_file.h. 16 bits: a step of 8-bit sRGB is at
+/// least 20 steps of theirs, at half the memory of float.
 struct GreyImage {
   static constexpr int kWhite = 65535;
 

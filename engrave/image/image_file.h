@@ -4,11 +4,11 @@
 // PNG (all kinds) and JPEG (grey, colour, CMYK; baseline and progressive), to one
 // brightness a pixel.
 //
-// Points in glass scatter light, and what the eye sees of a patch grows with their
-// number: so density has to follow linear light, not the bytes of the file. Brightness is
-// the relative luminance of ITU-R BT.709 (0.2126 R + 0.7152 G + 0.0722 B, linear), the
-// transfer curve that of sRGB (IEC 61966-2-1) unless a PNG tells another gamma. Embedded
-// ICC profiles are not read.
+// Points in glass scatter light, and the light that the eye gets from a patch grows with
+// their number: so density has to follow linear light, not the bytes of the file.
+// Brightness is the relative luminance of ITU-R BT.709 (0.2126 R + 0.7152 G + 0.0722 B,
+// linear), the transfer curve that of sRGB (IEC 61966-2-1) unless a PNG gives another
+// gamma. Embedded ICC profiles are not read.
 
 #include <cstdint>
 #include <string_view>
@@ -18,12 +18,12 @@
 
 namespace intaglio::image {
 
-/// Bounds on what reading may cost; beyond them is ErrorCode::kTooLarge.
+/// Limits on the time and memory of reading; beyond them: ErrorCode::kTooLarge.
 struct ImageLimits {
   std::uint64_t max_file_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_pixels = 100'000'000;  ///< the picture itself takes 2 bytes each
-  /// What a decoder may hold beside the picture: a progressive JPEG 2 to 6 bytes a pixel,
-  /// an interlaced PNG 1 to 8, others a few rows.
+  /// Memory of a decoder in addition to the picture: a progressive JPEG 2 to 6 bytes per
+  /// pixel, an interlaced PNG 1 to 8, others a few rows.
   std::uint64_t max_decoder_bytes = std::uint64_t{256} << 20;
 };
 
@@ -40,8 +40,8 @@ struct ImageOptions {
   ImageLimits limits;
 };
 
-/// The picture, turned upright as the EXIF orientation of a JPEG says. Errors name the
-/// place and the remedy: kUnreadable (none of the three formats, damaged or cut off),
+/// The picture, turned upright by the EXIF orientation of a JPEG. Errors name the place
+/// and the remedy: kUnreadable (none of the three formats, damaged or cut off),
 /// kUnsupported (a kind of theirs that is not read), kTooLarge.
 Result<GreyImage> ParseImage(std::string_view bytes, const ImageOptions& options = {});
 

@@ -10,9 +10,9 @@
 #include "engrave/image/exif.h"
 #include "engrave/image/luminance.h"
 
-// libjpeg tells an error by a call that may not return: a longjmp to where setjmp stood.
-// So the functions that call it hold nothing with a destructor: what needs one lives in
-// JpegReader, in the frame above.
+// libjpeg reports an error by a call that must not return: a longjmp to the place of
+// setjmp. So the functions that call it own nothing with a destructor; such objects are
+// in JpegReader, in the stack frame above.
 
 namespace intaglio::image {
 namespace {
@@ -44,7 +44,8 @@ static void OnJpegError(j_common_ptr jpeg) {
   std::longjmp(reader->out, 1);
 }
 
-/// What libjpeg would patch over with grey is damage here; noise between segments is not.
+/// Damage that libjpeg would fill with grey is an error here; bytes between segments are
+/// not.
 static void OnJpegMessage(j_common_ptr jpeg, int level) {
   if (level >= 0) return;
   switch (jpeg->err->msg_code) {
@@ -117,7 +118,7 @@ void AppendRow(const JpegReader& r, const Luminance& luminance, GreyImage& image
     for (; c != end; c += 3) *sample++ = luminance.Of(c[0], c[1], c[2]);
   } else {
     // Programs that write CMYK store the light that an ink leaves, 255 for no ink, and
-    // say so by Adobe's marker; by the letter of the format it is the ink.
+    // mark that by Adobe's marker; by the format's specification the value is the ink.
     const unsigned flip = r.jpeg.saw_Adobe_marker ? 0 : 255;
     const auto light = [&](unsigned ink, unsigned black) {
       return ((ink ^ flip) * (black ^ flip) + 127) / 255;
@@ -168,7 +169,8 @@ Result<GreyImage> ParseJpeg(std::string_view bytes, const ImageOptions& options)
   if (!Start(r, options.limits)) return Refused(r, options.limits);
   r.row.resize(std::size_t{r.jpeg.output_width} *
                static_cast<std::size_t>(r.jpeg.output_components));
-  const int orientation = OrientationIn(r);  // the end of the file forgets its notes
+  const int orientation = OrientationIn(r);  // libjpeg clears the list of markers at the
+                                             // end of the file
   const Luminance luminance(options, false);
   GreyImage image{
       static_cast<int>(r.jpeg.output_width), static_cast<int>(r.jpeg.output_height), {}};

@@ -10,8 +10,9 @@
 #include "engrave/image/decoders.h"
 #include "engrave/image/luminance.h"
 
-// libpng tells an error by a longjmp to where setjmp stood. So the functions that call it
-// hold nothing with a destructor: what needs one lives in PngReader, in the frame above.
+// libpng reports an error by a longjmp to the place of setjmp. So the functions that call
+// it own nothing with a destructor; such objects are in PngReader, in the stack frame
+// above.
 
 namespace intaglio::image {
 namespace {
@@ -63,7 +64,7 @@ bool ReadHeader(PngReader& r, const ImageLimits& limits) {
   double file_gamma = 0;
   if (!png_get_sRGB(r.png, r.info, &srgb) && png_get_gAMA(r.png, r.info, &file_gamma) &&
       file_gamma > 0.1 && file_gamma < 10) {
-    constexpr double kSrgbGamma = 0.45455;  // stands for the curve of sRGB
+    constexpr double kSrgbGamma = 0.45455;  // as an approximation of the sRGB curve
     if (std::abs(file_gamma - kSrgbGamma) > 0.005) r.gamma = 1 / file_gamma;
   }
   png_read_update_info(r.png, r.info);

@@ -91,7 +91,7 @@ FloatImage ResampleRows(const Value* values, int old_width, int old_height, floa
   std::size_t most = 1;
   for (const Taps& taps : down) most = std::max(most, taps.weights.size());
   const auto row_size = static_cast<std::size_t>(width);
-  std::vector<float> narrow(most * row_size);  // old row y stands at y % most
+  std::vector<float> narrow(most * row_size);  // old row y is at y % most
   FloatImage result{width, height, std::vector<float>(row_size * down.size())};
   int done = down.front().first;
   for (std::size_t y = 0; y < down.size(); ++y) {

@@ -25,8 +25,9 @@ struct FloatImage {
   }
 };
 
-/// A part of a picture as shares of its width and height: 0, 0 the upper left corner,
-/// 1, 1 the lower right. It may reach out of the picture: there the border goes on.
+/// A part of a picture as shares of its width and height: 0, 0 the upper left corner, 1,
+/// 1 the lower right. It may extend beyond the picture: there the border pixels are
+/// repeated.
 struct Window {
   double left = 0, top = 0, right = 1, bottom = 1;
 };
@@ -36,7 +37,7 @@ enum class Filter {
   /// extremes. Where pixels are made larger, straight lines between their centres.
   kArea,
   /// Lanczos of three lobes, widened to the new pixel: sharper edges at the price of a
-  /// slight overshoot beside them; cut to 0..1.
+  /// slight overshoot beside them; clamped to 0..1.
   kLanczos,
 };
 

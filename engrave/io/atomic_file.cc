@@ -162,7 +162,7 @@ Status AtomicFile::Flush() {
 }
 
 Status AtomicFile::CloseDurably() {
-  // A terminal or a pipe has no disk to sync to and says EINVAL or ENOTSUP.
+  // A terminal or a pipe has no disk to sync to and returns EINVAL or ENOTSUP.
   const bool synced = ::fsync(descriptor_) == 0 || temporary_.empty();
   int error_number = synced ? 0 : errno;
   if (::close(std::exchange(descriptor_, -1)) != 0 && error_number == 0) {

@@ -1,16 +1,16 @@
 #pragma once
 
-// Files that are there whole or not at all: what is written goes to a temporary file
-// beside the target, which takes the target's name only once everything is on the disk.
-// Whoever reads the target sees the old content or the new one, never a part.
+// Files that exist completely or not at all: the data are written to a temporary file
+// beside the target, which is renamed to the target only when everything is on the disk.
+// A reader of the target sees the old content or the new one, never a part.
 //
-// A target that exists and is no regular file (a terminal, a pipe, /dev/null) cannot be
-// replaced by a rename and is written directly. A symbolic link stays: the file it names
-// is replaced.
+// A target that exists and is not a regular file (a terminal, a pipe, /dev/null) cannot
+// be replaced by a rename and is written directly. A symbolic link stays: the file it
+// names is replaced.
 //
-// Errors, ErrorCode::kIo: a sentence with the path, what the system refused (a full
-// disk, a missing folder, no permission) and the remedy. A failed or abandoned write
-// leaves the target as it was and no temporary file behind.
+// Errors, ErrorCode::kIo: a sentence with the path, what the system refused (a full disk,
+// a missing folder, no permission) and the remedy. A failed or abandoned write leaves the
+// target unchanged and removes the temporary file.
 //
 // Not to be called from several threads at once on one object; several objects are fine,
 // even of one target (the last to commit wins).

@@ -10,7 +10,7 @@
 namespace intaglio::io {
 namespace {
 
-/// Of the two separators the one that the header line has more of.
+/// The separator that occurs more often in the header line.
 char SeparatorOf(std::string_view bytes) {
   std::size_t commas = 0;
   std::size_t semicolons = 0;

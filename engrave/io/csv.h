@@ -1,13 +1,14 @@
 #pragma once
 
-// Tables as spreadsheets write them: CSV after RFC 4180, for series with one piece a row.
+// Tables as spreadsheets write them: CSV as of RFC 4180, for series with one piece per
+// row.
 //
-// The first record names the columns. Fields are separated by commas or by semicolons
-// (as where the comma is the decimal sign), whichever of the two the header line has more
-// of outside quotes; a header with neither is a single column. A field that holds the
-// separator, a quote or a line end stands in double quotes, in which a quote is written
-// twice. Records end with LF or CR LF. A UTF-8 byte order mark is passed over, and so are
-// empty lines. Text is UTF-8 and taken as it is; blanks belong to it, except around the
+// The first record names the columns. Fields are separated by commas or by semicolons (as
+// where the comma is the decimal sign), whichever of the two the header line has more of
+// outside quotes; a header with neither is a single column. A field that holds the
+// separator, a quote or a line end is enclosed in double quotes; a quote inside it is
+// written twice. Records end with LF or CR LF. A UTF-8 byte order mark and empty lines
+// are skipped. Text is UTF-8 and taken as it is; blanks belong to it, except around the
 // names of the header.
 
 #include <cstddef>
@@ -21,7 +22,7 @@
 
 namespace intaglio::io {
 
-/// A field as a table holds it: in double quotes when it holds a comma, a semicolon, a
+/// A field as written in a table: in double quotes when it holds a comma, a semicolon, a
 /// quote or a line end. ParseCsv gives it back.
 std::string CsvField(std::string_view text);
 
@@ -38,7 +39,7 @@ struct CsvTable {
   const std::string* Find(const CsvRow& row, std::string_view name) const;
 };
 
-/// Bounds on what reading may cost; beyond them is ErrorCode::kTooLarge.
+/// Limits on the time and memory of reading; beyond them: ErrorCode::kTooLarge.
 struct CsvLimits {
   std::uint64_t max_file_bytes = 16 << 20;  ///< far more than anyone's list of pieces
   std::size_t max_rows = 100'000;
@@ -47,7 +48,7 @@ struct CsvLimits {
 };
 
 /// Errors name the line and the remedy: kUnreadable (a quote that is not closed or that
-/// stands inside a plain field, a NUL byte, a row with more or fewer fields than there
+/// is inside an unquoted field, a NUL byte, a row with more or fewer fields than there
 /// are names), kMissing (no header, a column without a name), kInvalidValue (two columns
 /// of one name), kTooLarge.
 Result<CsvTable> ParseCsv(std::string_view bytes, const CsvLimits& limits = {});

@@ -5,7 +5,7 @@
 
 namespace intaglio::io {
 
-/// The letters of ASCII in lower case, all else as it is, whatever the locale.
+/// ASCII letters in lower case, all other bytes unchanged, independent of the locale.
 constexpr char LowerCase(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }

@@ -15,7 +15,8 @@ void AppendShortest(double value, std::string& text) {
 }
 
 void AppendShortestFixed(double value, std::string& text) {
-  std::array<char, 352> digits;  // the least denormal takes 326, the largest double 309
+  std::array<char, 352> digits;  // the smallest denormal takes 326, the largest double
+                                 // 309
   const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), value,
                                      std::chars_format::fixed);
   text.append(digits.data(), written.ptr);
@@ -30,7 +31,7 @@ std::optional<Number> ParseNumber(std::string_view word) {
   if (parsed.ptr != end) return std::nullopt;
   if (parsed.ec == std::errc()) return value;
   if (parsed.ec != std::errc::result_out_of_range) return std::nullopt;
-  // from_chars gives no value for what is out of range, too large or too small.
+  // from_chars returns no value for a number that is too large or too small.
   if constexpr (std::is_same_v<Number, float>) {
     double wide = 0;
     if (std::from_chars(word.data(), end, wide).ec == std::errc()) {

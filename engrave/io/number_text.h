@@ -10,12 +10,13 @@ namespace intaglio::io {
 /// shorter.
 void AppendShortest(double value, std::string& text);
 
-/// The same without an exponent, for readers that know none. 326 characters at most.
+/// The same without an exponent, for readers that do not support one. 326 characters at
+/// most.
 void AppendShortestFixed(double value, std::string& text);
 
-/// The number that the word is as a whole, rounded to Number (float or double), finite or
-/// not; a plus sign may be in front of it. What is too large is infinite, what is too
-/// small is 0. Nothing when the word is not a number.
+/// The number that the whole text represents, rounded to Number (float or double), finite
+/// or not; a leading plus sign is allowed. Too large a number is infinite, too small a
+/// number is 0. Nothing when the text is not a number.
 template <typename Number = double>
 std::optional<Number> ParseNumber(std::string_view word);
 extern template std::optional<float> ParseNumber(std::string_view word);

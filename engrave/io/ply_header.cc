@@ -50,7 +50,7 @@ std::vector<std::string_view> WordsOf(std::string_view line) {
   return words;
 }
 
-/// The text behind the first word and one blank.
+/// The text behind the first token and one blank.
 std::string CommentOf(std::string_view line) {
   const std::size_t end = line.find_last_not_of('\r');
   line = line.substr(0, end == std::string_view::npos ? 0 : end + 1);

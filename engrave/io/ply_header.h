@@ -38,7 +38,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 };
 
-/// What is before the values of a PLY file (Turk 1994), of points or of a mesh.
+/// The header of a PLY file (Turk 1994), of points or of a mesh.
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
   std::vector<PlyElement> elements;

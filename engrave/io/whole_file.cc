@@ -38,9 +38,9 @@ bool ReadAll(int descriptor, std::string& bytes) {
 
 }  // namespace
 
-// The kind is asked for before the file is opened, because opening some devices acts on
-// them, and again of what was opened, which may be another file by then: without waiting
-// (O_NONBLOCK), as the opening of a FIFO would.
+// The kind of the file is checked before it is opened, because opening some devices acts
+// on them, and again afterwards, because the path may name another file by then. It is
+// opened without waiting (O_NONBLOCK), because opening a FIFO would wait.
 Result<std::string> ReadWholeFile(const std::filesystem::path& file,
                                   std::uint64_t max_bytes) {
   const auto refuse = [&](ErrorCode code, std::string_view problem_and_remedy) {

@@ -1,6 +1,7 @@
 #pragma once
 
-// Where the axes of a machine are when its focus is at a place of the block, and back.
+// The positions of a machine's axes for a place of the focus in the block, and the
+// inverse.
 //
 //   glass point --optics/machine_frame.h--> place of the focus in air --this--> axes
 //
@@ -71,7 +72,8 @@ class Kinematics {
 /// What an axis moves, and which way it counts.
 struct LinearAxis {
   bool moves_table = false;  ///< the block; false: the head, and with it the focus
-  bool reversed = false;     ///< it counts down when what it moves goes to + of the frame
+  bool reversed = false;     ///< it counts down when the part that it moves goes to + of
+                             ///< the frame
 
   /// Of the focus in the block for a growing coordinate.
   double sign() const { return moves_table != reversed ? -1 : 1; }
@@ -116,8 +118,8 @@ std::array<KinematicsKind, std::variant_size_v<KinematicsOptions>> KinematicsKin
 /// Throws PreconditionError for options outside their ranges.
 std::shared_ptr<const Kinematics> MakeKinematics(const KinematicsOptions& options);
 
-/// What ToAxes is to be near to at the first point of a path: the middle of each axis'
-/// travel, 0 for one that has no end.
+/// The reference of ToAxes for the first point of a path: the middle of each axis'
+/// travel, 0 for an axis without end.
 Vec3 BranchStart(const Box3& travel);
 
 }  // namespace intaglio::machine

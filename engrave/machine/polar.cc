@@ -86,8 +86,8 @@ class Polar final : public Kinematics {
     return scale;
   }
 
-  // The table moves a place by its distance from the axis, the greatest of which is that
-  // of a corner.
+  // The table moves a place by its distance from the axis per radian; the maximum is at a
+  // corner.
   ScaleBounds BoundsOver(const Box3& places_mm) const override {
     Require(!places_mm.empty(), "scale bounds of an empty box");
     const double r_mm = places_mm.min_mm.cwiseAbs()

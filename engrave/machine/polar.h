@@ -1,9 +1,9 @@
 #pragma once
 
 // Arm and rotary table (Trochimczuk 2008 ch. 8.4, eq. 130-135; the sixth row of its table
-// 6 corrected). With the angle beta taken with its sign, one configuration reaches both
-// halves of the piece: neither scenario of the source (the arm sweeps and the table
-// indexes; the table turns and the arm indexes) ever changes it.
+// 6 corrected). With a signed angle beta one configuration reaches both halves of the
+// piece: neither scenario of the source (the arm sweeps and the table indexes; the table
+// turns and the arm indexes) ever changes it.
 
 #include <memory>
 

@@ -12,7 +12,7 @@ namespace intaglio::mesh {
 class ByteReader {
  public:
   virtual ~ByteReader() = default;
-  /// Fills the buffer as far as there are bytes; returns how many came.
+  /// Fills the buffer as far as there are bytes; returns the number of bytes read.
   virtual std::size_t Read(std::span<char> buffer) = 0;
 };
 

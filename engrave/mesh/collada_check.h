@@ -1,7 +1,7 @@
 #pragma once
 
-// What the import library does not check of a Collada file (.dae) before it trusts it:
-// index lists that it reads for ever, and accessors that reach behind their arrays.
+// Checks of a Collada file (.dae) that the import library omits: index lists that it
+// would read for ever, and accessors that reach behind their arrays.
 
 #include <string>
 #include <string_view>
@@ -9,8 +9,8 @@
 namespace intaglio::mesh {
 
 /// What is wrong, as the rest of "it cannot be read as dae (...)"; empty when nothing is.
-/// Looks at the tags as they stand in the text, without reading the XML: a file that
-/// hides its numbers in entities is refused, too.
+/// Reads the tags as they are in the text, without parsing the XML: a file that hides its
+/// numbers in entities is refused, too.
 std::string WrongInCollada(std::string_view text);
 
 }  // namespace intaglio::mesh

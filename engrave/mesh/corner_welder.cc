@@ -11,11 +11,11 @@ namespace intaglio::mesh {
 namespace {
 
 constexpr std::size_t kFewestSlots = 1024;
-// Corners between the asking for a slot and its use: a line of memory takes 100 to 200
-// ns to come, a corner that needs not wait about 8.
+// Corners between the prefetch of a slot and its use: a cache line takes 100 to 200 ns to
+// load, a corner that does not wait about 8.
 constexpr std::size_t kAhead = 24;
-// Table full to 7/10: a corner that is found looks at 2.2 slots on average, one that is
-// not at 6, nearly all in the line of memory it has already.
+// Table full to 7/10: a corner that is found reads 2.2 slots on average, one that is not
+// found reads 6, nearly all in the cache line that is already loaded.
 constexpr std::size_t SlotCountFor(std::size_t corner_count) {
   return std::bit_ceil(std::max(kFewestSlots, corner_count / 7 * 10));
 }
@@ -65,7 +65,7 @@ void CornerWelder::Add(std::span<const Corner> corners,
   std::array<Corner, kAhead> pending;
   std::array<std::size_t, kAhead> slots;
   while (!corners.empty()) {
-    // Between two batches only: growth moves the slots that were asked for.
+    // Between two batches only: growth moves the slots that were prefetched.
     const std::size_t batch = std::min<std::size_t>(corners.size(), 4096);
     while (IsTooFull(points_.size() + batch, slots_.size())) Grow();
     const auto ask = [&](std::size_t i) {

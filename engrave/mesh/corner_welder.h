@@ -10,12 +10,12 @@
 
 namespace intaglio::mesh {
 
-/// VertexWelder (weld_vertices.h) for the 32-bit floats of a mesh file, by the million:
-/// the same indices, for the same corners in the same order.
+/// VertexWelder (weld_vertices.h) for the 32-bit floats of a mesh file, for millions of
+/// corners: it gives the same indices for the same corners in the same order.
 ///
-/// What a corner costs is waiting for memory. So a slot of the table holds the
-/// coordinates next to the index, one access where VertexWelder takes two, and corners
-/// come in batches, whose slots are asked for long before they are needed.
+/// The cost of a corner is memory latency. So a slot of the table holds the coordinates
+/// next to the index (one access instead of VertexWelder's two), and corners are added in
+/// batches, whose slots are prefetched long before they are needed.
 class CornerWelder {
  public:
   using Corner = std::array<float, 3>;

@@ -10,7 +10,7 @@
 
 namespace intaglio::mesh {
 
-/// Far above what an import lets in; the numbers of half-edges times 2 fit 32 bits.
+/// Far above the limit of an import; the numbers of half-edges times 2 fit 32 bits.
 inline constexpr std::size_t kMaxHalfEdgeTriangles = std::size_t{1} << 28;
 
 /// A triangle's side, from corner `side` to the next one.

@@ -8,9 +8,10 @@
 namespace intaglio::mesh {
 
 /// Renumbers vertices by their rank, and triangles by the lowest of their corners', in
-/// place; `rank` (of each vertex, below rank_count) with them. What a plane or a slab
-/// needs then lies together in memory, however the file was ordered. Linear time; where
-/// there are more ranks than vertices, the order is right but for near ranks.
+/// place; `rank` (of each vertex, below rank_count) with them. The triangles of a plane
+/// or a slab are then contiguous in memory, whatever the order in the file. Linear time;
+/// where there are more ranks than vertices, the order is correct except among near
+/// ranks.
 void OrderByRank(TriangleMesh& mesh, std::vector<std::uint32_t>& rank,
                  std::uint32_t rank_count);
 

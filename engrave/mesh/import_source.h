@@ -10,7 +10,7 @@
 
 namespace intaglio::mesh {
 
-/// A model file as errors speak of it, and the bounds it must keep.
+/// A model file as named in errors, and its limits.
 struct ImportSource {
   std::string name;
   std::string extension;  ///< lower case, without a dot
@@ -20,7 +20,7 @@ struct ImportSource {
                                std::string_view problem_and_remedy) const {
     return Fail(code, fmt::format("{}: {}", name, problem_and_remedy), name);
   }
-  /// For a file that is damaged, or not what its extension says.
+  /// For a file that is damaged, or not of the format of its extension.
   tl::unexpected<Error> RefuseAsUnreadable(std::string_view why) const {
     return Refuse(ErrorCode::kUnreadable,
                   fmt::format("it cannot be read as {} ({}); check that it is complete "

@@ -48,7 +48,7 @@ struct NodeTransform {
   }
 };
 
-/// Assimp lays a 3DS down, z-up to y-up: (x, y, z) -> (x, z, -y). This stands it up
+/// Assimp lays a 3DS down, z-up to y-up: (x, y, z) -> (x, z, -y). This turns it upright
 /// again.
 NodeTransform ModelFromScene(const ImportSource& source) {
   NodeTransform transform;
@@ -57,8 +57,8 @@ NodeTransform ModelFromScene(const ImportSource& source) {
 }
 
 /// Calls `visit` for each mesh of each node, depth first and in file order, with its
-/// transform. A stack of our own: a file may nest nodes as deep as it likes. Stops at
-/// the first error.
+/// transform. An explicit stack, because a file may nest nodes to any depth. Stops at the
+/// first error.
 Status ForEachInstance(
     const aiScene& scene, const NodeTransform& model_from_scene,
     const std::function<Status(const aiMesh&, const NodeTransform&)>& visit) {
@@ -82,8 +82,8 @@ Status ForEachInstance(
   return {};
 }
 
-/// Refuses indices that point nowhere, before the library's triangulation trusts them,
-/// and more triangles than allowed.
+/// Refuses indices out of range, before the library's triangulation uses them, and more
+/// triangles than allowed.
 Status CheckFaces(const ImportSource& source, const aiScene& scene) {
   std::vector<std::uint64_t> triangle_counts(scene.mNumMeshes, 0);
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -173,8 +173,8 @@ Result<TriangleMesh> MeshFromScene(const ImportSource& source,
 }
 
 /// Assimp before 5.4 frees the pictures of a 3MF package while the scene still points to
-/// them, and the scene's destructor frees them again (its issues 5307 and 5328). They
-/// are of no use here, so the scene is made to forget them.
+/// them, and the scene's destructor frees them again (its issues 5307 and 5328). They are
+/// not used here, so the scene's pointers to them are cleared.
 void ForgetFreedPictures(const ImportSource& source, Assimp::Importer& importer) {
   const bool fixed =
       std::pair(aiGetVersionMajor(), aiGetVersionMinor()) >= std::pair(5u, 4u);
@@ -185,9 +185,9 @@ void ForgetFreedPictures(const ImportSource& source, Assimp::Importer& importer)
   scene->mNumTextures = 0;
 }
 
-/// Leaves the importer only what reads the source's extension. Otherwise a file that is
-/// refused by that is offered to all others, which find signatures in it, and none of our
-/// checks was meant for them: a .gltf that is a cut PLY was read for ever.
+/// Leaves the importer only the readers of the source's extension. Otherwise a file
+/// refused by those is offered to all others, which search it for their signatures, and
+/// our checks do not cover these readers: a .gltf that is a cut PLY was read for ever.
 void KeepReadersOf(const ImportSource& source, Assimp::Importer& importer) {
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     Assimp::BaseImporter* reader = importer.GetImporter(i);
@@ -195,7 +195,7 @@ void KeepReadersOf(const ImportSource& source, Assimp::Importer& importer) {
     reader->GetExtensionList(extensions);
     if (extensions.count(source.extension) != 0) continue;
     importer.UnregisterLoader(reader);
-    delete reader;  // it belongs to whoever takes it out
+    delete reader;  // the caller of UnregisterLoader owns it
   }
 }
 

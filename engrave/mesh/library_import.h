@@ -9,8 +9,8 @@
 
 namespace intaglio::mesh {
 
-/// Runs `read`, which lets the library's importer read, welds what it read, and turns
-/// whatever is thrown into an error. It holds the file's whole content twice over.
+/// Runs `read`, which calls the library's importer, welds the resulting mesh, and turns
+/// every exception into an error. It holds the file's whole content twice.
 Result<TriangleMesh> ImportByLibrary(const ImportSource& source,
                                      const std::function<void(Assimp::Importer&)>& read);
 

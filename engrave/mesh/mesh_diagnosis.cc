@@ -115,7 +115,7 @@ std::uint64_t RepeatedIn(std::vector<Triangle>& sorted_triangles) {
   return static_cast<std::uint64_t>(std::distance(last, sorted_triangles.end()));
 }
 
-/// Which triangles lie on the edges, as far as it makes a difference.
+/// The triangles on the edges, as far as their number matters.
 class EdgeCount {
  public:
   EdgeCount(const TriangleMesh& mesh, MeshDiagnosis& diagnosis)

@@ -75,7 +75,7 @@ Status CheckPackage(const ImportSource& source, std::string_view archive) {
                   source.options.max_file_bytes));
 }
 
-/// What is checked of a file's content before the library sees it.
+/// The checks of a file's content before the library reads it.
 Status CheckContent(const ImportSource& source, std::string_view text,
                     std::uint64_t byte_count) {
   if (source.extension == "ply") return CheckPlyHeader(source, text, byte_count);

@@ -7,7 +7,7 @@
 //
 // What is done with it:
 // - node transforms are applied and all nodes are put into one mesh; a transform that
-//   mirrors also reverses the corners, so that faces keep looking outward;
+//   mirrors also reverses the corners, so that faces still point outward;
 // - polygons become triangles; points and lines are left out, and a file of nothing
 //   else is an error; vertices that no triangle uses are left out;
 // - vertices are welded by exact coordinates (weld_vertices.h), which also joins what
@@ -19,13 +19,13 @@
 //
 // Units and axes:
 // - STL, OBJ, PLY, 3DS carry no unit and are taken as they are (a 3DS is z-up);
-// - 3MF declares one (millimetre unless it says otherwise), which is not applied: a
-//   file in inches needs unit_mm = 25.4;
+// - 3MF declares one (millimetre by default), which is not applied: a file in inches
+//   needs unit_mm = 25.4;
 // - glTF is in metres and y-up by its standard, and is taken as it is: unit_mm = 1000
 //   and a turn of +90 degrees about x (placement.h) show it in true size and upright;
 // - DAE is brought to metres (unit_mm = 1000) by the unit it declares, metre by default;
 //   its up axis is left as it is.
-// A forgotten unit is seen by SizeWarning() in mesh_diagnosis.h.
+// SizeWarning() in mesh_diagnosis.h detects a forgotten unit.
 
 #include <cstddef>
 #include <cstdint>
@@ -42,12 +42,12 @@ namespace intaglio::mesh {
 struct ImportOptions {
   /// Largest file, bytes. Default 1 GiB: 21 million triangles of binary STL.
   std::uint64_t max_file_bytes = std::uint64_t{1} << 30;
-  /// Most that a 3MF, a zip archive, may grow when it is unpacked, as a multiple of its
-  /// size. Default 50: models grow 4 to 20 times, and a megabyte made to harm 1000 times.
+  /// Maximum size of an unpacked 3MF (a zip archive), as a multiple of its packed size.
+  /// Default 50: models grow 4 to 20 times, a malicious megabyte 1000 times.
   std::uint64_t max_unpacked_ratio = 50;
-  /// Most triangles after instancing and triangulation. Default 10 million, far more than
-  /// the 2 million points that a machine engraves. While such a mesh is read it takes
-  /// (measured) 0.4 GB as STL, 0.9 GB as PLY, 2.4 GB as OBJ; 0.24 GB stay.
+  /// Maximum number of triangles after instancing and triangulation. Default 10 million,
+  /// far more than the 2 million points that a machine engraves. While such a mesh is
+  /// read it takes (measured) 0.4 GB as STL, 0.9 GB as PLY, 2.4 GB as OBJ; 0.24 GB stay.
   std::uint64_t max_triangles = 10'000'000;
 };
 
@@ -62,7 +62,8 @@ Result<TriangleMesh> ImportMeshFromMemory(std::span<const std::byte> bytes,
                                           const ImportOptions& options = {},
                                           std::string_view name = "model");
 
-/// Who reads a file held in memory: ImportMeshFromMemory, or a wall around it.
+/// The function that reads a file held in memory: ImportMeshFromMemory, or a version of
+/// it in a separate process.
 using MeshReader = std::function<Result<TriangleMesh>(
     std::span<const std::byte> bytes, std::string_view extension,
     const ImportOptions& options, std::string_view name)>;

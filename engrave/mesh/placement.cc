@@ -84,7 +84,7 @@ Result<double> RatioTo(double wanted_mm, double extent_mm, const char* extent_na
   return wanted_mm / extent_mm;
 }
 
-/// Step 5: the common factor that brings `size_mm` to what the fit asks for.
+/// Step 5: the common factor that brings `size_mm` to the size that the fit requires.
 struct FitRatio {
   const Vec3& size_mm;
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// A model's way from its file (model frame, file units) into the block (glass frame, mm,
-// the block spans [0, size], z up). Applied in this order:
+// The transform of a model from its file (model frame, file units) into the block (glass
+// frame, mm, the block spans [0, size], z up). Applied in this order:
 //   1. unit      file units to mm
 //   2. mirror    across the planes x = 0, y = 0, z = 0 of the model frame
 //   3. scale     along each axis of the model frame
@@ -10,8 +10,8 @@
 //   6. centre    equal distance from the outermost points to opposite walls
 //   7. move      a shift in the glass frame, after centring if there is any
 // Without centring the model frame's origin lies at the block's origin before step 7;
-// steps 2 to 5 leave the pivot, a point of the glass frame, in its place.
-// A mirrored model's triangles get their corners reversed, so faces still look outward.
+// steps 2 to 5 leave the pivot, a point of the glass frame, in its place. A mirrored
+// model's triangles get their corners reversed, so faces still point outward.
 
 #include <variant>
 
@@ -36,7 +36,7 @@ struct FitBox {
 };
 using Fit = std::variant<NoFit, FitHeight, FitLargest, FitBox>;
 
-/// What mirror, scale, turn and fit leave in its place.
+/// The fixed point of mirror, scale, turn and fit.
 enum class Pivot {
   kOrigin,  ///< of the model frame
   kObject,  ///< the centre of the model's extent, as the file has it
@@ -78,8 +78,8 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
                                         const Placement& placement,
                                         const Vec3& block_size_mm);
 
-/// The mesh in the glass frame, mm. Errors as above. It may reach out of the block: that
-/// is for the check of the points to tell.
+/// The mesh in the glass frame, mm. Errors as above. It may extend beyond the block: the
+/// check of the points reports that.
 Result<TriangleMesh> PlaceInBlock(const TriangleMesh& mesh, const Placement& placement,
                                   const Vec3& block_size_mm);
 

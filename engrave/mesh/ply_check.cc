@@ -10,8 +10,8 @@
 
 // Assimp (5.2) trusts a header: one that does not end is read for ever; room is made for
 // as many rows as a list is declared to have, 20 GB for a file of 200 bytes; and the rows
-// of a second list of vertices, or of faces, are written behind the room of the first.
-// What it takes for a declaration is more than the format knows:
+// of a second list of vertices, or of faces, are written behind the room of the first. It
+// accepts more as a declaration than the format defines:
 //  - a line ends at a carriage return, line feed, form feed or zero byte;
 //  - the rows of a list whose name it does not know are counted by a number that is in
 //    the name's place: "element 2000000000 0".
@@ -30,7 +30,7 @@ std::uint64_t NumberAt(std::string_view word) {
              : number;
 }
 
-/// Whether the library sees a line end where there is none, or no last line.
+/// Whether the library finds a line end where there is none, or no last line.
 bool IsSeenOtherwise(std::string_view header) {
   if (!header.ends_with("\nend_header\n") && !header.ends_with("\nend_header\r\n")) {
     return true;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a PLY's header declares, before the import library reads the file: that trusts
-// every number of it.
+// Checks what a PLY's header declares before the import library reads the file, because
+// the library does not check any of these numbers.
 
 #include <cstddef>
 #include <cstdint>

@@ -67,7 +67,7 @@ bool IsWord(std::string_view text, std::string_view lower_case) {
                     [](char c, char expected) { return io::LowerCase(c) == expected; });
 }
 
-/// A line's words one after another.
+/// The tokens of a line one after another.
 class Words {
  public:
   explicit Words(std::string_view rest) : rest_(rest) {}

@@ -1,14 +1,14 @@
 #pragma once
 
 // STL, binary and text (Fabbers, "The STL format", 3D Systems 1989), read piece by piece
-// straight into the weld: 12 to 24 bytes a triangle for the mesh, 13 to 26 for the weld,
-// a megabyte for the file.
+// straight into the welder: 12 to 24 bytes per triangle for the mesh, 13 to 26 for the
+// welder, a megabyte for the file.
 //
 // A binary STL is 80 bytes of anything, the count of triangles, and 50 bytes a triangle:
 // normal, three corners, two bytes of anything. A text is "solid NAME", then "facet
 // normal x y z / outer loop / 3 times vertex x y z / endloop / endfacet", then
-// "endsolid"; several solids may follow one another, words are taken in any case. A file
-// whose size is that of its count is binary, whatever it begins with.
+// "endsolid"; several solids may follow one another, and keywords may be in upper or
+// lower case. A file whose size matches its count is binary, whatever it begins with.
 //
 // Normals, colours and attributes are not used.
 

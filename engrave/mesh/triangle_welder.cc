@@ -12,7 +12,7 @@ namespace {
 
 using Corner = CornerWelder::Corner;
 
-/// Without a branch for each, so that it costs nothing beside the weld.
+/// Without a branch for each, so that its cost is negligible beside the welding.
 bool AllFinite(std::span<const Corner> corners) {
   constexpr std::uint32_t kExponent = 0x7F80'0000;
   std::uint32_t not_finite = 0;

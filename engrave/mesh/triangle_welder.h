@@ -19,8 +19,8 @@ class TriangleWelder {
   /// many vertices.
   TriangleWelder(const ImportSource& source, std::size_t expected_triangle_count);
 
-  /// kTooLarge and kInvalidValue as ImportMeshFromMemory() has them. An error may be told
-  /// only after some more triangles.
+  /// kTooLarge and kInvalidValue as ImportMeshFromMemory() has them. An error may be
+  /// reported only after some more triangles.
   Status Add(const std::array<CornerWelder::Corner, 3>& triangle) {
     corners_.insert(corners_.end(), triangle.begin(), triangle.end());
     return corners_.size() < kBatch ? Status() : Flush();

@@ -17,16 +17,16 @@
 //               speed: t_s <= T - 1 / V; acceleration: t_s (T - t_s) >= 1 / a, that is
 //               t_s >= SwitchingSeconds(T, 1, a). Of the t_s between these bounds the
 //               one nearest T / 3 is taken: the integral of acceleration squared,
-//               2 / (t_s (T - t_s)^2), is least there.
-// Parabolas are Hermite curves exactly. The knots inside a step lie on whole subticks:
-// T / 2 always does, t_s is chosen among the whole subticks between its bounds. When
-// there is none (T is within a subtick of the least time), the step gets a tick more.
+//               2 / (t_s (T - t_s)^2), is minimal there.
+// Parabolas are Hermite curves exactly. The knots inside a step lie on whole subticks: T
+// / 2 always does, t_s is chosen among the whole subticks between its bounds. When there
+// is none (T is within a subtick of the minimum time), the step gets one more tick.
 
 namespace intaglio::motion {
 namespace {
 
-/// No arc lasts less than this: over shorter times the last bit of a coordinate shows
-/// as acceleration (500 mm at 4 kHz: 1e-6 of 20 m/s^2 at this length).
+/// Minimum duration of an arc: over shorter times the last bit of a coordinate shows as
+/// acceleration (500 mm at 4 kHz: 1e-6 of 20 m/s^2 at this length).
 constexpr std::uint64_t kShortestArcSubticks = kSubticksPerTick / 64;
 
 /// The course of one step in time, 0..1.

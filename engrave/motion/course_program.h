@@ -1,9 +1,9 @@
 #pragma once
 
 // The profiles of profile.h, triangle to mix: one course in time that the axes share, so
-// the way is straight. A step takes n = WholeTicks(T) whole ticks, T the profile's least
-// time, and is then stretched to fill them: the stage never waits at a point and never
-// drives harder than it must.
+// the way is straight. A step takes n = WholeTicks(T) whole ticks, T the profile's
+// minimum time, and is then stretched to fill them: the stage never waits at a point and
+// never accelerates more than necessary.
 
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/axis/profile.h"

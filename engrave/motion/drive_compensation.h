@@ -1,6 +1,6 @@
 #pragma once
 
-// Commands that make a stage be where the plan is: the inverse of its axes' drive
+// Commands that make a stage follow the plan: the inverse of its axes' drive
 // (engrave/drive/drive.h), segment by segment. Frame machine, mm.
 //
 // On a segment the plan is cubic, so the command is cubic, too. Where the acceleration of
@@ -19,7 +19,7 @@
 namespace intaglio::motion {
 
 /// Streams segments of a plan into segments of commands, one segment behind. Durations,
-/// points and pulses stay what they are; rest stays rest.
+/// points and pulses are unchanged; rest stays rest.
 class DriveCompensation {
  public:
   /// `drive` is that of each axis; null: the axes are where they are commanded. The plan

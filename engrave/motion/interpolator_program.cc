@@ -31,7 +31,7 @@ class GridCourse {
             "a step of {} mm takes {} s, more than {} ticks", length_mm, choice.seconds,
             kMaxStepTicks);
     const auto grid_lengths = [grid_s](double seconds) {
-      // The slack of WholeTicks: a rounding more is no grid length more.
+      // The tolerance of WholeTicks: an excess by rounding does not add a grid length.
       return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::ceil(
                                             seconds / grid_s * (1.0 - kTickSlackRatio))));
     };

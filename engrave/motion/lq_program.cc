@@ -14,7 +14,7 @@
 namespace intaglio::motion {
 namespace {
 
-/// Powers of two, so that a stage is whole subticks. The most keeps stages below
+/// Powers of two, so that a stage is whole subticks. The maximum keeps stages below
 /// kMaxSegmentTicks in a step of kMaxStepTicks.
 constexpr std::uint64_t kFewestStages = 8;
 constexpr std::uint64_t kMostStages = 512;
@@ -71,8 +71,8 @@ bool Fits(const Course& course, double rate_hz, const AxisLimits& unit) {
              slack * unit.max_acceleration_mm_s2 * stage_s * stage_s;
 }
 
-/// The fewest ticks that keep the limits: from the least time of all courses upwards by
-/// doubling, then by halves.
+/// The fewest ticks that keep the limits: from the minimum time of all courses upwards by
+/// doubling, then by bisection.
 Course ShortestCourse(double rate_hz, const AxisLimits& unit) {
   std::uint64_t tried = WholeTicks(StopAndGoSeconds(1.0, unit), rate_hz);
   std::uint64_t below = tried - 1;

@@ -1,7 +1,7 @@
 #pragma once
 
 // Steps by dynamic programming, Trochimczuk 2008 ch. 6.2.7, with both ends fixed: of all
-// courses from rest to rest in the time the one of least
+// courses from rest to rest in the time the one of minimum
 //   integral of u^2 + w^2 v^2,   x' = v, v' = u,   w = a_max / v_max of the step
 // by the recursion of lq.h, 8 to 512 stages of constant acceleration, which a segment is
 // exactly. All axes share the course, so the way is straight. The source gives no

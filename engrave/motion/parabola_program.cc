@@ -9,7 +9,7 @@
 #include "engrave/core/check.h"
 
 // The unit vectors of the arc, e along x5 and n along x3, turn its tangent between the
-// angles +-theta, tan theta = 4 h / (2b). An axis sees the share |e_i cos + n_i sin| of
+// angles +-theta, tan theta = 4 h / (2b). An axis has the share |e_i cos + n_i sin| of
 // the speed; its greatest over the arc, at an end or where the tangent points along the
 // axis, gives V0 and a0. They bound the speed exactly and the acceleration but for the
 // centripetal one, so what is built is measured and slowed by the ratio that is missing:
@@ -21,12 +21,13 @@ namespace {
 constexpr double kHeightRatio = 0.1;
 constexpr double kMaxHeightMm = 1.0;
 
-/// No arc of the speed's law lasts less: below, the last bit of a coordinate shows as
-/// acceleration.
+/// Minimum duration of an arc of the speed's law: below it the last bit of a coordinate
+/// shows as acceleration.
 constexpr std::uint64_t kShortestArcSubticks = kSubticksPerTick / 64;
 
-/// The most pieces an arc of the speed's law is cut into. The deviation falls with the
-/// fourth power of the count; steps of 5 to 50 mm need 8, all others less.
+/// The maximum number of pieces into which an arc of the speed's law is cut. The
+/// deviation falls with the fourth power of the count; steps of 5 to 50 mm need 8, all
+/// others less.
 constexpr std::uint64_t kMaxPieces = 16;
 
 /// The parabola of a step in its place.
@@ -191,8 +192,8 @@ TimeOptimalChoice ChoiceAlong(const Arc& arc, const Limits& limits) {
                             std::min(1.0 / a0, limits.max_acceleration_norm_mm_s2)});
 }
 
-/// What is left from a place to the side of the travel that `direction` points at, in
-/// units of `direction`.
+/// The distance from a place to the side of the travel in `direction`, in units of
+/// `direction`.
 double RoomAlong(const Vec3& direction, const Vec3& place_mm, const Box3& travel_mm) {
   double room = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {

@@ -10,7 +10,7 @@
 // The source leaves h and k open. Here h is a tenth of the distance and 1 mm at most,
 // and less, or below the line instead of above it, where the travel of the stage ends.
 //
-// The forces of parabola.h are the drives' affair; a controller is sent positions and
+// The forces of parabola.h are internal to the drives; a controller gets positions and
 // speeds. So the time is scaled to the first whole ticks at which no axis, with the
 // centripetal acceleration V^2 kappa added, passes a limit, and the program is cut into
 // cubic pieces that deviate from it by less than kMaxDeviationMm.

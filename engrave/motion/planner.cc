@@ -23,7 +23,7 @@ class Stopping : public Planner {
   StopAndGoPlanner planner_;
 };
 
-/// The travel less what the commands lead the stage by where it brakes.
+/// The travel minus the lead of the commands over the stage where it brakes.
 Limits LimitsOfPlan(const PlanOptions& options) {
   Limits limits = options.limits;
   if (!options.drive) return limits;

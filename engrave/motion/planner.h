@@ -37,9 +37,9 @@ class Planner {
                       std::vector<Segment>& out) = 0;
   /// Adds what is left, and the end of the program at rest.
   virtual void Finish(std::vector<Segment>& out) = 0;
-  /// Ticks of all that was handed out.
+  /// Ticks of all segments returned so far.
   virtual std::uint64_t ticks() const = 0;
-  /// How far the points handed out were moved.
+  /// How far the returned points were moved.
   virtual PointMoves moves() const { return {}; }
 };
 

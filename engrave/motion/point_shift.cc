@@ -5,9 +5,9 @@
 // With u_k = (x_k - x_{k-1}) / T_k the mean velocity of step k, the acceleration around
 // point k is about (u_{k+1} - u_k) / t_k over t_k = (T_k + T_{k+1}) / 2, and
 //   sum (u_{k+1} - u_k)^2 / t_k
-// stands for the integral of its square. It is quadratic in each x_i, which enters three
-// of the terms: sweeps go through the points, each to its best place and from there back
-// to within the tolerance.
+// approximates the integral of its square. It is quadratic in each x_i, which enters
+// three of the terms: sweeps over the points move each to its best place and from there
+// back to within the tolerance.
 
 namespace intaglio::motion {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-// Points moved a little, so that the way through them bends less. Where a step needs two
-// ticks for want of a few per cent of acceleration, some micrometres, less than a stage
-// repeats its positions, make it one.
+// Moves points a little, so that the path through them bends less. Where a step needs two
+// ticks because a few per cent of acceleration are missing, a shift of some micrometres,
+// less than the repeatability of a stage, makes it one tick.
 
 #include <algorithm>
 #include <cmath>
@@ -37,9 +37,9 @@ struct PointMoves {
   }
 };
 
-/// Where a way from `start` through `targets_mm` is better made. `timed`: the ticks of
-/// its steps so far, of which it tries to save some. No point is moved by more than
-/// `tolerance_mm` > 0 or out of `travel_mm`, the last not at all.
+/// Better places for the points of a path from `start` through `targets_mm`. `timed`: the
+/// ticks of its steps so far, of which it tries to save some. No point is moved by more
+/// than `tolerance_mm` > 0 or out of `travel_mm`, the last not at all.
 void ShiftPoints(const KnotState& start, std::span<const Vec3> targets_mm,
                  std::span<const TimedStep> timed, double rate_hz, double tolerance_mm,
                  const Box3& travel_mm, std::vector<Vec3>& shifted_mm);

@@ -18,7 +18,7 @@ namespace intaglio::motion {
 
 struct ProfileEntry {
   Profile profile;
-  std::string_view name;  ///< lower case, words joined by -
+  std::string_view name;  ///< lower case, hyphenated
   /// rate_hz > 0; the limits are usable.
   std::unique_ptr<StepProgram> (*make)(const Limits& limits, double rate_hz);
 };

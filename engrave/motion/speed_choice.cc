@@ -6,17 +6,17 @@
 #include "engrave/core/check.h"
 #include "engrave/motion/axis/jerk_reach.h"
 
-// Backwards from the end, a velocity is taken from what leads to the next one (reversal
-// of time turns ReachableEndSpeeds into that) within the box; the box holds what can be
-// reached from the start, so every choice has a way on both sides.
+// Backwards from the end, a velocity is chosen among those that lead to the next one
+// (ReachableEndSpeeds with time reversed) within the box. The box holds the velocities
+// that can be reached from the start, so every choice is feasible on both sides.
 //
 // A cubic over distance d in time T from v to w has the integral
 //   J = 4 (v^2 + v w + w^2) / T - 12 d (v + w) / T^2 + 12 d^2 / T^3
 // of its squared acceleration. With its neighbours u before and w behind fixed, the
 // velocity v between steps (d, T) and (e, S) is best at
 //   8 v (1 / T + 1 / S) = 12 (d / T^2 + e / S^2) - 4 (u / T + w / S),
-// and J being convex, the best inside an interval is the nearest to it. Sweeps go to and
-// fro.
+// and J being convex, the best inside an interval is the nearest to it. Sweeps alternate
+// in direction.
 
 namespace intaglio::motion {
 namespace {
@@ -123,8 +123,8 @@ class Way {
     }
   }
 
-  /// By how much the cubic of a step breaks the limits, <= 0 where it keeps them: what
-  /// most points need, without a root.
+  /// By how much the cubic of a step exceeds the limits, <= 0 where it keeps them.
+  /// Without a root; enough for most points.
   [[gnu::always_inline]] static Axes Excess(const Step& step, const Axes& v,
                                             const Axes& w) {
     const Axes six = 6 * step.mean_mm_s;

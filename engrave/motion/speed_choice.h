@@ -1,7 +1,8 @@
 #pragma once
 
-// The velocity at each point of a way whose ticks are known (tick_labels.h): inside the
-// boxes, so that every step stays feasible, and of those the ones that shake least.
+// The velocity at each point of a path whose ticks are known (tick_labels.h): inside the
+// boxes, so that every step stays feasible, and of those the velocities with the least
+// acceleration.
 
 #include <span>
 #include <vector>

@@ -73,7 +73,7 @@ class AccelerationNodes {
         std::max(grid, static_cast<std::uint64_t>(longest) / grid * grid);
     const double ramp_s = static_cast<double>(ramp) * subtick_s_;
     const double grid_s = static_cast<double>(grid) * subtick_s_;
-    // What a full ramp is shortened by to fit the grid is in reserve.
+    // The time by which a full ramp is shortened to fit the grid is kept in reserve.
     const double jerk = limits.max_jerk_mm_s3 * (1 + grid_s * limits.max_jerk_mm_s3 /
                                                          limits.max_acceleration_mm_s2);
     const double most = std::min(limits.max_acceleration_mm_s2, jerk * ramp_s);
@@ -132,7 +132,8 @@ class AccelerationNodes {
     acceleration_[count_++] = acceleration;
   }
 
-  /// It stays one: over a long time the least acceleration would be felt.
+  /// A long cruise stays a cruise: over a long time even the smallest acceleration would
+  /// have an effect.
   bool IsLongCruise(std::size_t from, std::size_t to) const {
     return acceleration_[from] == 0 && acceleration_[to] == 0 &&
            at_[to] - at_[from] > at_[count_ - 1] / 8;

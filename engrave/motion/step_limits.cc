@@ -16,9 +16,9 @@
 namespace intaglio::motion {
 namespace {
 
-/// Of a limit, in steps of one tick, by trial: the most that was needed was 14.
+/// Of a limit, in steps of one tick, by experiment: the maximum needed was 14.
 constexpr double kNodeCost = 16;
-/// Of the grid, by trial: a cruise was faster by the acceleration over 1.8 at most.
+/// Of the grid, by experiment: a cruise was faster by the acceleration over 1.8 at most.
 constexpr double kNodeSteps = 3;
 constexpr double kFlatShare = 0.2;  ///< of z, in the boxes for the plane
 
@@ -83,7 +83,7 @@ Limits Planned(const Limits& limits, double rate_hz, std::uint64_t grid_subticks
   double arc_steps = 2;
   planned.max_acceleration_mm_s2 *= 1 - 4 * grid_ticks;
   if (LeastJerk(limits) < kUnlimited) {
-    // What moving the nodes of the acceleration to the grid costs (step_course.cc); a
+    // The cost of moving the nodes of the acceleration to the grid (step_course.cc): a
     // ramp to full acceleration may get shorter by a step of the grid.
     const double kept = 1 - kNodeCost * grid_ticks, grid_s = grid_ticks / rate_hz;
     planned.max_acceleration_mm_s2 = limits.max_acceleration_mm_s2 * kept;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a step may do on each axis, of all that limits it.
+// The limits of a step on each axis, derived from all limits.
 //
 // Limits of an axis by itself, jerk and travel included, keep the axes independent, and
 // what is planned with them is exact but for acceleration 0 at the points where jerk is
@@ -17,7 +17,8 @@
 namespace intaglio::motion {
 
 struct StepLimits {
-  Limits whole;  ///< What the motion keeps. Its limits of lengths are in those per axis.
+  Limits whole;  ///< The limits that the motion keeps. Limits of vector lengths are
+                 ///< already included in those per axis.
   /// Less what a course needs whose arcs begin and end on the grid. A speed limit stays
   /// positive while the axis takes longer to reach it than a few steps of the grid.
   Limits planned;
@@ -38,9 +39,9 @@ std::vector<StepLimits> StepLimitsOf(const Limits& limits, double rate_hz);
 bool NearWalls(const std::vector<StepLimits>& choices, const Box3& extent_mm,
                double rate_hz);
 
-/// Whether speed and acceleration per axis are all that is limited, but for the travel.
-/// Away from the walls the planner's inner loops are compiled for that, where every
-/// comparison would be felt, and once for all else.
+/// Whether only speed and acceleration per axis are limited, apart from the travel. Away
+/// from the ends of the travel the planner's inner loops are compiled for that case,
+/// because every comparison there costs time, and once more for all other cases.
 bool IsPlain(const std::vector<StepLimits>& choices);
 
 /// The speeds with which one axis can pass a point: the way to the nearer wall must be

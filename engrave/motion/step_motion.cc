@@ -21,8 +21,8 @@ struct Knots {
   }
 };
 
-/// Whether the cubic surely is the course of all axes: what most steps take, at no more
-/// cost than this. Where it says no, StepCourse decides.
+/// Whether the cubic is certainly the course of all axes. This cheap check is enough for
+/// most steps; where it returns false, StepCourse decides.
 bool IsOneCubic(const KnotState& from, const KnotState& to, double seconds,
                 const StepLimits& limits) {
   constexpr double kRounding = 1 - 1e-9;

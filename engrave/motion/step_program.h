@@ -1,7 +1,8 @@
 #pragma once
 
-// What a profile is: the motion of one step from rest to rest, in whole ticks. Frame
-// machine, mm. The planner of the steps is stop_and_go.h; the names are in profiles.h.
+// The interface of a profile: the motion of one step from rest to rest, in whole ticks.
+// Frame machine, mm. The planner of the steps is stop_and_go.h; the names are in
+// profiles.h.
 
 #include <algorithm>
 #include <cstdint>
@@ -28,8 +29,8 @@ class StepProgram {
 };
 
 /// Adds a segment from knot to knot, split where longer than kMaxSegmentTicks. `knots`
-/// are rising times in subticks from the start of the step, the first after 0; a time
-/// that comes again is passed over. `state_at(subticks)` gives the KnotState.
+/// are rising times in subticks from the start of the step, the first after 0; a repeated
+/// time is skipped. `state_at(subticks)` gives the KnotState.
 template <typename StateAt>
 void AppendThroughKnots(std::span<const std::uint64_t> knots, StateAt&& state_at,
                         std::vector<Segment>& out) {

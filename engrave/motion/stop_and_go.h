@@ -1,7 +1,7 @@
 #pragma once
 
-// Motion that comes to rest at every point: the published way (Trochimczuk 2008
-// ch. 6.2) and the plainest. A pulse exists only at a tick, so every step takes whole
+// Motion that comes to rest at every point: the published method (Trochimczuk 2008 ch.
+// 6.2) and the simplest one. A pulse exists only at a tick, so every step takes whole
 // ticks; how it is driven is its profile's program (profiles.h). Frame machine, mm.
 
 #include <cstdint>
@@ -29,8 +29,8 @@ class StopAndGoPlanner {
   void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
               std::vector<Segment>& out);
 
-  /// Adds the end of the program: one tick at rest. (Whoever still has the last
-  /// segment in hand may set its program_end and save the tick.)
+  /// Adds the end of the program: one tick at rest. (A caller that still holds the last
+  /// segment may set its program_end instead and save the tick.)
   void Finish(std::vector<Segment>& out);
 
   const Vec3& position_mm() const { return position_mm_; }

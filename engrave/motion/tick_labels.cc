@@ -9,14 +9,14 @@
 
 // Given time, every state within the limits leads to every other: so each label is tried
 // with more and more ticks until the step can be made, and at the last step until it can
-// end at rest. A way is never lost by keeping few labels; it only gets longer.
+// end at rest. A solution is never lost by keeping few labels; it only gets longer.
 
 namespace intaglio::motion {
 namespace {
 
-/// What an open choice of velocity is worth, of the time it takes to change from one end
-/// of it to the other. By trial: with 0.3 fewest ticks are lost by keeping few labels,
-/// from 100 Hz to 4 kHz; with 0 a tenth more at 4 kHz, with 1 half of that.
+/// The value of a free range of velocities, as a share of the time to change from one end
+/// of it to the other. By experiment: with 0.3 the fewest ticks are lost by keeping few
+/// labels, from 100 Hz to 4 kHz; with 0 a tenth more at 4 kHz, with 1 half of that.
 constexpr double kChoiceWorthRatio = 0.3;
 
 constexpr double kRoundingMm = 1e-9;
@@ -72,7 +72,7 @@ void TickLabels::Open(const Trial& trial) {
           UsableStartSpeeds(step, trial.seconds, JerkLimitsOf(limits.planned, axis)));
     }
     if (kPlain || !near_walls_) continue;
-    // A state at the limit must not be lost by the last bit of its position.
+    // A state at the limit must not be lost because of the last bit of its position.
     usable_[axis] = Intersection(
         usable_[axis], EndsOf(SpeedsAt(start, axis, limits, rate_hz_, kRoundingMm)));
     open_[axis] = EndsOf(SpeedsAt(start + step, axis, limits, rate_hz_));
@@ -152,7 +152,7 @@ template <bool kPlain>
 void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest) {
   const auto end = static_cast<std::uint32_t>(labels_.size());
   offered_.clear();
-  // The last count worth a try of each label, known once it had a first success.
+  // The last number of ticks to try for each label, set once it had a first success.
   last_.assign(end - first_.back(), UINT32_MAX);
   rest_ticks_ = UINT32_MAX;
   const double least_s = (step_mm.cwiseAbs().array() / fastest_mm_s_.array()).maxCoeff();
@@ -232,7 +232,7 @@ void TickLabels::Choose(const KnotState& start, std::span<const Vec3> steps_mm,
   if (near_walls_) KeepOpen(start, steps_mm, timed);
 }
 
-/// Takes from each box what the step behind it may not start with.
+/// Removes from each box the velocities with which the step behind it cannot start.
 void TickLabels::KeepOpen(const KnotState& start, std::span<const Vec3> steps_mm,
                           std::vector<TimedStep>& timed) const {
   Vec3 at_mm = start.position_mm;

@@ -1,10 +1,10 @@
 #pragma once
 
-// How many ticks each step of a way takes when the stage need not stop: a dynamic
+// The number of ticks of each step of a path when the stage need not stop: a dynamic
 // programme over labels. A label at a point is a number of ticks from the start and the
 // box of velocities with which the point can be passed at that tick (axis_reach.h), so
-// feasibility is exact; of all labels a set number is kept at each point. A label whose
-// box lies in another's that took no more ticks is never worth keeping.
+// feasibility is exact; at each point a fixed number of labels is kept. A label whose box
+// lies inside that of another label with no more ticks is never kept.
 
 #include <array>
 #include <cstdint>
@@ -87,7 +87,8 @@ class TickLabels {
   void Open(const Trial& trial);
   template <bool kPlain>
   void TryAll(const Trial& trial, bool to_rest);
-  /// Whether a label of the last point, or any of them, might gain by so many ticks.
+  /// Whether a label of the last point, or any of them, might gain by that number of
+  /// ticks.
   bool IsWorthATry(std::uint32_t label, std::uint32_t ticks) const;
   bool IsWorthATry(std::uint32_t ticks) const;
   template <bool kPlain>
@@ -105,12 +106,12 @@ class TickLabels {
   LabelOptions options_;
   std::vector<Label> labels_;         ///< Of all points, one after another.
   std::vector<std::uint32_t> first_;  ///< Of each point in labels_.
-  std::vector<Label> offered_;        ///< For the point at hand.
+  std::vector<Label> offered_;        ///< For the current point.
   std::vector<Scored> scored_;        ///< Of these.
-  std::vector<std::uint32_t> last_;   ///< Of each label: the last ticks worth a try.
+  std::vector<std::uint32_t> last_;   ///< Of each label: the last number of ticks to try.
   SpeedEnds usable_[3];               ///< At the start of the step that is tried.
   SpeedEnds open_[3];                 ///< At its end; where there are walls.
-  std::uint32_t rest_ticks_ = 0;      ///< The fewest to rest at the point at hand.
+  std::uint32_t rest_ticks_ = 0;      ///< The fewest ticks to rest at the current point.
 };
 
 }  // namespace intaglio::motion

@@ -10,7 +10,8 @@
 namespace intaglio::motion {
 namespace {
 
-/// Each plans from the ticks the one before it saved; a third hardly saves another.
+/// Each pass starts with the ticks of the previous one; a third pass hardly saves another
+/// tick.
 constexpr int kMoveAttempts = 2;
 
 }  // namespace
@@ -48,8 +49,8 @@ void TickPlanner::Append(const Vec3& target_mm, std::int32_t point, bool pulse,
 }
 
 void TickPlanner::Finish(std::vector<Segment>& out) {
-  // A program without points, or one whose last window was handed out in motion, still
-  // comes to rest somewhere: a tick at the last target.
+  // A program without points, or one whose last window was returned while in motion,
+  // still has to come to rest: a tick at the last target.
   const std::size_t before = out.size();
   if (targets_.empty()) targets_.push_back({state_.position_mm, -1, false});
   PlanWindow();

@@ -1,13 +1,13 @@
 #pragma once
 
-// Motion that passes every point at a tick and need not stop there: as many points a
-// tick as the limits of the axes allow. Frame machine, mm.
-// All limits that are set are kept (limits.h; step_limits.h says what is exact).
+// Motion that passes every point at a tick without having to stop there, as fast as the
+// limits of the axes allow. Frame machine, mm. All limits that are set are kept
+// (limits.h; step_limits.h states what is exact).
 //
-// It plans a window of points at a time to rest at the window's last point, hands out
-// the first part of it and plans the rest again with what has come since. So at any time
-// the motion handed out can go on to rest, a way of any length is planned while it runs,
-// and memory is bounded.
+// It plans a window of points at a time to rest at the window's last point, returns the
+// first part of it and plans the rest again together with the points added since. So the
+// motion returned can be continued to rest at any time, a path of any length is planned
+// while it runs, and memory is bounded.
 
 #include <cstdint>
 #include <vector>
@@ -53,11 +53,11 @@ class TickPlanner {
   /// next Append starts from there.
   void Finish(std::vector<Segment>& out);
 
-  /// Where the segments handed out so far end.
+  /// End of the segments returned so far.
   const KnotState& state() const { return state_; }
-  /// Ticks of the segments handed out so far.
+  /// Ticks of the segments returned so far.
   std::uint64_t ticks() const { return ticks_; }
-  /// Moves of the points handed out so far.
+  /// Shifts of the points returned so far.
   const PointMoves& moves() const { return moves_; }
 
  private:
@@ -88,7 +88,7 @@ class TickPlanner {
   KnotState state_;
   std::uint64_t ticks_ = 0;
   TickLabels labels_;
-  std::vector<Target> targets_;  ///< Not yet handed out.
+  std::vector<Target> targets_;  ///< Not yet returned.
   Way way_;
   Way moved_way_;  ///< Tried, and better or not.
   PointMoves moves_;

@@ -188,8 +188,8 @@ void MotionVerifier::CheckCurve(const Segment& to) {
   acceleration_bits_ = 12.0 * BitMm(from_, to) / (d * d);
 }
 
-// A coordinate is known to its last bit only; over a duration d that makes up to 3 bits
-// / d of speed, 12 bits / d^2 of acceleration and 24 bits / d^3 of jerk (the Hermite
+// A coordinate is exact to its last bit only; over a duration d that makes up to 3 bits /
+// d of speed, 12 bits / d^2 of acceleration and 24 bits / d^3 of jerk (the Hermite
 // weights).
 void MotionVerifier::CheckAxes(const Segment& to, double d, const Vec3& speed,
                                const Vec3& acceleration) {

@@ -1,11 +1,11 @@
 #pragma once
 
-// Independent check of a plan: it knows the segments and the limits, nothing of how
-// they were made, and shares no code with the planners. Frame machine, mm.
+// Independent check of a plan: it uses only the segments and the limits, not how they
+// were made, and shares no code with the planners. Frame machine, mm.
 //
-// Each segment is taken as a Bezier curve; its speed and acceleration are both
-// evaluated in closed form at their extremes and sampled densely by de Casteljau's
-// rule, so a mistake in one shows against the other.
+// Each segment is taken as a Bezier curve; its speed and acceleration are both evaluated
+// in closed form at their extremes and sampled densely by de Casteljau's rule, so an
+// error in one is detected by the other.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,8 +19,8 @@
 namespace intaglio::motion {
 
 struct VerifyOptions {
-  /// Share by which a limit may be passed. 1e-6: planners round times to a relative
-  /// 1e-9, and no drive knows its limit to better than a per cent.
+  /// Share by which a limit may be passed. 1e-6: planners round times to a relative 1e-9,
+  /// and no drive's limit is known to better than a per cent.
   double limit_slack_ratio = 1e-6;
   /// How far from its place a point's knot may lie. 1e-9 mm: rounding of doubles.
   double position_tolerance_mm = 1e-9;
@@ -45,7 +45,7 @@ struct MotionReport {
   /// start and end included: what shakes the machine.
   double mean_jerk_mm_s3 = 0.0;
   double path_mm = 0.0;            ///< Length of the way, from the samples.
-  Box3 extent_mm;                  ///< What the motion reaches.
+  Box3 extent_mm;                  ///< The maxima that the motion reaches.
   double max_point_move_mm = 0.0;  ///< Largest distance of a knot from its point.
   std::uint64_t violation_count = 0;
   /// The first 20 violations, a sentence each.
@@ -90,7 +90,7 @@ class MotionVerifier {
   double rate_hz_;
   VerifyOptions options_;
   KnotState from_;           ///< Where the segments so far end.
-  std::size_t segment_ = 0;  ///< Number of the segment that is looked at.
+  std::size_t segment_ = 0;  ///< Number of the segment that is being checked.
   bool program_ended_ = false;
   std::vector<bool> seen_;
   MotionReport report_;

@@ -5,7 +5,7 @@
 // Two families are known, and both number their formulas from 1 with different meanings:
 // the formulas of AGF files (Zemax glass catalogs, formula number in the NM line) and
 // those of refractiveindex.info ("formula N" in a record's DATA). Wavelengths inside the
-// formulas are in um; the equations stand in dispersion_formulas.cc.
+// formulas are in um; the equations are in dispersion_formulas.cc.
 
 #include <string_view>
 #include <vector>

@@ -62,7 +62,7 @@ double SumResonances(Coefficients c, std::size_t first, double l2) {
   return SumPairs(c, first, [l2](double a, double b) { return a * l2 / (l2 - b); });
 }
 
-/// c[0] + c[1] l^2 + c[2] l^-2 + c[3] l^-4 ...: what the Schott-like formulas share.
+/// c[0] + c[1] l^2 + c[2] l^-2 + c[3] l^-4 ...: common to the Schott-like formulas.
 double SchottSeries(Coefficients c, double l2) {
   double sum = c[0] + c[1] * l2;
   double power = 1;

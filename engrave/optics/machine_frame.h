@@ -1,13 +1,13 @@
 #pragma once
 
-// Where the stage has to stand for the focus to be at a point of the block: glass frame
-// (origin at the block's corner, z up, the beam comes from +z) to machine frame, mm.
+// The stage position that brings the focus to a point of the block: glass frame (origin
+// at the block's corner, z up, the beam comes from +z) to machine frame, mm.
 //
 // Across the beam the stage moves as the focus does. Along it the beam refracts at the
 // top face: for the focus to be at depth d = block z - z below the face, the stage moves
-// d * stage_per_glass_ratio, less than d (about d / n), from where the focus is on the
-// face itself (Trochimczuk 2008 ch. 5, turned round). The machine's z is therefore the
-// place that the focus would have in air.
+// d * stage_per_glass_ratio, less than d (about d / n), from the position with the focus
+// on the face itself (the inverse of Trochimczuk 2008 ch. 5). The machine's z is
+// therefore the position that the focus would have in air.
 
 #include "engrave/core/geometry.h"
 

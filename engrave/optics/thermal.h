@@ -1,6 +1,6 @@
 #pragma once
 
-// How large a sudden temperature difference a glass stands before it cracks.
+// How large a sudden temperature difference a glass withstands before it cracks.
 
 namespace intaglio::optics {
 
@@ -11,10 +11,10 @@ struct ThermalProperties {
   double youngs_modulus_gpa = 0;    ///< > 0
 };
 
-/// How the difference comes about. The factors are the most that the source allows; it
+/// How the difference comes about. The factors are the maximum that the source allows; it
 /// compares local heating with thermal cracking by a beam.
 enum class ThermalShock {
-  kWholeBody,      ///< factor 1: equation (1) as it stands
+  kWholeBody,      ///< factor 1: equation (1) as printed
   kCooled,         ///< factor 1.5
   kHeatedLocally,  ///< factor 3
 };

@@ -15,8 +15,9 @@
 namespace intaglio::proof {
 namespace {
 
-// A hole is worth a word when it is so many times wider than the points are apart: the
-// widest between sections twice as far apart as their points are remains silent.
+// A hole is reported when it is this many times wider than the distance of the points:
+// the widest hole between sections that are twice as far apart as their points is not
+// reported.
 constexpr double kWideHole = 3;
 
 double ModelArea(const mesh::TriangleMesh& model) {

@@ -1,7 +1,8 @@
 #pragma once
 
-// What the points of a job are worth, by measurers that share nothing with what made
-// them: how even they are, how they cover the surface, and where the glass may break.
+// The quality of the points of a job, measured by code that shares nothing with the code
+// that made them: how even they are, how they cover the surface, and where the glass may
+// break.
 
 #include <cstdint>
 #include <optional>
@@ -20,9 +21,9 @@
 namespace intaglio::proof {
 
 struct QualityOptions {
-  double min_spacing_mm = 0;  ///< that was asked for, positive
+  double min_spacing_mm = 0;  ///< as requested, positive
   double height_ratio = 1;    ///< >= 1: heights count only by this part of them
-  /// Of the machine's lens; both 0: nothing is said of the glass.
+  /// Of the machine's lens; both 0: the risk of cracks is not reported.
   double crack_diameter_mm = 0, crack_length_mm = 0;
   Executor executor = {};
 };

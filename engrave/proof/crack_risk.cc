@@ -13,7 +13,8 @@ constexpr double kRadiusInLengths = 2;
 constexpr double kApartInRadii = 4;
 constexpr double kApartInDiagonals = 0.1;
 constexpr std::size_t kPlacesPerTask = 4096;
-// A ball with so many points is beyond any limit; to count on would take squares.
+// A ball with so many points is beyond any limit; counting further would take quadratic
+// time.
 constexpr std::uint32_t kMostPlacesCounted = 4096;
 
 double SphereVolume(double radius) {

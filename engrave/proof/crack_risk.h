@@ -3,12 +3,13 @@
 // Where a cloud is so dense that the cracks grow together and the glass may break.
 //
 // A crack is an ellipsoid, longer along the beam (z). In a ball of two crack lengths
-// around each point the cracks take a share of the volume. No limit of it is published;
-// what is known to be sound is a single sheet of points at the least spacing told for the
-// lens (Trochimczuk 2008 ch. 1: 0.09 mm for cracks of 0.095 x 0.135 mm, 0.13 mm for
-// 0.135 x 0.195 mm). In its densest, hexagonal order such a sheet takes 0.25 of the ball
-// for both lenses, 0.29 at most around a single point. The limit is a little above that:
-// two such sheets upon one another take 0.5, a solid filled at that spacing 0.6.
+// around each point the cracks take a share of the volume. No limit for this share is
+// published. Known to be sound is a single sheet of points at the minimum spacing
+// published for the lens (Trochimczuk 2008 ch. 1: 0.09 mm for cracks of 0.095 x 0.135 mm,
+// 0.13 mm for 0.135 x 0.195 mm). In its densest, hexagonal order such a sheet takes 0.25
+// of the ball for both lenses, 0.29 at most around a single point. The limit is a little
+// above that: two such sheets upon one another take 0.5, a solid filled at that spacing
+// 0.6.
 
 #include <cstdint>
 #include <vector>

@@ -1,9 +1,9 @@
 #pragma once
 
 // The places of a cloud, each once, so ordered that neighbours in the list are mostly
-// neighbours in space. Searches over a list in this order find in the cache what the
-// search before has left there; and a cloud of a million points at one place costs no
-// more than one point.
+// neighbours in space. Searches over a list in this order find in the cache the data of
+// the previous search; and a cloud of a million points at one place costs no more than
+// one point.
 
 #include <cstdint>
 #include <vector>
@@ -25,7 +25,7 @@ struct DistinctPlaces {
 /// finite.
 DistinctPlaces DistinctPlacesOf(const PointList& points_mm);
 
-/// Of each place, how many points stand there.
+/// Of each place, the number of points there.
 std::vector<std::uint32_t> PointsPerPlace(const DistinctPlaces& places);
 
 }  // namespace intaglio::proof

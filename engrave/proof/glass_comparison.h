@@ -1,12 +1,13 @@
 #pragma once
 
-// What the glass says of a job: every crack is matched to the plan. Frame glass, mm.
+// The comparison of the glass with a job's plan: every crack is matched to a planned
+// point. Frame glass, mm.
 //
 // A crack belongs to the planned point of its channel nearest to it, if that is nearer
-// than the match radius: half the least spacing of the plan, so that no crack can belong
-// to two points. A crack that belongs to none is stray. A point is made when each of its
-// channels holds one crack of it. The comparison knows nothing of the journal or
-// of any service's bookkeeping.
+// than the match radius: half the minimum spacing of the plan, so that no crack can
+// belong to two points. A crack that belongs to no point is stray. A point is made when
+// each of its channels holds one crack of it. The comparison does not use the journal or
+// any other record of a service.
 
 #include <array>
 #include <cstddef>
@@ -26,7 +27,8 @@ struct Crack {
   ChannelMask channel = 1;  ///< in whose glass, a single one
 };
 
-/// What one channel's glass says of the points that have this channel.
+/// The result for the points that have this channel, from the cracks of this channel
+/// alone.
 struct ChannelGlass {
   std::uint64_t planned_count = 0, made_count = 0, doubled_count = 0, empty_count = 0,
                 stray_count = 0;
@@ -63,7 +65,7 @@ GlassComparison CompareGlass(const PointList& plan_mm, const std::vector<Crack>&
 GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMask> masks,
                              const std::vector<Crack>& cracks, double match_radius_mm);
 
-/// Least distance between two of the points, mm; infinity for fewer than two.
+/// Minimum distance between two of the points, mm; infinity for fewer than two.
 double LeastSpacing(const PointList& points_mm);
 /// The same of points in different channels: two count only if they share one.
 double LeastSpacing(const PointList& points_mm, std::span<const ChannelMask> masks);

@@ -10,8 +10,8 @@ namespace intaglio::proof {
 namespace {
 
 constexpr std::size_t kPlacesPerTask = 8192;
-// More neighbours than any cloud has that is only badly welded; beyond them the count
-// would grow with the square of the points.
+// More neighbours than occur even in a badly thinned cloud; without this limit the cost
+// would grow with the square of the number of points.
 constexpr std::uint64_t kMostNeighbours = 4096;
 constexpr std::size_t kBins = 60;
 constexpr double kBinsPerUnit = 20;
@@ -128,7 +128,7 @@ void CountNear(const DistinctPlaces& places, const NearestOptions& options,
   result.near_pair_count = twice_pairs / 2;
 }
 
-/// Counts in the measure of the height ratio, with a tree of its own if that is not 1.
+/// Counts in distances scaled by the height ratio, with a separate tree if that is not 1.
 void MeasureScaled(const DistinctPlaces& places, const NearestOptions& options,
                    NearestDistances& result) {
   PointList scaled_mm = places.places_mm;

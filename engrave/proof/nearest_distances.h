@@ -44,12 +44,12 @@ struct NearestDistances {
 
   std::uint64_t doubled_count = 0;  ///< points at the place of an earlier one
 
-  // In the measure in which a height is divided by height_ratio.
+  // In distances with heights divided by height_ratio.
   NearestPair least_scaled;            ///< its distance_mm is in this measure
   std::uint64_t near_point_count = 0;  ///< that have another one too near
   std::uint64_t near_pair_count = 0;
-  /// There are more pairs than that: of a place with thousands too near not all are
-  /// counted.
+  /// There are more pairs than that: for a place with thousands of points too near not
+  /// all are counted.
   bool more_pairs = false;
 };
 

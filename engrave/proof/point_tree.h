@@ -69,7 +69,7 @@ class PointTree {
       nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>,
                                           Adaptor, 3, std::uint32_t>;
 
-  // What nanoflann asks of a result set.
+  // The interface that nanoflann requires of a result set.
   template <typename Take>
   struct Within {
     double radius_square;

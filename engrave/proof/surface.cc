@@ -10,7 +10,8 @@ namespace intaglio::proof {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
-// Halving the count of the triangles at every level, 2^32 of them end before this.
+// The number of triangles is halved at every level, so even 2^32 of them need fewer
+// levels.
 constexpr std::size_t kMostLevels = 64;
 
 /// a x b without Eigen's geometry module, which would be compiled for this alone.

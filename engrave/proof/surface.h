@@ -1,8 +1,8 @@
 #pragma once
 
-// The surface that a cloud should show, as the measurers look at it: the triangles of
-// all placed models, cut so small that a patch of them can have any area, in a tree of
-// boxes that finds the place of the surface nearest to a point.
+// The surface that a cloud should show, in the form that the measurements use: the
+// triangles of all placed models, cut so small that a patch of them can have any area, in
+// a tree of boxes that finds the place of the surface nearest to a point.
 
 #include <array>
 #include <cstdint>

@@ -10,7 +10,7 @@ namespace intaglio::proof {
 namespace {
 
 constexpr std::size_t kPointsPerTask = 8192;
-// Patches are made of whole pieces: the smaller these, the more equal are those.
+// Patches consist of whole pieces: the smaller the pieces, the more equal the patches.
 constexpr double kPiecesPerPatch = 8;
 
 /// Of a task's points.

@@ -27,8 +27,8 @@ struct SurfaceDensity {
   std::uint64_t on_surface_count = 0;
   double points_per_mm2 = 0;  ///< of those on the surface
   std::uint64_t patch_count = 0;
-  /// Standard deviation over mean of the points per mm^2 in the patches; 0: as many
-  /// everywhere, as is asked for.
+  /// Standard deviation over mean of the points per mm^2 in the patches; 0: the same
+  /// everywhere, as requested.
   double variation_ratio = 0;
   std::uint64_t empty_patch_count = 0;
 
@@ -38,7 +38,7 @@ struct SurfaceDensity {
   double greatest_on_surface_mm = 0;
 };
 
-/// The least area that Surface should cut its triangles to for these options, mm^2.
+/// The minimum area to which Surface should cut its triangles for these options, mm^2.
 double PieceArea(double area_mm2, std::uint64_t point_count,
                  const SurfaceDensityOptions& options);
 

@@ -12,13 +12,13 @@
 // and corners v, f is bounded by
 //   f(x) <= f(c) + R,  R = max |c - v|         (f changes no faster than x moves)
 //   f(x) <= max |p - v| for any point p        (|x - p| is convex)
-// A triangle whose bound does not exceed what has been found somewhere is done with. The
+// A triangle whose bound does not exceed the maximum found so far is discarded. The
 // others are halved until few points can be the nearest of any of their places: those
 // with |p - c| <= R + the bound. Then the triangle is cut into the parts that are nearest
 // to each of them (the cells of Voronoi 1908): on such a part f = |x - p| is convex, and
-// so largest at one of its corners. Triangles are worked off in rounds, those with the
-// largest bounds first; what a round finds counts from the next one on, so that the
-// result does not depend on who does what when.
+// so largest at one of its corners. Triangles are processed in rounds, those with the
+// largest bounds first. The maximum found in a round is used from the next round on, so
+// that the result does not depend on the distribution of the work over threads.
 
 namespace intaglio::proof {
 namespace {
@@ -52,7 +52,7 @@ class Search {
     std::uint32_t point;  // that is the nearest
   };
 
-  // `known`: all that can be nearest to a place of the triangle; empty: not known.
+  // `known`: all points that can be nearest to a place of the triangle; empty: not known.
   void Visit(const Corners& triangle, std::span<const std::uint32_t> known) {
     const Middle middle = MiddleOf(triangle, known);
     Offer(middle.at_mm, middle.nearest_mm);
@@ -98,7 +98,7 @@ class Search {
     return middle;
   }
 
-  // False when they are more than are worth keeping.
+  // False when they are too many to keep.
   bool Gather(const Middle& middle, double bound_mm, std::span<const std::uint32_t> known,
               Indices& near) const {
     // A little more: rounding must not lose a point that is only just near enough.
@@ -149,7 +149,7 @@ class Search {
   }
 
   void CutIntoCells(const Corners& triangle, const Middle& middle, Indices& near) {
-    // What is near the middle cuts most: the cells of others are gone after a cut or two.
+    // Points near the middle cut most: the cells of others are empty after a cut or two.
     std::sort(near.begin(), near.end(), [&](std::uint32_t a, std::uint32_t b) {
       return (points_mm_[a] - middle.at_mm).squaredNorm() <
              (points_mm_[b] - middle.at_mm).squaredNorm();
@@ -184,7 +184,7 @@ class Search {
   UncoveredDisc best_;
 };
 
-/// What a look at the corners and the middle of a triangle says of it.
+/// The bound of a triangle from its corners and its middle.
 struct Bound {
   double at_most_mm;
   std::uint32_t triangle;
@@ -227,7 +227,7 @@ UncoveredDisc LargestUncoveredDisc(const Surface& surface, const PointTree& poin
   std::vector<Bound> open = BoundsOf(triangles, points, points_mm, executor, best);
   std::size_t begin = 0;
   for (std::size_t size = kFirstRound; begin < open.size(); size *= 4) {
-    // What earlier rounds have found spares most of the rest.
+    // The maximum found in earlier rounds excludes most of the rest.
     open.erase(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(begin));
     std::erase_if(open, [&](const Bound& b) { return b.at_most_mm <= best.radius_mm; });
     const std::size_t count = std::min(size, open.size());

@@ -16,9 +16,9 @@ struct UncoveredDisc {
   Vec3 place_mm = Vec3::Zero();  ///< of the surface
 };
 
-/// at_most_mm is radius_mm but for rounding where the surface bends as usual, and at most
-/// a thousandth more where thousands of points are equally far from the place (a sphere
-/// of them around it). `points` has at least one. The same for any executor.
+/// at_most_mm equals radius_mm up to rounding on ordinary surfaces. It is at most a
+/// thousandth more where thousands of points are equally far from the place (a sphere of
+/// them around it). `points` has at least one. The same for any executor.
 UncoveredDisc LargestUncoveredDisc(const Surface& surface, const PointTree& points,
                                    const PointList& points_mm, const Executor& executor);
 

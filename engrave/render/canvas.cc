@@ -19,7 +19,7 @@ float Coverage(double inside_px) {
 
 Vec2 CenterOf(int x, int y) { return {x + 0.5, y + 0.5}; }
 
-/// Pixels whose centres may lie in low..high, cut to the canvas.
+/// Pixels whose centres may lie in low..high, clipped to the canvas.
 struct PixelRange {
   int first;
   int last;

@@ -8,7 +8,7 @@
 
 #include "engrave/render/plane.h"
 
-// 1. front: the least depth near each pixel. Points are spread so wide that neighbours
+// 1. front: the minimum depth near each pixel. Points are spread so wide that neighbours
 //    on one surface touch; the width follows from the points' mean distance on screen.
 // 2. light: each point adds a small Gaussian, weaker the farther it lies behind `front`.
 // 3. relief of the blurred front: diffuse light from the upper left on its slope, and
@@ -27,7 +27,7 @@ struct Spot {
   float depth_mm;
 };
 
-/// What is known of the cloud as it appears in one window.
+/// The properties of the cloud as it appears in one window.
 struct Scene {
   int width = 0;
   int height = 0;
@@ -40,7 +40,7 @@ struct Scene {
   float range_mm() const { return std::max(far_mm - near_mm, 1e-3F); }
 };
 
-/// Mean spacing: the area that is covered, counted in cells of 6 pixels, a point.
+/// Mean spacing: from the covered area per point, counted in cells of 6 pixels.
 float SpacingOf(const Scene& scene) {
   constexpr int kCell = 6;
   const int columns = scene.width / kCell + 1;

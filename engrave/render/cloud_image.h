@@ -1,7 +1,7 @@
 #pragma once
 
-// Cracks as light: every point adds to the picture, and the sum is toned so that
-// 1 000 points show as well as 1 000 000.
+// Cracks as light: every point adds to the picture, and the sum is tone-mapped so that
+// 1000 points are as visible as 1000000.
 
 #include "engrave/core/geometry.h"
 #include "engrave/render/canvas.h"

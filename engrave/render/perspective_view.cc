@@ -9,8 +9,8 @@
 namespace intaglio::render {
 namespace {
 
-constexpr double kAzimuthRad = 0.52;    // 30 degrees to the right: two sides are seen
-constexpr double kElevationRad = 0.30;  // 17 degrees: the top is seen, but flat
+constexpr double kAzimuthRad = 0.52;    // 30 degrees to the right: two sides are visible
+constexpr double kElevationRad = 0.30;  // 17 degrees: the top is visible, but flat
 
 /// A face of the block: axis 0..2, and its low or high side.
 struct FaceOfBlock {
@@ -95,7 +95,7 @@ class BlockDrawing {
     return corners;
   }
 
-  /// The twelve edges; `front` picks those of which a face beside is seen.
+  /// The twelve edges; `front` selects those with a visible adjacent face.
   void DrawEdges(bool front) {
     for (int axis = 0; axis < 3; ++axis) {
       const int u = (axis + 1) % 3;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A picture of one number a pixel, for the steps between points and colours.
+// A picture of one number per pixel, for the steps between points and colours.
 
 #include <cstddef>
 #include <vector>

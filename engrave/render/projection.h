@@ -1,6 +1,6 @@
 #pragma once
 
-// How a point of the block, frame glass in mm, comes to a place in the picture.
+// The projection of a point of the block, frame glass in mm, to a place in the picture.
 
 #include <vector>
 
@@ -54,7 +54,8 @@ class Projection {
   bool central_ = false;
 };
 
-/// The eight corners of a block 0..size; bit k of the index says the high side of axis k.
+/// The eight corners of a block 0..size; bit k of the index selects the high side of axis
+/// k.
 std::vector<Vec3> BlockCorners(const Vec3& block_size_mm);
 
 /// A step of 1, 2 or 5 times a power of ten that divides `range` into at most `most`.

@@ -36,7 +36,7 @@ void DrawBars(Canvas& canvas, const Axes& axes, const SpacingMap& map) {
   for (std::size_t i = 0; i < map.bins.size(); ++i) {
     if (map.bins[i] == 0) continue;
     const double share = static_cast<double>(map.bins[i]) / static_cast<double>(most);
-    // A few points that are too near must show beside a million that are not.
+    // A few points that are too near must be visible beside a million that are not.
     const double height_px = std::max(3.0, share * (axes.bottom_px - axes.top_px));
     const int left = static_cast<int>(axes.x_px(static_cast<double>(i) * map.bin_mm));
     const int right =
@@ -72,7 +72,7 @@ void DrawAxis(Canvas& canvas, const Axes& axes, const SpacingMap& map) {
            "minimum " + ShortNumber(map.min_spacing_mm) + " mm", style);
 }
 
-/// What the colours mean: a strip with the same axis.
+/// The legend of the colours: a strip with the same axis.
 void DrawLegend(Canvas& canvas, const Axes& axes, const SpacingMap& map) {
   const Palette palette;
   const int top = static_cast<int>(axes.bottom_px) + 34;
@@ -101,7 +101,7 @@ void DrawHistogram(Canvas& canvas, const Rect& cell, const SpacingMap& map) {
   DrawLegend(canvas, axes, map);
 }
 
-/// The points' extent; a flat or lone one gets the room of a few spacings.
+/// The points' extent; a flat cloud or a single point gets the extent of a few spacings.
 Box3 Extent(const SpacingMap& map) {
   Box3 box;
   for (const Vec3& p : map.points_mm) box.Extend(p);
@@ -115,7 +115,7 @@ Box3 Extent(const SpacingMap& map) {
 }  // namespace
 
 Color SpacingColor(double ratio) {
-  // Rounding of a lattice of exactly the minimum spacing is no fault.
+  // Rounding of a lattice of exactly the minimum spacing is not a fault.
   if (ratio < 1 - 1e-8) return Srgb(kTooNearRgb);
   const Stop* stop = std::begin(kStops);
   while (stop + 1 != std::end(kStops) && stop[1].ratio <= ratio) ++stop;

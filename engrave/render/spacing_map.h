@@ -1,9 +1,9 @@
 #pragma once
 
-// A map of how near the points of a cloud are to one another: three parallel views of
-// the side that is turned to the viewer, each point in the colour of its distance to the
-// nearest other one, and the histogram of these distances. Red: nearer than the minimum
-// spacing, and shown even where other points hide it; green: right; blue: wide.
+// A map of the spacing of the points of a cloud: three parallel views of the side that is
+// turned to the viewer, each point in the colour of its distance to the nearest other
+// one, and the histogram of these distances. Red: nearer than the minimum spacing, and
+// shown even where other points hide it; green: right; blue: wide.
 
 #include <cstdint>
 #include <span>

@@ -10,16 +10,16 @@
 #include "engrave/render/projection.h"
 #include "engrave/render/text.h"
 
-// The front of the cloud is the least depth at every pixel. Points a little behind it
-// still count as seen, so that a sheet that lies askew has no gaps; their colours are
-// averaged, and shaded by the slope of the front, so that the form can be read.
+// The front of the cloud is the minimum depth at every pixel. Points a little behind it
+// still count as seen, so that an oblique sheet has no gaps; their colours are averaged,
+// and shaded by the slope of the front, so that the shape is visible.
 
 namespace intaglio::render {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr int kLeftPx = 54, kRightPx = 22, kTopPx = 64, kBottomPx = 50;
-// Rounding of a lattice of exactly the minimum spacing is no fault.
+// Rounding of a lattice of exactly the minimum spacing is not a fault.
 constexpr double kTooNear = 1 - 1e-8;
 
 Rect Inner(const Rect& cell) {
@@ -78,7 +78,7 @@ class Picture {
 
  private:
   void FindFront() {
-    // So wide that the points of a square lattice leave no pixel out.
+    // So wide that the points of a square lattice cover every pixel.
     const float radius_px = std::max(1.1F, 1.7F * radius_px_);
     for (const Spot& spot : spots_) {
       OverDisc(spot.x_px, spot.y_px, radius_px, front_, [&](int x, int y, float) {
@@ -155,7 +155,7 @@ class Picture {
     return light;
   }
 
-  /// On top of all, faint where something is in front: a fault must not hide.
+  /// On top of everything, faint where something is in front: a fault must not be hidden.
   void DrawTooNear(Canvas& canvas) const {
     const Color color = SpacingColor(0);
     for (const Spot& spot : spots_) {

@@ -265,7 +265,7 @@ void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
                        : style.align == Align::kCenter ? 0.5
                                                        : 1.0;
   const double width_px = TextWidth(text, style.cap_height_px);
-  // Whole pixels keep stems and baselines equally sharp wherever the text stands.
+  // Whole pixels keep stems and baselines equally sharp wherever the text is placed.
   Vec2 pen(std::round(at_px.x() - share * width_px), std::round(at_px.y()));
   for (const char32_t sign : Decode(text)) {
     const Glyph glyph = ParseGlyph(StrokesOf(sign));

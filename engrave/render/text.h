@@ -1,8 +1,8 @@
 #pragma once
 
-// Text in an own stroke font: ASCII and the signs of figures (µ ° ± × · – ² ³). Strokes
-// scale to any size without a font file at run time; digits have equal widths, so that
-// columns of figures stand straight.
+// Text in a built-in stroke font: ASCII and the symbols used with numbers (µ ° ± × · – ²
+// ³). Strokes scale to any size without a font file at run time; digits have equal
+// widths, so that columns of numbers are aligned.
 
 #include <string_view>
 
@@ -13,7 +13,8 @@ namespace intaglio::render {
 enum class Align { kLeft, kCenter, kRight };
 
 struct TextStyle {
-  double cap_height_px = 11.0;  ///< Height of an H; 9 is the least that reads well.
+  double cap_height_px = 11.0;  ///< Height of an H; 9 is the smallest that is easy to
+                                ///< read.
   Color color = {1.0F, 1.0F, 1.0F};
   float alpha = 1.0F;
   double weight = 1.0;  ///< Of the strokes; 1 is regular, 1.5 bold.
@@ -24,7 +25,7 @@ struct TextStyle {
 double TextWidth(std::string_view text, double cap_height_px);
 
 /// Draws a line of UTF-8 text; `at_px` is on the baseline, at the side that `align`
-/// names. A sign that the font lacks shows as a box.
+/// names. A character that the font does not have is drawn as a box.
 void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
               const TextStyle& style);
 

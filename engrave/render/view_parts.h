@@ -42,7 +42,7 @@ PageCells CellsOfPage();
 /// One of the parallel views: the glass axes that go right and up in it.
 struct OrthographicView {
   const char* title;
-  const char* from;  ///< Where it is seen from, in words.
+  const char* from;  ///< The viewing direction as text.
   int right_axis;
   int up_axis;
 };
@@ -65,7 +65,7 @@ void DrawPerspectiveView(Canvas& canvas, const Rect& cell, const PointList& crac
 void DrawFiguresPanel(Canvas& canvas, const Rect& cell,
                       const std::vector<Figure>& figures);
 
-/// The ground of a view and its heading: a name, and words in a dimmer colour.
+/// The background of a view and its heading: a name, and further text in a dimmer colour.
 void DrawCell(Canvas& canvas, const Rect& cell, const std::string& name,
               const std::string& words);
 

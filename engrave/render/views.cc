@@ -11,8 +11,8 @@
 #include "engrave/render/view_parts.h"
 
 // The perspective view on the left; on the right, in the order of a drawing (first
-// angle), the front view, the view from the right beside it and the view from above
-// below it, so that equal coordinates stand in line; the figures in the fourth corner.
+// angle), the front view, the view from the right beside it and the view from above below
+// it, so that equal coordinates are aligned; the numbers in the fourth corner.
 
 namespace intaglio::render {
 namespace {

@@ -13,7 +13,7 @@
 
 namespace intaglio::render {
 
-/// How a figure is to be taken.
+/// The rating of a figure.
 enum class Tone { kPlain, kGood, kBad };
 
 struct Figure {
@@ -24,7 +24,8 @@ struct Figure {
 
 /// What is written beside the views; UTF-8, any part may be empty.
 struct ViewsCaption {
-  std::vector<std::string> title_lines;  ///< The first one large; 2 more have room.
+  std::vector<std::string> title_lines;  ///< The first one large; there is room for 2
+                                         ///< more.
   std::vector<Figure> figures;           ///< In order; about 16 fit well.
   std::string verdict;                   ///< "PROVED", "1 POINT MISSED"
   Tone verdict_tone = Tone::kPlain;

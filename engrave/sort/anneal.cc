@@ -55,7 +55,7 @@ class Annealing {
         order_(order),
         generator_(options.anneal.seed) {}
 
-  /// False when `progress` asked for the end.
+  /// False when `progress` requested cancellation.
   bool Run(const ProgressSink& progress) {
     const double tries = options_.anneal.tries_per_point;
     const double rounds =

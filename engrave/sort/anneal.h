@@ -1,8 +1,9 @@
 #pragma once
 
 // Sort by annealing: the order of smooth.h, changed piece by piece (stretch.h) for as
-// long as it is given, so that the stage needs fewer ticks. Never through an earlier
-// crack, and never worse than where it began: in the end the motion planner decides.
+// long as the options allow, so that the stage needs fewer ticks. Never through an
+// earlier crack, and never worse than the initial order: in the end the motion planner
+// decides.
 
 #include "engrave/sort/order.h"
 
@@ -12,14 +13,14 @@ Status CheckAnnealOptions(const OrderOptions& options);
 
 /// Starts at the lowest point (lowest_point.h). The same whatever the executor does at
 /// the same time, as long as options.anneal.used_share is not given. Memory: that of
-/// smooth.h, and some megabytes for each worker. Points and options as MakeOrder has
-/// checked them.
+/// smooth.h, and some megabytes for each worker. Points and options must have been
+/// checked by MakeOrder.
 Result<Order> OrderByAnnealing(const PointList& points_mm, const OrderOptions& options,
                                const ProgressSink& progress);
 
-/// Anneals `order`, all of whose points keep to options.cone; the order it had when that
-/// is better, or so near the bound that nothing is left to gain. Empty when `progress`
-/// asked for the end.
+/// Anneals `order`, whose points must all obey options.cone. Returns the given order when
+/// that is better, or so near the bound that nothing can be gained. Empty when `progress`
+/// requested cancellation.
 Order ImproveOrder(const PointList& points_mm, Order order, const OrderOptions& options,
                    const ProgressSink& progress);
 

@@ -1,8 +1,9 @@
 #pragma once
 
-// Sort as the ox ploughs: slabs of equal thickness from the lowest up, in each of them
-// rows along x one beside the other, every other row and every other slab backwards. What
-// many engraving programs do; good for solid fills on a grid, for comparison elsewhere.
+// Boustrophedon sort: slabs of equal thickness from the lowest up, in each of them rows
+// along x one beside the other, every other row and every other slab backwards. The
+// method of many engraving programs; good for solid fills on a grid, for comparison
+// elsewhere.
 
 #include "engrave/sort/order.h"
 
@@ -11,7 +12,7 @@ namespace intaglio::sort {
 Status CheckBoustrophedonOptions(const OrderOptions& options);
 
 /// Where a slab holds points above one another, they are made from below (cone_order.h).
-/// Options and points as MakeOrder has checked them.
+/// Options and points must have been checked by MakeOrder.
 Result<Order> OrderByBoustrophedon(const PointList& points_mm,
                                    const OrderOptions& options,
                                    const ProgressSink& progress);

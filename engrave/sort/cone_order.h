@@ -1,7 +1,7 @@
 #pragma once
 
-// An order made to keep to the beam's cone: whatever it does not say about heights, no
-// point is fired through an earlier crack.
+// Makes any order obey the beam's cone: no point is fired through an earlier crack, even
+// if the order itself ignores heights.
 
 #include "engrave/sort/beam/beam_cone.h"
 #include "engrave/sort/order.h"

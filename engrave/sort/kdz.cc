@@ -7,7 +7,7 @@
 //           <= m(a, e) + m(e, p) + K (e.z - a.z) - K h       (m is a metric)
 //           = c(a, e) + m(e, p) - K h < c(a, e),
 // since m(e, p) <= hypot(dx, dy) < t h <= K h. So p was cheaper: a contradiction. The
-// first point is the lowest and has nothing in its way.
+// first point is the lowest and is not shaded by any other.
 //
 // K z_now is the same for all candidates and is left out: the cost compared is
 // m + K z_next, each product rounded once.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Sort Kdz: the next point is the remaining one of least
+// Sort Kdz: the next point is the remaining one of minimum
 //   max(|dx|, |dy|) + K (z_next - z_now),
 // Trochimczuk 2008 ch. 6.7 and annex E, corrected: the source weighs |dz|, which prefers
 // a near point above to a farther one below and so fires through earlier cracks. With the
@@ -11,14 +11,15 @@
 
 namespace intaglio::sort {
 
-/// The least K that never fires through an earlier crack, but not below 0.6, from where
-/// on larger values move no less.
+/// The minimum K that never fires through an earlier crack, but not below 0.6; above that
+/// larger values do not shorten the moves.
 double DefaultUpRatio(const BeamCone& cone);
 
 Status CheckKdzOptions(const OrderOptions& options);
 
-/// Starts at the lowest point (of equal z the least y, then x). Equal costs: the least z,
-/// then y, then x, then index. Options and points as MakeOrder has checked them.
+/// Starts at the lowest point (of equal z the smallest y, then x). Equal costs: the
+/// smallest z, then y, then x, then index. Options and points must have been checked by
+/// MakeOrder.
 Result<Order> OrderByKdz(const PointList& points_mm, const OrderOptions& options,
                          const ProgressSink& progress);
 

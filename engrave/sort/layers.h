@@ -13,8 +13,8 @@ namespace intaglio::sort {
 
 Status CheckLayersOptions(const OrderOptions& options);
 
-/// Starts at the lowest point. Equal distances: the least z, then y, then x, then index.
-/// Options and points as MakeOrder has checked them.
+/// Starts at the lowest point. Equal distances: the smallest z, then y, then x, then
+/// index. Options and points must have been checked by MakeOrder.
 Result<Order> OrderByLayers(const PointList& points_mm, const OrderOptions& options,
                             const ProgressSink& progress);
 

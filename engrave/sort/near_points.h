@@ -13,7 +13,8 @@ namespace intaglio::sort {
 class NearPoints {
  public:
   /// At most `count` for each; a lone point may have none. Distance: the largest of the
-  /// axes. typical > 0: of a point to the next one, so that few are looked at.
+  /// axes. typical > 0: a typical distance of a point to the next one, so that few points
+  /// are checked.
   NearPoints(std::span<const Scaled> points, std::size_t count, float typical);
 
   /// The nearest first; equal distances by index.

@@ -30,14 +30,14 @@ enum class Method {
   kSmooth,         ///< greedy for the stage: smooth.h
   kBoustrophedon,  ///< rows to and fro, a layer at a time: boustrophedon.h
   kPublishedKdz,   ///< as published, through earlier cracks: published_kdz.h
-  kAnneal,         ///< kSmooth, then improved for as long as it is given: anneal.h
+  kAnneal,         ///< kSmooth, then improved for as long as the options allow: anneal.h
 };
 
 struct KdzOptions {
   /// K, the weight of a step in z against one in x or y, 0..100. Not less than the
   /// tangent of the beam's cone in the glass, or points are fired through earlier cracks.
-  /// 0.6-1.2 moves least, hence the default; DefaultUpRatio (kdz.h) regards the lens as
-  /// well.
+  /// 0.6-1.2 has the shortest moves, hence the default; DefaultUpRatio (kdz.h) takes the
+  /// lens into account as well.
   double up_ratio = 0.6;
 };
 
@@ -74,8 +74,8 @@ struct OrderOptions {
   BoustrophedonOptions boustrophedon;
   PublishedKdzOptions published_kdz;
   AnnealOptions anneal;
-  /// What must not be in the way of a pulse. All methods keep to it but kPublishedKdz,
-  /// and kKdz where its ratio is set too low.
+  /// The cone that must be free of cracks for a pulse. All methods keep to it but
+  /// kPublishedKdz, and kKdz where its ratio is set too low.
   BeamCone cone;
   /// Of the stage, in the frame of the points; kSmooth and kAnneal regard them.
   motion::Limits limits;
@@ -96,9 +96,9 @@ Status CheckOrderOptions(const OrderOptions& options);
 Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
                         const ProgressSink& progress = {});
 
-/// The same of points that are made in the channels of their masks, one a point, not 0:
-/// those of one mask stand together in groups (channel_groups.h), each ordered by the
-/// method, and no point is made through an earlier crack of a channel of its own. Of
+/// The same for points that are made in the channels of their masks. One mask per point,
+/// not 0. The points of one mask form groups (channel_groups.h), each ordered by the
+/// method, and no point is made through an earlier crack of one of its own channels. Of
 /// equal masks, the order is that of MakeOrder.
 Result<Order> MakeChannelOrder(const PointList& points_mm,
                                std::span<const ChannelMask> masks,

@@ -1,7 +1,7 @@
 #pragma once
 
-// The planner's own cost of an order: what every sorter that regards motion is measured
-// by in the end.
+// The planner's own cost of an order, the final measure for every sorter that takes
+// motion into account.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace intaglio::sort {
 std::uint64_t PlannedTicks(const PointList& points_mm, const Order& order,
                            const motion::Limits& limits, double rate_hz);
 
-/// Whether less than 0.1 % of the ticks are more than one a point, the bound.
+/// Whether the ticks exceed the bound, one per point, by less than 0.1 %.
 inline bool IsNearTheBound(std::uint64_t ticks, std::size_t points) {
   return static_cast<double>(ticks) <= 1.001 * static_cast<double>(points);
 }

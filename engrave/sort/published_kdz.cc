@@ -1,5 +1,5 @@
-// A k-d tree over the points that are left; each node knows the box around them. The
-// least cost that a box can hold bounds the search from below.
+// A k-d tree over the points that are left; each node has the box around them. The
+// minimum cost possible in a box bounds the search from below.
 
 #include "engrave/sort/published_kdz.h"
 

@@ -1,14 +1,14 @@
-// A k-d tree over the points as they were made; each node knows the box around its points
-// and the first of them to be made. For a point p, a subtree needs no look if its first
-// point was made after p, or if the part of its box above p lies outside the cone. It
-// decides at once if its box lies inside the cone whole and its first point was made
-// before p.
+// A k-d tree over the points as they were made; each node has the box around its points
+// and the first of them to be made. For a point p, a subtree need not be searched if its
+// first point was made after p, or if the part of its box above p lies outside the cone.
+// It decides at once if its box lies entirely inside the cone and its first point was
+// made before p.
 //
 // The cone widens upwards, so of a box its top face reaches farthest in: some point of
 // the box is inside only if (distance of p to the box in XY, height of the top) is
 // inside, and all are if (distance to the farthest corner, height of the bottom) is. Both
-// are evaluated with the expression that decides about single points, whose every
-// operation is monotone in floating point as well; so the answer is that of the brute
+// are evaluated with the expression that is used for single points, and each of its
+// operations is monotone in floating point as well; so the result is that of the brute
 // force, bit for bit.
 
 #include "engrave/sort/shadow.h"

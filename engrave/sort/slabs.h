@@ -14,7 +14,7 @@ namespace intaglio::sort {
 /// 0.01..100 mm; the sentence names the field.
 Status CheckThickness(std::string_view field, double thickness_mm);
 
-/// Of each point the number of its slab across `axis` (0..2), the least coordinate being
+/// For each point the number of its slab across `axis` (0..2); the smallest coordinate is
 /// in slab 0. There must be a point.
 std::vector<std::uint64_t> SlabNumbers(const PointList& points_mm, int axis,
                                        double thickness_mm);

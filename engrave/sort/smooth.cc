@@ -49,9 +49,9 @@ double TypicalSpacing(const PointList& points_mm) {
   return *middle;
 }
 
-/// What is worth a try, by trial. A point left behind or below costs a way of its own
-/// later, from rest to rest at worst: with weights as high as that contours are followed
-/// without a gap. Lower ones suit clouds without rows.
+/// The weights worth trying, by experiment. A point left behind or below costs a move of
+/// its own later, from rest to rest at worst: with weights that high contours are
+/// followed without a gap. Lower ones suit clouds without rows.
 std::vector<Weights> WeightsToTry(const TickCost& cost, const PointList& points_mm) {
   const double spacing_mm = TypicalSpacing(points_mm);
   if (!std::isfinite(spacing_mm)) return {{1, 0, 0}};
@@ -72,7 +72,7 @@ class Walk {
         remaining_((std::iota(all_.begin(), all_.end(), 0U), points_mm), all_,
                    DefaultUpRatio(options.cone)) {}
 
-  /// Empty when `progress` asked for the end.
+  /// Empty when `progress` requested cancellation.
   Order Make(SharedProgress& progress) {
     Order order;
     order.reserve(points_mm_.size());
@@ -147,7 +147,7 @@ Result<Order> OrderSmoothly(const PointList& points_mm, const OrderOptions& opti
   const std::vector<Weights> trials = WeightsToTry(cost, points_mm);
   std::vector<Order> orders(trials.size());
   std::vector<std::uint64_t> ticks(trials.size());
-  // All trials are one order: their points are told of as its own.
+  // All trials together make one order: their progress is reported in its points.
   const ProgressSink of_one =
       progress
           ? [&](std::uint64_t done,

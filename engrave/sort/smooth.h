@@ -2,11 +2,11 @@
 
 // Sort for the stage: the next point is the one that can be reached in the fewest ticks
 // with the least change of velocity, of the points that are near by the cost of sort Kdz
-// (kdz.h). It follows a contour to its end in the direction in which it came, where the
-// nearest point would often be a step aside.
+// (kdz.h). It follows a contour to its end in its direction, where the nearest point
+// would often be a step aside.
 //
-// Never through an earlier crack: a point that would shade one that is left waits. One
-// that does not wait always exists, for the first choice of sort Kdz is one whatever was
+// Never through an earlier crack: a point that would shade one that is left waits. There
+// is always one that does not wait: the first choice of sort Kdz never does, whatever was
 // taken before (proof in kdz.cc).
 
 #include "engrave/sort/order.h"
@@ -15,12 +15,11 @@ namespace intaglio::sort {
 
 Status CheckSmoothOptions(const OrderOptions& options);
 
-/// Starts at the lowest point (lowest_point.h). Tries several weights of way, height and
-/// bends, unless the first leaves nothing to gain, and returns the order that the motion
-/// planner makes in the fewest ticks.
-/// options.executor may try them at the same time. Memory: 80 bytes a point for
-/// each of them. Points and options as MakeOrder has
-/// checked them.
+/// Starts at the lowest point (lowest_point.h). Tries several weights of distance, height
+/// and bends, unless the first leaves nothing to gain, and returns the order that the
+/// motion planner makes in the fewest ticks. options.executor may try them at the same
+/// time. Memory: 80 bytes a point for each of them. Points and options must have been
+/// checked by MakeOrder.
 Result<Order> OrderSmoothly(const PointList& points_mm, const OrderOptions& options,
                             const ProgressSink& progress);
 

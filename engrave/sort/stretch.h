@@ -42,7 +42,7 @@ class Stretch {
     std::size_t begin, middle, end;
     bool turn_left, turn_right;
   };
-  /// Neighbouring steps whose ticks are chosen anew.
+  /// Neighbouring steps whose ticks are chosen again.
   struct Window {
     std::size_t first, last;  ///< of the steps' places; step i leads to place i
     float ticks[TickCost::kMostSteps];

@@ -69,7 +69,8 @@ float TickCost::TicksAfter(const TimedMove& before, const Scaled& step) const {
                             TicksOfAxis(before.step.z, before.ticks, step.z)};
   double ticks = least;
   for (const AxisTicks& axis : axes) ticks = std::max(ticks, RoundUp(axis.fewest));
-  // Past one gap may be within that of an axis looked at before; never back.
+  // The end of one gap may be inside the gap of an axis checked before; the ticks never
+  // decrease.
   for (int round = 0; round < 3; ++round) {
     for (const AxisTicks& axis : axes) {
       if (ticks > axis.gap_begin * (1 + kRounding)) {

@@ -1,15 +1,16 @@
 #pragma once
 
-// What an order costs the stage, from steps alone and without planning its motion: quick
-// enough to be asked a million times a second while orders are compared.
+// The cost of an order for the stage, from its steps alone and without planning the
+// motion: fast enough to be computed a million times per second while orders are
+// compared.
 //
 // A step d made in n ticks of T has the mean velocity d / (n T). From the middle of one
 // step to the middle of the next an axis changes its velocity by no more than its
 // acceleration limit allows in that time:
 //   |d2 / n2 - d1 / n1| <= A T^2 (n1 + n2) / 2.
-// That is necessary, not sufficient: the planner (motion/tick_labels.h) knows the rest.
-// The share of this limit that is used, squared and weighed, is added to the ticks: less
-// of it leaves the planner more to choose from.
+// That is necessary, not sufficient; the planner (motion/tick_labels.h) computes the
+// exact condition. The used share of this limit, squared and weighted, is added to the
+// ticks: a smaller share leaves the planner more freedom.
 
 #include <algorithm>
 #include <array>
@@ -76,7 +77,7 @@ class TickCost {
   /// Ticks that a step of `mm` takes from rest to rest on the slowest axis.
   double StopAndGoTicks(double mm) const;
 
-  /// The most steps that BestTicks takes at once.
+  /// The maximum number of steps that BestTicks takes at once.
   static constexpr std::size_t kMostSteps = 16;
 
   /// The cheapest ticks of `steps` (1..kMostSteps) between two moves that stay as they

@@ -1,7 +1,7 @@
 #pragma once
 
-// The settings without which CuraEngine 4.13 does not come as far as its slices: the
-// defaults of its own fdmprinter definition, which Debian packages elsewhere.
+// The settings that CuraEngine 4.13 needs to reach its slices: the defaults of its own
+// fdmprinter definition, which Debian packages elsewhere.
 
 #include <array>
 

@@ -2,8 +2,8 @@
 //   discretize_bench [MODEL]
 // Without a model: $INTAGLIO_MESH, else a knot of 70 000 triangles. It is turned upright
 // (y becomes z) and its largest extent made 60 mm; layers and spacing are 0.1 mm. Times
-// are the best of a few runs on one thread, with all that a job has to do each time:
-// neighbourhood of the triangles, trees, memory that nobody touched before.
+// are the best of a few runs on one thread, with all the work of a job each time:
+// neighbourhood of the triangles, trees, memory not used before.
 
 #include <fmt/format.h>
 

@@ -101,7 +101,7 @@ std::optional<PeerRun> CuraSlices(const mesh::TriangleMesh& mesh, double layer_m
                          (Folder() / "cura.gcode").string(), log.string());
   std::optional<PeerRun> best;
   for (int i = 0; i < kRuns; ++i) {
-    // It stops after its slices for want of settings of what comes then.
+    // It stops after its slices because settings for the later steps are missing.
     if (std::system(command.c_str()) == -1) return best;
     std::stringstream text;
     text << std::ifstream(log).rdbuf();

@@ -11,10 +11,10 @@
 
 namespace intaglio::bench {
 
-/// What a peer did, and how long it took at best of a few runs.
+/// The result of a peer, and its best time of a few runs.
 struct PeerRun {
   double ms = 0;
-  double count = 0;  ///< contours, hits or points; 0 where it does not tell
+  double count = 0;  ///< contours, hits or points; 0 where the peer does not report it
 };
 
 /// The shortest wall time of `runs` calls, ms.

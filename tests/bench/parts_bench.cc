@@ -1,16 +1,17 @@
 // How much faster several discretizers cut a job than one: a shop of real processes, the
-// same job with one and with several of them in turn, so that whatever else the host does
-// falls on both. Client and synchronizer are played; before the sorting the job is
-// cancelled.
+// same job with one and with several of them in turn, so that other load of the host
+// affects both alike. Client and synchronizer are simulated; before the sorting the job
+// is cancelled.
 //
 //   chrt -f 10 parts_bench JOB [--runs 5] [--discretizers 2] [--most-stolen 2] [--trace]
 //
-// A virtual machine may be without its processors for a while. A run in which more than
-// --most-stolen percent of their time was taken away is made again.
+// A virtual machine may lose its processors for a while. A run in which more than
+// --most-stolen percent of their time was stolen is repeated.
 //
 // Each discretizer computes on one thread. A time is from the first task of the
 // discretizing to the job's sorting, by the stamps that the writers give their samples:
-// the sorter has all points then. --trace tells what was given, taken and done when.
+// the sorter has all points then. --trace prints when each task was given, taken and
+// done.
 
 #include <fmt/format.h>
 #include <time.h>
@@ -67,7 +68,7 @@ double Median(std::vector<double> values) {
   return values.at(values.size() / 2);
 }
 
-/// What is said on the bus about one job, by the writers' clocks.
+/// The messages on the bus about one job, with the writers' timestamps.
 class Watch {
  public:
   explicit Watch(bus::Bus& bus)
@@ -158,7 +159,7 @@ class Shop {
                         folder_ / "materials.db", "--results", folder_ / "results"})),
         sorter_(Start("intaglio-sorter", {})) {}
 
-  /// The first run of a few that is fit to be told.
+  /// The first run of a few with little enough stolen time.
   Measured Run(int discretizers) {
     constexpr int kTries = 20;
     for (int again = 0; again < kTries; ++again) {

@@ -1,5 +1,5 @@
-// What recording costs the pipeline: `intaglio run` of one job with and without it, in
-// turn, so that whatever else the host does falls on both.
+// The cost of recording for the pipeline: `intaglio run` of one job with and without it,
+// in turn, so that other load of the host affects both alike.
 //
 //   recording_bench [RUNS [JOB]]     default 5 of deploy/jobs/sample.textproto, lockstep
 

@@ -1,4 +1,4 @@
-// How long ordering and the shadow check take, and what an order is worth: the lamp's
+// How long ordering and the shadow check take, and the quality of an order: the lamp's
 // ticks that the motion without a stop uses on it, at the published machine's limits.
 // Clouds: random points of a dented sphere's surface in random order, which is the worst
 // for the caches; sections of a vase; and the measured scatter cloud where it is at hand.

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the fuzz targets of the readers of drawings have in common.
+// The common part of the fuzz targets of the readers of drawings.
 
 #include <cstdint>
 #include <string_view>

@@ -1,6 +1,6 @@
-// Any bytes on a serial line: what the parser delivers is in them and stands there whole,
-// a frame after them is delivered with its last byte, and what a decoder takes encodes to
-// the same bytes again.
+// Any bytes on a serial line: every frame that the parser delivers occurs in them
+// completely, a frame after them is delivered with its last byte, and what a decoder
+// accepts encodes to the same bytes again.
 
 #include <algorithm>
 #include <cstdint>

@@ -14,7 +14,7 @@ namespace {
 
 using namespace intaglio::formats;
 
-// A history takes some 40 bytes a point, whatever the journal's size.
+// A history takes about 40 bytes per point, whatever the journal's size.
 constexpr std::uint64_t kMaxPointsHere = 1'000'000;
 
 std::vector<std::byte> Written(const JournalHeader& header,

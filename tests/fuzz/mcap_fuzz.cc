@@ -1,5 +1,6 @@
 // Any bytes as a recording: everything in it is read, within bounds. The same bytes as
-// the records of a chunk whose checksums hold, which chance would never find.
+// the records of a chunk whose checksums hold, because random bytes would never have
+// valid ones.
 
 #include <cstdint>
 #include <cstdlib>

@@ -8,8 +8,8 @@
 #include "engrave/mesh/mesh_import.h"
 
 // The first byte picks the format ('0' stl, '1' obj, ... in the order below), the rest is
-// the file. Whatever comes in comes out as a mesh of finite vertices or as an error with
-// a sentence. The import library itself is not instrumented.
+// the file. Every input gives a mesh of finite vertices or an error with a message. The
+// import library itself is not instrumented.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace intaglio;
   static constexpr std::array<std::string_view, 8> kExtensions = {

@@ -23,8 +23,9 @@
 #include "tests/engrave/mesh/mesh_file.h"
 #include "tests/test_folder.h"
 
-// What any file may cost any reader: every seed of the fuzzers, and every broken file,
-// is given to every reader under that reader's extension, in a process of its own.
+// The limits of the time and memory that any file may cost any reader: every seed of the
+// fuzzers, and every broken file, is given to every reader under that reader's extension,
+// in a process of its own.
 
 namespace intaglio {
 namespace {
@@ -69,7 +70,7 @@ Status ReadAsDxf(const fs::path& file) { return ReadDrawing(file, drawing::ReadD
 Status ReadAsSvg(const fs::path& file) { return ReadDrawing(file, drawing::ReadSvg); }
 Status ReadAsHpgl(const fs::path& file) { return ReadDrawing(file, drawing::ReadHpgl); }
 
-/// Of whatever kind the bytes are; the file is named by who reads it.
+/// Reads bytes of any format; the file name is added to the error here.
 Status ReadAsImage(const fs::path& file) {
   const auto text = io::ReadWholeFile(file, kMostFileBytes);
   if (!text) return tl::unexpected(text.error());
@@ -110,7 +111,8 @@ std::string FaultOf(const Error& error, const fs::path& file) {
   return {};
 }
 
-/// Every reader in turn; what is wrong, a line each. The last line is the reader at work.
+/// Runs every reader in turn and writes one line per error. The last line names the
+/// reader at work.
 void ReadInEveryWay(const fs::path& seed, const fs::path& folder, int report) {
   const auto say = [&](const std::string& text) {
     [[maybe_unused]] const auto written = write(report, text.data(), text.size());

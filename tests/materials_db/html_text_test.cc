@@ -20,7 +20,7 @@ TEST(HtmlText, DropsTagsAndKeepsLines) {
 TEST(HtmlText, DecodesEntities) {
   EXPECT_EQ(TextFromHtml("a &amp; b &lt;c&gt; 5&nbsp;&#181;m &#x3BB; &unknown; & &;"),
             "a & b <c> 5 µm λ &unknown; & &;");
-  // No character: kept as it stands.
+  // Not a character: kept unchanged.
   EXPECT_EQ(TextFromHtml("&#xD800; &#0; &#99999999;"), "&#xD800; &#0; &#99999999;");
 }
 

@@ -209,7 +209,7 @@ TEST(DefaultDatabasePath, FollowsTheEnvironment) {
   EXPECT_EQ(DefaultDatabasePath(), "/shop/glass.db");
   set("INTAGLIO_MATERIALS_DB", nullptr);
   EXPECT_EQ(DefaultDatabasePath(), "/data/intaglio/materials.db");
-  set("XDG_DATA_HOME", "relative");  // to be ignored, says its specification
+  set("XDG_DATA_HOME", "relative");  // must be ignored by its specification
   EXPECT_EQ(DefaultDatabasePath(), "/home/anna/.local/share/intaglio/materials.db");
   set("XDG_DATA_HOME", nullptr);
   set("HOME", nullptr);

@@ -97,7 +97,7 @@ TEST(ComputeOptics, ThermalStrengthIsUnknownWhenAValueOfItIs) {
     EXPECT_FALSE(ComputeOptics(glass, 532, 0.1)->thermal_strength_k);
   }
   Material glass = CompleteGlass();
-  glass.expansion_per_k = -1e-8;  // stands any shock, equation (1) does not hold
+  glass.expansion_per_k = -1e-8;  // withstands any shock, equation (1) does not hold
   EXPECT_FALSE(ComputeOptics(glass, 532, 0.1)->thermal_strength_k);
 }
 

@@ -23,7 +23,7 @@ std::string GoldenSql() {
                          "tests/materials_db/golden/version_1.sql");
 }
 
-/// How SQLite says its tables were made.
+/// The SQL of its tables as SQLite reports it.
 std::string SchemaOf(SQLite::Database& database) {
   SQLite::Statement query(database, "SELECT sql FROM sqlite_master WHERE sql NOT NULL");
   std::string schema;

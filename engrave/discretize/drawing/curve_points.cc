@@ -21,7 +21,7 @@ namespace {
 using drawing::FlatCurve;
 using drawing::FlatDrawing;
 
-// What is flat within this is flat: a hundredth of a crack.
+// Tolerance within which a curve counts as flat: a hundredth of a crack.
 constexpr double kFlat_mm = 0.001;
 
 void CheckOptions(const CurveOptions& o) {
@@ -117,8 +117,8 @@ class CurvePoints {
     return cuts;
   }
 
-  /// Equal arc length from cut to cut. Each run has the point of its beginning; ends of
-  /// an open line that keeps none are half a distance short.
+  /// Equal arc length from cut to cut. Each run has a point at its beginning. If an open
+  /// line keeps no end points, its points begin and end half a distance inside.
   void AddRuns(const PointList& line, const std::vector<std::size_t>& cuts, bool closed,
                PointList& points) const {
     std::vector<double> arc_mm(line.size(), 0);

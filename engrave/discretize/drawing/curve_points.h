@@ -11,9 +11,9 @@
 
 namespace intaglio::discretize {
 
-/// What becomes of the inside of closed curves. Even-odd: what lies within an odd number
-/// of curves, whatever their direction: drawings. Non-zero: what curves wind round, so
-/// that strokes may overlap: text.
+/// How the inside of closed curves is defined. Even-odd: places within an odd number of
+/// curves, whatever their direction; for drawings. Non-zero: places that the curves wind
+/// round, so that strokes may overlap; for text.
 enum class CurveFill { kNone, kEvenOdd, kNonZero };
 
 struct CurveOptions {
@@ -29,8 +29,8 @@ struct CurveOptions {
   double twist_phase_ratio = 0;
   /// Points on the very ends of open curves; else half a distance from them.
   bool insert_end_points = true;
-  /// A point on every corner that is at least the distance from the last one, and equal
-  /// arc length between: or drawings lose their corners.
+  /// A point on every corner that is at least the distance from the previous one, and
+  /// equal arc length between them. Without it drawings would lose their corners.
   bool keep_corners = true;
   /// What the direction turns by at a corner, 0.1 .. 3. Above the turn that flattening
   /// leaves (0.05), below the 45 degrees of an octagon.
@@ -38,12 +38,12 @@ struct CurveOptions {
   CurveFill fill = CurveFill::kNone;
 };
 
-/// The points of the drawing, which stands in the glass frame. A filled inside keeps the
-/// distance from its outline's points and between its own, and leaves no place in it
-/// farther than about 1.1 distances from a point.
-/// Errors: kTooLarge (more points than candidate_limit.h allows), kUnsupported (fill of a
-/// closed curve that is not flat, or of several planes at an angle). Broken
-/// preconditions: options outside their ranges.
+/// The points of the drawing, which is already in the glass frame. The points of a filled
+/// inside keep the distance from the outline's points and from each other; no place
+/// inside is farther than about 1.1 distances from a point. Errors: kTooLarge (more
+/// points than candidate_limit.h allows), kUnsupported (fill of a closed curve that is
+/// not flat, or of several planes at an angle). Broken preconditions: options outside
+/// their ranges.
 Result<std::unique_ptr<PointSource>> MakeCurvePoints(const drawing::FlatDrawing& placed,
                                                      const CurveOptions& options);
 

@@ -14,8 +14,8 @@
 namespace intaglio::discretize {
 namespace {
 
-// Candidates round a point, at the distance: 48 of them leave no arc of more than 0.13
-// distances untried.
+// Candidates around a point, at the distance: 48 of them leave no arc longer than 0.13
+// distances unchecked.
 constexpr int kRing = 48;
 
 struct Edge {
@@ -29,7 +29,7 @@ struct Crossing {
   int winding = 0;
 };
 
-/// Says what is inside, by the edges that cross the row of a height.
+/// Decides what is inside from the edges that cross the row at a height.
 class Inside {
  public:
   Inside(const std::vector<std::vector<Vec2>>& polygons, bool even_odd, double row_mm)
@@ -70,8 +70,8 @@ class Inside {
   double lowest() const { return lowest_; }
   double highest() const { return highest_; }
 
-  /// Crossings of the outline at the height, by x. An edge has its lower end, not its
-  /// upper one.
+  /// Crossings of the outline at the height, by x. An edge includes its lower end, not
+  /// its upper one.
   void CrossingsAt(double y, std::vector<Crossing>& crossings) const {
     crossings.clear();
     ForEachAt(y, [&](double x, int winding) { crossings.push_back({x, winding}); });
@@ -114,7 +114,8 @@ class Inside {
   double highest_ = -std::numeric_limits<double>::infinity();
 };
 
-/// Points in cells as wide as the distance, so that nine cells tell who is too near.
+/// Points in cells as wide as the distance, so that only nine cells have to be checked
+/// for points that are too near.
 class Spaced {
  public:
   explicit Spaced(double distance_mm) : distance_mm_(distance_mm) {}
@@ -153,7 +154,8 @@ class Spaced {
   std::unordered_map<std::uint64_t, std::vector<Vec2>, Mix> cells_;
 };
 
-/// Calls visit(y, shift of the row's lattice, from, to) for what is inside.
+/// Calls visit(y, shift of the row's lattice, from, to) for the parts of the rows that
+/// are inside.
 template <typename Visit>
 void ForEachSpan(const Inside& inside, double row_mm, double pitch_mm,
                  const Visit& visit) {
@@ -199,8 +201,8 @@ class Filler {
                 });
   }
 
-  /// Whatever can still be placed lies, pushed as far as it goes, at the distance from
-  /// some point; in the midst of the lattice nothing can.
+  /// A point that can still be placed can be moved until it is at the distance from some
+  /// point; in the middle of the lattice none can be placed.
   void AddBetween() {
     for (std::size_t i = 0; i < front_.size(); ++i) {
       const Vec2 around = front_[i];
@@ -224,7 +226,7 @@ class Filler {
   Spaced spaced_;
   Spaced outline_;
   std::vector<Vec2>& points_;
-  std::vector<Vec2> front_;  ///< points with room beside them, perhaps
+  std::vector<Vec2> front_;  ///< points that may have free space beside them
 };
 
 }  // namespace
@@ -237,7 +239,7 @@ Status AddInnerPoints(const std::vector<std::vector<Vec2>>& polygons_mm,
   Inside inside(polygons_mm, fill.even_odd, row_mm);
   INTAGLIO_TRY(inside.Build());
   if (!(inside.highest() > inside.lowest())) return {};
-  // Counted before they are placed: too many is told at once.
+  // Counted before they are placed, so that too many are reported at once.
   double count = 0;
   ForEachSpan(inside, row_mm, pitch_mm, [&](double, double, double from, double to) {
     count += (to - from) / pitch_mm;

@@ -10,12 +10,12 @@
 namespace intaglio::discretize {
 
 struct OutlineFill {
-  double distance_mm = 1;  ///< least, from the kept points and between the new ones
+  double distance_mm = 1;  ///< minimum, from the kept points and between the new ones
   bool even_odd = true;    ///< else non-zero winding
 };
 
-/// Appends points inside the closed polygons: a hexagonal lattice, then whatever still
-/// fits between it and the points `kept_mm` of the outline. No place inside is left
+/// Appends points inside the closed polygons: a hexagonal lattice, then as many points as
+/// still fit between it and the points `kept_mm` of the outline. No place inside is
 /// farther than about 1.1 distances from a point. Plane x y, mm. kTooLarge as in
 /// candidate_limit.h.
 Status AddInnerPoints(const std::vector<std::vector<Vec2>>& polygons_mm,

@@ -13,7 +13,7 @@ Result<PlacedDrawing> PlaceDrawing(const drawing::Drawing& drawing,
                                    const Vec3& block_size_mm,
                                    const drawing::FlattenOptions& flatten,
                                    double join_mm) {
-  // Fit and centre ask for the extent, which the flattened curves have to the tolerance.
+  // Fit and centre need the extent, which the flattened curves give within the tolerance.
   const auto unplaced = INTAGLIO_TRY(drawing::Flatten(drawing, flatten));
   PointList points;
   for (const drawing::FlatCurve& curve : unplaced.curves) {

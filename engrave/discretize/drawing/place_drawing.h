@@ -12,9 +12,9 @@ struct PlacedDrawing {
 };
 
 /// The drawing in the block. `placement` is that of models (placement.h); curves are
-/// placed exactly and flattened where they stand, then open ones joined when `join_mm` is
-/// positive, and contours that stand twice taken once (flatten.h). Errors: those of
-/// GlassFromModelOf and Flatten, and kMissing for a drawing without curves.
+/// transformed exactly and flattened in the glass frame. Then open curves are joined when
+/// `join_mm` is positive, and of duplicate contours one is kept (flatten.h). Errors:
+/// those of GlassFromModelOf and Flatten, and kMissing for a drawing without curves.
 Result<PlacedDrawing> PlaceDrawing(const drawing::Drawing& drawing,
                                    const mesh::Placement& placement,
                                    const Vec3& block_size_mm,

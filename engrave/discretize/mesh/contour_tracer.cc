@@ -89,7 +89,7 @@ class ContourTracer::Sweep {
     std::uint32_t triangle;
     std::uint32_t end;  // the first plane above it
   };
-  /// Where a walk stands: in a triangle that it entered by a side.
+  /// The position of a walk: a triangle and the side by which it was entered.
   struct Step {
     std::uint32_t triangle, side;
     std::uint32_t above, below;  // the corners of that side
@@ -115,8 +115,8 @@ class ContourTracer::Sweep {
   std::size_t walked_count_ = 0;
 };
 
-// By counting, in the order of the index among those of the same first plane: it is the
-// same for every range, and so are the contours' seeds.
+// By counting sort; those of the same first plane in the order of their index. The order
+// is the same for every range, and so are the contours' seeds.
 void ContourTracer::Sweep::FindTriangles(const Interval& planes) {
   std::vector<IndexedInterval> found;
   tracer_.cut_planes_.Find(planes, found);
@@ -165,8 +165,8 @@ Vec3 ContourTracer::Sweep::CrossingOf(const Step& step) const {
   return p;
 }
 
-// Through the triangles, until it is back in the one where it began or has left the last
-// by an open edge; that edge is the answer, or kNoNeighbour. The step is the last one.
+// Walks through the triangles until it is back in the first one or has left the last by
+// an open edge. Returns that edge, or kNoNeighbour. The step is the last one.
 std::uint32_t ContourTracer::Sweep::Walk(Step& step) {
   const std::uint32_t begin = step.triangle;
   const Facet* facets = tracer_.facets_.data();
@@ -245,7 +245,7 @@ void ContourTracer::Sweep::Cut(std::uint32_t plane) {
     walked_count_ = 0;
     const std::uint32_t open = Walk(step);
     if (open != mesh::kNoNeighbour) {
-      // It met an open edge: all of it lies between there and the other open edge.
+      // It met an open edge: the whole contour lies between that and the other open edge.
       walked_[0] = CrossingOf(step);
       walked_count_ = 1;
       Walk(step);

@@ -55,9 +55,9 @@ class ContourTracer {
                 const PlaneStack& planes);
 
   /// Appends the contours of the planes in the range and calls `visit` after every plane,
-  /// until it says false. What a plane gives depends on the plane alone. A plane passes
-  /// below a vertex that lies exactly in it, so every contour of a closed mesh is closed.
-  /// May be called from several threads at once.
+  /// until it returns false. The contours of a plane depend on that plane alone. A plane
+  /// passes below a vertex that lies exactly in it, so every contour of a closed mesh is
+  /// closed. May be called from several threads at once.
   void Trace(const Interval& planes, Contours& contours,
              const std::function<bool(std::uint32_t plane)>& visit) const;
 

@@ -36,8 +36,9 @@ Density DensityByPlace(std::function<double(const Vec3&)> value_at) {
 }
 
 // Along an edge the normal turns by |n_b - n_a| / |b - a|, about the normal curvature in
-// that direction. The root of the mean square over a vertex's edges holds for ridges,
-// which bend one way only, as for tips; triangles' edges count once for each side.
+// that direction. The root of the mean square over a vertex's edges is right for ridges,
+// which bend in one direction only, and for tips; triangles' edges count once for each
+// side.
 Density DensityByCurvature(const mesh::TriangleMesh& mesh, double turn_rad_per_mm) {
   Require(turn_rad_per_mm > 0, "turn_rad_per_mm must be positive, is {}",
           turn_rad_per_mm);

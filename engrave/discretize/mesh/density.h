@@ -18,13 +18,13 @@ using Density = std::function<double(const SurfacePoint&)>;
 /// By place, such as an image that is projected onto the surface: 0..1.
 Density DensityByPlace(std::function<double(const Vec3&)> value_at);
 
-/// Dense where the surface bends: where its normal turns by as much as turn_rad (> 0) on
-/// the way of a millimetre, or more, it is 1; where it is plane, 0.
+/// Dense where the surface bends: 1 where its normal turns by turn_rad (> 0) per
+/// millimetre or more, 0 where it is plane.
 Density DensityByCurvature(const mesh::TriangleMesh& mesh, double turn_rad_per_mm);
 
 /// As if lit (Lambert 1760): the cosine between the surface's outward normal and the
 /// direction that the light comes from, 0 in the shade. Dark is sparse. The direction
-/// needs no unit length, but some.
+/// need not have unit length, but must not be zero.
 Density DensityByLight(const mesh::TriangleMesh& mesh, const Vec3& light_from);
 
 /// The spacing for which the number of points for each square millimetre goes from the

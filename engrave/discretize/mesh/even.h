@@ -1,11 +1,12 @@
 #pragma once
 
-// Even sampling: points all over a surface, each at least a distance from the next and no
-// place much farther than that from one (blue noise; Poisson disc sampling, Cook 1986),
-// on shells below it if wanted, and denser or sparser from place to place. Glass frame.
+// Even sampling: points all over a surface, at least a given distance apart, with no
+// place of the surface much farther than that distance from a point (blue noise; Poisson
+// disc sampling, Cook 1986). Optional: shells below the surface, and a density that
+// varies over it. Glass frame.
 //
-// The method offers about 25 candidates for each point that remains; the weld (weld.h)
-// chooses from the lowest up, which packs evenly.
+// The method offers about 25 candidates for each point that remains; thinning (weld.h)
+// selects from the lowest up, which packs evenly.
 
 #include <memory>
 #include <vector>
@@ -25,9 +26,9 @@ struct EvenOptions {
   std::vector<double> depths_mm = {};  ///< > 0: shells so far below the surface, inward
 };
 
-/// Mesh in mm, its triangles counter-clockwise from outside, which shells and light
-/// depend on. Shells are left out where the model is too thin for them: the statistics
-/// tell how many of their candidates.
+/// Mesh in mm. Its triangles must be counter-clockwise seen from outside; shells and
+/// light depend on that. Shells are omitted where the model is too thin for them; the
+/// statistics count the omitted candidates.
 Result<std::unique_ptr<PointSource>> MakeEven(mesh::TriangleMesh mesh,
                                               const EvenOptions& options);
 

@@ -5,7 +5,8 @@
 #include "engrave/core/check.h"
 #include "engrave/discretize/mesh/surface_grid.h"
 
-// Steps of a quarter of the distance: see even.cc for what finer and coarser ones give.
+// Steps of a quarter of the distance: see even.cc for the results of finer and coarser
+// ones.
 
 namespace intaglio::discretize {
 namespace {

@@ -15,8 +15,8 @@ struct FlatFaces {
   std::vector<mesh::Triangle> triangles;
   std::uint64_t face_count = 0;  ///< sets of them that hang together by edges
   double area_mm2 = 0;
-  /// Of all other triangles, as seen along the planes: the length of their contours times
-  /// the distance of the planes.
+  /// Of all other triangles, seen parallel to the planes: the length of their contours
+  /// times the distance of the planes.
   double wall_area_mm2 = 0;
 };
 

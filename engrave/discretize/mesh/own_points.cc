@@ -38,8 +38,8 @@ OnePerCube::Cube OnePerCube::CubeOf(const Vec3& p_mm) const {
 }
 
 HeightRange OnePerCube::WholeCubes(const HeightRange& range) const {
-  // Heights in a cube are told by the same quotient as the cube's number, so a side more
-  // on both ends is enough.
+  // The heights of a cube are computed by the same quotient as the cube's number, so one
+  // more side at both ends is enough.
   return {(std::floor(range.low_mm / side_mm_) - 1) * side_mm_,
           (std::ceil(range.high_mm / side_mm_) + 1) * side_mm_};
 }

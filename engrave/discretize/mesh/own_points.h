@@ -21,7 +21,7 @@ class OnePerCube {
   explicit OnePerCube(double side_mm);
 
   void Add(const Point& point);
-  /// In the sequence in which their cubes were met first.
+  /// In the sequence in which their cubes were first used.
   const std::vector<Point>& points() const { return points_; }
   /// The range of heights of all cubes that the given one meets.
   HeightRange WholeCubes(const HeightRange& range) const;

@@ -1,10 +1,9 @@
 #pragma once
 
 // Which rays of a grid cross which triangles, and where. A ray through an edge or a
-// vertex counts once: it is taken as moved aside by an infinitesimal step, the same for
-// all triangles, and the side of an edge on which it passes is decided exactly. So a
-// closed mesh has an even number of crossings on every ray. Frame of the rays
-// (ray_grid.h), mm.
+// vertex counts once: it is treated as shifted by an infinitesimal step, the same for all
+// triangles, and the side of an edge on which it passes is decided exactly. So a closed
+// mesh has an even number of crossings on every ray. Frame of the rays (ray_grid.h), mm.
 
 #include <cstdint>
 #include <span>
@@ -33,8 +32,8 @@ class RayCaster {
   template <typename Visit>
   Status Cast(std::span<const mesh::Triangle> triangles, const Visit& visit) const;
 
-  /// About as many crossings as these triangles have: their area across the rays in steps
-  /// of the grid.
+  /// Estimated number of crossings of these triangles: their area across the rays, in
+  /// cells of the grid.
   double CrossingsAbout(std::span<const mesh::Triangle> triangles) const;
 
   const RayGrid& grid() const { return grid_; }

@@ -29,8 +29,8 @@ struct RayGrid {
   std::uint32_t ColumnFrom(double u_mm) const;
   std::uint32_t RowFrom(double v_mm) const;
 
-  /// A grid of the same steps, half a step aside of this one in both ways, that covers
-  /// what it covers.
+  /// A grid of the same steps, shifted by half a step along both axes, that covers the
+  /// same area.
   RayGrid Between() const;
 };
 

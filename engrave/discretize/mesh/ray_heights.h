@@ -1,7 +1,7 @@
 #pragma once
 
-// The crossings of a row of rays, ray by ray, from what the row crosses of triangles
-// (ray_sweep.h). Frame of the rays, mm.
+// The crossings of a row of rays, ray by ray, computed from the row's crossings with
+// triangles (ray_sweep.h). Frame of the rays, mm.
 
 #include <algorithm>
 #include <cstdint>
@@ -16,7 +16,7 @@ class RayHeights {
  public:
   explicit RayHeights(std::uint32_t column_count) : end_of_(column_count + 1, 0) {}
 
-  /// Forgets the row before. How many crossings this one has.
+  /// Clears the previous row. The number of crossings of this row.
   std::uint32_t Take(std::span<const RaySpan> spans);
 
   /// Calls visit(column, heights) for each ray of the row that crosses anything, by
@@ -25,7 +25,8 @@ class RayHeights {
   void ForEachRay(const Visit& visit);
 
  private:
-  // What was the beginning of a column's heights is their end when all are in.
+  // Once all heights of a column are stored, the entry for their beginning holds their
+  // end.
   std::vector<std::uint32_t> end_of_;
   std::vector<double> heights_;
   std::uint32_t first_ = 0, last_ = 0;  // columns
@@ -39,7 +40,7 @@ void RayHeights::ForEachRay(const Visit& visit) {
     if (from == to) continue;
     const std::span<double> ray(heights_.data() + from, to - from);
     if (ray.size() == 2) {
-      // Most have two, in either order: no branch can be foreseen.
+      // Most have two, in either order, so a branch could not be predicted.
       const double low = std::min(ray[0], ray[1]), high = std::max(ray[0], ray[1]);
       ray[0] = low;
       ray[1] = high;

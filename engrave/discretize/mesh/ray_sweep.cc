@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-// Ray p is taken as p + (e, e^2) with an infinitesimal e > 0. So it passes above a corner
-// if p_v >= corner_v, which never depends on rounding: a row meets a side of a triangle
-// if one of its ends is below it and the other is not, and then meets exactly one other
-// side as well. Between the two lie the columns that the row has in the triangle. Ray p
-// passes to the right of a side from l up to h if
+// Ray p is treated as p + (e, e^2) with an infinitesimal e > 0. So it passes above a
+// corner if p_v >= corner_v, which never depends on rounding: a row meets a side of a
+// triangle if one of its ends is below it and the other is not, and then meets exactly
+// one other side as well. Between the two lie the columns of the row that are in the
+// triangle. Ray p passes to the right of a side from l up to h if
 //   E = (p_u - l_u) (h_v - l_v) - (h_u - l_u) (p_v - l_v) >= 0.
 // The column where E changes its sign is computed in doubles, and where that is too near
-// to a whole number to tell, E itself is, with 113 bits, which hold it exactly.
-// Both triangles of an edge decide alike, so what one loses at it the other has.
+// to a whole number to decide, E itself is computed with 113 bits, which hold it exactly.
+// Both triangles of an edge decide alike, so no crossing at an edge is lost or counted
+// twice.
 //
-// What a row meets of a triangle is computed without a branch that nobody can foresee:
-// one taken wrongly costs as much as all the rest.
+// The crossings of a row with a triangle are computed without unpredictable branches: one
+// misprediction costs as much as all the rest.
 
 namespace intaglio::discretize {
 namespace {
@@ -27,7 +28,8 @@ constexpr double kErrorRatio = 0x1p-51;
 // this share of them, slopes give crossings good to 2^-40 of the triangle's height.
 constexpr double kSlenderRatio = 0x1p-11;
 constexpr auto kNoRow = static_cast<std::uint32_t>(-1);
-// So many triangles ahead their corners are fetched, and they themselves twice as many.
+// The corners of triangles are prefetched this many triangles ahead, the triangles
+// themselves twice as many.
 constexpr std::size_t kFetchAhead = 8;
 
 using Wide = __float128;
@@ -61,7 +63,7 @@ struct RaySweep::Line {
         column((low.u - grid.u0_mm) * columns_per_mm + 1),
         slope((high.u - low.u) * columns_per_mm / (high.v - low.v)) {}
 
-  /// One more than the column, so that cutting off is rounding down.
+  /// One more than the column, so that truncation rounds down.
   double At(double pv) const { return column + slope * (pv - v); }
 
   double v, column, slope;
@@ -84,7 +86,7 @@ RaySweep::RaySweep(const RayGrid& grid, std::span<const RayCorner> corners,
       triangles_(triangles) {
   std::vector<std::uint32_t> lowest;
   lowest.reserve(triangles.size());
-  // By counting: one place on holds the beginning of a row until all are in.
+  // By counting sort: until all are stored, the next entry holds the beginning of a row.
   first_.assign(grid.row_count + 2, 0);
   for (const mesh::Triangle& t : triangles) {
     const RayCorner &a = corners[t[0]], &b = corners[t[1]], &c = corners[t[2]];
@@ -108,7 +110,7 @@ RaySweep::~RaySweep() = default;
 
 RaySweep::Corners RaySweep::CornersOf(std::uint32_t triangle) const {
   const mesh::Triangle& t = triangles_[triangle];
-  // Rows, and in the two lowest bits whose they are.
+  // Rows, with the index of the corner in the two lowest bits.
   const auto key = [&](std::uint64_t i) {
     return std::uint64_t{corners_[t[i]].row} << 2 | i;
   };
@@ -220,8 +222,8 @@ void RaySweep::SetSpans() {
   return right ? nearest - 1 : nearest;
 }
 
-// The E of the three sides are the weights of the opposite corners. None is negative
-// when the area is not, or all are: no digits cancel.
+// The E of the three sides are the weights of the opposite corners. All have the sign of
+// the area, so no digits cancel.
 [[gnu::noinline]] void RaySweep::SetSlender(const Met& met, double pv,
                                             RaySpan& span) const {
   if (span.begin == span.end) return;

@@ -1,8 +1,8 @@
 #pragma once
 
-// The rows of a grid of rays, one after the other, with what they cross of some
-// triangles, as a screen is drawn. Only the triangles that a row meets are held at a
-// time, so that they stay in the cache whatever the size of the mesh. Frame of the rays
+// The rows of a grid of rays, one after the other like the lines of a screen, with their
+// crossings of some triangles. Only the triangles that a row meets are held at a time, so
+// that they stay in the cache whatever the size of the mesh. Frame of the rays
 // (ray_grid.h), mm.
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct RaySpan {
 
 class RaySweep {
  public:
-  /// What is given outlives it.
+  /// The arguments must outlive it.
   RaySweep(const RayGrid& grid, std::span<const RayCorner> corners,
            std::span<const mesh::Triangle> triangles);
   ~RaySweep();

@@ -17,10 +17,10 @@
 namespace intaglio::discretize {
 namespace {
 
-// A crossing is computed in another frame than its triangle is given in: it lies within
-// the triangle's heights but for rounding.
+// A crossing is computed in another frame than that of its triangle: it lies within the
+// triangle's heights except for rounding.
 constexpr double kRoundingMm = 1e-6;
-// Room for crossings, of what is expected.
+// Space reserved for crossings, as a ratio of the expected number.
 constexpr double kRoomRatio = 1.05;
 
 void CountRay(std::size_t crossings, MethodStatistics& statistics) {
@@ -30,7 +30,7 @@ void CountRay(std::size_t crossings, MethodStatistics& statistics) {
 
 Status Cancelled() { return Fail(ErrorCode::kCancelled, "casting rays was cancelled"); }
 
-/// Adds points behind those that a list has, without a look at its room for each one.
+/// Appends points to a list without checking its capacity for each one.
 class PointsBehind {
  public:
   PointsBehind(PointList& points, std::size_t expected)
@@ -39,7 +39,7 @@ class PointsBehind {
   }
   ~PointsBehind() { points_.resize(count_); }
 
-  /// Where so many can be written.
+  /// Returns the place where `more` points can be written.
   Vec3* Room(std::size_t more) {
     if (points_.size() - count_ < more) points_.resize(2 * (count_ + more));
     return points_.data() + count_;
@@ -139,7 +139,7 @@ class RaySource : public PointSource {
   mesh::TriangleMesh mesh_;
   Box3 bounds_;
   RayCaster caster_;
-  mutable std::once_flag sorted_;  // when the first range of heights asks
+  mutable std::once_flag sorted_;  // when the first range of heights is requested
   mutable std::optional<TriangleHeights> heights_;
 };
 
@@ -154,7 +154,7 @@ class Crossings final : public RaySource {
     const bool all = HoldsAll(range);
     MethodStatistics statistics;
     if (HoldsLowest(range) && !all) {
-      // Whose rays cross what lies above as well.
+      // The rays of the lowest range cross everything above it as well.
       const Status cast = caster().Cast(
           triangles(), [&](std::uint32_t, std::uint32_t, std::span<const double> ray) {
             CountRay(ray.size(), statistics);
@@ -174,7 +174,7 @@ class Crossings final : public RaySource {
   }
 
  private:
-  /// Rays are counted where anybody wants it.
+  /// Counts the rays when `statistics` is given.
   Status AddCrossings(std::span<const mesh::Triangle> triangles, const HeightRange& range,
                       PointList& points_mm, MethodStatistics* statistics) const {
     const double about = caster().CrossingsAbout(triangles);

@@ -19,17 +19,17 @@ struct RayOptions {
   double distance_mm = 1;  ///< side of the grid, 0.01..100
   Direction direction;
   /// Not the crossings, but points between each entry and its exit, the first, third and
-  /// so on crossing of a ray and the next one: they divide the way into equal parts, none
-  /// shorter than the distance, so they keep that from the surface along the ray, too.
-  /// Rays with an odd number of crossings give none.
+  /// so on crossing of a ray and the next one: they divide the path in between into equal
+  /// parts, none shorter than the distance, so along the ray they keep the distance from
+  /// the surface, too. Rays with an odd number of crossings give none.
   bool interior_only = false;
 };
 
-/// The grid's centre is that of the model's extent. Crossings are found when a range of
-/// heights asks for them, from the triangles that reach into it; the insides of
-/// interior_only at once. Rays are counted with the lowest height of the model. kTooLarge
-/// when the grid has more than 2^27 rays or there are too many crossings or points
-/// (candidate_limit.h).
+/// The grid's centre is that of the model's extent. Crossings are computed when a range
+/// of heights is requested, from the triangles that reach into it; the insides of
+/// interior_only are computed at once. Rays are counted with the lowest height of the
+/// model. kTooLarge when the grid has more than 2^27 rays or there are too many crossings
+/// or points (candidate_limit.h).
 Result<std::unique_ptr<PointSource>> MakeRays(mesh::TriangleMesh mesh,
                                               const RayOptions& options);
 

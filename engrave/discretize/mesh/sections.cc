@@ -33,7 +33,7 @@ Result<PlaneStack> StackOver(double low_mm, double high_mm,
     count = 1;
   } else {
     planes.origin_mm = first_mm;
-    // The last plane that fits is not lost to rounding of the division.
+    // Rounding of the division must not lose the last plane that fits.
     count = std::floor((last_mm - first_mm) / options.layer_distance_mm + 1e-9) + 1;
   }
   INTAGLIO_TRY(CheckCandidateCount(count));
@@ -202,7 +202,7 @@ Status Sections::AddAslant(const HeightRange& range, const ProgressSink& progres
                            MethodStatistics& statistics, PointList& points) const {
   for (std::size_t i = 0; i < stretches_.size(); ++i) {
     const Stretch& stretch = stretches_[i];
-    // No point of a segment is above or below both of its ends but for rounding.
+    // Except for rounding, no point of a segment is above or below both of its ends.
     constexpr double kRoundingMm = 1e-9;
     if (stretch.high_mm + kRoundingMm < range.low_mm ||
         stretch.low_mm - kRoundingMm >= range.high_mm) {

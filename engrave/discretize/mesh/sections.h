@@ -4,7 +4,7 @@
 // every contour gets points at equal arc length. Frame glass, mm.
 //
 // Known weakness of the source's method: a face parallel to the planes is not cut. Here
-// such faces are found, and get a fill of their own or are told of.
+// such faces are found, and are either filled or reported.
 
 #include <memory>
 
@@ -52,10 +52,11 @@ struct SectionOptions {
 /// closed mesh is closed. A model of kObject thinner than twice the first distance gets
 /// one plane, in its middle; one of kWorld gets none when it lies between two.
 ///
-/// Planes across z are cut when a range of heights asks for them; for others the contours
-/// are traced at once, and a range costs the points in it. A contour is counted where it
-/// begins; planes and parallel faces with the lowest height of the model. kTooLarge for
-/// more planes, crossings or points than candidate_limit.h allows.
+/// Planes across z are cut when a range of heights is requested; for others the contours
+/// are traced at once, and the cost of a range is proportional to its points. A contour
+/// is counted in the range of its first point; planes and parallel faces in the range of
+/// the lowest height of the model. kTooLarge for more planes, crossings or points than
+/// candidate_limit.h allows.
 Result<std::unique_ptr<PointSource>> MakeSections(mesh::TriangleMesh mesh,
                                                   const SectionOptions& options);
 

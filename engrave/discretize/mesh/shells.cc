@@ -14,7 +14,7 @@ namespace {
 // So stiff that a vertex on a plane moves along the normal alone, and so soft that it
 // moves by the depth to a thousandth.
 constexpr double kStiffness = 1e-3;
-constexpr double kMostMove = 4;  // depths, at needles
+constexpr double kMostMove = 4;  // depths, at sharp needles
 // Samples of the surface are this apart, in depths, and none is nearer than this to a
 // place that is deep: the nearest place of the surface is, if it lies between samples,
 // 0.65 steps from one (surface_grid.cc), and sqrt(0.87^2 + (0.65 / 4)^2) = 0.885.

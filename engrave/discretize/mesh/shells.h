@@ -12,17 +12,18 @@
 namespace intaglio::discretize {
 
 /// The mesh with its vertices moved inward, so that the planes of the triangles around
-/// each move by depth_mm: exactly on a plane, an edge or a corner of three faces, as well
-/// as can be elsewhere (least squares). Same vertices and triangles by number. Where the
-/// model is thinner than twice the depth, or turns inward more tightly than the depth,
-/// the result passes through itself: DepthCheck tells where.
+/// each move by depth_mm: exactly on a plane, an edge or a corner of three faces, by
+/// least squares elsewhere. Vertices and triangles keep their numbers. Where the model is
+/// thinner than twice the depth, or turns inward more tightly than the depth, the result
+/// intersects itself: DepthCheck reports where.
 mesh::TriangleMesh Inward(const mesh::TriangleMesh& mesh, double depth_mm);
 
-/// Whether places are as deep below a surface as a shell is meant to be.
+/// Checks whether places are at the depth of a shell below a surface.
 class DepthCheck {
  public:
-  /// Of a shell depth_mm (> 0) below the surface of the mesh. Memory grows with the
-  /// surface in squares of a quarter of the depth. kTooLarge as candidate_limit.h says.
+  /// Of a shell depth_mm (> 0) below the surface of the mesh. Memory is proportional to
+  /// the surface area divided by the square of a quarter of the depth. kTooLarge: see
+  /// candidate_limit.h.
   static Result<DepthCheck> Make(const mesh::TriangleMesh& mesh, double depth_mm);
 
   /// True when the surface is nowhere nearer than 0.9 depths, false when it is nearer

@@ -14,10 +14,10 @@
 #include "engrave/discretize/mesh/surface_lattice.h"
 #include "engrave/discretize/spacing/candidate_limit.h"
 
-// Every third layer of the lattice stands above the first: layer m is the triangular
-// lattice moved by (m mod 3) (1/2, 1/sqrt(12)) distances, sqrt(2/3) distances above layer
-// m - 1. So each vertical line through nodes belongs to one of three lattices, and the
-// surface is projected onto each of them.
+// Every third layer of the lattice lies directly above the first: layer m is the
+// triangular lattice moved by (m mod 3) (1/2, 1/sqrt(12)) distances, sqrt(2/3) distances
+// above layer m - 1. So each vertical line through nodes belongs to one of three
+// lattices, and the surface is projected onto each of them.
 
 namespace intaglio::discretize {
 namespace {
@@ -131,7 +131,7 @@ Result<Lines> CrossLattice(const mesh::TriangleMesh& mesh, const Vec3& shift_mm,
       return Fail(ErrorCode::kCancelled, "filling a solid was cancelled");
     }
     const mesh::Triangle& t = mesh.triangles[k];
-    // Each vertex moves as one, so edges that were shared still are.
+    // Every vertex is moved once, so shared edges stay shared.
     const Corners c = {mesh.vertices[t[0]] - shift_mm, mesh.vertices[t[1]] - shift_mm,
                        mesh.vertices[t[2]] - shift_mm};
     const Vec3 normal = (c[1] - c[0]).cross(c[2] - c[0]);

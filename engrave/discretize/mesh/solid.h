@@ -1,7 +1,7 @@
 #pragma once
 
-// Points throughout a volume, evenly: a face-centred cubic lattice, the densest there is
-// for a given least distance, with its layers horizontal. Glass frame.
+// Points evenly throughout a volume: a face-centred cubic lattice, the densest one for a
+// given minimum distance, with its layers horizontal. Glass frame.
 
 #include <memory>
 
@@ -14,7 +14,7 @@ namespace intaglio::discretize {
 
 struct SolidOptions {
   double distance_mm = 0.3;  ///< 0.01..100, of nearest points
-  /// Layers are apart by this times more, 1..10: as a crack is longer along the beam.
+  /// Factor on the distance of layers, 1..10: a crack is longer along the beam.
   double height_ratio = 1;
 };
 

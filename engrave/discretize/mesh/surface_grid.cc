@@ -21,8 +21,8 @@ namespace intaglio::discretize {
 namespace {
 
 constexpr std::uint64_t kTrianglesPerReport = 8192;
-// Twice the area by the square of the longest edge: below it a normal means nothing, and
-// the triangle lies within a hair of its edges, where its neighbours are.
+// Twice the area by the square of the longest edge: below it a normal is meaningless, and
+// the triangle is so close to its edges that its neighbours cover it.
 constexpr double kLeastAreaRatio = 1e-10;
 // Narrow: height by longest edge, and height in steps.
 constexpr double kNarrowRatio = 0.25, kNarrowSteps = 1;
@@ -95,7 +95,7 @@ Interval SurfaceGrid::HeightsOf(double low_mm, double high_mm) const {
   return {layer(low_mm), layer(high_mm) + 1};
 }
 
-/// What a call of ForEach does with one triangle after the other.
+/// The work of a call of ForEach, triangle by triangle.
 class SurfaceGrid::Walk {
  public:
   Walk(const SurfaceGrid& grid, const HeightRange& range, const Visitor& visit)

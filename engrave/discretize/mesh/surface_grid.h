@@ -1,15 +1,17 @@
 #pragma once
 
-// Candidates all over a surface, at a step and by its area, whatever its triangles are.
+// Candidates all over a surface at a given step. Their number depends on its area and not
+// on its triangles.
 //
 // The nodes of a triangular lattice are projected onto the surface, along whichever of 13
 // directions is nearest to a triangle's normal: triangles of the same direction share one
-// lattice, and what lies on their common edge is given to one of them. So a fine mesh has
-// as many candidates as a coarse one of the same shape, and a triangle without any is
-// served by its neighbourhood.
+// lattice, and a candidate on their common edge belongs to one of them. So a fine mesh
+// has as many candidates as a coarse one of the same shape, and a triangle without any is
+// covered by its neighbourhood.
 //
-// What a lattice can miss, corners, spikes, threads and slivers, gets points of its own:
-// vertices, and edges of narrow triangles, at most one for each cube of the step.
+// Features that a lattice can miss (corners, spikes, threads and slivers) get points of
+// their own: vertices, and edges of narrow triangles, at most one for each cube of the
+// step.
 
 #include <cstdint>
 #include <functional>
@@ -47,10 +49,10 @@ class SurfaceGrid {
   const Box3& bounds() const { return bounds_; }
   double step_mm() const { return options_.step_mm; }
 
-  /// Calls `visit` for the candidates in the range, in no order that means anything. Of
-  /// the statistics it tells which triangles were small (no edge as long as the step) or
-  /// without area, with the range that holds their lowest corner. kTooLarge and
-  /// kCancelled as PointSource has them. From any thread.
+  /// Calls `visit` for the candidates in the range, in no particular order. The
+  /// statistics count the small triangles (no edge as long as the step) and those without
+  /// area, each in the range that holds its lowest corner. Errors kTooLarge and
+  /// kCancelled as of PointSource. May be called from any thread.
   using Visitor = std::function<void(const SurfacePoint&)>;
   Result<MethodStatistics> ForEach(const HeightRange& range, const ProgressSink& progress,
                                    const Visitor& visit) const;

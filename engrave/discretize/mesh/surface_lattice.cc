@@ -8,14 +8,15 @@
 
 // Scan conversion. Row j of a triangle runs between the two of its edges that have one
 // end at or below and the other above it. Where an edge crosses the row is computed from
-// its lower end, and a node on the crossing belongs to the right of it: two triangles
-// that share the edge get the same number and one of them gets the node.
+// its lower end, and a node on the crossing belongs to its right side: two triangles that
+// share the edge compute the same number, and exactly one of them gets the node.
 
 namespace intaglio::discretize {
 namespace {
 
 constexpr double kRowRatio = std::numbers::sqrt3 / 2;
-// Where node (0, 0) lies, in steps and rows: somewhere where no model has its edges.
+// The position of node (0, 0), in steps and rows: one on which the edges of a model
+// hardly ever lie.
 constexpr double kShiftU = 0.318, kShiftV = 0.273;
 
 std::array<LatticeFrame, kLatticeFrames> MakeFrames() {
@@ -26,7 +27,7 @@ std::array<LatticeFrame, kLatticeFrames> MakeFrames() {
   std::array<LatticeFrame, kLatticeFrames> frames;
   for (std::size_t k = 0; k < kLatticeFrames; ++k) {
     const Vec3 w = directions[k].normalized();
-    // Rows are horizontal: the front of the weld, which rises, meets them evenly.
+    // Rows are horizontal: the front of the thinning, which rises, meets them evenly.
     const Vec3 u = k == 0 ? Vec3(1, 0, 0) : Vec3(Vec3(0, 0, 1).cross(w).normalized());
     frames[k].uvw_from_glass << u.transpose(), w.cross(u).transpose(), w.transpose();
   }
@@ -130,7 +131,7 @@ class Scan {
     return {std::max(all.low, within.low), std::min(all.high, within.high)};
   }
 
-  /// Takes off what lies out of the range by more than a step.
+  /// Removes the parts that are outside the range by more than a step.
   void Narrow(double row, Span& span) const {
     if (!(std::abs(z_rise_mm_) > 1e-6 * step_mm_)) return;
     const double z_mm = Place(span.low, row).z();

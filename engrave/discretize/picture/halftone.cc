@@ -24,8 +24,8 @@ namespace intaglio::discretize {
 namespace {
 
 constexpr int kSamplesPerStep = 4;  // of the picture, before the means over cells
-// How far points of several layers settle, of the least distance seen from above: they
-// stay a third of it apart.
+// How far points of several layers settle, as a share of the minimum distance seen from
+// above: they stay a third of it apart.
 constexpr double kReachRatio = 1.0 / 3;
 
 bool IsTriangular(const HalftoneOptions& options) {
@@ -48,8 +48,8 @@ image::FloatImage Prepared(const image::GreyImage& picture, const HalftoneGrid& 
   return image;
 }
 
-/// The g of which target_point_count points are to be expected; the most there can be
-/// when they are fewer.
+/// The g for which target_point_count points are expected; the g of the maximum number
+/// when that is smaller.
 double GainFor(const HalftoneGrid& grid, const HalftoneOptions& options) {
   const double most = options.layer_count;
   if (options.target_point_count == 0) return most;
@@ -74,7 +74,7 @@ double GainFor(const HalftoneGrid& grid, const HalftoneOptions& options) {
   return bright.empty() ? most : most / bright.front();
 }
 
-/// The grid of kThreshold, widened until no more than the target come out.
+/// The grid of kThreshold, widened until it gives no more points than the target.
 HalftoneGrid ThresholdGrid(const image::GreyImage& picture, const Panel& panel,
                            const HalftoneOptions& options) {
   double distance_mm = options.vertex_distance_mm;

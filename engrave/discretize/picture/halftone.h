@@ -1,9 +1,9 @@
 #pragma once
 
 // A picture as points on one or several plane layers in the glass (3.5 "Raster images",
-// Trochimczuk 2008 ch. 6.1 and annex E). Points scatter light, so what is seen of a patch
-// grows with the points a mm^2: their number follows the picture's linear light, up to
-// what the vertex distance permits.
+// Trochimczuk 2008 ch. 6.1 and annex E). Points scatter light, so the brightness of a
+// patch grows with its points per mm^2: their number follows the picture's linear light,
+// up to the limit of the vertex distance.
 
 #include <cstdint>
 #include <memory>
@@ -19,10 +19,10 @@ namespace intaglio::discretize {
 
 enum class HalftoneMethod {
   /// Every place of a square grid whose brightness is at least the threshold; for
-  /// pictures of two colours. At most 1 / d^2 points a mm^2 and layer.
+  /// pictures of two colours. At most 1 / d^2 points per mm^2 and layer.
   kThreshold,
-  /// Floyd and Steinberg 1976 on a square grid, to and fro, the threshold noised against
-  /// patterns (Zhou and Fang 2003). Sharpest. At most 1 / d^2.
+  /// Floyd and Steinberg 1976 on a square grid, in serpentine order, with noise on the
+  /// threshold against patterns (Zhou and Fang 2003). Sharpest. At most 1 / d^2.
   kErrorDiffusion,
   /// Void and cluster (Ulichney 1993) on a triangular grid, and then settled: every point
   /// moves to the middle of the brightness nearest to it, as far as the vertex distance
@@ -38,16 +38,16 @@ enum class LayerSharing {
 struct HalftoneOptions {
   HalftoneMethod method = HalftoneMethod::kBlueNoise;
   PanelSize size;
-  /// No two points of a layer stand nearer, after scaling: mm in the glass, 0.01..100.
-  /// Default: the spacing of a common lens (f = 43 mm needs 0.09).
+  /// The minimum distance between points of a layer after scaling: mm in the glass,
+  /// 0.01..100. Default: the spacing of a common lens (f = 43 mm needs 0.09).
   double vertex_distance_mm = 0.1;
   ToneCurve tone;
   double threshold = 0.5;        ///< 0..1, on the scale of editors, after the tone curve
   int layer_count = 1;           ///< 1..10
   double layer_distance_mm = 1;  ///< 0..50, mm in the glass; at least vertex_distance_mm
   LayerSharing sharing = LayerSharing::kOverflow;
-  /// About so many points come out: the density is scaled (white is cut where it passes
-  /// the limit); kThreshold: the grid is widened. 0: white is the greatest density.
+  /// The approximate number of points: the density is scaled to it (white is clipped at
+  /// the limit); kThreshold: the grid is widened. 0: white is the maximum density.
   std::uint64_t target_point_count = 0;
   int settle_count = 6;    ///< kBlueNoise: 0..50 rounds of settling
   std::uint64_t seed = 1;  ///< any; the same seed gives the same points
@@ -56,10 +56,10 @@ struct HalftoneOptions {
 /// Every option outside its range: name, value, allowed range.
 std::vector<Error> CheckHalftone(const HalftoneOptions& options);
 
-/// The most points that the options let a panel of that size have.
+/// The maximum number of points of a panel of that size with these options.
 double MostHalftonePoints(const Panel& panel, const HalftoneOptions& options);
 
-/// `picture`: linear light. Places of different layers are staggered: none stands above
+/// `picture`: linear light. Places of different layers are staggered: none lies above
 /// another. Errors: kInvalidValue, kMissing (no size), kTooLarge (kMaxLayerPlaces,
 /// candidate_limit.h).
 Result<std::unique_ptr<PointSource>> MakeHalftone(const image::GreyImage& picture,

@@ -25,8 +25,8 @@ HalftoneGrid::HalftoneGrid(double width, double height, double distance_mm,
   rows = CountOf(height, step_y_mm) + 2;
 }
 
-/// Layer i stands at the share (i p / n, i q / n) of the grid's two steps: a lattice of n
-/// places within a cell.
+/// Layer i is shifted by the fractions (i p / n, i q / n) of the grid's two steps: a
+/// lattice of n places within a cell.
 Vec2 HalftoneGrid::ShiftOf(int layer, int layer_count, int p, int q) const {
   const double u = static_cast<double>(layer * p % layer_count) / layer_count;
   const double v = static_cast<double>(layer * q % layer_count) / layer_count;

@@ -11,8 +11,8 @@
 namespace intaglio::discretize {
 
 /// A square or triangular grid in the middle of the panel [0, width] x [0, height], mm, y
-/// up; places the distance apart. A border of one place stands around it, so that a
-/// shifted grid covers the panel too: who takes a place asks Contains first.
+/// up; places the distance apart. A border of one place surrounds it, so that a shifted
+/// grid covers the panel too: call Contains before using a place.
 struct HalftoneGrid {
   double width_mm = 0, height_mm = 0;
   double step_x_mm = 0, step_y_mm = 0;
@@ -37,11 +37,11 @@ struct HalftoneGrid {
                       static_cast<std::size_t>(column)];
   }
 
-  /// Moves the grid so that layers 0 .. layer_count - 1, seen from above, stand as far
-  /// from each other as they can, and takes the brightness there.
+  /// Moves the grid so that layers 0 .. layer_count - 1, seen from above, are as far from
+  /// each other as possible, and samples the brightness there.
   void PlaceLayer(int layer, int layer_count, const image::FloatImage& picture);
 
-  /// The least distance, seen from above, of places of different layers, mm.
+  /// The minimum distance, seen from above, of places of different layers, mm.
   double LayerStagger(int layer_count) const;
 
  private:

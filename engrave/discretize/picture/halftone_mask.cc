@@ -6,7 +6,8 @@
 #include <random>
 
 // Every taken place adds a Gaussian to the crowding of all places. The tightest cluster
-// is the taken place of the most crowding, the largest void the free one of the least.
+// is the taken place of maximum crowding, the largest void the free one of minimum
+// crowding.
 //   1. Random places, a tenth; the tightest cluster moves into the largest void until it
 //      would move back.
 //   2. From there down: the tightest cluster leaves, and gets the highest rank left.
@@ -27,7 +28,8 @@ class Filling {
     for (int parity = 0; parity < 2; ++parity) {
       for (int dy = -kReach; dy <= kReach; ++dy) {
         for (int dx = -kReach; dx <= kReach; ++dx) {
-          // From an even row, an odd one stands half a step right; and the reverse.
+          // An odd row is half a step to the right of an even one, and an even row half a
+          // step to the left of an odd one.
           const double shift = dy % 2 == 0 ? 0 : (parity == 0 ? 0.5 : -0.5);
           const double square = (dx + shift) * (dx + shift) + 0.75 * dy * dy;
           weight_[parity][dy + kReach][dx + kReach] =
@@ -86,8 +88,8 @@ class Filling {
     }
   }
 
-  /// The taken place of the most crowding, or the free one of the least; the first of
-  /// equals. Only rows that changed are looked through again.
+  /// The taken place of maximum crowding, or the free place of minimum crowding; the
+  /// first of equals. Only rows that changed are searched again.
   int Extreme(bool taken) {
     int best = -1;
     std::int64_t least = std::numeric_limits<std::int64_t>::max();

@@ -6,9 +6,9 @@
 namespace intaglio::discretize {
 
 /// The order in which a triangular lattice is filled so that at every density the chosen
-/// places stand as evenly as they can (void and cluster, Ulichney 1993), as a tile that
-/// continues itself on all sides. Rows are a step of sqrt(3)/2 apart; odd rows stand half
-/// a step to the right.
+/// places are distributed as evenly as possible (void and cluster, Ulichney 1993), as a
+/// tile that is periodic in both directions. Rows are a step of sqrt(3)/2 apart; odd rows
+/// are shifted half a step to the right.
 class HalftoneMask {
  public:
   static constexpr int kSide = 128;  ///< columns and rows; even

@@ -1,8 +1,8 @@
 #pragma once
 
-// Where a picture stands. Image frame: mm, x right, y up, z towards the one who looks;
-// the picture's lower left corner lies at the origin, its upper right at (width, height,
-// 0). Layers follow each other along +z.
+// The position of a picture. Image frame: mm, x right, y up, z towards the viewer; the
+// picture's lower left corner lies at the origin, its upper right at (width, height, 0).
+// Layers follow each other along +z.
 
 #include "engrave/core/result.h"
 #include "engrave/image/grey_image.h"
@@ -51,8 +51,9 @@ struct Panel {
 /// kInvalidValue.
 Result<Panel> PlacePanel(const Vec2& size_mm, const mesh::GlassFromModel& placement);
 
-/// Most places (squared vertex distances) of a layer: about 600 MB while it is made. Six
-/// times what a machine engraves (2 million points, Trochimczuk 2008 ch. 1).
+/// Maximum number of places (squared vertex distances) of a layer: about 600 MB while it
+/// is made. Six times the points that a machine engraves (2 million, Trochimczuk 2008 ch.
+/// 1).
 inline constexpr double kMaxLayerPlaces = 12e6;
 
 /// kTooLarge when a layer would have more places than that.

@@ -13,7 +13,8 @@ PanelPoints ScreenByMask(const HalftoneGrid& grid, const DensityOf& density,
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       const double share = density(grid.BrightnessAt(column, row));
-      // The grid's even rows stand to the right of its odd ones, the mask's to the left.
+      // The grid's even rows are shifted to the right of its odd ones, the mask's to the
+      // left.
       if (!mask.Takes(column + aside, row + 1 + down, share)) continue;
       const Vec2 p_mm = grid.At(column, row);
       if (grid.Contains(p_mm)) points.push_back(p_mm);
@@ -24,9 +25,10 @@ PanelPoints ScreenByMask(const HalftoneGrid& grid, const DensityOf& density,
 
 namespace {
 
-/// One row after another from below, to and fro; what a place is given too much is taken
-/// from its neighbours not yet decided: 7/16 the next, 3/16 back, 5/16 and 1/16 in the
-/// next row. What a border cuts off is shared by the others, so no brightness is lost.
+/// One row after another from below, in serpentine order. The error of a place is
+/// subtracted from its neighbours that are not yet decided: 7/16 from the next one, 3/16
+/// (back), 5/16 and 1/16 from those in the next row. At a border the missing shares are
+/// divided among the others, so no brightness is lost.
 class ErrorDiffusion {
  public:
   ErrorDiffusion(int columns, std::uint64_t seed)
@@ -41,7 +43,7 @@ class ErrorDiffusion {
     for (int i = 0; i < columns_; ++i, column += step) {
       const double share = density(column);
       const double wanted = share + here_[Index(column)];
-      // Black stays empty and white full, whatever comes from elsewhere.
+      // Black stays empty and white full, whatever error comes from neighbours.
       const bool taken = share >= 1 || (share > 0 && wanted > 0.5 + kNoise * Noise());
       if (taken) take(column);
       Spread(column, step, last, wanted - (taken ? 1 : 0));
@@ -81,7 +83,7 @@ class ErrorDiffusion {
 
 PanelPoints ScreenByErrors(const HalftoneGrid& grid, const DensityOf& density,
                            std::uint64_t seed) {
-  // Places outside the panel take no part, or they would take brightness with them.
+  // Places outside the panel are left out; otherwise they would remove brightness.
   const auto inside = [&](int column, int row) {
     return grid.Contains(grid.At(column, row));
   };

@@ -4,11 +4,12 @@
 #include <cmath>
 
 // Lloyd's relaxation on a raster of half the grid's step: every cell of the raster goes
-// to the nearest point (two sweeps that hand on the nearest known so far, Danielsson
-// 1980), and the point to the weighted middle of its cells. Points settle to a density
-// that grows with the square root of the weight (Du, Faber and Gunzburger 1999, in two
-// dimensions), so the weight is the density squared. It is cut at 1.5 times the density
-// where the point stands: or points of a dark place would run into its bright neighbour.
+// to the nearest point (two sweeps that pass on the nearest point found so far,
+// Danielsson 1980), and the point to the weighted middle of its cells. Points settle to a
+// density that grows with the square root of the weight (Du, Faber and Gunzburger 1999,
+// in two dimensions), so the weight is the density squared. It is limited to 1.5 times
+// the density at the point itself; otherwise points of a dark place would move into a
+// bright neighbouring place.
 
 namespace intaglio::discretize {
 namespace {
@@ -98,7 +99,7 @@ class Settling {
       best = owner;
     }
   }
-  /// Rows upwards (direction 1) or downwards; within a row there and back.
+  /// Rows upwards (direction 1) or downwards; within a row in both directions.
   void Sweep(int direction) {
     for (int i = 0; i < height_; ++i) {
       const int y = direction > 0 ? i : height_ - 1 - i;

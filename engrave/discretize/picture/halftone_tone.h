@@ -8,9 +8,9 @@
 
 namespace intaglio::discretize {
 
-/// What is done to a photo's brightness before it becomes a density of points, in this
-/// order, on the scale that editors of pictures show (sRGB, 0 black .. 1 white, a medium
-/// grey 0.5). With the defaults nothing: density follows linear light.
+/// Adjustments of a photo's brightness before it becomes a density of points, applied in
+/// this order, on the scale of picture editors (sRGB, 0 black .. 1 white, a medium grey
+/// 0.5). The defaults change nothing: density follows linear light.
 struct ToneCurve {
   bool invert = false;        ///< the negative: v -> 1 - v
   double brightness = 0;      ///< -1..1, added

@@ -1,9 +1,9 @@
 #pragma once
 
-// A picture in relief: a map of depths makes a surface z = depth(x, y) over the panel, a
-// photo says how dense the points on it are (3.5, and what today's users bring: photo and
+// A picture in relief: a depth map gives a surface z = depth(x, y) over the panel, a
+// photo gives the density of the points on it (3.5; today's users supply a photo and a
 // depth map). The points are even on the surface, not in its projection: steep places get
-// as many a mm^2 of surface as flat ones.
+// as many points per mm^2 of surface as flat ones.
 
 #include <cstdint>
 #include <memory>
@@ -25,7 +25,7 @@ struct ReliefOptions {
   bool white_is_near = true;        ///< near: z = depth_mm; else white lies at z = 0
   double smoothing_mm = 0;          ///< 0..10: the map's means over squares of that side
                                     ///< (against the steps of 8-bit maps)
-  double vertex_distance_mm = 0.1;  ///< 0.01..100, least distance of points, glass mm
+  double vertex_distance_mm = 0.1;  ///< 0.01..100, minimum distance of points, glass mm
   int layer_count = 1;              ///< 1..10, each with its own points
   double layer_distance_mm = 1;     ///< 0..50 along z, at least vertex_distance_mm
   ToneCurve tone;                   ///< of the photo

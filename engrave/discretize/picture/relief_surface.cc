@@ -75,8 +75,9 @@ int CountOf(double length_mm, double side_mm) {
   return std::max(1, static_cast<int>(std::ceil(length_mm / side_mm)));
 }
 
-// Darts: rounds over squares of half a distance, in each of which as many are thrown as
-// the surface there has area. 16 rounds are 64 darts a squared distance.
+// Darts: rounds over squares of half a distance. The number thrown in a square is
+// proportional to the area of the surface there. 16 rounds are 64 darts per squared
+// distance.
 constexpr double kSquareRatio = 0.5;
 constexpr int kRounds = 16;
 

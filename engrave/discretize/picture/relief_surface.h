@@ -29,7 +29,7 @@ std::vector<float> SurfaceAreas(const ReliefSurface& surface, double side_mm);
 
 /// A Poisson-disk set on each of `layer_count` copies of the surface, each layer_distance
 /// further along z: no two points of all are nearer than `distance_mm` (exactly, in
-/// space), and there is hardly room for another. Seeded.
+/// space), and hardly any further point would fit. Seeded.
 std::vector<PointList> SpreadPoints(const ReliefSurface& surface, double distance_mm,
                                     int layer_count, double layer_distance_mm,
                                     std::uint64_t seed);

@@ -11,8 +11,8 @@
 
 namespace intaglio::discretize {
 
-/// A point this little outside is inside: a model fitted into the block touches the
-/// limits, and rounding puts points of it beyond them.
+/// A point outside by no more than this counts as inside: a model fitted into the block
+/// touches the limits, and rounding moves some of its points beyond them.
 inline constexpr double kBoundsToleranceMm = 1e-6;
 
 /// Points outside a box, glass frame, mm.
@@ -25,7 +25,7 @@ struct BoundsReport {
   void Add(const BoundsReport& other);
 };
 
-/// Takes the points outside out of the cloud, and tells of them.
+/// Removes the points outside the box from the cloud, and reports them.
 BoundsReport TakeOutside(const Box3& permitted_mm, SpacedCloud& cloud);
 /// The same with a box for each source.
 BoundsReport TakeOutside(std::span<const Box3> permitted_of_source_mm,

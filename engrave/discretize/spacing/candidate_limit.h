@@ -6,9 +6,9 @@
 
 namespace intaglio::discretize {
 
-/// Most candidates of a job, before the weld. Far above what a machine engraves (2
-/// million points, Trochimczuk 2008 ch. 1) with the oversampling of the fill, and
-/// about 1.5 GB.
+/// Maximum number of candidates of a job, before thinning. Far above what a machine
+/// engraves (2 million points, Trochimczuk 2008 ch. 1) with the oversampling of the fill,
+/// and about 1.5 GB.
 inline constexpr std::size_t kMaxCandidates = 50'000'000;
 
 /// kTooLarge when there are, or would be, more candidates than that.

@@ -3,8 +3,8 @@
 namespace intaglio::discretize {
 namespace {
 
-// So that a tiny spacing in a large block takes no memory, nor the time to clear it, that
-// the points do not justify.
+// So that a tiny spacing in a large block does not use more memory, and time to clear it,
+// than the points justify.
 constexpr double kColumnsPerPoint = 0.5, kLeastColumns = 512;
 // A coordinate's last place in single precision, 2^-24, times: two points, three axes,
 // the squares and their sums.
@@ -124,7 +124,7 @@ void Columns::LookByFour(std::span<const WeldPoint> points, const Distances& dis
 }
 
 #ifdef __x86_64__
-// The same, word for word but for the width: the compiler has to see it in a function for
+// The same code for another vector width: the compiler has to see it in a function for
 // that processor.
 [[gnu::target("avx2")]] void Columns::LookByEight(std::span<const WeldPoint> points,
                                                   const Distances& distances,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Points by their places in x and y, for the question whether one is too near to any.
+// Points by their places in x and y, for the check whether one is too near to any.
 
 #include <algorithm>
 #include <array>
@@ -22,36 +22,36 @@ struct WeldPoint {
 };
 
 /// A grid of columns in x and y, each with its points from the newest down. Points are
-/// added in rising z, so what is near to a place at their upper end is found at the
-/// beginning of a few columns: the part of them that is read stays in the cache.
+/// added in rising z, so the points near a place at their upper end are at the beginning
+/// of a few columns: the part of them that is read stays in the cache.
 ///
-/// A column is as wide as two reaches, so all that a point can be too near to stands in
-/// four of them. The newest eight of a column stand in single precision beside one
-/// another, too: they tell in a few instructions, without a branch, that most candidates
-/// are too near, and of most others that they are not.
+/// A column is as wide as two reaches, so all points that can be too near to a point are
+/// in four columns. The newest eight points of a column are also stored in single
+/// precision next to one another. They decide in a few instructions, without a branch,
+/// that most candidates are too near, and that most others are not.
 class Columns {
  public:
-  /// For points within the bounds and questions that reach `reach_mm` or a little
-  /// farther, with heights divided by height_ratio; the columns are wider when
-  /// `point_count` points do not justify as many.
+  /// For points within the bounds and searches that reach `reach_mm` or a little farther,
+  /// with heights divided by height_ratio; the columns are wider when `point_count`
+  /// points do not justify as many.
   Columns(const Box3& bounds, double reach_mm, double height_ratio,
           std::size_t point_count);
 
   bool empty() const { return entries_.empty(); }
   void Add(const Vec3& p_mm, float spacing_mm);
 
-  /// What a look in haste tells of a point: another is nearer than near_mm, or none is
-  /// nearer than far_mm (which must not be more than reach_mm), heights divided by
-  /// height_ratio, by more than any rounding. by_own: or than the point's own spacing,
-  /// where that is larger.
+  /// The result of the fast check of a point: another is nearer than near_mm, or none is
+  /// nearer than far_mm (at most reach_mm), heights divided by height_ratio, by more than
+  /// the rounding error. by_own: the point's own spacing is used where it is larger.
   enum class Hasty : std::uint8_t { kNear, kFar, kUnsure };
   struct Distances {
     double near_mm, far_mm;
     bool by_own;
   };
 
-  /// Moves the points that are not too near to any to the front and tells how many they
-  /// are. is_too_near(point, what the look said) is asked unless that is kNear.
+  /// Moves the points that are not too near to any other to the front and returns their
+  /// number. is_too_near(point, result of the fast check) is called unless that result is
+  /// kNear.
   template <typename IsTooNear>
   std::size_t KeepFar(std::span<WeldPoint> points, const Distances& distances,
                       const IsTooNear& is_too_near) const {
@@ -111,8 +111,9 @@ class Columns {
     std::uint32_t entry;  ///< the last one
     std::uint32_t next_lane;
   };
-  /// What is asked of a point's own column, of the nearer one beside it and of those two
-  /// behind: from the own one's corner it is x, y away, from theirs other_x and other_y.
+  /// The search of a point's own column, of the nearer one beside it and of the two
+  /// behind them. The point is x, y away from the corner of its own column, and other_x,
+  /// other_y from the corner of theirs.
   struct Question {
     float x, other_x, y, other_y, z;
     float near_square, far_square, low_z;
@@ -139,7 +140,7 @@ class Columns {
   double flatten_;
   double side_mm_, per_side_;
   double error_mm_;  // more than that of a distance in single precision
-  // A border of empty columns all around saves the question whether there is one.
+  // A border of empty columns all around makes range checks unnecessary.
   std::size_t width_, depth_;
   LookFunction look_ = FastestLook();
   std::vector<Newest> newest_;  // of each column

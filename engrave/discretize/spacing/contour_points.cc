@@ -10,7 +10,7 @@ double ArcOf(const ContourSteps& steps, std::size_t i) {
   return steps.first_mm + steps.step_mm * static_cast<double>(i);
 }
 
-/// The first step that lies at arc_mm or behind it, exactly.
+/// The first step at or behind arc_mm, exactly.
 std::size_t FirstStepFrom(double arc_mm, const ContourSteps& steps) {
   const double near = std::ceil((arc_mm - steps.first_mm) / steps.step_mm);
   const auto limit = static_cast<double>(steps.count);

@@ -9,8 +9,8 @@
 namespace intaglio::discretize {
 
 /// A chord is shorter than its arc s on a radius R by s^2 / 24 R^2: with this much more
-/// arc the chord still reaches the distance down to bends of R = 3.2 s, and the weld,
-/// which measures chords, keeps the points.
+/// arc the chord is still at least the distance for bends down to R = 3.2 s, and
+/// thinning, which measures chords, keeps the points.
 inline constexpr double kChordAllowance = 1.004;
 
 struct ContourSpacing {
@@ -30,10 +30,10 @@ struct ContourSteps {
   std::size_t point_count() const { return count + (end_point ? 1 : 0); }
 };
 
-/// Equal arc length. The remainder is spread evenly, so the distance is never below the
-/// wanted one but for its chord on sharp bends, and above it by less than one part in the
-/// number of points plus 0.4 %. A contour shorter than the distance gets one point. The
-/// points of an open contour that keeps its ends stand still, whatever the phase.
+/// Equal arc length. The remainder is spread evenly. So the distance is never below the
+/// requested one, except as a chord on sharp bends, and above it by less than one part in
+/// the number of points plus 0.4 %. A contour shorter than the distance gets one point.
+/// The points of an open contour that keeps its ends do not depend on the phase.
 ContourSteps StepsAlong(double length_mm, bool closed, const ContourSpacing& spacing);
 
 /// Points along which the arc length is known; a closed one ends in its first point.
@@ -44,8 +44,9 @@ struct MeasuredContour {
   std::size_t segment_count() const { return points_mm.size() - 1; }
 };
 
-/// Appends the points that lie on segments begin to end of the contour; those of all
-/// its segments, in whatever shares, are always the same, bit for bit.
+/// Appends the points that lie on segments begin to end of the contour; the points of all
+/// its segments are always the same, bit for bit, however the segments are divided among
+/// calls.
 void AddSteps(const MeasuredContour& contour, const ContourSteps& steps,
               std::size_t begin, std::size_t end, PointList& points);
 

@@ -32,7 +32,7 @@ IntervalIndex::IntervalIndex(std::span<const Interval> intervals) {
     cells += (end_ >> (lowest_level_ + i)) + 1;
   }
   level_cell_.push_back(cells);
-  // By counting: cell_end_ holds the beginnings until all intervals are in.
+  // By counting sort: cell_end_ holds the beginnings until all intervals are stored.
   cell_end_.assign(cells + 1, 0);
   for (const Interval& i : intervals) {
     if (i.first < i.end) ++cell_end_[CellOf(i) + 1];

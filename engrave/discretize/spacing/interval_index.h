@@ -1,7 +1,7 @@
 #pragma once
 
-// Which of many intervals of whole numbers meet a range, without a look at the others:
-// the triangles that some planes cut, or that reach into a slab.
+// Finds which of many intervals of integers meet a range without visiting the others: the
+// triangles that some planes cut, or that reach into a slab.
 
 #include <cstddef>
 #include <cstdint>
@@ -23,8 +23,9 @@ struct IndexedInterval {
   Interval interval;
 };
 
-/// Memory grows with the intervals, whatever their lengths; Find costs what it finds and
-/// a few steps for each power of two among the lengths.
+/// Memory is proportional to the number of intervals, whatever their lengths. The time of
+/// Find is proportional to the intervals found, plus a few steps for each power of two
+/// among the lengths.
 class IntervalIndex {
  public:
   /// Empty intervals are left out.

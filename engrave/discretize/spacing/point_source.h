@@ -1,8 +1,8 @@
 #pragma once
 
-// What every method of discretization makes of a model: a source of candidates for the
-// weld, that can be asked for any range of heights. So a job can be cut into slabs, over
-// cores and over processes, and nobody keeps more candidates than its slab has.
+// The product of every method of discretization: a source of candidates for thinning,
+// which gives those of any range of heights. So a job can be cut into slabs for several
+// cores and processes, and each of them holds only the candidates of its slab.
 
 #include <limits>
 #include <memory>
@@ -26,17 +26,17 @@ class PointSource {
  public:
   virtual ~PointSource() = default;
 
-  /// Of all points it can give; may be larger. Glass frame, mm; empty: it has none.
+  /// Encloses all points it can give; may be larger. Glass frame, mm; empty: it has none.
   virtual Box3 Bounds() const = 0;
 
   /// The largest own spacing of its points, mm; 0 when they have none.
   virtual double MaxSpacing() const { return 0; }
 
   /// Appends the points whose z lies in the range, with `source` as their source. The
-  /// points of ranges that share nothing are together those of the ranges' union, bit for
-  /// bit, in whatever order; so are the statistics. May be called from several threads at
-  /// once. kTooLarge for more points than candidate_limit.h allows, kCancelled when
-  /// `progress` says so.
+  /// points of disjoint ranges together are those of the ranges' union, bit for bit, in
+  /// any order; so are the statistics. May be called from several threads at once.
+  /// kTooLarge for more points than candidate_limit.h allows, kCancelled when `progress`
+  /// returns false.
   virtual Result<MethodStatistics> AddPoints(const HeightRange& range,
                                              std::uint32_t source,
                                              const ProgressSink& progress,

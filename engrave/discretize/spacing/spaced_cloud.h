@@ -8,9 +8,9 @@
 
 namespace intaglio::discretize {
 
-/// Points with the distance that each keeps from the others of its own source. What the
-/// methods offer to the weld, and what it keeps. Structure of arrays of equal length,
-/// glass frame, mm.
+/// Points with the distance that each keeps from the others of its own source. The
+/// candidates that the methods give to thinning, and the points that it keeps. Structure
+/// of arrays of equal length, glass frame, mm.
 struct SpacedCloud {
   PointList points_mm;
   std::vector<std::uint32_t> source;  ///< model of the job a point came from

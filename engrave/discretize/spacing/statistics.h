@@ -4,14 +4,15 @@
 
 namespace intaglio::discretize {
 
-/// Layers and rays are apart by this much more than was asked for, a thousandth of a
-/// micrometre over a whole block: rounding may not bring points that stand exactly a
-/// minimum spacing apart nearer than it, or the weld would take every second one.
+/// Layers and rays are this much farther apart than requested, a thousandth of a
+/// micrometre over a whole block. Without it rounding could bring points that are exactly
+/// the minimum spacing apart nearer than that, and thinning would remove every second
+/// one.
 inline constexpr double kRoundingAllowance = 1 + 1e-9;
 
-/// What a method did to one model.
+/// The statistics of a method on one model.
 struct MethodStatistics {
-  std::uint64_t point_count = 0;              ///< before the weld
+  std::uint64_t point_count = 0;              ///< before thinning
   std::uint64_t plane_count = 0;              ///< sections
   std::uint64_t closed_contour_count = 0;     ///< sections
   std::uint64_t open_contour_count = 0;       ///< sections: they end at open edges

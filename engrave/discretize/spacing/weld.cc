@@ -22,16 +22,16 @@
 // by 5.4 % (coefficient of variation); visiting cell by cell instead costs 8 % of the
 // points and varies by 6.2 %.
 //
-// Most candidates are left out, and it takes no order to say so: the candidates fall into
-// sheets of height, and what is too near to a point of a lower sheet goes at once. Only
-// the rest of a sheet is put in order, by the same means again: cut into finer sheets, or
-// when all are of one height into rows of y, each thinned by what was kept before it.
+// Most candidates are removed without sorting: the candidates are divided into sheets of
+// height, and those too near to a point of a lower sheet are removed at once. Only the
+// rest of a sheet is sorted, by the same method again: it is cut into finer sheets, or
+// into rows of y when all are at one height, each thinned by the points kept before it.
 
 namespace intaglio::discretize {
 namespace {
 
 constexpr std::size_t kMostPoints = 0xffffffff;
-// So many that they fit into the second cache, where they are put in order, and that a
+// So many that they fit into the second-level cache, where they are sorted, and that a
 // sheet takes whole runs of neighbours from the cloud.
 constexpr std::size_t kPointsPerSheet = 16384, kMostSheets = std::size_t{1} << 16;
 constexpr std::size_t kPointsPerFineSheet = 8;
@@ -192,7 +192,8 @@ class Welder {
               });
   }
 
-  /// Adds the taken points that reach down to these or lie below to their fronts.
+  /// Adds the taken points that are below these points, or near enough above them, to
+  /// their fronts.
   void TakeUpTo(std::span<const WeldPoint> points) {
     if (points.empty() || next_taken_ == taken_order_.size()) return;
     const auto highest = std::max_element(
@@ -233,8 +234,9 @@ class Welder {
     return points;
   }
 
-  /// Keeps of the points, which come after all kept, what it can, in order. Those of the
-  /// axes above `axis` are equal. Looked::kAtAll: none is too near to what is kept.
+  /// Keeps in order those of the points that are not too near. All of them come after
+  /// every kept point. Their coordinates on the axes above `axis` are equal.
+  /// Looked::kAtAll: none is too near to a kept point.
   enum class Looked { kAtNone, kAtAll };
   void KeepFrom(std::span<WeldPoint> points, int axis, Looked looked) {
     const auto in_order = [&] {
@@ -264,7 +266,7 @@ class Welder {
     }
   }
 
-  /// Not many as a rule; none is too near to what was kept before.
+  /// Usually few; none is too near to a point kept before.
   void KeepInOrder(std::span<WeldPoint> points) {
     std::sort(points.begin(), points.end(), IsLower);
     for (std::size_t begin = 0; begin < points.size(); begin += kFew) {

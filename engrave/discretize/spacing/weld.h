@@ -1,7 +1,7 @@
 #pragma once
 
-// No two points too near to one another, over the whole block, whatever method or model
-// they came from. Frame glass, mm.
+// Thinning: no two points are too near to each other in the whole block, whatever method
+// or model they come from. Frame glass, mm.
 
 #include <vector>
 
@@ -19,20 +19,21 @@ struct WeldOptions {
   std::vector<ChannelMask> channels_of_source = {};
 };
 
-/// Leaves candidates out until none are too near to one another or to those `taken`.
+/// Removes candidates until none are too near to each other or to the points `taken`.
 ///
 /// Two points are too near when, computed in doubles as written,
 ///   dx * dx + dy * dy + (dz / height_ratio) * (dz / height_ratio)
 ///     < min_spacing_mm * min_spacing_mm,
 /// or when they have the same source and dx * dx + dy * dy + dz * dz < s * s with s the
-/// larger of their own spacings. Points of sources without a
-/// channel in common lie in different blocks and are never too near. Every candidate left
-/// out is too near to one kept or taken. The points taken are not in the result.
+/// larger of their own spacings. Points of sources without a common channel lie in
+/// different blocks and are never too near. Every removed candidate is too near to a kept
+/// or taken point. The points taken are not in the result.
 ///
 /// The result, its order included, depends on the set of the points, not on their
 /// sequence: candidates are kept from the lowest up, by z, then y, then x, then source,
-/// then spacing. Own spacings may differ as they like; time grows with the points, and
-/// stays so while candidates are no denser, by their own spacing, than elsewhere.
+/// then spacing. Own spacings may differ without restriction. Time is proportional to the
+/// number of points as long as the density of candidates, relative to their own spacing,
+/// is the same everywhere.
 SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
                  const SpacedCloud& taken = {});
 

@@ -25,8 +25,8 @@ OwnSpacings::OwnSpacings(const SourceExtent& extent, double min_spacing_mm)
 std::size_t OwnSpacings::LevelOf(double spacing_mm) const {
   const std::size_t last = levels_.size() - 1;
   if (last == 0 || !(spacing_mm > 0)) return last;
-  // Its integer part's binary logarithm: the level's reach is at least the spacing, but
-  // for the rounding of the quotient, which kReachAllowance holds.
+  // Its integer part's binary logarithm: the level's reach is at least the spacing,
+  // except for the rounding of the quotient, which kReachAllowance covers.
   const int level = std::ilogb(max_spacing_mm_ / spacing_mm);
   return std::min(last, static_cast<std::size_t>(std::max(0, level)));
 }
@@ -36,7 +36,7 @@ std::size_t OwnSpacings::KeepFar(std::span<WeldPoint> points) const {
   std::size_t kept = 0;
   for (const WeldPoint& point : points) {
     const std::span one(&(points[kept] = point), 1);
-    // Its own level answers most often.
+    // Its own level decides most often.
     const Level& own = levels_[LevelOf(point.spacing_mm)];
     if (KeepFar(one, own) == 0) continue;
     kept += std::all_of(levels_.begin(), levels_.end(), [&](const Level& level) {
@@ -79,7 +79,7 @@ WeldFront::WeldFront(const WeldOptions& options, const Box3& bounds,
     surely_far_ *= 1 + 1e-12;
   }
   for (const auto& [source, extent] : extents) {
-    // A spacing that the block asks for anyway needs no second look.
+    // A spacing not above that of the block needs no second check.
     if (extent.max_spacing_mm <= options.min_spacing_mm) continue;
     own_.try_emplace(source, extent, options.min_spacing_mm);
     own_is_enough_ = extents.size() == 1 && height_ratio_ == 1 &&
@@ -94,7 +94,7 @@ void WeldFront::Add(const WeldPoint& point) {
 
 std::size_t WeldFront::KeepFar(std::span<WeldPoint> points) {
   if (own_.empty()) return KeepFarFromAll(points);
-  // The wider of both rules first: it answers more often.
+  // The wider of both rules first: it decides more often.
   std::size_t kept = 0;
   for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
     const std::uint32_t source = points[begin].source;

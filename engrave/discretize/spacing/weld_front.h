@@ -1,7 +1,7 @@
 #pragma once
 
-// What a weld keeps: points that are added from the lowest up, and the question whether
-// one is too near to any of them.
+// The points that thinning keeps, added from the lowest up, and the check whether a point
+// is too near to any of them.
 
 #include <algorithm>
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace intaglio::discretize {
 
-/// What is known beforehand of the points of one source.
+/// The bounds known in advance for the points of one source.
 struct SourceExtent {
   Box3 bounds;
   std::size_t count = 0;
@@ -40,8 +40,8 @@ class OwnSpacings {
 
  private:
   struct Level {
-    double reach_mm;  ///< at least the spacings of its points
-    double least_mm;  ///< at most these
+    double reach_mm;  ///< upper bound of the spacings of its points
+    double least_mm;  ///< lower bound of the spacings of its points
     Columns columns;
   };
   std::size_t KeepFar(std::span<WeldPoint> points, const Level& level) const;
@@ -58,21 +58,21 @@ class WeldFront {
 
   /// In rising z.
   void Add(const WeldPoint& point);
-  /// Moves those that are not too near to a point added so far to the front and tells how
-  /// many they are. Not of two threads at once.
+  /// Moves the points that are not too near to any point added so far to the front and
+  /// returns their number. Not to be called from two threads at once.
   std::size_t KeepFar(std::span<WeldPoint> points);
-  /// By the rules of weld.h.
+  /// Whether they are too near by the rules of weld.h.
   bool AreTooNear(const WeldPoint& p, const WeldPoint& q) const;
 
  private:
   std::size_t KeepFarFromAll(std::span<WeldPoint> points) const;
   OwnSpacings* OwnOf(std::uint32_t source);
 
-  /// All points are of one source, which keeps them farther apart than the block asks.
+  /// All points are of one source, whose spacing is larger than the block's minimum.
   bool own_is_enough_ = false;
   double height_ratio_;
   double least_square_, least_mm_;
-  double surely_near_, surely_far_;  // bounds on a square that was computed in haste
+  double surely_near_, surely_far_;  // bounds on a square from the fast computation
   double reach_mm_;
   Columns columns_;
   std::unordered_map<std::uint32_t, OwnSpacings> own_;

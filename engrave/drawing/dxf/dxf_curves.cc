@@ -23,8 +23,8 @@ constexpr int kMesh = 16;
 constexpr int kPolyface = 64;
 constexpr int kFrameVertex = 16;  // of a VERTEX: control point of a smoothed polyline
 
-// tan(1e-6) of a quarter of the sweep: less than 1 nm away from the line in a chord of
-// 2 mm, and a radius that no drawing means.
+// tan(1e-6) of a quarter of the sweep: less than 1 nm away from the line in a chord of 2
+// mm, and a radius that no drawing uses on purpose.
 constexpr double kLeastBulge = 1e-6;
 
 double Radians(double degrees) { return degrees * pi / 180; }

@@ -4,13 +4,13 @@
 
 namespace intaglio::drawing {
 
-/// What an entity of geometry is, in world coordinates and units of the file.
+/// The geometry of an entity, in world coordinates and units of the file.
 struct DxfCurve {
   DxfCommon common;
   Curve curve;  ///< without pieces: nothing to engrave (a mesh)
 };
 
-/// Whether DxfCurveOf knows the type: LINE, POINT, CIRCLE, ARC, ELLIPSE, LWPOLYLINE,
+/// Whether DxfCurveOf supports the type: LINE, POINT, CIRCLE, ARC, ELLIPSE, LWPOLYLINE,
 /// POLYLINE, SPLINE.
 bool IsDxfCurve(std::string_view type);
 

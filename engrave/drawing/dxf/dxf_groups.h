@@ -73,7 +73,7 @@ class DxfEntities {
   bool has_group_ = false;
 };
 
-/// What every entity may say.
+/// The groups that every entity may have.
 struct DxfCommon {
   std::string_view layer;
   std::string color;         ///< number of the palette, or "#rrggbb"

@@ -12,8 +12,8 @@
 
 // The groups of a HATCH in their order: elevation 30; 70 solid or not; 91; for each path
 // 92 with its flags, then 10 20 [42] of each vertex, or for each edge 72 with its type
-// and its groups; 97 and 330, what it was made from; then 75 or 76, the pattern, and 98
-// with seed points, whose codes are those of vertices.
+// and its groups; 97 and 330, its source objects; then 75 or 76, the pattern, and 98 with
+// seed points, whose codes are those of vertices.
 
 namespace intaglio::drawing {
 namespace {
@@ -25,7 +25,7 @@ constexpr int kByVertices = 2;
 constexpr int kFrameOfText = 8;
 
 constexpr int kLine = 1, kArc = 2, kEllipse = 3, kSpline = 4;  // group 72
-// Edges that end where the next begins do so to the digits of the file.
+// Tolerance of joined edges: their end points agree to the digits of the file.
 constexpr double kGapRatio = 1e-6;
 
 int WholeOf(double number) {

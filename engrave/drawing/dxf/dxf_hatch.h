@@ -7,8 +7,8 @@ namespace intaglio::drawing {
 /// The boundary of a HATCH.
 struct DxfHatch {
   DxfCommon common;
-  /// Its contours in world coordinates and units of the file. One whose edges do not join
-  /// is its edges, each a curve.
+  /// Its contours in world coordinates and units of the file. If its edges do not join,
+  /// each edge becomes a curve of its own.
   std::vector<Curve> contours;
   bool has_lines = false;  ///< a pattern of lines, which is not among them
 };

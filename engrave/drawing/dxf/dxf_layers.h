@@ -14,8 +14,8 @@ namespace intaglio::drawing {
 class DxfLayers {
  public:
   struct State {
-    bool off = false;     ///< what lies on it is not drawn
-    bool frozen = false;  ///< nor what lies on others in blocks inserted on it
+    bool off = false;     ///< entities on this layer are not drawn
+    bool frozen = false;  ///< nor are entities on other layers in blocks inserted on it
   };
 
   /// False: the builder has the error.

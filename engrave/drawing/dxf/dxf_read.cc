@@ -23,11 +23,12 @@ struct Block {
   Vec3 base = Vec3::Zero();
 };
 
-/// Where entities stand: in the drawing, or in a block that is inserted.
+/// The place of entities: the drawing, or a block that is inserted.
 struct Standing {
   DxfAffine place;
   std::vector<std::string_view> blocks;  ///< from the outermost to the innermost
-  std::string_view layer;                ///< of the insertion; what is on "0" is on it
+  std::string_view layer;                ///< of the insertion; entities on layer "0" are
+                                         ///< on it
 };
 
 class DxfReader {
@@ -67,7 +68,7 @@ class DxfReader {
     return true;
   }
 
-  /// Notes where sections and blocks stand, and the unit.
+  /// Records the positions of sections and blocks, and the unit.
   bool ReadSections() {
     DxfGroups groups({text_, 1}, builder_);
     DxfGroup group;
@@ -188,7 +189,7 @@ class DxfReader {
     return floats && !in.layer.empty() ? in.layer : common.layer;
   }
 
-  /// Of a block that is inserted on a layer that is off the entities of others are shown.
+  /// Of a block inserted on a layer that is off, the entities on other layers are shown.
   bool IsShown(const DxfCommon& common, std::string_view layer, bool is_insert) {
     const DxfLayers::State state = layers_.StateOf(layer);
     std::string_view reason;

@@ -57,7 +57,7 @@ bool CheckNurbs(const DxfEntity& entity, DrawingBuilder& builder, const Nurbs& n
 
 bool DxfSpline::Take(int code, double number, const DxfEntity& entity,
                      DrawingBuilder& builder) {
-  // A point has three numbers, and a knot or a weight none of its own.
+  // About five numbers per point: three coordinates, a knot and a weight.
   if (++number_count_ / 5 > builder.limits().max_points) {
     return builder.CountPoints(number_count_, entity.Place());
   }

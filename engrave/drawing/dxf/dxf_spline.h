@@ -26,9 +26,10 @@ class DxfSpline {
 };
 
 /// The cubic spline of two continuous derivatives through the points, with the chords as
-/// parameter; ends as the tangents say, which may be zero: then free of bend. Closed when
-/// first and last point are the same: then periodic. At least two points, no two
-/// neighbours the same (de Boor 1978, ch. IV).
+/// parameter; the end directions are the tangents; with a zero tangent the curvature at
+/// that end is zero (natural end). When the first and the last point are the same, the
+/// spline is closed and periodic. At least two points, no two neighbours the same (de
+/// Boor 1978, ch. IV).
 std::vector<Piece> SplineThrough(const PointList& points, const Vec3& begin_tangent,
                                  const Vec3& end_tangent);
 

@@ -2,8 +2,8 @@
 
 #include "engrave/drawing/dxf/dxf_spline.h"
 
-// Hermite form: derivatives m_i at the points p_i, h_i the chord from p_i to p_{i+1}.
-// That the second derivative is continuous at p_i says
+// Hermite form: derivatives m_i at the points p_i, h_i the chord from p_i to p_{i+1}. The
+// second derivative is continuous at p_i if
 //   m_{i-1} / h_{i-1} + 2 (1 / h_{i-1} + 1 / h_i) m_i + m_{i+1} / h_i
 //     = 3 ((p_i - p_{i-1}) / h_{i-1}^2 + (p_{i+1} - p_i) / h_i^2),
 // a tridiagonal system, cyclic when the spline is periodic.
@@ -32,8 +32,8 @@ std::vector<T> SolveTridiagonal(std::vector<Row> rows, std::vector<T> right) {
   return right;
 }
 
-/// Rows whose first `below` and last `above` stand in the opposite corners (Sherman and
-/// Morrison 1950).
+/// Cyclic rows: the first `below` and the last `above` are in the opposite corners of the
+/// matrix (Sherman and Morrison 1950).
 PointList SolveCyclic(std::vector<Row> rows, const PointList& right) {
   const std::size_t last = rows.size() - 1;
   const double corner = rows.front().below, other = rows[last].above;

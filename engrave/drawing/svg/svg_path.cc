@@ -247,7 +247,7 @@ std::optional<double> SvgNumbers::Next() {
   SkipBlanks();
   std::string_view text = rest_;
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-  // Not "inf" or "nan", which from_chars knows.
+  // Not "inf" or "nan", which from_chars accepts.
   const auto digit = text.find_first_not_of("+-.");
   if (digit == text.npos || text[digit] < '0' || text[digit] > '9') return std::nullopt;
   double number = 0;

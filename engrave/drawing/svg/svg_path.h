@@ -23,7 +23,7 @@ class SvgNumbers {
 
   /// The next number; none at the end, at another character, and when not finite.
   std::optional<double> Next();
-  /// A flag of an arc, which may stand without a blank before the next number.
+  /// A flag of an arc; the next number may follow without a blank.
   std::optional<bool> NextFlag();
   /// The next character, past blanks; 0 at the end.
   char Peek();

@@ -16,10 +16,10 @@ namespace intaglio::drawing {
 namespace {
 
 constexpr double kPx_mm = 25.4 / 96;
-// Users name neither width nor height: the sizes that browsers take.
+// When neither width nor height is given: the default sizes of browsers.
 constexpr double kDefaultWidth = 300, kDefaultHeight = 150;
 
-/// What a group hands on to what stands in it.
+/// What a group passes on to its children.
 struct Context {
   SvgTransform to_page;  ///< user space to the page's px, y down
   Vec2 page = Vec2(kDefaultWidth, kDefaultHeight);
@@ -52,7 +52,7 @@ class SvgReader {
   }
 
  private:
-  /// Before it is parsed: the tree takes 64 bytes for what is "<a>" in the file.
+  /// Checked before parsing: the tree takes 64 bytes for an "<a>" in the file.
   bool CheckSize() {
     if (text_.size() > options_.limits.max_file_bytes) {
       return builder_.Refuse(ErrorCode::kTooLarge, "",
@@ -101,8 +101,8 @@ class SvgReader {
                     parsed.description()));
   }
 
-  /// The elements by their ids and the style sheets, which hold wherever they stand;
-  /// without recursion: files may be nested at will.
+  /// The elements by their ids and the style sheets, which apply wherever in the file
+  /// they are. Without recursion, because files may be nested to any depth.
   bool NoteIdsAndSheets(const pugi::xml_node& root) {
     pugi::xml_node node = root;
     int depth = 0;
@@ -242,7 +242,8 @@ class SvgReader {
     return true;
   }
 
-  /// What the element's style changes in the context; `displayed` as display says.
+  /// Applies the element's style to the context; `displayed` follows from the property
+  /// display.
   bool TakeStyle(const pugi::xml_node& node, Context& context, bool& displayed) {
     if (context.references > 0 && !CountAgain(node, {"style", "class", "transform"})) {
       return false;
@@ -308,7 +309,7 @@ class SvgReader {
                                           !Length(node, "y", context.page.y(), at.y()))) {
       return false;
     }
-    if (!(size.minCoeff() > 0)) return true;  // not drawn, as the standard says
+    if (!(size.minCoeff() > 0)) return true;  // not drawn, as the standard defines
     context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
     return ApplyViewBox(node, size, context) && ReadChildren(node, context);
   }
@@ -331,7 +332,7 @@ class SvgReader {
     }
     context.to_page = context.to_page.Then({1, 0, 0, 1, at.x(), at.y()});
     if (SvgName(found->second.name()) == "symbol") {
-      bool displayed = true;  // said of the symbol itself, which is never drawn
+      bool displayed = true;  // the value for the symbol itself, which is never drawn
       if (!TakeStyle(found->second, context, displayed)) return false;
       return ReadViewport(found->second, node, context);
     }

@@ -105,7 +105,7 @@ class ShapeReader {
     if (rx < 0 || ry < 0)
       return Refuse("r", "a radius must not be negative",
                     fmt::format("{}", std::min(rx, ry)));
-    if (rx == 0 || ry == 0) return true;  // not drawn, as the standard says
+    if (rx == 0 || ry == 0) return true;  // not drawn, as the standard defines
     curves.push_back(
         {{EllipticArc{center, {rx, 0, 0}, {0, ry, 0}, 0, 2 * std::numbers::pi}}, true});
     return true;

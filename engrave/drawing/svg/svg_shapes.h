@@ -11,8 +11,8 @@ std::string_view SvgName(const char* name);
 
 bool IsSvgShape(std::string_view element);
 
-/// The curves of a shape in its own user space, for which a share of the page is asked in
-/// percent of `page`. False: the builder has the error.
+/// The curves of a shape in its own user space. Percentages refer to `page`. False: the
+/// builder has the error.
 bool SvgShapeCurves(const pugi::xml_node& node, const Vec2& page, std::string_view place,
                     DrawingBuilder& builder, std::vector<Curve>& curves);
 

@@ -48,7 +48,8 @@ std::size_t PastString(std::string_view css, std::size_t at) {
   return std::min(at + 1, css.size());
 }
 
-/// Where one of the stops stands outside of strings and brackets; at the end when none.
+/// The position of the first stop character outside strings and brackets; the end when
+/// there is none.
 std::size_t EndOf(std::string_view css, std::string_view stops) {
   std::size_t at = 0, depth = 0;
   while (at < css.size()) {
@@ -65,7 +66,7 @@ std::size_t EndOf(std::string_view css, std::string_view stops) {
   return css.size();
 }
 
-/// What stands before a stop; `rest` then begins behind it.
+/// The text before the first stop character; `rest` then begins behind it.
 std::string_view Cut(std::string_view& rest, std::string_view stops) {
   const std::size_t end = EndOf(rest, stops);
   const std::string_view part = rest.substr(0, end);

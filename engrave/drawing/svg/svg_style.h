@@ -1,9 +1,9 @@
 #pragma once
 
-// What style sheets, style attributes and presentation attributes say of an element, in
-// the order of the cascade (CSS 2.1, 6.4): the attribute of the property's name, the
-// rules of sheets by specificity and then by order, the style attribute; !important
-// before all.
+// The properties that style sheets, style attributes and presentation attributes set for
+// an element, in the order of the cascade (CSS 2.1, 6.4): the attribute of the property's
+// name, the rules of sheets by specificity and then by order, the style attribute;
+// !important before all.
 
 #include <array>
 #include <cstdint>
@@ -36,7 +36,7 @@ class SvgStyleSheets {
   /// tenth of DrawingLimits::max_entities.
   bool AddSheet(std::string_view css);
 
-  /// What holds for the element. False: comparing with rules has cost more than
+  /// The properties of the element. False: the comparison with rules has exceeded
   /// DrawingLimits::max_unfolded_bytes.
   bool StyleOf(const pugi::xml_node& node, SvgStyle& style);
 

@@ -43,7 +43,8 @@ Arcs HardestArcs(double start_mm_s, double end_mm_s, double distance_mm, double 
     const double first = cruise - start_mm_s, last = cruise - end_mm_s;
     return cruise * seconds - 0.5 * (first * std::abs(first) + last * std::abs(last)) / a;
   };
-  // The gentlest course goes furthest to one side, so the speed lies to the other of it.
+  // The gentlest course goes furthest to one side, so the speed lies on the other side of
+  // it.
   const bool above = distance_mm >= 0.5 * (start_mm_s + end_mm_s) * seconds;
   double lo = above ? std::min(start_mm_s, end_mm_s) : gentle;
   double hi = above ? gentle : std::max(start_mm_s, end_mm_s);

@@ -50,13 +50,13 @@ struct Arcs {
   double peak_acceleration_mm_s2 = 0;
 };
 
-/// Of all courses within the speed limit that with the least peak acceleration. The
+/// Of all courses within the speed limit the one with the minimum peak acceleration. The
 /// step is feasible exactly when that is within the acceleration limit. Both speeds are
 /// within the speed limit, and the distance is shorter than the limit times `seconds`.
 Arcs GentlestArcs(double start_mm_s, double end_mm_s, double distance_mm, double seconds,
                   double max_speed_mm_s);
 
-/// Of all courses of a feasible step that which goes least far beyond its ends: at full
+/// Of all courses of a feasible step the one that goes least far beyond its ends: at full
 /// acceleration to one speed, and at full acceleration from it.
 Arcs HardestArcs(double start_mm_s, double end_mm_s, double distance_mm, double seconds,
                  const AxisLimits& limits);
@@ -67,14 +67,14 @@ Arcs HardestArcs(double start_mm_s, double end_mm_s, double distance_mm, double 
 // accelerate for u.
 //   d  = v T - A T^2 / 2 + A u^2,   v' = v + A (2u - T)
 //   (A u)^2 = A (d - v T) + (A T)^2 / 2
-// dv'/dv = 1 - T / u <= 0, so of an interval of start speeds the least one ends fastest.
+// dv'/dv = 1 - T / u <= 0, so of an interval of start speeds the lowest one ends fastest.
 // Where the lowest speed on the way, v - A (T - u), falls below -V the axis holds -V for
 // a while: with t = (v + V) / A the time to brake to it,
 //   d  = (v - V) t / 2 - V (T - t) + A u^2 / 2,   v' = -V + A u.
 // The slowest end is the mirror image: v, d -> -v, -d.
 //
-// The least usable start accelerates all the way and ends at V or below. It falls short
-// of V T by m = V T - d:
+// The lowest usable start speed accelerates all the way and ends at V or below. It falls
+// short of V T by m = V T - d:
 //   it reaches V after s = sqrt(2 m / A) < T:   v = V - A s
 //   it does not:                                v = d / T - A T / 2.
 //

@@ -26,7 +26,7 @@ Interpolator::Interpolator(double start_mm, double end_mm, const AxisLimits& lim
   const TimeOptimalChoice choice = ChooseTimeOptimal(length_mm, limits);
   speed_mm_s_ = choice.speed_mm_s;
   acceleration_mm_s2_ = choice.acceleration_mm_s2;
-  // Half of the way at most: V^2 / 2 A of the short way, but for rounding.
+  // Half of the distance at most: V^2 / 2 A of the short distance, except for rounding.
   const double ramp_mm =
       std::min(0.5 * speed_mm_s_ * speed_mm_s_ / acceleration_mm_s2_, 0.5 * length_mm);
   t1_s_ = speed_mm_s_ / acceleration_mm_s2_;

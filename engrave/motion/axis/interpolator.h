@@ -6,17 +6,18 @@
 // mm, mm/s, mm/s^2, s.
 //
 // What is the same in the source: (81) is the trapezoid's (12)-(14), and (51) along the
-// parabola; (85) is the triangle's (15). (84) therefore says what StopAndGoSeconds says,
-// and the interpolator with V_M, A_M of (86) is the time-optimal course. They differ from
-// the profiles triangle, trapezoid and mix in that these stretch the course over whole
-// ticks, while here the axis drives at its limits and waits; and between themselves, as
-// programs, in whether the axes share one course (interpolator_program.h).
+// parabola; (85) is the triangle's (15). (84) therefore gives the same as
+// StopAndGoSeconds, and the interpolator with V_M, A_M of (86) is the time-optimal
+// course. Both differ from the profiles triangle, trapezoid and mix: those stretch the
+// course over whole ticks, while here the axis moves at its limits and then waits. As
+// programs they differ from each other in whether the axes share one course
+// (interpolator_program.h).
 
 #include "engrave/motion/axis/profile.h"
 
 namespace intaglio::motion {
 
-/// (86): the speed and the acceleration of the least time, and that time.
+/// (86): the speed and the acceleration of the minimum time, and that time.
 struct TimeOptimalChoice {
   double speed_mm_s = 0.0;
   double acceleration_mm_s2 = 0.0;

@@ -19,9 +19,8 @@
 // otherwise cubic, solved by Newton's rule inside a bracket. As without a jerk limit
 // dv'/dv <= 0, and where the speed would fall below -V it is held there; then
 //   d = (v - V) t / 2 - V (T - t) + g(u) u / 2,   g(t) = v + V,   v' = -V + g(u).
-// The least usable start rises all the way or to V; falling short of V T by
-// m = V T - d, that is g(t) t / 2 = m and v = V - g(t) while t < T, else
-// v = d / T - g(T) / 2.
+// The lowest usable start speed rises all the way or to V; falling short of V T by m = V
+// T - d, that is g(t) t / 2 = m and v = V - g(t) while t < T, else v = d / T - g(T) / 2.
 //
 // The gentlest course uses a share s of A and J, which leaves h as it is. With
 // x = v' - v, D = |d - (v + v') T / 2| and a first pulse of f (rising where d is above

@@ -36,9 +36,9 @@ SpeedInterval UsableStartSpeeds(double distance_mm, double seconds,
 SpeedInterval ReachableEndSpeeds(const SpeedInterval& start, double distance_mm,
                                  double seconds, const JerkLimits& limits);
 
-/// The most speed gained in `seconds` from acceleration 0 to acceleration 0.
+/// The maximum speed gained in `seconds` from acceleration 0 to acceleration 0.
 double PulseGain(double seconds, const JerkLimits& limits);
-/// The least time to gain `gain_mm_s` >= 0.
+/// The minimum time to gain `gain_mm_s` >= 0.
 double PulseSeconds(double gain_mm_s, const JerkLimits& limits);
 /// The largest speed that can be braked to rest within `distance_mm` >= 0, or gained
 /// from rest within it.
@@ -54,9 +54,9 @@ struct Pulses {
   double share = 0;
 };
 
-/// Of all courses within the speed limit that which needs the least share of the limits
-/// of acceleration and jerk. The step is feasible exactly when that is at most 1. Both
-/// speeds are within the speed limit, the distance is shorter than the limit times
+/// Of all courses within the speed limit the one that needs the smallest share of the
+/// limits of acceleration and jerk. The step is feasible exactly when that is at most 1.
+/// Both speeds are within the speed limit, the distance is shorter than the limit times
 /// `seconds`.
 Pulses GentlestPulses(double start_mm_s, double end_mm_s, double distance_mm,
                       double seconds, const JerkLimits& limits);

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the stage may do, frame machine. Each axis has its own drive, so the limits
-// are per axis: a move is held back by whichever axis is at its limit.
+// The limits of the stage, frame machine. Each axis has its own drive, so the limits are
+// per axis: a move is limited by whichever axis is at its limit.
 
 #include <limits>
 
@@ -22,7 +22,7 @@ struct Limits {
   Vec3 max_jerk_mm_s3 = Vec3::Constant(kUnlimited);
   double max_speed_norm_mm_s = kUnlimited;          ///< Of the vector's length.
   double max_acceleration_norm_mm_s2 = kUnlimited;  ///< Of the vector's length.
-  /// What the motion may not leave, between the points too. Not empty.
+  /// The box that the motion must not leave, between the points too. Not empty.
   Box3 travel_mm = {Vec3::Constant(-kUnlimited), Vec3::Constant(kUnlimited)};
 };
 

@@ -30,7 +30,8 @@ LqRecursion::LqRecursion(const LqStage& stage, std::size_t count, const Matrix2d
 
 double LqRecursion::ControlAt(std::size_t j, const Vector2d& state) const {
   const Vector2d free = stage_.transition * state;
-  // The last stage before a fixed end has no choice, and a singular sum: A X + B u = 0.
+  // In the last stage before a fixed end u is determined by A X + B u = 0, and the sum is
+  // singular.
   if (fixed_end_ && j + 1 == count()) {
     return -stage_.control.dot(free) / stage_.control.squaredNorm();
   }

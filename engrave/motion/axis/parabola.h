@@ -76,8 +76,8 @@ struct ParabolaControls {
 
 /// The forces that hold the plant on the parabola while its speed changes by
 /// `speed_rate_mm_s2` = dV/dt: (42) with 0, (54) with a, 0, -a of the trapezoid's arcs;
-/// R1 = R2 = 0. The 2 x 2 system, solved as it stands; the closed forms (43), (56), (77),
-/// (78) carry misprints. With m = -2 k (x5 - b):
+/// R1 = R2 = 0. The 2 x 2 system is solved directly; the closed forms (43), (56), (77),
+/// (78) contain misprints. With m = -2 k (x5 - b):
 ///   beta1 u4 - m beta2 u6 = -alpha1 x4 - 2 k x6^2 + m alpha2 x6
 ///   m (alpha1 x4 + beta1 u4) + alpha2 x6 + beta2 u6 = dV/dt sqrt(1 + m^2)
 /// The second is the printed one over x6, as x4 = m x6 and V = x6 sqrt(1 + m^2) on the

@@ -20,7 +20,7 @@ enum class Profile {
   kTimeOptimal,  ///< The shortest time (81)-(87), then rest until the tick.
   kInterpolator,  ///< (99)-(104): every axis by itself, then rest until the tick.
   kParabola,      ///< 6.2.3-6.2.6: a leap over the line (parabola_program.h).
-  kLq,            ///< 6.2.7: the least effort by dynamic programming (lq_program.h).
+  kLq,            ///< 6.2.7: the minimum effort by dynamic programming (lq_program.h).
 };
 
 /// Limits of one axis; both > 0.
@@ -48,10 +48,10 @@ double SwitchingSeconds(double duration_s, double distance_mm, double accelerati
 /// acceleration 6 s / T^2 at its ends: T = max(sqrt(6 s / a), 1.5 s / V).
 double CubicSeconds(double distance_mm, const AxisLimits& limits);
 
-/// The least time from rest to rest: (15) while sqrt(s a) <= V, else (12)-(14).
+/// The minimum time from rest to rest: (15) while sqrt(s a) <= V, else (12)-(14).
 double StopAndGoSeconds(double distance_mm, const AxisLimits& limits);
 
-/// The least time of a step under `profile`; kMix counts as the fastest of its parts.
+/// The minimum time of a step under `profile`; kMix counts as the fastest of its parts.
 /// Of kTriangle to kInterpolator; the others have no formula of it, which throws
 /// PreconditionError.
 double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limits);

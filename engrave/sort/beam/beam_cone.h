@@ -13,7 +13,7 @@
 
 namespace intaglio::sort {
 
-/// Frame glass. Where cracks are taken as points, its tangent says all of it.
+/// Frame glass. Where cracks are taken as points, the tangent alone describes the cone.
 struct BeamCone {
   BeamCone(double tangent_of_cone = 0, double radius_mm = 0, double length_mm = 1)
       : tangent(tangent_of_cone),

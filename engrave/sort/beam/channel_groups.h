@@ -15,11 +15,11 @@
 
 namespace intaglio::sort {
 
-/// Indices of the points of each group, the lower the earlier; two groups that follow
-/// one another differ in their mask. Made one after another, whatever the order within,
-/// no group's crack shades a point of a later group that shares a channel with it. Empty
-/// when `progress` asked for the end, or there are no points. points_mm: finite, glass
-/// frame, mm; masks: one a point, not 0.
+/// Indices of the points of each group, lower points first; consecutive groups differ in
+/// their mask. Made one after another, whatever the order within, no group's crack shades
+/// a point of a later group that shares a channel with it. Empty when `progress`
+/// requested cancellation, or there are no points. points_mm: finite, glass frame, mm;
+/// masks: one per point, not 0.
 std::vector<std::vector<std::uint32_t>> GroupByChannels(
     const PointList& points_mm, std::span<const ChannelMask> masks, const BeamCone& cone,
     const ProgressSink& progress);

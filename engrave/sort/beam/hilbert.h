@@ -1,7 +1,7 @@
 #pragma once
 
 // Points along a Hilbert curve: neighbours on the curve are neighbours in space, so that
-// what a search needs next lies in memory near what it has just read.
+// the next points that a search reads are near the last ones in memory.
 
 #include <cstdint>
 #include <span>

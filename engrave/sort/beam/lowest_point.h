@@ -1,7 +1,7 @@
 #pragma once
 
-// Which of two points comes first when nothing else tells them apart: the lower one, then
-// the one of less y, then of less x, then of less index. Every sorter breaks its ties so.
+// The order of two points that are otherwise equal: the lower one first, then the one of
+// smaller y, then of smaller x, then of smaller index. Every sorter breaks its ties so.
 
 #include <cstdint>
 

@@ -18,7 +18,7 @@ bool IsPair(const Vec3& below, const Vec3& above, const BeamCone& cone) {
   return cone.Shades(std::sqrt(d.x() * d.x() + d.y() * d.y()), d.z());
 }
 
-/// Points by x, to look at those near in x alone.
+/// Points sorted by x, so that only those near in x are checked.
 class AlongX {
  public:
   explicit AlongX(std::span<const Vec3> points_mm)

@@ -1,12 +1,12 @@
 // A packed tree: the points along a Hilbert curve, eight to a leaf, eight leaves to a
 // node and so on, bottom up. The tree keeps its shape; bounds shrink as points are taken.
 // A search starts at the leaf of the last point taken, where the next one mostly is, and
-// climbs to the root, looking into those subtrees alone whose bound
+// climbs to the root, searching only those subtrees whose bound
 //   max(distance of the box in x, in y) + least lift in it
 // is not above the best cost so far. On the way down the cheapest child comes first.
 //
-// The metric has no lower bound in z, which is why a node keeps the least lift of the
-// points it still has, and not a box in z.
+// The metric has no lower bound in z, which is why a node keeps the minimum lift of its
+// remaining points, and not a box in z.
 //
 // Points are compared in double, so the result is exact. Bounds are floats relative to
 // the middle of the cloud. With M the largest of the coordinates so taken and L of the
@@ -227,7 +227,7 @@ void RemainingPoints::VisitChildren(std::size_t level, std::size_t node,
   float bound[kFan];
   BoundChildren(levels_[level][node], search, bound);
   if (skipped < kFan) bound[skipped] = kInfinityF;
-  // Mostly no child is worth a look: find out which are before anything is sorted.
+  // Mostly no child has to be searched: find those that have to be before sorting.
   unsigned open = 0;
   for (std::size_t i = 0; i < kFan; ++i) {
     open |= static_cast<unsigned>(bound[i] <= search.limit) << i;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The points that are still to be made, searchable for the one of least
+// The points that are still to be made, searchable for the one of minimum
 //   max(|x - x_now|, |y - y_now|) + z_weight * z.
 // The greedy sorters take their points out of it one by one.
 
@@ -24,16 +24,16 @@ class RemainingPoints {
 
   std::size_t size() const { return size_; }
 
-  /// A point taken: its place along with its index, because the place is at hand here and
-  /// far away in the cloud.
+  /// A point taken: its place along with its index, because the place is in the cache
+  /// here, but not in the cloud.
   struct Taken {
     std::uint32_t index;
     double x_mm;
     double y_mm;
   };
 
-  /// Takes out the point of least cost as seen from (x, y). Equal costs: as
-  /// lowest_point.h has it. There must be a point left.
+  /// Takes out the point of minimum cost as seen from (x, y). Equal costs: the order of
+  /// lowest_point.h. There must be a point left.
   Taken TakeNearest(double x_mm, double y_mm);
 
   /// A point found and not yet taken; stale once any point was taken.
@@ -45,9 +45,8 @@ class RemainingPoints {
     std::uint32_t slot;
   };
 
-  /// Replaces `found` by the `count` points of least cost as seen from (x, y), or by all
-  /// that are left, the cheapest first; equal costs as
-  /// lowest_point.h has it.
+  /// Replaces `found` by the `count` points of minimum cost as seen from (x, y), or by
+  /// all that are left, the cheapest first; equal costs in the order of lowest_point.h.
   void FindNearest(double x_mm, double y_mm, std::size_t count,
                    std::vector<Candidate>& found) const;
 
@@ -91,7 +90,7 @@ class RemainingPoints {
     bool operator==(const Bounds&) const = default;
   };
 
-  /// Where a search stands and how cheap a subtree must be to be looked into.
+  /// The position of a search, and the cost above which a subtree is not searched.
   struct Search {
     double x, y;
     float rel_x, rel_y;

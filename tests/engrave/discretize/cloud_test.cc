@@ -80,7 +80,7 @@ TEST(Cloud, KeepsTheSpacingAndLeavesNoRoomAcrossSeams) {
   for (std::uint32_t i = 0; i < sources.size(); ++i) {
     ASSERT_TRUE(sources[i]->AddPoints({}, i, {}, candidates).has_value());
   }
-  // Every tenth will do: who was left out is too near to somebody who was kept.
+  // Every tenth is enough: a removed candidate is too near to a kept point.
   for (std::size_t i = 0; i < candidates.size(); i += 10) {
     double nearest = INFINITY;
     for (const Vec3& p : made->cloud.points_mm) {

@@ -1,4 +1,4 @@
-// What the methods that make points of a surface owe together with the cloud.
+// The guarantees of the methods that make points of a surface, together with the cloud.
 
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ Result<Discretized> Discretize(const std::vector<mesh::TriangleMesh>& models,
 }
 
 TEST(Methods, EveryMethodKeepsTheSpacingAndTheSurface) {
-  // Two models that cut into each other: the weld holds over both.
+  // Two models that intersect: thinning applies to both together.
   const std::vector<mesh::TriangleMesh> models = {Torus(Vec3(0, 0, 0), 5, 2, 24, 16),
                                                   Sphere(Vec3(5, 0, 0), 3, 16, 24)};
   for (const auto& [name, method] : EveryMethod(0.4)) {
@@ -75,7 +75,7 @@ TEST(Methods, EveryMethodKeepsTheSpacingAndTheSurface) {
   }
 }
 
-// Vertical walls cut at exactly the spacing: rounding may not cost a single layer.
+// Vertical walls cut at exactly the spacing: rounding must not remove a single layer.
 TEST(Methods, LayersASpacingApartAllStay) {
   const auto result = Discretize({Cuboid(Vec3(-3, -3, -2.07), Vec3(3, 3, 2))},
                                  SectionsOf(0.1, ParallelFaces::kIgnore), 0.1);
@@ -84,8 +84,8 @@ TEST(Methods, LayersASpacingApartAllStay) {
       << "only points at the corners of the square may go";
 }
 
-// A square pillar with its faces on the grid of rays: hits on its flat top stand exactly
-// a grid step apart, and rounding may not cost one of them.
+// A square pillar with its faces on the grid of rays: hits on its flat top are exactly
+// one grid step apart, and rounding must not remove one of them.
 TEST(Methods, RaysASpacingApartAllStay) {
   const auto result =
       Discretize({Cuboid(Vec3(-3, -3, -2), Vec3(3.01, 3.01, 2))}, RaysOf(0.1), 0.1);

@@ -51,8 +51,8 @@ inline double LargestDistanceToMesh(const PointList& points,
 }
 
 /// How often the line through `origin` along `direction` crosses the mesh (Moeller and
-/// Trumbore 1997). `clear` becomes false when it passes within a hair of an edge, where
-/// the answer is a matter of rounding.
+/// Trumbore 1997). `clear` becomes false when it passes so close to an edge that rounding
+/// decides.
 inline int CrossingsOfLine(const mesh::TriangleMesh& mesh, const Vec3& origin,
                            const Vec3& direction, bool& clear) {
   constexpr double kHair = 1e-9;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Meshes of shapes whose sections, areas and crossings are known by formula. Faces look
+// Meshes of shapes whose sections, areas and crossings are known by formula. Faces point
 // outward, vertices are shared. Frame glass, mm.
 
 #include <Eigen/Geometry>

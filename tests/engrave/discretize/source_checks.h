@@ -1,6 +1,6 @@
 #pragma once
 
-// What every source of points owes, whatever its method.
+// The guarantees of every source of points, whatever its method.
 
 #include <gtest/gtest.h>
 

@@ -25,7 +25,7 @@ inline SpacedCloud PointsOf(const PointSource& source, const HeightRange& range 
   return cloud;
 }
 
-/// What a weld of all its points keeps, at its own spacings.
+/// The points that thinning keeps of all its points, at their own spacings.
 inline SpacedCloud Welded(const PointSource& source) {
   return Weld(PointsOf(source), {1e-3, 1});
 }

@@ -57,8 +57,8 @@ TEST(HpglRead, ArcsCirclesRectanglesAndWedges) {
   for (std::size_t i = 1; i < 5; ++i) EXPECT_TRUE(flat.curves[i].closed) << i;
 }
 
-// The corners of the scale lie at the scaling points, whichever way these stand, and what
-// is between in proportion. 40 plotter units are a millimetre.
+// The corners of the scale lie at the scaling points, in whichever order these are, and
+// coordinates between them in proportion. 40 plotter units are a millimetre.
 TEST(HpglRead, ScaleIsStretchedBetweenTheScalingPoints) {
   for (const char* kind : {"", ",0"}) {
     const auto flat = FlatHpgl(fmt::format(
@@ -77,7 +77,7 @@ TEST(HpglRead, ScaleIsStretchedBetweenTheScalingPoints) {
   EXPECT_EQ(turned.curves[1].points_mm, (PointList{{0, 0, 0}}));
 }
 
-// Kind 1: the larger unit that fits, the free room divided as told.
+// Kind 1: the largest equal unit that fits, the free room divided as given.
 TEST(HpglRead, IsotropicScaleLeavesRoom) {
   struct Case {
     const char* scale;
@@ -113,7 +113,7 @@ TEST(HpglRead, ScaleByFactorAndItsEnd) {
   EXPECT_EQ(flat.curves[4].points_mm, (PointList{{2, 2, 0}}));
 }
 
-// What is round in user units is an ellipse on paper where x is stretched threefold.
+// A circle in user units is an ellipse on the page where x is stretched threefold.
 TEST(HpglRead, ShapesInStretchedUnits) {
   const auto flat = FlatHpgl(
       "SC0,120,0,40,2;PU10,0;PD;AA0,0,180;PU0,0;CI2;EA1,1;ER2,1;EW2,0,90;"

@@ -67,7 +67,7 @@ TEST(RepeatedContours, OthersStay) {
   EXPECT_EQ(CountLeft({Square(1e12, 1e12), Square(1e12, 1e12)}), 1U);
 }
 
-/// The contours that even-odd filling sees of a drawing of these entities.
+/// The contours of a drawing of these entities that even-odd filling uses.
 std::size_t ContoursOf(const std::string& entities) {
   const auto drawing = ReadDxf(Entities(entities));
   EXPECT_TRUE(drawing.has_value()) << (drawing ? "" : drawing.error().message);

@@ -137,7 +137,8 @@ TEST(JournalFile, AnUncertainPointIsOpenAgainByAWordAndFiredThenAsAnyOther) {
   EXPECT_FALSE(history[2].reopened);
 }
 
-// Whatever else is missing in the file: no consent opens what was made, or is armed.
+// Even if other records are missing in the file, no consent opens a point that was made
+// or is armed.
 TEST(JournalFile, OnlyWhatIsUncertainIsOpenedByAWord) {
   const std::vector<JournalRecord> records = {
       Of(JournalKind::kIntent, 0, 100),

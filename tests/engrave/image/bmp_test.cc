@@ -149,7 +149,7 @@ TEST(Bmp, HugeSizesAreRefusedAtOnce) {
     EXPECT_EQ(image.error().code,
               width > 0 ? ErrorCode::kTooLarge : ErrorCode::kUnreadable);
   }
-  // The least of all numbers has no counterpart above zero.
+  // The most negative number has no positive counterpart.
   EXPECT_FALSE(ParseImage(MakeBmp({1, INT32_MIN, 24, 0, {}, "x"})));
 }
 

@@ -36,7 +36,7 @@ TEST_F(WholeFileTest, ReadsAFileUpToItsBound) {
   EXPECT_EQ(ReadWholeFile(folder_ / "link", 4), bytes);
 }
 
-// A FIFO would wait for whoever writes into it, a device never ends.
+// A FIFO would block until it gets a writer; a device never ends.
 TEST_F(WholeFileTest, RefusesWhatIsNoFileAtOnce) {
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   for (const fs::path& file : {folder_, folder_ / "fifo", fs::path("/dev/zero"),

@@ -51,7 +51,7 @@ double NumberOf(const std::string& text) {
   return number;
 }
 
-/// Half of the last digit that stands there.
+/// Half a unit of the last printed digit.
 double HalfDigit(const std::string& text) {
   return 0.51 * std::pow(10.0, -static_cast<double>(text.size() - text.find('.') - 1));
 }

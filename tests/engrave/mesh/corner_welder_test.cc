@@ -9,7 +9,7 @@
 #include "engrave/core/check.h"
 #include "engrave/mesh/weld_vertices.h"
 
-// VertexWelder, which knows nothing of batches, is the oracle.
+// VertexWelder, which has no batches, is the oracle.
 
 namespace intaglio::mesh {
 namespace {

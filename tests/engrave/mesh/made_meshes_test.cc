@@ -49,7 +49,7 @@ std::string PlateWithScrews() {
                    true);
 }
 
-/// What a file must turn out to be.
+/// The expected properties of a file's mesh.
 struct MadeFile {
   const char* file;
   std::function<std::string()> bytes;

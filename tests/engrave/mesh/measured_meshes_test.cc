@@ -10,8 +10,8 @@
 #include "engrave/mesh/mesh_import.h"
 #include "tests/engrave/mesh/mesh_file.h"
 
-// Meshes as people have them: scans, CAD exports, and files that are broken. Those that
-// may be handed on are in tests/data; the others are read where INTAGLIO_MESHES says.
+// Meshes from practice: scans, CAD exports, and broken files. Those that may be
+// redistributed are in tests/data; the others are read from the folder INTAGLIO_MESHES.
 
 namespace intaglio::mesh {
 namespace {
@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 
 const fs::path kData = fs::path(INTAGLIO_SOURCE_DIR) / "tests/data";
 
-/// What a file must turn out to be.
+/// The expected properties of a file's mesh.
 struct Expected {
   const char* file;
   /// Counted in the file: faces of the text formats, (size - 84) / 50 of a binary STL.

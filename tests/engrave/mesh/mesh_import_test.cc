@@ -33,7 +33,7 @@ Result<TriangleMesh> Import(const std::string& bytes, std::string_view extension
                               extension, options, "box");
 }
 
-/// The triangles as corner coordinates, each begun at its least corner, sorted.
+/// The triangles as corner coordinates, each beginning with its smallest corner, sorted.
 std::vector<std::array<double, 9>> Surface(const TriangleMesh& mesh) {
   std::vector<std::array<double, 9>> surface;
   for (const Triangle& t : mesh.triangles) {
@@ -152,7 +152,7 @@ TEST(MeshImport, FileCutAnywhereIsAnErrorOrAWarning) {
         EXPECT_FALSE(mesh.error().message.empty());
       } else if (Surface(*mesh) != Surface(box)) {
         // A text can be cut and still be a model, and the library makes up a PLY's
-        // missing rows by repeating the last one: the diagnosis sees it.
+        // missing rows by repeating the last one: the diagnosis detects that.
         EXPECT_FALSE(Warnings(Diagnose(*mesh), "box").empty()) << extension << size;
       }
     }
@@ -199,7 +199,7 @@ TEST(MeshImport, ThreeMfThatUnpacksToTooMuchIsRefused) {
   ImportOptions options;
   options.max_file_bytes = bomb.size();  // it is stored, so its parts are smaller
   EXPECT_TRUE(Import(bomb, "3mf", options).has_value());
-  // The first entry of the directory says that it unpacks to 51 times the archive.
+  // The first entry of the directory declares an unpacked size of 51 times the archive.
   const auto claimed = static_cast<std::uint32_t>(51 * bomb.size() + 1000);
   std::memcpy(bomb.data() + bomb.find("PK\1\2") + 24, &claimed, sizeof claimed);
   ExpectError(Import(bomb, "3mf"), ErrorCode::kTooLarge, "more than 50 times");
@@ -229,7 +229,7 @@ TEST(MeshImport, DaeWithTextAmongItsIndicesIsAnError) {
   ExpectError(Import(dae, "dae"), ErrorCode::kUnreadable, "something other than numbers");
 }
 
-// The library reads where an accessor tells it to.
+// The library reads wherever an accessor points.
 TEST(ImportMesh, ADaeWhoseAccessorsReachTooFarIsRefused) {
   const std::string dae = Dae(BoxMesh(kSize), "", kIdentity);
   const auto with = [&dae](const std::string& after, const std::string& what,

@@ -104,7 +104,7 @@ TEST(Placement, QuarterTurnsKeepABoxExact) {
 
 TEST(Placement, FitsTheHeightAfterTurning) {
   Placement placement;
-  placement.rotation_rad = {kPi / 2, 0, 0};  // the y extent, 2, stands up
+  placement.rotation_rad = {kPi / 2, 0, 0};  // the y extent, 2, becomes the height
   placement.fit = FitHeight{40};
   const auto placed = PlaceInBlock(BoxMesh({1, 2, 3}), placement, kBlock);
   ASSERT_TRUE(placed.has_value());

@@ -14,7 +14,7 @@ namespace {
 using namespace std::string_literals;
 using ::testing::HasSubstr;
 
-/// A box whose header has these lines more, at its beginning and before its end.
+/// A box whose header has these additional lines, at its beginning and before its end.
 std::vector<std::string> BoxesWith(const std::string& lines) {
   const std::string box = Ply(BoxMesh(Vec3(1, 2, 3)));
   std::string early = box, late = box;

@@ -27,8 +27,7 @@ struct MeasuredAngle {
 
 namespace published_internal {
 
-/// The rows of numbers of a table; what is not a row of numbers (comment, heading) is
-/// passed over.
+/// The rows of numbers of a table; other lines (comment, heading) are skipped.
 inline std::vector<std::vector<double>> NumbersOf(const std::string& file_name) {
   std::ifstream file(INTAGLIO_SOURCE_DIR "/tests/data/published/" + file_name);
   std::vector<std::vector<double>> rows;

@@ -132,7 +132,7 @@ TEST(TickPlannerOptions, StaysInsideTheTravelOfRandomMachines) {
             ? 0
             : 1;
   }
-  // Without walls most of them would have gone further.
+  // Without the limits of travel most of them would have gone further.
   EXPECT_GT(near, 75);
 }
 

@@ -81,7 +81,7 @@ TEST_P(TickPlannerOn, TakesNoMoreTicksThanStoppingAndNoFewerThanTheBounds) {
         PlanAll(points, limits(), rate_hz, OptionsForRate(rate_hz)).ticks;
     const std::uint64_t stopping =
         EstimateTicks(points, Vec3::Zero(), limits(), rate_hz, Profile::kMix);
-    // The reserve for arcs on a grid costs a tick now and then.
+    // The reserve for arcs on a grid sometimes costs a tick.
     EXPECT_LE(static_cast<double>(ticks), 1.002 * static_cast<double>(stopping));
     double least_s = 0;
     Vec3 at = Vec3::Zero();
@@ -185,7 +185,7 @@ TEST(TickPlanner, HandsOutAWindowAndCanAlwaysEndAtRest) {
   std::vector<Segment> out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     planner.Append(points[i], static_cast<std::int32_t>(i), true, out);
-    // A copy of it ends here: what was handed out has a way to rest.
+    // A copy of it ends here: the motion returned so far can be brought to rest.
     if (i % 37 == 0) {
       TickPlanner ending = planner;
       std::vector<Segment> whole = out;
@@ -203,7 +203,7 @@ TEST(TickPlanner, GoesOnFromAMovingStart) {
   const PointList points = {Vec3(1.3, 1.9, 3), Vec3(1.4, 1.9, 3.1)};
   for (const double rate_hz : {50.0, 200.0, 4000.0}) {
     const Plan plan = PlanAll(points, {}, rate_hz, OptionsForRate(rate_hz), start);
-    // VerifyMotion wants a start at rest; what it says of it is all it may find.
+    // VerifyMotion expects a start at rest; that is the only violation it may report.
     const MotionReport report = VerifyMotion(start, plan.segments, points, {}, rate_hz);
     EXPECT_LE(report.violation_count, 1u);
     EXPECT_EQ(report.points, points.size());

@@ -117,7 +117,7 @@ TEST_F(Verify, FindsABulgeBeyondTheTravel) {
   points_.clear();
   limits_.travel_mm = {Vec3(-1, -0.022, 0), Vec3(1, 0.03, 0)};
   const MotionReport report = Report();
-  // u^2 (u - 1) v T is least at u = 2/3.
+  // u^2 (u - 1) v T is minimal at u = 2/3.
   EXPECT_NEAR(report.extent_mm.min_mm.y(), -0.15 * 4 / 27, 1e-12);
   EXPECT_NEAR(report.extent_mm.max_mm.y(), 0.15 * 4 / 27, 1e-12);
   ASSERT_EQ(report.violation_count, 1u);

@@ -42,7 +42,7 @@ TEST(CrackRisk, CountsAsBruteForce) {
   EXPECT_EQ(risk.risky_count, risky);
 }
 
-// What the header derives its limit from: sheets at the published spacing of both lenses.
+// The basis of the header's limit: sheets at the published spacing of both lenses.
 TEST(CrackRisk, ASheetAtThePublishedSpacingIsSoundTwoSheetsAreNot) {
   struct Lens {
     double diameter_mm, length_mm, spacing_mm;

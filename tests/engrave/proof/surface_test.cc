@@ -19,8 +19,8 @@ UncoveredDisc Uncovered(const mesh::TriangleMesh& model, const PointList& points
   return LargestUncoveredDisc(surface, tree, points_mm, executor);
 }
 
-/// The same by looking at places of a fine grid on every triangle: never more than true,
-/// and less by at most the grid's reach.
+/// The same by brute force over a fine grid on every triangle: never more than the true
+/// value, and less by at most the grid's reach.
 double SampledRadius(const mesh::TriangleMesh& model, const PointList& points_mm,
                      int steps) {
   double most = 0;

@@ -37,7 +37,7 @@ TEST(Text, EveryAsciiSignIsThereAndDifferent) {
 }
 
 TEST(Text, SignsOfFiguresAreThere) {
-  const auto box = Print("\xEF\xBF\xBD");  // what the font lacks
+  const auto box = Print("\xEF\xBF\xBD");  // characters that the font does not have
   for (const char* sign : {"µ", "°", "±", "×", "·", "–", "²", "³"}) {
     EXPECT_FALSE(IsBlank(Print(sign))) << sign;
     EXPECT_NE(Print(sign), box) << sign;

@@ -75,7 +75,7 @@ TEST(Layers, KeepsTheLayersOfALayeredCloudApart) {
 TEST(Layers, FiresThroughNothingWhenASlabIsALayer) {
   const PointList points_mm = SlicedVase(60, 0.1, 0.1);
   EXPECT_EQ(CountShadowViolations(points_mm, MakeLayers(points_mm, 0.1), 0.7), 0);
-  // A slab of many layers is not safe, and the checker says so.
+  // A slab of many layers is not safe, and the checker reports that.
   EXPECT_GT(CountShadowViolations(points_mm, MakeLayers(points_mm, 3), 0.7), 0);
 }
 

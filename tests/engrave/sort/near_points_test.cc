@@ -87,7 +87,7 @@ TEST(NearPoints, MissNothingWithinACell) {
       for (std::uint32_t i = 0; i < points.size(); ++i) {
         std::vector<std::uint32_t> expected;
         for (const auto& [distance, other] : Others(points, i)) {
-          // Rounding decides about what is just a cell away.
+          // Rounding decides about points that are exactly one cell away.
           if (distance >= 1.49F * typical || expected.size() == count) break;
           expected.push_back(other);
         }

@@ -57,7 +57,7 @@ TEST(Smooth, FollowsTheContoursOfASphere) {
   EXPECT_GE(utilisation, 0.98);
 }
 
-// What it is for: fewer ticks than the order of the nearest point next.
+// Its purpose: fewer ticks than the nearest-neighbour order.
 TEST(Smooth, TakesFewerTicksThanKdz) {
   for (const double rate_hz : {100.0, 400.0}) {
     double smooth_ticks = 0;

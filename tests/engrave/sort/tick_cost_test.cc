@@ -75,7 +75,7 @@ struct Machine {
     return true;
   }
 
-  /// Of up to `share` of the most that the speed allows, each axis its own way.
+  /// Up to `share` of the maximum that the speed allows, each axis differently.
   Step RandomStep(std::mt19937_64& random, double ticks, double share) const {
     std::uniform_real_distribution<double> either(-1, 1);
     Step step{Vec3::Zero(), ticks};
@@ -108,7 +108,7 @@ TEST(TickCost, BendIsTheShareOfTheAccelerationLimit) {
   }
 }
 
-// Whatever the exact intervals of speeds let pass, Bend lets pass.
+// Bend accepts everything that the exact intervals of speeds accept.
 TEST(TickCost, BendWithinOneIsNecessary) {
   std::mt19937_64 random(2);
   int possible = 0;
@@ -184,7 +184,7 @@ std::vector<float> Beyond(double rate_hz) {
   return {0, 1, 2, 3, 4, 7, 12, 19};
 }
 
-/// The least sum of ticks and bends over all choices, each looked at.
+/// The minimum sum of ticks and bends over all choices, by enumeration.
 double Cheapest(const TickCost& cost, const std::vector<float>& beyond,
                 std::vector<TimedMove>& moves, std::size_t next) {
   if (next + 1 == moves.size()) {

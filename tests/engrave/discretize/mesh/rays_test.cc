@@ -99,8 +99,7 @@ TEST(Rays, TooFineAGridIsAnError) {
   EXPECT_EQ(result.error().code, ErrorCode::kTooLarge);
 }
 
-// The distance of the grid's rays over a model of this size, found by looking at what
-// they hit.
+// The distance of the grid's rays over a model of this size, found from the hits.
 double PitchMm(double size_mm, double distance_mm) {
   SpacedCloud cloud;
   Cast(Cube(size_mm), distance_mm, cloud);

@@ -72,7 +72,7 @@ TEST(Sections, PlanesLieWhereTheyShould) {
   Cut(Sphere(Vec3(5, 5, 5), 4, 40, 60), options, cloud);
   for (const Vec3& p : cloud.points_mm) {
     const double k = (p.z() - 1 - 0.15) / 0.3;
-    // 1 um is what the product promises; the arithmetic keeps far below.
+    // The product guarantees 1 um; the arithmetic is far more accurate.
     EXPECT_NEAR(p.z(), 1 + 0.15 + std::round(k) * 0.3, 1e-6);
   }
 }
@@ -391,7 +391,7 @@ TEST(Sections, ParallelFacesAreCovered) {
   }
 }
 
-// Along the arc, not the chord: 400 facets of a circle bend too little to tell.
+// Along the arc, not the chord: with 400 facets of a circle the difference is negligible.
 TEST(Sections, SpacingIsWithinOnePerCentOfItsMean) {
   SectionOptions options = Fine(0.1);
   options.layer_distance_mm = 0.37;

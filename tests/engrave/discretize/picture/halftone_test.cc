@@ -38,7 +38,7 @@ PointList PointsOf(const GreyImage& picture, const HalftoneOptions& options,
   return cloud.points_mm;
 }
 
-/// Points a mm^2 that white gets by the header's words.
+/// Points per mm^2 of white, by the header's definition.
 double Densest(const HalftoneOptions& options) {
   const double d = options.vertex_distance_mm;
   return (options.method == HalftoneMethod::kBlueNoise ? 2 / std::sqrt(3.0) : 1) /

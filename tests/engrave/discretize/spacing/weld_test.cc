@@ -53,7 +53,7 @@ std::vector<Key> Keys(const SpacedCloud& cloud) {
   return keys;
 }
 
-// The rules of weld.h, word for word.
+// The rules of weld.h, implemented literally.
 bool AreTooNear(const Key& a, const Key& b, const WeldOptions& options) {
   const double dx = std::get<2>(a) - std::get<2>(b), dy = std::get<1>(a) - std::get<1>(b);
   const double dz = std::get<0>(a) - std::get<0>(b);
@@ -120,7 +120,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Combine(testing::Values(Own::kNone, Own::kEqualBySource, Own::kAnything),
                      testing::Values(1.0, 2.5), testing::Bool(), testing::Bool()));
 
-// Each channel has a block of its own: who shares none is not in the way.
+// Each channel has a block of its own: points without a common channel do not exclude
+// each other.
 TEST(Weld, PointsOfDifferentChannelsAreNotTooNear) {
   const std::vector<std::vector<ChannelMask>> masks = {{1, 1, 1}, {1, 2, 4},   {7, 2, 4},
                                                        {1, 3, 6}, {15, 4, 15}, {3, 5, 6}};

@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-// What stands before and behind the paths in files of AutoCAD: elevation, name of the
+// The groups before and behind the paths in files of AutoCAD: elevation, name of the
 // pattern, then style, angle, lines of the pattern and seed points.
 constexpr const char* kHead =
     "0 HATCH|8 cut|100 AcDbHatch|10 0|20 0|30 0|210 0|220 0|230 1|2 SOLID|70 1|71 0|";
@@ -60,7 +60,7 @@ TEST(DxfHatch, ArcsRunBothWays) {
                 "72 1|10 10|20 4|11 7|21 4|72 2|10 5|20 4|40 2|50 0|51 180|73 0|"
                 "72 1|10 3|20 4|11 0|21 4|72 1|10 0|20 4|11 0|21 0"),
       10 + 4 + 3 + 2 * pi + 3 + 4, 40 - 2 * pi);
-  // A sector from 60 degrees clockwise to 20: files tell 360 less the angle.
+  // A sector from 60 degrees clockwise to 20: files store 360 minus the angle.
   const double x60 = 3 * std::cos(pi / 3), y60 = 3 * std::sin(pi / 3);
   const double x20 = 3 * std::cos(pi / 9), y20 = 3 * std::sin(pi / 9);
   ExpectLengthAndArea(
@@ -83,7 +83,8 @@ TEST(DxfHatch, EllipsesByParameter) {
     return Vec3(5 * std::cos(pi / 2 * t), 2.5 * std::sin(pi / 2 * t), 0);
   });
   ExpectLengthAndArea(ContourOf("92 1|93 3|" + quarter), arc + 7.5, 5 * 2.5 * pi / 4);
-  // Clockwise from the short axis back: parameters 270 to 360, told the other way.
+  // Clockwise from the short axis back: parameters 270 to 360, stored in the other
+  // direction.
   const std::string back =
       "72 3|10 1|20 1|11 3|21 4|40 0.5|50 270|51 360|73 0|72 1|10 4|20 5|11 1|21 1|"
       "72 1|10 1|20 1|11 -1|21 2.5";
@@ -91,7 +92,7 @@ TEST(DxfHatch, EllipsesByParameter) {
 }
 
 TEST(DxfHatch, Splines) {
-  // A quarter circle as a rational quadratic; weights stand between the points.
+  // A quarter circle as a rational quadratic; weights are between the points.
   ExpectLengthAndArea(
       ContourOf("92 1|93 3|72 4|94 2|73 1|74 0|95 6|96 3|40 0|40 0|40 0|40 1|40 1|40 1|"
                 "10 2|20 0|42 1|10 2|20 2|42 0.70710678118654752|10 0|20 2|42 1|97 0|"

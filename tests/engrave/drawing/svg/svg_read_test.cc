@@ -75,8 +75,8 @@ TEST(SvgRead, BeziersAndTheirSmoothForms) {
   EXPECT_NEAR(LengthOf(flat.curves[1]), 2 * quadratic, quadratic * 2.2e-4);
 }
 
-// The arc must run from p to q on an ellipse of the given radii and turn, by the side and
-// share that the flags say; both are checked from its points alone.
+// The arc must run from p to q on an ellipse of the given radii and turn, on the side and
+// with the size that the flags select; both are checked from its points alone.
 TEST(SvgRead, ArcsObeyTheirEndpointParameters) {
   const Vec3 p(3, 4, 0), q(9, 1, 0);
   for (const double turn : {0.0, 30.0, -75.0}) {

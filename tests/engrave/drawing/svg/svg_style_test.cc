@@ -27,7 +27,7 @@ std::string Strokes(const std::string& content) {
   return strokes;
 }
 
-// The examples of CSS 2.1, 6.4.3, and what its rules say of others: which of two rules
+// The examples of CSS 2.1, 6.4.3, and further cases under its rules: which of two rules
 // wins must not depend on the order unless the specificities are the same.
 TEST(SvgStyle, MoreSpecificRulesWinAndThenLaterOnes) {
   const std::string line = "<line id='i' class='a b' x2='1' stroke='attribute'/>";

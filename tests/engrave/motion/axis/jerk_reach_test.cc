@@ -115,8 +115,8 @@ TEST(HardestPulses, GoTheWayInTheTimeAndTurnBackSoonest) {
 }
 
 // All courses of eight equal pieces with jerk -J, 0 or J and acceleration 0 at the ends:
-// none may lead where the intervals say there is no way, and on the fastest and slowest
-// ends of the intervals there is a course within the limits.
+// none may reach a speed that the intervals exclude, and for the fastest and slowest ends
+// of the intervals there is a course within the limits.
 TEST(ReachableEndSpeedsWithJerk, HoldEveryCourseOfAGrid) {
   constexpr int kPieces = 8, kCourses = 6561;
   std::mt19937_64 random(3);

@@ -38,8 +38,9 @@ TEST(BeamCone, ItsSurfaceAndWhatIsBesideOrBelowAreOutside) {
   EXPECT_FALSE(BeamCone(0).Shades(0, 5)) << "no beam is without width";
 }
 
-// What the searches by bounding boxes rest on: higher never reaches less far, the
-// steepest tangent bounds it, and it is concave from 0, so that steps up add no less.
+// The properties that the searches by bounding boxes rely on: higher never reaches less
+// far, the steepest tangent bounds it, and it is concave from 0, so that steps up add no
+// less.
 TEST(BeamCone, ReachGrowsWithinTheSteepestTangent) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(0, 1);

@@ -14,7 +14,7 @@
 namespace intaglio::sort {
 namespace {
 
-/// The same answers by looking at every point that is left.
+/// The same answers by checking every remaining point.
 class EveryPoint {
  public:
   EveryPoint(const PointList& points_mm, double z_weight)
