@@ -5,8 +5,7 @@
 
 namespace intaglio::cli {
 
-/// Says on the standard error stream what is wrong; the code, for the command to end
-/// with.
+/// Prints the error on the standard error stream; returns the exit code of the command.
 int Complain(const Error& error, int exit_code = client::kExitWrongInput);
 
 }  // namespace intaglio::cli

@@ -167,7 +167,7 @@ Result<std::string> ChooseBlock(JobSpec& job, const MachineSpec& machine,
       block[0], block[1], block[2], size.x(), size.y(), size.z());
 }
 
-// Points say where they are in the block as well as how far they spread.
+// Points define where they are in the block as well as their extent.
 std::vector<double> BlockAround(const PointList& points_mm) {
   Box3 box;
   for (const Vec3& p : points_mm) box.Extend(p);

@@ -1,7 +1,7 @@
 #pragma once
 
-// The job that `intaglio run` and the offline commands are told of, by a job file or by
-// flags; flags given beside a job file replace what it says.
+// The job that `intaglio run` and the offline commands are given, by a job file or by
+// flags; flags given beside a job file replace its values.
 
 #include <filesystem>
 #include <optional>
@@ -51,13 +51,13 @@ struct JobAndMachine {
 /// a line, with the field's path.
 Result<JobAndMachine> BuildJob(const JobFlags& flags);
 
-/// The same for a job that was read by somebody else: flags, machine, defaults, checks.
+/// The same for a job that the caller has read: flags, machine, defaults, checks.
 Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job);
 
-/// The job file of a series, as it stands; --name is refused.
+/// The job file of a series, unchanged; --name is refused.
 Result<JobSpec> ReadPattern(const JobFlags& flags);
 
-/// As BuildJob, for points that are there already, mm: no model is needed, nor looked
+/// As BuildJob, for points that are there already, mm: no model is needed or searched
 /// for. Without a block and a model the points decide the block's size.
 Result<JobAndMachine> BuildJobOfPoints(const JobFlags& flags, const PointList& points_mm);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What somebody has mounted in the machine of a shop: block, glass, lens. The cell fires
+// What a person has mounted in the machine of a shop: block, glass, lens. The cell fires
 // no job for anything else.
 
 #include <filesystem>

@@ -12,7 +12,7 @@ namespace intaglio::cli {
 namespace {
 constexpr int kBarWidth = 24;
 
-/// "the lamp warms up: 17 %" without its figures: a log wants each thing told once.
+/// "the lamp warms up: 17 %" without its figures: a log should have each note once.
 std::string WithoutDigits(std::string text) {
   std::erase_if(text, [](char c) { return c >= '0' && c <= '9'; });
   return text;

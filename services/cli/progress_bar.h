@@ -3,7 +3,7 @@
 // A line on the terminal that shows how far a stage is: share, points, rate, time left.
 //   order      [##########----------]  52 %   41 230 / 79 100 points   1.2 M/s   3 s left
 // On a terminal the line is drawn over; elsewhere (a log, a pipe) a line is printed at
-// the stage's begin, at each tenth, at its end, and when the note's words change.
+// the stage's begin, at each tenth, at its end, and when the note's text changes.
 
 #include <chrono>
 #include <cstdint>

@@ -220,9 +220,9 @@ void RunSession::Show(const client::JobView& job) {
   bars_.Show(job, note);
 }
 
-// Whoever types `run` is beside the machine: that is the operator's arm. The machine is
-// this session's alone, so no other block was in it when a lost process costs an attempt,
-// and the arm is given once more, unless somebody has taken it back.
+// The person who types `run` is beside the machine: that is the operator's arm. The
+// machine is this session's alone, so no other block was in it when a lost process costs
+// an attempt, and the arm is given once more, unless a person has taken it back.
 void RunSession::Arm(client::JobClient& client, const client::JobView& job) {
   if (job.state == intaglio_JOB_QUEUED || job.ended()) return;
   if (!arm_ || (job.attempt != armed_attempt_ && arm_holds_)) arm_.emplace(client, job);

@@ -4,7 +4,8 @@
 
 namespace intaglio::cli {
 
-/// `intaglio security`: makes and renews identities, and says who may do what.
+/// `intaglio security`: makes and renews identities, and lists the permissions of each
+/// role.
 void AddSecurityCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

@@ -33,7 +33,8 @@ using namespace std::chrono_literals;
 
 // A shop that was killed a moment ago needs this long to go.
 constexpr auto kLeaveTime = 5s;
-// Whoever still speaks so long after it was found has not been killed; five words.
+// A process that still publishes this long after it was found has not been killed; five
+// samples.
 constexpr auto kGoesOnTime = 1s;
 
 struct UpOptions {

@@ -1,14 +1,14 @@
 #pragma once
 
-// Arms one job once, for a command that a person typed beside the machine. What comes
-// after, a pause, a stop or a lost grant, is left to a person.
+// Arms one job once, for a command that a person typed beside the machine. A later pause,
+// stop or lost grant is left to a person.
 //
 //   kWaits --the machine has the job--> kAsked --taken--> kArmed
 //     ^                                    |--not yet------+
 //     +------------------------------------+
 //                                          +--refused----> kLeft
 //   kWaits --paused, stopped or disarmed meanwhile-------> kLeft
-//   kWaits --ended, or armed by somebody else------------> kArmed
+//   kWaits --ended, or armed by another person-----------> kArmed
 
 #include <chrono>
 #include <cstdint>

@@ -50,8 +50,8 @@ class ChildProcess {
   std::optional<int> exit_code_;
 };
 
-/// The flag that ends a service with this process. Named: who is killed while it starts a
-/// service is not the service's parent any more.
+/// The flag that ends a service with this process. It names this process by its id: a
+/// process that is killed while it starts a service is no longer the service's parent.
 std::string DieWithUs();
 
 }  // namespace intaglio::client

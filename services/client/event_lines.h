@@ -1,7 +1,7 @@
 #pragma once
 
 // --events: what happens to jobs as lines of JSON for programs, one JobEvent
-// (proto/shop.proto) a line; docs/cli.md says what each field means.
+// (proto/shop.proto) a line; docs/cli.md describes each field.
 
 #include <chrono>
 #include <functional>

@@ -9,7 +9,7 @@ enum ExitCode : int {
   kExitWrongInput = 2,  ///< options, job file, model, glass, disk
   kExitNotGood = 3,     ///< engraved, and the verdict is not good
   kExitMachine = 4,     ///< a machine or job fault ended it
-  kExitCancelled = 5,   ///< somebody did
+  kExitCancelled = 5,   ///< cancelled by a person
 };
 
 }  // namespace intaglio::client

@@ -274,7 +274,8 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
   if (!PollUntil(answered, timeout)) {
     return Fail(ErrorCode::kTimedOut, kNobodyThere);
   }
-  // Whoever answered has kept it; what is retained here would only grow.
+  // The job service that answered has stored it; samples retained here would only
+  // accumulate.
   (void)commands_->submissions.Dispose(sample);
   if (found == nullptr) return Fail(ErrorCode::kRefused, refused_[uid].message);
   return *found;

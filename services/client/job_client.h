@@ -1,6 +1,6 @@
 #pragma once
 
-// The seat of a client on the bus: submits jobs, commands them, follows them.
+// A client on the bus: submits jobs, commands them, follows them.
 
 #include <chrono>
 #include <cstdint>
@@ -43,7 +43,7 @@ struct JobView {
 
   /// Done, failed or cancelled.
   bool ended() const;
-  /// A person paused it, and nobody has resumed it.
+  /// A person paused it, and no person has resumed it.
   bool paused_by_operator() const {
     return pause_reason == intaglio_PAUSE_OPERATOR && !armed;
   }
@@ -72,7 +72,7 @@ struct ServiceView {
 struct JobOrder {
   intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
   std::uint32_t from_point = 0;  ///< resume: open points before that place are left out
-  bool fire_uncertain = false;   ///< resume: what nobody knows of is fired again
+  bool fire_uncertain = false;   ///< resume: uncertain points are fired again
   std::uint32_t speed_percent = 100;  ///< speed: 10..100
 };
 
@@ -83,12 +83,13 @@ struct CommandReply {
   bool taken() const { return code == intaglio_ANSWER_TAKEN; }
 };
 
-/// Seen by all, commanded by those whose identity allows it: the commands are refused
-/// (kRefused) to the others.
+/// Every client sees the jobs; commands are refused (kRefused) unless the client's
+/// identity allows them.
 class JobClient {
  public:
   using Clock = std::chrono::steady_clock;
-  /// `now`: by what it is known how long ago a job was published; another one in tests.
+  /// `now`: the clock that measures how long ago a job was published; tests inject their
+  /// own.
   explicit JobClient(bus::Bus& bus, std::function<Clock::time_point()> now = Clock::now);
 
   /// Takes what has come, after waiting for it up to `timeout`.
@@ -113,11 +114,11 @@ class JobClient {
   std::optional<CommandReply> AnswerTo(std::uint64_t number) const;
 
   /// By uid; of the last revision seen. An ended job that the job service has forgotten
-  /// leaves a minute later: by then whoever follows it has read its end.
+  /// leaves a minute later: by then every client that follows it has read its end.
   const std::map<std::string, JobView>& jobs() const { return jobs_; }
   /// The job was open when it was seen last, and a living job service has not published
   /// it for 10 s: it has ended while this process was stopped or cut off. The history
-  /// tells how.
+  /// records how.
   bool IsForgotten(const std::string& uid) const;
   /// By uid, or by the short number that people use; kNotFound lists what there is.
   Result<JobView> Find(const std::string& uid_or_number) const;

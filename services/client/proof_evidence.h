@@ -1,6 +1,6 @@
 #pragma once
 
-// What a finished job's folder holds: job.json, the plan, the cracks and the journal.
+// The content of a finished job's folder: job.json, the plan, the cracks and the journal.
 
 #include <filesystem>
 #include <vector>

@@ -133,8 +133,8 @@ JobReport ReportOf(const Evidence& evidence) {
   if (frozen.job().motion().profile() == MOTION_PROFILE_CONTINUOUS) {
     errors.set_allowed_move_um(frozen.job().motion().tolerance_um());
   }
-  // The plan's own positions in the order in which the glass got them: what a crack is
-  // off by says nothing about the order.
+  // The plan's own positions in the order in which the glass got them: the deviation of a
+  // crack does not depend on the order.
   PointList made_mm;
   std::vector<ChannelMask> made_masks;
   made_mm.reserve(glass.made_order.size());

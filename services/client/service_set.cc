@@ -83,13 +83,13 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   for (const std::string& argument : ArgumentsOf(options.mounted)) {
     of_the_laser.push_back(argument);
   }
-  // Whose word a machine waits for less than a tenth of a second.
+  // A machine waits less than a tenth of a second for samples of these services.
   if (!lockstep) {
     for (auto* arguments : {&at_the_machine, &of_the_laser, &of_the_queue}) {
       arguments->push_back("--real-time");
     }
   }
-  // The recorder first: what is said before it listens is not recorded.
+  // The recorder first: samples sent before it listens are not recorded.
   const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
       {"recorder", {"--out", options.recording.string()}},
       {"job-service", of_the_queue},

@@ -50,11 +50,13 @@ class ServiceSet {
   const std::filesystem::path& machine_file() const { return machine_file_; }
   const std::filesystem::path& glass_record() const { return glass_record_; }
   const std::filesystem::path& panel() const { return panel_; }
-  /// Until every service has said that it is ready or at work, or kTimedOut with the
-  /// names of those that have not; kFault with the last words of one that has died.
+  /// Waits until every service has reported that it is ready or at work, or kTimedOut
+  /// with the names of those that have not; kFault with the last output of one that has
+  /// died.
   Status AwaitReady(JobClient& client);
-  /// Starts the services again that have ended by themselves, and says which. kFault with
-  /// its last words when it was the machine, or a service that does so again and again.
+  /// Starts the services again that have ended by themselves, and reports which. kFault
+  /// with its last output when it was the machine, or a service that does so again and
+  /// again.
   Result<std::vector<std::string>> Revive();
   /// Ends the services, then the machine, so that the glass has everything.
   void Stop();

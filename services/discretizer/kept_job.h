@@ -1,9 +1,9 @@
 #pragma once
 
-// What was made of a job's models, kept from one part of the job to the next: a
-// discretizer that takes several parts reads and places the models once. Job is a
-// pointer, empty while nothing is made. Used from one thread; the slot belongs to the
-// computation while there is one.
+// The prepared models of a job, kept from one part of the job to the next: a discretizer
+// that takes several parts reads and places the models once. Job is a pointer, empty
+// while nothing is made. Used from one thread; the slot belongs to the computation while
+// there is one.
 
 #include <chrono>
 #include <cstdint>

@@ -22,8 +22,8 @@ using SystemTime = std::chrono::system_clock::time_point;
 
 constexpr std::array kVerdicts = {"good", "not_good", "none", "unknown"};
 
-// From this share on, the pace so far tells the end better than the plan does: it
-// knows of pauses and of the speed override.
+// From this share on, the pace so far predicts the end better than the plan does: it
+// includes pauses and the speed override.
 constexpr double kPaceIsKnown = 0.05;
 
 // Comes behind every text that begins like it: until a day is until its end.

@@ -1,6 +1,6 @@
 #pragma once
 
-// What became of the jobs of a shop, as the job service's database tells it
+// What became of the jobs of a shop, as the job service's database records it
 // (services/job_service/job_migrations.h, from version kHistoryVersion on). Read-only,
 // and while the job service writes: it keeps a write-ahead log.
 
@@ -24,7 +24,7 @@ namespace intaglio::history {
 /// The first version of the database (PRAGMA user_version) that has what is asked here.
 inline constexpr int kHistoryVersion = 3;
 
-/// What is empty is not asked for.
+/// An empty field does not restrict the result.
 struct Filter {
   /// Of the job's end, UTC: "2026-11-21", or with a time behind it, "2026-11-21T15:30".
   /// Both ends are included: until a day is until its end.

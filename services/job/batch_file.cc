@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace pb = google::protobuf;
 
-// More mistakes than anybody corrects at once.
+// More mistakes than a person corrects at once.
 constexpr std::size_t kMaxErrors = 100;
 
 const std::set<std::string> kOwnColumns = {"id", "after", "cell", "job"};
@@ -110,8 +110,8 @@ void CheckId(const BatchLine& line, std::vector<Error>& errors) {
 
 using ById = std::map<std::string, const BatchLine*>;
 
-/// The ids that are left when who waits for nobody who is left goes, again and again: all
-/// circles, and who waits for one.
+/// The ids that are left when jobs that wait for no remaining job are removed, again and
+/// again: all circles, and the jobs that wait for one.
 std::set<std::string> NeverFree(const ById& by_id) {
   std::map<std::string, std::size_t> waits_for;
   std::map<std::string, std::vector<std::string>> followers;
@@ -156,7 +156,7 @@ std::vector<std::string> CircleFrom(const ById& by_id, const std::set<std::strin
   return way;
 }
 
-/// The circles of a batch, or as many as are told.
+/// The circles of a batch, or as many as are reported.
 void AddCircles(const ById& by_id, std::vector<Error>& errors) {
   std::set<std::string> walked;
   const std::set<std::string> left = NeverFree(by_id);

@@ -9,7 +9,7 @@
 // numbers; of a list all its numbers, of one of places all numbers of the first, then of
 // the second, and so on (halftone.curve: "0 0.2 1 0.8"). Blanks, commas or semicolons
 // separate them. A group of fields takes "true", which chooses it (ordering.kdz). Ranges
-// are not looked at.
+// are not checked.
 
 #include <google/protobuf/message.h>
 

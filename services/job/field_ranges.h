@@ -2,7 +2,7 @@
 
 // The allowed ranges of numbers in job.proto and machine.proto: those of the methods come
 // from their table (methods/method_table.h), all others are listed here. The comments in
-// the schemas say the same; tests/services/job compares them.
+// the schemas state the same ranges; tests/services/job compares them.
 
 #include <google/protobuf/message.h>
 
@@ -37,7 +37,8 @@ const FieldRange* FindRange(std::string_view message, std::string_view field);
 std::vector<Finding> OutOfRange(const google::protobuf::Message& message,
                                 const std::string& path);
 
-/// Appends them. Found: Finding, or Error for whoever needs no field.
+/// Appends the fields out of range. Found: Finding, or Error for a caller that needs no
+/// field.
 template <typename Found>
 void CheckRanges(const google::protobuf::Message& message, const std::string& path,
                  std::vector<Found>& errors) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Freezes a job: everything that its making depends on is resolved, checked and put into
-// one message, so that no stage looks anything up.
+// one message, so that no stage has to resolve anything.
 
 #include <cstdint>
 #include <string>

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A laser line is far narrower; a profile says 532 for 532.1.
+// A laser line is far narrower; a profile may give 532 for 532.1.
 constexpr double kSameWavelengthNm = 0.5;
 
 void CheckFile(const std::string& file, const std::string& path, Findings& findings) {
@@ -266,7 +266,7 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
                    "is above the acceleration of {}, {}", machine.name(),
                    most.max_acceleration_mm_s2());
   }
-  // Further off, a crack could no longer be told from its neighbours'.
+  // Further off, a crack could no longer be distinguished from its neighbours'.
   const double most_um = 1000 * min_spacing_mm / 4;
   if (motion.tolerance_um() > most_um) {
     findings.Wrong("motion.tolerance_um", motion.tolerance_um(),

@@ -25,10 +25,10 @@ std::vector<Error> CheckMachine(const MachineSpec& machine);
 /// takes only what passes.
 std::vector<Error> CheckKinematics(const MachineSpec& machine);
 
-/// What the two say together: rate, lens, limits, room for the block in the reach and the
-/// travel of the axes. The depth of the block takes as much z travel as the glass makes
-/// of it; without `stage_per_glass_ratio` (OpticalValuesRecord) only the block's top is
-/// looked at. Both are taken with their defaults filled in.
+/// Checks the two against each other: rate, lens, limits, room for the block in the reach
+/// and the travel of the axes. The depth of the block takes as much z travel as the glass
+/// makes of it; without `stage_per_glass_ratio` (OpticalValuesRecord) only the block's
+/// top is checked. Both are taken with their defaults filled in.
 std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& machine,
                                        std::optional<double> stage_per_glass_ratio = {});
 

@@ -59,7 +59,7 @@ void FillChosen(google::protobuf::Message& holder, double spacing_mm) {
   FillDefaults(*method, spacing_mm, MutableMessageOf(*method, holder));
 }
 
-/// The method of meshes that say nothing else.
+/// The method of meshes that name none.
 void FillDiscretization(Discretization& discretization) {
   if (!discretization.has_height_ratio()) discretization.set_height_ratio(1);
   if (MethodOf(discretization) == nullptr) {
@@ -70,7 +70,7 @@ void FillDiscretization(Discretization& discretization) {
 
 void ChooseMethod(Model& model, const Discretization& of_meshes) {
   const auto kind = KindOf(model);
-  if (!kind) return;  // the check says so
+  if (!kind) return;  // the check reports it
   if (*kind == ModelKind::kMesh) {
     if (const Method* method = MethodOf(of_meshes)) {
       MutableMessageOf(*method, model).CopyFrom(MessageOf(*method, of_meshes));

@@ -1,7 +1,7 @@
 #pragma once
 
-// Fills in what was left open, as the comments in proto/job.proto and
-// proto/machine.proto say. What is there stays as it is, right or wrong.
+// Fills in what was left open, as documented in proto/job.proto and proto/machine.proto.
+// Values that are given stay as they are, right or wrong.
 
 #include "proto/job.pb.h"
 #include "proto/machine.pb.h"

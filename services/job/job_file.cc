@@ -103,8 +103,8 @@ void MakeAbsolute(std::string& file, const fs::path& folder) {
   if (!file.empty()) file = (folder / file).lexically_normal().string();
 }
 
-/// Families become the files that this machine has for them; what is not found stays, and
-/// the check says so.
+/// Families become the files that this machine has for them; a family that is not found
+/// stays, and the check reports it.
 void NameFontFiles(JobSpec& job) {
   for (Model& model : *job.mutable_models()) {
     if (!model.has_text() || model.text().font().empty()) continue;

@@ -22,9 +22,8 @@ inline constexpr std::size_t kMaxJobFileBytes = 1 << 20;
 
 enum class JobFileFormat { kText, kJson };
 
-/// Parses only; CheckJob (services/job/job_check.h) says what is wrong with the values.
-/// Paths of models and machine file are made absolute: they are relative to the job
-/// file's folder.
+/// Parses only; CheckJob (services/job/job_check.h) checks the values. Paths of models
+/// and machine file are made absolute: they are relative to the job file's folder.
 Result<JobSpec> ReadJobFile(const std::filesystem::path& path);
 
 /// Paths relative to `folder`, which is absolute, become absolute; families of fonts the
@@ -32,11 +31,11 @@ Result<JobSpec> ReadJobFile(const std::filesystem::path& path);
 void ResolveFiles(JobSpec& job, const std::filesystem::path& folder);
 
 /// Also checks (CheckMachine, all errors in one message, one a line) and fills in the
-/// defaults: nobody should drive a machine from an unchecked profile.
+/// defaults: no machine should be driven from an unchecked profile.
 Result<MachineSpec> ReadMachineFile(const std::filesystem::path& path);
 
-/// The same from memory, paths untouched, unchecked; `name` stands for the file in
-/// errors.
+/// The same from memory, paths untouched, unchecked; errors show `name` in place of the
+/// file.
 Result<JobSpec> ParseJob(std::string_view text, JobFileFormat format,
                          const std::string& name);
 Result<MachineSpec> ParseMachine(std::string_view text, JobFileFormat format,

@@ -24,7 +24,7 @@ class Walker {
  public:
   explicit Walker(std::string_view text) : text_(text) {}
 
-  // To the value of this member of the object ahead; returns where its name stands.
+  // To the value of this member of the object ahead; returns the position of its name.
   std::optional<std::size_t> EnterMember(std::string_view name) {
     if (!Take('{')) return {};
     while (!Ahead('}') && !AtEnd()) {
@@ -117,7 +117,7 @@ std::optional<std::size_t> FindExcerpt(std::string_view text, std::string_view m
   const std::string_view excerpt = message.substr(first + 1, last - first - 1);
   what = message.substr(0, first);
   const std::size_t place = text.find(excerpt);
-  // Twice the same: nobody can tell which one is meant.
+  // Twice the same: it is ambiguous which one is meant.
   if (place == std::string_view::npos || text.find(excerpt, place + 1) != text.npos)
     return {};
   return place + (message.size() - 1 - (last + 1));

@@ -1,7 +1,8 @@
 #pragma once
 
-// Where in a JSON text protobuf's parser stumbled. The parser tells either an excerpt
-// with a caret (wrong syntax) or the path of a field (wrong value, unknown field).
+// Finds the place of an error in a JSON text that protobuf's parser refused. The parser
+// reports either an excerpt with a caret (wrong syntax) or the path of a field (wrong
+// value, unknown field).
 
 #include <string>
 #include <string_view>
@@ -9,7 +10,7 @@
 namespace intaglio {
 
 /// "line:column: what went wrong", both counted from 1; without position " what ..." when
-/// the place cannot be told.
+/// the place is not known.
 std::string LocateJsonError(std::string_view text, const std::string& parser_message);
 
 }  // namespace intaglio

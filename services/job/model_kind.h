@@ -15,8 +15,8 @@ namespace intaglio {
 /// "a mesh", "a drawing", ...
 const char* NameOf(ModelKind kind);
 
-/// kUnsupported lists the endings that are known. A PLY counts as a mesh; whether it has
-/// faces only its reader can tell.
+/// kUnsupported lists the endings that are known. A PLY counts as a mesh; only its reader
+/// can determine whether it has faces.
 Result<ModelKind> KindOf(const Model& model);
 
 /// Whether points of such a model can be made by that method.

@@ -1,8 +1,8 @@
 #pragma once
 
-// Where jobs, written for people (degrees, defaults), become the plain options of
-// engrave/ (radians, nothing open); the methods of discretization do so in their rows
-// (methods/method.h). All take jobs with every default filled in:
+// Converts jobs, which are written for people (degrees, defaults), to the plain options
+// of engrave/ (radians, all values set); the methods of discretization do so in their
+// rows (methods/method.h). All take jobs with every default filled in:
 // services/job/job_defaults.h, services/job/freeze.h; a broken precondition throws.
 
 #include <cstdint>

@@ -88,8 +88,8 @@ class Row {
   std::set<std::string> used_;
 };
 
-/// Sets the columns that are fields by their path, and looks that none takes another's
-/// place.
+/// Sets the columns that are fields by their path, and checks that no column overwrites
+/// another.
 void SetColumns(const io::CsvTable& table, const io::CsvRow& row,
                 const std::set<std::string>& passed_over, JobSpec& job,
                 std::vector<Error>& errors) {

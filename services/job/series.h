@@ -27,9 +27,9 @@ Result<JobSpec> FillRow(const JobSpec& pattern, const io::CsvTable& table,
                         const std::set<std::string>& passed_over = {});
 
 /// All rows; a job whose name holds no column gets the number of its row behind it. The
-/// error has every mistake, each with its line of the table; what is wrong with the
-/// pattern or a column is told with the first row alone. kMissing for a table without
-/// rows, or the first mistake's code.
+/// error has every mistake, each with its line of the table; an error in the pattern or
+/// in a column is reported with the first row alone. kMissing for a table without rows,
+/// or the first mistake's code.
 Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern, const io::CsvTable& table,
                                         const std::filesystem::path& folder);
 

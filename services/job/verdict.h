@@ -1,8 +1,8 @@
 #pragma once
 
-// What a shop can say of a block by itself: by the ledger of its engraving, which the
-// laser controller's counters settle. It is no proof from the glass; that is the report
-// of `intaglio run`, or a person's eye.
+// The verdict that a shop can give on a block by itself: from the ledger of its
+// engraving, which the laser controller's counters settle. It is no proof from the glass;
+// that is the report of `intaglio run`, or an inspection by a person.
 
 #include <string>
 

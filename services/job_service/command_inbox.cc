@@ -28,8 +28,8 @@ CommandView ViewOf(const intaglio_JobCommand& sample) {
   return command;
 }
 
-/// Less can fire when it is obeyed: it wins over what was sent at the same time, and is
-/// obeyed also when its client has gone.
+/// Obeying it lets less fire: it takes precedence over commands sent at the same time,
+/// and is obeyed also when its client has gone.
 bool Stops(const CommandView& command) {
   return command.kind == intaglio_COMMAND_PAUSE ||
          command.kind == intaglio_COMMAND_CANCEL;

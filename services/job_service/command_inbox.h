@@ -1,15 +1,16 @@
 #pragma once
 
 // The commands of all clients and the answers to them. Every command gets one answer, and
-// is applied once: it is kept with its answer, so that one which is delivered again, by a
-// network or to the next life of the job service, is answered again and not applied.
+// is applied once: it is stored with its answer, so that a command that is delivered
+// again, by a network or to the next life of the job service, is answered again and not
+// applied.
 //
 //   command --new----------------> decide --> kept --> answered --60 s--> disposed
 //      |-----answered before-----------------------------^
 //      +--withdrawn by its client before it was read: ARM, RESUME, SPEED are dropped
 //
-// Of commands that are read together PAUSE and CANCEL are decided first, and else those
-// of one sender in their order. Used from one thread.
+// Of commands that are read together, PAUSE and CANCEL are decided first; otherwise the
+// commands of one sender are decided in their order. Used from one thread.
 
 #include <chrono>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #pragma once
 
 // The job service on the bus: takes submissions and commands, hands out tasks, follows
-// the workers, publishes what becomes of every job. What it decides is in
-// queue/job_queue.h, what it keeps in job_store.h. Used from one thread; a turn never
+// the workers, publishes what becomes of every job. Its decisions are in
+// queue/job_queue.h, its storage is in job_store.h. Used from one thread; a turn never
 // waits for another process.
 
 #include <chrono>
@@ -43,7 +43,7 @@ class JobService : private JobActions {
   void Turn(Nanoseconds now);
   /// A person ends this process, and with it every arm.
   void Close(Nanoseconds now);
-  /// For whoever watches the jobs: the last that this process publishes.
+  /// For clients that watch the jobs: the last sample that this process publishes.
   void PublishFault(const std::string& why);
 
   template <typename Loop>

@@ -1,15 +1,15 @@
 #pragma once
 
-// The queue on disk: SQLite, with migrations (PRAGMA user_version). What Keep and the
-// others return from is durable: a job that was answered for survives the process's
-// death and the machine's.
+// The queue on disk: SQLite, with migrations (PRAGMA user_version). When Keep and the
+// other writing functions return, the change is durable: an accepted job survives the
+// death of the process and of the machine.
 //
 // Tables: runs (epochs of the job service), jobs, submissions (what became of each, also
 // refused ones), commands (what was asked, and what was answered: a command that is
-// delivered again is answered again) and tasks (what was handed out:
-// after a restart it is taken back from whoever has it). The table of jobs is the shop's
-// history as well (services/history).
-// Used from one thread. A database that cannot be opened or written throws StoreError.
+// delivered again is answered again) and tasks (what was handed out: after a restart it
+// is taken back from the worker that has it). The table of jobs is the shop's history as
+// well (services/history). Used from one thread. A database that cannot be opened or
+// written throws StoreError.
 
 #include <chrono>
 #include <cstdint>
@@ -32,8 +32,8 @@ namespace intaglio::job_service {
 
 class StoreError : public std::runtime_error {
  public:
-  /// `passes`: waiting may cure it, as a full disk, or a folder that is not mounted yet;
-  /// not so a file that is no database, or one of a newer program.
+  /// `passes`: waiting may cure it (a full disk, a folder that is not mounted yet); false
+  /// for a file that is not a database, or is one of a newer program.
   StoreError(const std::string& what, bool passes)
       : std::runtime_error(what), passes_(passes) {}
   bool passes() const { return passes_; }
@@ -48,8 +48,8 @@ class JobStore {
   explicit JobStore(const std::filesystem::path& path);
   ~JobStore();
 
-  /// Begins a run of the job service: an epoch greater than every one before, and, as it
-  /// holds the time, than those of a database that was lost.
+  /// Begins a run of the job service: its epoch is greater than every one before; as it
+  /// contains the time, it is also greater than those of a database that was lost.
   std::uint64_t BeginRun();
 
   /// Number for the next job, from 1.

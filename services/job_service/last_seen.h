@@ -1,9 +1,9 @@
 #pragma once
 
 // For how long there was no job service: a small file beside the queue, written anew
-// every second. Measured by the time since the machine was switched on, which nobody sets
-// by hand and which goes on while it sleeps; another boot is an absence of unknown
-// length. Not synced: what matters over a power failure is that the boot is another.
+// every second. Measured by the time since the machine was switched on, which cannot be
+// set by hand and goes on while it sleeps; another boot is an absence of unknown length.
+// Not synced: what matters over a power failure is that the boot is another.
 
 #include <chrono>
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace intaglio::job_service {
 
 class LastSeen {
  public:
-  /// Reads what the one before has left.
+  /// Reads what the previous job service has left.
   explicit LastSeen(const std::filesystem::path& file);
   ~LastSeen();
   LastSeen(const LastSeen&) = delete;

@@ -36,10 +36,10 @@ int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& op
   return 0;
 }
 
-// Nothing may follow from what is not kept. With a disk that is full the queue is given
-// up, and every permission with it; it is read again as soon as it can be written. A disk
-// that is full at the start is waited for in the same way; a file that is no database of
-// this program's ends it.
+// Nothing may follow from a change that is not stored. With a disk that is full the queue
+// is given up, and every permission with it; it is read again as soon as it can be
+// written. A disk that is full at the start is waited for in the same way; a file that is
+// no database of this program's ends it.
 int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options) {
   host::OnlyInstance only(host, intaglio_ROLE_JOB_SERVICE);
   if (only.AwaitTurn()) return only.EndAsSecond("job service");

@@ -78,7 +78,7 @@ void ModelFeed::Run(const std::stop_token& stop) {
 void ModelFeed::Serve(Stream& stream) {
   const bus::CreditBook::Grant grant = credit_.Find(stream.name);
   if (grant.cancelled) {
-    stream.done = true;  // the discretizer's TaskStatus or its death says why
+    stream.done = true;  // the discretizer's TaskStatus or its death gives the reason
     return;
   }
   if (!grant.open || !writer_.IsMatched(grant.reader)) return;
@@ -97,7 +97,7 @@ void ModelFeed::Serve(Stream& stream) {
 Status ModelFeed::OpenNext(Stream& stream) {
   const std::string& path = stream.files.at(stream.model);
   std::error_code error;
-  // What became a FIFO since the submission would hold up all jobs.
+  // A file that was replaced by a FIFO since the submission would block all jobs.
   if (!std::filesystem::is_regular_file(path, error)) {
     return tl::unexpected(
         CannotRead(path, "is no longer a file; check whether it was moved"));

@@ -29,7 +29,7 @@ std::string FindFile(const fs::path& folder, const std::string& ending) {
 
 Status WriteStatistics(const JobStatistics& statistics) {
   const fs::path folder = statistics.result_directory();
-  std::error_code ignored;  // the writing says what is wrong
+  std::error_code ignored;  // the write reports the error
   fs::create_directories(folder, ignored);
   const auto json = INTAGLIO_TRY(JsonTextOf(statistics));
   return io::WriteFileAtomically(folder / kFile, json);

@@ -14,7 +14,7 @@
 namespace intaglio::job_service {
 namespace {
 
-// A relative path would mean the folder of whoever reads it.
+// A relative path would be resolved in the folder of the process that reads it.
 void RequireAbsolute(const std::string& path, const std::string& field,
                      std::vector<Error>& errors) {
   if (path.empty() || std::filesystem::path(path).is_absolute()) return;

@@ -1,7 +1,7 @@
 #pragma once
 
 // Reads and checks submissions beside the job service's loop. A submission names files
-// (its machine file, its models), and a dead network mount answers nobody: the loop, on
+// (its machine file, its models), and a dead network mount never answers: the loop, on
 // which every machine's permission depends, never waits for them.
 //
 // One submission after another is read, each in a thread of its own. One that takes

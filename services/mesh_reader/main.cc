@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
   using namespace intaglio;
-  // Whoever asked is gone: nobody wants the answer.
+  // The process that asked is gone: the answer is not needed.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   command_line::Program program(
       "intaglio-mesh-reader",

@@ -43,9 +43,9 @@ std::vector<motion::Segment> SegmentsOf(const intaglio_MotionSegmentBatch& sampl
   return segments;
 }
 
-// What is said a thousand times a second is recorded, too: numbers with short binary
-// fractions take two thirds of the room. 2^-20 mm is a nanometre, 2^-10 mm/s a micrometre
-// a second; the motion line says no more than the former.
+// What is published a thousand times a second is recorded, too: numbers with short binary
+// fractions take two thirds of the space. 2^-20 mm is a nanometre, 2^-10 mm/s a
+// micrometre a second; the motion line resolves no more than the former.
 double Rounded(double value, int bits) {
   return std::ldexp(std::nearbyint(std::ldexp(value, bits)), -bits);
 }
@@ -157,7 +157,7 @@ void Bridge::TakeStops() {
     AbortRun();
     host::LogWarning("emergency stop: the stage brakes");
   });
-  // What came while it was pressed does not begin when it is reset.
+  // A run that came while it was pressed does not begin when it is reset.
   if (stop_.pressed() && phase_ != Phase::kIdle) AbortRun();
 }
 

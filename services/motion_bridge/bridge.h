@@ -1,6 +1,7 @@
 #pragma once
 
-// Hands the motion of one cell to its controller and the controller's position back.
+// Passes the motion of one cell to its controller, and the controller's position back to
+// the bus.
 //
 //            batch 0 of a newer run               at rest, no fault
 //   kIdle ------------------------> kBeginning ----------------------> kFeeding
@@ -29,8 +30,8 @@ class Bridge {
  public:
   Bridge(host::ServiceHost& host, std::string cell, std::unique_ptr<MotionDriver> driver);
 
-  /// One turn: serial line, batches, controller, publications. Never blocks. Nothing
-  /// more is done or said once state().taken_over.
+  /// One turn: serial line, batches, controller, publications. Never blocks. Does and
+  /// sends nothing more once state().taken_over.
   void Turn(std::chrono::nanoseconds now);
 
   bus::Reader<intaglio_MotionSegmentBatch>& batches() { return batches_; }
@@ -52,7 +53,7 @@ class Bridge {
   void Accept(const intaglio_MotionSegmentBatch& sample);
   void StartRun(const intaglio_MotionSegmentBatch& sample);
   void EndRun();
-  /// Ends the run and tells the stage, now or as soon as its line takes it.
+  /// Ends the run and commands the stage to end it, now or as soon as its line takes it.
   void AbortRun();
   void AlarmRefusal();
   void PublishAll(std::chrono::nanoseconds now);

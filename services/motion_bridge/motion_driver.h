@@ -23,7 +23,7 @@
 
 namespace intaglio::motion_bridge {
 
-/// The controller's newest word on itself.
+/// The controller's newest report of its state.
 struct DriverState {
   bool link_up = false;
   bool taken_over = false;  ///< a newer host has the controller, for good
@@ -34,15 +34,16 @@ struct DriverState {
   std::uint64_t covered_through_tick = 0;
   bool at_rest = false;
   intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
-  std::string message;  ///< the fault in a sentence that says what to do
+  std::string message;  ///< the fault in a sentence that names the remedy
   /// Why the controller that answers now is refused, and what to do; empty: it is not.
   std::string refusal = {};
   double following_error_max_um = 0;
   std::uint32_t clock = 0;   ///< of its own, another number is another clock; 0: none
-  std::uint64_t number = 0;  ///< grows with every word of the controller
+  std::uint64_t number = 0;  ///< grows with every report of the controller
 };
 
-/// Actual positions at consecutive ticks, or when a clock of its own was told of them.
+/// Actual positions at consecutive ticks, or at the times at which a clock of its own was
+/// notified of them.
 struct LatchedPositions {
   std::uint32_t run = 0;
   std::uint64_t first_tick = 0;
@@ -58,11 +59,9 @@ struct LatchedPositions {
 ///       link_up is false, `fault` is the reason, and every command is refused; so it is
 ///       within 300 ms after a line is cut. `message` contains the remedy.
 ///   M3  A run begins at its tick, from rest and without a fault. Begun too late, or
-///   while
-///       another moves, it is a fault, and the stage comes to rest.
+///       while another moves, it is a fault, and the stage comes to rest.
 ///   M4  Segments are executed completely, each once, in order, and end at their place
-///   and
-///       time; a segment with `program_end` ends the run at rest.
+///       and time; a segment with `program_end` ends the run at rest.
 ///   M5  AbortRun brings the stage to rest, without a fault; nothing of the run follows.
 ///   M6  A fault brings the stage to rest and lasts until ClearFault; no run begins
 ///       before. ClearFault moves nothing.
@@ -70,8 +69,7 @@ struct LatchedPositions {
 ///       the stage does not leave the travel for it.
 ///   M8  Motion that ends without `program_end` is MOTION_STARVED.
 ///   M9  A line that is cut at any byte, and a host that dies or hangs, bring the stage
-///   to
-///       rest by the controller itself: within 250 ms and the time that braking takes.
+///       to rest by the controller itself: within 250 ms and the time that braking takes.
 ///   M10 A lost line comes back by itself; no motion does. The run that was lost shows as
 ///       a fault until ClearFault.
 ///   M11 A power cycle of the controller ends everything that was begun before.

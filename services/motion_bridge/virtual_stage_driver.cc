@@ -152,7 +152,7 @@ class VirtualStageDriver final : public MotionDriver {
     if (!sent) return sent;
     appended_ += segments.size();
     if (!end_ns.empty()) covered_.Append(segments);
-    // A fresh status frees the queue's room here and tells how far the motion reaches.
+    // A fresh status frees the queue's room here and reports how far the motion reaches.
     if (session_.CanSend()) (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
     return {};
   }
@@ -256,7 +256,7 @@ class VirtualStageDriver final : public MotionDriver {
     state_.refusal.clear();
     identified_ = identified_now_ = true;
     status_.queue_free = 0;  // until its first status
-    state_.clock = 0;        // it will say so when it has one
+    state_.clock = 0;        // it will announce one when it has one
     (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
   }
   void Refuse(std::string why) {

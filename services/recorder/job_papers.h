@@ -1,7 +1,7 @@
 #pragma once
 
-// What belongs to a job besides its messages, as attachments: its specification, the
-// machine, the material's values, and the software, from the tasks of the job.
+// The attachments of a job, which are recorded besides its messages: its specification,
+// the machine, the material's values, and the software, from the tasks of the job.
 
 #include <deque>
 #include <set>
@@ -22,7 +22,7 @@ std::vector<recording::Attachment> PapersOf(recording::ByteView frozen_job,
 class JobPapers {
  public:
   explicit JobPapers(bus::Bus& bus);
-  /// The papers of jobs that are new since the last call.
+  /// The attachments of jobs that are new since the last call.
   std::vector<recording::Attachment> Take(std::uint64_t now_ns);
 
  private:

@@ -66,12 +66,13 @@ recorder::RecorderOptions RecorderOptionsOf(const Options& options) {
   series.host = host_name;
   series.writer.compress = options.compression > 0;
   series.writer.compression_level = std::max(1, options.compression);
-  // Half of what may be lost, so that a busy host has the other half.
+  // Half of the data that may be lost, so that the other half is left for delays of a
+  // busy host.
   series.writer.chunk_ns = 500'000'000;
   return made;
 }
 
-/// Tells troubles once, when they begin.
+/// Reports troubles once, when they begin.
 void Report(host::ServiceHost& host, const recorder::Recorder::State& state,
             bool& in_trouble) {
   if (state.trouble) {
@@ -87,7 +88,7 @@ void Report(host::ServiceHost& host, const recorder::Recorder::State& state,
 }
 
 /// A disk that is full, or refuses otherwise, is waited for: the shop goes on meanwhile,
-/// and is recorded as soon as there is room. Not so a folder that there is not.
+/// and is recorded as soon as there is room. A missing folder is not waited for.
 Result<std::unique_ptr<recorder::Recorder>> StartPatiently(host::ServiceHost& host,
                                                            const Options& options) {
   bool in_trouble = false;

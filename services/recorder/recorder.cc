@@ -19,9 +19,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kTurn = 100ms;
-// Services that end with this one say so within this time.
+// Services that end together with this one report it within this time.
 constexpr auto kLastWords = 300ms;
-// Behind everybody who computes or moves something.
+// Lower in priority than every thread that computes or moves something.
 constexpr int kWriterNice = 10;
 
 std::uint64_t WallNow() {

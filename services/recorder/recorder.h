@@ -1,8 +1,9 @@
 #pragma once
 
-// Hears both domains and writes a series of files. Three threads: whoever owns it finds
-// new topics (Turn), one hears and only hands over, one writes. The queue between the two
-// (write_queue.h) is where a slow disk shows; nobody on the bus waits for it.
+// Receives all topics of both domains and writes a series of files. Three threads: the
+// owner's finds new topics (Turn), one receives and only hands over, one writes. The
+// queue between the two (write_queue.h) is where a slow disk shows; no process on the bus
+// waits for it.
 
 #include <chrono>
 #include <cstdint>
@@ -26,7 +27,7 @@ struct RecorderOptions {
 
 class Recorder {
  public:
-  /// Opens the first file and begins to hear.
+  /// Opens the first file and begins to receive.
   static Result<std::unique_ptr<Recorder>> Start(bus::Bus& bus,
                                                  const RecorderOptions& options);
   ~Recorder();
@@ -35,14 +36,14 @@ class Recorder {
   void Turn(std::chrono::milliseconds timeout);
   /// Into every file from now on. From the thread of Turn.
   void Attach(recording::Attachment attachment);
-  /// Hears what is still under way, writes everything and completes the file.
+  /// Receives what is still under way, writes everything and completes the file.
   Status Stop();
 
   struct State {
     std::string file;
     std::uint64_t message_count = 0;
     std::uint64_t missing_count = 0;
-    std::optional<Error> trouble;  ///< what the disk refuses at the moment
+    std::optional<Error> trouble;  ///< the disk's present error
   };
   State state() const;
 

@@ -241,8 +241,8 @@ void RecordingSeries::WritePending() {
   }
 }
 
-// A span of missing messages is told when it is over, or has lasted: one record instead
-// of many.
+// A span of missing messages is recorded when it is over, or has lasted: one record
+// instead of many.
 void RecordingSeries::WriteMissing(std::uint64_t now_ns) {
   for (auto entry = missing_.begin(); !trouble_ && entry != missing_.end();) {
     const auto& [key, missing] = *entry;
@@ -292,8 +292,8 @@ void RecordingSeries::Turn(std::uint64_t now_ns) {
   RemoveOldest();
 }
 
-// As seldom at full speed as when little is said: a disk takes its time for it. A clock
-// that was set back begins anew.
+// Syncs at full speed as seldom as when few messages come: a sync takes time on a disk. A
+// clock that was set back begins anew.
 void RecordingSeries::SyncIfDue(std::uint64_t now_ns) {
   const bool early = now_ns >= synced_ns_ && now_ns < synced_ns_ + kSyncPeriodNs;
   if (trouble_ || early || writer_->synced_bytes() == writer_->file_bytes()) return;

@@ -1,23 +1,24 @@
 #pragma once
 
-// The files of one recorder: what is heard goes in, files come out that follow one
+// The files of one recorder: received samples go in, files come out that follow one
 // another by size or time, and the oldest go when there are too many. Knows no threads
 // and no clock; from one thread.
 //
-// Every file stands alone: it has the types and the newest attachments of the files
-// before it, and begins with what was retained by then (conventions.h, "repeated"), as
-// far as that fits. A file that cannot be made is tried again each second; until then the
-// one before grows.
+// Every file is complete by itself: it has the types and the newest attachments of the
+// files before it, and begins with what was retained by then (conventions.h, "repeated"),
+// as far as that fits. A file that cannot be made is tried again each second; until then
+// the one before grows.
 //
 // Repeats count neither as messages nor, when the disk refuses them, as missing.
 //
-// What is missing in the files is said in them, as "missing" records: what the caller
-// could not even queue, bulk that was given up when the disk refused, and topics that
-// cannot be recorded. Control waits in memory until the disk takes it again, up to 64 MB.
+// Messages that are missing in the files are recorded in them, as "missing" records:
+// those that the caller could not even queue, bulk that was given up when the disk
+// refused, and topics that cannot be recorded. Control waits in memory until the disk
+// takes it again, up to 64 MB.
 //
-// What was written is brought to the disk five times a second, from the thread that
-// writes: after a power failure the recording is whole but for its last second (half a
-// second in a chunk, a tenth for a turn, a fifth here).
+// Written data are synced to the disk five times a second, from the thread that writes:
+// after a power failure the recording is whole but for its last second (half a second in
+// a chunk, a tenth for a turn, a fifth here).
 
 #include <cstdint>
 #include <deque>

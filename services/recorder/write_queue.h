@@ -1,8 +1,8 @@
 #pragma once
 
-// Between the thread that hears and the thread that writes. It never makes the former
-// wait: what is large is refused when too much waits already, what is small only when
-// the process's memory is at stake. Both counted by their bytes.
+// Between the thread that receives and the thread that writes. It never makes the former
+// wait: a large message is refused when too much waits already, a small one only when the
+// process's memory is at stake. Both are counted by their bytes.
 //
 // Any thread may call anything.
 
@@ -38,7 +38,8 @@ class WriteQueue {
     return true;
   }
 
-  /// All that waits, after at most `timeout`. What was taken before counts as done with.
+  /// All that waits, after at most `timeout`. Items that were taken before then count as
+  /// finished.
   std::vector<Item> Take(std::chrono::milliseconds timeout) {
     std::unique_lock lock(mutex_);
     waiting_bytes_ -= std::exchange(taken_bytes_, 0);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Who serves on a bus: the services that would obey or believe what is played there.
+// The live services of a bus: those that would obey or believe what is played there.
 // Recorders, replayers and consoles only listen, and do not count.
 
 #include <map>
@@ -12,7 +12,7 @@ namespace intaglio::replayer {
 
 class Bystanders {
  public:
-  /// Somebody is known after the bus's discovery time.
+  /// A service is known after the bus's discovery time.
   explicit Bystanders(bus::Bus& bus);
   /// Instances that serve now, as "synchronizer of els-03 (synchronizer-host-12-3)";
   /// never those of this process.
@@ -20,7 +20,7 @@ class Bystanders {
 
  private:
   bus::Reader<intaglio_ServiceHealth> health_;
-  std::map<std::string, std::string> serving_;  // words by instance
+  std::map<std::string, std::string> serving_;  // descriptions by instance
 };
 
 }  // namespace intaglio::replayer

@@ -1,6 +1,6 @@
 #pragma once
 
-// Why a service makes something else now than it made then.
+// Why a service makes a different result now than in the recording.
 
 #include <functional>
 
@@ -10,8 +10,8 @@
 namespace intaglio::replayer {
 
 /// Fills in `cause` and `explanation` of a comparison whose options, input and versions
-/// are there; the causes in the order of rehearsal.h. `differs_again`: the same done once
-/// more makes a third result.
+/// are there; the causes in the order of rehearsal.h. `differs_again`: the same input
+/// gives a third result when repeated.
 Status NameCause(ReplayComparison& result,
                  const std::function<Result<bool>()>& differs_again);
 

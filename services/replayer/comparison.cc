@@ -28,7 +28,7 @@ std::optional<Found> ComparePoint(const CloudBatch& a, const CloudBatch& b,
   return Found{"source", std::to_string(a.source[i]), std::to_string(b.source[i])};
 }
 
-/// Of what a batch says of itself.
+/// Header fields of a batch.
 std::optional<Found> CompareHeads(const CloudBatch& a, const CloudBatch& b) {
   const std::tuple<const char*, std::uint64_t, std::uint64_t> heads[] = {
       {"total_count", a.total_count, b.total_count},

@@ -1,9 +1,9 @@
 #pragma once
 
 // Lets batches of bulk topics go as their consumers grant credit
-// (services/platform/bus/flow.h). A stream that nobody opens within kPatience goes
-// without: those who hear it grant none. Once one stream went so and nobody has ever
-// opened any, no other one is waited for.
+// (services/platform/bus/flow.h). A stream that no consumer opens within kPatience is
+// sent without credit: its readers then grant none. Once one stream was sent so and no
+// consumer has ever opened any, no other stream is waited for.
 
 #include <chrono>
 #include <map>

@@ -1,6 +1,6 @@
 #pragma once
 
-// The one service that a recording is held against.
+// The one service that a recording is compared with.
 
 #include <string>
 
@@ -12,7 +12,7 @@ namespace intaglio::replayer {
 struct FoundService {
   std::string instance, version;
 };
-/// Waits until it is ready. kTimedOut after 30 s; others as `keep_on` says.
+/// Waits until it is ready. kTimedOut after 30 s; other errors are those of `keep_on`.
 Result<FoundService> AwaitService(bus::Reader<intaglio_ServiceHealth>& health,
                                   bus::WaitSet& wait, intaglio_ServiceRole role,
                                   const KeepOn& keep_on);

@@ -20,7 +20,7 @@ class Collector final : public MessageDifferencer::Reporter {
   void ReportDeleted(const Message& then, const Message& now, const Path& path) override {
     Add(then, now, path, true, false);
   }
-  /// Also told of the groups around the field.
+  /// Also reported for the groups around the field.
   void ReportModified(const Message& then, const Message& now,
                       const Path& path) override {
     const FieldDescriptor* field = path.back().field;

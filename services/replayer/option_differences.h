@@ -1,6 +1,6 @@
 #pragma once
 
-// Which options two frozen jobs do not have alike.
+// The options in which two frozen jobs differ.
 
 #include <vector>
 

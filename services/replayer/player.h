@@ -50,7 +50,7 @@ class Player {
                                               Selection selection);
   /// May be called again: everything from the start once more.
   PlayReport Play(const PlayOptions& options, const PlayHooks& hooks);
-  /// Until all who listen have everything, at most.
+  /// Waits until all readers have everything, this long at most.
   void Settle(std::chrono::milliseconds timeout);
 
  private:

@@ -20,7 +20,7 @@ namespace {
 
 using Extents = std::map<StreamId, StreamExtent>;
 
-/// Over all bits of the batches, for telling two runs apart.
+/// Over all bits of the batches, to distinguish two runs.
 std::uint32_t Checksum(const CloudBatch& batch, std::uint32_t before) {
   const auto add = [&before](const auto& values) {
     before = io::Crc32(std::as_bytes(std::span(values)), before);
@@ -110,7 +110,7 @@ Status Rehearsal::ReadRecording() {
   return {};
 }
 
-/// What the recorder itself says is not in the file.
+/// The recorder's own samples are not in the file.
 void Rehearsal::TellMissing() {
   const auto records = reader_.ReadMetadata(recording::kMissingRecord);
   if (!records) return;

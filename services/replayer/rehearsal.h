@@ -1,12 +1,12 @@
 #pragma once
 
-// Has a service do once more what it did in a recording, alone on a bus of its own, and
-// compares what it makes now with what it made then.
+// Has a service repeat the tasks of a recording, alone on a bus of its own, and compares
+// the new results with the recorded ones.
 //
 // The tasks are given one after the other to the one service that is there. Input goes
 // under its credit; output is taken under credit and compared batch by batch, bit by bit.
 // The results of the stages depend on their input, options and code alone, so that a
-// difference has one of these causes, looked for in this order:
+// difference has one of these causes, checked in this order:
 //
 //   option   an option of the frozen job is another one
 //   input    the recording lacks something that the service was sent
@@ -44,7 +44,7 @@ struct RehearsalOptions {
 using KeepOn = std::function<Status()>;
 
 /// kMissing: nothing in the recording to compare. kTimedOut: no service, or it does not
-/// go on. Others as `keep_on` says. The field `recording` is left open.
+/// go on. Other errors are those of `keep_on`. The field `recording` is left open.
 Result<ReplayComparison> Rehearse(bus::Bus& bus, const recording::McapReader& reader,
                                   const RehearsalOptions& options, const KeepOn& keep_on);
 

@@ -20,7 +20,7 @@ class Retained {
       : reader_(reader), selection_(selection) {}
   /// Of the messages before this log time, in their order; `stream` is the channel.
   std::vector<recording::RetainedSample> Before(std::uint64_t log_time_ns);
-  /// What could not be told apart, a sentence each.
+  /// Instances that could not be distinguished, a sentence each.
   const std::vector<std::string>& complaints() const { return complaints_; }
 
  private:

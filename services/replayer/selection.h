@@ -1,17 +1,17 @@
 #pragma once
 
-// What of a recording is played, and under which names.
+// The part of a recording that is played, and the names under which it is played.
 //
-// A recording holds words that machines obey. Played again, they would be obeyed again:
-// by services that are there, and by those that start while they are retained. So
+// A recording holds messages that machines obey. Played again, they would be obeyed
+// again: by services that are there, and by those that start while they are retained. So
 //
 // - commands (JobSubmission, JobCommand, the stage tasks, MotionSegmentBatch,
 //   Permission, EmergencyStop) are never played unless asked for;
 // - what services believe of others (health, tasks' and machines' states, credit) is not
 //   played where services live, unless commands are asked for;
-// - the rest is for looking at, and always played.
+// - the rest is for display, and always played.
 //
-// A name counts as it is played: renamed, nobody obeys it.
+// A name counts as it is played: a renamed topic is obeyed by no machine.
 
 #include <cstdint>
 #include <map>

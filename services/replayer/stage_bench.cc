@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr char kOwnName[] = "intaglio-replay";
 constexpr std::uint32_t kPointWindowBatches = 32;
-// A service that computes tells its progress ten times a second.
+// A service that computes publishes its progress ten times a second.
 constexpr auto kPatience = 60s;
 constexpr auto kTurn = 5ms;
 

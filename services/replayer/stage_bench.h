@@ -1,6 +1,7 @@
 #pragma once
 
-// The place at which a service works: everything around it is played. One task at a time.
+// A test bench for one service: everything around it is played from a recording. One task
+// at a time.
 
 #include <chrono>
 #include <functional>
@@ -20,8 +21,8 @@ class StageBench {
 
   /// Waits for the service; its software version. kTimedOut.
   virtual Result<std::string> FindService(const KeepOn& keep_on) = 0;
-  /// Gives the task under the name `job_uid`, and hands on what comes of it. The reason
-  /// when it failed; empty when it was done.
+  /// Gives the task under the name `job_uid`, and passes its results on. Returns the
+  /// reason when it failed; empty when it was done.
   virtual Result<std::string> Perform(const RecordedTask& task,
                                       const std::string& job_uid, const Sink& sink,
                                       const KeepOn& keep_on) = 0;

@@ -119,7 +119,7 @@ Result<bool> ModelInput::Advance(const bus::CreditBook& credit) {
       bus::PartStreamName(played_.job_uid, played_.attempt, bus::kModelChunk.name,
                           played_.part, played_.part_attempt);
   for (;;) {
-    // Models are large: nothing is read before somebody asks.
+    // Models are large: nothing is read before it is requested.
     if (!credit.Find(stream).open) return false;
     INTAGLIO_TRY(FindNext());
     if (!next_) return true;

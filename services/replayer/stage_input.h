@@ -1,6 +1,6 @@
 #pragma once
 
-// What a stage was given, given to it once more, under its credit.
+// The recorded input of a stage, sent to it once more, under its credit.
 
 #include <chrono>
 #include <memory>
@@ -41,8 +41,8 @@ class CloudInput final : public StageInput {
 using PointInput = CloudInput<intaglio_PointBatch>;
 using PathInput = CloudInput<intaglio_PathBatch>;
 
-/// The models of a job, from a stream that is whole, as the task's own stream. Nobody may
-/// ask for them: a discretizer keeps them from part to part.
+/// The models of a job, from a stream that is whole, as the task's own stream. Perhaps
+/// they are never requested: a discretizer keeps them from part to part.
 class ModelInput final : public StageInput {
  public:
   ModelInput(bus::Writer<intaglio_ModelChunk>& writer,

@@ -20,8 +20,8 @@
 namespace intaglio::sorter {
 namespace {
 
-/// What a measurer that had no part in making the points finds: points too near, places
-/// where the glass may break. Of each block that has points of its own.
+/// Results of a measurement that is independent of how the points were made: points too
+/// near, places where the glass may break. Of each block that has points of its own.
 void AddWarnings(const FrozenJob& job, const PointCloud& cloud,
                  const std::vector<ChannelMask>& masks, SortOutcome& outcome) {
   proof::QualityOptions options = QualityOptionsOf(job.job(), job.machine());
@@ -31,7 +31,7 @@ void AddWarnings(const FrozenJob& job, const PointCloud& cloud,
   for (const ChannelMask channel : channels) {
     const PointCloud part = one ? PointCloud() : PointsIn(channel, cloud, masks);
     const auto quality = proof::MeasureCloud(one ? cloud : part, {}, options);
-    if (!quality) continue;  // no points: said before
+    if (!quality) continue;  // no points: reported before
     for (const std::string& warning : quality->warnings) {
       outcome.add_warnings(
           one ? warning
@@ -50,7 +50,7 @@ std::uint64_t CountChanges(const std::vector<ChannelMask>& masks) {
 
 Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
                                   const ProgressSink& progress) {
-  // No maker of a part can tell that the others are empty as well.
+  // The maker of one part does not know that the others are empty as well.
   if (cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
   const auto of_cloud = INTAGLIO_TRY(ChannelsOfPoints(job.job(), cloud.source));
   const auto order = INTAGLIO_TRY(

@@ -10,8 +10,8 @@
 namespace intaglio::synchronizer {
 
 /// Both sizes and the remedy; empty when it fits: the top faces, through which the beam
-/// is focused, are at one height, within 1 um, and the block in the machine is as wide
-/// and as deep at least. Sizes in mm, > 0.
+/// is focused, are at one height, within 1 um, and the block in the machine is at least
+/// as wide and as deep. Sizes in mm, > 0.
 std::string BlockMisfit(const Vec3& job_size_mm, const Vec3& in_machine_mm);
 
 }  // namespace intaglio::synchronizer

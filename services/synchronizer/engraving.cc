@@ -5,8 +5,8 @@
 namespace intaglio::synchronizer {
 namespace {
 
-// In lockstep a run begins behind what is decided: that is to have passed, and the
-// stamps of all but so many ticks are to have come.
+// In lockstep a run begins after all decided ticks: these have to have passed, and the
+// stamps of all but so many ticks have to have come.
 constexpr std::uint64_t kMaxUnstampedTicks = 16;
 
 std::string TextFor(Missing missing, const MotionView& motion) {
@@ -36,7 +36,7 @@ SkipReason ReasonOf(Missing missing) {
   return SkipReason::kNoPermission;
 }
 
-// What a person does not have to walk to the machine for.
+// Reasons for which no person has to go to the machine.
 bool IsLostLine(Missing missing, intaglio_MotionFault motion_fault) {
   if (missing == Missing::kMotionFault) {
     return motion_fault != intaglio_MOTION_LIMIT &&
@@ -128,8 +128,8 @@ void Engraving::TurnChain(const EngravingInputs& inputs) {
   if (consent_.was_asked()) message_ += "; " + consent_.Question();
 }
 
-// A line that leads to another machine is no lost line: somebody changes cables, and is
-// to arm when that is done. So each arm is spent while another device answers.
+// A line that leads to another machine is not a lost line: a person is changing cables,
+// and has to arm when that is done. So each arm is spent while another device answers.
 void Engraving::RefuseOtherDevice(const EngravingInputs& inputs) {
   const std::string why = OtherDevice(inputs, laser_);
   if (stopping_ || why.empty()) return;
@@ -138,8 +138,9 @@ void Engraving::RefuseOtherDevice(const EngravingInputs& inputs) {
   if (faulted()) message_ = why + ", then resume";
 }
 
-// Also when nothing is open any more: it costs the grant, as a fault does, and the answer
-// is a newer one. Before any was received, there is none that could be spent.
+// Also when nothing is open any more: the question spends the grant, as a fault does, and
+// the answer is a newer grant. Before any grant was received, there is none that could be
+// spent.
 void Engraving::AskOverUncertain(const EngravingInputs& inputs) {
   const bool settled = phase_ == Phase::kPreparing || phase_ == Phase::kWaiting;
   if (stopping_ || !settled || !consent_.MustAsk(inputs)) return;
@@ -287,8 +288,9 @@ void Engraving::Settle(const EngravingInputs& inputs) {
 
 void Engraving::LeaveHalt(const EngravingInputs& inputs) {
   const bool late = settling_.is_late(inputs.now), disarmed = settling_.disarmed();
-  // Who is ending does not wait for a line that may never come back: the intents stay
-  // open in the journal, and who takes the job up asks the controller.
+  // A process that is ending does not wait for a line that may never come back: the
+  // intents stay open in the journal, and the synchronizer that takes the job up asks the
+  // controller.
   if (late && stopping_) return Finish();
   if (!settling_.all_settled()) return;
   const bool grant_known = inputs.grant.number > 0;
@@ -312,14 +314,14 @@ void Engraving::CheckFaultBehindSkips(const EngravingInputs& inputs) {
   Explain({missing, TextFor(missing, inputs.motion), true}, inputs.motion.fault);
 }
 
-// In lockstep no tick passes that nobody decided: a lamp warms up by ticks, and a stage
-// brakes by them.
+// In lockstep no undecided tick passes: a lamp warms up by ticks, and a stage brakes by
+// them.
 void Engraving::SendIdleTicks() {
   if (!horizon_.lockstep() || !laser_.CanSend()) return;
   if (!settling_.AwaitsDisarm()) ticks_.SendIdle(horizon_.IdleTicks());
 }
 
-// While the line is up the next turn tries again: nobody comes after it to switch off.
+// While the line is up the next turn tries again: no other host will switch the lamp off.
 void Engraving::Finish() {
   if (!stopping_ && !JournalIsWritten()) return;
   const bool sent = laser_.CanSend() && laser_.OpenShutters(0) &&

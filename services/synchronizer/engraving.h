@@ -26,8 +26,8 @@
 // counter was checked if the line was lost. A job that an earlier life left begins there.
 // After a fault (anything but a withdrawn permission) only a new grant counts: nothing
 // restarts by itself (permission_chain.h). The same holds, if the job asks for it, when
-// points are left of which nobody knows whether they were fired, even if nothing else is
-// left.
+// uncertain points are left (it is not known whether they were fired), even if nothing
+// else is left.
 //
 // No pulse without: an intent on disk, the motion for its tick in the controller, and
 // the whole permission chain at the moment of arming. Used from one thread; no waits.
@@ -80,13 +80,13 @@ class Engraving {
   const std::string& message() const { return message_; }
   /// Halted by a fault, not by a withdrawn permission: the grant is spent.
   bool faulted() const { return chain_.has_spent(); }
-  /// What was lost is a line or a neighbour, not the machine's safety: it may be resumed
-  /// without anybody walking to the machine.
+  /// A line or a neighbouring process was lost, not the machine's safety: it may be
+  /// resumed without a person at the machine.
   bool lost_a_line() const { return lost_a_line_; }
   bool started() const { return run_.count() > 0 || taken_up_; }
-  /// Of points that nobody knows of, and nobody has answered yet.
+  /// It asks about uncertain points, and has no answer yet.
   bool asks() const { return consent_.asks(); }
-  /// It fires nothing until somebody or something outside lets it.
+  /// Fires nothing until a person or an event outside allows it.
   bool waits() const {
     const bool begun = started() || faulted() || (granted_ && !job_.block_misfit.empty());
     return begun && phase_ != Phase::kRunning && !starts_again_ && !message_.empty();
@@ -97,7 +97,7 @@ class Engraving {
   /// Lowest speed override that motion was planned with, and how often it changed.
   std::uint32_t min_speed_percent() const { return run_.min_speed_percent(); }
   std::uint32_t speed_changes() const { return run_.speed_changes(); }
-  /// Points made that no report was received of, but the controller's memory.
+  /// Points made that are known from the controller's memory, not from a report.
   std::uint64_t settled_by_memory_count() const {
     return settling_.settled_by_memory_count();
   }

@@ -56,7 +56,7 @@ struct EngravingInputs {
 ChainLinks LinksOf(const EngravingInputs& inputs, const LaserController& laser,
                    ChannelMask open_mask);
 
-/// Why another device than the profile's answers at one of the lines; empty: none does.
+/// Why one of the lines leads to another device than the profile's; empty: none does.
 std::string OtherDevice(const EngravingInputs& inputs, const LaserController& laser);
 
 }  // namespace intaglio::synchronizer

@@ -1,7 +1,8 @@
 #pragma once
 
 // What the synchronizer keeps of a job beside its journal, on the cell's host: the path
-// and the job, written before anything is fired, and read by whoever takes the job up.
+// and the job, written before anything is fired, and read by the synchronizer that takes
+// the job up.
 
 #include <filesystem>
 

@@ -8,9 +8,9 @@
 //     ^           |                               |
 //     +--Abandon--+-------------Abandon-----------+
 //
-// What was abandoned comes to its end unseen; a task begun meanwhile waits for that, for
-// both may use the same folder. No function waits but the destructor. Used from one
-// thread.
+// An abandoned computation runs to its end without a result; a task begun meanwhile waits
+// for that, because both may use the same folder. No function waits but the destructor.
+// Used from one thread.
 
 #include <memory>
 #include <optional>

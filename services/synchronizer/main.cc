@@ -20,8 +20,8 @@ struct Options {
   double refractive_index = 0;
 };
 
-// A job that is armed before the laser answers has to be armed again, for nobody watched
-// key and door. So the first jobs wait a moment for it.
+// A job that is armed before the laser answers has to be armed again, because key and
+// door were not watched. So the first jobs wait a moment for it.
 constexpr auto kLaserTime = 2s;
 
 std::chrono::nanoseconds Now() {

@@ -9,12 +9,12 @@
 // measurements", sec. 4). With n stamps that are late by 0..J it is off by some J / n,
 // where a mean or a least-squares line is by J / 2 and by J / sqrt(n).
 //
-// A line that some part of the stamps stays away from, or that a stamp is far ahead of,
-// is two lines: the oscillator has changed its pace. Then only the newest stamps count
-// from now on, and steps() has grown.
+// When some part of the stamps stays away from the line, or a stamp is far ahead of it,
+// the stamps lie on two lines: the oscillator has changed its pace. From then on only the
+// newest stamps count, and steps() has grown.
 //
-// What is always late by the same time is not seen; it is a part of the stage's lag.
-// Not thread-safe.
+// A delay that is always the same is not seen; it is a part of the stage's lag. Not
+// thread-safe.
 
 #include <cstddef>
 #include <cstdint>

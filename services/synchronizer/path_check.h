@@ -12,8 +12,8 @@
 namespace intaglio::synchronizer {
 
 /// By model of the job: the space its points may fill, frame glass, mm: the smallest of
-/// the block and the blocks of its channels. Margins are the discretizer's affair. One
-/// box for a job without models.
+/// the block and the blocks of its channels. The discretizer handles margins. One box for
+/// a job without models.
 std::vector<Box3> BlocksOfModels(const JobSpec& job);
 
 /// The axes at each point, each near the one before, the first near the middle of

@@ -1,7 +1,7 @@
 #pragma once
 
-// The plan of a job as if nothing were ever paused: what is foretold of it, and what two
-// runs of one job are compared by.
+// The plan of a job as if it were never paused: used for its forecast, and to compare two
+// runs of one job.
 
 #include <cstdint>
 #include <string>

@@ -33,7 +33,7 @@ class Synchronizer {
   /// One turn of the loop; never blocks.
   void Turn(std::chrono::nanoseconds now);
   /// No more pulses: disarms, closes the shutters. Turn until stopped(). The job is not
-  /// over: whoever is given it next takes it up from the journal.
+  /// over: the next synchronizer that is given it takes it up from the journal.
   void Stop();
   bool stopped() const { return !engraving_; }
   /// Another synchronizer has the laser: Turn does nothing more.

@@ -1,8 +1,8 @@
 #pragma once
 
 // Whether a task was made for this machine. The machine profile in a task comes from a
-// file of whoever submitted the job; the synchronizer has a profile of its own and fires
-// only what agrees with that.
+// file of the person who submitted the job; the synchronizer has a profile of its own and
+// fires only what agrees with that.
 
 #include <string>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The words of the panel and of --fault: buttons, and ways to misbehave.
+// The commands of the panel and of --fault: buttons, and kinds of misbehaviour.
 //
 //   key on|off            door open|close         estop press|release
 //   stick x|y|z|all       unstick                 miss N

@@ -115,7 +115,7 @@ TickOutcome Laser::OutcomeAt(bool armed, bool gated, bool in_position) const {
   if (interlocked()) return TickOutcome::kInterlocked;
   if (!lamp_on_ || lamp_s_ < options_.warm_up_s) return TickOutcome::kLampNotReady;
   if (shutters_ == 0) return TickOutcome::kShutterClosed;
-  return TickOutcome::kFiredSeen;  // Seen() says whether it was
+  return TickOutcome::kFiredSeen;  // Seen() returns whether it was
 }
 
 bool Laser::NextFiresAtPlace() const {

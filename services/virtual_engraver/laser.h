@@ -63,7 +63,7 @@ class Laser {
   /// The next tick is armed to fire at a place: then AdvanceTick is given the stage's
   /// compare output instead of the in-position output.
   bool NextFiresAtPlace() const;
-  /// Something could still fire without another word of the host.
+  /// Something could still fire without another command of the host.
   bool MayFire() const { return shutters_ != 0 || !windows_.empty(); }
   /// One lamp sync later, which comes `late_s` after its time. Returns the mask of
   /// channels that fire; 0: no pulse.

@@ -17,9 +17,9 @@ using namespace std::chrono_literals;
 
 constexpr auto kStatusPeriod = 20ms;
 constexpr auto kIdle = 10ms;
-// A line with jitter is looked at this often, so that jitter is all that is added.
+// A line with jitter is read this often, so that jitter is all that is added.
 constexpr auto kLateLineIdle = 200us;
-// Between two looks at the lines.
+// Between two reads of the lines.
 constexpr int kTicksAtOnce = 2048;
 // What the host has not taken yet stops the lockstep clock, so it stays bounded.
 constexpr std::size_t kMaxWaiting = 256;
@@ -73,7 +73,7 @@ Machine::Machine(const MachineOptions& options, Glass glass, link::SteadyClock c
       clock_(std::move(clock)),
       next_tick_at_(clock_()) {}
 
-// In lockstep the machine's clock stands still until what is under way has come.
+// In lockstep the machine's clock stops until the data under way have arrived.
 std::unique_ptr<link::ByteStream> Machine::Delayed(
     std::unique_ptr<link::ByteStream> end) {
   if (!end || options_.line_jitter.count() <= 0 || options_.laser.lockstep) return end;
@@ -224,7 +224,7 @@ void Machine::Tell(bool at_once) {
     motion_line_.Say(Number(MotionFrame::kPositions), Encode(positions));
   }
   for (const link::TimedPositions& positions : stage_.TakeTimedPositions()) {
-    // They come at rest, too: nobody keeps them for a host that is not there.
+    // They arrive at rest, too: they are not kept for a host that is not there.
     if (!motion_line_.link || !motion_line_.link->up()) break;
     motion_line_.Say(Number(MotionFrame::kTimedPositions), Encode(positions));
   }
@@ -257,11 +257,11 @@ nanoseconds Machine::Turn() {
   KeepSafe();
   const bool passed = PassTicks();
   const bool blocked = options_.laser.lockstep && !MayPassTick();
-  // A crack that is told of is in its file already, whatever happens to this program.
+  // A reported crack is in its file already, whatever happens to this program.
   (void)glass_.Flush();
-  // The host waits for what a machine that stands still has to say.
+  // The host waits for the data that a stopped machine still has to send.
   Tell(blocked && passed);
-  // What was said has to leave before the next wait.
+  // Sent data have to leave before the next wait.
   PollLines();
   if (options_.laser.lockstep) return blocked ? nanoseconds(kIdle) : nanoseconds(0);
   const nanoseconds idle = options_.line_jitter.count() > 0 ? kLateLineIdle : kIdle;

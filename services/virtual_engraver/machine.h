@@ -4,9 +4,9 @@
 // them. One thread; time comes from an injected clock.
 //
 // Lockstep: a tick passes only if the host has decided it and the stage has motion for it
-// (or none to come); so ticks pass as fast as the data comes, and nothing starves.
-// Real time: ticks pass by the clock, `speed` times as fast as the lamp's rate, and what
-// is said on a line arrives up to `line_jitter` later.
+// (or none to come); so ticks pass as fast as the data comes, and nothing starves. Real
+// time: ticks pass by the clock, `speed` times as fast as the lamp's rate, and data sent
+// on a line arrive up to `line_jitter` later.
 //
 // A safe state of its own: no valid frame on the laser line for 250 ms while a shutter is
 // open or a tick is decided closes the shutters; on the motion line during a run it stops
@@ -65,7 +65,7 @@ class Machine {
   std::string StatusLine();
 
  private:
-  /// One line's link, what waits to be said on it, and when it spoke last.
+  /// One line's link, the data that wait to be sent on it, and when it sent last.
   struct Line {
     std::unique_ptr<link::ReliableLink> link;
     std::shared_ptr<link::LineEpoch> epoch = std::make_shared<link::LineEpoch>();

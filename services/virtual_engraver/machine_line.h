@@ -20,8 +20,8 @@ class MachineLine {
   virtual ~MachineLine() = default;
 
   /// The machine's end, over all hosts that come and go: it has no bytes while there is
-  /// no host, and takes what is written all the same. A share of the bytes that come in
-  /// is lost (DropBytes). One at a time is used; a new one after each host that has gone.
+  /// no host, and takes written bytes all the same. A share of the bytes that come in is
+  /// lost (DropBytes). One at a time is used; a new one after each host that has gone.
   std::unique_ptr<link::ByteStream> MachineEnd();
   /// Of every byte that comes in, this share is lost, 0..1; drawn from `seed`.
   void DropBytes(double ratio, unsigned seed);

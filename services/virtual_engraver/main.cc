@@ -29,7 +29,7 @@ struct Options {
   MachineOptions machine;
   std::string speed = "1";
   std::vector<std::string> faults;
-  pid_t die_with_parent = 0;  // its process id; -1: whoever is the parent at first
+  pid_t die_with_parent = 0;  // its process id; -1: the parent at the start
 };
 
 void AddOptions(command_line::Command app, Options& o) {
@@ -89,7 +89,8 @@ int Serve(Options& options) {
                                            options.machine.block.refractive_index,
                                            options.machine.block.numerical_aperture});
   if (!glass) throw std::runtime_error(glass.error().message);
-  // A machine of steel does not wait for a busy host. In lockstep it waits for everybody.
+  // A machine of steel does not wait for a busy host. In lockstep it waits for every
+  // process.
   if (!options.machine.laser.lockstep) (void)link::AskForRealTime();
   std::vector<ScheduledFault> faults;
   for (const std::string& text : options.faults) {

@@ -1,8 +1,9 @@
 #pragma once
 
 // The oscillator of a stage controller that does not run on the laser's ticks, and how it
-// hears of them: the laser's controller tells it over a serial line, each time late by
-// 0 .. hearing_jitter_s, in the order of the ticks. Time is machine time, the lamp's.
+// is notified of them: the laser's controller sends it a notice over a serial line, each
+// time late by 0 .. hearing_jitter_s, in the order of the ticks. Time is machine time,
+// the lamp's.
 
 #include <cstdint>
 #include <deque>
@@ -30,13 +31,13 @@ class OwnClock {
   std::uint64_t NsAfter(double seconds) const;
   void Advance(double seconds);
 
-  /// A lamp sync passes now; it will be heard of.
+  /// A lamp sync passes now; its notice will follow.
   void Tell(std::uint64_t tick);
   struct Heard {
     std::uint64_t tick = 0;
     std::uint64_t at_ns = 0;
   };
-  /// The next one that is heard of by `ns`, and forgets it.
+  /// The next notice that arrives by `ns`; it is then removed.
   std::optional<Heard> HearsBy(std::uint64_t ns);
 
  private:

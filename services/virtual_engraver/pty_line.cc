@@ -39,7 +39,7 @@ bool HostThere(int master) {
   return poll(&line, 1, 0) >= 0 && (line.revents & POLLHUP) == 0;
 }
 
-/// A terminal that nobody has open is no lost line.
+/// A terminal that no process has open is not a lost line.
 class MasterStream final : public link::ByteStream {
  public:
   explicit MasterStream(std::unique_ptr<link::ByteStream> inner)

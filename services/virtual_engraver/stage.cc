@@ -239,7 +239,7 @@ void Stage::AdvanceTo(std::uint64_t units) {
   now_units_ += left;
 }
 
-// What was heard of between two ticks, and at the newer one if the line is at once.
+// Notices that arrive between two ticks, and at the newer one if the line has no delay.
 void Stage::AdvanceOwnClock() {
   own_clock_->Advance(1 / rate_hz_);
   own_clock_->Tell(tick_);

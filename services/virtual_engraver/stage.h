@@ -8,11 +8,11 @@
 //                                                       |  fault, abort
 //                                                       +----> braking ----> rest
 //
-// With a clock of its own it knows of a tick only what it hears, a while after; knots
-// come with times of its clock, and its in-position output is on around them. Its
-// position is taken when it hears of a tick.
+// With a clock of its own it knows of a tick only by a notice, which arrives a while
+// later; knots come with times of its clock, and its in-position output is on around
+// them. Its position is taken when the notice arrives.
 //
-// Not thread-safe; time is what AdvanceTick says.
+// Not thread-safe; the time is that given to AdvanceTick.
 
 #include <cstdint>
 #include <deque>

@@ -91,7 +91,7 @@ TcpLine::TcpLine(std::shared_ptr<Socket> socket) : socket_(std::move(socket)) {}
 TcpLine::TcpLine(TcpLine&&) noexcept = default;
 TcpLine& TcpLine::operator=(TcpLine&&) noexcept = default;
 
-// A stream of it may live on, but nobody can reach it.
+// A stream of it may live on, but no host can reach it.
 TcpLine::~TcpLine() {
   if (!socket_) return;
   socket_->CloseListener();

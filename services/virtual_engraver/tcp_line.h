@@ -1,8 +1,8 @@
 #pragma once
 
 // A line over TCP: the machine listens, and has one host at a time. A second one is
-// turned away (its connection is reset) as long as the first is connected, so that nobody
-// takes a machine from its host in mid-job. A host whose computer lost its power, or its
+// turned away (its connection is reset) as long as the first is connected, so that no
+// other host takes a machine in mid-job. A host whose computer lost its power, or its
 // cable, frees the line after link::kTcpSilentMs.
 //
 //   waiting --a host connects--> taken --it closes, or the kernel gives it up--> gone

@@ -48,8 +48,8 @@ class Arm : public ::testing::Test {
   std::optional<std::string> job_;
 };
 
-// Host and laser of the cell lose their power, somebody changes the block, and the power
-// comes back. The job service runs elsewhere.
+// Host and laser of the cell lose their power, a person changes the block, and the power
+// comes back. The job service runs on another host.
 TEST_F(Arm, IsEndedByAPowerCycleOfTheMachine) {
   EngraveSome();
   for (const char* gone : {kSynchronizer, kBridge, "machine"}) {

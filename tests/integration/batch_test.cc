@@ -54,7 +54,7 @@ TEST(Batch, TheExampleMakesAllButTheBadOne) {
       << history.output;
 }
 
-// Nothing is submitted when a line is wrong, and no shop is needed to hear of it.
+// Nothing is submitted when a line is wrong, and the error is reported without a shop.
 TEST(Batch, EveryMistakeOfEveryLineIsToldBefore) {
   const fs::path folder = test::FreshFolder();
   const std::string job = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto";
@@ -86,7 +86,7 @@ TEST(Batch, EveryMistakeOfEveryLineIsToldBefore) {
 }
 
 // What is engraved goes on, what waits is cancelled, what is left is never submitted; the
-// state of each is told.
+// state of each is reported.
 TEST(Batch, CtrlCLeavesTheBlockInTheMachineAndCancelsTheRest) {
   const fs::path folder = test::FreshFolder();
   const std::vector<std::string> bus = {"--domain", "48", "--tag",

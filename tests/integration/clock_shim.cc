@@ -1,4 +1,4 @@
-// Preloaded into one process: its wall clock is off by the seconds that stand in the file
+// Preloaded into one process: its wall clock is off by the seconds that are in the file
 // of INTAGLIO_CLOCK_OFFSET, eight bytes, which the test changes while the process runs.
 // As with a clock that is set, waits that have an end by the wall clock end by the new
 // time.

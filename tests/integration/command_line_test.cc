@@ -29,7 +29,7 @@ using testing::TextIn;
 
 Ended Type(const std::vector<std::string>& words) {
   const fs::path folder = test::FreshFolder();
-  // Not the base of whoever runs the tests.
+  // Not the materials base of the user who runs the tests.
   setenv("INTAGLIO_MATERIALS_DB", (folder / "materials.db").c_str(), 1);
   Running run(Program("intaglio"), words, folder / "output.txt");
   return run.WaitForEnd(30s);

@@ -26,7 +26,7 @@ using testing::Running;
 using testing::TextIn;
 
 constexpr char kAnalyze[] = "/usr/bin/systemd-analyze";
-// In tenths, as systemd-analyze takes it: below 2.0 it says OK.
+// In tenths, as systemd-analyze takes it: below 2.0 it reports OK.
 constexpr char kMostExposed[] = "20";
 
 class Units : public ::testing::Test {
@@ -120,9 +120,9 @@ TEST_F(Units, OnlyTheCellsMayReachTheMachineAndOnlyWhoIsWaitedForIsInRealTime) {
   }
 }
 
-// A unit that nobody looks after fills no disk: recordings have a bound in size and in
-// age. A file is removed whole, and never the one that is written, so the bound holds
-// several.
+// A unit without supervision must not fill a disk: recordings have a bound in size and in
+// age. A file is removed whole, and never the one that is being written, so the bound
+// holds several.
 TEST_F(Units, TheRecorderKeepsNoMoreThanItsShare) {
   const std::string unit = TextIn(folder_ / "intaglio-recorder.service");
   const auto amount = [&unit](const std::string& flag) {
@@ -180,7 +180,7 @@ TEST(Service, TellsItsInitSystemHowItIs) {
                  {"--tag", "notify" + std::to_string(getpid())}, folder / "said.txt");
   EXPECT_TRUE(system.Hears("READY=1", 30s)) << sorter.Output();
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(system.Hears("WATCHDOG=1", 10s));
-  sorter.Signal(SIGSTOP);  // a loop that does not turn says nothing
+  sorter.Signal(SIGSTOP);  // a loop that does not turn sends no notification
   while (system.Hears("WATCHDOG=1", 1s)) {
   }  // what was under way; then a second of silence
   sorter.Signal(SIGCONT);

@@ -1,4 +1,5 @@
-// The whole product at work on a machine in lockstep, which waits for whoever is slow.
+// The whole product at work on a machine in lockstep, which waits for the slowest
+// process.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

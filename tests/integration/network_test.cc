@@ -100,7 +100,7 @@ class Network : public ::testing::Test {
     double resumed_s = -1;    ///< after the mending
   };
 
-  /// Cuts the cable in mid-job, mends it, and lets the job come to its end.
+  /// Cuts the cable in mid-job, reconnects it, and lets the job come to its end.
   Outage Survive(bool a_to_b, bool b_to_a, std::chrono::milliseconds duration) {
     Outage outage;
     std::int64_t cut_tick = 0;

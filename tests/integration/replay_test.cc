@@ -119,7 +119,7 @@ class Replay : public ::testing::Test {
 };
 
 /// A reader promises the order of an instance only, which is that of its source times.
-/// The ends of instances have their keys alone to tell them apart.
+/// The ends of instances are distinguished by their keys alone.
 std::vector<Sample> Ordered(std::vector<Sample> samples, bool value) {
   for (Sample& sample : samples) sample.source_ns = value ? sample.source_ns : 0;
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
@@ -169,7 +169,8 @@ TEST_F(Replay, SeekingToTheMiddleRestoresWhatWasRetained) {
   ASSERT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("retained"));
   const auto all = InRecording("pyramid"), later = InRecording("pyramid", kMiddle);
-  // Said before the middle and never again: only a late reader's share brings it.
+  // Published before the middle and never again: only the samples for late readers
+  // include it.
   for (const char* topic : {"SortTask", "JobSubmission"}) {
     ASSERT_FALSE(later.contains({topic, "", "value"})) << topic;
     EXPECT_EQ((heard_[{topic, "", "value"}]), (all.at({topic, "", "value"}))) << topic;

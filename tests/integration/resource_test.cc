@@ -1,6 +1,6 @@
-// A shop short of something: processes that stand still, disks without room, memory that
-// is not given. The machine is safe, the reason is told, and the glass comes out as if
-// nothing had been. INTAGLIO_LONG=1: processes stand still for 30 s instead of 5.
+// A shop short of a resource: stopped processes, disks without room, memory that is not
+// granted. The machine is safe, the reason is reported, and the glass comes out as if
+// nothing had happened. INTAGLIO_LONG=1: processes are stopped for 30 s instead of 5.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -70,8 +70,8 @@ class Resources : public ::testing::Test {
   fs::path folder_;
 };
 
-// ---- Processes that stand still
-// --------------------------------------------------------
+// ---- Stopped processes
+// -----------------------------------------------------------------
 
 class StandsStill : public Resources,
                     public ::testing::WithParamInterface<const char*> {};
@@ -197,7 +197,7 @@ TEST_F(Resources, AFullDiskOfResultsPausesTheJob) {
   EXPECT_THAT(floor.Newest("message"), HasSubstr("free space"));
   std::cout << "  " << floor.Newest("message") << "\n";
 
-  // It stays so while the disk is full, whatever the operator says.
+  // It stays so while the disk is full, whatever the operator commands.
   EXPECT_EQ(floor.Type({"resume", "1"}).exit_code, 0);
   std::this_thread::sleep_for(2s);
   fs::path journal_file;
@@ -249,8 +249,8 @@ TEST_F(Resources, AFullDiskOfTheQueuePausesTheJob) {
 // ---- Memory
 // ----------------------------------------------------------------------------
 
-// The points of a large job do not fit: the process says so and ends, and the job goes on
-// with the next one, once a person has armed it for the block that is in the machine
+// The points of a large job do not fit: the process reports it and ends, and the job goes
+// on with the next one, once a person has armed it for the block that is in the machine
 // then.
 TEST_F(Resources, AServiceWithoutMemoryEndsAndTheJobWaitsForTheNext) {
   ShopFloor floor = Floor();

@@ -44,7 +44,7 @@ TEST_F(RunJob, EngravesTheSampleAndProvesItInTheGlass) {
                 report.points().unaccounted(),
             0u);
   EXPECT_EQ(report.shadow_violations(), 0u);
-  // What the report says is what the files say, counted here again.
+  // The report agrees with the files, counted here again.
   const auto glass = formats::ReadPly(folder_ / "out/glass.ply");
   const auto path = formats::ReadPly(folder_ / "out/path.ply");
   ASSERT_TRUE(glass && path);
@@ -218,7 +218,7 @@ TEST_P(StageStop, CostsARunAndNoPoint) {
 INSTANTIATE_TEST_SUITE_P(OfItsBuffer, StageStop, ::testing::Values("starved", "full"),
                          [](const auto& suite) { return std::string(suite.param); });
 
-// What a machine can do in mid-job, and a word that its message has to have.
+// Faults of a machine in mid-job, and a text that the message of each has to contain.
 struct Mishap {
   const char* name;
   const char* command;

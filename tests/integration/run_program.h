@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs a program of the product to its end, bounded in time, and keeps what it said.
+// Runs a program of the product to its end, bounded in time, and keeps its output.
 
 #include <sys/types.h>
 
@@ -46,7 +46,7 @@ class Running {
 
 /// A program beside the product's others, e.g. "intaglio".
 std::filesystem::path Program(const std::string& name);
-/// Process ids of the programs whose command line has all of `words` in it.
+/// Process ids of the programs whose command line contains all of `words`.
 std::vector<pid_t> ProcessesWith(const std::vector<std::string>& words);
 /// What the panel of the machine in `folder` answers to one line; empty: nothing.
 std::string AskPanel(const std::filesystem::path& folder, const std::string& command);

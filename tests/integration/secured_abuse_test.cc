@@ -1,6 +1,7 @@
-// Whole jobs beside somebody with a good identity who abuses it: an observer that
-// acknowledges nothing, one that is stopped now and then, a stage worker that forges.
-// The job ends good, in real time, and nothing paused, left the bus or ended before.
+// Whole jobs beside a participant with a valid identity who abuses it: an observer that
+// acknowledges nothing, one that is stopped now and then, a stage worker that forges. The
+// job ends well, in real time, without a pause; no service has left the bus or ended
+// before.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

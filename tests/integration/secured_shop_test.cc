@@ -1,5 +1,5 @@
-// Real programs with identities: a whole job, an observer who may look and not touch, and
-// what is said to who has no identity or a wrong one.
+// Real programs with identities: a whole job, an observer who may read but not write, and
+// the error messages for a program without an identity or with a wrong one.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ TEST_F(SecuredShop, EngravesAWholeJob) {
   EXPECT_TRUE(fs::exists(folder_ / "out" / "report.json"));
 }
 
-// The recorder's identity writes nothing but its health, and hears everything.
+// The recorder's identity writes nothing but its health, and receives everything.
 TEST_F(SecuredShop, RecordsEverythingAndReplaysAsWhoMayWriteIt) {
   const std::string session = (folder_ / "out" / "session.mcap").string();
   ASSERT_EQ(Type(As(keys_.string(), {"run", kSample, "--height", "5", "--lockstep",
@@ -132,7 +132,7 @@ class TwoHosts {
   bool made_ = false;
 };
 
-// As docs/services.md says it: the other host has no key but that of its role.
+// As docs/services.md describes it: the other host has no key but that of its role.
 TEST_F(SecuredShop, SpansTwoHosts) {
   const TwoHosts hosts;
   if (!hosts.made()) GTEST_SKIP() << "network namespaces need root";
@@ -182,7 +182,7 @@ TEST_F(SecuredShop, LetsTheObserverLookAndTheOperatorCommand) {
     }
     EXPECT_THAT(refused.output, HasSubstr("permissions do not allow it"));
   }
-  // Who comes without an identity finds nobody.
+  // A program without an identity discovers no participant.
   const Ended plain =
       Type({"list", "--domain", "46", "--tag", "secured" + std::to_string(getpid())});
   EXPECT_EQ(plain.exit_code, 2);
@@ -227,7 +227,7 @@ TEST_F(SecuredShop, AWrongRoleSaysWhichTopicItMayNotHave) {
   EXPECT_THAT(ended.output, HasSubstr("permissions do not allow it"));
 }
 
-// The words and the exit code; the files are gone through in identity_test.
+// The message and the exit code; identity_test checks the files one by one.
 TEST_F(SecuredShop, AMissingFileIsNamed) {
   fs::remove(keys_ / "stage-worker" / bus::kGovernanceFile);
   const Ended ended = Type(As(keys_.string(), {}), "intaglio-sorter");

@@ -1,8 +1,8 @@
 #pragma once
 
 // One participant of a secured shop in this process, and strangers (stranger.cc) in
-// processes of their own. That somebody was not heard is believed only when somebody with
-// the right identity, who came later, was.
+// processes of their own. That samples of a stranger were not received counts only when
+// those of a later writer with the right identity were.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ using ::testing::Not;
 using testing::Running;
 using testing::TextIn;
 
-// After the right one was heard, the wrong one gets this long again.
+// After the right one was received, the wrong one gets this long again.
 inline constexpr auto kAbsence = 1000ms;
 // An identity is proved within a second, on a busy host within seconds. On one with
 // twenty times its work (load 40 on 2 cores) a handshake was seen to stop half way; the
@@ -81,8 +81,8 @@ class Security : public ::testing::Test {
   struct Heard {
     int right = 0, wrong = 0;
   };
-  /// One with `listener`'s identity listens to the topic; somebody with the wrong
-  /// identity writes it, then somebody with the right one, until that one was heard.
+  /// A process with `listener`'s identity reads the topic; one with the wrong identity
+  /// writes it, then one with the right identity, until its samples were received.
   Heard Hear(const std::string& topic, const std::string& cell,
              const std::string& listener, const fs::path& wrong, const fs::path& right) {
     const auto ear = Stranger("listener", Of(listener), {"hear", topic, cell});
@@ -118,11 +118,11 @@ class Security : public ::testing::Test {
     return std::regex_search(last, found, count) ? std::stoi(found[1]) : 0;
   }
 
-  /// The job service hears commands of the operator and none of `wrong`.
+  /// The job service receives commands of the operator and none of `wrong`.
   void ExpectNoCommandOf(const fs::path& wrong) {
     Expect(Hear("JobCommand", "", "job-service", wrong, Of("operator")));
   }
-  /// A cell hears permissions of the job service and none of `wrong`.
+  /// A cell receives permissions of the job service and none of `wrong`.
   void ExpectNoPermissionOf(const fs::path& wrong) {
     Expect(Hear("Permission", "els-03", "cell-els-03", wrong, Of("job-service")));
   }

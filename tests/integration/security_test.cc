@@ -1,4 +1,4 @@
-// Who may command the laser: strangers who are not heard.
+// Who may command the laser: strangers whose samples are not received.
 
 #include "services/platform/bus/samples.h"
 #include "tests/integration/secured_strangers.h"

@@ -1,5 +1,5 @@
-// What somebody sees who listens to the wire alone, and what becomes of an identity that
-// ends while its process runs.
+// What an eavesdropper on the wire sees, and what becomes of an identity that expires
+// while its process runs.
 
 #include <arpa/inet.h>
 #include <linux/if_packet.h>
@@ -95,7 +95,7 @@ class SecurityOnTheWire : public Security {
 TEST_F(SecurityOnTheWire, NothingCanBeReadOffIt) {
   const int shown = Shown({}, {}, "plain");
   if (shown < 0) GTEST_SKIP() << "this user may not listen to packets: run as root";
-  EXPECT_GT(shown, 0);  // so the listener can hear
+  EXPECT_GT(shown, 0);  // so the listener can receive
   EXPECT_EQ(Shown(Of("job-service"), Of("operator"), "secured"), 0);
 }
 

@@ -51,13 +51,13 @@ class ShopFloor {
 
   /// A command of `intaglio`, to its end.
   Ended Type(const std::vector<std::string>& words);
-  /// `words` and where the shop is.
+  /// `words` and the options that locate the shop.
   std::vector<std::string> With(std::vector<std::string> words) const;
   /// Submits and arms the small job, or another one of the sample's model with these
   /// options, and watches it from then on; its number, or nothing.
   std::optional<std::string> Engrave(const std::vector<std::string>& options = {});
 
-  /// Newest word of the watched job's events, e.g. "state" or "message".
+  /// Newest value in the watched job's events, e.g. of "state" or "message".
   std::string Newest(const std::string& field) const;
   bool Reaches(const std::string& state, std::chrono::milliseconds bound) const;
   std::string Events() const;

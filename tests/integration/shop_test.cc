@@ -82,7 +82,7 @@ class Shop : public ::testing::Test {
   }
 
   /// The same for a job under way. A machine in real time may pause by itself when this
-  /// host is too busy for its lines; the operator then does what the message says.
+  /// host is too busy for its lines; the operator then does what the message asks for.
   bool RunsTo(const std::string& job, const std::string& state) {
     return Eventually(
         [&] {
@@ -185,7 +185,7 @@ TEST_F(Shop, AJobForAnotherLensOrGlassIsNotFiredAndKeptForTheRightOnes) {
   EXPECT_TRUE(RunsTo(job, "done")) << last_;
 }
 
-// The cell trusts its own profile, not the file of whoever submits.
+// The cell trusts its own profile, not the file of the person who submits.
 TEST_F(Shop, AJobWithAProfileThatIsNotTheCellsIsRefused) {
   const fs::path profile = folder_ / "els-03.textproto";
   std::stringstream own;
@@ -227,7 +227,7 @@ TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {
   ASSERT_TRUE(std::regex_search(history.output, name,
                                 std::regex("\"recording\": *\"([^\"]+mcap)\"")))
       << history.output;
-  up_.reset();  // what is said last is in it once the shop is closed
+  up_.reset();  // the last samples are in it once the shop is closed
   Running info(Program("intaglio"), {"recording", "info", name[1]}, folder_ / "info.txt");
   const Ended told = info.WaitForEnd(30s);
   EXPECT_EQ(told.exit_code, 0) << told.output;

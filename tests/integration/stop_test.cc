@@ -60,7 +60,7 @@ class Machine {
     const std::lock_guard lock(mutex_);
     return pressed_at_;
   }
-  /// Somebody else presses at the moment when a reset is taken.
+  /// Another source presses at the moment when a reset is taken.
   void PressAtTheNextReset(const std::string& source) {
     const std::lock_guard lock(mutex_);
     press_at_reset_ = source;
@@ -133,8 +133,8 @@ class Stop : public ::testing::Test {
   int typed_ = 0;
 };
 
-// The time until other processes are found is 1.5 s: whoever waits for it first presses
-// later than that.
+// The time until other processes are discovered is 1.5 s: a program that waits for it
+// first presses later than that.
 TEST_F(Stop, PressesBeforeItLooksForMachines) {
   std::vector<long> milliseconds;
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>(5)) {

@@ -1,10 +1,10 @@
-// Somebody on the network, for the tests of who may command the laser: joins with the
-// files that it is given, or with none, and tries one thing until it is killed. It looks
-// at nothing itself; what stops it is the DDS library and the others.
+// A stranger on the network, for the tests of who may command the laser: joins with the
+// files that it is given, or with none, and tries one thing until it is killed. It checks
+// nothing itself: the DDS library and the other processes stop it.
 //
-//   stranger TAG FOLDER|- write TOPIC CELL WORD    WORD: who it says it is
+//   stranger TAG FOLDER|- write TOPIC CELL WORD    WORD: the name that it uses
 //   stranger TAG FOLDER|- read TOPIC CELL
-// Somebody whose identity is good, and who abuses it:
+// A participant with a valid identity who abuses it:
 //   stranger TAG FOLDER look - CELL     has readers of all that an observer may read
 //   stranger TAG FOLDER deaf - CELL     reads all that an observer may; after the first
 //                                       health it receives nothing any more, acknowledges
@@ -13,9 +13,9 @@
 //                                       of the cell's synchronizer, and DONE and FAILED
 //                                       of each engraving, in its synchronizer's name;
 //                                       FOLDER is that of a stage worker
-// And somebody who belongs there, who joins as the services do:
-//   stranger TAG FOLDER hear TOPIC CELL            says each WORD and how often
-// Says on its standard output what became of it, a line each.
+// A participant that belongs there and joins as the services do:
+//   stranger TAG FOLDER hear TOPIC CELL            prints each WORD and how often
+// Prints the result on its standard output, a line each.
 
 #include <dds/dds.h>
 #include <fmt/format.h>

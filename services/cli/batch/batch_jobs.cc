@@ -115,7 +115,8 @@ class BatchBuilder {
   Result<JobAndMachine> Complete(const JobSpec& spec,
                                  const std::optional<std::string>& machine) {
     JobFlags flags;
-    flags.job_file = source_.file.string();  // nothing is chosen that it does not say
+    flags.job_file = source_.file.string();  // with a job file no value is chosen
+                                             // automatically
     flags.machine = machine;
     auto complete = CompleteJob(flags, spec);
     if (!complete) return complete;

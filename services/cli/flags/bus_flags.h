@@ -5,7 +5,7 @@
 
 namespace intaglio::cli {
 
-/// --domain, --interface, --tag, --security: which shop is talked to, and as whom.
+/// --domain, --interface, --tag, --security: the shop to connect to, and the identity.
 void AddBusFlags(command_line::Command command, bus::BusOptions& options);
 
 }  // namespace intaglio::cli

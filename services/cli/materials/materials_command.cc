@@ -67,7 +67,8 @@ Status List(const Flags& flags, MaterialStore& store) {
   return {};
 }
 
-/// What is kept is shown also of a glass for whose wavelength nothing can be computed.
+/// The stored values are shown also for a glass for which nothing can be computed at this
+/// wavelength.
 Status Show(const Flags& flags, MaterialStore& store) {
   const auto material = INTAGLIO_TRY(store.Find(flags.name));
   const auto optics = materials_db::ComputeOptics(material, flags.wavelength_nm,

@@ -5,8 +5,8 @@
 namespace intaglio::cli {
 
 /// `intaglio materials list | show | add | replace | remove | import | export`: the
-/// glasses that are known. Each returns
-/// kExitGood or kExitWrongInput, and says on the standard error stream what was wrong.
+/// glasses that are known. Each returns kExitGood or kExitWrongInput, and prints the
+/// error on the standard error stream.
 void AddMaterialsCommand(command_line::Command app);
 
 }  // namespace intaglio::cli

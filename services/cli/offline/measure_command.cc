@@ -125,8 +125,8 @@ Result<MeasuredCloud> ReadCloud(const std::string& file, const ReadLimits& limit
   return read;
 }
 
-/// What is in the block of one channel: told of cracks by the file, of points by their
-/// models.
+/// Description of the block of one channel: of cracks read from the file, of points from
+/// their models.
 Result<PointCloud> InChannel(const MeasureOptions& options, const JobSpec& job,
                              MeasuredCloud read) {
   if (read.masks.empty()) {

@@ -24,7 +24,7 @@
 namespace intaglio::cli {
 namespace {
 
-// Points planned between two looks at the clock: the planners hand out some hundreds of
+// Points planned between two reads of the clock: the planners return some hundreds of
 // points at once.
 constexpr std::size_t kPointsATime = 4096;
 

@@ -39,7 +39,7 @@ Result<FrozenJob> BuildPathJob(const JobFlags& flags, const PointList& points_mm
                                const std::string& materials_db) {
   const auto built = INTAGLIO_TRY(BuildJobOfPoints(flags, points_mm));
   const auto optics = INTAGLIO_TRY(OpticsOf(built.job, materials_db));
-  // Again, now that the glass says how much travel the block's depth takes.
+  // Again, now that it is known from the glass how much travel the block's depth takes.
   const auto errors =
       CheckJobOnMachine(built.job, built.machine, optics.stage_per_glass_ratio());
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));

@@ -74,7 +74,7 @@ void SetCracks(const proof::CrackRisk& risk, const proof::QualityOptions& option
 
 std::string Percent(double ratio) { return fmt::format("{:.1f} %", 100 * ratio); }
 
-/// Its lines are "subject  words", the subjects in a column.
+/// Its lines are "subject text", the subjects in a column.
 class Lines {
  public:
   template <typename... Args>

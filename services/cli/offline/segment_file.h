@@ -1,7 +1,7 @@
 #pragma once
 
-// The segments of a plan as CSV, for anybody's tools: a heading, then one row a knot,
-// from the start at rest (tick 0) on:
+// The segments of a plan as CSV, for any tools: a heading, then one row a knot, from the
+// start at rest (tick 0) on:
 //   tick,x_mm,y_mm,z_mm,vx_mm_s,vy_mm_s,vz_mm_s,point
 // with the names and units of the machine's axes: arm_rad, table_rad, z_mm, varm_rad_s
 // ... Time in ticks of the lamp; between knots the motion is the cubic of

@@ -68,9 +68,9 @@ const T& Member(const Value& value, const char* name) {
 using Numbers = std::vector<std::uint64_t>;
 using Reals = std::vector<double>;
 
-/// Pulses and places of one job. A point may be told of twice: once more by the next life
-/// of a synchronizer, or fired after it was uncertain, by a person's word. The newest
-/// word that it was made counts; no later one undoes a crack.
+/// Pulses and places of one job. A point may be reported twice: again by the next life of
+/// a synchronizer, or when it is fired after it was uncertain, by a person's consent. The
+/// newest report that it was made counts; no later one undoes a crack.
 class Cracks {
  public:
   explicit Cracks(std::string job_uid) : job_uid_(std::move(job_uid)) {}

@@ -23,9 +23,9 @@ Status ExportCsv(const recording::McapReader& reader, const std::string& topic,
                  const recording::MessageQuery& query, std::ostream& out);
 
 /// Every point that was made, once, at its place in the glass frame, mm, with the columns
-/// tick and point, in the order of the ticks: from PulseEventBatch and PathBatch.
-/// Points whose place is not in the recording are looked up in `path`, a path.ply; empty:
-/// none. kMissing when a place is nowhere.
+/// tick and point, in the order of the ticks: from PulseEventBatch and PathBatch. For
+/// points whose place is not in the recording, `path`, a path.ply, is read; empty: none.
+/// kMissing when a place is nowhere.
 Status ExportCracks(const recording::McapReader& reader, const std::string& job_uid,
                     const std::filesystem::path& path,
                     const std::filesystem::path& target);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What `intaglio recording info` and `list` say of a file.
+// What `intaglio recording info` and `list` print about a file.
 
 #include <string>
 

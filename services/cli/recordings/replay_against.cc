@@ -127,7 +127,7 @@ struct Bench {
   fs::path laser_line() const { return folder / "laser"; }
 };
 
-/// With the machine profile of the session, and a laser line at which nobody is yet.
+/// With the machine profile of the session, and a laser line that has no device yet.
 Result<client::ChildProcess> StartService(const Bench& bench) {
   const std::string& service = bench.options.service;
   client::ChildProcess::Command command{

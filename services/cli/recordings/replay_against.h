@@ -15,8 +15,9 @@ struct AgainstOptions {
   bool json = false;
 };
 
-/// Starts the service alone, on a bus that nobody else sees. Its exit code: identical 0,
-/// different 3, the service died or hung 4, interrupted 5, no such recording 2.
+/// Starts the service alone, on a bus that no other process sees. Its exit code:
+/// identical 0, different 3, the service died or hung 4, interrupted 5, no such
+/// recording 2.
 int ReplayAgainst(const AgainstOptions& options);
 
 }  // namespace intaglio::cli

@@ -1,6 +1,6 @@
 #pragma once
 
-// What discretizers found out, put together from the parts of a job.
+// The outcomes of the discretizers, combined from the parts of a job.
 
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace intaglio {
 
-/// Of one part. What is true of the models as a whole is told by the first.
+/// Of one part. What is true of the models as a whole is reported with the first part.
 DiscretizeOutcome OutcomeOf(const JobSources& sources,
                             const discretize::Discretized& made,
                             const discretize::Part& part);

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the process that reads a mesh says to the one that asked: the mesh, or why there
-// is none. Both are programs of one build on one computer.
+// The answer of the process that reads a mesh to the process that asked: the mesh, or why
+// there is none. Both are programs of one build on one computer.
 //
 //   offset  size
 //   0       8     "IMESH1\0\0"

@@ -63,7 +63,7 @@ class Files {
   std::size_t next_ = 0;
 };
 
-/// Stands for the number of a copy in a text.
+/// Placeholder for the number of a copy in a text.
 constexpr std::string_view kNumber = "{n}";
 
 std::string ExtensionOf(const std::string& file) {

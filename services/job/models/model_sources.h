@@ -1,7 +1,7 @@
 #pragma once
 
-// From the models of a job, and the bytes of their files, to what the cloud is made of.
-// The one place that knows which reader, placement and method a model needs.
+// Makes the sources of the point cloud from the models of a job and the bytes of their
+// files. The one place that knows which reader, placement and method a model needs.
 
 #include <cstddef>
 #include <string>
@@ -26,15 +26,16 @@ struct JobSources {
 };
 
 /// `job` with its defaults filled in; `files` as FilesOf (model_kind.h) names them, taken
-/// and freed one by one. Errors name the model's file. kCancelled when `progress` says
-/// so.
+/// and freed one by one. Errors name the model's file. kCancelled when `progress` returns
+/// that.
 Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
                                const ReadLimits& limits, const ProgressSink& progress);
 
-/// Where the copies of a model stand, from its own place; of one without, there alone.
+/// Offsets of the copies of a model from its own place; of a model without copies, that
+/// place alone.
 PointList CopyOffsetsOf(const Model& model);
 
-/// Weld, bounds and clip of a job with its defaults filled in.
+/// Vertex merging, bounds and clip of a job with its defaults filled in.
 discretize::CloudOptions CloudOptionsOf(const JobSpec& job);
 
 /// The files of a job that is made here, from this machine's disks.

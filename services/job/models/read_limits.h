@@ -1,8 +1,9 @@
 #pragma once
 
 // How large the files of a job may be that a process reads: bounds on what reading costs,
-// by kind of file. What is beyond them is kTooLarge, with the way to raise them. And who
-// reads those that a library reads, which is not to be trusted with them.
+// by kind of file. A file beyond them is kTooLarge, with the way to raise them. Also
+// holds the reader of mesh files (read_mesh), because the library that reads them is not
+// to be trusted with them.
 
 #include <cstdint>
 
@@ -32,8 +33,8 @@ inline constexpr double kLeastSizeLimits = 0.001, kGreatestSizeLimits = 1000;
 /// In the environment of a service, and of what it starts.
 inline constexpr const char* kSizeLimitsVariable = "INTAGLIO_SIZE_LIMITS";
 
-/// The limits as they are when nobody sets any, all times `factor`: bytes, entities,
-/// points, pixels and triangles; not the depth of nesting, nor coordinates.
+/// The default limits, all times `factor`: bytes, entities, points, pixels and triangles;
+/// not the depth of nesting, nor coordinates.
 ReadLimits ReadLimitsTimes(double factor);
 
 /// A kTooLarge of a reader with the option that raises its limits; others as they are.

@@ -70,7 +70,8 @@ std::vector<std::byte> ReadAll(int descriptor) {
   return bytes;
 }
 
-/// Of the process; whoever may not set them goes on without: it is a wall behind others.
+/// Limits of the process. A process that may not set them goes on without: they are one
+/// protection behind others.
 void Bound(pid_t process, std::chrono::seconds time, const ImportOptions& options) {
   const auto seconds = static_cast<rlim_t>(time.count());
   const rlimit processor{seconds, seconds + 1}, dump{0, 0};

@@ -1,9 +1,9 @@
 #pragma once
 
 // Meshes are read by a process of their own. The library that reads all formats but STL
-// trusts its files: one that is damaged, or made to harm, may crash it, fill the memory
-// or be read for ever. That ends the process, as an error that names the file, and
-// neither a service nor what somebody types.
+// trusts its files: a file that is damaged, or made to harm, may crash it, fill the
+// memory or be read for ever. In that case only this process ends, and the error names
+// the file; a service or a command goes on.
 
 #include <chrono>
 #include <filesystem>
@@ -25,9 +25,9 @@ struct ReadingProcess {
 /// process broke down), kTooLarge (it took too long), kIo. Of any thread.
 mesh::MeshReader ReadBy(const ReadingProcess& process);
 
-/// What the program does: reads the file that is its standard input, as `extension` and
-/// `name` say, and writes the answer (mesh_answer.h) to its standard output. The exit
-/// code: 0 when that is written, whatever the answer.
+/// What the program does: reads the file that is its standard input, as the format of
+/// `extension` and under `name`, and writes the answer (mesh_answer.h) to its standard
+/// output. The exit code: 0 when that is written, whatever the answer.
 int ReadStandardInput(const std::string& extension, const std::string& name,
                       const mesh::ImportOptions& options);
 

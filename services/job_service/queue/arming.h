@@ -40,7 +40,8 @@ class Arming {
   /// After a loss: arms the job as it was armed, a while later, unless something forbids
   /// it (JobArm::Renew).
   void Renew(JobRecord& job, Nanoseconds now);
-  /// An engraving task is paused: a fault spends the arm, of which a lost line renews it.
+  /// An engraving task is paused: a fault spends the arm; after a lost line the arm is
+  /// renewed.
   void TakePaused(JobRecord& job, const TaskView& task, Nanoseconds now);
 
   /// Why the arm of a job ends, for people; empty: it does not.

@@ -1,10 +1,10 @@
 #pragma once
 
 // Discretizing by several discretizers: hands the parts of the jobs under way
-// (job_parts.h) to whoever is free, and follows what becomes of them.
+// (job_parts.h) to the free discretizers, and follows the results.
 //
 // 1. A part is made again from the beginning when its worker is lost; the others go on,
-//    and so do the stages behind, which get the same points whoever makes them.
+//    and so do the stages behind, which get the same points from any worker.
 // 2. A worker gets its next part ahead, so that it does not wait while its points are
 //    sent, and while what has ended and what is given is kept on the disk. Two of a
 //    worker's tasks are never on their way to it at the same time, because only the
@@ -31,7 +31,7 @@ class Discretizing {
                   Nanoseconds now);
   /// The parts that discretizers have.
   void GiveFirst(const JobRecord& job, Nanoseconds now);
-  /// To whoever is free, and ahead. Nothing for a job that is not under way.
+  /// To the free discretizers, and ahead. Nothing for a job that is not under way.
   void GiveOpen(JobRecord& job, Nanoseconds now);
 
   enum class Outcome {
@@ -50,7 +50,8 @@ class Discretizing {
   /// One that this worker was given ahead. That the worker is lost is reported by the
   /// loss of the part it was at.
   void LoseAhead(const std::string& worker, const TaskId& task);
-  /// No part is needed any more; whoever still makes one again makes it for nobody.
+  /// No part is needed any more; the result of a discretizer that is still making one
+  /// again is not used.
   void Finish(JobRecord& job, Nanoseconds now);
 
  private:

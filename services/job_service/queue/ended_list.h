@@ -1,8 +1,8 @@
 #pragma once
 
-// Which of what has ended may be forgotten. The newest `kept` stay, for whoever lists
-// them; and each stays for `time` at least, so that whoever follows it reads its last
-// state before its DDS instance is disposed. Used from one thread.
+// Which of what has ended may be forgotten. The newest `kept` stay, for clients that list
+// them; and each stays for `time` at least, so that a client that follows it reads its
+// last state before its DDS instance is disposed. Used from one thread.
 
 #include <chrono>
 #include <cstddef>

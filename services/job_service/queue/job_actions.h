@@ -7,7 +7,7 @@
 
 namespace intaglio::job_service {
 
-/// What the queue decides is carried out by whoever implements this.
+/// Carries out the decisions of the queue.
 class JobActions {
  public:
   virtual ~JobActions() = default;

@@ -40,8 +40,8 @@ struct KeptArm {
   std::uint32_t first_point = 0;   ///< as in Permission: for good
   bool fire_uncertain = false;     ///< as in Permission: of the newest command alone
   std::uint64_t last_command = 0;  ///< count of those taken; a speed is not counted
-  /// Sender and number of the command that changed the job last: after a power failure
-  /// it may come once more and be in no table of answers.
+  /// Sender and number of the command that changed the job last: after a power failure it
+  /// may be delivered once more without being in the table of answers.
   std::string last_command_id = {};
 };
 
@@ -52,13 +52,13 @@ bool SpendsTheGrant(intaglio_PauseReason reason);
 class JobArm {
  public:
   static constexpr Nanoseconds kHold = std::chrono::milliseconds(300);
-  /// With the longest wait between them, 3 s, a minute.
+  /// With the longest wait between them, 3 s, these take a minute.
   static constexpr std::uint32_t kMaxRenewals = 20;
 
   JobArm() = default;
   explicit JobArm(KeptArm kept) : kept_(std::move(kept)) {}
-  /// As it is to be kept: without the arm while the synchronizer is absent, for after a
-  /// restart nobody knows how long that has lasted.
+  /// As it is to be kept: without the arm while the synchronizer is absent, because after
+  /// a restart it is not known how long the absence has lasted.
   KeptArm ToKeep() const;
   /// As it is now.
   const KeptArm& kept() const { return kept_; }
@@ -85,7 +85,7 @@ class JobArm {
 
   /// Armed, and a withdrawal before it has lasted long enough.
   bool MayFire(Nanoseconds now) const { return kept_.armed && now >= armed_at_; }
-  /// What a machine reports of a fault was still about an older grant.
+  /// The machine's report of a fault was still about an older grant.
   bool IsOutdated(Nanoseconds now) const {
     return kept_.armed && now < armed_at_ + kHold;
   }

@@ -25,8 +25,9 @@ namespace intaglio::job_service {
 
 /// Ended jobs that stay in memory and on the bus, the newest: what `intaglio list` shows.
 inline constexpr std::size_t kRememberedJobs = 100;
-/// An end stays on the bus for so long at least. A client that was stopped or cut off
-/// reads it when it is back within this time; whoever comes later reads the history.
+/// An end stays on the bus for at least this time. A client that was stopped or cut off
+/// reads it when it is back within this time; a client that comes later reads the
+/// history.
 inline constexpr std::chrono::seconds kRememberedFor{60};
 
 class JobBook {
@@ -60,7 +61,7 @@ class JobBook {
   /// An ended state. Its frozen job, up to a megabyte, is of no use any more after this.
   void End(JobRecord& job, intaglio_JobState state, const std::string& message,
            Nanoseconds now);
-  /// What may be forgotten is.
+  /// Forgets the jobs that may be forgotten.
   void Forget(Nanoseconds now);
 
  private:

@@ -22,8 +22,8 @@
 
 namespace intaglio::job_service {
 
-/// One part. Given ahead it waits at its worker until the one before has ended. To be
-/// lost there is not its fault, so it is no loss of its own.
+/// One part. A part given ahead waits at its worker until the one before has ended. If it
+/// is lost there, this does not count as a loss of the part.
 struct PartRecord {
   std::string worker;         ///< empty: open
   std::uint32_t attempt = 0;  ///< in this attempt of the job
@@ -37,8 +37,8 @@ struct PartRecord {
   bool at_work() const { return !done && !worker.empty(); }
 };
 
-/// Parts for so many discretizers: one for one, else so many that one that is slow or
-/// ends last is waited for an eighth of its share at most.
+/// Number of parts for this number of discretizers: one for one; else so many that a
+/// discretizer that is slow or ends last is waited for at most an eighth of its share.
 std::uint32_t PartCountFor(std::size_t discretizers);
 
 class JobParts {
@@ -59,9 +59,9 @@ class JobParts {
   /// First open part that may be given now.
   std::optional<std::uint32_t> NextOpen(Nanoseconds now) const;
   /// First open part that may wait at a worker which is at another one. None towards the
-  /// end, when each that is at work would not find one more when it has ended both: a
-  /// part that waits while another discretizer is idle would cost what it saves. A part
-  /// that was lost before is not given ahead: kMaxPartLosses counts on it.
+  /// end, when no more parts are open than workers are at work: a part that waits while
+  /// another discretizer is idle would cost what it saves. A part that was lost before is
+  /// not given ahead: kMaxPartLosses counts on it.
   std::optional<std::uint32_t> NextAhead() const;
   void Give(std::uint32_t part, const std::string& worker);
 

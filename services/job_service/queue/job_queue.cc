@@ -59,7 +59,7 @@ void JobQueue::Restore(std::vector<JobRecord> jobs, std::optional<Nanoseconds> a
     }
     const bool arm_counts =
         job.arm.armed() && was_short && !job.arm.kept().asks_before_resume;
-    // Nothing was received from anybody meanwhile.
+    // Nothing was received from any process meanwhile.
     if (arm_counts) job.arm.BeginAbsence(now - *absence);
     if (job.arm.ever_granted()) {
       take_up_.Restore(job, arm_counts, now);
@@ -79,7 +79,7 @@ void JobQueue::EndJob(JobRecord& job, intaglio_JobState state, const std::string
   job.arm.Disarm(message, now);
   book_.End(job, state, message, now);
   tasks_.RevokeAndStopFeed(job, job.GivenTasks(), now);
-  job.frozen_job = {};  // up to a megabyte that nobody needs any more
+  job.frozen_job = {};  // up to a megabyte that is not needed any more
 }
 
 CommandAnswer JobQueue::Take(const CommandView& command, Nanoseconds now) {
@@ -325,7 +325,7 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
   const bool held = job.state == intaglio_JOB_PAUSED && !job.arm.armed();
   if (!loaded || held) return book_.PublishProgress(job);
-  // The whole path is there: nobody needs the earlier stages any more.
+  // The whole path is there: the earlier stages are not needed any more.
   discretizing_.Finish(job, now);
   job.stage(intaglio_STAGE_SORT).done = true;
   book_.Publish(

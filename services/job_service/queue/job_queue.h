@@ -65,8 +65,8 @@ class JobQueue {
   void Take(const WorkerView& worker, Nanoseconds now);
   void WorkerLost(const std::string& instance, Nanoseconds now);
   /// Unless it is taken, nothing was changed. PAUSE and CANCEL of an open job are always
-  /// taken; ARM and RESUME as Arming allows. Which commands were answered before the
-  /// caller knows.
+  /// taken; ARM and RESUME as Arming allows. The caller knows which commands were
+  /// answered before.
   CommandAnswer Take(const CommandView& command, Nanoseconds now);
   void Take(const TaskView& task, Nanoseconds now);
   /// A model file could not be read or sent.
@@ -79,7 +79,7 @@ class JobQueue {
   void SetStop(const std::string& cell, bool pressed, Nanoseconds now) {
     arming_.SetStop(cell, pressed, now);
   }
-  /// A person closes the shop: whoever opens it again arms again.
+  /// A person closes the shop: the person who opens it again arms again.
   void Close(Nanoseconds now) { take_up_.CloseShop(now); }
   /// For every cell that has a job. A first grant is kept (Changed) before it is here.
   std::vector<PermissionView> Permissions(Nanoseconds now) {

@@ -33,7 +33,7 @@ void TakeUp::Lose(JobRecord& job, const std::string& why, Nanoseconds now) {
   job.arm.Disarm(why, now);
   if (was_armed) arming_.Renew(job, now);
   job.arm.BeginAbsence(now);
-  // What is kept names no worker: a report of the lost one that is received after a
+  // The stored job names no worker: a report of the lost one that is received after a
   // restart is not about this job any more.
   const std::vector<GivenTask> given = job.GivenTasks();
   job.stage(intaglio_STAGE_ENGRAVE).worker.clear();

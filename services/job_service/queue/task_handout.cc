@@ -48,7 +48,8 @@ void TaskHandout::Revoke(const JobRecord& job, const GivenTask& given, Nanosecon
   actions_.Give({given.worker, given.stage, given.task, {}, true, goes_on}, job);
 }
 
-// First which, for one revocation takes the others of its worker out of the book.
+// The list is made first, because one revocation removes the other tasks of its worker
+// from the book.
 void TaskHandout::RevokeHeld(const JobRecord& job, std::vector<GivenTask> tasks,
                              Nanoseconds now) {
   std::erase_if(tasks, [this](const GivenTask& given) {

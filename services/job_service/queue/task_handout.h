@@ -1,7 +1,7 @@
 #pragma once
 
-// Gives tasks to workers and revokes them, and keeps the book of who has what
-// (worker_book.h) with every order that goes out.
+// Gives tasks to workers and revokes them, and records in worker_book.h which worker has
+// which task, with every order that goes out.
 //
 // 1. A worker that a task is given to has it in the book before the order goes out.
 // 2. Only what a worker still has is revoked, and once.

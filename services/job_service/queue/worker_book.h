@@ -1,7 +1,7 @@
 #pragma once
 
-// Which workers there are, and who works on what, by their health, their tasks and the
-// answers to them.
+// The workers and their tasks, known from their health, the tasks given and the answers
+// to them.
 //
 //   free --Assign--> assigned --Release (task ended)--> free
 //                       |--Revoke--> revoked --Release, or ready again for a second-->

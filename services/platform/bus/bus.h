@@ -1,7 +1,7 @@
 #pragma once
 
-// The thin layer over the DDS library's C interface: who takes part, in which domain,
-// reads and writes typed topics, and waits. Nothing of dds_ is seen outside this folder.
+// The thin layer over the DDS library's C interface: participants and domains, readers
+// and writers of typed topics, and waiting. No dds_ name is used outside this folder.
 //
 //   bus::Bus bus(options);                                  // both domains
 //   bus::Writer<intaglio_JobStatus> status(bus, bus::kJobStatus);
@@ -34,7 +34,7 @@ class BusError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The identity of this process may not do it.
+/// The access control does not permit this to the identity of this process.
 class NotAllowedError : public BusError {
  public:
   using BusError::BusError;
@@ -58,8 +58,8 @@ class Bus {
   explicit Bus(const BusOptions& options);
   ~Bus();
   const BusOptions& options() const;
-  /// Who is there already is seen by then, on a host that is not overloaded. Identities
-  /// are proved first, one participant after the other.
+  /// Participants that already exist are discovered within this time, on a host that is
+  /// not overloaded. Identities are checked first, one participant after the other.
   std::chrono::milliseconds discovery_time() const;
   /// When the identity ends; max() without one.
   std::chrono::sys_seconds identity_end() const;
@@ -67,7 +67,8 @@ class Bus {
   const std::string& role() const;
   /// 24 hex digits, of the control domain; no other process has the same.
   std::string participant_name() const;
-  /// Neither says nor hears anything for so long, in both domains; comes back by itself.
+  /// Sends and receives nothing for this duration, in both domains; then rejoins by
+  /// itself.
   void Leave(std::chrono::milliseconds duration);
 
   struct Entities;  // handles; services/platform/bus only
@@ -77,16 +78,16 @@ class Bus {
   std::unique_ptr<Entities> entities_;
 };
 
-/// What happened to a reader besides samples, since the last look. Wakes no wait set; a
-/// writer that is gone also ends its instances, and that does.
+/// What happened to a reader besides samples, since the last check. Does not wake a wait
+/// set. A writer that is gone also ends its instances, and that wakes it.
 struct ReaderEvents {
   int alive_writers = 0;     ///< matched writers with a held lease
   int lost_leases = 0;       ///< writers whose lease ran out
   int missed_deadlines = 0;  ///< instances that were not written in time
 };
 
-/// Who wrote a sample. On a secured bus both were checked by the access control, and
-/// nothing in the sample can make them others.
+/// Who wrote a sample. On a secured bus both were checked by the access control, and no
+/// field of the sample can change them.
 struct SampleWriter {
   std::string participant;  ///< as Bus::participant_name()
   std::string partition;    ///< several are separated by commas
@@ -95,11 +96,11 @@ struct SampleWriter {
 /// Where a sample came from.
 struct SampleOrigin {
   bool alive = true;           ///< false: the instance's writer is gone or disposed it;
-                               ///< look at the key fields of the sample alone
+                               ///< read only the key fields of the sample
   std::int64_t source_ns = 0;  ///< writer's wall clock, for people only
-  bool disposed = false;       ///< not alive because a writer said so
+  bool disposed = false;       ///< not alive because a writer disposed it
   /// Of topics of the scope kRole; else, and when it is not known any more, null. Of an
-  /// instance that ended: who disposed it, or wrote it last.
+  /// instance that ended: the writer that disposed it, or wrote it last.
   const SampleWriter* writer = nullptr;
 };
 
@@ -112,14 +113,15 @@ TopicView ViewOf(const Topic<T>& topic) {
 
 enum class Hears { kEverybody, kOtherProcesses };
 /// Of an instance between two takes: what its profile keeps, or every sample, so that no
-/// writer's sample takes the place of another's. Who keeps every one has to take them.
+/// writer's sample takes the place of another's. A reader that keeps every sample has to
+/// take them.
 enum class Keeps { kAsItsProfile, kEverySample };
 
 template <typename T>
 class Reader {
  public:
   /// `partition`: the cell of a cell topic, instead of the options' one; the partition of
-  /// the role whose samples are read (role_names.h), instead of everybody's.
+  /// the role whose samples are read (role_names.h), instead of all roles'.
   Reader(Bus& bus, const Topic<T>& topic, const std::string& partition = {},
          Hears hears = Hears::kEverybody, Keeps keeps = Keeps::kAsItsProfile)
       : raw_(std::make_unique<internal::RawReader>(
@@ -180,7 +182,7 @@ class Writer {
   std::unique_ptr<internal::RawWriter> raw_;
 };
 
-/// Wakes one thread for samples and events of its readers, or when told to.
+/// Wakes one thread for samples and events of its readers, or when Wake is called.
 class WaitSet {
  public:
   explicit WaitSet(Bus& bus);

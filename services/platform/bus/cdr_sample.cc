@@ -27,7 +27,7 @@ Status ReadCdr(const dds_topic_descriptor& type, std::span<const std::byte> cdr,
   const bool little_endian = (identifier & 1) != 0;
   const std::uint32_t version =
       identifier > kLastOfXcdr1 ? CDR_ENC_VERSION_2 : CDR_ENC_VERSION_1;
-  // It is put right where it lies, and what is put right is known to be sound.
+  // The sample is normalized in place, and a normalized sample is known to be valid.
   std::vector<std::uint64_t> storage(cdr.size() / sizeof(std::uint64_t) + 1);
   const auto size = static_cast<std::uint32_t>(cdr.size() - kHeader);
   std::memcpy(storage.data(), cdr.data() + kHeader, size);

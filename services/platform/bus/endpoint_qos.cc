@@ -23,7 +23,7 @@ std::string NameOf(const Names& names, Kind kind) {
   return at < names.size() ? names[at] : "unknown";
 }
 
-/// The place of a name; nothing for a policy that is not told.
+/// The index of a name; nothing for a policy that is not announced.
 template <typename Kind, typename Names>
 std::optional<Kind> KindOf(const Names& names, const std::string& name) {
   const auto found = std::find(names.begin(), names.end(), name);

@@ -1,8 +1,9 @@
 #pragma once
 
-// Flow under credit. The consumer of a bulk stream says how many batches it has done
-// with and how far the producer may be ahead; nothing is dropped and no reader fills.
-// Stream name: <job_uid>/<attempt>/<topic>; of a part .../<part>.<part_attempt>.
+// Flow under credit. The consumer of a bulk stream reports how many batches it has
+// finished and how far the producer may be ahead; nothing is dropped and no reader
+// overflows. Stream name: <job_uid>/<attempt>/<topic>; of a part
+// .../<part>.<part_attempt>.
 
 #include <chrono>
 #include <cstdint>
@@ -27,15 +28,14 @@ class CreditGrantor {
   CreditGrantor(Bus& bus, std::string instance, const std::string& partition = {});
   /// Opens a stream read by the reader with this GUID: window batches may come.
   Status Open(const std::string& stream, const Guid& reader, std::uint32_t window);
-  /// Batches 0 .. consumed-1 are done with. Published at a quarter of the window, and
-  /// at once when `now` is set.
+  /// Batches 0 .. consumed-1 are finished. Published at a quarter of the window, and at
+  /// once when `now` is set.
   Status Consumed(const std::string& stream, std::uint64_t consumed, bool now = false);
-  /// Says again what every stream has been granted, once a second at most; to be called
+  /// Publishes the grants of every stream again, once a second at most; to be called
   /// while one is waited for. A producer that was away for longer than a lease (stopped,
-  /// or cut off) takes all of them for ended, and nobody else would tell it that they are
-  /// not.
+  /// or cut off) takes all of its streams for ended, and nothing else would correct that.
   void TellAgain(std::chrono::steady_clock::time_point now);
-  /// No more of it, please.
+  /// The consumer wants no more of it.
   Status Cancel(const std::string& stream);
   /// The stream is over: its instance is disposed.
   Status Close(const std::string& stream);
@@ -57,14 +57,15 @@ class CreditGrantor {
 /// Producer's side: knows how far each stream's consumer has come.
 class CreditBook {
  public:
-  /// `partition`: of the role that consumes (role_names.h); empty: whoever grants any.
+  /// `partition`: of the role that consumes (role_names.h); empty: any consumer.
   explicit CreditBook(Bus& bus, const std::string& partition = {});
   /// Takes what came in; call when the wait set woke.
   void Poll();
   Reader<intaglio_Credit>& reader() { return reader_; }
 
   struct Grant {
-    bool open = false;       ///< the consumer has said it is ready
+    bool open = false;       ///< the consumer has granted credit for the stream: it is
+                             ///< ready
     bool cancelled = false;  ///< it wants no more, or it died
     Guid reader{};
     std::uint64_t consumed = 0;
@@ -76,7 +77,7 @@ class CreditBook {
   Reader<intaglio_Credit> reader_;
   std::map<std::string, Grant> grants_;
   // Streams that ended, oldest first. The newest are remembered as cancelled, so that a
-  // producer that looks a little late does not wait for a consumer that has died.
+  // producer that checks a little late does not wait for a consumer that has died.
   std::deque<std::string> ended_;
 };
 

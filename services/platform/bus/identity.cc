@@ -75,7 +75,7 @@ Result<std::string> ReadText(const fs::path& file) {
   return Wrong(ErrorCode::kUnreadable, file, "it is empty", kCopyAgain);
 }
 
-/// Kept by nobody but its owner.
+/// Readable and writable by its owner alone.
 Status CheckSecret(const fs::path& file) {
   struct stat status = {};
   if (stat(file.c_str(), &status) == 0 && (status.st_mode & 0077) != 0) {
@@ -110,7 +110,7 @@ Status CheckPeriod(const fs::path& file, const char* what, std::chrono::sys_seco
   return {};
 }
 
-/// The folder's files as they are looked through, one after the other.
+/// The folder's files, checked one after the other.
 class FolderReader {
  public:
   FolderReader(const fs::path& folder, int control_domain, std::chrono::sys_seconds now)

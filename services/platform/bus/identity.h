@@ -1,9 +1,10 @@
 #pragma once
 
-// Who a process is on a secured bus: a folder of six files, made by `intaglio security`.
+// The identity of a process on a secured bus: a folder of six files, made by `intaglio
+// security`.
 //
 // The security plugins of the DDS library check the same again and are what protects the
-// shop; this tells an honest program beforehand, in words, what is wrong with its files.
+// shop; this check reports to an honest program in advance what is wrong with its files.
 
 #include <chrono>
 #include <filesystem>
@@ -33,7 +34,7 @@ struct Identity {
 std::filesystem::path IdentityFolder(const std::filesystem::path& folder,
                                      const std::vector<std::string>& roles);
 
-/// Looks through all files; the message names the one that is wrong and the remedy.
+/// Checks all files; the message names the file that is wrong and the remedy.
 /// `control_domain`: has to be among those that the permissions are for.
 Result<Identity> ReadIdentity(const std::filesystem::path& folder, int control_domain,
                               std::chrono::sys_seconds now);

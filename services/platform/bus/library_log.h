@@ -2,10 +2,11 @@
 
 namespace intaglio::bus {
 
-/// What the DDS library has to say goes to the standard error stream, a line each and the
-/// same line once a minute: a stranger who knocks twice a second should fill no disk.
-/// What is said at every start and means nothing is left out: that somebody was heard
-/// before this process had proved who it is; they find each other half a second later.
+/// Messages of the DDS library go to the standard error stream, a line each and the same
+/// line at most once a minute: a stranger who tries to join twice a second should not
+/// fill a disk. The message that appears at every start and means nothing is left out:
+/// that a participant was discovered before this process had proved its own identity; the
+/// two find each other half a second later.
 void KeepLibraryLogShort();
 
 }  // namespace intaglio::bus

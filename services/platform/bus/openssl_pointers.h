@@ -42,7 +42,7 @@ inline std::string TextOf(const Memory& memory) {
 inline Certificate ReadCertificate(const std::string& pem) {
   return Certificate(PEM_read_bio_X509(NewMemory(pem).get(), nullptr, nullptr, nullptr));
 }
-/// A key behind a password is none: nobody is there to be asked.
+/// A key behind a password counts as none: there is no one to ask for the password.
 inline Key ReadKey(const std::string& pem) {
   char no_password[] = "";
   return Key(

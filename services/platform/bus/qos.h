@@ -1,6 +1,6 @@
 #pragma once
 
-// The QoS profiles by name: the one place where they are said.
+// The QoS profiles by name: the one place where they are defined.
 //
 // - command: reliable, transient-local, keep last 1;
 // - state: the same, with an automatic lease of 1.5 s;
@@ -17,10 +17,10 @@
 // one would stop its process; their producers stay within Credit.
 //
 // A writer that keeps all waits, and its memory grows, when a reader acknowledges
-// nothing. Anybody may be such a reader of pulses and positions, so their writers go on
-// and leave that reader behind, after several seconds' worth. The window of a motion
-// stream is 16 batches, so who follows it misses none of 64. Together with the control
-// domain's high watermark (bus.cc) no write of control topics ever waits.
+// nothing. Any observer may be such a reader of pulses and positions, so their writers go
+// on without that reader after several seconds' worth of samples. The window of a motion
+// stream is 16 batches, so a reader that follows it misses none of 64. Together with the
+// control domain's high watermark (bus.cc) no write of control topics ever waits.
 
 #include <memory>
 

@@ -16,7 +16,8 @@ namespace intaglio::bus::internal {
 namespace {
 
 constexpr std::size_t kTakeAtOnce = 64;
-// Those that are gone are forgotten with all others, which are looked up again.
+// When full, all entries are removed, also those of writers that are gone; the others are
+// read again.
 constexpr std::size_t kMaxKnownWriters = 4096;
 
 dds_entity_t Must(dds_entity_t entity, const char* what, const char* topic) {
@@ -46,8 +47,8 @@ QosPointer SubscriberQosOf(const Bus::Entities& bus, const TopicView& topic,
   if (topic.scope == Scope::kRole && !partition.empty()) {
     dds_qset_partition1(qos.get(), partition.c_str());
   } else if (topic.scope == Scope::kRole) {
-    // Of everybody. Without identities also of who has no role, or is played from a
-    // recording of before they had partitions.
+    // Partitions of all roles. Without identities also of participants without a role,
+    // and of samples played from a recording that is older than these partitions.
     const std::string roles = RolePartition("*");
     const char* all[] = {roles.c_str(), ""};
     dds_qset_partition(qos.get(), bus.security.empty() ? 2 : 1, all);

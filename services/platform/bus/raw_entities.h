@@ -21,7 +21,7 @@ using Guid = std::array<std::uint8_t, 16>;
 
 namespace internal {
 
-/// What the typed topic says, without its type.
+/// Properties of the typed topic, without its type.
 struct TopicView {
   const char* name;
   const dds_topic_descriptor* descriptor;
@@ -59,11 +59,11 @@ class RawReader {
   std::int32_t condition() const { return condition_; }
 
  private:
-  /// Null: it was gone before it was looked up.
+  /// Null: the writer was gone before its properties could be read.
   const SampleWriter* WriterOf(std::uint64_t publication);
 
   bool keyed_ = false;
-  bool of_roles_ = false;  // the writers are looked up
+  bool of_roles_ = false;  // the writers' properties are read
   std::unordered_map<std::uint64_t, SampleWriter> writers_;
   std::int32_t subscriber_ = 0;
   std::int32_t reader_ = 0;

@@ -5,8 +5,8 @@
 //
 // On a secured bus the access control lets an identity write in the partition of its own
 // role alone. So a reader of "role/cell-els-03" receives nothing that a stage worker has
-// written, whatever that names itself in the sample. Without identities, on one computer,
-// the partitions are the same and nobody enforces them.
+// written, whatever name the worker puts in the sample. Without identities, on one
+// computer, the partitions are the same but are not enforced.
 
 #include <string>
 

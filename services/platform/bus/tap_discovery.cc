@@ -1,4 +1,4 @@
-// Discovery: who writes what, and the readers that are made for it.
+// Discovery: the writers and their topics, and the readers that are made for them.
 
 #include <dds/dds.h>
 #include <fmt/format.h>
@@ -47,9 +47,9 @@ internal::QosPointer ReaderQosFor(const dds_qos_t* writer) {
   return qos;
 }
 
-/// The library (0.10.2) says of every discovered type with a string key that its keys are
-/// of a fixed, short length, and writes longer ones past the end of their storage. Said
-/// of none, it handles them all.
+/// The library (0.10.2) marks the keys of every discovered type with a string key as
+/// fixed and short, and writes longer ones past the end of their storage. Without the
+/// mark it handles all of them.
 void AdmitLongKeys(dds_topic_descriptor_t& descriptor) {
   const std::uint32_t flags =
       descriptor.m_flagset & ~(DDS_TOPIC_FIXED_KEY | DDS_TOPIC_FIXED_KEY_XCDR2);
@@ -76,7 +76,7 @@ TopicTap::Impl::~Impl() {
 }
 
 // A participant of its own: the topics of the process's other readers have the same names
-// and would stand in the way of those made from discovered types.
+// and would conflict with those made from discovered types.
 void TopicTap::Impl::Join(DomainKind kind, int number) {
   Domain& domain = domains[kind == DomainKind::kControl ? 0 : 1];
   domain.kind = kind;
@@ -109,7 +109,7 @@ void TopicTap::Impl::GiveUp(Domain& domain, const std::string& topic,
 
 void TopicTap::Impl::LookAt(Domain& domain, const dds_builtintopic_endpoint_t& writer) {
   const std::string topic = writer.topic_name;
-  // Whoever reads Presence is waited for by its writers.
+  // Writers of Presence wait for its readers.
   if (topic.starts_with("DCPS") || topic == kPresence.name ||
       domain.tapped.contains(topic))
     return;
@@ -122,8 +122,8 @@ void TopicTap::Impl::LookAt(Domain& domain, const dds_builtintopic_endpoint_t& w
   const dds_typeinfo_t* type = nullptr;
   const auto told = dds_builtintopic_get_endpoint_type_info(
       const_cast<dds_builtintopic_endpoint_t*>(&writer), &type);
-  // Neither a writer of this process tells its type nor a very old library's; another one
-  // of the topic may.
+  // Writers of this process do not announce their type, nor do those of a very old
+  // library; another writer of the topic may.
   if (told != DDS_RETCODE_OK || type == nullptr) return;
   MakeReader(domain, writer, type);
 }
@@ -183,8 +183,8 @@ void TopicTap::Discover(std::chrono::milliseconds timeout) {
   dds_attach_t triggered[2];
   (void)dds_waitset_wait(impl_->discovery, triggered, 2, DDS_MSECS(timeout.count()));
   for (Impl::Domain& domain : impl_->domains) {
-    // Writers that are gone are forgotten; the others are looked at again while the type
-    // of one of them is not known.
+    // Writers that are gone are removed; the others are checked again while the type of
+    // one of them is not known.
     constexpr std::uint32_t kGone = DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE |
                                     DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE |
                                     DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE;

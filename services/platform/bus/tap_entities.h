@@ -1,6 +1,6 @@
 #pragma once
 
-// What stands behind a TopicTap. For services/platform/bus only.
+// The DDS entities of a TopicTap. For services/platform/bus only.
 
 #include <array>
 #include <cstdint>

@@ -54,22 +54,24 @@ std::uint32_t TopicTap::Impl::ChannelOf(const Tapped& tapped,
   if (const auto known = channel_of_writer.find(writer); known != channel_of_writer.end())
     return known->second;
   TapChannel channel = tapped.like;
-  // A writer that is gone already is not told any more; its partition is then unknown.
+  // The properties of a writer that is already gone cannot be read; its partition is then
+  // unknown.
   if (auto* told = dds_get_matched_publication_data(tapped.reader, writer)) {
     channel.partition = internal::PartitionOf(told->qos);
     channel.qos = internal::QosText(told->qos);
     dds_builtintopic_free_endpoint(told);
   }
   const std::uint32_t number = filter(channel) ? FindOrAdd(std::move(channel)) : kIgnored;
-  // Each command that somebody types has writers of its own; who still writes is asked
-  // for again.
+  // Each command that a person types has writers of its own. When full, all entries are
+  // removed; those of present writers are read again.
   if (channel_of_writer.size() >= kKnownWriters) channel_of_writer.clear();
   channel_of_writer.emplace(writer, number);
   return number;
 }
 
 /// Hands on what one take gave. A sample that was still there when its instance ended
-/// stands for both, so ends are also seen by the generation that a sample belongs to.
+/// represents both, so an end is also recognized by the generation that a sample belongs
+/// to.
 class TopicTap::Impl::Delivery {
  public:
   Delivery(Impl& tap, Tapped& tapped, const std::function<void(TapSample&&)>& sink)

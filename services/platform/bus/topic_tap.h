@@ -1,13 +1,15 @@
 #pragma once
 
-// Listens to every topic of both domains, without compiled types: finds who writes what,
-// makes readers from the types that the writers tell, and hands the serialized bytes on.
+// Listens to every topic of both domains, without compiled types: finds all writers and
+// their topics, makes readers from the types that the writers announce, and hands the
+// serialized bytes on.
 //
-// It holds nobody up. Its readers take no part in the flow under credit (flow.h): they
-// grant none. They are reliable where the writer is, and keep all without limits, so that
-// a sample is acknowledged when it arrives; whoever calls Take has to do so at once and
-// hand over, because what waits in a reader is memory. Only a process that is stopped
-// altogether makes a writer wait, until its lease of 2 s has run out.
+// It blocks no other process. Its readers take no part in the flow under credit (flow.h):
+// they grant none. They are reliable where the writer is, and keep all without limits, so
+// that a sample is acknowledged when it arrives; the thread that calls Take has to do so
+// at once and hand the samples over, because samples that wait in a reader take memory.
+// Only a process that is stopped altogether makes a writer wait, until its lease of 2 s
+// has run out.
 //
 // Threads: Discover from one thread, Take from one other or the same; the rest from any.
 
@@ -35,14 +37,14 @@ struct TapChannel {
   std::string partition;  ///< empty: none; several are separated by commas
   bool keyed = false;
   std::map<std::string, std::string> qos;  ///< of the first writer, by policy, for people
-  std::string idl;      ///< the type in IDL; empty when the writer does not tell it
+  std::string idl;      ///< the type in IDL; empty when the writer does not announce it
   std::string key_idl;  ///< <type>_key, of the key members alone; empty without key
   TypeRecipe recipe;
 };
 
 enum class TapKind {
   kValue,
-  kDisposed,  ///< somebody ended the instance; the bytes are its key
+  kDisposed,  ///< a writer disposed the instance; the bytes are its key
   kNoWriter,  ///< the last writer of the instance is gone; the bytes are its key
 };
 
@@ -73,7 +75,7 @@ class TapSample {
 
 class TopicTap {
  public:
-  /// Is this to be listened to? Looks at domain, topic, type and partition alone.
+  /// True: a topic is read. Decides by domain, topic, type and partition alone.
   using Filter = std::function<bool(const TapChannel&)>;
   /// A topic that cannot be read, once each: its name and why.
   using Complaint = std::function<void(const std::string& topic, const std::string& why)>;

@@ -1,7 +1,7 @@
 #pragma once
 
 // Every topic of the product: its name, type, QoS profile, domain and scope, in one
-// place. idl/ says what the fields mean.
+// place. idl/ defines the fields.
 
 #include "idl/cloud.h"
 #include "idl/job.h"
@@ -18,7 +18,7 @@ namespace intaglio::bus {
 /// They are separate DDS domains: a full bulk reader would hold up the control topics.
 enum class DomainKind { kControl, kBulk };
 
-/// What a topic promises; qos.h says how.
+/// The guarantees of a topic; qos.h defines them.
 enum class Profile { kCommand, kState, kMotion, kEvent, kStream, kSafety, kBulk };
 
 /// Shop topics are written by one role and have no partition; cell topics travel in the

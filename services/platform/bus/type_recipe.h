@@ -3,7 +3,7 @@
 // What the DDS library has to know of a type to make a topic of it, as text: a recording
 // keeps it, so that topics whose types were never compiled here can be played again.
 //
-// Entries: name, size, align, flags, representations, op_count, ops (words of the
+// Entries: name, size, align, flags, representations, op_count, ops (32-bit words of the
 // library's serializer), keys (name offset index; ...), type_information and type_mapping
 // (XTypes, serialized). Words and bytes are hexadecimal, little endian. Good for the
 // library's version that wrote it (entry library, "cyclonedds 0.10"): other versions are

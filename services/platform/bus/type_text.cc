@@ -65,7 +65,7 @@ const char* Extensibility(std::uint16_t flags) {
   return (flags & DDS_XTypes_IS_APPENDABLE) != 0 ? "@appendable" : "@final";
 }
 
-/// How a member is declared: its type, and what stands behind its name.
+/// How a member is declared: its type, and what follows its name.
 struct Declared {
   std::string type;
   std::string suffix;

@@ -16,9 +16,9 @@ struct TypeText {
   std::string key_idl;  ///< a struct <name>_key of the key members alone; empty: no key
 };
 
-/// Nothing when the writer told only the minimal type (which has no names), when a part
-/// of it is not to be had, or when it has maps, wide characters or bit sets. A bit mask
-/// becomes the unsigned number that it is on the wire.
+/// Nothing when the writer announced only the minimal type (which has no names), when a
+/// part of it is not to be had, or when it has maps, wide characters or bit sets. A bit
+/// mask becomes the unsigned number that it is on the wire.
 std::optional<TypeText> TextOf(std::int32_t participant, const ddsi_typeinfo* type);
 
 }  // namespace intaglio::bus::internal

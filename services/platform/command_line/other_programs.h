@@ -1,6 +1,6 @@
 #pragma once
 
-// What it takes to start another program of Intaglio: where it lies, and its words.
+// What is needed to start another program of Intaglio: its path and its arguments.
 
 #include <filesystem>
 #include <string>
@@ -11,7 +11,7 @@ namespace intaglio::command_line {
 /// Folder of the program that runs: the others lie beside it.
 std::filesystem::path ProgramFolder();
 
-/// As exec and posix_spawn take words; good while `words` stay as they are.
+/// Arguments as exec and posix_spawn take them; valid while `words` stay as they are.
 std::vector<char*> PointersTo(std::vector<std::string>& words);
 
 }  // namespace intaglio::command_line

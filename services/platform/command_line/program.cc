@@ -40,8 +40,8 @@ std::string PathOf(const CLI::App& app) {
   return parent == nullptr ? app.get_name() : PathOf(*parent) + " " + app.get_name();
 }
 
-// After a parse that failed over words that were left: names the first of them, what was
-// probably meant, and where to look.
+// After a parse that failed because arguments were left over: names the first of them,
+// the likely intention, and where to read more.
 std::string TextOfUnknownWords(const CLI::App& app) {
   const CLI::App& innermost = InnermostOf(app);
   const std::vector<std::string> words = app.remaining(true);

@@ -1,6 +1,7 @@
 #pragma once
 
-// The command line of a program: its commands, and their options, flags and words.
+// The command line of a program: its commands, and their options, flags and positional
+// arguments.
 //
 //   command_line::Program program("intaglio", "A mesh goes in.");
 //   command_line::Command list = program.root().AddCommand("list", "the jobs of a shop");
@@ -27,7 +28,7 @@ class Option;
 
 namespace intaglio::command_line {
 
-/// What somebody may type after a command's name. Refers to its program, as Command does.
+/// What may be typed after a command's name. Refers to its program, as Command does.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -46,9 +47,9 @@ class Option {
   /// How many values are taken.
   Option TakeValues(int count) const;
   Option TakeValues(int least, int most) const;
-  /// Of values in one word: "1,2,3".
+  /// Of values in one argument: "1,2,3".
   Option SplitAt(char separator) const;
-  /// The variable's value now is told by --help.
+  /// --help shows the variable's present value.
   Option ShowDefault() const;
   /// The variable of the environment that counts when the option is not given.
   Option FromEnvironment(const std::string& variable) const;
@@ -65,7 +66,7 @@ class Command {
   Command(CLI::App* app, std::function<int()>* chosen) : app_(app), chosen_(chosen) {}
 
   Command AddCommand(const std::string& name, const std::string& purpose) const;
-  /// `names` as in "--mesh,--model"; without dashes it is a word at its place. T: a
+  /// `names` as in "--mesh,--model"; without dashes it is a positional argument. T: a
   /// string, path, number, an optional or a vector of one; which of them, program.cc
   /// lists.
   template <typename T>
@@ -96,11 +97,12 @@ class Program {
   Command root() { return {app_.get(), &chosen_}; }
   void SetVersion(const std::string& version);
 
-  /// None when the words are understood and the program goes on; else the exit code to
-  /// end with: 0 after --help and --version, kExitMisunderstood after it was said what is
-  /// wrong.
+  /// None when the arguments are understood and the program goes on; else the exit code
+  /// to end with: 0 after --help and --version, kExitMisunderstood after the error was
+  /// printed.
   std::optional<int> Parse(int argc, char** argv);
-  /// The same of words without the program's name; what is wrong is kInvalidValue.
+  /// The same for arguments without the program's name; an error has the code
+  /// kInvalidValue.
   Status Parse(std::vector<std::string> words);
   /// The action of the command that was given; without one, shows the help.
   int Run() const;

@@ -8,21 +8,19 @@
 // tests/services/platform/link/endpoint_test.cc checks it for each of them:
 //   E1  Bytes arrive in the order in which they were written, unchanged, none twice.
 //   E2  No call blocks: not Read without bytes, not Write to a peer that reads nothing,
-//   not
-//       opening, whatever the peer or the network does. No name is resolved.
+//       not opening, whatever the peer or the network does. No name is resolved.
 //   E3  Write takes as much as there is room for and returns how much: a prefix.
 //   E4  A peer that closes its end, and a device that is removed, make Read and Write
 //       return kLinkLost. The stream stays lost; the error names the line and the remedy.
 //   E5  A device that is absent, refuses or does not answer is an error of opening or of
 //       the first Read, which names the line and the remedy.
 //   E6  One host at a time: a second opening of the same line gets an error, by opening
-//   it
-//       or by its first Reads, and does not disturb the first one.
+//       it or by its first Reads, and does not disturb the first one.
 //   E7  Destroying a stream closes it; the peer notices at once. So it is when the
-//   process
-//       is killed.
+//       process is killed.
 //   E8  A line that was lost can be opened again, and delivers nothing of the time
-//   before. E9  No signal is raised, e.g. SIGPIPE.
+//       before.
+//   E9  No signal is raised, e.g. SIGPIPE.
 // Not thread-safe.
 
 #include <cstddef>

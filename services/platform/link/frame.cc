@@ -60,7 +60,7 @@ void FrameParser::Feed(std::span<const std::byte> bytes, const Sink& sink) {
   start_ = 0;
 }
 
-// Bytes of the frame that begins at `at`, when its header stands and is sound.
+// Bytes of the frame that begins at `at`, when its header is complete and valid.
 std::optional<std::size_t> FrameParser::SizeAt(std::size_t at) const {
   const std::byte* header = buffer_.data() + at;
   if (buffer_.size() - at < kHeaderSize || header[0] != kSync0 || header[1] != kSync1 ||

@@ -1,16 +1,16 @@
 #pragma once
 
-// What is said on the laser line, between a synchronizer (host) and a laser controller
+// The messages of the laser line, between a synchronizer (host) and a laser controller
 // (device). Each struct is the payload of one frame (services/platform/link/frame.h); all
 // numbers little endian, packed in the order of the fields; docs/protocols.md shows the
 // bytes.
 //
 // The controller counts lamp sync pulses, "ticks", from its power-up. The host decides
-// every tick ahead, in windows that follow each other without gap: fire or not. A tick
-// nobody decided does not fire. When `gated` is set, an armed tick fires only if the
-// motion controller's in-position output is on at that tick: it is on when a segment
-// that ends at exactly this tick is marked for a pulse and the stage is within the
-// machine's position tolerance of its end. So two lines have to agree on a tick.
+// every tick ahead, in windows that follow each other without gap: fire or not. An
+// undecided tick does not fire. When `gated` is set, an armed tick fires only if the
+// motion controller's in-position output is on at that tick: it is on when a segment that
+// ends at exactly this tick is marked for a pulse and the stage is within the machine's
+// position tolerance of its end. So two lines have to agree on a tick.
 //
 // When `at_place` is set, too, the pulse of an armed tick comes not at its lamp sync but
 // at the motion controller's compare output, which is on for an instant while the tick
@@ -64,7 +64,7 @@ inline constexpr std::size_t kMaxArmTicks = 4096;
 
 struct LaserIdentity {
   std::uint32_t power_up =
-      0;  ///< random number drawn at power-up: another one is another clock
+      0;  ///< random number drawn at power-up: another number is another clock
   bool lockstep = false;  ///< ticks pass only as far as they are decided
   std::uint8_t channels = 1;
   std::vector<double> rates_hz;    ///< at most 32
@@ -92,11 +92,11 @@ struct LaserStatus {
   std::uint64_t pulse_count = 0;      ///< since power-up
   std::uint64_t last_fired_tick = 0;  ///< 0: none
   std::uint64_t decided_through = 0;  ///< highest decided tick
-  /// kDisarm frames taken in this session: a status that counts the newest one tells for
+  /// kDisarm frames taken in this session. A status that counts the newest one shows for
   /// certain which of the armed ticks never fired.
   std::uint32_t disarms_taken = 0;
-  /// How often key, door or the stop button let go since power-up: somebody may have
-  /// reached into the machine while nobody listened, or between two statuses.
+  /// How often key, door or the stop button let go since power-up: a person may have
+  /// reached into the machine while no host listened, or between two statuses.
   std::uint32_t openings = 0;
 };
 // The pulse reports of every tick up to and with LaserStatus::tick are sent before it.
@@ -121,14 +121,14 @@ struct PulseReport {
 };
 inline constexpr std::size_t kMaxReportTicks = 512;
 
-/// What came of ticks that have passed, whoever decided them, in whatever session.
+/// What became of ticks that have passed, whichever host and session decided them.
 struct PastRequest {
   std::uint64_t first_tick = 0;
   std::uint16_t count = 1;  ///< 1..kMaxReportTicks
 };
 
-/// A tick that was not decided, or has not passed, is kNotArmed. What was to fire and had
-/// not passed can still come: ask after a Disarm that a status counts.
+/// A tick that was not decided, or has not passed, is kNotArmed. A tick that was to fire
+/// and had not passed can still fire: ask after a Disarm that a status counts.
 struct PastReport {
   std::uint64_t first_tick = 0;
   std::vector<TickOutcome> outcome;  ///< at most kMaxReportTicks, one a tick

@@ -26,7 +26,7 @@ class LineSession {
   /// Grows with every new session with the device, over all openings.
   std::uint32_t sessions() const { return sessions_; }
   int fd() const { return link_ ? link_->fd() : -1; }
-  /// A newer host has the device: this session is over for good, and says nothing more.
+  /// A newer host has the device: this session is over for good, and sends nothing more.
   bool fenced() const { return epoch_->fenced; }
   /// Why the line is down; empty while it is up.
   const std::string& message() const { return message_; }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What is said on the motion line, between a motion bridge (host) and the virtual
+// The messages of the motion line, between a motion bridge (host) and the virtual
 // engraver's stage controller (device). Framing and byte order as in laser_protocol.h.
 //
 // A run is a program of position-velocity-time segments from rest to rest. It starts at
@@ -8,9 +8,10 @@
 // Positions travel in whole nm (int32: +-2.1 m), velocities in nm/s, durations in 1/65536
 // tick: sums are exact, and a point's knot falls on a whole tick.
 //
-// A controller with a clock of its own does not know how long a tick is. It says so
-// (ControllerClock), takes runs whose knots have times of its own clock, ns since its
-// power-up, and stamps its positions with them: the host finds how the two clocks go.
+// A controller with a clock of its own does not know how long a tick is. It announces
+// this (ControllerClock), takes runs whose knots have times of its own clock, ns since
+// its power-up, and stamps its positions with that clock: the host estimates how the two
+// clocks relate.
 
 #include <cstddef>
 #include <cstdint>
@@ -89,7 +90,7 @@ struct MotionStatus {
   std::uint64_t covered_through_tick = 0;  ///< last whole tick the queue reaches
   std::uint32_t queue_free = 0;            ///< segments that still fit
   std::uint64_t segments_taken = 0;        ///< of this run, since its begin
-  bool at_rest = true;                     ///< no run, standing still
+  bool at_rest = true;                     ///< no run, at rest
   StageFault fault = StageFault::kNone;
   std::uint32_t following_error_max_nm = 0;  ///< since the last status
 };
@@ -126,12 +127,13 @@ struct TimedSegments {
 };
 inline constexpr std::size_t kMaxTimedSegments = 30;
 
-/// Actual positions, one for every lamp sync that the controller was told of, in order.
+/// Actual positions, one for every lamp sync that the controller was notified of, in
+/// order.
 struct TimedPositions {
   std::uint32_t run = 0;
   std::uint64_t first_tick = 0;
   struct Position {
-    std::uint64_t at_ns = 0;  ///< controller's clock, when it was told of the tick
+    std::uint64_t at_ns = 0;  ///< controller's clock, when it was notified of the tick
     std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;  ///< at that time, a while after the tick
   };
   std::vector<Position> positions;  ///< 1..kMaxTimedPositions

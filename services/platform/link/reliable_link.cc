@@ -9,9 +9,9 @@
 #include "services/platform/link/byte_codec.h"
 
 // Go-back-N. The receiver takes only the frame it expects; anything else it answers with
-// a NACK that says what it expects, at most once per `resend_after`, and the sender
-// starts again from there. A lost NACK or a lost last frame is healed by the sender's
-// timer; it stands still while the line has not even taken what was sent.
+// a NACK that names the expected frame, at most once per `resend_after`, and the sender
+// starts again from there. The sender's timer recovers from a lost NACK or a lost last
+// frame; it does not run while the line has not yet taken what was sent.
 //
 // A host takes a number above the highest that the device knows, a random step above: of
 // two that asked at the same time the lower is refused and fenced off.
@@ -32,7 +32,7 @@ enum ControlFrame : std::uint8_t {
 constexpr std::uint64_t kMostEpochStep = 1u << 20;
 
 constexpr std::uint16_t kCredit = 256;
-// Beyond this the line is slower than what is said on it: wait for it. Few frames, since
+// Beyond this the line is slower than the data sent on it: wait for it. Few frames, since
 // going back repeats what is still unwritten, and its acknowledgements grow old.
 constexpr std::size_t kMaxUnwritten = 4 * 1024;
 constexpr std::size_t kReadAtOnce = 16 * 1024;
@@ -123,7 +123,7 @@ void ReliableLink::State::Transmit(std::uint8_t type, std::uint16_t sequence,
   owes_acknowledgement = false;
 }
 
-// Not on a line that is behind already; what it was for comes up again.
+// Not on a line that is behind already; the reason for it comes up again.
 void ReliableLink::State::TransmitControl(ControlFrame type) {
   if (!Backlogged()) Transmit(type, 0, {});
 }
@@ -249,7 +249,8 @@ void ReliableLink::State::SendNew() {
 
 void ReliableLink::State::KeepOpening(nanoseconds now) {
   if (established || session == 0) {
-    // A number no host of this line is likely to have used: a stale answer is nobody's.
+    // A number that no host of this line is likely to have used: a stale answer then
+    // matches no host.
     StartSession(std::max<std::uint32_t>(1, std::random_device{}()));
     established = false;
     last_open = now - options.resend_after;
@@ -277,7 +278,7 @@ Status ReliableLink::State::Write() {
   while (written < unwritten.size()) {
     const auto taken = INTAGLIO_TRY(stream->Write(std::span(unwritten).subspan(written)));
     if (taken == 0) {
-      // What the line has not taken yet nobody can have answered.
+      // No peer can have answered what the line has not taken yet.
       last_progress = clock();
       unwritten.erase(unwritten.begin(),
                       unwritten.begin() + static_cast<std::ptrdiff_t>(written));

@@ -1,7 +1,7 @@
 #pragma once
 
-// A serial line that loses, doubles and corrupts bytes, made into a channel that
-// delivers every frame once and in order, or says that it is down.
+// A serial line that loses, doubles and corrupts bytes, made into a channel that delivers
+// every frame once and in order, or reports that it is down.
 //
 //   host                              device
 //    | -- kOpen(session, 0) ---------> |   host draws a session number, asks
@@ -11,11 +11,11 @@
 //    | == sequenced frames both ways, cumulative acknowledgements, go-back-N ==
 //    | -- kKeepAlive when idle ------> |   either side: silence of `dead_after` = down
 //
-// Frames of another session are dropped: what an earlier host left in the line does
-// nothing. A device obeys its newest host only (LineEpoch): an older one is refused, and
-// fenced off for good when it hears that. The receiver's credit (frames it can still
-// take) rides in every frame. Not thread-safe; Poll and Send are called from one thread;
-// nothing blocks.
+// Frames of another session are dropped: bytes that an earlier host left in the line have
+// no effect. A device obeys its newest host only (LineEpoch): an older one is refused,
+// and sends nothing more for good once it receives the refusal. The receiver's credit
+// (frames it can still take) rides in every frame. Not thread-safe; Poll and Send are
+// called from one thread; nothing blocks.
 
 #include <chrono>
 #include <cstddef>
@@ -42,8 +42,8 @@ struct LinkOptions {
 
 enum class Side { kHost, kDevice };
 
-/// Who is the newest host of a device. The device's lives as long as its power is on,
-/// over all links; a host's as long as its process.
+/// The newest host of a device. The device's value lives as long as its power is on, over
+/// all links; a host's as long as its process.
 struct LineEpoch {
   std::uint64_t number = 0;  ///< device: highest that opened; host: its own, 0: none yet
   bool fenced = false;       ///< of a host: a newer one has the device, for good
@@ -68,9 +68,9 @@ class ReliableLink {
   /// Queues one frame of at most kMaxPayload bytes; kRefused when CanSend is false.
   Status Send(std::uint8_t type, std::span<const std::byte> payload);
 
-  /// A session is agreed and the peer was heard within dead_after.
+  /// A session is agreed and a valid frame of the peer was received within dead_after.
   bool up() const;
-  /// Grows with each new session: who keeps state about the peer starts over.
+  /// Grows with each new session: code that keeps state about the peer starts over.
   std::uint32_t session() const;
   /// Time since the last valid frame of the peer.
   std::chrono::nanoseconds silence() const;

@@ -40,7 +40,7 @@ class DescriptorStream final : public ByteStream {
     const ssize_t got = read(descriptor_, buffer.data(), buffer.size());
     if (got > 0) return static_cast<std::size_t>(got);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return std::size_t{0};
-    // A raw terminal without bytes may say 0, too: only a hang-up is the end.
+    // A raw terminal without bytes may return 0, too: only a hang-up is the end.
     pollfd state{descriptor_, POLLIN, 0};
     if (got == 0 && poll(&state, 1, 0) >= 0 &&
         (state.revents & (POLLHUP | POLLERR)) == 0) {
@@ -86,8 +86,8 @@ bool IsPseudoTerminal(int descriptor) {
 }
 
 /// Against a second process of ours by a lock, against any other program by the
-/// terminal's own flag. A pseudo-terminal would keep the flag after the death of who set
-/// it, as long as its device holds it.
+/// terminal's own flag. A pseudo-terminal would keep the flag after the death of the
+/// process that set it, as long as its device holds it.
 bool TakeForOneself(int descriptor) {
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return false;
   if (!IsPseudoTerminal(descriptor)) ioctl(descriptor, TIOCEXCL);

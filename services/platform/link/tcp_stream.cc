@@ -47,7 +47,7 @@ struct FreeAddress {
 };
 using SocketAddress = std::unique_ptr<addrinfo, FreeAddress>;
 
-/// Null when the host is no number: nothing is looked up.
+/// Null when the host is not numeric: no name is resolved.
 SocketAddress Numeric(const TcpAddress& address) {
   addrinfo hints{};
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;

@@ -18,9 +18,9 @@
 
 namespace intaglio::link {
 
-/// How long a connection may take, and bytes may stay unacknowledged. Longer than the
-/// 250 ms of silence that stop a machine, and than two retransmissions; short enough that
-/// a machine whose host lost its power takes the next host after that time.
+/// How long a connection may take, and bytes may stay unacknowledged. Longer than the 250
+/// ms of silence that stop a machine, and than two retransmissions; short enough that a
+/// machine whose host lost its power accepts the next host after that time.
 inline constexpr int kTcpSilentMs = 2000;
 
 struct TcpAddress {

@@ -1,6 +1,7 @@
 #pragma once
 
-// A file that only grows, by whole records: what the disk takes in part is cut off again.
+// A file that only grows, by whole records: a record that the disk takes only in part is
+// cut off again.
 
 #include <cstdint>
 #include <filesystem>

@@ -219,7 +219,7 @@ void PutJsonText(std::string& out, const std::string& text) {
 
 void PutJson(std::string& out, const Value& value);
 
-/// JSON has no word for what is not finite.
+/// JSON cannot express numbers that are not finite.
 void PutJson(std::string& out, double number) {
   if (std::isfinite(number)) {
     out += fmt::format("{}", number);

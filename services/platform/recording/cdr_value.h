@@ -1,7 +1,7 @@
 #pragma once
 
 // A message's value, decoded by its schema: plain CDR (XCDR1) and XCDR2, of both byte
-// orders. Every length is held against the bytes that are there.
+// orders. Every length is checked against the bytes that are there.
 
 #include <cstdint>
 #include <memory>

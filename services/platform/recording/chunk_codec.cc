@@ -34,7 +34,8 @@ Result<Bytes> UnpackChunk(const ChunkHead& head, ByteView packed,
   if (head.compression.empty()) {
     records.assign(packed.begin(), packed.end());
   } else if (head.compression == kZstd) {
-    // The frame's own word first: no storage for a size that only the head claims.
+    // Check the frame's own size first: no storage is allocated for a size that only the
+    // head claims.
     const auto told = ZSTD_getFrameContentSize(packed.data(), packed.size());
     if (told == ZSTD_CONTENTSIZE_ERROR ||
         (told != ZSTD_CONTENTSIZE_UNKNOWN && told != head.uncompressed_size)) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the channels and metadata records of our recordings mean; docs/formats.md has the
-// same in words.
+// Meaning of the channels and metadata records of our recordings; docs/formats.md
+// describes the same in prose.
 //
 // A channel is one topic of one domain in one partition, and one kind of sample. Values
 // have the channel named as the topic. The ends of instances have channels of their own,
@@ -13,7 +13,7 @@
 //   partition          absent: none; several are separated by commas
 //   sample             "value", "disposed" or "no_writer"
 //   keyed              "true" or "false"
-//   repeated           "true": not heard in this file, see below; otherwise absent
+//   repeated           "true": received in an earlier file, see below; otherwise absent
 //   qos.<policy>       of the first writer: reliability, durability, history,
 //                      deadline_ns, liveliness, lease_ns
 //
@@ -22,9 +22,9 @@
 //
 // A file that follows another one of a series begins with what was retained by then: the
 // newest values of all instances of its transient-local topics. They are in channels of
-// their own, of the same topic, type and name, whose metadata says "repeated". Their
+// their own, of the same topic, type and name, whose metadata has "repeated". Their
 // publishTime and sequence are those that they had in the earlier file, by which a repeat
-// is known for what it is; their logTime is the file's beginning, before all else in it.
+// is recognized; their logTime is the file's beginning, before all else in it.
 //
 // Metadata records:
 //   recording   version, host, started_utc, file_number: once a file, at its beginning

@@ -27,7 +27,7 @@ class FileRecords {
   std::uint64_t size() const { return source_.size(); }
   /// Nothing when no whole record lies at this offset.
   Result<std::optional<RecordHead>> HeadAt(std::uint64_t offset) const;
-  /// The content, or as much of it as `at_most` says. kTooLarge beyond the limits.
+  /// The content, or its first `at_most` bytes. kTooLarge beyond the limits.
   Result<Bytes> ContentOf(const RecordHead& head, std::uint64_t at_most) const;
   Result<Bytes> ContentOf(const RecordHead& head) const;
   Result<Bytes> Raw(std::uint64_t offset, std::uint64_t length) const;
@@ -50,7 +50,7 @@ class FileRecords {
   ReaderLimits limits_;
 };
 
-/// What a complete file says of itself; nothing when it is not complete, or when its
+/// The summary of a complete file; nothing when the file is not complete, or when its
 /// summary is damaged or too sparse to read by.
 std::optional<RecordingContents> ReadSummary(const FileRecords& file);
 /// The same by walking through the file.

@@ -11,7 +11,7 @@ namespace {
 
 // Messages outside chunks are taken together up to this many bytes.
 constexpr std::uint64_t kRunBytes = 4u << 20;
-// What stands before the content of an attachment: times, name and media type.
+// What precedes the content of an attachment: times, name and media type.
 constexpr std::uint64_t kAttachmentHead = 1u << 16;
 
 class Scan {

@@ -198,7 +198,7 @@ class Parser {
   IdlMember Type(const std::string& scope) {
     if (words_.Accept("sequence")) {
       words_.Expect("<");
-      // Before going into it: as deep as the text says would be as deep as the stack.
+      // Before going into it: otherwise the text would decide the depth of the stack.
       if (words_.now() == "sequence")
         throw Stop{ErrorCode::kUnsupported, "sequence of sequences"};
       IdlMember element = Type(scope);

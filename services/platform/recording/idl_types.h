@@ -58,8 +58,8 @@ struct IdlTypes {
   std::map<std::string, IdlEnum> enums;
 };
 
-/// kUnreadable or kUnsupported with the word at which it stopped. A type has to be
-/// written before it is used.
+/// kUnreadable or kUnsupported with the token at which it stopped. A type has to be
+/// defined before it is used.
 Result<IdlTypes> ParseIdl(std::string_view text);
 
 }  // namespace intaglio::recording

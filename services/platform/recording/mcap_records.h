@@ -15,7 +15,7 @@
 // Numbers are little endian. Times are ns since 1970-01-01 UTC. A text is its length (4)
 // and its UTF-8 bytes. A CRC-32 is that of zlib; 0 says that none was computed. A record
 // of an opcode that is not known, and bytes behind the known fields of a record, are
-// passed over: so says the specification, for files of later writers.
+// skipped: the specification requires this, for files of later writers.
 
 #include <cstdint>
 #include <map>
@@ -78,7 +78,7 @@ struct Channel {
   bool operator==(const Channel&) const = default;
 };
 
-/// A message in somebody else's storage.
+/// A message in storage that it does not own.
 struct MessageView {
   std::uint16_t channel_id = 0;
   std::uint32_t sequence = 0;         ///< counts the messages of the channel
@@ -173,7 +173,7 @@ void EncodeSummaryOffset(Bytes& out, Opcode group, std::uint64_t start,
 void EncodeDataEnd(Bytes& out, std::uint32_t crc);
 
 // Read the content of a record, without opcode and length; false when it is too short or
-// says what cannot be. Views point into `content`.
+// has an impossible value. Views point into `content`.
 bool Decode(ByteView content, Header& record);
 bool Decode(ByteView content, Footer& record);
 bool Decode(ByteView content, Schema& record);
@@ -186,7 +186,8 @@ bool Decode(ByteView content, AttachmentIndex& record);
 bool Decode(ByteView content, Statistics& record);
 bool Decode(ByteView content, Metadata& record);
 bool Decode(ByteView content, MetadataIndex& record);
-/// `content` may end anywhere behind the head; `head_size` tells where the records begin.
+/// `content` may end anywhere behind the head; `head_size` is the offset at which the
+/// records begin.
 bool DecodeChunkHead(ByteView content, ChunkHead& head, std::size_t& head_size);
 
 }  // namespace intaglio::recording

@@ -57,11 +57,11 @@ class McapWriter {
   /// The id of the schema in this file; an equal one that was added before has the same.
   std::uint16_t AddSchema(const std::string& name, const std::string& encoding,
                           const std::string& text);
-  /// The id of the channel in this file; `channel.id` is not looked at, and an equal one
-  /// is not made twice. At most 65 535 channels.
+  /// The id of the channel in this file; `channel.id` is ignored, and an equal one is not
+  /// made twice. At most 65 535 channels.
   std::uint16_t AddChannel(Channel channel, Lane lane = Lane::kSmall);
 
-  /// Takes the message in any case. May write the lane's chunk: an error says what the
+  /// Takes the message in any case. May write the lane's chunk: an error names what the
   /// disk refused.
   Status Write(const MessageView& message);
   /// An error: not written.

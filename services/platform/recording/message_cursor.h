@@ -25,7 +25,7 @@ class MessageCursor {
   /// The reader has to outlive the cursor.
   explicit MessageCursor(const McapReader& reader, MessageQuery query = {});
 
-  /// The next message, valid until the next call; nothing at the end. An error tells of a
+  /// The next message, valid until the next call; nothing at the end. An error reports a
   /// chunk that cannot be read: its messages are missing, and the next call goes on.
   Result<std::optional<MessageView>> Next();
 

@@ -66,7 +66,7 @@ class Repeats {
     MessageCursor cursor(*source.reader, {query.from_ns, query.to_ns, source.repeated});
     for (;;) {
       const auto message = cursor.Next();
-      if (!message) continue;  // told when it is copied
+      if (!message) continue;  // reported when it is copied
       if (!*message) return;
       const std::uint32_t stream = source.stream.at((*message)->channel_id);
       written_[stream].emplace(IdOf(**message), false);

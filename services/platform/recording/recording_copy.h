@@ -17,7 +17,7 @@ struct CopyOptions {
   std::uint64_t from_ns = 0;  ///< log time, included
   std::uint64_t to_ns = std::numeric_limits<std::uint64_t>::max();  ///< not included
   std::vector<std::string> topics;  ///< names of channels' topics; empty: all
-  std::string library;              ///< who writes
+  std::string library;              ///< the writing program
 };
 
 struct CopyReport {

@@ -23,8 +23,8 @@ enum class Purpose {
   kSigner,  ///< signs documents and no certificates: the permissions CA
 };
 
-/// A self-signed authority. Identities and permissions have different ones: who has an
-/// identity can then sign no permissions for itself.
+/// A self-signed authority. Identities and permissions have different ones, so that the
+/// holder of an identity cannot sign permissions for itself.
 Result<KeyPair> NewAuthority(const std::string& organisation, const std::string& name,
                              Purpose purpose, const Validity& validity);
 

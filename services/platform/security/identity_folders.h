@@ -1,7 +1,7 @@
 #pragma once
 
-// The folder of a shop's identities: made once, renewed before it expires, kept where
-// nobody else comes. Only the folders of the roles go to the hosts.
+// The folder of a shop's identities: made once, renewed before it expires, kept where no
+// other user has access. Only the folders of the roles go to the hosts.
 //
 //   FOLDER/authority/   identity_ca.{pem,key} permissions_ca.{pem,key} shop.txt: stays
 //   FOLDER/ROLE/        the six files of services/platform/bus/identity.h

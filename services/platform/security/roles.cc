@@ -18,7 +18,7 @@ Topics Join(std::initializer_list<Topics> parts) {
   return all;
 }
 
-// Every service says how it is.
+// Every service publishes its health.
 Topics OwnWords() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
 
 // What can be seen of a shop without seeing what is engraved.
@@ -62,7 +62,8 @@ Role StageWorker() {
            Of(bus::kPointBatch), Of(bus::kCredit)}};
 }
 
-// Health tells a second synchronizer or bridge of the same machine that it is one.
+// Health shows a second synchronizer or bridge of the same machine that the first one
+// exists.
 Role Cell(const std::string& cell) {
   return {bus::CellRole(cell),
           cell,
@@ -107,7 +108,7 @@ std::string WritePartition(const Role& role, const RoleTopic& topic) {
 
 std::string ReadPartition(const Role& role, const RoleTopic& topic) {
   if (topic.scope == bus::Scope::kRole) {
-    // Who reads every cell reads everything, also what has no partition.
+    // A role that reads every cell reads everything, also samples without a partition.
     const bool all = topic.of_roles == "*" && role.partition == "*";
     return all ? "*" : bus::RolePartition(topic.of_roles);
   }

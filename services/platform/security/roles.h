@@ -1,12 +1,12 @@
 #pragma once
 
-// Who may do what on a secured bus: the one table of the roles and their topics. It is
-// signed into each role's permissions; docs/deployment.md shows it.
+// What each role may do on a secured bus: the one table of the roles and their topics. It
+// is signed into each role's permissions; docs/deployment.md shows it.
 //
 // The permissions are by topic, partition and domain. A topic that several roles write is
 // written in the partition of the role (services/platform/bus/role_names.h), so that its
-// readers know whose it is. The fields of a sample are not checked by them: that a
-// TaskStatus is of a task that its writer was given, the job service checks.
+// readers know whose it is. They do not check the fields of a sample: the job service
+// checks that a TaskStatus is of a task that its writer was given.
 
 #include <string>
 #include <vector>

@@ -14,9 +14,9 @@ constexpr char kHead[] = R"(<?xml version="1.0" encoding="utf-8"?>
 )";
 
 // Submessages are protected by the key of each writer, so that only those who may read a
-// topic can. On the control topics a mark for each receiver is added: whoever can read
-// Permission could otherwise make one that looks like the job service's. The bulk topics
-// do without: the marks cost time, and points move nothing.
+// topic can. On the control topics a mark for each receiver is added: a process that can
+// read Permission could otherwise forge one of the job service. The bulk topics do
+// without: the marks cost time, and points move nothing.
 constexpr char kDomainRule[] = R"(    <domain_rule>
       <domains>{domains}</domains>
       <allow_unauthenticated_participants>false</allow_unauthenticated_participants>

@@ -14,8 +14,8 @@ struct Validity {
   std::chrono::sys_seconds begin, end;
 };
 
-/// How the domains are protected: everything encrypted and authenticated, nobody without
-/// an identity. `domains`: control domains; bulk is the next one of each.
+/// How the domains are protected: everything encrypted and authenticated, no participant
+/// without an identity. `domains`: control domains; bulk is the next one of each.
 std::string GovernanceText(const std::vector<int>& domains);
 
 /// What the role may do; nothing else. `subject`: of its certificate, as RFC 2253.

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 
 constexpr char kOwnName[] = "intaglio-replay";
 constexpr auto kTurn = 1ms;
-// What is said has been heard by then, and acted upon: a synchronizer turns every 5 ms.
+// Messages have been received by then, and acted upon: a synchronizer turns every 5 ms.
 constexpr auto kHeard = 50ms;
 constexpr auto kPermissionPeriod = 20ms;
 // Nothing moves any more.
@@ -35,7 +35,7 @@ struct CellBench::Performance {
   std::unique_ptr<StageInput> path;
   std::optional<PermissionWord> permission;
   std::size_t next_event = 0;
-  std::size_t begun = 0;           // runs of now that stand for one of then
+  std::size_t begun = 0;           // present runs that correspond to one recorded run
   std::size_t consumed = 0;        // armed points of the newest one that have ended
   std::size_t fired = 0;           // of all
   Clock::time_point hold_until{};  // no tick passes
@@ -167,7 +167,8 @@ void CellBench::TakeWords(Performance& performance) {
   });
 }
 
-/// A run that was given up before anything of it was decided stands for none of then.
+/// A run that was given up before anything of it was decided corresponds to no recorded
+/// run.
 void CellBench::BeginRun(Performance& performance) {
   const auto& runs = performance.listener.runs();
   const bool given_up = performance.begun > 0 && performance.consumed == 0 &&
@@ -178,7 +179,7 @@ void CellBench::BeginRun(Performance& performance) {
   if (performance.begun < starts.size()) stage_.StandAt(starts[performance.begun]);
 }
 
-/// Every pulse of it has been reported, and it has been heard that the stage rests.
+/// Every pulse of it has been reported, and the notice that the stage rests was received.
 bool CellBench::RunIsOver(const Performance& performance) const {
   return stage_.at_rest() && performance.listener.fired_count() >= performance.fired &&
          Clock::now() > performance.moved_at + kHeard;
@@ -189,8 +190,8 @@ bool CellBench::IsDue(const Performance& performance) const {
   if (event.run > performance.begun) return false;
   const CellRun* run = performance.then();
   if (event.run < performance.begun || run == nullptr) return true;
-  // What broke the run off comes when all has fired that did: it was heard a little later
-  // than it was said.
+  // The event that broke the run off comes after all pulses of the recorded run have
+  // ended: it was received a little later than it was sent.
   const std::size_t count = run->pulses.size();
   if (run->aborted) {
     return performance.consumed >= count &&
@@ -255,8 +256,9 @@ void CellBench::SetInterlocks(const InterlockWord& word) {
   if (word.safe_state) laser.EnterSafeState();
 }
 
-/// What broke the run off is none of the events: a word that came too late, a line that
-/// fell silent for a moment. Then the permission's does.
+/// None of the recorded events broke the run off: the cause was a message that came too
+/// late, or a line that fell silent for a moment. In this case the permission lapses
+/// instead.
 bool CellBench::Lapses(const Performance& performance) const {
   const CellRun* run = performance.then();
   const CellEvent* event = performance.event();
@@ -267,7 +269,8 @@ bool CellBench::Lapses(const Performance& performance) const {
          Clock::now() > performance.hold_until + kHeard;
 }
 
-/// The next run does not begin before all that came before it then has been said.
+/// The next run does not begin before everything that came before it in the recording has
+/// been sent.
 bool CellBench::HoldsBack(const Performance& performance) const {
   const bool between_runs = performance.begun == 0 || performance.now()->aborted;
   return between_runs && performance.event() != nullptr && IsDue(performance);
@@ -300,7 +303,8 @@ std::optional<PulseEnd> CellBench::EndOfPulse(Performance& performance,
   if (Clock::now() < performance.hold_until) return std::nullopt;
   if (performance.event() != nullptr && IsDue(performance)) return std::nullopt;
   const CellRun* run = performance.then();
-  // Of a run that there was not then, or of one that goes on: nothing is known against.
+  // For a run that is not in the recording, or one that goes on, no other result is
+  // known.
   if (run == nullptr) return PulseEnd::kSeen;
   const std::size_t determined = run->pulses.size(), at = performance.consumed;
   if (at >= determined)
@@ -333,7 +337,7 @@ CellBench::Stillness CellBench::WhyNothingMore(const Performance& performance) c
   return {"the synchronizer does not continue: " + performance.listener.message(), false};
 }
 
-/// The last words, and the next task finds a synchronizer without one.
+/// The last samples; the next task finds a synchronizer without one.
 Status CellBench::Finish(Performance& performance, const KeepOn& keep_on) {
   performance.next_event = performance.session.events.size();
   const bool ended = performance.listener.end().has_value();

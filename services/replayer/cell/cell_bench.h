@@ -10,8 +10,8 @@
 //   in run k:     each armed point ends as the one at its place in that run did then;
 //                 events come when as many points have ended as had then
 //   a run that was broken off ends where the machine's decisions ended: the laser waits
-//   there until what broke it off has been said, and the run is aborted. When it was
-//   nothing that was said (a word that came too late, a line that fell silent), the
+//   there until the event that broke it off has been sent, and the run is aborted. When
+//   no recorded event broke it off (a message came too late, a line fell silent), the
 //   permission is not renewed there
 //
 // One task at a time, from one thread.
@@ -39,15 +39,16 @@ class CellBench {
   /// Waits for the synchronizer; its software version. kTimedOut.
   Result<std::string> FindService(const KeepOn& keep_on);
 
-  /// Why nothing more can be made to happen; empty: it can.
+  /// Why the run cannot be continued; empty: it can.
   struct Stillness {
     std::string why;
-    bool by_recording = false;  ///< which says no more; else it is the synchronizer's
+    bool by_recording = false;  ///< the recording ends here; false: the synchronizer does
+                                ///< not go on
   };
   struct Performed {
     CellWords words;
     Stillness stillness;
-    std::size_t run_count = 0;  ///< runs of then that were begun
+    std::size_t run_count = 0;  ///< recorded runs that were begun
   };
   /// `frozen_job`: as it is given now.
   Result<Performed> Perform(const CellSession& session, const std::string& frozen_job,

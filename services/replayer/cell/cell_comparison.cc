@@ -125,8 +125,8 @@ EngraveOutcome OutcomeOf(const StatusWords& words, bool disturbed) {
   return outcome;
 }
 
-/// A pause that no run and no pulse knows of is a host's: the machine was silent to it
-/// for longer than a lease.
+/// A pause without a trace in runs or pulses is the host's: it did not receive the
+/// machine for longer than a lease.
 std::string WithoutPauses(const std::vector<std::string>& states) {
   std::vector<std::string> left;
   for (const std::string& state : states) {
@@ -154,7 +154,7 @@ std::optional<SampleDifference> CompareEnds(const CellWords& then, const CellWor
   if (!found)
     found = Differs(topic, "outcome", OutcomeOf(a, disturbed).ShortDebugString(),
                     OutcomeOf(b, disturbed).ShortDebugString());
-  // Which ones a host has the time to tell is a matter of moments once it is disturbed.
+  // Which states a host has time to report depends on chance once it is disturbed.
   if (!found && !disturbed)
     found =
         Differs(topic, "states", WithoutPauses(then.states), WithoutPauses(now.states));

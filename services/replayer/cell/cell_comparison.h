@@ -1,15 +1,16 @@
 #pragma once
 
-// What a synchronizer said then, and what it says now of the same task.
+// Compares what a synchronizer reported in the recording with what it reports now for the
+// same task.
 //
 // Compared, bit by bit: of every run its segments (where the stage is at their ends, how
 // fast, how long they take, whether a pulse may be made there), and of every armed point
 // the tick, counted from the run's start, and what became of it; which points were left
-// out; the states of the task, and all that it says when it ends.
+// out; the states of the task, and all that it reports when it ends.
 //
-// Set aside, because moments decide: kSetAside. Where something outside broke a run off,
-// motion is compared as far as both planned it, and points as far as the machine decided
-// them; where the speed override changed, points and their order alone.
+// Fields that depend on timing are not compared: kSetAside. Where an event outside broke
+// a run off, motion is compared as far as both planned it, and points as far as the
+// machine decided them; where the speed override changed, points and their order alone.
 
 #include <array>
 #include <optional>
@@ -35,8 +36,8 @@ inline constexpr std::array kSetAside = {"MotionSegmentBatch.run",
                                          "EngraveOutcome.controller_pulse_count",
                                          "EngraveOutcome.run_count"};
 
-/// The first difference; absent: none. `counts` gets what was compared. Nothing is said
-/// of the end when `then` has none.
+/// The first difference; absent: none. `counts` gets what was compared. The end is not
+/// compared when `then` has none.
 std::optional<SampleDifference> CompareCells(const CellWords& then, const CellWords& now,
                                              TaskComparison& counts);
 

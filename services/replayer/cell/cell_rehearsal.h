@@ -1,8 +1,8 @@
 #pragma once
 
 // Has a synchronizer engrave once more what it engraved in a recording, alone on a bus of
-// its own and at a laser that is not there, and compares what it says now with what it
-// said then (cell_comparison.h). Causes as in rehearsal.h. From one thread.
+// its own with a simulated laser, and compares what it reports now with what it reported
+// in the recording (cell_comparison.h). Causes as in rehearsal.h. From one thread.
 
 #include <filesystem>
 
@@ -16,7 +16,7 @@ namespace intaglio::replayer {
 Result<MachineSpec> MachineOf(const recording::McapReader& reader);
 
 struct CellRehearsalOptions {
-  std::filesystem::path laser_line;  ///< where the synchronizer looks for its laser
+  std::filesystem::path laser_line;  ///< where the synchronizer connects to its laser
   std::filesystem::path results;     ///< folder for job folders; is there
   std::function<Status(FrozenJob& job)> change;  ///< may be null
 };

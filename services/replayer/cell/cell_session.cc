@@ -149,8 +149,8 @@ Status SessionReader::ReadInterlocks() {
                    const auto ours = Ours(value);
                    if (!members.good() || !ours) return false;
                    if (!*ours || !Within(at_ns)) return true;
-                   // Of a line that is silent nothing is known. A machine that closed
-                   // its shutters for that says so when it is heard again.
+                   // The state of a silent line is not known. A machine that closed its
+                   // shutters because of the silence reports that when the line is back.
                    if (!up) return true;
                    if (word != newest) Add(at_ns, newest = word);
                    return true;
@@ -231,7 +231,7 @@ void SessionReader::Place() {
   }
 }
 
-/// What nobody knows of a pulse comes of another power-up of the laser.
+/// A pulse of unknown result comes of another power-up of the laser.
 void SessionReader::EndBeforeTheUncertain() {
   const std::uint32_t lost = session_.words.uncertain_run;
   if (lost == 0) return;

@@ -1,13 +1,12 @@
 #pragma once
 
-// What a synchronizer heard while it had one task, from the recording: when its runs
-// began, where the stage stood, what became of each armed point, and whatever else came
+// What a synchronizer received while it had one task, from the recording: when its runs
+// began, the stage's positions, what became of each armed point, and whatever else came
 // between (permission, stops, interlocks, faults of the stage, a withdrawn task).
 //
-// The laser's line itself is not recorded. What it says is on the bus all the same:
-// LampSync and Interlock are its statuses, PulseEventBatch its reports. What is in
-// neither (how far it was decided, its counters of a session) follows from what the
-// synchronizer says to it.
+// The laser's line itself is not recorded, but its content is on the bus: LampSync and
+// Interlock are its statuses, PulseEventBatch its reports. What is in neither (how far it
+// was decided, its counters of a session) follows from what the synchronizer sends to it.
 
 #include <cstdint>
 #include <optional>
@@ -32,7 +31,7 @@ struct PermissionWord {
   bool fire_uncertain = false;
   bool operator==(const PermissionWord&) const = default;
 };
-/// Of the machine's own interlocks, those that nobody on the bus moves.
+/// Of the machine's own interlocks, those that no process on the bus can change.
 struct InterlockWord {
   bool key_on = true, door_closed = true;
   bool stop_released = true, safe_state = false;
@@ -49,7 +48,7 @@ struct RevokeWord {
 
 struct CellEvent {
   std::uint64_t time_ns = 0;  ///< when it was published
-  std::size_t run = 0;        ///< before the begin of run number `run` of the words
+  std::size_t run = 0;        ///< before the begin of run number `run` of the reports
   std::uint64_t tick = 0;     ///< newest of the lamp by then; 0: none yet
   std::variant<PermissionWord, StopWord, InterlockWord, StageFaultWord, RevokeWord> word;
 };
@@ -58,9 +57,9 @@ struct CellSession {
   RecordedTask task;
   FrozenJob job;
   CellWords words;                ///< what it made of it
-  std::vector<Vec3> starts_mm;    ///< where the stage stood, of each run
+  std::vector<Vec3> starts_mm;    ///< the stage's position at rest, of each run
   std::vector<CellEvent> events;  ///< by time
-  /// Something happened that cannot be made to happen again: a sentence. The words end
+  /// Something happened that cannot be made to happen again: a sentence. The reports end
   /// before it.
   std::string ends_early;
 };

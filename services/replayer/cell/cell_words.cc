@@ -10,7 +10,7 @@
 namespace intaglio::replayer {
 namespace {
 
-// A synchronizer gathers pulses for so long before it says what became of them.
+// A synchronizer gathers pulses for this time before it reports their results.
 constexpr std::uint64_t kGatheredNs = 25'000'000;
 
 constexpr const char* kColumns[] = {"x_mm",    "y_mm",    "z_mm",

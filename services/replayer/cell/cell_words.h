@@ -1,10 +1,10 @@
 #pragma once
 
-// What a synchronizer says of one task: the motion that it has the stage make, what
-// became of the points, how the task ended. Read from a recording, or as it is said.
+// What a synchronizer reports for one task: the motion that it commands, what became of
+// the points, how the task ended. Read from a recording, or live.
 //
-// A run is a pass from rest to rest (MotionSegmentBatch.run). How its segments are cut
-// into batches, and pulses into theirs, is a matter of moments: neither is kept.
+// A run is a pass from rest to rest (MotionSegmentBatch.run). How its segments and its
+// pulses are cut into batches depends on timing, so neither is kept.
 
 #include <array>
 #include <cstdint>
@@ -75,7 +75,7 @@ struct CellRun {
   std::vector<std::uint32_t> duration_subticks;
   std::vector<std::uint8_t> pulse;
   /// Armed points by tick, up to the last one that fired. Those behind it were taken back
-  /// when the run was broken off: how many is a matter of moments.
+  /// when the run was broken off; their number depends on timing.
   std::vector<RunPulse> pulses;
 
   /// It ended as planned, with all its points fired.
@@ -84,20 +84,20 @@ struct CellRun {
 
 struct CellWords {
   std::vector<CellRun> runs;
-  std::vector<std::uint32_t> left_out;  ///< points, by the operator's word
+  std::vector<std::uint32_t> left_out;  ///< points, by the operator's decision
   std::vector<std::string> states;      ///< of the task, each once in a row
   std::optional<StatusWords> end;
   std::size_t given_up_count = 0;   ///< runs of which nothing had fired
-  std::uint32_t uncertain_run = 0;  ///< first of whose pulses nobody knows; 0: none
+  std::uint32_t uncertain_run = 0;  ///< first run with a pulse of unknown result; 0: none
   bool disturbed() const;
   std::size_t broken_count() const;  ///< runs that were broken off
 };
 
-/// Gathers them in the order in which they are said.
+/// Gathers the reports in the order of their publication.
 class CellListener {
  public:
   explicit CellListener(std::string job_uid) : job_uid_(std::move(job_uid)) {}
-  /// `at_ns`: when it was said. True when it begins a run.
+  /// `at_ns`: when it was published. True when it begins a run.
   bool Take(const SegmentWords& words, std::uint64_t at_ns);
   void Take(const PulseWords& words, std::uint64_t at_ns);
   void Take(const StatusWords& words);

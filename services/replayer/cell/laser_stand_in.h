@@ -1,7 +1,7 @@
 #pragma once
 
-// A laser controller at the other end of a pseudo-terminal, whose pulses end as they are
-// told to. Lamp, shutters, decided ticks and interlocks are those of the virtual laser;
+// A laser controller at the other end of a pseudo-terminal, whose pulses end as
+// commanded. Lamp, shutters, decided ticks and interlocks are those of the virtual laser;
 // its ticks pass as far as they are decided and no further than the next armed tick whose
 // end is not known yet. From one thread; nothing blocks.
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// A motion bridge whose stage is where it is told to be: takes runs under credit, rests
+// A motion bridge whose stage is at commanded positions: takes runs under credit, rests
 // once their ticks have passed or they are aborted. From one thread; nothing blocks.
 
 #include <chrono>
@@ -19,7 +19,7 @@ class StageStandIn {
 
   /// True when a run has begun. `tick`: of the lamp.
   bool Turn(std::chrono::nanoseconds now, std::uint64_t tick, CellListener& listener);
-  /// Where it stands when it rests, from now on, machine frame.
+  /// The stage's position at rest, from now on, machine frame.
   void StandAt(const Vec3& at_mm) { at_mm_ = at_mm; }
   /// Until the next run begins; `fault` by name.
   void Fail(const std::string& fault, const std::string& message);

@@ -1,14 +1,13 @@
 #pragma once
 
-// The consent of a person to fire uncertain points again: points of which nobody knows
+// The consent of a person to fire uncertain points again: points of which it is not known
 // whether they were fired.
 //
 // Guarantees:
 // - Without consent an uncertain point is left as it is, and a job that asks
-//   (asks_when_uncertain) fires nothing more before somebody has answered its question.
+//   (asks_when_uncertain) fires nothing more before a person has answered its question.
 // - Consent comes with a grant, and counts once over all lives of the process: the
-// journal
-//   has it before anything more is armed.
+//   journal has it before anything more is armed.
 // - It covers the points that are uncertain when it is taken, and, while a halt is being
 //   settled, those that were armed before it and are found uncertain. What is armed
 //   later, in this life or another, it does not cover, nor what a life had not reopened
@@ -59,11 +58,11 @@ class Consent {
   /// A question is open, whether asked or not.
   bool asks() const { return asks_; }
   bool was_asked() const { return asked_; }
-  /// The question has to be asked now: some grant is known that it costs, and it was not
-  /// answered before it came up.
+  /// The question has to be asked now: a grant is known that the question spends, and it
+  /// was not answered before it came up.
   bool MustAsk(const EngravingInputs& inputs) const;
   void NoteAsked() { asked_ = true; }
-  /// Who begins a run has answered.
+  /// A run begins: the question has been answered.
   void BeginRun() { asks_ = asked_ = false; }
   /// With the number and the places of the uncertain points, and both answers.
   std::string Question() const;

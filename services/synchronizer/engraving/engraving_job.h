@@ -27,14 +27,15 @@ struct EngravingJob {
   motion::PlanOptions plan;
   const PulseTrigger* trigger = &TriggerAtTick();
   ChannelMask shutter_mask = 1;  ///< of all points
-  /// Of each point, when they differ: it is made with these shutters open and no other.
+  /// Of each point, when they differ: it is made with exactly these shutters open.
   std::vector<ChannelMask> masks = {};
-  /// Pulses that no crack was seen of, until it pauses.
+  /// Number of pulses in a row for which no crack was seen, until it pauses.
   std::uint32_t max_missed_in_a_row = 5;
-  bool photosensor_feedback = true;  ///< false: nothing sees cracks, fired is made
-  /// Points of which nobody knows whether they were fired: a person is asked.
+  bool photosensor_feedback = true;  ///< false: no sensor sees cracks, a fired point
+                                     ///< counts as made
+  /// A person is asked about points of which it is not known whether they were fired.
   bool asks_when_uncertain = false;
-  /// Why nothing is to be fired into the block that is in the machine; empty: it is.
+  /// Why nothing may be fired into the block that is in the machine; empty: it may.
   std::string block_misfit = {};
   EarlierWork earlier = {};
 };

@@ -60,7 +60,7 @@ class EngravingRun {
 
   /// Runs begun by this life.
   std::uint32_t count() const { return count_; }
-  /// Finished runs in a row that made nothing: as many as are worth trying.
+  /// As many finished runs in a row made nothing as are worth trying.
   bool is_fruitless() const { return idle_runs_ >= kMaxIdleRuns; }
   void ForgetFruitless() { idle_runs_ = 0; }
   /// Tick of the first point that was passed by; 0: none was.

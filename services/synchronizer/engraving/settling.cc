@@ -98,7 +98,7 @@ std::optional<std::string> Settling::SettleByMemory(std::chrono::nanoseconds now
     if (lost || is_late(now)) RequestPast(now);
     return std::nullopt;
   }
-  // What it finds costs a grant: there is none before one was received.
+  // What it finds spends a grant: there is none before one was received.
   if (!lost || !grant_known) return std::nullopt;
   return CompareCounters(no_run_yet);
 }
@@ -121,8 +121,9 @@ void Settling::Take(const link::PastReport& report) {
   settled_by_memory_count_ += record_.fired_point_count() - before;
 }
 
-// A pulse that the controller counted and nobody asked for is in the glass somewhere. Of
-// a journal whose end is gone it made the next points, as they are fired in the order.
+// A pulse that the controller counted and that was not requested is in the glass
+// somewhere. If the end of the journal is missing, these pulses made the next points, as
+// they are fired in the order.
 std::optional<std::string> Settling::CompareCounters(bool no_run_yet) {
   const auto counted = static_cast<std::uint32_t>(laser_.status().pulse_count);
   const std::uint32_t known = record_.known_pulse_count();

@@ -44,8 +44,8 @@ class Settling {
   /// Halts: disarms, brakes the stage, takes back what was not sent. `reason` is that of
   /// points that turn out not to have fired.
   void Begin(SkipReason reason, std::chrono::nanoseconds now);
-  /// What an earlier life armed is asked of the controller if it has not been switched
-  /// off since; else nobody knows.
+  /// The controller is asked about the points that an earlier life armed, if it has not
+  /// been switched off since; otherwise these points are uncertain.
   void BeginTakenUp(const EarlierWork& earlier);
 
   /// Once a turn while halted. `grant_known`: a grant of the job has been received;
@@ -71,7 +71,7 @@ class Settling {
   bool is_late(std::chrono::nanoseconds now) const {
     return began_at_ && now - *began_at_ > kTimeout;
   }
-  /// Points made that no report was received of, but the controller's memory.
+  /// Points made that are known from the controller's memory, not from a report.
   std::uint64_t settled_by_memory_count() const { return settled_by_memory_count_; }
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether the machine was out of sight: what its controllers' own counters, and their
-// silence, show of the time in which nobody could see key, door and stop button.
+// Whether the machine was unobserved: what its controllers' own counters, and their
+// silence, show about the time in which key, door and stop button could not be seen.
 //
 // The laser controller draws a number at each power-up and counts since then how often an
 // interlock was opened. A different number of either, compared with the one known before,

@@ -1,7 +1,7 @@
 #pragma once
 
-// Why an engraving is paused, for those who decide on it over the bus. The sentence for
-// people is in the message beside it.
+// Why an engraving is paused, for programs that decide about it over the bus. The
+// sentence for people is in the message beside it.
 
 #include "idl/job.h"
 #include "services/synchronizer/permission/permission_chain.h"
@@ -30,7 +30,7 @@ constexpr intaglio_PauseReason PauseReasonOf(Missing spent_by) {
 struct PausedEngraving {
   bool faulted = false;      ///< its grant is spent
   bool lost_a_line = false;  ///< only for its renewal: it may go on by itself
-  bool asks = false;         ///< over points that nobody knows of
+  bool asks = false;         ///< about uncertain points
   Missing spent_by = Missing::kNothing;
 };
 

@@ -1,25 +1,25 @@
 #pragma once
 
-// Whether a pulse is allowed: one state machine, pure. Every link has to hold, all fresh;
-// one missing is enough to fire nothing:
+// Whether a pulse is allowed: one state machine, pure. Every link has to hold and be
+// fresh; if one is missing, nothing is fired:
 //
 //   operator's arm (this job, this epoch, fresh, not spent) -> no emergency stop on the
 //   bus -> laser line up -> key on -> door closed -> stop released -> no safe state ->
 //   lamp on and warm -> motion state fresh, no fault -> [shutters open]
 //
 // Each arm by a person is a grant with a number of its own, greater than those before. It
-// is spent when key, door or a stop lets go, before the first run, too, and by every
-// fault of a run. A spent grant is worth nothing any more, however often it is repeated
-// and whatever was withdrawn in between: only a greater one counts. A line or a neighbour
-// that was lost costs only the grant's renewal, which the job service may replace by a
-// greater one by itself; unless an interlock is open meanwhile.
-// An older grant than the newest that was seen, granted or withdrawn, is worth nothing.
+// is spent when key, door or a stop opens, also before the first run, and by every fault
+// of a run. A spent grant is void, however often it is repeated and whatever was
+// withdrawn in between: only a greater one counts. The loss of a line or of a
+// neighbouring process spends only the grant's renewal, which the job service may replace
+// by a greater one by itself, unless an interlock is open meanwhile. A grant older than
+// the newest one received, granted or withdrawn, is void.
 //
 // The chain exists as long as the process, and is updated from the moment a job is given
 // to it: an arm may come long before the path, and what is opened in between spends it.
 // So does every event that the machine watch reports (machine_watch.h): an opening that
-// nobody saw, a power cycle of the laser controller, a controller that was away for too
-// long. An event before the first grant of a job is known counts against that grant.
+// was not observed, a power cycle of the laser controller, a controller that was away for
+// too long. An event before the first grant of a job is known counts against that grant.
 //
 // clang-format off
 //             an interlock is open, or a fault: the newest grant is spent
@@ -39,10 +39,10 @@
 //      line down, a fault, or the grant withdrawn: it is spent
 // clang-format on
 //
-// Interlocks: the stop on the bus always; key, door and the machine's stop as far as the
-// line reports: nothing gets to kClear while it is down. The machine keeps its stop
+// Interlocks: the stop on the bus always; key, door and the machine's stop as the line
+// reports them: kClear is not reached while the line is down. The machine keeps its stop
 // latched until it is reset, which is allowed in kResetting, and, for a safe state, in
-// kClear: who arms means that, too.
+// kClear: an arm includes the consent to this reset.
 
 #include <chrono>
 #include <compare>
@@ -56,7 +56,7 @@ namespace intaglio::synchronizer {
 /// Ordered by number, then by renewal.
 struct Grant {
   std::uint64_t number = 0;   ///< of the person's arm; 0: none yet
-  std::uint64_t renewal = 0;  ///< greater each time it was let go on by itself
+  std::uint64_t renewal = 0;  ///< greater each time it was renewed without a person
   auto operator<=>(const Grant&) const = default;
 };
 
@@ -100,9 +100,9 @@ enum class Missing : std::uint8_t {
 /// A reason why a grant was spent that no link shows.
 constexpr bool IsUnseen(Missing missing) { return missing >= Missing::kOpenedUnseen; }
 
-/// The first link that does not hold by itself, whatever is spent; shutters are checked
-/// when `with_shutters`, which is what whoever is about to arm does: they open when all
-/// the others hold.
+/// The first link that does not hold by itself, whatever is spent. Shutters are checked
+/// when `with_shutters`, which a caller that is about to arm sets: they open when all
+/// other links hold.
 Missing FirstMissing(const ChainLinks& links, bool with_shutters);
 
 /// What to do about it, in one sentence; empty for kNothing.
@@ -114,17 +114,17 @@ class PermissionChain {
   /// The machine answers a Reset with a status within 20 ms, a loaded computer later.
   static constexpr std::chrono::milliseconds kResetTime{500};
 
-  /// Another job: grants are numbered by job. What is known of the machine remains.
+  /// Another job: grants are numbered by job. What is known about the machine is kept.
   void BeginJob();
   /// The job was begun by another process, which left these counters in the journal;
-  /// none, if nobody knows what happened at the machine since the job was armed.
+  /// none, if it is not known what happened at the machine since the job was armed.
   void TakeUp(const MachineCounters& counters) { watch_.Expect(counters); }
   /// Between two jobs: keeps what is known of the machine up to date.
   void Watch(const ChainLinks& links, std::chrono::nanoseconds now);
   /// Once a turn, before anything is asked. What spent a grant in this turn, or kNothing.
   Missing Turn(const ChainLinks& links, std::chrono::nanoseconds now);
-  /// A fault of a run: the grant it ran with is spent. `only_renewal`: what was lost is a
-  /// line or a neighbour, and a renewal of it will do.
+  /// A fault of a run: the grant it ran with is spent. `only_renewal`: a line or a
+  /// neighbouring process was lost, and a renewal of the grant suffices.
   void Latch(bool only_renewal);
 
   /// What keeps a pulse from being fired; kNothing: it may be. kPermission when all links
@@ -132,7 +132,7 @@ class PermissionChain {
   Missing WhatIsMissing(const ChainLinks& links, bool with_shutters) const;
   State state() const { return state_; }
   bool latched() const { return state_ != State::kClear; }
-  /// Latched, and it has cost a grant.
+  /// Latched, and a grant was spent.
   bool has_spent() const { return latched() && spent_.number > 0; }
   /// What spent a grant last, of this job: kNothing when it was a fault of a run.
   Missing spent_by() const { return spent_by_; }
@@ -147,7 +147,7 @@ class PermissionChain {
   bool HasWorth() const;
   Missing CheckForUnseenEvent(const ChainLinks& links, std::chrono::nanoseconds now);
   Missing AdvanceState(const ChainLinks& links, std::chrono::nanoseconds now);
-  /// Not one from before the newest, repeated by somebody who was away meanwhile.
+  /// Not a grant from before the newest, repeated by a sender that was away meanwhile.
   bool IsNewest(const ChainLinks& links) const { return links.grant >= grant_; }
   bool IsNewestGranted(const ChainLinks& links) const;
 

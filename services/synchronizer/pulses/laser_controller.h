@@ -13,18 +13,18 @@
 //   L1  Nothing blocks. What cannot be taken now is refused with an error, and nothing of
 //       it is done.
 //   L2  A pulse comes at a tick only if a window of this session decides that tick to
-//   fire,
-//       and then once: however often it is armed, and whatever is repeated on the line.
+//       fire, and then once: however often it is armed, and whatever is repeated on the
+//       line.
 //   L3  Disarm, a new session, Stop, and an interlock leave no armed tick. disarmed() is
 //       true only once the controller has reported that it took the newest Disarm: what
 //       was armed before and is not reported then, never comes.
 //   L4  The outcome of every decided tick is reported once, in order, without gap, as
-//   long
-//       as the line holds. A window that comes too late is reported so and fires nothing.
+//       long as the line holds. A window that comes too late is reported so and fires
+//       nothing.
 //   L5  status().pulse_count counts every pulse since power-up, seen or not.
 //   L6  RequestPast answers for the newest link::kRememberedTicks ticks, whichever
-//   session
-//       armed them: so that a pulse is known after a lost line or a killed process.
+//       session armed them: so that a pulse is known after a lost line or a killed
+//       process.
 //   L7  A line that is cut, and a host that dies or hangs, close the shutters and leave
 //       nothing armed, by the controller itself: within 250 ms. up() is false within
 //       300 ms.
@@ -35,7 +35,8 @@
 //   L10 Without a warm lamp, or an open shutter, nothing fires; both are in the status.
 //   L11 A power cycle is another identity().power_up: other ticks, other counters.
 //   L12 A controller with another serial number than the profile's is refused: up() is
-//       false, refusal() says why, nothing of it is taken, and it is closed and disarmed.
+//       false, refusal() gives the reason, nothing of it is taken, and it is closed and
+//       disarmed.
 // Not thread-safe. An object may be a motion driver, too
 // (services/motion_bridge/motion_driver.h), when one controller is both: fd() is the same
 // in both interfaces, and nothing else is.
@@ -73,7 +74,7 @@ class LaserController {
   /// Not before the identity has come: a Disarm of a session that is not known yet would
   /// be counted by the controller and not by us.
   virtual bool CanSend() const = 0;
-  /// A newer host has the controller; for good, and nothing more is sent to it.
+  /// A newer host has the controller; this is for good, and nothing more is sent to it.
   virtual bool taken_over() const = 0;
   /// Why the line is down; empty while it is up.
   virtual const std::string& message() const = 0;

@@ -4,12 +4,13 @@
 //
 //   kPlanned --armed--> kArmed --fired, seen------> kMade
 //    ^ ^                  |  \---fired, unseen----> kMissed
-//    | |                  |   \--nobody knows-----> kUncertain --+
-//    | +--new run-- kSkipped <--not fired                         |
-//    +-------------- a person's consent: fire it again -----------+
+//    | |                  |   \--not known--------> kUncertain --+
+//    | +--new run-- kSkipped <--not fired                        |
+//    +-------------- a person's consent: fire it again ----------+
 //
-// kMade, kMissed and kLeftOut, which a planned or skipped point becomes by the operator's
-// choice, are ends: such a point is never armed again. So is kUncertain without consent.
+// kMade, kMissed and kLeftOut (a planned or skipped point that the operator chooses to
+// leave out) are final: such a point is never armed again. So is kUncertain without
+// consent.
 
 #include <cstdint>
 #include <optional>
@@ -42,8 +43,8 @@ class PointLedger {
     return counts_[static_cast<std::size_t>(state)];
   }
 
-  /// Planned, skipped or left out, and uncertain before: nobody knows whether they hold a
-  /// crack, as long as they are not fired.
+  /// Planned, skipped or left out, and uncertain before: it is not known whether they
+  /// hold a crack, as long as they are not fired.
   std::uint64_t unknown_count() const { return unknown_count_; }
 
   /// First point at or after `from` that may be armed: planned, or skipped earlier.

@@ -7,12 +7,11 @@
 //   Resolve     ledger: the outcome  journal: outcome         intent is durable)
 //   LeaveOut..  ledger: left out     journal: outcome
 //   Mark..      ledger: uncertain    journal: outcome
-//   Reopen      ledger: planned      journal: reopened, by a consent that is there
-//   already
+//   Reopen      ledger: planned      journal: reopened, by a consent already there
 //
 // It also keeps the account of the laser controller's pulse counter, modulo 2^32: what it
 // counted before the job, and what it fired for it. A session record has the power-up of
-// the controller and the first of these, for whoever takes the job up.
+// the controller and the first of these counts, for the process that takes the job up.
 //
 // Used from one thread. Nothing here waits, locks or writes to the disk; JournalWriter's
 // ring does the rest. Where a function returns bool, false means that the ring is full
@@ -39,7 +38,8 @@ class PulseRecord {
               PulseSchedule::ResultSink results);
 
   /// Begins with what earlier lives left. Returns the points whose intent is open, in the
-  /// order of their ticks: they are armed in the ledger, and somebody has to settle them.
+  /// order of their ticks: they are armed in the ledger, and the caller has to settle
+  /// them.
   std::vector<PulseResult> TakeUp(const EarlierWork& earlier);
 
   const PointLedger& ledger() const { return ledger_; }

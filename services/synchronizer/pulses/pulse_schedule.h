@@ -42,14 +42,14 @@ class PulseSchedule {
   void Add(std::uint64_t tick, std::uint32_t point);
 
   /// Decides first..last: the window to send. `armed` gets every (tick, point) in it.
-  /// Points planned for ticks before `first` were missed by us: they go to `late` and
-  /// leave the schedule.
+  /// Points planned for ticks before `first` can no longer be decided: they go to `late`
+  /// and leave the schedule.
   link::ArmWindow Decide(std::uint64_t first, std::uint64_t last,
                          const std::function<void(std::uint64_t, std::uint32_t)>& armed,
                          const std::function<void(std::uint32_t)>& late);
 
-  /// A point that an earlier life armed for this tick, and nobody knows yet what became
-  /// of; before any Add. False: the tick does not follow the last one.
+  /// A point that an earlier life armed for this tick, with a result that is not known
+  /// yet; before any Add. False: the tick does not follow the last one.
   bool AddArmed(std::uint64_t tick, std::uint32_t point);
 
   /// Takes the controller's report; ticks that were not armed here are ignored.

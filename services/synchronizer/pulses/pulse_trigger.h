@@ -1,6 +1,6 @@
 #pragma once
 
-// Who decides at which instant a pulse fires, within the tick that the synchronizer has
+// What decides at which instant a pulse fires, within the tick that the synchronizer has
 // armed. Chosen by pulse_trigger of the machine profile.
 //
 // Guarantees of every trigger, which the controllers keep and

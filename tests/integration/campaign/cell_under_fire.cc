@@ -239,7 +239,8 @@ fs::path CellUnderFire::JobFolder() const {
   return {};
 }
 
-// Written apart from the product's own proof: brute force, and the journal's last word.
+// Written independently of the product's own proof: brute force, and the journal's last
+// outcome of each point.
 Verdict CellUnderFire::Judge() const {
   Verdict verdict;
   const auto path = formats::ReadPly(JobFolder() / "path.ply");
@@ -269,7 +270,7 @@ Verdict CellUnderFire::Judge() const {
   std::vector<bool> open(verdict.points, false);
   for (const formats::JournalRecord& record : journal->records) {
     if (!formats::IsOfPoint(record.kind)) continue;
-    // Nobody knows of it more than before.
+    // This record adds no knowledge about the point.
     if (record.kind == formats::JournalKind::kReopened) continue;
     open.at(record.point) = record.kind == formats::JournalKind::kIntent;
     if (!open[record.point]) last[record.point] = record.outcome;

@@ -16,7 +16,7 @@
 
 namespace intaglio::campaign {
 
-/// What glass and journal say after a job, point by point.
+/// State of glass and journal after a job, point by point.
 struct Verdict {
   std::size_t points = 0;
   std::size_t made = 0;       ///< points with a crack
@@ -24,8 +24,8 @@ struct Verdict {
   std::size_t stray = 0;      ///< cracks at no point
   std::size_t unknown = 0;    ///< points of which journal and glass disagree
   std::size_t uncertain = 0;  ///< points that the journal calls so
-  /// Points that are not made, and the journal says so: passed by, and in the shadow of
-  /// what was made since.
+  /// Points that are not made, in agreement with the journal: passed by, and in the
+  /// shadow of points made since.
   std::size_t skipped = 0;
   bool may_leave_uncertain = false;  ///< a person is asked about these
   bool may_be_unfinished = false;    ///< its block is out of the machine
@@ -59,7 +59,7 @@ class CellUnderFire {
               const std::vector<std::string>& options = {});
   /// Another one beside it, which is not armed and not followed.
   void SubmitAnother(const std::vector<std::string>& options);
-  /// The machine loses its power, somebody puts another block in, and the power is back.
+  /// The machine loses its power, a person puts another block in, and the power is back.
   void ChangeTheBlockOfADeadMachine();
   /// Cracks in that other block.
   std::size_t CracksOfTheNextBlock() const;
@@ -71,8 +71,8 @@ class CellUnderFire {
   /// Where its services are to be found.
   bus::BusOptions bus_options() const;
   static const char* cell() { return "els-03"; }
-  /// So many that follow the newest job with `intaglio watch`, and stand still from now
-  /// on as long as the cell lives: what is written to them is not read.
+  /// Starts this many watchers (`intaglio watch`) of the newest job, stopped from now on
+  /// as long as the cell lives: they do not read what is written to them.
   void AddWatchersThatStandStill(int count);
   /// Process of a service, e.g. "intaglio-sorter"; 0: there is none.
   pid_t ProcessOf(const std::string& service) const;

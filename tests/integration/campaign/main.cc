@@ -87,7 +87,8 @@ void KillAll(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
 }
 
 /// All are killed, and a disk that had confirmed what it did not have loses the end of
-/// the journal at any byte. The operator looks at the block and leaves what is uncertain.
+/// the journal at any byte. The operator inspects the block and leaves the uncertain
+/// points.
 void LoseTheJournalsEnd(CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
   const auto at = Clock::now();
   cell.KillShop();
@@ -115,7 +116,7 @@ Fault PressAndSetRight(const std::string& wrong, const std::string& right) {
   };
 }
 
-/// The emergency stop on the bus, whoever else listens there and does not read.
+/// The emergency stop on the bus, with other listeners that do not read.
 Fault StopOnTheBus(int watchers) {
   return [watchers](CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
     cell.AddWatchersThatStandStill(watchers);
@@ -142,7 +143,7 @@ Fault StopOnTheBus(int watchers) {
   };
 }
 
-/// The door is opened and shut while nobody lives who could see it.
+/// The door is opened and shut while no process runs that could detect it.
 void OpenTheDoorUnseen(CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
   const pid_t victim = cell.ProcessOf("intaglio-synchronizer");
   const auto at = Clock::now();
@@ -176,7 +177,7 @@ void PowerCycle(CellUnderFire& cell, std::mt19937& random, Outcome& outcome) {
   cell.ChangeTheBlockOfADeadMachine();
   ExpectNoCrack([&cell] { return cell.CracksOfTheNextBlock(); }, outcome);
   if (cell.CracksOfTheNextBlock() > 0) outcome.verdict.trouble = "it fired by itself";
-  // What was armed when the power failed nobody knows.
+  // The points that were armed when the power failed are uncertain.
   outcome.verdict.may_leave_uncertain = true;
   outcome.verdict.may_be_unfinished = true;
   // It waits for a person, or has nothing left that anybody may fire.

@@ -1,7 +1,7 @@
 #pragma once
 
-// An emergency stop that stands ready on the bus, as an operator's panel has it: who
-// presses does not wait until services are found first.
+// An emergency stop that is ready on the bus, like that of an operator's panel: a press
+// does not wait until services are discovered.
 
 #include <chrono>
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace intaglio::campaign {
 class StopButton {
  public:
   StopButton(const bus::BusOptions& options, std::string cell);
-  /// A service of the cell would hear it; false after the time.
+  /// Waits until a service of the cell would receive it; false after the time.
   bool AwaitHeard(std::chrono::milliseconds bound) const;
   void Press() { Write(true); }
   /// Of its own last press.

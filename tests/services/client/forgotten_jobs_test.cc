@@ -61,7 +61,7 @@ class ForgottenJobs : public testing::Test {
   JobClient client_{bus_, [this] { return now_; }};
 };
 
-// Both wait unread when the client looks: the end comes first.
+// Both wait unread when the client polls: the end comes first.
 TEST_F(ForgottenJobs, AnEndIsReadThoughItIsWithdrawnAlready) {
   Status("1-a", intaglio_JOB_DONE);
   Withdraw("1-a");

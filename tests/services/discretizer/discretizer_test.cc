@@ -56,14 +56,14 @@ TEST_F(DiscretizerTest, MakesThePointsOfACube) {
   const auto cloud = Consume();
   ASSERT_TRUE(cloud) << cloud.error().message;
 
-  // On the walls of the cube that stands in the block's middle. The file's numbers are
-  // whole, so only the rounding of doubles is left.
+  // On the walls of the cube in the block's middle. The file's numbers are whole, so only
+  // the rounding of doubles is left.
   for (const Vec3& p : cloud->points_mm) {
     const Vec3 from_middle = p - Vec3::Constant(kBlock / 2);
     EXPECT_NEAR(from_middle.cwiseAbs().maxCoeff(), kSide / 2, 1e-9);
   }
-  // 20 or so planes of 80 points, and two faces of 400 that no plane cuts; the weld may
-  // take a few at the edges.
+  // 20 or so planes of 80 points, and two faces of 400 that no plane cuts; merging
+  // vertices may remove a few at the edges.
   EXPECT_GT(cloud->size(), 2000u);
   EXPECT_LT(cloud->size(), 2500u);
   for (std::size_t i = 0; i < cloud->size(); ++i) {

@@ -44,7 +44,7 @@ class PartsAheadTest : public testing::Test {
   bool HasSaid(std::uint32_t part, intaglio_TaskState state) {
     return shop.Find("box", {part, 4, 0}, state).has_value();
   }
-  /// It is made, and not sent: nobody has given credit.
+  /// It is made, but not sent: no consumer has granted credit.
   bool IsMade(std::uint32_t part) {
     const auto report = shop.AwaitReport("box", [part](const test::TaskReport& one) {
       return one.part.index == part && one.state == intaglio_TASK_RUNNING &&

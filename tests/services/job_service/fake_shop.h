@@ -1,7 +1,7 @@
 #pragma once
 
-// The real job service as a process, and everybody else played by the test: a client, a
-// discretizer, a sorter, a synchronizer, on a bus that nobody else sees.
+// The real job service as a process, and all other processes played by the test: a
+// client, a discretizer, a sorter, a synchronizer, on a bus that no other process sees.
 
 #include <filesystem>
 #include <map>
@@ -62,7 +62,7 @@ class FakeShop {
   /// The newest answer, waited for, else -1; and how many came.
   int AnswerTo(std::uint64_t number, const std::string& sender = "ann");
   int answers(std::uint64_t number, const std::string& sender = "ann");
-  /// A worker says how it is; the first time it appears.
+  /// Publishes a worker's health; the worker appears with the first one.
   void Health(intaglio_Stage stage, const std::string& instance,
               intaglio_HealthState state);
   void Die(intaglio_Stage stage, const std::string& instance);
@@ -71,7 +71,7 @@ class FakeShop {
               intaglio_ErrorCode code = intaglio_ERROR_NONE,
               const std::string& message = "");
 
-  /// Tests say "s"; on the bus a name ends in that of its participant.
+  /// Tests use "s"; on the bus a name ends in that of its participant.
   std::string FullName(const std::string& instance) const;
 
   /// Takes what has come.
@@ -83,7 +83,7 @@ class FakeShop {
   StatusCopy Status(const std::string& submission_uid);
   /// Submissions with a status.
   std::size_t status_count() const { return status_.size(); }
-  /// What the job service says of itself; nothing before it does.
+  /// Health of the job service; nothing before its first sample.
   struct HealthCopy {
     intaglio_HealthState state = intaglio_HEALTH_STARTING;
     std::string message;
@@ -92,7 +92,7 @@ class FakeShop {
   TaskCopy Task(intaglio_Stage stage);
   /// As a synchronizer sees it: silence is no permission.
   bool granted() const;
-  /// The newest permission's word to fire uncertain points.
+  /// The newest permission's consent to fire uncertain points.
   bool fire_uncertain() const { return fire_uncertain_; }
   int permissions_seen() const { return permissions_seen_; }
 

@@ -1,6 +1,6 @@
 // The real job service, honest workers played by the test, and a forger beside them: what
-// it writes has no effect, whatever it names itself. On this bus nobody enforces the
-// partitions of the roles, so the forger writes in those of others as well.
+// it writes has no effect, whatever name it uses. On this bus the partitions of the roles
+// are not enforced, so the forger writes in those of others as well.
 
 #include <gmock/gmock.h>
 

@@ -324,7 +324,7 @@ TEST_F(JobServiceTest, AnArmedJobThatIsOvertakenIsNotPermittedToFire) {
   shop_.Die(intaglio_STAGE_SORT, "s");
   ASSERT_TRUE(Reaches(intaglio_JOB_QUEUED));
   EXPECT_FALSE(Job().armed);
-  // Whoever has a task of another job lets go of it.
+  // A worker that has a task of another job ends it.
   const auto is_of = [&](const std::string& submission) {
     bool all = true;
     for (const auto stage :

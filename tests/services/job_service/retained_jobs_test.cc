@@ -27,7 +27,7 @@ using bus::View;
 
 constexpr auto kRemembered = static_cast<std::uint32_t>(kRememberedJobs);
 
-/// Whoever watches the jobs: what is on the bus, by submission.
+/// What a client that watches the jobs sees on the bus, by submission.
 class Watcher {
  public:
   explicit Watcher(bus::Bus& bus) : reader_(bus, bus::kJobStatus) {}

@@ -1,7 +1,7 @@
 #pragma once
 
-// A stage controller as its driver sees it: it takes segments into a queue, says what it
-// is told to say, and remembers every command. Behind a pseudo-terminal.
+// A stage controller as its driver sees it: it takes segments into a queue, sends the
+// statuses that the test sets, and remembers every command. Behind a pseudo-terminal.
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ class FakeStage {
     }
   }
 
-  /// What the next statuses say besides the queue.
+  /// Content of the next statuses besides the queue.
   link::MotionStatus status;
   bool answers_status = true;
   std::string serial_number = "S-03";  ///< reported at the next handshakes
@@ -65,7 +65,7 @@ class FakeStage {
     Say(link::MotionFrame::kMotionStatus, Encode(status));
   }
   void Say(link::MotionFrame type, const link::Bytes& payload) {
-    // A full window only means that this word is not said; statuses come again.
+    // A full window only means that this message is not sent; statuses come again.
     (void)link_->Send(static_cast<std::uint8_t>(type), payload);
   }
 

@@ -41,7 +41,7 @@ class VirtualStageDriver : public ::testing::Test {
         },
         bound);
   }
-  /// The line is up and the stage has said how it is.
+  /// The line is up and the stage has sent its status.
   bool Connect() {
     return Until([&] {
       return driver->state().link_up && driver->state().fault == intaglio_MOTION_OK;

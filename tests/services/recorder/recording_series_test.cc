@@ -198,7 +198,7 @@ TEST_F(Series, AFullDiskIsNotFilledWithBeginnings) {
   EXPECT_THAT(Names(), ElementsAre("s.mcap", "s-0002.mcap"));
 }
 
-// The papers of all jobs since the recorder was begun would fill memory and files.
+// The attachments of all jobs since the recorder was begun would fill memory and files.
 TEST_F(Series, CarriesTheNewestAttachmentsOver) {
   options_.split_bytes = 20'000;
   auto series = Open();
@@ -245,7 +245,7 @@ TEST_F(Series, SaysWhatIsMissing) {
   EXPECT_EQ(missing.at("to_ns"), std::to_string(9 * kSecond));
 }
 
-// The system's limit on the size of files stands in for a full disk.
+// The system's limit on the size of files represents a full disk.
 TEST_F(Series, FullDiskCostsBulkAndNoControl) {
   auto series = Open();
   const auto control = series.AddStream(control_, types_);

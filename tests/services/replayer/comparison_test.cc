@@ -41,7 +41,7 @@ TEST(Comparison, OneBitIsADifferenceAndItsPlaceIsNamed) {
   EXPECT_EQ(found->part(), 2u);
 }
 
-// -0 and 0 are equal numbers and other bits: the next stage may tell them apart.
+// -0 and 0 are equal numbers and other bits: the next stage may distinguish them.
 TEST(Comparison, ZerosOfOtherSignDiffer) {
   CloudBatch then = Batch(), now = Batch();
   then.x_mm[0] = 0.0;

@@ -21,7 +21,7 @@ TEST(RecordedSamples, TasksHoldTheFrozenJob) {
   EXPECT_EQ(job.job().name(), "pyramid");
 }
 
-// The run that was recorded proved 272 points (its README tells how it was made).
+// The run that was recorded proved 272 points (its README describes how it was made).
 TEST(RecordedSamples, PointsComeTogether) {
   const auto reader = Golden("pyramid.mcap");
   for (const char* topic : {"PointBatch", "PathBatch"}) {

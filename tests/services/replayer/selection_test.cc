@@ -29,7 +29,7 @@ std::set<std::string> Played(const SelectionOptions& options) {
   return NamesOf(*selection);
 }
 
-// Whoever adds a topic has to think of what it does when it is played.
+// A person who adds a topic has to consider its effect when it is played.
 TEST(Selection, EveryTopicOfTheProductIsWeighed) {
   const std::set<std::string> shown = {"Alarm", "PulseEventBatch"};
   test::ForEachTopic([&](const auto& topic) {

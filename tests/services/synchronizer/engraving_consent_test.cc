@@ -1,4 +1,4 @@
-// A person's consent to fire again the points of which nobody knows.
+// A person's consent to fire uncertain points again.
 
 #include "tests/services/synchronizer/uncertain_cell.h"
 
@@ -262,7 +262,7 @@ void MakeUncertain(const std::filesystem::path& file, std::uint32_t count) {
   }
 }
 
-// More than the journal takes at once: whoever dies in between opens no more of them.
+// More than the journal takes at once: a life that ends in between opens no more of them.
 TEST_P(UncertainConsent, OfManyNoneIsOpenedByTheSameConsentInAnotherLife) {
   constexpr std::uint32_t kMany = 150'000;
   FakeCell cell({.points = kMany, .lockstep = lockstep()});

@@ -269,14 +269,15 @@ TEST_F(EngravingLoss, WhoStopsDoesNotWaitForALineThatNeverComesBack) {
   cell_.engraving->Stop("the job was cancelled");
   ASSERT_TRUE(cell_.StepUntilDone());
   EXPECT_GT(cell_.Count(PointState::kArmed), 0);
-  // Whoever takes it up when the line is back knows of each.
+  // The synchronizer that takes the job up when the line is back learns the result of
+  // each.
   cell_.CutLine(false);
   cell_.DieAndTakeUp();
   ASSERT_TRUE(cell_.StepUntil([this] { return cell_.Count(PointState::kArmed) == 0; }));
   EXPECT_EQ(cell_.Count(PointState::kUncertain), 0);
   EXPECT_EQ(cell_.made(), cell_.laser.cracks().size());
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
-  // Nobody is left to close the shutters: the controller does.
+  // No host is left to close the shutters: the controller does.
   EXPECT_EQ(cell_.laser.shutters(), 0);
 }
 

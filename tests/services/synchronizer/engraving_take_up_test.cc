@@ -85,7 +85,7 @@ TEST_P(TakeUp, AgainAndAgain) {
   EXPECT_EQ(cell.Count(PointState::kUncertain), 0u);
 }
 
-// Nothing fires before somebody at the machine has armed it again.
+// Nothing fires before a person at the machine has armed it again.
 TEST_P(TakeUp, WaitsForAPermission) {
   FakeCell cell({.points = kTakeUpPoints, .lockstep = lockstep()});
   cell.Grant();
@@ -329,7 +329,7 @@ TEST_P(TakeUp, TheRunBeginsAtTheFirstPointThatIsNotMade) {
   }
 }
 
-// Somebody has reached into the machine, and nobody was there to see it.
+// A person has reached into the machine, and no process was there to detect it.
 TEST(TakenUp, ADoorThatWasOpenedMeanwhileWantsAPerson) {
   FakeCell cell({.points = kTakeUpPoints});
   cell.Grant();

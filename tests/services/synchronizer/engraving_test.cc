@@ -260,7 +260,7 @@ TEST_F(EngravingTest, HasEveryOutcomeOnDiskWhilePaused) {
   cell_.Withdraw();
   cell_.StepUntil([&] { return cell_.phase() == Phase::kWaiting; });
   cell_.StepFor(10ms);
-  // Nobody asks the journal for anything but the engraving itself.
+  // Only the engraving itself writes to the journal.
   EXPECT_TRUE(test::Eventually(
       [&] { return cell_.journal->durable() == cell_.journal->appended(); }));
 }

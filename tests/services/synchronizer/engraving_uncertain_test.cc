@@ -1,4 +1,5 @@
-// Points of which nobody knows whether they were fired, and the person who is asked.
+// Uncertain points, of which it is not known whether they were fired, and the person who
+// is asked.
 
 #include "tests/services/synchronizer/uncertain_cell.h"
 

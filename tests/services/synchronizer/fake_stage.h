@@ -1,8 +1,8 @@
 #pragma once
 
 // A motion bridge with its stage: takes the feed's batches after a while, grants credit,
-// moves exactly as the segments say, and shows itself in a MotionView that is some
-// milliseconds old. Every fault is at the test's hand.
+// moves exactly as the segments describe, and shows itself in a MotionView that is some
+// milliseconds old. The test controls every fault.
 
 #include <chrono>
 #include <cstdint>

@@ -25,7 +25,7 @@ class SimulatedClock {
   }
   std::uint64_t tick() const { return tick_; }
   std::uint64_t stamp() const { return static_cast<std::uint64_t>(heard_ns_); }
-  /// At the newest tick, less what the oscillator would have to say.
+  /// At the newest tick, less the oscillator's own drift.
   double ErrorUs(const MotionClock& clock, double ahead_ticks, double drift_ppm) const {
     const double truth = true_ns_ + ahead_ticks * (1 + drift_ppm * 1e-6) * 1e9 / rate_hz_;
     return 1e-3 *
@@ -117,7 +117,7 @@ TEST(MotionClock, NoticesThatThePaceHasChangedAndFindsTheNewOne) {
       clock.Observe(truth.tick(), truth.stamp());
       if (clock.steps() > 0 && noticed_after == 0) noticed_after = i;
     }
-    // 300 ppm make 300 us a second, and 200 us are beyond doubt.
+    // 300 ppm make 300 us a second, and 200 us are clearly detected.
     if (std::abs(to_ppm - from_ppm) >= 300) {
       EXPECT_GT(noticed_after, 0) << to_ppm;
       EXPECT_LT(noticed_after, 400) << to_ppm;

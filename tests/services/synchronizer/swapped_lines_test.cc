@@ -326,7 +326,7 @@ TEST_F(TwoCells, WithSwappedLaserLinesNothingIsLitOrFiredAndBothReportWhy) {
   }
 }
 
-// Whoever puts the cables right stands at the machines: each of them is armed anew.
+// The person who corrects the cables is at the machines: each of them is armed anew.
 class LinesSwappedInMidJob : public TwoCells,
                              public ::testing::WithParamInterface<std::string> {
  protected:

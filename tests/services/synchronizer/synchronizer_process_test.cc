@@ -97,8 +97,8 @@ TEST_F(SynchronizerProcess, WhoseLaserIsTakenOverEndsWithAFault) {
       << ended.output;
 }
 
-/// A job of twenty points whose path and empty journal lie in its folder already, and
-/// what is said of it.
+/// A job of twenty points whose path and empty journal lie in its folder already, and the
+/// statuses published for it.
 class WithAJob : public SynchronizerProcess {
  protected:
   static constexpr std::uint64_t kEpoch = 2000;
@@ -172,8 +172,9 @@ class WithAJob : public SynchronizerProcess {
     bus::Borrow(task.frozen_job, bytes);
     return ready && tasks_.Write(task).has_value();
   }
-  /// The journal names no power-up of the laser, so nobody knows what happened since an
-  /// arm that is published by then: as the job service does, one that is withdrawn.
+  /// The journal names no power-up of the laser, so it is not known what happened since
+  /// an arm that is published by then. As the job service does, this publishes one that
+  /// is withdrawn.
   bool IsPrepared() {
     return Eventually([&] {
       Permit(kEpoch, 0, false);
@@ -240,7 +241,7 @@ class WithAJob : public SynchronizerProcess {
     sample.operator_name = bus::Borrow(who);
     EXPECT_TRUE(commands_.Write(sample));
   }
-  /// Pulses within the time, the permission being told every 20 ms.
+  /// Pulses within the time, the permission being published every 20 ms.
   bool FiresWithin(std::chrono::milliseconds time, std::uint64_t epoch,
                    std::uint64_t grant) {
     const auto end = std::chrono::steady_clock::now() + time;
@@ -285,7 +286,7 @@ class WithAJob : public SynchronizerProcess {
   std::uint64_t permission_number_ = 0, reset_number_ = 0;
 };
 
-// All of it is retained, so a service that starts is told of it at once.
+// All of it is retained, so a service that starts receives it at once.
 TEST_F(WithAJob, WhatWasSaidInAnEarlierRunFiresNothing) {
   Permit(kEpoch - 1, 1u << 20);
   Reset(std::numeric_limits<std::uint64_t>::max());
@@ -326,8 +327,8 @@ TEST_F(WithAJob, AResetThatArrivesBeforeItsPressStopsOnceAllTheSame) {
   EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer->Output();
 }
 
-// The presser has ended, so nobody sends its press to the new synchronizer: the motion
-// bridge reports that it holds it. Else no reset could name it.
+// The presser has ended, so no process sends its press to the new synchronizer: the
+// motion bridge reports that it holds it. Else no reset could name it.
 TEST_F(WithAJob, AStopSurvivesItsPresserAndTheSynchronizer) {
   StartBridge();
   auto synchronizer = Start("synchronizer.log");
@@ -362,7 +363,7 @@ TEST_F(WithAJob, AStopSurvivesItsPresserAndTheSynchronizer) {
   EXPECT_TRUE(FiresWithin(15s, kEpoch, 2)) << synchronizer->Output();
 }
 
-// What a file of the submitter says of the machine moves nothing.
+// What a file of the submitter contains about the machine has no effect on motion.
 TEST_F(WithAJob, AJobForAnotherMachineIsRefusedAndEnds) {
   StartBridge();
   const auto synchronizer = Start("synchronizer.log");

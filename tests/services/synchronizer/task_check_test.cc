@@ -123,7 +123,7 @@ TEST(TaskCheck, AJobBeyondThisMachineIsRefused) {
   EXPECT_THAT(RefusalOf(task), HasSubstr("motion.max_speed_mm_s"));
 }
 
-// Whoever changes them changes the depth of all points.
+// A change of these changes the depth of all points.
 TEST(TaskCheck, OpticalValuesThatContradictTheJobAreRefused) {
   FrozenJob task = GoodTask();
   task.mutable_optics()->set_stage_per_glass_ratio(0.7);

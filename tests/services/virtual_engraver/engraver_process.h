@@ -31,11 +31,11 @@ class EngraverProcess {
   std::filesystem::path record_file() const { return folder_ / "glass.rec"; }
   intaglio::testing::Running& program() { return program_; }
 
-  /// False when it does not say so in five seconds.
+  /// False when it is not ready within five seconds.
   bool AwaitReady();
   /// One line for another on the panel; empty when it does not answer within a second.
   std::string Ask(const std::string& command) const;
-  /// A number or word of the panel's status, e.g. "shutters"; empty when there is none.
+  /// A value of the panel's status, e.g. "shutters"; empty when there is none.
   std::string StatusOf(const std::string& name) const;
 
  private:
@@ -51,7 +51,7 @@ class EngravingHost {
  public:
   explicit EngravingHost(const EngraverProcess& engraver);
 
-  /// Both sessions are up and both identities were heard.
+  /// Both sessions are up and both identities were received.
   bool Connect();
   void Poll();
   /// Polls until the condition holds; false when the time is up first.

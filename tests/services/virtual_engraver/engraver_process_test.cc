@@ -45,7 +45,7 @@ TEST_P(EngraverLines, CarryAShortJob) {
   ASSERT_TRUE(host.Say(MotionFrame::kSegments, Encode(Frame(knots))));
   ASSERT_TRUE(host.Say(LaserFrame::kArmWindow, Encode(AllFrom(start + 1, 60, true))));
   ASSERT_TRUE(host.Until([&] { return host.heard().fired_count() == 10; }));
-  // What was told is in the file.
+  // Reported cracks are in the file.
   const auto record = formats::ReadGlassRecord(engraver.record_file());
   ASSERT_TRUE(record.has_value());
   ASSERT_EQ(record->cracks.size(), 10u);
@@ -100,7 +100,7 @@ TEST_P(EngraverLines, OfAHostThatDiesOrHangsLeaveClosedShutters) {
     host.Signal(signal_number);
     const auto silent_from = std::chrono::steady_clock::now();
     ASSERT_TRUE(Eventually([&] { return engraver.StatusOf("shutters") == "0"; }, 2s));
-    // 250 ms, and how late a loaded computer lets the two programs look.
+    // 250 ms, and the delay after which a loaded computer runs the two programs.
     EXPECT_LT(std::chrono::steady_clock::now() - silent_from, 600ms);
     EXPECT_EQ(engraver.StatusOf("safe_state"), "true");
     const std::string pulses = engraver.StatusOf("pulses");

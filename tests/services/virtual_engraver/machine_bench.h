@@ -44,7 +44,7 @@ class BenchLine : public link::ByteStream {
   std::shared_ptr<Wire> in_, out_;
 };
 
-/// What the machine said on both lines, decoded.
+/// The machine's messages on both lines, decoded.
 struct Heard {
   std::vector<link::LaserIdentity> laser_identities;
   std::vector<link::LaserStatus> laser_statuses;

@@ -15,7 +15,7 @@ class MachineSafety : public MachineBench {
  protected:
   std::uint8_t interlocks() const { return machine->laser().Report().interlocks; }
   bool safe_state() const { return (interlocks() & link::kSafeState) != 0; }
-  /// The machine heard a valid frame at this very moment.
+  /// The machine received a valid frame at this very moment.
   void SpeakOnLaser() {
     SayLaser(LaserFrame::kLaserStatusRequest);
     Pass(1ms);

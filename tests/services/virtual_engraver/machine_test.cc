@@ -226,7 +226,7 @@ TEST_F(PointRow, ALateLampSyncMakesATickLongerAndCountsNone) {
   Pass(200ms);
   const std::uint64_t passed = machine->laser().tick() - before;
   EXPECT_NEAR(static_cast<double>(passed), 14.5, 1);
-  // The controller's own clock has not stood still.
+  // The controller's own clock has not stopped.
   EXPECT_NEAR(static_cast<double>(machine->laser().Report().machine_us - clock_us),
               static_cast<double>(passed) * 10000 + 55000, 1.5)
       << "whole microseconds";

@@ -107,7 +107,7 @@ TEST(StageStops, StuckItStopsWithAFaultThatStaysWithItsCause) {
   ASSERT_TRUE(TicksToRest(stage).has_value());
   EXPECT_EQ(stage.Report().fault, StageFault::kFollowingError);
   EXPECT_EQ(stage.actual_mm().y(), 0);
-  // It stood still by its own brakes, long before the end of what was commanded.
+  // Its own brakes stopped it, long before the end of what was commanded.
   EXPECT_LT(stage.Report().tick, 60u);
 
   stage.Reset();

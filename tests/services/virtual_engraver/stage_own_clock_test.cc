@@ -1,5 +1,5 @@
 // The stage on an oscillator of its own: where it is at the lamp's ticks, when its
-// in-position output is on, and what it says of the ticks it hears of.
+// in-position output is on, and what it reports about the ticks it is notified of.
 
 #include <gtest/gtest.h>
 

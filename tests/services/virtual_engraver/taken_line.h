@@ -1,6 +1,7 @@
 #pragma once
 
-// A foreign host at a machine's line, which says one word to it: that it is the newest.
+// A foreign host at a machine's line, which sends one message to it: that it is the
+// newest host.
 
 #include <fcntl.h>
 #include <unistd.h>

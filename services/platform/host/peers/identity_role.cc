@@ -40,7 +40,7 @@ std::string InstanceName(const std::string& service, const std::string& host, in
 }
 
 bool IsOwn(std::string_view instance, const bus::SampleOrigin& origin) {
-  // The library ends an instance when its last writer is lost; nobody can forge that.
+  // The library ends an instance when its last writer is lost; that cannot be forged.
   if (!origin.alive && !origin.disposed) return true;
   return origin.writer != nullptr && instance.ends_with("-" + origin.writer->participant);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-// Whose identity a service has, and whether a sample was written by whom it names.
+// The identity that a service has, and whether a sample was written by the process that
+// it names.
 
 #include <string>
 #include <string_view>
@@ -31,7 +32,7 @@ bool IsOwnHealth(const intaglio_ServiceHealth& health, const bus::SampleOrigin& 
 bool IsOwnTask(const intaglio_TaskStatus& status, const bus::SampleOrigin& origin);
 
 /// For displays, which show a replay of an older recording as well: its samples have no
-/// partition. On a secured bus nobody may write these topics without one.
+/// partition. On a secured bus these topics cannot be written without a partition.
 bool HasNoRole(const bus::SampleOrigin& origin);
 
 }  // namespace intaglio::host

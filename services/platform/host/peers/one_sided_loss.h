@@ -1,15 +1,16 @@
 #pragma once
 
-// A network that fails in one direction for longer than a lease makes one of two lose the
-// other. Without identities they find each other again; with them the DDS library does
-// not: the one that lost the other asks for a new handshake, and the other one, which has
-// lost nothing, does not answer. It sees instead that its samples are not acknowledged
-// any more by a participant that still renews its lease. It then leaves the bus for
-// longer than a lease. After that both have lost each other and begin a new handshake.
+// A network that fails in one direction for longer than a lease makes one of two
+// participants lose the other. Without identities they find each other again; with them
+// the DDS library does not: the participant that lost the other asks for a new handshake,
+// and the other one, which has lost nothing, does not answer. The other one notices
+// instead that its samples are no longer acknowledged by a participant that still renews
+// its lease; it then leaves the domain for longer than a lease. After that both have lost
+// each other and begin a new handshake.
 //
-// Only the acknowledgements of those count whose loss matters (presence.h). A peer that
-// never acknowledges, by a defect or on purpose, is not cured by leaving: each time that
-// leaving did not help, the next one comes twice as late, kMaxNotice at most.
+// Only the acknowledgements of participants whose loss matters count (presence.h). A peer
+// that never acknowledges, by a defect or on purpose, is not cured by leaving: each time
+// that leaving did not help, the wait before the next one doubles, kMaxNotice at most.
 
 #include <algorithm>
 #include <chrono>

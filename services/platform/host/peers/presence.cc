@@ -19,7 +19,8 @@ Presence::Presence(bus::Bus& bus, std::string instance) : instance_(std::move(in
 
 bool Presence::Turn(OneSidedLoss::Time now) {
   if (!writer_) return false;
-  // What is taken is forgotten; untaken it would be kept for every peer that ever was.
+  // A taken sample is removed; untaken, one would be kept for every peer that ever
+  // existed.
   if (peers_) peers_->Take([](const intaglio_Presence&) {});
   // Before the next sample, so that the last one had its time.
   const bool all_acknowledged =

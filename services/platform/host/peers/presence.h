@@ -3,7 +3,7 @@
 // On a secured bus: lets a service notice that a peer whose loss matters has lost it
 // (one_sided_loss.h). For this alone there is the topic Presence. The job service reads
 // that of every cell and worker, a cell that of the job service, and the permissions let
-// nobody else read it. So an observer, an operator, a recorder or another cell that
+// no other role read it. So an observer, an operator, a recorder or another cell that
 // acknowledges nothing makes no service leave the bus.
 
 #include <chrono>
@@ -18,7 +18,7 @@ namespace intaglio::host {
 
 class Presence {
  public:
-  /// Without an identity, and for roles that nobody depends on, it does nothing.
+  /// Does nothing without an identity, and for roles that no other depends on.
   Presence(bus::Bus& bus, std::string instance);
 
   /// Every 200 ms. True when the service has to leave the bus for OneSidedLoss::kAway.

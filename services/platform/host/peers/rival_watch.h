@@ -1,13 +1,13 @@
 #pragma once
 
-// Whether another process does already what this one is about to do. Pure: who is heard
-// comes in, a verdict goes out.
+// Whether another process already does what this one is about to do. Pure: received
+// health goes in, a verdict comes out.
 //
 //   starting:  a rival that works                 -> kEnd
 //              a rival that starts, too           -> kEnd for the greater instance name
-//              a rival that ends, or was heard only once (it may be dead: its last word
-//              outlives it)                       -> kWait, until it is silent for kStale
-//              nobody, for the time of a look     -> kGoOn
+//              a rival that ends, or was received only once (it may be dead: its last
+//              sample outlives it)                -> kWait, until it is silent for kStale
+//              none, for the time of `look`       -> kGoOn
 //   working:   a rival that works, too            -> kEnd for the greater instance name
 //
 // So of two that start at once one stays, also when only one of them sees the other.
@@ -34,7 +34,7 @@ class RivalWatch {
   /// Health comes every 200 ms, and the lease of a dead process lasts as long.
   static constexpr std::chrono::milliseconds kStale{1500};
 
-  /// `look`: how long nobody has to be heard of before this one goes on.
+  /// `look`: for how long no rival may be received before this one goes on.
   RivalWatch(std::string own_instance, Nanoseconds began, Nanoseconds look)
       : own_instance_(std::move(own_instance)), began_(began), look_(look) {}
 
@@ -44,7 +44,7 @@ class RivalWatch {
   Verdict JudgeStart(Nanoseconds now);
   /// kGoOn or kEnd.
   Verdict JudgeWork(Nanoseconds now);
-  /// Whom the last kEnd was for.
+  /// The rival of the last kEnd.
   const Rival& rival() const { return rival_; }
 
  private:

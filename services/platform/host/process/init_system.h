@@ -1,15 +1,15 @@
 #pragma once
 
-// What a service says to the system that started it (systemd, Type=notify): that it is
-// ready, that its loop turns, that it ends. Nothing happens without such a system.
+// Reports to the system that started a service (systemd, Type=notify): that it is ready,
+// that its loop runs, that it ends. Does nothing without such a system.
 
 #include <string>
 
 namespace intaglio::host {
 
-/// Once the service has begun: who waited for it goes on.
+/// Once the service has begun: units that wait for it are started.
 void TellInitReady(const std::string& what);
-/// To be said from the service's loop, more often than WatchdogSec.
+/// To be called from the service's loop, more often than WatchdogSec.
 void TellInitAlive();
 void TellInitStopping();
 

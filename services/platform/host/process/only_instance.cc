@@ -18,13 +18,14 @@ std::chrono::nanoseconds Now() {
   return std::chrono::steady_clock::now().time_since_epoch();
 }
 
-// Who is there is discovered within some 50 ms on one computer, and on a network with
-// identities, where a handshake comes first, within a second.
+// Present processes are discovered within some 50 ms on one computer, and on a network
+// with identities, where a handshake comes first, within a second.
 std::chrono::nanoseconds LookOf(const bus::BusOptions& options) {
   return options.interface == "lo" && options.security.empty() ? 250ms : 1500ms;
 }
 
-// Stopping, not at fault: who has a fault serves on, and whoever starts would give way.
+// Stopping, not at fault: a service with a fault keeps running, and a process that starts
+// would give way to it.
 int End(ServiceHost& host, const std::string& code, const std::string& text, int result) {
   host.SetHealth(intaglio_HEALTH_STOPPING, {}, text);
   host.RaiseAlarm(intaglio_ALARM_FAULT, code, text);

@@ -1,7 +1,7 @@
 #pragma once
 
-// A machine has one synchronizer and one motion bridge, a shop one job service: what a
-// process does that is one too many.
+// A machine has one synchronizer and one motion bridge, a shop one job service. Defines
+// what a second process of the same kind does.
 //
 //   OnlyInstance only(host, role);
 //   if (only.AwaitTurn()) return only.EndAsSecond("synchronizer");   // nothing touched
@@ -28,9 +28,10 @@ class OnlyInstance {
   /// Waits until this process may go on, 0.25 s when it is alone on its computer, longer
   /// on a network or when one before it has just died. True: it has to end instead.
   bool AwaitTurn();
-  /// For whoever works: another has to be obeyed that was not seen at the start.
+  /// For a process that already works: true when another one, not seen at the start,
+  /// takes precedence and this one has to end.
   bool MustEnd();
-  /// Says who is there, on the bus and in the log. Returns kExitSecond.
+  /// Reports the other process on the bus and in the log. Returns kExitSecond.
   int EndAsSecond(const std::string& name);
 
  private:
@@ -42,8 +43,8 @@ class OnlyInstance {
   RivalWatch watch_;
 };
 
-/// The last word of a service whose machine a newer host has taken: a fault on the bus
-/// and in the log. `name` is what it is, "synchronizer". Returns kExitTakenOver.
+/// The last report of a service whose machine a newer host has taken: a fault on the bus
+/// and in the log. `name` is the kind of service, "synchronizer". Returns kExitTakenOver.
 int EndTakenOver(ServiceHost& host, const std::string& name);
 
 }  // namespace intaglio::host

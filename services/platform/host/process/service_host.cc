@@ -46,7 +46,7 @@ struct CommonOptions {
   bus::BusOptions bus;
   std::string log_file;
   std::string log_level = "info";
-  pid_t die_with_parent = 0;  // its process id; -1: whoever is the parent at first
+  pid_t die_with_parent = 0;  // its process id; -1: the parent at the start
   bool real_time = false;
   bool allow_root = false;
 };
@@ -78,7 +78,7 @@ void AddCommonOptions(command_line::Command app, CommonOptions& options) {
               "request real-time scheduling and locked memory from the system");
 }
 
-/// A service that others can reach has no business with the rights of root.
+/// A service that others can reach must not have the rights of root.
 void CheckUser(const CommonOptions& options) {
   if (geteuid() != 0 || options.allow_root || options.bus.interface == "lo") return;
   throw bus::BusError(
@@ -189,12 +189,12 @@ void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_u
 }
 
 void ServiceHost::KeepAlive() {
-  (void)stop();  // hands a signal on to whoever waits on the stop token
+  (void)stop();  // hands a signal on to the code that waits on the stop token
   if (Clock::now() >= impl_->next_publication) impl_->Publish();
   if (Clock::now() >= impl_->next_expiry_look) WarnOfExpiry();
 }
 
-// Whoever could renew it should know before the machine stops, and not look into logs.
+// The person who can renew it should know before the machine stops, without reading logs.
 void ServiceHost::WarnOfExpiry() {
   impl_->next_expiry_look = Clock::now() + kExpiryPeriod;
   // In seconds: without an identity the end is farther than nanoseconds count.

@@ -43,7 +43,7 @@ class ServiceHost {
   /// Published at once, and again every 200 ms by KeepAlive.
   void SetHealth(intaglio_HealthState state, const std::string& job_uid = {},
                  const std::string& message = {});
-  /// To be called from the service's own loop at least every 200 ms: health tells that
+  /// To be called from the service's own loop at least every 200 ms: health reports that
   /// the loop runs, not that the process exists. Cheap when nothing is due.
   void KeepAlive();
   /// Raises an alarm on the bus and in the log.

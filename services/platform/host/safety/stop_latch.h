@@ -16,9 +16,9 @@
 // with its press cannot hide it.
 //
 // A reset may reach one listener of a machine and not another, when it is deleted before
-// all have discovered it. So a listener can report what it holds (TakeHeld): the latch
-// takes that for presses, and holds them as long as they are reported, so that it can
-// report them to the next reset.
+// all have discovered it. So a listener can report the presses that it holds (TakeHeld):
+// the latch takes these for presses, and holds them as long as they are reported, so that
+// it can report them to the next reset.
 //
 // Memory is bounded by kMaxSources. What is forgotten is released already, longest ago
 // first: if such a press came again it would stop again. When all of them are held, a

@@ -188,7 +188,7 @@ void CloudSender<Batch>::End() {
   cloud_ = {};
 }
 
-// An empty cloud is one empty batch: the consumer has to hear of its end.
+// An empty cloud is one empty batch: the consumer has to receive its end.
 template <typename Batch>
 std::uint64_t CloudSender<Batch>::batch_count() const {
   return std::max<std::uint64_t>(1, (cloud_.size() + kBatchPoints - 1) / kBatchPoints);

@@ -24,8 +24,8 @@ inline constexpr std::uint64_t kMaxCloudPoints = 20'000'000;
 /// Receives one cloud after another, all in the wait set's thread. A cloud comes in
 /// parts, each a stream of its own under a credit of its own, in any order and side by
 /// side. A part may be begun again by another producer, with the same points: the newest
-/// attempt at it counts, and once it is whole it stays so; whoever still sends it a later
-/// time is acknowledged, so that it comes to its end.
+/// attempt at it counts, and once it is whole it stays so; a producer that still sends it
+/// once more is acknowledged, so that it can finish.
 template <typename Batch>
 class CloudIntake {
  public:
@@ -39,7 +39,7 @@ class CloudIntake {
   /// none; true when the cloud is whole. kLinkLost: a batch is missing. kFault: a batch
   /// contradicts itself. kTooLarge: more than kMaxCloudPoints.
   Result<bool> Poll();
-  /// Ends the credit; a producer that is still sending hears that nobody listens.
+  /// Ends the credit; a producer that is still sending sees that its stream has ended.
   void Close();
   /// The whole cloud, its parts in their order, once.
   PointCloud TakeCloud();

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a worker of one stage (discretizer, sorter) is given, and what it makes of it.
+// The task of a worker of one stage (discretizer, sorter), and its result.
 
 #include <cstdint>
 #include <string>
@@ -17,7 +17,7 @@ struct StageTask {
   TaskPart part;
   std::uint32_t input_part_count = 1;  ///< parts in which the input comes
   FrozenJob job;
-  std::string consumer;  ///< instance that takes the points; empty: nobody does
+  std::string consumer;  ///< instance that receives the points; empty: none does
 
   bool SameAs(const StageTask& other) const {
     return job_uid == other.job_uid && attempt == other.attempt &&

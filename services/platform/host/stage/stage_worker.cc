@@ -75,7 +75,7 @@ void StageWorker::TakeTasks() {
 void StageWorker::Take(const intaglio_StageTask& sample) {
   StageTask task = TaskOf(sample);
   if (sample.revoked) return Revoke(task);
-  if (newest_ && newest_->SameAs(task)) return;  // told again
+  if (newest_ && newest_->SameAs(task)) return;  // received again
   newest_ = task;
   const auto bytes = View(sample.frozen_job);
   Work work;
@@ -199,7 +199,7 @@ bool StageWorker::Send(const Result<bool>& sent) {
     work.phase = Phase::kSending;
     all_sent = output_.Advance(now_);
   } else if (work.phase == Phase::kMade) {
-    all_sent = true;  // to nobody
+    all_sent = true;  // there is no consumer
   }
   if (all_sent && !*all_sent) return false;
   End(0, all_sent ? nullptr : &all_sent.error());

@@ -2,7 +2,7 @@
 
 // The life of a worker of one stage, the same for all: it is given a task, takes its
 // input under credit, computes in a thread of its own while the bus loop keeps the health
-// fresh, hands the points to its consumer under credit, and tells how it went.
+// fresh, hands the points to its consumer under credit, and reports the result.
 //
 //   idle -> taking input -> computing -> made -> sending -> idle
 //
@@ -11,13 +11,15 @@
 // waits behind the one that is sent, which bounds the memory. Any other task takes the
 // place of all.
 //
-// What is revoked, or superseded, or whose job service has died is cancelled at once;
-// what still computes is waited for without holding up the loop. A revocation takes all
-// of its chain: one sample a worker is retained, so one for each part could be missed. An
-// error ends its task alone (TASK_FAILED), never the process.
+// A task that is revoked, or superseded, or whose job service has died is cancelled at
+// once; a computation that still runs is waited for without blocking the loop. A
+// revocation cancels the whole chain of parts: one sample a worker is retained, so one
+// for each part could be missed. An error ends its task alone (TASK_FAILED), never the
+// process.
 //
-// Every turn takes what has come from input and output, wanted or not: bulk topics carry
-// the streams of all workers, and what nobody takes would pile up and end every wait.
+// Every turn takes all samples that have come from input and output, wanted or not: bulk
+// topics carry the streams of all workers, and samples that are not taken would
+// accumulate and end every wait.
 
 #include <chrono>
 #include <deque>
@@ -42,8 +44,8 @@ class StageInput {
   /// Takes what has come and drops what is not of the open task, also when none is open;
   /// true when all of its input is there. Once a turn. Never blocks.
   virtual Result<bool> Poll(TimePoint now) = 0;
-  /// The task is computed or has ended, `withdrawn` when before its time: nobody asks for
-  /// its job again. The next one may be opened.
+  /// The task is computed or has ended, `withdrawn` when before its time: its job is not
+  /// asked for again. The next one may be opened.
   virtual void Close(bool withdrawn, TimePoint now) = 0;
   /// Moves the input into a function that needs nothing else and runs in another thread.
   virtual Computation<StageResult>::Function TakeComputation(const StageTask& task) = 0;
@@ -96,8 +98,8 @@ class StageWorker {
   void Accept(Work work);
   void Advance();
   void EndWithdrawn();
-  /// The first that is not made yet goes on; false: there is nothing to go on with.
-  /// `taken` is what its input said last.
+  /// Goes on with the first part that is not made yet; false: there is nothing to go on
+  /// with. `taken` is the last result of its input.
   bool Make(Result<bool>& taken);
   Result<bool> MakeOne(Work& work, Result<bool>& taken);
   Status Begin(Work& work);
@@ -117,7 +119,7 @@ class StageWorker {
 
   std::deque<Work> works_;           // in the order of their making and sending
   std::optional<Work> pending_;      // begins when all of these have ended
-  std::optional<StageTask> newest_;  // given last; it is told again when a link is back
+  std::optional<StageTask> newest_;  // given last; received again when a link is back
   std::unique_ptr<Computation<StageResult>> computation_;
   std::optional<Error> withdrawn_;
   TimePoint now_{};

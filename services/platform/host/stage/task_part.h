@@ -1,7 +1,7 @@
 #pragma once
 
-// How the work of a stage is cut into parts, as both sides have to know it: who hands
-// them out, who works on them and who puts them together again.
+// How the work of a stage is cut into parts, as everything that hands them out, works on
+// them or puts them together has to know it.
 
 #include <cstdint>
 
@@ -15,8 +15,8 @@ inline constexpr std::uint32_t kMaxParts = 32;
 inline constexpr std::uint32_t kMaxPartLosses = 3;
 
 /// Times that a part of one attempt is given: once it may be lost before it is begun. The
-/// consumer grants credit for all of them at once: it need not hear when one is begun
-/// again.
+/// consumer grants credit for all of them at once: it need not be notified when one is
+/// begun again.
 inline constexpr std::uint32_t kMaxPartAttempts = kMaxPartLosses + 1;
 
 /// Part `index` of `count`, begun for the `attempt`th time (from 0); of a stage that is

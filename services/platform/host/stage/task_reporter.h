@@ -1,6 +1,6 @@
 #pragma once
 
-// TaskStatus of one worker: what it says of its tasks.
+// Publishes the TaskStatus of one worker's tasks.
 
 #include <cstdint>
 #include <string>

@@ -56,8 +56,9 @@ Executor AllCores() {
   return OnThreads(std::max(1U, std::thread::hardware_concurrency()));
 }
 
-// Both of this thread alone, as Linux has it; refused, nothing is lost. In real time nice
-// says nothing, and among equals who computes would never be interrupted.
+// Both apply to this thread alone, as Linux defines it; when refused, nothing is lost. In
+// real time a nice value has no effect, and a computation would never be interrupted by
+// threads of the same priority.
 void GiveWay() {
   constexpr int kNice = 10;
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);

@@ -1,5 +1,5 @@
-// The motion that `intaglio plan` writes, read again and checked with nothing of ours:
-// whoever has the file alone must come to the figures that were printed.
+// The motion that `intaglio plan` writes, read again and checked without our code: a
+// reader that has the file alone must come to the figures that were printed.
 
 #include "services/cli/offline/plan_command.h"
 
@@ -52,7 +52,7 @@ std::vector<Row> ReadRows(const fs::path& file) {
   return rows;
 }
 
-/// What the rows say between two knots, by the cubic of the documentation.
+/// The motion between two knots according to the rows, by the cubic of the documentation.
 double CubicPlace(double p0, double v0, double p1, double v1, double d_s, double u) {
   const double b1 = p0 + v0 * d_s / 3, b2 = p1 - v1 * d_s / 3, w = 1 - u;
   return w * w * w * p0 + 3 * w * w * u * b1 + 3 * w * u * u * b2 + u * u * u * p1;
@@ -322,7 +322,7 @@ TEST_F(PlanCommand, SortTakesACloudThatLiesInNoBlock) {
   EXPECT_EQ(report.motions(0).violation_count(), 0u);
 }
 
-// What the machine cannot reach is said, not planned.
+// A target out of the machine's reach is reported, not planned.
 TEST_F(PlanCommand, ABlockThatTheStageCannotReachIsRefused) {
   EXPECT_EQ(Type({"plan", "--path", path().string(), "--block", "300", "30", "30"}),
             client::kExitWrongInput);

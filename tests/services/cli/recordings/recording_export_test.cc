@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-// What is looked at of a PulseEventBatch, in words of four bytes.
+// The fields of a PulseEventBatch that are read, in words of four bytes.
 constexpr char kPulsesIdl[] =
     "module intaglio { @final struct PulseEventBatch { string job_uid; "
     "sequence<uint32> tick; sequence<uint32> point; sequence<uint32> outcome; }; };";
@@ -24,8 +24,8 @@ recording::Bytes PulseOf(std::uint32_t tick, std::uint32_t point, std::uint32_t 
   return recording::WordsAsCdr({4, 0x00626f6a, 1, tick, 1, point, 1, outcome});
 }
 
-// By a person's word a point is tried again, and what a life of the synchronizer has said
-// the next one may say again: what counts is the newest crack of each.
+// By a person's consent a point is fired again, and the next life of the synchronizer may
+// report a point that an earlier life reported: the newest crack of each counts.
 TEST(RecordingExport, APointThatIsToldOfTwiceIsOneCrack) {
   const auto folder = test::FreshFolder();
   auto writer = recording::McapWriter::Create(folder / "a.mcap", {}).value();
@@ -45,7 +45,7 @@ TEST(RecordingExport, APointThatIsToldOfTwiceIsOneCrack) {
         {21u, 1u, intaglio_PULSE_UNCERTAIN},
         {22u, 2u, intaglio_PULSE_UNCERTAIN},
         {23u, 3u, intaglio_PULSE_SKIPPED},
-        {20u, 0u, intaglio_PULSE_MADE},     // said again
+        {20u, 0u, intaglio_PULSE_MADE},     // reported again
         {10u, 1u, intaglio_PULSE_MADE},     // after another power-up
         {11u, 2u, intaglio_PULSE_SKIPPED},  // opened again, and not fired
         {12u, 3u, intaglio_PULSE_MADE}}) {

@@ -77,7 +77,7 @@ TEST(ModelSources, APlyWithoutFacesIsACloud) {
        "y\nproperty double z\nend_header\n0 0 0\n3 0 0\n"});
   ASSERT_TRUE(made.has_value()) << made.error().message;
   EXPECT_EQ(made->cloud.size(), 2u);
-  // What a comment says of faces is no list of them; triangle strips are.
+  // A comment about faces is no list of them; triangle strips are.
   const std::string head = "ply\nformat ascii 1.0\ncomment element face 3\n";
   const std::string points =
       "element vertex 2\nproperty float x\nproperty float y\nproperty float z\n";

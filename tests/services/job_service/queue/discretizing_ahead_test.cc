@@ -66,7 +66,7 @@ TEST_F(PartsAheadTest, ASingleDiscretizerHasTheWholeAndNothingAhead) {
   EXPECT_THAT(actions_.Orders(), IsEmpty());
 }
 
-// The last parts wait for whoever is free first.
+// The last parts wait for the first free discretizer.
 TEST_F(PartsAheadTest, TowardsTheEndNothingIsGivenAhead) {
   BeginWithTwo();
   for (std::uint32_t index = 0; index < 14; ++index) {

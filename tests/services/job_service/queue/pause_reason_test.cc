@@ -1,4 +1,5 @@
-// Why a job is paused, as clients decide on it: whatever the sentences say.
+// Why a job is paused, as a code by which clients decide, independent of the text of the
+// messages.
 
 #include "tests/services/job_service/queue/queue_bench.h"
 

@@ -99,7 +99,7 @@ class JobQueueTest : public testing::Test {
     queue_.Take(task, now_);
     queue_.Turn(now_);
   }
-  /// A report about a part from whoever has it.
+  /// A report about a part from the worker that has it.
   TaskView PartReport(std::uint32_t part, intaglio_TaskState state,
                       std::uint64_t done = 100, std::uint64_t total = 100) {
     TaskView task;
@@ -115,7 +115,7 @@ class JobQueueTest : public testing::Test {
     queue_.Turn(now_);
   }
   void Done(std::uint32_t part) { Report(PartReport(part, intaglio_TASK_DONE)); }
-  /// Every part by whoever gets it; nothing when nobody has one.
+  /// Each part is done by the worker that has it; parts without a worker are left.
   void DiscretizeAll() {
     for (std::uint32_t part = 0; part < job().parts.size(); ++part) {
       if (!job().parts[part].worker.empty() && !job().parts[part].done) Done(part);

@@ -24,7 +24,7 @@ class TakeUpTest : public JobQueueTest {
     Ready("y2", intaglio_ROLE_SYNCHRONIZER);
     queue_.Turn(now_);
   }
-  /// And somebody else takes the job up.
+  /// And another synchronizer takes the job up.
   void BeAwayFor(std::chrono::seconds absence) {
     EngraveAndLose();
     for (auto waited = 0s; waited < absence; waited += 1s) {
@@ -240,7 +240,7 @@ TEST_F(TakeUpTest, ALostLineIsResumedByItself) {
   EXPECT_TRUE(Granted());
 }
 
-// A line that is lost again and again: it is tried for a minute, then somebody has to
+// A line that is lost again and again: it is tried for a minute, then a person has to
 // come.
 TEST_F(TakeUpTest, ALineThatDoesNotHoldIsGivenUp) {
   ReadyAll();
@@ -318,7 +318,8 @@ TEST_F(TakeUpTest, AnArmOutlivesAShortAbsenceOfTheSynchronizer) {
   EXPECT_TRUE(Granted());
 }
 
-// The computer slept, or the process was stopped: nobody knows what happened meanwhile.
+// The computer slept, or the process was stopped: it is not known what happened
+// meanwhile.
 TEST_F(TakeUpTest, AJobServiceThatStoodStillForLongDisarms) {
   ReadyAll();
   Add(1);
@@ -361,7 +362,7 @@ TEST_F(TakeUpTest, ClosingACellEndsItsArm) {
   EXPECT_FALSE(job().arm.armed());
 }
 
-// What a restart finds is an arm of which nobody knows how long it was unwatched.
+// A restart would find an arm without knowing how long it was unwatched.
 TEST_F(TakeUpTest, AnArmWithoutASynchronizerIsNotKeptOverARestart) {
   ReadyAll();
   Add(1);

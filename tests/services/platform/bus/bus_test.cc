@@ -125,7 +125,7 @@ TEST(Bus, AnInstanceEndsWhenItIsDisposed) {
   EXPECT_THAT(events, ElementsAre("a+", "a-"));
 }
 
-// A client that asks for something and is gone before the service looks has still asked.
+// A request of a client that is gone before the service reads it still counts.
 TEST(Bus, TheLastSampleOfAGoneWriterIsNotLost) {
   Bus bus(PrivateBusOptions());
   Reader<intaglio_JobStatus> reader(bus, kJobStatus);

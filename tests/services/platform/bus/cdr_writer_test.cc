@@ -93,7 +93,7 @@ class CdrWriter : public ::testing::Test {
   std::unique_ptr<bus::CdrWriter> writer_;
 };
 
-// The reader asks for lease, deadline and partition: it hears nothing from a writer
+// The reader asks for lease, deadline and partition: it receives nothing from a writer
 // without them.
 TEST_F(CdrWriter, TypedReadersGetTheSampleAndItsTime) {
   ASSERT_TRUE(writer_->Write(bus::CdrKind::kValue, Stop("els-9", 77).bytes(), 123456789));

@@ -54,7 +54,8 @@ TEST(Flow, CreditSaysHowFarTheProducerMayGo) {
   EXPECT_EQ(find().limit, 8u);
   EXPECT_EQ(find().reader, guid);
 
-  ASSERT_TRUE(grantor.Consumed("s", 1));  // less than a quarter of the window: not told
+  ASSERT_TRUE(grantor.Consumed("s", 1));  // less than a quarter of the window: not
+                                          // published
   ASSERT_TRUE(grantor.Consumed("s", 2));
   ASSERT_TRUE(Eventually([&] { return find().consumed == 2; }));
   EXPECT_EQ(find().limit, 10u);
@@ -81,7 +82,7 @@ TEST(Flow, WhatIsGrantedIsToldAgainOnceASecond) {
   }
   ASSERT_TRUE(grantor.Cancel("cancelled"));
   ASSERT_TRUE(grantor.Close("closed"));
-  ASSERT_TRUE(grantor.Consumed("s", 1));  // too little to be told
+  ASSERT_TRUE(grantor.Consumed("s", 1));  // too little to be published
   grantor.TellAgain(before);
   EXPECT_FALSE(Eventually([&] { return find("s").consumed == 1; }, 100ms));
   grantor.TellAgain(before + 60s);  // however long the above took

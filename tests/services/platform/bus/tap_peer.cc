@@ -1,4 +1,4 @@
-// The other process of topic_tap_test: a writer in the same process tells no type.
+// The other process of topic_tap_test: a writer in the same process announces no type.
 //
 //   tap_peer TAG topics CELL...         an empty sample of every topic in every cell,
 //                                       every 10 ms

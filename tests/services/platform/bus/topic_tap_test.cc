@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// A tap with one thread for both of its halves, and what it heard.
+/// A tap with one thread for both of its halves, and the samples that it received.
 class Listener {
  public:
   explicit Listener(bus::TopicTap::Filter filter = [](const auto&) { return true; })
@@ -65,7 +65,7 @@ std::string TextAt(std::span<const std::byte> bytes, std::size_t offset) {
   return {reinterpret_cast<const char*>(bytes.data()) + offset + 4, length - 1};
 }
 
-// The reader keeps all: of a writer that keeps one sample, each is heard.
+// The reader keeps all: every sample of a writer that keeps one sample is received.
 TEST(TopicTap, HearsEverySampleAndTheEndOfTheInstance) {
   constexpr std::size_t kCount = 200;
   // Longer than the 16 bytes that the library has for keys that it takes for short ones.

@@ -58,7 +58,7 @@ class Unacknowledged : public ::testing::Test {
                 times.max_ms, times.sum_ms, times.failed);
     return times;
   }
-  /// What `count` and `deaf` say of themselves.
+  /// The counts that `count` and `deaf` report about themselves.
   int CountOf(const std::string& instance) {
     health_.Take([this](const intaglio_ServiceHealth& health) {
       counts_[std::string(View(health.instance))] = health.pid;

@@ -13,7 +13,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// "understood", or what is said.
+/// "understood", or the output.
 std::string Said(Program& program, std::vector<std::string> words) {
   const Status parsed = program.Parse(std::move(words));
   return parsed ? "understood" : parsed.error().message;

@@ -1,7 +1,7 @@
 #pragma once
 
-// One direction of a serial line in memory, and a stream on its ends, that spoil bytes
-// as they are told: by a seeded generator, on a clock that the test moves.
+// One direction of a serial line in memory, and a stream on its ends, that corrupt bytes
+// as configured: by a seeded generator, on a clock that the test moves.
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
-// Several hosts on one line, as two processes on one serial port or a splitter: whoever
-// came last has the device, and nobody else says anything to it.
+// Several hosts on one line, as two processes on one serial port or a splitter: the
+// newest host has the device, and no other host sends anything to it.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 
 constexpr std::uint8_t kWord = 0x55;
 
-/// What the device says goes to every host.
+/// Bytes that the device sends go to every host.
 class Splitter : public ByteStream {
  public:
   explicit Splitter(std::vector<std::unique_ptr<FaultyEnd>> branches)
@@ -113,7 +113,7 @@ TEST_F(TwoHosts, TheNewerTakesTheDeviceAndTheOlderIsFencedOffForGood) {
   TurnFor(milliseconds(20));
   EXPECT_TRUE(hosts[1].link->up());
   EXPECT_GT(hosts[1].epoch->number, hosts[0].epoch->number);
-  // The older one has not noticed yet: what it says does nothing.
+  // The older one has not noticed yet: what it sends has no effect.
   ASSERT_TRUE(Say(hosts[0], 2));
   ASSERT_TRUE(Say(hosts[1], 3));
   TurnFor(milliseconds(400));
@@ -156,7 +156,7 @@ TEST_F(TwoHosts, AskingDisturbsNobody) {
   EXPECT_EQ(answered, hosts[0].epoch->number);
 }
 
-// Both are told the same highest number.
+// Both receive the same highest number.
 TEST_F(TwoHosts, OfTwoThatBeginAtOnceOneStays) {
   for (int trial = 0; trial < 10; ++trial) {
     for (Host& host : hosts) Start(host);
@@ -204,7 +204,7 @@ TEST_F(TwoHosts, WhoWasAwayWhileAnotherCameIsFencedOffWhenItIsBack) {
   EXPECT_FALSE(device->up());
 }
 
-// A frame that claims to open and does not say for whom opens nothing.
+// A frame that claims to open and does not name a host's epoch opens nothing.
 TEST_F(TwoHosts, AnOpenWithoutAnEpochIsNoOpen) {
   for (const std::size_t size : {0u, 4u, 7u, 9u}) {
     std::vector<std::byte> open;

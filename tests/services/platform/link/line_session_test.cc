@@ -65,7 +65,7 @@ class DeviceAndSession : public ::testing::Test {
   std::shared_ptr<LineEpoch> epoch = std::make_shared<LineEpoch>();
   std::unique_ptr<ReliableLink> device;
   std::uint32_t told_session = 0;
-  std::uint8_t power_up = 0x40;  ///< the type of what the device says after a handshake
+  std::uint8_t power_up = 0x40;  ///< the type of the device's message after a handshake
   std::vector<nanoseconds> open_times;
   std::vector<std::uint8_t> heard;
   LineSession session;
@@ -161,7 +161,7 @@ TEST_F(DeviceAndSession, ALineThatWasPulledOutIsOpenedAgain) {
   EXPECT_EQ(heard, (std::vector<std::uint8_t>{0x41, 0x42}));
 }
 
-// Somebody else has the device by then: this process has nothing to say to it any more.
+// Another host has the device by then: this process sends nothing to it any more.
 TEST_F(DeviceAndSession, WhoIsFencedOffSaysSoAndOpensNothing) {
   PlugIn();
   TurnFor(milliseconds(100));

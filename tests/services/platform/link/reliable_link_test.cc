@@ -67,7 +67,7 @@ class Line : public ::testing::Test {
     }
   }
 
-  /// Says numbers both ways as fast as the line takes them, until all have arrived.
+  /// Sends numbers both ways as fast as the line takes them, until all have arrived.
   void Exchange(std::uint32_t count) {
     host_got.clear();
     device_got.clear();
@@ -138,7 +138,7 @@ TEST_F(Line, SilenceOf250MillisecondsIsDownAndASpokenWordIsUpAgain) {
   const nanoseconds cut_at = now;
   while (device->up() && now - cut_at < milliseconds(1000)) Turn();
   EXPECT_LE(now - cut_at, milliseconds(251));
-  EXPECT_GE(now - cut_at, milliseconds(199));  // the last word was at most 50 ms old
+  EXPECT_GE(now - cut_at, milliseconds(199));  // the last frame was at most 50 ms old
   EXPECT_FALSE(device->CanSend());
   EXPECT_GT(device->silence(), milliseconds(250));
   EXPECT_TRUE(host->up()) << "the other direction is whole";
@@ -171,7 +171,7 @@ TEST_F(Line, ANewHostGetsANewSessionAndNothingOfTheOldOne) {
   EXPECT_EQ(device_got.front(), 100u);
 }
 
-/// A device that says exactly what the test lets it say, and keeps what it hears.
+/// A device that sends exactly what the test lets it send, and keeps what it receives.
 class ScriptedDevice {
  public:
   ScriptedDevice(std::unique_ptr<ByteStream> stream) : stream_(std::move(stream)) {}
@@ -277,7 +277,7 @@ TEST_F(Line, SequenceNumbersGoRound) {
 }
 
 // 115200 baud carry 11520 bytes a second. A window of long frames is 3 s of that, a
-// hundred times the resend timer: it must not make the line say everything twice.
+// hundred times the resend timer: it must not make the line send everything twice.
 TEST_F(Line, ASlowLineIsNotFilledWithRepetitions) {
   for (const auto& pipe : {to_device, to_host}) pipe->bytes_per_s = 11520;
   Open();

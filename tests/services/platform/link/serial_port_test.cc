@@ -91,7 +91,7 @@ TEST(SerialPort, NeverBlocks) {
   ASSERT_TRUE(port);
   std::array<std::byte, 4096> buffer{};
   EXPECT_EQ((*port)->Read(buffer), 0u);
-  // Nobody reads: at some time the line takes nothing more, and says so.
+  // No process reads: at some time the line takes nothing more, and reports it.
   bool full = false;
   for (int i = 0; i < 10000 && !full; ++i) full = (*port)->Write(buffer) == 0u;
   EXPECT_TRUE(full);

@@ -309,7 +309,7 @@ TEST_F(McapFile, FullDiskIsToldWithTheRemedy) {
   EXPECT_THAT(writer.error().message, HasSubstr("free space"));
 }
 
-/// The system's limit on the size of files stands in for a disk that is full.
+/// The system's limit on the size of files represents a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

@@ -1,5 +1,5 @@
-// What an honest program says of its own files before it joins. That others are refused
-// all the same is shown in tests/integration/security_test.cc.
+// What an honest program reports about its own files before it joins.
+// tests/integration/security_test.cc shows that other programs are refused all the same.
 
 #include "services/platform/bus/identity.h"
 
@@ -48,7 +48,7 @@ class IdentityFiles : public ::testing::Test {
   Result<bus::Identity> Read(std::chrono::sys_seconds now = kNow, int domain = 40) const {
     return bus::ReadIdentity(sorter_, domain, now);
   }
-  /// What is said now; it has to name the file.
+  /// The error message; it has to name the file.
   std::string Complaint(const std::string& file, std::chrono::sys_seconds now = kNow,
                         int domain = 40) const {
     const auto identity = Read(now, domain);
@@ -265,7 +265,7 @@ TEST(Roles, ReadersWriteNothingButTheirHealth) {
   }
 }
 
-// Permissions are by exact name: a pattern would allow what nobody thought of.
+// Permissions are by exact name: a pattern would allow topics that were not intended.
 TEST(Roles, NoTopicIsAPattern) {
   for (const security::Role& role : security::RolesOf({"els-03"})) {
     const std::string text = security::PermissionsText(role, "CN=x", {40}, {kNow, kNow});
@@ -292,8 +292,8 @@ TEST(Roles, WhatSeveralWriteIsWrittenInThePartitionOfTheRole) {
   }
 }
 
-// Who acknowledges nothing makes nobody leave the bus: only those are asked whose loss
-// matters.
+// A participant that acknowledges nothing makes no other leave the bus: only those are
+// asked whose loss matters.
 TEST(Roles, OnlyThoseThatDependOnEachOtherReadPresence) {
   std::map<std::string, std::string> readers;
   for (const security::Role& role : security::RolesOf({"els-03", "els-04"})) {

@@ -92,7 +92,7 @@ TEST(CellComparison, AnotherEndAndAMissingRunCount) {
   EXPECT_EQ(CompareCells(then, empty, counts)->now(), "none");
 }
 
-// How far motion is planned ahead when somebody opens the door is a matter of moments.
+// How far motion is planned ahead when a person opens the door depends on chance.
 TEST(CellComparison, ABrokenRunIsComparedAsFarAsBothPlanned) {
   CellWords then = Spoken(1, 100), now = then;
   for (CellWords* words : {&then, &now}) {
@@ -135,8 +135,8 @@ TEST(CellListener, RunsOfWhichNothingWasDecidedAreNotCompared) {
   EXPECT_EQ(words.runs[0].pulses.size(), 1u);
 }
 
-// The ticks begin again, and the points that nobody knows of are fired by a person's
-// word: what was said before them stays where it was.
+// The ticks begin again, and the uncertain points are fired by a person's consent:
+// reports from before stay where they were.
 TEST(CellListener, RunsBeforeTheUncertainKeepTheirPulses) {
   CellListener listener("job");
   SegmentWords run;

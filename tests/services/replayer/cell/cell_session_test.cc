@@ -56,7 +56,8 @@ TEST(CellSession, APauseIsAnEventInTheRunThatItBroke) {
   EXPECT_TRUE(withdrawn);
 }
 
-// What was silent for a moment had not closed its shutters, and never said so.
+// A machine whose line was silent for a moment had not closed its shutters, and never
+// reported that it had.
 TEST(CellSession, ASilentLineIsNoSafeState) {
   const auto reader = Golden("silent.mcap");
   const auto sessions = ReadCellSessions(reader);

@@ -30,7 +30,7 @@ TEST(MachineWatch, AnOpeningIsNoticedOnceItIsClosedAgain) {
   watch.Expect(kFirst);
   EXPECT_EQ(watch.Update(Seen({7, 3}), 1s), UnseenEvent::kOpened);
   EXPECT_EQ(watch.Update(Seen({7, 3}), 2s), UnseenEvent::kNone);
-  // Open at this moment: whoever looks sees it.
+  // Open at this moment: the interlock itself shows it.
   EXPECT_EQ(watch.Update({true, false, {7, 4}, true}, 3s), UnseenEvent::kNone);
   EXPECT_EQ(watch.Update(Seen({7, 4}), 4s), UnseenEvent::kNone);
 }

@@ -58,9 +58,9 @@ TEST(PermissionLinks, EveryMissingLinkSaysWhatToDo) {
   EXPECT_TRUE(TextOf(Missing::kNothing).empty());
 }
 
-// The machine by a table, in the words of a person at the cell. Soft: latched by a lost
-// line, so that the job service may renew the grant. Of the arms, kOld was spent,
-// kRenewed is the same with a greater renewal, kNew is a greater number.
+// The machine by a table, in terms of a person at the cell. Soft: latched by a lost line,
+// so that the job service may renew the grant. Of the arms, kOld was spent, kRenewed is
+// the same with a greater renewal, kNew is a greater number.
 enum class From { kClear, kSoft, kLatched, kResetting };
 enum class Arm { kNone, kOld, kRenewed, kNew };
 enum class Event { kTurn, kLateTurn, kFault, kLostLine };  // late: after kResetTime
@@ -285,8 +285,8 @@ TEST(PermissionChain, ANewArmIsToldFromAnOldOneByItsNumberAlone) {
   EXPECT_EQ(chain.WhatIsMissing(LinksOfBits(kAll, {4, 0}), true), Missing::kPermission);
 }
 
-// A job service that was frozen wakes and repeats what it said before another one, in its
-// place, told of a pause.
+// A job service that was frozen wakes and repeats the grant that it published before
+// another one, in its place, published a pause.
 TEST(PermissionChain, AnOlderGrantIsWorthNothingAfterAWithdrawal) {
   const ChainLinks older = LinksOfBits(kAll, {4, 0});
   PermissionChain chain;

@@ -104,7 +104,7 @@ TEST_F(LaserAndHosts, WhatADeadHostArmedIsToldToTheNextWhenItAsks) {
   ASSERT_TRUE(host->Arm({31, true, {true, false, true, true}}));
   StepFor(milliseconds(10));
   host.reset();
-  PassTicks(3);  // ticks 31..33; nobody hears of them
+  PassTicks(3);  // ticks 31..33; no host receives their reports
   reports.clear();
   NewHost();  // 34 is armed no longer
   PassTicks(1);

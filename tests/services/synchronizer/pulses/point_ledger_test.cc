@@ -71,7 +71,7 @@ TEST(PointLedger, AnUncertainPointIsOpenAgainByAWordAlone) {
   EXPECT_EQ(ledger.NextOpen(0), 1u);
 }
 
-// Nobody knows of it any more than before, until it is fired.
+// It stays unknown as before, until it is fired.
 TEST(PointLedger, AReopenedPointIsInDoubtUntilItIsFired) {
   PointLedger ledger(3);
   for (std::uint32_t i = 0; i < 3; ++i) ledger.Arm(i);

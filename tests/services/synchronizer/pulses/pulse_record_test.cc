@@ -181,7 +181,8 @@ TEST_F(PulseRecordTest, TheAccountAgreesWithTheControllersCounter) {
   record.TakeCounters(bench.controller);
   const auto kinds = KindsOnDisk();
   EXPECT_EQ(std::count(kinds.begin(), kinds.end(), JournalKind::kSession), 1);
-  // One that nobody asked for: the account begins anew, and later lives are given that.
+  // A pulse that was not requested: the account begins anew, and later lives receive the
+  // new one.
   fire(1);
   EXPECT_NE(record.known_pulse_count(), bench.controller.status().pulse_count);
   record.TakeCounters(bench.controller);

@@ -13,7 +13,7 @@ TEST(TickHorizonTest, InRealTimeItIsASecondOfTheLampAsOurClockMeasuresIt) {
   LaserBench bench;
   TickHorizon horizon(bench.controller, FakeLaser::kRateHz);
   EXPECT_FALSE(horizon.is_settled());
-  // The lamp is twice as fast as it says: 400 ticks in a second of ours.
+  // The lamp is twice as fast as its nominal rate: 400 ticks in a second of our clock.
   for (int i = 0; i < 1000; ++i) {
     bench.Step();
     if (i % 5 < 2) bench.PassTicks(1);

@@ -50,7 +50,7 @@ TEST(IdentityRole, HealthCountsFromTheProcessAndTheRoleThatItNames) {
   EXPECT_FALSE(Counts(jobs, "cell-els-03"));
 }
 
-// A cell whose name is chosen to look like a role's partition.
+// A cell whose name is chosen to resemble a role's partition.
 TEST(IdentityRole, ACellNamedAfterARoleIsNotThatRole) {
   EXPECT_NE(bus::RolePartition(bus::CellRole("x")), bus::RolePartition("stage-worker"));
   EXPECT_FALSE(Counts(HealthOf("sorter", intaglio_ROLE_SORTER), "cell-stage-worker"));

@@ -55,7 +55,7 @@ TEST(RivalWatch, OfTwoThatStartTheLesserNameStays) {
   EXPECT_EQ(b.JudgeStart(250ms), Verdict::kEnd);
 }
 
-// The last word of a process that was killed stands until its lease is over.
+// The last sample of a process that was killed stays until its lease is over.
 TEST(RivalWatch, ADeadOneIsWaitedForAndNoLonger) {
   RivalWatch watch("b", 0s, kLook);
   watch.Hear(Named("a", intaglio_HEALTH_BUSY), 10ms);
@@ -89,8 +89,8 @@ TEST(RivalWatch, OfTwoThatWorkTheLesserNameStays) {
   EXPECT_EQ(b.JudgeWork(13s), Verdict::kGoOn) << "it is silent by now";
 }
 
-// Two processes that start `apart` from each other and hear each other from some moment
-// on, each at its own: whatever the moments, one works in the end.
+// Two processes that start `apart` from each other and receive each other from some
+// moment on, each at its own: whatever the moments, one works in the end.
 TEST(RivalWatch, OneStaysHoweverLateTheyHearOfEachOther) {
   struct Process {
     std::string name;

@@ -97,7 +97,7 @@ TEST_P(OnlyOne, OfThreeThatStartAtOnceOneStays) {
   }
 }
 
-// The killed one's last word is still there when the next one looks round.
+// The last sample of the killed process is still there when the next one starts.
 TEST_P(OnlyOne, TheNextOneComesUpAfterAKill) {
   auto first = Start();
   ASSERT_TRUE(Works(*first)) << first->Output();
@@ -107,7 +107,7 @@ TEST_P(OnlyOne, TheNextOneComesUpAfterAKill) {
     EXPECT_TRUE(Works(*next)) << next->Output();
     return;
   }
-  // It was heard of twice before it died: the next one comes up.
+  // Two of its samples were received before it died: the next one comes up.
   const auto third = Start();
   EXPECT_TRUE(Works(*third)) << third->Output();
 }

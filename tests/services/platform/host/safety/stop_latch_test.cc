@@ -165,7 +165,7 @@ TEST(StopLatch, IsTheSameInEveryOrder) {
 }
 
 // The reset names what its sender received and is lost on its way to some listeners: in
-// no order does a listener release a press that is on nobody's list.
+// no order does a listener release a press that is on no list.
 TEST(StopLatch, NoOrderReleasesAPressThatNobodyNamed) {
   std::mt19937 random(6);
   for (int history = 0; history < 1000; ++history) {

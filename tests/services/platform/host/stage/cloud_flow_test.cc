@@ -221,7 +221,7 @@ TEST_F(CloudPartsTest, OneBegunAgainTakesTheOldOnesPlace) {
   ExpectWhole();
 }
 
-// Its first sender died when it had sent everything and not told it yet.
+// Its first sender died when it had sent everything and not reported it yet.
 TEST_F(CloudPartsTest, OneThatIsThereAlreadyIsAcknowledgedAndDropped) {
   ASSERT_TRUE(intake.Open("j", 1, 2));
   ASSERT_TRUE(Send(sender, {1, 2, 0}));

@@ -47,10 +47,10 @@ class StageShop {
                  const std::string& frozen_job);
   void Revoke(const std::string& job_uid, std::uint32_t attempt,
               host::TaskPart part = {});
-  /// What the worker has said of this part, if it has; does not wait.
+  /// The worker's newest report of this part, if there is one; does not wait.
   std::optional<TaskReport> Find(const std::string& job_uid, host::TaskPart part,
                                  intaglio_TaskState state);
-  /// The newest report of this job; waits until `enough` says so.
+  /// The newest report of this job; waits until `enough` accepts it.
   std::optional<TaskReport> AwaitReport(
       const std::string& job_uid, const std::function<bool(const TaskReport&)>& enough);
   /// The report with which the attempt ended.
