@@ -16,7 +16,7 @@
 namespace intaglio::materials_db {
 namespace {
 
-using Words = std::vector<std::string_view>;
+using Tokens = std::vector<std::string_view>;
 
 std::string UpperCase(std::string_view name) {
   std::string upper(name);
@@ -65,21 +65,21 @@ class CatalogReader {
 
   void ReadLine(std::string_view line) {
     const std::string_view kind = line.substr(0, 2);
-    const bool is_word = line.size() == 2 || (line.size() > 2 && line[2] == ' ') ||
-                         (line.size() > 2 && line[2] == '\t');
-    if (!is_word) return;
+    const bool is_token = line.size() == 2 || (line.size() > 2 && line[2] == ' ') ||
+                          (line.size() > 2 && line[2] == '\t');
+    if (!is_token) return;
     const std::string_view rest = Trimmed(line.substr(2));
     if (kind == "CC") {
       comment_ = rest;
     } else if (kind == "NM") {
       FinishGlass();
-      ReadName(SplitWords(rest));
+      ReadName(SplitTokens(rest));
     } else if (kind == "GC") {
       if (InGlass(kind)) glass_comment_ = rest;
     } else if (kind == "ED") {
-      if (InGlass(kind)) ReadExpansionAndDensity(SplitWords(rest));
+      if (InGlass(kind)) ReadExpansionAndDensity(SplitTokens(rest));
     } else if (kind == "MD") {
-      if (InGlass(kind)) ReadMechanics(SplitWords(rest));
+      if (InGlass(kind)) ReadMechanics(SplitTokens(rest));
     } else if (kind == "CD") {
       if (InGlass(kind)) ReadCoefficients(rest);
     } else if (kind == "LD") {
@@ -94,7 +94,7 @@ class CatalogReader {
     return false;
   }
 
-  void ReadName(const Words& words) {
+  void ReadName(const Tokens& words) {
     glass_ = Material();
     glass_comment_ = {};
     nd_.reset();
@@ -134,7 +134,7 @@ class CatalogReader {
   }
 
   /// A value of the line times `factor`; unknown where there is none.
-  std::optional<double> Value(const Words& words, std::size_t place, double factor) {
+  std::optional<double> Value(const Tokens& words, std::size_t place, double factor) {
     if (place >= words.size() || words[place] == "-" || words[place] == "_") {
       return std::nullopt;
     }
@@ -149,12 +149,12 @@ class CatalogReader {
     return *number * factor;
   }
 
-  void ReadExpansionAndDensity(const Words& words) {
+  void ReadExpansionAndDensity(const Tokens& words) {
     glass_.expansion_per_k = Value(words, 0, 1e-6);
     glass_.density_kg_m3 = Value(words, 2, 1000);
   }
 
-  void ReadMechanics(const Words& words) {
+  void ReadMechanics(const Tokens& words) {
     glass_.youngs_modulus_gpa = Value(words, 0, 1);
     glass_.poisson_ratio = Value(words, 1, 1);
     glass_.specific_heat_j_kg_k = Value(words, 3, 1000);

@@ -43,7 +43,7 @@ std::string FormatNumbers(const std::vector<double>& numbers) {
   return fmt::format("{}", fmt::join(numbers, " "));
 }
 
-std::vector<std::string_view> SplitWords(std::string_view line) {
+std::vector<std::string_view> SplitTokens(std::string_view line) {
   return Split(line, IsSpace);
 }
 

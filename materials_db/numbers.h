@@ -18,6 +18,6 @@ std::string FormatNumber(double number);
 std::string FormatNumbers(const std::vector<double>& numbers);
 
 /// The tokens of a line, split at white space.
-std::vector<std::string_view> SplitWords(std::string_view line);
+std::vector<std::string_view> SplitTokens(std::string_view line);
 
 }  // namespace intaglio::materials_db

@@ -40,11 +40,11 @@ struct HostTime {
 };
 
 /// A bound in time that was given: the share that the host took away does not count, for
-/// up to kMostTimes the bound.
+/// up to kMaxTimes the bound.
 class Patience {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr double kMostTimes = 4;
+  static constexpr double kMaxTimes = 4;
 
   explicit Patience(Clock::duration bound)
       : bound_(bound), began_(Clock::now()), before_(HostTime::Now()) {}
@@ -52,7 +52,7 @@ class Patience {
   bool over() const {
     const auto waited = Clock::now() - began_;
     if (waited < bound_) return false;
-    if (waited > bound_ * kMostTimes) return true;
+    if (waited > bound_ * kMaxTimes) return true;
     const HostTime now = HostTime::Now();
     const double worked = now.worked - before_.worked;
     const double stolen = now.stolen - before_.stolen;

@@ -17,24 +17,24 @@ std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks) {
 }
 
 // A channel adds no information if another channel occurs in all masks that contain it.
-std::vector<ChannelMask> TellingChannels(std::span<const ChannelMask> masks) {
+std::vector<ChannelMask> DistinctChannels(std::span<const ChannelMask> masks) {
   const std::vector<ChannelMask> distinct = DistinctMasks(masks);
   const auto implies = [&distinct](ChannelMask a, ChannelMask b) {
     return std::all_of(distinct.begin(), distinct.end(), [a, b](ChannelMask mask) {
       return !ShareChannel(mask, a) || ShareChannel(mask, b);
     });
   };
-  std::vector<ChannelMask> telling;
+  std::vector<ChannelMask> deciding;
   for (int i = 0; i < kMaxChannels; ++i) {
     const auto channel = static_cast<ChannelMask>(1 << i);
-    bool told = implies(channel, 0);  // by no mask at all
-    for (int j = 0; j < kMaxChannels && !told; ++j) {
+    bool reported = implies(channel, 0);  // by no mask at all
+    for (int j = 0; j < kMaxChannels && !reported; ++j) {
       const auto other = static_cast<ChannelMask>(1 << j);
-      told = j != i && implies(channel, other) && (j < i || !implies(other, channel));
+      reported = j != i && implies(channel, other) && (j < i || !implies(other, channel));
     }
-    if (!told) telling.push_back(channel);
+    if (!reported) deciding.push_back(channel);
   }
-  return telling;
+  return deciding;
 }
 
 PointCloud PointsIn(ChannelMask channels, const PointCloud& cloud,

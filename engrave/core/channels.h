@@ -29,7 +29,7 @@ std::vector<ChannelMask> DistinctMasks(std::span<const ChannelMask> masks);
 
 /// Single channels, as few as are needed so that any two of `masks` that share a channel
 /// share one of these. One when all masks are equal.
-std::vector<ChannelMask> TellingChannels(std::span<const ChannelMask> masks);
+std::vector<ChannelMask> DistinctChannels(std::span<const ChannelMask> masks);
 
 /// The points that are made in any of `channels`, in their order; `masks`: one a point.
 PointCloud PointsIn(ChannelMask channels, const PointCloud& cloud,

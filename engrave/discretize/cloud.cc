@@ -12,19 +12,19 @@ namespace intaglio::discretize {
 namespace {
 
 // A seam, the points between it and the next seam, and that next seam.
-constexpr std::uint64_t kWeldsPerSlab = 3;
+constexpr std::uint64_t kThinningsPerSlab = 3;
 
 struct SlabResult {
   SpacedCloud kept;
   std::uint64_t candidate_count = 0;
-  std::uint64_t welded_count = 0;
+  std::uint64_t thinned_count = 0;
   BoundsReport outside;
   std::vector<MethodStatistics> models;
 };
 
 /// How far points of the job reach in height.
-double ReachOf(const Sources& sources, const WeldOptions& weld) {
-  double reach_mm = weld.min_spacing_mm * weld.height_ratio;
+double ReachOf(const Sources& sources, const ThinningOptions& thinning) {
+  double reach_mm = thinning.min_spacing_mm * thinning.height_ratio;
   for (const auto& source : sources) reach_mm = std::max(reach_mm, source->MaxSpacing());
   return reach_mm;
 }
@@ -51,23 +51,23 @@ class SlabMaker {
   Result<SlabResult> Make(std::size_t slab) const {
     SlabResult result;
     result.models.resize(sources_.size());
-    auto lower = INTAGLIO_TRY(Welded(slabs_.Seam(slab), {}, result));
+    auto lower = INTAGLIO_TRY(Thinned(slabs_.Seam(slab), {}, result));
     SpacedCloud taken = lower;
     if (slab + 1 < slabs_.count()) {
       SlabResult of_next;  // discarded: counted when slab + 1 is made
       of_next.models.resize(sources_.size());
-      const auto upper = INTAGLIO_TRY(Welded(slabs_.Seam(slab + 1), {}, of_next));
+      const auto upper = INTAGLIO_TRY(Thinned(slabs_.Seam(slab + 1), {}, of_next));
       Append(upper, taken);
     }
-    const auto between = INTAGLIO_TRY(Welded(slabs_.Between(slab), taken, result));
+    const auto between = INTAGLIO_TRY(Thinned(slabs_.Between(slab), taken, result));
     result.kept = std::move(lower);
     Append(between, result.kept);
     return result;
   }
 
  private:
-  Result<SpacedCloud> Welded(const HeightRange& range, const SpacedCloud& taken,
-                             SlabResult& result) const {
+  Result<SpacedCloud> Thinned(const HeightRange& range, const SpacedCloud& taken,
+                              SlabResult& result) const {
     SpacedCloud candidates;
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
       const auto goes_on = [this](std::uint64_t, std::uint64_t) {
@@ -83,8 +83,8 @@ class SlabMaker {
                                          : TakeOutside(of_source, candidates));
     if (!progress_.GoesOn(1)) return Cancelled();
     result.candidate_count += offered;
-    SpacedCloud kept = Weld(candidates, options_.weld, taken);
-    result.welded_count += candidates.size() - kept.size();
+    SpacedCloud kept = Thin(candidates, options_.thinning, taken);
+    result.thinned_count += candidates.size() - kept.size();
     return kept;
   }
 
@@ -101,7 +101,7 @@ class SlabMaker {
 void AppendTo(Discretized& all, SlabResult&& slab) {
   all.candidate_count += slab.candidate_count;
   all.clipped_count += slab.outside.outside_count;
-  all.welded_count += slab.welded_count;
+  all.thinned_count += slab.thinned_count;
   for (std::size_t i = 0; i < slab.models.size(); ++i) all.models[i].Add(slab.models[i]);
   PointCloud& cloud = all.cloud;
   cloud.points_mm.insert(cloud.points_mm.end(), slab.kept.points_mm.begin(),
@@ -117,9 +117,9 @@ Result<Discretized> MakeCloud(const Sources& sources, const CloudOptions& option
                               const Part& part, const Executor& executor,
                               const ProgressSink& progress) {
   Require(part.index < part.count, "there is no part {} of {}", part.index, part.count);
-  const Slabs slabs(BoundsOf(sources), ReachOf(sources, options.weld));
+  const Slabs slabs(BoundsOf(sources), ReachOf(sources, options.thinning));
   const std::size_t begin = part.Begin(slabs.count()), end = part.End(slabs.count());
-  SharedProgress shared(progress, kWeldsPerSlab * (end - begin));
+  SharedProgress shared(progress, kThinningsPerSlab * (end - begin));
   const SlabMaker maker(sources, options, slabs, shared);
   std::vector<Result<SlabResult>> made(end - begin);
   RunEach(executor, made.size(), [&](std::size_t i) { made[i] = maker.Make(begin + i); });

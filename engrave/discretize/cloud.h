@@ -13,13 +13,13 @@
 #include "engrave/core/result.h"
 #include "engrave/discretize/slabs.h"
 #include "engrave/discretize/spacing/point_source.h"
-#include "engrave/discretize/spacing/weld.h"
+#include "engrave/discretize/spacing/thinning.h"
 
 namespace intaglio::discretize {
 
 struct CloudOptions {
-  WeldOptions weld;   ///< over the whole block
-  Box3 permitted_mm;  ///< the block minus its margin, glass frame
+  ThinningOptions thinning;  ///< over the whole block
+  Box3 permitted_mm;         ///< the block minus its margin, glass frame
   /// By the number of a source, when their blocks differ; empty: permitted_mm.
   std::vector<Box3> permitted_of_source_mm = {};
   bool clip = false;  ///< drop points outside instead of failing
@@ -29,7 +29,7 @@ struct Discretized {
   PointCloud cloud;  ///< glass frame; from the lowest point up
   std::uint64_t candidate_count = 0;
   std::uint64_t clipped_count = 0;
-  std::uint64_t welded_count = 0;        ///< removed by thinning
+  std::uint64_t thinned_count = 0;       ///< removed by thinning
   std::vector<MethodStatistics> models;  ///< one a source
 };
 

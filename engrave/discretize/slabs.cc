@@ -12,7 +12,7 @@ namespace {
 // thicknesses between two of them, that is one layer in thirty.
 constexpr double kSeamsPerSlab = 32;
 // Enough for every machine, and few enough that the cost of cutting is negligible.
-constexpr double kMostSlabs = 256;
+constexpr double kMaxSlabs = 256;
 // Factor on the reach: two points this far apart in height are never too near, whatever
 // rounding did to them.
 constexpr double kSeamAllowance = 1 + 1e-6;
@@ -25,7 +25,7 @@ Slabs::Slabs(const Box3& bounds, double reach_mm) : reach_mm_(reach_mm * kSeamAl
   if (bounds.empty()) return;
   const double low_mm = bounds.min_mm.z(), height_mm = bounds.size_mm().z();
   const double fitting = std::floor(height_mm / (kSeamsPerSlab * reach_mm_));
-  const auto slabs = static_cast<std::size_t>(std::clamp(fitting, 1.0, kMostSlabs));
+  const auto slabs = static_cast<std::size_t>(std::clamp(fitting, 1.0, kMaxSlabs));
   for (std::size_t k = 1; k < slabs; ++k) {
     heights_mm_.push_back(low_mm + height_mm * static_cast<double>(k) /
                                        static_cast<double>(slabs));

@@ -87,15 +87,15 @@ std::optional<char32_t> NextCharacter(std::string_view& text) {
     if ((byte & 0xC0U) != 0x80) return std::nullopt;
     code = (code << 6) | (byte & 0x3FU);
   }
-  constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  if (code < kLeast[length] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) {
+  constexpr char32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (code < kMin[length] || code > 0x10FFFF || (code >= 0xD800 && code < 0xE000)) {
     return std::nullopt;
   }
   text.remove_prefix(length);
   return code;
 }
 
-bool LooksLikeFile(std::string_view font) {
+bool MayBeFile(std::string_view font) {
   if (font.find('/') != font.npos) return true;
   constexpr std::string_view kEndings[] = {".ttf", ".otf", ".ttc",
                                            ".pfb", ".TTF", ".OTF"};
@@ -109,7 +109,7 @@ class Typesetter {
   Status Open() {
     std::string file = options_.font;
     const std::string_view bytes = options_.font_bytes;
-    if (bytes.empty() && !LooksLikeFile(file)) {
+    if (bytes.empty() && !MayBeFile(file)) {
       auto found = INTAGLIO_TRY(FindFontFile(file));
       file = std::move(found);
     }

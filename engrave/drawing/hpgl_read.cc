@@ -119,17 +119,17 @@ class HpglReader {
   }
 
   /// All numbers of an instruction that has few; at least `least` of them are required.
-  bool Numbers(std::size_t least, std::vector<double>& numbers) {
+  bool Numbers(std::size_t smallest, std::vector<double>& numbers) {
     bool ok = true;
     while (const std::optional<double> number = NextNumber(ok)) {
       if (numbers.size() == 8)
         return Refuse(ErrorCode::kInvalidValue, "too many numbers");
       numbers.push_back(*number);
     }
-    if (!ok || numbers.size() >= least) return ok;
+    if (!ok || numbers.size() >= smallest) return ok;
     return Refuse(ErrorCode::kInvalidValue,
-                  fmt::format("needs {} numbers, got {}; plot the drawing again", least,
-                              numbers.size()));
+                  fmt::format("needs {} numbers, got {}; plot the drawing again",
+                              smallest, numbers.size()));
   }
 
   bool Do() {

@@ -103,11 +103,11 @@ std::optional<HpglScale::Wrong> HpglScale::UpdateByPoints(const Vec2& span) {
   }
   factor_ = room.cwiseQuotient(span);
   if (scale_.size() < 5 || scale_[4] != kIsotropic) return std::nullopt;
-  const double least = factor_.cwiseAbs().minCoeff();
+  const double smallest = factor_.cwiseAbs().minCoeff();
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     const auto share = static_cast<std::size_t>(5 + axis);
     const double percent = scale_.size() > share ? scale_[share] : kMiddle_percent;
-    factor_[axis] = least * SignOf(factor_[axis]);
+    factor_[axis] = smallest * SignOf(factor_[axis]);
     offset_[axis] += percent / 100 * (room[axis] - factor_[axis] * span[axis]);
   }
   return std::nullopt;

@@ -24,7 +24,7 @@ constexpr std::size_t kSamples = 32;
 // Lengths of two flattenings differ by far less.
 constexpr double kLengthRatio = 0.01;
 // Distances from a segment, about 5 ns each.
-constexpr std::uint64_t kMostDistances = 100'000'000;
+constexpr std::uint64_t kMaxDistances = 100'000'000;
 
 using BoxCell = Cell<6>;
 
@@ -100,17 +100,17 @@ class Repeated {
     const std::size_t count = std::min(kSamples, p.points_mm.size());
     for (std::size_t i = 0; i < count; ++i) {
       distances_ += q.points_mm.size();
-      if (distances_ > kMostDistances) return false;
+      if (distances_ > kMaxDistances) return false;
       if (!LiesOn(p.points_mm[i * p.points_mm.size() / count], q)) return false;
     }
     return true;
   }
   bool LiesOn(const Vec3& point, const FlatCurve& curve) const {
-    const double most = tolerance_mm_ * tolerance_mm_;
+    const double largest = tolerance_mm_ * tolerance_mm_;
     const PointList& points = curve.points_mm;
     const Vec3* last = &points.back();
     for (const Vec3& next : points) {
-      if (SquaredDistanceFromSegment(point, *last, next) <= most) return true;
+      if (SquaredDistanceFromSegment(point, *last, next) <= largest) return true;
       last = &next;
     }
     return false;

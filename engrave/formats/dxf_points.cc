@@ -174,10 +174,10 @@ Status PointReader::Take(const Pair& pair) {
 
 std::string PointReader::PassedOver() const {
   std::string text;
-  constexpr int kMostKinds = 8;
+  constexpr int kMaxKinds = 8;
   int kinds = 0;
   for (const auto& [kind, count] : passed_over_) {
-    if (++kinds > kMostKinds) return text + ", ...";
+    if (++kinds > kMaxKinds) return text + ", ...";
     text += fmt::format("{}{:.30} {}", text.empty() ? "" : ", ", OneLine(kind), count);
   }
   return text;

@@ -21,7 +21,7 @@ std::string CommentLine(std::string comment) {
 }
 
 /// With fixed decimals, and no minus before a zero.
-void AppendWord(char letter, double value, int decimals, std::string& line) {
+void AppendBlock(char letter, double value, int decimals, std::string& line) {
   const std::size_t begin = line.size();
   line += fmt::format(" {}{:.{}f}", letter, value, decimals);
   if (line.find_first_of("123456789", begin) == std::string::npos) {
@@ -62,8 +62,8 @@ Status WriteGcode(const std::filesystem::path& file, const PointTable& table,
     // All three coordinates in every line: a run can be resumed at any line.
     text = options.feed_mm_min > 0 ? "G1" : "G0";
     for (int axis = 0; axis < 3; ++axis) {
-      AppendWord(options.words[static_cast<std::size_t>(axis)],
-                 p_mm[axis] - options.origin_mm[axis], options.decimals, text);
+      AppendBlock(options.words[static_cast<std::size_t>(axis)],
+                  p_mm[axis] - options.origin_mm[axis], options.decimals, text);
     }
     text += '\n';
     text += options.pulse;

@@ -18,7 +18,7 @@ namespace intaglio::image {
 namespace {
 
 // A progressive file may go over all pixels once a scan; encoders write about ten.
-constexpr int kMostScans = 64;
+constexpr int kMaxScans = 64;
 
 struct JpegReader {
   jpeg_decompress_struct jpeg{};
@@ -59,10 +59,10 @@ static void OnJpegMessage(j_common_ptr jpeg, int level) {
 }
 
 static void OnJpegProgress(j_common_ptr jpeg) {
-  if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > kMostScans) {
+  if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > kMaxScans) {
     auto* reader = static_cast<JpegReader*>(jpeg->client_data);
     std::snprintf(reader->message, sizeof(reader->message), "more than %d scans",
-                  kMostScans);
+                  kMaxScans);
     std::longjmp(reader->out, 1);
   }
 }

@@ -88,10 +88,10 @@ FloatImage ResampleRows(const Value* values, int old_width, int old_height, floa
           window.bottom);
   const auto across = TapsOf(filter, old_width, width, window.left, window.right);
   const auto down = TapsOf(filter, old_height, height, window.top, window.bottom);
-  std::size_t most = 1;
-  for (const Taps& taps : down) most = std::max(most, taps.weights.size());
+  std::size_t largest = 1;
+  for (const Taps& taps : down) largest = std::max(largest, taps.weights.size());
   const auto row_size = static_cast<std::size_t>(width);
-  std::vector<float> narrow(most * row_size);  // old row y is at y % most
+  std::vector<float> narrow(largest * row_size);  // old row y is at y % most
   FloatImage result{width, height, std::vector<float>(row_size * down.size())};
   int done = down.front().first;
   for (std::size_t y = 0; y < down.size(); ++y) {
@@ -100,12 +100,13 @@ FloatImage ResampleRows(const Value* values, int old_width, int old_height, floa
     for (done = std::max(done, taps.first); done < end; ++done) {
       Narrow(
           values + static_cast<std::size_t>(done) * static_cast<std::size_t>(old_width),
-          across, unit, narrow.data() + static_cast<std::size_t>(done) % most * row_size);
+          across, unit,
+          narrow.data() + static_cast<std::size_t>(done) % largest * row_size);
     }
     float* out = result.values.data() + y * row_size;
     for (int i = taps.first; i < end; ++i) {
       const float weight = taps.weights[static_cast<std::size_t>(i - taps.first)];
-      const float* row = narrow.data() + static_cast<std::size_t>(i) % most * row_size;
+      const float* row = narrow.data() + static_cast<std::size_t>(i) % largest * row_size;
       for (std::size_t x = 0; x < row_size; ++x) out[x] += weight * row[x];
     }
     for (std::size_t x = 0; x < row_size; ++x) out[x] = std::clamp(out[x], 0.0F, 1.0F);

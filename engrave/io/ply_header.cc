@@ -38,7 +38,7 @@ std::optional<PlyType> TypeNamed(std::string_view name) {
   return std::nullopt;
 }
 
-std::vector<std::string_view> WordsOf(std::string_view line) {
+std::vector<std::string_view> TokensOf(std::string_view line) {
   std::vector<std::string_view> words;
   std::size_t begin = line.find_first_not_of(kHeaderBlanks);
   while (begin != std::string_view::npos) {
@@ -142,7 +142,7 @@ Result<PlyHeader> ParsePlyHeader(std::string_view bytes) {
     if (end == std::string_view::npos) break;
     const std::string_view line = bytes.substr(begin, end - begin);
     begin = end + 1;
-    const auto words = WordsOf(line);
+    const auto words = TokensOf(line);
     const std::string_view keyword = words.empty() ? "" : words[0];
     if (keyword == "end_header" && has_format) {
       header.size = begin;

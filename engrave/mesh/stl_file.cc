@@ -62,15 +62,15 @@ Result<TriangleMesh> ReadBinary(ByteReader& bytes, std::uint64_t count,
 
 bool IsBlank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-bool IsWord(std::string_view text, std::string_view lower_case) {
+bool IsToken(std::string_view text, std::string_view lower_case) {
   return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
                     [](char c, char expected) { return io::LowerCase(c) == expected; });
 }
 
 /// The tokens of a line one after another.
-class Words {
+class Tokens {
  public:
-  explicit Words(std::string_view rest) : rest_(rest) {}
+  explicit Tokens(std::string_view rest) : rest_(rest) {}
   std::string_view Next() {
     std::size_t begin = 0;
     while (begin < rest_.size() && IsBlank(rest_[begin])) ++begin;
@@ -97,7 +97,7 @@ class TextReader {
   tl::unexpected<Error> Refuse(std::string_view what) const {
     return source_.RefuseAsUnreadable(fmt::format("line {} {}", line_number_, what));
   }
-  Status TakeCorner(Words& words, std::string_view line);
+  Status TakeCorner(Tokens& words, std::string_view line);
   Status EndFacet();
 
   const ImportSource& source_;
@@ -109,7 +109,7 @@ class TextReader {
   std::size_t corner_count_ = 0;
 };
 
-Status TextReader::TakeCorner(Words& words, std::string_view line) {
+Status TextReader::TakeCorner(Tokens& words, std::string_view line) {
   if (!in_facet_ || corner_count_ == corners_.size()) {
     return Refuse("has an extra vertex, or one outside a facet");
   }
@@ -132,25 +132,25 @@ Status TextReader::EndFacet() {
 
 Status TextReader::TakeLine(std::string_view line) {
   ++line_number_;
-  Words words(line);
+  Tokens words(line);
   // Some writers put several of these on one line.
   for (std::string_view word = words.Next(); !word.empty(); word = words.Next()) {
-    if (IsWord(word, "vertex")) {
+    if (IsToken(word, "vertex")) {
       if (Status status = TakeCorner(words, line); !status) return status;
-    } else if (IsWord(word, "facet")) {
+    } else if (IsToken(word, "facet")) {
       if (!in_solid_ || in_facet_) return Refuse("begins a facet in the wrong place");
       in_facet_ = true;
       corner_count_ = 0;
       for (int i = 0; i < 4; ++i) words.Next();  // normal x y z, which may be no numbers
-    } else if (IsWord(word, "endfacet")) {
+    } else if (IsToken(word, "endfacet")) {
       if (Status status = EndFacet(); !status) return status;
-    } else if (IsWord(word, "solid") || IsWord(word, "endsolid")) {
-      const bool begins = IsWord(word, "solid");
+    } else if (IsToken(word, "solid") || IsToken(word, "endsolid")) {
+      const bool begins = IsToken(word, "solid");
       if (in_facet_ || in_solid_ == begins) return Refuse("has a solid in a wrong place");
       in_solid_ = begins;
       return {};  // the rest is its name
-    } else if (!IsWord(word, "outer") && !IsWord(word, "loop") &&
-               !IsWord(word, "endloop")) {
+    } else if (!IsToken(word, "outer") && !IsToken(word, "loop") &&
+               !IsToken(word, "endloop")) {
       return Refuse(fmt::format("is not a line of an STL: \"{:.60}\"", line));
     }
   }
@@ -199,7 +199,7 @@ Result<TriangleMesh> ReadText(std::string beginning, ByteReader& bytes,
 bool IsText(std::string_view beginning) {
   if (beginning.find('\0') != std::string_view::npos) return false;
   const std::size_t first = beginning.find_first_not_of(" \t\r\n\v\f");
-  return first != std::string_view::npos && IsWord(beginning.substr(first, 5), "solid");
+  return first != std::string_view::npos && IsToken(beginning.substr(first, 5), "solid");
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ bool FitsCubic(double duration_s, const AxisLimits& unit) {
 }
 
 bool FitsTriangle(double duration_s, const AxisLimits& unit) {
-  return LeastSeconds(Profile::kTriangle, 1.0, unit) * (1.0 - kTickSlackRatio) <=
+  return MinSeconds(Profile::kTriangle, 1.0, unit) * (1.0 - kTickSlackRatio) <=
          duration_s;
 }
 
@@ -56,14 +56,14 @@ std::optional<std::uint64_t> RampSubticks(std::uint64_t subticks, double rate_hz
   const double shortest_s =
       slack * SwitchingSeconds(duration_s, 1.0, unit.max_acceleration_mm_s2);
   const double longest_s = duration_s - slack / unit.max_speed_mm_s;
-  const auto least =
+  const auto smallest =
       std::max(static_cast<std::uint64_t>(std::ceil(shortest_s / subtick_s)),
                kShortestArcSubticks);
   if (longest_s < shortest_s) return std::nullopt;
-  const auto most = std::min(static_cast<std::uint64_t>(longest_s / subtick_s),
-                             (subticks - kShortestArcSubticks) / 2);
-  if (least > most) return std::nullopt;
-  return std::clamp(subticks / 3, least, most);
+  const auto largest = std::min(static_cast<std::uint64_t>(longest_s / subtick_s),
+                                (subticks - kShortestArcSubticks) / 2);
+  if (smallest > largest) return std::nullopt;
+  return std::clamp(subticks / 3, smallest, largest);
 }
 
 /// The course of `profile` over exactly `ticks`, or nothing if it does not fit.
@@ -98,7 +98,7 @@ std::optional<Course> CourseOver(std::uint64_t ticks, Profile profile, double ra
 Course PlanStep(const Vec3& step_mm, const Limits& limits, double rate_hz,
                 Profile profile) {
   const AxisLimits unit = UnitStepLimits(step_mm, limits);
-  std::uint64_t ticks = WholeTicks(LeastSeconds(profile, 1.0, unit), rate_hz);
+  std::uint64_t ticks = WholeTicks(MinSeconds(profile, 1.0, unit), rate_hz);
   for (;; ++ticks) {
     Require(ticks <= kMaxStepTicks, "a step of ({}, {}, {}) mm takes {} ticks",
             step_mm.x(), step_mm.y(), step_mm.z(), ticks);

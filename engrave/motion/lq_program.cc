@@ -17,8 +17,8 @@ namespace {
 /// Powers of two, so that a stage is whole subticks. The maximum keeps stages below
 /// kMaxSegmentTicks in a step of kMaxStepTicks.
 constexpr std::uint64_t kFewestStages = 8;
-constexpr std::uint64_t kMostStages = 512;
-static_assert(kMaxStepTicks / kMostStages <= kMaxSegmentTicks);
+constexpr std::uint64_t kMaxStages = 512;
+static_assert(kMaxStepTicks / kMaxStages <= kMaxSegmentTicks);
 
 /// Where the step is at the end of each stage: share of the way done, per stage.
 struct Course {
@@ -35,7 +35,7 @@ struct Course {
 /// Half of the time constant 1 / w is resolved.
 std::uint64_t StagesFor(double duration_w) {
   std::uint64_t stages = kFewestStages;
-  while (stages < kMostStages && static_cast<double>(stages) < 2.0 * duration_w) {
+  while (stages < kMaxStages && static_cast<double>(stages) < 2.0 * duration_w) {
     stages *= 2;
   }
   return stages;
@@ -45,7 +45,7 @@ Course CourseOver(std::uint64_t ticks, double rate_hz, const AxisLimits& unit) {
   const double w_per_s = unit.max_acceleration_mm_s2 / unit.max_speed_mm_s;
   const double duration_w = w_per_s * static_cast<double>(ticks) / rate_hz;
   const std::uint64_t stages =
-      std::max(StagesFor(duration_w), ticks > kMaxSegmentTicks ? kMostStages : 0);
+      std::max(StagesFor(duration_w), ticks > kMaxSegmentTicks ? kMaxStages : 0);
   const double stage_w = duration_w / static_cast<double>(stages);
   const LqRecursion recursion(
       AxisStage({}, {.position = 0.0, .speed = stage_w * stage_w, .control = 1.0}, 1.0),

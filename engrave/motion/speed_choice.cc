@@ -36,12 +36,12 @@ class Way {
     for (std::size_t i = 0; i < timed.size(); ++i) {
       const StepLimits& limits = choices[timed[i].choice];
       const double seconds = timed[i].ticks * (1 / rate_hz);
-      Axes most = AxesOf(limits.planned.max_acceleration_mm_s2 * seconds);
+      Axes largest = AxesOf(limits.planned.max_acceleration_mm_s2 * seconds);
       for (int axis = 0; axis < 3; ++axis) {
-        if (limits.jerk_limited(axis)) most[axis] = -1;
+        if (limits.jerk_limited(axis)) largest[axis] = -1;
       }
       const double per_s = 1 / seconds;
-      steps_.push_back({AxesOf(steps_mm[i]), AxesOf(steps_mm[i] * per_s), most,
+      steps_.push_back({AxesOf(steps_mm[i]), AxesOf(steps_mm[i] * per_s), largest,
                         AxesOf(limits.planned.max_speed_mm_s), seconds, per_s});
     }
     speeds_.resize(timed.size() + 1);
@@ -83,7 +83,7 @@ class Way {
   struct Step {
     Axes distance_mm;
     Axes mean_mm_s;
-    Axes most_mm_s;  ///< Gained at full acceleration; < 0 where jerk is limited.
+    Axes max_mm_s;  ///< Gained at full acceleration; < 0 where jerk is limited.
     Axes top_mm_s;
     double seconds;
     double per_s;
@@ -131,7 +131,7 @@ class Way {
     const Axes ends = (six - 4 * v - 2 * w).abs().max((six - 2 * v - 4 * w).abs());
     // Bezier ordinates of the speed: v, the middle one, w.
     const Axes middle = 3 * step.mean_mm_s - v - w;
-    return (ends - step.most_mm_s)
+    return (ends - step.max_mm_s)
         .max(middle.abs().max(v.abs()).max(w.abs()) - step.top_mm_s);
   }
 
@@ -140,7 +140,7 @@ class Way {
     const SpeedInterval at{speed, speed};
     const Step& step = steps_[i];
     const Limits& planned = choices_[timed_[i].choice].planned;
-    if (step.most_mm_s[axis] < 0) {
+    if (step.max_mm_s[axis] < 0) {
       return EndsOf(ReachableEndSpeeds(at, step.distance_mm[axis], step.seconds,
                                        JerkLimitsOf(planned, axis)));
     }

@@ -76,9 +76,10 @@ class AccelerationNodes {
     // The time by which a full ramp is shortened to fit the grid is kept in reserve.
     const double jerk = limits.max_jerk_mm_s3 * (1 + grid_s * limits.max_jerk_mm_s3 /
                                                          limits.max_acceleration_mm_s2);
-    const double most = std::min(limits.max_acceleration_mm_s2, jerk * ramp_s);
+    const double largest = std::min(limits.max_acceleration_mm_s2, jerk * ramp_s);
     const double peak = std::copysign(
-        std::min(std::abs(gain_mm_s) / ((all * subtick_s_) - ramp_s), most), gain_mm_s);
+        std::min(std::abs(gain_mm_s) / ((all * subtick_s_) - ramp_s), largest),
+        gain_mm_s);
     const std::uint64_t half = ramp / (2 * grid) * grid;
     const double half_peak = peak * static_cast<double>(half) / static_cast<double>(ramp);
     const bool split_flat = split && duration > 3 * ramp;
@@ -98,7 +99,7 @@ class AccelerationNodes {
     const auto seconds = [&](std::size_t from, std::size_t to) {
       return static_cast<double>(at_[to] - at_[from]) * subtick_s_;
     };
-    std::array<double, kMost> gain{}, lag{}, weight{};
+    std::array<double, kMax> gain{}, lag{}, weight{};
     double gg = 0, gm = 0, mm = 0;
     const std::size_t end = count_ - 1;
     for (std::size_t k = 1; k < end; ++k) {
@@ -124,7 +125,7 @@ class AccelerationNodes {
   }
 
  private:
-  static constexpr std::size_t kMost = StepCourse::kMaxPieces + 1;
+  static constexpr std::size_t kMax = StepCourse::kMaxPieces + 1;
 
   void Add(std::uint64_t at, double acceleration) {
     if (count_ > 0 && at <= at_[count_ - 1]) return;
@@ -141,8 +142,8 @@ class AccelerationNodes {
 
   double subtick_s_;
   std::size_t count_ = 0;
-  std::array<std::uint64_t, kMost> at_;
-  std::array<double, kMost> acceleration_;
+  std::array<std::uint64_t, kMax> at_;
+  std::array<double, kMax> acceleration_;
 };
 
 }  // namespace

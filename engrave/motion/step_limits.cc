@@ -35,42 +35,43 @@ std::array<Vec3, 5> ShareVectors() {
 }
 
 /// The largest box of these shares in the ball and the box `most`.
-Vec3 Inscribed(const Vec3& shares, double length, const Vec3& most) {
-  Vec3 box = (length * shares).cwiseMin(most);
+Vec3 Inscribed(const Vec3& shares, double length, const Vec3& largest) {
+  Vec3 box = (length * shares).cwiseMin(largest);
   for (int round = 0; round < 3; ++round) {
     double rest = length * length, open = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      if (box[axis] >= most[axis])
-        rest -= most[axis] * most[axis];
+      if (box[axis] >= largest[axis])
+        rest -= largest[axis] * largest[axis];
       else
         open += shares[axis] * shares[axis];
     }
     if (open == 0 || rest <= 0) break;
     const double scale = std::sqrt(rest / open);
     for (int axis = 0; axis < 3; ++axis) {
-      if (box[axis] < most[axis]) box[axis] = std::min(scale * shares[axis], most[axis]);
+      if (box[axis] < largest[axis])
+        box[axis] = std::min(scale * shares[axis], largest[axis]);
     }
   }
   return box;
 }
 
 /// The boxes for one length; the whole one where the length is no limit.
-std::vector<Vec3> Boxes(double length, const Vec3& most) {
-  if (most.norm() <= length) return {most};
+std::vector<Vec3> Boxes(double length, const Vec3& largest) {
+  if (largest.norm() <= length) return {largest};
   std::vector<Vec3> boxes;
   for (const Vec3& shares : ShareVectors()) {
-    boxes.push_back(Inscribed(shares, length, most));
+    boxes.push_back(Inscribed(shares, length, largest));
   }
   return boxes;
 }
 
-double LeastJerk(const Limits& limits) { return limits.max_jerk_mm_s3.minCoeff(); }
+double MinJerk(const Limits& limits) { return limits.max_jerk_mm_s3.minCoeff(); }
 
 std::uint64_t GridSubticks(const Limits& limits, double rate_hz) {
   constexpr double kGridSeconds = 0.2e-6, kBitMm = 2.2e-14;
   double seconds = kGridSeconds;
-  if (LeastJerk(limits) < kUnlimited) {
-    seconds = std::max(seconds, std::cbrt(24 * kBitMm / (1e-3 * LeastJerk(limits))));
+  if (MinJerk(limits) < kUnlimited) {
+    seconds = std::max(seconds, std::cbrt(24 * kBitMm / (1e-3 * MinJerk(limits))));
   }
   const auto grid = std::bit_ceil(
       static_cast<std::uint64_t>(std::ceil(seconds * rate_hz * kSubticksPerTick)));
@@ -82,7 +83,7 @@ Limits Planned(const Limits& limits, double rate_hz, std::uint64_t grid_subticks
   Limits planned = limits;
   double arc_steps = 2;
   planned.max_acceleration_mm_s2 *= 1 - 4 * grid_ticks;
-  if (LeastJerk(limits) < kUnlimited) {
+  if (MinJerk(limits) < kUnlimited) {
     // The cost of moving the nodes of the acceleration to the grid (step_course.cc): a
     // ramp to full acceleration may get shorter by a step of the grid.
     const double kept = 1 - kNodeCost * grid_ticks, grid_s = grid_ticks / rate_hz;
@@ -131,7 +132,7 @@ bool NearWalls(const std::vector<StepLimits>& choices, const Box3& extent_mm,
 }
 
 bool IsPlain(const std::vector<StepLimits>& choices) {
-  return choices.size() == 1 && LeastJerk(choices[0].whole) == kUnlimited;
+  return choices.size() == 1 && MinJerk(choices[0].whole) == kUnlimited;
 }
 
 SpeedInterval SpeedsAt(double position_mm, int axis, const StepLimits& limits,

@@ -33,13 +33,13 @@ bool IsOneCubic(const KnotState& from, const KnotState& to, double seconds,
     const double v = from.velocity_mm_s[axis], w = to.velocity_mm_s[axis];
     const double start = from.position_mm[axis], end = to.position_mm[axis];
     const double top = kRounding * whole.max_speed_mm_s[axis];
-    const double most = kRounding * seconds * whole.max_acceleration_mm_s2[axis];
+    const double largest = kRounding * seconds * whole.max_acceleration_mm_s2[axis];
     const double mean = (end - start) * per_s;
     // Bezier ordinates of the speed are v, the middle one, w. So fast, an axis gets at
     // most half the way it could go in the time beyond its ends.
     const double middle = 3 * mean - v - w, beyond = 0.5 * top * seconds;
-    fits &= std::abs(6 * mean - 4 * v - 2 * w) <= most;
-    fits &= std::abs(6 * mean - 2 * v - 4 * w) <= most;
+    fits &= std::abs(6 * mean - 4 * v - 2 * w) <= largest;
+    fits &= std::abs(6 * mean - 2 * v - 4 * w) <= largest;
     fits &= std::max({std::abs(v), std::abs(middle), std::abs(w)}) <= top;
     fits &= whole.travel_mm.min_mm[axis] <= std::min(start, end) - beyond;
     fits &= std::max(start, end) + beyond <= whole.travel_mm.max_mm[axis];

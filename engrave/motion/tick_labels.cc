@@ -155,8 +155,8 @@ void TickLabels::Extend(const Vec3& start_mm, const Vec3& step_mm, bool to_rest)
   // The last number of ticks to try for each label, set once it had a first success.
   last_.assign(end - first_.back(), UINT32_MAX);
   rest_ticks_ = UINT32_MAX;
-  const double least_s = (step_mm.cwiseAbs().array() / fastest_mm_s_.array()).maxCoeff();
-  auto ticks = static_cast<std::uint32_t>(WholeTicks(least_s, rate_hz_));
+  const double min_s = (step_mm.cwiseAbs().array() / fastest_mm_s_.array()).maxCoeff();
+  auto ticks = static_cast<std::uint32_t>(WholeTicks(min_s, rate_hz_));
   for (; IsWorthATry(ticks); ++ticks) {
     for (std::uint32_t choice = 0; choice < choices_.size(); ++choice) {
       const Trial trial = MakeTrial(start_mm, step_mm, ticks, choice);

@@ -235,10 +235,10 @@ void MotionVerifier::CheckJerk(const Segment& to, double d, const Vec3& a0,
   const Vec3 jerk = (a1 - a0).cwiseAbs() / d;
   const double bits = 12.0 * BitMm(from_, to) / (d * d);
   for (int axis = 0; axis < 3; ++axis) {
-    const double most = limits_.max_jerk_mm_s3[axis];
-    if (jerk[axis] > most * (1.0 + options_.limit_slack_ratio) + 2.0 * bits / d) {
+    const double largest = limits_.max_jerk_mm_s3[axis];
+    if (jerk[axis] > largest * (1.0 + options_.limit_slack_ratio) + 2.0 * bits / d) {
       Violate(fmt::format("segment {}: axis {} reaches {} mm/s^3, limit {}", segment_,
-                          axis, jerk[axis], most));
+                          axis, jerk[axis], largest));
     }
     CheckJump(axis, a0[axis], bits);
   }

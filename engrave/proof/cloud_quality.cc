@@ -81,7 +81,7 @@ void WarnOfSpacing(const QualityOptions& options, CloudQuality& quality) {
   if (nearest.doubled_count > 0) {
     quality.warnings.push_back(fmt::format(
         "{} points have the same place as another one, e.g. at {}: thin the cloud",
-        nearest.doubled_count, At(nearest.least.first_mm)));
+        nearest.doubled_count, At(nearest.smallest.first_mm)));
   } else if (nearest.near_pair_count > 0) {
     const bool scaled = options.height_ratio != 1;
     quality.warnings.push_back(fmt::format(
@@ -90,7 +90,7 @@ void WarnOfSpacing(const QualityOptions& options, CloudQuality& quality) {
         nearest.near_pair_count, nearest.more_pairs ? " or more" : "",
         options.min_spacing_mm,
         scaled ? fmt::format(" (heights divided by {:g})", options.height_ratio) : "",
-        nearest.least_scaled.distance_mm, At(nearest.least_scaled.first_mm)));
+        nearest.min_scaled.distance_mm, At(nearest.min_scaled.first_mm)));
   }
 }
 

@@ -15,7 +15,7 @@ constexpr double kApartInDiagonals = 0.1;
 constexpr std::size_t kPlacesPerTask = 4096;
 // A ball with so many points is beyond any limit; counting further would take quadratic
 // time.
-constexpr std::uint32_t kMostPlacesCounted = 4096;
+constexpr std::uint32_t kMaxPlacesCounted = 4096;
 
 double SphereVolume(double radius) {
   return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
@@ -35,7 +35,7 @@ std::vector<std::uint32_t> CountInBalls(const DistinctPlaces& places,
       tree.ForEachWithin(places.places_mm[at], radius_mm * radius_mm,
                          [&](std::uint32_t place, double) {
                            points += points_of[place];
-                           return ++met < kMostPlacesCounted;
+                           return ++met < kMaxPlacesCounted;
                          });
       in_ball[at] = points;
     }
@@ -83,7 +83,7 @@ CrackRisk MeasureCrackRisk(const DistinctPlaces& places, const PointTree& tree,
   const double apart_mm = std::max(kApartInRadii * risk.ball_radius_mm,
                                    kApartInDiagonals * box.size_mm().norm());
   for (const std::uint32_t at : risky) {
-    if (risk.worst.size() == options.most_places) break;
+    if (risk.worst.size() == options.max_places) break;
     const bool apart =
         std::all_of(risk.worst.begin(), risk.worst.end(), [&](const DensePlace& other) {
           return (other.place_mm - places.places_mm[at]).norm() >= apart_mm;

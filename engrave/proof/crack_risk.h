@@ -25,7 +25,7 @@ struct CrackRiskOptions {
   double crack_diameter_mm = 0;  ///< across the beam, positive
   double crack_length_mm = 0;    ///< along the beam, positive
   double max_share = 0.35;       ///< of the volume, that is still sound; positive
-  std::size_t most_places = 3;   ///< that are named
+  std::size_t max_places = 3;    ///< that are named
   Executor executor = {};
 };
 

@@ -54,16 +54,16 @@ class ChannelPlan {
     return index_of_[nearest.index];
   }
 
-  void CountInto(ChannelGlass& glass, std::vector<std::uint32_t>& least,
-                 std::vector<std::uint32_t>& most) const {
+  void CountInto(ChannelGlass& glass, std::vector<std::uint32_t>& smallest,
+                 std::vector<std::uint32_t>& largest) const {
     glass.planned_count = cracks_.size();
     for (std::size_t i = 0; i < cracks_.size(); ++i) {
       const std::uint32_t count = cracks_[i];
       ++(count == 0   ? glass.empty_count
          : count == 1 ? glass.made_count
                       : glass.doubled_count);
-      least[index_of_[i]] = std::min(least[index_of_[i]], count);
-      most[index_of_[i]] = std::max(most[index_of_[i]], count);
+      smallest[index_of_[i]] = std::min(smallest[index_of_[i]], count);
+      largest[index_of_[i]] = std::max(largest[index_of_[i]], count);
     }
   }
 
@@ -98,9 +98,9 @@ std::vector<std::uint32_t> ByTick(const std::vector<Crack>& cracks) {
   return by_tick;
 }
 
-void CountPoints(const std::vector<std::uint32_t>& most, GlassComparison& result) {
-  for (std::size_t i = 0; i < most.size(); ++i) {
-    ++(most[i] > 1                      ? result.doubled_count
+void CountPoints(const std::vector<std::uint32_t>& largest, GlassComparison& result) {
+  for (std::size_t i = 0; i < largest.size(); ++i) {
+    ++(largest[i] > 1                   ? result.doubled_count
        : result.cracks_of_point[i] == 0 ? result.empty_count
                                         : result.made_count);
   }
@@ -149,36 +149,36 @@ GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMa
   }
   result.cracks_of_point.assign(plan_mm.size(),
                                 std::numeric_limits<std::uint32_t>::max());
-  std::vector<std::uint32_t> most(plan_mm.size(), 0);
+  std::vector<std::uint32_t> largest(plan_mm.size(), 0);
   for (std::size_t i = 0; i < plans.size(); ++i) {
-    plans[i].CountInto(result.channels[i], result.cracks_of_point, most);
+    plans[i].CountInto(result.channels[i], result.cracks_of_point, largest);
   }
-  CountPoints(most, result);
+  CountPoints(largest, result);
   result.errors = sums.Finish();
   return result;
 }
 
-double LeastSpacing(const PointList& points_mm, std::span<const ChannelMask> masks) {
-  double least_mm = std::numeric_limits<double>::infinity();
-  for (const ChannelMask channel : TellingChannels(masks)) {
+double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks) {
+  double min_mm = std::numeric_limits<double>::infinity();
+  for (const ChannelMask channel : DistinctChannels(masks)) {
     PointList in_channel_mm;
     for (std::size_t i = 0; i < points_mm.size(); ++i) {
       if (ShareChannel(masks[i], channel)) in_channel_mm.push_back(points_mm[i]);
     }
     if (in_channel_mm.size() > 1) {
-      least_mm = std::min(least_mm, LeastSpacing(in_channel_mm));
+      min_mm = std::min(min_mm, MinSpacing(in_channel_mm));
     }
   }
-  return least_mm;
+  return min_mm;
 }
 
-double LeastSpacing(const PointList& points_mm) {
+double MinSpacing(const PointList& points_mm) {
   const PointTree tree(points_mm);
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::uint32_t i = 0; i < points_mm.size(); ++i) {
-    least = std::min(least, tree.NearestOther(i).square);
+    smallest = std::min(smallest, tree.NearestOther(i).square);
   }
-  return std::sqrt(least);
+  return std::sqrt(smallest);
 }
 
 }  // namespace intaglio::proof

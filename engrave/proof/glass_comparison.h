@@ -66,8 +66,8 @@ GlassComparison CompareGlass(const PointList& plan_mm, std::span<const ChannelMa
                              const std::vector<Crack>& cracks, double match_radius_mm);
 
 /// Minimum distance between two of the points, mm; infinity for fewer than two.
-double LeastSpacing(const PointList& points_mm);
+double MinSpacing(const PointList& points_mm);
 /// The same of points in different channels: two count only if they share one.
-double LeastSpacing(const PointList& points_mm, std::span<const ChannelMask> masks);
+double MinSpacing(const PointList& points_mm, std::span<const ChannelMask> masks);
 
 }  // namespace intaglio::proof

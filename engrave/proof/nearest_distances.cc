@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kPlacesPerTask = 8192;
 // More neighbours than occur even in a badly thinned cloud; without this limit the cost
 // would grow with the square of the number of points.
-constexpr std::uint64_t kMostNeighbours = 4096;
+constexpr std::uint64_t kMaxNeighbours = 4096;
 constexpr std::size_t kBins = 60;
 constexpr double kBinsPerUnit = 20;
 
@@ -62,11 +62,12 @@ NearestPair DoubledPair(const DistinctPlaces& places) {
 }
 
 /// There are two points or more.
-NearestPair LeastOf(const DistinctPlaces& places, const Neighbours& found) {
+NearestPair SmallestOf(const DistinctPlaces& places, const Neighbours& found) {
   if (places.doubled_count() > 0) return DoubledPair(places);
-  const auto least = std::min_element(found.distance_mm.begin(), found.distance_mm.end());
-  const auto at = static_cast<std::uint32_t>(least - found.distance_mm.begin());
-  return PairOf(places, at, found.other[at], *least);
+  const auto smallest =
+      std::min_element(found.distance_mm.begin(), found.distance_mm.end());
+  const auto at = static_cast<std::uint32_t>(smallest - found.distance_mm.begin());
+  return PairOf(places, at, found.other[at], *smallest);
 }
 
 void SetFigures(const DistinctPlaces& places, const Neighbours& found,
@@ -83,7 +84,7 @@ void SetFigures(const DistinctPlaces& places, const Neighbours& found,
   }
   const double deviation_mm = std::sqrt(squares / static_cast<double>(count));
   result.variation_ratio = result.mean_mm > 0 ? deviation_mm / result.mean_mm : 0;
-  result.least = LeastOf(places, found);
+  result.smallest = SmallestOf(places, found);
 }
 
 struct NearCount {
@@ -100,9 +101,9 @@ void CountAround(const PointTree& tree, const Vec3& place,
   tree.ForEachWithin(place, limit_mm * limit_mm, [&](std::uint32_t other, double) {
     if (other == at) return true;
     others += points_of[other];
-    return ++met < kMostNeighbours;
+    return ++met < kMaxNeighbours;
   });
-  count.more = count.more || met == kMostNeighbours;
+  count.more = count.more || met == kMaxNeighbours;
   if (others > 0 || here > 1) count.points += here;
   count.twice_pairs += here * (here - 1) + here * others;
 }
@@ -135,7 +136,7 @@ void MeasureScaled(const DistinctPlaces& places, const NearestOptions& options,
   for (Vec3& p : scaled_mm) p.z() /= options.height_ratio;
   const PointTree tree(scaled_mm);
   const Neighbours found = NeighboursOf(tree, scaled_mm.size(), options.executor);
-  result.least_scaled = LeastOf(places, found);
+  result.min_scaled = SmallestOf(places, found);
   CountNear(places, options, tree, scaled_mm, found.distance_mm, result);
 }
 
@@ -164,7 +165,7 @@ NearestDistances MeasureNearest(const DistinctPlaces& places, const PointTree& t
   }
   SetFigures(places, found, result);
   if (options.height_ratio == 1) {
-    result.least_scaled = result.least;
+    result.min_scaled = result.smallest;
     CountNear(places, options, tree, places.places_mm, found.distance_mm, result);
   } else {
     MeasureScaled(places, options, result);

@@ -37,7 +37,7 @@ struct NearestDistances {
   std::vector<double> distance_mm;
 
   // Of these distances; all 0 with fewer than two points.
-  NearestPair least;
+  NearestPair smallest;
   double mean_mm = 0;
   double variation_ratio = 0;  ///< standard deviation over mean
   double largest_mm = 0;
@@ -45,7 +45,7 @@ struct NearestDistances {
   std::uint64_t doubled_count = 0;  ///< points at the place of an earlier one
 
   // In distances with heights divided by height_ratio.
-  NearestPair least_scaled;            ///< its distance_mm is in this measure
+  NearestPair min_scaled;              ///< its distance_mm is in this measure
   std::uint64_t near_point_count = 0;  ///< that have another one too near
   std::uint64_t near_pair_count = 0;
   /// There are more pairs than that: for a place with thousands of points too near not

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kLeafTriangles = 4;
 // The number of triangles is halved at every level, so even 2^32 of them need fewer
 // levels.
-constexpr std::size_t kMostLevels = 64;
+constexpr std::size_t kMaxLevels = 64;
 
 /// a x b without Eigen's geometry module, which would be compiled for this alone.
 Vec3 Cross(const Vec3& a, const Vec3& b) {
@@ -64,12 +64,12 @@ Vec3 NearestPlaceOf(const Corners& t, const Vec3& p) {
   }
   if (inside) return p - (p - t[0]).dot(normal) / square * normal;
   Vec3 nearest = t[0];
-  double least = (p - t[0]).squaredNorm();
+  double smallest = (p - t[0]).squaredNorm();
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 place = NearestOnSide(t[i], t[(i + 1) % 3], p);
     const double distance = (p - place).squaredNorm();
-    if (distance < least) {
-      least = distance;
+    if (distance < smallest) {
+      smallest = distance;
       nearest = place;
     }
   }
@@ -132,18 +132,18 @@ void Surface::Build(std::vector<Corners>& triangles, std::uint32_t begin,
 
 Surface::Place Surface::NearestTo(const Vec3& p_mm, std::uint32_t near_triangle) const {
   Place best;
-  const auto look_at = [&](std::uint32_t triangle) {
+  const auto target = [&](std::uint32_t triangle) {
     const Vec3 at_mm = NearestPlaceOf(triangles_[triangle], p_mm);
     const double square = (p_mm - at_mm).squaredNorm();
     if (square < best.square_mm2) best = {triangle, at_mm, square};
   };
   best.square_mm2 = std::numeric_limits<double>::infinity();
-  look_at(near_triangle);
+  target(near_triangle);
   struct Open {
     std::uint32_t node;
     double square;
   };
-  std::array<Open, kMostLevels> stack;
+  std::array<Open, kMaxLevels> stack;
   std::size_t depth = 0;
   stack[depth++] = {0, SquareToBox(nodes_[0].box, p_mm)};
   while (depth > 0) {
@@ -151,7 +151,7 @@ Surface::Place Surface::NearestTo(const Vec3& p_mm, std::uint32_t near_triangle)
     if (open.square >= best.square_mm2) continue;
     const Node& node = nodes_[open.node];
     if (node.right == 0) {
-      for (std::uint32_t i = node.begin; i < node.end; ++i) look_at(i);
+      for (std::uint32_t i = node.begin; i < node.end; ++i) target(i);
       continue;
     }
     const Open left{open.node + 1, SquareToBox(nodes_[open.node + 1].box, p_mm)};

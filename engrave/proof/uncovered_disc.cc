@@ -23,10 +23,10 @@
 namespace intaglio::proof {
 namespace {
 
-constexpr std::size_t kMostGathered = 160;  // worth keeping for the halves
-constexpr std::size_t kMostCells = 12;      // worth cutting into cells
+constexpr std::size_t kMaxGathered = 160;  // worth keeping for the halves
+constexpr std::size_t kMaxCells = 12;      // worth cutting into cells
 // A cut adds one corner; rounding that adds another finds room, too.
-constexpr std::size_t kMostPolygon = 2 * kMostCells + 8;
+constexpr std::size_t kMaxPolygon = 2 * kMaxCells + 8;
 constexpr std::size_t kFirstRound = 256;
 constexpr std::size_t kTrianglesPerTask = 64;
 constexpr std::size_t kBoundsPerTask = 4096;
@@ -36,7 +36,7 @@ class Search {
  public:
   Search(const PointTree& tree, const PointList& points_mm, double found_mm)
       : tree_(tree), points_mm_(points_mm) {
-    best_.radius_mm = best_.at_most_mm = found_mm;
+    best_.radius_mm = best_.upper_bound_mm = found_mm;
   }
 
   void Visit(const Corners& triangle) { Visit(triangle, {}); }
@@ -64,9 +64,9 @@ class Search {
     if (bound_mm <= best_.radius_mm) return;
     Indices near;
     const bool few = Gather(middle, bound_mm, known, near);
-    if (few && near.size() <= kMostCells) return CutIntoCells(triangle, middle, near);
+    if (few && near.size() <= kMaxCells) return CutIntoCells(triangle, middle, near);
     if (middle.reach_mm <= kSmallest * middle.nearest_mm) {
-      best_.at_most_mm = std::max(best_.at_most_mm, bound_mm);
+      best_.upper_bound_mm = std::max(best_.upper_bound_mm, bound_mm);
       return;
     }
     for (const Corners& half : HalvesOf(triangle)) {
@@ -86,15 +86,15 @@ class Search {
       middle.nearest_mm = std::sqrt(nearest.square);
       return middle;
     }
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : known) {
       const double square = (points_mm_[i] - middle.at_mm).squaredNorm();
-      if (square < least) {
-        least = square;
+      if (square < smallest) {
+        smallest = square;
         middle.point = i;
       }
     }
-    middle.nearest_mm = std::sqrt(least);
+    middle.nearest_mm = std::sqrt(smallest);
     return middle;
   }
 
@@ -107,9 +107,9 @@ class Search {
     if (known.empty()) {
       tree_.ForEachWithin(middle.at_mm, square, [&](std::uint32_t i, double) {
         near.push_back(i);
-        return near.size() <= kMostGathered;
+        return near.size() <= kMaxGathered;
       });
-      return near.size() <= kMostGathered && !near.empty();
+      return near.size() <= kMaxGathered && !near.empty();
     }
     for (const std::uint32_t i : known) {
       if ((points_mm_[i] - middle.at_mm).squaredNorm() <= square) near.push_back(i);
@@ -118,7 +118,7 @@ class Search {
   }
 
   struct Polygon {
-    std::array<Vec3, kMostPolygon> corners;
+    std::array<Vec3, kMaxPolygon> corners;
     std::size_t count = 0;
 
     void Add(const Vec3& corner) {
@@ -176,7 +176,7 @@ class Search {
     if (radius_mm <= best_.radius_mm) return;
     best_.radius_mm = radius_mm;
     best_.place_mm = place_mm;
-    best_.at_most_mm = std::max(best_.at_most_mm, radius_mm);
+    best_.upper_bound_mm = std::max(best_.upper_bound_mm, radius_mm);
   }
 
   const PointTree& tree_;
@@ -186,7 +186,7 @@ class Search {
 
 /// The bound of a triangle from its corners and its middle.
 struct Bound {
-  double at_most_mm;
+  double upper_bound_mm;
   std::uint32_t triangle;
 };
 
@@ -212,9 +212,9 @@ std::vector<Bound> BoundsOf(const std::vector<Corners>& triangles, const PointTr
                    static_cast<std::uint32_t>(i)};
     }
   });
-  const auto most = std::max_element(middles_mm.begin(), middles_mm.end());
-  const Corners& t = triangles[static_cast<std::size_t>(most - middles_mm.begin())];
-  best = {*most, *most, (t[0] + t[1] + t[2]) / 3};
+  const auto largest = std::max_element(middles_mm.begin(), middles_mm.end());
+  const Corners& t = triangles[static_cast<std::size_t>(largest - middles_mm.begin())];
+  best = {*largest, *largest, (t[0] + t[1] + t[2]) / 3};
   return bounds;
 }
 
@@ -229,12 +229,14 @@ UncoveredDisc LargestUncoveredDisc(const Surface& surface, const PointTree& poin
   for (std::size_t size = kFirstRound; begin < open.size(); size *= 4) {
     // The maximum found in earlier rounds excludes most of the rest.
     open.erase(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(begin));
-    std::erase_if(open, [&](const Bound& b) { return b.at_most_mm <= best.radius_mm; });
+    std::erase_if(open,
+                  [&](const Bound& b) { return b.upper_bound_mm <= best.radius_mm; });
     const std::size_t count = std::min(size, open.size());
     std::partial_sort(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(count),
                       open.end(), [](const Bound& a, const Bound& b) {
-                        return a.at_most_mm != b.at_most_mm ? a.at_most_mm > b.at_most_mm
-                                                            : a.triangle < b.triangle;
+                        return a.upper_bound_mm != b.upper_bound_mm
+                                   ? a.upper_bound_mm > b.upper_bound_mm
+                                   : a.triangle < b.triangle;
                       });
     const std::size_t per_task = size == kFirstRound ? 4 : kTrianglesPerTask;
     std::vector<UncoveredDisc> found((count + per_task - 1) / per_task);
@@ -246,12 +248,12 @@ UncoveredDisc LargestUncoveredDisc(const Surface& surface, const PointTree& poin
       }
       found[task] = search.best();
     });
-    double at_most_mm = best.at_most_mm;
+    double upper_bound_mm = best.upper_bound_mm;
     for (const UncoveredDisc& disc : found) {
-      at_most_mm = std::max(at_most_mm, disc.at_most_mm);
+      upper_bound_mm = std::max(upper_bound_mm, disc.upper_bound_mm);
       if (disc.radius_mm > best.radius_mm) best = disc;
     }
-    best.at_most_mm = at_most_mm;
+    best.upper_bound_mm = upper_bound_mm;
     begin = count;
   }
   return best;

@@ -12,11 +12,11 @@ namespace intaglio::proof {
 
 struct UncoveredDisc {
   double radius_mm = 0;          ///< distance of the place from the nearest point
-  double at_most_mm = 0;         ///< no place is farther from its nearest point than this
+  double upper_bound_mm = 0;     ///< no place is farther from its nearest point than this
   Vec3 place_mm = Vec3::Zero();  ///< of the surface
 };
 
-/// at_most_mm equals radius_mm up to rounding on ordinary surfaces. It is at most a
+/// upper_bound_mm equals radius_mm up to rounding on ordinary surfaces. It is at most a
 /// thousandth more where thousands of points are equally far from the place (a sphere of
 /// them around it). `points` has at least one. The same for any executor.
 UncoveredDisc LargestUncoveredDisc(const Surface& surface, const PointTree& points,

@@ -59,7 +59,8 @@ float SpacingOf(const Scene& scene) {
       area_px2 / static_cast<double>(std::max<std::size_t>(1, scene.spots.size()))));
 }
 
-Scene Look(const Rect& window, const Projection& projection, const PointList& points_mm) {
+Scene SceneOf(const Rect& window, const Projection& projection,
+              const PointList& points_mm) {
   Scene scene;
   scene.width = window.width;
   scene.height = window.height;
@@ -204,7 +205,7 @@ Color Glow(float tone) {
 
 void DrawCloud(Canvas& canvas, const Rect& window, const Projection& projection,
                const PointList& points_mm) {
-  const Scene scene = Look(window, projection, points_mm);
+  const Scene scene = SceneOf(window, projection, points_mm);
   if (scene.spots.empty()) return;
   const float radius_px = std::clamp(1.6F * scene.spacing_px + 0.6F, 1.5F, 8.0F);
   const Plane front = FrontOf(scene, radius_px);

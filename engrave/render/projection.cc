@@ -73,12 +73,12 @@ std::vector<Vec3> BlockCorners(const Vec3& block_size_mm) {
   return corners;
 }
 
-double NiceStep(double range, int most) {
-  Require(range > 0.0 && most > 0, "no step for a range of {} in {}", range, most);
-  const double least = range / most;
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
+double NiceStep(double range, int largest) {
+  Require(range > 0.0 && largest > 0, "no step for a range of {} in {}", range, largest);
+  const double smallest = range / largest;
+  const double power = std::pow(10.0, std::floor(std::log10(smallest)));
   for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= least * (1.0 - 1e-9)) return factor * power;
+    if (factor * power >= smallest * (1.0 - 1e-9)) return factor * power;
   }
   return 10.0 * power;
 }

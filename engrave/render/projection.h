@@ -59,6 +59,6 @@ class Projection {
 std::vector<Vec3> BlockCorners(const Vec3& block_size_mm);
 
 /// A step of 1, 2 or 5 times a power of ten that divides `range` into at most `most`.
-double NiceStep(double range, int most);
+double NiceStep(double range, int largest);
 
 }  // namespace intaglio::render

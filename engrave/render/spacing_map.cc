@@ -31,11 +31,11 @@ struct Axes {
 };
 
 void DrawBars(Canvas& canvas, const Axes& axes, const SpacingMap& map) {
-  std::uint64_t most = 1;
-  for (const std::uint64_t count : map.bins) most = std::max(most, count);
+  std::uint64_t largest = 1;
+  for (const std::uint64_t count : map.bins) largest = std::max(largest, count);
   for (std::size_t i = 0; i < map.bins.size(); ++i) {
     if (map.bins[i] == 0) continue;
-    const double share = static_cast<double>(map.bins[i]) / static_cast<double>(most);
+    const double share = static_cast<double>(map.bins[i]) / static_cast<double>(largest);
     // A few points that are too near must be visible beside a million that are not.
     const double height_px = std::max(3.0, share * (axes.bottom_px - axes.top_px));
     const int left = static_cast<int>(axes.x_px(static_cast<double>(i) * map.bin_mm));
@@ -105,8 +105,8 @@ void DrawHistogram(Canvas& canvas, const Rect& cell, const SpacingMap& map) {
 Box3 Extent(const SpacingMap& map) {
   Box3 box;
   for (const Vec3& p : map.points_mm) box.Extend(p);
-  const Vec3 least = Vec3::Constant(4 * map.min_spacing_mm);
-  const Vec3 more = 0.5 * (least - box.size_mm()).cwiseMax(0.0);
+  const Vec3 smallest = Vec3::Constant(4 * map.min_spacing_mm);
+  const Vec3 more = 0.5 * (smallest - box.size_mm()).cwiseMax(0.0);
   box.min_mm -= more;
   box.max_mm += more;
   return box;

@@ -84,8 +84,8 @@ class Picture {
       OverDisc(spot.x_px, spot.y_px, radius_px, front_, [&](int x, int y, float) {
         front_.at(x, y) = std::min(front_.at(x, y), spot.depth_mm);
       });
-      least_mm_ = std::min(least_mm_, spot.depth_mm);
-      most_mm_ = std::max(most_mm_, spot.depth_mm);
+      min_mm_ = std::min(min_mm_, spot.depth_mm);
+      max_mm_ = std::max(max_mm_, spot.depth_mm);
     }
   }
 
@@ -127,7 +127,7 @@ class Picture {
     Plane depth(front_.width, front_.height, 0), there(front_.width, front_.height, 0);
     for (std::size_t i = 0; i < front_.values.size(); ++i) {
       if (front_.values[i] == kNothing) continue;
-      depth.values[i] = front_.values[i] - least_mm_;
+      depth.values[i] = front_.values[i] - min_mm_;
       there.values[i] = 1;
     }
     depth = Blurred(depth, 2);
@@ -136,7 +136,7 @@ class Picture {
       depth.values[i] /= std::max(there.values[i], 1e-3F);
     }
     Plane light(front_.width, front_.height, 0.8F);
-    const float range_mm = std::max(most_mm_ - least_mm_, 1e-3F);
+    const float range_mm = std::max(max_mm_ - min_mm_, 1e-3F);
     const Vec3 sun = Vec3(-0.45, -0.6, 0.66).normalized();  // x right, y down, z to us
     for (int y = 0; y < front_.height; ++y) {
       for (int x = 0; x < front_.width; ++x) {
@@ -172,7 +172,7 @@ class Picture {
   float radius_px_;
   Plane front_;
   std::vector<Spot> spots_;
-  float least_mm_ = kNothing, most_mm_ = -kNothing;
+  float min_mm_ = kNothing, max_mm_ = -kNothing;
 };
 
 /// The part of the cell that the cloud takes.

@@ -214,11 +214,11 @@ Glyph ParseGlyph(std::string_view strokes) {
 }
 
 double DistanceTo(const Polyline& line, const Vec2& p) {
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-    least = std::min(least, SquaredDistanceFromSegment(p, line[i], line[i + 1]));
+    smallest = std::min(smallest, SquaredDistanceFromSegment(p, line[i], line[i + 1]));
   }
-  return std::sqrt(least);
+  return std::sqrt(smallest);
 }
 
 /// All strokes at once, so that joints are not painted twice.

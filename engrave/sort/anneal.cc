@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::size_t kStretch = 8192;
 constexpr std::size_t kStretchesAtOnce = 16;
-constexpr double kMostTriesPerRound = 64;
+constexpr double kMaxTriesPerRound = 64;
 constexpr double kFewestRounds = 2;
-constexpr double kMostTries = 1e6;
+constexpr double kMaxTries = 1e6;
 
 // In ticks. Hotter, a good order is lost before it gets better; below the coldest
 // nothing moves any more.
@@ -59,13 +59,13 @@ class Annealing {
   bool Run(const ProgressSink& progress) {
     const double tries = options_.anneal.tries_per_point;
     const double rounds =
-        tries > 0 ? std::max(kFewestRounds, std::ceil(tries / kMostTriesPerRound)) : 0;
+        tries > 0 ? std::max(kFewestRounds, std::ceil(tries / kMaxTriesPerRound)) : 0;
     for (double round = 0;; ++round) {
       const double share = options_.anneal.used_share ? options_.anneal.used_share()
                            : rounds > 0               ? round / rounds
                                                       : 1;
       if (share >= 1) return true;
-      tries_per_point_ = options_.anneal.used_share ? kMostTriesPerRound : tries / rounds;
+      tries_per_point_ = options_.anneal.used_share ? kMaxTriesPerRound : tries / rounds;
       hot_ = TemperatureAt(share);
       cold_ = options_.anneal.used_share ? hot_ : TemperatureAt(share + 1 / rounds);
       if (!RunRound(share, 1 / std::max(rounds, 1.0), progress)) return false;
@@ -123,10 +123,10 @@ class Annealing {
 Status CheckAnnealOptions(const OrderOptions& options) {
   INTAGLIO_TRY(CheckSmoothOptions(options));
   const double tries = options.anneal.tries_per_point;
-  if (tries >= 0 && tries <= kMostTries) return {};
+  if (tries >= 0 && tries <= kMaxTries) return {};
   return Fail(
       ErrorCode::kInvalidValue,
-      fmt::format("anneal.tries_per_point: {} is outside 0..{}", tries, kMostTries),
+      fmt::format("anneal.tries_per_point: {} is outside 0..{}", tries, kMaxTries),
       fmt::format("{}", tries));
 }
 

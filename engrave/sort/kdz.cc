@@ -26,7 +26,7 @@
 namespace intaglio::sort {
 namespace {
 
-constexpr double kLeastMovingRatio = 0.6;
+constexpr double kMinMovingRatio = 0.6;
 constexpr double kMaxUpRatio = 100;
 constexpr std::size_t kPointsPerReport = 1 << 16;
 
@@ -34,7 +34,7 @@ constexpr std::size_t kPointsPerReport = 1 << 16;
 
 double DefaultUpRatio(const BeamCone& cone) {
   RequireUsable(cone);
-  return std::max(kLeastMovingRatio, cone.SteepestTangent());
+  return std::max(kMinMovingRatio, cone.SteepestTangent());
 }
 
 Status CheckKdzOptions(const OrderOptions& options) {

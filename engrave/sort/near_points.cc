@@ -14,8 +14,8 @@ namespace intaglio::sort {
 namespace {
 
 constexpr int kBits = 21;
-constexpr std::int64_t kMostCell = (std::int64_t{1} << kBits) - 2;
-constexpr int kMostRings = 3;
+constexpr std::int64_t kMaxCell = (std::int64_t{1} << kBits) - 2;
+constexpr int kMaxRings = 3;
 
 struct Cell {
   std::int64_t x, y, z;
@@ -30,16 +30,16 @@ struct Found {
 class Grid {
  public:
   Grid(std::span<const Scaled> points, float cell) : points_(points) {
-    Scaled high = least_ = points[0];
+    Scaled high = smallest_ = points[0];
     for (const Scaled& p : points) {
-      least_ = {std::min(least_.x, p.x), std::min(least_.y, p.y),
-                std::min(least_.z, p.z)};
+      smallest_ = {std::min(smallest_.x, p.x), std::min(smallest_.y, p.y),
+                   std::min(smallest_.z, p.z)};
       high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
-    const Scaled size = high - least_;
+    const Scaled size = high - smallest_;
     const float largest = std::max({size.x, size.y, size.z});
     // Not so small that its inverse would be infinite.
-    per_cell_ = 1 / std::max({cell, largest / static_cast<float>(kMostCell / 2),
+    per_cell_ = 1 / std::max({cell, largest / static_cast<float>(kMaxCell / 2),
                               std::numeric_limits<float>::min()});
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       by_cell_.emplace_back(KeyOf(CellOf(points[i])), i);
@@ -53,7 +53,7 @@ class Grid {
     const Cell c = CellOf(here);
     for (std::int64_t x = c.x - rings; x <= c.x + rings; ++x) {
       for (std::int64_t y = c.y - rings; y <= c.y + rings; ++y) {
-        if (x < 1 || y < 1 || x > kMostCell || y > kMostCell) continue;
+        if (x < 1 || y < 1 || x > kMaxCell || y > kMaxCell) continue;
         const std::uint64_t last = KeyOf({x, y, c.z + rings});
         auto i = std::lower_bound(
             by_cell_.begin(), by_cell_.end(),
@@ -71,7 +71,7 @@ class Grid {
  private:
   /// From 1 on, so that a ring fits around every cell.
   Cell CellOf(const Scaled& p) const {
-    const Scaled d = p - least_;
+    const Scaled d = p - smallest_;
     return {1 + static_cast<std::int64_t>(d.x * per_cell_),
             1 + static_cast<std::int64_t>(d.y * per_cell_),
             1 + static_cast<std::int64_t>(d.z * per_cell_)};
@@ -82,7 +82,7 @@ class Grid {
   }
 
   std::span<const Scaled> points_;
-  Scaled least_;
+  Scaled smallest_;
   float per_cell_ = 1;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> by_cell_;
 };
@@ -97,7 +97,7 @@ NearPoints::NearPoints(std::span<const Scaled> points, std::size_t count, float 
   const Grid grid(points, 1.5F * typical);
   std::vector<Found> found;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    for (int rings = 1; rings <= kMostRings; ++rings) {
+    for (int rings = 1; rings <= kMaxRings; ++rings) {
       found.clear();
       grid.Collect(i, rings, found);
       if (2 * found.size() > count) break;

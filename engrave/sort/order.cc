@@ -52,11 +52,11 @@ const MethodRow& RowOf(Method method) {
 constexpr double kFarthestMm = 1e6;
 
 Status CheckPoints(const PointList& points_mm) {
-  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
-  if (points_mm.size() > kMost) {
+  constexpr std::size_t kMax = std::numeric_limits<std::uint32_t>::max();
+  if (points_mm.size() > kMax) {
     return Fail(ErrorCode::kTooLarge,
                 fmt::format("a cloud of {} points is larger than an order can be, {}",
-                            points_mm.size(), kMost),
+                            points_mm.size(), kMax),
                 std::to_string(points_mm.size()));
   }
   for (std::size_t i = 0; i < points_mm.size(); ++i) {

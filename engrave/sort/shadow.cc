@@ -136,7 +136,7 @@ std::uint64_t CountShadowViolations(const PointList& made_mm,
   Require(masks.size() == made_mm.size(), "{} points have {} masks", made_mm.size(),
           masks.size());
   std::vector<bool> violated(made_mm.size(), false);
-  for (const ChannelMask channel : TellingChannels(masks)) {
+  for (const ChannelMask channel : DistinctChannels(masks)) {
     PointList in_channel_mm;
     std::vector<std::uint32_t> index_of;
     for (std::uint32_t at = 0; at < made_mm.size(); ++at) {

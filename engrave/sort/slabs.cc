@@ -29,13 +29,13 @@ Status CheckThickness(std::string_view field, double thickness_mm) {
 std::vector<std::uint64_t> SlabNumbers(const PointList& points_mm, int axis,
                                        double thickness_mm) {
   Require(!points_mm.empty(), "there is no point");
-  double least_mm = points_mm.front()[axis];
-  for (const Vec3& p : points_mm) least_mm = std::min(least_mm, p[axis]);
+  double min_mm = points_mm.front()[axis];
+  for (const Vec3& p : points_mm) min_mm = std::min(min_mm, p[axis]);
   std::vector<std::uint64_t> slabs;
   slabs.reserve(points_mm.size());
   for (const Vec3& p : points_mm) {
     slabs.push_back(
-        static_cast<std::uint64_t>((p[axis] - least_mm) / thickness_mm + kLimitShare));
+        static_cast<std::uint64_t>((p[axis] - min_mm) / thickness_mm + kLimitShare));
   }
   return slabs;
 }

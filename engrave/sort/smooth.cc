@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kCandidates = 12;
 constexpr std::size_t kPointsPerReport = 1 << 14;
-constexpr double kLeastRateHz = 1;
-constexpr double kMostRateHz = 4000;
+constexpr double kMinRateHz = 1;
+constexpr double kMaxRateHz = 4000;
 
 /// In ticks: of a bend at the limit, and of a millimetre aside or up.
 struct Weights {
@@ -37,12 +37,12 @@ double TypicalSpacing(const PointList& points_mm) {
   std::vector<double> nearest;
   const std::size_t stride = points_mm.size() / kSamples + 1;
   for (std::size_t i = stride / 2; i < points_mm.size(); i += stride) {
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < points_mm.size(); ++k) {
       const double d = (points_mm[k] - points_mm[i]).cwiseAbs().maxCoeff();
-      if (d > 0) least = std::min(least, d);
+      if (d > 0) smallest = std::min(smallest, d);
     }
-    nearest.push_back(least);
+    nearest.push_back(smallest);
   }
   const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
   std::nth_element(nearest.begin(), middle, nearest.end());
@@ -133,10 +133,10 @@ class Walk {
 
 Status CheckSmoothOptions(const OrderOptions& options) {
   const double rate_hz = options.rate_hz;
-  if (rate_hz >= kLeastRateHz && rate_hz <= kMostRateHz) return {};
+  if (rate_hz >= kMinRateHz && rate_hz <= kMaxRateHz) return {};
   return Fail(
       ErrorCode::kInvalidValue,
-      fmt::format("rate_hz: {} is outside {}..{}", rate_hz, kLeastRateHz, kMostRateHz),
+      fmt::format("rate_hz: {} is outside {}..{}", rate_hz, kMinRateHz, kMaxRateHz),
       fmt::format("{}", rate_hz));
 }
 

@@ -28,8 +28,8 @@ float TypicalStep(const std::vector<Scaled>& points) {
   std::vector<float> steps;
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Scaled d = points[i] - points[i - 1];
-    const float most = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-    if (most > 0) steps.push_back(most);
+    const float largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    if (largest > 0) steps.push_back(largest);
   }
   if (steps.empty()) return 1;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
@@ -77,17 +77,17 @@ void Stretch::Anneal(std::uint64_t tries, double hot, double cold, std::uint64_t
 void Stretch::ChooseTicks() {
   if (at_.size() <= 2 * kFixed) return;
   TimedMove before{points_[at_[1]] - points_[at_[0]], 1};
-  before.ticks = ticks_[1] = cost_.LeastTicks(before.step);
+  before.ticks = ticks_[1] = cost_.MinTicks(before.step);
   const std::size_t last = at_.size() - 1;
-  ticks_[last] = cost_.LeastTicks(MoveTo(last).step);
+  ticks_[last] = cost_.MinTicks(MoveTo(last).step);
   // Of each window the second half is chosen again with the next one.
-  constexpr std::size_t kHalf = TickCost::kMostSteps / 2;
+  constexpr std::size_t kHalf = TickCost::kMaxSteps / 2;
   for (std::size_t first = kFixed; first < last; first += kHalf) {
-    Scaled steps[TickCost::kMostSteps];
-    const std::size_t count = std::min(TickCost::kMostSteps, last - first);
+    Scaled steps[TickCost::kMaxSteps];
+    const std::size_t count = std::min(TickCost::kMaxSteps, last - first);
     for (std::size_t i = 0; i < count; ++i) steps[i] = MoveTo(first + i).step;
     TimedMove after = MoveTo(first + count);
-    if (first + count < last) after.ticks = cost_.LeastTicks(after.step);
+    if (first + count < last) after.ticks = cost_.MinTicks(after.step);
     cost_.BestTicks(MoveTo(first - 1), {steps, count}, after, &ticks_[first]);
   }
 }
@@ -189,7 +189,7 @@ float Stretch::GainOf(const Change& change) {
   const std::size_t old_count =
       WindowsAround({change.begin, change.middle, change.end}, old);
   for (std::size_t w = 0; w < old_count; ++w) {
-    TimedMove moves[TickCost::kMostSteps];
+    TimedMove moves[TickCost::kMaxSteps];
     std::size_t count = 0;
     for (std::size_t i = old[w].first; i <= old[w].last; ++i) moves[count++] = MoveTo(i);
     gain += TickCost::CostOf(MoveTo(old[w].first - 1), {moves, count},
@@ -199,7 +199,7 @@ float Stretch::GainOf(const Change& change) {
   new_window_count_ = WindowsAround({change.begin, meet, change.end}, new_windows_);
   for (std::size_t w = 0; w < new_window_count_; ++w) {
     Window& window = new_windows_[w];
-    Scaled steps[TickCost::kMostSteps];
+    Scaled steps[TickCost::kMaxSteps];
     std::size_t count = 0;
     for (std::size_t i = window.first; i <= window.last; ++i) {
       steps[count++] = MoveAfter(change, i).step;

@@ -45,7 +45,7 @@ class Stretch {
   /// Neighbouring steps whose ticks are chosen again.
   struct Window {
     std::size_t first, last;  ///< of the steps' places; step i leads to place i
-    float ticks[TickCost::kMostSteps];
+    float ticks[TickCost::kMaxSteps];
   };
 
   std::uint32_t Below(std::uint32_t end) {

@@ -62,12 +62,12 @@ TickCost::TickCost(const motion::Limits& limits, double rate_hz)
 }
 
 float TickCost::TicksAfter(const TimedMove& before, const Scaled& step) const {
-  const float least = LeastTicks(step);
-  if (Bend(before, {step, least}) <= 1) return least;
+  const float smallest = MinTicks(step);
+  if (Bend(before, {step, smallest}) <= 1) return smallest;
   const AxisTicks axes[] = {TicksOfAxis(before.step.x, before.ticks, step.x),
                             TicksOfAxis(before.step.y, before.ticks, step.y),
                             TicksOfAxis(before.step.z, before.ticks, step.z)};
-  double ticks = least;
+  double ticks = smallest;
   for (const AxisTicks& axis : axes) ticks = std::max(ticks, RoundUp(axis.fewest));
   // The end of one gap may be inside the gap of an axis checked before; the ticks never
   // decrease.
@@ -127,16 +127,16 @@ float CheapestWay(const Choices<kCount>& from, const Choices<kCount>& next, int 
 template <int kCount>
 float ChooseTicks(const TickCost& tick_cost, const TimedMove& before,
                   std::span<const Scaled> steps, const TimedMove& after, float* ticks) {
-  Choices<kCount> choices[TickCost::kMostSteps + 2];
+  Choices<kCount> choices[TickCost::kMaxSteps + 2];
   for (int c = 0; c < kCount; ++c) {
     choices[0].Set(before, c);
     choices[0].cost[c] = 0;
   }
   for (std::size_t i = 0; i < steps.size(); ++i) {
     Choices<kCount>& to = choices[i + 1];
-    const float least = tick_cost.LeastTicks(steps[i]);
+    const float smallest = tick_cost.MinTicks(steps[i]);
     for (int c = 0; c < kCount; ++c) {
-      to.Set({steps[i], least + kBeyond[c]}, c);
+      to.Set({steps[i], smallest + kBeyond[c]}, c);
       to.cost[c] = to.ticks[c] + CheapestWay(choices[i], to, c, to.from[c]);
     }
   }
@@ -155,7 +155,7 @@ float ChooseTicks(const TickCost& tick_cost, const TimedMove& before,
 
 float TickCost::BestTicks(const TimedMove& before, std::span<const Scaled> steps,
                           const TimedMove& after, float* ticks) const {
-  Require(!steps.empty() && steps.size() <= kMostSteps, "{} steps at once", steps.size());
+  Require(!steps.empty() && steps.size() <= kMaxSteps, "{} steps at once", steps.size());
   return many_choices_ ? ChooseTicks<8>(*this, before, steps, after, ticks)
                        : ChooseTicks<4>(*this, before, steps, after, ticks);
 }

@@ -50,7 +50,7 @@ class TickCost {
   }
 
   /// The fewest ticks that the speed limits allow, >= 1.
-  float LeastTicks(const Scaled& step) const {
+  float MinTicks(const Scaled& step) const {
     const float ticks =
         std::max({std::abs(step.x) * per_speed_.x, std::abs(step.y) * per_speed_.y,
                   std::abs(step.z) * per_speed_.z});
@@ -60,10 +60,10 @@ class TickCost {
   /// The share of the limit of acceleration between two steps.
   static float Bend(const TimedMove& a, const TimedMove& b) {
     const float p = 1 / a.ticks, q = 1 / b.ticks;
-    const float most = std::max({std::abs(b.step.x * q - a.step.x * p),
-                                 std::abs(b.step.y * q - a.step.y * p),
-                                 std::abs(b.step.z * q - a.step.z * p)});
-    return 2 * most / (a.ticks + b.ticks);
+    const float largest = std::max({std::abs(b.step.x * q - a.step.x * p),
+                                    std::abs(b.step.y * q - a.step.y * p),
+                                    std::abs(b.step.z * q - a.step.z * p)});
+    return 2 * largest / (a.ticks + b.ticks);
   }
 
   /// In ticks; more than any detour where the limit is passed.
@@ -78,9 +78,9 @@ class TickCost {
   double StopAndGoTicks(double mm) const;
 
   /// The maximum number of steps that BestTicks takes at once.
-  static constexpr std::size_t kMostSteps = 16;
+  static constexpr std::size_t kMaxSteps = 16;
 
-  /// The cheapest ticks of `steps` (1..kMostSteps) between two moves that stay as they
+  /// The cheapest ticks of `steps` (1..kMaxSteps) between two moves that stay as they
   /// are: writes them and returns their sum and the cost of all bends.
   float BestTicks(const TimedMove& before, std::span<const Scaled> steps,
                   const TimedMove& after, float* ticks) const;

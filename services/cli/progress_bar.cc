@@ -40,8 +40,8 @@ void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64
   if (stage != stage_) {
     Finish();
     stage_ = stage;
-    told_tenth_ = -1;
-    told_note_.clear();
+    shown_tenth_ = -1;
+    shown_note_.clear();
   }
   done_ = done;
   total_ = total;
@@ -56,9 +56,9 @@ void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64
   }
   const int tenth = total == 0 ? 0 : static_cast<int>(10 * done / total);
   const std::string words = WithoutDigits(note);
-  if (tenth == told_tenth_ && words == told_note_) return;
-  told_tenth_ = tenth;
-  told_note_ = words;
+  if (tenth == shown_tenth_ && words == shown_note_) return;
+  shown_tenth_ = tenth;
+  shown_note_ = words;
   out_ << Line() << '\n' << std::flush;
 }
 

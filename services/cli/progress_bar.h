@@ -36,8 +36,8 @@ class ProgressBar {
   std::uint64_t done_ = 0, total_ = 0;
   double elapsed_s_ = 0;
   bool in_points_ = true;
-  int told_tenth_ = -1;
-  std::string told_note_;
+  int shown_tenth_ = -1;
+  std::string shown_note_;
   std::size_t drawn_width_ = 0;
 };
 

@@ -17,7 +17,7 @@ std::string SummaryOf(const JobReport& report) {
       client::GroupedDigits(points.planned()), client::GroupedDigits(points.made()),
       client::GroupedDigits(points.skipped()), client::GroupedDigits(points.missed()),
       client::GroupedDigits(points.doubled()), client::GroupedDigits(points.stray()),
-      report.shadow_violations(), report.least_spacing_mm(), report.min_spacing_mm(),
+      report.shadow_violations(), report.measured_spacing_mm(), report.min_spacing_mm(),
       report.position_errors().rms_um(), report.position_errors().max_um(),
       report.position_errors().tolerance_um(),
       client::ShortDuration(report.machining_time_s()), report.job().laser().rate_hz(),

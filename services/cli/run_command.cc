@@ -126,12 +126,10 @@ Status RunSession::MakeFolders() {
   }
   for (const auto& entry : fs::directory_iterator(out_, error)) {
     const fs::path& file = entry.path();
-    const std::string stem = file.stem().string();
-    const bool recording =
-        file.extension() == ".mcap" && stem.starts_with(kSessionFolder);
-    if (recording || (file.extension() == ".png" && stem.starts_with("views-channel-"))) {
+    const std::string stem = file.stem().string(), kind = file.extension().string();
+    if ((kind == ".mcap" && stem.starts_with(kSessionFolder)) ||
+        (kind == ".png" && stem.starts_with("views-channel-")))
       fs::remove(file, error);
-    }
   }
   fs::create_directories(session_, error);
   if (!error) return {};
@@ -369,12 +367,11 @@ void AddRunCommand(command_line::Command app) {
                      "engrave one job in the virtual engraver, with a separate set of "
                      "processes, and prove the result");
   run.SetFooter(
-      "Example: intaglio run --mesh bunny.obj --height 40 --glass N-BK7 --method "
-      "sections "
-      "--layer 0.1 --spacing 0.1 --machine els-03 --rate 100 --lockstep --out DIR\n"
-      "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, 4 "
-      "machine "
-      "fault, 5 cancelled.");
+      "Example: intaglio run --mesh bunny.obj --height 40 --glass N-BK7 --rate 100 "
+      "--method sections --layer 0.1 --spacing 0.1 --machine els-03 --lockstep --out "
+      "DIR\n"
+      "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, "
+      "4 machine fault, 5 cancelled.");
   AddJobFlags(run, options->job);
   AddEventsFlag(run, options->events);
   run.AddOption("--out", options->out,

@@ -29,7 +29,7 @@ std::chrono::sys_seconds Now() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-int TellFolders(const SecurityOptions& options, const security::ShopOptions& shop) {
+int PrintFolders(const SecurityOptions& options, const security::ShopOptions& shop) {
   for (const security::Role& role : security::RolesOf(shop.cells)) {
     std::cout << (fs::path(options.folder) / role.name).string() << "\n";
   }
@@ -48,14 +48,14 @@ int New(SecurityOptions options) {
       !made) {
     return Complain(made.error());
   }
-  return TellFolders(options, options.shop);
+  return PrintFolders(options, options.shop);
 }
 
 int Renew(SecurityOptions options) {
   options.lifetime.now = Now();
   const auto shop =
       security::RenewIdentities(options.folder, options.shop.cells, options.lifetime);
-  return shop ? TellFolders(options, *shop) : Complain(shop.error());
+  return shop ? PrintFolders(options, *shop) : Complain(shop.error());
 }
 
 /// One identity as a program would take it.
@@ -96,7 +96,7 @@ int CheckAll(const SecurityOptions& options) {
   return good ? client::kExitGood : client::kExitWrongInput;
 }
 
-int TellRoles() {
+int PrintRoles() {
   const auto names = [](const std::vector<security::RoleTopic>& topics) {
     std::vector<std::string> all;
     for (const security::RoleTopic& topic : topics) all.push_back(topic.name);
@@ -163,7 +163,7 @@ void AddSecurityCommand(command_line::Command app) {
       .TakeValues(1)
       .ShowDefault();
   add("roles", "print which role writes and reads what",
-      [](const SecurityOptions&) { return TellRoles(); });
+      [](const SecurityOptions&) { return PrintRoles(); });
 }
 
 }  // namespace intaglio::cli

@@ -82,11 +82,11 @@ std::optional<client::ServiceView> RivalOf(const client::ServiceSetOptions& set,
 Status AwaitNoRival(const client::ServiceSetOptions& set, client::JobClient& client,
                     std::chrono::milliseconds discovery_time) {
   client.PollUntil([] { return false; }, discovery_time);
-  const auto looked_until = std::chrono::steady_clock::now();
+  const auto checked_until = std::chrono::steady_clock::now();
   std::optional<client::ServiceView> rival;
   const auto is_decided = [&] {
     rival = RivalOf(set, client);
-    return !rival || rival->reported_at > looked_until + kGoesOnTime;
+    return !rival || rival->reported_at > checked_until + kGoesOnTime;
   };
   client.PollUntil(is_decided, kLeaveTime);
   if (!rival) return {};
@@ -167,7 +167,7 @@ int Up(const UpOptions& options) {
       services->Stop();
       return Complain(revived.error(), client::kExitMachine);
     }
-    for (const std::string& said : *revived) std::cerr << said << "\n";
+    for (const std::string& sent : *revived) std::cerr << sent << "\n";
   }
   services->Stop();
   return client::kExitGood;

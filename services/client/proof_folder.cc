@@ -102,9 +102,9 @@ void Judge(JobReport& report) {
   need(report.shadow_violations() == 0,
        fmt::format("{} points were fired through an earlier crack",
                    report.shadow_violations()));
-  need(report.least_spacing_mm() >= report.min_spacing_mm(),
+  need(report.measured_spacing_mm() >= report.min_spacing_mm(),
        fmt::format("two planned points are {:.4f} mm apart, nearer than {:.4f} mm",
-                   report.least_spacing_mm(), report.min_spacing_mm()));
+                   report.measured_spacing_mm(), report.min_spacing_mm()));
   verdict.set_good(verdict.reasons().empty());
 }
 
@@ -146,7 +146,7 @@ JobReport ReportOf(const Evidence& evidence) {
       sort::CountShadowViolations(made_mm, made_masks, frozen.optics().cone_tangent()));
   report.set_min_spacing_mm(spacing_mm);
   if (evidence.plan_mm.size() > 1) {
-    report.set_least_spacing_mm(proof::LeastSpacing(evidence.plan_mm, evidence.masks));
+    report.set_measured_spacing_mm(proof::MinSpacing(evidence.plan_mm, evidence.masks));
   }
   PointList cracks_mm;
   std::vector<ChannelMask> crack_channels;
@@ -155,7 +155,7 @@ JobReport ReportOf(const Evidence& evidence) {
     crack_channels.push_back(crack.channel);
   }
   if (cracks_mm.size() > 1) {
-    report.set_least_spacing_in_glass_mm(proof::LeastSpacing(cracks_mm, crack_channels));
+    report.set_measured_spacing_in_glass_mm(proof::MinSpacing(cracks_mm, crack_channels));
   }
   if (!evidence.cracks.empty()) {
     const std::uint64_t ticks = glass.last_tick - glass.first_tick + 1;
@@ -195,8 +195,8 @@ Status WriteViews(const fs::path& file, const Evidence& evidence,
       {"stray", number(points.stray()), good_if(points.stray() == 0)},
       {"shadow violations", number(report.shadow_violations()),
        good_if(report.shadow_violations() == 0)},
-      {"minimum spacing", fmt::format("{:.4f} mm", report.least_spacing_mm()),
-       good_if(report.least_spacing_mm() >= report.min_spacing_mm())},
+      {"minimum spacing", fmt::format("{:.4f} mm", report.measured_spacing_mm()),
+       good_if(report.measured_spacing_mm() >= report.min_spacing_mm())},
       {"error, rms", fmt::format("{:.2f} µm", errors.rms_um())},
       {"error, max", fmt::format("{:.2f} µm", errors.max_um()),
        good_if(errors.max_um() <= ToleranceUm(errors))},

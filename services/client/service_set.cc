@@ -174,11 +174,11 @@ Result<std::vector<std::string>> ServiceSet::Revive() {
   }
   std::vector<std::string> revived;
   for (const auto& service : services_) {
-    const auto said = service->Revive(std::chrono::steady_clock::now());
+    const auto output = service->Revive(std::chrono::steady_clock::now());
     // No job is given up for its recording.
-    if (!said && service->process().name() == "recorder") continue;
-    if (!said) return tl::unexpected(said.error());
-    if (*said) revived.push_back(**said);
+    if (!output && service->process().name() == "recorder") continue;
+    if (!output) return tl::unexpected(output.error());
+    if (*output) revived.push_back(**output);
   }
   return revived;
 }

@@ -89,7 +89,7 @@ int main(int argc, char** argv) {
                       "factor on the size limits of files, pictures, meshes and clouds "
                       "(docs/jobs.md)")
             .FromEnvironment(kSizeLimitsVariable)
-            .Within(kLeastSizeLimits, kGreatestSizeLimits)
+            .Within(kMinSizeLimits, kGreatestSizeLimits)
             .ShowDefault();
       }};
   return host::RunService(description, argc, argv, [&](host::ServiceHost& host) {

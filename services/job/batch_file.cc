@@ -94,7 +94,7 @@ void AddColumns(const BatchEntry& entry, BatchLine& line, std::vector<Error>& er
   }
 }
 
-std::vector<std::string> WordsOf(const std::string& text) {
+std::vector<std::string> TokensOf(const std::string& text) {
   std::istringstream in(text);
   std::vector<std::string> words;
   for (std::string word; in >> word;) words.push_back(word);
@@ -235,7 +235,7 @@ Result<std::vector<BatchLine>> ParseBatchCsv(std::string_view text,
     };
     line.id = field("id").empty() ? std::to_string(lines.size()) : field("id");
     line.job_file = field("job");
-    line.after = WordsOf(field("after"));
+    line.after = TokensOf(field("after"));
     line.cell = field("cell");
     io::CsvRow& own = line.columns.rows.emplace_back();
     own.line_number = row.line_number;
@@ -301,7 +301,7 @@ Result<std::vector<BatchLine>> ReadBatchFile(const fs::path& file) {
 Result<JobSpec> JobOf(const BatchLine& line, const JobSpec& pattern,
                       const fs::path& folder) {
   auto job = FillRow(pattern, line.columns, line.columns.rows.at(0), folder);
-  if (job) TellApart(*job, pattern, line.id);
+  if (job) NumberEqualNames(*job, pattern, line.id);
   return job;
 }
 

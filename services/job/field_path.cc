@@ -51,7 +51,7 @@ std::string FieldNames(const pb::Descriptor& type) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::vector<std::string_view> Words(std::string_view text) {
+std::vector<std::string_view> Tokens(std::string_view text) {
   constexpr std::string_view kBetween = " \t\r\n,;";
   std::vector<std::string_view> words;
   for (;;) {
@@ -65,7 +65,7 @@ std::vector<std::string_view> Words(std::string_view text) {
 
 template <typename Number>
 std::optional<Number> NumberIn(std::string_view text) {
-  const auto words = Words(text);
+  const auto words = Tokens(text);
   if (words.size() != 1) return {};
   Number number{};
   const char* end = words[0].data() + words[0].size();
@@ -193,7 +193,7 @@ std::string Expected(const Field& field) {
 }
 
 bool PutVector(pb::Message& message, std::string_view text) {
-  const auto words = Words(text);
+  const auto words = Tokens(text);
   if (words.size() != 3) return false;
   const pb::Descriptor& type = *message.GetDescriptor();
   for (int i = 0; i < 3; ++i) {
@@ -204,7 +204,7 @@ bool PutVector(pb::Message& message, std::string_view text) {
 
 bool PutList(pb::Message& message, const Field& field, std::string_view text) {
   message.GetReflection()->ClearField(&message, &field);
-  const auto words = Words(text);
+  const auto words = Tokens(text);
   return std::all_of(words.begin(), words.end(),
                      [&](std::string_view word) { return Put(message, field, word); });
 }
@@ -213,7 +213,7 @@ bool PutList(pb::Message& message, const Field& field, std::string_view text) {
 bool PutGroups(pb::Message& message, const Field& field, std::string_view text) {
   const pb::Descriptor& type = *field.message_type();
   if (!HoldsNumbersOnly(type)) return false;
-  const auto words = Words(text);
+  const auto words = Tokens(text);
   const auto fields_count = static_cast<std::size_t>(type.field_count());
   if (words.size() % fields_count != 0) return false;
   message.GetReflection()->ClearField(&message, &field);

@@ -83,12 +83,12 @@ void CheckModels(const JobSpec& job, Findings& findings) {
 void CheckRoom(const JobSpec& job, Findings& findings) {
   const Vector3& size = job.block().size_mm();
   const double margin_mm = job.block().margin_mm();
-  const double least_mm = std::min({size.x(), size.y(), size.z()});
-  if (2 * margin_mm >= least_mm) {
+  const double min_mm = std::min({size.x(), size.y(), size.z()});
+  if (2 * margin_mm >= min_mm) {
     return findings.Wrong(
         "block.margin_mm", margin_mm,
         "leaves no space in a block of {} x {} x {} mm; it has to be below {}", size.x(),
-        size.y(), size.z(), least_mm / 2);
+        size.y(), size.z(), min_mm / 2);
   }
   if (job.block().clip()) return;
   const double height_mm = size.z() - 2 * margin_mm;
@@ -169,12 +169,12 @@ void CheckChannelBlock(const ChannelBlock& own, const Block& block,
   }
   const Vector3& size = own.size_mm();
   const Vector3& largest = block.size_mm();
-  const auto check_side = [&](const char* axis, double size_mm, double most_mm) {
-    if (size_mm > most_mm) {
+  const auto check_side = [&](const char* axis, double size_mm, double max_mm) {
+    if (size_mm > max_mm) {
       findings.Wrong(path + ".size_mm." + axis, size_mm,
                      "is more than that of the block, {}; give the size of the largest "
                      "block as block.size_mm",
-                     most_mm);
+                     max_mm);
     } else if (size_mm <= 2 * block.margin_mm()) {
       findings.Wrong(path + ".size_mm." + axis, size_mm,
                      "leaves no space between the margins; reduce block.margin_mm, {}",
@@ -256,21 +256,22 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
     findings.Wrong("motion.profile", static_cast<int>(motion.profile()),
                    "is not a profile, 0..{}", static_cast<int>(MotionProfile_MAX));
   }
-  const MotionOptions most = WithDefaults(JobSpec(), machine).motion();
-  if (motion.max_speed_mm_s() > most.max_speed_mm_s()) {
+  const MotionOptions largest = WithDefaults(JobSpec(), machine).motion();
+  if (motion.max_speed_mm_s() > largest.max_speed_mm_s()) {
     findings.Wrong("motion.max_speed_mm_s", motion.max_speed_mm_s(),
-                   "is above the speed of {}, {}", machine.name(), most.max_speed_mm_s());
+                   "is above the speed of {}, {}", machine.name(),
+                   largest.max_speed_mm_s());
   }
-  if (motion.max_acceleration_mm_s2() > most.max_acceleration_mm_s2()) {
+  if (motion.max_acceleration_mm_s2() > largest.max_acceleration_mm_s2()) {
     findings.Wrong("motion.max_acceleration_mm_s2", motion.max_acceleration_mm_s2(),
                    "is above the acceleration of {}, {}", machine.name(),
-                   most.max_acceleration_mm_s2());
+                   largest.max_acceleration_mm_s2());
   }
   // Further off, a crack could no longer be distinguished from its neighbours'.
-  const double most_um = 1000 * min_spacing_mm / 4;
-  if (motion.tolerance_um() > most_um) {
+  const double max_um = 1000 * min_spacing_mm / 4;
+  if (motion.tolerance_um() > max_um) {
     findings.Wrong("motion.tolerance_um", motion.tolerance_um(),
-                   "is above a quarter of the minimum spacing, {:g}", most_um);
+                   "is above a quarter of the minimum spacing, {:g}", max_um);
   }
 }
 

@@ -145,7 +145,7 @@ Result<JobSpec> FillRow(const JobSpec& pattern, const io::CsvTable& table,
   return job;
 }
 
-void TellApart(JobSpec& job, const JobSpec& pattern, const std::string& what) {
+void NumberEqualNames(JobSpec& job, const JobSpec& pattern, const std::string& what) {
   if (job.name() != pattern.name()) return;
   job.set_name(job.name() + (job.name().empty() ? "" : " ") + what);
 }
@@ -158,18 +158,18 @@ Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern, const io::CsvTab
   }
   std::vector<JobSpec> jobs;
   std::vector<Error> errors;
-  std::set<std::string> told;  // also of another row
+  std::set<std::string> reported;  // also of another row
   for (const io::CsvRow& row : table.rows) {
     auto job = FillRow(pattern, table, row, folder);
     if (job) {
-      TellApart(*job, pattern, std::to_string(jobs.size() + 1));
+      NumberEqualNames(*job, pattern, std::to_string(jobs.size() + 1));
       jobs.push_back(std::move(*job));
       continue;
     }
     Error error = std::move(job.error());
     std::string news;
     for (const std::string& line : Lines(error.message)) {
-      if (!told.insert(line).second) continue;
+      if (!reported.insert(line).second) continue;
       news +=
           fmt::format("{}line {}: {}", news.empty() ? "" : "\n", row.line_number, line);
     }

@@ -34,6 +34,6 @@ Result<std::vector<JobSpec>> MakeSeries(const JobSpec& pattern, const io::CsvTab
                                         const std::filesystem::path& folder);
 
 /// A job that has its pattern's name gets this behind it.
-void TellApart(JobSpec& job, const JobSpec& pattern, const std::string& what);
+void NumberEqualNames(JobSpec& job, const JobSpec& pattern, const std::string& what);
 
 }  // namespace intaglio

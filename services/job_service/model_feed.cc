@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using bus::Borrow;
 
 // How often it is checked whether a discretizer that gave credit is matched by now.
-constexpr auto kLook = 50ms;
+constexpr auto kWatchPeriod = 50ms;
 
 Error CannotRead(const std::string& file, const std::string& why) {
   return {ErrorCode::kIo, fmt::format("model {}: {}", file, why), file};
@@ -59,7 +59,7 @@ void ModelFeed::Run(const std::stop_token& stop) {
   wait_.Attach(credit_.reader());
   while (!stop.stop_requested()) {
     // Without a stream there is nothing to wait for.
-    (void)wait_.Wait(streams_.empty() ? 1000ms : kLook);
+    (void)wait_.Wait(streams_.empty() ? 1000ms : kWatchPeriod);
     credit_.Poll();
     {
       const std::lock_guard lock(mutex_);

@@ -22,7 +22,7 @@ void WorkerReports::OpenCell(const std::string& cell) { Open(bus::CellRole(cell)
 void WorkerReports::Open(const std::string& role) {
   const std::string partition = bus::RolePartition(role);
   if (readers_.contains(partition)) return;
-  constexpr auto kAudience = bus::Hears::kEverybody;
+  constexpr auto kAudience = bus::Source::kEverybody;
   constexpr auto kKeeps = bus::Keeps::kEverySample;
   readers_.emplace(partition,
                    Readers{bus::Reader<intaglio_TaskStatus>(bus_, bus::kTaskStatus,

@@ -5,7 +5,7 @@
 
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/service_host.h"
-#include "services/recorder/job_papers.h"
+#include "services/recorder/job_attachments.h"
 #include "services/recorder/recorder.h"
 
 namespace {
@@ -112,13 +112,13 @@ int Serve(host::ServiceHost& host, const Options& options) {
     std::cerr << recorder.error().message << "\n";
     return recorder.error().code == ErrorCode::kIo ? 1 : 2;
   }
-  recorder::JobPapers papers(host.bus());
+  recorder::JobAttachments attachments(host.bus());
   bool in_trouble = false;
   while (!host.stopping()) {
     (*recorder)->Turn(100ms);
     const auto now = std::chrono::system_clock::now().time_since_epoch();
-    for (auto& paper : papers.Take(static_cast<std::uint64_t>(now / 1ns))) {
-      (*recorder)->Attach(std::move(paper));
+    for (auto& attachment : attachments.Take(static_cast<std::uint64_t>(now / 1ns))) {
+      (*recorder)->Attach(std::move(attachment));
     }
     Report(host, (*recorder)->state(), in_trouble);
     host.KeepAlive();

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kTurn = 100ms;
 // Services that end together with this one report it within this time.
-constexpr auto kLastWords = 300ms;
+constexpr auto kDrainTime = 300ms;
 // Lower in priority than every thread that computes or moves something.
 constexpr int kWriterNice = 10;
 
@@ -71,7 +71,7 @@ struct Recorder::Impl {
               (void)queue.Push(Unrecorded{topic, why}, 0, false);
             }) {}
 
-  void Hear(const std::stop_token& stop) {
+  void Receive(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       tap.Take(kTurn, [this](bus::TapSample&& sample) { HandOver(std::move(sample)); });
     }
@@ -81,7 +81,7 @@ struct Recorder::Impl {
   void WriteAll(std::vector<Item>&& items);
   void WriteOne(const bus::TapSample& sample);
   std::uint32_t StreamOf(std::uint32_t channel, bus::TapKind kind);
-  void TellRefused();
+  void LogRefused();
   void Publish();
 
   RecordingSeries series;  // of the writer thread
@@ -92,7 +92,7 @@ struct Recorder::Impl {
   std::map<std::pair<std::uint32_t, bus::TapKind>, Refused> refused;
   mutable std::mutex state_mutex;
   State state;
-  std::jthread hearing, writing;
+  std::jthread receiving, writing;
 };
 
 void Recorder::Impl::HandOver(bus::TapSample&& sample) {
@@ -111,11 +111,11 @@ void Recorder::Impl::HandOver(bus::TapSample&& sample) {
 std::uint32_t Recorder::Impl::StreamOf(std::uint32_t channel, bus::TapKind kind) {
   const auto [known, added] = streams.try_emplace({channel, kind}, 0);
   if (added) {
-    const bus::TapChannel& heard = tap.channel(channel);
-    known->second =
-        series.AddStream({heard.topic, heard.type, heard.domain == bus::DomainKind::kBulk,
-                          heard.partition, KindOf(kind), heard.keyed, heard.qos},
-                         {heard.idl, heard.key_idl, heard.recipe});
+    const bus::TapChannel& received = tap.channel(channel);
+    known->second = series.AddStream(
+        {received.topic, received.type, received.domain == bus::DomainKind::kBulk,
+         received.partition, KindOf(kind), received.keyed, received.qos},
+        {received.idl, received.key_idl, received.recipe});
   }
   return known->second;
 }
@@ -132,18 +132,18 @@ void Recorder::Impl::WriteAll(std::vector<Item>&& items) {
     } else if (auto* attachment = std::get_if<recording::Attachment>(&item)) {
       series.Attach(std::move(*attachment));
     } else if (const auto* unrecorded = std::get_if<Unrecorded>(&item)) {
-      series.TellUnrecorded(unrecorded->topic, unrecorded->why);
+      series.ReportUnrecorded(unrecorded->topic, unrecorded->why);
     }
   }
 }
 
-void Recorder::Impl::TellRefused() {
-  std::map<std::pair<std::uint32_t, bus::TapKind>, Refused> told;
+void Recorder::Impl::LogRefused() {
+  std::map<std::pair<std::uint32_t, bus::TapKind>, Refused> reported;
   {
     const std::lock_guard lock(refused_mutex);
-    told.swap(refused);
+    reported.swap(refused);
   }
-  for (const auto& [key, entry] : told) {
+  for (const auto& [key, entry] : reported) {
     const std::uint32_t stream = StreamOf(key.first, key.second);
     series.CountMissing(stream, entry.from_ns, "the disk is too slow", entry.count);
     series.CountMissing(stream, entry.to_ns, "the disk is too slow", 0);
@@ -160,17 +160,17 @@ void Recorder::Impl::Write(const std::stop_token& stop) {
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kWriterNice);
   while (!stop.stop_requested()) {
     WriteAll(queue.Take(kTurn));
-    TellRefused();
+    LogRefused();
     series.Turn(WallNow());
     Publish();
   }
   WriteAll(queue.Take(0ms));
-  TellRefused();
+  LogRefused();
 }
 
 Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Recorder::~Recorder() {
-  impl_->hearing.request_stop();
+  impl_->receiving.request_stop();
   impl_->writing.request_stop();
 }
 
@@ -180,8 +180,8 @@ Result<std::unique_ptr<Recorder>> Recorder::Start(bus::Bus& bus,
   auto impl = std::make_unique<Impl>(bus, options, std::move(series));
   Impl* const shared = impl.get();
   shared->Publish();
-  shared->hearing =
-      std::jthread([shared](const std::stop_token& stop) { shared->Hear(stop); });
+  shared->receiving =
+      std::jthread([shared](const std::stop_token& stop) { shared->Receive(stop); });
   shared->writing =
       std::jthread([shared](const std::stop_token& stop) { shared->Write(stop); });
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
@@ -195,11 +195,11 @@ void Recorder::Attach(recording::Attachment attachment) {
 }
 
 Status Recorder::Stop() {
-  const auto end = std::chrono::steady_clock::now() + kLastWords;
+  const auto end = std::chrono::steady_clock::now() + kDrainTime;
   while (std::chrono::steady_clock::now() < end) Turn(20ms);
-  impl_->hearing.request_stop();
+  impl_->receiving.request_stop();
   impl_->tap.Wake();
-  impl_->hearing.join();
+  impl_->receiving.join();
   impl_->writing.request_stop();
   impl_->writing.join();
   auto closed = impl_->series.Close();

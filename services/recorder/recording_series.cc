@@ -93,7 +93,7 @@ Status RecordingSeries::OpenNext(std::uint64_t now_ns) {
                                 {"host", options_.host},
                                 {"started_utc", UtcText(now_ns)},
                                 {"file_number", std::to_string(file_number_)}}}));
-  TellForgotten();
+  ReportForgotten();
   WritePending();
   return {};
 }
@@ -120,9 +120,9 @@ std::uint16_t RecordingSeries::Define(const Known& known, bool repeated) {
       writer_->AddSchema(type.name, type.idl.empty() ? "" : recording::kOmgIdl, type.idl);
   const std::uint16_t channel =
       writer_->AddChannel(std::move(made), stream.bulk ? Lane::kLarge : Lane::kSmall);
-  const bool told = std::find(types_written_.begin(), types_written_.end(),
-                              stream.type) != types_written_.end();
-  if (told || known.types.recipe.empty()) return channel;
+  const bool reported = std::find(types_written_.begin(), types_written_.end(),
+                                  stream.type) != types_written_.end();
+  if (reported || known.types.recipe.empty()) return channel;
   const auto written =
       writer_->Write(Metadata{recording::kTypeRecord, known.types.recipe});
   if (written) types_written_.push_back(stream.type);
@@ -145,7 +145,7 @@ void RecordingSeries::Repeat(std::uint64_t log_time_ns) {
   }
 }
 
-void RecordingSeries::TellForgotten() {
+void RecordingSeries::ReportForgotten() {
   const std::uint64_t count = retained_.forgotten_count();
   if (count == 0) return;
   Note(
@@ -204,8 +204,8 @@ void RecordingSeries::CountMissing(std::uint32_t stream, std::uint64_t log_time_
   missing_count_ += count;
 }
 
-void RecordingSeries::TellUnrecorded(const std::string& topic,
-                                     const std::string& reason) {
+void RecordingSeries::ReportUnrecorded(const std::string& topic,
+                                       const std::string& reason) {
   unrecorded_.push_back(
       {recording::kMissingRecord, {{"topic", topic}, {"reason", reason}}});
 }

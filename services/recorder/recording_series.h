@@ -76,7 +76,7 @@ class RecordingSeries {
   void CountMissing(std::uint32_t stream, std::uint64_t log_time_ns,
                     const std::string& reason, std::uint64_t count = 1);
   /// A topic that is not recorded.
-  void TellUnrecorded(const std::string& topic, const std::string& reason);
+  void ReportUnrecorded(const std::string& topic, const std::string& reason);
   /// Goes into this file and those that follow, until newer ones take its place.
   void Attach(recording::Attachment attachment);
 
@@ -112,7 +112,7 @@ class RecordingSeries {
   Status OpenNext(std::uint64_t now_ns);
   std::uint16_t Define(const Known& known, bool repeated);
   void Repeat(std::uint64_t log_time_ns);
-  void TellForgotten();
+  void ReportForgotten();
   void Note(const Status& written);
   void GiveUp(recording::Lane lane, const char* reason);
   void WriteMissing(std::uint64_t now_ns);

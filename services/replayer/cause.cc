@@ -8,30 +8,30 @@ namespace intaglio::replayer {
 
 Status NameCause(ReplayComparison& result,
                  const std::function<Result<bool>()>& differs_again) {
-  const auto say = [&result](const char* cause, std::string explanation) {
+  const auto report = [&result](const char* cause, std::string explanation) {
     result.set_cause(cause);
     result.set_explanation(std::move(explanation));
   };
   if (!result.options().empty()) {
     const OptionDifference& option = result.options(0);
-    say("option", fmt::format("{} was {} then and is {} now", option.field(),
-                              option.then().empty() ? "not there" : option.then(),
-                              option.now().empty() ? "not there" : option.now()));
+    report("option", fmt::format("{} was {} then and is {} now", option.field(),
+                                 option.then().empty() ? "not there" : option.then(),
+                                 option.now().empty() ? "not there" : option.now()));
     return {};
   }
   if (!result.input().empty()) {
-    say("input", result.input(0));
+    report("input", result.input(0));
     return {};
   }
   const auto chance = INTAGLIO_TRY(differs_again());
   if (chance) {
-    say("chance", "the same task, done twice now, gives two results");
+    report("chance", "the same task, done twice now, gives two results");
   } else if (result.version_then() != result.version_now()) {
-    say("version", fmt::format("recorded with version {}, compared with version {}",
-                               result.version_then(), result.version_now()));
+    report("version", fmt::format("recorded with version {}, compared with version {}",
+                                  result.version_then(), result.version_now()));
   } else {
-    say("code", fmt::format("same input, options and version {}: the code has changed",
-                            result.version_now()));
+    report("code", fmt::format("same input, options and version {}: the code has changed",
+                               result.version_now()));
   }
   return {};
 }

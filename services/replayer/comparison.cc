@@ -43,7 +43,7 @@ std::optional<Found> CompareHeads(const CloudBatch& a, const CloudBatch& b) {
   return std::nullopt;
 }
 
-std::string Words(const CloudBatch& batch) {
+std::string Tokens(const CloudBatch& batch) {
   return fmt::format("{} points of {}", batch.x_mm.size(), batch.total_count);
 }
 
@@ -54,8 +54,8 @@ std::optional<SampleDifference> Compare(const CloudBatch* then, const CloudBatch
   std::optional<Found> found;
   std::size_t index = 0;
   if (then == nullptr || now == nullptr) {
-    found = Found{"batch", then == nullptr ? "none" : Words(*then),
-                  now == nullptr ? "none" : Words(*now)};
+    found = Found{"batch", then == nullptr ? "none" : Tokens(*then),
+                  now == nullptr ? "none" : Tokens(*now)};
   } else {
     const std::size_t size = std::min(then->x_mm.size(), now->x_mm.size());
     while (index < size && !(found = ComparePoint(*then, *now, index))) ++index;

@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kSlice = 20ms;
 // Credit comes within fractions of a millisecond when the consumer is idle.
-constexpr auto kCreditLook = 200us;
+constexpr auto kCreditPeriod = 200us;
 
 bus::CdrKind KindOf(recording::SampleKind kind) {
   switch (kind) {
@@ -95,7 +95,7 @@ bool Player::WaitForCredit(const PlayedChannel& channel, const bus::CdrWriter& w
   if (!place) return true;
   while (!gate_.MayGo(*place, writer, Clock::now())) {
     if (!hooks.keep_on()) return false;
-    std::this_thread::sleep_for(kCreditLook);
+    std::this_thread::sleep_for(kCreditPeriod);
   }
   return true;
 }

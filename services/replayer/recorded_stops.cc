@@ -41,7 +41,7 @@ std::optional<RecordedStops::Sample> RecordedStops::Read(const recording::Value&
     return sample;
   }
   if (!sample.ours) return sample;
-  StopWord& stop = sample.stop;
+  StopMessage& stop = sample.stop;
   if (stop.pressed) {
     stop.source += "-" + std::to_string(unnamed_presses_.size() + 1);
     unnamed_presses_.push_back({stop.source, stop.number});

@@ -22,7 +22,7 @@ struct RecordedPress {
 };
 
 /// An EmergencyStop.
-struct StopWord {
+struct StopMessage {
   bool pressed = false;
   std::string source;
   std::uint64_t number = 0;
@@ -35,7 +35,7 @@ class RecordedStops {
 
   struct Sample {
     bool ours = false;  ///< the machine's, or of every machine
-    StopWord stop;
+    StopMessage stop;
   };
   /// In the order of the recording. Nothing for a value that is no EmergencyStop.
   std::optional<Sample> Read(const recording::Value& value);

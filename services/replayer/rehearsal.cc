@@ -56,7 +56,7 @@ class Rehearsal {
   Status ReadRecording();
   Status ReadTasks();
   bool HasInput(const RecordedTask& task);
-  void TellMissing();
+  void LogMissing();
   Status ChangeOptions(RecordedTask& task);
   Result<Performed> Perform(const RecordedTask& task, const std::string& job_uid);
   Status FindCause(const RecordedTask& task, const Performed& performed);
@@ -106,12 +106,12 @@ Status Rehearsal::ReadRecording() {
                             "compare",
                             task_topic_, output_topic_));
   }
-  TellMissing();
+  LogMissing();
   return {};
 }
 
 /// The recorder's own samples are not in the file.
-void Rehearsal::TellMissing() {
+void Rehearsal::LogMissing() {
   const auto records = reader_.ReadMetadata(recording::kMissingRecord);
   if (!records) return;
   for (const recording::Metadata& record : *records) {

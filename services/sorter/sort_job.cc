@@ -26,7 +26,7 @@ void AddWarnings(const FrozenJob& job, const PointCloud& cloud,
                  const std::vector<ChannelMask>& masks, SortOutcome& outcome) {
   proof::QualityOptions options = QualityOptionsOf(job.job(), job.machine());
   options.executor = host::AllCores();
-  const std::vector<ChannelMask> channels = TellingChannels(masks);
+  const std::vector<ChannelMask> channels = DistinctChannels(masks);
   const bool one = channels.size() == 1;
   for (const ChannelMask channel : channels) {
     const PointCloud part = one ? PointCloud() : PointsIn(channel, cloud, masks);

@@ -29,7 +29,7 @@ Status PlugIn(Plugs::Plug& plug, const std::string& name) {
   return {};
 }
 
-std::vector<std::string> WordsOf(const std::string& line) {
+std::vector<std::string> TokensOf(const std::string& line) {
   std::istringstream in(line);
   std::vector<std::string> words;
   for (std::string word; in >> word;) words.push_back(word);
@@ -58,9 +58,9 @@ void Commands::TakeHangUps() {
 }
 
 std::string Commands::Do(const std::string& command) {
-  const auto words = WordsOf(command);
+  const auto words = TokensOf(command);
   if (words.empty()) return "error empty command";
-  const std::string answer = DoWords(words);
+  const std::string answer = DoCommand(words);
   return answer.empty() ? "error unknown command '" + command + "'; see docs/protocols.md"
                         : answer;
 }
@@ -124,7 +124,7 @@ std::string Commands::DoStage(const std::vector<std::string>& words) {
   return "";
 }
 
-std::string Commands::DoWords(const std::vector<std::string>& words) {
+std::string Commands::DoCommand(const std::vector<std::string>& words) {
   const std::string& verb = words[0];
   const std::string what = words.size() > 1 ? words[1] : "";
   const auto either = [&](const char* yes, const char* no) -> std::optional<bool> {

@@ -46,7 +46,7 @@ class Commands {
   bool quit() const { return quit_; }
 
  private:
-  std::string DoWords(const std::vector<std::string>& words);
+  std::string DoCommand(const std::vector<std::string>& words);
   std::string DoLamp(const std::vector<std::string>& words);
   std::string DoStage(const std::vector<std::string>& words);
   std::string Line(const std::string& verb, const std::string& which);

@@ -8,7 +8,7 @@
 namespace intaglio::virtual_engraver {
 namespace {
 // What a line holds at most; more is not taken, as by a full buffer of a serial port.
-constexpr std::size_t kMostBytes = 65536;
+constexpr std::size_t kMaxBytes = 65536;
 }  // namespace
 
 LateLine::LateLine(std::unique_ptr<link::ByteStream> inner,
@@ -29,7 +29,7 @@ void LateLine::Delay(Way& way, std::span<const std::byte> bytes) {
 
 Status LateLine::TakeIn() {
   std::array<std::byte, 4096> buffer;
-  while (in_.size < kMostBytes) {
+  while (in_.size < kMaxBytes) {
     const auto got = INTAGLIO_TRY(inner_->Read(buffer));
     if (got == 0) break;
     Delay(in_, std::span(buffer).first(got));
@@ -69,7 +69,7 @@ Result<std::size_t> LateLine::Read(std::span<std::byte> buffer) {
 }
 
 Result<std::size_t> LateLine::Write(std::span<const std::byte> bytes) {
-  if (out_.size >= kMostBytes) return 0;
+  if (out_.size >= kMaxBytes) return 0;
   if (!bytes.empty()) Delay(out_, bytes);
   INTAGLIO_TRY(LetOut());
   return bytes.size();

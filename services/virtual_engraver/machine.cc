@@ -95,15 +95,15 @@ void Machine::PollLines() {
         HandleLaser(static_cast<LaserFrame>(type), payload);
       })) {
     laser_.NewSession();
-    laser_line_.Say(Number(LaserFrame::kLaserIdentity), Encode(laser_.Identity()));
+    laser_line_.Send(Number(LaserFrame::kLaserIdentity), Encode(laser_.Identity()));
   }
   if (motion_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
         HandleMotion(static_cast<MotionFrame>(type), payload);
       })) {
-    motion_line_.Say(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
+    motion_line_.Send(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
     if (const OwnClock* own = stage_.own_clock()) {
-      motion_line_.Say(Number(MotionFrame::kControllerClock),
-                       Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
+      motion_line_.Send(Number(MotionFrame::kControllerClock),
+                        Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
     }
   }
 }
@@ -116,7 +116,7 @@ void Machine::HandleLaser(LaserFrame type, std::span<const std::byte> payload) {
       return;
     case LaserFrame::kPastRequest:
       if (const auto m = link::Decode<link::PastRequest>(payload)) {
-        laser_line_.Say(Number(LaserFrame::kPastReport), Encode(laser_.Past(*m)));
+        laser_line_.Send(Number(LaserFrame::kPastReport), Encode(laser_.Past(*m)));
       }
       return;
     default:
@@ -214,38 +214,38 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
   laser_.Seen(seen);
 }
 
-void Machine::Tell(bool at_once) {
+void Machine::SendReports(bool at_once) {
   const nanoseconds now = clock_();
   // Reports first: a status speaks of ticks whose outcomes are known already.
   for (const link::PulseReport& report : laser_.TakeReports()) {
-    laser_line_.Say(Number(LaserFrame::kPulseReport), Encode(report));
+    laser_line_.Send(Number(LaserFrame::kPulseReport), Encode(report));
   }
   for (const link::Positions& positions : stage_.TakePositions()) {
-    motion_line_.Say(Number(MotionFrame::kPositions), Encode(positions));
+    motion_line_.Send(Number(MotionFrame::kPositions), Encode(positions));
   }
   for (const link::TimedPositions& positions : stage_.TakeTimedPositions()) {
     // They arrive at rest, too: they are not kept for a host that is not there.
     if (!motion_line_.link || !motion_line_.link->up()) break;
-    motion_line_.Say(Number(MotionFrame::kTimedPositions), Encode(positions));
+    motion_line_.Send(Number(MotionFrame::kTimedPositions), Encode(positions));
   }
   const link::LaserStatus status = laser_.Report();
   const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
-  if (at_once || laser_line_.status_asked || interlocks != told_interlocks_ ||
+  if (at_once || laser_line_.status_asked || interlocks != sent_interlocks_ ||
       now >= laser_line_.next_status) {
-    told_interlocks_ = interlocks;
+    sent_interlocks_ = interlocks;
     laser_line_.status_asked = false;
     laser_line_.next_status = now + kStatusPeriod;
     if (laser_line_.link && laser_line_.link->up()) {
-      laser_line_.Say(Number(LaserFrame::kLaserStatus), Encode(status));
+      laser_line_.Send(Number(LaserFrame::kLaserStatus), Encode(status));
     }
   }
-  if (at_once || motion_line_.status_asked || stage_.fault() != told_fault_ ||
+  if (at_once || motion_line_.status_asked || stage_.fault() != sent_fault_ ||
       now >= motion_line_.next_status) {
-    told_fault_ = stage_.fault();
+    sent_fault_ = stage_.fault();
     motion_line_.status_asked = false;
     motion_line_.next_status = now + kStatusPeriod;
     if (motion_line_.link && motion_line_.link->up()) {
-      motion_line_.Say(Number(MotionFrame::kMotionStatus), Encode(stage_.Report()));
+      motion_line_.Send(Number(MotionFrame::kMotionStatus), Encode(stage_.Report()));
     }
   }
   laser_line_.Flush();
@@ -260,7 +260,7 @@ nanoseconds Machine::Turn() {
   // A reported crack is in its file already, whatever happens to this program.
   (void)glass_.Flush();
   // The host waits for the data that a stopped machine still has to send.
-  Tell(blocked && passed);
+  SendReports(blocked && passed);
   // Sent data have to leave before the next wait.
   PollLines();
   if (options_.laser.lockstep) return blocked ? nanoseconds(kIdle) : nanoseconds(0);

@@ -79,7 +79,7 @@ class Machine {
     /// True when a new session has begun.
     bool Poll(const link::ReliableLink::Handler& handler);
     bool silent() const { return session != 0 && (!link || !link->up()); }
-    void Say(std::uint8_t type, link::Bytes payload) {
+    void Send(std::uint8_t type, link::Bytes payload) {
       waiting.emplace_back(type, std::move(payload));
     }
     void Flush();
@@ -94,7 +94,7 @@ class Machine {
   bool PassTicks();
   void PassTick();
   void Fire(std::uint8_t channels, const Vec3& place_mm);
-  void Tell(bool at_once);
+  void SendReports(bool at_once);
 
   MachineOptions options_;
   Stage stage_;
@@ -106,8 +106,8 @@ class Machine {
   std::chrono::nanoseconds next_tick_at_;
   std::uint64_t to_miss_ = 0, to_overlook_ = 0;
   double sync_late_s_ = 0;
-  std::uint32_t told_interlocks_ = 0;
-  link::StageFault told_fault_ = link::StageFault::kNone;
+  std::uint32_t sent_interlocks_ = 0;
+  link::StageFault sent_fault_ = link::StageFault::kNone;
 };
 
 }  // namespace intaglio::virtual_engraver

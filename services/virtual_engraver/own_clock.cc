@@ -10,7 +10,7 @@ constexpr double kEarlierNs = 1.7e9;
 
 OwnClock::OwnClock(const OwnClockOptions& options)
     : drift_ppm_(options.drift_ppm),
-      jitter_ns_(1e9 * options.hearing_jitter_s),
+      jitter_ns_(1e9 * options.receive_jitter_s),
       power_up_(options.power_up),
       random_(options.seed),
       now_ns_(kEarlierNs) {}
@@ -23,19 +23,19 @@ void OwnClock::Advance(double seconds) {
   now_ns_ += 1e9 * seconds * (1 + 1e-6 * drift_ppm_);
 }
 
-void OwnClock::Tell(std::uint64_t tick) {
+void OwnClock::ReceiveTick(std::uint64_t tick) {
   // std::uniform_real_distribution may differ between libraries; this does not.
   const double ratio = static_cast<double>(random_() >> 11) * 0x1p-53;
   const auto due_ns = static_cast<std::uint64_t>(now_ns_ + ratio * jitter_ns_);
-  told_by_ns_ = std::max(told_by_ns_, due_ns);
-  underway_.push_back({tick, told_by_ns_});
+  received_by_ns_ = std::max(received_by_ns_, due_ns);
+  underway_.push_back({tick, received_by_ns_});
 }
 
-std::optional<OwnClock::Heard> OwnClock::HearsBy(std::uint64_t ns) {
+std::optional<OwnClock::Received> OwnClock::ReceivesBy(std::uint64_t ns) {
   if (underway_.empty() || underway_.front().at_ns > ns) return std::nullopt;
-  const Heard heard = underway_.front();
+  const Received received = underway_.front();
   underway_.pop_front();
-  return heard;
+  return received;
 }
 
 }  // namespace intaglio::virtual_engraver

@@ -2,7 +2,7 @@
 
 // The oscillator of a stage controller that does not run on the laser's ticks, and how it
 // is notified of them: the laser's controller sends it a notice over a serial line, each
-// time late by 0 .. hearing_jitter_s, in the order of the ticks. Time is machine time,
+// time late by 0 .. receive_jitter_s, in the order of the ticks. Time is machine time,
 // the lamp's.
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace intaglio::virtual_engraver {
 
 struct OwnClockOptions {
   double drift_ppm = 0;         ///< -200..200; above 0: it is fast
-  double hearing_jitter_s = 0;  ///< 0..0.002
+  double receive_jitter_s = 0;  ///< 0..0.002
   std::uint32_t power_up = 1;   ///< random number of this power-up, not 0
   unsigned seed = 0;            ///< of the jitter
 };
@@ -32,13 +32,13 @@ class OwnClock {
   void Advance(double seconds);
 
   /// A lamp sync passes now; its notice will follow.
-  void Tell(std::uint64_t tick);
-  struct Heard {
+  void ReceiveTick(std::uint64_t tick);
+  struct Received {
     std::uint64_t tick = 0;
     std::uint64_t at_ns = 0;
   };
   /// The next notice that arrives by `ns`; it is then removed.
-  std::optional<Heard> HearsBy(std::uint64_t ns);
+  std::optional<Received> ReceivesBy(std::uint64_t ns);
 
  private:
   double drift_ppm_;
@@ -46,8 +46,8 @@ class OwnClock {
   std::uint32_t power_up_;
   std::mt19937_64 random_;
   double now_ns_;
-  std::uint64_t told_by_ns_ = 0;
-  std::deque<Heard> underway_;
+  std::uint64_t received_by_ns_ = 0;
+  std::deque<Received> underway_;
 };
 
 }  // namespace intaglio::virtual_engraver

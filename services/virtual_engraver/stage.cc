@@ -242,11 +242,11 @@ void Stage::AdvanceTo(std::uint64_t units) {
 // Notices that arrive between two ticks, and at the newer one if the line has no delay.
 void Stage::AdvanceOwnClock() {
   own_clock_->Advance(1 / rate_hz_);
-  own_clock_->Tell(tick_);
+  own_clock_->ReceiveTick(tick_);
   const std::uint64_t now_ns = own_clock_->now_ns();
-  while (const auto heard = own_clock_->HearsBy(now_ns)) {
-    AdvanceTo(heard->at_ns);
-    LatchAt(*heard);
+  while (const auto received = own_clock_->ReceivesBy(now_ns)) {
+    AdvanceTo(received->at_ns);
+    LatchAt(*received);
   }
   AdvanceTo(now_ns);
 }
@@ -310,14 +310,15 @@ void Stage::Latch() {
       {ToNm(actual_mm().x()), ToNm(actual_mm().y()), ToNm(actual_mm().z())});
 }
 
-void Stage::LatchAt(const OwnClock::Heard& heard) {
-  heard_tick_ = heard.tick;
+void Stage::LatchAt(const OwnClock::Received& received) {
+  received_tick_ = received.tick;
   if (timed_latched_.empty() || timed_latched_.back().run != run_ ||
       timed_latched_.back().positions.size() >= link::kMaxTimedPositions) {
-    timed_latched_.push_back({run_, heard.tick, {}});
+    timed_latched_.push_back({run_, received.tick, {}});
   }
-  timed_latched_.back().positions.push_back(
-      {heard.at_ns, ToNm(actual_mm().x()), ToNm(actual_mm().y()), ToNm(actual_mm().z())});
+  timed_latched_.back().positions.push_back({received.at_ns, ToNm(actual_mm().x()),
+                                             ToNm(actual_mm().y()),
+                                             ToNm(actual_mm().z())});
 }
 
 std::vector<link::TimedPositions> Stage::TakeTimedPositions() {
@@ -330,7 +331,7 @@ std::vector<link::Positions> Stage::TakePositions() {
 
 link::MotionStatus Stage::Report() {
   link::MotionStatus status;
-  status.tick = own_clock_ ? heard_tick_ : tick_;
+  status.tick = own_clock_ ? received_tick_ : tick_;
   status.x_nm = ToNm(actual_mm().x());
   status.y_nm = ToNm(actual_mm().y());
   status.z_nm = ToNm(actual_mm().z());

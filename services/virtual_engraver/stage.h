@@ -131,14 +131,14 @@ class Stage {
     return axes.cwiseProduct(options_.focus_per_axis_unit_mm);
   }
   void Latch();
-  void LatchAt(const OwnClock::Heard& heard);
+  void LatchAt(const OwnClock::Received& received);
 
   StageOptions options_;
   std::optional<OwnClock> own_clock_;
   Phase phase_ = Phase::kRest;
   link::StageFault fault_ = link::StageFault::kNone;
   std::uint64_t tick_ = 0;
-  std::uint64_t heard_tick_ = 0;  // with a clock of its own: the newest it knows of
+  std::uint64_t received_tick_ = 0;  // with a clock of its own: the newest it knows of
   double rate_hz_ = 1;
   double unit_s_ = 1;
   std::uint64_t now_units_ = 0;

@@ -21,7 +21,7 @@
 
 #include "engrave/discretize/mesh/rays.h"
 #include "engrave/discretize/mesh/sections.h"
-#include "engrave/discretize/spacing/weld.h"
+#include "engrave/discretize/spacing/thinning.h"
 #include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "engrave/proof/nearest_distances.h"
@@ -216,11 +216,11 @@ SpacedCloud RandomPoints(const mesh::TriangleMesh& mesh, std::size_t count) {
   return cloud;
 }
 
-void Welding(const std::string& work, const SpacedCloud& candidates) {
-  WeldOptions weld;
-  weld.min_spacing_mm = kSpacingMm;
+void Thinning(const std::string& work, const SpacedCloud& candidates) {
+  ThinningOptions thinning;
+  thinning.min_spacing_mm = kSpacingMm;
   SpacedCloud kept;
-  const double our_ms = BestMs(5, [&] { kept = Weld(candidates, weld); });
+  const double our_ms = BestMs(5, [&] { kept = Thin(candidates, thinning); });
   const proof::DistinctPlaces places = proof::DistinctPlacesOf(kept.points_mm);
   const auto nearest =
       proof::MeasureNearest(places, proof::PointTree(places.places_mm), {kSpacingMm});
@@ -228,16 +228,16 @@ void Welding(const std::string& work, const SpacedCloud& candidates) {
        fmt::format("{} of {} points, nearest distances vary by {:.1f} %", kept.size(),
                    candidates.size(), 100 * nearest.variation_ratio),
        our_ms, "CloudCompare spatial",
-       CloudCompareWeld(candidates.points_mm, kSpacingMm));
+       CloudCompareThinning(candidates.points_mm, kSpacingMm));
 }
 
-void Welding(const mesh::TriangleMesh& mesh) {
+void Thinning(const mesh::TriangleMesh& mesh) {
   SectionOptions options;
   options.layer_distance_mm = options.vertex_distance_mm = kSpacingMm / 2;
   SpacedCloud rows;
   MakeSections(mesh, options).value()->AddPoints({}, 0, {}, rows).value();
-  Welding("weld of sections twice as dense", rows);
-  Welding("weld of random points", RandomPoints(mesh, kRandomPoints));
+  Thinning("thinning of sections twice as dense", rows);
+  Thinning("thinning of random points", RandomPoints(mesh, kRandomPoints));
 }
 
 double LoadAverage() {
@@ -252,7 +252,7 @@ int Main(int argc, char** argv) {
   fmt::print("| work | result | time | peer | ratio |\n|---|---|---|---|---|\n");
   Slicing(*mesh);
   Rays(*mesh);
-  Welding(*mesh);
+  Thinning(*mesh);
   return 0;
 }
 

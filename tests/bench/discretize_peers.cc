@@ -113,7 +113,8 @@ std::optional<PeerRun> CuraSlices(const mesh::TriangleMesh& mesh, double layer_m
   return best;
 }
 
-std::optional<PeerRun> CloudCompareWeld(const PointList& points_mm, double spacing_mm) {
+std::optional<PeerRun> CloudCompareThinning(const PointList& points_mm,
+                                            double spacing_mm) {
   if (!IsInstalled("CloudCompare")) return std::nullopt;
   const fs::path cloud = Folder() / "candidates.ply";
   WritePly(points_mm, cloud);

@@ -37,6 +37,7 @@ struct RayBundle {
 std::optional<PeerRun> EmbreeRays(const mesh::TriangleMesh& mesh, const RayBundle& rays);
 
 /// CloudCompare's spatial subsampling: a run that loads and samples less one that loads.
-std::optional<PeerRun> CloudCompareWeld(const PointList& points_mm, double spacing_mm);
+std::optional<PeerRun> CloudCompareThinning(const PointList& points_mm,
+                                            double spacing_mm);
 
 }  // namespace intaglio::bench

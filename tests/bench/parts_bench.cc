@@ -49,7 +49,7 @@ struct Options {
   std::string programs = INTAGLIO_BIN_DIR;
   int runs = 5;
   int discretizers = 2;
-  double most_stolen_percent = 2;
+  double max_stolen_percent = 2;
   bool trace = false;
 };
 
@@ -73,7 +73,7 @@ class Watch {
  public:
   explicit Watch(bus::Bus& bus)
       : given_(bus, bus::kDiscretizeTask),
-        told_(bus, bus::kTaskStatus),
+        reported_(bus, bus::kTaskStatus),
         credit_(bus, bus::kCredit),
         jobs_(bus, bus::kJobStatus) {}
 
@@ -94,15 +94,16 @@ class Watch {
                        task.part_attempt, task.part_count,
                        task.revoked ? "revoked from" : "given to", View(task.worker)));
     });
-    told_.TakeAll([this](const intaglio_TaskStatus& task, const bus::SampleOrigin& from) {
-      if (!from.alive || task.stage != intaglio_STAGE_DISCRETIZE) return;
-      constexpr const char* kStates[] = {"accepted", "running", "paused", "done",
-                                         "failed"};
-      Note(from, fmt::format("{} {}.{} {} {} of {} {}", View(task.job_uid), task.part,
-                             task.part_attempt, kStates[task.state], task.done_count,
-                             task.total_count, View(task.message)));
-      if (task.state == intaglio_TASK_DONE) point_count_ += task.done_count;
-    });
+    reported_.TakeAll(
+        [this](const intaglio_TaskStatus& task, const bus::SampleOrigin& from) {
+          if (!from.alive || task.stage != intaglio_STAGE_DISCRETIZE) return;
+          constexpr const char* kStates[] = {"accepted", "running", "paused", "done",
+                                             "failed"};
+          Note(from, fmt::format("{} {}.{} {} {} of {} {}", View(task.job_uid), task.part,
+                                 task.part_attempt, kStates[task.state], task.done_count,
+                                 task.total_count, View(task.message)));
+          if (task.state == intaglio_TASK_DONE) point_count_ += task.done_count;
+        });
     credit_.TakeAll([this](const intaglio_Credit& credit, const bus::SampleOrigin& from) {
       if (!from.alive || (credit.consumed == 0 && first_ns_)) return;
       Note(from, fmt::format("credit {} {}", View(credit.stream), credit.consumed));
@@ -133,7 +134,7 @@ class Watch {
   }
 
   bus::Reader<intaglio_StageTask> given_;
-  bus::Reader<intaglio_TaskStatus> told_;
+  bus::Reader<intaglio_TaskStatus> reported_;
   bus::Reader<intaglio_Credit> credit_;
   bus::Reader<intaglio_JobStatus> jobs_;
   std::vector<std::pair<std::int64_t, std::string>> events_;
@@ -164,7 +165,7 @@ class Shop {
     constexpr int kTries = 20;
     for (int again = 0; again < kTries; ++again) {
       const Measured measured = RunOnce(discretizers);
-      if (measured.stolen_percent <= options_.most_stolen_percent) return measured;
+      if (measured.stolen_percent <= options_.max_stolen_percent) return measured;
       fmt::print("with {}: {:.3f} s, {:.0f} % stolen\n", discretizers, measured.seconds,
                  measured.stolen_percent);
       std::fflush(stdout);
@@ -323,7 +324,7 @@ int main(int argc, char** argv) {
   app.add_option("--runs", options.runs, "of each")->capture_default_str();
   app.add_option("--discretizers", options.discretizers, "how many are several")
       ->capture_default_str();
-  app.add_option("--most-stolen", options.most_stolen_percent,
+  app.add_option("--most-stolen", options.max_stolen_percent,
                  "percent of the processors' time that may be taken away in a run")
       ->capture_default_str();
   app.add_flag("--trace", options.trace, "tell what was said when");

@@ -38,22 +38,22 @@ double PassingSeconds(const PointList& path_mm, const Limits& limits, double rat
 void PrintTimes(const PointList& path_mm) {
   std::cout << "| Hz | mm/s | m/s^2 | measured, s | model, s | difference, s | without a "
                "stop, s |\n|---|---|---|---|---|---|---|\n";
-  double square = 0, most = 0;
+  double square = 0, largest = 0;
   const auto times = MeasuredTimes();
   for (const MeasuredTime& row : times) {
     const Limits limits = LimitsOf(row);
     const double model_s = ModelSeconds(path_mm, limits, row.rate_hz);
     const double off_s = model_s - row.time_s;
     square += off_s * off_s;
-    most = std::max(most, std::abs(off_s));
+    largest = std::max(largest, std::abs(off_s));
     std::cout << fmt::format(
         "| {:g} | {:g} | {:g} | {:g} | {:.2f} | {:+.2f} | {:.2f} |\n", row.rate_hz,
         row.speed_mm_s, row.acceleration_mm_s2 / 1000, row.time_s, model_s, off_s,
         PassingSeconds(path_mm, limits, row.rate_hz));
   }
-  std::cout << fmt::format("\n{} rows, difference {:.2f} s rms, {:.2f} s at most\n",
-                           times.size(),
-                           std::sqrt(square / static_cast<double>(times.size())), most);
+  std::cout << fmt::format(
+      "\n{} rows, difference {:.2f} s rms, {:.2f} s at most\n", times.size(),
+      std::sqrt(square / static_cast<double>(times.size())), largest);
 }
 
 PointList SortedAsPublished(const PointList& cloud_mm, double k) {

@@ -32,8 +32,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostSeconds = 2;  // of processor time, so that others may be busy
-constexpr long kMostKilobytes = 512 << 10;
+constexpr double kMaxSeconds = 2;  // of processor time, so that others may be busy
+constexpr long kMaxKilobytes = 512 << 10;
 constexpr rlim_t kHangSeconds = 8;
 // The sanitizers take several times the memory and the time, and have other questions.
 #ifdef __SANITIZE_ADDRESS__
@@ -57,11 +57,11 @@ Status ReadAsCsv(const fs::path& file) {
   return io::ReadCsv(file).map([](const auto&) {});
 }
 
-constexpr std::uint64_t kMostFileBytes = std::uint64_t{1} << 28;
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 28;
 
 template <typename Read>
 Status ReadDrawing(const fs::path& file, const Read& read) {
-  const auto text = io::ReadWholeFile(file, kMostFileBytes);
+  const auto text = io::ReadWholeFile(file, kMaxFileBytes);
   if (!text) return tl::unexpected(text.error());
   const auto drawing = read(*text, drawing::ReadOptions{}, file.string());
   return drawing ? Status() : tl::unexpected(drawing.error());
@@ -72,7 +72,7 @@ Status ReadAsHpgl(const fs::path& file) { return ReadDrawing(file, drawing::Read
 
 /// Reads bytes of any format; the file name is added to the error here.
 Status ReadAsImage(const fs::path& file) {
-  const auto text = io::ReadWholeFile(file, kMostFileBytes);
+  const auto text = io::ReadWholeFile(file, kMaxFileBytes);
   if (!text) return tl::unexpected(text.error());
   const auto picture = image::ParseImage(*text);
   if (picture) return {};
@@ -114,23 +114,23 @@ std::string FaultOf(const Error& error, const fs::path& file) {
 /// Runs every reader in turn and writes one line per error. The last line names the
 /// reader at work.
 void ReadInEveryWay(const fs::path& seed, const fs::path& folder, int report) {
-  const auto say = [&](const std::string& text) {
+  const auto print = [&](const std::string& text) {
     [[maybe_unused]] const auto written = write(report, text.data(), text.size());
   };
   for (const Reader& reader : kReaders) {
     const fs::path file = folder / fmt::format("seed.{}", reader.extension);
     fs::remove(file);
     fs::create_symlink(seed, file);
-    say(fmt::format("{}", reader.extension));
+    print(fmt::format("{}", reader.extension));
     const double before = ProcessorSeconds();
     const Status status = reader.read(file);
     const double seconds = ProcessorSeconds() - before;
     if (const std::string fault = status ? "" : FaultOf(status.error(), file);
         !fault.empty()) {
-      say(fmt::format(": the error \"{}\" {}", status.error().message, fault));
+      print(fmt::format(": the error \"{}\" {}", status.error().message, fault));
     }
-    if (kMeasured && seconds > kMostSeconds) say(fmt::format(": took {} s", seconds));
-    say("\n");
+    if (kMeasured && seconds > kMaxSeconds) print(fmt::format(": took {} s", seconds));
+    print("\n");
   }
 }
 
@@ -204,7 +204,7 @@ TEST_P(ReaderBounds, HoldForEveryFileAndReader) {
       EXPECT_EQ(outcome.status, 0) << name << ": status or signal";
       peak_kilobytes = std::max(peak_kilobytes, outcome.peak_kilobytes);
       if (kMeasured) {
-        EXPECT_LE(outcome.peak_kilobytes, kMostKilobytes) << name;
+        EXPECT_LE(outcome.peak_kilobytes, kMaxKilobytes) << name;
       }
     }
   }

@@ -55,7 +55,7 @@ TEST(Batch, TheExampleMakesAllButTheBadOne) {
 }
 
 // Nothing is submitted when a line is wrong, and the error is reported without a shop.
-TEST(Batch, EveryMistakeOfEveryLineIsToldBefore) {
+TEST(Batch, EveryMistakeOfEveryLineIsReportedBefore) {
   const fs::path folder = test::FreshFolder();
   const std::string job = INTAGLIO_SOURCE_DIR "/deploy/jobs/sample.textproto";
   std::ofstream(folder / "wrong.jsonl")

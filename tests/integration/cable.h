@@ -52,7 +52,7 @@ class Cable {
   Cable& operator=(const Cable&) = delete;
 
   void Cut(bool a_to_b, bool b_to_a);
-  void Mend() { Cut(false, false); }
+  void Restore() { Cut(false, false); }
   /// Of each way's frames, at random; 0..1.
   void Lose(double ratio) { loss_ = ratio; }
   std::uint64_t carried() const { return carried_; }

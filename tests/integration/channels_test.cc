@@ -83,7 +83,7 @@ TEST_F(FourBlocks, HoldTheSameKnotAndANameEach) {
   const JobReport report = Report();
   EXPECT_TRUE(report.verdict().good());
   EXPECT_EQ(report.shadow_violations(), 0u);
-  EXPECT_GE(report.least_spacing_mm(), 0.25);
+  EXPECT_GE(report.measured_spacing_mm(), 0.25);
   // A run for each set of shutters; one more for each time a busy host paused it.
   EXPECT_GE(report.engrave().run_count(), 5u);
   EXPECT_EQ(report.sort().shutter_change_count(), 4u);

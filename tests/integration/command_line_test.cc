@@ -56,7 +56,7 @@ std::set<std::string> FlagsIn(const std::string& text) {
   return flags;
 }
 
-TEST(CommandLine, TellsANewcomerWhatToDoNext) {
+TEST(CommandLine, ShowsANewcomerWhatToDoNext) {
   for (const auto& words : std::vector<std::vector<std::string>>{{}, {"--help"}}) {
     const Ended ended = Type(words);
     EXPECT_EQ(ended.exit_code, 0);
@@ -126,7 +126,7 @@ TEST(CommandLine, AMistypedCommandOrOptionIsWrongInput) {
   EXPECT_THAT(both.output, HasSubstr("--size"));
 }
 
-TEST(CommandLine, WithoutAShopAJobCommandSaysHowToStartOne) {
+TEST(CommandLine, WithoutAShopAJobCommandNamesTheRemedy) {
   const Ended ended = Type({"show", "1", "--domain", "97", "--tag", "nobody"});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_TRUE(ended.in_time);

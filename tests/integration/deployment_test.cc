@@ -27,7 +27,7 @@ using testing::TextIn;
 
 constexpr char kAnalyze[] = "/usr/bin/systemd-analyze";
 // In tenths, as systemd-analyze takes it: below 2.0 it reports OK.
-constexpr char kMostExposed[] = "20";
+constexpr char kMaxExposed[] = "20";
 
 class Units : public ::testing::Test {
  protected:
@@ -74,7 +74,7 @@ TEST_F(Units, LeaveLittleExposed) {
   for (const std::string& unit : units_) {
     const Ended ended =
         Analyze({"security", "--offline=true", "--no-pager",
-                 std::string("--threshold=") + kMostExposed, (folder_ / unit).string()});
+                 std::string("--threshold=") + kMaxExposed, (folder_ / unit).string()});
     EXPECT_EQ(ended.exit_code, 0) << ended.output;
     const auto line = ended.output.rfind("Overall");
     ASSERT_NE(line, std::string::npos) << ended.output;
@@ -109,12 +109,12 @@ TEST_F(Units, OnlyTheCellsMayReachTheMachineAndOnlyWhoIsWaitedForIsInRealTime) {
     const bool in_real_time = of_cell || unit.find("job-service") != std::string::npos;
     const Ended ended =
         Analyze({"security", "--offline=true", "--no-pager", (folder_ / unit).string()});
-    const auto says = [&](const char* word) {
+    const auto reports = [&](const char* word) {
       return ended.output.find(word) != std::string::npos;
     };
-    EXPECT_EQ(says("\u2717 PrivateDevices="), of_cell) << unit << ended.output;
-    EXPECT_EQ(says("char-ttyUSB:rw"), of_cell) << unit << ended.output;
-    EXPECT_EQ(says("\u2717 RestrictRealtime="), in_real_time) << unit << ended.output;
+    EXPECT_EQ(reports("\u2717 PrivateDevices="), of_cell) << unit << ended.output;
+    EXPECT_EQ(reports("char-ttyUSB:rw"), of_cell) << unit << ended.output;
+    EXPECT_EQ(reports("\u2717 RestrictRealtime="), in_real_time) << unit << ended.output;
     const std::string text = TextIn(folder_ / FileOf(unit));
     EXPECT_EQ(text.find("--real-time") != std::string::npos, in_real_time) << unit;
   }
@@ -154,7 +154,7 @@ class NotifySocket {
   }
   bool bound() const { return bound_; }
   /// Whether it comes within the time; what else comes is thrown away.
-  bool Hears(const std::string& word, std::chrono::seconds bound) const {
+  bool Source(const std::string& word, std::chrono::seconds bound) const {
     return testing::Eventually(
         [&] {
           char text[512] = {};
@@ -169,7 +169,7 @@ class NotifySocket {
   bool bound_ = false;
 };
 
-TEST(Service, TellsItsInitSystemHowItIs) {
+TEST(Service, NotifiesItsInitSystemOfItsState) {
   const fs::path folder = test::FreshFolder();
   // A path of a socket may have 107 letters, and a build folder more.
   const fs::path path =
@@ -178,15 +178,15 @@ TEST(Service, TellsItsInitSystemHowItIs) {
   ASSERT_TRUE(system.bound()) << path;
   Running sorter(Program("intaglio-sorter"),
                  {"--tag", "notify" + std::to_string(getpid())}, folder / "said.txt");
-  EXPECT_TRUE(system.Hears("READY=1", 30s)) << sorter.Output();
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(system.Hears("WATCHDOG=1", 10s));
+  EXPECT_TRUE(system.Source("READY=1", 30s)) << sorter.Output();
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(system.Source("WATCHDOG=1", 10s));
   sorter.Signal(SIGSTOP);  // a loop that does not turn sends no notification
-  while (system.Hears("WATCHDOG=1", 1s)) {
+  while (system.Source("WATCHDOG=1", 1s)) {
   }  // what was under way; then a second of silence
   sorter.Signal(SIGCONT);
-  EXPECT_TRUE(system.Hears("WATCHDOG=1", 10s));
+  EXPECT_TRUE(system.Source("WATCHDOG=1", 10s));
   sorter.Signal(SIGTERM);
-  EXPECT_TRUE(system.Hears("STOPPING=1", 10s));
+  EXPECT_TRUE(system.Source("STOPPING=1", 10s));
   EXPECT_EQ(sorter.WaitForEnd(30s).exit_code, 0);
   fs::remove(path);
 }

@@ -65,7 +65,7 @@ TEST_F(RunJob, AProfileThatNamesItsControllersIsServed) {
 }
 
 // The published repeatability, which no service knows of, is in the glass and the proof.
-TEST_F(RunJob, ATruthFileSaysWhereTheMachineDiffersFromItsProfile) {
+TEST_F(RunJob, ATruthFileReportsWhereTheMachineDiffersFromItsProfile) {
   const fs::path truth = folder_ / "truth.textproto";
   std::ofstream(truth) << "stage { repeatability_um: 10 } seed: 5";
   const Ended run = Run(

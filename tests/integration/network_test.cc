@@ -116,16 +116,16 @@ class Network : public ::testing::Test {
       outage.late_s = lateness.worst_s();
     }
     std::this_thread::sleep_for(duration - 1s);
-    const std::int64_t mend_tick = floor_->Panel("tick");
+    const std::int64_t restore_tick = floor_->Panel("tick");
     const std::int64_t before = floor_->Panel("cracks");
-    cable_->Mend();
-    const auto mended = Clock::now();
-    if (floor_->AwaitCracks(before + 1, 60s)) outage.resumed_s = Since(mended);
+    cable_->Restore();
+    const auto restored = Clock::now();
+    if (floor_->AwaitCracks(before + 1, 60s)) outage.resumed_s = Since(restored);
     EXPECT_TRUE(floor_->Reaches("done", 60s)) << floor_->Logs();
     const auto cracks = floor_->Cracks();
     for (const auto& crack : cracks) {
       const auto tick = static_cast<std::int64_t>(crack.tick);
-      if (tick > mend_tick) break;
+      if (tick > restore_tick) break;
       outage.last_crack_s = static_cast<double>(tick - cut_tick) / kRateHz;
     }
     EXPECT_EQ(DifferenceOf(cracks), "") << floor_->Logs();
@@ -160,14 +160,14 @@ TEST_F(Network, ACutBeyondAllLeases) {
   ExpectSafe(outage, 0.30);
 }
 
-TEST_F(Network, TheMachineHearsNobody) {
+TEST_F(Network, TheMachineReceivesFromNobody) {
   const Outage outage = Survive(true, false, 5s);
   ExpectSafe(outage, 0.30);
 }
 
 // The permission still comes, and so does an emergency stop: the machine goes on until
 // the job service misses it, by the lease of its health.
-TEST_F(Network, NobodyHearsTheMachine) {
+TEST_F(Network, NobodyReceivesFromTheMachine) {
   if (!LongTests()) GTEST_SKIP() << "takes minutes: set INTAGLIO_LONG=1";
   const Outage outage = Survive(false, true, 5s);
   ExpectSafe(outage, 1.5 + 0.30);
@@ -187,7 +187,7 @@ TEST_F(Network, ACutBeyondTheLimitOfAbsenceWaitsForAPerson) {
   cable_->Cut(true, true);
   std::this_thread::sleep_for(40s);
   const std::int64_t cracks = floor_->Panel("cracks");
-  cable_->Mend();
+  cable_->Restore();
   ASSERT_TRUE(floor_->Opens()) << floor_->Logs();
   std::this_thread::sleep_for(10s);
   EXPECT_EQ(floor_->Panel("cracks"), cracks) << floor_->Logs();

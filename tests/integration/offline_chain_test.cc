@@ -27,7 +27,7 @@ using testing::Program;
 using testing::Running;
 using testing::TextIn;
 
-using Words = std::vector<std::string>;
+using Tokens = std::vector<std::string>;
 
 /// A cube of 8 mm, twelve triangles, outside to the right.
 void WriteCube(const fs::path& file) {
@@ -52,25 +52,25 @@ void WriteCube(const fs::path& file) {
   out << "endsolid cube\n";
 }
 
-class OfflineChain : public ::testing::TestWithParam<Words> {
+class OfflineChain : public ::testing::TestWithParam<Tokens> {
  protected:
   OfflineChain() { WriteCube(folder_ / "cube.stl"); }
-  Words WithJob(Words words) const {
-    const Words job = {"--mesh",    (folder_ / "cube.stl").string(),
-                       "--block",   "20",
-                       "20",        "20",
-                       "--rotate",  "30",
-                       "20",        "10",
-                       "--spacing", "0.5"};
+  Tokens WithJob(Tokens words) const {
+    const Tokens job = {"--mesh",    (folder_ / "cube.stl").string(),
+                        "--block",   "20",
+                        "20",        "20",
+                        "--rotate",  "30",
+                        "20",        "10",
+                        "--spacing", "0.5"};
     words.insert(words.end(), job.begin(), job.end());
     words.insert(words.end(), GetParam().begin(), GetParam().end());
     return words;
   }
-  Words WithMaterials(Words words) const {
+  Tokens WithMaterials(Tokens words) const {
     words.insert(words.end(), {"--materials", (folder_ / "materials.db").string()});
     return words;
   }
-  Ended Type(const Words& words) {
+  Ended Type(const Tokens& words) {
     Running run(Program("intaglio"), words, folder_ / (words.front() + ".txt"));
     Ended ended = run.WaitForEnd(60s);
     EXPECT_EQ(ended.exit_code, 0) << ended.output;
@@ -140,9 +140,9 @@ TEST_P(OfflineChain, GivesWhatRunGives) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, OfflineChain,
-                         ::testing::Values(Words{}, Words{"--method", "fill"},
-                                           Words{"--method", "rays", "--order",
-                                                 "layers"}));
+                         ::testing::Values(Tokens{}, Tokens{"--method", "fill"},
+                                           Tokens{"--method", "rays", "--order",
+                                                  "layers"}));
 
 }  // namespace
 }  // namespace intaglio

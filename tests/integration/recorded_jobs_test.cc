@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 using testing::Ended;
 using testing::Program;
 using testing::Running;
-using Words = std::vector<std::string>;
+using Tokens = std::vector<std::string>;
 
 const fs::path kTable = fs::path(INTAGLIO_SOURCE_DIR) / "tests/data/recorded_jobs.tsv";
 
@@ -68,7 +68,7 @@ void WriteRow(const RecordedJob& job) {
 
 class RecordedJobs : public ::testing::TestWithParam<RecordedJob> {
  protected:
-  Ended Type(Words words) {
+  Ended Type(Tokens words) {
     std::istringstream arguments(GetParam().arguments);
     std::string file;
     arguments >> file;

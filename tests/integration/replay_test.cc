@@ -17,7 +17,7 @@
 #include "services/platform/bus/topic_tap.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/message_cursor.h"
-#include "services/replayer/bystanders.h"
+#include "services/replayer/live_services.h"
 #include "tests/engrave/discretize/figurines.h"
 #include "tests/engrave/mesh/handmade_files.h"
 #include "tests/integration/run_program.h"
@@ -44,17 +44,17 @@ struct Sample {
   bool operator==(const Sample&) const = default;
 };
 /// By topic, partition and kind of sample.
-using Heard =
+using Received =
     std::map<std::tuple<std::string, std::string, std::string>, std::vector<Sample>>;
 
 std::string Text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-Heard InRecording(const std::string& name, double from_s = 0) {
+Received InRecording(const std::string& name, double from_s = 0) {
   const auto reader = recording::McapReader::Open(Golden(name));
   EXPECT_TRUE(reader) << reader.error().message;
-  Heard heard;
+  Received received;
   recording::MessageCursor cursor(*reader,
                                   {.from_ns = reader->contents().statistics.start_ns +
                                               static_cast<std::uint64_t>(from_s * 1e9),
@@ -63,10 +63,11 @@ Heard InRecording(const std::string& name, double from_s = 0) {
     const auto& message = **next;
     const auto stream =
         recording::StreamOf(reader->contents().channels.at(message.channel_id));
-    heard[{stream->topic, stream->partition, recording::NameOf(stream->kind)}].push_back(
-        {static_cast<std::int64_t>(message.publish_time_ns), Text(message.payload)});
+    received[{stream->topic, stream->partition, recording::NameOf(stream->kind)}]
+        .push_back(
+            {static_cast<std::int64_t>(message.publish_time_ns), Text(message.payload)});
   }
-  return heard;
+  return received;
 }
 
 class Replay : public ::testing::Test {
@@ -100,7 +101,7 @@ class Replay : public ::testing::Test {
       const char* kind = sample.kind() == bus::TapKind::kValue      ? "value"
                          : sample.kind() == bus::TapKind::kDisposed ? "disposed"
                                                                     : "no_writer";
-      heard_[{channel.topic, channel.partition, kind}].push_back(
+      received_[{channel.topic, channel.partition, kind}].push_back(
           {sample.source_ns(), Text(sample.bytes())});
       qos_[channel.topic] = channel.qos;
     });
@@ -114,7 +115,7 @@ class Replay : public ::testing::Test {
   fs::path folder_;
   bus::Bus bus_;
   bus::TopicTap tap_;
-  Heard heard_;
+  Received received_;
   std::map<std::string, std::map<std::string, std::string>> qos_;
 };
 
@@ -135,12 +136,12 @@ TEST_F(Replay, IsTheRecordingByteForByte) {
   for (const auto& [key, recorded] : InRecording("pyramid")) {
     const auto& [topic, partition, kind] = key;
     if (topic == "MotionState" || topic == "LampSync") {
-      EXPECT_GT(heard_[key].size(), recorded.size() / 2) << topic;
+      EXPECT_GT(received_[key].size(), recorded.size() / 2) << topic;
       continue;
     }
-    EXPECT_TRUE(Ordered(heard_[key], kind == "value") ==
+    EXPECT_TRUE(Ordered(received_[key], kind == "value") ==
                 Ordered(recorded, kind == "value"))
-        << topic << " " << kind << ": " << heard_[key].size() << " of "
+        << topic << " " << kind << ": " << received_[key].size() << " of "
         << recorded.size();
   }
   EXPECT_EQ(qos_["Permission"]["liveliness"], "manual_by_topic");
@@ -155,9 +156,10 @@ TEST_F(Replay, KeepsCommandsBackAndRenames) {
             "Permission", "SortTask", "--rename", "JobStatus=Old/JobStatus"});
   ASSERT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("Permission"));
-  for (const auto& [key, samples] : heard_) EXPECT_EQ(std::get<0>(key), "Old/JobStatus");
+  for (const auto& [key, samples] : received_)
+    EXPECT_EQ(std::get<0>(key), "Old/JobStatus");
   const auto recorded = InRecording("pyramid");
-  EXPECT_EQ((heard_[{"Old/JobStatus", "", "value"}]),
+  EXPECT_EQ((received_[{"Old/JobStatus", "", "value"}]),
             (recorded.at({"JobStatus", "", "value"})));
 }
 
@@ -173,12 +175,12 @@ TEST_F(Replay, SeekingToTheMiddleRestoresWhatWasRetained) {
   // include it.
   for (const char* topic : {"SortTask", "JobSubmission"}) {
     ASSERT_FALSE(later.contains({topic, "", "value"})) << topic;
-    EXPECT_EQ((heard_[{topic, "", "value"}]), (all.at({topic, "", "value"}))) << topic;
+    EXPECT_EQ((received_[{topic, "", "value"}]), (all.at({topic, "", "value"}))) << topic;
   }
   // The newest one before the middle, and then the rest.
   const auto rest = later.find({"JobStatus", "", "value"});
   const std::size_t rest_count = rest == later.end() ? 0 : rest->second.size();
-  EXPECT_EQ((heard_[{"JobStatus", "", "value"}]).size(), rest_count + 1);
+  EXPECT_EQ((received_[{"JobStatus", "", "value"}]).size(), rest_count + 1);
 }
 
 // A session is recorded by a recorder that splits; the file that begins after the task
@@ -214,12 +216,12 @@ TEST_F(Replay, TheNextFileOfASeriesHasWhatWasRetained) {
   EXPECT_THAT(ended.output, HasSubstr("retained"));
   const auto all = InRecording("pyramid");
   for (const char* topic : {"SortTask", "JobSubmission"}) {
-    EXPECT_EQ((heard_[{topic, "", "value"}]), (all.at({topic, "", "value"}))) << topic;
+    EXPECT_EQ((received_[{topic, "", "value"}]), (all.at({topic, "", "value"}))) << topic;
   }
-  EXPECT_FALSE((heard_[{"JobStatus", "", "value"}]).empty());
-  testing::Running look(testing::Program("intaglio"),
-                        {"recording", "list", later.string()}, folder_ / "list.txt");
-  EXPECT_THAT(look.WaitForEnd(kBound).output, HasSubstr("SortTask, repeated "));
+  EXPECT_FALSE((received_[{"JobStatus", "", "value"}]).empty());
+  testing::Running period(testing::Program("intaglio"),
+                          {"recording", "list", later.string()}, folder_ / "list.txt");
+  EXPECT_THAT(period.WaitForEnd(kBound).output, HasSubstr("SortTask, repeated "));
   // What the task was about lies elsewhere.
   EXPECT_EQ(Against({later.string(), "--against", "sorter"}).exit_code, 2);
 }
@@ -227,12 +229,12 @@ TEST_F(Replay, TheNextFileOfASeriesHasWhatWasRetained) {
 TEST_F(Replay, WhereServicesLiveNothingIsPlayedThatTheyBelieve) {
   testing::Running sorter(testing::Program("intaglio-sorter"),
                           {"--tag", bus_.options().tag}, folder_ / "sorter.txt");
-  replayer::Bystanders bystanders(bus_);
-  ASSERT_TRUE(testing::Eventually([&] { return !bystanders.Look().empty(); }, 20s));
+  replayer::LiveServices live_services(bus_);
+  ASSERT_TRUE(testing::Eventually([&] { return !live_services.Read().empty(); }, 20s));
   const auto refused = Play({Golden("pyramid").string(), "--topic", "MotionState"});
   EXPECT_EQ(refused.exit_code, 2) << refused.output;
   EXPECT_THAT(refused.output, HasSubstr("sorter"));
-  EXPECT_TRUE(heard_[(std::tuple{"MotionState", "els-03", "value"})].empty());
+  EXPECT_TRUE(received_[(std::tuple{"MotionState", "els-03", "value"})].empty());
 }
 
 TEST_F(Replay, StopsWhenAServiceComes) {
@@ -243,7 +245,7 @@ TEST_F(Replay, StopsWhenAServiceComes) {
   ASSERT_TRUE(testing::Eventually(
       [&] {
         Listen();
-        return !heard_.empty();
+        return !received_.empty();
       },
       20s));
   testing::Running sorter(testing::Program("intaglio-sorter"),
@@ -337,7 +339,7 @@ TEST_F(Replay, APausedSessionIsMadeAgain) {
   }
 }
 
-TEST_F(Replay, ARecordingWithoutTheServiceIsSaidToBeOne) {
+TEST_F(Replay, ARecordingWithoutTheServiceIsReportedToBeOne) {
   const fs::path cut = folder_ / "cut.mcap";
   testing::Running cutting(testing::Program("intaglio"),
                            {"recording", "cut", Golden("pyramid").string(), "--topic",

@@ -73,10 +73,9 @@ class Resources : public ::testing::Test {
 // ---- Stopped processes
 // -----------------------------------------------------------------
 
-class StandsStill : public Resources,
-                    public ::testing::WithParamInterface<const char*> {};
+class IsFrozen : public Resources, public ::testing::WithParamInterface<const char*> {};
 
-TEST_P(StandsStill, AndTheGlassIsTheSame) {
+TEST_P(IsFrozen, AndTheGlassIsTheSame) {
   if (GetParam() != testing::kSynchronizer && !testing::LongTests()) {
     GTEST_SKIP() << "takes minutes: set INTAGLIO_LONG=1";
   }
@@ -112,13 +111,13 @@ TEST_P(StandsStill, AndTheGlassIsTheSame) {
   EXPECT_LT(ResidentOf(floor.at(testing::kSynchronizer).pid()), before + 30);
 }
 
-INSTANTIATE_TEST_SUITE_P(Service, StandsStill,
+INSTANTIATE_TEST_SUITE_P(Service, IsFrozen,
                          ::testing::Values(testing::kJobService, testing::kSynchronizer,
                                            testing::kBridge, testing::kDiscretizer,
                                            testing::kSorter));
 
 // Readers that do not read: what is written to them neither waits nor grows.
-TEST_F(Resources, WatchersThatStandStillCostNothing) {
+TEST_F(Resources, WatchersThatAreFrozenCostNothing) {
   ShopFloor floor = Floor();
   floor.StartAll();
   ASSERT_TRUE(floor.Opens()) << floor.Logs();

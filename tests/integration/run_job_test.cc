@@ -124,7 +124,7 @@ TEST_F(RunJob, ASpeedOverrideInMidJobCostsTimeAndNoPoint) {
   const JobReport report = Report();
   EXPECT_EQ(report.points().made(), report.points().planned());
   EXPECT_EQ(report.points().doubled() + report.points().stray(), 0u);
-  EXPECT_EQ(report.engrave().least_speed_percent(), 30u);
+  EXPECT_EQ(report.engrave().min_speed_percent(), 30u);
   EXPECT_EQ(report.engrave().speed_changes(), 2u);
 }
 
@@ -226,7 +226,7 @@ struct Mishap {
 };
 class MachineFault : public RunJob, public ::testing::WithParamInterface<Mishap> {};
 
-TEST_P(MachineFault, PausesSafelyAndSaysWhatToDo) {
+TEST_P(MachineFault, PausesSafelyAndNamesTheRemedy) {
   Running run(Program("intaglio"), Arguments({"--speed", "1", "--warm-up", "0"}),
               folder_ / "output.txt");
   ASSERT_TRUE(AwaitCracks(20));

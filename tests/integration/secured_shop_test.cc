@@ -156,7 +156,7 @@ TEST_F(SecuredShop, SpansTwoHosts) {
 }
 
 // In real time, with commands from other processes: each with the identity of its role.
-TEST_F(SecuredShop, LetsTheObserverLookAndTheOperatorCommand) {
+TEST_F(SecuredShop, LetsTheObserverReadAndTheOperatorCommand) {
   Running up(Program("intaglio"),
              As(keys_.string(), {"up", "--folder", (folder_ / "shop").string(), "--block",
                                  "50", "50", "30"}),
@@ -220,7 +220,7 @@ TEST_F(SecuredShop, NoServiceServesANetworkAsRoot) {
   EXPECT_THAT(ended.output, HasSubstr("not as root"));
 }
 
-TEST_F(SecuredShop, AWrongRoleSaysWhichTopicItMayNotHave) {
+TEST_F(SecuredShop, AWrongRoleReportsWhichTopicItMayNotHave) {
   const Ended ended = Type(As(keys_ / "observer", {}), "intaglio-sorter");
   EXPECT_EQ(ended.exit_code, 1);
   EXPECT_THAT(ended.output, HasSubstr("ServiceHealth"));
@@ -244,9 +244,9 @@ TEST_F(SecuredShop, AnIdentityThatEndsSoonIsAnAlarm) {
   // Five days less what passed since, which may be less than a second.
   EXPECT_TRUE(Eventually(
       [&] {
-        const std::string said = sorter.Output();
-        return said.find("expires in 4 days") != std::string::npos ||
-               said.find("expires in 5 days") != std::string::npos;
+        const std::string sent = sorter.Output();
+        return sent.find("expires in 4 days") != std::string::npos ||
+               sent.find("expires in 5 days") != std::string::npos;
       },
       60s))
       << sorter.Output();

@@ -78,34 +78,35 @@ class Security : public ::testing::Test {
                                      folder_ / (name + ".txt"));
   }
 
-  struct Heard {
+  struct Received {
     int right = 0, wrong = 0;
   };
   /// A process with `listener`'s identity reads the topic; one with the wrong identity
   /// writes it, then one with the right identity, until its samples were received.
-  Heard Hear(const std::string& topic, const std::string& cell,
-             const std::string& listener, const fs::path& wrong, const fs::path& right) {
+  Received Receive(const std::string& topic, const std::string& cell,
+                   const std::string& listener, const fs::path& wrong,
+                   const fs::path& right) {
     const auto ear = Stranger("listener", Of(listener), {"hear", topic, cell});
     wrong_ = Stranger("wrong", wrong, {"write", topic, cell, "wrong"});
-    const auto spoke = [](const std::unique_ptr<Running>& who) {
+    const auto sent = [](const std::unique_ptr<Running>& who) {
       return Eventually([&] { return !who->Output().empty(); }, kArrival);
     };
-    EXPECT_TRUE(spoke(ear) && spoke(wrong_));
+    EXPECT_TRUE(sent(ear) && sent(wrong_));
     std::unique_ptr<Running> good;
-    const auto heard_right = [&] { return CountOf("right", *ear) > 0; };
-    for (int i = 0; i < kTries && !heard_right(); ++i) {
+    const auto received_right = [&] { return CountOf("right", *ear) > 0; };
+    for (int i = 0; i < kTries && !received_right(); ++i) {
       good.reset();
       good =
           Stranger("right" + std::to_string(i), right, {"write", topic, cell, "right"});
-      Eventually(heard_right, kArrival);
+      Eventually(received_right, kArrival);
     }
-    EXPECT_TRUE(heard_right()) << ear->Output() << good->Output();
+    EXPECT_TRUE(received_right()) << ear->Output() << good->Output();
     Eventually([] { return false; }, kAbsence);
-    const Heard heard{CountOf("right", *ear), CountOf("wrong", *ear)};
-    std::cout << "  " << topic << ": the right one was heard " << heard.right
-              << " times, the wrong one " << heard.wrong << " times; it said: "
+    const Received received{CountOf("right", *ear), CountOf("wrong", *ear)};
+    std::cout << "  " << topic << ": the right one was heard " << received.right
+              << " times, the wrong one " << received.wrong << " times; it said: "
               << std::regex_replace(wrong_->Output(), std::regex("\n"), "; ") << "\n";
-    return heard;
+    return received;
   }
   /// Of a listener's lines `heard ("right", 12) ("wrong", 3)`.
   static int CountOf(const std::string& word, const Running& listener) {
@@ -120,18 +121,18 @@ class Security : public ::testing::Test {
 
   /// The job service receives commands of the operator and none of `wrong`.
   void ExpectNoCommandOf(const fs::path& wrong) {
-    Expect(Hear("JobCommand", "", "job-service", wrong, Of("operator")));
+    Expect(Receive("JobCommand", "", "job-service", wrong, Of("operator")));
   }
   /// A cell receives permissions of the job service and none of `wrong`.
   void ExpectNoPermissionOf(const fs::path& wrong) {
-    Expect(Hear("Permission", "els-03", "cell-els-03", wrong, Of("job-service")));
+    Expect(Receive("Permission", "els-03", "cell-els-03", wrong, Of("job-service")));
   }
   void ExpectNoStopOf(const fs::path& wrong) {
-    Expect(Hear("EmergencyStop", "els-03", "cell-els-03", wrong, Of("operator")));
+    Expect(Receive("EmergencyStop", "els-03", "cell-els-03", wrong, Of("operator")));
   }
-  static void Expect(const Heard& heard) {
-    EXPECT_EQ(heard.wrong, 0);
-    EXPECT_GT(heard.right, 0);
+  static void Expect(const Received& received) {
+    EXPECT_EQ(received.wrong, 0);
+    EXPECT_GT(received.right, 0);
   }
 
   /// The role's certificate with permissions for everything, signed by `signer`.

@@ -17,14 +17,14 @@ using testing::Now;
 using testing::Security;
 using testing::TwoCells;
 
-TEST_F(Security, NoCertificateIsNotHeard) {
+TEST_F(Security, NoCertificateIsNotReceived) {
   ExpectNoCommandOf({});
   EXPECT_THAT(wrong_->Output(), Not(HasSubstr("matched")));
   ExpectNoPermissionOf({});
   ExpectNoStopOf({});
 }
 
-TEST_F(Security, AnotherShopsOperatorIsNotHeard) {
+TEST_F(Security, AnotherShopsOperatorIsNotReceived) {
   ASSERT_TRUE(security::NewIdentities(folder_ / "foreign", TwoCells(), {Now()}));
   ExpectNoCommandOf(folder_ / "foreign" / "operator");
   EXPECT_THAT(wrong_->Output(), Not(HasSubstr("matched")));
@@ -49,9 +49,9 @@ TEST_F(Security, TheOperatorMayNotPermitFiringPastTheJobService) {
   EXPECT_THAT(wrong_->Output(), HasSubstr("writer refused"));
 }
 
-TEST_F(Security, ACellMaySpeakForItselfOnly) {
-  Expect(
-      Hear("MotionState", "els-03", "cell-els-03", Of("cell-els-04"), Of("cell-els-03")));
+TEST_F(Security, ACellMayWriteForItselfOnly) {
+  Expect(Receive("MotionState", "els-03", "cell-els-03", Of("cell-els-04"),
+                 Of("cell-els-03")));
   EXPECT_THAT(wrong_->Output(), HasSubstr("writer refused"));
 }
 

@@ -77,15 +77,15 @@ class SecurityOnTheWire : public Security {
     const std::string secret = "whose-command-this-is-" + std::to_string(getpid());
     Listener listener(secret);
     if (!listener.listening()) return -1;
-    const auto hears =
+    const auto source =
         Stranger(std::string("ear-") + name, ear,
                  ear.empty() ? std::vector<std::string>{"read", "JobCommand", ""}
                              : std::vector<std::string>{"hear", "JobCommand", ""});
-    const auto speaks = Stranger(name, mouth, {"write", "JobCommand", "", secret});
+    const auto sends = Stranger(name, mouth, {"write", "JobCommand", "", secret});
     const std::string sign = ear.empty() ? "read 10\n" : secret;
     EXPECT_TRUE(Eventually(
-        [&] { return hears->Output().find(sign) != std::string::npos; }, kArrival))
-        << hears->Output() << speaks->Output();
+        [&] { return source->Output().find(sign) != std::string::npos; }, kArrival))
+        << source->Output() << sends->Output();
     std::cout << "  " << name << ": " << listener.packets() << " packets, "
               << listener.found() << " of them show what it says\n";
     return listener.found();
@@ -99,7 +99,7 @@ TEST_F(SecurityOnTheWire, NothingCanBeReadOffIt) {
   EXPECT_EQ(Shown(Of("job-service"), Of("operator"), "secured"), 0);
 }
 
-TEST_F(SecurityOnTheWire, AnIdentityThatEndsIsNotHeardAnyMore) {
+TEST_F(SecurityOnTheWire, AnIdentityThatEndsIsNotReceivedAnyMore) {
   constexpr auto kLife = 8s;
   constexpr auto kSilence = 3s;
   fs::copy(folder_ / "shop", folder_ / "brief", fs::copy_options::recursive);
@@ -109,13 +109,13 @@ TEST_F(SecurityOnTheWire, AnIdentityThatEndsIsNotHeardAnyMore) {
   const auto ear = Stranger("listener", Of("job-service"), {"hear", "JobCommand", ""});
   const auto brief = Stranger("brief", folder_ / "brief" / "operator",
                               {"write", "JobCommand", "", "brief"});
-  int heard = 0;
+  int received = 0;
   auto last = std::chrono::steady_clock::now();
   const auto listen = [&] {
     const int count = CountOf("brief", *ear);
-    if (count > heard) last = std::chrono::steady_clock::now();
-    heard = count;
-    return heard > 0;
+    if (count > received) last = std::chrono::steady_clock::now();
+    received = count;
+    return received > 0;
   };
   if (!Eventually(listen, kArrival)) {
     GTEST_SKIP() << "this host took longer than the identity lives, run it alone: "
@@ -126,7 +126,7 @@ TEST_F(SecurityOnTheWire, AnIdentityThatEndsIsNotHeardAnyMore) {
     return Now() > end && std::chrono::steady_clock::now() - last > kSilence;
   };
   EXPECT_TRUE(Eventually(silent, kArrival));
-  std::cout << "  heard " << heard << " times, then silence for " << kSilence.count()
+  std::cout << "  heard " << received << " times, then silence for " << kSilence.count()
             << " s; it writes on: " << brief->running() << "\n";
 }
 

@@ -99,16 +99,16 @@ std::string DifferenceOf(const std::vector<formats::GlassCrack>& cracks) {
   std::string text;
   for (const formats::GlassCrack& crack : cracks) {
     std::size_t nearest = 0;
-    double least = 1e9;
+    double smallest = 1e9;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double distance = (points[i] - crack.position_mm).norm();
-      if (distance < least) {
-        least = distance;
+      if (distance < smallest) {
+        smallest = distance;
         nearest = i;
       }
     }
-    if (least > kSamePlaceMm) {
-      text += fmt::format("tick {}: {:.3f} mm from any point\n", crack.tick, least);
+    if (smallest > kSamePlaceMm) {
+      text += fmt::format("tick {}: {:.3f} mm from any point\n", crack.tick, smallest);
     } else if (++made[nearest] == 2) {
       text +=
           fmt::format("point {} is made twice, again at tick {}\n", nearest, crack.tick);
@@ -166,11 +166,10 @@ void ShopFloor::StartMachine() {
   running_["machine"] = std::make_unique<Running>(
       Program("virtual-engraver"),
       std::vector<std::string>{"--truth", (folder_ / "truth.textproto").string(),
-                               "--laser-line", PlugOf(kLaser),
-                               "--motion-line", PlugOf(kMotion), "--panel",
-                               (folder_ / "panel").string(), "--glass-record",
-                               (folder_ / "glass.rec").string(), "--speed",
-                               fmt::format("{}", options_.machine_speed)},
+                               "--laser-line", PlugOf(kLaser), "--motion-line",
+                               PlugOf(kMotion), "--panel", (folder_ / "panel").string(),
+                               "--glass-record", (folder_ / "glass.rec").string(),
+                               "--speed", fmt::format("{}", options_.machine_speed)},
       folder_ / "machine.log");
   Eventually([&] { return at("machine").Output().find("ready ") != std::string::npos; },
              5s);

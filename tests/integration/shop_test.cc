@@ -229,9 +229,9 @@ TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {
       << history.output;
   up_.reset();  // the last samples are in it once the shop is closed
   Running info(Program("intaglio"), {"recording", "info", name[1]}, folder_ / "info.txt");
-  const Ended told = info.WaitForEnd(30s);
-  EXPECT_EQ(told.exit_code, 0) << told.output;
-  EXPECT_THAT(told.output, HasSubstr("frozen_job.binpb"));
+  const Ended reported = info.WaitForEnd(30s);
+  EXPECT_EQ(reported.exit_code, 0) << reported.output;
+  EXPECT_THAT(reported.output, HasSubstr("frozen_job.binpb"));
 }
 
 TEST_F(Shop, AnEmergencyStopHoldsUntilItIsResetAndArmedAnew) {

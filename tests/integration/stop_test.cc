@@ -135,7 +135,7 @@ class Stop : public ::testing::Test {
 
 // The time until other processes are discovered is 1.5 s: a program that waits for it
 // first presses later than that.
-TEST_F(Stop, PressesBeforeItLooksForMachines) {
+TEST_F(Stop, PressesBeforeItSearchesForMachines) {
   std::vector<long> milliseconds;
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>(5)) {
     bus::Bus bus(Options());

@@ -39,10 +39,10 @@ using namespace intaglio::bus;
 
 constexpr dds_domainid_t kDomain = 40;
 
-void Say(const std::string& text) { std::cout << text << std::endl; }
+void Send(const std::string& text) { std::cout << text << std::endl; }
 
 [[noreturn]] void StayRefused(const char* what, dds_return_t code) {
-  Say(fmt::format("{} refused: {}", what, dds_strretcode(code)));
+  Send(fmt::format("{} refused: {}", what, dds_strretcode(code)));
   for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 
@@ -92,7 +92,7 @@ void Write(const Place& place, const Topic<T>& topic, T sample,
   const dds_entity_t writer =
       Must("writer", dds_create_writer(publisher, TopicIn(place, topic),
                                        internal::QosOf(topic.profile).get(), nullptr));
-  Say("writes");
+  Send("writes");
   for (std::uint32_t matched = 0;;) {
     if (number != nullptr) ++(sample.*number);
     dds_write(writer, &sample);
@@ -100,7 +100,7 @@ void Write(const Place& place, const Topic<T>& topic, T sample,
     dds_get_publication_matched_status(writer, &status);
     if (status.current_count != matched) {
       matched = status.current_count;
-      Say(fmt::format("matched {}", matched));
+      Send(fmt::format("matched {}", matched));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
@@ -115,12 +115,12 @@ void Read(const Place& place, const Topic<T>& topic) {
   const dds_entity_t reader =
       Must("reader", dds_create_reader(subscriber, TopicIn(place, topic),
                                        internal::QosOf(topic.profile).get(), nullptr));
-  Say("reads");
+  Send("reads");
   for (int count = 0;;) {
     void* samples[1] = {nullptr};
     dds_sample_info_t seen[1];
     while (dds_take(reader, samples, seen, 1, 1) > 0) {
-      if (seen[0].valid_data) Say(fmt::format("read {}", ++count));
+      if (seen[0].valid_data) Send(fmt::format("read {}", ++count));
       dds_return_loan(reader, samples, 1);
       samples[0] = nullptr;
     }
@@ -130,32 +130,32 @@ void Read(const Place& place, const Topic<T>& topic) {
 
 /// As a service does it. A process joins once in its life: so does each of these.
 template <typename T>
-void Hear(Bus& bus, const Topic<T>& topic, char* T::*word) {
+void Receive(Bus& bus, const Topic<T>& topic, char* T::*word) {
   Reader<T> reader(bus, topic);
-  Say("hears");
-  std::map<std::string, int> heard;
+  Send("hears");
+  std::map<std::string, int> received;
   for (;;) {
-    const int count = reader.Take([&](const T& sample) { ++heard[sample.*word]; });
-    if (count > 0) Say(fmt::format("heard {}", fmt::join(heard, " ")));
+    const int count = reader.Take([&](const T& sample) { ++received[sample.*word]; });
+    if (count > 0) Send(fmt::format("heard {}", fmt::join(received, " ")));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
 
-int HearAs(const std::string& tag, const std::string& folder, const std::string& topic,
-           const std::string& cell) {
+int ReceiveAs(const std::string& tag, const std::string& folder, const std::string& topic,
+              const std::string& cell) {
   BusOptions options;
   options.tag = tag;
   options.security = folder;
   options.cell = cell;
   Bus bus(options);
   if (topic == "JobCommand") {
-    Hear(bus, kJobCommand, &intaglio_JobCommand::operator_name);
+    Receive(bus, kJobCommand, &intaglio_JobCommand::operator_name);
   } else if (topic == "EmergencyStop") {
-    Hear(bus, kEmergencyStop, &intaglio_EmergencyStop::source);
+    Receive(bus, kEmergencyStop, &intaglio_EmergencyStop::source);
   } else if (topic == "Permission") {
-    Hear(bus, kPermission, &intaglio_Permission::operator_name);
+    Receive(bus, kPermission, &intaglio_Permission::operator_name);
   } else if (topic == "MotionState") {
-    Hear(bus, kMotionState, &intaglio_MotionState::message);
+    Receive(bus, kMotionState, &intaglio_MotionState::message);
   }
   return 2;
 }
@@ -183,7 +183,7 @@ dds_entity_t WriterIn(const Place& place, const Topic<T>& topic,
                            nullptr);
 }
 
-[[noreturn]] void Look(const Place& place, bool becomes_deaf) {
+[[noreturn]] void Read(const Place& place, bool becomes_deaf) {
   const dds_entity_t health = ReaderOf(place, kServiceHealth);
   ReaderOf(place, kTaskStatus);
   ReaderOf(place, kAlarm);
@@ -197,7 +197,7 @@ dds_entity_t WriterIn(const Place& place, const Topic<T>& topic,
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   std::this_thread::sleep_for(std::chrono::seconds(2));  // everybody has matched
-  Say(becomes_deaf ? "deaf" : "looks");
+  Send(becomes_deaf ? "deaf" : "looks");
   if (becomes_deaf) {
     dds_domain_set_deafmute(place.participant, true, false, DDS_INFINITY);
   }
@@ -214,9 +214,9 @@ class Forger {
     status_ = Must("writer", WriterIn(place, kTaskStatus, own));
     for (const std::string& role : {std::string(kJobServiceRole), CellRole(cell_)}) {
       const dds_entity_t writer = WriterIn(place, kServiceHealth, RolePartition(role));
-      Say(fmt::format("health of {} {}", role, writer < 0 ? "refused" : "writes"));
+      Send(fmt::format("health of {} {}", role, writer < 0 ? "refused" : "writes"));
     }
-    Say("forges");
+    Send("forges");
   }
 
   [[noreturn]] void Run() {
@@ -256,7 +256,7 @@ class Forger {
         synchronizer_ = View(task->consumer);
         job_ = View(task->job_uid);
         attempt_ = task->attempt;
-        Say("forges the engraving of " + job_);
+        Send("forges the engraving of " + job_);
       }
       dds_return_loan(tasks_, samples, 1);
       samples[0] = nullptr;
@@ -317,10 +317,11 @@ int Try(const Place& place, const std::string& verb, const std::string& topic,
 
 int main(int argc, char** argv) {
   if (argc < 6) return 2;
-  if (argv[3] == std::string("hear")) return HearAs(argv[1], argv[2], argv[4], argv[5]);
+  if (argv[3] == std::string("hear"))
+    return ReceiveAs(argv[1], argv[2], argv[4], argv[5]);
   const Place place{Join(argv[1], argv[2]), argv[5]};
-  if (argv[3] == std::string("look")) Look(place, false);
-  if (argv[3] == std::string("deaf")) Look(place, true);
+  if (argv[3] == std::string("look")) Read(place, false);
+  if (argv[3] == std::string("deaf")) Read(place, true);
   if (argv[3] == std::string("forge")) Forger(place).Run();
   return Try(place, argv[3], argv[4], argc > 6 ? argv[6] : "");
 }

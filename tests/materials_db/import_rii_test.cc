@@ -79,7 +79,7 @@ TEST(ImportRii, TakesTheFirstFormulaAndOldRecords) {
             optics::DispersionFormula::kRiiCauchy);
 }
 
-TEST(ImportRii, SaysWhatToDoAboutTables) {
+TEST(ImportRii, NamesTheRemedyAboutTables) {
   const Imported imported =
       ImportRii(Record("{type: tabulated nk, data: 0.5 1.5 0}"), "glass");
   ASSERT_THAT(imported.errors, SizeIs(1));

@@ -70,7 +70,7 @@ TEST(MaterialStore, AddRefusesAGlassThatIsThere) {
   EXPECT_EQ(store.Find("N-BK7")->manufacturer, "SCHOTT");
 }
 
-TEST(MaterialStore, SaysWhichGlassWasMeant) {
+TEST(MaterialStore, ReportsWhichGlassWasMeant) {
   MaterialStore store = InMemory();
   const auto found = store.Find("BK7");
   ASSERT_FALSE(found);

@@ -51,7 +51,7 @@ TEST(MeasuredGlass, SeedsHaveThePublishedIndex) {
   }
 }
 
-TEST(MeasuredGlass, RecordsHaveThePublishedIndexAndAreWhatTheSeedsSay) {
+TEST(MeasuredGlass, RecordsHaveThePublishedIndexAndAreWhatTheSeedsState) {
   const auto store = MaterialStore::Open(":memory:");
   ASSERT_TRUE(store);
   for (const PublishedIndex& published : kPublished) {

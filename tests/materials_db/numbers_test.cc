@@ -31,9 +31,9 @@ TEST(Numbers, ComeBackBitForBit) {
   }
 }
 
-TEST(Numbers, SplitsWords) {
-  EXPECT_THAT(SplitWords("  NM  N-BK7\t2 "), ElementsAre("NM", "N-BK7", "2"));
-  EXPECT_TRUE(SplitWords(" \t").empty());
+TEST(Numbers, SplitsTokens) {
+  EXPECT_THAT(SplitTokens("  NM  N-BK7\t2 "), ElementsAre("NM", "N-BK7", "2"));
+  EXPECT_TRUE(SplitTokens(" \t").empty());
 }
 
 }  // namespace

@@ -60,9 +60,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/job/methods", {"engrave/*", "proto"}},
     {"services/job",
      {"engrave/*", "materials_db", "proto", "services/job/methods",
-      "services/platform/host", "services/platform/link"}},
+      "services/platform/host/threads", "services/platform/link"}},
     {"services/job/models",
-     {"engrave/*", "proto", "services/job", "services/job/methods"}},
+     {"engrave/*", "proto", "services/job", "services/job/methods",
+      "services/platform/command_line"}},
     {"services/client",
      {"engrave/*", "proto", "idl", "services/job", "services/job/models",
       "services/platform/*", "services/history", "services/virtual_engraver/truth"}},
@@ -165,27 +166,28 @@ class Inspector {
       once = once || line == "#pragma once";
       if (line.find("dds_") != std::string::npos && folder != "services/platform/bus" &&
           line.find("//") == std::string::npos) {
-        Say(path, "names dds_ outside services/platform/bus: " + line);
+        Report(path, "names dds_ outside services/platform/bus: " + line);
       }
       CheckInclude(path, folder, IncludedBy(line));
     }
     ++files_in_[file.parent_path().lexically_relative(root_).string()];
     if (lines > kMaxLines)
-      Say(path, "has " + std::to_string(lines) + " lines, 400 are the end");
-    if (file.extension() == ".h" && !once) Say(path, "has no #pragma once");
+      Report(path, "has " + std::to_string(lines) + " lines, 400 are the end");
+    if (file.extension() == ".h" && !once) Report(path, "has no #pragma once");
   }
 
   std::vector<std::string> Take() {
     for (const auto& [folder, count] : files_in_) {
       if (count <= kMaxFiles) continue;
-      Say(folder, "has " + std::to_string(count) + " sources and headers; divide it: " +
-                      std::to_string(kMaxFiles) + " are allowed");
+      Report(folder, "has " + std::to_string(count) +
+                         " sources and headers; divide it: " + std::to_string(kMaxFiles) +
+                         " are allowed");
     }
     return std::move(violations_);
   }
 
  private:
-  void Say(const std::string& path, const std::string& what) {
+  void Report(const std::string& path, const std::string& what) {
     violations_.push_back(path + ": " + what);
   }
 
@@ -193,14 +195,15 @@ class Inspector {
                     const std::string& included) {
     if (included.empty()) return;
     const std::string to = FolderOf(included);
-    if (IsOurs(to) && !MayInclude(folder, to)) Say(path, "may not include " + included);
+    if (IsOurs(to) && !MayInclude(folder, to))
+      Report(path, "may not include " + included);
     for (const Kept& kept : kKept) {
       const bool named =
           kept.whole_name ? included == kept.prefix : included.starts_with(kept.prefix);
       const bool allowed =
           std::any_of(kept.folders.begin(), kept.folders.end(),
                       [&](const std::string& f) { return folder.starts_with(f); });
-      if (named && !allowed) Say(path, "may not include " + included);
+      if (named && !allowed) Report(path, "may not include " + included);
     }
   }
 

@@ -123,13 +123,13 @@ class Spaced {
   void Add(const Vec2& p) { cells_[KeyOf(Column(p.x()), Column(p.y()))].push_back(p); }
   bool Fits(const Vec2& p) const {
     const std::int64_t x = Column(p.x()), y = Column(p.y());
-    const double least = distance_mm_ * distance_mm_;
+    const double smallest = distance_mm_ * distance_mm_;
     for (std::int64_t i = x - 1; i <= x + 1; ++i) {
       for (std::int64_t j = y - 1; j <= y + 1; ++j) {
         const auto found = cells_.find(KeyOf(i, j));
         if (found == cells_.end()) continue;
         for (const Vec2& other : found->second) {
-          if ((other - p).squaredNorm() < least) return false;
+          if ((other - p).squaredNorm() < smallest) return false;
         }
       }
     }

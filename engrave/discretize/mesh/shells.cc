@@ -14,7 +14,7 @@ namespace {
 // So stiff that a vertex on a plane moves along the normal alone, and so soft that it
 // moves by the depth to a thousandth.
 constexpr double kStiffness = 1e-3;
-constexpr double kMostMove = 4;  // depths, at sharp needles
+constexpr double kMaxMove = 4;  // depths, at sharp needles
 // Samples of the surface are this apart, in depths, and none is nearer than this to a
 // place that is deep: the nearest place of the surface is, if it lies between samples,
 // 0.65 steps from one (surface_grid.cc), and sqrt(0.87^2 + (0.65 / 4)^2) = 0.885.
@@ -50,7 +50,7 @@ mesh::TriangleMesh Inward(const mesh::TriangleMesh& mesh, double depth_mm) {
     // With the stiffness on both sides a plane's vertex moves by the depth exactly.
     const Vec3 pull = sums[i].normal * (1 + kStiffness);
     Vec3 move = (sums[i].square + stiff).ldlt().solve(pull) * -depth_mm;
-    if (move.norm() > kMostMove * depth_mm) move *= kMostMove * depth_mm / move.norm();
+    if (move.norm() > kMaxMove * depth_mm) move *= kMaxMove * depth_mm / move.norm();
     moved.vertices[i] += move;
   }
   return moved;
@@ -69,9 +69,9 @@ DepthCheck::DepthCheck(const Box3& bounds, double depth_mm, PointList samples)
     : origin_(bounds.min_mm.head<2>()), reach_mm_(kReachRatio * depth_mm) {
   const Vec3 size = bounds.size_mm();
   // No more columns than samples justify.
-  const double most = 64 + static_cast<double>(samples.size());
+  const double largest = 64 + static_cast<double>(samples.size());
   double side_mm = reach_mm_;
-  while ((size.x() / side_mm + 1) * (size.y() / side_mm + 1) > most) side_mm *= 1.25;
+  while ((size.x() / side_mm + 1) * (size.y() / side_mm + 1) > largest) side_mm *= 1.25;
   per_side_ = 1 / side_mm;
   width_ = static_cast<std::size_t>(size.x() * per_side_) + 1;
   depth_ = static_cast<std::size_t>(size.y() * per_side_) + 1;

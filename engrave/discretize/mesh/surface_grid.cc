@@ -23,11 +23,11 @@ namespace {
 constexpr std::uint64_t kTrianglesPerReport = 8192;
 // Twice the area by the square of the longest edge: below it a normal is meaningless, and
 // the triangle is so close to its edges that its neighbours cover it.
-constexpr double kLeastAreaRatio = 1e-10;
+constexpr double kMinAreaRatio = 1e-10;
 // Narrow: height by longest edge, and height in steps.
 constexpr double kNarrowRatio = 0.25, kNarrowSteps = 1;
 // Layers of the index of heights, at most.
-constexpr double kMostLayers = 1 << 20;
+constexpr double kMaxLayers = 1 << 20;
 
 Corners CornersOf(const mesh::TriangleMesh& mesh, std::uint32_t triangle) {
   const mesh::Triangle& t = mesh.triangles[triangle];
@@ -62,7 +62,7 @@ SurfaceGrid::SurfaceGrid(const mesh::TriangleMesh& mesh,
     for (const std::uint32_t corner : t) bounds_.Extend(mesh.vertices[corner]);
   }
   const double height_mm = bounds_.size_mm().z();
-  heights_per_mm_ = 1 / std::max({options.step_mm, height_mm / kMostLayers});
+  heights_per_mm_ = 1 / std::max({options.step_mm, height_mm / kMaxLayers});
   std::vector<Interval> intervals;
   intervals.reserve(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -90,7 +90,7 @@ Interval SurfaceGrid::HeightsOf(double low_mm, double high_mm) const {
   const double base_mm = bounds_.min_mm.z();
   const auto layer = [&](double z_mm) {
     return static_cast<std::uint32_t>(
-        std::clamp((z_mm - base_mm) * heights_per_mm_, 0.0, kMostLayers));
+        std::clamp((z_mm - base_mm) * heights_per_mm_, 0.0, kMaxLayers));
   };
   return {layer(low_mm), layer(high_mm) + 1};
 }
@@ -116,7 +116,7 @@ class SurfaceGrid::Walk {
     const double longest_mm = LongestOf(c);
     const Vec3 normal = (c[1] - c[0]).cross(c[2] - c[0]);
     const double doubled_area = normal.norm();
-    const bool flat = !(doubled_area > kLeastAreaRatio * longest_mm * longest_mm);
+    const bool flat = !(doubled_area > kMinAreaRatio * longest_mm * longest_mm);
     if (range_.Contains(std::min({c[0].z(), c[1].z(), c[2].z()}))) {
       statistics_.small_triangle_count += !flat && longest_mm < step_mm ? 1 : 0;
       statistics_.rejected_triangle_count += flat ? 1 : 0;

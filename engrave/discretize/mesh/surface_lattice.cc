@@ -175,11 +175,11 @@ const std::array<LatticeFrame, kLatticeFrames>& LatticeFrames() {
 const LatticeFrame& FrameFor(const Vec3& normal) {
   const auto& frames = LatticeFrames();
   std::size_t best = 0;
-  double most = -1;
+  double largest = -1;
   for (std::size_t k = 0; k < kLatticeFrames; ++k) {
     const double along = std::abs(frames[k].uvw_from_glass.row(2).dot(normal));
-    if (along > most) {
-      most = along;
+    if (along > largest) {
+      largest = along;
       best = k;
     }
   }

@@ -51,8 +51,8 @@ image::FloatImage Prepared(const image::GreyImage& picture, const HalftoneGrid& 
 /// The g for which target_point_count points are expected; the g of the maximum number
 /// when that is smaller.
 double GainFor(const HalftoneGrid& grid, const HalftoneOptions& options) {
-  const double most = options.layer_count;
-  if (options.target_point_count == 0) return most;
+  const double largest = options.layer_count;
+  if (options.target_point_count == 0) return largest;
   std::vector<float> bright;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
@@ -67,11 +67,11 @@ double GainFor(const HalftoneGrid& grid, const HalftoneOptions& options) {
   double below = std::accumulate(bright.begin(), bright.end(), 0.0), full = 0;
   for (auto t = bright.rbegin(); t != bright.rend(); ++t) {
     const double gain = (target - full) / below;
-    if (gain * *t <= most) return gain;
-    full += most;
+    if (gain * *t <= largest) return gain;
+    full += largest;
     below -= *t;
   }
-  return bright.empty() ? most : most / bright.front();
+  return bright.empty() ? largest : largest / bright.front();
 }
 
 /// The grid of kThreshold, widened until it gives no more points than the target.
@@ -177,7 +177,7 @@ std::vector<Error> CheckHalftone(const HalftoneOptions& options) {
   return errors;
 }
 
-double MostHalftonePoints(const Panel& panel, const HalftoneOptions& options) {
+double MaxHalftonePoints(const Panel& panel, const HalftoneOptions& options) {
   const double d = options.vertex_distance_mm;
   const double cell_mm2 = d * d * (IsTriangular(options) ? std::sqrt(0.75) : 1);
   return panel.width_mm * panel.height_mm / cell_mm2 * options.layer_count;
@@ -191,9 +191,9 @@ Result<std::unique_ptr<PointSource>> MakeHalftone(const image::GreyImage& pictur
   const auto size =
       INTAGLIO_TRY(PanelSizeOf(picture, options.size, options.vertex_distance_mm));
   const auto panel = INTAGLIO_TRY(PlacePanel(size, placement));
-  const double most = MostHalftonePoints(panel, options);
-  INTAGLIO_TRY(CheckLayerPlaces(most / options.layer_count));
-  INTAGLIO_TRY(CheckCandidateCount(most));
+  const double largest = MaxHalftonePoints(panel, options);
+  INTAGLIO_TRY(CheckLayerPlaces(largest / options.layer_count));
+  INTAGLIO_TRY(CheckCandidateCount(largest));
 
   SpacedCloud cloud;
   const std::vector<PanelPoints> layers = Layers(picture, panel, options);

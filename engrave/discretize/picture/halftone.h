@@ -57,7 +57,7 @@ struct HalftoneOptions {
 std::vector<Error> CheckHalftone(const HalftoneOptions& options);
 
 /// The maximum number of points of a panel of that size with these options.
-double MostHalftonePoints(const Panel& panel, const HalftoneOptions& options);
+double MaxHalftonePoints(const Panel& panel, const HalftoneOptions& options);
 
 /// `picture`: linear light. Places of different layers are staggered: none lies above
 /// another. Errors: kInvalidValue, kMissing (no size), kTooLarge (kMaxLayerPlaces,

@@ -35,18 +35,18 @@ Vec2 HalftoneGrid::ShiftOf(int layer, int layer_count, int p, int q) const {
 }
 
 double HalftoneGrid::StaggerOf(int layer_count, int p, int q) const {
-  double least = width_mm + height_mm;
+  double smallest = width_mm + height_mm;
   for (int layer = 1; layer < layer_count; ++layer) {
     const Vec2 shift = ShiftOf(layer, layer_count, p, q);
     for (int row = -2; row <= 2; ++row) {
       for (int column = -2; column <= 2; ++column) {
         const double x = column + (triangular && row % 2 != 0 ? 0.5 : 0);
         const Vec2 place(x * step_x_mm, row * step_y_mm);
-        least = std::min(least, (shift - place).norm());
+        smallest = std::min(smallest, (shift - place).norm());
       }
     }
   }
-  return least;
+  return smallest;
 }
 
 double HalftoneGrid::LayerStagger(int layer_count) const {

@@ -92,14 +92,14 @@ class Filling {
   /// first of equals. Only rows that changed are searched again.
   int Extreme(bool taken) {
     int best = -1;
-    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    std::int64_t smallest = std::numeric_limits<std::int64_t>::max();
     for (int row = 0; row < kSide; ++row) {
-      if (stale_[Index(row)]) LookThrough(row);
+      if (stale_[Index(row)]) Scan(row);
       const int place = extreme_[taken][Index(row)];
       if (place < 0) continue;
       const std::int64_t value = Signed(place, taken);
-      if (value < least) {
-        least = value;
+      if (value < smallest) {
+        smallest = value;
         best = place;
       }
     }
@@ -110,7 +110,7 @@ class Filling {
     return taken ? -crowding_[Index(place)] : crowding_[Index(place)];
   }
 
-  void LookThrough(int row) {
+  void Scan(int row) {
     int best[2] = {-1, -1};
     for (int place = row * kSide; place < (row + 1) * kSide; ++place) {
       const bool taken = taken_[Index(place)];

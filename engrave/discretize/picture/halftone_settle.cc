@@ -175,7 +175,7 @@ class Settling {
   }
   bool IsFree(std::size_t i, const Vec2& p) const {
     if ((p.array() < 0).any() || (p.array() >= size_mm_.array()).any()) return false;
-    const double least = options_.spacing_mm * options_.spacing_mm;
+    const double smallest = options_.spacing_mm * options_.spacing_mm;
     const int column = Square(p.x(), columns_), row = Square(p.y(), rows_);
     for (int y = std::max(0, row - 1); y <= std::min(rows_ - 1, row + 1); ++y) {
       for (int x = std::max(0, column - 1); x <= std::min(columns_ - 1, column + 1);
@@ -185,7 +185,7 @@ class Settling {
                    static_cast<std::size_t>(x)];
         for (; other != kNone; other = following_[static_cast<std::size_t>(other)]) {
           const auto j = static_cast<std::size_t>(other);
-          if (j != i && (points_[j] - p).squaredNorm() < least) return false;
+          if (j != i && (points_[j] - p).squaredNorm() < smallest) return false;
         }
       }
     }

@@ -14,8 +14,8 @@
 namespace intaglio::discretize {
 namespace {
 
-int PixelsFor(double length_mm, double pixel_mm, int most) {
-  return std::clamp(static_cast<int>(std::lround(length_mm / pixel_mm)), 1, most);
+int PixelsFor(double length_mm, double pixel_mm, int largest) {
+  return std::clamp(static_cast<int>(std::lround(length_mm / pixel_mm)), 1, largest);
 }
 
 ReliefSurface SurfaceOf(const image::GreyImage& map, const Panel& panel,

@@ -27,14 +27,14 @@ class Squares {
 
   /// No point is nearer; distance_mm is at most the side.
   bool IsFree(const Vec3& p, double distance_mm) const {
-    const double least = distance_mm * distance_mm;
+    const double smallest = distance_mm * distance_mm;
     const int column = Column(p), row = Row(p);
     for (int y = std::max(0, row - 1); y <= std::min(rows_ - 1, row + 1); ++y) {
       for (int x = std::max(0, column - 1); x <= std::min(columns_ - 1, column + 1);
            ++x) {
         for (int i = first_[At(x, y)]; i >= 0;
              i = following_[static_cast<std::size_t>(i)]) {
-          if ((points_[static_cast<std::size_t>(i)] - p).squaredNorm() < least) {
+          if ((points_[static_cast<std::size_t>(i)] - p).squaredNorm() < smallest) {
             return false;
           }
         }

@@ -5,7 +5,7 @@ namespace {
 
 // So that a tiny spacing in a large block does not use more memory, and time to clear it,
 // than the points justify.
-constexpr double kColumnsPerPoint = 0.5, kLeastColumns = 512;
+constexpr double kColumnsPerPoint = 0.5, kMinColumns = 512;
 // A coordinate's last place in single precision, 2^-24, times: two points, three axes,
 // the squares and their sums.
 constexpr double kSingleError = 16 * 0x1p-24;
@@ -16,18 +16,18 @@ using Four [[gnu::vector_size(16), gnu::may_alias]] = float;
 using Eight [[gnu::vector_size(32), gnu::may_alias]] = float;
 
 double SideOf(const Vec3& size_mm, double reach_mm, std::size_t point_count) {
-  const double most =
-      std::max(kLeastColumns, kColumnsPerPoint * static_cast<double>(point_count));
+  const double largest =
+      std::max(kMinColumns, kColumnsPerPoint * static_cast<double>(point_count));
   // Two points nearer than a reach differ by less than half a column's width even after
   // the rounding of their column numbers.
   double side_mm = 2 * reach_mm * kReachAllowance;
-  while ((size_mm.x() / side_mm + 3) * (size_mm.y() / side_mm + 3) > most) {
+  while ((size_mm.x() / side_mm + 3) * (size_mm.y() / side_mm + 3) > largest) {
     side_mm *= 1.25;
   }
   return side_mm;
 }
 
-float LeastOf(float a, float b, float c, float d) {
+float SmallestOf(float a, float b, float c, float d) {
   return std::min(std::min(a, b), std::min(c, d));
 }
 
@@ -64,11 +64,11 @@ void Columns::Add(const Vec3& p_mm, float spacing_mm) {
   newest.older_z = newest.z[newest.next_lane];
 }
 
-void Columns::Ask(std::span<const WeldPoint> points, const Distances& distances,
+void Columns::Ask(std::span<const ThinningPoint> points, const Distances& distances,
                   Question* questions) const {
   const auto error = static_cast<float>(error_mm_), side = static_cast<float>(side_mm_);
   const auto row = static_cast<std::uint32_t>(width_);
-  for (const WeldPoint& point : points) {
+  for (const ThinningPoint& point : points) {
     const double own_mm = distances.by_own ? point.spacing_mm : 0;
     const float near =
         std::max(0.0F, static_cast<float>(std::max(own_mm, distances.near_mm)) - error);
@@ -99,13 +99,13 @@ void Columns::Ask(std::span<const WeldPoint> points, const Distances& distances,
   }
 }
 
-void Columns::LookByFour(std::span<const WeldPoint> points, const Distances& distances,
-                         Hasty* looks) const {
-  std::array<Question, kMostAtOnce> questions;
+void Columns::QueryByFour(std::span<const ThinningPoint> points,
+                          const Distances& distances, Hasty* answers) const {
+  std::array<Question, kMaxAtOnce> questions;
   Ask(points, distances, questions.data());
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Question& q = questions[k];
-    Four least = Four{} + kVeryFarSquare;
+    Four smallest = Four{} + kVeryFarSquare;
     float older_z = -kVeryFar;
     for (std::size_t i = 0; i < 4; ++i) {
       const Newest& column = newest_[q.columns[i]];
@@ -115,25 +115,26 @@ void Columns::LookByFour(std::span<const WeldPoint> points, const Distances& dis
         const Four y = *reinterpret_cast<const Four*>(column.y + lane) - q_y;
         const Four z = *reinterpret_cast<const Four*>(column.z + lane) - q.z;
         const Four square = x * x + y * y + z * z;
-        least = square < least ? square : least;
+        smallest = square < smallest ? square : smallest;
       }
       older_z = std::max(older_z, column.older_z);
     }
-    looks[k] = AnswerTo(q, LeastOf(least[0], least[1], least[2], least[3]), older_z);
+    answers[k] = AnswerTo(
+        q, SmallestOf(smallest[0], smallest[1], smallest[2], smallest[3]), older_z);
   }
 }
 
 #ifdef __x86_64__
 // The same code for another vector width: the compiler has to see it in a function for
 // that processor.
-[[gnu::target("avx2")]] void Columns::LookByEight(std::span<const WeldPoint> points,
-                                                  const Distances& distances,
-                                                  Hasty* looks) const {
-  std::array<Question, kMostAtOnce> questions;
+[[gnu::target("avx2")]] void Columns::QueryByEight(std::span<const ThinningPoint> points,
+                                                   const Distances& distances,
+                                                   Hasty* answers) const {
+  std::array<Question, kMaxAtOnce> questions;
   Ask(points, distances, questions.data());
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Question& q = questions[k];
-    Eight least = Eight{} + kVeryFarSquare;
+    Eight smallest = Eight{} + kVeryFarSquare;
     float older_z = -kVeryFar;
     for (std::size_t i = 0; i < 4; ++i) {
       const Newest& column = newest_[q.columns[i]];
@@ -142,22 +143,22 @@ void Columns::LookByFour(std::span<const WeldPoint> points, const Distances& dis
       const Eight y = *reinterpret_cast<const Eight*>(column.y) - q_y;
       const Eight z = *reinterpret_cast<const Eight*>(column.z) - q.z;
       const Eight square = x * x + y * y + z * z;
-      least = square < least ? square : least;
+      smallest = square < smallest ? square : smallest;
       older_z = std::max(older_z, column.older_z);
     }
-    const Four low = {least[0], least[1], least[2], least[3]};
-    const Four high = {least[4], least[5], least[6], least[7]};
+    const Four low = {smallest[0], smallest[1], smallest[2], smallest[3]};
+    const Four high = {smallest[4], smallest[5], smallest[6], smallest[7]};
     const Four half = low < high ? low : high;
-    looks[k] = AnswerTo(q, LeastOf(half[0], half[1], half[2], half[3]), older_z);
+    answers[k] = AnswerTo(q, SmallestOf(half[0], half[1], half[2], half[3]), older_z);
   }
 }
 #endif
 
-Columns::LookFunction Columns::FastestLook() {
+Columns::QueryFunction Columns::FastestQuery() {
 #ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2")) return &Columns::LookByEight;
+  if (__builtin_cpu_supports("avx2")) return &Columns::QueryByEight;
 #endif
-  return &Columns::LookByFour;
+  return &Columns::QueryByFour;
 }
 
 }  // namespace intaglio::discretize

@@ -15,7 +15,7 @@ namespace intaglio::discretize {
 /// More than rounding takes from a reach.
 inline constexpr double kReachAllowance = 1 + 1e-9;
 
-struct WeldPoint {
+struct ThinningPoint {
   Vec3 p_mm;
   std::uint32_t source;
   float spacing_mm;
@@ -53,16 +53,16 @@ class Columns {
   /// number. is_too_near(point, result of the fast check) is called unless that result is
   /// kNear.
   template <typename IsTooNear>
-  std::size_t KeepFar(std::span<WeldPoint> points, const Distances& distances,
+  std::size_t KeepFar(std::span<ThinningPoint> points, const Distances& distances,
                       const IsTooNear& is_too_near) const {
-    std::array<Hasty, kMostAtOnce> looks;
+    std::array<Hasty, kMaxAtOnce> answers;
     std::size_t kept = 0;
-    for (std::size_t begin = 0; begin < points.size(); begin += kMostAtOnce) {
+    for (std::size_t begin = 0; begin < points.size(); begin += kMaxAtOnce) {
       const std::span some =
-          points.subspan(begin, std::min(kMostAtOnce, points.size() - begin));
-      (this->*look_)(some, distances, looks.data());
+          points.subspan(begin, std::min(kMaxAtOnce, points.size() - begin));
+      (this->*period_)(some, distances, answers.data());
       for (std::size_t i = 0; i < some.size(); ++i) {
-        if (looks[i] == Hasty::kNear || is_too_near(some[i], looks[i])) continue;
+        if (answers[i] == Hasty::kNear || is_too_near(some[i], answers[i])) continue;
         points[kept++] = some[i];
       }
     }
@@ -97,7 +97,7 @@ class Columns {
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
   static constexpr std::size_t kNewest = 8;
-  static constexpr std::size_t kMostAtOnce = 64;
+  static constexpr std::size_t kMaxAtOnce = 64;
 
   struct Entry {
     Vec3 p_mm;
@@ -119,22 +119,22 @@ class Columns {
     float near_square, far_square, low_z;
     std::array<std::uint32_t, 4> columns;
   };
-  static Hasty AnswerTo(const Question& q, float least_square, float older_z) {
-    if (least_square < q.near_square) return Hasty::kNear;
-    const bool unsure = least_square < q.far_square || older_z >= q.low_z;
+  static Hasty AnswerTo(const Question& q, float min_square, float older_z) {
+    if (min_square < q.near_square) return Hasty::kNear;
+    const bool unsure = min_square < q.far_square || older_z >= q.low_z;
     return unsure ? Hasty::kUnsure : Hasty::kFar;
   }
-  using LookFunction = void (Columns::*)(std::span<const WeldPoint>, const Distances&,
-                                         Hasty*) const;
+  using QueryFunction = void (Columns::*)(std::span<const ThinningPoint>,
+                                          const Distances&, Hasty*) const;
 
-  void Ask(std::span<const WeldPoint> points, const Distances& distances,
+  void Ask(std::span<const ThinningPoint> points, const Distances& distances,
            Question* questions) const;
-  // At up to kMostAtOnce points; with what every processor has, and with AVX2.
-  void LookByFour(std::span<const WeldPoint> points, const Distances& distances,
-                  Hasty* looks) const;
-  void LookByEight(std::span<const WeldPoint> points, const Distances& distances,
-                   Hasty* looks) const;
-  static LookFunction FastestLook();
+  // At up to kMaxAtOnce points; with what every processor has, and with AVX2.
+  void QueryByFour(std::span<const ThinningPoint> points, const Distances& distances,
+                   Hasty* answers) const;
+  void QueryByEight(std::span<const ThinningPoint> points, const Distances& distances,
+                    Hasty* answers) const;
+  static QueryFunction FastestQuery();
 
   Vec3 origin_;
   double flatten_;
@@ -142,7 +142,7 @@ class Columns {
   double error_mm_;  // more than that of a distance in single precision
   // A border of empty columns all around makes range checks unnecessary.
   std::size_t width_, depth_;
-  LookFunction look_ = FastestLook();
+  QueryFunction period_ = FastestQuery();
   std::vector<Newest> newest_;  // of each column
   std::vector<Entry> entries_;
 };

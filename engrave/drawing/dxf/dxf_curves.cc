@@ -25,7 +25,7 @@ constexpr int kFrameVertex = 16;  // of a VERTEX: control point of a smoothed po
 
 // tan(1e-6) of a quarter of the sweep: less than 1 nm away from the line in a chord of 2
 // mm, and a radius that no drawing uses on purpose.
-constexpr double kLeastBulge = 1e-6;
+constexpr double kMinBulge = 1e-6;
 
 double Radians(double degrees) { return degrees * pi / 180; }
 
@@ -273,7 +273,7 @@ double DxfSweep(double begin_rad, double end_rad) {
 
 Piece BulgedSegment(const Vec3& p, const Vec3& q, double bulge) {
   const Vec3 chord = q - p;
-  if (!(std::abs(bulge) >= kLeastBulge) || !(chord.norm() > 0)) return Polyline{{p, q}};
+  if (!(std::abs(bulge) >= kMinBulge) || !(chord.norm() > 0)) return Polyline{{p, q}};
   const Vec3 left(-chord.y(), chord.x(), 0);
   const Vec3 center = p + 0.5 * chord + left * ((1 - bulge * bulge) / (4 * bulge));
   const Vec3 u = p - center;

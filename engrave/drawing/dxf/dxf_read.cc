@@ -24,7 +24,7 @@ struct Block {
 };
 
 /// The place of entities: the drawing, or a block that is inserted.
-struct Standing {
+struct BlockContext {
   DxfAffine place;
   std::vector<std::string_view> blocks;  ///< from the outermost to the innermost
   std::string_view layer;                ///< of the insertion; entities on layer "0" are
@@ -38,7 +38,7 @@ class DxfReader {
 
   Result<Drawing> Read() {
     if (CheckKind() && ReadSections()) {
-      Standing in_drawing;
+      BlockContext in_drawing;
       in_drawing.place.linear *= options_.unit_mm.value_or(unit_mm_);
       for (const DxfText& section : entities_) {
         if (!Unfold(section, in_drawing)) break;
@@ -167,7 +167,7 @@ class DxfReader {
     return groups.good();
   }
 
-  bool Unfold(const DxfText& text, const Standing& in) {
+  bool Unfold(const DxfText& text, const BlockContext& in) {
     DxfEntities entities(text, builder_);
     DxfEntity entity;
     while (entities.Next(entity)) {
@@ -184,7 +184,7 @@ class DxfReader {
     return entities.good();
   }
 
-  static std::string_view LayerOf(const DxfCommon& common, const Standing& in) {
+  static std::string_view LayerOf(const DxfCommon& common, const BlockContext& in) {
     const bool floats = common.layer.empty() || common.layer == "0";
     return floats && !in.layer.empty() ? in.layer : common.layer;
   }
@@ -201,7 +201,7 @@ class DxfReader {
     return reason.empty();
   }
 
-  bool AddCurve(const DxfEntity& entity, const Standing& in) {
+  bool AddCurve(const DxfEntity& entity, const BlockContext& in) {
     DxfCurve result;
     if (!builder_.CountEntity(entity.Place()) || !DxfCurveOf(entity, builder_, result)) {
       return false;
@@ -211,7 +211,7 @@ class DxfReader {
     return Place(std::move(result.curve), result.common, entity, in);
   }
 
-  bool AddHatch(const DxfEntity& entity, const Standing& in) {
+  bool AddHatch(const DxfEntity& entity, const BlockContext& in) {
     DxfHatch hatch;
     if (!ReadDxfHatch(entity, builder_, hatch)) return false;
     if (!IsShown(hatch.common, LayerOf(hatch.common, in), false)) return true;
@@ -223,7 +223,7 @@ class DxfReader {
   }
 
   bool Place(Curve curve, const DxfCommon& common, const DxfEntity& entity,
-             const Standing& in) {
+             const BlockContext& in) {
     for (Piece& piece : curve.pieces) {
       Transform(in.place.linear, in.place.offset, piece);
     }
@@ -232,7 +232,8 @@ class DxfReader {
     return builder_.Add(std::move(curve), entity.Place());
   }
 
-  bool CheckInsert(const DxfEntity& entity, const DxfInsert& insert, const Standing& in) {
+  bool CheckInsert(const DxfEntity& entity, const DxfInsert& insert,
+                   const BlockContext& in) {
     const auto refuse = [&](ErrorCode code, std::string_view sentence) {
       return builder_.Refuse(code, entity.Place(), sentence, insert.block);
     };
@@ -258,14 +259,14 @@ class DxfReader {
     return true;
   }
 
-  bool UnfoldInsert(const DxfEntity& entity, const Standing& in) {
+  bool UnfoldInsert(const DxfEntity& entity, const BlockContext& in) {
     DxfInsert insert;
     if (!ReadDxfInsert(entity, builder_, insert)) return false;
     const std::string_view layer = LayerOf(insert.common, in);
     if (!IsShown(insert.common, layer, true)) return true;
     if (!CheckInsert(entity, insert, in)) return false;
     const Block& block = blocks_.at(insert.block);
-    Standing deeper{{}, in.blocks, layer};
+    BlockContext deeper{{}, in.blocks, layer};
     deeper.blocks.push_back(insert.block);
     // Files write 0 for "no array"; the entity limit bounds the loops.
     const double columns = std::max(1.0, insert.columns);

@@ -65,13 +65,13 @@ class SvgReader {
       if (text_[i] == '=') ++attributes;
       if (text_[i] == '<' && i + 1 < text_.size() && text_[i + 1] != '/') ++elements;
     }
-    const std::uint64_t most = options_.limits.max_entities;
-    if (elements <= most && attributes <= 8 * most) return true;
+    const std::uint64_t largest = options_.limits.max_entities;
+    if (elements <= largest && attributes <= 8 * largest) return true;
     return builder_.Refuse(
         ErrorCode::kTooLarge, "",
         fmt::format("the file has more than {} elements or {} "
                     "attributes; divide the drawing or raise the limit",
-                    most, 8 * most));
+                    largest, 8 * largest));
   }
 
   std::string LineAt(std::ptrdiff_t offset) const {

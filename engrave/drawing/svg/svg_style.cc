@@ -23,7 +23,7 @@ constexpr std::uint64_t kImportant = std::uint64_t{1} << 62;
 constexpr std::uint64_t kStyleAttribute = std::uint64_t{1} << 61;
 constexpr std::uint64_t kId = std::uint64_t{1} << 60;
 constexpr int kClassShift = 41;
-constexpr std::uint64_t kMostClasses = 1000;
+constexpr std::uint64_t kMaxClasses = 1000;
 constexpr std::uint64_t kElement = std::uint64_t{1} << 40;
 
 bool IsNamePart(char c) {
@@ -124,12 +124,12 @@ bool SvgStyleSheets::AddRule(std::string_view selectors, std::string_view block)
   Declarations declarations;
   if (!Declare(block, selector_count_ + 1, declarations)) return true;
   while (!selectors.empty()) {
-    const std::uint64_t most = builder_.limits().max_entities / kEntitiesPerSelector;
-    if (++selector_count_ > most) {
+    const std::uint64_t largest = builder_.limits().max_entities / kEntitiesPerSelector;
+    if (++selector_count_ > largest) {
       return builder_.Refuse(ErrorCode::kTooLarge, "style",
                              fmt::format("the sheets have more than {} selectors; "
                                          "export the drawing without style sheets",
-                                         most));
+                                         largest));
     }
     const auto selector = SelectorOf(Trimmed(Cut(selectors, ",")));
     if (!selector) {
@@ -138,7 +138,7 @@ bool SvgStyleSheets::AddRule(std::string_view selectors, std::string_view block)
     }
     const std::uint64_t specificity =
         (selector->id.empty() ? 0 : kId) + (selector->element.empty() ? 0 : kElement) +
-        (std::min<std::uint64_t>(selector->classes.size(), kMostClasses) << kClassShift);
+        (std::min<std::uint64_t>(selector->classes.size(), kMaxClasses) << kClassShift);
     Declarations ranked = declarations;
     for (auto& declared : ranked) {
       if (declared) declared->rank += specificity;

@@ -106,10 +106,10 @@ class AxisReach {
     if (std::abs(distance_mm_[0]) > top_ * seconds_) return SpeedEnds{1, 0};
     const SpeedEnds short_mm = top_ * seconds_ - distance_mm_;
     const SpeedEnds rise = Root(2 * acceleration_ * short_mm);
-    const SpeedEnds least =
+    const SpeedEnds smallest =
         rise < gain_mm_s_ ? top_ - rise
                           : distance_mm_ / seconds_ - 0.5 * acceleration_ * seconds_;
-    return least > -top_ ? least : Both(-top_);
+    return smallest > -top_ ? smallest : Both(-top_);
   }
 
   /// ReachableEndSpeeds.

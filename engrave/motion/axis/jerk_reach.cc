@@ -85,8 +85,8 @@ double SolveMixed(double lag_mm, double lo, double hi, double seconds,
 double SolveFall(double lag_mm, double seconds, const JerkLimits& limits) {
   const double a = limits.max_acceleration_mm_s2, j = limits.max_jerk_mm_s3;
   const double flat = 2 * a / j;
-  const double most = 0.5 * PulseGain(seconds, limits) * seconds;
-  const double m = std::clamp(lag_mm, -most, most);
+  const double largest = 0.5 * PulseGain(seconds, limits) * seconds;
+  const double m = std::clamp(lag_mm, -largest, largest);
   // Where the first and where the last pulse changes its kind.
   const double first = std::min(flat, seconds), last = std::max(seconds - flat, 0.0);
   const double early = std::min(first, last), late = std::max(first, last);
@@ -105,14 +105,14 @@ double SolveFall(double lag_mm, double seconds, const JerkLimits& limits) {
 double FastestEnd(double v, double d, double seconds, const JerkLimits& limits) {
   const double top = limits.max_speed_mm_s;
   const double c = SolveFall(d - v * seconds, seconds, limits);
-  const double least = v - PulseGain(c, limits);
-  if (least >= -top) return std::min(top, least + PulseGain(seconds - c, limits));
+  const double smallest = v - PulseGain(c, limits);
+  if (smallest >= -top) return std::min(top, smallest + PulseGain(seconds - c, limits));
   const double t = PulseSeconds(v + top, limits);
   const double rest_mm = d - 0.5 * (v - top) * t + top * (seconds - t);
   return std::min(top, -top + PulseSpeedWithin(std::max(rest_mm, 0.0), limits));
 }
 
-double LeastStart(double d, double seconds, const JerkLimits& limits) {
+double MinStart(double d, double seconds, const JerkLimits& limits) {
   const double short_mm = limits.max_speed_mm_s * seconds - d;
   const double t = SecondsOfLag(short_mm, limits);
   if (t < seconds) return limits.max_speed_mm_s - PulseGain(t, limits);
@@ -171,8 +171,8 @@ SpeedInterval UsableStartSpeeds(double distance_mm, double seconds,
                                 const JerkLimits& limits) {
   const double top = limits.max_speed_mm_s;
   if (std::abs(distance_mm) > top * seconds) return {1, 0};
-  return {std::max(-top, LeastStart(distance_mm, seconds, limits)),
-          std::min(top, -LeastStart(-distance_mm, seconds, limits))};
+  return {std::max(-top, MinStart(distance_mm, seconds, limits)),
+          std::min(top, -MinStart(-distance_mm, seconds, limits))};
 }
 
 SpeedInterval ReachableEndSpeeds(const SpeedInterval& start, double distance_mm,

@@ -93,8 +93,8 @@ ParabolaControls ControlsFor(const Parabola& parabola, const ParabolaPlant& plan
   return {u.x(), u.y()};
 }
 
-ParabolaControls LeastControlsFor(const Parabola& parabola, const ParabolaPlant& plant,
-                                  const ParabolaState& state) {
+ParabolaControls MinControlsFor(const Parabola& parabola, const ParabolaPlant& plant,
+                                const ParabolaState& state) {
   const double m = parabola.Slope(state.x5_mm);
   const double k = parabola.curvature_per_mm();
   const double p = -m * plant.beta2_mm_s2_n;

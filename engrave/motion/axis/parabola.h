@@ -94,7 +94,7 @@ ParabolaControls ControlsFor(const Parabola& parabola, const ParabolaPlant& plan
 /// squares of different units, as the source does; where P is large u4 all but vanishes
 /// except round the apex, which a light stage is thrown around. What speed results is not
 /// prescribed, so this is no program of a step.
-ParabolaControls LeastControlsFor(const Parabola& parabola, const ParabolaPlant& plant,
-                                  const ParabolaState& state);
+ParabolaControls MinControlsFor(const Parabola& parabola, const ParabolaPlant& plant,
+                                const ParabolaState& state);
 
 }  // namespace intaglio::motion

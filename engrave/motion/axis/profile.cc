@@ -38,7 +38,7 @@ double StopAndGoSeconds(double distance_mm, const AxisLimits& limits) {
              : TrapezoidSeconds(distance_mm, limits);
 }
 
-double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limits) {
+double MinSeconds(Profile profile, double distance_mm, const AxisLimits& limits) {
   switch (profile) {
     case Profile::kTriangle:
       return std::max(TriangleSeconds(distance_mm, limits.max_acceleration_mm_s2),

@@ -54,7 +54,7 @@ double StopAndGoSeconds(double distance_mm, const AxisLimits& limits);
 /// The minimum time of a step under `profile`; kMix counts as the fastest of its parts.
 /// Of kTriangle to kInterpolator; the others have no formula of it, which throws
 /// PreconditionError.
-double LeastSeconds(Profile profile, double distance_mm, const AxisLimits& limits);
+double MinSeconds(Profile profile, double distance_mm, const AxisLimits& limits);
 
 /// A step of three axes seen as one axis that goes 1 mm. All axes follow one common
 /// course, so the axis with the largest |step| / V_max governs speed and the axis with

@@ -14,7 +14,7 @@ void AddSizeLimitsFlag(command_line::Command command, double& factor) {
                  "factor on the size limits of files, pictures, meshes and clouds "
                  "(docs/jobs.md), default 1")
       .FromEnvironment(kSizeLimitsVariable)
-      .Within(kLeastSizeLimits, kGreatestSizeLimits);
+      .Within(kMinSizeLimits, kGreatestSizeLimits);
 }
 
 void HandOnSizeLimits(double factor) {

@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Copies of a model multiply its triangles.
-constexpr std::size_t kMostTriangles = 50'000'000;
+constexpr std::size_t kMaxTriangles = 50'000'000;
 
 struct MeasureOptions {
   JobFlags job;
@@ -56,12 +56,12 @@ void Append(const mesh::TriangleMesh& one, const Vec3& offset_mm,
 Result<mesh::TriangleMesh> WithCopies(const Model& model, mesh::TriangleMesh one) {
   if (!model.has_copies()) return one;
   const PointList offsets_mm = CopyOffsetsOf(model);
-  if (offsets_mm.size() * one.triangles.size() > kMostTriangles) {
+  if (offsets_mm.size() * one.triangles.size() > kMaxTriangles) {
     return Fail(
         ErrorCode::kTooLarge,
         fmt::format(
             "{}: {} copies of {} triangles exceed {} triangles; measure fewer copies",
-            model.file(), offsets_mm.size(), one.triangles.size(), kMostTriangles));
+            model.file(), offsets_mm.size(), one.triangles.size(), kMaxTriangles));
   }
   mesh::TriangleMesh all;
   for (const Vec3& offset_mm : offsets_mm) Append(one, offset_mm, all);
@@ -166,7 +166,7 @@ render::ViewsCaption CaptionOf(const MeasureOptions& options,
                   "minimum spacing of {:g} mm",
                   client::GroupedDigits(record.point_count()), record.min_spacing_mm())};
   auto& figures = caption.figures;
-  figures = {{"least", fmt::format("{:.4f} mm", nearest.least_mm()),
+  figures = {{"least", fmt::format("{:.4f} mm", nearest.min_mm()),
               record.keeps_spacing() ? Tone::kGood : Tone::kBad},
              {"mean", fmt::format("{:.4f} mm", nearest.mean_mm())},
              {"varies by", fmt::format("{:.1f} %", 100 * nearest.variation_ratio())},

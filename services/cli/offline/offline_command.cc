@@ -64,7 +64,7 @@ int DiscretizeOffline(const OfflineOptions& options) {
   }
   std::cout << client::GroupedDigits(table.points_mm.size())
             << " points, minimum spacing "
-            << fmt::format("{:.4f} mm", proof::LeastSpacing(table.points_mm))
+            << fmt::format("{:.4f} mm", proof::MinSpacing(table.points_mm))
             << ", checksum " << client::PointChecksum(table.points_mm) << ", in "
             << options.out << "\n";
   return client::kExitGood;
@@ -95,9 +95,9 @@ int RenderOffline(const OfflineOptions& options) {
           : Vec3(options.block_mm[0], options.block_mm[1], options.block_mm[2]);
   render::ViewsCaption caption;
   caption.title_lines = {fs::path(options.input).filename().string()};
-  caption.figures = {{"points", client::GroupedDigits(table->points_mm.size())},
-                     {"minimum spacing",
-                      fmt::format("{:.4f} mm", proof::LeastSpacing(table->points_mm))}};
+  caption.figures = {
+      {"points", client::GroupedDigits(table->points_mm.size())},
+      {"minimum spacing", fmt::format("{:.4f} mm", proof::MinSpacing(table->points_mm))}};
   const auto written = render::WritePng(
       options.out, render::RenderViews(table->points_mm, block, caption));
   if (!written) return Complain(written.error(), client::kExitWrongInput);

@@ -138,7 +138,7 @@ Status PlanOthers(const FrozenJob& job, const PointList& path, PlanReport& repor
 }
 
 /// Prints the report; the code that the command ends with.
-int Tell(const PathOptions& options, const PlanReport& report) {
+int Print(const PathOptions& options, const PlanReport& report) {
   std::cout << (options.json ? JsonOf(report) : FiguresOf(report)) << "\n";
   if (options.compare && !options.json) {
     std::cout << "\n" << ComparisonOf(report) << "\n";
@@ -171,7 +171,7 @@ int Sort(const PathOptions& options) {
   auto planned = PlanOwn(options, *job, path->axes, point_ticks);
   if (!planned) return Complain(planned.error(), client::kExitWrongInput);
   *report.add_motions() = std::move(*planned);
-  return Tell(options, report);
+  return Print(options, report);
 }
 
 int Plan(const PathOptions& options) {
@@ -205,7 +205,7 @@ int Plan(const PathOptions& options) {
       return Complain(written.error(), client::kExitWrongInput);
     }
   }
-  return Tell(options, report);
+  return Print(options, report);
 }
 
 void AddSort(command_line::Command app) {

@@ -17,7 +17,7 @@ void Set(Vector3* to, const Vec3& from_mm) {
 
 void SetNearest(const proof::CloudQuality& quality, NearestDistanceFigures& figures) {
   const proof::NearestDistances& nearest = quality.nearest;
-  figures.set_least_mm(nearest.least.distance_mm);
+  figures.set_min_mm(nearest.smallest.distance_mm);
   figures.set_mean_mm(nearest.mean_mm);
   figures.set_variation_ratio(nearest.variation_ratio);
   figures.set_largest_mm(nearest.largest_mm);
@@ -25,11 +25,11 @@ void SetNearest(const proof::CloudQuality& quality, NearestDistanceFigures& figu
   figures.set_near_pair_count(nearest.near_pair_count);
   figures.set_near_point_count(nearest.near_point_count);
   figures.set_more_pairs(nearest.more_pairs);
-  figures.set_least_scaled_mm(nearest.least_scaled.distance_mm);
-  figures.set_first_point(nearest.least_scaled.first_point);
-  figures.set_second_point(nearest.least_scaled.second_point);
-  Set(figures.mutable_first_mm(), nearest.least_scaled.first_mm);
-  Set(figures.mutable_second_mm(), nearest.least_scaled.second_mm);
+  figures.set_min_scaled_mm(nearest.min_scaled.distance_mm);
+  figures.set_first_point(nearest.min_scaled.first_point);
+  figures.set_second_point(nearest.min_scaled.second_point);
+  Set(figures.mutable_first_mm(), nearest.min_scaled.first_mm);
+  Set(figures.mutable_second_mm(), nearest.min_scaled.second_mm);
   figures.set_bin_mm(quality.histogram.bin_mm);
   figures.mutable_bins()->Add(quality.histogram.counts.begin(),
                               quality.histogram.counts.end());
@@ -39,7 +39,7 @@ void SetSurface(const proof::SurfaceQuality& surface, SurfaceFigures& figures) {
   figures.set_triangle_count(surface.triangle_count);
   figures.set_area_mm2(surface.density.area_mm2);
   figures.set_uncovered_radius_mm(surface.uncovered.radius_mm);
-  figures.set_uncovered_at_most_mm(surface.uncovered.at_most_mm);
+  figures.set_uncovered_max_mm(surface.uncovered.upper_bound_mm);
   Set(figures.mutable_uncovered_place_mm(), surface.uncovered.place_mm);
   figures.set_greatest_distance_mm(surface.density.greatest_distance_mm);
   Set(figures.mutable_farthest_point_mm(), surface.farthest_mm);
@@ -92,11 +92,11 @@ void AddNearest(const CloudQuality& quality, Lines& lines) {
   const NearestDistanceFigures& nearest = quality.nearest();
   lines.Add("nearest",
             "minimum {:.6f} mm, mean {:.4f} mm, largest {:.3f} mm; varies by {}",
-            nearest.least_mm(), nearest.mean_mm(), nearest.largest_mm(),
+            nearest.min_mm(), nearest.mean_mm(), nearest.largest_mm(),
             Percent(nearest.variation_ratio()));
   if (quality.height_ratio() != 1) {
     lines.Add("", "minimum {:.6f} mm with heights divided by {:g}",
-              nearest.least_scaled_mm(), quality.height_ratio());
+              nearest.min_scaled_mm(), quality.height_ratio());
   }
   lines.Add("nearest pair", "points {} and {} of the file, at {}", nearest.first_point(),
             nearest.second_point(), PlaceText(nearest.first_mm()));
@@ -133,10 +133,10 @@ void AddSurface(const CloudQuality& quality, Lines& lines) {
 }
 
 void AddSources(const CloudQuality& quality, Lines& lines) {
-  constexpr int kMostLines = 12;
+  constexpr int kMaxLines = 12;
   for (int i = 0; i < quality.sources_size(); ++i) {
-    if (i == kMostLines) {
-      lines.Add("", "and {} more", quality.sources_size() - kMostLines);
+    if (i == kMaxLines) {
+      lines.Add("", "and {} more", quality.sources_size() - kMaxLines);
       break;
     }
     const SourceFigures& source = quality.sources(i);

@@ -127,7 +127,7 @@ void AddSpan(command_line::Command command, const Shared& options) {
   command.AddOption("--topic", options->topics, "these topics only");
 }
 
-void AddLookCommands(command_line::Command group, const Shared& options) {
+void AddReadCommands(command_line::Command group, const Shared& options) {
   command_line::Command info = group.AddCommand(
       "info", "show time, counts, attachments, and what is missing or damaged");
   AddFile(info, options);
@@ -190,7 +190,7 @@ void AddRecordingCommand(command_line::Command app) {
       app.AddCommand("recording", "inspect, export, repair, merge or cut recordings");
   group.RequireCommand();
   const auto options = std::make_shared<Options>();
-  AddLookCommands(group, options);
+  AddReadCommands(group, options);
   AddCopyCommands(group, options);
   group.SetFooter(
       "Example: intaglio recording export session.mcap --topic JobStatus --format csv\n"

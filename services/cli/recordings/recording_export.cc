@@ -96,7 +96,7 @@ class Cracks {
   }
 
   Status Write(const std::filesystem::path& path, const std::filesystem::path& target) {
-    INTAGLIO_TRY(LookUp(path));
+    INTAGLIO_TRY(Find(path));
     std::vector<std::pair<std::uint64_t, std::uint64_t>> cracks;  // tick, point
     for (const auto& [point, tick] : made_at_) cracks.emplace_back(tick, point);
     std::sort(cracks.begin(), cracks.end());
@@ -140,7 +140,7 @@ class Cracks {
       if (outcome[i] == kMade) made_at_[point[i]] = tick[i];
     }
   }
-  Status LookUp(const std::filesystem::path& path) {
+  Status Find(const std::filesystem::path& path) {
     if (path.empty()) return {};
     const auto table = INTAGLIO_TRY(formats::ReadPly(path));
     for (std::size_t i = 0; i < table.points_mm.size(); ++i) {

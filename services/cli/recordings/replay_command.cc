@@ -16,7 +16,7 @@
 #include "services/cli/interrupt.h"
 #include "services/cli/recordings/replay_against.h"
 #include "services/client/exit_codes.h"
-#include "services/replayer/bystanders.h"
+#include "services/replayer/live_services.h"
 #include "services/replayer/player.h"
 
 namespace intaglio::cli {
@@ -57,9 +57,9 @@ std::uint64_t LogTimeAt(const McapReader& reader, double seconds) {
          static_cast<std::uint64_t>(seconds * 1e9);
 }
 
-std::string Listed(const std::map<std::string, std::string>& bystanders) {
+std::string Listed(const std::map<std::string, std::string>& live_services) {
   std::string text;
-  for (const auto& [instance, words] : bystanders)
+  for (const auto& [instance, words] : live_services)
     text += (text.empty() ? "" : ", ") + words;
   return text;
 }
@@ -98,7 +98,7 @@ class Replay {
         reader_(std::move(reader)),
         bus_(options.bus),
         publisher_(bus_),
-        bystanders_(bus_) {}
+        live_services_(bus_) {}
 
   int Run();
 
@@ -106,17 +106,17 @@ class Replay {
   bool Wait(std::chrono::milliseconds time);
   bool KeepOn();
   Result<replayer::Selection> Choose();
-  void Tell(const replayer::PlayReport& report) const;
+  void Print(const replayer::PlayReport& report) const;
   int EndCode(const replayer::PlayReport& report) const;
 
   const ReplayOptions& options_;
   McapReader reader_;
   bus::Bus bus_;
   bus::CdrPublisher publisher_;
-  replayer::Bystanders bystanders_;
+  replayer::LiveServices live_services_;
   bool believed_ = false;
   std::string intruders_;  // services that came while something they believe was played
-  Clock::time_point looked_{};
+  Clock::time_point checked_{};
 };
 
 bool Replay::Wait(std::chrono::milliseconds time) {
@@ -128,9 +128,9 @@ bool Replay::Wait(std::chrono::milliseconds time) {
 bool Replay::KeepOn() {
   if (Interrupts() > 0 || !intruders_.empty()) return false;
   const auto now = Clock::now();
-  if (now - looked_ < 50ms) return true;
-  looked_ = now;
-  const auto& there = bystanders_.Look();
+  if (now - checked_ < 50ms) return true;
+  checked_ = now;
+  const auto& there = live_services_.Read();
   if (believed_ && !options_.with_commands && !there.empty()) intruders_ = Listed(there);
   return intruders_.empty();
 }
@@ -142,7 +142,7 @@ Result<replayer::Selection> Replay::Choose() {
   chosen.renames = std::move(renames);
   chosen.with_commands = options_.with_commands;
   chosen.credit_is_given = options_.fast;
-  const auto& there = bystanders_.Look();
+  const auto& there = live_services_.Read();
   chosen.services_live = !there.empty();
   auto selection = replayer::Select(reader_.contents(), chosen);
   if (!selection) return selection;
@@ -164,7 +164,7 @@ Result<replayer::Selection> Replay::Choose() {
   return selection;
 }
 
-void Replay::Tell(const replayer::PlayReport& report) const {
+void Replay::Print(const replayer::PlayReport& report) const {
   for (const std::string& complaint : report.complaints)
     std::cerr << "intaglio: " << complaint << "\n";
   if (report.restored_count > 0)
@@ -210,7 +210,7 @@ int Replay::Run() {
   }
   for (;;) {
     const auto report = (*player)->Play(play, hooks);
-    Tell(report);
+    Print(report);
     if (options_.loop && report.whole && report.played_count > 0) continue;
     (*player)->Settle(5s);
     return EndCode(report);

@@ -25,12 +25,11 @@ void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
                           "move from {:.6g} to {:.6g} mm, its travel is {} to {}",
                           machine.name(), from, to, travel.min_mm[i], travel.max_mm[i]);
   }
-  findings.Wrong(
-      "block.size_mm", SizeText(size_mm),
-      "does not fit in the travel of {}: the axis {} would have to go from "
-      "{:.6g} to {:.6g} rad, it can go from {} to {}; take a smaller block, or "
-      "move it on the table and correct block_origin_mm",
-      machine.name(), axis.name, from, to, travel.min_mm[i], travel.max_mm[i]);
+  findings.Wrong("block.size_mm", SizeText(size_mm),
+                 "does not fit in the travel of {}: the axis {} would have to turn from "
+                 "{:.6g} to {:.6g} rad, its travel is {} to {}; take a smaller block, or "
+                 "move it on the table and correct block_origin_mm",
+                 machine.name(), axis.name, from, to, travel.min_mm[i], travel.max_mm[i]);
 }
 
 }  // namespace

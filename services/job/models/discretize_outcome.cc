@@ -49,7 +49,7 @@ DiscretizeOutcome OutcomeOf(const JobSources& sources,
     outcome.mutable_warnings()->Assign(sources.warnings.begin(), sources.warnings.end());
   }
   outcome.set_candidate_count(made.candidate_count);
-  outcome.set_welded_count(made.welded_count);
+  outcome.set_thinned_count(made.thinned_count);
   outcome.set_clipped_count(made.clipped_count);
   outcome.set_point_count(made.cloud.size());
   for (const discretize::MethodStatistics& model : made.models) {
@@ -62,7 +62,7 @@ void AddPart(const DiscretizeOutcome& part, DiscretizeOutcome& all) {
   all.mutable_models()->MergeFrom(part.models());
   all.mutable_warnings()->MergeFrom(part.warnings());
   all.set_candidate_count(all.candidate_count() + part.candidate_count());
-  all.set_welded_count(all.welded_count() + part.welded_count());
+  all.set_thinned_count(all.thinned_count() + part.thinned_count());
   all.set_clipped_count(all.clipped_count() + part.clipped_count());
   all.set_point_count(all.point_count() + part.point_count());
   for (int i = 0; i < part.methods_size(); ++i) {

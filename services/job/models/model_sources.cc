@@ -285,11 +285,12 @@ PointList CopyOffsetsOf(const Model& model) {
 
 discretize::CloudOptions CloudOptionsOf(const JobSpec& job) {
   discretize::CloudOptions options;
-  options.weld.min_spacing_mm = job.discretization().min_spacing_mm();
-  options.weld.height_ratio = job.discretization().height_ratio();
+  options.thinning.min_spacing_mm = job.discretization().min_spacing_mm();
+  options.thinning.height_ratio = job.discretization().height_ratio();
   options.permitted_mm = PermittedBoxOf(job.block());
   std::vector<ChannelMask> masks = ChannelsOfModels(job);
-  if (DistinctMasks(masks).size() > 1) options.weld.channels_of_source = std::move(masks);
+  if (DistinctMasks(masks).size() > 1)
+    options.thinning.channels_of_source = std::move(masks);
   for (const Model& model : job.models()) {
     if (job.channel_blocks().empty()) break;
     options.permitted_of_source_mm.push_back(PermittedBoxOf(BlockOf(job, model)));

@@ -7,8 +7,8 @@
 namespace intaglio {
 
 ReadLimits ReadLimitsTimes(double factor) {
-  Require(factor >= kLeastSizeLimits && factor <= kGreatestSizeLimits,
-          "the factor of size limits must be {}..{}, is {}", kLeastSizeLimits,
+  Require(factor >= kMinSizeLimits && factor <= kGreatestSizeLimits,
+          "the factor of size limits must be {}..{}, is {}", kMinSizeLimits,
           kGreatestSizeLimits, factor);
   ReadLimits limits;
   limits.factor = factor;

@@ -29,7 +29,7 @@ struct ReadLimits {
 };
 
 /// Of the factors that --size-limits takes.
-inline constexpr double kLeastSizeLimits = 0.001, kGreatestSizeLimits = 1000;
+inline constexpr double kMinSizeLimits = 0.001, kGreatestSizeLimits = 1000;
 /// In the environment of a service, and of what it starts.
 inline constexpr const char* kSizeLimitsVariable = "INTAGLIO_SIZE_LIMITS";
 

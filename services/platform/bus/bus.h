@@ -111,7 +111,7 @@ TopicView ViewOf(const Topic<T>& topic) {
 }
 }  // namespace internal
 
-enum class Hears { kEverybody, kOtherProcesses };
+enum class Source { kEverybody, kOtherProcesses };
 /// Of an instance between two takes: what its profile keeps, or every sample, so that no
 /// writer's sample takes the place of another's. A reader that keeps every sample has to
 /// take them.
@@ -123,10 +123,10 @@ class Reader {
   /// `partition`: the cell of a cell topic, instead of the options' one; the partition of
   /// the role whose samples are read (role_names.h), instead of all roles'.
   Reader(Bus& bus, const Topic<T>& topic, const std::string& partition = {},
-         Hears hears = Hears::kEverybody, Keeps keeps = Keeps::kAsItsProfile)
+         Source source = Source::kEverybody, Keeps keeps = Keeps::kAsItsProfile)
       : raw_(std::make_unique<internal::RawReader>(
             bus, internal::ViewOf(topic), partition,
-            internal::ReaderChoice{hears == Hears::kOtherProcesses,
+            internal::ReaderChoice{source == Source::kOtherProcesses,
                                    keeps == Keeps::kEverySample})) {}
 
   /// Takes what is there and calls sink(sample) for each live sample; the sample is

@@ -10,7 +10,7 @@
 namespace intaglio::bus {
 namespace {
 constexpr std::size_t kRememberedEnds = 256;
-constexpr std::chrono::seconds kTellAgain{1};
+constexpr std::chrono::seconds kRepeatPeriod{1};
 }  // namespace
 
 std::string StreamName(const std::string& job_uid, std::uint32_t attempt,
@@ -40,7 +40,7 @@ Status CreditGrantor::Publish(const std::string& name, const Stream& stream) {
 
 Status CreditGrantor::Open(const std::string& stream, const Guid& reader,
                            std::uint32_t window) {
-  told_again_ = std::chrono::steady_clock::now();
+  repeated_at_ = std::chrono::steady_clock::now();
   Stream& opened = streams_[stream] = {reader, window};
   return Publish(stream, opened);
 }
@@ -68,9 +68,9 @@ Status CreditGrantor::Cancel(const std::string& stream) {
   return Publish(stream, found->second);
 }
 
-void CreditGrantor::TellAgain(std::chrono::steady_clock::time_point now) {
-  if (now - told_again_ < kTellAgain) return;
-  told_again_ = now;
+void CreditGrantor::Repeat(std::chrono::steady_clock::time_point now) {
+  if (now - repeated_at_ < kRepeatPeriod) return;
+  repeated_at_ = now;
   for (auto& [name, stream] : streams_) {
     if (Publish(name, stream)) stream.published = stream.consumed;
   }

@@ -34,7 +34,7 @@ class CreditGrantor {
   /// Publishes the grants of every stream again, once a second at most; to be called
   /// while one is waited for. A producer that was away for longer than a lease (stopped,
   /// or cut off) takes all of its streams for ended, and nothing else would correct that.
-  void TellAgain(std::chrono::steady_clock::time_point now);
+  void Repeat(std::chrono::steady_clock::time_point now);
   /// The consumer wants no more of it.
   Status Cancel(const std::string& stream);
   /// The stream is over: its instance is disposed.
@@ -51,7 +51,7 @@ class CreditGrantor {
   std::string instance_;
   Writer<intaglio_Credit> writer_;
   std::map<std::string, Stream> streams_;
-  std::chrono::steady_clock::time_point told_again_{};
+  std::chrono::steady_clock::time_point repeated_at_{};
 };
 
 /// Producer's side: knows how far each stream's consumer has come.

@@ -107,7 +107,7 @@ void TopicTap::Impl::GiveUp(Domain& domain, const std::string& topic,
   complaint(topic, why);
 }
 
-void TopicTap::Impl::LookAt(Domain& domain, const dds_builtintopic_endpoint_t& writer) {
+void TopicTap::Impl::Inspect(Domain& domain, const dds_builtintopic_endpoint_t& writer) {
   const std::string topic = writer.topic_name;
   // Writers of Presence wait for its readers.
   if (topic.starts_with("DCPS") || topic == kPresence.name ||
@@ -120,11 +120,11 @@ void TopicTap::Impl::LookAt(Domain& domain, const dds_builtintopic_endpoint_t& w
   like.partition = internal::PartitionOf(writer.qos);
   if (!filter(like)) return;
   const dds_typeinfo_t* type = nullptr;
-  const auto told = dds_builtintopic_get_endpoint_type_info(
+  const auto reported = dds_builtintopic_get_endpoint_type_info(
       const_cast<dds_builtintopic_endpoint_t*>(&writer), &type);
   // Writers of this process do not announce their type, nor do those of a very old
   // library; another writer of the topic may.
-  if (told != DDS_RETCODE_OK || type == nullptr) return;
+  if (reported != DDS_RETCODE_OK || type == nullptr) return;
   MakeReader(domain, writer, type);
 }
 
@@ -204,8 +204,8 @@ void TopicTap::Discover(std::chrono::milliseconds timeout) {
       for (std::int32_t i = 0; i < count && !take; ++i) {
         const auto at = static_cast<std::size_t>(i);
         if (!origins[at].valid_data) continue;
-        impl_->LookAt(domain,
-                      *static_cast<const dds_builtintopic_endpoint_t*>(samples[at]));
+        impl_->Inspect(domain,
+                       *static_cast<const dds_builtintopic_endpoint_t*>(samples[at]));
       }
       if (count > 0) (void)dds_return_loan(domain.writers, samples.data(), count);
     }

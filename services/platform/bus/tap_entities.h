@@ -37,7 +37,7 @@ struct TopicTap::Impl {
   Impl(Bus& bus, Filter filter_given, Complaint complaint_given);
   ~Impl();
   void Join(DomainKind kind, int number);
-  void LookAt(Domain& domain, const dds_builtintopic_endpoint& writer);
+  void Inspect(Domain& domain, const dds_builtintopic_endpoint& writer);
   void MakeReader(Domain& domain, const dds_builtintopic_endpoint& writer,
                   const ddsi_typeinfo* type);
   std::uint32_t ChannelOf(const Tapped& tapped, std::uint64_t writer);

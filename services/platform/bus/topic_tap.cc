@@ -56,10 +56,10 @@ std::uint32_t TopicTap::Impl::ChannelOf(const Tapped& tapped,
   TapChannel channel = tapped.like;
   // The properties of a writer that is already gone cannot be read; its partition is then
   // unknown.
-  if (auto* told = dds_get_matched_publication_data(tapped.reader, writer)) {
-    channel.partition = internal::PartitionOf(told->qos);
-    channel.qos = internal::QosText(told->qos);
-    dds_builtintopic_free_endpoint(told);
+  if (auto* reported = dds_get_matched_publication_data(tapped.reader, writer)) {
+    channel.partition = internal::PartitionOf(reported->qos);
+    channel.qos = internal::QosText(reported->qos);
+    dds_builtintopic_free_endpoint(reported);
   }
   const std::uint32_t number = filter(channel) ? FindOrAdd(std::move(channel)) : kIgnored;
   // Each command that a person types has writers of its own. When full, all entries are

@@ -24,7 +24,7 @@ using Identifier = DDS_XTypes_TypeIdentifier;
 constexpr dds_duration_t kTypeTimeout = DDS_MSECS(500);
 
 /// A part of a type that IDL text is not made of; caught in TextOf.
-struct NotTold {};
+struct NotDescribed {};
 
 struct ObjectDeleter {
   void operator()(dds_typeobj_t* object) const noexcept { dds_free_typeobj(object); }
@@ -82,7 +82,7 @@ class Writer {
   TypeText Write(const Identifier& type) {
     const Object object = Resolve(type);
     const auto& complete = object->x._u.complete;
-    if (complete._d != DDS_XTypes_TK_STRUCTURE) throw NotTold{};
+    if (complete._d != DDS_XTypes_TK_STRUCTURE) throw NotDescribed{};
     Declare(type);
     TypeText text{Text(), ""};
     WriteKey(complete._u.struct_type);
@@ -98,10 +98,10 @@ class Writer {
     if (type._d != DDS_XTypes_EK_COMPLETE ||
         dds_get_typeobj(participant_, &id, kTypeTimeout, &found) != DDS_RETCODE_OK ||
         found == nullptr) {
-      throw NotTold{};
+      throw NotDescribed{};
     }
     Object object(found);
-    if (object->x._d != DDS_XTypes_EK_COMPLETE) throw NotTold{};
+    if (object->x._d != DDS_XTypes_EK_COMPLETE) throw NotDescribed{};
     return object;
   }
 
@@ -125,7 +125,7 @@ class Writer {
       case DDS_XTypes_EK_COMPLETE:
         return Named(type);
       default:
-        throw NotTold{};
+        throw NotDescribed{};
     }
   }
 
@@ -135,7 +135,7 @@ class Writer {
 
   Declared Sequence(const Identifier& element, std::uint32_t bound) {
     const Declared inner = Declare(element);
-    if (!inner.suffix.empty()) throw NotTold{};
+    if (!inner.suffix.empty()) throw NotDescribed{};
     return {fmt::format("sequence<{}{}>", inner.type, Bound(bound, ", ")), ""};
   }
 
@@ -177,7 +177,7 @@ class Writer {
         break;
       }
       default:
-        throw NotTold{};
+        throw NotDescribed{};
     }
     return known_[hash] = declared;
   }
@@ -302,7 +302,7 @@ std::optional<TypeText> TextOf(std::int32_t participant, const ddsi_typeinfo* ty
     TypeText text = writer.Write(complete->x);
     text.key_idl = writer.key_text();
     return text;
-  } catch (const NotTold&) {
+  } catch (const NotDescribed&) {
     return std::nullopt;
   }
 }

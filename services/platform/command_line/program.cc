@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "services/platform/command_line/nearest_word.h"
+#include "services/platform/command_line/nearest_name.h"
 
 namespace intaglio::command_line {
 namespace {
@@ -42,14 +42,14 @@ std::string PathOf(const CLI::App& app) {
 
 // After a parse that failed because arguments were left over: names the first of them,
 // the likely intention, and where to read more.
-std::string TextOfUnknownWords(const CLI::App& app) {
+std::string TextOfUnknownArguments(const CLI::App& app) {
   const CLI::App& innermost = InnermostOf(app);
   const std::vector<std::string> words = app.remaining(true);
   if (words.empty()) return "";
   const std::string word = words.front().substr(0, words.front().find('='));
   const bool option = word.starts_with("-");
   const auto known = option ? OptionsOf(innermost) : CommandsOf(innermost);
-  const auto meant = NearestWord(word, known);
+  const auto meant = NearestName(word, known);
   const std::string path = PathOf(innermost);
   const std::string what = option          ? "has no option"
                            : known.empty() ? "does not accept"
@@ -67,13 +67,13 @@ Option Option::Require() const {
   return *this;
 }
 
-Option Option::Within(int least, int most) const {
-  option_->check(CLI::Range(least, most));
+Option Option::Within(int smallest, int largest) const {
+  option_->check(CLI::Range(smallest, largest));
   return *this;
 }
 
-Option Option::Within(double least, double most) const {
-  option_->check(CLI::Range(least, most));
+Option Option::Within(double smallest, double largest) const {
+  option_->check(CLI::Range(smallest, largest));
   return *this;
 }
 
@@ -102,8 +102,8 @@ Option Option::TakeValues(int count) const {
   return *this;
 }
 
-Option Option::TakeValues(int least, int most) const {
-  option_->expected(least, most);
+Option Option::TakeValues(int smallest, int largest) const {
+  option_->expected(smallest, largest);
   return *this;
 }
 
@@ -205,7 +205,7 @@ std::optional<int> Program::Parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ExtrasError&) {
-    std::cerr << TextOfUnknownWords(*app_) << "\n";
+    std::cerr << TextOfUnknownArguments(*app_) << "\n";
     return kExitMisunderstood;
   } catch (const CLI::ParseError& error) {
     return app_->exit(error) == 0 ? 0 : kExitMisunderstood;
@@ -218,7 +218,7 @@ Status Program::Parse(std::vector<std::string> words) {
   try {
     app_->parse(std::move(words));
   } catch (const CLI::ExtrasError&) {
-    return Fail(ErrorCode::kInvalidValue, TextOfUnknownWords(*app_));
+    return Fail(ErrorCode::kInvalidValue, TextOfUnknownArguments(*app_));
   } catch (const CLI::ParseError& error) {
     return Fail(ErrorCode::kInvalidValue, error.what());
   }

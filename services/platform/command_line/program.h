@@ -35,8 +35,8 @@ class Option {
 
   Option Require() const;
   /// Values from `least` to `most`; whole numbers only when both are.
-  Option Within(int least, int most) const;
-  Option Within(double least, double most) const;
+  Option Within(int smallest, int largest) const;
+  Option Within(double smallest, double largest) const;
   /// Values above 0.
   Option Positive() const;
   Option OneOf(const std::vector<std::string>& values) const;
@@ -46,7 +46,7 @@ class Option {
   Option Need(Option other) const;
   /// How many values are taken.
   Option TakeValues(int count) const;
-  Option TakeValues(int least, int most) const;
+  Option TakeValues(int smallest, int largest) const;
   /// Of values in one argument: "1,2,3".
   Option SplitAt(char separator) const;
   /// --help shows the variable's present value.

@@ -29,7 +29,7 @@ enum ControlFrame : std::uint8_t {
   kRefused = 0x05,    // device's other answer: the highest epoch that opened it
 };
 
-constexpr std::uint64_t kMostEpochStep = 1u << 20;
+constexpr std::uint64_t kMaxEpochStep = 1u << 20;
 
 constexpr std::uint16_t kCredit = 256;
 // Beyond this the line is slower than the data sent on it: wait for it. Few frames, since
@@ -52,7 +52,7 @@ struct ReliableLink::State {
         clock(std::move(steady_clock)),
         options(link_options),
         epoch(std::move(line_epoch)),
-        last_heard(clock()) {}
+        last_received(clock()) {}
 
   struct Frame {
     std::uint16_t sequence;
@@ -88,7 +88,7 @@ struct ReliableLink::State {
 
   std::uint32_t session = 0;
   bool established = false;
-  nanoseconds last_heard;
+  nanoseconds last_received;
   nanoseconds last_sent{0};
   nanoseconds last_open{0};
   nanoseconds last_nack{0};
@@ -144,7 +144,7 @@ void ReliableLink::State::ReceiveOpen(std::uint32_t of_session,
   epoch->number = number;
   if (of_session != session || !established) StartSession(of_session);
   established = true;
-  last_heard = clock();
+  last_received = clock();
   TransmitControl(kOpened);
 }
 
@@ -153,7 +153,7 @@ void ReliableLink::State::ReceiveRefusal(std::span<const std::byte> payload) {
   const auto highest = in.Get<std::uint64_t>();
   if (side != Side::kHost || !in.finished()) return;
   if (epoch->number == 0) {
-    const std::uint64_t step = 1 + std::random_device{}() % kMostEpochStep;
+    const std::uint64_t step = 1 + std::random_device{}() % kMaxEpochStep;
     epoch->number = highest + step;
     epoch->fenced = epoch->number < highest;  // there is none above
     last_open = clock() - options.resend_after;
@@ -182,7 +182,7 @@ bool ReliableLink::State::ReceiveControl(const FrameHeader& header,
     last_progress = clock();
   }
   if (!established) return true;
-  last_heard = clock();
+  last_received = clock();
   return header.type == kOpened;
 }
 
@@ -265,7 +265,7 @@ void ReliableLink::State::KeepOpening(nanoseconds now) {
 void ReliableLink::State::KeepTime() {
   if (epoch->fenced) return;
   const nanoseconds now = clock();
-  const bool silent = now - last_heard > options.dead_after;
+  const bool silent = now - last_received > options.dead_after;
   if (side == Side::kHost && (!established || silent)) return KeepOpening(now);
   if (!established) return;
   if (sent_count > 0 && now - last_progress > options.resend_after) GoBack();
@@ -343,7 +343,9 @@ bool ReliableLink::up() const {
   return state_->established && silence() <= state_->options.dead_after;
 }
 std::uint32_t ReliableLink::session() const { return state_->session; }
-nanoseconds ReliableLink::silence() const { return state_->clock() - state_->last_heard; }
+nanoseconds ReliableLink::silence() const {
+  return state_->clock() - state_->last_received;
+}
 int ReliableLink::fd() const { return state_->stream->fd(); }
 bool ReliableLink::connected() const { return state_->stream->connected(); }
 const ReliableLink::Counters& ReliableLink::counters() const { return state_->counters; }

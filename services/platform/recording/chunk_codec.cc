@@ -36,9 +36,9 @@ Result<Bytes> UnpackChunk(const ChunkHead& head, ByteView packed,
   } else if (head.compression == kZstd) {
     // Check the frame's own size first: no storage is allocated for a size that only the
     // head claims.
-    const auto told = ZSTD_getFrameContentSize(packed.data(), packed.size());
-    if (told == ZSTD_CONTENTSIZE_ERROR ||
-        (told != ZSTD_CONTENTSIZE_UNKNOWN && told != head.uncompressed_size)) {
+    const auto reported = ZSTD_getFrameContentSize(packed.data(), packed.size());
+    if (reported == ZSTD_CONTENTSIZE_ERROR ||
+        (reported != ZSTD_CONTENTSIZE_UNKNOWN && reported != head.uncompressed_size)) {
       return Fail(ErrorCode::kUnreadable, "is not a zstd frame of the expected size");
     }
     records.resize(static_cast<std::size_t>(head.uncompressed_size));

@@ -46,9 +46,8 @@ Result<Bytes> FileRecords::Raw(std::uint64_t offset, std::uint64_t length) const
   return bytes;
 }
 
-Result<Bytes> FileRecords::ContentOf(const RecordHead& head,
-                                     std::uint64_t at_most) const {
-  return Raw(head.content_offset(), std::min(head.content_length, at_most));
+Result<Bytes> FileRecords::ContentOf(const RecordHead& head, std::uint64_t limit) const {
+  return Raw(head.content_offset(), std::min(head.content_length, limit));
 }
 
 Result<Bytes> FileRecords::ContentOf(const RecordHead& head) const {

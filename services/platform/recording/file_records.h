@@ -27,8 +27,8 @@ class FileRecords {
   std::uint64_t size() const { return source_.size(); }
   /// Nothing when no whole record lies at this offset.
   Result<std::optional<RecordHead>> HeadAt(std::uint64_t offset) const;
-  /// The content, or its first `at_most` bytes. kTooLarge beyond the limits.
-  Result<Bytes> ContentOf(const RecordHead& head, std::uint64_t at_most) const;
+  /// The content, or its first `limit` bytes. kTooLarge beyond the limits.
+  Result<Bytes> ContentOf(const RecordHead& head, std::uint64_t limit) const;
   Result<Bytes> ContentOf(const RecordHead& head) const;
   Result<Bytes> Raw(std::uint64_t offset, std::uint64_t length) const;
   /// The record at this offset, of this opcode, decoded. kUnreadable when there is none.

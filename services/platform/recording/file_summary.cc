@@ -63,13 +63,13 @@ class Summary {
 
   /// A writer may leave out any part of its summary; then the file has to be walked.
   bool Suffices() const {
-    const Statistics& told = contents.statistics;
-    return has_statistics_ && contents.blocks.size() == told.chunk_count &&
-           (told.chunk_count > 0 || told.message_count == 0) &&
-           contents.channels.size() == told.channel_count &&
-           contents.schemas.size() == told.schema_count &&
-           contents.attachments.size() == told.attachment_count &&
-           contents.metadata.size() == told.metadata_count;
+    const Statistics& reported = contents.statistics;
+    return has_statistics_ && contents.blocks.size() == reported.chunk_count &&
+           (reported.chunk_count > 0 || reported.message_count == 0) &&
+           contents.channels.size() == reported.channel_count &&
+           contents.schemas.size() == reported.schema_count &&
+           contents.attachments.size() == reported.attachment_count &&
+           contents.metadata.size() == reported.metadata_count;
   }
 
   RecordingContents contents;

@@ -29,13 +29,13 @@ struct Stop {
   std::string word;
 };
 
-bool IsWord(char c) {
+bool IsToken(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '@';
 }
 
-class Words {
+class Tokens {
  public:
-  explicit Words(std::string_view text) : text_(text) { Advance(); }
+  explicit Tokens(std::string_view text) : text_(text) { Advance(); }
 
   const std::string& now() const { return word_; }
   bool at_end() const { return word_.empty(); }
@@ -93,8 +93,8 @@ class Words {
     word_.clear();
     if (at_ >= text_.size()) return;
     std::size_t end = at_ + 1;
-    if (IsWord(text_[at_])) {
-      while (end < text_.size() && IsWord(text_[end])) ++end;
+    if (IsToken(text_[at_])) {
+      while (end < text_.size() && IsToken(text_[end])) ++end;
     } else if (text_.substr(at_, 2) == "::") {
       ++end;
     }
@@ -244,7 +244,7 @@ class Parser {
     }
   }
 
-  Words words_;
+  Tokens words_;
   IdlTypes types_;
   int depth_ = 0;
 };

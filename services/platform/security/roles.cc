@@ -19,7 +19,7 @@ Topics Join(std::initializer_list<Topics> parts) {
 }
 
 // Every service publishes its health.
-Topics OwnWords() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
+Topics OwnReports() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
 
 // What can be seen of a shop without seeing what is engraved.
 Topics ShopState() {
@@ -43,7 +43,7 @@ Role Operator() {
 Role JobService() {
   return {bus::kJobServiceRole,
           "*",
-          Join({OwnWords(),
+          Join({OwnReports(),
                 {Of(bus::kPresence), Of(bus::kJobStatus), Of(bus::kJobCommandAnswer),
                  Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
                  Of(bus::kModelChunk), Of(bus::kPermission)}}),
@@ -55,7 +55,7 @@ Role JobService() {
 Role StageWorker() {
   return {bus::kStageWorkerRole,
           "*",
-          Join({OwnWords(),
+          Join({OwnReports(),
                 {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
                  Of(bus::kPointBatch), Of(bus::kPathBatch)}}),
           {Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kModelChunk),
@@ -67,7 +67,7 @@ Role StageWorker() {
 Role Cell(const std::string& cell) {
   return {bus::CellRole(cell),
           cell,
-          Join({OwnWords(),
+          Join({OwnReports(),
                 {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
                  Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
                  Of(bus::kPositionReport), Of(bus::kLampSync), Of(bus::kPulseEventBatch),
@@ -79,7 +79,7 @@ Role Cell(const std::string& cell) {
 }
 
 Role Recorder() {
-  return {bus::kRecorderRole, "*", OwnWords(),
+  return {bus::kRecorderRole, "*", OwnReports(),
           Join({ShopState(),
                 CellState(),
                 {Of(bus::kJobSubmission), Of(bus::kJobCommand),

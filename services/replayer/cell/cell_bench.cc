@@ -17,11 +17,11 @@ using namespace std::chrono_literals;
 constexpr char kOwnName[] = "intaglio-replay";
 constexpr auto kTurn = 1ms;
 // Messages have been received by then, and acted upon: a synchronizer turns every 5 ms.
-constexpr auto kHeard = 50ms;
+constexpr auto kReceiveDelay = 50ms;
 constexpr auto kPermissionPeriod = 20ms;
 // Nothing moves any more.
 constexpr auto kPatience = 10s;
-constexpr auto kLastWords = 100ms;
+constexpr auto kDrainTime = 100ms;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ struct CellBench::Performance {
   const std::string& job;
   CellListener listener;
   std::unique_ptr<StageInput> path;
-  std::optional<PermissionWord> permission;
+  std::optional<PermissionMessage> permission;
   std::size_t next_event = 0;
   std::size_t begun = 0;           // present runs that correspond to one recorded run
   std::size_t consumed = 0;        // armed points of the newest one that have ended
@@ -43,9 +43,9 @@ struct CellBench::Performance {
   Clock::time_point moved_at = Clock::now();
 
   const CellRun* then() const {
-    return begun == 0 || begun > session.words.runs.size()
+    return begun == 0 || begun > session.messages.runs.size()
                ? nullptr
-               : &session.words.runs[begun - 1];
+               : &session.messages.runs[begun - 1];
   }
   const CellRun* now() const {
     return listener.runs().empty() ? nullptr : &listener.runs().back();
@@ -56,7 +56,7 @@ struct CellBench::Performance {
 };
 
 CellBench::CellBench(bus::Bus& bus, const recording::McapReader& reader,
-                     const std::string& cell, LaserStandIn& laser)
+                     const std::string& cell, SimulatedLaser& laser)
     : reader_(reader),
       laser_(laser),
       cell_(cell),
@@ -113,7 +113,7 @@ Result<CellBench::Performed> CellBench::Perform(const CellSession& session,
   Performance performance(session, frozen_job);
   performance.path =
       std::make_unique<PathInput>(path_, reader_, session.task, session.task.id.job_uid);
-  if (!session.starts_mm.empty()) stage_.StandAt(session.starts_mm.front());
+  if (!session.starts_mm.empty()) stage_.MoveTo(session.starts_mm.front());
   INTAGLIO_TRY(Give(performance, false, false));
   Stillness stillness;
   while (!performance.listener.end()) {
@@ -123,16 +123,16 @@ Result<CellBench::Performed> CellBench::Perform(const CellSession& session,
     if (!stillness.why.empty()) break;
   }
   INTAGLIO_TRY(Finish(performance, keep_on));
-  Performed performed{performance.listener.Words(), std::move(stillness),
+  Performed performed{performance.listener.Messages(), std::move(stillness),
                       performance.begun};
-  if (!performed.stillness.why.empty()) performed.words.end.reset();
+  if (!performed.stillness.why.empty()) performed.messages.end.reset();
   return performed;
 }
 
 Status CellBench::Turn(Performance& performance) {
   book_.Poll();
   INTAGLIO_TRY(performance.path->Advance(book_));
-  TakeWords(performance);
+  TakeMessages(performance);
   DeliverDue(performance);
   KeepPermission(performance, false);
   const auto now = Clock::now();
@@ -152,18 +152,18 @@ Status CellBench::Turn(Performance& performance) {
   return {};
 }
 
-void CellBench::TakeWords(Performance& performance) {
+void CellBench::TakeMessages(Performance& performance) {
   pulses_.TakeAll(
       [&](const intaglio_PulseEventBatch& sample, const bus::SampleOrigin& origin) {
         if (!origin.alive) return;
-        performance.listener.Take(WordsOf(sample),
+        performance.listener.Take(MessageOf(sample),
                                   static_cast<std::uint64_t>(origin.source_ns));
         performance.moved_at = Clock::now();
       });
   status_.Take([&](const intaglio_TaskStatus& sample) {
     if (bus::View(sample.worker) == instance_ &&
         sample.attempt == performance.session.task.id.attempt)
-      performance.listener.Take(WordsOf(sample));
+      performance.listener.Take(MessageOf(sample));
   });
 }
 
@@ -176,13 +176,13 @@ void CellBench::BeginRun(Performance& performance) {
   if (!given_up) ++performance.begun;
   performance.consumed = 0;
   const auto& starts = performance.session.starts_mm;
-  if (performance.begun < starts.size()) stage_.StandAt(starts[performance.begun]);
+  if (performance.begun < starts.size()) stage_.MoveTo(starts[performance.begun]);
 }
 
 /// Every pulse of it has been reported, and the notice that the stage rests was received.
 bool CellBench::RunIsOver(const Performance& performance) const {
   return stage_.at_rest() && performance.listener.fired_count() >= performance.fired &&
-         Clock::now() > performance.moved_at + kHeard;
+         Clock::now() > performance.moved_at + kReceiveDelay;
 }
 
 bool CellBench::IsDue(const Performance& performance) const {
@@ -213,15 +213,15 @@ void CellBench::DeliverDue(Performance& performance) {
     return;
   Deliver(performance, *performance.event());
   ++performance.next_event;
-  performance.hold_until = now + kHeard;
+  performance.hold_until = now + kReceiveDelay;
   performance.moved_at = now;
 }
 
 void CellBench::Deliver(Performance& performance, const CellEvent& event) {
-  if (const auto* permission = std::get_if<PermissionWord>(&event.word)) {
+  if (const auto* permission = std::get_if<PermissionMessage>(&event.message)) {
     performance.permission = *permission;
     KeepPermission(performance, true);
-  } else if (const auto* stop = std::get_if<StopWord>(&event.word)) {
+  } else if (const auto* stop = std::get_if<StopMessage>(&event.message)) {
     intaglio_EmergencyStop sample{};
     sample.cell = bus::Borrow(cell_);
     sample.pressed = stop->pressed;
@@ -235,25 +235,25 @@ void CellBench::Deliver(Performance& performance, const CellEvent& event) {
       released.push_back({bus::Borrow(press.source), press.number});
     bus::Borrow(sample.released, released);
     (void)stops_.Write(sample);
-  } else if (const auto* interlock = std::get_if<InterlockWord>(&event.word)) {
+  } else if (const auto* interlock = std::get_if<InterlockMessage>(&event.message)) {
     SetInterlocks(*interlock);
-  } else if (const auto* fault = std::get_if<StageFaultWord>(&event.word)) {
+  } else if (const auto* fault = std::get_if<StageFaultMessage>(&event.message)) {
     stage_.Fail(fault->fault, fault->message);
-  } else if (const auto* revoke = std::get_if<RevokeWord>(&event.word)) {
+  } else if (const auto* revoke = std::get_if<RevokeMessage>(&event.message)) {
     (void)Give(performance, true, revoke->take_up);
   }
 }
 
 // Stop and safe state stay until the synchronizer resets them, as it did then.
-void CellBench::SetInterlocks(const InterlockWord& word) {
+void CellBench::SetInterlocks(const InterlockMessage& message) {
   virtual_engraver::Laser& laser = laser_.laser();
-  laser.SetKey(word.key_on);
-  laser.SetDoor(word.door_closed);
-  if (!word.stop_released) {
+  laser.SetKey(message.key_on);
+  laser.SetDoor(message.door_closed);
+  if (!message.stop_released) {
     laser.SetStopButton(true);
     laser.SetStopButton(false);
   }
-  if (word.safe_state) laser.EnterSafeState();
+  if (message.safe_state) laser.EnterSafeState();
 }
 
 /// None of the recorded events broke the run off: the cause was a message that came too
@@ -266,7 +266,7 @@ bool CellBench::Lapses(const Performance& performance) const {
          performance.consumed >= run->pulses.size() &&
          (event == nullptr || event->run > performance.begun ||
           event->time_ns > run->ended_ns) &&
-         Clock::now() > performance.hold_until + kHeard;
+         Clock::now() > performance.hold_until + kReceiveDelay;
 }
 
 /// The next run does not begin before everything that came before it in the recording has
@@ -281,20 +281,20 @@ void CellBench::KeepPermission(Performance& performance, bool at_once) {
   if (!performance.permission || (!at_once && now < performance.permission_due)) return;
   if (!at_once && Lapses(performance)) return;
   performance.permission_due = now + kPermissionPeriod;
-  const PermissionWord& word = *performance.permission;
+  const PermissionMessage& message = *performance.permission;
   intaglio_Permission sample{};
   sample.cell = bus::Borrow(cell_);
   sample.job_uid = bus::Borrow(performance.session.task.id.job_uid);
-  sample.epoch = word.epoch;
-  sample.granted = word.granted && !HoldsBack(performance);
+  sample.epoch = message.epoch;
+  sample.granted = message.granted && !HoldsBack(performance);
   const std::string operator_name = kOwnName;
   sample.operator_name = bus::Borrow(operator_name);
   sample.number = ++permission_number_;
-  sample.speed_percent = word.speed_percent;
-  sample.grant = word.grant;
-  sample.first_point = word.first_point;
-  sample.fire_uncertain = word.fire_uncertain;
-  sample.renewal = word.renewal;
+  sample.speed_percent = message.speed_percent;
+  sample.grant = message.grant;
+  sample.first_point = message.first_point;
+  sample.fire_uncertain = message.fire_uncertain;
+  sample.renewal = message.renewal;
   (void)permissions_.Write(sample);
 }
 
@@ -318,14 +318,15 @@ std::optional<PulseEnd> CellBench::EndOfPulse(Performance& performance,
 
 CellBench::Stillness CellBench::WhyNothingMore(const Performance& performance) const {
   const auto now = Clock::now();
-  if (performance.listener.end() || now < performance.hold_until + kHeard) return {};
+  if (performance.listener.end() || now < performance.hold_until + kReceiveDelay)
+    return {};
   const auto still = now - performance.moved_at;
   const CellRun* run = performance.then();
-  const bool all_said = performance.event() == nullptr &&
-                        performance.begun >= performance.session.words.runs.size() &&
-                        !performance.session.words.end;
+  const bool all_sent = performance.event() == nullptr &&
+                        performance.begun >= performance.session.messages.runs.size() &&
+                        !performance.session.messages.end;
   const bool all_ended = run == nullptr || performance.consumed >= run->pulses.size();
-  if (all_said && all_ended && RunIsOver(performance) && still > 20 * kHeard)
+  if (all_sent && all_ended && RunIsOver(performance) && still > 20 * kReceiveDelay)
     return {performance.session.ends_early.empty() ? "the recording ends there"
                                                    : performance.session.ends_early,
             true};
@@ -344,13 +345,13 @@ Status CellBench::Finish(Performance& performance, const KeepOn& keep_on) {
   if (!ended) {
     if (auto given = Give(performance, true, false); !given) return given;
   }
-  const auto until = Clock::now() + (ended ? kLastWords : kPatience);
+  const auto until = Clock::now() + (ended ? kDrainTime : kPatience);
   auto end = until;
   while (Clock::now() < end) {
     INTAGLIO_TRY(keep_on());
     INTAGLIO_TRY(Turn(performance));
     if (!ended && performance.listener.end() && end == until)
-      end = std::min(until, Clock::now() + kLastWords);
+      end = std::min(until, Clock::now() + kDrainTime);
   }
   return {};
 }

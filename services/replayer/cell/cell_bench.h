@@ -23,8 +23,8 @@
 
 #include "services/platform/bus/flow.h"
 #include "services/replayer/cell/cell_session.h"
-#include "services/replayer/cell/laser_stand_in.h"
-#include "services/replayer/cell/stage_stand_in.h"
+#include "services/replayer/cell/simulated_laser.h"
+#include "services/replayer/cell/simulated_stage.h"
 #include "services/replayer/rehearsal.h"
 #include "services/replayer/stage_input.h"
 
@@ -34,7 +34,7 @@ class CellBench {
  public:
   /// `laser` lives longer.
   CellBench(bus::Bus& bus, const recording::McapReader& reader, const std::string& cell,
-            LaserStandIn& laser);
+            SimulatedLaser& laser);
 
   /// Waits for the synchronizer; its software version. kTimedOut.
   Result<std::string> FindService(const KeepOn& keep_on);
@@ -46,7 +46,7 @@ class CellBench {
                                 ///< not go on
   };
   struct Performed {
-    CellWords words;
+    CellMessages messages;
     Stillness stillness;
     std::size_t run_count = 0;  ///< recorded runs that were begun
   };
@@ -60,12 +60,12 @@ class CellBench {
 
   Status Give(const Performance& performance, bool revoked, bool take_up);
   Status Turn(Performance& performance);
-  void TakeWords(Performance& performance);
+  void TakeMessages(Performance& performance);
   void BeginRun(Performance& performance);
   void DeliverDue(Performance& performance);
   bool IsDue(const Performance& performance) const;
   void Deliver(Performance& performance, const CellEvent& event);
-  void SetInterlocks(const InterlockWord& word);
+  void SetInterlocks(const InterlockMessage& message);
   bool Lapses(const Performance& performance) const;
   bool HoldsBack(const Performance& performance) const;
   void KeepPermission(Performance& performance, bool at_once);
@@ -75,7 +75,7 @@ class CellBench {
   Status Finish(Performance& performance, const KeepOn& keep_on);
 
   const recording::McapReader& reader_;
-  LaserStandIn& laser_;
+  SimulatedLaser& laser_;
   std::string instance_;
   std::string cell_;
   bus::Writer<intaglio_StageTask> tasks_;
@@ -86,7 +86,7 @@ class CellBench {
   bus::Reader<intaglio_TaskStatus> status_;
   bus::Reader<intaglio_PulseEventBatch> pulses_;
   bus::CreditBook book_;
-  StageStandIn stage_;
+  SimulatedStage stage_;
   bus::WaitSet wait_;
   std::uint64_t permission_number_ = 0;
 };

@@ -93,12 +93,13 @@ std::optional<SampleDifference> ComparePulses(const CellRun& then, const CellRun
 std::optional<SampleDifference> CompareRun(const CellRun* then, const CellRun* now,
                                            TaskComparison& counts) {
   std::optional<SampleDifference> found;
-  const auto words = [](const CellRun* run) {
+  const auto messages = [](const CellRun* run) {
     return run == nullptr ? std::string("none")
                           : fmt::format("{} points", run->pulses.size());
   };
   if (then == nullptr || now == nullptr) {
-    found = Difference(bus::kMotionSegmentBatch.name, "run", words(then), words(now));
+    found =
+        Difference(bus::kMotionSegmentBatch.name, "run", messages(then), messages(now));
   } else {
     if (!then->respeeded) found = CompareSegments(*then, *now, counts);
     if (!found) found = ComparePulses(*then, *now, counts);
@@ -108,9 +109,9 @@ std::optional<SampleDifference> CompareRun(const CellRun* then, const CellRun* n
   return found;
 }
 
-EngraveOutcome OutcomeOf(const StatusWords& words, bool disturbed) {
+EngraveOutcome OutcomeOf(const StatusMessage& messages, bool disturbed) {
   StageOutcome stage;
-  if (!stage.ParseFromString(words.outcome)) return {};
+  if (!stage.ParseFromString(messages.outcome)) return {};
   EngraveOutcome outcome = stage.engrave();
   outcome.clear_first_tick();
   outcome.clear_last_tick();
@@ -120,7 +121,7 @@ EngraveOutcome OutcomeOf(const StatusWords& words, bool disturbed) {
     outcome.clear_used_ticks();
     outcome.clear_settled_by_memory_count();
     outcome.clear_speed_changes();
-    outcome.clear_least_speed_percent();
+    outcome.clear_min_speed_percent();
   }
   return outcome;
 }
@@ -136,11 +137,12 @@ std::string WithoutPauses(const std::vector<std::string>& states) {
   return fmt::format("{}", fmt::join(left, " "));
 }
 
-std::optional<SampleDifference> CompareEnds(const CellWords& then, const CellWords& now) {
+std::optional<SampleDifference> CompareEnds(const CellMessages& then,
+                                            const CellMessages& now) {
   const char* topic = bus::kTaskStatus.name;
-  StatusWords none;
+  StatusMessage none;
   none.state = "none";
-  const StatusWords &a = *then.end, &b = now.end ? *now.end : none;
+  const StatusMessage &a = *then.end, &b = now.end ? *now.end : none;
   auto found = Differs(topic, "state", a.state, b.state);
   if (!found) found = Differs(topic, "error_code", a.error_code, b.error_code);
   if (!found) found = Differs(topic, "message", a.message, b.message);
@@ -163,7 +165,8 @@ std::optional<SampleDifference> CompareEnds(const CellWords& then, const CellWor
 
 }  // namespace
 
-std::optional<SampleDifference> CompareCells(const CellWords& then, const CellWords& now,
+std::optional<SampleDifference> CompareCells(const CellMessages& then,
+                                             const CellMessages& now,
                                              TaskComparison& counts) {
   const std::size_t runs =
       then.end ? std::max(then.runs.size(), now.runs.size()) : then.runs.size();

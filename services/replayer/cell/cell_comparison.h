@@ -16,7 +16,7 @@
 #include <optional>
 
 #include "proto/replay.pb.h"
-#include "services/replayer/cell/cell_words.h"
+#include "services/replayer/cell/cell_messages.h"
 
 namespace intaglio::replayer {
 
@@ -38,7 +38,8 @@ inline constexpr std::array kSetAside = {"MotionSegmentBatch.run",
 
 /// The first difference; absent: none. `counts` gets what was compared. The end is not
 /// compared when `then` has none.
-std::optional<SampleDifference> CompareCells(const CellWords& then, const CellWords& now,
+std::optional<SampleDifference> CompareCells(const CellMessages& then,
+                                             const CellMessages& now,
                                              TaskComparison& counts);
 
 }  // namespace intaglio::replayer

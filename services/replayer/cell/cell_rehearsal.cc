@@ -30,14 +30,15 @@ class CellRehearsal {
   struct Different {
     const CellSession* session;
     FrozenJob job;
-    CellWords now;
+    CellMessages now;
   };
   Status ReadRecording();
   bool HasInput(const CellSession& session);
   Result<FrozenJob> FreezeAgain(const CellSession& session);
   Result<CellBench::Performed> Perform(const CellSession& session, FrozenJob job);
   Result<std::optional<SampleDifference>> Compare(CellSession& session,
-                                                  const FrozenJob& job, CellWords& now);
+                                                  const FrozenJob& job,
+                                                  CellMessages& now);
   Status CompareAll();
   Status FindCause();
 
@@ -48,7 +49,7 @@ class CellRehearsal {
   std::string cell_;
   std::vector<CellSession> sessions_;
   std::map<StreamId, StreamExtent> paths_;
-  std::unique_ptr<LaserStandIn> laser_;
+  std::unique_ptr<SimulatedLaser> laser_;
   std::unique_ptr<CellBench> bench_;
   std::optional<Different> different_;
   int folder_count_ = 0;
@@ -63,7 +64,7 @@ Status CellRehearsal::ReadRecording() {
   sessions_ = std::move(sessions);
   auto paths = INTAGLIO_TRY(ExtentsOf(reader_, bus::kPathBatch.name));
   paths_ = std::move(paths);
-  auto laser = INTAGLIO_TRY(LaserStandIn::Make(options_.laser_line, machine));
+  auto laser = INTAGLIO_TRY(SimulatedLaser::Make(options_.laser_line, machine));
   laser_ = std::move(laser);
   return {};
 }
@@ -109,16 +110,16 @@ Result<CellBench::Performed> CellRehearsal::Perform(const CellSession& session,
     if (!performed || tries == kTries) return performed;
     const CellBench::Stillness& stillness = performed->stillness;
     if ((stillness.why.empty() || stillness.by_recording) &&
-        performed->words.broken_count() <= session.words.broken_count())
+        performed->messages.broken_count() <= session.messages.broken_count())
       return performed;
   }
 }
 
 Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& session,
                                                                const FrozenJob& job,
-                                                               CellWords& now) {
+                                                               CellMessages& now) {
   auto performed = INTAGLIO_TRY(Perform(session, job));
-  now = std::move(performed.words);
+  now = std::move(performed.messages);
   TaskComparison& counts = *result_.add_tasks();
   counts.set_job_uid(session.task.id.job_uid);
   counts.set_attempt(session.task.id.attempt);
@@ -126,11 +127,11 @@ Result<std::optional<SampleDifference>> CellRehearsal::Compare(CellSession& sess
   if (!stillness.why.empty() && stillness.by_recording) {
     counts.set_recorded_in_part(true);
     counts.set_part_reason(stillness.why);
-    CellWords& then = session.words;
+    CellMessages& then = session.messages;
     if (then.runs.size() > performed.run_count) then.runs.resize(performed.run_count);
     then.end.reset();
   }
-  auto found = CompareCells(session.words, now, counts);
+  auto found = CompareCells(session.messages, now, counts);
   if (counts.recorded_in_part() && counts.run_count() == 0) {
     all_performed_ = false;
     result_.add_input(
@@ -152,7 +153,7 @@ Status CellRehearsal::CompareAll() {
       continue;
     }
     auto job = INTAGLIO_TRY(FreezeAgain(session));
-    CellWords now;
+    CellMessages now;
     auto found = INTAGLIO_TRY(Compare(session, job, now));
     if (!found || different_) continue;
     *result_.mutable_first() = *found;
@@ -165,7 +166,7 @@ Status CellRehearsal::FindCause() {
   return NameCause(result_, [this]() -> Result<bool> {
     const auto again = INTAGLIO_TRY(Perform(*different_->session, different_->job));
     TaskComparison ignored;
-    return CompareCells(different_->now, again.words, ignored).has_value();
+    return CompareCells(different_->now, again.messages, ignored).has_value();
   });
 }
 

@@ -47,16 +47,16 @@ class SessionReader {
   bool Within(std::uint64_t at_ns) const { return at_ns >= from_ns_ && at_ns < to_ns_; }
   /// Of the cell; nothing for a value without the member.
   std::optional<bool> Ours(const Value& value) const;
-  Status ReadWords();
+  Status ReadMessages();
   Status ReadPermission();
   Status ReadInterlocks();
   Status ReadMotion();
   Status ReadTicks();
   void Place();
   void EndBeforeTheUncertain();
-  template <typename Word>
-  void Add(std::uint64_t at_ns, Word word) {
-    session_.events.push_back({at_ns, 0, 0, std::move(word)});
+  template <typename Message>
+  void Add(std::uint64_t at_ns, Message message) {
+    session_.events.push_back({at_ns, 0, 0, std::move(message)});
   }
 
   const recording::McapReader& reader_;
@@ -72,55 +72,56 @@ std::optional<bool> SessionReader::Ours(const Value& value) const {
   return *name == cell_;
 }
 
-Status SessionReader::ReadWords() {
+Status SessionReader::ReadMessages() {
   CellListener listener(session_.task.id.job_uid);
   auto read = ForEach(reader_, bus::kMotionSegmentBatch.name,
                       [&](const Value& value, std::uint64_t at_ns) {
-                        const auto words = ReadSegments(value);
-                        if (words && Within(at_ns)) (void)listener.Take(*words, at_ns);
-                        return words.has_value();
+                        const auto messages = ReadSegments(value);
+                        if (messages && Within(at_ns))
+                          (void)listener.Take(*messages, at_ns);
+                        return messages.has_value();
                       });
   if (!read) return read;
   read = ForEach(reader_, bus::kPulseEventBatch.name,
                  [&](const Value& value, std::uint64_t at_ns) {
-                   const auto words = ReadPulses(value);
-                   if (words && Within(at_ns)) listener.Take(*words, at_ns);
-                   return words.has_value();
+                   const auto messages = ReadPulses(value);
+                   if (messages && Within(at_ns)) listener.Take(*messages, at_ns);
+                   return messages.has_value();
                  });
   if (!read) return read;
   read = ForEach(
       reader_, bus::kTaskStatus.name, [&](const Value& value, std::uint64_t at_ns) {
-        const auto words = ReadStatus(value);
-        if (words && Within(at_ns) && words->attempt == session_.task.id.attempt)
-          listener.Take(*words);
-        return words.has_value();
+        const auto messages = ReadStatus(value);
+        if (messages && Within(at_ns) && messages->attempt == session_.task.id.attempt)
+          listener.Take(*messages);
+        return messages.has_value();
       });
-  session_.words = listener.Words();
+  session_.messages = listener.Messages();
   return read;
 }
 
 Status SessionReader::ReadPermission() {
-  std::optional<PermissionWord> newest;
+  std::optional<PermissionMessage> newest;
   auto read = ForEach(reader_, bus::kPermission.name,
                       [&](const Value& value, std::uint64_t at_ns) {
-                        PermissionWord word;
+                        PermissionMessage message;
                         std::string job_uid;
                         Members members(value);
                         members.Get("job_uid", job_uid);
-                        members.Get("epoch", word.epoch);
-                        members.Get("granted", word.granted);
-                        members.Get("speed_percent", word.speed_percent);
-                        members.Get("grant", word.grant);
-                        members.Get("first_point", word.first_point);
-                        members.Get("renewal", word.renewal);
+                        members.Get("epoch", message.epoch);
+                        members.Get("granted", message.granted);
+                        members.Get("speed_percent", message.speed_percent);
+                        members.Get("grant", message.grant);
+                        members.Get("first_point", message.first_point);
+                        members.Get("renewal", message.renewal);
                         // Older recordings have none.
                         if (value.Find("fire_uncertain") != nullptr)
-                          members.Get("fire_uncertain", word.fire_uncertain);
+                          members.Get("fire_uncertain", message.fire_uncertain);
                         if (!members.good()) return false;
                         if (job_uid != session_.task.id.job_uid || at_ns >= to_ns_)
                           return true;
-                        if (newest != word) Add(at_ns, word);
-                        newest = word;
+                        if (newest != message) Add(at_ns, message);
+                        newest = message;
                         return true;
                       });
   if (!read) return read;
@@ -135,16 +136,16 @@ Status SessionReader::ReadPermission() {
 }
 
 Status SessionReader::ReadInterlocks() {
-  InterlockWord newest;
+  InterlockMessage newest;
   return ForEach(reader_, bus::kInterlock.name,
                  [&](const Value& value, std::uint64_t at_ns) {
-                   InterlockWord word;
+                   InterlockMessage message;
                    bool up = false;
                    Members members(value);
-                   members.Get("key_on", word.key_on);
-                   members.Get("door_closed", word.door_closed);
-                   members.Get("emergency_stop_released", word.stop_released);
-                   members.Get("safe_state", word.safe_state);
+                   members.Get("key_on", message.key_on);
+                   members.Get("door_closed", message.door_closed);
+                   members.Get("emergency_stop_released", message.stop_released);
+                   members.Get("safe_state", message.safe_state);
                    members.Get("laser_link_up", up);
                    const auto ours = Ours(value);
                    if (!members.good() || !ours) return false;
@@ -152,7 +153,7 @@ Status SessionReader::ReadInterlocks() {
                    // The state of a silent line is not known. A machine that closed its
                    // shutters because of the silence reports that when the line is back.
                    if (!up) return true;
-                   if (word != newest) Add(at_ns, newest = word);
+                   if (message != newest) Add(at_ns, newest = message);
                    return true;
                  });
 }
@@ -163,28 +164,28 @@ Status SessionReader::ReadMotion() {
     Vec3 at_mm;
   };
   std::vector<Rest> rests;
-  StageFaultWord newest{"MOTION_OK", ""};
+  StageFaultMessage newest{"MOTION_OK", ""};
   auto read = ForEach(reader_, bus::kMotionState.name,
                       [&](const Value& value, std::uint64_t at_ns) {
                         Vec3 at = Vec3::Zero();
                         bool at_rest = false;
-                        StageFaultWord word;
+                        StageFaultMessage message;
                         Members members(value);
                         members.Get("x_mm", at.x());
                         members.Get("y_mm", at.y());
                         members.Get("z_mm", at.z());
                         members.Get("at_rest", at_rest);
-                        members.Get("fault", word.fault);
-                        members.Get("message", word.message);
+                        members.Get("fault", message.fault);
+                        members.Get("message", message.message);
                         const auto ours = Ours(value);
                         if (!members.good() || !ours) return false;
                         if (!*ours || at_ns >= to_ns_) return true;
                         if (at_rest) rests.push_back({at_ns, at});
-                        if (at_ns >= from_ns_ && word != newest)
-                          Add(at_ns, newest = word);
+                        if (at_ns >= from_ns_ && message != newest)
+                          Add(at_ns, newest = message);
                         return true;
                       });
-  for (const CellRun& run : session_.words.runs) {
+  for (const CellRun& run : session_.messages.runs) {
     const auto later = std::find_if(rests.begin(), rests.end(), [&](const Rest& rest) {
       return rest.at_ns > run.begun_ns;
     });
@@ -217,33 +218,33 @@ Status SessionReader::ReadTicks() {
 
 void SessionReader::Place() {
   for (CellEvent& event : session_.events) {
-    const auto& runs = session_.words.runs;
+    const auto& runs = session_.messages.runs;
     event.run = static_cast<std::size_t>(
         std::count_if(runs.begin(), runs.end(),
                       [&](const CellRun& run) { return run.begun_ns <= event.time_ns; }));
   }
   std::uint32_t speed_percent = 100;
   for (const CellEvent& event : session_.events) {
-    const auto* word = std::get_if<PermissionWord>(&event.word);
-    if (word == nullptr || word->speed_percent == speed_percent) continue;
-    speed_percent = word->speed_percent;
-    if (event.run > 0) session_.words.runs[event.run - 1].respeeded = true;
+    const auto* message = std::get_if<PermissionMessage>(&event.message);
+    if (message == nullptr || message->speed_percent == speed_percent) continue;
+    speed_percent = message->speed_percent;
+    if (event.run > 0) session_.messages.runs[event.run - 1].respeeded = true;
   }
 }
 
 /// A pulse of unknown result comes of another power-up of the laser.
 void SessionReader::EndBeforeTheUncertain() {
-  const std::uint32_t lost = session_.words.uncertain_run;
+  const std::uint32_t lost = session_.messages.uncertain_run;
   if (lost == 0) return;
   session_.ends_early =
       fmt::format("in run {} the outcome of some pulses was unknown", lost);
-  std::erase_if(session_.words.runs,
+  std::erase_if(session_.messages.runs,
                 [lost](const CellRun& run) { return run.number >= lost; });
-  session_.words.end.reset();
+  session_.messages.end.reset();
 }
 
 Status SessionReader::Read() {
-  INTAGLIO_TRY(ReadWords());
+  INTAGLIO_TRY(ReadMessages());
   INTAGLIO_TRY(ReadInterlocks());
   EndBeforeTheUncertain();
   INTAGLIO_TRY(ReadPermission());
@@ -290,13 +291,13 @@ Result<std::vector<CellSession>> ReadCellSessions(const recording::McapReader& r
                                     : next->task.publish_time_ns;
     for (const auto& [at_ns, task] : revoked) {
       if (task.id == session->task.id && at_ns >= session->task.publish_time_ns)
-        session->events.push_back({at_ns, 0, 0, RevokeWord{task.take_up}});
+        session->events.push_back({at_ns, 0, 0, RevokeMessage{task.take_up}});
     }
     if (auto read = SessionReader(reader, *session, to_ns).Read(); !read)
       return tl::unexpected(read.error());
   }
   std::erase_if(sessions, [](const CellSession& session) {
-    return session.words.runs.empty() && session.words.states.empty();
+    return session.messages.runs.empty() && session.messages.states.empty();
   });
   return sessions;
 }

@@ -17,32 +17,32 @@
 #include "engrave/core/geometry.h"
 #include "proto/task.pb.h"
 #include "services/platform/recording/mcap_reader.h"
-#include "services/replayer/cell/cell_words.h"
+#include "services/replayer/cell/cell_messages.h"
 #include "services/replayer/recorded_samples.h"
 #include "services/replayer/recorded_stops.h"
 
 namespace intaglio::replayer {
 
 /// Permission, without its own number.
-struct PermissionWord {
+struct PermissionMessage {
   std::uint64_t epoch = 0, grant = 0, renewal = 0;
   bool granted = false;
   std::uint32_t speed_percent = 100, first_point = 0;
   bool fire_uncertain = false;
-  bool operator==(const PermissionWord&) const = default;
+  bool operator==(const PermissionMessage&) const = default;
 };
 /// Of the machine's own interlocks, those that no process on the bus can change.
-struct InterlockWord {
+struct InterlockMessage {
   bool key_on = true, door_closed = true;
   bool stop_released = true, safe_state = false;
-  bool operator==(const InterlockWord&) const = default;
+  bool operator==(const InterlockMessage&) const = default;
 };
-struct StageFaultWord {
+struct StageFaultMessage {
   std::string fault;  ///< intaglio_MotionFault by name
   std::string message;
-  bool operator==(const StageFaultWord&) const = default;
+  bool operator==(const StageFaultMessage&) const = default;
 };
-struct RevokeWord {
+struct RevokeMessage {
   bool take_up = false;
 };
 
@@ -50,13 +50,15 @@ struct CellEvent {
   std::uint64_t time_ns = 0;  ///< when it was published
   std::size_t run = 0;        ///< before the begin of run number `run` of the reports
   std::uint64_t tick = 0;     ///< newest of the lamp by then; 0: none yet
-  std::variant<PermissionWord, StopWord, InterlockWord, StageFaultWord, RevokeWord> word;
+  std::variant<PermissionMessage, StopMessage, InterlockMessage, StageFaultMessage,
+               RevokeMessage>
+      message;
 };
 
 struct CellSession {
   RecordedTask task;
   FrozenJob job;
-  CellWords words;                ///< what it made of it
+  CellMessages messages;          ///< what it made of it
   std::vector<Vec3> starts_mm;    ///< the stage's position at rest, of each run
   std::vector<CellEvent> events;  ///< by time
   /// Something happened that cannot be made to happen again: a sentence. The reports end

@@ -18,26 +18,26 @@ TEST(Channels, DistinctMasksAreEachThereOnce) {
   EXPECT_TRUE(DistinctMasks({}).empty());
 }
 
-TEST(Channels, EqualMasksAreToldByOneChannel) {
+TEST(Channels, EqualMasksAreDistinguishedByOneChannel) {
   for (ChannelMask mask = 1; mask <= kAnyChannel; ++mask) {
-    const auto telling = TellingChannels(std::vector<ChannelMask>{mask, mask});
-    ASSERT_EQ(telling.size(), 1u);
-    EXPECT_TRUE(ShareChannel(telling[0], mask));
+    const auto deciding = DistinctChannels(std::vector<ChannelMask>{mask, mask});
+    ASSERT_EQ(deciding.size(), 1u);
+    EXPECT_TRUE(ShareChannel(deciding[0], mask));
   }
-  EXPECT_TRUE(TellingChannels({}).empty());
+  EXPECT_TRUE(DistinctChannels({}).empty());
 }
 
 // Every set of masks that there is.
-TEST(Channels, TheyTellOfAllMasksWhetherTwoShareOne) {
+TEST(Channels, WhetherTwoShareOneIsDecidedOverAllMasks) {
   for (unsigned set = 0; set < 1U << kAnyChannel; ++set) {
     std::vector<ChannelMask> masks;
     for (unsigned i = 0; i < kAnyChannel; ++i) {
       if ((set >> i & 1) != 0) masks.push_back(static_cast<ChannelMask>(i + 1));
     }
-    const auto telling = TellingChannels(masks);
+    const auto deciding = DistinctChannels(masks);
     for (const ChannelMask a : masks) {
       for (const ChannelMask b : masks) {
-        ASSERT_EQ(ShareOneOf(telling, a, b), (a & b) != 0) << set;
+        ASSERT_EQ(ShareOneOf(deciding, a, b), (a & b) != 0) << set;
       }
     }
   }

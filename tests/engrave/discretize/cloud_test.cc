@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 CloudOptions Options(double spacing_mm) {
   CloudOptions options;
-  options.weld.min_spacing_mm = spacing_mm;
+  options.thinning.min_spacing_mm = spacing_mm;
   options.permitted_mm = {Vec3(-20, -20, -20), Vec3(20, 20, 20)};
   return options;
 }
@@ -54,18 +54,18 @@ TEST(Cloud, IsTheSameWhoeverMakesIt) {
   EXPECT_EQ(threaded->cloud.source, whole->cloud.source);
   for (const std::size_t parts : {2u, 3u, 7u}) {
     PointList joined;
-    std::uint64_t candidates = 0, welded = 0, offered = 0;
+    std::uint64_t candidates = 0, thinned = 0, offered = 0;
     for (std::size_t i = 0; i < parts; ++i) {
       const auto part = MakeCloud(sources, options, {i, parts}, {}, {});
       joined.insert(joined.end(), part->cloud.points_mm.begin(),
                     part->cloud.points_mm.end());
       candidates += part->candidate_count;
-      welded += part->welded_count;
+      thinned += part->thinned_count;
       for (const MethodStatistics& model : part->models) offered += model.point_count;
     }
     EXPECT_EQ(joined, whole->cloud.points_mm) << parts;
     EXPECT_EQ(candidates, whole->candidate_count);
-    EXPECT_EQ(welded, whole->welded_count);
+    EXPECT_EQ(thinned, whole->thinned_count);
     EXPECT_EQ(offered, whole->candidate_count);
   }
 }
@@ -74,8 +74,8 @@ TEST(Cloud, KeepsTheSpacingAndLeavesNoRoomAcrossSeams) {
   const Sources sources = TorusAndSphere(0.3);
   const auto made = MakeCloud(sources, Options(0.3), {}, {}, {});
   ASSERT_TRUE(made.has_value());
-  EXPECT_EQ(made->candidate_count, made->cloud.size() + made->welded_count);
-  EXPECT_GE(LeastDistance(made->cloud.points_mm), 0.3);
+  EXPECT_EQ(made->candidate_count, made->cloud.size() + made->thinned_count);
+  EXPECT_GE(MinDistance(made->cloud.points_mm), 0.3);
   SpacedCloud candidates;
   for (std::uint32_t i = 0; i < sources.size(); ++i) {
     ASSERT_TRUE(sources[i]->AddPoints({}, i, {}, candidates).has_value());
@@ -105,7 +105,7 @@ TEST(Cloud, PointsOutsideAreCountedByTheirSides) {
   ASSERT_TRUE(clipped.has_value());
   EXPECT_GT(clipped->clipped_count, 0u);
   EXPECT_EQ(clipped->candidate_count,
-            clipped->cloud.size() + clipped->welded_count + clipped->clipped_count);
+            clipped->cloud.size() + clipped->thinned_count + clipped->clipped_count);
   for (const Vec3& p : clipped->cloud.points_mm) {
     EXPECT_LE(p.x(), 6 + 1e-6);
     EXPECT_GE(p.z(), -1 - 1e-6);

@@ -52,7 +52,7 @@ Result<Discretized> Discretize(const std::vector<mesh::TriangleMesh>& models,
     sources.push_back(std::move(*source));
   }
   CloudOptions options;
-  options.weld.min_spacing_mm = spacing_mm;
+  options.thinning.min_spacing_mm = spacing_mm;
   options.permitted_mm = {Vec3(-20, -20, -20), Vec3(20, 20, 20)};
   return MakeCloud(sources, options, {}, {}, {});
 }
@@ -65,8 +65,8 @@ TEST(Methods, EveryMethodKeepsTheSpacingAndTheSurface) {
     const auto result = Discretize(models, method, 0.4);
     ASSERT_TRUE(result.has_value()) << name;
     EXPECT_GT(result->cloud.size(), 500u);
-    EXPECT_GE(LeastDistance(result->cloud.points_mm), 0.4);
-    EXPECT_EQ(result->candidate_count, result->cloud.size() + result->welded_count);
+    EXPECT_GE(MinDistance(result->cloud.points_mm), 0.4);
+    EXPECT_EQ(result->candidate_count, result->cloud.size() + result->thinned_count);
     for (std::size_t i = 0; i < result->cloud.size(); ++i) {
       EXPECT_LT(
           DistanceToMesh(result->cloud.points_mm[i], models[result->cloud.source[i]]),
@@ -80,7 +80,7 @@ TEST(Methods, LayersASpacingApartAllStay) {
   const auto result = Discretize({Cuboid(Vec3(-3, -3, -2.07), Vec3(3, 3, 2))},
                                  SectionsOf(0.1, ParallelFaces::kIgnore), 0.1);
   ASSERT_TRUE(result.has_value());
-  EXPECT_LT(static_cast<double>(result->welded_count), 0.02 * result->candidate_count)
+  EXPECT_LT(static_cast<double>(result->thinned_count), 0.02 * result->candidate_count)
       << "only points at the corners of the square may go";
 }
 
@@ -90,7 +90,7 @@ TEST(Methods, RaysASpacingApartAllStay) {
   const auto result =
       Discretize({Cuboid(Vec3(-3, -3, -2), Vec3(3.01, 3.01, 2))}, RaysOf(0.1), 0.1);
   ASSERT_TRUE(result.has_value());
-  EXPECT_EQ(result->welded_count, 0u);
+  EXPECT_EQ(result->thinned_count, 0u);
   EXPECT_EQ(result->cloud.size(), 2u * 61 * 61);
 }
 

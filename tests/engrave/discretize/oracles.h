@@ -34,12 +34,12 @@ inline double DistanceToTriangle(const Vec3& p, const Vec3& a, const Vec3& b,
 }
 
 inline double DistanceToMesh(const Vec3& p, const mesh::TriangleMesh& mesh) {
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (const auto& [a, b, c] : mesh.triangles) {
-    least = std::min(least, DistanceToTriangle(p, mesh.vertices[a], mesh.vertices[b],
-                                               mesh.vertices[c]));
+    smallest = std::min(smallest, DistanceToTriangle(p, mesh.vertices[a],
+                                                     mesh.vertices[b], mesh.vertices[c]));
   }
-  return least;
+  return smallest;
 }
 
 /// The largest distance of a point of the cloud to the mesh.
@@ -112,7 +112,7 @@ class NearestPoints {
   Tree tree_;
 };
 
-inline double LeastDistance(const PointList& points) {
+inline double MinDistance(const PointList& points) {
   const std::vector<double> distances = NearestPoints(points).NeighbourDistances();
   return *std::min_element(distances.begin(), distances.end());
 }

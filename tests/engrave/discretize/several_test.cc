@@ -13,7 +13,7 @@ std::unique_ptr<PointSource> Column(double x_mm) {
   return MakeFixedPoints(std::move(cloud));
 }
 
-TEST(Several, CopiesStandWhereTheGridSays) {
+TEST(Several, CopiesLieWhereTheGridStates) {
   const PointList corner = GridOffsets({2, 1, 3}, {5, 7, 4}, false);
   EXPECT_EQ(
       corner,

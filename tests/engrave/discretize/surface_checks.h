@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engrave/discretize/spacing/point_source.h"
-#include "engrave/discretize/spacing/weld.h"
+#include "engrave/discretize/spacing/thinning.h"
 #include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/discretize/source_checks.h"
 
@@ -26,8 +26,8 @@ inline SpacedCloud PointsOf(const PointSource& source, const HeightRange& range 
 }
 
 /// The points that thinning keeps of all its points, at their own spacings.
-inline SpacedCloud Welded(const PointSource& source) {
-  return Weld(PointsOf(source), {1e-3, 1});
+inline SpacedCloud Thinned(const PointSource& source) {
+  return Thin(PointsOf(source), {1e-3, 1});
 }
 
 /// Cuts at the heights, and at those of some of the points themselves.
@@ -43,14 +43,14 @@ inline void ExpectSameInRanges(const PointSource& source,
 }
 
 struct Evenness {
-  double least, mean, variation;  ///< of nearest distances; standard deviation by mean
+  double smallest, mean, variation;  ///< of nearest distances; standard deviation by mean
 };
 
 inline Evenness EvennessOf(const PointList& points) {
   const std::vector<double> distances = NearestPoints(points).NeighbourDistances();
   Evenness e{distances.at(0), 0, 0};
   for (const double d : distances) {
-    e.least = std::min(e.least, d);
+    e.smallest = std::min(e.smallest, d);
     e.mean += d / static_cast<double>(distances.size());
   }
   for (const double d : distances) {

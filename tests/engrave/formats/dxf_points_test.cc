@@ -53,7 +53,7 @@ TEST(DxfPoints, TakesOnlyThePointsOfTheModelSpace) {
 }
 
 // A carriage return inside a line is of a damaged file, or of an old Macintosh.
-TEST(DxfPoints, WhatWasPassedOverIsSaidInOneLine) {
+TEST(DxfPoints, WhatWasPassedOverIsReportedInOneLine) {
   const auto read = ParseDxf(Drawing("", std::string("0\nEND\rREC\n") + kPoint));
   ASSERT_TRUE(read.has_value()) << read.error().message;
   ASSERT_EQ(read->comments.size(), 1u);
@@ -85,7 +85,7 @@ TEST(DxfPoints, AppliesTheDrawingsUnit) {
   EXPECT_THAT(unknown.error().message, HasSubstr("to millimetres"));
 }
 
-TEST(DxfPoints, SaysWhatIsWrong) {
+TEST(DxfPoints, ReportsWhatIsWrong) {
   const std::string whole = Drawing("", kPoint);
   EXPECT_EQ(ParseDxf("AutoCAD Binary DXF\r\n\x1a").error().code, ErrorCode::kUnsupported);
   EXPECT_THAT(ParseDxf("0\nSECTION\nnonsense\n").error().message,

@@ -68,7 +68,7 @@ TEST(JournalFile, ADamagedRecordIsPassedOverAndCounted) {
 }
 
 // Blocks of a file that were not synced reach the disk in any order, or not at all.
-TEST(JournalFile, EverySubsetOfBlocksTellsAllThatItHas) {
+TEST(JournalFile, EverySubsetOfBlocksReportsAllThatItHas) {
   constexpr std::size_t kBlocks = 6;
   for (unsigned subset = 0; subset < (1u << kBlocks); ++subset) {
     auto bytes = BytesOf({3, 77}, kRecords);
@@ -92,7 +92,7 @@ TEST(JournalFile, EverySubsetOfBlocksTellsAllThatItHas) {
   }
 }
 
-TEST(JournalFile, HistoryTellsOpenIntentsFromOutcomes) {
+TEST(JournalFile, HistoryDistinguishesOpenIntentsFromOutcomes) {
   const auto journal = ParseJournal(BytesOf({3, 77}, kRecords));
   ASSERT_TRUE(journal.has_value());
   const auto history = HistoryOf(*journal);
@@ -113,7 +113,7 @@ JournalRecord Of(JournalKind kind, std::uint32_t point, std::uint64_t tick,
   return {kind, outcome, 0, 1, tick, point, 0};
 }
 
-TEST(JournalFile, AnUncertainPointIsOpenAgainByAWordAndFiredThenAsAnyOther) {
+TEST(JournalFile, AnUncertainPointIsOpenAgainByAConsentAndFiredThenAsAnyOther) {
   std::vector<JournalRecord> records;
   for (std::uint32_t point = 0; point < 3; ++point) {
     records.push_back(Of(JournalKind::kIntent, point, 100 + point));
@@ -139,7 +139,7 @@ TEST(JournalFile, AnUncertainPointIsOpenAgainByAWordAndFiredThenAsAnyOther) {
 
 // Even if other records are missing in the file, no consent opens a point that was made
 // or is armed.
-TEST(JournalFile, OnlyWhatIsUncertainIsOpenedByAWord) {
+TEST(JournalFile, OnlyWhatIsUncertainIsOpenedByAConsent) {
   const std::vector<JournalRecord> records = {
       Of(JournalKind::kIntent, 0, 100),
       Of(JournalKind::kOutcome, 0, 100, PointOutcome::kMade),

@@ -60,7 +60,7 @@ std::string Written(const PointTable& table) {
   return test::ContentOf(file);
 }
 
-TEST(SclFile, HasItsPartsWhereTheFormatSaysSo) {
+TEST(SclFile, HasItsPartsWhereTheFormatPutsThem) {
   const std::string bytes = Written(TwoPoints());
   EXPECT_EQ(bytes.substr(0, 8), "\x89SCL\r\n\x1a\n");
   EXPECT_EQ(At<std::uint32_t>(bytes, 8), 1u);

@@ -118,7 +118,7 @@ TEST(Bmp, TheOldHeaderIsRead) {
   ExpectGreys(ParseImage(file), {{0, 255}});
 }
 
-TEST(Bmp, EveryCutIsToldAndEveryFlippedByteIsSurvived) {
+TEST(Bmp, EveryCutIsReportedAndEveryFlippedByteIsSurvived) {
   const BmpKind plain{5, 3, 24, 0, {}, std::string(48, 'x')};
   BmpKind runs{5, 2, 8, 1, Palette({0, 100, 200}), {}};
   runs.pixels = std::string("\x05\x01\0\0\0\x05\1\2\1\2\1\0\0\x01", 14);

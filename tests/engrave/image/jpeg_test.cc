@@ -125,7 +125,7 @@ TEST(Jpeg, IsTurnedUprightByItsOrientation) {
   }
 }
 
-TEST(Jpeg, EveryCutIsToldAndEveryFlippedByteIsSurvived) {
+TEST(Jpeg, EveryCutIsReportedAndEveryFlippedByteIsSurvived) {
   JpegKind kind;
   for (const bool progressive : {false, true}) {
     kind.progressive = progressive;

@@ -95,7 +95,7 @@ TEST(Png, AGammaOfItsOwnIsTakenOff) {
   EXPECT_NEAR(usual->at(0, 0), 65535 * LinearOfByte(128), 1) << "the curve of sRGB";
 }
 
-TEST(Png, EveryCutIsToldAndEveryFlippedByteIsSurvived) {
+TEST(Png, EveryCutIsReportedAndEveryFlippedByteIsSurvived) {
   const std::string file = EncodePng(16, 11, Colours);
   for (std::size_t size = 0; size < file.size(); ++size) {
     const auto image = ParseImage(file.substr(0, size));

@@ -87,7 +87,7 @@ TEST(AtomicFile, FollowsTheUmask) {
   EXPECT_EQ(fs::status(target).permissions(), fs::perms(0640));
 }
 
-TEST(AtomicFile, SaysWhenTheFolderIsMissing) {
+TEST(AtomicFile, ReportsWhenTheFolderIsMissing) {
   const fs::path target = test::FreshFolder() / "absent" / "report.json";
   const auto status = WriteFileAtomically(target, "x");
   ASSERT_FALSE(status.has_value());
@@ -109,7 +109,7 @@ TEST(AtomicFile, WritesADeviceDirectly) {
   EXPECT_TRUE(fs::is_character_file("/dev/null")) << "not replaced by a file";
 }
 
-TEST(AtomicFile, SaysWhenADeviceIsFull) {
+TEST(AtomicFile, ReportsWhenADeviceIsFull) {
   ASSERT_TRUE(fs::is_character_file("/dev/full"));
   const auto status = WriteFileAtomically("/dev/full", "x");
   ASSERT_FALSE(status.has_value());
@@ -125,7 +125,7 @@ TEST(AtomicFile, MayNotBeWrittenAfterItsEnd) {
   EXPECT_THROW((void)file->Commit(), PreconditionError);
 }
 
-TEST(AtomicFile, FullDiskKeepsTheOldFileAndSaysSo) {
+TEST(AtomicFile, FullDiskKeepsTheOldFileAndReportsIt) {
   const fs::path folder = test::FreshFolder();
   if (!MountSmallDisk(folder, 64 * 1024))
     GTEST_SKIP() << "a small file system needs root";

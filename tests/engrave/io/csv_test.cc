@@ -96,7 +96,7 @@ TEST(Csv, ReadsBackEveryField) {
   }
 }
 
-TEST(Csv, SaysWhatIsWrongAndWhere) {
+TEST(Csv, ReportsWhatIsWrongAndWhere) {
   ExpectError("", ErrorCode::kMissing, "it is empty");
   ExpectError("\n\n", ErrorCode::kMissing, "it is empty");
   ExpectError("a,,c\n", ErrorCode::kMissing, "line 1: column 2 has no name");

@@ -16,17 +16,17 @@ std::size_t ByRecursion(std::string_view a, std::string_view b) {
   const auto without = [](std::string_view text, std::size_t count) {
     return text.substr(0, text.size() - count);
   };
-  std::size_t least = std::min(
+  std::size_t smallest = std::min(
       {ByRecursion(without(a, 1), b) + 1, ByRecursion(a, without(b, 1)) + 1,
        ByRecursion(without(a, 1), without(b, 1)) + (a.back() == b.back() ? 0 : 1)});
   if (a.size() > 1 && b.size() > 1 && a.back() == b[b.size() - 2] &&
       b.back() == a[a.size() - 2]) {
-    least = std::min(least, ByRecursion(without(a, 2), without(b, 2)) + 1);
+    smallest = std::min(smallest, ByRecursion(without(a, 2), without(b, 2)) + 1);
   }
-  return least;
+  return smallest;
 }
 
-TEST(EditDistance, IsTheLeastNumberOfEdits) {
+TEST(EditDistance, IsTheMinNumberOfEdits) {
   std::mt19937 random(3);
   const auto text = [&] {
     std::string letters(random() % 6, ' ');
@@ -40,7 +40,7 @@ TEST(EditDistance, IsTheLeastNumberOfEdits) {
   }
 }
 
-TEST(EditDistance, KnownWords) {
+TEST(EditDistance, KnownNames) {
   EXPECT_EQ(EditDistance("kitten", "sitting"), 3u);
   EXPECT_EQ(EditDistance("sumbit", "submit"), 1u);
   EXPECT_EQ(EditDistance("ca", "abc"), 3u) << "no byte is edited twice";

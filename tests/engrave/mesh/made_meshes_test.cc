@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-TEST(MadeMesh, ComponentsOfAThreeMfAreWhereTheFileSays) {
+TEST(MadeMesh, ComponentsOfAThreeMfAreWhereTheFileStates) {
   const fs::path file = test::FreshFolder() / "screws.3mf";
   std::ofstream(file, std::ios::binary) << PlateWithScrews();
   const auto mesh = ImportMesh(file);

@@ -61,7 +61,7 @@ TEST(MeshDiagnosis, CountsTheTrianglesToTurnOver) {
               ElementsAre(HasSubstr("3 triangles are oriented against")));
 }
 
-TEST(MeshDiagnosis, SaysWhenTheWholeSurfaceIsInsideOut) {
+TEST(MeshDiagnosis, ReportsWhenTheWholeSurfaceIsInsideOut) {
   TriangleMesh mesh = BoxMesh({1, 1, 1});
   for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
   const MeshDiagnosis d = Diagnose(mesh);
@@ -86,7 +86,7 @@ TEST(MeshDiagnosis, CountsPartsThatShareAVertexButNoEdge) {
   EXPECT_EQ(d.signed_volume_mm3, 2);
 }
 
-TEST(MeshDiagnosis, TellsDegenerateFromDuplicate) {
+TEST(MeshDiagnosis, DistinguishesDegenerateFromDuplicate) {
   TriangleMesh mesh = BoxMesh({1, 1, 1});
   mesh.vertices.emplace_back(0.5, 0, 0);  // on the edge between vertices 0 and 1
   mesh.triangles.push_back({0, 0, 1});    // a repeated corner: no part in the edges

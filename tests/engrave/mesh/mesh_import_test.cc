@@ -208,7 +208,8 @@ TEST(MeshImport, ThreeMfThatUnpacksToTooMuchIsRefused) {
 TEST(MeshImport, PlyHeaderThatDoesNotEndIsAnError) {
   std::string ply = Ply(BoxMesh(kSize));
   ply.replace(ply.find("end_header"), 10, "end_Header");
-  ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "line 9 is not one of a PLY");
+  ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable,
+              "line 9 is not a line of a PLY");
   ply.resize(ply.find("end_Header"));
   ExpectError(Import(ply, "ply"), ErrorCode::kUnreadable, "ends with end_header");
 }
@@ -292,7 +293,7 @@ TEST(MeshImport, KeepsTheFloatExactly) {
   EXPECT_FALSE(std::signbit(mesh->vertices[2].z())) << "-0.0 becomes 0.0";
 }
 
-TEST(MeshImport, SaysWhatIsWrongWithBytes) {
+TEST(MeshImport, ReportsWhatIsWrongWithBytes) {
   const std::string stl = BinaryStl(BoxMesh(kSize));
   ExpectError(Import("", "stl"), ErrorCode::kUnreadable, "box: the file is empty");
   ExpectError(Import(stl, "dxf"), ErrorCode::kUnsupported,

@@ -63,7 +63,7 @@ TEST(PlyCheck, LinesThatAreNotOfAHeaderAreRefused) {
   for (const std::string& lines :
        {"element 2000000000\n"s, "vertex 8\n"s, "element vertex eight\n"s}) {
     for (const std::string& ply : BoxesWith(lines)) {
-      ExpectRefused(ply, lines, "is not one of a PLY header");
+      ExpectRefused(ply, lines, "is not a line of a PLY header");
     }
   }
 }

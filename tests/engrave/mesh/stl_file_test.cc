@@ -109,7 +109,7 @@ TEST(StlFile, TakesTheNearestFloat) {
   EXPECT_EQ(mesh->vertices[2].x(), double{std::numeric_limits<float>::max()});
 }
 
-TEST(StlFile, TellsTextFromBinaryByTheSize) {
+TEST(StlFile, DistinguishesTextFromBinaryByTheSize) {
   std::string binary = BinaryStl(BoxMesh(Vec3(1, 2, 3)));
   binary.replace(0, 12, "solid of box");
   EXPECT_EQ(Read(binary)->triangles.size(), 12u);
@@ -121,7 +121,7 @@ TEST(StlFile, TellsTextFromBinaryByTheSize) {
   ExpectError("not an stl", ErrorCode::kUnreadable, "neither begins with \"solid\"");
 }
 
-TEST(StlFile, SaysInWhichLineATextIsWrong) {
+TEST(StlFile, ReportsInWhichLineATextIsWrong) {
   const std::string good = Facet(kCorners);
   ExpectError("solid\n" + good, ErrorCode::kUnreadable, "after line 8 without endsolid");
   ExpectError("solid\n" + Facet("vertex 0 0 0\nvertex 1,5 0 0\n") + "endsolid\n",

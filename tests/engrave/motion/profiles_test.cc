@@ -12,7 +12,7 @@
 namespace intaglio::motion {
 namespace {
 
-TEST(Profiles, StandInTheirOrderAndEachUnderItsName) {
+TEST(Profiles, AreInTheirOrderAndEachUnderItsName) {
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < Profiles().size(); ++i) {
     const ProfileEntry& entry = Profiles()[i];

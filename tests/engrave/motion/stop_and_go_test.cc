@@ -87,7 +87,7 @@ TEST(StopAndGo, TakesTheFewestWholeTicks) {
     for (const Vec3& point : RandomWalk(random, 2000)) {
       const double s = (point - at).cwiseAbs().maxCoeff();
       if (s == 0.0) continue;
-      const double ticks = 100.0 * LeastSeconds(profile, s, AxisLimits{80, 7000});
+      const double ticks = 100.0 * MinSeconds(profile, s, AxisLimits{80, 7000});
       // The slack of 1e-9 on one side; the other is exact.
       EXPECT_EQ(EstimateTicks({point}, at, limits, 100.0, profile),
                 std::max<std::uint64_t>(1, std::ceil(ticks * (1 - 1e-9))));
@@ -120,7 +120,7 @@ TEST(StopAndGo, NeverDrivesHarderThanTheTicksAskFor) {
   EXPECT_NEAR(report.max_acceleration_mm_s2.x(), 4 * 0.02 / 1e-4, 1e-9);
 }
 
-TEST(StopAndGo, HoldsForATickWhereItStands) {
+TEST(StopAndGo, HoldsForATickWhereItIs) {
   const Limits limits;
   for (const auto& [profile, name, make] : Profiles()) {
     const PointList points = {Vec3(1, 1, 1), Vec3(1, 1, 1), Vec3(1, 1, 1 + 1e-300)};

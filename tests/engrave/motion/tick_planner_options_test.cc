@@ -168,7 +168,7 @@ TEST(TickPlannerOptions, MovesNoPointFurtherThanTheTolerance) {
   EXPECT_LT(static_cast<double>(ticks), 0.97 * static_cast<double>(fixed_ticks));
 }
 
-TEST(TickPlannerOptions, TellsHowFarItMovedThePoints) {
+TEST(TickPlannerOptions, ReportsHowFarItMovedThePoints) {
   std::mt19937_64 random(6);
   const PointList points = RandomWalk(3000, 0.15, random);
   TickPlannerOptions options;
@@ -179,17 +179,17 @@ TEST(TickPlannerOptions, TellsHowFarItMovedThePoints) {
     planner.Append(points[i], static_cast<std::int32_t>(i), true, segments);
   }
   planner.Finish(segments);
-  double most = 0, square = 0;
+  double largest = 0, square = 0;
   for (const Segment& segment : segments) {
     if (segment.point < 0) continue;
     const double move = (segment.end_position_mm - points[segment.point]).norm();
-    most = std::max(most, move);
+    largest = std::max(largest, move);
     square += move * move;
   }
-  EXPECT_NEAR(planner.moves().max_mm, most, 1e-15);
+  EXPECT_NEAR(planner.moves().max_mm, largest, 1e-15);
   EXPECT_NEAR(planner.moves().rms_mm(), std::sqrt(square / 3000), 1e-12);
-  EXPECT_LE(most, 0.015 * (1 + 1e-12));
-  EXPECT_GT(most, 0.014);
+  EXPECT_LE(largest, 0.015 * (1 + 1e-12));
+  EXPECT_GT(largest, 0.014);
   TickPlanner fixed({}, 200, TickPlannerOptions(), {});
   segments.clear();
   for (const Vec3& point : points) fixed.Append(point, 0, true, segments);

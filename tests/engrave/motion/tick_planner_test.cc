@@ -83,14 +83,14 @@ TEST_P(TickPlannerOn, TakesNoMoreTicksThanStoppingAndNoFewerThanTheBounds) {
         EstimateTicks(points, Vec3::Zero(), limits(), rate_hz, Profile::kMix);
     // The reserve for arcs on a grid sometimes costs a tick.
     EXPECT_LE(static_cast<double>(ticks), 1.002 * static_cast<double>(stopping));
-    double least_s = 0;
+    double min_s = 0;
     Vec3 at = Vec3::Zero();
     for (const Vec3& point : points) {
-      least_s +=
+      min_s +=
           ((point - at).cwiseAbs().array() / limits().max_speed_mm_s.array()).maxCoeff();
       at = point;
     }
-    EXPECT_GE(static_cast<double>(ticks), least_s * rate_hz);
+    EXPECT_GE(static_cast<double>(ticks), min_s * rate_hz);
     EXPECT_GE(ticks, points.size());
   }
 }

@@ -27,18 +27,18 @@ TEST(CrackRisk, CountsAsBruteForce) {
   const CrackRisk risk =
       MeasureCrackRisk(places, tree, {.crack_diameter_mm = 0.1, .crack_length_mm = 0.15});
   EXPECT_DOUBLE_EQ(risk.ball_radius_mm, 0.3);
-  std::uint64_t most = 0, risky = 0;
+  std::uint64_t largest = 0, risky = 0;
   const double ball_mm3 = 4.0 / 3 * std::numbers::pi * 0.027;
   const double crack_mm3 = std::numbers::pi / 6 * 0.1 * 0.1 * 0.15;
   for (const Vec3& p : points) {
     std::uint64_t count = 0;
     for (const Vec3& q : points) count += (p - q).norm() < 0.3;
-    most = std::max(most, count);
+    largest = std::max(largest, count);
     risky += count * crack_mm3 / ball_mm3 > 0.35;
   }
-  EXPECT_EQ(risk.densest.cracks, most);
-  EXPECT_NEAR(risk.densest.crack_share, most * crack_mm3 / ball_mm3, 1e-12);
-  EXPECT_NEAR(risk.densest.points_per_mm3, most / ball_mm3, 1e-9);
+  EXPECT_EQ(risk.densest.cracks, largest);
+  EXPECT_NEAR(risk.densest.crack_share, largest * crack_mm3 / ball_mm3, 1e-12);
+  EXPECT_NEAR(risk.densest.points_per_mm3, largest / ball_mm3, 1e-9);
   EXPECT_EQ(risk.risky_count, risky);
 }
 
@@ -96,7 +96,7 @@ TEST(CloudQuality, OfAnEvenSheet) {
   const auto quality = MeasureCloud(CloudOf(HexagonalLattice(12, 7, 3, 0.4)),
                                     {Rectangle(12, 7, 3, 3)}, Options(0.4));
   ASSERT_TRUE(quality);
-  EXPECT_NEAR(quality->nearest.least.distance_mm, 0.4, 1e-12);
+  EXPECT_NEAR(quality->nearest.smallest.distance_mm, 0.4, 1e-12);
   EXPECT_NEAR(quality->nearest.variation_ratio, 0, 1e-9);
   EXPECT_TRUE(quality->KeepsSpacing());
   ASSERT_TRUE(quality->surface);
@@ -133,7 +133,7 @@ TEST(CloudQuality, WarnsOfWhatIsWrongWithItsPlace) {
   EXPECT_THAT(doubled->warnings.at(0), HasSubstr("have the same place as another one"));
 }
 
-TEST(CloudQuality, TellsTheShareOfEverySource) {
+TEST(CloudQuality, ReportsTheShareOfEverySource) {
   PointCloud cloud;
   for (int i = 0; i < 30; ++i) cloud.Add(Vec3(0.3 * i, 0, 1), 0);
   for (int i = 0; i < 10; ++i) cloud.Add(Vec3(0.3 * i, 0, 3), 2);

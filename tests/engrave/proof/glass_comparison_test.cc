@@ -79,22 +79,22 @@ TEST(GlassComparison, EmptyPlanAndEmptyGlass) {
   EXPECT_EQ(CompareGlass(Grid(2, 1), {}, 0.1).empty_count, 8u);
 }
 
-TEST(LeastSpacing, EqualsBruteForce) {
+TEST(MinSpacing, EqualsBruteForce) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> coordinate(0, 10);
   PointList points;
   for (int i = 0; i < 500; ++i) {
     points.emplace_back(coordinate(random), coordinate(random), coordinate(random));
   }
-  double least = INFINITY;
+  double smallest = INFINITY;
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      least = std::min(least, (points[i] - points[j]).norm());
+      smallest = std::min(smallest, (points[i] - points[j]).norm());
     }
   }
-  EXPECT_NEAR(LeastSpacing(points), least, 1e-12);
-  EXPECT_TRUE(std::isinf(LeastSpacing({Vec3::Zero()})));
-  EXPECT_EQ(LeastSpacing({Vec3(1, 2, 3), Vec3(1, 2, 3)}), 0.0);
+  EXPECT_NEAR(MinSpacing(points), smallest, 1e-12);
+  EXPECT_TRUE(std::isinf(MinSpacing({Vec3::Zero()})));
+  EXPECT_EQ(MinSpacing({Vec3(1, 2, 3), Vec3(1, 2, 3)}), 0.0);
 }
 
 // The same places in three blocks, each with some points of its own.
@@ -118,11 +118,11 @@ TEST(CompareGlass, EveryChannelIsMatchedToItsOwnPoints) {
   EXPECT_EQ(glass.channels[3].planned_count, 0u);
 }
 
-TEST(LeastSpacing, IsThatOfEachChannel) {
+TEST(MinSpacing, IsThatOfEachChannel) {
   const PointList points = {{0, 0, 0}, {0.1, 0, 0}, {0.4, 0, 0}};
-  EXPECT_NEAR(LeastSpacing(points, std::vector<ChannelMask>{1, 2, 3}), 0.3, 1e-12);
-  EXPECT_NEAR(LeastSpacing(points, std::vector<ChannelMask>{1, 3, 2}), 0.1, 1e-12);
-  EXPECT_TRUE(std::isinf(LeastSpacing(points, std::vector<ChannelMask>{1, 2, 4})));
+  EXPECT_NEAR(MinSpacing(points, std::vector<ChannelMask>{1, 2, 3}), 0.3, 1e-12);
+  EXPECT_NEAR(MinSpacing(points, std::vector<ChannelMask>{1, 3, 2}), 0.1, 1e-12);
+  EXPECT_TRUE(std::isinf(MinSpacing(points, std::vector<ChannelMask>{1, 2, 4})));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ NearestDistances Measure(const PointList& points_mm, const NearestOptions& optio
 struct BruteForce {
   std::vector<double> distance_mm;
   std::uint64_t near_pairs = 0, near_points = 0;
-  double least_scaled_mm = INFINITY;
+  double min_scaled_mm = INFINITY;
 };
 
 BruteForce Brute(const PointList& p, double min_spacing_mm, double height_ratio) {
@@ -32,7 +32,7 @@ BruteForce Brute(const PointList& p, double min_spacing_mm, double height_ratio)
       Vec3 apart = p[i] - p[j];
       nearest_mm = std::min(nearest_mm, apart.norm());
       apart.z() /= height_ratio;
-      brute.least_scaled_mm = std::min(brute.least_scaled_mm, apart.norm());
+      brute.min_scaled_mm = std::min(brute.min_scaled_mm, apart.norm());
       const bool too_near = apart.norm() < min_spacing_mm;
       near = near || too_near;
       brute.near_pairs += too_near && i < j;
@@ -72,12 +72,12 @@ TEST(NearestDistances, EqualsBruteForce) {
     EXPECT_EQ(measured.near_pair_count, brute.near_pairs);
     EXPECT_EQ(measured.near_point_count, brute.near_points);
     EXPECT_FALSE(measured.more_pairs);
-    EXPECT_NEAR(measured.least_scaled.distance_mm, brute.least_scaled_mm, 1e-15);
-    const auto least =
+    EXPECT_NEAR(measured.min_scaled.distance_mm, brute.min_scaled_mm, 1e-15);
+    const auto smallest =
         std::min_element(brute.distance_mm.begin(), brute.distance_mm.end());
-    EXPECT_EQ(measured.least.distance_mm, *least);
-    const NearestPair& pair = measured.least;
-    EXPECT_EQ((points[pair.first_point] - points[pair.second_point]).norm(), *least);
+    EXPECT_EQ(measured.smallest.distance_mm, *smallest);
+    const NearestPair& pair = measured.smallest;
+    EXPECT_EQ((points[pair.first_point] - points[pair.second_point]).norm(), *smallest);
     EXPECT_EQ(points[pair.first_point], pair.first_mm);
     EXPECT_EQ(points[pair.second_point], pair.second_mm);
   }
@@ -90,8 +90,8 @@ TEST(NearestDistances, FiguresAreThoseOfTheTextbook) {
   EXPECT_DOUBLE_EQ(measured.mean_mm, 2);
   EXPECT_DOUBLE_EQ(measured.variation_ratio, std::sqrt(1.5) / 2);
   EXPECT_DOUBLE_EQ(measured.largest_mm, 4);
-  EXPECT_EQ(measured.least.first_point, 0u);
-  EXPECT_EQ(measured.least.second_point, 1u);
+  EXPECT_EQ(measured.smallest.first_point, 0u);
+  EXPECT_EQ(measured.smallest.second_point, 1u);
   EXPECT_EQ(measured.near_pair_count, 0u);
 }
 
@@ -100,14 +100,14 @@ TEST(NearestDistances, ALatticeOfTheMinimumSpacingKeepsIt) {
   for (int i = 0; i < 1000; ++i) points.emplace_back(7.3 + i * 0.1, 2, 4);
   // Rounding alone brings pairs of such a lattice below 0.1 mm, and that is no fault.
   const NearestDistances measured = Measure(points, {0.1, 1, {}});
-  EXPECT_LT(measured.least.distance_mm, 0.1);
+  EXPECT_LT(measured.smallest.distance_mm, 0.1);
   EXPECT_EQ(measured.near_pair_count, 0u);
   points.emplace_back(points[500] + Vec3(0, 0, 0.0999));
   const NearestDistances spoiled = Measure(points, {0.1, 1, {}});
   EXPECT_EQ(spoiled.near_pair_count, 1u);
   EXPECT_EQ(spoiled.near_point_count, 2u);
-  EXPECT_EQ(spoiled.least.first_point, 500u);
-  EXPECT_EQ(spoiled.least.second_point, 1000u);
+  EXPECT_EQ(spoiled.smallest.first_point, 500u);
+  EXPECT_EQ(spoiled.smallest.second_point, 1000u);
 }
 
 TEST(NearestDistances, HeightsCountByTheRatio) {
@@ -115,9 +115,9 @@ TEST(NearestDistances, HeightsCountByTheRatio) {
   EXPECT_EQ(Measure(points, {0.1, 1, {}}).near_pair_count, 0u);
   const NearestDistances measured = Measure(points, {0.1, 1.6, {}});
   EXPECT_EQ(measured.near_pair_count, 1u);
-  EXPECT_EQ(measured.least_scaled.second_point, 1u);
-  EXPECT_NEAR(measured.least_scaled.distance_mm, 0.15 / 1.6, 1e-15);
-  EXPECT_EQ(measured.least.distance_mm, 0.12);
+  EXPECT_EQ(measured.min_scaled.second_point, 1u);
+  EXPECT_NEAR(measured.min_scaled.distance_mm, 0.15 / 1.6, 1e-15);
+  EXPECT_EQ(measured.smallest.distance_mm, 0.12);
 }
 
 TEST(NearestDistances, DoubledPointsAreCountedAndDoNotTakeForever) {
@@ -127,9 +127,9 @@ TEST(NearestDistances, DoubledPointsAreCountedAndDoNotTakeForever) {
   EXPECT_EQ(measured.doubled_count, 199999u);
   EXPECT_EQ(measured.near_point_count, 200000u);
   EXPECT_EQ(measured.near_pair_count, 200000ull * 199999 / 2);
-  EXPECT_EQ(measured.least.first_point, 2u);
-  EXPECT_EQ(measured.least.second_point, 3u);
-  EXPECT_EQ(measured.least.distance_mm, 0);
+  EXPECT_EQ(measured.smallest.first_point, 2u);
+  EXPECT_EQ(measured.smallest.second_point, 3u);
+  EXPECT_EQ(measured.smallest.distance_mm, 0);
   EXPECT_EQ(measured.distance_mm[2], 0);
   EXPECT_EQ(measured.distance_mm[1], std::sqrt(22.0));
 }

@@ -23,20 +23,21 @@ UncoveredDisc Uncovered(const mesh::TriangleMesh& model, const PointList& points
 /// value, and less by at most the grid's reach.
 double SampledRadius(const mesh::TriangleMesh& model, const PointList& points_mm,
                      int steps) {
-  double most = 0;
+  double largest = 0;
   for (const mesh::Triangle& t : model.triangles) {
     for (int i = 0; i <= steps; ++i) {
       for (int j = 0; i + j <= steps; ++j) {
         const double u = double(i) / steps, v = double(j) / steps;
         const Vec3 at = (1 - u - v) * model.vertices[t[0]] + u * model.vertices[t[1]] +
                         v * model.vertices[t[2]];
-        double least = INFINITY;
-        for (const Vec3& p : points_mm) least = std::min(least, (p - at).squaredNorm());
-        most = std::max(most, std::sqrt(least));
+        double smallest = INFINITY;
+        for (const Vec3& p : points_mm)
+          smallest = std::min(smallest, (p - at).squaredNorm());
+        largest = std::max(largest, std::sqrt(smallest));
       }
     }
   }
-  return most;
+  return largest;
 }
 
 TEST(Surface, CutsToTheAreaAndLosesNone) {
@@ -59,12 +60,12 @@ TEST(Surface, NearestPlaceIsThatOfBruteForce) {
   const Surface surface({soup}, 1e9, 0);
   for (const Vec3& p : RandomPoints(400, 12, 5)) {
     const Surface::Place place = surface.NearestTo(p, 17);
-    double least = INFINITY;
+    double smallest = INFINITY;
     for (const Corners& t : surface.triangles()) {
-      least = std::min(least, (p - NearestPlaceOf(t, p)).norm());
+      smallest = std::min(smallest, (p - NearestPlaceOf(t, p)).norm());
     }
-    EXPECT_EQ(std::sqrt(place.square_mm2), least);
-    EXPECT_NEAR((p - place.at_mm).norm(), least, 1e-15);
+    EXPECT_EQ(std::sqrt(place.square_mm2), smallest);
+    EXPECT_NEAR((p - place.at_mm).norm(), smallest, 1e-15);
   }
 }
 
@@ -94,8 +95,8 @@ TEST(UncoveredDisc, OfTheHexagonalLattice) {
     const UncoveredDisc disc =
         Uncovered(Rectangle(12, 7, 3, cells), points, cells == 1 ? 1e9 : 0.02);
     EXPECT_NEAR(disc.radius_mm, 0.4 / std::sqrt(3.0), 1e-12);
-    EXPECT_GE(disc.at_most_mm, disc.radius_mm);
-    EXPECT_LE(disc.at_most_mm, disc.radius_mm * 1.001);
+    EXPECT_GE(disc.upper_bound_mm, disc.radius_mm);
+    EXPECT_LE(disc.upper_bound_mm, disc.radius_mm * 1.001);
     EXPECT_NEAR(disc.place_mm.z(), 3, 1e-12);
   }
 }
@@ -134,8 +135,8 @@ TEST(UncoveredDisc, FindsALostFace) {
   const UncoveredDisc disc = Uncovered(Cube(10), DistinctPlacesOf(points).places_mm, 0.1);
   // 800 points of the rim are nearly equally far: a thousandth is all that is promised.
   EXPECT_NEAR(disc.radius_mm, 5, 0.005);
-  EXPECT_GE(disc.at_most_mm, 5);
-  EXPECT_LE(disc.at_most_mm, 1.001 * disc.radius_mm);
+  EXPECT_GE(disc.upper_bound_mm, 5);
+  EXPECT_LE(disc.upper_bound_mm, 1.001 * disc.radius_mm);
   EXPECT_NEAR((disc.place_mm - Vec3(5, 5, 10)).norm(), 0, 0.01);
 }
 
@@ -145,12 +146,13 @@ TEST(UncoveredDisc, EqualsSamplingOfRandomClouds) {
     const auto model = Cube(4);
     const UncoveredDisc disc = Uncovered(model, points, 1.0);
     const double sampled = SampledRadius(model, points, 100);
-    EXPECT_GE(disc.at_most_mm, sampled - 1e-12);
+    EXPECT_GE(disc.upper_bound_mm, sampled - 1e-12);
     // The grid's places are 0.04 x 0.04 apart on faces of right triangles.
     EXPECT_LE(disc.radius_mm, sampled + 0.04);
-    double least = INFINITY;
-    for (const Vec3& p : points) least = std::min(least, (p - disc.place_mm).norm());
-    EXPECT_NEAR(least, disc.radius_mm, 1e-12);
+    double smallest = INFINITY;
+    for (const Vec3& p : points)
+      smallest = std::min(smallest, (p - disc.place_mm).norm());
+    EXPECT_NEAR(smallest, disc.radius_mm, 1e-12);
     const UncoveredDisc scattered = Uncovered(model, points, 1.0, Scattered());
     EXPECT_EQ(scattered.radius_mm, disc.radius_mm);
     EXPECT_EQ(scattered.place_mm, disc.place_mm);
@@ -169,8 +171,8 @@ TEST(UncoveredDisc, BoundsAPlaceThatThousandsOfPointsAreEquallyFarFrom) {
   for (Vec3& v : model.vertices) v += Vec3(4.1, 4.2, 0);
   const UncoveredDisc disc = Uncovered(model, points, 1.0);
   EXPECT_NEAR(disc.radius_mm, 3, 0.003);
-  EXPECT_GE(disc.at_most_mm, disc.radius_mm);
-  EXPECT_LE(disc.at_most_mm, 1.001 * disc.radius_mm);
+  EXPECT_GE(disc.upper_bound_mm, disc.radius_mm);
+  EXPECT_LE(disc.upper_bound_mm, 1.001 * disc.radius_mm);
 }
 
 SurfaceDensity Density(const mesh::TriangleMesh& model, const PointList& points_mm,

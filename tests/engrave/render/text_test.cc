@@ -63,7 +63,7 @@ TEST(Text, DigitsHaveEqualWidths) {
   EXPECT_NEAR(TextWidth("mm", 20), 2 * TextWidth("mm", 10), 1e-9);
 }
 
-TEST(Text, StandsOnItsBaselineAtItsPlace) {
+TEST(Text, IsOnItsBaselineAtItsPlace) {
   for (const auto& [align, left, right] :
        {std::tuple{Align::kLeft, 40, 80}, std::tuple{Align::kCenter, 20, 60},
         std::tuple{Align::kRight, 0, 40}}) {

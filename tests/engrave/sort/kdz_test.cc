@@ -109,7 +109,7 @@ TEST(Kdz, StartsAtTheLowestPoint) {
   EXPECT_EQ(MakeKdz(points_mm, 0.6).front(), 2);
 }
 
-TEST(Kdz, DefaultRatioIsSafeAndNotBelowTheLeastMoving) {
+TEST(Kdz, DefaultRatioIsSafeAndNotBelowTheMinimumMoving) {
   EXPECT_EQ(DefaultUpRatio(0.13), 0.6);
   EXPECT_EQ(DefaultUpRatio(0.8), 0.8);
 }

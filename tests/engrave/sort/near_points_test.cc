@@ -99,7 +99,7 @@ TEST(NearPoints, MissNothingWithinACell) {
   }
 }
 
-TEST(NearPoints, LookFartherWhereFewAreNear) {
+TEST(NearPoints, SearchFartherWhereFewAreNear) {
   // Cells of 0.375: the neighbours at 1 are in the third ring.
   const std::vector<Scaled> points = AsFloats(Grid(10, 10, 1, 1, 1, 1));
   const NearPoints near(points, 8, 0.25F);

@@ -26,7 +26,7 @@ PointList Published(const PointList& points_mm, double k_up, double k_down) {
   return path_mm;
 }
 
-TEST(PublishedKdz, TakesTheLeastCostOfTheFormulaAtEveryStep) {
+TEST(PublishedKdz, TakesTheMinimumCostOfTheFormulaAtEveryStep) {
   for (const auto& [name, points_mm] : Clouds(600)) {
     for (const auto& [k_up, k_down] : {std::pair(0.2, 0.2), {1.0, 3.0}, {3.0, 0.0}}) {
       const PointList path_mm = Published(points_mm, k_up, k_down);
@@ -38,12 +38,12 @@ TEST(PublishedKdz, TakesTheLeastCostOfTheFormulaAtEveryStep) {
       };
       for (const Vec3& p : path_mm) EXPECT_GE(p.z(), path_mm.front().z()) << name;
       for (std::size_t i = 0; i + 1 < path_mm.size(); ++i) {
-        double least = cost(path_mm[i], path_mm[i + 1]);
+        double smallest = cost(path_mm[i], path_mm[i + 1]);
         for (std::size_t j = i + 2; j < path_mm.size(); ++j) {
-          least = std::min(least, cost(path_mm[i], path_mm[j]));
+          smallest = std::min(smallest, cost(path_mm[i], path_mm[j]));
         }
         // Rounding of coordinates, which are some thousands of mm in one cloud.
-        ASSERT_LE(cost(path_mm[i], path_mm[i + 1]), least + 1e-11) << name << " " << i;
+        ASSERT_LE(cost(path_mm[i], path_mm[i + 1]), smallest + 1e-11) << name << " " << i;
       }
     }
   }

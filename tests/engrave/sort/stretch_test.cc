@@ -28,13 +28,13 @@ Order OrderOf(const Stretch& stretch) {
 
 /// Ticks and bends of the whole order with the best choice of ticks (those of
 /// tick_cost.cc) for each step but the first and the last.
-double LeastCost(const PointList& points_mm, const Order& order, const TickCost& cost,
-                 double rate_hz) {
+double MinCost(const PointList& points_mm, const Order& order, const TickCost& cost,
+               double rate_hz) {
   const std::vector<int> beyond = rate_hz <= 250
                                       ? std::vector<int>{0, 1, 2, 3}
                                       : std::vector<int>{0, 1, 2, 3, 4, 7, 12, 19};
   std::vector<TimedMove> last = {{cost.Scale(points_mm[order[1]] - points_mm[order[0]])}};
-  last[0].ticks = cost.LeastTicks(last[0].step);
+  last[0].ticks = cost.MinTicks(last[0].step);
   std::vector<double> sums = {0};
   for (std::size_t i = 2; i < order.size(); ++i) {
     const Scaled step = cost.Scale(points_mm[order[i]] - points_mm[order[i - 1]]);
@@ -42,14 +42,14 @@ double LeastCost(const PointList& points_mm, const Order& order, const TickCost&
     std::vector<double> next_sums;
     for (const int more : beyond) {
       if (more > 0 && i + 1 == order.size()) break;
-      const TimedMove move{step, cost.LeastTicks(step) + static_cast<float>(more)};
-      double least = std::numeric_limits<double>::infinity();
+      const TimedMove move{step, cost.MinTicks(step) + static_cast<float>(more)};
+      double smallest = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < last.size(); ++k) {
-        least =
-            std::min(least, sums[k] + TickCost::BendCost(TickCost::Bend(last[k], move)));
+        smallest = std::min(smallest,
+                            sums[k] + TickCost::BendCost(TickCost::Bend(last[k], move)));
       }
       moves.push_back(move);
-      next_sums.push_back(least + move.ticks);
+      next_sums.push_back(smallest + move.ticks);
     }
     last = moves;
     sums = next_sums;
@@ -76,16 +76,16 @@ TEST(Stretch, KeepsItsEndsAndTheCone) {
   }
 }
 
-TEST(Stretch, GetsCheaperWhereNothingWorseIsBorne) {
+TEST(Stretch, GetsCheaperWhereNothingWorseIsAccepted) {
   for (const double rate_hz : {100.0, 1000.0}) {
     for (const auto& [name, points_mm] : Clouds(300)) {
       const BeamCone cone = 0.1328;
       const PointList ordered_mm = Ordered(points_mm, cone);
       const TickCost cost({}, rate_hz);
       Stretch stretch(ordered_mm, cone, cost);
-      const double before = LeastCost(ordered_mm, OrderOf(stretch), cost, rate_hz);
+      const double before = MinCost(ordered_mm, OrderOf(stretch), cost, rate_hz);
       stretch.Anneal(100 * ordered_mm.size(), 1e-6, 1e-6, 1);
-      EXPECT_LT(LeastCost(ordered_mm, OrderOf(stretch), cost, rate_hz), before)
+      EXPECT_LT(MinCost(ordered_mm, OrderOf(stretch), cost, rate_hz), before)
           << name << ", " << rate_hz;
     }
   }

@@ -40,24 +40,26 @@ struct Machine {
 
   /// The definition, in mm and s.
   double Bend(const Step& a, const Step& b) const {
-    double most = 0;
+    double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double change_mm_s = std::abs(SpeedMmS(b, axis) - SpeedMmS(a, axis));
       const double seconds = 0.5 * (a.ticks + b.ticks) / rate_hz;
-      most = std::max(most, change_mm_s / seconds / limits.max_acceleration_mm_s2[axis]);
+      largest =
+          std::max(largest, change_mm_s / seconds / limits.max_acceleration_mm_s2[axis]);
     }
-    return most;
+    return largest;
   }
 
   /// What single precision may do to Bend: its velocities are rounded twice.
   double Rounding(const Step& a, const Step& b) const {
-    double most = 0;
+    double largest = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double per_tick_mm_s = limits.max_acceleration_mm_s2[axis] / rate_hz;
-      most = std::max({most, std::abs(SpeedMmS(a, axis)) / per_tick_mm_s,
-                       std::abs(SpeedMmS(b, axis)) / per_tick_mm_s});
+      largest = std::max({largest, std::abs(SpeedMmS(a, axis)) / per_tick_mm_s,
+                          std::abs(SpeedMmS(b, axis)) / per_tick_mm_s});
     }
-    return 1e-6 + 8 * std::numeric_limits<float>::epsilon() * most / (a.ticks + b.ticks);
+    return 1e-6 +
+           8 * std::numeric_limits<float>::epsilon() * largest / (a.ticks + b.ticks);
   }
 
   /// Whether one step can follow the other from whatever speed before them.
@@ -133,7 +135,7 @@ TEST(TickCost, BendWithinOneIsNecessary) {
   EXPECT_GT(largest, 0.99) << "the bound is not needlessly wide";
 }
 
-TEST(TickCost, LeastTicksKeepTheSpeedLimits) {
+TEST(TickCost, MinTicksKeepTheSpeedLimits) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 20000; ++i) {
@@ -143,12 +145,12 @@ TEST(TickCost, LeastTicksKeepTheSpeedLimits) {
     const double fastest =
         (step.mm.cwiseAbs().cwiseQuotient(machine.limits.max_speed_mm_s)).maxCoeff() *
         machine.rate_hz;
-    const double least = cost.LeastTicks(cost.Scale(step.mm));
-    ASSERT_EQ(least, std::round(least));
-    ASSERT_GE(least, std::max(1.0, fastest * (1 - 3e-6)));
-    ASSERT_LT(least, std::max(1.0, fastest) * (1 + 1e-6) + 1);
+    const double smallest = cost.MinTicks(cost.Scale(step.mm));
+    ASSERT_EQ(smallest, std::round(smallest));
+    ASSERT_GE(smallest, std::max(1.0, fastest * (1 - 3e-6)));
+    ASSERT_LT(smallest, std::max(1.0, fastest) * (1 + 1e-6) + 1);
   }
-  EXPECT_EQ(TickCost({}, 100).LeastTicks({}), 1) << "no step takes a tick as well";
+  EXPECT_EQ(TickCost({}, 100).MinTicks({}), 1) << "no step takes a tick as well";
 }
 
 TEST(TickCost, TicksAfterAreTheFewestWithinTheLimit) {
@@ -166,14 +168,14 @@ TEST(TickCost, TicksAfterAreTheFewestWithinTheLimit) {
     const Scaled scaled = cost.Scale(step.mm);
     const double chosen = cost.TicksAfter(timed, scaled);
     step.ticks = chosen;
-    const double least = cost.LeastTicks(scaled);
-    ASSERT_GE(chosen, least);
+    const double smallest = cost.MinTicks(scaled);
+    ASSERT_GE(chosen, smallest);
     ASSERT_LE(machine.Bend(before, step), 1 + machine.Rounding(before, step));
-    for (step.ticks = least; step.ticks < chosen; ++step.ticks) {
+    for (step.ticks = smallest; step.ticks < chosen; ++step.ticks) {
       ASSERT_GT(machine.Bend(before, step), 1 - machine.Rounding(before, step))
           << step.ticks << " ticks would do instead of " << chosen;
     }
-    if (chosen > least) ++longer;
+    if (chosen > smallest) ++longer;
   }
   EXPECT_GT(longer, 10000);
 }
@@ -195,13 +197,13 @@ double Cheapest(const TickCost& cost, const std::vector<float>& beyond,
     }
     return sum;
   }
-  double least = std::numeric_limits<double>::infinity();
-  const float fewest = cost.LeastTicks(moves[next].step);
+  double smallest = std::numeric_limits<double>::infinity();
+  const float fewest = cost.MinTicks(moves[next].step);
   for (const float more : beyond) {
     moves[next].ticks = fewest + more;
-    least = std::min(least, Cheapest(cost, beyond, moves, next + 1));
+    smallest = std::min(smallest, Cheapest(cost, beyond, moves, next + 1));
   }
-  return least;
+  return smallest;
 }
 
 TEST(TickCost, BestTicksAreTheCheapestOfAllChoices) {
@@ -220,7 +222,7 @@ TEST(TickCost, BestTicksAreTheCheapestOfAllChoices) {
     }
     std::vector<Scaled> steps;
     for (std::size_t k = 1; k <= count; ++k) steps.push_back(moves[k].step);
-    float ticks[TickCost::kMostSteps] = {};
+    float ticks[TickCost::kMaxSteps] = {};
     const double best = cost.BestTicks(moves.front(), steps, moves.back(), ticks);
     std::vector<TimedMove> chosen;
     for (std::size_t k = 0; k < count; ++k) chosen.push_back({steps[k], ticks[k]});
@@ -254,7 +256,7 @@ TEST(TickCost, TicksAfterEndsWithMoreTicksThanCanBeCounted) {
   const TickCost cost(limits, 4000);
   for (const double mm : {1e-3, 1.0, 1e3, 1e6, 1e9}) {
     const Scaled step = cost.Scale({mm, -mm, mm});
-    const TimedMove before{step, cost.LeastTicks(step)};
+    const TimedMove before{step, cost.MinTicks(step)};
     const Scaled next = cost.Scale({0, 0.1, 0});
     // A relative 1e-6 for ticks that are rounded themselves.
     EXPECT_LE(TickCost::Bend(before, {next, cost.TicksAfter(before, next)}), 1 + 1e-6);
@@ -269,9 +271,9 @@ TEST(TickCost, WrongArgumentsThrow) {
   limits.max_speed_mm_s.y() = 0;
   EXPECT_THROW(TickCost(limits, 100), PreconditionError);
   const TickCost cost({}, 100);
-  float ticks[TickCost::kMostSteps + 1];
+  float ticks[TickCost::kMaxSteps + 1];
   EXPECT_THROW(cost.BestTicks({}, {}, {}, ticks), PreconditionError);
-  const std::vector<Scaled> many(TickCost::kMostSteps + 1);
+  const std::vector<Scaled> many(TickCost::kMaxSteps + 1);
   EXPECT_THROW(cost.BestTicks({}, many, {}, ticks), PreconditionError);
 }
 

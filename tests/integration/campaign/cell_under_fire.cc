@@ -134,12 +134,11 @@ void CellUnderFire::AwaitShopGone() {
 
 void CellUnderFire::CutJournal(std::uint32_t choice) const {
   constexpr std::size_t kLast = 64 * 1024;
-  constexpr std::size_t kLeast =
-      formats::kJournalHeaderSize + formats::kJournalRecordSize;
+  constexpr std::size_t kMin = formats::kJournalHeaderSize + formats::kJournalRecordSize;
   const fs::path file = JobFolder() / "journal.bin";
   const std::size_t size = SizeOf(file);
-  if (size <= kLeast) return;
-  fs::resize_file(file, size - choice % std::min(kLast, size - kLeast));
+  if (size <= kMin) return;
+  fs::resize_file(file, size - choice % std::min(kLast, size - kMin));
 }
 
 std::string CellUnderFire::Type(const std::vector<std::string>& words) {
@@ -184,7 +183,7 @@ bus::BusOptions CellUnderFire::bus_options() const {
   return options;
 }
 
-void CellUnderFire::AddWatchersThatStandStill(int count) {
+void CellUnderFire::AddFrozenWatchers(int count) {
   for (int i = 0; i < count; ++i) {
     const auto output = folder_ / ("watcher" + std::to_string(i) + ".txt");
     watchers_.push_back(std::make_unique<Running>(

@@ -73,7 +73,7 @@ class CellUnderFire {
   static const char* cell() { return "els-03"; }
   /// Starts this many watchers (`intaglio watch`) of the newest job, stopped from now on
   /// as long as the cell lives: they do not read what is written to them.
-  void AddWatchersThatStandStill(int count);
+  void AddFrozenWatchers(int count);
   /// Process of a service, e.g. "intaglio-sorter"; 0: there is none.
   pid_t ProcessOf(const std::string& service) const;
   /// Cracks made so far.

@@ -119,9 +119,9 @@ Fault PressAndSetRight(const std::string& wrong, const std::string& right) {
 /// The emergency stop on the bus, with other listeners that do not read.
 Fault StopOnTheBus(int watchers) {
   return [watchers](CellUnderFire& cell, std::mt19937&, Outcome& outcome) {
-    cell.AddWatchersThatStandStill(watchers);
+    cell.AddFrozenWatchers(watchers);
     StopButton button(cell.bus_options(), cell.cell());
-    if (!button.AwaitHeard(10s)) {
+    if (!button.AwaitReceived(10s)) {
       outcome.verdict.trouble = "nobody hears the stop";
       return;
     }
@@ -297,11 +297,11 @@ Outcome RunOnce(const Options& options, int run, std::mt19937& random) {
       return outcome;
     }
     Faults().at(options.fault)(cell, random, outcome);
-    const Verdict said = outcome.verdict;
+    const Verdict sent = outcome.verdict;
     outcome.verdict = cell.Judge();
-    outcome.verdict.may_leave_uncertain = said.may_leave_uncertain;
-    outcome.verdict.may_be_unfinished = said.may_be_unfinished;
-    if (!said.trouble.empty()) outcome.verdict.trouble = said.trouble;
+    outcome.verdict.may_leave_uncertain = sent.may_leave_uncertain;
+    outcome.verdict.may_be_unfinished = sent.may_be_unfinished;
+    if (!sent.trouble.empty()) outcome.verdict.trouble = sent.trouble;
     if (!outcome.done) outcome.verdict.trouble += " not done: " + cell.Show();
   }
   if (!options.keep && outcome.verdict.good()) std::filesystem::remove_all(folder);
@@ -364,7 +364,7 @@ Holdings HoldingsOf(pid_t process) {
 /// each.
 using Peaks = std::map<std::string, Holdings>;
 
-void LookAt(const CellUnderFire& cell, Peaks& peaks) {
+void Read(const CellUnderFire& cell, Peaks& peaks) {
   for (const char* service :
        {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
         "intaglio-synchronizer", "intaglio-motion-bridge"}) {
@@ -392,7 +392,7 @@ void Disturb(CellUnderFire& cell, std::mt19937& random) {
   cell.Press(right);
 }
 
-int TellHoldings(Peaks before, const Peaks& now) {
+int PrintHoldings(Peaks before, const Peaks& now) {
   bool grew = false;
   for (const auto& [service, after] : now) {
     const Holdings& first = before[service];
@@ -414,13 +414,13 @@ int RunSoak(const Options& options) {
   const auto folder = test::FreshFolder(fmt::format("soak-{}", getpid()));
   CellUnderFire cell(folder, fmt::format("soak-{}", getpid()), "lockstep");
   if (!cell.OpenShop()) return 1;
-  constexpr int kLeastJobs = 6;
+  constexpr int kMinJobs = 6;
   double hours = 0;
   int jobs = 0, bad = 0;
   std::size_t points = 0, made = 0;
   // In the first third lists, arenas and the bus's books fill up.
   Peaks middle, last;
-  for (; hours < options.hours || jobs < kLeastJobs; ++jobs) {
+  for (; hours < options.hours || jobs < kMinJobs; ++jobs) {
     // At 1 Hz a tick is a second of the machine.
     bool done = cell.Submit("1");
     Disturb(cell, random);
@@ -438,14 +438,14 @@ int RunSoak(const Options& options) {
     // A point a second; what passed at rest is no work.
     hours += static_cast<double>(v.made) / 3600;
     if (hours >= options.hours / 3) {
-      LookAt(cell, hours < 2 * options.hours / 3 ? middle : last);
+      Read(cell, hours < 2 * options.hours / 3 ? middle : last);
     }
   }
   std::cout << fmt::format(
       "{} jobs, {:.1f} hours of engraving at 1 Hz, {} of {} points made, {} bad\n"
       "| service | memory, kB | threads | descriptors |\n",
       jobs, hours, made, points, bad);
-  return bad + TellHoldings(middle, last) == 0 ? 0 : 1;
+  return bad + PrintHoldings(middle, last) == 0 ? 0 : 1;
 }
 
 int Usage() {

@@ -29,7 +29,7 @@ StopButton::StopButton(const bus::BusOptions& options, std::string cell)
           "campaign-" + std::to_string(getpid()) + "-" +
           std::to_string(std::chrono::system_clock::now().time_since_epoch().count())) {}
 
-bool StopButton::AwaitHeard(std::chrono::milliseconds bound) const {
+bool StopButton::AwaitReceived(std::chrono::milliseconds bound) const {
   return testing::Eventually([this] { return stops_.matched_count() >= kHearers; },
                              bound);
 }

@@ -15,7 +15,7 @@ class StopButton {
  public:
   StopButton(const bus::BusOptions& options, std::string cell);
   /// Waits until a service of the cell would receive it; false after the time.
-  bool AwaitHeard(std::chrono::milliseconds bound) const;
+  bool AwaitReceived(std::chrono::milliseconds bound) const;
   void Press() { Write(true); }
   /// Of its own last press.
   void Reset() { Write(false); }

@@ -192,7 +192,7 @@ TEST(JobOfPoints, IsCheckedWithoutItsModels) {
   EXPECT_THAT(refused.error().message, HasSubstr("laser.rate_hz"));
 }
 
-TEST(JobFlags, WithoutAnythingToEngraveSayWhatToName) {
+TEST(JobFlags, WithoutAnythingToEngraveNameTheRemedy) {
   EXPECT_THAT(RefusalOf({}), HasSubstr("--mesh"));
   EXPECT_THAT(RefusalOf({"nowhere.textproto"}), HasSubstr("nowhere.textproto"));
 }

@@ -48,7 +48,7 @@ TEST_F(ChildProcessTest, RunsInAProcessGroupOfItsOwn) {
   EXPECT_NE(getpgid(child->pid()), getpgid(0));
 }
 
-TEST_F(ChildProcessTest, IsEndedByItsIdAndTellsTheSignal) {
+TEST_F(ChildProcessTest, IsEndedByItsIdAndReportsTheSignal) {
   auto child = Shell("exec sleep 60");
   ASSERT_TRUE(child);
   EXPECT_TRUE(child->running());

@@ -47,7 +47,7 @@ class EventLinesTest : public testing::Test {
   EventLines lines_{out_, [this] { return now_; }};
 };
 
-TEST_F(EventLinesTest, TellsWhatIsNewAndNothingTwice) {
+TEST_F(EventLinesTest, ReportsWhatIsNewAndNothingTwice) {
   lines_.Show(job_);
   EXPECT_THAT(Kinds(), ElementsAre("state"));
   lines_.Show(job_);

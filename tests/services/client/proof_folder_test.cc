@@ -132,7 +132,7 @@ TEST_F(ProofFolderTest, ABlockAsPlannedIsGood) {
   EXPECT_EQ(report.points().planned(), 4u);
   EXPECT_EQ(report.points().made(), 4u);
   EXPECT_EQ(report.position_errors().max_um(), 0);
-  EXPECT_DOUBLE_EQ(report.least_spacing_mm(), 10.4 - 10);
+  EXPECT_DOUBLE_EQ(report.measured_spacing_mm(), 10.4 - 10);
   // First pulse at 1000, last at 1006: seven ticks of 10 ms.
   EXPECT_EQ(report.ticks(), 7u);
   EXPECT_DOUBLE_EQ(report.machining_time_s(), 0.07);

@@ -8,7 +8,7 @@
 namespace intaglio::client {
 namespace {
 
-TEST(VirtualTruth, IsWhatTheProfileSaysAndWhatIsMounted) {
+TEST(VirtualTruth, IsWhatTheProfileReportsAndWhatIsMounted) {
   auto machine =
       ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").value();
   machine.mutable_laser()->set_pulse_energy_mj(12);

@@ -78,7 +78,7 @@ TEST_F(DiscretizerTest, MakesThePointsOfACube) {
   EXPECT_EQ(end->done_count, cloud->size());
   const DiscretizeOutcome& outcome = end->outcome.discretize();
   EXPECT_EQ(outcome.point_count(), cloud->size());
-  EXPECT_EQ(outcome.candidate_count(), cloud->size() + outcome.welded_count());
+  EXPECT_EQ(outcome.candidate_count(), cloud->size() + outcome.thinned_count());
   ASSERT_EQ(outcome.models_size(), 1);
   EXPECT_EQ(outcome.models(0).triangle_count(), 12u);
   EXPECT_EQ(outcome.models(0).vertex_count(), 8u);
@@ -178,7 +178,7 @@ TEST_F(DiscretizerTest, ABadModelFailsItsTaskAndNotTheProcess) {
   EXPECT_GT(good->outcome.discretize().point_count(), 0u);
 }
 
-TEST_F(DiscretizerTest, PointsOutsideTheBlockAreAnErrorThatSaysHowMany) {
+TEST_F(DiscretizerTest, PointsOutsideTheBlockAreAnErrorThatReportsHowMany) {
   shop.Give(FrozenJobOf("outside", CubeJob()), 1, "");
   ASSERT_TRUE(FeedModels(shop.bus(), "outside", 1, {BoxStl(40, 5, 5)}));
   const auto end = shop.AwaitEnd("outside", 1);
@@ -248,7 +248,7 @@ TEST_F(DiscretizerTest, IsMissedWhenItIsKilledInMidWork) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
 }
 
-TEST_F(DiscretizerTest, EndsInMidWorkWhenToldTo) {
+TEST_F(DiscretizerTest, EndsInMidWorkOnRequest) {
   shop.Give(FrozenJobOf("stopped", CubeJob(0.03)), 1, "");
   ASSERT_TRUE(FeedModels(shop.bus(), "stopped", 1, {BoxStl(20, 20, 20)}));
   shop.worker().Signal(SIGTERM);

@@ -34,14 +34,14 @@ class PartsAheadTest : public testing::Test {
     shop.Give(FrozenJobOf("box", BoxJob()), 1, "sorter", {part, 4, 0});
   }
   bool Feed() { return FeedModels(shop.bus(), "box", 1, {BoxStl(17, 8, 19)}, {0, 4, 0}); }
-  bool Says(std::uint32_t part, intaglio_TaskState state) {
+  bool Reports(std::uint32_t part, intaglio_TaskState state) {
     return Eventually(
         [&] {
           return shop.Find("box", {part, 4, 0}, state).has_value();
         },
         20s);
   }
-  bool HasSaid(std::uint32_t part, intaglio_TaskState state) {
+  bool HasReported(std::uint32_t part, intaglio_TaskState state) {
     return shop.Find("box", {part, 4, 0}, state).has_value();
   }
   /// It is made, but not sent: no consumer has granted credit.
@@ -66,22 +66,22 @@ class PartsAheadTest : public testing::Test {
 TEST_F(PartsAheadTest, TheNextOneIsMadeWhileTheOneBeforeWaitsToBeSent) {
   Give(0);
   ASSERT_TRUE(Feed());
-  ASSERT_TRUE(Says(0, intaglio_TASK_ACCEPTED));
+  ASSERT_TRUE(Reports(0, intaglio_TASK_ACCEPTED));
   Give(1);
   ASSERT_TRUE(IsMade(0));
   EXPECT_TRUE(IsMade(1));
-  EXPECT_FALSE(HasSaid(0, intaglio_TASK_DONE));
+  EXPECT_FALSE(HasReported(0, intaglio_TASK_DONE));
   // It is not begun: the memory of a discretizer holds two parts.
   Give(2);
-  ASSERT_TRUE(Says(2, intaglio_TASK_ACCEPTED));
-  EXPECT_FALSE(Eventually([&] { return HasSaid(2, intaglio_TASK_RUNNING); }, 300ms));
+  ASSERT_TRUE(Reports(2, intaglio_TASK_ACCEPTED));
+  EXPECT_FALSE(Eventually([&] { return HasReported(2, intaglio_TASK_RUNNING); }, 300ms));
   Give(3);
-  ASSERT_TRUE(Says(3, intaglio_TASK_ACCEPTED));
+  ASSERT_TRUE(Reports(3, intaglio_TASK_ACCEPTED));
 
   ASSERT_TRUE(intake.Open("box", 1, 4));
   const PointCloud parts = Consume();
   for (std::uint32_t part = 0; part < 4; ++part) {
-    EXPECT_TRUE(Says(part, intaglio_TASK_DONE)) << part;
+    EXPECT_TRUE(Reports(part, intaglio_TASK_DONE)) << part;
   }
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 
@@ -101,7 +101,7 @@ TEST_F(PartsAheadTest, ARevocationTakesAllOfTheChain) {
   ASSERT_TRUE(IsMade(0));
   for (const std::uint32_t part : {1, 2}) {
     Give(part);
-    ASSERT_TRUE(Says(part, intaglio_TASK_ACCEPTED));
+    ASSERT_TRUE(Reports(part, intaglio_TASK_ACCEPTED));
   }
   shop.Revoke("box", 1, {2, 4, 0});
   for (std::uint32_t part = 0; part < 3; ++part) {
@@ -116,9 +116,9 @@ TEST_F(PartsAheadTest, ARevocationTakesAllOfTheChain) {
 TEST_F(PartsAheadTest, ATaskOfAnotherChainTakesThePlaceOfAll) {
   Give(0);
   ASSERT_TRUE(Feed());
-  ASSERT_TRUE(Says(0, intaglio_TASK_ACCEPTED));
+  ASSERT_TRUE(Reports(0, intaglio_TASK_ACCEPTED));
   Give(1);
-  ASSERT_TRUE(Says(1, intaglio_TASK_ACCEPTED));
+  ASSERT_TRUE(Reports(1, intaglio_TASK_ACCEPTED));
   shop.Give(FrozenJobOf("other", BoxJob()), 1, "");
   for (const std::uint32_t part : {0, 1}) {
     const auto end = shop.AwaitEnd("box", 1, {part, 4, 0});
@@ -135,7 +135,7 @@ TEST_F(PartsAheadTest, ATaskOfAnotherChainTakesThePlaceOfAll) {
 TEST_F(PartsAheadTest, EachFailsForItself) {
   ASSERT_TRUE(intake.Open("box", 1, 4));
   Give(0);
-  ASSERT_TRUE(Says(0, intaglio_TASK_ACCEPTED));
+  ASSERT_TRUE(Reports(0, intaglio_TASK_ACCEPTED));
   Give(1);
   intake.Close();
   ASSERT_TRUE(Feed());

@@ -93,7 +93,7 @@ TEST_F(JobHistoryTest, GivesAJobBackAsItWasMade) {
   }
 }
 
-TEST_F(JobHistoryTest, SaysWhatATimeAndAVerdictAre) {
+TEST_F(JobHistoryTest, ReportsWhatATimeAndAVerdictAre) {
   for (const char* good : {"2026-11-21", "2026-11-21T15:30", "2026-11-21T15:30:00"}) {
     EXPECT_TRUE(CheckFilter({.since = good})) << good;
   }
@@ -126,7 +126,7 @@ TEST_F(JobHistoryTest, WhatIsNoHistoryIsAnErrorWithARemedy) {
   EXPECT_THAT(old.error().message, HasSubstr("intaglio up"));
 }
 
-TEST(Progress, AtFirstThePlanAndThenThePaceTellsTheEnd) {
+TEST(Progress, AtFirstThePlanAndThenThePaceReportsTheEnd) {
   const std::chrono::system_clock::time_point now{std::chrono::seconds(1'000'000'000)};
   JobStatistics job;
   job.set_engraving_utc("2001-09-09T01:40:00.000Z");

@@ -29,7 +29,7 @@ std::string OrderMistakes(const std::string& csv) {
   return all;
 }
 
-TEST(BatchFile, JsonLinesAndCsvSayTheSame) {
+TEST(BatchFile, JsonLinesAndCsvReportTheSame) {
   const auto json = ParseBatchJson(
       R"({"id":"a","job":"cup.textproto","overrides":{"block.margin_mm":4.5,)"
       R"("glass":"K8","block.clip":true,"laser.channels":[1,2]},"priority":3})"
@@ -64,7 +64,7 @@ TEST(BatchFile, JsonLinesAndCsvSayTheSame) {
   EXPECT_EQ((*json)[1].line_number, 3u);
 }
 
-TEST(BatchFile, EveryMistakeIsToldWithItsLine) {
+TEST(BatchFile, EveryMistakeIsReportedWithItsLine) {
   const std::string message =
       Mistakes(ParseBatchJson("{\"id\":\"a b\"}\n"
                               "{\"idd\":\"x\"}\n"

@@ -40,11 +40,11 @@ JobSpec WithBlock(JobSpec job, std::uint32_t channel, double x, double y, double
 }
 
 std::vector<std::string> Complaints(const JobSpec& job) {
-  std::vector<std::string> said;
+  std::vector<std::string> sent;
   for (const Error& error : CheckAll(job, GoodMachine(), kTravelRatio)) {
-    said.push_back(error.message);
+    sent.push_back(error.message);
   }
-  return said;
+  return sent;
 }
 
 TEST(JobChannels, AModelIsMadeInThoseItNamesOrInAll) {
@@ -78,13 +78,13 @@ TEST(JobChannels, TheBlockOfAModelIsWhatItsBlocksHaveInCommon) {
   EXPECT_EQ(size(2).z(), 30);
 }
 
-TEST(JobChannels, WeldAndBoundsKnowThem) {
+TEST(JobChannels, ThinningAndBoundsKnowThem) {
   const auto one = CloudOptionsOf(WithDefaults(GoodJob(), GoodMachine()));
-  EXPECT_THAT(one.weld.channels_of_source, IsEmpty());
+  EXPECT_THAT(one.thinning.channels_of_source, IsEmpty());
   EXPECT_THAT(one.permitted_of_source_mm, IsEmpty());
   const JobSpec job = WithBlock(FourBlocks(), 2, 40, 50, 30);
   const auto options = CloudOptionsOf(WithDefaults(job, GoodMachine()));
-  EXPECT_THAT(options.weld.channels_of_source, ElementsAre(15, 2, 12));
+  EXPECT_THAT(options.thinning.channels_of_source, ElementsAre(15, 2, 12));
   ASSERT_EQ(options.permitted_of_source_mm.size(), 3u);
   EXPECT_EQ(options.permitted_of_source_mm[0].max_mm.x(), 37);
   EXPECT_EQ(options.permitted_of_source_mm[2].max_mm.x(), 47);
@@ -95,7 +95,7 @@ TEST(JobChannels, GoodOnesAreGood) {
   EXPECT_THAT(Complaints(WithBlock(FourBlocks(), 4, 40, 45, 30)), IsEmpty());
 }
 
-TEST(JobChannels, MistakesAreToldWithTheirRemedies) {
+TEST(JobChannels, MistakesAreReportedWithTheirRemedies) {
   JobSpec job = FourBlocks();
   job.mutable_laser()->clear_channels();
   job.mutable_laser()->add_channels(2);

@@ -86,7 +86,7 @@ TEST(FreezeJob, WideBeamsNeedALargerUpRatio) {
                    frozen->optics().cone_tangent() + 0.0475 / 0.135);
 }
 
-TEST(FreezeJob, TellsAllMistakesOnePerLine) {
+TEST(FreezeJob, ReportsAllMistakesOnePerLine) {
   JobSpec job = GoodJob();
   job.mutable_laser()->set_rate_hz(3);
   job.mutable_discretization()->set_min_spacing_mm(0);

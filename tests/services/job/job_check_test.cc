@@ -21,7 +21,7 @@ using testing::UnorderedElementsAre;
 // Stage move for a focus move in N-BK7 is about 1 / n.
 constexpr double kRatio = 0.65;
 
-auto Says(const std::string& path, const std::string& what) {
+auto Reports(const std::string& path, const std::string& what) {
   return Field(&Error::message, AllOf(StartsWith(path + ": "), HasSubstr(what)));
 }
 
@@ -29,7 +29,7 @@ TEST(CheckJob, GoodJobsAreGood) {
   EXPECT_THAT(CheckAll(GoodJob(), GoodMachine(), kRatio), IsEmpty());
 }
 
-TEST(CheckJob, SixMistakesAreToldAllAtOnce) {
+TEST(CheckJob, SixMistakesAreReportedAllAtOnce) {
   JobSpec job = GoodJob();
   job.mutable_models(0)->mutable_placement()->set_fit_height_mm(2000);
   job.mutable_models(0)->set_file("/nowhere/cube.stl");
@@ -37,42 +37,43 @@ TEST(CheckJob, SixMistakesAreToldAllAtOnce) {
   job.mutable_discretization()->set_min_spacing_mm(std::nan(""));
   job.mutable_laser()->set_rate_hz(60);
   job.mutable_motion()->set_max_speed_mm_s(100);
-  EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-              UnorderedElementsAre(
-                  Says("models[0].placement.fit_height_mm", "2000 is outside 0.1..1000"),
-                  Says("models[0].file", "/nowhere/cube.stl does not exist"),
-                  Says("glass", "is missing"),
-                  Says("discretization.min_spacing_mm", "nan is outside 0.02..10"),
-                  Says("laser.rate_hz",
-                       "60 is none of the rates of els-03: 1 2 5 10 25 50 100 200"),
-                  Says("motion.max_speed_mm_s", "100 is above the speed of els-03, 80")));
+  EXPECT_THAT(
+      CheckAll(job, GoodMachine(), kRatio),
+      UnorderedElementsAre(
+          Reports("models[0].placement.fit_height_mm", "2000 is outside 0.1..1000"),
+          Reports("models[0].file", "/nowhere/cube.stl does not exist"),
+          Reports("glass", "is missing"),
+          Reports("discretization.min_spacing_mm", "nan is outside 0.02..10"),
+          Reports("laser.rate_hz",
+                  "60 is none of the rates of els-03: 1 2 5 10 25 50 100 200"),
+          Reports("motion.max_speed_mm_s", "100 is above the speed of els-03, 80")));
 }
 
-TEST(CheckJob, CracksMustBeToldApartWhateverMayBeMoved) {
+TEST(CheckJob, CracksMustBeDistinguishedWhateverMayBeMoved) {
   JobSpec job = GoodJob();
   job.mutable_discretization()->set_min_spacing_mm(0.1);
   job.mutable_motion()->set_tolerance_um(25);
   EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio), IsEmpty());
   job.mutable_motion()->set_tolerance_um(26);
   EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-              ElementsAre(Says("motion.tolerance_um",
-                               "26 is above a quarter of the minimum spacing, 25")));
+              ElementsAre(Reports("motion.tolerance_um",
+                                  "26 is above a quarter of the minimum spacing, 25")));
 }
 
-TEST(CheckJob, AProfileThatIsNoneIsTold) {
+TEST(CheckJob, AProfileThatIsNoneIsReported) {
   JobSpec job = GoodJob();
   job.mutable_motion()->set_profile(static_cast<MotionProfile>(99));
   EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-              ElementsAre(Says("motion.profile", "99 is not a profile, 0..8")));
+              ElementsAre(Reports("motion.profile", "99 is not a profile, 0..8")));
 }
 
-TEST(CheckJob, AnEmptyJobTellsAllThatIsRequired) {
-  EXPECT_THAT(
-      CheckJob(JobSpec()),
-      UnorderedElementsAre(Says("models", "missing"), Says("block.size_mm", "missing"),
-                           Says("glass", "missing"),
-                           Says("discretization.min_spacing_mm", "missing"),
-                           Says("machine_file", "missing")));
+TEST(CheckJob, AnEmptyJobReportsAllThatIsRequired) {
+  EXPECT_THAT(CheckJob(JobSpec()),
+              UnorderedElementsAre(Reports("models", "missing"),
+                                   Reports("block.size_mm", "missing"),
+                                   Reports("glass", "missing"),
+                                   Reports("discretization.min_spacing_mm", "missing"),
+                                   Reports("machine_file", "missing")));
 }
 
 TEST(CheckJob, ErrorsCarryTheOffendingValue) {
@@ -163,7 +164,7 @@ TEST(CheckJob, EachMistakeIsFoundByItself) {
     JobSpec job = GoodJob();
     mistake.make(job);
     EXPECT_THAT(CheckAll(job, GoodMachine(), kRatio),
-                ElementsAre(Says(mistake.path, mistake.what)));
+                ElementsAre(Reports(mistake.path, mistake.what)));
   }
 }
 
@@ -180,11 +181,11 @@ TEST(CheckJobOnMachine, DepthTakesAsMuchTravelAsTheGlassMakesOfIt) {
   machine.mutable_z()->set_travel_min_mm(30 - 27 * 0.65 - 0.01);
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, 0.65), IsEmpty());
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine, 1.0),
-              ElementsAre(Says("block.size_mm.z", "does not fit in the travel")));
+              ElementsAre(Reports("block.size_mm.z", "does not fit in the travel")));
   EXPECT_THAT(CheckJobOnMachine(GoodJob(), machine), IsEmpty());
 }
 
-TEST(CheckMachine, AnEmptyProfileTellsAllThatIsRequired) {
+TEST(CheckMachine, AnEmptyProfileReportsAllThatIsRequired) {
   std::vector<std::string> missing;
   for (const Error& error : CheckMachine(MachineSpec())) {
     if (error.code == ErrorCode::kMissing) missing.push_back(error.message);
@@ -207,12 +208,12 @@ TEST(CheckMachine, ManyMistakesAtOnce) {
   machine.mutable_motion_line()->set_baud(300);
   EXPECT_THAT(
       CheckMachine(machine),
-      UnorderedElementsAre(Says("name", "els 03"),
-                           Says("x.travel_min_mm", "not below x.travel_max_mm"),
-                           Says("y.max_jerk_mm_s3", "0 is outside 1..1000000000"),
-                           Says("laser.rates_hz[2]", "5000 is outside 1..4000"),
-                           Says("lenses[1].name", "earlier lens"),
-                           Says("motion_line.baud", "300 is outside 1200..4000000")));
+      UnorderedElementsAre(Reports("name", "els 03"),
+                           Reports("x.travel_min_mm", "not below x.travel_max_mm"),
+                           Reports("y.max_jerk_mm_s3", "0 is outside 1..1000000000"),
+                           Reports("laser.rates_hz[2]", "5000 is outside 1..4000"),
+                           Reports("lenses[1].name", "earlier lens"),
+                           Reports("motion_line.baud", "300 is outside 1200..4000000")));
 }
 
 TEST(CheckMachine, ATriggerIsOneOfTheEnumeration) {
@@ -221,7 +222,7 @@ TEST(CheckMachine, ATriggerIsOneOfTheEnumeration) {
   EXPECT_THAT(CheckMachine(machine), ::testing::IsEmpty());
   machine.set_pulse_trigger(static_cast<PulseTriggerKind>(7));
   EXPECT_THAT(CheckMachine(machine),
-              ElementsAre(Says("pulse_trigger", "7 is no trigger")));
+              ElementsAre(Reports("pulse_trigger", "7 is no trigger")));
 }
 
 TEST(CheckMachine, AnExpectedSerialNumberIsOneThatAControllerCanReport) {
@@ -236,12 +237,12 @@ TEST(CheckMachine, AnExpectedSerialNumberIsOneThatAControllerCanReport) {
   machine.mutable_motion_line()->set_serial_number("A\n03");
   EXPECT_THAT(CheckMachine(machine),
               UnorderedElementsAre(
-                  Says("laser_line.serial_number", "\"\" is not 1 to 64 printable"),
-                  Says("motion_line.serial_number", "\"A\\n03\" is not 1 to 64")));
+                  Reports("laser_line.serial_number", "\"\" is not 1 to 64 printable"),
+                  Reports("motion_line.serial_number", "\"A\\n03\" is not 1 to 64")));
   machine = GoodMachine();
   machine.mutable_motion_line()->set_serial_number(std::string(65, 'x'));
   EXPECT_THAT(CheckMachine(machine),
-              ElementsAre(Says("motion_line.serial_number", "remove the line")));
+              ElementsAre(Reports("motion_line.serial_number", "remove the line")));
 }
 
 TEST(CheckMachine, ADeviceIsOfAFormThatCanBeOpened) {
@@ -251,9 +252,10 @@ TEST(CheckMachine, ADeviceIsOfAFormThatCanBeOpened) {
   EXPECT_THAT(CheckMachine(machine), IsEmpty());
   machine.mutable_laser_line()->set_device("tcp:laser-box:5000");
   machine.mutable_motion_line()->set_device("usb:1");
-  EXPECT_THAT(CheckMachine(machine),
-              UnorderedElementsAre(Says("laser_line.device", "\"laser-box\" is neither"),
-                                   Says("motion_line.device", "\"usb:1\": it begins")));
+  EXPECT_THAT(
+      CheckMachine(machine),
+      UnorderedElementsAre(Reports("laser_line.device", "\"laser-box\" is neither"),
+                           Reports("motion_line.device", "\"usb:1\": it begins")));
 }
 
 TEST(JoinErrors, OneALine) {
@@ -263,7 +265,7 @@ TEST(JoinErrors, OneALine) {
   EXPECT_EQ(joined.code, ErrorCode::kMissing);
 }
 
-TEST(CheckJob, APicturesPointsStandAtLeastASpacingApart) {
+TEST(CheckJob, APicturesPointsAreAtLeastASpacingApart) {
   JobSpec job = GoodJob();
   job.mutable_models(0)->mutable_halftone()->set_distance_mm(0.25);
   const auto errors = CheckJobOnMachine(job, GoodMachine());

@@ -153,13 +153,13 @@ TEST(Options, OptionalLimitsAreForTheMotionThatDoesNotStop) {
   EXPECT_EQ(stopping.tolerance_mm, 0);
 }
 
-TEST(Options, WeldBoundsAndClip) {
+TEST(Options, ThinningBoundsAndClip) {
   JobSpec job = GoodJob();
   job.mutable_block()->set_clip(true);
   job.mutable_discretization()->set_height_ratio(1.5);
   const auto options = CloudOptionsOf(WithDefaults(job, GoodMachine()));
-  EXPECT_EQ(options.weld.min_spacing_mm, 0.3);
-  EXPECT_EQ(options.weld.height_ratio, 1.5);
+  EXPECT_EQ(options.thinning.min_spacing_mm, 0.3);
+  EXPECT_EQ(options.thinning.height_ratio, 1.5);
   EXPECT_TRUE(options.clip);
   EXPECT_EQ(options.permitted_mm.max_mm, Vec3(47, 47, 27));
 }

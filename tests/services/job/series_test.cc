@@ -77,7 +77,7 @@ TEST(Series, ColumnsMayBeFieldsOfTheJob) {
   EXPECT_EQ((*jobs)[1].models(0).placement().fit_height_mm(), 12.5);
 }
 
-TEST(Series, EveryMistakeOfEveryRowIsTold) {
+TEST(Series, EveryMistakeOfEveryRowIsReported) {
   const auto table =
       io::ParseCsv("block.margin_mm,blok.clip,laser.rate_hz\nfive,,100\n4,,fast\n")
           .value();

@@ -297,7 +297,7 @@ TEST_F(JobStoreTest, TasksOfAnOlderDatabaseAreTakenOver) {
   EXPECT_EQ(parts[0].worker, "d");
 }
 
-TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
+TEST_F(JobStoreTest, ReportsWhatBecameOfAJob) {
   JobStore store(path_);
   JobRecord job = Record(1, intaglio_JOB_QUEUED);
   job.attempt = 0;
@@ -341,7 +341,7 @@ TEST_F(JobStoreTest, TellsWhatBecameOfAJob) {
 }
 
 // A cancelled job's synchronizer reports afterwards what it left in the glass.
-TEST_F(JobStoreTest, TheLastWordOfTheMachineChangesTheVerdict) {
+TEST_F(JobStoreTest, TheLastReportOfTheMachineChangesTheVerdict) {
   JobStore store(path_);
   JobRecord job = Record(1, intaglio_JOB_ENGRAVING);
   store.Keep(job);

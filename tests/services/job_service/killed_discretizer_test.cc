@@ -61,12 +61,12 @@ class KilledDiscretizerTest : public testing::Test {
     return instance;
   }
   /// Plays the sorter's intake until it has the whole cloud. `look` is called between.
-  PointCloud Receive(const TaskCopy& sort, const std::function<void()>& look) {
+  PointCloud Receive(const TaskCopy& sort, const std::function<void()>& period) {
     EXPECT_TRUE(intake_.Open(sort.job_uid, sort.attempt, sort.input_part_count));
     Result<bool> taken = false;
     Eventually(
         [&] {
-          look();
+          period();
           taken = intake_.Poll();
           return !taken || *taken;
         },

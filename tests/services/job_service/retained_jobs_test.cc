@@ -183,9 +183,9 @@ TEST_F(RetainedJobs, WhatALateSynchronizerReportsReachesTheHistory) {
   ASSERT_TRUE(Until(watcher_, [&] {
     return history::ReadHistory(database_, first)->at(0).made() == 40;
   }));
-  const JobStatistics told = history::ReadHistory(database_, first)->at(0);
-  EXPECT_EQ(told.verdict(), "not_good");
-  EXPECT_EQ(told.state(), "cancelled");
+  const JobStatistics reported = history::ReadHistory(database_, first)->at(0);
+  EXPECT_EQ(reported.verdict(), "not_good");
+  EXPECT_EQ(reported.state(), "cancelled");
   EXPECT_FALSE(watcher_.Has(Past(1))) << "nobody has to be told";
 }
 

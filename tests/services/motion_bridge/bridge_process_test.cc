@@ -52,7 +52,7 @@ class BridgeProcess : public ::testing::Test {
     ASSERT_TRUE(engraver_.AwaitReady()) << engraver_.program().Output();
     StartBridge();
     ASSERT_TRUE(Eventually([&] {
-      return batches_.matched_count() > 0 && stops_.matched_count() > 0 && Look() &&
+      return batches_.matched_count() > 0 && stops_.matched_count() > 0 && Read() &&
              state_->fault == intaglio_MOTION_OK;
     }));
   }
@@ -64,7 +64,7 @@ class BridgeProcess : public ::testing::Test {
                                  "--cell", kCell, "--log-level", "error"});
   }
   /// The newest state that the bridge published; false before there is one.
-  bool Look() {
+  bool Read() {
     states_.Take([this](const intaglio_MotionState& sample) {
       state_ = sample;
       state_->cell = state_->message = nullptr;  // valid inside this call only
@@ -74,7 +74,7 @@ class BridgeProcess : public ::testing::Test {
   }
   bool UntilState(const std::function<bool(const intaglio_MotionState&)>& condition,
                   std::chrono::milliseconds bound = 5s) {
-    return Eventually([&] { return Look() && condition(*state_); }, bound);
+    return Eventually([&] { return Read() && condition(*state_); }, bound);
   }
 
   void Write(std::uint32_t run, std::uint64_t number, std::uint64_t start_tick,
@@ -198,7 +198,7 @@ TEST_F(BridgeProcess, AnEmergencyStopBrakesTheStage) {
   ASSERT_TRUE(stops_.Write(stop).has_value());
   EXPECT_TRUE(StageComesToRest(1s));
   // While it is pressed no run begins.
-  Look();
+  Read();
   Write(2, 0, state_->tick + 30, {{state_->x_mm}, {0}, {5 * kTick}}, true);
   EXPECT_FALSE(UntilState([](const auto& s) { return s.run == 2; }, 200ms));
 }

@@ -48,9 +48,9 @@ class FakeStage {
     link::MotionIdentity identity;
     identity.queue_capacity = capacity_;
     identity.serial_number = serial_number;
-    Say(link::MotionFrame::kMotionIdentity, Encode(identity));
+    Send(link::MotionFrame::kMotionIdentity, Encode(identity));
     if (clock != 0) {
-      Say(link::MotionFrame::kControllerClock, Encode(link::ControllerClock{clock, 1}));
+      Send(link::MotionFrame::kControllerClock, Encode(link::ControllerClock{clock, 1}));
     }
   }
 
@@ -59,12 +59,12 @@ class FakeStage {
   bool answers_status = true;
   std::string serial_number = "S-03";  ///< reported at the next handshakes
   std::uint32_t clock = 0;             ///< of its own; 0: none
-  void SayStatus() {
+  void SendStatus() {
     status.queue_free = capacity_ - static_cast<std::uint32_t>(queue.size());
     status.segments_taken = taken_;
-    Say(link::MotionFrame::kMotionStatus, Encode(status));
+    Send(link::MotionFrame::kMotionStatus, Encode(status));
   }
-  void Say(link::MotionFrame type, const link::Bytes& payload) {
+  void Send(link::MotionFrame type, const link::Bytes& payload) {
     // A full window only means that this message is not sent; statuses come again.
     (void)link_->Send(static_cast<std::uint8_t>(type), payload);
   }
@@ -104,7 +104,7 @@ class FakeStage {
     } else if (type == MotionFrame::kMotionReset) {
       ++resets;
     } else if (type == MotionFrame::kMotionStatusRequest && answers_status) {
-      SayStatus();
+      SendStatus();
     }
   }
   void TakeSegments(const link::Segments& frame) {

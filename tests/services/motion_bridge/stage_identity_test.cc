@@ -101,9 +101,9 @@ TEST_F(ExpectedStage, AnotherStageIsRefusedAndGetsNoMotion) {
   stage.serial_number = "S-17";
   stage.clock = 5;
   ASSERT_TRUE(Refused());
-  stage.Say(link::MotionFrame::kPositions, Encode(link::Positions{3, 50, {{1, 2, 3}}}));
+  stage.Send(link::MotionFrame::kPositions, Encode(link::Positions{3, 50, {{1, 2, 3}}}));
   stage.status.x_nm = 1234567;
-  stage.SayStatus();
+  stage.SendStatus();
   ExpectNoMotion();
   EXPECT_TRUE(driver->TakePositions().empty());
   EXPECT_EQ(driver->state().position_mm.x(), 0);

@@ -88,7 +88,7 @@ TEST_F(VirtualStageDriver, IsDownUntilTheStageAnswers) {
   EXPECT_TRUE(state.message.empty());
 }
 
-TEST_F(VirtualStageDriver, SpeaksInTimesToAClockOfItsOwnAndCountsTicksItself) {
+TEST_F(VirtualStageDriver, SendsTimesToAClockOfItsOwnAndCountsTicksItself) {
   stage.clock = 4711;
   ASSERT_TRUE(Connect());
   EXPECT_EQ(driver->state().clock, 4711u);
@@ -120,8 +120,9 @@ TEST_F(VirtualStageDriver, SpeaksInTimesToAClockOfItsOwnAndCountsTicksItself) {
 TEST_F(VirtualStageDriver, HandsOverPositionsWithTheirTimes) {
   stage.clock = 4711;
   ASSERT_TRUE(Connect());
-  stage.Say(link::MotionFrame::kTimedPositions,
-            Encode(link::TimedPositions{3, 50, {{777, 1000000, 0, 0}, {888, 0, 0, -1}}}));
+  stage.Send(
+      link::MotionFrame::kTimedPositions,
+      Encode(link::TimedPositions{3, 50, {{777, 1000000, 0, 0}, {888, 0, 0, -1}}}));
   std::vector<LatchedPositions> latched;
   ASSERT_TRUE(Until([&] {
     for (auto& entry : driver->TakePositions()) latched.push_back(std::move(entry));
@@ -133,7 +134,7 @@ TEST_F(VirtualStageDriver, HandsOverPositionsWithTheirTimes) {
   EXPECT_NEAR(latched[0].positions_mm[0].x(), 1, 1e-12);
 }
 
-TEST_F(VirtualStageDriver, SaysSegmentsInNanometres) {
+TEST_F(VirtualStageDriver, ReportsSegmentsInNanometres) {
   ASSERT_TRUE(Connect());
   ASSERT_TRUE(driver->BeginRun(7, 1234, 0).has_value());
   motion::Segment first = SegmentTo(12.3456785);
@@ -182,15 +183,15 @@ TEST_F(VirtualStageDriver, StopsWhereTheQueueIsFull) {
   }
   EXPECT_EQ(appended, kCapacity) << "not one more without a word of the stage";
   stage.queue.erase(stage.queue.begin(), stage.queue.begin() + 5);
-  stage.SayStatus();
+  stage.SendStatus();
   ASSERT_TRUE(Until([&] { return driver->Room() > 0; }));
   EXPECT_EQ(driver->Room(), 5u);
 }
 
-TEST_F(VirtualStageDriver, NeverOverfillsAQueueThatItHearsOfLate) {
+TEST_F(VirtualStageDriver, NeverOverfillsAQueueWhoseReportsAreLate) {
   stage.answers_status = false;  // statuses come when the stage likes
   ASSERT_TRUE(Until([&] { return driver->state().link_up; }));
-  stage.SayStatus();
+  stage.SendStatus();
   ASSERT_TRUE(Connect());
   constexpr int kSegments = 3000;
   ASSERT_TRUE(driver->BeginRun(1, 10, 0).has_value());
@@ -213,7 +214,7 @@ TEST_F(VirtualStageDriver, NeverOverfillsAQueueThatItHearsOfLate) {
               std::min<std::size_t>(stage.queue.size(), random() % 50);
           stage.queue.erase(stage.queue.begin(),
                             stage.queue.begin() + static_cast<std::ptrdiff_t>(executed));
-          if (random() % 3 == 0) stage.SayStatus();
+          if (random() % 3 == 0) stage.SendStatus();
         }
         return stage.all_segments.size() == kSegments;
       },
@@ -251,7 +252,7 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
   using link::StageFault;
   ASSERT_TRUE(Connect());
   struct Case {
-    StageFault said;
+    StageFault sent;
     intaglio_MotionFault fault;
   };
   for (const Case& c :
@@ -263,8 +264,8 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
         Case{StageFault::kSafeState, intaglio_MOTION_SAFE_STATE},
         Case{StageFault::kBadSequence, intaglio_MOTION_SAFE_STATE}}) {
     const std::uint64_t number = driver->state().number;
-    stage.status.fault = c.said;
-    stage.SayStatus();
+    stage.status.fault = c.sent;
+    stage.SendStatus();
     ASSERT_TRUE(Until([&] { return driver->state().number > number; }));
     EXPECT_EQ(driver->state().fault, c.fault);
     EXPECT_GT(driver->state().message.size(), 20u);
@@ -274,10 +275,10 @@ TEST_F(VirtualStageDriver, ReportsEveryFaultInASentence) {
 
 TEST_F(VirtualStageDriver, HandsLatchedPositionsOverInOrder) {
   ASSERT_TRUE(Connect());
-  stage.Say(link::MotionFrame::kPositions,
-            Encode(link::Positions{3, 50, {{1000000, -2000000, 1}, {1500000, 0, 0}}}));
-  stage.Say(link::MotionFrame::kPositions,
-            Encode(link::Positions{3, 52, {{2000000, 0, 0}}}));
+  stage.Send(link::MotionFrame::kPositions,
+             Encode(link::Positions{3, 50, {{1000000, -2000000, 1}, {1500000, 0, 0}}}));
+  stage.Send(link::MotionFrame::kPositions,
+             Encode(link::Positions{3, 52, {{2000000, 0, 0}}}));
   std::vector<LatchedPositions> got;
   ASSERT_TRUE(Until([&] {
     for (auto& positions : driver->TakePositions()) got.push_back(std::move(positions));
@@ -347,7 +348,7 @@ TEST(MotionDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
   }
 }
 
-TEST(MotionDrivers, ADeviceThatIsNotThereIsToldInTheState) {
+TEST(MotionDrivers, ADeviceThatIsNotThereIsReportedInTheState) {
   auto driver = MakeDriver(MachineAt("/nonexistent/motion"));
   ASSERT_TRUE(driver.has_value());
   (*driver)->Poll();

@@ -134,7 +134,7 @@ TEST_F(RecorderProcess, RestartedOneGoesOnInAnotherFile) {
   EXPECT_TRUE(fs::exists(file_));
 }
 
-TEST_F(RecorderProcess, KeepsThePapersOfAJob) {
+TEST_F(RecorderProcess, KeepsTheAttachmentsOfAJob) {
   auto recorder = Start();
   FrozenJob job;
   job.set_job_uid("7-abc");
@@ -158,15 +158,16 @@ TEST_F(RecorderProcess, KeepsThePapersOfAJob) {
   recorder.Signal(SIGTERM);
   EXPECT_EQ(recorder.ExitCode(), 0);
   const auto reader = McapReader::Open(file_).value();
-  std::map<std::string, std::string> papers;
+  std::map<std::string, std::string> attachments;
   for (const auto& index : reader.contents().attachments) {
-    const auto paper = reader.Read(index).value();
-    papers[paper.name] = std::string(reinterpret_cast<const char*>(paper.content.data()),
-                                     paper.content.size());
+    const auto attachment = reader.Read(index).value();
+    attachments[attachment.name] =
+        std::string(reinterpret_cast<const char*>(attachment.content.data()),
+                    attachment.content.size());
   }
-  EXPECT_EQ(papers.at("jobs/7-abc/frozen_job.binpb"), bytes);
-  EXPECT_EQ(papers.at("jobs/7-abc/software_version.txt"), "1.2.3");
-  EXPECT_THAT(papers.at("jobs/7-abc/job.textproto"), HasSubstr("lion"));
+  EXPECT_EQ(attachments.at("jobs/7-abc/frozen_job.binpb"), bytes);
+  EXPECT_EQ(attachments.at("jobs/7-abc/software_version.txt"), "1.2.3");
+  EXPECT_THAT(attachments.at("jobs/7-abc/job.textproto"), HasSubstr("lion"));
 }
 
 // The format's own library reads the file, checks its checksums, and understands every
@@ -191,10 +192,10 @@ TEST_F(RecorderProcess, ReferenceLibraryAgrees) {
       exported;
   FILE* out = popen(command.c_str(), "r");
   ASSERT_NE(out, nullptr);
-  std::string said(4096, '\0');
-  said.resize(std::fread(said.data(), 1, said.size(), out));
-  EXPECT_EQ(pclose(out), 0) << said;
-  EXPECT_THAT(said, HasSubstr("agree"));
+  std::string sent(4096, '\0');
+  sent.resize(std::fread(sent.data(), 1, sent.size(), out));
+  EXPECT_EQ(pclose(out), 0) << sent;
+  EXPECT_THAT(sent, HasSubstr("agree"));
 }
 
 TEST_F(RecorderProcess, ADiskThatIsFullAtTheStartIsWaitedFor) {

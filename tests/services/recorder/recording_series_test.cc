@@ -51,7 +51,7 @@ class Series : public ::testing::Test {
   Bytes payload_ = Bytes(1000);
 };
 
-TEST_F(Series, TellsStreamsTypesAndItself) {
+TEST_F(Series, ReportsStreamsTypesAndItself) {
   auto series = Open();
   const auto stream = series.AddStream(control_, types_);
   EXPECT_EQ(series.AddStream(control_, types_), stream);
@@ -73,7 +73,7 @@ TEST_F(Series, TellsStreamsTypesAndItself) {
             "here");
 }
 
-TEST_F(Series, SplitsBySizeAndEveryFileStandsAlone) {
+TEST_F(Series, SplitsBySizeAndEveryFileIsCompleteByItself) {
   options_.split_bytes = 10'000;
   auto series = Open();
   series.Attach({0, 0, "job", "text/plain", payload_});
@@ -227,12 +227,12 @@ TEST_F(Series, SplitsByTimeAlsoWhenTheClockIsSetBack) {
   EXPECT_EQ(Names().size(), 4u);
 }
 
-TEST_F(Series, SaysWhatIsMissing) {
+TEST_F(Series, ReportsWhatIsMissing) {
   auto series = Open();
   const auto stream = series.AddStream(bulk_, types_);
   series.CountMissing(stream, 7 * kSecond, "the disk is too slow", 3);
   series.CountMissing(stream, 9 * kSecond, "the disk is too slow", 2);
-  series.TellUnrecorded("Odd", "its type is not available");
+  series.ReportUnrecorded("Odd", "its type is not available");
   ASSERT_TRUE(series.Close());
   const auto records =
       McapReader::Open(options_.file)->ReadMetadata(recording::kMissingRecord).value();

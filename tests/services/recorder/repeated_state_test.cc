@@ -29,26 +29,26 @@ using ::testing::SizeIs;
 constexpr std::uint64_t kSecondNs = 1'000'000'000;
 
 /// A message as its readers see it, whatever the ids in its file.
-struct Told {
+struct Reported {
   std::string channel;
   std::uint32_t sequence = 0;
   std::uint64_t log_time_ns = 0, publish_time_ns = 0;
   Bytes payload;
-  auto operator<=>(const Told&) const = default;
+  auto operator<=>(const Reported&) const = default;
 };
 
 /// Of the messages, or of the repeats.
-std::vector<Told> Read(const fs::path& file, bool repeated) {
+std::vector<Reported> Read(const fs::path& file, bool repeated) {
   const auto reader = McapReader::Open(file).value();
   EXPECT_TRUE(reader.contents().complete);
-  std::vector<Told> told;
+  std::vector<Reported> reported;
   for (const auto& message : recording::MessagesOf(reader)) {
     const auto& channel = reader.contents().channels.at(message.channel_id);
     if (recording::StreamOf(channel)->repeated != repeated) continue;
-    told.push_back({channel.topic, message.sequence, message.log_time_ns,
-                    message.publish_time_ns, message.payload});
+    reported.push_back({channel.topic, message.sequence, message.log_time_ns,
+                        message.publish_time_ns, message.payload});
   }
-  return told;
+  return reported;
 }
 
 class RepeatedState : public ::testing::Test {
@@ -67,7 +67,7 @@ class RepeatedState : public ::testing::Test {
     passing_ = series_->AddStream(passing, types_);
   }
   /// At a time in seconds, sent a millisecond before.
-  void Say(double at_s, std::uint32_t stream, const Bytes& payload) {
+  void Send(double at_s, std::uint32_t stream, const Bytes& payload) {
     const auto at_ns = static_cast<std::uint64_t>(at_s * 1e9);
     series_->Write(stream, at_ns, at_ns - 1'000'000, payload);
   }
@@ -85,17 +85,17 @@ class RepeatedState : public ::testing::Test {
   /// Three files: instances 1 and 2 live on, 3 ends, 2 changes in the second file.
   void RecordThree() {
     Open();
-    Say(1, values_, StatusOf(1, 10));
-    Say(2, values_, StatusOf(2, 20));
-    Say(3, values_, StatusOf(3, 30));
-    Say(4, values_, StatusOf(1, 11));
-    Say(5, passing_, StatusOf(9, 90));
-    Say(6, ends_, StatusKeyOf(3));
+    Send(1, values_, StatusOf(1, 10));
+    Send(2, values_, StatusOf(2, 20));
+    Send(3, values_, StatusOf(3, 30));
+    Send(4, values_, StatusOf(1, 11));
+    Send(5, passing_, StatusOf(9, 90));
+    Send(6, ends_, StatusKeyOf(3));
     series_->Turn(10 * kSecondNs);
-    Say(12, values_, StatusOf(2, 21));
-    Say(13, passing_, StatusOf(9, 91));
+    Send(12, values_, StatusOf(2, 21));
+    Send(13, passing_, StatusOf(9, 91));
     series_->Turn(20 * kSecondNs);
-    Say(22, values_, StatusOf(1, 12));
+    Send(22, values_, StatusOf(1, 12));
     ASSERT_TRUE(series_->Close());
   }
 
@@ -116,13 +116,13 @@ TEST_F(RepeatedState, EveryFileBeginsWithTheNewestOfWhatLives) {
   EXPECT_THAT(
       Read(File(2), true),
       ElementsAre(
-          Told{"Status", 1, 10 * kSecondNs, 2 * kSecondNs - kMs, StatusOf(2, 20)},
-          Told{"Status", 3, 10 * kSecondNs, 4 * kSecondNs - kMs, StatusOf(1, 11)}));
+          Reported{"Status", 1, 10 * kSecondNs, 2 * kSecondNs - kMs, StatusOf(2, 20)},
+          Reported{"Status", 3, 10 * kSecondNs, 4 * kSecondNs - kMs, StatusOf(1, 11)}));
   EXPECT_THAT(
       Read(File(3), true),
       ElementsAre(
-          Told{"Status", 3, 20 * kSecondNs, 4 * kSecondNs - kMs, StatusOf(1, 11)},
-          Told{"Status", 4, 20 * kSecondNs, 12 * kSecondNs - kMs, StatusOf(2, 21)}));
+          Reported{"Status", 3, 20 * kSecondNs, 4 * kSecondNs - kMs, StatusOf(1, 11)},
+          Reported{"Status", 4, 20 * kSecondNs, 12 * kSecondNs - kMs, StatusOf(2, 21)}));
   EXPECT_THAT(Read(File(2), false), SizeIs(2));
   EXPECT_THAT(Read(File(3), false), SizeIs(1));
   EXPECT_EQ(series_->message_count(), 9u);
@@ -157,9 +157,9 @@ TEST_F(RepeatedState, WhatNoSourceHasFromBeforeStaysRepeated) {
 // The recorder's queue may still hold what came before the file was begun.
 TEST_F(RepeatedState, NothingInTheFileIsEarlier) {
   Open();
-  Say(1, values_, StatusOf(1, 10));
+  Send(1, values_, StatusOf(1, 10));
   series_->Turn(10 * kSecondNs);
-  Say(9.9, values_, StatusOf(1, 11));
+  Send(9.9, values_, StatusOf(1, 11));
   ASSERT_TRUE(series_->Close());
   const auto repeats = Read(File(2), true);
   ASSERT_THAT(repeats, SizeIs(1));
@@ -172,7 +172,7 @@ TEST_F(RepeatedState, NothingInTheFileIsEarlier) {
 
 TEST_F(RepeatedState, AQuietFileHasItToo) {
   Open();
-  Say(1, values_, StatusOf(1, 10));
+  Send(1, values_, StatusOf(1, 10));
   series_->Turn(10 * kSecondNs);
   series_->Turn(11 * kSecondNs);
   series_->Turn(12 * kSecondNs);  // half of what is written a second after its log time
@@ -185,12 +185,12 @@ TEST_F(RepeatedState, AQuietFileHasItToo) {
   }
 }
 
-TEST_F(RepeatedState, IsBoundedAndSaysWhatItForgot) {
+TEST_F(RepeatedState, IsBoundedAndReportsWhatItForgot) {
   options_.retained_bytes = 20'000;
   options_.writer.compress = false;
   Open();
   for (std::uint32_t id = 0; id < 100; ++id)
-    Say(1 + 0.01 * id, values_, StatusOf(id, id, 1000));
+    Send(1 + 0.01 * id, values_, StatusOf(id, id, 1000));
   series_->Turn(10 * kSecondNs);
   ASSERT_TRUE(series_->Close());
   const auto repeats = Read(File(2), true);
@@ -211,7 +211,7 @@ TEST_F(RepeatedState, LeavesAFileRoomForWhatIsNew) {
   options_.writer.compress = false;
   Open();
   for (std::uint32_t i = 0; i < 300; ++i) {
-    Say(1 + i, values_, StatusOf(i, i, 1000));
+    Send(1 + i, values_, StatusOf(i, i, 1000));
     series_->Turn((1 + i) * kSecondNs);
   }
   ASSERT_TRUE(series_->Close());

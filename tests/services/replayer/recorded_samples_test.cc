@@ -38,7 +38,7 @@ TEST(RecordedSamples, PointsComeTogether) {
   }
 }
 
-TEST(RecordedSamples, ExtentsTellWhichStreamsAreWhole) {
+TEST(RecordedSamples, ExtentsReportWhichStreamsAreWhole) {
   const auto reader = Golden("two_makers.mcap");
   const auto extents = ExtentsOf(reader, "PointBatch");
   ASSERT_TRUE(extents);

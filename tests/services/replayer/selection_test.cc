@@ -85,7 +85,7 @@ TEST(Selection, TwoTypesUnderOneNameAreAnError) {
       Select(reader.contents(), {.topics = {{}, {"MotionState"}}, .renames = renames}));
 }
 
-TEST(Selection, SaysWhyATopicIsLeftOut) {
+TEST(Selection, ReportsWhyATopicIsLeftOut) {
   const auto reader = Golden("pyramid.mcap");
   const auto selection = Select(reader.contents(), {.credit_is_given = true});
   ASSERT_TRUE(selection);

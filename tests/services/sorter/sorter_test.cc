@@ -192,7 +192,7 @@ TEST_F(SorterTest, StreamsMoreThanItsCreditWithoutLoss) {
   EXPECT_EQ(Rows(*ordered), Rows(cloud));
 }
 
-TEST_F(SorterTest, WithoutAConsumerOnlyTheOutcomeIsTold) {
+TEST_F(SorterTest, WithoutAConsumerOnlyTheOutcomeIsReported) {
   shop.Give(FrozenJobOf("alone", SortSpec()), 1, "");
   ASSERT_TRUE(Stream("alone", RandomCloud(100), false));
   const auto end = shop.AwaitEnd("alone", 1);
@@ -251,7 +251,7 @@ TEST_F(SorterTest, ADiscretizerThatNeverSendsIsEndedByRevoking) {
   EXPECT_TRUE(shop.AwaitHealth(intaglio_HEALTH_READY));
 }
 
-TEST_F(SorterTest, AnnealsForAsLongAsTheJobSays) {
+TEST_F(SorterTest, AnnealsForAsLongAsTheJobStates) {
   JobSpec spec = SortSpec();
   spec.mutable_ordering()->mutable_anneal()->set_time_s(0.5);
   const PointCloud cloud = RandomCloud(2000);

@@ -47,7 +47,7 @@ class EngravingLoss : public testing::Test {
   FakeCell cell_{{.points = 160}};
 };
 
-TEST_F(EngravingLoss, TheControllerTellsOfPulsesFiredWhileTheLineWasDown) {
+TEST_F(EngravingLoss, TheControllerReportsPulsesFiredWhileTheLineWasDown) {
   MakeAndLoseTheLine(40);
   const std::uint64_t known = cell_.made();
   cell_.StepFor(1000ms);
@@ -61,7 +61,7 @@ TEST_F(EngravingLoss, TheControllerTellsOfPulsesFiredWhileTheLineWasDown) {
   EXPECT_EQ(cell_.made(), 160);
 }
 
-TEST_F(EngravingLoss, TheControllerTellsThatNothingFiredWhileTheLineWasDown) {
+TEST_F(EngravingLoss, TheControllerReportsThatNothingFiredWhileTheLineWasDown) {
   MakeAndLoseTheLine(40);
   cell_.laser.EnterSafeState();
   cell_.StepFor(1000ms);
@@ -73,7 +73,7 @@ TEST_F(EngravingLoss, TheControllerTellsThatNothingFiredWhileTheLineWasDown) {
 }
 
 // Some of the armed ticks found the stage elsewhere: a count could not show which.
-TEST_F(EngravingLoss, TheControllerTellsWhichOfTheArmedTicksFired) {
+TEST_F(EngravingLoss, TheControllerReportsWhichOfTheArmedTicksFired) {
   MakeAndLoseTheLine(40);
   cell_.StepFor(20ms);
   cell_.stage.behind = true;

@@ -43,7 +43,7 @@ TEST_P(EngravingModes, MakesEveryPointOnceInOnePass) {
   EXPECT_FALSE(cell_.laser.lamp_on());
 }
 
-TEST_P(EngravingModes, HasTheIntentOnDiskBeforeTheControllerHearsOfTheTick) {
+TEST_P(EngravingModes, HasTheIntentOnDiskBeforeTheControllerReceivesTheTick) {
   int armed = 0;
   cell_.laser.on_arm = [&](std::uint64_t tick) {
     ++armed;
@@ -304,7 +304,7 @@ TEST_F(EngravingTest, AFullDiskPausesBeforeAnythingFiresWithoutIntent) {
 }
 
 // One session, a gap in the host's attention: the identity does not come a second time.
-TEST_F(EngravingTest, FindsTheControllerAgainAfterLookingAwayForAWhile) {
+TEST_F(EngravingTest, FindsTheControllerAgainAfterAPauseOfPolling) {
   cell_.Grant();
   ASSERT_TRUE(cell_.StepUntilMade(5));
   cell_.now += 10s;

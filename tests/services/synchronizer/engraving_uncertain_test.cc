@@ -31,7 +31,7 @@ TEST_P(Uncertain, AJobThatAsksWaitsForAPerson) {
   LeaveThemAndEnd(cell);
 }
 
-TEST_P(Uncertain, TheQuestionSaysHowManyAndWhere) {
+TEST_P(Uncertain, TheQuestionReportsHowManyAndWhere) {
   FakeCell cell(Asking());
   LeaveSomeUncertain(cell, 40);
   ExpectItWaits(cell);

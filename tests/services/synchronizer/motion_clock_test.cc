@@ -21,10 +21,10 @@ class SimulatedClock {
     const double late_ns =
         1e9 * std::uniform_real_distribution<double>(0, jitter_s_)(random_);
     // What is sent first arrives first.
-    heard_ns_ = std::max(heard_ns_, true_ns_ + late_ns);
+    received_ns_ = std::max(received_ns_, true_ns_ + late_ns);
   }
   std::uint64_t tick() const { return tick_; }
-  std::uint64_t stamp() const { return static_cast<std::uint64_t>(heard_ns_); }
+  std::uint64_t stamp() const { return static_cast<std::uint64_t>(received_ns_); }
   /// At the newest tick, less the oscillator's own drift.
   double ErrorUs(const MotionClock& clock, double ahead_ticks, double drift_ppm) const {
     const double truth = true_ns_ + ahead_ticks * (1 + drift_ppm * 1e-6) * 1e9 / rate_hz_;
@@ -36,7 +36,7 @@ class SimulatedClock {
   double rate_hz_, jitter_s_;
   std::mt19937_64 random_;
   std::uint64_t tick_ = 7000;
-  double true_ns_ = 3.7e9, heard_ns_ = 0;
+  double true_ns_ = 3.7e9, received_ns_ = 0;
 };
 
 TEST(MotionClock, FindsPhaseAndDriftBelowTheJitter) {
@@ -129,7 +129,7 @@ TEST(MotionClock, NoticesThatThePaceHasChangedAndFindsTheNewOne) {
   }
 }
 
-TEST(MotionClock, FollowsACrystalThatWarmsUpWithoutAWord) {
+TEST(MotionClock, FollowsACrystalThatWarmsUpWithoutAReport) {
   SimulatedClock truth(200, 0.002, 4);
   MotionClock clock;
   clock.Reset(200);

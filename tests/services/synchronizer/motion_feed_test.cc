@@ -265,7 +265,7 @@ TEST_F(MotionFeedTest, ChangesItsSpeedFromTheNextPlannedMotionOnAndLosesNoPoint)
   EXPECT_EQ(scheduled, points_mm_.size());
 }
 
-TEST_F(MotionFeedTest, BeginsALaterRunAtTheSpeedThatStands) {
+TEST_F(MotionFeedTest, BeginsALaterRunAtTheSpeedThatIsSet) {
   feed_.SetSpeed(0.3, schedule_);
   Begin();
   Advance(kStart + 400);
@@ -360,7 +360,7 @@ TEST_F(MotionFeedTest, ARunAtItsEndIsNotDropped) {
   EXPECT_FALSE(feed_.dropped());
 }
 
-TEST_F(MotionFeedTest, AbortsWithOneLastWord) {
+TEST_F(MotionFeedTest, AbortsWithOneLastMessage) {
   Advance(kStart + 50);
   grant_ = {};  // an abort needs no credit
   ASSERT_TRUE(feed_.Abort());

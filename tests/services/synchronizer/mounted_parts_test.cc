@@ -88,7 +88,7 @@ TEST(MountedLens, IsNamedOrGivenByItsNumbers) {
   EXPECT_EQ(MountedLens("43,0.15", machine)->value().numerical_aperture, 0.15);
 }
 
-TEST(MountedLens, IsKnownWithoutAWordWhereThereIsJustOne) {
+TEST(MountedLens, IsKnownWithoutAReportWhereThereIsJustOne) {
   MachineSpec machine = GoodMachine();
   EXPECT_EQ(MountedLens("", machine).value(), std::nullopt);
   machine.mutable_lenses()->DeleteSubrange(0, 1);

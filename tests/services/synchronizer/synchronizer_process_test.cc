@@ -230,7 +230,7 @@ class WithAJob : public SynchronizerProcess {
   bool Holds(std::uint64_t number) { return Reports({{"presser", number}}); }
   /// What is armed before is spent.
   bool IsReleased() { return Reports({}); }
-  void SayArm(std::uint64_t epoch) {
+  void SendArm(std::uint64_t epoch) {
     const std::string who = "ann";
     intaglio_JobCommand sample{};
     sample.sender = bus::Borrow(who);
@@ -287,10 +287,10 @@ class WithAJob : public SynchronizerProcess {
 };
 
 // All of it is retained, so a service that starts receives it at once.
-TEST_F(WithAJob, WhatWasSaidInAnEarlierRunFiresNothing) {
+TEST_F(WithAJob, WhatWasReportedInAnEarlierRunFiresNothing) {
   Permit(kEpoch - 1, 1u << 20);
   Reset(std::numeric_limits<std::uint64_t>::max());
-  SayArm(kEpoch - 1);
+  SendArm(kEpoch - 1);
   StartBridge();
   const auto synchronizer = Start("synchronizer.log");
   ASSERT_TRUE(LineIsUp()) << synchronizer->Output();
@@ -410,7 +410,7 @@ struct WrongMount {
 class MountedOtherwise : public WithAJob,
                          public ::testing::WithParamInterface<WrongMount> {};
 
-TEST_P(MountedOtherwise, IsNotFiredAndSaysWhatIsMountedAndWanted) {
+TEST_P(MountedOtherwise, IsNotFiredAndReportsWhatIsMountedAndWanted) {
   StartBridge();
   const auto synchronizer = Start("synchronizer.log", GetParam().options);
   ASSERT_TRUE(LineIsUp()) << synchronizer->Output();

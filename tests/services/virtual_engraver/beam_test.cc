@@ -23,7 +23,7 @@ double DepthByAngles(double depth_in_air_mm, double n, double na) {
   return depth_in_air_mm * std::tan(air_rad) / std::tan(glass_rad);
 }
 
-TEST(Beam, MeetsWhereSnellsLawSays) {
+TEST(Beam, MeetsWhereSnellsLawStates) {
   for (double n = 1.4; n < 1.95; n += 0.1) {
     for (double na = 0.02; na < 0.31; na += 0.04) {
       const BlockInMachine block = Block(n, na);
@@ -71,7 +71,7 @@ TEST(Beam, OnTheFaceNothingIsRefracted) {
   EXPECT_TRUE(focus.in_glass);
 }
 
-TEST(Beam, TellsWhatLiesBesideTheBlock) {
+TEST(Beam, ReportsWhatLiesBesideTheBlock) {
   const BlockInMachine block = Block(1.5, 0.1);
   EXPECT_FALSE(TraceFocus({40, 50, 45.001}, block).in_glass) << "above";
   EXPECT_FALSE(TraceFocus({9.99, 50, 40}, block).in_glass);

@@ -8,7 +8,7 @@ namespace intaglio::virtual_engraver {
 namespace {
 namespace fs = std::filesystem;
 
-class PanelWords : public MachineBench {
+class PanelCommands : public MachineBench {
  protected:
   void SetUp() override {
     Start(PlainOptions(false));
@@ -26,7 +26,7 @@ class PanelWords : public MachineBench {
   std::unique_ptr<Commands> commands;
 };
 
-TEST_F(PanelWords, ButtonsChangeTheirInterlock) {
+TEST_F(PanelCommands, ButtonsChangeTheirInterlock) {
   struct Case {
     const char* off;
     const char* on;
@@ -41,7 +41,7 @@ TEST_F(PanelWords, ButtonsChangeTheirInterlock) {
   }
 }
 
-TEST_F(PanelWords, TheStopButtonStopsLaserAndStage) {
+TEST_F(PanelCommands, TheStopButtonStopsLaserAndStage) {
   machine->stage().BeginRun({1, kStartTick});
   machine->stage().Append(Frame({{{9000, 0, 0}, {0, 0, 0}, 100 * kTick, false, true}}));
   Pass(std::chrono::milliseconds(300));
@@ -57,7 +57,7 @@ TEST_F(PanelWords, TheStopButtonStopsLaserAndStage) {
   EXPECT_NE(interlocks() & link::kStopReleased, 0);
 }
 
-TEST_F(PanelWords, AColdLampWarmsUpAgain) {
+TEST_F(PanelCommands, AColdLampWarmsUpAgain) {
   MachineOptions options = PlainOptions(false);
   options.laser.warm_up_s = 0.1;
   Start(options);
@@ -73,7 +73,7 @@ TEST_F(PanelWords, AColdLampWarmsUpAgain) {
   EXPECT_NE(interlocks() & link::kLampWarm, 0);
 }
 
-TEST_F(PanelWords, TheStagesFaultsAreThoseOfTheProtocol) {
+TEST_F(PanelCommands, TheStagesFaultsAreThoseOfTheProtocol) {
   struct Case {
     const char* command;
     link::StageFault fault;
@@ -88,7 +88,7 @@ TEST_F(PanelWords, TheStagesFaultsAreThoseOfTheProtocol) {
   }
 }
 
-TEST_F(PanelWords, StatusIsOneLineOfEverything) {
+TEST_F(PanelCommands, StatusIsOneLineOfEverything) {
   const std::string status = commands->Do("status");
   EXPECT_EQ(status.rfind("ok {", 0), 0u);
   for (const char* name : {"tick", "rate_hz", "interlocks", "shutters", "pulses",
@@ -98,7 +98,7 @@ TEST_F(PanelWords, StatusIsOneLineOfEverything) {
   EXPECT_EQ(status.find('\n'), std::string::npos);
 }
 
-TEST_F(PanelWords, RefusesWhatItDoesNotKnow) {
+TEST_F(PanelCommands, RefusesWhatItDoesNotKnow) {
   for (const char* command : {"",
                               "   ",
                               "open",
@@ -141,7 +141,7 @@ TEST_F(PanelWords, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(commands->quit());
 }
 
-TEST_F(PanelWords, PlugsAreTheSymbolicLinks) {
+TEST_F(PanelCommands, PlugsAreTheSymbolicLinks) {
   for (const auto& [name, path] : {std::pair{"laser", plugs.laser.device},
                                    std::pair{"motion", plugs.motion.device}}) {
     EXPECT_TRUE(link::OpenSerialPort(path, 115200).has_value()) << name;
@@ -157,7 +157,7 @@ TEST_F(PanelWords, PlugsAreTheSymbolicLinks) {
   }
 }
 
-TEST_F(PanelWords, APlugOverTcpKeepsItsPort) {
+TEST_F(PanelCommands, APlugOverTcpKeepsItsPort) {
   Plugs tcp{{"tcp:127.0.0.1:0"}, {"tcp:127.0.0.1:0"}, 0};
   Commands over_tcp(*machine, tcp);
   ASSERT_TRUE(over_tcp.PlugLaser());

@@ -117,7 +117,7 @@ EngravingHost::EngravingHost(const EngraverProcess& engraver)
 
 void EngravingHost::Poll() {
   const auto take = [this](std::uint8_t type, std::span<const std::byte> payload) {
-    heard_.Take(type, payload);
+    received_.Take(type, payload);
   };
   laser_.Poll(take);
   motion_.Poll(take);
@@ -137,37 +137,37 @@ bool EngravingHost::Until(const std::function<bool()>& condition,
 
 bool EngravingHost::Connect() {
   return Until([this] {
-    return laser_.up() && motion_.up() && !heard_.laser_identities.empty() &&
-           !heard_.motion_identities.empty();
+    return laser_.up() && motion_.up() && !received_.laser_identities.empty() &&
+           !received_.motion_identities.empty();
   });
 }
 
-bool EngravingHost::Say(link::LaserFrame type, const link::Bytes& payload) {
+bool EngravingHost::Send(link::LaserFrame type, const link::Bytes& payload) {
   return Until([this] { return laser_.CanSend(); }) &&
          laser_.Send(static_cast<std::uint8_t>(type), payload).has_value();
 }
 
-bool EngravingHost::Say(link::MotionFrame type, const link::Bytes& payload) {
+bool EngravingHost::Send(link::MotionFrame type, const link::Bytes& payload) {
   return Until([this] { return motion_.CanSend(); }) &&
          motion_.Send(static_cast<std::uint8_t>(type), payload).has_value();
 }
 
 bool EngravingHost::OpenShutterAndLamp() {
-  return Say(link::LaserFrame::kLampCommand,
-             Encode(link::LampCommand{
-                 true, heard_.laser_identities.empty()
-                           ? 100
-                           : heard_.laser_identities.back().rates_hz.front()})) &&
-         Say(link::LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
+  return Send(link::LaserFrame::kLampCommand,
+              Encode(link::LampCommand{
+                  true, received_.laser_identities.empty()
+                            ? 100
+                            : received_.laser_identities.back().rates_hz.front()})) &&
+         Send(link::LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
 }
 
 std::uint64_t EngravingHost::TickNow() {
-  const std::size_t before = heard_.laser_statuses.size();
-  if (!Say(link::LaserFrame::kLaserStatusRequest) ||
-      !Until([&] { return heard_.laser_statuses.size() > before; })) {
+  const std::size_t before = received_.laser_statuses.size();
+  if (!Send(link::LaserFrame::kLaserStatusRequest) ||
+      !Until([&] { return received_.laser_statuses.size() > before; })) {
     return 0;
   }
-  return heard_.laser_statuses.back().tick;
+  return received_.laser_statuses.back().tick;
 }
 
 ForkedHost::ForkedHost(const std::function<void()>& work) : pid_(fork()) {

@@ -57,17 +57,17 @@ class EngravingHost {
   /// Polls until the condition holds; false when the time is up first.
   bool Until(const std::function<bool()>& condition,
              std::chrono::milliseconds bound = std::chrono::seconds(5));
-  bool Say(link::LaserFrame type, const link::Bytes& payload = {});
-  bool Say(link::MotionFrame type, const link::Bytes& payload = {});
+  bool Send(link::LaserFrame type, const link::Bytes& payload = {});
+  bool Send(link::MotionFrame type, const link::Bytes& payload = {});
   /// The lamp is on, shutter 1 open.
   bool OpenShutterAndLamp();
   /// Asks the laser for its tick.
   std::uint64_t TickNow();
-  const Heard& heard() const { return heard_; }
+  const Received& received() const { return received_; }
 
  private:
   link::LineSession laser_, motion_;
-  Heard heard_;
+  Received received_;
 };
 
 /// Another process; killed with its holder or its parent.

@@ -41,10 +41,10 @@ TEST_P(EngraverLines, CarryAShortJob) {
     knots.push_back({{600.0 + 100 * i, 5000, 10000}, {10000, 0, 0}, kTick, true});
   }
   knots.push_back({{1600, 5000, 10000}, {0, 0, 0}, 2 * kTick, false, true});
-  ASSERT_TRUE(host.Say(MotionFrame::kBeginRun, Encode(link::BeginRun{1, start})));
-  ASSERT_TRUE(host.Say(MotionFrame::kSegments, Encode(Frame(knots))));
-  ASSERT_TRUE(host.Say(LaserFrame::kArmWindow, Encode(AllFrom(start + 1, 60, true))));
-  ASSERT_TRUE(host.Until([&] { return host.heard().fired_count() == 10; }));
+  ASSERT_TRUE(host.Send(MotionFrame::kBeginRun, Encode(link::BeginRun{1, start})));
+  ASSERT_TRUE(host.Send(MotionFrame::kSegments, Encode(Frame(knots))));
+  ASSERT_TRUE(host.Send(LaserFrame::kArmWindow, Encode(AllFrom(start + 1, 60, true))));
+  ASSERT_TRUE(host.Until([&] { return host.received().fired_count() == 10; }));
   // Reported cracks are in the file.
   const auto record = formats::ReadGlassRecord(engraver.record_file());
   ASSERT_TRUE(record.has_value());
@@ -68,8 +68,8 @@ TEST(EngraverProcess, ReportsTheSerialNumbersItIsGiven) {
     EXPECT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
     EngravingHost host(engraver);
     EXPECT_TRUE(host.Connect());
-    return std::pair(host.heard().laser_identities.back().serial_number,
-                     host.heard().motion_identities.back().serial_number);
+    return std::pair(host.received().laser_identities.back().serial_number,
+                     host.received().motion_identities.back().serial_number);
   };
   EXPECT_EQ(identities(""), std::pair("virtual-laser-1"s, "virtual-stage-1"s));
   EXPECT_EQ(identities("laser { serial_number: 'A 03' } stage { serial_number: 'ST-7' }"),
@@ -81,7 +81,7 @@ void FireForEver(const EngraverProcess& engraver) {
   EngravingHost host(engraver);
   if (!host.Connect() || !host.OpenShutterAndLamp()) return;
   const std::uint64_t tick = host.TickNow();
-  if (!host.Say(LaserFrame::kArmWindow, Encode(AllFrom(tick + 5, 4096)))) return;
+  if (!host.Send(LaserFrame::kArmWindow, Encode(AllFrom(tick + 5, 4096)))) return;
   host.Until([] { return false; }, 60s);
 }
 
@@ -109,27 +109,27 @@ TEST_P(EngraverLines, OfAHostThatDiesOrHangsLeaveClosedShutters) {
   }
 }
 
-TEST(EngraverProcess, KilledItLeavesARecordUpToTheLastCrackItToldOf) {
+TEST(EngraverProcess, KilledItLeavesARecordUpToTheLastCrackItReported) {
   EngraverProcess engraver(test::FreshFolder(), "laser { rates_hz: 1000 }");
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();
   EngravingHost host(engraver);
   ASSERT_TRUE(host.Connect());
   ASSERT_TRUE(host.OpenShutterAndLamp());
   const std::uint64_t first = host.TickNow() + 50;
-  ASSERT_TRUE(host.Say(LaserFrame::kArmWindow, Encode(AllFrom(first, 4096))));
-  ASSERT_TRUE(host.Until([&] { return host.heard().fired_count() > 300; }));
+  ASSERT_TRUE(host.Send(LaserFrame::kArmWindow, Encode(AllFrom(first, 4096))));
+  ASSERT_TRUE(host.Until([&] { return host.received().fired_count() > 300; }));
   engraver.program().Signal(SIGKILL);
   ASSERT_TRUE(engraver.program().WaitForEnd(5s).in_time);
   host.Poll();  // what was still in the line
   const auto record = formats::ReadGlassRecord(engraver.record_file());
   ASSERT_TRUE(record.has_value());
   EXPECT_LT(record->torn_bytes, formats::kGlassRecordSize);
-  EXPECT_GE(record->cracks.size(), host.heard().fired_count());
+  EXPECT_GE(record->cracks.size(), host.received().fired_count());
   for (std::size_t i = 0; i < record->cracks.size(); ++i)
     ASSERT_EQ(record->cracks[i].tick, first + i);
 }
 
-TEST(EngraverProcess, MisbehavesAtTheTickItWasTold) {
+TEST(EngraverProcess, MisbehavesAtTheTickItWasGiven) {
   EngraverProcess engraver(test::FreshFolder(), "laser { rates_hz: 1000 }",
                            {"--fault", "30 door open", "--fault", "60 key off"});
   ASSERT_TRUE(engraver.AwaitReady()) << engraver.program().Output();

@@ -85,7 +85,7 @@ TEST(Glass, BeginsTheRecordAnew) {
   EXPECT_TRUE(formats::ReadGlassRecord(file)->cracks.empty());
 }
 
-TEST(Glass, SaysWhereItCannotWrite) {
+TEST(Glass, ReportsWhereItCannotWrite) {
   const auto glass = Glass::Create(RecordOfThisTest() / "not" / "here", kHeader);
   ASSERT_FALSE(glass.has_value());
   EXPECT_EQ(glass.error().code, ErrorCode::kIo);

@@ -241,7 +241,7 @@ TEST(Laser, ADecidedTickIsNotDecidedAgain) {
   EXPECT_EQ(fired, std::vector<std::uint64_t>{14});
 }
 
-TEST(Laser, ALatePulseIsToldInAReportOfItsOwn) {
+TEST(Laser, ALatePulseIsReportedInAReportOfItsOwn) {
   Laser laser = ReadyLaser();  // at tick 10
   // Tick 9 and 10 have passed: 9 was to fire, 10 not, 11 and 12 come in time.
   laser.Decide({9, false, {true, false, true, true}});
@@ -310,7 +310,7 @@ TEST(Laser, RemembersWhatCameOfEveryTickOverSessions) {
                                        TickOutcome::kNotArmed}));
 }
 
-TEST(Laser, RemembersTheNewestTicksAndSaysWhatItForgot) {
+TEST(Laser, RemembersTheNewestTicksAndReportsWhatItForgot) {
   Laser laser = ReadyLaser();
   laser.Decide({11, false, {true, true}});
   while (laser.tick() < 11 + link::kRememberedTicks) laser.AdvanceTick(false);

@@ -45,7 +45,7 @@ class BenchLine : public link::ByteStream {
 };
 
 /// The machine's messages on both lines, decoded.
-struct Heard {
+struct Received {
   std::vector<link::LaserIdentity> laser_identities;
   std::vector<link::LaserStatus> laser_statuses;
   std::vector<link::PulseReport> reports;
@@ -123,7 +123,7 @@ class MachineBench : public ::testing::Test {
     for (std::int64_t i = 0; i < time.count(); ++i) {
       now += std::chrono::milliseconds(1);
       const auto take = [this](std::uint8_t type, std::span<const std::byte> payload) {
-        heard.Take(type, payload);
+        received.Take(type, payload);
       };
       for (auto* host : {laser_host.get(), motion_host.get()}) {
         if (host != nullptr && !host->Poll(take)) ADD_FAILURE() << "the line is lost";
@@ -136,17 +136,17 @@ class MachineBench : public ::testing::Test {
     ASSERT_TRUE(laser_host->up());
     ASSERT_TRUE(motion_host->up());
   }
-  void SayLaser(link::LaserFrame type, const link::Bytes& payload = {}) {
+  void SendLaser(link::LaserFrame type, const link::Bytes& payload = {}) {
     while (!laser_host->CanSend()) Pass(std::chrono::milliseconds(1));
     ASSERT_TRUE(laser_host->Send(static_cast<std::uint8_t>(type), payload).has_value());
   }
-  void SayMotion(link::MotionFrame type, const link::Bytes& payload = {}) {
+  void SendMotion(link::MotionFrame type, const link::Bytes& payload = {}) {
     while (!motion_host->CanSend()) Pass(std::chrono::milliseconds(1));
     ASSERT_TRUE(motion_host->Send(static_cast<std::uint8_t>(type), payload).has_value());
   }
   void OpenShutterAndLamp() {
-    SayLaser(link::LaserFrame::kLampCommand, Encode(link::LampCommand{true, 100}));
-    SayLaser(link::LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
+    SendLaser(link::LaserFrame::kLampCommand, Encode(link::LampCommand{true, 100}));
+    SendLaser(link::LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
   }
   std::vector<formats::GlassCrack> Cracks() {
     EXPECT_TRUE(machine->glass().Flush().has_value());
@@ -161,7 +161,7 @@ class MachineBench : public ::testing::Test {
   std::unique_ptr<link::ReliableLink> laser_host, motion_host;
   std::shared_ptr<BenchLine::Wire> laser_in, motion_in;  // towards the machine
   std::shared_ptr<link::LineEpoch> laser_epoch = std::make_shared<link::LineEpoch>();
-  Heard heard;
+  Received received;
 };
 
 }  // namespace intaglio::virtual_engraver

@@ -16,12 +16,12 @@ class MachineSafety : public MachineBench {
   std::uint8_t interlocks() const { return machine->laser().Report().interlocks; }
   bool safe_state() const { return (interlocks() & link::kSafeState) != 0; }
   /// The machine received a valid frame at this very moment.
-  void SpeakOnLaser() {
-    SayLaser(LaserFrame::kLaserStatusRequest);
+  void SendOnLaser() {
+    SendLaser(LaserFrame::kLaserStatusRequest);
     Pass(1ms);
   }
-  void SpeakOnMotion() {
-    SayMotion(MotionFrame::kMotionStatusRequest);
+  void SendOnMotion() {
+    SendMotion(MotionFrame::kMotionStatusRequest);
     Pass(1ms);
   }
   /// Shutter open and far more ticks armed than a test lasts; every tick fires.
@@ -30,8 +30,8 @@ class MachineSafety : public MachineBench {
     Connect();
     OpenShutterAndLamp();
     const std::uint64_t first = machine->laser().tick() + 5;
-    SayLaser(LaserFrame::kArmWindow,
-             Encode(link::ArmWindow{first, false, std::vector<bool>(1000, true)}));
+    SendLaser(LaserFrame::kArmWindow,
+              Encode(link::ArmWindow{first, false, std::vector<bool>(1000, true)}));
     Pass(100ms);
     ASSERT_GT(machine->laser().Report().pulse_count, 0u);
   }
@@ -43,9 +43,9 @@ class MachineSafety : public MachineBench {
     for (int i = 1; i < 31; ++i)
       line.push_back({{250 + i * 500.0, 0, 0}, {50000, 0, 0}, kTick});
     line.push_back({{30000, 0, 0}, {0, 0, 0}, 69 * kTick, false, true});
-    SayMotion(MotionFrame::kBeginRun,
-              Encode(link::BeginRun{1, machine->laser().tick() + 3}));
-    SayMotion(MotionFrame::kSegments, Encode(Frame(line)));
+    SendMotion(MotionFrame::kBeginRun,
+               Encode(link::BeginRun{1, machine->laser().tick() + 3}));
+    SendMotion(MotionFrame::kSegments, Encode(Frame(line)));
     Pass(150ms);
     ASSERT_TRUE(machine->stage().running());
     ASSERT_GT(machine->stage().actual_mm().x(), 1);
@@ -54,7 +54,7 @@ class MachineSafety : public MachineBench {
 
 TEST_F(MachineSafety, QuarterOfASecondOfSilenceClosesTheShutters) {
   StartFiring(false);
-  SpeakOnLaser();
+  SendOnLaser();
   laser_in->cut = true;
   Pass(250ms);
   EXPECT_EQ(machine->laser().shutters(), 1);
@@ -70,7 +70,7 @@ TEST_F(MachineSafety, QuarterOfASecondOfSilenceClosesTheShutters) {
 TEST_F(MachineSafety, SilenceIsWallTimeInLockstepToo) {
   StartFiring(true);
   ASSERT_EQ(machine->laser().shutters(), 1);
-  SpeakOnLaser();
+  SendOnLaser();
   laser_in->cut = true;
   Pass(250ms);
   EXPECT_FALSE(safe_state());
@@ -81,7 +81,7 @@ TEST_F(MachineSafety, SilenceIsWallTimeInLockstepToo) {
 
 TEST_F(MachineSafety, BytesThatAreNoFramesOfThisSessionAreSilence) {
   StartFiring(false);
-  SpeakOnLaser();
+  SendOnLaser();
   laser_in->cut = true;
   std::vector<std::byte> stale, broken;
   link::AppendFrame({0x03, laser_host->session() + 1, 0, 1, 256}, {}, stale);
@@ -112,19 +112,19 @@ TEST_F(MachineSafety, AHostThatComesBackFindsTheSafeStateUntilItsReset) {
   Pass(200ms);
   ASSERT_TRUE(laser_host->up());
   const std::uint64_t cracks = machine->glass().crack_count();
-  SayLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
-  SayLaser(
+  SendLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
+  SendLaser(
       LaserFrame::kArmWindow,
       Encode(link::ArmWindow{machine->laser().tick() + 3, false, {true, true, true}}));
   Pass(100ms);
   EXPECT_EQ(machine->laser().shutters(), 0);
   EXPECT_EQ(machine->glass().crack_count(), cracks);
-  ASSERT_FALSE(heard.laser_statuses.empty());
-  EXPECT_NE(heard.laser_statuses.back().interlocks & link::kSafeState, 0);
+  ASSERT_FALSE(received.laser_statuses.empty());
+  EXPECT_NE(received.laser_statuses.back().interlocks & link::kSafeState, 0);
 
-  SayLaser(LaserFrame::kLaserReset);
-  SayLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
-  SayLaser(
+  SendLaser(LaserFrame::kLaserReset);
+  SendLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{1}));
+  SendLaser(
       LaserFrame::kArmWindow,
       Encode(link::ArmWindow{machine->laser().tick() + 3, false, {true, true, true}}));
   Pass(100ms);
@@ -139,7 +139,7 @@ TEST_F(MachineSafety, ANewHostWithinTheQuarterSecondFindsNothingArmed) {
   const std::uint64_t cracks = machine->glass().crack_count();
   Pass(500ms);
   EXPECT_EQ(machine->glass().crack_count(), cracks);
-  EXPECT_EQ(heard.laser_identities.size(), 2u);
+  EXPECT_EQ(received.laser_identities.size(), 2u);
 }
 
 TEST_F(MachineSafety, AnUnpluggedLaserLineIsTheSafeState) {
@@ -154,7 +154,7 @@ TEST_F(MachineSafety, AnUnpluggedLaserLineIsTheSafeState) {
 
 TEST_F(MachineSafety, SilenceOnTheMotionLineStopsTheStage) {
   StartMoving();
-  SpeakOnMotion();
+  SendOnMotion();
   motion_in->cut = true;
   Pass(240ms);
   EXPECT_EQ(machine->stage().Report().fault, StageFault::kNone);
@@ -188,19 +188,19 @@ TEST_F(MachineSafety, AnUnpluggedMotionLineStopsTheStage) {
   EXPECT_EQ(machine->stage().Report().fault, StageFault::kSafeState);
 }
 
-TEST_F(MachineSafety, FaultsAndInterlocksAreToldAtOnce) {
+TEST_F(MachineSafety, FaultsAndInterlocksAreReportedAtOnce) {
   StartMoving();
-  SpeakOnMotion();
-  const auto told_fault = [this] {
-    return !heard.motion_statuses.empty() &&
-           heard.motion_statuses.back().fault == StageFault::kLimit;
+  SendOnMotion();
+  const auto reported_fault = [this] {
+    return !received.motion_statuses.empty() &&
+           received.motion_statuses.back().fault == StageFault::kLimit;
   };
   machine->stage().Fail(StageFault::kLimit);
   Pass(2ms);
-  EXPECT_TRUE(told_fault());
+  EXPECT_TRUE(reported_fault());
   machine->laser().SetDoor(false);
   Pass(2ms);
-  EXPECT_EQ(heard.laser_statuses.back().interlocks & link::kDoorClosed, 0);
+  EXPECT_EQ(received.laser_statuses.back().interlocks & link::kDoorClosed, 0);
 }
 
 // The newest host has the machine, whatever line it comes by.
@@ -228,13 +228,13 @@ TEST_F(MachineSafety, AStageInTroubleDoesNotFireWhereItShouldNotBe) {
   OpenShutterAndLamp();
   machine->stage().Stick(0);
   const std::uint64_t start = machine->laser().tick() + 5;
-  SayMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, start}));
-  SayMotion(MotionFrame::kSegments,
-            Encode(Frame({{{50, 0, 0}, {0, 0, 0}, kTick, true},
-                          {{500, 0, 0}, {0, 0, 0}, 9 * kTick, true},
-                          {{0, 0, 0}, {0, 0, 0}, 9 * kTick, false, true}})));
-  SayLaser(LaserFrame::kArmWindow,
-           Encode(link::ArmWindow{start, true, std::vector<bool>(20, true)}));
+  SendMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, start}));
+  SendMotion(MotionFrame::kSegments,
+             Encode(Frame({{{50, 0, 0}, {0, 0, 0}, kTick, true},
+                           {{500, 0, 0}, {0, 0, 0}, 9 * kTick, true},
+                           {{0, 0, 0}, {0, 0, 0}, 9 * kTick, false, true}})));
+  SendLaser(LaserFrame::kArmWindow,
+            Encode(link::ArmWindow{start, true, std::vector<bool>(20, true)}));
   Pass(400ms);
   EXPECT_FALSE(machine->stage().running());
   EXPECT_EQ(machine->glass().crack_count(), 0u);

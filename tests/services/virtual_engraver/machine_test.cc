@@ -21,7 +21,7 @@ class PointRow : public MachineBench {
   static Vec3 PointMm(int i) { return {0.5 + 0.2 * i, 5, 60}; }
 
   /// Where the stage is to go before the row: z is high, the block is 100 mm.
-  void SayMotionOfRow(bool with_pulses = true) {
+  void SendMotionOfRow(bool with_pulses = true) {
     std::vector<Knot> knots = {{{200, 5000, 60000}, {0, 0, 0}, 30 * kTick},
                                {{500, 5000, 60000}, {10000, 0, 0}, 7 * kTick}};
     knots.back().pulse = with_pulses;
@@ -30,12 +30,12 @@ class PointRow : public MachineBench {
     }
     knots.push_back(
         {1000 * PointMm(kPoints) + Vec3(100, 0, 0), {0, 0, 0}, 6 * kTick, false, true});
-    SayMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, kStartTick}));
+    SendMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, kStartTick}));
     for (std::size_t at = 0; at < knots.size(); at += link::kMaxSegments) {
       const std::size_t end = std::min(at + link::kMaxSegments, knots.size());
       const std::vector<Knot> part(knots.begin() + static_cast<std::ptrdiff_t>(at),
                                    knots.begin() + static_cast<std::ptrdiff_t>(end));
-      SayMotion(MotionFrame::kSegments, Encode(Frame(part, at)));
+      SendMotion(MotionFrame::kSegments, Encode(Frame(part, at)));
     }
   }
   static std::vector<bool> FirePattern() {
@@ -45,14 +45,14 @@ class PointRow : public MachineBench {
     return fire;
   }
   /// Decides every tick from 1, in windows of uneven length.
-  void SayWindows(const std::vector<bool>& fire, bool gated = true) {
+  void SendWindows(const std::vector<bool>& fire, bool gated = true) {
     std::size_t length = 1;
     for (std::size_t at = 0; at < fire.size(); at += length) {
       length = std::min<std::size_t>(1 + at % 23, fire.size() - at);
       const auto from = fire.begin() + static_cast<std::ptrdiff_t>(at);
-      SayLaser(LaserFrame::kArmWindow,
-               Encode(link::ArmWindow{
-                   at + 1, gated, {from, from + static_cast<std::ptrdiff_t>(length)}}));
+      SendLaser(LaserFrame::kArmWindow,
+                Encode(link::ArmWindow{
+                    at + 1, gated, {from, from + static_cast<std::ptrdiff_t>(length)}}));
     }
   }
 };
@@ -65,8 +65,8 @@ TEST_F(PointRow, CracksAreAtTheirTicksAndPlaces) {
     Start(options);
     Connect();
     OpenShutterAndLamp();
-    SayMotionOfRow();
-    SayWindows(FirePattern());
+    SendMotionOfRow();
+    SendWindows(FirePattern());
     Pass(300ms);
     const auto cracks = Cracks();
     ASSERT_EQ(cracks.size(), static_cast<std::size_t>(kPoints));
@@ -84,19 +84,19 @@ TEST_F(PointRow, CracksAreAtTheirTicksAndPlaces) {
   }
 }
 
-TEST_F(PointRow, TheHostHearsOfEveryTickAndPosition) {
+TEST_F(PointRow, TheHostReceivesEveryTickAndPosition) {
   Start(PlainOptions(true));
   Connect();
-  ASSERT_EQ(heard.laser_identities.size(), 1u);
-  ASSERT_EQ(heard.motion_identities.size(), 1u);
-  EXPECT_TRUE(heard.laser_identities[0].lockstep);
+  ASSERT_EQ(received.laser_identities.size(), 1u);
+  ASSERT_EQ(received.motion_identities.size(), 1u);
+  EXPECT_TRUE(received.laser_identities[0].lockstep);
   OpenShutterAndLamp();
-  SayMotionOfRow();
+  SendMotionOfRow();
   const auto fire = FirePattern();
-  SayWindows(fire);
+  SendWindows(fire);
   Pass(300ms);
   std::uint64_t next = 1;
-  for (const link::PulseReport& report : heard.reports) {
+  for (const link::PulseReport& report : received.reports) {
     EXPECT_EQ(report.first_tick, next);
     for (const TickOutcome outcome : report.outcome) {
       EXPECT_EQ(outcome,
@@ -107,32 +107,34 @@ TEST_F(PointRow, TheHostHearsOfEveryTickAndPosition) {
   }
   EXPECT_EQ(next, fire.size() + 1);
   std::uint64_t latched = 0;
-  for (const link::Positions& frame : heard.positions) latched += frame.positions.size();
+  for (const link::Positions& frame : received.positions)
+    latched += frame.positions.size();
   EXPECT_EQ(latched, 30u + 7 + 2 * (kPoints - 1) + 6);
-  ASSERT_FALSE(heard.laser_statuses.empty());
-  EXPECT_EQ(heard.laser_statuses.back().tick, fire.size());
-  EXPECT_EQ(heard.laser_statuses.back().pulse_count, static_cast<std::uint64_t>(kPoints));
-  EXPECT_TRUE(heard.motion_statuses.back().at_rest);
+  ASSERT_FALSE(received.laser_statuses.empty());
+  EXPECT_EQ(received.laser_statuses.back().tick, fire.size());
+  EXPECT_EQ(received.laser_statuses.back().pulse_count,
+            static_cast<std::uint64_t>(kPoints));
+  EXPECT_TRUE(received.motion_statuses.back().at_rest);
 }
 
 TEST_F(PointRow, NothingFiresUnlessArmed) {
   Start(PlainOptions(true));
   Connect();
   OpenShutterAndLamp();
-  SayMotionOfRow();
-  SayWindows(std::vector<bool>(FirePattern().size(), false));
+  SendMotionOfRow();
+  SendWindows(std::vector<bool>(FirePattern().size(), false));
   Pass(300ms);
   EXPECT_EQ(machine->laser().tick(), FirePattern().size());
   EXPECT_TRUE(Cracks().empty());
   EXPECT_EQ(machine->laser().Report().pulse_count, 0u);
 }
 
-TEST_F(PointRow, NothingFiresUnlessTheStageSaysSo) {
+TEST_F(PointRow, NothingFiresUnlessTheStageAllowsIt) {
   Start(PlainOptions(true));
   Connect();
   OpenShutterAndLamp();
-  SayMotionOfRow(false);
-  SayWindows(FirePattern());
+  SendMotionOfRow(false);
+  SendWindows(FirePattern());
   Pass(300ms);
   EXPECT_EQ(machine->laser().tick(), FirePattern().size());
   EXPECT_TRUE(Cracks().empty());
@@ -141,9 +143,9 @@ TEST_F(PointRow, NothingFiresUnlessTheStageSaysSo) {
 TEST_F(PointRow, NothingFiresWithAClosedShutter) {
   Start(PlainOptions(true));
   Connect();
-  SayLaser(LaserFrame::kLampCommand, Encode(link::LampCommand{true, 100}));
-  SayMotionOfRow();
-  SayWindows(FirePattern());
+  SendLaser(LaserFrame::kLampCommand, Encode(link::LampCommand{true, 100}));
+  SendMotionOfRow();
+  SendWindows(FirePattern());
   Pass(300ms);
   EXPECT_EQ(machine->laser().tick(), FirePattern().size());
   EXPECT_TRUE(Cracks().empty());
@@ -155,33 +157,33 @@ TEST_F(PointRow, LockstepWaitsForDecisionsAndForMotion) {
   OpenShutterAndLamp();
   Pass(200ms);
   EXPECT_EQ(machine->laser().tick(), 0u) << "no tick is decided";
-  SayWindows(std::vector<bool>(20, false));
+  SendWindows(std::vector<bool>(20, false));
   Pass(50ms);
   EXPECT_EQ(machine->laser().tick(), 20u) << "a stage without a run holds nothing up";
-  SayMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, 25}));
+  SendMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, 25}));
   Pass(10ms);
-  SayLaser(LaserFrame::kArmWindow,
-           Encode(link::ArmWindow{21, true, std::vector<bool>(20, false)}));
+  SendLaser(LaserFrame::kArmWindow,
+            Encode(link::ArmWindow{21, true, std::vector<bool>(20, false)}));
   Pass(50ms);
   EXPECT_EQ(machine->laser().tick(), 25u) << "a run without motion does";
-  SayMotion(MotionFrame::kSegments,
-            Encode(Frame({{{10, 0, 0}, {0, 0, 0}, 4 * kTick, false, true}})));
+  SendMotion(MotionFrame::kSegments,
+             Encode(Frame({{{10, 0, 0}, {0, 0, 0}, 4 * kTick, false, true}})));
   Pass(50ms);
   EXPECT_EQ(machine->laser().tick(), 40u);
   EXPECT_EQ(machine->stage().Report().fault, link::StageFault::kNone);
 }
 
-TEST_F(PointRow, MissesAsManyPulsesAsTold) {
+TEST_F(PointRow, MissesAsManyPulsesAsCommanded) {
   MachineOptions options = PlainOptions(true);
   options.laser.channels = 2;
   options.block.refractive_index = 1;  // the stage's zero is in the glass
   Start(options);
   Connect();
   OpenShutterAndLamp();
-  SayLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{3}));
+  SendLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{3}));
   machine->MissPulses(2);
   machine->MissPulses(1);
-  SayWindows(std::vector<bool>(5, true), false);
+  SendWindows(std::vector<bool>(5, true), false);
   Pass(50ms);
   // Both channels of a pulse are missed; the pulse counts all the same.
   const auto cracks = Cracks();
@@ -192,7 +194,7 @@ TEST_F(PointRow, MissesAsManyPulsesAsTold) {
   EXPECT_EQ(cracks[3].tick, 5u);
   EXPECT_EQ(machine->laser().Report().pulse_count, 5u);
   std::vector<TickOutcome> outcomes;
-  for (const auto& report : heard.reports)
+  for (const auto& report : received.reports)
     outcomes.insert(outcomes.end(), report.outcome.begin(), report.outcome.end());
   const auto seen = TickOutcome::kFiredSeen, unseen = TickOutcome::kFiredUnseen;
   EXPECT_EQ(outcomes, (std::vector{unseen, unseen, unseen, seen, seen}));
@@ -205,11 +207,11 @@ TEST_F(PointRow, ABlindSensorSeesNothingOfCracksThatAreThere) {
   Connect();
   OpenShutterAndLamp();
   machine->BlindSensor(2);
-  SayWindows(std::vector<bool>(4, true), false);
+  SendWindows(std::vector<bool>(4, true), false);
   Pass(50ms);
   EXPECT_EQ(Cracks().size(), 4u);
   std::vector<TickOutcome> outcomes;
-  for (const auto& report : heard.reports)
+  for (const auto& report : received.reports)
     outcomes.insert(outcomes.end(), report.outcome.begin(), report.outcome.end());
   const auto seen = TickOutcome::kFiredSeen, unseen = TickOutcome::kFiredUnseen;
   EXPECT_EQ(outcomes, (std::vector{unseen, unseen, seen, seen}));
@@ -238,12 +240,12 @@ TEST_F(PointRow, APulseBesideTheBlockIsRecordedAndUnseen) {
   Start(options);
   Connect();
   OpenShutterAndLamp();
-  SayWindows({true}, false);
+  SendWindows({true}, false);
   Pass(50ms);
   ASSERT_EQ(Cracks().size(), 1u);
   EXPECT_FALSE(Cracks()[0].in_glass);
-  ASSERT_EQ(heard.reports.size(), 1u);
-  EXPECT_EQ(heard.reports[0].outcome, std::vector{TickOutcome::kFiredUnseen});
+  ASSERT_EQ(received.reports.size(), 1u);
+  EXPECT_EQ(received.reports[0].outcome, std::vector{TickOutcome::kFiredUnseen});
 }
 
 TEST_F(PointRow, InRealTimeTicksFollowTheClock) {

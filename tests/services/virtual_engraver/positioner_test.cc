@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-TEST(Positioner, WithoutANameTheHeadGoesWhereTheAxesSay) {
+TEST(Positioner, WithoutANameTheHeadGoesWhereTheAxesState) {
   const Vec3 axes(0.1, -7, 1e-9);
   EXPECT_EQ(FocusAt(PositionerOf(""), axes), axes);
   EXPECT_EQ(FocusAt(PositionerOf("head,head,head"), axes), axes);

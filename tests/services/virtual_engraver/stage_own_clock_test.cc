@@ -49,7 +49,7 @@ struct Line {
   }
 };
 
-TEST(StageOnItsOwnClock, IsWhereItsOwnTimeSaysAtEachTickOfTheLamp) {
+TEST(StageOnItsOwnClock, IsWhereItsOwnTimeReportsAtEachTickOfTheLamp) {
   for (const double drift_ppm : {-200.0, 0.5, 150.0}) {
     Stage stage(OnItsOwn(drift_ppm));
     const std::uint64_t powered_ns = stage.own_clock()->now_ns();
@@ -128,7 +128,7 @@ TEST(StageOnItsOwnClock, StampsEachTickLateAndInOrderWithThePlaceOfThatTime) {
   EXPECT_GT(latest_us, 1000) << "there is jitter";
 }
 
-TEST(StageOnItsOwnClock, TellsTheTickItHeardOfAndLeavesCoverageToTheHost) {
+TEST(StageOnItsOwnClock, ReportsTheTickItReceivedAndLeavesCoverageToTheHost) {
   Stage stage(OnItsOwn(0.1));
   for (int tick = 0; tick < 5; ++tick) stage.AdvanceTick(kRateHz);
   EXPECT_EQ(stage.Report().tick, 5u);

@@ -82,7 +82,7 @@ TEST(Stage, WithoutLagItIsWhereItIsCommanded) {
   EXPECT_EQ(stage.Report().fault, StageFault::kNone);
 }
 
-TEST(Stage, LagsAsTheDifferentialEquationSays) {
+TEST(Stage, LagsAsTheDifferentialEquationStates) {
   // Lags far below, near and above the tick of 10 ms.
   for (const double tau_s : {0.0002, 0.003, 0.02}) {
     Stage stage(Roomy(tau_s));
@@ -188,7 +188,7 @@ TEST(Stage, LatchesOnePositionATickInFramesThatFit) {
   EXPECT_TRUE(stage.TakePositions().empty());
 }
 
-TEST(Stage, TellsHowFarItsQueueReaches) {
+TEST(Stage, ReportsHowFarItsQueueReaches) {
   Stage stage(Roomy(0));
   const std::uint32_t free = stage.Report().queue_free;
   Begin(stage, kPath);

@@ -24,10 +24,10 @@ inline bool TakeLineOver(const std::string& line) {
   link::AppendFrame({kOpen, 0xF0E1D2C3, 0, 1, 256}, epoch.Take(), frame);
   const int descriptor = open(line.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (descriptor < 0) return false;
-  const bool said =
+  const bool sent =
       write(descriptor, frame.data(), frame.size()) == static_cast<ssize_t>(frame.size());
   close(descriptor);
-  return said;
+  return sent;
 }
 
 }  // namespace intaglio::virtual_engraver

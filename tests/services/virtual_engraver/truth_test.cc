@@ -145,7 +145,7 @@ TEST(Truth, EveryFieldReachesTheMachine) {
   EXPECT_EQ(options.stage.brake_acceleration_mm_s2, 5000);
   EXPECT_EQ(options.stage.position_tolerance_mm, 0.025);
   ASSERT_TRUE(options.stage.own_clock.has_value()) << "0 ppm is a clock of its own, too";
-  EXPECT_EQ(options.stage.own_clock->hearing_jitter_s, 0.0015);
+  EXPECT_EQ(options.stage.own_clock->receive_jitter_s, 0.0015);
   EXPECT_EQ(options.stage.own_clock->seed, 77u);
   EXPECT_EQ(options.stage.repeatability_mm, 0.009);
   EXPECT_EQ(options.stage.repeatability_seed, 77u);

@@ -9,23 +9,23 @@ bool Works(intaglio_HealthState state) {
 
 }  // namespace
 
-void RivalWatch::Hear(const Rival& rival, Nanoseconds now) {
+void RivalWatch::Receive(const Rival& rival, Nanoseconds now) {
   if (rival.instance == own_instance_) return;
-  Heard& heard = heard_[rival.instance];
-  heard.rival = rival;
-  ++heard.count;
-  heard.last = now;
+  Received& received = received_[rival.instance];
+  received.rival = rival;
+  ++received.count;
+  received.last = now;
 }
 
 RivalWatch::Verdict RivalWatch::JudgeStart(Nanoseconds now) {
-  bool waits = now - began_ < look_;
-  for (const auto& [instance, heard] : heard_) {
-    if (IsStale(heard, now)) continue;
-    const intaglio_HealthState state = heard.rival.state;
-    if (heard.count < 2 || state == intaglio_HEALTH_STOPPING) {
+  bool waits = now - began_ < period_;
+  for (const auto& [instance, received] : received_) {
+    if (IsStale(received, now)) continue;
+    const intaglio_HealthState state = received.rival.state;
+    if (received.count < 2 || state == intaglio_HEALTH_STOPPING) {
       waits = true;
     } else if (Works(state) || instance < own_instance_) {
-      rival_ = heard.rival;
+      rival_ = received.rival;
       return Verdict::kEnd;
     }
   }
@@ -33,10 +33,11 @@ RivalWatch::Verdict RivalWatch::JudgeStart(Nanoseconds now) {
 }
 
 RivalWatch::Verdict RivalWatch::JudgeWork(Nanoseconds now) {
-  for (const auto& [instance, heard] : heard_) {
-    if (IsStale(heard, now) || heard.count < 2 || !Works(heard.rival.state)) continue;
+  for (const auto& [instance, received] : received_) {
+    if (IsStale(received, now) || received.count < 2 || !Works(received.rival.state))
+      continue;
     if (instance > own_instance_) continue;
-    rival_ = heard.rival;
+    rival_ = received.rival;
     return Verdict::kEnd;
   }
   return Verdict::kGoOn;

@@ -35,11 +35,11 @@ class RivalWatch {
   static constexpr std::chrono::milliseconds kStale{1500};
 
   /// `look`: for how long no rival may be received before this one goes on.
-  RivalWatch(std::string own_instance, Nanoseconds began, Nanoseconds look)
-      : own_instance_(std::move(own_instance)), began_(began), look_(look) {}
+  RivalWatch(std::string own_instance, Nanoseconds began, Nanoseconds period)
+      : own_instance_(std::move(own_instance)), began_(began), period_(period) {}
 
-  void Hear(const Rival& rival, Nanoseconds now);
-  void Lose(const std::string& instance) { heard_.erase(instance); }
+  void Receive(const Rival& rival, Nanoseconds now);
+  void Lose(const std::string& instance) { received_.erase(instance); }
 
   Verdict JudgeStart(Nanoseconds now);
   /// kGoOn or kEnd.
@@ -48,18 +48,18 @@ class RivalWatch {
   const Rival& rival() const { return rival_; }
 
  private:
-  struct Heard {
+  struct Received {
     Rival rival;
     int count = 0;
     Nanoseconds last{0};
   };
-  bool IsStale(const Heard& heard, Nanoseconds now) const {
-    return now - heard.last > kStale;
+  bool IsStale(const Received& received, Nanoseconds now) const {
+    return now - received.last > kStale;
   }
 
   std::string own_instance_;
-  Nanoseconds began_, look_;
-  std::map<std::string, Heard> heard_;
+  Nanoseconds began_, period_;
+  std::map<std::string, Received> received_;
   Rival rival_;
 };
 

@@ -4,12 +4,12 @@
 
 namespace intaglio::host {
 
-void TellInitReady(const std::string& what) {
+void NotifyInitReady(const std::string& what) {
   sd_notify(0, ("READY=1\nSTATUS=" + what).c_str());
 }
 
-void TellInitAlive() { sd_notify(0, "WATCHDOG=1"); }
+void NotifyInitAlive() { sd_notify(0, "WATCHDOG=1"); }
 
-void TellInitStopping() { sd_notify(0, "STOPPING=1"); }
+void NotifyInitStopping() { sd_notify(0, "STOPPING=1"); }
 
 }  // namespace intaglio::host

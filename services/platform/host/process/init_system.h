@@ -8,9 +8,9 @@
 namespace intaglio::host {
 
 /// Once the service has begun: units that wait for it are started.
-void TellInitReady(const std::string& what);
+void NotifyInitReady(const std::string& what);
 /// To be called from the service's loop, more often than WatchdogSec.
-void TellInitAlive();
-void TellInitStopping();
+void NotifyInitAlive();
+void NotifyInitStopping();
 
 }  // namespace intaglio::host

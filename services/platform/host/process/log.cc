@@ -21,7 +21,7 @@ spdlog::level::level_enum LevelOf(LogLevel level) {
 
 }  // namespace
 
-void OpenLog(const std::string& service, const std::string& least_level,
+void OpenLog(const std::string& service, const std::string& min_level,
              const std::string& file) {
   std::vector<spdlog::sink_ptr> sinks = {
       std::make_shared<spdlog::sinks::stderr_sink_mt>()};
@@ -29,7 +29,7 @@ void OpenLog(const std::string& service, const std::string& least_level,
     sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file));
   }
   auto log = std::make_shared<spdlog::logger>(service, sinks.begin(), sinks.end());
-  log->set_level(spdlog::level::from_str(least_level));
+  log->set_level(spdlog::level::from_str(min_level));
   log->set_pattern("%Y-%m-%dT%H:%M:%S.%e %n %l: %v");
   log->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(log));

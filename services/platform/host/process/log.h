@@ -13,9 +13,9 @@ namespace intaglio::host {
 
 enum class LogLevel { kInfo, kWarning, kError };
 
-/// Before the first line. `least_level`: trace, debug, info, warning or error; no file
+/// Before the first line. `min_level`: trace, debug, info, warning or error; no file
 /// when its name is empty.
-void OpenLog(const std::string& service, const std::string& least_level,
+void OpenLog(const std::string& service, const std::string& min_level,
              const std::string& file);
 
 void Log(LogLevel level, std::string_view line);

@@ -20,7 +20,7 @@ std::chrono::nanoseconds Now() {
 
 // Present processes are discovered within some 50 ms on one computer, and on a network
 // with identities, where a handshake comes first, within a second.
-std::chrono::nanoseconds LookOf(const bus::BusOptions& options) {
+std::chrono::nanoseconds WatchPeriodOf(const bus::BusOptions& options) {
   return options.interface == "lo" && options.security.empty() ? 250ms : 1500ms;
 }
 
@@ -38,7 +38,7 @@ OnlyInstance::OnlyInstance(ServiceHost& host, intaglio_ServiceRole role)
     : host_(host),
       role_(role),
       health_(host.bus(), bus::kServiceHealth, bus::RolePartition(host.bus().role())),
-      watch_(host.instance(), Now(), LookOf(host.bus().options())) {}
+      watch_(host.instance(), Now(), WatchPeriodOf(host.bus().options())) {}
 
 void OnlyInstance::Take() {
   const std::string& cell = host_.bus().options().cell;
@@ -48,8 +48,8 @@ void OnlyInstance::Take() {
     if (!o.alive) return watch_.Lose(instance);
     const bool same = role_ == intaglio_ROLE_JOB_SERVICE || View(sample.cell) == cell;
     if (sample.role != role_ || !same) return;
-    watch_.Hear({instance, std::string(View(sample.host)), sample.pid, sample.state},
-                Now());
+    watch_.Receive({instance, std::string(View(sample.host)), sample.pid, sample.state},
+                   Now());
   });
 }
 

@@ -134,7 +134,7 @@ struct ServiceHost::Impl {
       LogWarning("health: {}", written.error().message);
     }
     next_publication = Clock::now() + kHealthPeriod;
-    TellInitAlive();
+    NotifyInitAlive();
   }
 
   void LeaveWhoLostUs() {
@@ -154,7 +154,7 @@ struct ServiceHost::Impl {
   Presence presence;
   intaglio_HealthState state = intaglio_HEALTH_STARTING;
   std::string job_uid, message;
-  Clock::time_point next_publication{}, next_expiry_look{};
+  Clock::time_point next_publication{}, next_expiry_check{};
   std::uint64_t alarm_number = 0;
   std::stop_source stop;
 };
@@ -185,18 +185,18 @@ void ServiceHost::SetHealth(intaglio_HealthState state, const std::string& job_u
   impl_->job_uid = job_uid;
   impl_->message = message;
   impl_->Publish();
-  if (began) TellInitReady(impl_->instance);
+  if (began) NotifyInitReady(impl_->instance);
 }
 
 void ServiceHost::KeepAlive() {
   (void)stop();  // hands a signal on to the code that waits on the stop token
   if (Clock::now() >= impl_->next_publication) impl_->Publish();
-  if (Clock::now() >= impl_->next_expiry_look) WarnOfExpiry();
+  if (Clock::now() >= impl_->next_expiry_check) WarnOfExpiry();
 }
 
 // The person who can renew it should know before the machine stops, without reading logs.
 void ServiceHost::WarnOfExpiry() {
-  impl_->next_expiry_look = Clock::now() + kExpiryPeriod;
+  impl_->next_expiry_check = Clock::now() + kExpiryPeriod;
   // In seconds: without an identity the end is farther than nanoseconds count.
   const auto left = bus().identity_end() - std::chrono::floor<std::chrono::seconds>(
                                                std::chrono::system_clock::now());
@@ -257,7 +257,7 @@ int RunService(const ServiceDescription& description, int argc, char** argv,
     LogInfo("{} starts", host.instance());
     try {
       const int code = body(host);
-      TellInitStopping();
+      NotifyInitStopping();
       host.SetHealth(intaglio_HEALTH_STOPPING);
       LogInfo("ends with exit code {}", code);
       return code;

@@ -70,7 +70,7 @@ Result<bool> CloudIntake<Batch>::Poll() {
   if (parts_.empty()) return false;
   const bool whole = std::all_of(parts_.begin(), parts_.end(),
                                  [](const Part& part) { return part.whole; });
-  if (!whole) credit_.TellAgain(std::chrono::steady_clock::now());
+  if (!whole) credit_.Repeat(std::chrono::steady_clock::now());
   return whole;
 }
 

@@ -12,9 +12,9 @@ namespace {
 using bus::View;
 // Shorter than the period of the health, which the loop itself keeps fresh.
 constexpr std::chrono::milliseconds kTurnPeriod{50};
-constexpr std::chrono::milliseconds kTellPeriod{100};
+constexpr std::chrono::milliseconds kReportPeriod{100};
 // Made and not sent yet, before the next one is begun.
-constexpr std::size_t kMostUnsent = 1;
+constexpr std::size_t kMaxUnsent = 1;
 
 /// All but the job.
 StageTask TaskOf(const intaglio_StageTask& sample) {
@@ -110,7 +110,7 @@ void StageWorker::Accept(Work work) {
   LogInfo("{}: accepted", NameOf(work.task));
   host_.SetHealth(intaglio_HEALTH_BUSY, work.task.job_uid);
   reporter_.Accept(work.task);
-  work.told_at = now_;
+  work.reported_at = now_;
   works_.push_back(std::move(work));
 }
 
@@ -125,7 +125,7 @@ void StageWorker::Advance() {
   }
   while (Make(taken)) {  // the next one, when this has made room
   }
-  for (Work& work : works_) Tell(work);
+  for (Work& work : works_) Report(work);
 }
 
 void StageWorker::EndWithdrawn() {
@@ -139,7 +139,7 @@ bool StageWorker::Make(Result<bool>& taken) {
     return work.phase < Phase::kMade;
   });
   const auto place = static_cast<std::size_t>(next - works_.begin());
-  if (next == works_.end() || (next->phase == Phase::kWaiting && place > kMostUnsent)) {
+  if (next == works_.end() || (next->phase == Phase::kWaiting && place > kMaxUnsent)) {
     return false;
   }
   const auto made = MakeOne(*next, taken);
@@ -206,10 +206,10 @@ bool StageWorker::Send(const Result<bool>& sent) {
   return true;
 }
 
-void StageWorker::Tell(Work& work) {
+void StageWorker::Report(Work& work) {
   const bool begun = work.phase != Phase::kWaiting;
-  if (!begun || now_ - work.told_at < kTellPeriod) return;
-  work.told_at = now_;
+  if (!begun || now_ - work.reported_at < kReportPeriod) return;
+  work.reported_at = now_;
   reporter_.Run(work.task, work.progress);
 }
 

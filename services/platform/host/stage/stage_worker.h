@@ -88,7 +88,7 @@ class StageWorker {
     Phase phase = Phase::kWaiting;
     StageResult result;  // when it is made
     TaskProgress progress;
-    TimePoint began_at{}, told_at{};
+    TimePoint began_at{}, reported_at{};
   };
 
   void TakeTasks();
@@ -106,7 +106,7 @@ class StageWorker {
   Status FinishComputing(Work& work);
   /// The first is sent when it is made; false: as above.
   bool Send(const Result<bool>& sent);
-  void Tell(Work& work);
+  void Report(Work& work);
   /// Without an error: it is done.
   void End(std::size_t place, const Error* error);
 

@@ -48,14 +48,14 @@ double NearestTo(const Vec3& p, const PointList& points) {
   for (const Vec3& q : points) nearest = std::min(nearest, (p - q).norm());
   return nearest;
 }
-double LeastDistance(const PointList& points) {
-  double least = std::numeric_limits<double>::infinity();
+double MinDistance(const PointList& points) {
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      least = std::min(least, (points[i] - points[j]).norm());
+      smallest = std::min(smallest, (points[i] - points[j]).norm());
     }
   }
-  return least;
+  return smallest;
 }
 bool Has(const PointList& points, const Vec3& p) { return NearestTo(p, points) < 1e-9; }
 
@@ -66,7 +66,7 @@ TEST(CurvePoints, CornersOfClosedCurvesStayPoints) {
   for (const Vec3& corner : Square(10).points_mm) EXPECT_TRUE(Has(points, corner));
   // 10 / (0.7 * 1.004) = 14.2: 14 steps a side.
   EXPECT_EQ(points.size(), 56U);
-  EXPECT_NEAR(LeastDistance(points), 10.0 / 14, 1e-12);
+  EXPECT_NEAR(MinDistance(points), 10.0 / 14, 1e-12);
 }
 
 TEST(CurvePoints, WithoutCornersTheStepIsTheSameAllRound) {
@@ -96,7 +96,7 @@ TEST(CurvePoints, OpenCurvesWithAndWithoutEndPoints) {
   EXPECT_FALSE(Has(without, {10, 5, 0}));
   EXPECT_NEAR(NearestTo({0, 0, 0}, without), 0.5, 0.06);
   EXPECT_NEAR(NearestTo({10, 5, 0}, without), 0.5, 0.12);
-  EXPECT_GE(LeastDistance(without), 1);
+  EXPECT_GE(MinDistance(without), 1);
 }
 
 TEST(CurvePoints, CornersNearerThanTheDistanceDoNotCrowd) {
@@ -137,7 +137,7 @@ TEST(CurvePoints, LayersAndTwist) {
 template <typename IsInside>
 void ExpectEvenFill(const PointList& points, double distance_mm,
                     const IsInside& is_inside, double half_width_mm) {
-  EXPECT_GE(LeastDistance(points), distance_mm * 0.999);  // chords of the outline
+  EXPECT_GE(MinDistance(points), distance_mm * 0.999);  // chords of the outline
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(-half_width_mm, half_width_mm);
   double widest = 0;
@@ -174,7 +174,7 @@ TEST(CurvePoints, NonZeroFillOfOverlappingAndOfTurnedRings) {
       [](const Vec3& p) { return p.norm() < 5 && p.norm() > 2; }, 5);
 }
 
-TEST(CurvePoints, FillStandsInThePlaneOfTheDrawing) {
+TEST(CurvePoints, FillLiesInThePlaneOfTheDrawing) {
   FlatDrawing placed{{Square(6)}};
   for (Vec3& p : placed.curves[0].points_mm) p = Vec3(p.x(), 4, p.y());  // upright
   CurveOptions options;
@@ -206,7 +206,7 @@ TEST(CurvePoints, TooManyAndBrokenOptions) {
   EXPECT_THROW((void)MakeCurvePoints({}, options), PreconditionError);
 }
 
-TEST(PlaceDrawing, CirclesAreExactWhereTheyStand) {
+TEST(PlaceDrawing, CirclesAreExactWhereTheyAre) {
   drawing::Drawing circle;
   circle.curves.push_back(
       {{drawing::EllipticArc{{7, 7, 0}, {0.01, 0, 0}, {0, 0.01, 0}, 0, 2 * pi}}, true});
@@ -226,7 +226,7 @@ TEST(PlaceDrawing, CirclesAreExactWhereTheyStand) {
 
 // A disc as its outline and again, from another point and in two halves, as a hatch of it
 // is written: its inside is filled as that of the outline alone.
-TEST(PlaceDrawing, WhatStandsTwiceIsFilledOnce) {
+TEST(PlaceDrawing, WhatIsThereTwiceIsFilledOnce) {
   const drawing::EllipticArc whole{{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, 0, 2 * pi};
   drawing::EllipticArc half = whole, other = whole;
   half.begin_rad = 1;

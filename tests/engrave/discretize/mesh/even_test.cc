@@ -71,10 +71,10 @@ TEST(Even, PointsAreApartEvenAndEverywhere) {
   for (const auto& [name, mesh, distance_mm] : Shapes()) {
     SCOPED_TRACE(name);
     const auto source = Even(mesh, {.distance_mm = distance_mm});
-    const SpacedCloud kept = Welded(*source);
+    const SpacedCloud kept = Thinned(*source);
     ASSERT_GT(kept.size(), 100u);
     const Evenness even = EvennessOf(kept.points_mm);
-    EXPECT_GE(even.least, distance_mm * (1 - kRounding));
+    EXPECT_GE(even.smallest, distance_mm * (1 - kRounding));
     EXPECT_LE(even.variation, 0.04);
     EXPECT_LE(LargestGap(mesh, kept.points_mm, distance_mm / 5), 1.15 * distance_mm);
   }
@@ -131,7 +131,7 @@ TEST(Even, AnImageMakesItDenserAndSparser) {
       square,
       {.distance_mm = 0.1, .sparse_distance_mm = 0.4, .density = DensityByPlace(right)});
   EXPECT_GE(source->MaxSpacing(), 0.4);
-  const SpacedCloud kept = Welded(*source);
+  const SpacedCloud kept = Thinned(*source);
   const auto dense = static_cast<double>(
       std::count_if(kept.points_mm.begin(), kept.points_mm.end(), right));
   // Sixteen times as many, but for the border between them.
@@ -182,7 +182,7 @@ TEST(Even, ShellsAreAsDeepAsTheyShouldBe) {
     SCOPED_TRACE(name);
     const auto source =
         Even(mesh, {.distance_mm = 0.4, .surface = false, .depths_mm = {0.5, 1}});
-    const SpacedCloud kept = Welded(*source);
+    const SpacedCloud kept = Thinned(*source);
     ASSERT_GT(kept.size(), 400u);
     for (std::size_t i = 0; i < kept.size(); i += 3) {
       const double depth_mm = DistanceToMesh(kept.points_mm[i], mesh);
@@ -236,13 +236,13 @@ void ExpectEven(const std::string& name, const mesh::TriangleMesh& model) {
   placement.fit = mesh::FitLargest{20};
   const auto mesh = *mesh::PlaceInBlock(model, placement, Vec3(30, 30, 30));
   const double distance_mm = 0.25;
-  const SpacedCloud kept = Welded(*Even(mesh, {.distance_mm = distance_mm}));
+  const SpacedCloud kept = Thinned(*Even(mesh, {.distance_mm = distance_mm}));
   const Evenness even = EvennessOf(kept.points_mm);
   const double gap_mm = LargestGap(mesh, kept.points_mm, distance_mm / 4);
   ::testing::Test::RecordProperty(name + "_variation", std::to_string(even.variation));
   ::testing::Test::RecordProperty(name + "_gap_ratio",
                                   std::to_string(gap_mm / distance_mm));
-  EXPECT_GE(even.least, distance_mm * (1 - kRounding));
+  EXPECT_GE(even.smallest, distance_mm * (1 - kRounding));
   EXPECT_LE(even.variation, 0.06);
   EXPECT_LE(gap_mm, 1.2 * distance_mm);
 }

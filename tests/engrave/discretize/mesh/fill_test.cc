@@ -27,14 +27,14 @@ TEST(Fill, CandidatesLieOnTheSurface) {
 }
 
 // Whether the triangles are larger than the spacing, of its size, or far smaller.
-TEST(Fill, AWeldedFillIsEvenOnTrianglesOfEverySize) {
+TEST(Fill, AThinnedFillIsEvenOnTrianglesOfEverySize) {
   const double spacing = 0.4;
   for (const int level : {0, 2, 4, 5}) {
     const auto mesh = Icosphere(4, level, Vec3(0, 0, 0));
     for (const bool full : {true, false}) {
-      const SpacedCloud kept = Welded(*Fill(mesh, spacing, full));
+      const SpacedCloud kept = Thinned(*Fill(mesh, spacing, full));
       const Evenness even = EvennessOf(kept.points_mm);
-      EXPECT_GE(even.least, spacing * (1 - 1e-7)) << level;
+      EXPECT_GE(even.smallest, spacing * (1 - 1e-7)) << level;
       EXPECT_LE(even.variation, 0.05) << level;
       EXPECT_LE(LargestGap(mesh, kept.points_mm, 0.05), 1.2 * spacing) << level;
     }
@@ -53,7 +53,7 @@ TEST(Fill, SplintersAreCoveredAndNotCrowded) {
   // 20 mm^2 in squares of 0.3 mm, 16 / 0.87 nodes each; edges' points no more than one
   // for each cube of 0.075 mm, which the plane cuts 16 a square.
   EXPECT_LT(PointsOf(*source).size(), 20 / 0.09 * (16 / 0.87 + 16) * 1.1);
-  EXPECT_LT(LargestGap(mesh, Welded(*source).points_mm, 0.05), 1.2 * 0.3);
+  EXPECT_LT(LargestGap(mesh, Thinned(*source).points_mm, 0.05), 1.2 * 0.3);
 }
 
 TEST(Fill, FullFillShowsCornersAndEdges) {
@@ -82,7 +82,7 @@ TEST(Fill, TrianglesSmallerThanAPointShareTheirPoints) {
   const auto statistics = *source->AddPoints({}, 0, {}, cloud);
   EXPECT_EQ(statistics.small_triangle_count, mesh.triangles.size());
   EXPECT_LT(cloud.size(), mesh.triangles.size() / 10);
-  EXPECT_LT(LargestGap(mesh, Welded(*source).points_mm, 0.1), 1.2 * 2);
+  EXPECT_LT(LargestGap(mesh, Thinned(*source).points_mm, 0.1), 1.2 * 2);
 }
 
 TEST(Fill, TrianglesWithoutAreaAreCountedAndLeftOut) {

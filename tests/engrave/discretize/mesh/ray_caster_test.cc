@@ -110,7 +110,7 @@ TEST(RayCaster, ASheetIsCrossedOnceByEveryRay) {
   EXPECT_NEAR(caster.CrossingsAbout(triangles), 16.0 * kCells * kCells, 1e-9);
 }
 
-TEST(RayGrid, BetweenStandsInTheMiddles) {
+TEST(RayGrid, BetweenLiesInTheMiddles) {
   Box3 box;
   box.Extend(Vec3(1, 2, 0));
   box.Extend(Vec3(4.3, 9.1, 0));

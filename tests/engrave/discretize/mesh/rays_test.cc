@@ -229,7 +229,7 @@ TEST(Rays, InsideOfASphereIsFilledEvenly) {
     const double aside = ((p - centre) - along * w).squaredNorm();
     EXPECT_GT(std::sqrt(radius * radius - aside) - std::abs(along), distance - 0.05);
   }
-  EXPECT_GE(LeastDistance(cloud.points_mm), distance);
+  EXPECT_GE(MinDistance(cloud.points_mm), distance);
   // As many as there are cells of 0.2 mm, less those of one at either end of each ray and
   // those that do not fit.
   const double cells = 4.0 / 3 * std::numbers::pi * std::pow(radius / distance, 3);

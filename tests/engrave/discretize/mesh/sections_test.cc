@@ -377,7 +377,7 @@ TEST(Sections, ParallelFacesAreCovered) {
         if (std::min(std::abs(w), std::abs(w - size.z())) < 1e-9) cover.push_back(p);
       }
       EXPECT_EQ(cover.size(), with.size() - without.size());
-      EXPECT_GE(LeastDistance(cover), 0.2);
+      EXPECT_GE(MinDistance(cover), 0.2);
       // A point has 0.2^2 sin 60 of the area; those at the sides count or do not.
       EXPECT_NEAR(static_cast<double>(cover.size()), 112 / (0.04 * std::sqrt(0.75)),
                   2 * 30 / 0.2);

@@ -18,14 +18,14 @@ std::unique_ptr<PointSource> Solid(const mesh::TriangleMesh& mesh,
   return *std::move(source);
 }
 
-TEST(Solid, PointsAreExactlyApartAndTheWeldKeepsThemAll) {
+TEST(Solid, PointsAreExactlyApartAndThinningKeepsThemAll) {
   const auto source = Solid(Icosphere(4, 4, Vec3(5, 6, 7)), {0.3, 1});
   const SpacedCloud points = PointsOf(*source);
   const Evenness even = EvennessOf(points.points_mm);
-  EXPECT_GE(even.least, 0.3);
+  EXPECT_GE(even.smallest, 0.3);
   EXPECT_LT(even.variation, 1e-6);
   EXPECT_NEAR(even.mean, 0.3, 1e-6);
-  EXPECT_EQ(Welded(*source).size(), points.size());
+  EXPECT_EQ(Thinned(*source).size(), points.size());
 }
 
 TEST(Solid, PointsAreThoseOfTheLatticeInside) {
@@ -65,8 +65,8 @@ TEST(Solid, InsideIsAsByFormula) {
 TEST(Solid, LayersFollowTheHeightRatio) {
   const auto source = Solid(Cube(5), {0.3, 2});
   const SpacedCloud points = PointsOf(*source);
-  EXPECT_EQ(Weld(points, {0.299, 2}).size(), points.size());
-  EXPECT_LT(Weld(points, {0.301, 2}).size(), points.size() / 2);
+  EXPECT_EQ(Thin(points, {0.299, 2}).size(), points.size());
+  EXPECT_LT(Thin(points, {0.301, 2}).size(), points.size() / 2);
 }
 
 TEST(Solid, IsTheSameInEveryCutByHeight) {

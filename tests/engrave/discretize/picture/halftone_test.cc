@@ -116,7 +116,7 @@ TEST(Halftone, AWaveKeepsItsAmplitude) {
   }
 }
 
-TEST(Halftone, NoPointsStandNearerThanTheVertexDistance) {
+TEST(Halftone, NoPointsAreNearerThanTheVertexDistance) {
   const GreyImage picture = PaintGrey(80, 60, [](int x, int y) {
     return std::abs(std::sin(0.11 * x) * std::cos(0.07 * y)) * (x / 20 % 2 ? 1 : 0.3);
   });
@@ -283,7 +283,7 @@ TEST(Halftone, TheSameSeedGivesTheSamePointsInEveryCutByHeight) {
   EXPECT_NE(once, PointsOf(picture, options));
 }
 
-TEST(Halftone, OptionsOutsideTheirRangesAreTold) {
+TEST(Halftone, OptionsOutsideTheirRangesAreReported) {
   HalftoneOptions options = Options(HalftoneMethod::kBlueNoise, 5, 0.001);
   options.threshold = 2;
   options.layer_count = 11;
@@ -296,7 +296,7 @@ TEST(Halftone, OptionsOutsideTheirRangesAreTold) {
   options.layer_count = 2;
   options.layer_distance_mm = 0.09;
   ASSERT_EQ(CheckHalftone(options).size(), 1U);
-  EXPECT_NE(CheckHalftone(options)[0].message.find("weld"), std::string::npos);
+  EXPECT_NE(CheckHalftone(options)[0].message.find("thinning"), std::string::npos);
   options = Options(HalftoneMethod::kBlueNoise, 1000, 0.01);
   const GreyImage white = PaintGrey(1, 1, [](int, int) { return 1.0; });
   EXPECT_EQ(MakeHalftone(white, {}, options).error().code, ErrorCode::kTooLarge);

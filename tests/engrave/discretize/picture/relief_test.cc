@@ -32,14 +32,14 @@ PointList PointsOf(const GreyImage& map, const std::optional<GreyImage>& photo,
   return cloud.points_mm;
 }
 
-double LeastDistance(const PointList& points) {
-  double least = 1e9;
+double MinDistance(const PointList& points) {
+  double smallest = 1e9;
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      least = std::min(least, (points[i] - points[j]).squaredNorm());
+      smallest = std::min(smallest, (points[i] - points[j]).squaredNorm());
     }
   }
-  return std::sqrt(least);
+  return std::sqrt(smallest);
 }
 
 std::size_t CountIn(const PointList& points, double x0, double x1) {
@@ -73,14 +73,14 @@ TEST(Relief, SlopesGetAsManyPointsAMm2OfSurfaceAsPlains) {
       PaintGrey(400, 200, [](int x, int) { return std::max(0.0, (x - 199.5) / 200); });
   const ReliefOptions options = Options(10, 10, 0.1);
   const PointList points = PointsOf(map, std::nullopt, options);
-  EXPECT_GE(LeastDistance(points), 0.1);
+  EXPECT_GE(MinDistance(points), 0.1);
   const auto flat = static_cast<double>(CountIn(points, 0.5, 4.5));
   const auto slope = static_cast<double>(CountIn(points, 5.5, 9.5));
   EXPECT_NEAR(slope / flat, std::sqrt(5.0), 0.03 * std::sqrt(5.0));
   EXPECT_NEAR(flat / (4 * 5), 0.7 / 0.01, 0.05 * 70);
 }
 
-TEST(Relief, ThePhotoSaysTheDensity) {
+TEST(Relief, ThePhotoGivesTheDensity) {
   const GreyImage map = PaintGrey(10, 10, [](int x, int y) { return (x + y) / 20.0; });
   const ReliefOptions options = Options(16, 3, 0.1);
   const auto white = static_cast<double>(PointsOf(map, std::nullopt, options).size());
@@ -104,7 +104,7 @@ TEST(Relief, ThinnedPointsAreEven) {
   // that as many in a triangular lattice would have.
   const double lattice_mm =
       std::sqrt(2 / std::sqrt(3.0) * 100 / static_cast<double>(points.size()));
-  EXPECT_GT(LeastDistance(points), 0.5 * lattice_mm);
+  EXPECT_GT(MinDistance(points), 0.5 * lattice_mm);
 }
 
 TEST(Relief, LayersKeepTheirDistanceOnSlopesToo) {
@@ -113,10 +113,10 @@ TEST(Relief, LayersKeepTheirDistanceOnSlopesToo) {
   options.layer_count = 3;
   options.layer_distance_mm = 0.2;
   const PointList points = PointsOf(map, std::nullopt, options);
-  EXPECT_GE(LeastDistance(points), 0.2);
+  EXPECT_GE(MinDistance(points), 0.2);
   options.layer_distance_mm = 2;
   const PointList apart = PointsOf(map, std::nullopt, options);
-  EXPECT_GE(LeastDistance(apart), 0.2);
+  EXPECT_GE(MinDistance(apart), 0.2);
   options.layer_count = 1;
   EXPECT_NEAR(static_cast<double>(apart.size()),
               3 * static_cast<double>(PointsOf(map, std::nullopt, options).size()),
@@ -134,7 +134,7 @@ TEST(Relief, SmoothingTakesTheStepsOfEightBits) {
   }
 }
 
-TEST(Relief, OptionsOutsideTheirRangesAreTold) {
+TEST(Relief, OptionsOutsideTheirRangesAreReported) {
   ReliefOptions options = Options(5, -1, 1000);
   options.smoothing_mm = 11;
   options.layer_count = 0;

@@ -53,7 +53,7 @@ TEST(Bounds, RoundingAtTheWallIsNotOutside) {
   EXPECT_EQ(TakeOutside(kPermitted, beyond).outside_count, 1u);
 }
 
-TEST(Bounds, TheErrorTellsHowManyWhereAndByHowMuch) {
+TEST(Bounds, TheErrorReportsHowManyWhereAndByHowMuch) {
   SpacedCloud cloud =
       CloudOf({Vec3(50, 25, 15), Vec3(98, 25, 15), Vec3(99.25, 25, 15), Vec3(50, 25, 1)});
   const Error error = OutsideBlock(TakeOutside(kPermitted, cloud), 4);

@@ -16,10 +16,10 @@ SpacedCloud Spiral(int count) {
 }
 
 TEST(FixedPoints, RangesShareOutThePointsAndTheStatistics) {
-  MethodStatistics told;
-  told.plane_count = 7;
-  told.point_count = 99;  // is counted anew
-  const auto source = MakeFixedPoints(Spiral(200), told);
+  MethodStatistics reported;
+  reported.plane_count = 7;
+  reported.point_count = 99;  // is counted anew
+  const auto source = MakeFixedPoints(Spiral(200), reported);
   EXPECT_NEAR(source->MaxSpacing(), 1.99, 1e-6);
   SpacedCloud whole, parts;
   const auto all = source->AddPoints({}, 3, {}, whole);

@@ -27,7 +27,7 @@ std::vector<Interval> RandomIntervals(std::uint32_t count, std::uint32_t reach,
   return intervals;
 }
 
-TEST(IntervalIndex, FindsWhatALookAtAllFinds) {
+TEST(IntervalIndex, FindsWhatASearchOfAllFinds) {
   std::mt19937 random(1);
   for (const std::uint32_t reach : {1u, 7u, 100u, 100000u, kMaxIntervalEnd}) {
     const auto intervals = RandomIntervals(500, reach, random);

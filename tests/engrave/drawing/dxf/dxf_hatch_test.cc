@@ -153,11 +153,11 @@ TEST(DxfHatch, InBlocksAHatchIsScaledAsOthersAre) {
 }
 
 TEST(DxfHatch, BrokenAndEndlessOnesEndInErrors) {
-  const auto error_of = [](const std::string& paths, std::uint64_t most_points,
-                           std::uint64_t most_entities) {
+  const auto error_of = [](const std::string& paths, std::uint64_t max_points,
+                           std::uint64_t max_entities) {
     ReadOptions options;
-    options.limits.max_points = most_points;
-    options.limits.max_entities = most_entities;
+    options.limits.max_points = max_points;
+    options.limits.max_entities = max_entities;
     const auto drawing = ReadDxf(Hatch(paths), options, "a.dxf");
     return drawing ? Error{ErrorCode::kInvalidValue, "", ""} : drawing.error();
   };

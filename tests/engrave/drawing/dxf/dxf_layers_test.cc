@@ -64,9 +64,9 @@ TEST(DxfLayers, BlocksOnOffAndFrozenLayers) {
 }
 
 TEST(DxfLayers, BrokenRecordsAndTooManyEndInErrors) {
-  const auto error_of = [](const std::string& records, std::uint64_t most) {
+  const auto error_of = [](const std::string& records, std::uint64_t largest) {
     ReadOptions options;
-    options.limits.max_entities = most;
+    options.limits.max_entities = largest;
     const auto drawing =
         ReadDxf(Groups("0 SECTION|2 TABLES|" + records + "|0 ENDSEC"), options, "a.dxf");
     return drawing ? Error{} : drawing.error();

@@ -40,14 +40,14 @@ TEST(TimeOptimal, IsThePrintedTimeOfItsCase) {
   EXPECT_NEAR((time_s(v + 1e-3) - time_s(v - 1e-3)) / 2e-3, 0.0, 1e-9);
 }
 
-TEST(TimeOptimal, IsTheLeastTimeOfStopAndGo) {
+TEST(TimeOptimal, IsTheMinimumTimeOfStopAndGo) {
   for (double l = 1e-4; l < 300; l *= 1.7) {
     EXPECT_NEAR(ChooseTimeOptimal(l, kPublished).seconds, StopAndGoSeconds(l, kPublished),
                 1e-14);
   }
 }
 
-TEST(Interpolator, SwitchesWhereThePrintedFormulasSay) {
+TEST(Interpolator, SwitchesWhereThePrintedFormulasState) {
   const Interpolator axis(10.0, 15.0, kPublished);
   EXPECT_DOUBLE_EQ(axis.first_switch_s(), 80.0 / 7000);
   EXPECT_DOUBLE_EQ(axis.first_switch_mm(), 10.0 + 80.0 * 80.0 / 14000);
@@ -142,8 +142,8 @@ TEST(InterpolatorProgram, EveryAxisArrivesByItself) {
       at += segment.duration_subticks;
       if (segment.end_position_mm[axis] == Vec3(5, 0.5, 0)[axis]) break;
     }
-    const double least_s = StopAndGoSeconds(Vec3(5, 0.5, 0)[axis], kPublished);
-    EXPECT_NEAR(DurationSeconds(at, 100.0), least_s, 3 * grid_s);
+    const double min_s = StopAndGoSeconds(Vec3(5, 0.5, 0)[axis], kPublished);
+    EXPECT_NEAR(DurationSeconds(at, 100.0), min_s, 3 * grid_s);
   }
 }
 

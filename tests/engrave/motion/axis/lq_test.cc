@@ -106,7 +106,7 @@ TEST(Lq, ShortStagesTendToTheContinuousStationaryCase) {
   }
 }
 
-TEST(Lq, LeastEnergyIsTheClosedFormOfTheDoubleIntegrator) {
+TEST(Lq, MinimumEnergyIsTheClosedFormOfTheDoubleIntegrator) {
   // Q = 0, fixed end: K(0) = [12/T^3, 6/T^2; 6/T^2, 4/T] for short stages.
   const double t = 2.0;
   const std::size_t count = 400;
@@ -116,7 +116,7 @@ TEST(Lq, LeastEnergyIsTheClosedFormOfTheDoubleIntegrator) {
   EXPECT_LT((recursion.InverseAt(0).inverse() - wanted).cwiseAbs().maxCoeff(), 2e-5);
 }
 
-TEST(Lq, LeastEnergyFromRestToRestIsLinearInTime) {
+TEST(Lq, MinimumEnergyFromRestToRestIsLinearInTime) {
   // Of held controls exactly u[j] = 6 (N - 1 - 2 j) / (N (N^2 - 1)) in units of stages.
   for (const std::size_t count : {2u, 3u, 8u, 100u}) {
     const LqRecursion recursion(AxisStage({}, {}, 1.0), count, Matrix2d::Zero());
@@ -138,10 +138,10 @@ TEST(Lq, NoOtherControlsToTheSameEndAreCheaper) {
   const Vector2d start(-1.0, 0.3);
   const Course best = Follow(recursion, start);
   EXPECT_LT(best.states.back().norm(), 1e-12);
-  const double least = Cost(stage, start, best.controls, Matrix2d::Zero());
+  const double smallest = Cost(stage, start, best.controls, Matrix2d::Zero());
   // The value function is the cost: S = X^T K X / 2.
-  EXPECT_NEAR(least, 0.5 * start.dot(recursion.InverseAt(0).inverse() * start),
-              1e-12 * least);
+  EXPECT_NEAR(smallest, 0.5 * start.dot(recursion.InverseAt(0).inverse() * start),
+              1e-12 * smallest);
 
   // The ends of the unit controls, to take the part away that would move the end.
   Eigen::Matrix<double, 2, Eigen::Dynamic> reach(2, count);
@@ -156,9 +156,9 @@ TEST(Lq, NoOtherControlsToTheSameEndAreCheaper) {
     ASSERT_LT(EndOf(stage, change).norm(), 1e-12);
     const double up = Cost(stage, start, best.controls + change, Matrix2d::Zero());
     const double down = Cost(stage, start, best.controls - change, Matrix2d::Zero());
-    EXPECT_GT(up, least);
+    EXPECT_GT(up, smallest);
     // Stationary: both sides cost the same more.
-    EXPECT_NEAR(up - least, down - least, 1e-9 * up);
+    EXPECT_NEAR(up - smallest, down - smallest, 1e-9 * up);
   }
 }
 
@@ -168,13 +168,13 @@ TEST(Lq, AWeightedEndIsNotReachedButCheapest) {
   const LqRecursion recursion(stage, 20, end.inverse());
   const Vector2d start(2.0, -1.0);
   const Course best = Follow(recursion, start);
-  const double least = Cost(stage, start, best.controls, end);
-  EXPECT_NEAR(least, 0.5 * start.dot(recursion.InverseAt(0).inverse() * start),
-              1e-12 * least);
+  const double smallest = Cost(stage, start, best.controls, end);
+  EXPECT_NEAR(smallest, 0.5 * start.dot(recursion.InverseAt(0).inverse() * start),
+              1e-12 * smallest);
   for (Eigen::Index j = 0; j < 20; ++j) {
     for (const double change : {-0.01, 0.01}) {
       EXPECT_GT(Cost(stage, start, best.controls + change * VectorXd::Unit(20, j), end),
-                least);
+                smallest);
     }
   }
 }

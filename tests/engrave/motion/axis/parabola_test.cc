@@ -209,7 +209,7 @@ TEST(ParabolaControls, SolveThePrintedSystemWhereTheStageMoves) {
   }
 }
 
-TEST(ParabolaControls, TheLeastStillHoldTheParabola) {
+TEST(ParabolaControls, TheMinimumStillHoldsTheParabola) {
   // So heavy that P is about 1: a light stage is thrown round the apex in microseconds,
   // as J then counts nearly the one force only.
   const Masses masses{400.0, 500.0, 3000.0, 1200.0};
@@ -217,7 +217,7 @@ TEST(ParabolaControls, TheLeastStillHoldTheParabola) {
   const double slope = 2 * kHeight / (kWidth / 2);
   State x{0, slope * 50.0, 0, 50.0};
   const Control control = [&](double, const State& at) {
-    return LeastControlsFor(parabola, PlantUnder(masses), Of(at));
+    return MinControlsFor(parabola, PlantUnder(masses), Of(at));
   };
   const double dt = 1e-5;
   for (int i = 0; i < 8000; ++i) {
@@ -237,11 +237,12 @@ TEST(ParabolaControls, NoOthersThatHoldTheParabolaAreLess) {
   for (int i = 0; i <= 10; ++i) {
     const ParabolaState x = parabola.At(parabola.length_mm() * i / 10, 70.0);
     const double m = parabola.Slope(x.x5_mm);
-    const ParabolaControls least = LeastControlsFor(parabola, plant, x);
+    const ParabolaControls smallest = MinControlsFor(parabola, plant, x);
     for (const double du6 : {-1.0, -1e-3, 1e-3, 1.0}) {
       // (63) is kept when beta1 du4 = m beta2 du6.
       const double du4 = m * plant.beta2_mm_s2_n * du6 / plant.beta1_mm_s2_n;
-      EXPECT_GE(cost({least.u4_n + du4, least.u6_n + du6}), cost(least) * (1 - 1e-12));
+      EXPECT_GE(cost({smallest.u4_n + du4, smallest.u6_n + du6}),
+                cost(smallest) * (1 - 1e-12));
     }
   }
 }

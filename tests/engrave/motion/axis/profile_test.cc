@@ -85,10 +85,10 @@ TEST(Profile, TriangleMeetsTrapezoidWhereTheSpeedIsReached) {
 
 TEST(Profile, MixIsTheFastest) {
   for (double s = 1e-4; s < 100.0; s *= 1.3) {
-    const double fastest = LeastSeconds(Profile::kMix, s, kPublished);
+    const double fastest = MinSeconds(Profile::kMix, s, kPublished);
     for (const Profile other :
          {Profile::kTriangle, Profile::kTrapezoid, Profile::kCubic}) {
-      EXPECT_LE(fastest, LeastSeconds(other, s, kPublished) * (1 + 1e-15));
+      EXPECT_LE(fastest, MinSeconds(other, s, kPublished) * (1 + 1e-15));
     }
   }
 }

@@ -168,17 +168,17 @@ TEST(ChannelGroups, TheyAreNearlyAsFewAsCanBe) {
     const PointList points_mm = RandomBox(10, {3, 3, 10}, seed);
     const Masks masks = RandomMasks(10, MaskSets()[seed % MaskSets().size()], seed);
     const std::size_t made = GroupByChannels(points_mm, masks, 0.3, {}).size();
-    const std::size_t least = FewestGroups(points_mm, masks, 0.3);
-    EXPECT_GE(made, least);
+    const std::size_t smallest = FewestGroups(points_mm, masks, 0.3);
+    EXPECT_GE(made, smallest);
     groups += made;
-    fewest += least;
+    fewest += smallest;
   }
   // Measured: 656 instead of 638.
   EXPECT_LE(static_cast<double>(groups), 1.03 * static_cast<double>(fewest))
       << groups << " instead of " << fewest;
 }
 
-TEST(ChannelGroups, TheEndIsWhenProgressSaysSo) {
+TEST(ChannelGroups, TheEndIsWhenProgressEndsIt) {
   const PointList points_mm = RandomBox(100, {5, 5, 5}, 1);
   const Masks masks = RandomMasks(100, {1, 2}, 1);
   const auto order = MakeChannelOrder(points_mm, masks, {},

@@ -14,8 +14,8 @@
 namespace intaglio::sort {
 namespace {
 
-constexpr std::size_t kMostPoints = 320;
-using Mask = std::bitset<kMostPoints>;
+constexpr std::size_t kMaxPoints = 320;
+using Mask = std::bitset<kMaxPoints>;
 /// pairs[p][e]: p before e.
 using Pairs = std::vector<Mask>;
 
@@ -56,7 +56,7 @@ std::vector<NamedCloud> SmallClouds() {
   std::vector<NamedCloud> clouds = Clouds(250);
   for (NamedCloud& cloud : DegenerateClouds()) clouds.push_back(std::move(cloud));
   for (NamedCloud& cloud : clouds) {
-    if (cloud.points_mm.size() > kMostPoints) cloud.points_mm.resize(kMostPoints);
+    if (cloud.points_mm.size() > kMaxPoints) cloud.points_mm.resize(kMaxPoints);
   }
   return clouds;
 }

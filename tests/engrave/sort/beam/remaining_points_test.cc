@@ -151,7 +151,7 @@ class TakingOneByOne {
   std::vector<std::uint32_t> indices_;
 };
 
-TEST(RemainingPoints, AnswerAsEveryPointLookedAtDoes) {
+TEST(RemainingPoints, AnswerAsATestOfEveryPointDoes) {
   for (const NamedCloud& cloud : CloudsOfAllKinds()) {
     for (const double z_weight : {0.1, 0.6, 3.0}) {
       SCOPED_TRACE(cloud.name + ", K = " + std::to_string(z_weight));

@@ -138,7 +138,7 @@ TEST(MaterialsCommand, ShowsWhatIsKeptAlsoOutsideTheWavelengths) {
   }
 }
 
-TEST(MaterialsCommand, SaysWhatIsWrong) {
+TEST(MaterialsCommand, ReportsWhatIsWrong) {
   const fs::path folder = test::FreshFolder();
   const Outcome unknown = RunMaterials(folder, {"show", "BK7"});
   EXPECT_EQ(unknown.exit_code, 2);

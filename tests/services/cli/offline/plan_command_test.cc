@@ -213,14 +213,14 @@ TEST_F(PlanCommand, ComparisonHasEveryPlannerAndTheContinuousOneIsFastest) {
   ASSERT_EQ(report.motions_size(), MotionProfile_descriptor()->value_count());
   EXPECT_EQ(report.motions(0).planner(), "mix") << "the job's own first";
   std::set<std::string> names;
-  std::uint64_t continuous = 0, least = ~std::uint64_t{0};
+  std::uint64_t continuous = 0, smallest = ~std::uint64_t{0};
   for (const PlannedMotion& motion : report.motions()) {
     names.insert(motion.planner());
-    least = std::min(least, motion.ticks());
+    smallest = std::min(smallest, motion.ticks());
     if (motion.planner() == "continuous") continuous = motion.ticks();
   }
   EXPECT_EQ(names.size(), static_cast<std::size_t>(report.motions_size()));
-  EXPECT_EQ(continuous, least);
+  EXPECT_EQ(continuous, smallest);
   Type({"plan", "--path", path().string(), "--compare"});
   for (const std::string& name : names) {
     EXPECT_THAT(output_, HasSubstr("\n" + name + " "));
@@ -243,7 +243,7 @@ TEST_F(PlanCommand, WritesThePathAgainWithTheTickOfEachPoint) {
 }
 
 /// The numbers behind a word of the lines of motion, e.g. 'X'.
-std::vector<double> WordsOf(const fs::path& gcode, char word) {
+std::vector<double> TokensOf(const fs::path& gcode, char word) {
   std::vector<double> values;
   std::ifstream in(gcode);
   for (std::string line; std::getline(in, line);) {
@@ -264,7 +264,7 @@ TEST_F(PlanCommand, WritesTheAxesOfATableForAController) {
   std::ofstream(machine) << text << "cartesian { x { moves: AXIS_MOVES_TABLE } }\n";
   Type({"plan", "--path", path().string(), "--machine", machine.string(), "--out",
         out.string(), "--out-frame", "machine"});
-  const std::vector<double> x_mm = WordsOf(out, 'X'), y_mm = WordsOf(out, 'Y');
+  const std::vector<double> x_mm = TokensOf(out, 'X'), y_mm = TokensOf(out, 'Y');
   ASSERT_EQ(x_mm.size(), path_mm_.size()) << errors_;
   for (std::size_t i = 0; i < path_mm_.size(); ++i) {
     EXPECT_NEAR(x_mm[i], 100 - path_mm_[i].x(), 6e-4) << "three decimals";
@@ -288,7 +288,7 @@ TEST_F(PlanCommand, PlansAnArmAndARotaryTable) {
   std::getline(segments, heading);
   EXPECT_EQ(heading, "tick,arm_rad,table_rad,z_mm,varm_rad_s,vtable_rad_s,vz_mm_s,point");
   // Turned forwards, the words lead to the points: the block's corner is at (-25, 90).
-  const std::vector<double> arm_deg = WordsOf(out, 'A'), table_deg = WordsOf(out, 'C');
+  const std::vector<double> arm_deg = TokensOf(out, 'A'), table_deg = TokensOf(out, 'C');
   ASSERT_EQ(arm_deg.size(), path_mm_.size());
   ASSERT_EQ(table_deg.size(), path_mm_.size());
   constexpr double kDeg = 3.14159265358979 / 180;

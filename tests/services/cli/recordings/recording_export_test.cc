@@ -21,12 +21,12 @@ constexpr char kPulsesIdl[] =
 
 /// One pulse of the job "job".
 recording::Bytes PulseOf(std::uint32_t tick, std::uint32_t point, std::uint32_t outcome) {
-  return recording::WordsAsCdr({4, 0x00626f6a, 1, tick, 1, point, 1, outcome});
+  return recording::TextAsCdr({4, 0x00626f6a, 1, tick, 1, point, 1, outcome});
 }
 
 // By a person's consent a point is fired again, and the next life of the synchronizer may
 // report a point that an earlier life reported: the newest crack of each counts.
-TEST(RecordingExport, APointThatIsToldOfTwiceIsOneCrack) {
+TEST(RecordingExport, APointThatIsReportedTwiceIsOneCrack) {
   const auto folder = test::FreshFolder();
   auto writer = recording::McapWriter::Create(folder / "a.mcap", {}).value();
   recording::Channel channel = recording::ChannelOf({"PulseEventBatch",

@@ -153,7 +153,7 @@ TEST(CheckKinematics, ATableNeedsTravelOnItsOwnSide) {
   machine.mutable_block_origin_mm()->set_x(0);
   EXPECT_THAT(
       CheckJobOnMachine(GoodJob(), machine, kStageRatio),
-      ElementsAre(Names("block.size_mm.x", "would have to go from -47 to -3 mm")));
+      ElementsAre(Names("block.size_mm.x", "would have to move from -47 to -3 mm")));
 }
 
 TEST(CheckKinematics, ABlockOutOfReachOfTheArmIsNamed) {
@@ -177,7 +177,7 @@ TEST(CheckKinematics, TravelOfAnArmIsNamedInRadians) {
   machine.mutable_polar()->mutable_table()->set_travel_max_rad(0.5);
   EXPECT_THAT(
       CheckJobOnMachine(GoodJob(), machine, kStageRatio),
-      ElementsAre(Names("block.size_mm", "the axis table would have to go from")));
+      ElementsAre(Names("block.size_mm", "the axis table would have to turn from")));
 }
 
 TEST(CheckKinematics, MistakesOfAProfileAreNamedTogether) {

@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, PointsOfEveryMethod, testing::ValuesIn(Rows()),
 TEST_P(PointsOfEveryMethod, LieInTheBlockAndKeepTheSpacing) {
   const auto made = Make({}, {});
   EXPECT_GT(made.cloud.size(), 100u);
-  EXPECT_GE(discretize::LeastDistance(made.cloud.points_mm),
+  EXPECT_GE(discretize::MinDistance(made.cloud.points_mm),
             job_.discretization().min_spacing_mm());
   const Box3 permitted = PermittedBoxOf(job_.block());
   for (const Vec3& p : made.cloud.points_mm) {

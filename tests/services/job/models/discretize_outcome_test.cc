@@ -19,7 +19,7 @@ TEST(DiscretizeOutcome, PartsAddUp) {
   discretize::Discretized made;
   made.cloud.Add(Vec3(1, 2, 3), 0);
   made.candidate_count = 4;
-  made.welded_count = 2;
+  made.thinned_count = 2;
   made.clipped_count = 1;
   made.models.resize(1);
   made.models[0].point_count = 4;
@@ -32,7 +32,7 @@ TEST(DiscretizeOutcome, PartsAddUp) {
   EXPECT_EQ(all.models_size(), 1) << "models are told of once";
   EXPECT_EQ(all.warnings_size(), 1);
   EXPECT_EQ(all.candidate_count(), 8u);
-  EXPECT_EQ(all.welded_count(), 4u);
+  EXPECT_EQ(all.thinned_count(), 4u);
   EXPECT_EQ(all.clipped_count(), 2u);
   EXPECT_EQ(all.point_count(), 2u);
   ASSERT_EQ(all.methods_size(), 1);
@@ -40,7 +40,7 @@ TEST(DiscretizeOutcome, PartsAddUp) {
   EXPECT_EQ(all.methods(0).parallel_area_mm2(), 40);
 }
 
-TEST(DiscretizeOutcome, ParallelFacesAreWarnedOfWhereTheJobSaysReport) {
+TEST(DiscretizeOutcome, ParallelFacesAreWarnedOfWhereTheJobAsksForAReport) {
   JobSpec job = GoodJob();
   DiscretizeOutcome all;
   all.add_methods()->set_parallel_area_mm2(40);

@@ -33,7 +33,7 @@ TEST(MeshAnswer, CarriesAMeshBitByBit) {
   EXPECT_EQ((*answer)->triangles, mesh.triangles);
 }
 
-TEST(MeshAnswer, LiesAsItsHeaderSays) {
+TEST(MeshAnswer, LiesAsItsHeaderStates) {
   TriangleMesh mesh;
   mesh.vertices = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}};
   mesh.triangles = {{0, 1, 2}, {3, 2, 1}};

@@ -51,7 +51,7 @@ TEST(ModelSources, ACloudIsTakenAsItIs) {
   EXPECT_EQ(made->cloud.points_mm, (PointList{{5, 6, 7}, {6, 6, 7}, {5, 6, 9}}));
 }
 
-TEST(ModelSources, CopiesStandInAGridAboutTheMiddle) {
+TEST(ModelSources, CopiesLieInAGridAboutTheMiddle) {
   OneModel one;
   one.model.set_file("three.xyz");
   one.model.mutable_placement()->set_centre_in_block(true);

@@ -74,7 +74,7 @@ Status Read(const Sample& sample, const ReadLimits& limits) {
   return {};
 }
 
-TEST(ReadLimits, HoldForEveryKindOfFileAndSayHowTheyAreRaised) {
+TEST(ReadLimits, HoldForEveryKindOfFileAndReportHowTheyAreRaised) {
   for (const Sample& sample : Samples()) {
     const Status read = Read(sample, {});
     EXPECT_TRUE(read) << sample.name << ": " << read.error().message;

@@ -83,7 +83,7 @@ TEST(ReadingProcess, GivesWhatTheLibraryGives) {
   }
 }
 
-TEST(ReadingProcess, SaysWhatTheLibrarysReaderSays) {
+TEST(ReadingProcess, ReportsWhatTheLibrarysReaderReports) {
   mesh::ImportOptions few;
   few.max_triangles = 5;
   const std::string obj = Obj(mesh::BoxMesh(Vec3(1, 2, 3)));
@@ -113,7 +113,7 @@ TEST(ReadingProcess, AFileThatCrashesTheLibraryIsRefusedByName) {
                 "it crashed the reader of 3mf files (Segmentation fault)");
 }
 
-TEST(ReadingProcess, ANameThatLooksLikeAnOptionIsAName) {
+TEST(ReadingProcess, ANameThatResemblesAnOptionIsAName) {
   const auto read = ReadBy(ReadingProcess{
       fs::path(INTAGLIO_BIN_DIR) / "intaglio-mesh-reader", std::chrono::seconds(1)})(
       BytesOf("v 0 0 0\n"), "obj", {}, "--help.obj");
@@ -121,7 +121,7 @@ TEST(ReadingProcess, ANameThatLooksLikeAnOptionIsAName) {
   EXPECT_THAT(read.error().message, HasSubstr("--help.obj: it cannot be read as obj"));
 }
 
-TEST(ReadingProcess, OneThatIsKilledSaysSo) {
+TEST(ReadingProcess, OneThatIsKilledReportsIt) {
   ExpectRefused(ReadBy(Script("kill -9 $$"), "file", "obj"), ErrorCode::kUnreadable,
                 "(Killed)");
 }
@@ -153,14 +153,14 @@ TEST(ReadingProcess, WhatIsNoAnswerIsNone) {
                 "(exit code 3)");
 }
 
-TEST(ReadingProcess, WithoutItsProgramTheRemedyIsTold) {
+TEST(ReadingProcess, WithoutItsProgramTheRemedyIsReported) {
   ExpectRefused(ReadBy("/no/such/program", "file", "obj"), ErrorCode::kNotFound,
                 "/no/such/program cannot be started");
   EXPECT_TRUE(ReadBy("/no/such/program", BinaryStl(mesh::BoxMesh(Vec3(1, 2, 3))), "stl"));
 }
 
 // A link to it lies beside the tests.
-TEST(ProgramLimits, LookForTheProgramBesideTheOneThatRuns) {
+TEST(ProgramLimits, SearchForTheProgramBesideTheOneThatRuns) {
   const ReadLimits limits = LimitsOfProgram(2);
   EXPECT_EQ(limits.meshes.max_triangles, 2 * mesh::ImportOptions{}.max_triangles);
   const TriangleMesh box = mesh::BoxMesh(Vec3(1, 2, 3));

@@ -238,7 +238,7 @@ class RandomShop : public JobActions {
     TaskId task;
     bool accepted;
   };
-  int Upto(int most) { return std::uniform_int_distribution(0, most)(random_); }
+  int Upto(int largest) { return std::uniform_int_distribution(0, largest)(random_); }
   void Health(JobQueue& queue, const std::string& name, Nanoseconds now) {
     const bool idle = tasks_.at(name).empty();
     queue.Take(WorkerView{name, intaglio_ROLE_DISCRETIZER,

@@ -139,7 +139,7 @@ TEST_F(JobPartsTest, EitherMayBeLostAtAnyTime) {
   }
 }
 
-TEST_F(JobPartsTest, WithoutAnyItWaitsAndSaysSoAndANewOneGoesOn) {
+TEST_F(JobPartsTest, WithoutAnyItWaitsAndReportsItAndANewOneGoesOn) {
   BeginWithTwo();
   Done(0);
   Lose("d");

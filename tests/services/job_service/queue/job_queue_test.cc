@@ -37,7 +37,7 @@ TEST_F(JobQueueTest, HappyPath) {
       << "when the points are made, and at the end";
 }
 
-TEST_F(JobQueueTest, WaitsForWorkersAndSaysWhich) {
+TEST_F(JobQueueTest, WaitsForWorkersAndReportsWhich) {
   Add(1);
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);
   EXPECT_EQ(
@@ -305,7 +305,7 @@ TEST_F(JobQueueTest, ArmedAheadIsGrantedOnlyWhenThePathIsThere) {
   EXPECT_TRUE(Granted());
 }
 
-TEST_F(JobQueueTest, TakesASpeedWithinItsRangeAndTellsTheCell) {
+TEST_F(JobQueueTest, TakesASpeedWithinItsRangeAndSendsItToTheCell) {
   ReadyAll();
   Add(1);
   LoadPath();

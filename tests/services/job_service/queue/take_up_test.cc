@@ -81,7 +81,7 @@ TEST_F(TakeUpTest, TheNextSynchronizerTakesItUpAndItGoesOn) {
 }
 
 // The network was away for longer than a lease, and the same synchronizer is back.
-TEST_F(TakeUpTest, ALateWordOnTheRevocationIsNotOneOnTheJob) {
+TEST_F(TakeUpTest, ALateReportOnTheRevocationIsNotOneOnTheJob) {
   EngraveAndLose();
   actions_.Orders();
   now_ += 2s;
@@ -174,7 +174,7 @@ TEST_F(TakeUpTest, AMissingPathFailsTheJobAndEngravesNothingAnew) {
 }
 
 // The restart falls between the loss and the next synchronizer, and the lost one is back.
-TEST_F(TakeUpTest, AfterARestartTheLostOnesLastWordIsNotOneOnTheJob) {
+TEST_F(TakeUpTest, AfterARestartTheLostOnesLastReportIsNotOneOnTheJob) {
   EngraveAndLose();
   RecordingActions actions;
   JobQueue queue(actions);
@@ -320,7 +320,7 @@ TEST_F(TakeUpTest, AnArmOutlivesAShortAbsenceOfTheSynchronizer) {
 
 // The computer slept, or the process was stopped: it is not known what happened
 // meanwhile.
-TEST_F(TakeUpTest, AJobServiceThatStoodStillForLongDisarms) {
+TEST_F(TakeUpTest, AJobServiceThatWasFrozenForLongDisarms) {
   ReadyAll();
   Add(1);
   LoadPath();

@@ -51,7 +51,7 @@ TEST_F(TaskHandoutTest, OnlyWhatAWorkerStillHasIsRevokedAndOnce) {
 }
 
 // Its lamp stays on.
-TEST_F(TaskHandoutTest, TheRevocationOfAnEngravingSaysWhetherItGoesOn) {
+TEST_F(TaskHandoutTest, TheRevocationOfAnEngravingReportsWhetherItGoesOn) {
   struct Orders : RecordingActions {
     void Give(const TaskOrder& order, const JobRecord&) override {
       take_up.push_back(order.take_up);

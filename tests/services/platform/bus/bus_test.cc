@@ -166,16 +166,16 @@ TEST(Bus, CellTopicsStayInTheirCell) {
       everybody(PrivateBusOptions());
   Writer<intaglio_Interlock> writer(a, kInterlock);
   Reader<intaglio_Interlock> in_a(a, kInterlock), in_b(b, kInterlock),
-      all(everybody, kInterlock), told_to(b, kInterlock, "a");
+      all(everybody, kInterlock), asked_to(b, kInterlock, "a");
   ASSERT_TRUE(Eventually([&] {
     return writer.IsMatched(in_a.guid()) && writer.IsMatched(all.guid()) &&
-           writer.IsMatched(told_to.guid());
+           writer.IsMatched(asked_to.guid());
   }));
   EXPECT_FALSE(writer.IsMatched(in_b.guid()));
   EXPECT_EQ(in_b.matched_count(), 0);
 }
 
-TEST(Bus, WaitSetWakesAcrossBothDomainsAndWhenTold) {
+TEST(Bus, WaitSetWakesAcrossBothDomainsAndOnRequest) {
   Bus bus(PrivateBusOptions());
   Reader<intaglio_ModelChunk> bulk(bus, kModelChunk);
   Reader<intaglio_Alarm> control(bus, kAlarm);

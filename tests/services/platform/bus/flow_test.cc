@@ -42,7 +42,7 @@ TEST(Flow, NamesAStreamByJobAttemptAndTopic) {
   EXPECT_EQ(PartStreamName("12-ab", 3, "PointBatch", 7, 1), "12-ab/3/PointBatch/7.1");
 }
 
-TEST(Flow, CreditSaysHowFarTheProducerMayGo) {
+TEST(Flow, CreditReportsHowFarTheProducerMayGo) {
   Bus bus(PrivateBusOptions());
   CreditGrantor grantor(bus, "consumer");
   CreditBook book(bus);
@@ -71,7 +71,7 @@ TEST(Flow, CreditSaysHowFarTheProducerMayGo) {
 }
 
 // A producer that was stopped for longer than a lease takes every stream for ended.
-TEST(Flow, WhatIsGrantedIsToldAgainOnceASecond) {
+TEST(Flow, WhatIsGrantedIsReportedAgainOnceASecond) {
   Bus bus(PrivateBusOptions());
   CreditGrantor grantor(bus, "consumer");
   CreditBook book(bus);
@@ -83,9 +83,9 @@ TEST(Flow, WhatIsGrantedIsToldAgainOnceASecond) {
   ASSERT_TRUE(grantor.Cancel("cancelled"));
   ASSERT_TRUE(grantor.Close("closed"));
   ASSERT_TRUE(grantor.Consumed("s", 1));  // too little to be published
-  grantor.TellAgain(before);
+  grantor.Repeat(before);
   EXPECT_FALSE(Eventually([&] { return find("s").consumed == 1; }, 100ms));
-  grantor.TellAgain(before + 60s);  // however long the above took
+  grantor.Repeat(before + 60s);  // however long the above took
   EXPECT_TRUE(Eventually([&] { return find("s").consumed == 1; }));
   EXPECT_FALSE(find("s").cancelled);
   EXPECT_TRUE(find("cancelled").cancelled);
@@ -148,12 +148,12 @@ TEST(Flow, ASlowConsumerLosesNothingAndCostsNoMemory) {
   Producer producer(bus);
   ASSERT_TRUE(producer.AwaitConsumer("slow/0/ModelChunk"));
   const std::size_t before = ResidentBytes();
-  std::size_t most = before;
+  std::size_t largest = before;
   ASSERT_TRUE(producer.Send("slow/0/ModelChunk", kCount,
-                            [&] { most = std::max(most, ResidentBytes()); }));
+                            [&] { largest = std::max(largest, ResidentBytes()); }));
   ASSERT_TRUE(producer.AwaitConsumed("slow/0/ModelChunk", kCount));
   // A window is 1 MiB; the library's pools and fragments make it some more.
-  EXPECT_LT(most - before, (24u << 20) + test::kQuarantineBytes);
+  EXPECT_LT(largest - before, (24u << 20) + test::kQuarantineBytes);
   EXPECT_TRUE(peer.running());
 }
 

@@ -33,8 +33,9 @@ class Listener {
   bool Until(const std::function<bool()>& condition) {
     return test::Eventually([&] {
       tap.Discover(1ms);
-      tap.Take(1ms,
-               [this](bus::TapSample&& sample) { heard.push_back(std::move(sample)); });
+      tap.Take(1ms, [this](bus::TapSample&& sample) {
+        received.push_back(std::move(sample));
+      });
       return condition();
     });
   }
@@ -49,7 +50,7 @@ class Listener {
   bus::Bus bus;
   std::vector<std::string> complaints;
   bus::TopicTap tap;
-  std::vector<bus::TapSample> heard;
+  std::vector<bus::TapSample> received;
 };
 
 test::ChildProgram TapPeer(std::vector<std::string> arguments) {
@@ -66,15 +67,15 @@ std::string TextAt(std::span<const std::byte> bytes, std::size_t offset) {
 }
 
 // The reader keeps all: every sample of a writer that keeps one sample is received.
-TEST(TopicTap, HearsEverySampleAndTheEndOfTheInstance) {
+TEST(TopicTap, ReceivesEverySampleAndTheEndOfTheInstance) {
   constexpr std::size_t kCount = 200;
   // Longer than the 16 bytes that the library has for keys that it takes for short ones.
   const std::string kName = "sorter-of-a-host-with-a-long-name-4711";
   Listener listener;
   const auto peer = TapPeer({"instance", kName, std::to_string(kCount)});
   ASSERT_TRUE(listener.Until([&] {
-    return !listener.heard.empty() &&
-           listener.heard.back().kind() == bus::TapKind::kDisposed;
+    return !listener.received.empty() &&
+           listener.received.back().kind() == bus::TapKind::kDisposed;
   }));
   const bus::TapChannel& channel = listener.tap.channel(0);
   EXPECT_EQ(channel.topic, "ServiceHealth");
@@ -82,12 +83,12 @@ TEST(TopicTap, HearsEverySampleAndTheEndOfTheInstance) {
   EXPECT_TRUE(channel.keyed);
   EXPECT_EQ(channel.qos.at("reliability"), "reliable");
   EXPECT_EQ(channel.qos.at("durability"), "transient_local");
-  const bus::TapSample& value = listener.heard.front();
-  const bus::TapSample& end = listener.heard.back();
+  const bus::TapSample& value = listener.received.front();
+  const bus::TapSample& end = listener.received.back();
   // The writer itself may have replaced a sample before the reader was known everywhere.
-  EXPECT_GT(listener.heard.size(), kCount * 9 / 10);
+  EXPECT_GT(listener.received.size(), kCount * 9 / 10);
   std::int64_t last = -1;
-  for (const bus::TapSample& sample : listener.heard) {
+  for (const bus::TapSample& sample : listener.received) {
     // The clocks of two processors may differ by a little.
     EXPECT_GE(sample.received_ns() + 10'000'000, sample.source_ns());
     if (&sample == &end) break;
@@ -105,20 +106,21 @@ TEST(TopicTap, HearsEverySampleAndTheEndOfTheInstance) {
   EXPECT_THAT(listener.complaints, IsEmpty());
 }
 
-TEST(TopicTap, HearsThatTheWriterIsGone) {
+TEST(TopicTap, ReportsThatTheWriterIsGone) {
   Listener listener;
   auto peer = TapPeer({"topics", "a"});
   ASSERT_TRUE(listener.Until([&] { return listener.channels().contains("Interlock"); }));
   peer.Kill();
   EXPECT_TRUE(listener.Until([&] {
-    return std::any_of(listener.heard.begin(), listener.heard.end(), [&](const auto& s) {
-      return s.kind() != bus::TapKind::kValue &&
-             listener.tap.channel(s.channel()).topic == "Interlock";
-    });
+    return std::any_of(listener.received.begin(), listener.received.end(),
+                       [&](const auto& s) {
+                         return s.kind() != bus::TapKind::kValue &&
+                                listener.tap.channel(s.channel()).topic == "Interlock";
+                       });
   }));
 }
 
-TEST(TopicTap, TellsEveryTopicOfTheProduct) {
+TEST(TopicTap, ReportsEveryTopicOfTheProduct) {
   Listener listener;
   std::map<std::string, const dds_topic_descriptor*> descriptors;
   test::ForEachTopic(
@@ -235,7 +237,7 @@ TEST(TopicTap, WritesTheTypeInIdl) {
 TEST(TopicTap, FilterKeepsReadersFromBeingMade) {
   Listener listener([](const auto& channel) { return channel.topic == "Alarm"; });
   const auto peer = TapPeer({"topics", "a"});
-  ASSERT_TRUE(listener.Until([&] { return listener.heard.size() > 5; }));
+  ASSERT_TRUE(listener.Until([&] { return listener.received.size() > 5; }));
   EXPECT_EQ(listener.tap.channel_count(), 1u);
 }
 

@@ -67,7 +67,7 @@ TEST(WireContract, IsTheOneThatWasAgreed) {
   EXPECT_EQ(Contract(), golden.str());
 }
 
-TEST(WireContract, EveryTypeTellsItsHash) {
+TEST(WireContract, EveryTypeReportsItsHash) {
   test::ForEveryTopic([](const auto& topic) {
     EXPECT_GT(topic.descriptor->type_information.sz, 0u) << topic.name;
   });

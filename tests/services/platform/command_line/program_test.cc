@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 /// "understood", or the output.
-std::string Said(Program& program, std::vector<std::string> words) {
+std::string Output(Program& program, std::vector<std::string> words) {
   const Status parsed = program.Parse(std::move(words));
   return parsed ? "understood" : parsed.error().message;
 }
@@ -64,26 +64,26 @@ TEST(Option, TakesEachKindOfValue) {
   root.AddFlag("--flag", flag, "");
   root.AddFlag("--on,!--off", turned_off, "");
   root.AddFlag("--parent{-1}", parent, "");
-  ASSERT_EQ(Said(program, {"a",
-                           "b c",
-                           "--whole",
-                           "-7",
-                           "--number",
-                           "4294967295",
-                           "--large=18446744073709551615",
-                           "--length",
-                           "1.5",
-                           "--called",
-                           "x",
-                           "--file",
-                           "/a b",
-                           "--maybe",
-                           "2",
-                           "--corner",
-                           "1,2,3",
-                           "--flag",
-                           "--off",
-                           "--parent=12"}),
+  ASSERT_EQ(Output(program, {"a",
+                             "b c",
+                             "--whole",
+                             "-7",
+                             "--number",
+                             "4294967295",
+                             "--large=18446744073709551615",
+                             "--length",
+                             "1.5",
+                             "--called",
+                             "x",
+                             "--file",
+                             "/a b",
+                             "--maybe",
+                             "2",
+                             "--corner",
+                             "1,2,3",
+                             "--flag",
+                             "--off",
+                             "--parent=12"}),
             "understood");
   EXPECT_EQ(whole, -7);
   EXPECT_EQ(number, 4294967295u);
@@ -98,7 +98,7 @@ TEST(Option, TakesEachKindOfValue) {
   EXPECT_TRUE(flag);
   EXPECT_FALSE(turned_off);
   EXPECT_EQ(parent, 12);
-  ASSERT_EQ(Said(program, {"--parent"}), "understood");
+  ASSERT_EQ(Output(program, {"--parent"}), "understood");
   EXPECT_EQ(parent, -1) << "without a value";
 }
 
@@ -117,21 +117,21 @@ TEST(Option, ThatIsNotAsItHasToBeIsNamed) {
   const Option of_height = root.AddOption("--height", height, "");
   root.AddOption("--size", size, "").Exclude(of_height);
   root.AddOption("--corner", corner, "").TakeValues(3).Need(root.OptionOf("--format"));
-  const auto said = [&](std::vector<std::string> words) {
+  const auto output = [&](std::vector<std::string> words) {
     words.insert(words.end(), {"--out", "x"});
-    return Said(program, words);
+    return Output(program, words);
   };
-  EXPECT_EQ(said({"--rate", "2", "--count", "4", "--format", "ply"}), "understood");
-  EXPECT_THAT(Said(program, {}), HasSubstr("--out is required"));
-  EXPECT_THAT(said({"--rate", "2.1"}), HasSubstr("--rate"));
-  EXPECT_THAT(said({"--rate", "fast"}), HasSubstr("--rate"));
-  EXPECT_THAT(said({"--count", "0"}), HasSubstr("--count"));
-  EXPECT_THAT(said({"--count", "1.5"}), HasSubstr("--count"));
-  EXPECT_THAT(said({"--width", "0"}), HasSubstr("--width"));
-  EXPECT_THAT(said({"--format", "doc"}), HasSubstr("--format"));
-  EXPECT_THAT(said({"--height", "1", "--size", "2"}), HasSubstr("--height"));
-  EXPECT_THAT(said({"--format", "csv", "--corner", "1", "2"}), HasSubstr("--corner"));
-  EXPECT_THAT(said({"--corner", "1", "2", "3"}), HasSubstr("--format"));
+  EXPECT_EQ(output({"--rate", "2", "--count", "4", "--format", "ply"}), "understood");
+  EXPECT_THAT(Output(program, {}), HasSubstr("--out is required"));
+  EXPECT_THAT(output({"--rate", "2.1"}), HasSubstr("--rate"));
+  EXPECT_THAT(output({"--rate", "fast"}), HasSubstr("--rate"));
+  EXPECT_THAT(output({"--count", "0"}), HasSubstr("--count"));
+  EXPECT_THAT(output({"--count", "1.5"}), HasSubstr("--count"));
+  EXPECT_THAT(output({"--width", "0"}), HasSubstr("--width"));
+  EXPECT_THAT(output({"--format", "doc"}), HasSubstr("--format"));
+  EXPECT_THAT(output({"--height", "1", "--size", "2"}), HasSubstr("--height"));
+  EXPECT_THAT(output({"--format", "csv", "--corner", "1", "2"}), HasSubstr("--corner"));
+  EXPECT_THAT(output({"--corner", "1", "2", "3"}), HasSubstr("--format"));
 }
 
 TEST(Option, IsTakenFromTheEnvironmentWhenItIsNotGiven) {
@@ -139,9 +139,9 @@ TEST(Option, IsTakenFromTheEnvironmentWhenItIsNotGiven) {
   Program program("p", "");
   program.root().AddOption("--keys", keys, "").FromEnvironment("INTAGLIO_TEST_KEYS");
   setenv("INTAGLIO_TEST_KEYS", "from there", 1);
-  EXPECT_EQ(Said(program, {}), "understood");
+  EXPECT_EQ(Output(program, {}), "understood");
   EXPECT_EQ(keys, "from there");
-  EXPECT_EQ(Said(program, {"--keys", "given"}), "understood");
+  EXPECT_EQ(Output(program, {"--keys", "given"}), "understood");
   EXPECT_EQ(keys, "given");
   unsetenv("INTAGLIO_TEST_KEYS");
 }
@@ -156,14 +156,14 @@ TEST(Command, ThatWasGivenActs) {
   info.TakeOptionsOfParent();
   info.SetAction([] { return 7; });
   recording.AddCommand("cut", "").SetAction([] { return 8; });
-  EXPECT_EQ(Said(program, {"recording", "info", "--db", "x"}), "understood");
+  EXPECT_EQ(Output(program, {"recording", "info", "--db", "x"}), "understood");
   EXPECT_EQ(program.Run(), 7);
   EXPECT_EQ(database, "x");
-  EXPECT_THAT(Said(program, {"recording"}), HasSubstr("subcommand"));
-  EXPECT_NE(Said(program, {"recording", "cut", "--db", "x"}), "understood");
+  EXPECT_THAT(Output(program, {"recording"}), HasSubstr("subcommand"));
+  EXPECT_NE(Output(program, {"recording", "cut", "--db", "x"}), "understood");
 }
 
-TEST(Program, EndsWithZeroAfterItsHelpAndWithTwoAfterWordsItDoesNotUnderstand) {
+TEST(Program, EndsWithZeroAfterItsHelpAndWithTwoAfterArgumentsItDoesNotKnow) {
   double rate = 1.5;
   Program program("intaglio", "A mesh goes in.");
   program.SetVersion("1.2.3");
@@ -190,44 +190,45 @@ TEST(Program, EndsWithZeroAfterItsHelpAndWithTwoAfterWordsItDoesNotUnderstand) {
 TEST(Program, WithoutACommandShowsItsHelp) {
   Program program("intaglio", "A mesh goes in.");
   program.root().AddCommand("list", "").SetAction([] { return 7; });
-  ASSERT_EQ(Said(program, {}), "understood");
+  ASSERT_EQ(Output(program, {}), "understood");
   testing::internal::CaptureStdout();
   EXPECT_EQ(program.Run(), 0);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("A mesh goes in."));
 }
 
-class UnknownWords : public testing::Test {
+class UnknownArguments : public testing::Test {
  protected:
-  UnknownWords() : program_("intaglio", "an app") {
+  UnknownArguments() : program_("intaglio", "an app") {
     program_.root().AddCommand("run", "").AddOption("--height", height_, "");
     program_.root().AddCommand("recording", "").AddCommand("repair", "");
   }
-  std::string Said(std::vector<std::string> words) {
-    return command_line::Said(program_, std::move(words));
+  std::string Output(std::vector<std::string> words) {
+    return command_line::Output(program_, std::move(words));
   }
   double height_ = 0;
   Program program_;
 };
 
-TEST_F(UnknownWords, ACommandIsNamedWithTheNearestOne) {
-  EXPECT_EQ(Said({"rum", "--height", "3"}),
+TEST_F(UnknownArguments, ACommandIsNamedWithTheNearestOne) {
+  EXPECT_EQ(Output({"rum", "--height", "3"}),
             "intaglio has no command 'rum', did you mean run?; see intaglio --help");
-  EXPECT_EQ(Said({"engrave"}), "intaglio has no command 'engrave'; see intaglio --help");
+  EXPECT_EQ(Output({"engrave"}),
+            "intaglio has no command 'engrave'; see intaglio --help");
 }
 
-TEST_F(UnknownWords, AnOptionIsThatOfTheInnermostCommand) {
-  EXPECT_EQ(Said({"run", "--hieght=3"}),
+TEST_F(UnknownArguments, AnOptionIsThatOfTheInnermostCommand) {
+  EXPECT_EQ(Output({"run", "--hieght=3"}),
             "intaglio run has no option '--hieght', did you mean --height?; see intaglio "
             "run --help");
-  EXPECT_EQ(Said({"recording", "repiar", "x"}),
+  EXPECT_EQ(Output({"recording", "repiar", "x"}),
             "intaglio recording has no command 'repiar', did you mean repair?; see "
             "intaglio recording --help");
 }
 
-TEST_F(UnknownWords, AWordTooManyIsNotTakenForACommand) {
-  EXPECT_EQ(Said({"run", "--height", "3", "more"}),
+TEST_F(UnknownArguments, AnArgumentTooManyIsNotTakenForACommand) {
+  EXPECT_EQ(Output({"run", "--height", "3", "more"}),
             "intaglio run does not accept 'more'; see intaglio run --help");
-  EXPECT_EQ(Said({"run", "--height", "3"}), "understood");
+  EXPECT_EQ(Output({"run", "--height", "3"}), "understood");
 }
 
 }  // namespace

@@ -47,9 +47,9 @@ class FaultyEnd : public ByteStream {
   Result<std::size_t> Read(std::span<std::byte> buffer) override {
     if (in_->gone) return Fail(ErrorCode::kLinkLost, "the test's line is gone");
     // In odd pieces, so that frames lie across them.
-    const std::size_t most = std::min<std::size_t>(buffer.size(), 97);
+    const std::size_t largest = std::min<std::size_t>(buffer.size(), 97);
     std::size_t count = 0;
-    while (count < most && !in_->bytes.empty() && in_->bytes.front().due <= clock_()) {
+    while (count < largest && !in_->bytes.empty() && in_->bytes.front().due <= clock_()) {
       buffer[count++] = in_->bytes.front().byte;
       in_->bytes.pop_front();
     }

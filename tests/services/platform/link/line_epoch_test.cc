@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::uint8_t kWord = 0x55;
+constexpr std::uint8_t kConsent = 0x55;
 
 /// Bytes that the device sends go to every host.
 class Splitter : public ByteStream {
@@ -79,13 +79,13 @@ class TwoHosts : public ::testing::Test {
         EXPECT_TRUE(host.link->Poll([](auto, auto) {}));
       }
       EXPECT_TRUE(device->Poll([this](std::uint8_t, std::span<const std::byte> payload) {
-        heard.push_back(std::to_integer<int>(payload[0]));
+        received.push_back(std::to_integer<int>(payload[0]));
       }));
     }
   }
-  Status Say(Host& host, int word) {
+  Status Send(Host& host, int word) {
     const std::array payload{std::byte(word)};
-    return host.link->Send(kWord, payload);
+    return host.link->Send(kConsent, payload);
   }
   void Spoil(double ratio) {
     for (const auto& pipe : {to_device, hosts[0].from_device, hosts[1].from_device}) {
@@ -100,36 +100,36 @@ class TwoHosts : public ::testing::Test {
   std::array<Host, 2> hosts;
   std::shared_ptr<LineEpoch> epoch;  // the device's
   std::unique_ptr<ReliableLink> device;
-  std::vector<int> heard;
+  std::vector<int> received;
 };
 
 TEST_F(TwoHosts, TheNewerTakesTheDeviceAndTheOlderIsFencedOffForGood) {
   Start(hosts[0]);
   TurnFor(milliseconds(20));
   ASSERT_TRUE(hosts[0].link->up());
-  ASSERT_TRUE(Say(hosts[0], 1));
+  ASSERT_TRUE(Send(hosts[0], 1));
   TurnFor(milliseconds(20));
   Start(hosts[1]);
   TurnFor(milliseconds(20));
   EXPECT_TRUE(hosts[1].link->up());
   EXPECT_GT(hosts[1].epoch->number, hosts[0].epoch->number);
   // The older one has not noticed yet: what it sends has no effect.
-  ASSERT_TRUE(Say(hosts[0], 2));
-  ASSERT_TRUE(Say(hosts[1], 3));
+  ASSERT_TRUE(Send(hosts[0], 2));
+  ASSERT_TRUE(Send(hosts[1], 3));
   TurnFor(milliseconds(400));
-  EXPECT_EQ(heard, (std::vector{1, 3}));
+  EXPECT_EQ(received, (std::vector{1, 3}));
   EXPECT_TRUE(hosts[0].epoch->fenced);
   EXPECT_FALSE(hosts[0].link->up());
-  EXPECT_FALSE(Say(hosts[0], 4));
+  EXPECT_FALSE(Send(hosts[0], 4));
   EXPECT_TRUE(hosts[1].link->up());
   EXPECT_FALSE(hosts[1].epoch->fenced);
   // Not a byte more of the older one, whatever becomes of the newer and of the device.
   hosts[1].link.reset();
   PowerUp();
-  const std::uint64_t said = to_device->taken_count;
+  const std::uint64_t sent = to_device->taken_count;
   Reopen(hosts[0]);
   TurnFor(milliseconds(1000));
-  EXPECT_EQ(to_device->taken_count, said);
+  EXPECT_EQ(to_device->taken_count, sent);
 }
 
 // Who asks only wants to know: the session of another goes on.

@@ -40,17 +40,18 @@ class DeviceAndSession : public ::testing::Test {
         [this] { return now; }, LinkOptions{}, epoch);
     *epoch = {};
     ++power_up;
-    told_session = 0;
+    reported_session = 0;
   }
   void Turn() {
     now += milliseconds(1);
-    session.Poll(
-        [this](std::uint8_t type, std::span<const std::byte>) { heard.push_back(type); });
+    session.Poll([this](std::uint8_t type, std::span<const std::byte>) {
+      received.push_back(type);
+    });
     if (!device) return;
     EXPECT_TRUE(device->Poll([](auto, auto) {}));
     // As both controllers do: who they are, once after every handshake.
-    if (device->up() && device->session() != told_session) {
-      told_session = device->session();
+    if (device->up() && device->session() != reported_session) {
+      reported_session = device->session();
       EXPECT_TRUE(device->Send(power_up, {}));
     }
   }
@@ -64,10 +65,10 @@ class DeviceAndSession : public ::testing::Test {
   bool plugged = false;
   std::shared_ptr<LineEpoch> epoch = std::make_shared<LineEpoch>();
   std::unique_ptr<ReliableLink> device;
-  std::uint32_t told_session = 0;
+  std::uint32_t reported_session = 0;
   std::uint8_t power_up = 0x40;  ///< the type of the device's message after a handshake
   std::vector<nanoseconds> open_times;
-  std::vector<std::uint8_t> heard;
+  std::vector<std::uint8_t> received;
   LineSession session;
 };
 
@@ -95,13 +96,13 @@ TEST_F(DeviceAndSession, OpensAndIsOpened) {
   EXPECT_TRUE(session.CanSend());
   EXPECT_EQ(session.sessions(), 1u);
   EXPECT_EQ(session.message(), "");
-  EXPECT_EQ(heard, std::vector<std::uint8_t>{0x41});
+  EXPECT_EQ(received, std::vector<std::uint8_t>{0x41});
   TurnFor(milliseconds(5000));
   EXPECT_EQ(session.sessions(), 1u) << "an idle line stays what it is";
   EXPECT_EQ(open_times.size(), 1u);
 }
 
-TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsSaidToBe) {
+TEST_F(DeviceAndSession, ADeviceThatIsSilentFromTheStartIsReportedToBe) {
   PlugIn();
   to_host->cut = true;
   TurnFor(milliseconds(2000));
@@ -123,7 +124,7 @@ TEST_F(DeviceAndSession, ANewPowerUpIsANewSessionOnTheSameLine) {
   EXPECT_TRUE(session.up());
   EXPECT_EQ(session.sessions(), 2u);
   EXPECT_EQ(open_times.size(), 1u);
-  EXPECT_EQ(heard, (std::vector<std::uint8_t>{0x41, 0x42}));
+  EXPECT_EQ(received, (std::vector<std::uint8_t>{0x41, 0x42}));
 }
 
 TEST_F(DeviceAndSession, SilenceIsNoticedAndEndsWithANewSession) {
@@ -141,7 +142,7 @@ TEST_F(DeviceAndSession, SilenceIsNoticedAndEndsWithANewSession) {
   EXPECT_TRUE(session.up());
   EXPECT_EQ(session.message(), "");
   EXPECT_EQ(session.sessions(), 2u);
-  EXPECT_EQ(heard, (std::vector<std::uint8_t>{0x41, 0x41}));
+  EXPECT_EQ(received, (std::vector<std::uint8_t>{0x41, 0x41}));
 }
 
 TEST_F(DeviceAndSession, ALineThatWasPulledOutIsOpenedAgain) {
@@ -158,11 +159,11 @@ TEST_F(DeviceAndSession, ALineThatWasPulledOutIsOpenedAgain) {
   TurnFor(milliseconds(600));
   EXPECT_TRUE(session.up());
   EXPECT_EQ(session.sessions(), 2u);
-  EXPECT_EQ(heard, (std::vector<std::uint8_t>{0x41, 0x42}));
+  EXPECT_EQ(received, (std::vector<std::uint8_t>{0x41, 0x42}));
 }
 
 // Another host has the device by then: this process sends nothing to it any more.
-TEST_F(DeviceAndSession, WhoIsFencedOffSaysSoAndOpensNothing) {
+TEST_F(DeviceAndSession, WhoIsFencedOffReportsItAndOpensNothing) {
   PlugIn();
   TurnFor(milliseconds(100));
   ASSERT_TRUE(session.up());

@@ -46,7 +46,7 @@ class Line : public ::testing::Test {
       got.push_back(number);
     };
   }
-  static Status Say(ReliableLink& link, std::uint32_t number) {
+  static Status Send(ReliableLink& link, std::uint32_t number) {
     return link.Send(0x55, std::as_bytes(std::span(&number, 1)));
   }
   void Turn() {
@@ -77,10 +77,10 @@ class Line : public ::testing::Test {
       // A session that broke would lose what was on its way: here none may.
       ASSERT_EQ(host->session(), session);
       while (to_device_count < count && host->CanSend()) {
-        ASSERT_TRUE(Say(*host, to_device_count++));
+        ASSERT_TRUE(Send(*host, to_device_count++));
       }
       while (to_host_count < count && device->CanSend()) {
-        ASSERT_TRUE(Say(*device, to_host_count++));
+        ASSERT_TRUE(Send(*device, to_host_count++));
       }
       Turn();
       if (device_got.size() >= count && host_got.size() >= count) break;
@@ -101,7 +101,7 @@ class Line : public ::testing::Test {
 TEST_F(Line, NothingCanBeSentBeforeTheHandshake) {
   EXPECT_FALSE(host->CanSend());
   EXPECT_FALSE(device->CanSend());
-  EXPECT_EQ(Say(*host, 1).error().code, ErrorCode::kRefused);
+  EXPECT_EQ(Send(*host, 1).error().code, ErrorCode::kRefused);
 }
 
 // Bytes suffer at a ratio at which every fourth frame of this length is hit.
@@ -130,7 +130,7 @@ TEST_F(Line, DeliversEverythingOnceAndInOrderOverALateLine) {
   }
 }
 
-TEST_F(Line, SilenceOf250MillisecondsIsDownAndASpokenWordIsUpAgain) {
+TEST_F(Line, SilenceOf250MillisecondsIsDownAndAFrameIsUpAgain) {
   Open();
   for (int i = 0; i < 2000; ++i) Turn();
   EXPECT_TRUE(BothUp()) << "keep-alives hold an idle line up";
@@ -146,26 +146,26 @@ TEST_F(Line, SilenceOf250MillisecondsIsDownAndASpokenWordIsUpAgain) {
   Open();
 }
 
-TEST_F(Line, KeepsToTheWindowAndSaysSo) {
+TEST_F(Line, KeepsToTheWindowAndReportsIt) {
   Open();
   to_device->cut = true;
   std::uint32_t sent = 0;
-  while (host->CanSend() && sent < 5000) ASSERT_TRUE(Say(*host, sent++));
+  while (host->CanSend() && sent < 5000) ASSERT_TRUE(Send(*host, sent++));
   EXPECT_EQ(sent, LinkOptions().window_frames);
-  EXPECT_EQ(Say(*host, sent).error().code, ErrorCode::kRefused);
+  EXPECT_EQ(Send(*host, sent).error().code, ErrorCode::kRefused);
 }
 
 TEST_F(Line, ANewHostGetsANewSessionAndNothingOfTheOldOne) {
   Open();
   const std::uint32_t before = device->session();
-  for (std::uint32_t i = 0; i < 20; ++i) ASSERT_TRUE(Say(*host, i));
+  for (std::uint32_t i = 0; i < 20; ++i) ASSERT_TRUE(Send(*host, i));
   // The host dies with frames in its line; another one takes it over.
   EXPECT_TRUE(host->Poll(Keep(host_got)).has_value());
   NewHost();
   Open();
   EXPECT_NE(device->session(), before);
   device_got.clear();
-  for (std::uint32_t i = 100; i < 110; ++i) ASSERT_TRUE(Say(*host, i));
+  for (std::uint32_t i = 100; i < 110; ++i) ASSERT_TRUE(Send(*host, i));
   for (int i = 0; i < 200; ++i) Turn();
   ASSERT_EQ(device_got.size(), 10u);
   EXPECT_EQ(device_got.front(), 100u);
@@ -176,13 +176,13 @@ class ScriptedDevice {
  public:
   ScriptedDevice(std::unique_ptr<ByteStream> stream) : stream_(std::move(stream)) {}
 
-  void Say(std::uint8_t type, std::uint16_t acknowledged, std::uint16_t credit) {
+  void Send(std::uint8_t type, std::uint16_t acknowledged, std::uint16_t credit) {
     std::vector<std::byte> bytes;
     AppendFrame({type, session ^ session_error, 0, acknowledged, credit}, {}, bytes);
     EXPECT_EQ(stream_->Write(bytes), bytes.size());
   }
   /// Highest sequence number among the frames that came since the last call; 0: none.
-  std::uint16_t Hear() {
+  std::uint16_t Receive() {
     std::uint16_t highest = 0;
     std::array<std::byte, 4096> buffer;
     for (auto got = stream_->Read(buffer); got && *got > 0; got = stream_->Read(buffer)) {
@@ -209,8 +209,8 @@ class ScriptedLine : public Line {
       : peer(std::make_unique<FaultyEnd>(to_device, to_host, random,
                                          [this] { return now; })) {
     HostTurn();
-    peer.Hear();
-    peer.Say(kOpened, 1, 256);
+    peer.Receive();
+    peer.Send(kOpened, 1, 256);
     HostTurn();
   }
   void HostTurn() {
@@ -218,12 +218,12 @@ class ScriptedLine : public Line {
     EXPECT_TRUE(host->Poll(Keep(host_got)));
   }
   /// The peer repeats one thing for a while; what the host sent meanwhile, at most.
-  std::uint16_t HighestWhileHearing(std::uint16_t acknowledged, std::uint16_t credit) {
+  std::uint16_t HighestWhileReceiving(std::uint16_t acknowledged, std::uint16_t credit) {
     std::uint16_t highest = 0;
     for (int i = 0; i < 200; ++i) {
-      if (i % 20 == 0) peer.Say(kKeepAlive, acknowledged, credit);
+      if (i % 20 == 0) peer.Send(kKeepAlive, acknowledged, credit);
       HostTurn();
-      highest = std::max(highest, peer.Hear());
+      highest = std::max(highest, peer.Receive());
     }
     return highest;
   }
@@ -231,36 +231,36 @@ class ScriptedLine : public Line {
 };
 
 TEST_F(ScriptedLine, NeverSendsMoreThanThePeersCredit) {
-  peer.Say(kKeepAlive, 1, 3);
+  peer.Send(kKeepAlive, 1, 3);
   HostTurn();
-  for (std::uint32_t i = 0; host->CanSend(); ++i) ASSERT_TRUE(Say(*host, i));
-  EXPECT_EQ(HighestWhileHearing(1, 3), 3) << "frames 1, 2, 3, however often";
-  EXPECT_EQ(HighestWhileHearing(3, 5), 7) << "1 and 2 are taken: 3 to 7";
-  EXPECT_EQ(HighestWhileHearing(8, 0), 0);
-  EXPECT_EQ(HighestWhileHearing(8, 256), 32);
+  for (std::uint32_t i = 0; host->CanSend(); ++i) ASSERT_TRUE(Send(*host, i));
+  EXPECT_EQ(HighestWhileReceiving(1, 3), 3) << "frames 1, 2, 3, however often";
+  EXPECT_EQ(HighestWhileReceiving(3, 5), 7) << "1 and 2 are taken: 3 to 7";
+  EXPECT_EQ(HighestWhileReceiving(8, 0), 0);
+  EXPECT_EQ(HighestWhileReceiving(8, 256), 32);
 }
 
 TEST_F(ScriptedLine, BelievesNoAcknowledgementOfWhatItNeverSent) {
-  for (std::uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(Say(*host, i));
-  EXPECT_EQ(HighestWhileHearing(4000, 256), 5);
-  EXPECT_EQ(HighestWhileHearing(7, 256), 5) << "6 would be all of them";
-  EXPECT_EQ(HighestWhileHearing(6, 256), 0);
+  for (std::uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(Send(*host, i));
+  EXPECT_EQ(HighestWhileReceiving(4000, 256), 5);
+  EXPECT_EQ(HighestWhileReceiving(7, 256), 5) << "6 would be all of them";
+  EXPECT_EQ(HighestWhileReceiving(6, 256), 0);
 }
 
 TEST_F(ScriptedLine, ANackBringsTheFrameAtOnce) {
-  for (std::uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(Say(*host, i));
+  for (std::uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(Send(*host, i));
   HostTurn();
-  EXPECT_EQ(peer.Hear(), 5);
-  peer.Say(kNack, 3, 256);
+  EXPECT_EQ(peer.Receive(), 5);
+  peer.Send(kNack, 3, 256);
   HostTurn();
-  EXPECT_EQ(peer.Hear(), 5);
+  EXPECT_EQ(peer.Receive(), 5);
   EXPECT_EQ(host->counters().resent_frames, 3u);
 }
 
-TEST_F(ScriptedLine, FramesOfAnotherSessionAreNotHeard) {
-  ASSERT_TRUE(Say(*host, 1));
+TEST_F(ScriptedLine, FramesOfAnotherSessionAreNotReceived) {
+  ASSERT_TRUE(Send(*host, 1));
   peer.session_error = 1;
-  EXPECT_EQ(HighestWhileHearing(2, 256), 1);
+  EXPECT_EQ(HighestWhileReceiving(2, 256), 1);
   now += milliseconds(60);
   EXPECT_FALSE(host->up()) << "nor do they count as a sign of life";
 }
@@ -269,7 +269,7 @@ TEST_F(Line, SequenceNumbersGoRound) {
   Open();
   std::uint32_t sent = 0;
   while (device_got.size() < 70000) {
-    while (sent < 70000 && host->CanSend()) ASSERT_TRUE(Say(*host, sent++));
+    while (sent < 70000 && host->CanSend()) ASSERT_TRUE(Send(*host, sent++));
     Turn();
     ASSERT_LT(now, std::chrono::seconds(600));
   }
@@ -299,7 +299,7 @@ TEST_F(Line, ASlowLineIsNotFilledWithRepetitions) {
   EXPECT_LT(std::chrono::duration<double>(now - begin).count(), 10.0);
 }
 
-TEST_F(Line, AStuckLineDoesNotPileUpWhatIsSaidOnIt) {
+TEST_F(Line, AStuckLineDoesNotPileUpWhatIsReportedOnIt) {
   to_device->stuck = true;
   for (int i = 0; i < 600000; ++i) {
     now += milliseconds(1);

@@ -97,7 +97,7 @@ TEST(SerialPort, NeverBlocks) {
   EXPECT_TRUE(full);
 }
 
-TEST(SerialPort, ForgetsWhatWasSaidBeforeItWasOpened) {
+TEST(SerialPort, ForgetsWhatWasReportedBeforeItWasOpened) {
   Pty pty;
   ASSERT_EQ(write(pty.device(), "old\n", 4), 4);
   auto port = OpenSerialPort(pty.path(), 115200);
@@ -141,13 +141,13 @@ TEST(SerialPort, IsFreeAgainWhenItsProcessIsKilled) {
   const pid_t child = fork();
   if (child == 0) {
     const auto port = OpenSerialPort(pty.path(), 115200);
-    const char said = port ? 'o' : 'x';
-    if (write(opened[1], &said, 1) == 1) pause();
+    const char sent = port ? 'o' : 'x';
+    if (write(opened[1], &sent, 1) == 1) pause();
     _exit(1);
   }
-  char said = 0;
-  ASSERT_EQ(read(opened[0], &said, 1), 1);
-  EXPECT_EQ(said, 'o');
+  char sent = 0;
+  ASSERT_EQ(read(opened[0], &sent, 1), 1);
+  EXPECT_EQ(sent, 'o');
   EXPECT_FALSE(OpenSerialPort(pty.path(), 115200));
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);

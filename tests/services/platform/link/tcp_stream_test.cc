@@ -69,7 +69,7 @@ TEST_F(Listening, AConnectionSendsAtOnceAndIsKeptAlive) {
             4);
 }
 
-TEST_F(Listening, ARefusedConnectionSaysSo) {
+TEST_F(Listening, ARefusedConnectionReportsIt) {
   close(listener);
   listener = -1;
   const auto stream = Open();

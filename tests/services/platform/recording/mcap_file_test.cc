@@ -116,7 +116,7 @@ TEST_F(McapFile, AnEmptyRecordingIsWhole) {
   EXPECT_THAT(MessagesOf(*reader), IsEmpty());
 }
 
-TEST_F(McapFile, SummaryAndWalkTellTheSame) {
+TEST_F(McapFile, SummaryAndWalkReportTheSame) {
   WriteSession(folder_ / "a.mcap", true);
   WriteSession(folder_ / "b.mcap", true, false);
   const auto whole = McapReader::Open(folder_ / "a.mcap");
@@ -302,7 +302,7 @@ TEST_F(McapFile, LanesGatherInChunksOfTheirOwn) {
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(messages[i].sequence, i);
 }
 
-TEST_F(McapFile, FullDiskIsToldWithTheRemedy) {
+TEST_F(McapFile, FullDiskIsReportedWithTheRemedy) {
   auto writer = McapWriter::Create("/dev/full", {.library = "x"});
   ASSERT_FALSE(writer);
   EXPECT_EQ(writer.error().code, ErrorCode::kIo);

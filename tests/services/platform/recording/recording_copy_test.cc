@@ -118,7 +118,7 @@ TEST_F(RecordingCopy, DoesNotWriteOverWhatAKilledCopyLeft) {
   EXPECT_EQ(MessagesOf(McapReader::Open(left).value()).size(), 60u);
 }
 
-TEST(Conventions, ChannelsTellTheirStream) {
+TEST(Conventions, ChannelsReportTheirStream) {
   const Stream stream{
       "JobStatus", "intaglio::JobStatus",        true, "els-03", SampleKind::kNoWriter,
       true,        {{"reliability", "reliable"}}};

@@ -21,7 +21,7 @@ class RetainedStateTest : public ::testing::Test {
     EXPECT_TRUE(state.Learn(kEnds, StatusStream(SampleKind::kDisposed, depth),
                             {"m::Status_key", kStatusKeyIdl, kStatusKeys}));
   }
-  void Say(RetainedState& state, std::uint32_t id, std::uint32_t filling = 0) {
+  void Send(RetainedState& state, std::uint32_t id, std::uint32_t filling = 0) {
     ++count_;
     state.Take(kValues, count_, 10 * count_, count_, StatusOf(id, count_, filling));
   }
@@ -37,7 +37,7 @@ class RetainedStateTest : public ::testing::Test {
 TEST_F(RetainedStateTest, KeepsTheNewestOfEachInstanceInOrder) {
   RetainedState state;
   Learn(state);
-  for (const std::uint32_t id : {7u, 8u, 7u, 9u, 8u}) Say(state, id);
+  for (const std::uint32_t id : {7u, 8u, 7u, 9u, 8u}) Send(state, id);
   EXPECT_THAT(SequencesIn(state), ElementsAre(3, 4, 5));
   EXPECT_EQ(state.Samples()[0]->payload, StatusOf(7, 3));
   EXPECT_EQ(state.Samples()[0]->log_time_ns, 30u);
@@ -47,14 +47,14 @@ TEST_F(RetainedStateTest, KeepsTheNewestOfEachInstanceInOrder) {
 TEST_F(RetainedStateTest, KeepsAsManyAsTheWriterDoes) {
   RetainedState state;
   Learn(state, 2);
-  for (const std::uint32_t id : {7u, 7u, 8u, 7u}) Say(state, id);
+  for (const std::uint32_t id : {7u, 7u, 8u, 7u}) Send(state, id);
   EXPECT_THAT(SequencesIn(state), ElementsAre(2, 3, 4));
 }
 
 TEST_F(RetainedStateTest, ForgetsWhatHasEnded) {
   RetainedState state;
   Learn(state);
-  for (const std::uint32_t id : {7u, 8u}) Say(state, id);
+  for (const std::uint32_t id : {7u, 8u}) Send(state, id);
   state.Take(kEnds, 0, 0, 0, StatusKeyOf(7));
   state.Take(kEnds, 0, 0, 0, StatusKeyOf(70));
   EXPECT_THAT(SequencesIn(state), ElementsAre(2));
@@ -66,7 +66,7 @@ TEST_F(RetainedStateTest, ForgetsWhatHasEnded) {
 TEST_F(RetainedStateTest, BeyondItsLimitTheLatestChangedStay) {
   RetainedState state(10'000);
   Learn(state);
-  for (std::uint32_t i = 0; i < 100; ++i) Say(state, i % 20, 1000);
+  for (std::uint32_t i = 0; i < 100; ++i) Send(state, i % 20, 1000);
   const auto kept = SequencesIn(state);
   EXPECT_LE(state.bytes(), 10'000u);
   ASSERT_GE(kept.size(), 5u);
@@ -78,9 +78,9 @@ TEST_F(RetainedStateTest, BeyondItsLimitTheLatestChangedStay) {
 TEST_F(RetainedStateTest, WhatDoesNotFitAlonePushesNobodyOut) {
   RetainedState state(10'000);
   Learn(state);
-  Say(state, 7);
-  Say(state, 8);
-  Say(state, 7, 20'000);  // and what it replaces is not the state any more
+  Send(state, 7);
+  Send(state, 8);
+  Send(state, 7, 20'000);  // and what it replaces is not the state any more
   EXPECT_THAT(SequencesIn(state), ElementsAre(2));
   EXPECT_EQ(state.forgotten_count(), 1u);
 }
@@ -106,7 +106,7 @@ TEST_F(RetainedStateTest, PlacesAreKeptApart) {
   without_key.topic = "Shop";
   without_key.keyed = false;
   ASSERT_TRUE(state.Learn(6, without_key, {}));
-  Say(state, 7);
+  Send(state, 7);
   for (const std::uint32_t number : {5u, 6u, 6u})
     state.Take(number, 10 * number, 0, 0, StatusOf(7, 1));
   EXPECT_THAT(SequencesIn(state), ElementsAre(1, 50, 60));

@@ -18,8 +18,8 @@ inline constexpr char kStatusKeyIdl[] =
 inline constexpr char kStatusKeys[] = "id 0 0;";
 
 /// Little-endian plain CDR.
-inline Bytes WordsAsCdr(std::initializer_list<std::uint32_t> words,
-                        std::size_t filling = 0) {
+inline Bytes TextAsCdr(std::initializer_list<std::uint32_t> words,
+                       std::size_t filling = 0) {
   Bytes bytes(4 + 4 * words.size() + filling);
   bytes[1] = std::byte{1};
   std::size_t at = 4;
@@ -31,9 +31,9 @@ inline Bytes WordsAsCdr(std::initializer_list<std::uint32_t> words,
 }
 
 inline Bytes StatusOf(std::uint32_t id, std::uint32_t value, std::uint32_t filling = 0) {
-  return WordsAsCdr({id, value, filling}, filling);
+  return TextAsCdr({id, value, filling}, filling);
 }
-inline Bytes StatusKeyOf(std::uint32_t id) { return WordsAsCdr({id}); }
+inline Bytes StatusKeyOf(std::uint32_t id) { return TextAsCdr({id}); }
 
 /// Its stream: retained, keep last `depth`.
 inline Stream StatusStream(SampleKind kind = SampleKind::kValue, int depth = 1) {

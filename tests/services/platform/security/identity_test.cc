@@ -106,7 +106,7 @@ TEST_F(IdentityFiles, KeepPrivateKeysToTheirOwner) {
   EXPECT_EQ(keys, 2 + 6);  // two authorities, six roles
 }
 
-TEST_F(IdentityFiles, AMissingFolderSaysHowToMakeOne) {
+TEST_F(IdentityFiles, AMissingFolderNamesTheRemedy) {
   const auto identity = bus::ReadIdentity(folder_ / "nowhere", 40, kNow);
   ASSERT_FALSE(identity);
   EXPECT_THAT(identity.error().message,
@@ -133,42 +133,42 @@ TEST_F(IdentityFiles, AKeyThatOthersMayReadIsNotTaken) {
   EXPECT_THAT(Complaint(bus::kPrivateKeyFile), HasSubstr("chmod 600"));
 }
 
-TEST_F(IdentityFiles, NoCertificateAndNoKeyAreTold) {
+TEST_F(IdentityFiles, NoCertificateAndNoKeyAreReported) {
   Replace(bus::kCertificateFile, "CERTIFICATE", "CERTIFICATION");
   EXPECT_THAT(Complaint(bus::kCertificateFile), HasSubstr("not a certificate"));
 }
 
-TEST_F(IdentityFiles, AnothersKeyIsTold) {
+TEST_F(IdentityFiles, AnothersKeyIsReported) {
   fs::copy(shop_ / "operator" / bus::kPrivateKeyFile, sorter_ / bus::kPrivateKeyFile,
            fs::copy_options::overwrite_existing);
   EXPECT_THAT(Complaint(bus::kPrivateKeyFile), HasSubstr("is not the key of"));
 }
 
-TEST_F(IdentityFiles, AForeignAuthorityIsTold) {
+TEST_F(IdentityFiles, AForeignAuthorityIsReported) {
   CopyFromForeign(bus::kIdentityAuthorityFile);
   EXPECT_THAT(Complaint(bus::kCertificateFile), HasSubstr("not signed by the authority"));
 }
 
-TEST_F(IdentityFiles, AForeignPermissionsAuthorityIsTold) {
+TEST_F(IdentityFiles, AForeignPermissionsAuthorityIsReported) {
   CopyFromForeign(bus::kPermissionsAuthorityFile);
   EXPECT_THAT(Complaint(bus::kGovernanceFile), HasSubstr("was not signed by"));
 }
 
-TEST_F(IdentityFiles, TamperedDocumentsAreTold) {
+TEST_F(IdentityFiles, TamperedDocumentsAreReported) {
   Replace(bus::kPermissionsFile, "<topic>PointBatch", "<topic>Permission");
   EXPECT_THAT(Complaint(bus::kPermissionsFile), HasSubstr("changed after it was signed"));
   Replace(bus::kGovernanceFile, "ENCRYPT", "NONE");
   EXPECT_THAT(Complaint(bus::kGovernanceFile), HasSubstr("changed after it was signed"));
 }
 
-TEST_F(IdentityFiles, AnothersPermissionsAreTold) {
+TEST_F(IdentityFiles, AnothersPermissionsAreReported) {
   fs::copy(shop_ / "operator" / bus::kPermissionsFile, sorter_ / bus::kPermissionsFile,
            fs::copy_options::overwrite_existing);
   EXPECT_THAT(Complaint(bus::kPermissionsFile),
               AllOf(HasSubstr("CN=operator"), HasSubstr("CN=stage-worker")));
 }
 
-TEST_F(IdentityFiles, ExpiryIsToldWithItsDayAndTheRemedy) {
+TEST_F(IdentityFiles, ExpiryIsReportedWithItsDayAndTheRemedy) {
   EXPECT_TRUE(Read(kNow + days(10) - 1s));
   EXPECT_THAT(Complaint(bus::kCertificateFile, kNow + days(11)),
               AllOf(HasSubstr("expired on 2026-12-01 12:00 UTC"),
@@ -191,7 +191,7 @@ TEST_F(IdentityFiles, RenewalGivesNewKeysByTheSameAuthorities) {
   EXPECT_TRUE(bus::ReadIdentity(shop_ / "cell-els-04", 40, kNow + days(11)));
 }
 
-TEST_F(IdentityFiles, AnotherDomainIsTold) {
+TEST_F(IdentityFiles, AnotherDomainIsReported) {
   EXPECT_THAT(Complaint(bus::kPermissionsFile, kNow, 50),
               AllOf(HasSubstr("domain 40, 60, not for 50"), HasSubstr("--domain")));
 }
@@ -328,7 +328,7 @@ std::set<std::string> NamesIn(const std::string& cell) {
   return names;
 }
 
-TEST(Roles, StandInTheDocumentationAsTheyAre) {
+TEST(Roles, AreInTheDocumentationAsTheyAre) {
   std::istringstream document(TextIn(INTAGLIO_SOURCE_DIR "/docs/deployment.md"));
   std::set<std::string> seen;
   const auto roles = security::RolesOf({"NAME"});
@@ -348,7 +348,7 @@ TEST(Roles, StandInTheDocumentationAsTheyAre) {
   EXPECT_EQ(seen.size(), roles.size());
 }
 
-TEST(Roles, TheRecorderHearsEveryTopic) {
+TEST(Roles, TheRecorderReceivesEveryTopic) {
   std::set<std::string> all;
   test::ForEveryTopic([&all](const auto& topic) { all.insert(topic.name); });
   for (const security::Role& role : security::RolesOf({})) {

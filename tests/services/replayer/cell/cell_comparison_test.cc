@@ -8,9 +8,9 @@ namespace intaglio::replayer {
 namespace {
 
 /// Two points, a tick apart, from this tick on.
-CellWords Spoken(std::uint32_t run, std::uint64_t start_tick) {
+CellMessages Sent(std::uint32_t run, std::uint64_t start_tick) {
   CellListener listener("job");
-  SegmentWords segments;
+  SegmentMessages segments;
   segments.job_uid = "job";
   segments.run = run;
   segments.start_tick = start_tick;
@@ -19,30 +19,30 @@ CellWords Spoken(std::uint32_t run, std::uint64_t start_tick) {
   segments.duration_subticks = {65536, 65536};
   segments.pulse = {1, 1};
   listener.Take(segments, 10);
-  listener.Take(PulseWords{"job",
-                           {start_tick + 1, start_tick + 2},
-                           {0, 1},
-                           {intaglio_PULSE_MADE, intaglio_PULSE_MADE},
-                           {0, 0}},
+  listener.Take(PulseMessages{"job",
+                              {start_tick + 1, start_tick + 2},
+                              {0, 1},
+                              {intaglio_PULSE_MADE, intaglio_PULSE_MADE},
+                              {0, 0}},
                 20);
-  StatusWords done;
+  StatusMessage done;
   done.job_uid = "job";
   done.stage = "STAGE_ENGRAVE";
   done.state = "TASK_DONE";
   listener.Take(done);
-  return listener.Words();
+  return listener.Messages();
 }
 
 TEST(CellComparison, WhenItBeganAndHowOftenDoesNotCount) {
   TaskComparison counts;
-  EXPECT_FALSE(CompareCells(Spoken(1, 100), Spoken(3, 8196), counts));
+  EXPECT_FALSE(CompareCells(Sent(1, 100), Sent(3, 8196), counts));
   EXPECT_EQ(counts.run_count(), 1u);
   EXPECT_EQ(counts.segment_count(), 2u);
   EXPECT_EQ(counts.pulse_count(), 2u);
 }
 
 TEST(CellComparison, APauseThatNoPointKnowsOfIsTheHosts) {
-  CellWords then = Spoken(1, 100), now = then;
+  CellMessages then = Sent(1, 100), now = then;
   then.states = {"TASK_ACCEPTED", "TASK_RUNNING", "TASK_DONE"};
   now.states = {"TASK_ACCEPTED", "TASK_RUNNING", "TASK_PAUSED", "TASK_RUNNING",
                 "TASK_DONE"};
@@ -56,8 +56,8 @@ TEST(CellComparison, APauseThatNoPointKnowsOfIsTheHosts) {
 }
 
 TEST(CellComparison, TheLastBitOfAPlaceCounts) {
-  const CellWords then = Spoken(1, 100);
-  CellWords now = then;
+  const CellMessages then = Sent(1, 100);
+  CellMessages now = then;
   now.runs[0].columns[2][1] = std::nextafter(2.0, 3.0);
   TaskComparison counts;
   const auto found = CompareCells(then, now, counts);
@@ -69,8 +69,8 @@ TEST(CellComparison, TheLastBitOfAPlaceCounts) {
 }
 
 TEST(CellComparison, ATickMoreBetweenPointsCounts) {
-  const CellWords then = Spoken(1, 100);
-  CellWords now = Spoken(1, 200);
+  const CellMessages then = Sent(1, 100);
+  CellMessages now = Sent(1, 200);
   ++now.runs[0].pulses[1].tick;
   TaskComparison counts;
   const auto found = CompareCells(then, now, counts);
@@ -83,8 +83,8 @@ TEST(CellComparison, ATickMoreBetweenPointsCounts) {
 }
 
 TEST(CellComparison, AnotherEndAndAMissingRunCount) {
-  const CellWords then = Spoken(1, 100);
-  CellWords failed = then, empty = then;
+  const CellMessages then = Sent(1, 100);
+  CellMessages failed = then, empty = then;
   failed.end->state = "TASK_FAILED";
   empty.runs.clear();
   TaskComparison counts;
@@ -94,10 +94,10 @@ TEST(CellComparison, AnotherEndAndAMissingRunCount) {
 
 // How far motion is planned ahead when a person opens the door depends on chance.
 TEST(CellComparison, ABrokenRunIsComparedAsFarAsBothPlanned) {
-  CellWords then = Spoken(1, 100), now = then;
-  for (CellWords* words : {&then, &now}) {
-    words->runs[0].whole = false;
-    words->runs[0].aborted = true;
+  CellMessages then = Sent(1, 100), now = then;
+  for (CellMessages* messages : {&then, &now}) {
+    messages->runs[0].whole = false;
+    messages->runs[0].aborted = true;
   }
   now.runs[0].duration_subticks.pop_back();
   now.runs[0].pulse.pop_back();
@@ -110,36 +110,36 @@ TEST(CellComparison, ABrokenRunIsComparedAsFarAsBothPlanned) {
 
 TEST(CellListener, RunsOfWhichNothingWasDecidedAreNotCompared) {
   CellListener listener("job");
-  SegmentWords late;
+  SegmentMessages late;
   late.job_uid = "job";
   late.run = 1;
   late.start_tick = 50;
   EXPECT_TRUE(listener.Take(late, 5));
   late.abort = true;
   EXPECT_FALSE(listener.Take(late, 6));
-  SegmentWords again = late;
+  SegmentMessages again = late;
   again.abort = false;
   again.run = 2;
   again.start_tick = 90;
   EXPECT_TRUE(listener.Take(again, 7));
   // Taken back of the first run, though its tick lies in the second.
   listener.Take(
-      PulseWords{
+      PulseMessages{
           "job", {95}, {0}, {intaglio_PULSE_SKIPPED}, {intaglio_SKIP_NO_PERMISSION}},
       8);
-  listener.Take(PulseWords{"job", {91}, {0}, {intaglio_PULSE_MADE}, {0}}, 9);
-  const CellWords words = listener.Words();
-  ASSERT_EQ(words.runs.size(), 1u);
-  EXPECT_EQ(words.given_up_count, 1u);
-  EXPECT_EQ(words.runs[0].number, 2u);
-  EXPECT_EQ(words.runs[0].pulses.size(), 1u);
+  listener.Take(PulseMessages{"job", {91}, {0}, {intaglio_PULSE_MADE}, {0}}, 9);
+  const CellMessages messages = listener.Messages();
+  ASSERT_EQ(messages.runs.size(), 1u);
+  EXPECT_EQ(messages.given_up_count, 1u);
+  EXPECT_EQ(messages.runs[0].number, 2u);
+  EXPECT_EQ(messages.runs[0].pulses.size(), 1u);
 }
 
 // The ticks begin again, and the uncertain points are fired by a person's consent:
 // reports from before stay where they were.
 TEST(CellListener, RunsBeforeTheUncertainKeepTheirPulses) {
   CellListener listener("job");
-  SegmentWords run;
+  SegmentMessages run;
   run.job_uid = "job";
   const auto begin = [&](std::uint32_t number, std::uint64_t start_tick,
                          std::uint64_t at_ns) {
@@ -147,23 +147,23 @@ TEST(CellListener, RunsBeforeTheUncertainKeepTheirPulses) {
     run.start_tick = start_tick;
     EXPECT_TRUE(listener.Take(run, at_ns));
   };
-  const auto say = [&](std::uint64_t tick, std::uint32_t point, std::uint8_t outcome,
-                       std::uint64_t at_ns) {
-    listener.Take(PulseWords{"job", {tick}, {point}, {outcome}, {0}}, at_ns);
+  const auto report = [&](std::uint64_t tick, std::uint32_t point, std::uint8_t outcome,
+                          std::uint64_t at_ns) {
+    listener.Take(PulseMessages{"job", {tick}, {point}, {outcome}, {0}}, at_ns);
   };
   begin(1, 500, 10);
-  say(510, 0, intaglio_PULSE_MADE, 20);
+  report(510, 0, intaglio_PULSE_MADE, 20);
   begin(2, 600, 30);
-  say(610, 1, intaglio_PULSE_MADE, 40);
-  say(611, 2, intaglio_PULSE_UNCERTAIN, 300'000'000);
+  report(610, 1, intaglio_PULSE_MADE, 40);
+  report(611, 2, intaglio_PULSE_UNCERTAIN, 300'000'000);
   begin(3, 50, 400'000'000);
-  say(60, 2, intaglio_PULSE_MADE, 400'000'010);
-  const CellWords words = listener.Words();
-  ASSERT_EQ(words.runs.size(), 3u);
-  EXPECT_EQ(words.uncertain_run, 2u);
-  for (const CellRun& heard : words.runs) {
-    ASSERT_EQ(heard.pulses.size(), 1u) << "run " << heard.number;
-    EXPECT_EQ(heard.pulses[0].point, heard.number - 1);
+  report(60, 2, intaglio_PULSE_MADE, 400'000'010);
+  const CellMessages messages = listener.Messages();
+  ASSERT_EQ(messages.runs.size(), 3u);
+  EXPECT_EQ(messages.uncertain_run, 2u);
+  for (const CellRun& received : messages.runs) {
+    ASSERT_EQ(received.pulses.size(), 1u) << "run " << received.number;
+    EXPECT_EQ(received.pulses[0].point, received.number - 1);
   }
 }
 

@@ -10,7 +10,7 @@ namespace intaglio::replayer {
 namespace {
 
 // The run that was recorded proved 272 points in one pass (its README).
-TEST(CellSession, HoldsWhatASynchronizerSaidAndHeard) {
+TEST(CellSession, HoldsWhatASynchronizerSentAndReceived) {
   const auto reader = Golden("pyramid.mcap");
   const auto sessions = ReadCellSessions(reader);
   ASSERT_TRUE(sessions) << sessions.error().message;
@@ -18,13 +18,13 @@ TEST(CellSession, HoldsWhatASynchronizerSaidAndHeard) {
   const CellSession& session = sessions->front();
   EXPECT_EQ(session.job.job().name(), "pyramid");
   EXPECT_TRUE(session.ends_early.empty());
-  ASSERT_EQ(session.words.runs.size(), 1u);
-  const CellRun& run = session.words.runs[0];
+  ASSERT_EQ(session.messages.runs.size(), 1u);
+  const CellRun& run = session.messages.runs[0];
   EXPECT_TRUE(run.undisturbed());
   EXPECT_EQ(run.pulses.size(), 272u);
   EXPECT_EQ(std::count(run.pulse.begin(), run.pulse.end(), 1), 272);
-  ASSERT_TRUE(session.words.end);
-  EXPECT_EQ(session.words.end->state, "TASK_DONE");
+  ASSERT_TRUE(session.messages.end);
+  EXPECT_EQ(session.messages.end->state, "TASK_DONE");
   // Every pulse is where the motion of the run has it.
   std::uint64_t subticks = 0;
   std::size_t point = 0;
@@ -43,15 +43,15 @@ TEST(CellSession, APauseIsAnEventInTheRunThatItBroke) {
   ASSERT_TRUE(sessions) << sessions.error().message;
   ASSERT_EQ(sessions->size(), 1u);
   const CellSession& session = sessions->front();
-  ASSERT_EQ(session.words.runs.size(), 2u);
-  EXPECT_TRUE(session.words.runs[0].aborted);
-  EXPECT_TRUE(session.words.runs[1].undisturbed());
+  ASSERT_EQ(session.messages.runs.size(), 2u);
+  EXPECT_TRUE(session.messages.runs[0].aborted);
+  EXPECT_TRUE(session.messages.runs[1].undisturbed());
   ASSERT_EQ(session.starts_mm.size(), 2u);
   EXPECT_NE(session.starts_mm[0], session.starts_mm[1]);
   bool withdrawn = false;
   for (const CellEvent& event : session.events) {
-    const auto* word = std::get_if<PermissionWord>(&event.word);
-    withdrawn = withdrawn || (word != nullptr && !word->granted && event.run == 1);
+    const auto* message = std::get_if<PermissionMessage>(&event.message);
+    withdrawn = withdrawn || (message != nullptr && !message->granted && event.run == 1);
   }
   EXPECT_TRUE(withdrawn);
 }
@@ -64,8 +64,8 @@ TEST(CellSession, ASilentLineIsNoSafeState) {
   ASSERT_TRUE(sessions) << sessions.error().message;
   ASSERT_EQ(sessions->size(), 1u);
   for (const CellEvent& event : sessions->front().events) {
-    const auto* word = std::get_if<InterlockWord>(&event.word);
-    EXPECT_FALSE(word != nullptr && word->safe_state) << event.time_ns;
+    const auto* message = std::get_if<InterlockMessage>(&event.message);
+    EXPECT_FALSE(message != nullptr && message->safe_state) << event.time_ns;
   }
 }
 

@@ -130,7 +130,7 @@ TEST_F(EngravingRunTest, ArmsNothingTheStageHasNoMotionFor) {
     const auto reason = TurnUntilItEnds();
     ASSERT_TRUE(reason);
     EXPECT_TRUE(reason->starts_again()) << i;
-    EXPECT_THAT(reason->text, HasSubstr("it came too late"));
+    EXPECT_THAT(reason->text, HasSubstr("its start was too late"));
     (void)parts_->ticks.DropUnsent();
     BeginAgain();
   }
@@ -173,7 +173,7 @@ TEST_F(EngravingRunTest, TooManyPulsesWithoutACrackInARowAreAFault) {
   const auto reason = TurnUntilItEnds();
   ASSERT_TRUE(reason);
   EXPECT_TRUE(reason->fault);
-  EXPECT_THAT(reason->text, HasSubstr("no crack was seen of 3 pulses"));
+  EXPECT_THAT(reason->text, HasSubstr("no crack was detected for 3 pulses"));
 }
 
 TEST_F(EngravingRunTest, EndsWhereTheShuttersChange) {

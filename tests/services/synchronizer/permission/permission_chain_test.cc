@@ -49,7 +49,7 @@ TEST(PermissionLinks, OnlyTheWholeChainPermits) {
   }
 }
 
-TEST(PermissionLinks, EveryMissingLinkSaysWhatToDo) {
+TEST(PermissionLinks, EveryMissingLinkNamesTheRemedy) {
   for (unsigned i = 0; i < kLinks; ++i) {
     const Missing missing = FirstMissing(LinksOfBits(kAll & ~(1u << i)), true);
     EXPECT_NE(missing, Missing::kNothing);
@@ -244,7 +244,7 @@ void Check(From from, Arm arm, Event event, unsigned bits,
   ASSERT_TRUE(Revives(chain, {GrantOf(arm).number + 1, 0})) << where;
 }
 
-TEST(PermissionChain, EveryStateAndEventGoesWhereTheTableSays) {
+TEST(PermissionChain, EveryStateAndEventGoesWhereTheTableStates) {
   std::map<std::string, int> used;
   for (const From from : {From::kClear, From::kSoft, From::kLatched, From::kResetting}) {
     for (const Arm arm : {Arm::kNone, Arm::kOld, Arm::kRenewed, Arm::kNew}) {
@@ -272,7 +272,7 @@ TEST(PermissionChain, APermissionThatIsOnlyLateIsNotSpent) {
 
 // The withdrawal between two grants may never have been seen, and a late sample repeats
 // an old one.
-TEST(PermissionChain, ANewArmIsToldFromAnOldOneByItsNumberAlone) {
+TEST(PermissionChain, ANewArmIsDistinguishedFromAnOldOneByItsNumberAlone) {
   PermissionChain chain;
   chain.Turn(LinksOfBits(kAll, {4, 0}), 1s);
   chain.Latch(false);
@@ -305,7 +305,7 @@ TEST(PermissionChain, AnOlderGrantIsWorthNothingAfterAWithdrawal) {
   EXPECT_FALSE(chain.latched());
 }
 
-TEST(PermissionChain, TellsWhichInterlockSpentAGrantAndOnlyOnce) {
+TEST(PermissionChain, ReportsWhichInterlockSpentAGrantAndOnlyOnce) {
   const std::pair<unsigned, Missing> interlocks[] = {{2, Missing::kEmergencyStop},
                                                      {4, Missing::kKey},
                                                      {5, Missing::kDoor},

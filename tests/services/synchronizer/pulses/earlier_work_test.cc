@@ -40,7 +40,7 @@ class OpenJournalTest : public testing::Test {
   fs::path folder_, file_;
 };
 
-TEST_F(OpenJournalTest, ANewOneTellsOfNothing) {
+TEST_F(OpenJournalTest, ANewOneReportsNothing) {
   const auto opened = OpenJournal(file_, kHeader, JobBegun::kNo);
   ASSERT_TRUE(opened);
   EXPECT_TRUE(opened->earlier.points.empty());

@@ -96,7 +96,7 @@ class LaserAndHosts : public ::testing::Test {
   std::vector<link::PastReport> pasts;
 };
 
-TEST_F(LaserAndHosts, WhatADeadHostArmedIsToldToTheNextWhenItAsks) {
+TEST_F(LaserAndHosts, WhatADeadHostArmedIsReportedToTheNextWhenItAsks) {
   ASSERT_TRUE(host->Lamp(true, FakeLaser::kRateHz));
   StepFor(milliseconds(10));
   PassTicks(30);  // warm
@@ -253,8 +253,8 @@ TEST_F(LaserThatReports, AnIdentityThatCannotBeReadIsRefusedWithTheRemedy) {
   EXPECT_FALSE(host->up());
   EXPECT_EQ(
       host->message(),
-      "laser line: a frame LaserIdentity is malformed: the laser at /dev/ttyUSB0 has "
-      "to use version 5 of the frames (docs/protocols.md)");
+      "laser line: a frame LaserIdentity is malformed: the laser at /dev/ttyUSB0 must "
+      "use version 5 of the frames (docs/protocols.md)");
   EXPECT_TRUE(reports.empty());
 }
 

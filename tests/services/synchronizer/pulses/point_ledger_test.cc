@@ -55,7 +55,7 @@ TEST(PointLedger, SkippedPointIsOpenAgain) {
   EXPECT_TRUE(ledger.all_ended());
 }
 
-TEST(PointLedger, AnUncertainPointIsOpenAgainByAWordAlone) {
+TEST(PointLedger, AnUncertainPointIsOpenAgainByAConsentAlone) {
   PointLedger ledger(2);
   EXPECT_THROW(ledger.Reopen(0), PreconditionError) << "planned";
   ledger.Arm(0);
@@ -72,7 +72,7 @@ TEST(PointLedger, AnUncertainPointIsOpenAgainByAWordAlone) {
 }
 
 // It stays unknown as before, until it is fired.
-TEST(PointLedger, AReopenedPointIsInDoubtUntilItIsFired) {
+TEST(PointLedger, AReopenedPointIsUncertainUntilItIsFired) {
   PointLedger ledger(3);
   for (std::uint32_t i = 0; i < 3; ++i) ledger.Arm(i);
   ledger.Resolve(0, PointOutcome::kUncertain);

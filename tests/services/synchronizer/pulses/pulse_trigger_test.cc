@@ -54,14 +54,14 @@ class Trigger : public MachineBench,
     options.block.refractive_index = 1;  // the beam has a test of its own
     Start(options);
     Connect();
-    ASSERT_TRUE(GetParam()->CheckLaser(heard.laser_identities.back()).has_value());
+    ASSERT_TRUE(GetParam()->CheckLaser(received.laser_identities.back()).has_value());
     OpenShutterAndLamp();
     const auto knots = KnotsOfRow();
-    SayMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, kRunStart}));
+    SendMotion(MotionFrame::kBeginRun, Encode(link::BeginRun{1, kRunStart}));
     for (std::size_t at = 0; at < knots.size(); at += link::kMaxSegments) {
       const auto from = knots.begin() + static_cast<std::ptrdiff_t>(at);
       const std::size_t end = std::min(at + link::kMaxSegments, knots.size());
-      SayMotion(
+      SendMotion(
           MotionFrame::kSegments,
           Encode(Frame({from, knots.begin() + static_cast<std::ptrdiff_t>(end)}, at)));
     }
@@ -73,7 +73,7 @@ class Trigger : public MachineBench,
     window.fire.resize(kRunStart + 40 + 2 * kPoints + 60);
     for (const std::uint64_t tick : armed) window.fire[tick - 1] = true;
     GetParam()->Mark(window);
-    SayLaser(LaserFrame::kArmWindow, Encode(window));
+    SendLaser(LaserFrame::kArmWindow, Encode(window));
   }
   static std::set<std::uint64_t> AllPoints() {
     std::set<std::uint64_t> ticks;
@@ -88,7 +88,7 @@ class Trigger : public MachineBench,
   /// Of the armed ticks; each is reported once.
   std::map<std::uint64_t, TickOutcome> Outcomes() const {
     std::map<std::uint64_t, TickOutcome> outcomes;
-    for (const link::PulseReport& report : heard.reports) {
+    for (const link::PulseReport& report : received.reports) {
       for (std::size_t i = 0; i < report.outcome.size(); ++i) {
         if (report.outcome[i] == TickOutcome::kNotArmed) continue;
         EXPECT_TRUE(outcomes.emplace(report.first_tick + i, report.outcome[i]).second)
@@ -163,7 +163,7 @@ TEST_P(Trigger, NothingFiresFromAnOpenInterlockOn) {  // 4
 
 TEST_P(Trigger, NothingFiresThroughClosedShutters) {  // 4
   StartMachine(kLagS, true);
-  SayLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{0}));
+  SendLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{0}));
   Arm(AllPoints());
   Pass(300ms);
   EXPECT_THAT(TicksOfCracks(), ::testing::IsEmpty());

@@ -10,23 +10,23 @@ namespace {
 
 using namespace std::chrono_literals;
 using Verdict = RivalWatch::Verdict;
-constexpr auto kLook = 250ms;
+constexpr auto kWatchPeriod = 250ms;
 
 Rival Named(const std::string& name, intaglio_HealthState state) {
   return {name, "host", 1, state};
 }
 
-TEST(RivalWatch, WhoIsAloneGoesOnAfterALook) {
-  RivalWatch watch("b", 10s, kLook);
+TEST(RivalWatch, WhoIsAloneGoesOnAfterOneWatchPeriod) {
+  RivalWatch watch("b", 10s, kWatchPeriod);
   EXPECT_EQ(watch.JudgeStart(10s), Verdict::kWait);
   EXPECT_EQ(watch.JudgeStart(10s + 249ms), Verdict::kWait);
   EXPECT_EQ(watch.JudgeStart(10s + 250ms), Verdict::kGoOn);
 }
 
 TEST(RivalWatch, OnesOwnHealthIsNoRival) {
-  RivalWatch watch("b", 0s, kLook);
+  RivalWatch watch("b", 0s, kWatchPeriod);
   for (const auto t : {0ms, 200ms, 400ms})
-    watch.Hear(Named("b", intaglio_HEALTH_READY), t);
+    watch.Receive(Named("b", intaglio_HEALTH_READY), t);
   EXPECT_EQ(watch.JudgeStart(400ms), Verdict::kGoOn);
 }
 
@@ -35,10 +35,10 @@ TEST(RivalWatch, WhoWorksStays) {
   for (const std::string name : {"a", "c"}) {
     for (const auto state :
          {intaglio_HEALTH_READY, intaglio_HEALTH_BUSY, intaglio_HEALTH_FAULT}) {
-      RivalWatch watch("b", 0s, kLook);
-      watch.Hear(Named(name, state), 10ms);
+      RivalWatch watch("b", 0s, kWatchPeriod);
+      watch.Receive(Named(name, state), 10ms);
       EXPECT_EQ(watch.JudgeStart(10ms), Verdict::kWait) << "may be dead";
-      watch.Hear(Named(name, state), 210ms);
+      watch.Receive(Named(name, state), 210ms);
       EXPECT_EQ(watch.JudgeStart(210ms), Verdict::kEnd);
       EXPECT_EQ(watch.rival().instance, name);
     }
@@ -46,10 +46,10 @@ TEST(RivalWatch, WhoWorksStays) {
 }
 
 TEST(RivalWatch, OfTwoThatStartTheLesserNameStays) {
-  RivalWatch a("a", 0s, kLook), b("b", 0s, kLook);
+  RivalWatch a("a", 0s, kWatchPeriod), b("b", 0s, kWatchPeriod);
   for (const auto t : {10ms, 210ms}) {
-    a.Hear(Named("b", intaglio_HEALTH_STARTING), t);
-    b.Hear(Named("a", intaglio_HEALTH_STARTING), t);
+    a.Receive(Named("b", intaglio_HEALTH_STARTING), t);
+    b.Receive(Named("a", intaglio_HEALTH_STARTING), t);
   }
   EXPECT_EQ(a.JudgeStart(250ms), Verdict::kGoOn);
   EXPECT_EQ(b.JudgeStart(250ms), Verdict::kEnd);
@@ -57,31 +57,31 @@ TEST(RivalWatch, OfTwoThatStartTheLesserNameStays) {
 
 // The last sample of a process that was killed stays until its lease is over.
 TEST(RivalWatch, ADeadOneIsWaitedForAndNoLonger) {
-  RivalWatch watch("b", 0s, kLook);
-  watch.Hear(Named("a", intaglio_HEALTH_BUSY), 10ms);
+  RivalWatch watch("b", 0s, kWatchPeriod);
+  watch.Receive(Named("a", intaglio_HEALTH_BUSY), 10ms);
   EXPECT_EQ(watch.JudgeStart(1500ms), Verdict::kWait);
   EXPECT_EQ(watch.JudgeStart(1511ms), Verdict::kGoOn);
-  RivalWatch told("b", 0s, kLook);
-  told.Hear(Named("a", intaglio_HEALTH_BUSY), 10ms);
-  told.Lose("a");
-  EXPECT_EQ(told.JudgeStart(250ms), Verdict::kGoOn);
+  RivalWatch reported("b", 0s, kWatchPeriod);
+  reported.Receive(Named("a", intaglio_HEALTH_BUSY), 10ms);
+  reported.Lose("a");
+  EXPECT_EQ(reported.JudgeStart(250ms), Verdict::kGoOn);
 }
 
 TEST(RivalWatch, OneThatEndsIsWaitedFor) {
-  RivalWatch watch("b", 0s, kLook);
-  watch.Hear(Named("a", intaglio_HEALTH_BUSY), 0ms);
-  watch.Hear(Named("a", intaglio_HEALTH_STOPPING), 100ms);
+  RivalWatch watch("b", 0s, kWatchPeriod);
+  watch.Receive(Named("a", intaglio_HEALTH_BUSY), 0ms);
+  watch.Receive(Named("a", intaglio_HEALTH_STOPPING), 100ms);
   EXPECT_EQ(watch.JudgeStart(1000ms), Verdict::kWait);
   watch.Lose("a");
   EXPECT_EQ(watch.JudgeStart(1000ms), Verdict::kGoOn);
 }
 
 TEST(RivalWatch, OfTwoThatWorkTheLesserNameStays) {
-  RivalWatch a("a", 0s, kLook), b("b", 0s, kLook);
+  RivalWatch a("a", 0s, kWatchPeriod), b("b", 0s, kWatchPeriod);
   for (const auto t : {10s, 11s}) {
-    a.Hear(Named("b", intaglio_HEALTH_READY), t);
-    b.Hear(Named("a", intaglio_HEALTH_READY), t);
-    b.Hear(Named("0", intaglio_HEALTH_STARTING), t);
+    a.Receive(Named("b", intaglio_HEALTH_READY), t);
+    b.Receive(Named("a", intaglio_HEALTH_READY), t);
+    b.Receive(Named("0", intaglio_HEALTH_STARTING), t);
   }
   EXPECT_EQ(a.JudgeWork(11s), Verdict::kGoOn);
   EXPECT_EQ(b.JudgeWork(11s), Verdict::kEnd);
@@ -91,29 +91,30 @@ TEST(RivalWatch, OfTwoThatWorkTheLesserNameStays) {
 
 // Two processes that start `apart` from each other and receive each other from some
 // moment on, each at its own: whatever the moments, one works in the end.
-TEST(RivalWatch, OneStaysHoweverLateTheyHearOfEachOther) {
+TEST(RivalWatch, OneStaysHoweverLateTheyReceiveEachOther) {
   struct Process {
     std::string name;
-    std::chrono::milliseconds start, hears_from;
+    std::chrono::milliseconds start, receives_from;
     std::optional<RivalWatch> watch = {};
     bool works = false, ended = false;
   };
   for (const auto apart : {0ms, 40ms, 120ms, 260ms, 700ms}) {
-    for (const auto first_hears : {0ms, 100ms, 240ms, 300ms, 800ms}) {
-      for (const auto second_hears : {0ms, 100ms, 240ms, 300ms, 800ms}) {
+    for (const auto first_receives : {0ms, 100ms, 240ms, 300ms, 800ms}) {
+      for (const auto second_receives : {0ms, 100ms, 240ms, 300ms, 800ms}) {
         for (const bool lesser_first : {false, true}) {
-          std::vector<Process> two = {{lesser_first ? "a" : "b", 0ms, first_hears},
-                                      {lesser_first ? "b" : "a", apart, second_hears}};
+          std::vector<Process> two = {{lesser_first ? "a" : "b", 0ms, first_receives},
+                                      {lesser_first ? "b" : "a", apart, second_receives}};
           for (auto t = 0ms; t < 4000ms; t += 10ms) {
             for (int i = 0; i < 2; ++i) {
               Process& self = two[i];
               const Process& other = two[1 - i];
               if (t < self.start || self.ended) continue;
-              if (!self.watch) self.watch.emplace(self.name, t, kLook);
-              const bool says =
+              if (!self.watch) self.watch.emplace(self.name, t, kWatchPeriod);
+              const bool reports =
                   other.watch && !other.ended && (t - other.start).count() % 200 == 0;
-              if (says && t >= self.hears_from + std::max(self.start, other.start)) {
-                self.watch->Hear(
+              if (reports &&
+                  t >= self.receives_from + std::max(self.start, other.start)) {
+                self.watch->Receive(
                     Named(other.name,
                           other.works ? intaglio_HEALTH_READY : intaglio_HEALTH_STARTING),
                     t);
@@ -125,8 +126,8 @@ TEST(RivalWatch, OneStaysHoweverLateTheyHearOfEachOther) {
             }
           }
           EXPECT_NE(two[0].works, two[1].works)
-              << apart.count() << " " << first_hears.count() << " "
-              << second_hears.count();
+              << apart.count() << " " << first_receives.count() << " "
+              << second_receives.count();
         }
       }
     }

@@ -67,7 +67,7 @@ class OnlyOne : public ::testing::TestWithParam<Single> {
   int started_ = 0;
 };
 
-TEST_P(OnlyOne, ASecondSaysWhoIsThereAndEnds) {
+TEST_P(OnlyOne, ASecondReportsWhoIsThereAndEnds) {
   const auto first = Start();
   ASSERT_TRUE(Works(*first)) << first->Output();
   const auto ended = Start()->WaitForEnd(5s);

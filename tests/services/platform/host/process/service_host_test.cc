@@ -17,7 +17,7 @@ using test::StageShop;
 
 const std::string kSorter = INTAGLIO_BIN_DIR "/intaglio-sorter";
 
-TEST(ServiceHost, TellsItsVersionAndRefusesWrongOptions) {
+TEST(ServiceHost, ReportsItsVersionAndRefusesWrongOptions) {
   EXPECT_EQ(ChildProgram(kSorter, {"--version"}).ExitCode(), 0);
   EXPECT_EQ(ChildProgram(kSorter, {"--help"}).ExitCode(), 0);
   EXPECT_EQ(ChildProgram(kSorter, {"--no-such-option"}).ExitCode(), 2);
@@ -47,21 +47,21 @@ TEST(ServiceHost, IsMissedSoonWhenItIsKilled) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);
 }
 
-TEST(ServiceHost, DiesWithItsParentWhenToldTo) {
+TEST(ServiceHost, DiesWithItsParentOnRequest) {
   bus::Bus bus(test::PrivateBusOptions());
   bus::Reader<intaglio_ServiceHealth> health(bus, bus::kServiceHealth);
   // The shell starts the service and waits for it; then the shell is killed.
   ChildProgram shell("/bin/sh", {"-c", kSorter + " --die-with-parent --tag " +
                                            test::PrivateTag() + " & wait"});
   bool seen = false, gone = false;
-  const auto look = [&] {
+  const auto period = [&] {
     health.TakeAll([&](const intaglio_ServiceHealth&, const bus::SampleOrigin& origin) {
       (origin.alive ? seen : gone) = true;
     });
   };
-  ASSERT_TRUE(Eventually([&] { return look(), seen; }));
+  ASSERT_TRUE(Eventually([&] { return period(), seen; }));
   shell.Kill();
-  EXPECT_TRUE(Eventually([&] { return look(), gone; }));
+  EXPECT_TRUE(Eventually([&] { return period(), gone; }));
 }
 
 // Killed between the start of the process and its first instruction.
@@ -74,7 +74,7 @@ TEST(ServiceHost, DoesNotBeginWithoutWhoStartedIt) {
   EXPECT_EQ(sorter.ExitCode(), 1);
 }
 
-TEST(PollLoop, WakesForSamplesForFilesAndWhenTold) {
+TEST(PollLoop, WakesForSamplesForFilesAndOnRequest) {
   bus::Bus bus(test::PrivateBusOptions());
   bus::Reader<intaglio_Alarm> reader(bus, bus::kAlarm);
   bus::Writer<intaglio_Alarm> writer(bus, bus::kAlarm);

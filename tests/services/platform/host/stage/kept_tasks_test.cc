@@ -11,7 +11,7 @@ namespace {
 
 class KeptTasksTest : public testing::Test {
  protected:
-  void Tell(const std::string& job_uid, std::uint32_t part) {
+  void Report(const std::string& job_uid, std::uint32_t part) {
     const std::string text;
     intaglio_TaskStatus sample{};
     sample.job_uid = bus::Borrow(job_uid);
@@ -45,7 +45,7 @@ class KeptTasksTest : public testing::Test {
 
 TEST_F(KeptTasksTest, OfYearsOfTasksTheNewestStayOnTheBus) {
   for (int job = 0; job < 1000; ++job) {
-    for (int progress = 0; progress < 3; ++progress) Tell(std::to_string(job), 0);
+    for (int progress = 0; progress < 3; ++progress) Report(std::to_string(job), 0);
   }
   const auto tasks = Retained(KeptTasks::kKept);
   EXPECT_EQ(tasks.size(), KeptTasks::kKept);
@@ -55,7 +55,7 @@ TEST_F(KeptTasksTest, OfYearsOfTasksTheNewestStayOnTheBus) {
 }
 
 TEST_F(KeptTasksTest, PartsOfAJobAreTasksOfTheirOwn) {
-  for (std::uint32_t part = 0; part < kMaxParts; ++part) Tell("1", part);
+  for (std::uint32_t part = 0; part < kMaxParts; ++part) Report("1", part);
   EXPECT_EQ(Retained(kMaxParts).size(), kMaxParts);
 }
 

@@ -167,8 +167,8 @@ bool FeedModels(bus::Bus& bus, const std::string& job_uid, std::uint32_t attempt
                                                  part.index, part.attempt);
   std::uint64_t number = 0;
   bus::CreditBook::Grant grant;
-  const auto look = [&] { return credit.Poll(), grant = credit.Find(stream), grant; };
-  if (!Eventually([&] { return look().open && writer.IsMatched(grant.reader); })) {
+  const auto period = [&] { return credit.Poll(), grant = credit.Find(stream), grant; };
+  if (!Eventually([&] { return period().open && writer.IsMatched(grant.reader); })) {
     return false;
   }
   for (std::uint32_t model = 0; model < files.size(); ++model) {
@@ -187,14 +187,14 @@ bool FeedModels(bus::Bus& bus, const std::string& job_uid, std::uint32_t attempt
       chunk.last = model + 1 == files.size() && offset + bytes.size() == file.size();
       Borrow(chunk.bytes, bytes);
       chunk.sequence_number = number;
-      if (!Eventually([&] { return number < look().limit || grant.cancelled; }))
+      if (!Eventually([&] { return number < period().limit || grant.cancelled; }))
         return false;
       if (grant.cancelled || !writer.Write(chunk)) return false;
       ++number;
     }
   }
   // The writer may go when nothing of it is left to be taken.
-  return Eventually([&] { return look().consumed == number || grant.cancelled; }) &&
+  return Eventually([&] { return period().consumed == number || grant.cancelled; }) &&
          grant.consumed == number;
 }
 

@@ -24,16 +24,16 @@ TEST(AllCores, DoesEachPieceOnce) {
 }
 
 TEST(OnThreads, TakesNoMoreThanItIsGiven) {
-  std::atomic<int> at_work = 0, most = 0;
+  std::atomic<int> at_work = 0, largest = 0;
   OnThreads(2)(200, [&](std::size_t) {
     const int now = ++at_work;
-    int seen = most;
-    while (now > seen && !most.compare_exchange_weak(seen, now)) {
+    int seen = largest;
+    while (now > seen && !largest.compare_exchange_weak(seen, now)) {
     }
     std::this_thread::yield();
     --at_work;
   });
-  EXPECT_LE(most, 2);
+  EXPECT_LE(largest, 2);
 }
 
 TEST(AllCores, PassesOnWhatWasThrown) {

@@ -15,13 +15,13 @@ namespace intaglio::recorder {
 
 /// Attachments of a task's frozen job (serialized intaglio.FrozenJob); none when it
 /// cannot be read. `now_ns` is the time they carry.
-std::vector<recording::Attachment> PapersOf(recording::ByteView frozen_job,
-                                            std::uint64_t now_ns);
+std::vector<recording::Attachment> AttachmentsOf(recording::ByteView frozen_job,
+                                                 std::uint64_t now_ns);
 
 /// Watches the tasks of all stages. From one thread.
-class JobPapers {
+class JobAttachments {
  public:
-  explicit JobPapers(bus::Bus& bus);
+  explicit JobAttachments(bus::Bus& bus);
   /// The attachments of jobs that are new since the last call.
   std::vector<recording::Attachment> Take(std::uint64_t now_ns);
 

@@ -1,4 +1,4 @@
-#include "engrave/discretize/spacing/weld.h"
+#include "engrave/discretize/spacing/thinning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/core/check.h"
-#include "engrave/discretize/spacing/weld_front.h"
+#include "engrave/discretize/spacing/thinning_front.h"
 
 // The points are taken from the lowest up, and one is kept unless it is too near to one
 // kept before. Those lie at most one spacing below, so a column of a grid in x and y,
@@ -30,22 +30,22 @@
 namespace intaglio::discretize {
 namespace {
 
-constexpr std::size_t kMostPoints = 0xffffffff;
+constexpr std::size_t kMaxPoints = 0xffffffff;
 // So many that they fit into the second-level cache, where they are sorted, and that a
 // sheet takes whole runs of neighbours from the cloud.
-constexpr std::size_t kPointsPerSheet = 16384, kMostSheets = std::size_t{1} << 16;
+constexpr std::size_t kPointsPerSheet = 16384, kMaxSheets = std::size_t{1} << 16;
 constexpr std::size_t kPointsPerFineSheet = 8;
 constexpr std::size_t kFew = 24;        // put in order as they are
 constexpr std::size_t kLookAhead = 16;  // points fetched into the cache beforehand
 
-bool IsLower(const WeldPoint& a, const WeldPoint& b) {
-  const auto key = [](const WeldPoint& w) {
+bool IsLower(const ThinningPoint& a, const ThinningPoint& b) {
+  const auto key = [](const ThinningPoint& w) {
     return std::tuple(w.p_mm.z(), w.p_mm.y(), w.p_mm.x(), w.source, w.spacing_mm);
   };
   return key(a) < key(b);
 }
 
-WeldPoint PointOf(const SpacedCloud& cloud, std::size_t i) {
+ThinningPoint PointOf(const SpacedCloud& cloud, std::size_t i) {
   // + 0.0 turns -0.0 into 0.0: equal points are equal in their bits, too.
   return {cloud.points_mm[i].array() + 0.0, cloud.source[i], cloud.spacing_mm[i]};
 }
@@ -71,10 +71,10 @@ class Sheets {
   double scale_;
 };
 
-class Welder {
+class Thinner {
  public:
-  Welder(const SpacedCloud& candidates, const WeldOptions& options,
-         const SpacedCloud& taken)
+  Thinner(const SpacedCloud& candidates, const ThinningOptions& options,
+          const SpacedCloud& taken)
       : candidates_(candidates),
         taken_(taken),
         reach_mm_(options.min_spacing_mm * options.height_ratio),
@@ -83,26 +83,26 @@ class Welder {
     candidate_bounds_ = bounds_;
     Examine(taken);
     if (candidates.size() == 0) return;
-    for (const ChannelMask channel : TellingChannels(MasksOfSources())) {
+    for (const ChannelMask channel : DistinctChannels(MasksOfSources())) {
       const SourceExtents extents = ExtentsIn(channel);
       kept_fronts_.push_back(
-          {channel, WeldFront(options, bounds_, candidates.size(), extents)});
+          {channel, ThinningFront(options, bounds_, candidates.size(), extents)});
       if (taken.size() == 0) continue;
       taken_fronts_.push_back(
-          {channel, WeldFront(options, bounds_, taken.size(), extents)});
+          {channel, ThinningFront(options, bounds_, taken.size(), extents)});
     }
   }
 
   SpacedCloud Run() {
     if (candidates_.size() == 0) return {};
-    const double most = static_cast<double>(kMostSheets);
+    const double largest = static_cast<double>(kMaxSheets);
     const double wanted = std::ceil(static_cast<double>(candidates_.size()) /
                                     static_cast<double>(kPointsPerSheet));
     const Sheets sheets(candidate_bounds_.min_mm.z(), candidate_bounds_.max_mm.z(),
-                        static_cast<std::size_t>(std::min(wanted, most)));
+                        static_cast<std::size_t>(std::min(wanted, largest)));
     SortIntoSheets(sheets);
     SortTaken();
-    std::vector<WeldPoint> points;
+    std::vector<ThinningPoint> points;
     for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
       points.clear();
       for (std::uint32_t at = begin_[sheet]; at < begin_[sheet + 1]; ++at) {
@@ -112,7 +112,7 @@ class Welder {
         points.push_back(PointOf(candidates_, order_[at]));
       }
       TakeUpTo(points);
-      KeepFrom(LookedThrough(points, taken_fronts_), 2, Looked::kAtNone);
+      KeepFrom(Filtered(points, taken_fronts_), 2, Checked::kAtNone);
     }
     return std::move(kept_);
   }
@@ -123,8 +123,7 @@ class Welder {
         cloud.source.size() == cloud.size() && cloud.spacing_mm.size() == cloud.size(),
         "a cloud of {} points has {} sources and {} spacings", cloud.size(),
         cloud.source.size(), cloud.spacing_mm.size());
-    Require(cloud.size() < kMostPoints, "a cloud of {} points is too large",
-            cloud.size());
+    Require(cloud.size() < kMaxPoints, "a cloud of {} points is too large", cloud.size());
     SourceExtent* extent = nullptr;
     std::uint32_t source = 0;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -194,14 +193,14 @@ class Welder {
 
   /// Adds the taken points that are below these points, or near enough above them, to
   /// their fronts.
-  void TakeUpTo(std::span<const WeldPoint> points) {
+  void TakeUpTo(std::span<const ThinningPoint> points) {
     if (points.empty() || next_taken_ == taken_order_.size()) return;
     const auto highest = std::max_element(
         points.begin(), points.end(),
         [](const auto& a, const auto& b) { return a.p_mm.z() < b.p_mm.z(); });
     const double high_mm = highest->p_mm.z() + reach_mm_ * kReachAllowance;
     for (; next_taken_ < taken_order_.size(); ++next_taken_) {
-      const WeldPoint point = PointOf(taken_, taken_order_[next_taken_]);
+      const ThinningPoint point = PointOf(taken_, taken_order_[next_taken_]);
       if (point.p_mm.z() > high_mm) return;
       AddTo(taken_fronts_, point);
     }
@@ -210,10 +209,10 @@ class Welder {
   /// The points of one channel; one is enough when all have the same.
   struct ChannelFront {
     ChannelMask channel;
-    WeldFront front;
+    ThinningFront front;
   };
 
-  void AddTo(std::vector<ChannelFront>& fronts, const WeldPoint& point) {
+  void AddTo(std::vector<ChannelFront>& fronts, const ThinningPoint& point) {
     const ChannelMask mask = MaskOf(point.source);
     for (auto& [channel, front] : fronts) {
       if (ShareChannel(mask, channel)) front.Add(point);
@@ -221,8 +220,8 @@ class Welder {
   }
 
   /// Those of the points that are not too near to any of the fronts', in any sequence.
-  std::span<WeldPoint> LookedThrough(std::span<WeldPoint> points,
-                                     std::vector<ChannelFront>& fronts) const {
+  std::span<ThinningPoint> Filtered(std::span<ThinningPoint> points,
+                                    std::vector<ChannelFront>& fronts) const {
     if (fronts.size() == 1) return points.first(fronts[0].front.KeepFar(points));
     for (ChannelFront& of : fronts) {
       const auto concerned = std::partition(
@@ -237,50 +236,49 @@ class Welder {
   /// Keeps in order those of the points that are not too near. All of them come after
   /// every kept point. Their coordinates on the axes above `axis` are equal.
   /// Looked::kAtAll: none is too near to a kept point.
-  enum class Looked { kAtNone, kAtAll };
-  void KeepFrom(std::span<WeldPoint> points, int axis, Looked looked) {
+  enum class Checked { kAtNone, kAtAll };
+  void KeepFrom(std::span<ThinningPoint> points, int axis, Checked checked) {
     const auto in_order = [&] {
-      KeepInOrder(looked == Looked::kAtAll ? points
-                                           : LookedThrough(points, kept_fronts_));
+      KeepInOrder(checked == Checked::kAtAll ? points : Filtered(points, kept_fronts_));
     };
     if (points.size() <= kFew || axis < 0) return in_order();
     const auto [low, high] = std::minmax_element(
         points.begin(), points.end(),
         [axis](const auto& a, const auto& b) { return a.p_mm[axis] < b.p_mm[axis]; });
     const double low_mm = low->p_mm[axis], high_mm = high->p_mm[axis];
-    if (low_mm == high_mm) return KeepFrom(points, axis - 1, looked);
+    if (low_mm == high_mm) return KeepFrom(points, axis - 1, checked);
     const Sheets sheets(low_mm, high_mm, points.size() / kPointsPerFineSheet);
     if (sheets.count() == 1) return in_order();
     std::vector<std::uint32_t> next(sheets.count() + 1, 0);
-    for (const WeldPoint& point : points) ++next[sheets.Of(point.p_mm[axis]) + 1];
+    for (const ThinningPoint& point : points) ++next[sheets.Of(point.p_mm[axis]) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
-    const auto sorted = std::make_unique_for_overwrite<WeldPoint[]>(points.size());
-    for (const WeldPoint& point : points) {
+    const auto sorted = std::make_unique_for_overwrite<ThinningPoint[]>(points.size());
+    for (const ThinningPoint& point : points) {
       sorted[next[sheets.Of(point.p_mm[axis])]++] = point;
     }
     std::size_t begin = 0;
     for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
       const std::span part(&sorted[begin], &sorted[0] + next[sheet]);
       begin = next[sheet];
-      KeepFrom(LookedThrough(part, kept_fronts_), axis, Looked::kAtAll);
+      KeepFrom(Filtered(part, kept_fronts_), axis, Checked::kAtAll);
     }
   }
 
   /// Usually few; none is too near to a point kept before.
-  void KeepInOrder(std::span<WeldPoint> points) {
+  void KeepInOrder(std::span<ThinningPoint> points) {
     std::sort(points.begin(), points.end(), IsLower);
     for (std::size_t begin = 0; begin < points.size(); begin += kFew) {
       std::span few = points.subspan(begin, std::min(kFew, points.size() - begin));
       if (begin > 0) {
-        few = LookedThrough(few, kept_fronts_);
+        few = Filtered(few, kept_fronts_);
         std::sort(few.begin(), few.end(), IsLower);
       }
       KeepFew(few);
     }
   }
-  void KeepFew(std::span<WeldPoint> points) {
+  void KeepFew(std::span<ThinningPoint> points) {
     std::size_t kept = 0;
-    for (const WeldPoint& point : points) {
+    for (const ThinningPoint& point : points) {
       if (IsTooNear(point, points.first(kept))) continue;
       points[kept++] = point;
       AddTo(kept_fronts_, point);
@@ -288,9 +286,10 @@ class Welder {
     }
   }
 
-  bool IsTooNear(const WeldPoint& point, std::span<const WeldPoint> others) const {
-    const WeldFront& rules = kept_fronts_.front().front;
-    return std::any_of(others.begin(), others.end(), [&](const WeldPoint& other) {
+  bool IsTooNear(const ThinningPoint& point,
+                 std::span<const ThinningPoint> others) const {
+    const ThinningFront& rules = kept_fronts_.front().front;
+    return std::any_of(others.begin(), others.end(), [&](const ThinningPoint& other) {
       return rules.AreTooNear(point, other) &&
              ShareChannel(MaskOf(point.source), MaskOf(other.source));
     });
@@ -312,13 +311,13 @@ class Welder {
 
 }  // namespace
 
-SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
+SpacedCloud Thin(const SpacedCloud& candidates, const ThinningOptions& options,
                  const SpacedCloud& taken) {
   Require(options.min_spacing_mm > 0 && std::isfinite(options.min_spacing_mm),
           "min_spacing_mm must be positive, is {}", options.min_spacing_mm);
   Require(options.height_ratio >= 1 && options.height_ratio <= 10,
           "height_ratio must be 1..10, is {}", options.height_ratio);
-  return Welder(candidates, options, taken).Run();
+  return Thinner(candidates, options, taken).Run();
 }
 
 }  // namespace intaglio::discretize

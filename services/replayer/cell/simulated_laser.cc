@@ -1,4 +1,4 @@
-#include "services/replayer/cell/laser_stand_in.h"
+#include "services/replayer/cell/simulated_laser.h"
 
 #include <algorithm>
 
@@ -33,31 +33,31 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
 
 }  // namespace
 
-Result<std::unique_ptr<LaserStandIn>> LaserStandIn::Make(
+Result<std::unique_ptr<SimulatedLaser>> SimulatedLaser::Make(
     const std::filesystem::path& link, const MachineSpec& machine) {
   auto line = INTAGLIO_TRY(virtual_engraver::PtyLine::Open(link, "simulated laser"));
-  return std::unique_ptr<LaserStandIn>(
-      new LaserStandIn(std::move(line), OptionsOf(machine)));
+  return std::unique_ptr<SimulatedLaser>(
+      new SimulatedLaser(std::move(line), OptionsOf(machine)));
 }
 
-LaserStandIn::LaserStandIn(virtual_engraver::PtyLine line,
-                           virtual_engraver::LaserOptions options)
+SimulatedLaser::SimulatedLaser(virtual_engraver::PtyLine line,
+                               virtual_engraver::LaserOptions options)
     : line_(std::move(line)),
       laser_(std::move(options)),
       link_(link::Side::kDevice, line_.MachineEnd(), link::MonotonicClock()) {}
 
-void LaserStandIn::Turn(std::chrono::nanoseconds now, const EndOfPulse& end_of_pulse) {
+void SimulatedLaser::Turn(std::chrono::nanoseconds now, const EndOfPulse& end_of_pulse) {
   PollLine();
   int passed = 0;
   while (passed < kTicksAtOnce && waiting_.size() < kMaxWaiting &&
          PassTick(end_of_pulse)) {
     ++passed;
   }
-  Tell(now, passed > 0);
+  SendReports(now, passed > 0);
   PollLine();
 }
 
-void LaserStandIn::PollLine() {
+void SimulatedLaser::PollLine() {
   (void)link_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
     Take(static_cast<LaserFrame>(type), payload);
   });
@@ -67,10 +67,10 @@ void LaserStandIn::PollLine() {
   armed_.clear();
   next_status_ = {};
   laser_.NewSession();
-  Say(LaserFrame::kLaserIdentity, Encode(laser_.Identity()));
+  Send(LaserFrame::kLaserIdentity, Encode(laser_.Identity()));
 }
 
-void LaserStandIn::Note(std::span<const std::byte> window) {
+void SimulatedLaser::Note(std::span<const std::byte> window) {
   const auto m = link::Decode<link::ArmWindow>(window);
   if (!m) return;
   for (std::size_t i = 0; i < m->fire.size(); ++i) {
@@ -79,7 +79,7 @@ void LaserStandIn::Note(std::span<const std::byte> window) {
   }
 }
 
-void LaserStandIn::Take(LaserFrame type, std::span<const std::byte> payload) {
+void SimulatedLaser::Take(LaserFrame type, std::span<const std::byte> payload) {
   if (type == LaserFrame::kDisarm) armed_.clear();
   if (type == LaserFrame::kArmWindow) Note(payload);
   if (laser_.Obey(type, payload)) return;
@@ -89,14 +89,14 @@ void LaserStandIn::Take(LaserFrame type, std::span<const std::byte> payload) {
       return;
     case LaserFrame::kPastRequest:
       if (const auto m = link::Decode<link::PastRequest>(payload))
-        Say(LaserFrame::kPastReport, Encode(laser_.Past(*m)));
+        Send(LaserFrame::kPastReport, Encode(laser_.Past(*m)));
       return;
     default:
       return;
   }
 }
 
-bool LaserStandIn::PassTick(const EndOfPulse& end_of_pulse) {
+bool SimulatedLaser::PassTick(const EndOfPulse& end_of_pulse) {
   if (!laser_.NextIsDecided()) return false;
   const std::uint64_t tick = laser_.tick() + 1;
   while (!armed_.empty() && armed_.front() < tick) armed_.pop_front();
@@ -112,17 +112,17 @@ bool LaserStandIn::PassTick(const EndOfPulse& end_of_pulse) {
   return true;
 }
 
-void LaserStandIn::Tell(std::chrono::nanoseconds now, bool at_once) {
+void SimulatedLaser::SendReports(std::chrono::nanoseconds now, bool at_once) {
   // Reports first: a status speaks of ticks whose outcomes are known already.
   for (const link::PulseReport& report : laser_.TakeReports())
-    Say(LaserFrame::kPulseReport, Encode(report));
+    Send(LaserFrame::kPulseReport, Encode(report));
   const link::LaserStatus status = laser_.Report();
   const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
-  if (at_once || status_asked_ || interlocks != told_ || now >= next_status_) {
-    told_ = interlocks;
+  if (at_once || status_asked_ || interlocks != reported_ || now >= next_status_) {
+    reported_ = interlocks;
     status_asked_ = false;
     next_status_ = now + kStatusPeriod;
-    if (link_.up()) Say(LaserFrame::kLaserStatus, Encode(status));
+    if (link_.up()) Send(LaserFrame::kLaserStatus, Encode(status));
   }
   while (!waiting_.empty() && link_.CanSend()) {
     const auto& [type, payload] = waiting_.front();
@@ -131,7 +131,7 @@ void LaserStandIn::Tell(std::chrono::nanoseconds now, bool at_once) {
   }
 }
 
-void LaserStandIn::Say(LaserFrame type, link::Bytes payload) {
+void SimulatedLaser::Send(LaserFrame type, link::Bytes payload) {
   waiting_.emplace_back(type, std::move(payload));
 }
 

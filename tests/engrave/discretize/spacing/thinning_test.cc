@@ -1,4 +1,4 @@
-#include "engrave/discretize/spacing/weld.h"
+#include "engrave/discretize/spacing/thinning.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ std::vector<Key> Keys(const SpacedCloud& cloud) {
 }
 
 // The rules of weld.h, implemented literally.
-bool AreTooNear(const Key& a, const Key& b, const WeldOptions& options) {
+bool AreTooNear(const Key& a, const Key& b, const ThinningOptions& options) {
   const double dx = std::get<2>(a) - std::get<2>(b), dy = std::get<1>(a) - std::get<1>(b);
   const double dz = std::get<0>(a) - std::get<0>(b);
   const auto& channels = options.channels_of_source;
@@ -70,8 +70,9 @@ bool AreTooNear(const Key& a, const Key& b, const WeldOptions& options) {
   return std::get<3>(a) == std::get<3>(b) && dx * dx + dy * dy + dz * dz < s * s;
 }
 
-std::vector<Key> WeldedByBruteForce(const SpacedCloud& cloud, const WeldOptions& options,
-                                    const SpacedCloud& taken = {}) {
+std::vector<Key> ThinnedByBruteForce(const SpacedCloud& cloud,
+                                     const ThinningOptions& options,
+                                     const SpacedCloud& taken = {}) {
   std::vector<Key> kept;
   const std::vector<Key> fixed = Keys(taken);
   std::vector<Key> sorted = Keys(cloud);
@@ -96,111 +97,111 @@ SpacedCloud Shuffled(const SpacedCloud& cloud, unsigned seed) {
   return shuffled;
 }
 
-class WeldOfRandomClouds
+class ThinningOfRandomClouds
     : public testing::TestWithParam<std::tuple<Own, double, bool, bool>> {};
 
-TEST_P(WeldOfRandomClouds, KeepsWhatTheRulesSay) {
+TEST_P(ThinningOfRandomClouds, KeepsWhatTheRulesRequire) {
   const auto [own, height_ratio, on_grid, with_taken] = GetParam();
   for (unsigned seed = 0; seed < 4; ++seed) {
-    const WeldOptions options{0.15 + 0.1 * seed, height_ratio};
+    const ThinningOptions options{0.15 + 0.1 * seed, height_ratio};
     const SpacedCloud cloud = RandomCloud({.seed = seed, .on_grid = on_grid, .own = own});
     const SpacedCloud taken = RandomCloud({.seed = seed + 50,
                                            .count = with_taken ? 60 : 0,
                                            .own = own,
                                            .shift_mm = Vec3(0.4, -3, 1)});
-    const SpacedCloud kept = Weld(cloud, options, taken);
-    EXPECT_EQ(Keys(kept), WeldedByBruteForce(cloud, options, taken)) << seed;
-    EXPECT_EQ(Keys(Weld(Shuffled(cloud, seed), options, Shuffled(taken, seed))),
+    const SpacedCloud kept = Thin(cloud, options, taken);
+    EXPECT_EQ(Keys(kept), ThinnedByBruteForce(cloud, options, taken)) << seed;
+    EXPECT_EQ(Keys(Thin(Shuffled(cloud, seed), options, Shuffled(taken, seed))),
               Keys(kept));
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    All, WeldOfRandomClouds,
+    All, ThinningOfRandomClouds,
     testing::Combine(testing::Values(Own::kNone, Own::kEqualBySource, Own::kAnything),
                      testing::Values(1.0, 2.5), testing::Bool(), testing::Bool()));
 
 // Each channel has a block of its own: points without a common channel do not exclude
 // each other.
-TEST(Weld, PointsOfDifferentChannelsAreNotTooNear) {
+TEST(Thin, PointsOfDifferentChannelsAreNotTooNear) {
   const std::vector<std::vector<ChannelMask>> masks = {{1, 1, 1}, {1, 2, 4},   {7, 2, 4},
                                                        {1, 3, 6}, {15, 4, 15}, {3, 5, 6}};
   for (unsigned seed = 0; seed < 12; ++seed) {
-    const WeldOptions options{0.25, seed % 2 == 0 ? 1.0 : 2.5,
-                              masks[seed % masks.size()]};
+    const ThinningOptions options{0.25, seed % 2 == 0 ? 1.0 : 2.5,
+                                  masks[seed % masks.size()]};
     const SpacedCloud cloud = RandomCloud({.seed = seed, .own = Own::kEqualBySource});
     const SpacedCloud taken =
         RandomCloud({.seed = seed + 50, .count = 60, .shift_mm = Vec3(0.4, -3, 1)});
-    EXPECT_EQ(Keys(Weld(cloud, options, taken)),
-              WeldedByBruteForce(cloud, options, taken))
+    EXPECT_EQ(Keys(Thin(cloud, options, taken)),
+              ThinnedByBruteForce(cloud, options, taken))
         << seed;
   }
 }
 
 // A horizontal face: all candidates are of one height, and the finer sheets are rows.
-TEST(Weld, AFlatCloudIsAsByBruteForce) {
+TEST(Thin, AFlatCloudIsAsByBruteForce) {
   SpacedCloud cloud = RandomCloud({.count = 4000});
   for (Vec3& p : cloud.points_mm) p.z() = 0.25;
-  EXPECT_EQ(Keys(Weld(cloud, {0.1, 1})), WeldedByBruteForce(cloud, {0.1, 1}));
+  EXPECT_EQ(Keys(Thin(cloud, {0.1, 1})), ThinnedByBruteForce(cloud, {0.1, 1}));
   for (Vec3& p : cloud.points_mm) p.y() = 0.5;
-  EXPECT_EQ(Keys(Weld(cloud, {0.001, 1})), WeldedByBruteForce(cloud, {0.001, 1}));
+  EXPECT_EQ(Keys(Thin(cloud, {0.001, 1})), ThinnedByBruteForce(cloud, {0.001, 1}));
 }
 
-TEST(Weld, HeightsOfEveryMagnitudeAreAsByBruteForce) {
+TEST(Thin, HeightsOfEveryMagnitudeAreAsByBruteForce) {
   std::mt19937 random(3);
   SpacedCloud cloud;
   for (int i = 0; i < 2000; ++i) {
     const double x = 1e-3 * static_cast<double>(random() % 1000);
     cloud.Add(Vec3(x, 0, std::ldexp(1.0, -static_cast<int>(random() % 1070))), 0);
   }
-  EXPECT_EQ(Keys(Weld(cloud, {0.01, 1})), WeldedByBruteForce(cloud, {0.01, 1}));
+  EXPECT_EQ(Keys(Thin(cloud, {0.01, 1})), ThinnedByBruteForce(cloud, {0.01, 1}));
 }
 
-TEST(Weld, CoincidentPointsBecomeOne) {
+TEST(Thin, CoincidentPointsBecomeOne) {
   SpacedCloud cloud;
   for (std::uint32_t i = 0; i < 10; ++i) cloud.Add(Vec3(1, 2, 3), 9 - i);
-  const SpacedCloud kept = Weld(cloud, {0.1, 1});
+  const SpacedCloud kept = Thin(cloud, {0.1, 1});
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept.source[0], 0u) << "the first model's";
 }
 
-TEST(Weld, ExactlyTheSpacingApartIsFarEnough) {
+TEST(Thin, ExactlyTheSpacingApartIsFarEnough) {
   SpacedCloud cloud;
   for (int i = 0; i < 5; ++i) cloud.Add(Vec3(0.25 * i, 0, 0), 0);
-  EXPECT_EQ(Weld(cloud, {0.25, 1}).size(), 5u);
+  EXPECT_EQ(Thin(cloud, {0.25, 1}).size(), 5u);
 }
 
-TEST(Weld, CracksAreLongerAlongTheBeam) {
+TEST(Thin, CracksAreLongerAlongTheBeam) {
   SpacedCloud cloud;
   for (int i = 0; i < 9; ++i) cloud.Add(Vec3(0, 0, 0.25 * i), 0);
-  EXPECT_EQ(Weld(cloud, {0.25, 1}).size(), 9u);
-  EXPECT_EQ(Weld(cloud, {0.25, 4}).size(), 3u);
+  EXPECT_EQ(Thin(cloud, {0.25, 1}).size(), 9u);
+  EXPECT_EQ(Thin(cloud, {0.25, 4}).size(), 3u);
 }
 
-TEST(Weld, OwnSpacingsHoldWithinASourceOnly) {
+TEST(Thin, OwnSpacingsHoldWithinASourceOnly) {
   SpacedCloud cloud;
   cloud.Add(Vec3(0, 0, 0), 0, 1);
   cloud.Add(Vec3(0.5, 0, 0), 0, 0.1F);  // within the other's spacing
   cloud.Add(Vec3(0, 0.5, 0), 1, 1);
   cloud.Add(Vec3(0, 0.75, 0), 2, 0);
   cloud.Add(Vec3(0, 0, 0.99), 0, 0);
-  const SpacedCloud kept = Weld(cloud, {0.1, 1});
+  const SpacedCloud kept = Thin(cloud, {0.1, 1});
   ASSERT_EQ(kept.size(), 3u);
   EXPECT_EQ(kept.source, (std::vector<std::uint32_t>{0, 1, 2}));
 }
 
-TEST(Weld, TinySpacingInALargeBlockTakesLittle) {
+TEST(Thin, TinySpacingInALargeBlockTakesLittle) {
   SpacedCloud cloud;
   cloud.Add(Vec3(0, 0, 0), 0);
   cloud.Add(Vec3(1000, 1000, 1000), 0);
-  EXPECT_EQ(Weld(cloud, {1e-6, 1}).size(), 2u);
-  EXPECT_EQ(Weld({}, {1, 1}).size(), 0u);
-  EXPECT_EQ(Weld({}, {1, 1}, cloud).size(), 0u);
+  EXPECT_EQ(Thin(cloud, {1e-6, 1}).size(), 2u);
+  EXPECT_EQ(Thin({}, {1, 1}).size(), 0u);
+  EXPECT_EQ(Thin({}, {1, 1}, cloud).size(), 0u);
 }
 
 // Multiples of the spacing, off by the last digits: whether two are near enough is a
 // matter of rounding, and so is the column of the grid they fall into.
-TEST(Weld, NeighboursAtTheSpacingButForRoundingAreAsByBruteForce) {
+TEST(Thin, NeighboursAtTheSpacingButForRoundingAreAsByBruteForce) {
   std::mt19937 random(11);
   for (const double spacing : {0.1, 0.13, 1.0 / 3}) {
     for (const double ratio : {1.0, 3.0}) {
@@ -215,20 +216,20 @@ TEST(Weld, NeighboursAtTheSpacingButForRoundingAreAsByBruteForce) {
         }
         cloud.Add(p, 0, i % 2 == 0 ? 0 : static_cast<float>(spacing));
       }
-      const WeldOptions options{spacing, ratio};
-      EXPECT_EQ(Keys(Weld(cloud, options)), WeldedByBruteForce(cloud, options));
+      const ThinningOptions options{spacing, ratio};
+      EXPECT_EQ(Keys(Thin(cloud, options)), ThinnedByBruteForce(cloud, options));
     }
   }
 }
 
-TEST(Weld, ZeroAndMinusZeroAreTheSamePoint) {
+TEST(Thin, ZeroAndMinusZeroAreTheSamePoint) {
   SpacedCloud one, other;
   one.Add(Vec3(0.0, -0.0, 0.0), 0);
   one.Add(Vec3(-0.0, 0.0, -0.0), 0);
   other.Add(one.points_mm[1], 0);
   other.Add(one.points_mm[0], 0);
   for (const SpacedCloud& cloud : {one, other}) {
-    const SpacedCloud kept = Weld(cloud, {0.1, 1});
+    const SpacedCloud kept = Thin(cloud, {0.1, 1});
     ASSERT_EQ(kept.size(), 1u);
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_FALSE(std::signbit(kept.points_mm[0][axis]));
@@ -236,28 +237,28 @@ TEST(Weld, ZeroAndMinusZeroAreTheSamePoint) {
 }
 
 // A point far away makes the columns wider than the spacing and the sheets few.
-TEST(Weld, AFarPointDoesNotChangeTheRest) {
+TEST(Thin, AFarPointDoesNotChangeTheRest) {
   SpacedCloud cloud = RandomCloud({.seed = 3, .count = 2000, .size_mm = 0.01});
-  const SpacedCloud near = Weld(cloud, {0.001, 1});
+  const SpacedCloud near = Thin(cloud, {0.001, 1});
   cloud.Add(Vec3(900, 900, 900), 0);
-  SpacedCloud with_far = Weld(cloud, {0.001, 1});
+  SpacedCloud with_far = Thin(cloud, {0.001, 1});
   ASSERT_EQ(with_far.size(), near.size() + 1);
   with_far.points_mm.pop_back();
   EXPECT_EQ(with_far.points_mm, near.points_mm);
 }
 
-TEST(Weld, LargeCloudsKeepTheSpacingToo) {
+TEST(Thin, LargeCloudsKeepTheSpacingToo) {
   const double spacing = 0.05;
   const SpacedCloud kept =
-      Weld(RandomCloud({.seed = 8, .count = 300'000, .size_mm = 1}), {spacing, 1});
+      Thin(RandomCloud({.seed = 8, .count = 300'000, .size_mm = 1}), {spacing, 1});
   ASSERT_GT(kept.size(), 10'000u);
   // nanoflann adds the squares in another order: the last digit may differ.
-  EXPECT_GE(LeastDistance(kept.points_mm), spacing * (1 - 1e-15));
+  EXPECT_GE(MinDistance(kept.points_mm), spacing * (1 - 1e-15));
 }
 
 // Dense on one side, a fortieth as dense on the other: were the sparse points' wide
 // surroundings searched point by point at every candidate, this would take minutes.
-TEST(Weld, StronglyVaryingSpacingsStayFast) {
+TEST(Thin, StronglyVaryingSpacingsStayFast) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> coordinate(0, 20);
   SpacedCloud cloud;
@@ -265,23 +266,23 @@ TEST(Weld, StronglyVaryingSpacingsStayFast) {
     const Vec3 p(coordinate(random), coordinate(random), 0.1 * coordinate(random));
     cloud.Add(p, 0, p.x() < 10 ? 0.05F : 2.0F);
   }
-  const SpacedCloud kept = Weld(cloud, {0.05, 1});
+  const SpacedCloud kept = Thin(cloud, {0.05, 1});
   EXPECT_GT(kept.size(), 100'000u);
   std::size_t sparse = 0;
   for (const float own_mm : kept.spacing_mm) sparse += own_mm > 1 ? 1 : 0;
   EXPECT_GT(sparse, 20u);
 }
 
-TEST(Weld, RefusesWhatItCannotWeld) {
+TEST(Thin, RefusesWhatItCannotThin) {
   SpacedCloud cloud;
   cloud.Add(Vec3(0, 0, 0), 0);
-  EXPECT_ANY_THROW(Weld(cloud, {0, 1}));
-  EXPECT_ANY_THROW(Weld(cloud, {0.1, 0.5}));
+  EXPECT_ANY_THROW(Thin(cloud, {0, 1}));
+  EXPECT_ANY_THROW(Thin(cloud, {0.1, 0.5}));
   cloud.spacing_mm[0] = -1;
-  EXPECT_ANY_THROW(Weld(cloud, {0.1, 1}));
+  EXPECT_ANY_THROW(Thin(cloud, {0.1, 1}));
   cloud.spacing_mm[0] = 0;
   cloud.points_mm[0].y() = std::nan("");
-  EXPECT_ANY_THROW(Weld(cloud, {0.1, 1}));
+  EXPECT_ANY_THROW(Thin(cloud, {0.1, 1}));
 }
 
 }  // namespace

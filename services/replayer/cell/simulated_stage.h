@@ -9,18 +9,18 @@
 
 #include "engrave/core/geometry.h"
 #include "services/platform/bus/flow.h"
-#include "services/replayer/cell/cell_words.h"
+#include "services/replayer/cell/cell_messages.h"
 
 namespace intaglio::replayer {
 
-class StageStandIn {
+class SimulatedStage {
  public:
-  StageStandIn(bus::Bus& bus, std::string cell, std::string instance);
+  SimulatedStage(bus::Bus& bus, std::string cell, std::string instance);
 
   /// True when a run has begun. `tick`: of the lamp.
   bool Turn(std::chrono::nanoseconds now, std::uint64_t tick, CellListener& listener);
   /// The stage's position at rest, from now on, machine frame.
-  void StandAt(const Vec3& at_mm) { at_mm_ = at_mm; }
+  void MoveTo(const Vec3& at_mm) { at_mm_ = at_mm; }
   /// Until the next run begins; `fault` by name.
   void Fail(const std::string& fault, const std::string& message);
   bool at_rest() const { return at_rest_; }
@@ -28,9 +28,9 @@ class StageStandIn {
 
  private:
   bool Take(CellListener& listener);
-  void Begin(const SegmentWords& words);
+  void Begin(const SegmentMessages& messages);
   void EndStream();
-  void Tell(std::uint64_t tick);
+  void SendReports(std::uint64_t tick);
 
   std::string cell_;
   bus::Reader<intaglio_MotionSegmentBatch> batches_;

@@ -25,22 +25,22 @@ enum class PulseEnd { kSeen, kUnseen, kNotInPosition };
 /// nothing: it does not come yet.
 using EndOfPulse = std::function<std::optional<PulseEnd>(std::size_t armed_count)>;
 
-class LaserStandIn {
+class SimulatedLaser {
  public:
   /// `link`: symbolic link to make for the line. kIo.
-  static Result<std::unique_ptr<LaserStandIn>> Make(const std::filesystem::path& link,
-                                                    const MachineSpec& machine);
+  static Result<std::unique_ptr<SimulatedLaser>> Make(const std::filesystem::path& link,
+                                                      const MachineSpec& machine);
   void Turn(std::chrono::nanoseconds now, const EndOfPulse& end_of_pulse);
   virtual_engraver::Laser& laser() { return laser_; }
 
  private:
-  LaserStandIn(virtual_engraver::PtyLine line, virtual_engraver::LaserOptions options);
+  SimulatedLaser(virtual_engraver::PtyLine line, virtual_engraver::LaserOptions options);
   void PollLine();
   void Take(link::LaserFrame type, std::span<const std::byte> payload);
   void Note(std::span<const std::byte> window);
   bool PassTick(const EndOfPulse& end_of_pulse);
-  void Tell(std::chrono::nanoseconds now, bool at_once);
-  void Say(link::LaserFrame type, link::Bytes payload);
+  void SendReports(std::chrono::nanoseconds now, bool at_once);
+  void Send(link::LaserFrame type, link::Bytes payload);
 
   virtual_engraver::PtyLine line_;
   virtual_engraver::Laser laser_;
@@ -49,7 +49,7 @@ class LaserStandIn {
   std::deque<std::uint64_t> armed_;  // ticks that are to fire and have not passed
   std::deque<std::pair<link::LaserFrame, link::Bytes>> waiting_;
   std::chrono::nanoseconds next_status_{0};
-  std::uint32_t told_ = 0;
+  std::uint32_t reported_ = 0;
   bool status_asked_ = false;
 };
 

@@ -1,4 +1,4 @@
-#include "engrave/discretize/spacing/weld_front.h"
+#include "engrave/discretize/spacing/thinning_front.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +12,14 @@ constexpr std::size_t kMaxLevels = 24;
 
 OwnSpacings::OwnSpacings(const SourceExtent& extent, double min_spacing_mm)
     : max_spacing_mm_(extent.max_spacing_mm) {
-  const double least_mm =
+  const double min_mm =
       std::max(min_spacing_mm, static_cast<double>(extent.min_spacing_mm));
   double reach_mm = max_spacing_mm_;
   do {
     levels_.push_back(
         {reach_mm, reach_mm, Columns(extent.bounds, reach_mm, 1, extent.count)});
     reach_mm /= 2;
-  } while (reach_mm >= least_mm && levels_.size() < kMaxLevels);
+  } while (reach_mm >= min_mm && levels_.size() < kMaxLevels);
 }
 
 std::size_t OwnSpacings::LevelOf(double spacing_mm) const {
@@ -31,10 +31,10 @@ std::size_t OwnSpacings::LevelOf(double spacing_mm) const {
   return std::min(last, static_cast<std::size_t>(std::max(0, level)));
 }
 
-std::size_t OwnSpacings::KeepFar(std::span<WeldPoint> points) const {
+std::size_t OwnSpacings::KeepFar(std::span<ThinningPoint> points) const {
   if (levels_.size() == 1) return KeepFar(points, levels_[0]);
   std::size_t kept = 0;
-  for (const WeldPoint& point : points) {
+  for (const ThinningPoint& point : points) {
     const std::span one(&(points[kept] = point), 1);
     // Its own level decides most often.
     const Level& own = levels_[LevelOf(point.spacing_mm)];
@@ -46,11 +46,12 @@ std::size_t OwnSpacings::KeepFar(std::span<WeldPoint> points) const {
   return kept;
 }
 
-std::size_t OwnSpacings::KeepFar(std::span<WeldPoint> points, const Level& level) const {
+std::size_t OwnSpacings::KeepFar(std::span<ThinningPoint> points,
+                                 const Level& level) const {
   if (level.columns.empty()) return points.size();
   return level.columns.KeepFar(
-      points, {level.least_mm, level.reach_mm, true},
-      [&](const WeldPoint& point, Columns::Hasty hasty) {
+      points, {level.min_mm, level.reach_mm, true},
+      [&](const ThinningPoint& point, Columns::Hasty hasty) {
         const double own_mm = point.spacing_mm;
         const double reach_mm = std::max(own_mm, level.reach_mm);
         if (hasty == Columns::Hasty::kFar && reach_mm <= level.reach_mm) return false;
@@ -65,13 +66,13 @@ std::size_t OwnSpacings::KeepFar(std::span<WeldPoint> points, const Level& level
       });
 }
 
-WeldFront::WeldFront(const WeldOptions& options, const Box3& bounds,
-                     std::size_t point_count, const SourceExtents& extents)
+ThinningFront::ThinningFront(const ThinningOptions& options, const Box3& bounds,
+                             std::size_t point_count, const SourceExtents& extents)
     : height_ratio_(options.height_ratio),
-      least_square_(options.min_spacing_mm * options.min_spacing_mm),
-      least_mm_(options.min_spacing_mm),
-      surely_near_(least_square_),
-      surely_far_(least_square_),
+      min_square_(options.min_spacing_mm * options.min_spacing_mm),
+      min_mm_(options.min_spacing_mm),
+      surely_near_(min_square_),
+      surely_far_(min_square_),
       reach_mm_(options.min_spacing_mm * kReachAllowance),
       columns_(bounds, options.min_spacing_mm, options.height_ratio, point_count) {
   if (height_ratio_ != 1) {
@@ -87,12 +88,12 @@ WeldFront::WeldFront(const WeldOptions& options, const Box3& bounds,
   }
 }
 
-void WeldFront::Add(const WeldPoint& point) {
+void ThinningFront::Add(const ThinningPoint& point) {
   if (!own_is_enough_) columns_.Add(point.p_mm, point.spacing_mm);
   if (OwnSpacings* own = OwnOf(point.source)) own->Add(point);
 }
 
-std::size_t WeldFront::KeepFar(std::span<WeldPoint> points) {
+std::size_t ThinningFront::KeepFar(std::span<ThinningPoint> points) {
   if (own_.empty()) return KeepFarFromAll(points);
   // The wider of both rules first: it decides more often.
   std::size_t kept = 0;
@@ -108,13 +109,13 @@ std::size_t WeldFront::KeepFar(std::span<WeldPoint> points) {
   return KeepFarFromAll(points.first(kept));
 }
 
-std::size_t WeldFront::KeepFarFromAll(std::span<WeldPoint> points) const {
+std::size_t ThinningFront::KeepFarFromAll(std::span<ThinningPoint> points) const {
   if (columns_.empty()) return points.size();
   const double flatten = 1 / height_ratio_;
   const double reach_z_mm = reach_mm_ * height_ratio_;
   return columns_.KeepFar(
-      points, {least_mm_, reach_mm_, false},
-      [&](const WeldPoint& point, Columns::Hasty hasty) {
+      points, {min_mm_, reach_mm_, false},
+      [&](const ThinningPoint& point, Columns::Hasty hasty) {
         if (hasty == Columns::Hasty::kFar) return false;
         const Vec3& p = point.p_mm;
         return columns_.Any(p, reach_mm_, reach_z_mm, [&](const Vec3& q, double) {
@@ -124,22 +125,22 @@ std::size_t WeldFront::KeepFarFromAll(std::span<WeldPoint> points) const {
           if (square < surely_near_) return true;
           if (square >= surely_far_) return false;
           const double flat = dz / height_ratio_;
-          return across + flat * flat < least_square_;
+          return across + flat * flat < min_square_;
         });
       });
 }
 
-bool WeldFront::AreTooNear(const WeldPoint& p, const WeldPoint& q) const {
+bool ThinningFront::AreTooNear(const ThinningPoint& p, const ThinningPoint& q) const {
   const Vec3 d = p.p_mm - q.p_mm;
   const double across = d.x() * d.x() + d.y() * d.y();
   const double flat = height_ratio_ == 1 ? d.z() : d.z() / height_ratio_;
-  if (across + flat * flat < least_square_) return true;
+  if (across + flat * flat < min_square_) return true;
   if (p.source != q.source) return false;
   const double s = std::max(p.spacing_mm, q.spacing_mm);
   return across + d.z() * d.z() < s * s;
 }
 
-OwnSpacings* WeldFront::OwnOf(std::uint32_t source) {
+OwnSpacings* ThinningFront::OwnOf(std::uint32_t source) {
   if (own_.empty()) return nullptr;
   if (source != last_source_ || last_own_ == nullptr) {
     const auto at = own_.find(source);

@@ -1,4 +1,4 @@
-#include "services/replayer/bystanders.h"
+#include "services/replayer/live_services.h"
 
 #include <fmt/format.h>
 
@@ -27,10 +27,10 @@ const char* ServesAs(intaglio_ServiceRole role) {
 
 }  // namespace
 
-Bystanders::Bystanders(bus::Bus& bus)
-    : health_(bus, bus::kServiceHealth, {}, bus::Hears::kOtherProcesses) {}
+LiveServices::LiveServices(bus::Bus& bus)
+    : health_(bus, bus::kServiceHealth, {}, bus::Source::kOtherProcesses) {}
 
-const std::map<std::string, std::string>& Bystanders::Look() {
+const std::map<std::string, std::string>& LiveServices::Read() {
   health_.TakeAll(
       [this](const intaglio_ServiceHealth& sample, const bus::SampleOrigin& origin) {
         const std::string instance(bus::View(sample.instance));

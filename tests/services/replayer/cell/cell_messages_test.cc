@@ -1,4 +1,4 @@
-#include "services/replayer/cell/cell_words.h"
+#include "services/replayer/cell/cell_messages.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ recording::Value Status(const std::string& error_code) {
 }
 
 // Recordings of before have the name of the code, today's the enumerator's.
-TEST(CellWords, AnErrorCodeIsTheSameInRecordingsOfBefore) {
+TEST(CellMessages, AnErrorCodeIsTheSameInRecordingsOfBefore) {
   constexpr std::pair<const char*, const char*> kBeforeAndNow[] = {
       {"", "ERROR_NONE"},
       {"invalid_value", "ERROR_INVALID_VALUE"},
@@ -39,12 +39,13 @@ TEST(CellWords, AnErrorCodeIsTheSameInRecordingsOfBefore) {
   }
 }
 
-TEST(CellWords, AnErrorCodeOfTheBusIsAsInARecording) {
+TEST(CellMessages, AnErrorCodeOfTheBusIsAsInARecording) {
   intaglio_TaskStatus sample{};
   std::string empty;
   sample.job_uid = sample.worker = sample.message = empty.data();
   sample.error_code = intaglio_ERROR_OUTSIDE_BLOCK;
-  EXPECT_EQ(WordsOf(sample).error_code, ReadStatus(Status("outside_block"))->error_code);
+  EXPECT_EQ(MessageOf(sample).error_code,
+            ReadStatus(Status("outside_block"))->error_code);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "services/replayer/cell/stage_stand_in.h"
+#include "services/replayer/cell/simulated_stage.h"
 
 #include <utility>
 
@@ -31,74 +31,76 @@ intaglio_MotionFault FaultOf(const std::string& name) {
 
 }  // namespace
 
-StageStandIn::StageStandIn(bus::Bus& bus, std::string cell, std::string instance)
+SimulatedStage::SimulatedStage(bus::Bus& bus, std::string cell, std::string instance)
     : cell_(std::move(cell)),
       batches_(bus, bus::kMotionSegmentBatch, cell_),
       states_(bus, bus::kMotionState, cell_),
       credit_(bus, std::move(instance), bus::RolePartition(bus::CellRole(cell_))) {}
 
-void StageStandIn::Fail(const std::string& fault, const std::string& message) {
+void SimulatedStage::Fail(const std::string& fault, const std::string& message) {
   fault_ = FaultOf(fault);
   message_ = message;
   at_rest_ = at_rest_ || fault_ != intaglio_MOTION_OK;
   changed_ = true;
 }
 
-void StageStandIn::Begin(const SegmentWords& words) {
+void SimulatedStage::Begin(const SegmentMessages& messages) {
   EndStream();
-  run_ = words.run;
-  start_tick_ = words.start_tick;
+  run_ = messages.run;
+  start_tick_ = messages.start_tick;
   subticks_ = 0;
   whole_ = at_rest_ = false;
   fault_ = intaglio_MOTION_OK;
   message_.clear();
-  stream_ = bus::StreamName(words.job_uid, run_, bus::kMotionSegmentBatch.name);
+  stream_ = bus::StreamName(messages.job_uid, run_, bus::kMotionSegmentBatch.name);
   (void)credit_.Open(stream_, batches_.guid(), kSegmentWindowBatches);
 }
 
-void StageStandIn::EndStream() {
+void SimulatedStage::EndStream() {
   if (!stream_.empty()) (void)credit_.Close(stream_);
   stream_.clear();
 }
 
-bool StageStandIn::Take(CellListener& listener) {
+bool SimulatedStage::Take(CellListener& listener) {
   bool begun = false;
-  batches_.TakeAll([&](const intaglio_MotionSegmentBatch& sample,
-                       const bus::SampleOrigin& origin) {
-    if (!origin.alive) return;
-    const SegmentWords words = WordsOf(sample);
-    begun = listener.Take(words, static_cast<std::uint64_t>(origin.source_ns)) || begun;
-    changed_ = true;
-    if (words.abort) {
-      if (words.run < run_) return;
-      run_ = words.run;
-      at_rest_ = true;
-      return EndStream();
-    }
-    if (words.run > run_) Begin(words);
-    if (words.run != run_ || stream_.empty()) return;
-    for (const std::uint32_t subticks : words.duration_subticks) subticks_ += subticks;
-    whole_ = words.last;
-    (void)credit_.Consumed(stream_, words.number + 1);
-    if (whole_) EndStream();
-  });
+  batches_.TakeAll(
+      [&](const intaglio_MotionSegmentBatch& sample, const bus::SampleOrigin& origin) {
+        if (!origin.alive) return;
+        const SegmentMessages messages = MessageOf(sample);
+        begun = listener.Take(messages, static_cast<std::uint64_t>(origin.source_ns)) ||
+                begun;
+        changed_ = true;
+        if (messages.abort) {
+          if (messages.run < run_) return;
+          run_ = messages.run;
+          at_rest_ = true;
+          return EndStream();
+        }
+        if (messages.run > run_) Begin(messages);
+        if (messages.run != run_ || stream_.empty()) return;
+        for (const std::uint32_t subticks : messages.duration_subticks)
+          subticks_ += subticks;
+        whole_ = messages.last;
+        (void)credit_.Consumed(stream_, messages.number + 1);
+        if (whole_) EndStream();
+      });
   return begun;
 }
 
-bool StageStandIn::Turn(std::chrono::nanoseconds now, std::uint64_t tick,
-                        CellListener& listener) {
+bool SimulatedStage::Turn(std::chrono::nanoseconds now, std::uint64_t tick,
+                          CellListener& listener) {
   const bool begun = Take(listener);
   if (!at_rest_ && whole_ && tick >= start_tick_ + subticks_ / kSubticksPerTick)
     at_rest_ = changed_ = true;
   if (changed_ || now >= next_state_) {
     changed_ = false;
     next_state_ = now + kStatePeriod;
-    Tell(tick);
+    SendReports(tick);
   }
   return begun;
 }
 
-void StageStandIn::Tell(std::uint64_t tick) {
+void SimulatedStage::SendReports(std::uint64_t tick) {
   intaglio_MotionState sample{};
   sample.cell = bus::Borrow(cell_);
   sample.tick = tick;

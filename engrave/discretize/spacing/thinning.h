@@ -11,7 +11,7 @@
 
 namespace intaglio::discretize {
 
-struct WeldOptions {
+struct ThinningOptions {
   double min_spacing_mm = 0.1;  ///< > 0, between any two points
   /// The spacing along z by that across, 1..10: a crack is longer along the beam.
   double height_ratio = 1;
@@ -34,7 +34,7 @@ struct WeldOptions {
 /// then spacing. Own spacings may differ without restriction. Time is proportional to the
 /// number of points as long as the density of candidates, relative to their own spacing,
 /// is the same everywhere.
-SpacedCloud Weld(const SpacedCloud& candidates, const WeldOptions& options,
+SpacedCloud Thin(const SpacedCloud& candidates, const ThinningOptions& options,
                  const SpacedCloud& taken = {});
 
 }  // namespace intaglio::discretize

@@ -1,4 +1,4 @@
-#include "services/platform/command_line/nearest_word.h"
+#include "services/platform/command_line/nearest_name.h"
 
 #include <algorithm>
 
@@ -7,18 +7,18 @@
 namespace intaglio::command_line {
 namespace {
 
-constexpr std::size_t kMostEdits = 2;
+constexpr std::size_t kMaxEdits = 2;
 
 }  // namespace
 
-std::optional<std::string> NearestWord(const std::string& word,
+std::optional<std::string> NearestName(const std::string& word,
                                        const std::vector<std::string>& known) {
   std::optional<std::string> nearest;
-  std::size_t least = std::min(kMostEdits + 1, (word.size() + 1) / 2);
+  std::size_t smallest = std::min(kMaxEdits + 1, (word.size() + 1) / 2);
   for (const std::string& candidate : known) {
     const std::size_t edits = io::EditDistance(word, candidate);
-    if (edits >= least) continue;
-    least = edits;
+    if (edits >= smallest) continue;
+    smallest = edits;
     nearest = candidate;
   }
   return nearest;

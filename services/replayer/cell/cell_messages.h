@@ -22,7 +22,7 @@
 namespace intaglio::replayer {
 
 /// A MotionSegmentBatch.
-struct SegmentWords {
+struct SegmentMessages {
   std::string job_uid;
   std::uint32_t run = 0;
   std::uint64_t number = 0, start_tick = 0;
@@ -32,14 +32,14 @@ struct SegmentWords {
   std::vector<std::uint8_t> pulse;
 };
 /// A PulseEventBatch.
-struct PulseWords {
+struct PulseMessages {
   std::string job_uid;
   std::vector<std::uint64_t> tick;
   std::vector<std::uint32_t> point;
   std::vector<std::uint8_t> outcome, reason;  ///< intaglio_PulseOutcome, _SkipReason
 };
 /// A TaskStatus of the engraving stage.
-struct StatusWords {
+struct StatusMessage {
   std::string job_uid;
   std::uint32_t attempt = 0;
   std::string stage, state, message;  ///< enums by name
@@ -50,12 +50,12 @@ struct StatusWords {
 };
 
 // Nothing for a value that has not all the members, or columns of several lengths.
-std::optional<SegmentWords> ReadSegments(const recording::Value& value);
-std::optional<PulseWords> ReadPulses(const recording::Value& value);
-std::optional<StatusWords> ReadStatus(const recording::Value& value);
-SegmentWords WordsOf(const intaglio_MotionSegmentBatch& sample);
-PulseWords WordsOf(const intaglio_PulseEventBatch& sample);
-StatusWords WordsOf(const intaglio_TaskStatus& sample);
+std::optional<SegmentMessages> ReadSegments(const recording::Value& value);
+std::optional<PulseMessages> ReadPulses(const recording::Value& value);
+std::optional<StatusMessage> ReadStatus(const recording::Value& value);
+SegmentMessages MessageOf(const intaglio_MotionSegmentBatch& sample);
+PulseMessages MessageOf(const intaglio_PulseEventBatch& sample);
+StatusMessage MessageOf(const intaglio_TaskStatus& sample);
 
 struct RunPulse {
   std::uint64_t tick = 0;
@@ -82,11 +82,11 @@ struct CellRun {
   bool undisturbed() const;
 };
 
-struct CellWords {
+struct CellMessages {
   std::vector<CellRun> runs;
   std::vector<std::uint32_t> left_out;  ///< points, by the operator's decision
   std::vector<std::string> states;      ///< of the task, each once in a row
-  std::optional<StatusWords> end;
+  std::optional<StatusMessage> end;
   std::size_t given_up_count = 0;   ///< runs of which nothing had fired
   std::uint32_t uncertain_run = 0;  ///< first run with a pulse of unknown result; 0: none
   bool disturbed() const;
@@ -98,28 +98,28 @@ class CellListener {
  public:
   explicit CellListener(std::string job_uid) : job_uid_(std::move(job_uid)) {}
   /// `at_ns`: when it was published. True when it begins a run.
-  bool Take(const SegmentWords& words, std::uint64_t at_ns);
-  void Take(const PulseWords& words, std::uint64_t at_ns);
-  void Take(const StatusWords& words);
-  const std::vector<CellRun>& runs() const { return words_.runs; }
+  bool Take(const SegmentMessages& messages, std::uint64_t at_ns);
+  void Take(const PulseMessages& messages, std::uint64_t at_ns);
+  void Take(const StatusMessage& messages);
+  const std::vector<CellRun>& runs() const { return messages_.runs; }
   /// Of all runs.
   std::size_t fired_count() const { return fired_count_; }
   const std::string& message() const { return message_; }  ///< of the newest status
-  const std::optional<StatusWords>& end() const { return words_.end; }
+  const std::optional<StatusMessage>& end() const { return messages_.end; }
   /// With the pulses in their runs, and without the runs that were given up before
   /// anything of them had fired: they come and go with the speed of a host.
-  CellWords Words() const;
+  CellMessages Messages() const;
 
  private:
-  struct SaidPulse {
+  struct ReportedPulse {
     RunPulse pulse;
     std::uint64_t at_ns = 0;
   };
-  bool MayBeOf(const CellRun& run, const SaidPulse& said) const;
+  bool MayBeOf(const CellRun& run, const ReportedPulse& sent) const;
 
   std::string job_uid_;
-  CellWords words_;
-  std::vector<SaidPulse> pulses_;
+  CellMessages messages_;
+  std::vector<ReportedPulse> pulses_;
   std::size_t fired_count_ = 0;
   std::string message_;
 };

@@ -12,7 +12,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/discretize/spacing/columns.h"
-#include "engrave/discretize/spacing/weld.h"
+#include "engrave/discretize/spacing/thinning.h"
 
 namespace intaglio::discretize {
 
@@ -31,47 +31,47 @@ class OwnSpacings {
  public:
   OwnSpacings(const SourceExtent& extent, double min_spacing_mm);
 
-  void Add(const WeldPoint& point) {
+  void Add(const ThinningPoint& point) {
     Level& level = levels_[LevelOf(point.spacing_mm)];
-    level.least_mm = std::min<double>(level.least_mm, point.spacing_mm);
+    level.min_mm = std::min<double>(level.min_mm, point.spacing_mm);
     level.columns.Add(point.p_mm, point.spacing_mm);
   }
-  std::size_t KeepFar(std::span<WeldPoint> points) const;
+  std::size_t KeepFar(std::span<ThinningPoint> points) const;
 
  private:
   struct Level {
     double reach_mm;  ///< upper bound of the spacings of its points
-    double least_mm;  ///< lower bound of the spacings of its points
+    double min_mm;    ///< lower bound of the spacings of its points
     Columns columns;
   };
-  std::size_t KeepFar(std::span<WeldPoint> points, const Level& level) const;
+  std::size_t KeepFar(std::span<ThinningPoint> points, const Level& level) const;
   std::size_t LevelOf(double spacing_mm) const;
 
   double max_spacing_mm_;
   std::vector<Level> levels_;  // each with spacings of half the one before
 };
 
-class WeldFront {
+class ThinningFront {
  public:
-  WeldFront(const WeldOptions& options, const Box3& bounds, std::size_t point_count,
-            const SourceExtents& extents);
+  ThinningFront(const ThinningOptions& options, const Box3& bounds,
+                std::size_t point_count, const SourceExtents& extents);
 
   /// In rising z.
-  void Add(const WeldPoint& point);
+  void Add(const ThinningPoint& point);
   /// Moves the points that are not too near to any point added so far to the front and
   /// returns their number. Not to be called from two threads at once.
-  std::size_t KeepFar(std::span<WeldPoint> points);
+  std::size_t KeepFar(std::span<ThinningPoint> points);
   /// Whether they are too near by the rules of weld.h.
-  bool AreTooNear(const WeldPoint& p, const WeldPoint& q) const;
+  bool AreTooNear(const ThinningPoint& p, const ThinningPoint& q) const;
 
  private:
-  std::size_t KeepFarFromAll(std::span<WeldPoint> points) const;
+  std::size_t KeepFarFromAll(std::span<ThinningPoint> points) const;
   OwnSpacings* OwnOf(std::uint32_t source);
 
   /// All points are of one source, whose spacing is larger than the block's minimum.
   bool own_is_enough_ = false;
   double height_ratio_;
-  double least_square_, least_mm_;
+  double min_square_, min_mm_;
   double surely_near_, surely_far_;  // bounds on a square from the fast computation
   double reach_mm_;
   Columns columns_;

@@ -10,13 +10,13 @@
 
 namespace intaglio::replayer {
 
-class Bystanders {
+class LiveServices {
  public:
   /// A service is known after the bus's discovery time.
-  explicit Bystanders(bus::Bus& bus);
+  explicit LiveServices(bus::Bus& bus);
   /// Instances that serve now, as "synchronizer of els-03 (synchronizer-host-12-3)";
   /// never those of this process.
-  const std::map<std::string, std::string>& Look();
+  const std::map<std::string, std::string>& Read();
 
  private:
   bus::Reader<intaglio_ServiceHealth> health_;
