@@ -117,8 +117,9 @@ TEST_F(Shop, EngravesTwoJobsOneAfterTheOtherWithAPauseBetween) {
       Type({"submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
             "--height", "6", "--arm", "--watch"});
   EXPECT_EQ(waits.exit_code, 4);
-  EXPECT_THAT(waits.output, HasSubstr("job 2 is left queued and not armed (waits for its "
-                                      "turn on els-03"));
+  EXPECT_THAT(waits.output,
+              HasSubstr("job 2 stays queued and is not armed (waits for its "
+                        "turn on els-03"));
   const std::string second = "2";
   EXPECT_NE(first, second);
 
