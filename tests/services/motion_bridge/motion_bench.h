@@ -93,9 +93,11 @@ class Bench {
     rig_->Step();
     for (auto& latched : driver().TakePositions())
       positions.push_back(std::move(latched));
-    const auto inside = (rig_->actual_mm().array() >= rig_->travel_min_mm().array()) &&
-                        (rig_->actual_mm().array() <= rig_->travel_max_mm().array());
-    Expect(inside.all(), "M7: the stage has left its travel");
+    const Vec3 at_mm = rig_->actual_mm();
+    const Box3 travel{rig_->travel_min_mm(), rig_->travel_max_mm()};
+    const bool inside = (at_mm.array() >= travel.min_mm.array()).all() &&
+                        (at_mm.array() <= travel.max_mm.array()).all();
+    Expect(inside, "M7: the stage has left its travel");
   }
   void StepFor(milliseconds time) {
     for (std::int64_t i = 0; i < time.count(); ++i) Step();
