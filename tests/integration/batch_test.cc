@@ -138,10 +138,10 @@ TEST(Batch, APauseAndAStopInTheWarmUpAreLeftToAPerson) {
     return words;
   };
   setenv("INTAGLIO_MATERIALS_DB", (folder / "materials.db").c_str(), 1);
-  Running up(
-      Program("intaglio"),
-      with({"up", "--folder", (folder / "shop").string(), "--block", "50", "50", "30"}),
-      folder / "up.txt");
+  Running up(Program("intaglio"),
+             with({"up", "--folder", (folder / "shop").string(), "--warm-up", "20",
+                   "--block", "50", "50", "30"}),
+             folder / "up.txt");
   ASSERT_TRUE(testing::Eventually(
       [&] { return up.Output().find("the shop is open") != std::string::npos; }, 60s))
       << up.Output();

@@ -32,7 +32,8 @@ class Shop : public ::testing::Test {
             const std::vector<std::string>& more = {}) {
     std::vector<std::string> words = {
         "up",      "--folder", folder_ / "shop", "--materials", folder_ / "materials.db",
-        "--speed", "5",        "--record",       "--block"};
+        "--speed", "5",        "--warm-up",      "5",           "--record",
+        "--block"};
     words.insert(words.end(), block_mm.begin(), block_mm.end());
     words.insert(words.end(), more.begin(), more.end());
     up_ = std::make_unique<Running>(Program("intaglio"), With(words),
@@ -208,7 +209,7 @@ TEST_F(Shop, ClosedInMidJobItFiresNothingWhenItIsOpenedAgain) {
   Open({"50", "50", "30"});
   ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
   // Longer than the lamp of this shop's machine takes to be warm.
-  std::this_thread::sleep_for(9s);
+  std::this_thread::sleep_for(4s);
   const std::string shown = Type({"show", job}).output;
   EXPECT_THAT(shown, HasSubstr("state      paused"));
   EXPECT_THAT(shown, HasSubstr("disarmed   the shop was closed"));
