@@ -23,7 +23,7 @@ struct ProfileEntry {
   std::unique_ptr<StepProgram> (*make)(const Limits& limits, double rate_hz);
 };
 
-/// All of them, in the order of Profile.
+/// All of them, in the order of Profile; the tests of the programs run over them.
 std::span<const ProfileEntry> Profiles();
 
 /// Nothing if there is none of this name.

@@ -37,13 +37,6 @@ Vec3 HermitePosition(const KnotState& from, const Segment& to, double seconds,
          duration_s * (h10 * from.velocity_mm_s + h11 * to.end_velocity_mm_s);
 }
 
-Vec3 HermiteVelocity(const KnotState& from, const Segment& to, double seconds,
-                     double duration_s) {
-  const Powers powers = PowersOf(from, to, duration_s);
-  return from.velocity_mm_s +
-         seconds * (2.0 * powers.square + 3.0 * seconds * powers.cube);
-}
-
 Vec3 HermiteAcceleration(const KnotState& from, const Segment& to, double seconds,
                          double duration_s) {
   const Powers powers = PowersOf(from, to, duration_s);

@@ -49,8 +49,6 @@ inline double DurationSeconds(std::uint64_t subticks, double rate_hz) {
 // `duration_s` is that of `to` in seconds, > 0.
 Vec3 HermitePosition(const KnotState& from, const Segment& to, double seconds,
                      double duration_s);
-Vec3 HermiteVelocity(const KnotState& from, const Segment& to, double seconds,
-                     double duration_s);
 Vec3 HermiteAcceleration(const KnotState& from, const Segment& to, double seconds,
                          double duration_s);
 /// Constant over the segment, mm/s^3.

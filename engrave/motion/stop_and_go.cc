@@ -33,15 +33,4 @@ void StopAndGoPlanner::Finish(std::vector<Segment>& out) {
   out.back().program_end = true;
 }
 
-std::uint64_t EstimateTicks(const PointList& points_mm, const Vec3& start_mm,
-                            const Limits& limits, double rate_hz, Profile profile) {
-  StopAndGoPlanner planner(limits, rate_hz, profile, start_mm);
-  std::vector<Segment> step;
-  for (const Vec3& point_mm : points_mm) {
-    step.clear();
-    planner.Append(point_mm, -1, false, step);
-  }
-  return planner.ticks();
-}
-
 }  // namespace intaglio::motion

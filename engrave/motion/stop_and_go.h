@@ -43,8 +43,4 @@ class StopAndGoPlanner {
   std::uint64_t ticks_ = 0;
 };
 
-/// Ticks that StopAndGoPlanner will take from rest at `start_mm` through all points.
-std::uint64_t EstimateTicks(const PointList& points_mm, const Vec3& start_mm,
-                            const Limits& limits, double rate_hz, Profile profile);
-
 }  // namespace intaglio::motion

@@ -296,12 +296,4 @@ void MotionVerifier::CheckPoint(const Segment& to) {
   report_.points += on_tick && in_place ? 1 : 0;
 }
 
-MotionReport VerifyMotion(const KnotState& start, const std::vector<Segment>& segments,
-                          const PointList& planned_mm, const Limits& limits,
-                          double rate_hz, const VerifyOptions& options) {
-  MotionVerifier verifier(start, planned_mm, limits, rate_hz, options);
-  for (const Segment& segment : segments) verifier.Append(segment);
-  return verifier.Finish();
-}
-
 }  // namespace intaglio::motion

@@ -52,10 +52,6 @@ struct MotionReport {
   std::vector<std::string> violations;
 
   bool ok() const { return violation_count == 0; }
-  /// Points per tick, the laser's pulse utilisation; at most 1.
-  double utilisation_ratio() const {
-    return ticks == 0 ? 0.0 : static_cast<double>(points) / static_cast<double>(ticks);
-  }
 };
 
 /// Checks that the motion starts and ends at rest, keeps to all `limits` that are set
@@ -100,10 +96,5 @@ class MotionVerifier {
   double square_ = 0.0;               ///< Integral of |a|^2, mm^2/s^3.
   double variation_ = 0.0;            ///< Of the acceleration, mm/s^2.
 };
-
-/// The same for segments that are all at hand.
-MotionReport VerifyMotion(const KnotState& start, const std::vector<Segment>& segments,
-                          const PointList& planned_mm, const Limits& limits,
-                          double rate_hz, const VerifyOptions& options = {});
 
 }  // namespace intaglio::motion

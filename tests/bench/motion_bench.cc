@@ -9,9 +9,9 @@
 #include <memory>
 
 #include "engrave/motion/planner.h"
-#include "engrave/motion/verify.h"
 #include "engrave/sort/order.h"
 #include "tests/engrave/motion/paths.h"
+#include "tests/engrave/motion/verified_motion.h"
 #include "tests/engrave/sort/clouds.h"
 
 namespace intaglio::motion {
@@ -77,8 +77,8 @@ void Measure(benchmark::State& state, const PointList& path_mm, PlanOptions opti
   state.counters["points"] = count;
   state.counters["points/s"] =
       benchmark::Counter(count, benchmark::Counter::kIsIterationInvariantRate);
-  state.counters["utilisation"] = passing.utilisation_ratio();
-  state.counters["with a stop"] = stopping.utilisation_ratio();
+  state.counters["utilisation"] = UtilisationRatio(passing);
+  state.counters["with a stop"] = UtilisationRatio(stopping);
   state.counters["times faster"] =
       static_cast<double>(stopping.ticks) / static_cast<double>(passing.ticks);
 }

@@ -20,6 +20,7 @@
 #include "engrave/drive/first_order.h"
 #include "engrave/motion/planner.h"
 #include "services/recorder/recording_series.h"
+#include "tests/engrave/motion/hermite_velocity.h"
 
 namespace {
 

@@ -37,7 +37,7 @@ Interpolator::Interpolator(double start_mm, double end_mm, const AxisLimits& lim
 
 AxisState Interpolator::At(double seconds) const {
   if (seconds < 0.0) return {start_mm_, 0.0, 0.0};
-  if (seconds > end_s()) return {end_mm_, 0.0, 0.0};
+  if (seconds > t2_s_ + t1_s_) return {end_mm_, 0.0, 0.0};
   const double v = sign_ * speed_mm_s_;
   const double a = sign_ * acceleration_mm_s2_;
   if (seconds < t1_s_) {

@@ -44,13 +44,6 @@ class Interpolator {
   /// than V_M^2 / A_M, gets V_M by (84), and X1 = X2 is its middle.
   Interpolator(double start_mm, double end_mm, const AxisLimits& limits);
 
-  double first_switch_s() const { return t1_s_; }     ///< T1
-  double second_switch_s() const { return t2_s_; }    ///< T2
-  double end_s() const { return t2_s_ + t1_s_; }      ///< of the way
-  double first_switch_mm() const { return x1_mm_; }   ///< X1
-  double second_switch_mm() const { return x2_mm_; }  ///< X2
-  double speed_mm_s() const { return speed_mm_s_; }   ///< V_M, without a sign
-
   /// `seconds` after the start; before 0 and after the end: at rest there.
   ///   X_B..X1   X_B + A t^2 / 2
   ///   X1..X2    X1 + V (t - T1)
@@ -60,13 +53,13 @@ class Interpolator {
  private:
   double start_mm_;
   double end_mm_;
-  double sign_;  ///< of the direction
-  double speed_mm_s_ = 0.0;
+  double sign_;              ///< of the direction
+  double speed_mm_s_ = 0.0;  ///< V_M, without a sign
   double acceleration_mm_s2_ = 0.0;
-  double t1_s_ = 0.0;
-  double t2_s_ = 0.0;
-  double x1_mm_;
-  double x2_mm_;
+  double t1_s_ = 0.0;  ///< T1, end of the ramp
+  double t2_s_ = 0.0;  ///< T2, end of the cruise
+  double x1_mm_;       ///< X1, the place at T1
+  double x2_mm_;       ///< X2, the place at T2
 };
 
 }  // namespace intaglio::motion

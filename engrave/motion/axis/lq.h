@@ -35,8 +35,6 @@ class LqRecursion {
   LqRecursion(const LqStage& stage, std::size_t count, const Eigen::Matrix2d& end);
 
   std::size_t count() const { return inverses_.size() - 1; }
-  /// W[j] = K[j]^-1, j = 0..count().
-  const Eigen::Matrix2d& InverseAt(std::size_t j) const { return inverses_[j]; }
 
   /// u[j] = -R^-1 B^T K[j+1] X[j+1], j = 0..count() - 1; for a fixed end the state has to
   /// be one that reaches it. With X[j+1] = A X + B u this is
@@ -51,7 +49,7 @@ class LqRecursion {
   LqStage stage_;
   Eigen::Matrix2d square_;  ///< B R^-1 B^T
   bool fixed_end_;
-  std::vector<Eigen::Matrix2d> inverses_;
+  std::vector<Eigen::Matrix2d> inverses_;  ///< W[j] = K[j]^-1, j = 0..count()
 };
 
 /// An axis as in (38): x' = v, v' = alpha v + beta u.

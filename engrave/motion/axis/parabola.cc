@@ -1,6 +1,5 @@
 #include "engrave/motion/axis/parabola.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -24,9 +23,7 @@ double AsinhRatio(double w) {
 }  // namespace
 
 Parabola::Parabola(double half_width_mm, double height_mm)
-    : b_mm_(half_width_mm),
-      height_mm_(height_mm),
-      k_per_mm_(height_mm / (half_width_mm * half_width_mm)) {
+    : b_mm_(half_width_mm), k_per_mm_(height_mm / (half_width_mm * half_width_mm)) {
   Require(half_width_mm > 0.0 && height_mm >= 0.0 && std::isfinite(k_per_mm_),
           "a parabola of half width {} mm and height {} mm", half_width_mm, height_mm);
   length_mm_ = 2.0 * HalfLength(b_mm_);
@@ -42,10 +39,6 @@ double Parabola::Slope(double x5_mm) const { return -2.0 * k_per_mm_ * (x5_mm - 
 double Parabola::HalfLength(double from_apex_mm) const {
   const double w = 2.0 * k_per_mm_ * from_apex_mm;
   return 0.5 * from_apex_mm * (std::sqrt(1.0 + w * w) + AsinhRatio(w));
-}
-
-double Parabola::LengthTo(double x5_mm) const {
-  return 0.5 * length_mm_ + HalfLength(x5_mm - b_mm_);
 }
 
 double Parabola::X5AtLength(double along_mm) const {
@@ -66,43 +59,6 @@ ParabolaState Parabola::At(double along_mm, double speed_mm_s) const {
   const double m = Slope(x5_mm);
   const double x6_mm_s = speed_mm_s / std::sqrt(1.0 + m * m);
   return {X3(x5_mm), m * x6_mm_s, x5_mm, x6_mm_s};
-}
-
-ParabolaPlant PlantOf(double m2_kg, double m3_kg, double b2_n_s_m, double b3_n_s_m) {
-  Require(m2_kg > 0.0 && m3_kg > 0.0 && b2_n_s_m >= 0.0 && b3_n_s_m >= 0.0,
-          "a plant of {} kg and {} kg, {} N s/m and {} N s/m", m2_kg, m3_kg, b2_n_s_m,
-          b3_n_s_m);
-  constexpr double kMmPerM = 1000.0;
-  return {-b2_n_s_m / (m2_kg + m3_kg), -b3_n_s_m / m3_kg, kMmPerM / (m2_kg + m3_kg),
-          kMmPerM / m3_kg};
-}
-
-ParabolaControls ControlsFor(const Parabola& parabola, const ParabolaPlant& plant,
-                             const ParabolaState& state, double speed_rate_mm_s2) {
-  const double m = parabola.Slope(state.x5_mm);
-  const double k = parabola.curvature_per_mm();
-  const double drag4 = plant.alpha1_per_s * state.x4_mm_s;
-  const double drag6 = plant.alpha2_per_s * state.x6_mm_s;
-  Eigen::Matrix2d matrix;
-  matrix << plant.beta1_mm_s2_n, -m * plant.beta2_mm_s2_n,  //
-      m * plant.beta1_mm_s2_n, plant.beta2_mm_s2_n;
-  const Eigen::Vector2d right(
-      -drag4 - 2.0 * k * state.x6_mm_s * state.x6_mm_s + m * drag6,
-      speed_rate_mm_s2 * std::sqrt(1.0 + m * m) - m * drag4 - drag6);
-  const Eigen::Vector2d u = matrix.partialPivLu().solve(right);
-  return {u.x(), u.y()};
-}
-
-ParabolaControls MinControlsFor(const Parabola& parabola, const ParabolaPlant& plant,
-                                const ParabolaState& state) {
-  const double m = parabola.Slope(state.x5_mm);
-  const double k = parabola.curvature_per_mm();
-  const double p = -m * plant.beta2_mm_s2_n;
-  const double q = -plant.alpha1_per_s * state.x4_mm_s -
-                   2.0 * k * state.x6_mm_s * state.x6_mm_s +
-                   m * plant.alpha2_per_s * state.x6_mm_s;
-  const double share = q / (1.0 + p * p);
-  return {share / plant.beta1_mm_s2_n, share * p};
 }
 
 }  // namespace intaglio::motion

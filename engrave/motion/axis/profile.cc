@@ -66,11 +66,6 @@ AxisLimits UnitStepLimits(const Vec3& step_mm, const Limits& limits) {
                          whole_mm / limits.max_acceleration_norm_mm_s2)};
 }
 
-double StopAndGoSeconds(const Vec3& step_mm, const Limits& limits) {
-  return step_mm.isZero(0.0) ? 0.0
-                             : StopAndGoSeconds(1.0, UnitStepLimits(step_mm, limits));
-}
-
 std::uint64_t WholeTicks(double seconds, double rate_hz) {
   const double ticks = seconds * rate_hz * (1.0 - kTickSlackRatio);
   Require(ticks < 9e15, "a time of {} s at {} Hz is no count of ticks", seconds, rate_hz);

@@ -62,9 +62,6 @@ double MinSeconds(Profile profile, double distance_mm, const AxisLimits& limits)
 /// source's rule: the largest axis distance counts. `step_mm` is not zero.
 AxisLimits UnitStepLimits(const Vec3& step_mm, const Limits& limits);
 
-/// The same for a step of three axes; 0 for no step.
-double StopAndGoSeconds(const Vec3& step_mm, const Limits& limits);
-
 /// Whole ticks that a time takes: max(1, ceil(rate T)). A time longer than whole ticks
 /// by a relative 1e-9 counts as these ticks: that is rounding, not motion, and costs at
 /// most 2e-9 of the acceleration limit.

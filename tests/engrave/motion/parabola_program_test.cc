@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engrave/motion/verify.h"
+#include "tests/engrave/motion/hermite_velocity.h"
+#include "tests/engrave/motion/verified_motion.h"
 
 namespace intaglio::motion {
 namespace {
@@ -109,7 +110,7 @@ TEST(ParabolaProgram, TheCentripetalAccelerationIsWithinTheLimits) {
 TEST(ParabolaProgram, IsHardlySlowerThanTheLine) {
   for (const Vec3& step : kSteps) {
     const Limits limits;
-    const double line_s = StopAndGoSeconds(step, limits);
+    const double line_s = StopAndGoSeconds(1.0, UnitStepLimits(step, limits));
     const Leap leap = LeapOver(Vec3::Zero(), step, limits);
     // The arc is at most 2.6 % longer, cos theta takes 7 % of the speed across and the
     // centripetal share at most two fifths of the time.

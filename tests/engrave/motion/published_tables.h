@@ -10,7 +10,7 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/motion/axis/limits.h"
-#include "engrave/motion/stop_and_go.h"
+#include "tests/engrave/motion/stop_and_go_ticks.h"
 
 namespace intaglio::motion {
 
@@ -70,7 +70,7 @@ inline Limits LimitsOf(const MeasuredTime& row) {
 inline double ModelSeconds(const PointList& path_mm, const Limits& limits,
                            double rate_hz) {
   return static_cast<double>(
-             EstimateTicks(path_mm, path_mm.front(), limits, rate_hz, Profile::kMix)) /
+             StopAndGoTicks(path_mm, path_mm.front(), limits, rate_hz, Profile::kMix)) /
          rate_hz;
 }
 

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "tests/engrave/motion/hermite_velocity.h"
+
 namespace intaglio::motion {
 namespace {
 

@@ -7,7 +7,8 @@
 
 #include "engrave/core/check.h"
 #include "engrave/motion/profiles.h"
-#include "engrave/motion/verify.h"
+#include "tests/engrave/motion/stop_and_go_ticks.h"
+#include "tests/engrave/motion/verified_motion.h"
 
 namespace intaglio::motion {
 namespace {
@@ -70,7 +71,8 @@ TEST_P(EveryRate, KeepsToTheLimitsAndPassesEveryPointAtItsTick) {
           VerifyMotion({start, Vec3::Zero()}, segments, points, limits, rate_hz);
       EXPECT_TRUE(report.ok()) << name << "\n" << Violations(report);
       EXPECT_EQ(report.points, points.size());
-      EXPECT_EQ(report.ticks, EstimateTicks(points, start, limits, rate_hz, profile) + 1);
+      EXPECT_EQ(report.ticks,
+                StopAndGoTicks(points, start, limits, rate_hz, profile) + 1);
       EXPECT_TRUE(segments.back().program_end);
     }
   }
@@ -89,7 +91,7 @@ TEST(StopAndGo, TakesTheFewestWholeTicks) {
       if (s == 0.0) continue;
       const double ticks = 100.0 * MinSeconds(profile, s, AxisLimits{80, 7000});
       // The slack of 1e-9 on one side; the other is exact.
-      EXPECT_EQ(EstimateTicks({point}, at, limits, 100.0, profile),
+      EXPECT_EQ(StopAndGoTicks({point}, at, limits, 100.0, profile),
                 std::max<std::uint64_t>(1, std::ceil(ticks * (1 - 1e-9))));
       at = point;
     }

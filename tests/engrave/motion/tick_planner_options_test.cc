@@ -6,7 +6,7 @@
 #include <random>
 
 #include "engrave/motion/tick_planner.h"
-#include "engrave/motion/verify.h"
+#include "tests/engrave/motion/verified_motion.h"
 
 namespace intaglio::motion {
 namespace {

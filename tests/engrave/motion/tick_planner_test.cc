@@ -7,9 +7,9 @@
 
 #include "engrave/core/check.h"
 #include "engrave/motion/axis/axis_reach.h"
-#include "engrave/motion/stop_and_go.h"
-#include "engrave/motion/verify.h"
 #include "tests/engrave/motion/paths.h"
+#include "tests/engrave/motion/stop_and_go_ticks.h"
+#include "tests/engrave/motion/verified_motion.h"
 
 namespace intaglio::motion {
 namespace {
@@ -80,7 +80,7 @@ TEST_P(TickPlannerOn, TakesNoMoreTicksThanStoppingAndNoFewerThanTheBounds) {
     const std::uint64_t ticks =
         PlanAll(points, limits(), rate_hz, OptionsForRate(rate_hz)).ticks;
     const std::uint64_t stopping =
-        EstimateTicks(points, Vec3::Zero(), limits(), rate_hz, Profile::kMix);
+        StopAndGoTicks(points, Vec3::Zero(), limits(), rate_hz, Profile::kMix);
     // The reserve for arcs on a grid sometimes costs a tick.
     EXPECT_LE(static_cast<double>(ticks), 1.002 * static_cast<double>(stopping));
     double min_s = 0;
@@ -261,7 +261,7 @@ TEST(TickPlanner, UsesThePulsesThatStoppingLosesOnThePublishedOrder) {
     const Plan plan = PlanAll(points, {}, rate_hz, OptionsForRate(rate_hz), start);
     const MotionReport report = VerifyMotion(start, plan.segments, points, {}, rate_hz);
     ASSERT_TRUE(report.ok()) << report.violations.front();
-    EXPECT_GE(report.utilisation_ratio(), utilisation) << rate_hz;
+    EXPECT_GE(UtilisationRatio(report), utilisation) << rate_hz;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "engrave/motion/stop_and_go.h"
+#include "tests/engrave/motion/verified_motion.h"
 
 namespace intaglio::motion {
 namespace {
@@ -38,7 +39,7 @@ TEST_F(Verify, SoundPlanHasNoViolation) {
   EXPECT_TRUE(report.ok());
   EXPECT_EQ(report.points, 3u);
   EXPECT_EQ(report.ticks, 4u);
-  EXPECT_EQ(report.utilisation_ratio(), 0.75);
+  EXPECT_EQ(UtilisationRatio(report), 0.75);
   // Triangles over 10 ms: 2 s / T and 4 s / T^2.
   EXPECT_NEAR(report.max_speed_mm_s.y(), 30.0, 1e-9);
   EXPECT_NEAR(report.max_acceleration_mm_s2.y(), 6000.0, 1e-6);

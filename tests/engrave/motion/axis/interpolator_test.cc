@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "engrave/motion/interpolator_program.h"
-#include "engrave/motion/verify.h"
 
 namespace intaglio::motion {
 namespace {
@@ -47,23 +46,43 @@ TEST(TimeOptimal, IsTheMinimumTimeOfStopAndGo) {
   }
 }
 
+/// Where the acceleration of a way under kPublished jumps, by the printed formulas.
+struct Switches {
+  double speed_mm_s;  // V_M
+  double t1_s, t2_s, end_s;
+};
+
+Switches SwitchesOf(double way_mm) {
+  const double v = std::min(std::sqrt(way_mm * 7000.0), 80.0);
+  const double t1_s = v / 7000.0;
+  const double t2_s = t1_s + std::max(0.0, way_mm - v * v / 7000.0) / v;
+  return {v, t1_s, t2_s, t2_s + t1_s};
+}
+
+/// The acceleration changes from `before` to `after` within 1e-9 of `at_s`.
+void ExpectJump(const Interpolator& axis, double at_s, double before_mm_s2,
+                double after_mm_s2) {
+  EXPECT_EQ(axis.At(at_s * (1 - 1e-9)).acceleration_mm_s2, before_mm_s2) << at_s;
+  EXPECT_EQ(axis.At(at_s * (1 + 1e-9)).acceleration_mm_s2, after_mm_s2) << at_s;
+}
+
 TEST(Interpolator, SwitchesWhereThePrintedFormulasState) {
   const Interpolator axis(10.0, 15.0, kPublished);
-  EXPECT_DOUBLE_EQ(axis.first_switch_s(), 80.0 / 7000);
-  EXPECT_DOUBLE_EQ(axis.first_switch_mm(), 10.0 + 80.0 * 80.0 / 14000);
-  EXPECT_DOUBLE_EQ(axis.second_switch_mm(), 15.0 - 80.0 * 80.0 / 14000);
-  EXPECT_DOUBLE_EQ(axis.second_switch_s(),
-                   80.0 / 7000 + (5.0 - 80.0 * 80.0 / 7000) / 80.0);
-  EXPECT_DOUBLE_EQ(axis.At(axis.first_switch_s()).position_mm, axis.first_switch_mm());
-  EXPECT_DOUBLE_EQ(axis.At(axis.second_switch_s()).position_mm, axis.second_switch_mm());
+  const double t1_s = 80.0 / 7000;
+  const double t2_s = 80.0 / 7000 + (5.0 - 80.0 * 80.0 / 7000) / 80.0;
+  ExpectJump(axis, t1_s, 7000.0, 0.0);
+  ExpectJump(axis, t2_s, 0.0, -7000.0);
+  ExpectJump(axis, t1_s + t2_s, -7000.0, 0.0);
+  EXPECT_DOUBLE_EQ(axis.At(t1_s).position_mm, 10.0 + 80.0 * 80.0 / 14000);
+  EXPECT_DOUBLE_EQ(axis.At(t2_s).position_mm, 15.0 - 80.0 * 80.0 / 14000);
 }
 
 /// Sums the acceleration over small times, split where it jumps.
-void ExpectIntegralOfItsAcceleration(const Interpolator& axis, double start_mm) {
+void ExpectIntegralOfItsAcceleration(const Interpolator& axis, double start_mm,
+                                     const Switches& switches) {
   double position_mm = start_mm;
   double speed_mm_s = 0.0;
-  const double ends[] = {0.0, axis.first_switch_s(), axis.second_switch_s(),
-                         axis.end_s()};
+  const double ends[] = {0.0, switches.t1_s, switches.t2_s, switches.end_s};
   for (int arc = 0; arc < 3; ++arc) {
     const double dt = (ends[arc + 1] - ends[arc]) / 100;
     for (int k = 0; k < 100 && dt > 0; ++k) {
@@ -85,10 +104,11 @@ TEST(Interpolator, IsTheIntegralOfItsAccelerationInBothDirections) {
   for (const double way_mm : {0.02, 0.9, 1.0, 33.0}) {
     for (const double sign : {1.0, -1.0}) {
       const Interpolator axis(3.0, 3.0 + sign * way_mm, kPublished);
-      ExpectIntegralOfItsAcceleration(axis, 3.0);
-      EXPECT_NEAR(axis.At(axis.end_s()).position_mm, 3.0 + sign * way_mm, 1e-12);
-      EXPECT_NEAR(axis.At(axis.end_s()).speed_mm_s, 0.0, 1e-11);
-      EXPECT_EQ(axis.At(axis.end_s() + 1).position_mm, 3.0 + sign * way_mm);
+      const Switches switches = SwitchesOf(way_mm);
+      ExpectIntegralOfItsAcceleration(axis, 3.0, switches);
+      EXPECT_NEAR(axis.At(switches.end_s).position_mm, 3.0 + sign * way_mm, 1e-12);
+      EXPECT_NEAR(axis.At(switches.end_s).speed_mm_s, 0.0, 1e-11);
+      EXPECT_EQ(axis.At(switches.end_s + 1).position_mm, 3.0 + sign * way_mm);
       EXPECT_EQ(axis.At(-1).position_mm, 3.0);
     }
   }
@@ -96,16 +116,20 @@ TEST(Interpolator, IsTheIntegralOfItsAccelerationInBothDirections) {
 
 TEST(Interpolator, AWayTooShortForTheSpeedHasNoCruise) {
   const Interpolator axis(0.0, 0.5, kPublished);
-  EXPECT_NEAR(axis.first_switch_mm(), 0.25, 1e-15);
-  EXPECT_NEAR(axis.second_switch_mm(), 0.25, 1e-15);
-  EXPECT_NEAR(axis.end_s(), TriangleSeconds(0.5, 7000.0), 1e-15);
-  EXPECT_NEAR(axis.speed_mm_s(), std::sqrt(0.5 * 7000.0), 1e-12);
+  const double end_s = TriangleSeconds(0.5, 7000.0);
+  ExpectJump(axis, end_s / 2, 7000.0, -7000.0);
+  ExpectJump(axis, end_s, -7000.0, 0.0);
+  EXPECT_NEAR(axis.At(end_s / 2).position_mm, 0.25, 1e-15);
+  EXPECT_NEAR(axis.At(end_s / 2).speed_mm_s, std::sqrt(0.5 * 7000.0), 1e-12);
 }
 
 TEST(Interpolator, NoWayTakesNoTime) {
   const Interpolator axis(2.0, 2.0, kPublished);
-  EXPECT_EQ(axis.end_s(), 0.0);
-  EXPECT_EQ(axis.At(0.0).position_mm, 2.0);
+  for (const double t_s : {0.0, 1e-300, 1.0}) {
+    EXPECT_EQ(axis.At(t_s).position_mm, 2.0);
+    EXPECT_EQ(axis.At(t_s).speed_mm_s, 0.0);
+    EXPECT_EQ(axis.At(t_s).acceleration_mm_s2, 0.0);
+  }
 }
 
 TEST(InterpolatorProgram, DrivesAtItsLimitsAndWaits) {

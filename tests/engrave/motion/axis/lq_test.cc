@@ -40,6 +40,19 @@ double Cost(const LqStage& stage, Vector2d state, const VectorXd& controls,
   return cost + 0.5 * state.dot(end * state);
 }
 
+/// K[0], for which the cost of the course from X is S = X^T K X / 2: from the costs of
+/// three courses.
+Matrix2d ValueOf(const LqRecursion& recursion, const LqStage& stage,
+                 const Matrix2d& end) {
+  const auto square = [&](const Vector2d& start) {
+    return 2.0 * Cost(stage, start, Follow(recursion, start).controls, end);
+  };
+  const double k11 = square({1.0, 0.0});
+  const double k22 = square({0.0, 1.0});
+  const double k12 = 0.5 * (square({1.0, 1.0}) - k11 - k22);
+  return Matrix2d{{k11, k12}, {k12, k22}};
+}
+
 /// The end that controls lead to from 0: what a disturbance must not move.
 Vector2d EndOf(const LqStage& stage, const VectorXd& controls) {
   Vector2d state = Vector2d::Zero();
@@ -58,20 +71,23 @@ TEST(Lq, TheScalarCaseIsFibonacci) {
   const LqRecursion recursion(stage, count, Matrix2d::Identity());
   double upper = 1.0;
   double lower = 1.0;
-  for (std::size_t j = count + 1; j-- > 0;) {
-    EXPECT_NEAR(1.0 / recursion.InverseAt(j)(0, 0), upper / lower, 1e-14);
+  for (std::size_t j = count; j-- > 0;) {
+    // u[j] = -K[j+1] / (K[j+1] + 1) x.
+    EXPECT_NEAR(recursion.ControlAt(j, {1.0, 0.0}), -upper / (upper + lower), 1e-14);
     const double next = upper + lower;
     upper = next + upper;
     lower = next;
   }
   // The stationary one is the golden ratio.
-  EXPECT_NEAR(1.0 / recursion.InverseAt(0)(0, 0), (1.0 + std::sqrt(5.0)) / 2, 1e-14);
+  const double golden = (1.0 + std::sqrt(5.0)) / 2;
+  EXPECT_NEAR(ValueOf(recursion, stage, Matrix2d::Identity())(0, 0), golden, 1e-14);
+  EXPECT_NEAR(recursion.ControlAt(0, {1.0, 0.0}), -golden / (golden + 1), 1e-14);
 }
 
 TEST(Lq, TheStationaryCaseSolvesTheAlgebraicEquation) {
   const LqStage stage = AxisStage({-3.0, 2.0}, {40.0, 0.7, 0.05}, 0.01);
   const LqRecursion recursion(stage, 3000, Matrix2d::Identity());
-  const Matrix2d k = recursion.InverseAt(0).inverse();
+  const Matrix2d k = ValueOf(recursion, stage, Matrix2d::Identity());
   // In the form without inverses of K, as textbooks have it.
   const Matrix2d& a = stage.transition;
   const Vector2d& b = stage.control;
@@ -80,6 +96,11 @@ TEST(Lq, TheStationaryCaseSolvesTheAlgebraicEquation) {
       stage.weight + a.transpose() * k * a -
       a.transpose() * kb * kb.transpose() * a / (stage.control_weight + b.dot(kb)) - k;
   EXPECT_LT(residual.cwiseAbs().maxCoeff(), 1e-12 * k.cwiseAbs().maxCoeff());
+  // A cost is flat about its minimum; the controls themselves are those of K.
+  for (const Vector2d& x : {Vector2d(1.0, 0.0), Vector2d(0.0, 1.0)}) {
+    const double wanted = -kb.dot(a * x) / (stage.control_weight + b.dot(kb));
+    EXPECT_NEAR(recursion.ControlAt(0, x), wanted, 1e-11 * std::abs(wanted));
+  }
 }
 
 TEST(Lq, ShortStagesTendToTheContinuousStationaryCase) {
@@ -93,10 +114,11 @@ TEST(Lq, ShortStagesTendToTheContinuousStationaryCase) {
   wanted << k12 * k22 / r, k12, k12, k22;
   double before = 0.0;
   for (const double stage_s : {0.02, 0.01, 0.005}) {
-    const LqRecursion recursion(AxisStage({}, {q, s, r}, stage_s),
-                                static_cast<std::size_t>(20 / stage_s),
+    const LqStage stage = AxisStage({}, {q, s, r}, stage_s);
+    const LqRecursion recursion(stage, static_cast<std::size_t>(20 / stage_s),
                                 Matrix2d::Identity());
-    const double off = (recursion.InverseAt(0).inverse() - wanted).cwiseAbs().maxCoeff();
+    const Matrix2d value = ValueOf(recursion, stage, Matrix2d::Identity());
+    const double off = (value - wanted).cwiseAbs().maxCoeff();
     EXPECT_LT(off, 10 * stage_s);
     // Of first order.
     if (before > 0) {
@@ -110,10 +132,12 @@ TEST(Lq, MinimumEnergyIsTheClosedFormOfTheDoubleIntegrator) {
   // Q = 0, fixed end: K(0) = [12/T^3, 6/T^2; 6/T^2, 4/T] for short stages.
   const double t = 2.0;
   const std::size_t count = 400;
-  const LqRecursion recursion(AxisStage({}, {}, t / count), count, Matrix2d::Zero());
+  const LqStage stage = AxisStage({}, {}, t / count);
+  const LqRecursion recursion(stage, count, Matrix2d::Zero());
   Matrix2d wanted;
   wanted << 12 / (t * t * t), 6 / (t * t), 6 / (t * t), 4 / t;
-  EXPECT_LT((recursion.InverseAt(0).inverse() - wanted).cwiseAbs().maxCoeff(), 2e-5);
+  const Matrix2d value = ValueOf(recursion, stage, Matrix2d::Zero());
+  EXPECT_LT((value - wanted).cwiseAbs().maxCoeff(), 2e-5);
 }
 
 TEST(Lq, MinimumEnergyFromRestToRestIsLinearInTime) {
@@ -139,9 +163,6 @@ TEST(Lq, NoOtherControlsToTheSameEndAreCheaper) {
   const Course best = Follow(recursion, start);
   EXPECT_LT(best.states.back().norm(), 1e-12);
   const double smallest = Cost(stage, start, best.controls, Matrix2d::Zero());
-  // The value function is the cost: S = X^T K X / 2.
-  EXPECT_NEAR(smallest, 0.5 * start.dot(recursion.InverseAt(0).inverse() * start),
-              1e-12 * smallest);
 
   // The ends of the unit controls, to take the part away that would move the end.
   Eigen::Matrix<double, 2, Eigen::Dynamic> reach(2, count);
@@ -169,8 +190,6 @@ TEST(Lq, AWeightedEndIsNotReachedButCheapest) {
   const Vector2d start(2.0, -1.0);
   const Course best = Follow(recursion, start);
   const double smallest = Cost(stage, start, best.controls, end);
-  EXPECT_NEAR(smallest, 0.5 * start.dot(recursion.InverseAt(0).inverse() * start),
-              1e-12 * smallest);
   for (Eigen::Index j = 0; j < 20; ++j) {
     for (const double change : {-0.01, 0.01}) {
       EXPECT_GT(Cost(stage, start, best.controls + change * VectorXd::Unit(20, j), end),

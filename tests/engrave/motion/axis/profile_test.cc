@@ -93,21 +93,23 @@ TEST(Profile, MixIsTheFastest) {
   }
 }
 
+/// The minimum time of a step whose axes follow one course.
+double MinSecondsOf(const Vec3& step_mm, const Limits& limits) {
+  return StopAndGoSeconds(1.0, UnitStepLimits(step_mm, limits));
+}
+
 TEST(Profile, EqualLimitsMakeTheLargestAxisDistanceCount) {
-  const Limits limits;
-  const Vec3 step(0.3, -2.5, 1.0);
-  EXPECT_NEAR(StopAndGoSeconds(step, limits), StopAndGoSeconds(2.5, kPublished), 1e-15);
-  EXPECT_EQ(StopAndGoSeconds(Vec3(0, 0, 0), limits), 0.0);
+  EXPECT_NEAR(MinSecondsOf(Vec3(0.3, -2.5, 1.0), {}), StopAndGoSeconds(2.5, kPublished),
+              1e-15);
 }
 
 TEST(Profile, TheAxisNearestItsLimitGoverns) {
   const Limits limits{Vec3(80, 80, 10), Vec3(7000, 7000, 500)};
   // Alone, an axis is its own measure.
-  EXPECT_NEAR(StopAndGoSeconds(Vec3(0, 0, -3), limits),
+  EXPECT_NEAR(MinSecondsOf(Vec3(0, 0, -3), limits),
               StopAndGoSeconds(3.0, AxisLimits{10, 500}), 1e-15);
   // Together, never faster than the slowest alone.
-  EXPECT_GE(StopAndGoSeconds(Vec3(2, 0, 0.01), limits),
-            StopAndGoSeconds(Vec3(2, 0, 0), limits));
+  EXPECT_GE(MinSecondsOf(Vec3(2, 0, 0.01), limits), MinSecondsOf(Vec3(2, 0, 0), limits));
 }
 
 TEST(Profile, TicksAreWholeAndForgiveRounding) {
