@@ -22,21 +22,18 @@ namespace {
 
 struct MethodRow {
   Method method;
-  const char* name;
   Status (*check)(const OrderOptions&);
   Result<Order> (*make)(const PointList&, const OrderOptions&, const ProgressSink&);
 };
 
 // The registry: a new method is a line here.
 constexpr std::array kMethods = {
-    MethodRow{Method::kKdz, "kdz", CheckKdzOptions, OrderByKdz},
-    MethodRow{Method::kLayers, "layers", CheckLayersOptions, OrderByLayers},
-    MethodRow{Method::kSmooth, "smooth", CheckSmoothOptions, OrderSmoothly},
-    MethodRow{Method::kAnneal, "anneal", CheckAnnealOptions, OrderByAnnealing},
-    MethodRow{Method::kBoustrophedon, "boustrophedon", CheckBoustrophedonOptions,
-              OrderByBoustrophedon},
-    MethodRow{Method::kPublishedKdz, "published-kdz", CheckPublishedKdzOptions,
-              OrderByPublishedKdz},
+    MethodRow{Method::kKdz, CheckKdzOptions, OrderByKdz},
+    MethodRow{Method::kLayers, CheckLayersOptions, OrderByLayers},
+    MethodRow{Method::kSmooth, CheckSmoothOptions, OrderSmoothly},
+    MethodRow{Method::kAnneal, CheckAnnealOptions, OrderByAnnealing},
+    MethodRow{Method::kBoustrophedon, CheckBoustrophedonOptions, OrderByBoustrophedon},
+    MethodRow{Method::kPublishedKdz, CheckPublishedKdzOptions, OrderByPublishedKdz},
 };
 
 const MethodRow& RowOf(Method method) {
@@ -71,23 +68,6 @@ Status CheckPoints(const PointList& points_mm) {
 }
 
 }  // namespace
-
-const char* MethodName(Method method) { return RowOf(method).name; }
-
-Result<Method> MethodFromName(std::string_view name) {
-  std::string known;
-  for (const MethodRow& row : kMethods) {
-    if (name == row.name) return row.method;
-    known += fmt::format("{}{}", known.empty() ? "" : ", ", row.name);
-  }
-  return Fail(ErrorCode::kNotFound,
-              fmt::format("unknown order method \"{}\"; known are {}", name, known),
-              std::string(name));
-}
-
-Status CheckOrderOptions(const OrderOptions& options) {
-  return RowOf(options.method).check(options);
-}
 
 Result<Order> MakeOrder(const PointList& points_mm, const OrderOptions& options,
                         const ProgressSink& progress) {

@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "engrave/core/channels.h"
@@ -82,13 +81,6 @@ struct OrderOptions {
   double rate_hz = 100;  ///< lamp sync, 1..4000
   Executor executor;     ///< for methods that can use several workers
 };
-
-/// "kdz", "layers", "smooth", "anneal", "boustrophedon", "published-kdz".
-const char* MethodName(Method method);
-Result<Method> MethodFromName(std::string_view name);
-
-/// Whether the options of the chosen method are in their ranges; the sentence names them.
-Status CheckOrderOptions(const OrderOptions& options);
 
 /// points_mm: glass frame, mm, each coordinate within a kilometre. Every index occurs
 /// once. Fails on wrong options, on points that are elsewhere or too many for the index,

@@ -6,7 +6,6 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "engrave/core/check.h"
 #include "engrave/motion/planner.h"
 #include "engrave/sort/order.h"
 #include "engrave/sort/shadow.h"
@@ -59,18 +58,19 @@ void Measure(benchmark::State& state, const PointList& points_mm,
   state.counters["utilisation"] = Utilisation(path_mm, options.rate_hz);
 }
 
-/// Every method that has a name.
-std::vector<Method> Methods() {
-  std::vector<Method> methods;
-  try {
-    for (int i = 0;; ++i) {
-      MethodName(static_cast<Method>(i));
-      methods.push_back(static_cast<Method>(i));
-    }
-  } catch (const PreconditionError&) {
-    return methods;
-  }
-}
+struct NamedMethod {
+  Method method;
+  const char* name;
+};
+
+constexpr NamedMethod kMethods[] = {
+    {Method::kKdz, "kdz"},
+    {Method::kLayers, "layers"},
+    {Method::kSmooth, "smooth"},
+    {Method::kBoustrophedon, "boustrophedon"},
+    {Method::kPublishedKdz, "published-kdz"},
+    {Method::kAnneal, "anneal"},
+};
 
 void RegisterOrder(const std::string& name, const PointList& points_mm,
                    const OrderOptions& options) {
@@ -105,14 +105,13 @@ const int kRegistered = [] {
   static const PointList large = DentedSphere(2000000, 1);
   for (const NamedCloud& cloud : clouds) {
     for (const double rate_hz : {100, 200}) {
-      for (const Method method : Methods()) {
+      for (const auto& [method, method_name] : kMethods) {
         OrderOptions options;
         options.method = method;
         options.cone = kCone;
         options.rate_hz = rate_hz;
-        RegisterOrder(
-            fmt::format("{}, {}, {:g} Hz", MethodName(method), cloud.name, rate_hz),
-            cloud.points_mm, options);
+        RegisterOrder(fmt::format("{}, {}, {:g} Hz", method_name, cloud.name, rate_hz),
+                      cloud.points_mm, options);
       }
     }
   }

@@ -48,7 +48,6 @@ TEST(MakeOrder, RefusesOptionsOutsideTheirRange) {
     EXPECT_EQ(order.error().code, ErrorCode::kInvalidValue);
     EXPECT_THAT(order.error().message, HasSubstr("kdz.up_ratio"));
     EXPECT_THAT(order.error().message, HasSubstr("0..100"));
-    EXPECT_FALSE(CheckOrderOptions(options).has_value());
   }
   for (const double thickness_mm : {0.0, 0.0099, 100.1, std::nan("")}) {
     OrderOptions options = With(Method::kLayers);
@@ -100,14 +99,6 @@ TEST(MakeOrder, EndsEarlyWhenAsked) {
     ASSERT_FALSE(order.has_value());
     EXPECT_EQ(order.error().code, ErrorCode::kCancelled);
   }
-}
-
-TEST(OrderMethod, NamesLeadBack) {
-  for (const Method method : kAll) {
-    EXPECT_EQ(MethodFromName(MethodName(method)).value(), method);
-  }
-  EXPECT_THAT(MethodFromName("spiral").error().message,
-              HasSubstr("kdz, layers, smooth, anneal"));
 }
 
 }  // namespace
