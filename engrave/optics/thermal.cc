@@ -7,28 +7,16 @@ namespace {
 
 constexpr double kMpaPerGpa = 1000;
 
-double FactorOf(ThermalShock shock) {
-  switch (shock) {
-    case ThermalShock::kCooled:
-      return 1.5;
-    case ThermalShock::kHeatedLocally:
-      return 3;
-    case ThermalShock::kWholeBody:
-      break;
-  }
-  return 1;
-}
-
 }  // namespace
 
-double ThermalStrengthK(const ThermalProperties& glass, ThermalShock shock) {
+double ThermalStrengthK(const ThermalProperties& glass) {
   Require(glass.tensile_strength_mpa > 0 && glass.expansion_per_k > 0 &&
               glass.youngs_modulus_gpa > 0,
           "strength {} MPa, expansion {} 1/K and Young's modulus {} GPa must be positive",
           glass.tensile_strength_mpa, glass.expansion_per_k, glass.youngs_modulus_gpa);
   Require(glass.poisson_ratio >= -1 && glass.poisson_ratio <= 0.5,
           "poisson_ratio must be in -1..0.5, is {}", glass.poisson_ratio);
-  return FactorOf(shock) * glass.tensile_strength_mpa * (1 - glass.poisson_ratio) /
+  return glass.tensile_strength_mpa * (1 - glass.poisson_ratio) /
          (glass.expansion_per_k * glass.youngs_modulus_gpa * kMpaPerGpa);
 }
 

@@ -11,17 +11,9 @@ struct ThermalProperties {
   double youngs_modulus_gpa = 0;    ///< > 0
 };
 
-/// How the difference comes about. The factors are the maximum that the source allows; it
-/// compares local heating with thermal cracking by a beam.
-enum class ThermalShock {
-  kWholeBody,      ///< factor 1: equation (1) as printed
-  kCooled,         ///< factor 1.5
-  kHeatedLocally,  ///< factor 3
-};
-
-/// dT = sigma (1 - nu) / (alpha_T E), in kelvin, times the factor of the shock
-/// (Trochimczuk 2008 ch. 5, eq. 1).
-double ThermalStrengthK(const ThermalProperties& glass,
-                        ThermalShock shock = ThermalShock::kWholeBody);
+/// dT = sigma (1 - nu) / (alpha_T E), in kelvin (Trochimczuk 2008 ch. 5, eq. 1): of a
+/// body that is heated as a whole. The source allows up to 1.5 times as much where it is
+/// cooled, and 3 times where it is heated locally.
+double ThermalStrengthK(const ThermalProperties& glass);
 
 }  // namespace intaglio::optics
