@@ -83,22 +83,6 @@ Status ReadMessage(const fs::path& path, pb::Message& message) {
   return Parse(text, format, path.string(), message);
 }
 
-Status WriteMessage(const fs::path& path, const pb::Message& message) {
-  const auto format = INTAGLIO_TRY(FormatOf(path));
-  std::string text;
-  if (format == JobFileFormat::kJson) {
-    pb::util::JsonPrintOptions options;
-    options.add_whitespace = true;
-    options.preserve_proto_field_names = true;
-    const auto status = pb::util::MessageToJsonString(message, &text, options);
-    if (!status.ok())
-      return Fail(ErrorCode::kInvalidValue, std::string(status.message()));
-  } else {
-    pb::TextFormat::PrintToString(message, &text);
-  }
-  return io::WriteFileAtomically(path, std::string_view(text));
-}
-
 void MakeAbsolute(std::string& file, const fs::path& folder) {
   if (!file.empty()) file = (folder / file).lexically_normal().string();
 }
@@ -155,12 +139,20 @@ Result<MachineSpec> ReadMachineFile(const fs::path& path) {
   return WithMachineDefaults(std::move(machine));
 }
 
-Status WriteJobFile(const fs::path& path, const JobSpec& job) {
-  return WriteMessage(path, job);
-}
-
 Status WriteMachineFile(const fs::path& path, const MachineSpec& machine) {
-  return WriteMessage(path, machine);
+  const auto format = INTAGLIO_TRY(FormatOf(path));
+  std::string text;
+  if (format == JobFileFormat::kJson) {
+    pb::util::JsonPrintOptions options;
+    options.add_whitespace = true;
+    options.preserve_proto_field_names = true;
+    const auto status = pb::util::MessageToJsonString(machine, &text, options);
+    if (!status.ok())
+      return Fail(ErrorCode::kInvalidValue, std::string(status.message()));
+  } else {
+    pb::TextFormat::PrintToString(machine, &text);
+  }
+  return io::WriteFileAtomically(path, std::string_view(text));
 }
 
 }  // namespace intaglio

@@ -35,14 +35,13 @@ void ResolveFiles(JobSpec& job, const std::filesystem::path& folder);
 Result<MachineSpec> ReadMachineFile(const std::filesystem::path& path);
 
 /// The same from memory, paths untouched, unchecked; errors show `name` in place of the
-/// file.
+/// file. For tests/fuzz/job_fuzz.cc, which parses millions of texts without a file.
 Result<JobSpec> ParseJob(std::string_view text, JobFileFormat format,
                          const std::string& name);
 Result<MachineSpec> ParseMachine(std::string_view text, JobFileFormat format,
                                  const std::string& name);
 
 /// The format follows from the ending. The file is there whole or not at all.
-Status WriteJobFile(const std::filesystem::path& path, const JobSpec& job);
 Status WriteMachineFile(const std::filesystem::path& path, const MachineSpec& machine);
 
 }  // namespace intaglio

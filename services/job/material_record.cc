@@ -1,7 +1,6 @@
 #include "services/job/material_record.h"
 
 #include "engrave/core/check.h"
-#include "engrave/core/try.h"
 
 namespace intaglio {
 namespace {
@@ -33,27 +32,6 @@ MaterialRecord RecordOf(const materials_db::Material& material) {
     if (value) record.GetReflection()->SetDouble(&record, &FieldOf(row), *value);
   }
   return record;
-}
-
-Result<materials_db::Material> MaterialOf(const MaterialRecord& record) {
-  const auto formula =
-      INTAGLIO_TRY(optics::DispersionFormulaFromName(record.dispersion_formula()));
-  materials_db::Material material;
-  material.name = record.name();
-  material.manufacturer = record.manufacturer();
-  material.source = record.source();
-  material.dispersion = {
-      formula,
-      {record.dispersion_coefficients().begin(), record.dispersion_coefficients().end()},
-      record.min_wavelength_um(),
-      record.max_wavelength_um()};
-  for (const materials_db::PropertyRow& row : materials_db::PropertyRows()) {
-    const pb::FieldDescriptor& field = FieldOf(row);
-    if (record.GetReflection()->HasField(record, &field)) {
-      material.*row.value = record.GetReflection()->GetDouble(record, &field);
-    }
-  }
-  return material;
 }
 
 OpticalValuesRecord RecordOf(const materials_db::OpticalValues& values,

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <google/protobuf/text_format.h>
+#include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/message_differencer.h>
 
 #include <filesystem>
@@ -53,9 +54,14 @@ TEST_F(JobFileTest, ShippedExamplesAreRight) {
 
 TEST_F(JobFileTest, TextAndJsonRoundTrip) {
   const JobSpec job = WithDefaults(GoodJob(), GoodMachine());
+  std::string text, json;
+  ASSERT_TRUE(google::protobuf::TextFormat::PrintToString(job, &text));
+  google::protobuf::util::JsonPrintOptions with_names;
+  with_names.preserve_proto_field_names = true;
+  ASSERT_TRUE(google::protobuf::util::MessageToJsonString(job, &json, with_names).ok());
   for (const char* name : {"job.textproto", "job.txtpb", "job.json"}) {
-    ASSERT_TRUE(WriteJobFile(folder_ / name, job));
-    const auto again = ReadJobFile(folder_ / name);
+    const auto again =
+        ReadJobFile(Write(name, fs::path(name).extension() == ".json" ? json : text));
     ASSERT_TRUE(again) << again.error().message;
     EXPECT_TRUE(MessageDifferencer::Equals(job, *again)) << name;
   }

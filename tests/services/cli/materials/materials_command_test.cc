@@ -11,7 +11,7 @@
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
 #include "proto/report.pb.h"
-#include "services/job/material_record.h"
+#include "tests/services/job/material_of_record.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -103,9 +103,7 @@ TEST(MaterialsCommand, ShowsAGlassToPrograms) {
   // Nothing is lost or rounded: what was read is what the base holds.
   const auto store = materials_db::MaterialStore::Open(folder / "materials.db");
   ASSERT_TRUE(store);
-  const auto read = MaterialOf(glass.material());
-  ASSERT_TRUE(read);
-  EXPECT_EQ(*read, store->Find("N-BK7").value());
+  EXPECT_EQ(MaterialOf(glass.material()), store->Find("N-BK7").value());
 }
 
 TEST(MaterialsCommand, ListsTheGlassesToPrograms) {
