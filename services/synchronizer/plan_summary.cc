@@ -1,9 +1,11 @@
 #include "services/synchronizer/plan_summary.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
+#include <span>
 #include <vector>
+
+#include "engrave/io/crc32.h"
 
 namespace intaglio::synchronizer {
 namespace {
@@ -11,8 +13,8 @@ namespace {
 constexpr std::size_t kProgressPoints = 256;
 
 template <typename T>
-void Mix(uLong& crc, const T& value) {
-  crc = crc32(crc, reinterpret_cast<const Bytef*>(&value), sizeof value);
+void Mix(std::uint32_t& crc, const T& value) {
+  crc = io::Crc32(std::as_bytes(std::span(&value, 1)), crc);
 }
 
 }  // namespace
@@ -21,7 +23,7 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
   const PointList& points_mm = plan.machine_points_mm;
   auto planner = motion::MakePlanner(plan.options, points_mm.front());
   motion::PointMoves moves;
-  uLong crc = crc32(0, nullptr, 0);
+  std::uint32_t crc = 0;
   std::uint64_t subticks = 0, subticks_of_last_point = 0;
   std::vector<motion::Segment> segments;
   const auto take = [&] {

@@ -42,7 +42,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"materials_db", {"engrave/*"}},
     {"proto", {}},
     {"services/platform/bus", {"engrave/core", "idl"}},
-    {"services/platform/link", {"engrave/core"}},
+    {"services/platform/link", {"engrave/core", "engrave/io"}},
     {"services/platform/recording", {"engrave/core", "engrave/io"}},
     {"services/platform/command_line", {"engrave/core", "engrave/io"}},
     {"services/platform/security", {"engrave/core", "services/platform/bus", "idl"}},

@@ -1,11 +1,10 @@
 #include "services/platform/link/frame.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cstring>
 
 #include "engrave/core/check.h"
+#include "engrave/io/crc32.h"
 
 namespace intaglio::link {
 namespace {
@@ -27,11 +26,6 @@ T Get(const std::byte* at) {
   return value;
 }
 
-std::uint32_t Crc(const std::byte* bytes, std::size_t size) {
-  return static_cast<std::uint32_t>(
-      crc32(0, reinterpret_cast<const Bytef*>(bytes), static_cast<uInt>(size)));
-}
-
 }  // namespace
 
 void AppendFrame(const FrameHeader& header, std::span<const std::byte> payload,
@@ -49,7 +43,7 @@ void AppendFrame(const FrameHeader& header, std::span<const std::byte> payload,
   Put(out, header.credit);
   Put(out, static_cast<std::uint16_t>(payload.size()));
   out.insert(out.end(), payload.begin(), payload.end());
-  Put(out, Crc(out.data() + begin + 2, out.size() - begin - 2));
+  Put(out, io::Crc32(std::span(out).subspan(begin + 2)));
 }
 
 void FrameParser::Feed(std::span<const std::byte> bytes, const Sink& sink) {
@@ -76,7 +70,7 @@ bool FrameParser::IsWholeAt(std::size_t at) const {
   const auto size = SizeAt(at);
   if (!size || buffer_.size() - at < *size) return false;
   const std::byte* crc = buffer_.data() + at + *size - 4;
-  return Crc(buffer_.data() + at + 2, *size - 6) == Get<std::uint32_t>(crc);
+  return io::Crc32({buffer_.data() + at + 2, *size - 6}) == Get<std::uint32_t>(crc);
 }
 
 std::size_t FrameParser::NextSync(std::size_t from) const {
