@@ -37,8 +37,6 @@ class MotionClock {
 
   /// Controller's time at a tick, also one to come, ns. Needs a stamp.
   double ControllerNsAt(double tick) const;
-  /// What ControllerNsAt may be off by at the newest stamps, ns.
-  double uncertainty_ns() const { return uncertainty_ns_; }
   /// Good enough to move by: 16 us, or a three-hundredth of a tick.
   bool settled() const { return settled_; }
   /// The controller's clock against the lamp's; above 0: it is fast.
@@ -75,6 +73,7 @@ class MotionClock {
   std::vector<double> above_ns_;  // of each stamp over the line
   Line line_;
   std::deque<Line> earlier_lines_;  // of the last quarter of a window, one a fit
+  /// What ControllerNsAt may be off by at the newest stamps.
   double uncertainty_ns_ = 0;
   double limit_ns_ = 0;  // what no chance takes a stamp or the minimum of a part beyond
   bool settled_ = false;

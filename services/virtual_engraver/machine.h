@@ -58,9 +58,6 @@ class Machine {
   void BlindSensor(std::uint64_t count) { to_overlook_ += count; }
   /// The next lamp sync comes `seconds` of machine time late.
   void DelaySync(double seconds);
-  /// Descriptors to wait for; -1 where a line is unplugged.
-  int laser_fd() const { return laser_line_.fd(); }
-  int motion_fd() const { return motion_line_.fd(); }
   /// Everything about the present moment as one line of JSON.
   std::string StatusLine();
 
@@ -74,7 +71,6 @@ class Machine {
     std::chrono::nanoseconds next_status{0};
     bool status_asked = false;
 
-    int fd() const { return link ? link->fd() : -1; }
     void Plug(std::unique_ptr<link::ByteStream> end, const link::SteadyClock& clock);
     /// True when a new session has begun.
     bool Poll(const link::ReliableLink::Handler& handler);
