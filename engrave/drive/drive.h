@@ -39,7 +39,6 @@ struct Cubic {
   double VelocityAt(double t_s) const {
     return velocity_u_s + t_s * (acceleration_u_s2 + t_s * jerk_u_s3 / 2);
   }
-  double AccelerationAt(double t_s) const { return acceleration_u_s2 + t_s * jerk_u_s3; }
 };
 
 struct AxisState {
