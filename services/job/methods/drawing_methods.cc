@@ -5,21 +5,6 @@
 namespace intaglio {
 namespace {
 
-MadePoints MakeFromCurves(const MethodInput& input,
-                          const discretize::PlacedDrawing& placed,
-                          discretize::CurveFill inside) {
-  const CurvesMethod& asked = input.model.curves();
-  discretize::CurveOptions options;
-  options.distance_mm = asked.distance_mm();
-  options.layer_count = static_cast<int>(asked.layer_count());
-  options.layer_distance_mm = asked.layer_distance_mm();
-  options.layer_direction = placed.normal;
-  options.twist_phase_ratio = asked.twist_phase_ratio();
-  options.insert_end_points = asked.insert_end_points();
-  if (asked.fill()) options.fill = inside;
-  return discretize::MakeCurvePoints(placed.flat, options);
-}
-
 Method Curves() {
   return {
       .number = Model::kCurves,
@@ -41,7 +26,6 @@ Method Curves() {
             "--end-points",
             "points at the ends of open curves"},
            {"fill", {}, {}, "--fill", "the area inside closed curves gets points, too"}},
-      .make = MakeFromCurves,
   };
 }
 

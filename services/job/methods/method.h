@@ -3,24 +3,14 @@
 // A method of discretization as a job names it: a row of the table of methods
 // (method_table.h). From the rows follow the defaults of a job (job_defaults.h), the
 // ranges of its numbers (field_ranges.h), which method suits which model (model_kind.h),
-// the options of the command line and the table in docs/jobs.md. The algorithms know
-// nothing of this: a row's maker turns the message of the job into their options.
+// the options of the command line and the table in docs/jobs.md. How it makes points is
+// in a table of its own (point_maker.h), which only a program that makes points links.
 
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
-#include "engrave/core/result.h"
-#include "engrave/discretize/drawing/curve_points.h"
-#include "engrave/discretize/drawing/place_drawing.h"
-#include "engrave/discretize/spacing/point_source.h"
-#include "engrave/image/image_file.h"
-#include "engrave/mesh/mesh.h"
-#include "engrave/mesh/placement.h"
 #include "proto/job.pb.h"
 
 namespace intaglio {
@@ -69,29 +59,6 @@ struct MethodField {
   bool names_image = false;       ///< the field is the name of an image file
 };
 
-/// What every maker gets besides the model as its reader gives it.
-struct MethodInput {
-  const JobSpec& job;         ///< with its defaults filled in
-  const Model& model;         ///< of that job, with this method
-  mesh::Placement placement;  ///< of the model
-  Vec3 block_size_mm;         ///< of the block that it is placed in
-  /// The files that fields of the method name, by MethodField.name; linear light.
-  std::map<std::string_view, image::GreyImage> images = {};
-};
-
-using MadePoints = Result<std::unique_ptr<discretize::PointSource>>;
-
-/// The mesh: glass frame, mm; the maker may move from it.
-using MeshMaker = MadePoints (*)(const MethodInput& input, mesh::TriangleMesh&& placed);
-/// `inside`: what counts as the inside of closed curves, where it is filled.
-using DrawingMaker = MadePoints (*)(const MethodInput& input,
-                                    const discretize::PlacedDrawing& placed,
-                                    discretize::CurveFill inside);
-struct PictureMaker {
-  image::Samples samples = image::Samples::kLinearLight;  ///< as which the file is read
-  MadePoints (*make)(const MethodInput& input, const image::GreyImage& picture) = nullptr;
-};
-
 /// A field that contradicts another field of the job.
 struct MethodFault {
   std::string field;  ///< path from the method's message, "curve[2].from"
@@ -106,15 +73,11 @@ struct Method {
       {};                                ///< that it is the method of where none is named
   std::string_view meaning = {};         ///< a phrase, for docs/jobs.md
   std::vector<MethodField> fields = {};  ///< every field of its message, each once
-  std::variant<MeshMaker, DrawingMaker, PictureMaker> make = {};
   /// The field with the distance of its layers, when an order by layers must not be
   /// thinner than that; else empty.
   std::string_view layer_field = {};
   /// nullptr: nothing can contradict. `job` with its defaults filled in.
   std::vector<MethodFault> (*faults)(const JobSpec& job, const Model& model) = nullptr;
-  /// The counts of which the job wants a warning; nullptr: all.
-  discretize::MethodStatistics (*counts_to_warn_of)(
-      const Model& model, discretize::MethodStatistics counts) = nullptr;
 
   const google::protobuf::FieldDescriptor& field() const;  ///< in Model
   const google::protobuf::Descriptor& message() const;     ///< its type

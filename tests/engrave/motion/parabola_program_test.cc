@@ -28,7 +28,8 @@ Leap LeapOver(const Vec3& from_mm, const Vec3& to_mm, const Limits& limits) {
 
 /// Calls visit(seconds, position, velocity) at samples of the segments.
 template <typename Visit>
-void Sample(const Vec3& from_mm, const std::vector<Segment>& segments, Visit&& visit) {
+void EachSample(const Vec3& from_mm, const std::vector<Segment>& segments,
+                Visit&& visit) {
   KnotState from{from_mm, Vec3::Zero()};
   double start_s = 0.0;
   for (const Segment& segment : segments) {
@@ -59,7 +60,7 @@ TEST(ParabolaProgram, StaysOnItsParabola) {
     EXPECT_NEAR(e.dot(n), 0.0, 1e-12);
     EXPECT_NEAR(h, std::min(0.1 * step.norm(), 1.0), 1e-12);
     double farthest = 0.0;
-    Sample(from, leap.segments, [&](double, const Vec3& p, const Vec3&) {
+    EachSample(from, leap.segments, [&](double, const Vec3& p, const Vec3&) {
       const double x5 = (p - from).dot(e);
       const double x3 = (p - from).dot(n);
       EXPECT_NEAR((p - from).dot(e.cross(n)), 0.0, 1e-12);
@@ -77,14 +78,14 @@ TEST(ParabolaProgram, TheSpeedAlongIsATrapezoid) {
     double top = 0.0;
     double length = 0.0;
     Vec3 before = Vec3::Zero();
-    Sample(Vec3::Zero(), leap.segments, [&](double, const Vec3& p, const Vec3& v) {
+    EachSample(Vec3::Zero(), leap.segments, [&](double, const Vec3& p, const Vec3& v) {
       top = std::max(top, v.norm());
       length += (p - before).norm();
       before = p;
     });
     // (51) solved for the ramp. Of the pieces' speed a per cent is their own.
     const double ramp = tau - length / top;
-    Sample(Vec3::Zero(), leap.segments, [&](double t, const Vec3&, const Vec3& v) {
+    EachSample(Vec3::Zero(), leap.segments, [&](double t, const Vec3&, const Vec3& v) {
       const double law = top * std::min({1.0, t / ramp, (tau - t) / ramp});
       EXPECT_NEAR(v.norm(), law, 0.02 * top) << step.transpose();
     });

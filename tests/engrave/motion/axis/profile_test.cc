@@ -10,7 +10,7 @@
 namespace intaglio::motion {
 namespace {
 
-constexpr AxisLimits kPublished{80.0, 7000.0};
+constexpr AxisLimits kPublishedLimits{80.0, 7000.0};
 
 /// Distance covered by a course of accelerations, by summing over small times.
 double Integrate(const std::function<double(double)>& acceleration, double duration_s,
@@ -44,7 +44,7 @@ TEST(Profile, TriangleCoversItsDistance) {
 
 TEST(Profile, TrapezoidCoversItsDistanceAndKeepsToTheSpeed) {
   for (const double s : {1.0, 2.0, 17.0, 100.0}) {
-    const double t = TrapezoidSeconds(s, kPublished);
+    const double t = TrapezoidSeconds(s, kPublishedLimits);
     const double ramp = SwitchingSeconds(t, s, 7000.0);
     EXPECT_NEAR(ramp, 80.0 / 7000.0, 1e-9);
     double peak = 0.0;
@@ -61,7 +61,7 @@ TEST(Profile, CubicIsHeldBackByTheNearerLimit) {
     return [s, t](double at) { return 6 * s / (t * t) * (1 - 2 * at / t); };
   };
   for (const double s : {0.09, 0.5, 3.0, 50.0}) {
-    const double t = CubicSeconds(s, kPublished);
+    const double t = CubicSeconds(s, kPublishedLimits);
     double peak = 0.0;
     // The sum is exact but for dt^2: 1e-9.
     EXPECT_NEAR(Integrate(course(s, t), t, &peak), s, 1e-6 * s);
@@ -75,9 +75,11 @@ TEST(Profile, CubicIsHeldBackByTheNearerLimit) {
 
 TEST(Profile, TriangleMeetsTrapezoidWhereTheSpeedIsReached) {
   const double s = 80.0 * 80.0 / 7000.0;  // sqrt(s a) = V
-  EXPECT_NEAR(TriangleSeconds(s, 7000.0), TrapezoidSeconds(s, kPublished), 1e-15);
-  EXPECT_EQ(StopAndGoSeconds(0.5 * s, kPublished), TriangleSeconds(0.5 * s, 7000.0));
-  EXPECT_EQ(StopAndGoSeconds(2.0 * s, kPublished), TrapezoidSeconds(2.0 * s, kPublished));
+  EXPECT_NEAR(TriangleSeconds(s, 7000.0), TrapezoidSeconds(s, kPublishedLimits), 1e-15);
+  EXPECT_EQ(StopAndGoSeconds(0.5 * s, kPublishedLimits),
+            TriangleSeconds(0.5 * s, 7000.0));
+  EXPECT_EQ(StopAndGoSeconds(2.0 * s, kPublishedLimits),
+            TrapezoidSeconds(2.0 * s, kPublishedLimits));
   // At the triangle the ramp is half of the time.
   const double t = TriangleSeconds(s, 7000.0);
   EXPECT_NEAR(SwitchingSeconds(t, s, 7000.0), t / 2, 1e-9);
@@ -85,10 +87,10 @@ TEST(Profile, TriangleMeetsTrapezoidWhereTheSpeedIsReached) {
 
 TEST(Profile, MixIsTheFastest) {
   for (double s = 1e-4; s < 100.0; s *= 1.3) {
-    const double fastest = MinSeconds(Profile::kMix, s, kPublished);
+    const double fastest = MinSeconds(Profile::kMix, s, kPublishedLimits);
     for (const Profile other :
          {Profile::kTriangle, Profile::kTrapezoid, Profile::kCubic}) {
-      EXPECT_LE(fastest, MinSeconds(other, s, kPublished) * (1 + 1e-15));
+      EXPECT_LE(fastest, MinSeconds(other, s, kPublishedLimits) * (1 + 1e-15));
     }
   }
 }
@@ -99,8 +101,8 @@ double MinSecondsOf(const Vec3& step_mm, const Limits& limits) {
 }
 
 TEST(Profile, EqualLimitsMakeTheLargestAxisDistanceCount) {
-  EXPECT_NEAR(MinSecondsOf(Vec3(0.3, -2.5, 1.0), {}), StopAndGoSeconds(2.5, kPublished),
-              1e-15);
+  EXPECT_NEAR(MinSecondsOf(Vec3(0.3, -2.5, 1.0), {}),
+              StopAndGoSeconds(2.5, kPublishedLimits), 1e-15);
 }
 
 TEST(Profile, TheAxisNearestItsLimitGoverns) {

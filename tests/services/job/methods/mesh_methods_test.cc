@@ -14,6 +14,7 @@
 #include "engrave/discretize/mesh/solid.h"
 #include "services/job/job_defaults.h"
 #include "services/job/methods/method_table.h"
+#include "services/job/methods/point_maker.h"
 #include "services/job/options.h"
 #include "tests/engrave/discretize/shapes.h"
 #include "tests/engrave/discretize/source_checks.h"
@@ -47,7 +48,7 @@ class MeshMethod : public testing::Test {
     const Model& model = whole.models(0);
     const MethodInput input{whole, model, PlacementOf(model.placement(), whole.block()),
                             BlockSizeOf(whole), std::move(images)};
-    return PointsOf(std::get<MeshMaker>(MethodOf(model)->make)(input, Shape()));
+    return PointsOf(std::get<MeshMaker>(MakerOf(*MethodOf(model)).make)(input, Shape()));
   }
 
   JobSpec job_ = GoodJob();

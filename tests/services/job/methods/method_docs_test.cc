@@ -17,7 +17,7 @@
 namespace intaglio {
 namespace {
 
-using Field = google::protobuf::FieldDescriptor;
+using Member = google::protobuf::FieldDescriptor;
 
 const std::string kDocument = INTAGLIO_SOURCE_DIR "/docs/jobs.md";
 constexpr std::string_view kBegin =
@@ -42,7 +42,7 @@ std::string NamesIn(const google::protobuf::EnumDescriptor& type) {
   return text;
 }
 
-std::string NameIn(const MethodField& row, const Field& field) {
+std::string NameIn(const MethodField& row, const Member& field) {
   std::string name(row.name);
   if (field.is_repeated()) name += "[]";
   if (field.message_type() == nullptr) return name;
@@ -53,14 +53,14 @@ std::string NameIn(const MethodField& row, const Field& field) {
   return name + "}";
 }
 
-std::string RangeOf(const MethodField& row, const Field& field) {
+std::string RangeOf(const MethodField& row, const Member& field) {
   if (row.range) return fmt::format("{}..{}", row.range->min, row.range->max);
   return field.enum_type() == nullptr ? "" : NamesIn(*field.enum_type());
 }
 
-std::string DefaultOf(const MethodField& row, const Field& field) {
+std::string DefaultOf(const MethodField& row, const Member& field) {
   const FieldDefault& by_default = row.by_default;
-  const bool is_bool = field.cpp_type() == Field::CPPTYPE_BOOL;
+  const bool is_bool = field.cpp_type() == Member::CPPTYPE_BOOL;
   switch (by_default.of) {
     case FieldDefault::Of::kMinSpacing:
       return "min. spacing";
@@ -93,7 +93,7 @@ std::string Table() {
     table += fmt::format("| `{0}` | {1} | | `--method {0}` | {2} |\n", method.name(),
                          KindsOf(method), method.meaning);
     for (const MethodField& row : method.fields) {
-      const Field& field = *method.message().FindFieldByName(std::string(row.name));
+      const Member& field = *method.message().FindFieldByName(std::string(row.name));
       const std::string range = RangeOf(row, field);
       table += fmt::format("| `.{}` |{}| {} | `{}` | {} |\n", NameIn(row, field),
                            range.empty() ? " " : " " + range + " ", DefaultOf(row, field),

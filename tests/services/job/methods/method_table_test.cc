@@ -15,6 +15,7 @@
 #include "engrave/discretize/cloud.h"
 #include "services/job/field_ranges.h"
 #include "services/job/job_defaults.h"
+#include "services/job/methods/point_maker.h"
 #include "services/job/models/model_sources.h"
 #include "services/job/options.h"
 #include "tests/engrave/discretize/oracles.h"
@@ -87,7 +88,7 @@ TEST_P(EveryMethod, IsMadeOfWhatItsKindsAreReadAs) {
     const std::size_t taken = kind == ModelKind::kMesh    ? 0
                               : kind == ModelKind::kImage ? 2
                                                           : 1;
-    EXPECT_EQ(method_.make.index(), taken);
+    EXPECT_EQ(MakerOf(method_).make.index(), taken);
     EXPECT_NE(kind, ModelKind::kCloud);
   }
 }
