@@ -1,18 +1,22 @@
 #include "engrave/discretize/cloud.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "engrave/core/check.h"
 #include "engrave/core/shared_progress.h"
 #include "engrave/core/try.h"
 #include "engrave/discretize/spacing/bounds.h"
+#include "engrave/discretize/spacing/even_out.h"
+#include "engrave/discretize/spacing/remembered.h"
 
 namespace intaglio::discretize {
 namespace {
 
-// A seam, the points between it and the next seam, and that next seam.
-constexpr std::uint64_t kThinningsPerSlab = 3;
+// Of candidates: a seam with its lead, what is between it and the next one, the filling
+// of that one; and the seam above all of them.
+constexpr std::uint64_t kRangesPerSlab = 4, kRangesPerSeam = 2;
 
 struct SlabResult {
   SpacedCloud kept;
@@ -22,18 +26,52 @@ struct SlabResult {
   std::vector<MethodStatistics> models;
 };
 
-/// How far points of the job reach in height.
-double ReachOf(const Sources& sources, const ThinningOptions& thinning) {
-  double reach_mm = thinning.min_spacing_mm * thinning.height_ratio;
-  for (const auto& source : sources) reach_mm = std::max(reach_mm, source->MaxSpacing());
-  return reach_mm;
-}
+/// Of a seam's front, in reaches: so far from its start it is as irregular as elsewhere.
+constexpr double kLeadReaches = 4;
 
-Box3 BoundsOf(const Sources& sources) {
-  Box3 bounds;
-  for (const auto& source : sources) bounds.Extend(source->Bounds());
-  return bounds;
-}
+/// The sources of a job and the direction in which its thinning rises: that of its
+/// sources, and if they differ, any that is not upward; the others get another range.
+class Rising {
+ public:
+  explicit Rising(const Sources& sources) {
+    for (const auto& source : sources) {
+      if (source->Rise() != kUpward) rise_ = source->Rise();
+    }
+    for (const auto& source : sources) {
+      sources_.push_back(source.get());
+      if (source->Rise() == rise_) continue;
+      remembered_.push_back(MakeRemembered(*source, rise_));
+      sources_.back() = remembered_.back().get();
+    }
+  }
+
+  const Vec3& rise() const { return rise_; }
+  const std::vector<const PointSource*>& sources() const { return sources_; }
+
+  HeightRange Heights() const {
+    HeightRange all = HeightsOf({}, rise_);
+    for (const PointSource* source : sources_) {
+      const HeightRange heights = source->Heights();
+      all = {std::min(all.low_mm, heights.low_mm),
+             std::max(all.high_mm, heights.high_mm)};
+    }
+    return all;
+  }
+
+  /// How far points reach in height.
+  double Reach(const ThinningOptions& thinning) const {
+    double reach_mm = thinning.min_spacing_mm * thinning.height_ratio;
+    for (const PointSource* source : sources_) {
+      reach_mm = std::max(reach_mm, source->MaxSpacing());
+    }
+    return reach_mm;
+  }
+
+ private:
+  Vec3 rise_ = kUpward;
+  std::vector<const PointSource*> sources_;
+  std::vector<std::unique_ptr<PointSource>> remembered_;
+};
 
 void Append(const SpacedCloud& from, SpacedCloud& to) {
   to.points_mm.insert(to.points_mm.end(), from.points_mm.begin(), from.points_mm.end());
@@ -42,60 +80,125 @@ void Append(const SpacedCloud& from, SpacedCloud& to) {
                        from.spacing_mm.end());
 }
 
+/// Makes the slabs from `begin` to `end`, each seam between them once: slabs that are
+/// made at the same time wait for the seam that they share.
 class SlabMaker {
  public:
-  SlabMaker(const Sources& sources, const CloudOptions& options, const Slabs& slabs,
-            SharedProgress& progress)
-      : sources_(sources), options_(options), slabs_(slabs), progress_(progress) {}
+  SlabMaker(const Rising& rising, const CloudOptions& options, const Slabs& slabs,
+            double reach_mm, SharedProgress& progress, std::size_t begin, std::size_t end)
+      : rising_(rising),
+        options_(options),
+        thinning_(options.thinning),
+        slabs_(slabs),
+        reach_mm_(reach_mm),
+        progress_(progress),
+        begin_(begin),
+        seams_(end - begin + 1) {
+    thinning_.rise = rising.rise();
+  }
 
   Result<SlabResult> Make(std::size_t slab) const {
-    SlabResult result;
-    result.models.resize(sources_.size());
-    auto lower = INTAGLIO_TRY(Thinned(slabs_.Seam(slab), {}, result));
-    SpacedCloud taken = lower;
-    if (slab + 1 < slabs_.count()) {
-      SlabResult of_next;  // discarded: counted when slab + 1 is made
-      of_next.models.resize(sources_.size());
-      const auto upper = INTAGLIO_TRY(Thinned(slabs_.Seam(slab + 1), {}, of_next));
-      Append(upper, taken);
+    const Result<SlabResult>& lower = SeamOf(slab);
+    if (!lower) return lower;
+    SlabResult result = *lower;
+    SpacedCloud taken = lower->kept;
+    const bool has_next = slab + 1 < slabs_.count();
+    if (has_next) {
+      const Result<SlabResult>& upper = SeamOf(slab + 1);
+      if (!upper) return upper;
+      Append(upper->kept, taken);
     }
-    const auto between = INTAGLIO_TRY(Thinned(slabs_.Between(slab), taken, result));
-    result.kept = std::move(lower);
+    SpacedCloud candidates;
+    SlabResult of_next = Empty();  // discarded: counted with the next seam
+    INTAGLIO_TRY(AddCandidates(slabs_.Between(slab), candidates, result));
+    INTAGLIO_TRY(AddCandidates(slabs_.Filling(slab), candidates, of_next));
+    SpacedCloud between = Thin(candidates, thinning_, taken);
+    if (has_next && rising_.rise() != kUpward) {
+      const double end_mm = slabs_.Whole(slab).high_mm;
+      EvenOut(candidates, taken, end_mm - kEvenOutReaches * reach_mm_, reach_mm_,
+              thinning_, between);
+    }
     Append(between, result.kept);
+    // A slab may keep a point of the filling without a candidate in its own range: the
+    // sum over all slabs is right, modulo 2^64.
+    result.thinned_count = result.candidate_count - result.outside.outside_count;
+    result.thinned_count -= result.kept.size();
     return result;
   }
 
  private:
-  Result<SpacedCloud> Thinned(const HeightRange& range, const SpacedCloud& taken,
-                              SlabResult& result) const {
+  SlabResult Empty() const {
+    SlabResult result;
+    result.models.resize(rising_.sources().size());
+    return result;
+  }
+
+  struct Seam {
+    std::once_flag once;
+    Result<SlabResult> made;
+  };
+
+  const Result<SlabResult>& SeamOf(std::size_t slab) const {
+    Seam& seam = seams_[slab - begin_];
+    std::call_once(seam.once, [&] { seam.made = MakeSeam(slab); });
+    return seam.made;
+  }
+
+  Result<SlabResult> MakeSeam(std::size_t slab) const {
+    SlabResult seam = Empty(), of_lead = Empty();  // the lead counts with the slab below
     SpacedCloud candidates;
-    for (std::uint32_t i = 0; i < sources_.size(); ++i) {
+    INTAGLIO_TRY(AddCandidates(slabs_.Lead(slab), candidates, of_lead));
+    INTAGLIO_TRY(AddCandidates(slabs_.Seam(slab), candidates, seam));
+    SpacedCloud kept = Thin(candidates, thinning_);
+    if (of_lead.candidate_count == 0) {
+      seam.kept = std::move(kept);
+      return seam;
+    }
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      if (rising_.rise().dot(kept.points_mm[i]) < slabs_.Seam(slab).low_mm) continue;
+      seam.kept.Add(kept.points_mm[i], kept.source[i], kept.spacing_mm[i]);
+    }
+    return seam;
+  }
+
+  /// Those of the range that are not outside the block.
+  Status AddCandidates(const HeightRange& range, SpacedCloud& all,
+                       SlabResult& result) const {
+    const bool empty = !(range.low_mm < range.high_mm);
+    SpacedCloud candidates;
+    for (std::uint32_t i = 0; !empty && i < rising_.sources().size(); ++i) {
       const auto goes_on = [this](std::uint64_t, std::uint64_t) {
         return progress_.GoesOn(0);
       };
       const auto added =
-          INTAGLIO_TRY(sources_[i]->AddPoints(range, i, goes_on, candidates));
+          INTAGLIO_TRY(rising_.sources()[i]->AddPoints(range, i, goes_on, candidates));
       result.models[i].Add(added);
     }
-    const std::size_t offered = candidates.size();
+    result.candidate_count += candidates.size();
     const auto& of_source = options_.permitted_of_source_mm;
     result.outside.Add(of_source.empty() ? TakeOutside(options_.permitted_mm, candidates)
                                          : TakeOutside(of_source, candidates));
     if (!progress_.GoesOn(1)) return Cancelled();
-    result.candidate_count += offered;
-    SpacedCloud kept = Thin(candidates, options_.thinning, taken);
-    result.thinned_count += candidates.size() - kept.size();
-    return kept;
+    if (all.size() == 0) {
+      all = std::move(candidates);
+    } else {
+      Append(candidates, all);
+    }
+    return {};
   }
 
   static tl::unexpected<Error> Cancelled() {
     return Fail(ErrorCode::kCancelled, "making the points was cancelled");
   }
 
-  const Sources& sources_;
+  const Rising& rising_;
   const CloudOptions& options_;
+  ThinningOptions thinning_;
   const Slabs& slabs_;
+  double reach_mm_;
   SharedProgress& progress_;
+  std::size_t begin_;
+  mutable std::vector<Seam> seams_;
 };
 
 void AppendTo(Discretized& all, SlabResult&& slab) {
@@ -117,10 +220,13 @@ Result<Discretized> MakeCloud(const Sources& sources, const CloudOptions& option
                               const Part& part, const Executor& executor,
                               const ProgressSink& progress) {
   Require(part.index < part.count, "there is no part {} of {}", part.index, part.count);
-  const Slabs slabs(BoundsOf(sources), ReachOf(sources, options.thinning));
+  const Rising rising(sources);
+  const double reach_mm = rising.Reach(options.thinning);
+  const Slabs slabs(rising.Heights(), reach_mm,
+                    rising.rise() == kUpward ? 0 : kLeadReaches * reach_mm);
   const std::size_t begin = part.Begin(slabs.count()), end = part.End(slabs.count());
-  SharedProgress shared(progress, kThinningsPerSlab * (end - begin));
-  const SlabMaker maker(sources, options, slabs, shared);
+  SharedProgress shared(progress, kRangesPerSlab * (end - begin) + kRangesPerSeam);
+  const SlabMaker maker(rising, options, slabs, reach_mm, shared, begin, end);
   std::vector<Result<SlabResult>> made(end - begin);
   RunEach(executor, made.size(), [&](std::size_t i) { made[i] = maker.Make(begin + i); });
   Discretized all;

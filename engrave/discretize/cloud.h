@@ -26,7 +26,7 @@ struct CloudOptions {
 };
 
 struct Discretized {
-  PointCloud cloud;  ///< glass frame; from the lowest point up
+  PointCloud cloud;  ///< glass frame; slab by slab, from the lowest up
   std::uint64_t candidate_count = 0;
   std::uint64_t clipped_count = 0;
   std::uint64_t thinned_count = 0;       ///< removed by thinning

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engrave/core/check.h"
+
 namespace intaglio::discretize {
 namespace {
 
@@ -18,19 +20,25 @@ class Shifted final : public PointSource {
     return bounds;
   }
   double MaxSpacing() const override { return source_->MaxSpacing(); }
+  Vec3 Rise() const override { return source_->Rise(); }
+  HeightRange Heights() const override {
+    const HeightRange heights = source_->Heights();
+    return {heights.low_mm + Offset(), heights.high_mm + Offset()};
+  }
 
   Result<MethodStatistics> AddPoints(const HeightRange& range, std::uint32_t source,
                                      const ProgressSink& progress,
                                      SpacedCloud& cloud) const override {
     const std::size_t first = cloud.size();
     auto statistics = source_->AddPoints(
-        {range.low_mm - offset_mm_.z(), range.high_mm - offset_mm_.z()}, source, progress,
-        cloud);
+        {range.low_mm - Offset(), range.high_mm - Offset()}, source, progress, cloud);
     for (std::size_t i = first; i < cloud.size(); ++i) cloud.points_mm[i] += offset_mm_;
     return statistics;
   }
 
  private:
+  double Offset() const { return Rise().dot(offset_mm_); }
+
   std::shared_ptr<const PointSource> source_;
   Vec3 offset_mm_;
 };
@@ -40,6 +48,7 @@ class Several final : public PointSource {
   explicit Several(std::vector<std::unique_ptr<PointSource>> sources)
       : sources_(std::move(sources)) {
     for (const auto& source : sources_) {
+      Require(source->Rise() == Rise(), "models that count as one rise differently");
       max_spacing_mm_ = std::max(max_spacing_mm_, source->MaxSpacing());
       bounds_.Extend(source->Bounds());
     }
@@ -47,6 +56,18 @@ class Several final : public PointSource {
 
   Box3 Bounds() const override { return bounds_; }
   double MaxSpacing() const override { return max_spacing_mm_; }
+  Vec3 Rise() const override {
+    return sources_.empty() ? kUpward : sources_.front()->Rise();
+  }
+  HeightRange Heights() const override {
+    HeightRange all = HeightsOf({}, Rise());
+    for (const auto& source : sources_) {
+      const HeightRange heights = source->Heights();
+      all = {std::min(all.low_mm, heights.low_mm),
+             std::max(all.high_mm, heights.high_mm)};
+    }
+    return all;
+  }
 
   Result<MethodStatistics> AddPoints(const HeightRange& range, std::uint32_t source,
                                      const ProgressSink& progress,

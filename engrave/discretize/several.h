@@ -14,7 +14,7 @@ namespace intaglio::discretize {
 std::unique_ptr<PointSource> MakeShifted(std::shared_ptr<const PointSource> source,
                                          const Vec3& offset_mm);
 
-/// All points of all sources, as of one model.
+/// All points of all sources, as of one model. They have one rise.
 std::unique_ptr<PointSource> MakeSeveral(
     std::vector<std::unique_ptr<PointSource>> sources);
 

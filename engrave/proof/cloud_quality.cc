@@ -19,6 +19,13 @@ namespace {
 // the widest hole between sections that are twice as far apart as their points is not
 // reported.
 constexpr double kWideHole = 3;
+// Level slices are compared when this part of the points lies on the surface.
+constexpr double kOnSurface = 0.95;
+// More bands than this part of the slices are layers, as sections have them.
+constexpr double kFewBands = 0.05;
+// Rows of points along the level edges of an upright wall leave a third of those expected
+// in a slice; a seam leaves less than a seventh.
+constexpr double kDarkRing = 0.25;
 
 double ModelArea(const mesh::TriangleMesh& model) {
   double area_mm2 = 0;
@@ -51,7 +58,8 @@ std::vector<SourceShare> SharesOf(const PointCloud& cloud,
 
 SurfaceQuality QualityOnSurface(const DistinctPlaces& places, const PointTree& tree,
                                 const std::vector<mesh::TriangleMesh>& models,
-                                double area_mm2, const QualityOptions& options) {
+                                double area_mm2, double mean_mm,
+                                const QualityOptions& options) {
   SurfaceQuality quality;
   for (const mesh::TriangleMesh& model : models) {
     quality.triangle_count += model.triangles.size();
@@ -66,6 +74,12 @@ SurfaceQuality QualityOnSurface(const DistinctPlaces& places, const PointTree& t
   quality.uncovered =
       LargestUncoveredDisc(surface, tree, places.places_mm, options.executor);
   quality.density = MeasureSurfaceDensity(surface, places.places_mm, density_options);
+  const double on_surface = static_cast<double>(quality.density.on_surface_count);
+  if (mean_mm > 0 && on_surface >= kOnSurface * static_cast<double>(count)) {
+    const HeightSlices slices =
+        MeasureHeightSlices(models, places.places_mm, 0.5 * mean_mm);
+    if (slices.slice_count > 0) quality.slices = slices;
+  }
   quality.farthest_mm = places.places_mm[quality.density.farthest_point];
   quality.density_ratio = quality.density.points_per_mm2 * options.min_spacing_mm *
                           options.min_spacing_mm * std::numbers::sqrt3 / 2;
@@ -79,18 +93,22 @@ std::string At(const Vec3& p_mm) {
 void WarnOfSpacing(const QualityOptions& options, CloudQuality& quality) {
   const NearestDistances& nearest = quality.nearest;
   if (nearest.doubled_count > 0) {
-    quality.warnings.push_back(fmt::format(
-        "{} points have the same place as another one, e.g. at {}: thin the cloud",
-        nearest.doubled_count, At(nearest.smallest.first_mm)));
+    quality.warnings.push_back(MakeWarning(
+        WarningCode::kDoubledPoints,
+        fmt::format(
+            "{} points have the same place as another one, e.g. at {}: thin the cloud",
+            nearest.doubled_count, At(nearest.smallest.first_mm))));
   } else if (nearest.near_pair_count > 0) {
     const bool scaled = options.height_ratio != 1;
-    quality.warnings.push_back(fmt::format(
-        "{}{} pairs of points are nearer than the minimum spacing of {:g} mm{}, the "
-        "nearest {:.6f} mm at {}: thin the cloud with that spacing",
-        nearest.near_pair_count, nearest.more_pairs ? " or more" : "",
-        options.min_spacing_mm,
-        scaled ? fmt::format(" (heights divided by {:g})", options.height_ratio) : "",
-        nearest.min_scaled.distance_mm, At(nearest.min_scaled.first_mm)));
+    quality.warnings.push_back(MakeWarning(
+        WarningCode::kNearPoints,
+        fmt::format(
+            "{}{} pairs of points are nearer than the minimum spacing of {:g} mm{}, the "
+            "nearest {:.6f} mm at {}: thin the cloud with that spacing",
+            nearest.near_pair_count, nearest.more_pairs ? " or more" : "",
+            options.min_spacing_mm,
+            scaled ? fmt::format(" (heights divided by {:g})", options.height_ratio) : "",
+            nearest.min_scaled.distance_mm, At(nearest.min_scaled.first_mm))));
   }
 }
 
@@ -99,11 +117,32 @@ void WarnOfHoles(CloudQuality& quality) {
   const UncoveredDisc& hole = quality.surface->uncovered;
   const double usual_mm = quality.nearest.mean_mm;
   if (quality.point_count > 1 && hole.radius_mm <= kWideHole * usual_mm) return;
-  quality.warnings.push_back(fmt::format(
-      "the surface has a hole of radius {:.2f} mm at {}, where points are {:.2f} mm "
-      "apart on average: a face parallel to the sections or rays has no points, or the "
-      "model hides it; fill such faces, or use the method even",
-      hole.radius_mm, At(hole.place_mm), usual_mm));
+  quality.warnings.push_back(MakeWarning(
+      WarningCode::kHole,
+      fmt::format(
+          "the surface has a hole of radius {:.2f} mm at {}, where points are {:.2f} mm "
+          "apart on average: a face parallel to the sections or rays has no points, or "
+          "the "
+          "model hides it; fill such faces, or use the method even",
+          hole.radius_mm, At(hole.place_mm), usual_mm)));
+}
+
+void WarnOfBands(CloudQuality& quality) {
+  if (!quality.surface || !quality.surface->slices) return;
+  const HeightSlices& slices = *quality.surface->slices;
+  const double few = kFewBands * static_cast<double>(slices.slice_count);
+  if (slices.smallest_ratio >= kDarkRing) return;
+  if (static_cast<double>(slices.band_count) > few) return;
+  const double low_mm = slices.smallest_low_mm;
+  quality.warnings.push_back(MakeWarning(
+      WarningCode::kHole,
+      fmt::format(
+          "a band around the model has too few points: {:.0f} % of those expected "
+          "between the heights {:.2f} and {:.2f} mm, below {:.0f} % in {} of {} "
+          "slices; it shows as a dark ring: make the cloud again with the method "
+          "even",
+          100 * slices.smallest_ratio, low_mm, low_mm + slices.slice_mm, 100 * kBandRatio,
+          slices.band_count, slices.slice_count)));
 }
 
 void WarnOfCracks(const QualityOptions& options, CloudQuality& quality) {
@@ -118,12 +157,13 @@ void WarnOfCracks(const QualityOptions& options, CloudQuality& quality) {
   // faster in solids.
   const double wider = std::sqrt(worst.crack_share / risk.max_share);
   const double spacing_mm = std::ceil(wider * options.min_spacing_mm * 100) / 100;
-  quality.warnings.push_back(
+  quality.warnings.push_back(MakeWarning(
+      WarningCode::kBreakage,
       fmt::format("the glass may break at {}{}: {:.0f} points per mm^3, cracks take "
                   "{:.0f} % of the volume, {:.0f} % is safe; set a minimum spacing of "
                   "{:.2f} mm, or remove overlapping parts there",
                   At(worst.place_mm), others, worst.points_per_mm3,
-                  100 * worst.crack_share, 100 * risk.max_share, spacing_mm));
+                  100 * worst.crack_share, 100 * risk.max_share, spacing_mm)));
 }
 
 }  // namespace
@@ -158,7 +198,8 @@ Result<CloudQuality> MeasureCloud(const PointCloud& cloud,
   if (has_triangles) {
     double area_mm2 = 0;
     for (const double area : areas_mm2) area_mm2 += area;
-    quality.surface = QualityOnSurface(places, tree, models, area_mm2, options);
+    quality.surface = QualityOnSurface(places, tree, models, area_mm2,
+                                       quality.nearest.mean_mm, options);
   }
   const CrackRiskOptions crack_options{.crack_diameter_mm = options.crack_diameter_mm,
                                        .crack_length_mm = options.crack_length_mm,
@@ -168,6 +209,7 @@ Result<CloudQuality> MeasureCloud(const PointCloud& cloud,
   }
   WarnOfSpacing(options, quality);
   WarnOfHoles(quality);
+  WarnOfBands(quality);
   WarnOfCracks(options, quality);
   return quality;
 }

@@ -6,14 +6,15 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "engrave/core/executor.h"
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "engrave/mesh/mesh.h"
 #include "engrave/proof/crack_risk.h"
+#include "engrave/proof/height_slices.h"
 #include "engrave/proof/nearest_distances.h"
 #include "engrave/proof/surface_density.h"
 #include "engrave/proof/uncovered_disc.h"
@@ -35,6 +36,8 @@ struct SurfaceQuality {
   /// Of the density, in the densest possible: hexagonal, at the minimum spacing.
   double density_ratio = 0;
   Vec3 farthest_mm = Vec3::Zero();  ///< the point farthest from the surface
+  /// Nothing when more than a few points are off the surface, or no slice counts.
+  std::optional<HeightSlices> slices;
 };
 
 struct SourceShare {
@@ -52,7 +55,7 @@ struct CloudQuality {
   std::vector<SourceShare> sources;
   std::optional<SurfaceQuality> surface;  ///< when there are models
   std::optional<CrackRisk> crack_risk;    ///< when there is a crack's size
-  std::vector<std::string> warnings;      ///< a sentence each: what, where, the remedy
+  Warnings warnings;
 
   bool KeepsSpacing() const {
     return nearest.doubled_count == 0 && nearest.near_pair_count == 0;

@@ -5,8 +5,8 @@
 // disc sampling, Cook 1986). Optional: shells below the surface, and a density that
 // varies over it. Glass frame.
 //
-// The method offers about 25 candidates for each point that remains; thinning (weld.h)
-// selects from the lowest up, which packs evenly.
+// The method offers about 25 candidates for each point that remains; thinning
+// (thinning.h) selects along ObliqueRise(), which packs evenly and leaves no level rows.
 
 #include <memory>
 #include <vector>

@@ -34,17 +34,19 @@ float SmallestOf(float a, float b, float c, float d) {
 }  // namespace
 
 Columns::Columns(const Box3& bounds, double reach_mm, double height_ratio,
-                 std::size_t point_count)
+                 std::size_t point_count, const Vec3& rise)
     : origin_(bounds.min_mm),
+      rise_(rise),
       flatten_(1 / height_ratio),
       side_mm_(SideOf(bounds.size_mm(), reach_mm, point_count)),
       per_side_(1 / side_mm_),
-      error_mm_(kSingleError * std::max(2 * side_mm_, bounds.size_mm().z() * flatten_)),
+      error_mm_(kSingleError * std::max({2 * side_mm_, bounds.size_mm().z() * flatten_,
+                                         rise.dot(bounds.size_mm()) * flatten_})),
       width_(static_cast<std::size_t>(bounds.size_mm().x() * per_side_) + 3),
       depth_(static_cast<std::size_t>(bounds.size_mm().y() * per_side_) + 3) {
   Newest none{{}, {}, {}, -kVeryFar, kNone, 0};
-  std::fill_n(none.x, kNewest, kVeryFar);
-  std::fill_n(none.y, kNewest, kVeryFar);
+  std::fill_n(none.x, kNewest, -kVeryFar);
+  std::fill_n(none.y, kNewest, -kVeryFar);
   std::fill_n(none.z, kNewest, -kVeryFar);
   newest_.assign(width_ * depth_, none);
 }
@@ -61,7 +63,12 @@ void Columns::Add(const Vec3& p_mm, float spacing_mm) {
   newest.y[lane] = static_cast<float>(d.y() - static_cast<double>(j) * side_mm_);
   newest.z[lane] = static_cast<float>(d.z() * flatten_);
   newest.next_lane = (lane + 1) % kNewest;
-  newest.older_z = newest.z[newest.next_lane];
+  const std::uint32_t oldest = newest.next_lane;
+  const double oldest_x = newest.x[oldest] + static_cast<double>(i) * side_mm_;
+  const double oldest_y = newest.y[oldest] + static_cast<double>(j) * side_mm_;
+  const double across = rise_.x() * oldest_x + rise_.y() * oldest_y;
+  newest.older_height =
+      static_cast<float>(across * flatten_ + rise_.z() * newest.z[oldest]);
 }
 
 void Columns::Ask(std::span<const ThinningPoint> points, const Distances& distances,
@@ -90,7 +97,7 @@ void Columns::Ask(std::span<const ThinningPoint> points, const Distances& distan
                     .z = z,
                     .near_square = near * near,
                     .far_square = far * far,
-                    .low_z = z - far,
+                    .low_height = static_cast<float>(rise_.dot(d) * flatten_) - far,
                     .columns = {own, beside, own + behind, beside + behind}};
     for (const std::uint32_t at : {own, beside, own + behind, beside + behind}) {
       __builtin_prefetch(newest_[at].x);
@@ -106,7 +113,7 @@ void Columns::QueryByFour(std::span<const ThinningPoint> points,
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Question& q = questions[k];
     Four smallest = Four{} + kVeryFarSquare;
-    float older_z = -kVeryFar;
+    float older_height = -kVeryFar;
     for (std::size_t i = 0; i < 4; ++i) {
       const Newest& column = newest_[q.columns[i]];
       const float q_x = i % 2 == 0 ? q.x : q.other_x, q_y = i < 2 ? q.y : q.other_y;
@@ -117,10 +124,10 @@ void Columns::QueryByFour(std::span<const ThinningPoint> points,
         const Four square = x * x + y * y + z * z;
         smallest = square < smallest ? square : smallest;
       }
-      older_z = std::max(older_z, column.older_z);
+      older_height = std::max(older_height, column.older_height);
     }
     answers[k] = AnswerTo(
-        q, SmallestOf(smallest[0], smallest[1], smallest[2], smallest[3]), older_z);
+        q, SmallestOf(smallest[0], smallest[1], smallest[2], smallest[3]), older_height);
   }
 }
 
@@ -135,7 +142,7 @@ void Columns::QueryByFour(std::span<const ThinningPoint> points,
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Question& q = questions[k];
     Eight smallest = Eight{} + kVeryFarSquare;
-    float older_z = -kVeryFar;
+    float older_height = -kVeryFar;
     for (std::size_t i = 0; i < 4; ++i) {
       const Newest& column = newest_[q.columns[i]];
       const float q_x = i % 2 == 0 ? q.x : q.other_x, q_y = i < 2 ? q.y : q.other_y;
@@ -144,12 +151,13 @@ void Columns::QueryByFour(std::span<const ThinningPoint> points,
       const Eight z = *reinterpret_cast<const Eight*>(column.z) - q.z;
       const Eight square = x * x + y * y + z * z;
       smallest = square < smallest ? square : smallest;
-      older_z = std::max(older_z, column.older_z);
+      older_height = std::max(older_height, column.older_height);
     }
     const Four low = {smallest[0], smallest[1], smallest[2], smallest[3]};
     const Four high = {smallest[4], smallest[5], smallest[6], smallest[7]};
     const Four half = low < high ? low : high;
-    answers[k] = AnswerTo(q, SmallestOf(half[0], half[1], half[2], half[3]), older_z);
+    answers[k] =
+        AnswerTo(q, SmallestOf(half[0], half[1], half[2], half[3]), older_height);
   }
 }
 #endif

@@ -22,8 +22,9 @@ struct ThinningPoint {
 };
 
 /// A grid of columns in x and y, each with its points from the newest down. Points are
-/// added in rising z, so the points near a place at their upper end are at the beginning
-/// of a few columns: the part of them that is read stays in the cache.
+/// added in rising height, along a given direction, so the points near a place at their
+/// upper end are at the beginning of a few columns: the part of them that is read stays
+/// in the cache.
 ///
 /// A column is as wide as two reaches, so all points that can be too near to a point are
 /// in four columns. The newest eight points of a column are also stored in single
@@ -35,7 +36,7 @@ class Columns {
   /// with heights divided by height_ratio; the columns are wider when `point_count`
   /// points do not justify as many.
   Columns(const Box3& bounds, double reach_mm, double height_ratio,
-          std::size_t point_count);
+          std::size_t point_count, const Vec3& rise);
 
   bool empty() const { return entries_.empty(); }
   void Add(const Vec3& p_mm, float spacing_mm);
@@ -70,11 +71,12 @@ class Columns {
   }
 
   /// Whether too_near(q, spacing of q) is true of a point q whose x and y differ from
-  /// those of p by less than reach_mm and which is not lower by reach_z_mm or more.
+  /// those of p by less than reach_mm and which is not lower, along the rise, by
+  /// reach_z_mm or more.
   template <typename TooNear>
   bool Any(const Vec3& p_mm, double reach_mm, double reach_z_mm,
            const TooNear& too_near) const {
-    const double stop_mm = p_mm.z() - reach_z_mm;
+    const double stop_mm = rise_.dot(p_mm) - reach_z_mm;
     const auto at = [this](double offset_mm, std::size_t count) {
       return static_cast<std::size_t>(
           std::clamp(offset_mm * per_side_ + 1, 0.0, static_cast<double>(count - 1)));
@@ -86,7 +88,7 @@ class Columns {
         for (std::uint32_t in = newest_[j * width_ + i].entry; in != kNone;
              in = entries_[in].below) {
           const Entry& q = entries_[in];
-          if (q.p_mm.z() <= stop_mm) break;  // and all below it
+          if (rise_.dot(q.p_mm) <= stop_mm) break;  // and all below it
           if (too_near(q.p_mm, q.spacing_mm)) return true;
         }
       }
@@ -107,7 +109,7 @@ class Columns {
   /// Of a column; from its lower corner, heights divided by height_ratio.
   struct alignas(64) Newest {
     float x[kNewest], y[kNewest], z[kNewest];
-    float older_z;        ///< all that are not among them are no higher
+    float older_height;   ///< all that are not among them are no higher, along the rise
     std::uint32_t entry;  ///< the last one
     std::uint32_t next_lane;
   };
@@ -116,12 +118,12 @@ class Columns {
   /// other_y from the corner of theirs.
   struct Question {
     float x, other_x, y, other_y, z;
-    float near_square, far_square, low_z;
+    float near_square, far_square, low_height;
     std::array<std::uint32_t, 4> columns;
   };
-  static Hasty AnswerTo(const Question& q, float min_square, float older_z) {
+  static Hasty AnswerTo(const Question& q, float min_square, float older_height) {
     if (min_square < q.near_square) return Hasty::kNear;
-    const bool unsure = min_square < q.far_square || older_z >= q.low_z;
+    const bool unsure = min_square < q.far_square || older_height >= q.low_height;
     return unsure ? Hasty::kUnsure : Hasty::kFar;
   }
   using QueryFunction = void (Columns::*)(std::span<const ThinningPoint>,
@@ -136,7 +138,7 @@ class Columns {
                     Hasty* answers) const;
   static QueryFunction FastestQuery();
 
-  Vec3 origin_;
+  Vec3 origin_, rise_;
   double flatten_;
   double side_mm_, per_side_;
   double error_mm_;  // more than that of a distance in single precision

@@ -11,12 +11,12 @@ namespace {
 
 class FixedPoints final : public PointSource {
  public:
-  FixedPoints(SpacedCloud points, const MethodStatistics& statistics)
-      : statistics_(statistics) {
+  FixedPoints(SpacedCloud points, const MethodStatistics& statistics, const Vec3& rise)
+      : rise_(rise), statistics_(statistics) {
     std::vector<std::uint32_t> order(points.size());
     std::iota(order.begin(), order.end(), 0U);
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return points.points_mm[a].z() < points.points_mm[b].z();
+      return rise_.dot(points.points_mm[a]) < rise_.dot(points.points_mm[b]);
     });
     points_mm_.reserve(order.size());
     spacing_mm_.reserve(order.size());
@@ -32,6 +32,7 @@ class FixedPoints final : public PointSource {
   }
 
   Box3 Bounds() const override { return bounds_; }
+  Vec3 Rise() const override { return rise_; }
   double MaxSpacing() const override { return max_spacing_mm_; }
 
   Result<MethodStatistics> AddPoints(const HeightRange& range, std::uint32_t source,
@@ -42,7 +43,7 @@ class FixedPoints final : public PointSource {
       cloud.Add(points_mm_[i], source, spacing_mm_[i]);
     }
     MethodStatistics statistics;
-    if (!points_mm_.empty() && range.Contains(points_mm_.front().z())) {
+    if (!points_mm_.empty() && range.Contains(rise_.dot(points_mm_.front()))) {
       statistics = statistics_;
     }
     statistics.point_count = begin < end ? end - begin : 0;
@@ -50,12 +51,14 @@ class FixedPoints final : public PointSource {
   }
 
  private:
-  std::size_t FirstFrom(double z_mm) const {
-    const auto at = std::partition_point(points_mm_.begin(), points_mm_.end(),
-                                         [z_mm](const Vec3& p) { return p.z() < z_mm; });
+  std::size_t FirstFrom(double height_mm) const {
+    const auto at =
+        std::partition_point(points_mm_.begin(), points_mm_.end(),
+                             [&](const Vec3& p) { return rise_.dot(p) < height_mm; });
     return static_cast<std::size_t>(at - points_mm_.begin());
   }
 
+  Vec3 rise_;
   PointList points_mm_;  // from the lowest up
   std::vector<float> spacing_mm_;
   Box3 bounds_;
@@ -66,8 +69,9 @@ class FixedPoints final : public PointSource {
 }  // namespace
 
 std::unique_ptr<PointSource> MakeFixedPoints(SpacedCloud points,
-                                             const MethodStatistics& statistics) {
-  return std::make_unique<FixedPoints>(std::move(points), statistics);
+                                             const MethodStatistics& statistics,
+                                             const Vec3& rise) {
+  return std::make_unique<FixedPoints>(std::move(points), statistics, rise);
 }
 
 }  // namespace intaglio::discretize

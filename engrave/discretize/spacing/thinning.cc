@@ -13,9 +13,12 @@
 #include "engrave/core/check.h"
 #include "engrave/discretize/spacing/thinning_front.h"
 
-// The points are taken from the lowest up, and one is kept unless it is too near to one
-// kept before. Those lie at most one spacing below, so a column of a grid in x and y,
-// seen from its newest point down, is left as soon as a point is a whole spacing lower.
+// The points are taken from the lowest up, along the rise, and one is kept unless it is
+// too near to one kept before. Those lie at most one spacing below, so a column of a grid
+// in x and y, seen from its newest point down, is left as soon as a point is a whole
+// spacing lower. (Where heights count by 1 / height_ratio, |rise . d| is at most
+// height_ratio times the scaled length of d: the reach in height is the same for every
+// rise.)
 //
 // Why this order: it makes the result independent of the input's, and a front that grows
 // upward packs evenly. On the bunny filled at half the spacing the nearest distances vary
@@ -37,13 +40,6 @@ constexpr std::size_t kPointsPerSheet = 16384, kMaxSheets = std::size_t{1} << 16
 constexpr std::size_t kPointsPerFineSheet = 8;
 constexpr std::size_t kFew = 24;        // put in order as they are
 constexpr std::size_t kLookAhead = 16;  // points fetched into the cache beforehand
-
-bool IsLower(const ThinningPoint& a, const ThinningPoint& b) {
-  const auto key = [](const ThinningPoint& w) {
-    return std::tuple(w.p_mm.z(), w.p_mm.y(), w.p_mm.x(), w.source, w.spacing_mm);
-  };
-  return key(a) < key(b);
-}
 
 ThinningPoint PointOf(const SpacedCloud& cloud, std::size_t i) {
   // + 0.0 turns -0.0 into 0.0: equal points are equal in their bits, too.
@@ -77,10 +73,10 @@ class Thinner {
           const SpacedCloud& taken)
       : candidates_(candidates),
         taken_(taken),
+        rise_(options.rise),
         reach_mm_(options.min_spacing_mm * options.height_ratio),
         channels_of_source_(options.channels_of_source) {
     Examine(candidates);
-    candidate_bounds_ = bounds_;
     Examine(taken);
     if (candidates.size() == 0) return;
     for (const ChannelMask channel : DistinctChannels(MasksOfSources())) {
@@ -98,7 +94,10 @@ class Thinner {
     const double largest = static_cast<double>(kMaxSheets);
     const double wanted = std::ceil(static_cast<double>(candidates_.size()) /
                                     static_cast<double>(kPointsPerSheet));
-    const Sheets sheets(candidate_bounds_.min_mm.z(), candidate_bounds_.max_mm.z(),
+    const auto [low, high] = std::minmax_element(
+        candidates_.points_mm.begin(), candidates_.points_mm.end(),
+        [this](const Vec3& a, const Vec3& b) { return Along(2, a) < Along(2, b); });
+    const Sheets sheets(Along(2, *low), Along(2, *high),
                         static_cast<std::size_t>(std::min(wanted, largest)));
     SortIntoSheets(sheets);
     SortTaken();
@@ -118,6 +117,19 @@ class Thinner {
   }
 
  private:
+  /// The coordinates of the order: the height along the rise is 2, y is 1, x is 0.
+  double Along(int axis, const Vec3& p_mm) const {
+    return axis == 2 ? rise_.dot(p_mm) : p_mm[axis];
+  }
+  void Sort(std::span<ThinningPoint> points) const {
+    const auto key = [this](const ThinningPoint& w) {
+      return std::tuple(Along(2, w.p_mm), w.p_mm.y(), w.p_mm.x(), w.source, w.spacing_mm,
+                        w.p_mm.z());
+    };
+    std::sort(points.begin(), points.end(),
+              [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  }
+
   void Examine(const SpacedCloud& cloud) {
     Require(
         cloud.source.size() == cloud.size() && cloud.spacing_mm.size() == cloud.size(),
@@ -170,7 +182,7 @@ class Thinner {
     begin_.assign(sheets.count() + 1, 0);
     std::vector<std::uint16_t> sheet_of(candidates_.size());
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      const std::size_t sheet = sheets.Of(candidates_.points_mm[i].z());
+      const std::size_t sheet = sheets.Of(Along(2, candidates_.points_mm[i]));
       sheet_of[i] = static_cast<std::uint16_t>(sheet);
       ++begin_[sheet + 1];
     }
@@ -187,7 +199,7 @@ class Thinner {
     std::iota(taken_order_.begin(), taken_order_.end(), 0U);
     std::sort(taken_order_.begin(), taken_order_.end(),
               [this](std::uint32_t a, std::uint32_t b) {
-                return taken_.points_mm[a].z() < taken_.points_mm[b].z();
+                return Along(2, taken_.points_mm[a]) < Along(2, taken_.points_mm[b]);
               });
   }
 
@@ -195,13 +207,14 @@ class Thinner {
   /// their fronts.
   void TakeUpTo(std::span<const ThinningPoint> points) {
     if (points.empty() || next_taken_ == taken_order_.size()) return;
-    const auto highest = std::max_element(
-        points.begin(), points.end(),
-        [](const auto& a, const auto& b) { return a.p_mm.z() < b.p_mm.z(); });
-    const double high_mm = highest->p_mm.z() + reach_mm_ * kReachAllowance;
+    const auto highest = std::max_element(points.begin(), points.end(),
+                                          [this](const auto& a, const auto& b) {
+                                            return Along(2, a.p_mm) < Along(2, b.p_mm);
+                                          });
+    const double high_mm = Along(2, highest->p_mm) + reach_mm_ * kReachAllowance;
     for (; next_taken_ < taken_order_.size(); ++next_taken_) {
       const ThinningPoint point = PointOf(taken_, taken_order_[next_taken_]);
-      if (point.p_mm.z() > high_mm) return;
+      if (Along(2, point.p_mm) > high_mm) return;
       AddTo(taken_fronts_, point);
     }
   }
@@ -243,18 +256,21 @@ class Thinner {
     };
     if (points.size() <= kFew || axis < 0) return in_order();
     const auto [low, high] = std::minmax_element(
-        points.begin(), points.end(),
-        [axis](const auto& a, const auto& b) { return a.p_mm[axis] < b.p_mm[axis]; });
-    const double low_mm = low->p_mm[axis], high_mm = high->p_mm[axis];
+        points.begin(), points.end(), [=, this](const auto& a, const auto& b) {
+          return Along(axis, a.p_mm) < Along(axis, b.p_mm);
+        });
+    const double low_mm = Along(axis, low->p_mm), high_mm = Along(axis, high->p_mm);
     if (low_mm == high_mm) return KeepFrom(points, axis - 1, checked);
     const Sheets sheets(low_mm, high_mm, points.size() / kPointsPerFineSheet);
     if (sheets.count() == 1) return in_order();
     std::vector<std::uint32_t> next(sheets.count() + 1, 0);
-    for (const ThinningPoint& point : points) ++next[sheets.Of(point.p_mm[axis]) + 1];
+    for (const ThinningPoint& point : points) {
+      ++next[sheets.Of(Along(axis, point.p_mm)) + 1];
+    }
     std::partial_sum(next.begin(), next.end(), next.begin());
     const auto sorted = std::make_unique_for_overwrite<ThinningPoint[]>(points.size());
     for (const ThinningPoint& point : points) {
-      sorted[next[sheets.Of(point.p_mm[axis])]++] = point;
+      sorted[next[sheets.Of(Along(axis, point.p_mm))]++] = point;
     }
     std::size_t begin = 0;
     for (std::size_t sheet = 0; sheet < sheets.count(); ++sheet) {
@@ -266,12 +282,12 @@ class Thinner {
 
   /// Usually few; none is too near to a point kept before.
   void KeepInOrder(std::span<ThinningPoint> points) {
-    std::sort(points.begin(), points.end(), IsLower);
+    Sort(points);
     for (std::size_t begin = 0; begin < points.size(); begin += kFew) {
       std::span few = points.subspan(begin, std::min(kFew, points.size() - begin));
       if (begin > 0) {
         few = Filtered(few, kept_fronts_);
-        std::sort(few.begin(), few.end(), IsLower);
+        Sort(few);
       }
       KeepFew(few);
     }
@@ -297,9 +313,10 @@ class Thinner {
 
   const SpacedCloud& candidates_;
   const SpacedCloud& taken_;
+  Vec3 rise_;
   double reach_mm_;  // in height, of any rule
   const std::vector<ChannelMask>& channels_of_source_;
-  Box3 candidate_bounds_, bounds_;
+  Box3 bounds_;
   SourceExtents extents_;
   std::vector<ChannelFront> kept_fronts_, taken_fronts_;
   std::vector<std::uint32_t> begin_;  // of each sheet in order_

@@ -17,6 +17,9 @@ struct ThinningOptions {
   double height_ratio = 1;
   /// By the number of a source; empty: all sources have the same channels.
   std::vector<ChannelMask> channels_of_source = {};
+  /// The direction in which the front of the kept points rises, of unit length, no
+  /// component negative.
+  Vec3 rise = Vec3::UnitZ();
 };
 
 /// Removes candidates until none are too near to each other or to the points `taken`.
@@ -30,10 +33,10 @@ struct ThinningOptions {
 /// or taken point. The points taken are not in the result.
 ///
 /// The result, its order included, depends on the set of the points, not on their
-/// sequence: candidates are kept from the lowest up, by z, then y, then x, then source,
-/// then spacing. Own spacings may differ without restriction. Time is proportional to the
-/// number of points as long as the density of candidates, relative to their own spacing,
-/// is the same everywhere.
+/// sequence: candidates are kept from the lowest up, by their height along the rise, then
+/// y, then x, then source, then spacing, then z. Own spacings may differ without
+/// restriction. Time is proportional to the number of points as long as the density of
+/// candidates, relative to their own spacing, is the same everywhere.
 SpacedCloud Thin(const SpacedCloud& candidates, const ThinningOptions& options,
                  const SpacedCloud& taken = {});
 

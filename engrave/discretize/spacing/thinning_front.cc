@@ -10,14 +10,15 @@ constexpr std::size_t kMaxLevels = 24;
 
 }  // namespace
 
-OwnSpacings::OwnSpacings(const SourceExtent& extent, double min_spacing_mm)
+OwnSpacings::OwnSpacings(const SourceExtent& extent, double min_spacing_mm,
+                         const Vec3& rise)
     : max_spacing_mm_(extent.max_spacing_mm) {
   const double min_mm =
       std::max(min_spacing_mm, static_cast<double>(extent.min_spacing_mm));
   double reach_mm = max_spacing_mm_;
   do {
     levels_.push_back(
-        {reach_mm, reach_mm, Columns(extent.bounds, reach_mm, 1, extent.count)});
+        {reach_mm, reach_mm, Columns(extent.bounds, reach_mm, 1, extent.count, rise)});
     reach_mm /= 2;
   } while (reach_mm >= min_mm && levels_.size() < kMaxLevels);
 }
@@ -74,7 +75,8 @@ ThinningFront::ThinningFront(const ThinningOptions& options, const Box3& bounds,
       surely_near_(min_square_),
       surely_far_(min_square_),
       reach_mm_(options.min_spacing_mm * kReachAllowance),
-      columns_(bounds, options.min_spacing_mm, options.height_ratio, point_count) {
+      columns_(bounds, options.min_spacing_mm, options.height_ratio, point_count,
+               options.rise) {
   if (height_ratio_ != 1) {
     surely_near_ *= 1 - 1e-12;
     surely_far_ *= 1 + 1e-12;
@@ -82,7 +84,7 @@ ThinningFront::ThinningFront(const ThinningOptions& options, const Box3& bounds,
   for (const auto& [source, extent] : extents) {
     // A spacing not above that of the block needs no second check.
     if (extent.max_spacing_mm <= options.min_spacing_mm) continue;
-    own_.try_emplace(source, extent, options.min_spacing_mm);
+    own_.try_emplace(source, extent, options.min_spacing_mm, options.rise);
     own_is_enough_ = extents.size() == 1 && height_ratio_ == 1 &&
                      extent.min_spacing_mm >= options.min_spacing_mm;
   }

@@ -29,7 +29,7 @@ using SourceExtents = std::unordered_map<std::uint32_t, SourceExtent>;
 /// that a grid's columns fit the spacings of its points.
 class OwnSpacings {
  public:
-  OwnSpacings(const SourceExtent& extent, double min_spacing_mm);
+  OwnSpacings(const SourceExtent& extent, double min_spacing_mm, const Vec3& rise);
 
   void Add(const ThinningPoint& point) {
     Level& level = levels_[LevelOf(point.spacing_mm)];
@@ -56,7 +56,7 @@ class ThinningFront {
   ThinningFront(const ThinningOptions& options, const Box3& bounds,
                 std::size_t point_count, const SourceExtents& extents);
 
-  /// In rising z.
+  /// In rising height along options.rise.
   void Add(const ThinningPoint& point);
   /// Moves the points that are not too near to any point added so far to the front and
   /// returns their number. Not to be called from two threads at once.

@@ -7,10 +7,10 @@
 namespace intaglio::discretize {
 namespace {
 
-const Box3 kBounds{Vec3(0, 0, 1), Vec3(10, 10, 61)};
+const HeightRange kHeights{1, 61};
 
 TEST(Slabs, SeamsAreApartByMoreThanTheReach) {
-  const Slabs slabs(kBounds, 0.1);
+  const Slabs slabs(kHeights, 0.1);
   ASSERT_GT(slabs.count(), 10u);
   for (std::size_t k = 1; k < slabs.count(); ++k) {
     const HeightRange seam = slabs.Seam(k);
@@ -23,7 +23,7 @@ TEST(Slabs, SeamsAreApartByMoreThanTheReach) {
 }
 
 TEST(Slabs, TheyHoldEveryHeightOnce) {
-  const Slabs slabs(kBounds, 0.3);
+  const Slabs slabs(kHeights, 0.3);
   for (double z = -5; z < 70; z += 0.01) {
     int holders = 0;
     for (std::size_t k = 0; k < slabs.count(); ++k) {
@@ -33,10 +33,27 @@ TEST(Slabs, TheyHoldEveryHeightOnce) {
   }
 }
 
+TEST(Slabs, WithALeadTheFillingReachesNoPointAboveTheSeam) {
+  const Slabs slabs(kHeights, 0.1, 0.4);
+  EXPECT_EQ(slabs.Lead(0).low_mm, slabs.Lead(0).high_mm);
+  for (std::size_t k = 0; k + 1 < slabs.count(); ++k) {
+    const HeightRange lead = slabs.Lead(k + 1), seam = slabs.Seam(k + 1);
+    EXPECT_EQ(lead.high_mm, seam.low_mm);
+    EXPECT_NEAR(lead.high_mm - lead.low_mm, 0.4, 1e-9);
+    EXPECT_GT(lead.low_mm, slabs.Between(k).low_mm);
+    EXPECT_EQ(slabs.Filling(k).low_mm, seam.low_mm);
+    EXPECT_GE(slabs.Filling(k).high_mm - seam.low_mm, 0.1);
+    EXPECT_GE(slabs.Between(k + 1).low_mm - slabs.Filling(k).high_mm, 0.1);
+  }
+  const std::size_t last = slabs.count() - 1;
+  EXPECT_EQ(slabs.Filling(last).low_mm, slabs.Filling(last).high_mm);
+  EXPECT_THROW(Slabs(kHeights, 0.1, 4), PreconditionError);
+}
+
 TEST(Slabs, ALowObjectAndNoObjectAreOneSlab) {
-  EXPECT_EQ(Slabs({Vec3(0, 0, 0), Vec3(10, 10, 3)}, 0.1).count(), 1u);
-  EXPECT_EQ(Slabs({}, 0.1).count(), 1u);
-  EXPECT_THROW(Slabs(kBounds, 0), PreconditionError);
+  EXPECT_EQ(Slabs({0, 3}, 0.1).count(), 1u);
+  EXPECT_EQ(Slabs({1, -1}, 0.1).count(), 1u);
+  EXPECT_THROW(Slabs(kHeights, 0), PreconditionError);
 }
 
 TEST(Slabs, PartsShareOutTheSlabs) {

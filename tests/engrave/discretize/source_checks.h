@@ -40,7 +40,10 @@ inline void ExpectSlabsAreTheWhole(const PointSource& source,
   const MethodStatistics of_whole = source.AddPoints({}, 7, {}, whole).value();
   EXPECT_EQ(of_whole.point_count, whole.size());
   const Box3 bounds = source.Bounds();
+  const HeightRange heights = source.Heights();
   for (const Vec3& p : whole.points_mm) {
+    EXPECT_GE(source.Rise().dot(p), heights.low_mm - 1e-9);
+    EXPECT_LE(source.Rise().dot(p), heights.high_mm + 1e-9);
     EXPECT_TRUE((p.array() >= bounds.min_mm.array() - 1e-9).all() &&
                 (p.array() <= bounds.max_mm.array() + 1e-9).all());
   }
@@ -64,8 +67,11 @@ inline void ExpectSlabsAreTheWhole(const PointSource& source,
     EXPECT_EQ(counts[i].point_count, parts[i].size());
     of_parts.Add(counts[i]);
     for (std::size_t p = 0; p < parts[i].size(); ++p) {
-      const double z_mm = parts[i].points_mm[p].z();
-      EXPECT_TRUE(z_mm >= heights_mm[i] && z_mm < heights_mm[i + 1]);
+      // Along an oblique rise the source rounds otherwise than this.
+      const double height_mm = source.Rise().dot(parts[i].points_mm[p]);
+      const double rounding_mm = source.Rise() == kUpward ? 0 : 1e-12;
+      EXPECT_GE(height_mm, heights_mm[i] - rounding_mm);
+      EXPECT_LT(height_mm, heights_mm[i + 1] + rounding_mm);
       EXPECT_EQ(parts[i].source[p], 7u);
       together.Add(parts[i].points_mm[p], 7, parts[i].spacing_mm[p]);
     }

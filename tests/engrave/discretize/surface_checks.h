@@ -27,7 +27,7 @@ inline SpacedCloud PointsOf(const PointSource& source, const HeightRange& range 
 
 /// The points that thinning keeps of all its points, at their own spacings.
 inline SpacedCloud Thinned(const PointSource& source) {
-  return Thin(PointsOf(source), {1e-3, 1});
+  return Thin(PointsOf(source), {1e-3, 1, {}, source.Rise()});
 }
 
 /// Cuts at the heights, and at those of some of the points themselves.
@@ -36,7 +36,7 @@ inline void ExpectSameInRanges(const PointSource& source,
   const SpacedCloud whole = PointsOf(source);
   ASSERT_GT(whole.size(), 0u);
   for (std::size_t i = 0; i < whole.size(); i += whole.size() / 5 + 1) {
-    heights_mm.push_back(whole.points_mm[i].z());
+    heights_mm.push_back(source.Rise().dot(whole.points_mm[i]));
   }
   ExpectSlabsAreTheWhole(source, heights_mm);
   for (const float own_mm : whole.spacing_mm) ASSERT_LE(own_mm, source.MaxSpacing());

@@ -17,9 +17,9 @@ TEST(Warnings, WhatIsMissingIsReportedWithTheRemedy) {
   statistics.rejected_triangle_count = 2;
   const auto warnings = WarningsOf(statistics, 0.1);
   ASSERT_EQ(warnings.size(), 3u);
-  EXPECT_THAT(warnings[0], HasSubstr("50.00 mm^2"));
-  EXPECT_THAT(warnings[1], HasSubstr("3 of 1000 rays"));
-  EXPECT_THAT(warnings[2], HasSubstr("2 triangles"));
+  EXPECT_THAT(warnings[0].text, HasSubstr("50.00 mm^2"));
+  EXPECT_THAT(warnings[1].text, HasSubstr("3 of 1000 rays"));
+  EXPECT_THAT(warnings[2].text, HasSubstr("2 triangles"));
 }
 
 }  // namespace

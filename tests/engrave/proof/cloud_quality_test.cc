@@ -79,8 +79,10 @@ TEST(CrackRisk, NamesTheTwoClumps) {
   ASSERT_EQ(worst.size(), 2u);
   EXPECT_LT((worst[0].place_mm - Vec3(4.2, 5.2, 6.2)).norm(), 0.3);
   EXPECT_LT((worst[1].place_mm - Vec3(14.2, 5.2, 9.2)).norm(), 0.3);
-  EXPECT_THAT(quality->warnings.back(), HasSubstr("mm, also at (14."));
-  EXPECT_THAT(quality->warnings.back(), HasSubstr("minimum spacing of 0.2"));
+  EXPECT_THAT(quality->warnings.back().text, HasSubstr("mm, also at (14."));
+  EXPECT_THAT(quality->warnings.back().text, HasSubstr("minimum spacing of 0.2"));
+  EXPECT_EQ(quality->warnings.back().code, WarningCode::kBreakage);
+  EXPECT_EQ(quality->warnings.back().weight, WarningWeight::kConsent);
 }
 
 TEST(CrackRisk, AClumpOfThousandsDoesNotTakeForever) {
@@ -89,7 +91,7 @@ TEST(CrackRisk, AClumpOfThousandsDoesNotTakeForever) {
   ASSERT_TRUE(quality);
   EXPECT_GE(quality->crack_risk->densest.cracks, 4096u);
   EXPECT_TRUE(quality->nearest.more_pairs);
-  EXPECT_THAT(quality->warnings.front(), HasSubstr("or more pairs"));
+  EXPECT_THAT(quality->warnings.front().text, HasSubstr("or more pairs"));
 }
 
 TEST(CloudQuality, OfAnEvenSheet) {
@@ -120,17 +122,19 @@ TEST(CloudQuality, WarnsOfWhatIsWrongWithItsPlace) {
   const auto holed = MeasureCloud(CloudOf(points), models, Options(0.2));
   ASSERT_TRUE(holed);
   ASSERT_EQ(holed->warnings.size(), 1u);
-  EXPECT_THAT(holed->warnings[0], HasSubstr("hole of radius 2."));
+  EXPECT_THAT(holed->warnings[0].text, HasSubstr("hole of radius 2."));
   EXPECT_NEAR((holed->surface->uncovered.place_mm - Vec3(6, 7, 2)).norm(), 0, 0.25);
 
   points.push_back(points[100] + Vec3(0.01, 0, 0));
   const auto near = MeasureCloud(CloudOf(points), {}, Options(0.2));
   EXPECT_FALSE(near->KeepsSpacing());
-  EXPECT_THAT(near->warnings.at(0), HasSubstr("1 pairs of points are nearer"));
+  EXPECT_THAT(near->warnings.at(0).text, HasSubstr("1 pairs of points are nearer"));
+  EXPECT_EQ(near->warnings.at(0).code, WarningCode::kNearPoints);
   points.push_back(points[200]);
   const auto doubled = MeasureCloud(CloudOf(points), {}, Options(0.2));
   EXPECT_EQ(doubled->nearest.doubled_count, 1u);
-  EXPECT_THAT(doubled->warnings.at(0), HasSubstr("have the same place as another one"));
+  EXPECT_THAT(doubled->warnings.at(0).text,
+              HasSubstr("have the same place as another one"));
 }
 
 TEST(CloudQuality, ReportsTheShareOfEverySource) {

@@ -7,6 +7,7 @@
 #include <random>
 #include <tuple>
 
+#include "engrave/discretize/spacing/point_source.h"
 #include "tests/engrave/discretize/oracles.h"
 
 namespace intaglio::discretize {
@@ -76,7 +77,16 @@ std::vector<Key> ThinnedByBruteForce(const SpacedCloud& cloud,
   std::vector<Key> kept;
   const std::vector<Key> fixed = Keys(taken);
   std::vector<Key> sorted = Keys(cloud);
-  std::sort(sorted.begin(), sorted.end());
+  const auto height = [&](const Key& p) {
+    return options.rise.dot(Vec3(std::get<2>(p), std::get<1>(p), std::get<0>(p)));
+  };
+  std::sort(sorted.begin(), sorted.end(), [&](const Key& a, const Key& b) {
+    const auto order = [&](const Key& p) {
+      const auto& [z, y, x, source, spacing_mm] = p;
+      return std::tuple(height(p), y, x, source, spacing_mm, z);
+    };
+    return order(a) < order(b);
+  });
   for (const Key& p : sorted) {
     const auto near = [&](const Key& q) { return AreTooNear(p, q, options); };
     if (std::any_of(fixed.begin(), fixed.end(), near)) continue;
@@ -103,7 +113,8 @@ class ThinningOfRandomClouds
 TEST_P(ThinningOfRandomClouds, KeepsWhatTheRulesRequire) {
   const auto [own, height_ratio, on_grid, with_taken] = GetParam();
   for (unsigned seed = 0; seed < 4; ++seed) {
-    const ThinningOptions options{0.15 + 0.1 * seed, height_ratio};
+    const Vec3 rise = seed < 2 ? kUpward : ObliqueRise();
+    const ThinningOptions options{0.15 + 0.1 * seed, height_ratio, {}, rise};
     const SpacedCloud cloud = RandomCloud({.seed = seed, .on_grid = on_grid, .own = own});
     const SpacedCloud taken = RandomCloud({.seed = seed + 50,
                                            .count = with_taken ? 60 : 0,
