@@ -122,4 +122,16 @@ std::string WrongInCollada(std::string_view text) {
   return wrong;
 }
 
+UpAxis UpAxisInCollada(std::string_view text) {
+  const std::size_t tag = text.find("<up_axis");
+  if (tag == std::string_view::npos) return UpAxis::kY;
+  const std::size_t inside = text.find('>', tag);
+  if (inside == std::string_view::npos) return UpAxis::kY;
+  const std::size_t begin = text.find_first_not_of(kBlank, inside + 1);
+  if (begin == std::string_view::npos) return UpAxis::kY;
+  const std::string_view value = text.substr(begin);
+  if (value.starts_with("Z_UP")) return UpAxis::kZ;
+  return value.starts_with("X_UP") ? UpAxis::kX : UpAxis::kY;
+}
+
 }  // namespace intaglio::mesh

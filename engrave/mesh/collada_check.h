@@ -1,10 +1,12 @@
 #pragma once
 
-// Checks of a Collada file (.dae) that the import library omits: index lists that it
-// would read for ever, and accessors that reach behind their arrays.
+// What is read of a Collada file (.dae) beside the import library: index lists that the
+// library would read for ever, accessors that reach behind their arrays, and the up axis.
 
 #include <string>
 #include <string_view>
+
+#include "engrave/mesh/up_axis.h"
 
 namespace intaglio::mesh {
 
@@ -12,5 +14,9 @@ namespace intaglio::mesh {
 /// Reads the tags as they are in the text, without parsing the XML: a file that hides its
 /// numbers in entities is refused, too.
 std::string WrongInCollada(std::string_view text);
+
+/// The first up_axis of the text; Y_UP, the standard's default, when there is none or it
+/// has another value than X_UP, Y_UP and Z_UP.
+UpAxis UpAxisInCollada(std::string_view text);
 
 }  // namespace intaglio::mesh

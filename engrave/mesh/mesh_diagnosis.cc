@@ -25,7 +25,9 @@
 namespace intaglio::mesh {
 namespace {
 
-constexpr double kMinSizeRatio = 0.02;
+// Of an open or damaged surface the sign of the volume is certain when it encloses this
+// share of its bounding box, and few of its edges are open.
+constexpr double kVolumeShare = 0.02, kOpenEdgeShare = 0.05;
 constexpr double kDegenerateRatio = 1e-12;
 
 /// Parts of the mesh, and each triangle's side relative to the root of its part.
@@ -205,47 +207,46 @@ MeshDiagnosis Diagnose(const TriangleMesh& mesh) {
   return diagnosis;
 }
 
-std::vector<std::string> Warnings(const MeshDiagnosis& d, std::string_view model_name) {
-  std::vector<std::string> warnings;
-  const auto warn_if = [&](std::uint64_t count, std::string_view sentence) {
-    if (count == 0) return;
-    warnings.push_back(
-        fmt::format("{}: {}", model_name, fmt::format(fmt::runtime(sentence), count)));
+bool MeshDiagnosis::inside_out() const {
+  if (!orientable || !(signed_volume_mm3 < 0)) return false;
+  if (closed() && flipped_edge_count == 0) return true;
+  const auto few = [](std::uint64_t count, std::uint64_t of) {
+    return static_cast<double>(count) <= kOpenEdgeShare * static_cast<double>(of);
   };
-  warn_if(d.open_edge_count,
-          "the surface is open along {} edges; points are made on it, but contours there "
-          "do not close: fill the holes in a mesh editor if they are not intended");
-  warn_if(d.non_manifold_edge_count,
-          "{} edges belong to more than two triangles, for example where walls meet "
-          "inside; remove inner walls in a mesh editor if no points are wanted there");
-  warn_if(d.flipped_triangle_count,
-          "{} triangles are oriented against their neighbours; make the normals "
-          "consistent in a mesh editor if inside and outside matter");
-  warn_if(d.orientable ? 0 : 1,
-          "inside and outside cannot be distinguished ({} or more parts are one-sided "
-          "like a Moebius strip); points are still made on the surface");
-  warn_if(d.closed() && d.flipped_edge_count == 0 && d.signed_volume_mm3 < 0 ? 1 : 0,
-          "the surface is inside out; points are still made on it; flip the normals in a "
-          "mesh editor if inside and outside matter");
-  warn_if(d.degenerate_triangle_count, "{} triangles have no area; they get no points");
-  warn_if(d.duplicate_triangle_count,
-          "{} triangles occur more than once; remove duplicates in a mesh editor");
-  return warnings;
+  return few(open_edge_count, edge_count) &&
+         few(flipped_triangle_count, triangle_count) &&
+         -signed_volume_mm3 > kVolumeShare * bounds_mm.size_mm().prod();
 }
 
-std::optional<std::string> SizeWarning(const Vec3& size_mm, const Vec3& block_size_mm,
-                                       std::string_view model_name) {
-  const auto describe = [](const Vec3& v) {
-    return fmt::format("{:.4g} x {:.4g} x {:.4g} mm", v.x(), v.y(), v.z());
+Warnings WarningsOf(const MeshDiagnosis& d, std::string_view model_name) {
+  Warnings warnings;
+  const auto warn_if = [&](std::uint64_t count, WarningCode code,
+                           std::string_view sentence) {
+    if (count == 0) return;
+    warnings.push_back(MakeWarning(
+        code,
+        fmt::format("{}: {}", model_name, fmt::format(fmt::runtime(sentence), count))));
   };
-  const bool too_large = (size_mm.array() > block_size_mm.array()).any();
-  const bool too_small = size_mm.maxCoeff() < kMinSizeRatio * block_size_mm.minCoeff();
-  if (!too_large && !too_small) return std::nullopt;
-  return fmt::format(
-      "{}: the model is {}, {} the block of {}; if the file is in inches or metres, set "
-      "its unit, or fit it to a height or size",
-      model_name, describe(size_mm), too_large ? "larger than" : "less than 2 % of",
-      describe(block_size_mm));
+  warn_if(d.open_edge_count, WarningCode::kOpenSurface,
+          "the surface is open along {} edges; points are made on it, but contours there "
+          "do not close: fill the holes in a mesh editor if they are not intended");
+  warn_if(d.non_manifold_edge_count, WarningCode::kNonManifoldEdges,
+          "{} edges belong to more than two triangles, for example where walls meet "
+          "inside; remove inner walls in a mesh editor if no points are wanted there");
+  warn_if(d.flipped_triangle_count, WarningCode::kFlippedTriangles,
+          "{} triangles are oriented against their neighbours; make the normals "
+          "consistent in a mesh editor if inside and outside matter");
+  warn_if(d.orientable ? 0 : 1, WarningCode::kOneSided,
+          "inside and outside cannot be distinguished ({} or more parts are one-sided "
+          "like a Moebius strip); points are still made on the surface");
+  warn_if(d.inside_out() ? 1 : 0, WarningCode::kInsideOut,
+          "the surface is inside out; points are still made on it; flip the normals in a "
+          "mesh editor if inside and outside matter");
+  warn_if(d.degenerate_triangle_count, WarningCode::kEmptyTriangles,
+          "{} triangles have no area; they get no points");
+  warn_if(d.duplicate_triangle_count, WarningCode::kRepeatedTriangles,
+          "{} triangles occur more than once; remove duplicates in a mesh editor");
+  return warnings;
 }
 
 }  // namespace intaglio::mesh

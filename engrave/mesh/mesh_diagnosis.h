@@ -1,11 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
 
+#include "engrave/core/warning.h"
 #include "engrave/mesh/mesh.h"
 
 namespace intaglio::mesh {
@@ -45,6 +43,10 @@ struct MeshDiagnosis {
     return triangle_count > 0 && edge_count > 0 && open_edge_count == 0 &&
            non_manifold_edge_count == 0;
   }
+  /// The faces point inward: the volume is negative, of a closed surface whose neighbours
+  /// agree, or of one with few open edges and flipped triangles (5 %) that encloses more
+  /// than 2 % of its bounding box.
+  bool inside_out() const;
   /// V - E + F without the triangles that have a repeated corner; 2 for a sphere.
   std::int64_t euler_characteristic = 0;
 };
@@ -52,15 +54,7 @@ struct MeshDiagnosis {
 /// Linear in the triangles. No more than kMaxHalfEdgeTriangles (half_edges.h).
 MeshDiagnosis Diagnose(const TriangleMesh& mesh);
 
-/// Sentences a person can act on, each beginning with the model's name; none for a
-/// clean, closed surface.
-std::vector<std::string> Warnings(const MeshDiagnosis& diagnosis,
-                                  std::string_view model_name);
-
-/// A warning when the model's size after scaling is implausible for the block: larger
-/// than it along any axis, or its largest extent smaller than 2 % of the block's
-/// smallest. Inches or metres taken for millimetres fall outside of these.
-std::optional<std::string> SizeWarning(const Vec3& size_mm, const Vec3& block_size_mm,
-                                       std::string_view model_name);
+/// Each begins with the model's name; none for a clean, closed surface.
+Warnings WarningsOf(const MeshDiagnosis& diagnosis, std::string_view model_name);
 
 }  // namespace intaglio::mesh

@@ -22,10 +22,11 @@
 // - 3MF declares one (millimetre by default), which is not applied: a file in inches
 //   needs unit_mm = 25.4;
 // - glTF is in metres and y-up by its standard, and is taken as it is: unit_mm = 1000
-//   and a turn of +90 degrees about x (placement.h) show it in true size and upright;
+//   shows it in true size;
 // - DAE is brought to metres (unit_mm = 1000) by the unit it declares, metre by default;
 //   its up axis is left as it is.
-// SizeWarning() in mesh_diagnosis.h detects a forgotten unit.
+// Which axis is up: up_axis.h; the placement turns it. plausible_size.h detects a
+// forgotten unit.
 
 #include <cstddef>
 #include <cstdint>

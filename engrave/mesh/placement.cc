@@ -45,11 +45,11 @@ Mat3 TurnAbout(int axis, double angle_rad) {
   return turn;
 }
 
-/// Steps 1 to 4.
+/// Steps 1 to 5.
 Mat3 TurnedFromModel(const Placement& p) {
   const Vec3 sign(p.mirror_x ? -1 : 1, p.mirror_y ? -1 : 1, p.mirror_z ? -1 : 1);
   const Vec3 stretch = p.unit_mm * p.scale_ratio.cwiseProduct(sign);
-  return RotationOf(p.rotation_rad) * Mat3(stretch.asDiagonal());
+  return RotationOf(p.rotation_rad) * Mat3(stretch.asDiagonal()) * UprightFrom(p.up);
 }
 
 Box3 BoundsAfter(const Mat3& linear, const PointList& vertices) {
@@ -58,13 +58,13 @@ Box3 BoundsAfter(const Mat3& linear, const PointList& vertices) {
   return box;
 }
 
-/// In mm, before anything was turned.
+/// Of the upright model, mm.
 Vec3 PivotOf(const Placement& p, const PointList& vertices, const Vec3& block_size_mm) {
   switch (p.pivot) {
     case Pivot::kOrigin:
       break;
     case Pivot::kObject:
-      return p.unit_mm * BoundsAfter(Mat3::Identity(), vertices).center_mm();
+      return p.unit_mm * BoundsAfter(UprightFrom(p.up), vertices).center_mm();
     case Pivot::kBlock:
       return 0.5 * block_size_mm;
   }
@@ -84,7 +84,7 @@ Result<double> RatioTo(double wanted_mm, double extent_mm, const char* extent_na
   return wanted_mm / extent_mm;
 }
 
-/// Step 5: the common factor that brings `size_mm` to the size that the fit requires.
+/// Step 6: the common factor that brings `size_mm` to the size that the fit requires.
 struct FitRatio {
   const Vec3& size_mm;
 
@@ -135,7 +135,8 @@ Result<GlassFromModel> GlassFromModelOf(const PointList& vertices,
     transform.offset_mm += 0.5 * block_size_mm - fitted.center_mm();
   } else {
     const Vec3 pivot_mm = PivotOf(placement, vertices, block_size_mm);
-    transform.offset_mm += pivot_mm - transform.linear * (pivot_mm / placement.unit_mm);
+    const Vec3 in_file = UprightFrom(placement.up).transpose() * pivot_mm;
+    transform.offset_mm += pivot_mm - transform.linear * (in_file / placement.unit_mm);
   }
   if (!transform.linear.allFinite() || !transform.offset_mm.allFinite()) {
     return Fail(ErrorCode::kInvalidValue,

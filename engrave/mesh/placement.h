@@ -3,20 +3,22 @@
 // The transform of a model from its file (model frame, file units) into the block (glass
 // frame, mm, the block spans [0, size], z up). Applied in this order:
 //   1. unit      file units to mm
-//   2. mirror    across the planes x = 0, y = 0, z = 0 of the model frame
-//   3. scale     along each axis of the model frame
-//   4. rotate    about the fixed axes x, then y, then z: R = Rz Ry Rx
-//   5. fit       one factor for all axes, from the size that steps 1 to 4 gave
-//   6. centre    equal distance from the outermost points to opposite walls
-//   7. move      a shift in the glass frame, after centring if there is any
-// Without centring the model frame's origin lies at the block's origin before step 7;
-// steps 2 to 5 leave the pivot, a point of the glass frame, in its place. A mirrored
+//   2. up        the file's up axis becomes z (up_axis.h)
+//   3. mirror    across the planes x = 0, y = 0, z = 0 of the upright model
+//   4. scale     along each axis of the upright model
+//   5. rotate    about the fixed axes x, then y, then z: R = Rz Ry Rx
+//   6. fit       one factor for all axes, from the size that steps 1 to 5 gave
+//   7. centre    equal distance from the outermost points to opposite walls
+//   8. move      a shift in the glass frame, after centring if there is any
+// Without centring the model frame's origin lies at the block's origin before step 8;
+// steps 3 to 6 leave the pivot, a point of the glass frame, in its place. A mirrored
 // model's triangles get their corners reversed, so faces still point outward.
 
 #include <variant>
 
 #include "engrave/core/result.h"
 #include "engrave/mesh/mesh.h"
+#include "engrave/mesh/up_axis.h"
 
 namespace intaglio::mesh {
 
@@ -39,7 +41,7 @@ using Fit = std::variant<NoFit, FitHeight, FitLargest, FitBox>;
 /// The fixed point of mirror, scale, turn and fit.
 enum class Pivot {
   kOrigin,  ///< of the model frame
-  kObject,  ///< the centre of the model's extent, as the file has it
+  kObject,  ///< the centre of the upright model's extent, before it is mirrored
   kBlock,   ///< the centre of the block
 };
 
@@ -47,6 +49,7 @@ struct Placement {
   /// mm that a file unit is long; positive. Default: the file is in mm. 25.4 for inches,
   /// 1000 for metres.
   double unit_mm = 1;
+  UpAxis up = UpAxis::kZ;  ///< of the file
   bool mirror_x = false;
   bool mirror_y = false;
   bool mirror_z = false;

@@ -54,7 +54,12 @@ void VisitMethod(google::protobuf::Message& holder, const std::string& path,
 
 void VisitModel(Model& model, const std::string& path, const Visit& visit) {
   if (model.has_text()) {
-    visit(*model.mutable_text()->mutable_font(), path + ".text.font");
+    Text& text = *model.mutable_text();
+    visit(*text.mutable_font(), path + ".text.font");
+    for (int i = 0; i < text.fallback_fonts_size(); ++i) {
+      visit(*text.mutable_fallback_fonts(i),
+            fmt::format("{}.text.fallback_fonts[{}]", path, i));
+    }
   } else {
     visit(*model.mutable_file(), path + ".file");
   }

@@ -6,6 +6,7 @@
 #include "engrave/core/check.h"
 #include "engrave/mesh/mesh_diagnosis.h"
 #include "engrave/mesh/mesh_import.h"
+#include "engrave/mesh/up_axis.h"
 
 // The first byte picks the format ('0' stl, '1' obj, ... in the order below), the rest is
 // the file. Every input gives a mesh of finite vertices or an error with a message. The
@@ -18,8 +19,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   mesh::ImportOptions options;
   options.max_triangles = 100'000;
   const auto file = std::as_bytes(std::span(bytes, size)).subspan(1);
-  const auto imported = mesh::ImportMeshFromMemory(
-      file, kExtensions[bytes[0] % kExtensions.size()], options);
+  const std::string_view extension = kExtensions[bytes[0] % kExtensions.size()];
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  if (const auto up = mesh::UpAxisOfFile(extension, text)) {
+    Require(mesh::NearestUpAxis(mesh::DirectionOf(*up)) == *up, "an axis of no name");
+  }
+  const auto imported = mesh::ImportMeshFromMemory(file, extension, options);
   if (!imported) {
     Require(!imported.error().message.empty(), "an error without a sentence");
     return 0;

@@ -2,6 +2,8 @@
 
 #include "engrave/discretize/warnings.h"
 #include "services/job/methods/method_table.h"
+#include "services/job/methods/point_maker.h"
+#include "services/job/verdict/warnings.h"
 
 namespace intaglio {
 namespace {
@@ -46,7 +48,7 @@ DiscretizeOutcome OutcomeOf(const JobSources& sources,
   DiscretizeOutcome outcome;
   if (part.index == 0) {
     outcome.mutable_models()->Assign(sources.meshes.begin(), sources.meshes.end());
-    outcome.mutable_warnings()->Assign(sources.warnings.begin(), sources.warnings.end());
+    AddTo(*outcome.mutable_warnings(), sources.warnings);
   }
   outcome.set_candidate_count(made.candidate_count);
   outcome.set_thinned_count(made.thinned_count);
@@ -73,18 +75,19 @@ void AddPart(const DiscretizeOutcome& part, DiscretizeOutcome& all) {
   }
 }
 
-std::vector<std::string> WarningsOf(const DiscretizeOutcome& all, const JobSpec& job) {
-  std::vector<std::string> warnings(all.warnings().begin(), all.warnings().end());
+Warnings WarningsOf(const DiscretizeOutcome& all, const JobSpec& job) {
+  Warnings warnings = WarningsOf(all.warnings());
   discretize::MethodStatistics sum;
   for (int i = 0; i < all.methods_size(); ++i) {
     discretize::MethodStatistics one = StatisticsOf(all.methods(i));
     const Method* method = i < job.models_size() ? MethodOf(job.models(i)) : nullptr;
-    if (method != nullptr && method->counts_to_warn_of != nullptr) {
-      one = method->counts_to_warn_of(job.models(i), one);
+    if (method != nullptr) {
+      const auto counts_to_warn_of = MakerOf(*method).counts_to_warn_of;
+      if (counts_to_warn_of != nullptr) one = counts_to_warn_of(job.models(i), one);
     }
     sum.Add(one);
   }
-  for (std::string& warning :
+  for (Warning& warning :
        discretize::WarningsOf(sum, job.discretization().min_spacing_mm())) {
     warnings.push_back(std::move(warning));
   }

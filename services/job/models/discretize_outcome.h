@@ -2,9 +2,7 @@
 
 // The outcomes of the discretizers, combined from the parts of a job.
 
-#include <string>
-#include <vector>
-
+#include "engrave/core/warning.h"
 #include "engrave/discretize/cloud.h"
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
@@ -20,9 +18,8 @@ DiscretizeOutcome OutcomeOf(const JobSources& sources,
 /// Counts are added up, models and warnings taken over.
 void AddPart(const DiscretizeOutcome& part, DiscretizeOutcome& all);
 
-/// What a person should know before the block is spoiled, a sentence each with the
-/// remedy: the outcome's own warnings, and those that follow from the counts of all
-/// parts together. `job` with its defaults filled in.
-std::vector<std::string> WarningsOf(const DiscretizeOutcome& all, const JobSpec& job);
+/// The outcome's own warnings, and those that follow from the counts of all parts
+/// together. `job` with its defaults filled in.
+Warnings WarningsOf(const DiscretizeOutcome& all, const JobSpec& job);
 
 }  // namespace intaglio

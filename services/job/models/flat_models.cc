@@ -2,25 +2,28 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <filesystem>
 #include <variant>
 
 #include "engrave/core/try.h"
 #include "engrave/drawing/dxf/dxf_read.h"
-#include "engrave/drawing/font_outline.h"
 #include "engrave/drawing/hpgl_read.h"
 #include "engrave/drawing/svg/svg_read.h"
 #include "engrave/image/image_file.h"
+#include "services/job/models/model_checks.h"
 
 namespace intaglio {
 namespace {
 
-MadePoints PointsOf(const Method& method, const MethodInput& input,
-                    const drawing::Drawing& drawing, discretize::CurveFill inside) {
-  const auto placed = INTAGLIO_TRY(
-      discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
-  return std::get<DrawingMaker>(method.make)(input, placed, inside);
+Box3 BoundsOf(const discretize::PlacedDrawing& placed) {
+  Box3 box;
+  for (const drawing::FlatCurve& curve : placed.flat.curves) {
+    for (const Vec3& p : curve.points_mm) box.Extend(p);
+  }
+  return box;
 }
 
 Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
@@ -36,48 +39,65 @@ Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view f
   return drawing::ReadHpgl(file, options, name);
 }
 
-drawing::TextAlignment AlignmentOf(TextAlignment alignment) {
-  switch (alignment) {
-    case TEXT_ALIGNMENT_CENTRE:
-      return drawing::TextAlignment::kCentre;
-    case TEXT_ALIGNMENT_RIGHT:
-      return drawing::TextAlignment::kRight;
-    default:
-      return drawing::TextAlignment::kLeft;
-  }
+// What a person sees in the file and misses in the glass.
+constexpr std::array<std::string_view, 13> kShownKinds = {
+    "TEXT",
+    "MTEXT",
+    "ATTRIB",
+    "DIMENSION",
+    "LEADER",
+    "MLEADER",
+    "IMAGE",
+    "WIPEOUT",
+    "text",
+    "image",
+    "LB",
+    "pattern of a HATCH",
+    "use of an element that is not in the file"};
+
+Warning LeftOutWarning(const std::string& file, const std::string& kind,
+                       std::uint64_t count) {
+  const bool shown =
+      std::find(kShownKinds.begin(), kShownKinds.end(), kind) != kShownKinds.end();
+  Warning warning = MakeWarning(
+      WarningCode::kLeftOut,
+      fmt::format("{}: left out {} entities: {}{}", file, count, kind,
+                  shown ? "; convert them to curves if they have to be engraved" : ""));
+  if (shown) warning.weight = WarningWeight::kWarning;
+  return warning;
 }
 
 }  // namespace
 
 MadePoints MakeDrawing(const Method& method, const MethodInput& input,
                        std::string_view file, const ReadLimits& limits,
-                       std::vector<std::string>& warnings) {
+                       SizeCheck size_check, Warnings& warnings) {
   const std::string& name = input.model.file();
   auto drawing = INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings));
   for (const auto& [kind, count] : drawing.left_out) {
-    warnings.push_back(fmt::format("{}: left out {} entities: {}",
-                                   std::filesystem::path(name).filename().string(), count,
-                                   kind));
+    warnings.push_back(
+        LeftOutWarning(std::filesystem::path(name).filename().string(), kind, count));
   }
-  return PointsOf(method, input, drawing, discretize::CurveFill::kEvenOdd);
+  const auto placed = INTAGLIO_TRY(
+      discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
+  if (size_check == SizeCheck::kDone) {
+    INTAGLIO_TRY(CheckSize(input, BoundsOf(placed).size_mm(), warnings));
+  }
+  return std::get<DrawingMaker>(MakerOf(method).make)(input, placed,
+                                                      discretize::CurveFill::kEvenOdd);
 }
 
-MadePoints MakeText(const Method& method, const MethodInput& input,
-                    const std::string& text, std::string_view font) {
-  const Text& asked = input.model.text();
-  drawing::TextOptions options;
-  options.font = asked.font();
-  options.font_bytes = font;
-  options.cap_height_mm = asked.height_mm();
-  options.line_spacing_ratio = asked.line_ratio();
-  options.alignment = AlignmentOf(asked.alignment());
-  const auto outline = INTAGLIO_TRY(drawing::TextOutline(text, options));
-  return PointsOf(method, input, outline, discretize::CurveFill::kNonZero);
+MadePoints MakeLetters(const Method& method, const MethodInput& input,
+                       const drawing::Drawing& outline) {
+  const auto placed = INTAGLIO_TRY(
+      discretize::PlaceDrawing(outline, input.placement, input.block_size_mm));
+  return std::get<DrawingMaker>(MakerOf(method).make)(input, placed,
+                                                      discretize::CurveFill::kNonZero);
 }
 
 MadePoints MakePicture(const Method& method, const MethodInput& input,
                        std::string_view file, const ReadLimits& limits) {
-  const auto& maker = std::get<PictureMaker>(method.make);
+  const auto& maker = std::get<PictureMaker>(MakerOf(method).make);
   image::ImageOptions reading;
   reading.limits = limits.images;
   reading.samples = maker.samples;

@@ -7,22 +7,26 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "engrave/core/result.h"
-#include "services/job/methods/method.h"
+#include "engrave/core/warning.h"
+#include "engrave/drawing/drawing.h"
+#include "services/job/methods/point_maker.h"
 #include "services/job/models/read_limits.h"
 
 namespace intaglio {
 
-/// What a file holds that is not engraved is added to `warnings`.
+enum class SizeCheck { kDone, kLeftOut };
+
+/// What a file holds that is not engraved, and an implausible size (model_checks.h), is
+/// added to `warnings`.
 MadePoints MakeDrawing(const Method& method, const MethodInput& input,
                        std::string_view file, const ReadLimits& limits,
-                       std::vector<std::string>& warnings);
+                       SizeCheck size_check, Warnings& warnings);
 
-/// The model's text in the font, with `text` in place of it.
-MadePoints MakeText(const Method& method, const MethodInput& input,
-                    const std::string& text, std::string_view font);
+/// A text of the model (text_model.h).
+MadePoints MakeLetters(const Method& method, const MethodInput& input,
+                       const drawing::Drawing& outline);
 
 MadePoints MakePicture(const Method& method, const MethodInput& input,
                        std::string_view file, const ReadLimits& limits);

@@ -18,35 +18,21 @@
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/io/ply_header.h"
 #include "engrave/io/whole_file.h"
-#include "engrave/mesh/mesh_diagnosis.h"
-#include "engrave/mesh/mesh_import.h"
 #include "engrave/mesh/placement.h"
 #include "services/job/channels.h"
 #include "services/job/methods/method_table.h"
+#include "services/job/methods/point_maker.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
+#include "services/job/models/mesh_models.h"
+#include "services/job/models/model_checks.h"
+#include "services/job/models/text_model.h"
 #include "services/job/options.h"
 
 namespace intaglio {
 namespace {
 
 using Source = std::unique_ptr<discretize::PointSource>;
-
-MeshDiagnosisRecord RecordOf(const std::string& file, const mesh::MeshDiagnosis& found) {
-  MeshDiagnosisRecord record;
-  record.set_file(file);
-  record.set_triangle_count(found.triangle_count);
-  record.set_vertex_count(found.vertex_count);
-  record.set_open_edge_count(found.open_edge_count);
-  record.set_non_manifold_edge_count(found.non_manifold_edge_count);
-  record.set_flipped_edge_count(found.flipped_edge_count);
-  record.set_degenerate_triangle_count(found.degenerate_triangle_count);
-  const Vec3 size_mm = found.bounds_mm.size_mm();
-  record.set_size_x_mm(size_mm.x());
-  record.set_size_y_mm(size_mm.y());
-  record.set_size_z_mm(size_mm.z());
-  return record;
-}
 
 /// The files of the models in their order, each handed out once.
 class Files {
@@ -62,9 +48,6 @@ class Files {
   std::vector<FileBytes> files_;
   std::size_t next_ = 0;
 };
-
-/// Placeholder for the number of a copy in a text.
-constexpr std::string_view kNumber = "{n}";
 
 std::string ExtensionOf(const std::string& file) {
   return std::filesystem::path(file).extension().string();
@@ -86,18 +69,28 @@ bool HoldsPointsOnly(const Model& model, const FileBytes& file) {
                                 });
 }
 
+enum class Purpose {
+  kPoints,  ///< sources of the job's points
+  kExtent,  ///< of meshes their bounding boxes alone; sizes are not checked
+};
+
 class Maker {
  public:
   Maker(const JobSpec& job, std::vector<FileBytes> files, const ReadLimits& limits,
-        JobSources& made)
-      : job_(job), files_(std::move(files)), limits_(limits), made_(made) {}
+        Purpose purpose, JobSources& made)
+      : job_(job),
+        files_(std::move(files)),
+        limits_(limits),
+        purpose_(purpose),
+        made_(made) {}
 
   Result<Source> Make(const Model& model) {
     auto source = MakeOne(model);
     if (source) return WithCopies(model, std::move(*source));
     Error error = WithRemedy(source.error(), limits_);
     const std::string name = model.has_text() ? model.text().text() : model.file();
-    if (!error.message.starts_with(name)) error.message = name + ": " + error.message;
+    if (error.message.find(name) == std::string::npos)
+      error.message = name + ": " + error.message;
     return tl::unexpected(std::move(error));
   }
 
@@ -110,8 +103,11 @@ class Maker {
             "{} has no method that suits it: the job's defaults are not filled in",
             NameOf(kind));
     const Block block = BlockOf(job_, model);
-    MethodInput input{
-        job_, model, PlacementOf(model.placement(), block), Vec3Of(block.size_mm()), {}};
+    MethodInput input{job_,
+                      model,
+                      PlacementOf(model.placement(), block, DeclaredUpOf(model, file)),
+                      Vec3Of(block.size_mm()),
+                      {}};
     if (method != nullptr) {
       INTAGLIO_TRY(ReadImages(*method, input));
     }
@@ -122,10 +118,16 @@ class Maker {
       case ModelKind::kCloud:
         return OfCloud(input, file);
       case ModelKind::kDrawing:
-        return MakeDrawing(*method, input, TextOf(file), limits_, made_.warnings);
+        AddOrientationOfSheet(input, made_.warnings);
+        return MakeDrawing(
+            *method, input, TextOf(file), limits_,
+            purpose_ == Purpose::kPoints ? SizeCheck::kDone : SizeCheck::kLeftOut,
+            made_.warnings);
       case ModelKind::kImage:
+        AddOrientationOfSheet(input, made_.warnings);
         return MakePicture(*method, input, TextOf(file), limits_);
       case ModelKind::kText:
+        AddOrientationOfSheet(input, made_.warnings);
         return OfText(*method, input, file);
     }
     throw PreconditionError("a model of no kind");
@@ -154,49 +156,40 @@ class Maker {
   }
 
   /// Copies of a numbered text are texts of their own.
-  static Result<Source> OfText(const Method& method, const MethodInput& input,
-                               const FileBytes& font) {
-    const std::string& text = input.model.text().text();
-    if (text.find(kNumber) == std::string::npos) {
-      return MakeText(method, input, text, TextOf(font));
+  Result<Source> OfText(const Method& method, const MethodInput& input,
+                        const FileBytes& font) {
+    const Text& text = input.model.text();
+    std::vector<FileBytes> files;
+    for (int i = 0; i < text.fallback_fonts_size(); ++i) files.push_back(files_.Take());
+    std::vector<drawing::FontSource> fonts = {{text.font(), TextOf(font)}};
+    for (int i = 0; i < text.fallback_fonts_size(); ++i) {
+      fonts.push_back(
+          {text.fallback_fonts(i), TextOf(files[static_cast<std::size_t>(i)])});
     }
+    const auto outlined = INTAGLIO_TRY(OutlineText(job_, input.model, fonts));
+    made_.warnings.insert(made_.warnings.end(), outlined.warnings.begin(),
+                          outlined.warnings.end());
+    if (!IsNumbered(text)) return MakeLetters(method, input, outlined.outlines.front());
+    const PointList offsets_mm = CopyOffsetsOf(input.model);
     std::vector<Source> pieces;
-    for (const Vec3& offset_mm : CopyOffsetsOf(input.model)) {
-      std::string numbered = text;
-      for (auto at = numbered.find(kNumber); at != std::string::npos;
-           at = numbered.find(kNumber, at)) {
-        numbered.replace(at, kNumber.size(), std::to_string(pieces.size() + 1));
-      }
-      auto piece = MakeText(method, input, numbered, TextOf(font));
-      if (!piece) return piece;
-      pieces.push_back(discretize::MakeShifted(std::move(*piece), offset_mm));
+    for (const drawing::Drawing& outline : outlined.outlines) {
+      auto piece = INTAGLIO_TRY(MakeLetters(method, input, outline));
+      const Vec3& offset_mm = offsets_mm[pieces.size()];
+      pieces.push_back(discretize::MakeShifted(std::move(piece), offset_mm));
     }
     return discretize::MakeSeveral(std::move(pieces));
   }
 
   Result<Source> OfMesh(const Method& method, const MethodInput& input,
                         const FileBytes& file) {
-    const std::string& name = input.model.file();
-    auto imported =
-        INTAGLIO_TRY(limits_.read_mesh(file, ExtensionOf(name), limits_.meshes, name));
-    auto placed =
-        INTAGLIO_TRY(mesh::PlaceInBlock(imported, input.placement, input.block_size_mm));
-    Diagnose(input, placed);
-    return std::get<MeshMaker>(method.make)(input, std::move(placed));
-  }
-
-  void Diagnose(const MethodInput& input, const mesh::TriangleMesh& placed) {
-    const auto found = mesh::Diagnose(placed);
-    const std::string& file = input.model.file();
-    made_.meshes.push_back(RecordOf(file, found));
-    const std::string name = std::filesystem::path(file).filename().string();
-    for (std::string& warning : mesh::Warnings(found, name)) {
-      made_.warnings.push_back(std::move(warning));
-    }
-    if (auto warning =
-            mesh::SizeWarning(found.bounds_mm.size_mm(), input.block_size_mm, name)) {
-      made_.warnings.push_back(std::move(*warning));
-    }
+    if (purpose_ == Purpose::kPoints)
+      return MakeMesh(method, input, file, limits_, made_);
+    const auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits_));
+    const Box3 box = placed.Bounds();
+    discretize::SpacedCloud corners;
+    corners.Add(box.min_mm, 0);
+    corners.Add(box.max_mm, 0);
+    return discretize::MakeFixedPoints(std::move(corners));
   }
 
   Result<Source> OfCloud(const MethodInput& input, const FileBytes& file) const {
@@ -210,8 +203,7 @@ class Maker {
   }
 
   static Source WithCopies(const Model& model, Source source) {
-    const bool numbered = model.text().text().find(kNumber) != std::string::npos;
-    if (!model.has_copies() || numbered) return source;
+    if (!model.has_copies() || IsNumbered(model.text())) return source;
     const std::shared_ptr<const discretize::PointSource> one = std::move(source);
     std::vector<Source> all;
     for (const Vec3& offset_mm : CopyOffsetsOf(model)) {
@@ -223,15 +215,15 @@ class Maker {
   const JobSpec& job_;
   Files files_;
   const ReadLimits& limits_;
+  Purpose purpose_;
   JobSources& made_;
 };
 
-}  // namespace
-
-Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
-                               const ReadLimits& limits, const ProgressSink& progress) {
+Result<JobSources> MakeFor(Purpose purpose, const JobSpec& job,
+                           std::vector<FileBytes> files, const ReadLimits& limits,
+                           const ProgressSink& progress) {
   JobSources made;
-  Maker maker(job, std::move(files), limits, made);
+  Maker maker(job, std::move(files), limits, purpose, made);
   for (const Model& model : job.models()) {
     auto source = INTAGLIO_TRY(maker.Make(model));
     made.sources.push_back(std::move(source));
@@ -240,6 +232,13 @@ Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
     }
   }
   return made;
+}
+
+}  // namespace
+
+Result<JobSources> MakeSources(const JobSpec& job, std::vector<FileBytes> files,
+                               const ReadLimits& limits, const ProgressSink& progress) {
+  return MakeFor(Purpose::kPoints, job, std::move(files), limits, progress);
 }
 
 Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits) {
@@ -253,24 +252,36 @@ Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits&
   return files;
 }
 
-Result<mesh::TriangleMesh> ReadMeshOf(const Model& model, const ReadLimits& limits) {
+Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
+                                        const ReadLimits& limits) {
   const auto text = io::ReadWholeFile(model.file(), limits.max_file_bytes);
   if (!text) return tl::unexpected(WithRemedy(text.error(), limits));
-  auto mesh = limits.read_mesh(std::as_bytes(std::span(*text)), ExtensionOf(model.file()),
-                               limits.meshes, model.file());
-  if (!mesh) return tl::unexpected(WithRemedy(mesh.error(), limits));
-  return mesh;
+  const auto bytes = std::as_bytes(std::span(*text));
+  const FileBytes file(bytes.begin(), bytes.end());
+  const Block block = BlockOf(job, model);
+  const MethodInput input{
+      job,
+      model,
+      PlacementOf(model.placement(), block, DeclaredUpOf(model, file)),
+      Vec3Of(block.size_mm()),
+      {}};
+  auto placed = PlaceMesh(input, file, limits);
+  if (!placed) return tl::unexpected(WithRemedy(placed.error(), limits));
+  return placed;
 }
 
-Result<Vec3> SizeOf(const JobSpec& job, const ReadLimits& limits) {
+Result<std::vector<Vec3>> SizesOf(const JobSpec& job, const ReadLimits& limits) {
   auto files = INTAGLIO_TRY(ReadFilesOf(job, limits));
-  // How many and how near does not matter: the fewest will do.
-  const auto made = INTAGLIO_TRY(MakeSources(job, std::move(files), limits, {}));
-  Vec3 size_mm = Vec3::Zero();
-  for (const auto& source : made.sources) {
-    size_mm = size_mm.cwiseMax(source->Bounds().size_mm());
-  }
-  return size_mm;
+  const auto made =
+      INTAGLIO_TRY(MakeFor(Purpose::kExtent, job, std::move(files), limits, {}));
+  std::vector<Vec3> sizes_mm;
+  for (const auto& source : made.sources) sizes_mm.push_back(source->Bounds().size_mm());
+  return sizes_mm;
+}
+
+std::optional<mesh::UpAxis> DeclaredUpOf(const Model& model, const FileBytes& file) {
+  if (model.has_text()) return std::nullopt;
+  return mesh::UpAxisOfFile(ExtensionOf(model.file()), TextOf(file));
 }
 
 PointList CopyOffsetsOf(const Model& model) {

@@ -4,12 +4,15 @@
 // files. The one place that knows which reader, placement and method a model needs.
 
 #include <cstddef>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "engrave/discretize/cloud.h"
+#include "engrave/mesh/mesh.h"
+#include "engrave/mesh/up_axis.h"
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
 #include "services/job/models/read_limits.h"
@@ -22,7 +25,7 @@ using FileBytes = std::vector<std::byte>;
 struct JobSources {
   discretize::Sources sources;              ///< one a model
   std::vector<MeshDiagnosisRecord> meshes;  ///< of the models that are meshes
-  std::vector<std::string> warnings;        ///< sentences a person can act on
+  Warnings warnings;
 };
 
 /// `job` with its defaults filled in; `files` as FilesOf (model_kind.h) names them, taken
@@ -41,12 +44,17 @@ discretize::CloudOptions CloudOptionsOf(const JobSpec& job);
 /// The files of a job that is made here, from this machine's disks.
 Result<std::vector<FileBytes>> ReadFilesOf(const JobSpec& job, const ReadLimits& limits);
 
-/// The mesh of a model of that kind, model frame; errors with the way to raise the
-/// limits.
-Result<mesh::TriangleMesh> ReadMeshOf(const Model& model, const ReadLimits& limits);
+/// The mesh of a model of that kind in its block, read from this machine's disks; errors
+/// with the way to raise the limits. `job` with its defaults filled in.
+Result<mesh::TriangleMesh> PlacedMeshOf(const JobSpec& job, const Model& model,
+                                        const ReadLimits& limits);
 
-/// The largest extents of the placed models, mm: a block has to hold them. `job` with its
-/// defaults filled in, and a block of any size.
-Result<Vec3> SizeOf(const JobSpec& job, const ReadLimits& limits);
+/// The extents of the placed models with their copies, mm, one a model, read from this
+/// machine's disks; nothing is made of meshes. `job` with its defaults filled in, and a
+/// block of any size.
+Result<std::vector<Vec3>> SizesOf(const JobSpec& job, const ReadLimits& limits);
+
+/// The up axis that the model's file declares, or its format.
+std::optional<mesh::UpAxis> DeclaredUpOf(const Model& model, const FileBytes& file);
 
 }  // namespace intaglio

@@ -78,7 +78,7 @@ TEST_P(MadeMeshes, AreWhatTheyWereMadeAs) {
   EXPECT_EQ(d.degenerate_triangle_count, 0u);
   EXPECT_EQ(d.flipped_triangle_count, 0u);
   EXPECT_GT(d.signed_volume_mm3, 0);
-  EXPECT_EQ(Warnings(d, "m").empty(), d.closed());
+  EXPECT_EQ(WarningsOf(d, "m").empty(), d.closed());
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -43,7 +43,7 @@ void ExpectToBe(const fs::path& folder, const Expected& expected) {
   EXPECT_EQ(d.euler_characteristic, expected.euler_characteristic);
   EXPECT_EQ(d.vertex_count, mesh->vertices.size()) << "a vertex nobody uses";
   EXPECT_EQ(d.flipped_triangle_count, 0u);
-  EXPECT_EQ(Warnings(d, "m").empty(), d.closed() && d.signed_volume_mm3 > 0);
+  EXPECT_EQ(WarningsOf(d, "m").empty(), d.closed() && d.signed_volume_mm3 > 0);
 }
 
 TEST(MeasuredMeshes, AMachinedPartIsWhatItIsKnownToBe) {
@@ -75,8 +75,10 @@ TEST(MeasuredMeshes, ThoseOfOthersAreWhatTheyAreKnownToBe) {
 std::string Complaint(const char* name) {
   const auto mesh = ImportMesh(kData / "broken" / name);
   if (!mesh) return mesh.error().message;
-  const auto warnings = Warnings(Diagnose(*mesh), name);
-  return fmt::format("{}", fmt::join(warnings, "\n"));
+  const auto warnings = WarningsOf(Diagnose(*mesh), name);
+  std::string texts;
+  for (const Warning& warning : warnings) texts += warning.text + "\n";
+  return texts;
 }
 
 TEST(BrokenMeshes, EachGivesAClearComplaint) {

@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
 #include <random>
 #include <set>
 #include <utility>
 
+#include "engrave/mesh/weld_vertices.h"
 #include "tests/engrave/mesh/test_meshes.h"
 
 namespace intaglio::mesh {
@@ -18,6 +20,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+
+/// A warning with this in its sentence.
+auto TextHas(const char* text) {
+  return ::testing::Field(&Warning::text, HasSubstr(text));
+}
 
 TEST(MeshDiagnosis, FindsNothingWrongWithABox) {
   const MeshDiagnosis d = Diagnose(BoxMesh({2, 3, 4}));
@@ -32,7 +39,7 @@ TEST(MeshDiagnosis, FindsNothingWrongWithABox) {
   // Sums of small integers and halves: exact.
   EXPECT_EQ(d.signed_volume_mm3, 24);
   EXPECT_EQ(d.area_mm2, 52);
-  EXPECT_THAT(Warnings(d, "box.stl"), IsEmpty());
+  EXPECT_THAT(WarningsOf(d, "box.stl"), IsEmpty());
 }
 
 TEST(MeshDiagnosis, CountsAHoleAndWarns) {
@@ -42,8 +49,8 @@ TEST(MeshDiagnosis, CountsAHoleAndWarns) {
   EXPECT_EQ(d.open_edge_count, 3u);
   EXPECT_FALSE(d.closed());
   EXPECT_EQ(d.euler_characteristic, 1);
-  EXPECT_THAT(Warnings(d, "box.stl"),
-              ElementsAre(HasSubstr("box.stl: the surface is open along 3 edges")));
+  EXPECT_THAT(WarningsOf(d, "box.stl"),
+              ElementsAre(TextHas("box.stl: the surface is open along 3 edges")));
 }
 
 TEST(MeshDiagnosis, CountsTheTrianglesToTurnOver) {
@@ -57,8 +64,8 @@ TEST(MeshDiagnosis, CountsTheTrianglesToTurnOver) {
   EXPECT_EQ(d.flipped_edge_count, 9u);
   EXPECT_TRUE(d.closed());
   EXPECT_TRUE(d.orientable);
-  EXPECT_THAT(Warnings(d, "m"),
-              ElementsAre(HasSubstr("3 triangles are oriented against")));
+  EXPECT_THAT(WarningsOf(d, "m"),
+              ElementsAre(TextHas("3 triangles are oriented against")));
 }
 
 TEST(MeshDiagnosis, ReportsWhenTheWholeSurfaceIsInsideOut) {
@@ -67,7 +74,54 @@ TEST(MeshDiagnosis, ReportsWhenTheWholeSurfaceIsInsideOut) {
   const MeshDiagnosis d = Diagnose(mesh);
   EXPECT_EQ(d.flipped_triangle_count, 0u);
   EXPECT_EQ(d.signed_volume_mm3, -1);
-  EXPECT_THAT(Warnings(d, "m"), ElementsAre(HasSubstr("inside out")));
+  EXPECT_THAT(WarningsOf(d, "m"), ElementsAre(TextHas("inside out")));
+}
+
+TEST(MeshDiagnosis, AnInsideOutSurfaceWithASmallHoleIsReportedAsWell) {
+  // 6 sides of 20 x 20 squares; a missing triangle opens 3 of 3600 edges.
+  TriangleMesh mesh;
+  constexpr int kCells = 20;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {0.0, 1.0}) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      for (int i = 0; i <= kCells; ++i) {
+        for (int j = 0; j <= kCells; ++j) {
+          Vec3 p;
+          p[axis] = side;
+          p[(axis + 1) % 3] = static_cast<double>(i) / kCells;
+          p[(axis + 2) % 3] = static_cast<double>(j) / kCells;
+          mesh.vertices.push_back(p);
+        }
+      }
+      for (std::uint32_t i = 0; i < kCells; ++i) {
+        for (std::uint32_t j = 0; j < kCells; ++j) {
+          const std::uint32_t a = first + i * (kCells + 1) + j, b = a + kCells + 1;
+          std::array<Triangle, 2> two = {Triangle{a, b, b + 1},
+                                         Triangle{a, b + 1, a + 1}};
+          for (Triangle& t : two) {
+            if (side == 1) std::swap(t[0], t[1]);  // all sides face inward
+            mesh.triangles.push_back(t);
+          }
+        }
+      }
+    }
+  }
+  VertexWelder welder;
+  for (Triangle& t : mesh.triangles) {
+    for (std::uint32_t& corner : t) corner = welder.Add(mesh.vertices[corner]);
+  }
+  mesh.vertices = welder.TakePoints();
+  mesh.triangles.pop_back();
+  const MeshDiagnosis d = Diagnose(mesh);
+  EXPECT_FALSE(d.closed());
+  EXPECT_EQ(d.open_edge_count, 3u);
+  EXPECT_TRUE(d.inside_out());
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  EXPECT_FALSE(Diagnose(mesh).inside_out());
+  // Two sides of a box enclose nothing for certain.
+  mesh.triangles.resize(mesh.triangles.size() / 3);
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  EXPECT_FALSE(Diagnose(mesh).inside_out());
 }
 
 TEST(MeshDiagnosis, CountsPartsThatShareAVertexButNoEdge) {
@@ -112,7 +166,7 @@ TEST(MeshDiagnosis, FindsAMoebiusStrip) {
   EXPECT_FALSE(d.orientable);
   EXPECT_EQ(d.euler_characteristic, 0);
   EXPECT_EQ(d.open_edge_count, 5u);
-  EXPECT_THAT(Warnings(d, "m"), Contains(HasSubstr("Moebius")));
+  EXPECT_THAT(WarningsOf(d, "m"), Contains(TextHas("Moebius")));
 }
 
 TEST(MeshDiagnosis, IgnoresVerticesNoTriangleUses) {
@@ -211,22 +265,6 @@ TEST(MeshDiagnosis, AgreesWithAMapOfEdgesOnTriangleSoup) {
     EXPECT_EQ(d.duplicate_triangle_count, DuplicatesByASet(mesh));
     EXPECT_EQ(d.component_count, PartsByRelabelling(mesh));
   }
-}
-
-TEST(SizeWarning, StaysSilentForAModelThatFits) {
-  EXPECT_FALSE(SizeWarning({40, 30, 20}, {60, 60, 60}, "m"));
-  EXPECT_FALSE(SizeWarning({60, 60, 60}, {60, 60, 60}, "m"));
-  EXPECT_FALSE(SizeWarning({1.3, 0, 0}, {60, 60, 60}, "m")) << "2 % is 1.2 mm";
-}
-
-TEST(SizeWarning, AsksForTheUnitWhenTheSizeIsImplausible) {
-  const auto large = SizeWarning({40, 30, 61}, {60, 60, 60}, "horse.stl");
-  ASSERT_TRUE(large);
-  EXPECT_THAT(*large, HasSubstr("horse.stl: the model is 40 x 30 x 61 mm, larger than"));
-  EXPECT_THAT(*large, HasSubstr("inches or metres"));
-  const auto small = SizeWarning({0.155, 0.154, 0.12}, {60, 60, 60}, "bunny.obj");
-  ASSERT_TRUE(small);
-  EXPECT_THAT(*small, HasSubstr("less than 2 %"));
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ TEST(MeshImport, FileCutAnywhereIsAnErrorOrAWarning) {
       } else if (Surface(*mesh) != Surface(box)) {
         // A text can be cut and still be a model, and the library makes up a PLY's
         // missing rows by repeating the last one: the diagnosis detects that.
-        EXPECT_FALSE(Warnings(Diagnose(*mesh), "box").empty()) << extension << size;
+        EXPECT_FALSE(WarningsOf(Diagnose(*mesh), "box").empty()) << extension << size;
       }
     }
   }

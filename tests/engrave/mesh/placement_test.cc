@@ -21,6 +21,7 @@ constexpr double kRoundingMm = 1e-11;
 /// The steps of the header, one after another on a point, with textbook rotations.
 Vec3 PlaceBySteps(Vec3 p, const Placement& placement) {
   p *= placement.unit_mm;
+  p = UprightFrom(placement.up) * p;
   if (placement.mirror_x) p.x() = -p.x();
   if (placement.mirror_y) p.y() = -p.y();
   if (placement.mirror_z) p.z() = -p.z();
@@ -50,6 +51,7 @@ TEST(Placement, WithoutCentringAppliesTheStepsInTheirOrder) {
   for (int round = 0; round < 100; ++round) {
     Placement placement;
     placement.unit_mm = ratio(random);
+    placement.up = static_cast<UpAxis>(random() % 6);
     placement.mirror_x = random() % 2;
     placement.mirror_y = random() % 2;
     placement.mirror_z = random() % 2;

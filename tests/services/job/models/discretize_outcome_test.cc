@@ -15,7 +15,7 @@ TEST(DiscretizeOutcome, PartsAddUp) {
   JobSources sources;
   sources.meshes.resize(1);
   sources.meshes[0].set_triangle_count(12);
-  sources.warnings = {"the model is open"};
+  sources.warnings = {MakeWarning(WarningCode::kOpenSurface, "the model is open")};
   discretize::Discretized made;
   made.cloud.Add(Vec3(1, 2, 3), 0);
   made.candidate_count = 4;
@@ -50,7 +50,8 @@ TEST(DiscretizeOutcome, ParallelFacesAreWarnedOfWhereTheJobAsksForAReport) {
       PARALLEL_FACES_REPORT);
   const auto warnings = WarningsOf(all, WithDefaults(job, GoodMachine()));
   ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_THAT(warnings[0], HasSubstr("40.00 mm^2"));
+  EXPECT_THAT(warnings[0].text, HasSubstr("40.00 mm^2"));
+  EXPECT_EQ(warnings[1].code, WarningCode::kOddRays);
 }
 
 }  // namespace

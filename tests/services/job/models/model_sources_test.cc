@@ -102,6 +102,28 @@ TEST(ModelSources, ErrorsNameTheModelsFile) {
   EXPECT_THAT(made.error().message, HasSubstr("three.xyz"));
 }
 
+// A text is seen in the drawing and missed in the glass; an invisible line is not.
+TEST(ModelSources, WhatADrawingShowsAndIsLeftOutIsAWarningAndTheRestANote) {
+  JobSpec job = GoodJob();
+  job.mutable_models(0)->Clear();
+  job.mutable_models(0)->set_file("plate.svg");
+  const auto sources = MakeSources(
+      WithDefaults(job, GoodMachine()),
+      {BytesOf("<svg xmlns='http://www.w3.org/2000/svg' width='10mm' height='10mm' "
+               "viewBox='0 0 10 10'><line x1='0' y1='0' x2='9' y2='9' stroke='red'/>"
+               "<line x1='0' y1='9' x2='9' y2='0' display='none'/>"
+               "<text x='1' y='1'>Anna</text></svg>")},
+      {}, {});
+  ASSERT_TRUE(sources) << sources.error().message;
+  ASSERT_EQ(sources->warnings.size(), 2u);
+  EXPECT_THAT(sources->warnings[0].text, HasSubstr("plate.svg: left out 1 entities"));
+  EXPECT_THAT(sources->warnings[0].text, HasSubstr("invisible"));
+  EXPECT_EQ(sources->warnings[0].weight, WarningWeight::kNote);
+  EXPECT_THAT(sources->warnings[1].text, HasSubstr("text; convert them to curves"));
+  EXPECT_EQ(sources->warnings[1].weight, WarningWeight::kWarning);
+  EXPECT_EQ(sources->warnings[1].code, WarningCode::kLeftOut);
+}
+
 TEST(ModelSources, AModelsOwnMethodIsUsed) {
   const std::string_view tetrahedron =
       "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
@@ -185,7 +207,7 @@ TEST(ModelSources, AReliefHasItsLayersAboveOneAnother) {
   ASSERT_TRUE(one && three);
   std::set<std::int64_t> depths_um;
   for (const Vec3& p : three->cloud.points_mm)
-    depths_um.insert(std::llround(p.z() * 1e3));
+    depths_um.insert(std::llround(p.y() * 1e3));
   ASSERT_EQ(depths_um.size(), 3u);
   EXPECT_EQ(*depths_um.rbegin() - *depths_um.begin(), 4000);
   EXPECT_NEAR(

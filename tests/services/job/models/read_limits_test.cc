@@ -58,7 +58,7 @@ std::vector<Sample> Samples() {
           {"mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1\n" + Lines(10'001, "f 1 2 3\n")},
           {"drawing.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\">" +
                               Lines(501, "<path d=\"M0 0L9 9\"/>") + "</svg>"},
-          {"drawing.plt", "IN;" + Lines(3'001, "PU0,0;PD9,9;")},
+          {"drawing.plt", "IN;" + Lines(3'001, "PU0,0;PD900,900;")},
           {"picture.png", LargePicture()}};
 }
 

@@ -1,0 +1,55 @@
+#include "engrave/mesh/base_face.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+
+namespace intaglio::mesh {
+namespace {
+
+constexpr double kDepthShare = 0.002;
+constexpr double kCosine = 0.99939;  // of 2 degrees
+constexpr double kFlatShare = 0.3, kNotFlatShare = 0.02;
+
+/// Area of the triangles on the low and on the high face of the box along one axis, as a
+/// share of that face.
+struct FaceShares {
+  double low = 0, high = 0;
+};
+
+FaceShares SharesAlong(int axis, const TriangleMesh& mesh, const Box3& box) {
+  const Vec3 size_mm = box.size_mm();
+  const double depth_mm = kDepthShare * size_mm.maxCoeff();
+  const double face_mm2 = size_mm[(axis + 1) % 3] * size_mm[(axis + 2) % 3];
+  FaceShares shares;
+  if (!(face_mm2 > 0) || size_mm[axis] <= 2 * depth_mm) return shares;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]],
+               &c = mesh.vertices[t[2]];
+    const double low_mm = std::min({a[axis], b[axis], c[axis]});
+    const double high_mm = std::max({a[axis], b[axis], c[axis]});
+    const bool at_low = high_mm <= box.min_mm[axis] + depth_mm;
+    const bool at_high = low_mm >= box.max_mm[axis] - depth_mm;
+    if (!at_low && !at_high) continue;
+    const Vec3 normal = (b - a).cross(c - a);
+    if (std::abs(normal[axis]) < kCosine * normal.norm()) continue;
+    (at_low ? shares.low : shares.high) += 0.5 * std::abs(normal[axis]) / face_mm2;
+  }
+  return shares;
+}
+
+}  // namespace
+
+std::optional<UpAxis> UpOfBaseFace(const TriangleMesh& placed) {
+  const Box3 box = placed.Bounds();
+  if (box.empty()) return std::nullopt;
+  const FaceShares z = SharesAlong(2, placed, box);
+  if (z.low >= kNotFlatShare) return std::nullopt;
+  const FaceShares y = SharesAlong(1, placed, box);
+  const bool at_top = z.high >= kFlatShare;
+  const bool in_front = y.low >= kFlatShare && y.high < kNotFlatShare;
+  if (at_top == in_front) return std::nullopt;
+  return at_top ? UpAxis::kMinusZ : UpAxis::kY;
+}
+
+}  // namespace intaglio::mesh

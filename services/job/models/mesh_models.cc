@@ -1,0 +1,61 @@
+#include "services/job/models/mesh_models.h"
+
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+#include "engrave/core/try.h"
+#include "engrave/mesh/mesh_diagnosis.h"
+#include "engrave/mesh/placement.h"
+#include "services/job/models/model_checks.h"
+
+namespace intaglio {
+namespace {
+
+MeshDiagnosisRecord RecordOf(const std::string& file, const mesh::MeshDiagnosis& found) {
+  MeshDiagnosisRecord record;
+  record.set_file(file);
+  record.set_triangle_count(found.triangle_count);
+  record.set_vertex_count(found.vertex_count);
+  record.set_open_edge_count(found.open_edge_count);
+  record.set_non_manifold_edge_count(found.non_manifold_edge_count);
+  record.set_flipped_edge_count(found.flipped_edge_count);
+  record.set_degenerate_triangle_count(found.degenerate_triangle_count);
+  const Vec3 size_mm = found.bounds_mm.size_mm();
+  record.set_size_x_mm(size_mm.x());
+  record.set_size_y_mm(size_mm.y());
+  record.set_size_z_mm(size_mm.z());
+  return record;
+}
+
+void Diagnose(const MethodInput& input, const FileBytes& bytes,
+              const mesh::TriangleMesh& placed, JobSources& made) {
+  const auto found = mesh::Diagnose(placed);
+  const std::string& file = input.model.file();
+  made.meshes.push_back(RecordOf(file, found));
+  const std::string name = std::filesystem::path(file).filename().string();
+  for (Warning& warning : mesh::WarningsOf(found, name)) {
+    made.warnings.push_back(std::move(warning));
+  }
+  AddOrientationOfMesh(input, DeclaredUpOf(input.model, bytes), placed, made.warnings);
+}
+
+}  // namespace
+
+Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
+                                     const ReadLimits& limits) {
+  const std::string& name = input.model.file();
+  const auto imported = INTAGLIO_TRY(limits.read_mesh(
+      file, std::filesystem::path(name).extension().string(), limits.meshes, name));
+  return mesh::PlaceInBlock(imported, input.placement, input.block_size_mm);
+}
+
+MadePoints MakeMesh(const Method& method, const MethodInput& input, const FileBytes& file,
+                    const ReadLimits& limits, JobSources& made) {
+  auto placed = INTAGLIO_TRY(PlaceMesh(input, file, limits));
+  INTAGLIO_TRY(CheckSize(input, placed.Bounds().size_mm(), made.warnings));
+  Diagnose(input, file, placed, made);
+  return std::get<MeshMaker>(MakerOf(method).make)(input, std::move(placed));
+}
+
+}  // namespace intaglio

@@ -1,0 +1,25 @@
+#pragma once
+
+// Meshes of a job, read and placed, as sources of points by their method, and what a
+// person should know of them before they are engraved. `job` with its defaults filled in.
+
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/mesh/mesh.h"
+#include "services/job/methods/point_maker.h"
+#include "services/job/models/model_sources.h"
+
+namespace intaglio {
+
+/// The mesh in its block. Errors name the model's file.
+Result<mesh::TriangleMesh> PlaceMesh(const MethodInput& input, const FileBytes& file,
+                                     const ReadLimits& limits);
+
+/// Its diagnosis and its warnings are added to `made`. A mesh whose bounding box cannot
+/// be engraved (plausible_size.h) is refused before anything is made of it.
+MadePoints MakeMesh(const Method& method, const MethodInput& input, const FileBytes& file,
+                    const ReadLimits& limits, JobSources& made);
+
+}  // namespace intaglio
