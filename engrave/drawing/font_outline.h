@@ -5,24 +5,22 @@
 // scripts whose letters join or run the other way (Arabic, Devanagari) need a shaper
 // first.
 
-#include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/core/result.h"
 #include "engrave/drawing/drawing.h"
+#include "engrave/drawing/font_source.h"
 
 namespace intaglio::drawing {
 
 enum class TextAlignment { kLeft, kCentre, kRight };
 
 struct TextOptions {
-  /// A font file, by absolute path or with an extension of a font; else the name of a
-  /// family that the system's fonts have, "DejaVu Sans" or "DejaVu Sans:Bold" with its
-  /// style.
-  std::string font;
-  /// The bytes of a font's file, which `font` then only names in errors. Empty: it is
-  /// read from there.
-  std::string_view font_bytes;
+  FontSource font;
+  /// Tried one after another for a character that the font does not have; its letter is
+  /// scaled to the height of the font's capitals.
+  std::vector<FontSource> fallbacks;
   /// Height of a capital H, mm; 0.1 .. 1000.
   double cap_height_mm = 5;
   /// From baseline to baseline, as a multiple of the font's own distance; 0.5 .. 5.
@@ -36,12 +34,8 @@ struct TextOptions {
 /// below; x = 0 is the left, the middle or the right of the lines. To be filled with
 /// non-zero winding: letters may overlap themselves. Errors: kNotFound (font),
 /// kUnreadable (a file that is not a font, a bitmap font, a text that is not UTF-8),
-/// kMissing (a character that the font does not have, named; a text without a visible
-/// character), kTooLarge. Broken preconditions: numbers outside their ranges.
+/// kMissing (a character that no font has, named; a text without a visible character),
+/// kTooLarge. Broken preconditions: numbers outside their ranges.
 Result<Drawing> TextOutline(std::string_view utf8, const TextOptions& options);
-
-/// The file of a font of this family and style ("Family" or "Family:Style"), as found by
-/// fontconfig; no substitute for a missing font. kNotFound.
-Result<std::string> FindFontFile(std::string_view family);
 
 }  // namespace intaglio::drawing

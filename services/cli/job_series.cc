@@ -6,6 +6,8 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/csv.h"
+#include "services/cli/job_glass.h"
+#include "services/job/freeze.h"
 #include "services/job/job_check.h"
 #include "services/job/series.h"
 
@@ -23,23 +25,41 @@ Error Prefixed(Error error, const std::string& prefix) {
   return error;
 }
 
+namespace {
+
+/// Frozen as the job service does it, with its glass.
+Result<JobAndMachine> Checked(Result<JobAndMachine> built,
+                              const materials_db::MaterialStore& materials) {
+  if (!built) return built;
+  const auto material = INTAGLIO_TRY(FindGlass(*built, materials));
+  INTAGLIO_TRY(FreezeJob(built->job, built->machine, material, {}));
+  return built;
+}
+
+}  // namespace
+
 Result<std::vector<JobAndMachine>> BuildSeries(const JobFlags& flags,
-                                               const fs::path& table) {
+                                               const fs::path& table,
+                                               const std::string& materials_db) {
   const auto pattern = INTAGLIO_TRY(ReadPattern(flags));
   const auto rows = INTAGLIO_TRY(io::ReadCsv(table));
   auto jobs = MakeSeries(pattern, rows, fs::absolute(table).parent_path());
   if (!jobs) return tl::unexpected(Prefixed(jobs.error(), table.string() + ", "));
+  const auto materials = INTAGLIO_TRY(materials_db::MaterialStore::Open(
+      materials_db.empty() ? materials_db::DefaultDatabasePath()
+                           : fs::path(materials_db)));
   std::vector<JobAndMachine> series;
   std::vector<Error> errors;
   for (std::size_t i = 0; i < jobs->size(); ++i) {
-    auto built = CompleteJob(flags, std::move((*jobs)[i]));
-    if (built) {
-      series.push_back(std::move(*built));
-    } else {
-      errors.push_back(Prefixed(
-          built.error(),
-          fmt::format("{}, line {}: ", table.string(), rows.rows[i].line_number)));
+    const std::string line =
+        fmt::format("{}, line {}: ", table.string(), rows.rows[i].line_number);
+    auto built = Checked(CompleteJob(flags, std::move((*jobs)[i])), materials);
+    if (!built) {
+      errors.push_back(Prefixed(built.error(), line));
+      continue;
     }
+    for (Warning& warning : built->warnings) warning.text = line + warning.text;
+    series.push_back(std::move(*built));
   }
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   return series;

@@ -11,6 +11,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/job/field_suggestion.h"
 #include "services/job/job_check.h"
 #include "services/job/json_position.h"
 #include "services/job/series.h"
@@ -197,8 +198,10 @@ Result<std::vector<BatchLine>> ParseBatchJson(std::string_view text,
     BatchEntry entry;
     const auto read = pb::util::JsonStringToMessage({row.data(), row.size()}, &entry);
     if (!read.ok()) {
-      std::string where = LocateJsonError(row, std::string(read.message()));
+      const std::string what(read.message());
+      std::string where = LocateJsonError(row, what);
       where = where.starts_with("1:") ? "column " + where.substr(2) : where;
+      where += SuggestionFor(*BatchEntry::descriptor(), what);
       errors.push_back(At(number, ErrorCode::kUnreadable, where));
       continue;
     }

@@ -4,12 +4,15 @@
 #include <fmt/ranges.h>
 #include <google/protobuf/descriptor.h>
 
+#include <optional>
 #include <sstream>
 
+#include "engrave/io/nearest_name.h"
 #include "services/job/field_path.h"
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/job_file.h"
+#include "services/job/placeholders.h"
 
 namespace intaglio {
 namespace {
@@ -58,28 +61,24 @@ class Row {
   }
 
   std::string FilledIn(const std::string& text, const std::string& path) {
-    std::string filled;
-    std::size_t at = 0;
-    for (;;) {
-      const auto open = text.find('{', at);
-      const auto close = text.find('}', open == text.npos ? open : open + 1);
-      if (close == text.npos) return filled + text.substr(at);
-      const std::string name = text.substr(open + 1, close - open - 1);
-      filled += text.substr(at, open - at);
-      at = close + 1;
-      const std::string* field = table_.Find(row_, name);
-      if (field != nullptr) {
-        filled += *field;
-        used_.insert(name);
-        continue;
-      }
-      filled += fmt::format("{{{}}}", name);
-      if (name == "n") continue;
-      errors_.push_back({ErrorCode::kNotFound,
-                         fmt::format("{}: the table has no column '{}'; it has: {}", path,
-                                     name, fmt::join(table_.names, ", ")),
-                         name});
-    }
+    const bool is_engraved = path.ends_with(".text.text");
+    return FillPlaceholders(
+        text, [&](const std::string& name) -> std::optional<std::string> {
+          const std::string* field = table_.Find(row_, name);
+          if (field != nullptr) {
+            used_.insert(name);
+            return is_engraved ? WithDoubledBraces(*field) : *field;
+          }
+          if (name == "n") return std::nullopt;
+          const auto meant = io::NearestName(name, table_.names);
+          errors_.push_back(
+              {ErrorCode::kNotFound,
+               fmt::format("{}: the table has no column '{}'{}; it has: {}", path, name,
+                           meant ? fmt::format(", did you mean {}?", *meant) : "",
+                           fmt::join(table_.names, ", ")),
+               name});
+          return std::nullopt;
+        });
   }
 
   const io::CsvTable& table_;

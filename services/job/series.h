@@ -2,7 +2,8 @@
 
 // A series: one job for each row of a table, from a pattern. A column is
 // - named in braces in a text or file name of the pattern: "{name}" becomes the row's
-//   field of the column `name`; "{n}" is left for the copies of a text; or else
+//   field of the column `name` (placeholders.h); "{n}" is left for the copies of a text;
+//   or else
 // - a field of the job by its path (field_path.h): block.margin_mm. An empty field of the
 //   row leaves the pattern's value.
 // A column that is neither is an error, unless its name begins with '#'.

@@ -11,6 +11,7 @@
 #include "materials_db/material_store.h"
 #include "services/cli/batch/batch_run.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/interrupt.h"
@@ -30,6 +31,7 @@ struct BatchOptions {
   std::string results;
   bool events = false;
   bool check = false;
+  AcceptFlag accept;
 };
 
 /// Before anything is made: a folder that is not there would be found after hours.
@@ -55,12 +57,14 @@ int Finish(const BatchOptions& options, const BatchResults& results, bool interr
   if (events != nullptr) {
     JobEvent summary;
     summary.set_event("summary");
-    summary.set_done(results.good());
+    summary.set_done(results.good() + results.good_with_warnings());
     summary.set_total(static_cast<std::uint32_t>(results.jobs_size()));
     summary.set_elapsed_s(results.time_s());
     summary.set_message(fmt::format(
-        "{} good, {} not good, {} failed, {} cancelled, {} not made", results.good(),
-        results.not_good(), results.failed(), results.cancelled(), results.not_made()));
+        "{} good, {} good with warnings, {} not good, {} failed, {} cancelled, {} not "
+        "made",
+        results.good(), results.good_with_warnings(), results.not_good(),
+        results.failed(), results.cancelled(), results.not_made()));
     events->Write(summary);
   }
   if (!options.results.empty()) {
@@ -81,6 +85,7 @@ int Batch(const BatchOptions& given) {
   }
   auto jobs = BuildBatch(options.source);
   if (!jobs) return Complain(jobs.error(), client::kExitWrongInput);
+  for (const BatchJob& job : *jobs) PrintTextWarnings(job.warnings);
   if (options.check) {
     std::cout << jobs->size() << " jobs, all without mistakes\n";
     return client::kExitGood;
@@ -105,6 +110,7 @@ int Batch(const BatchOptions& given) {
     std::cerr << "without --arm every job waits for intaglio arm JOB\n";
   }
   options.run.file = options.source.file.string();
+  options.run.accept_breakage = options.accept.breakage();
   client::EventLines lines(std::cout);
   client::EventLines* events = options.events ? &lines : nullptr;
   BatchRun run(client, std::move(*jobs), options.run, events);
@@ -133,6 +139,7 @@ void AddBatchCommand(command_line::Command app) {
   batch.AddFlag("--arm", options->run.arm,
                 "you are at the machines and change the blocks: each job is armed once, "
                 "as soon as it has its machine");
+  AddAcceptFlag(batch, options->accept);
   batch
       .AddOption("--pause-limit", options->run.pause_limit_s,
                  "seconds after which a job that waits for a person is cancelled; "

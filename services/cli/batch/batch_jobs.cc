@@ -6,6 +6,7 @@
 
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
+#include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
 #include "services/job/batch_file.h"
@@ -58,6 +59,7 @@ class BatchBuilder {
         continue;
       }
       job.name = complete->job.name();
+      job.warnings = complete->warnings;
       job.planned.cells.push_back(complete->machine.name());
       job.by_cell[complete->machine.name()] = std::move(complete->job);
     }
@@ -72,16 +74,9 @@ class BatchBuilder {
   };
 
   static Result<Cell> CellOf(const std::string& wanted) {
-    const auto file = FindMachineFile(wanted);
-    if (!file) {
-      return Fail(
-          ErrorCode::kNotFound,
-          fmt::format("'{}': is not a machine of --cells, a supplied profile or a file",
-                      wanted),
-          wanted);
-    }
-    const auto machine = INTAGLIO_TRY(ReadMachineFile(*file));
-    return Cell{machine.name(), file->string()};
+    const auto file = INTAGLIO_TRY(FindMachineFile(wanted));
+    const auto machine = INTAGLIO_TRY(ReadMachineFile(file));
+    return Cell{machine.name(), file.string()};
   }
 
   /// Profiles to try; one without a file: the job's own.
@@ -120,9 +115,8 @@ class BatchBuilder {
     flags.machine = machine;
     auto complete = CompleteJob(flags, spec);
     if (!complete) return complete;
-    const auto material = materials_.Find(complete->job.glass());
-    if (!material) return tl::unexpected(Prefixed(material.error(), "glass: "));
-    INTAGLIO_TRY(FreezeJob(complete->job, complete->machine, *material, {}));
+    const auto material = INTAGLIO_TRY(FindGlass(*complete, materials_));
+    INTAGLIO_TRY(FreezeJob(complete->job, complete->machine, material, {}));
     return complete;
   }
 
@@ -148,14 +142,15 @@ Result<std::vector<BatchJob>> BuildBatch(const BatchSource& source) {
   std::map<std::string, std::size_t> place;
   for (const BatchLine& line : lines) {
     place.emplace(line.id, place.size());
+    const std::string where = fmt::format("{}, line {} ({}): ", source.file.string(),
+                                          line.line_number, line.id);
     auto job = builder.Build(line);
-    if (job) {
-      jobs.push_back(std::move(*job));
-    } else {
-      errors.push_back(
-          Prefixed(job.error(), fmt::format("{}, line {} ({}): ", source.file.string(),
-                                            line.line_number, line.id)));
+    if (!job) {
+      errors.push_back(Prefixed(job.error(), where));
+      continue;
     }
+    for (Warning& warning : job->warnings) warning.text = where + warning.text;
+    jobs.push_back(std::move(*job));
   }
   if (!errors.empty()) return tl::unexpected(JoinErrors(errors));
   for (std::size_t i = 0; i < jobs.size(); ++i) {

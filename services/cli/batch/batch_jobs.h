@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "proto/job.pb.h"
 #include "services/cli/batch/batch_plan.h"
 
@@ -25,6 +26,7 @@ struct BatchJob {
   std::string id;
   std::string name;
   std::map<std::string, JobSpec> by_cell;  ///< as each of its machines would make it
+  Warnings warnings;                       ///< each with its line
   PlannedJob planned;
 };
 

@@ -9,6 +9,7 @@
 #include "services/cli/interrupt.h"
 #include "services/client/figure_text.h"
 #include "services/history/job_names.h"
+#include "services/job/verdict/warnings.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::cli {
@@ -30,6 +31,10 @@ bool IsEngraved(const client::JobView& job) {
   return job.state == intaglio_JOB_ENGRAVING || job.state == intaglio_JOB_PAUSED;
 }
 
+bool IsGood(JobResult result) {
+  return result == JobResult::kGood || result == JobResult::kGoodWithWarnings;
+}
+
 void SetCounts(const client::JobEnd& end, BatchJobResult& result) {
   const auto count = [](std::uint64_t n) { return static_cast<std::uint32_t>(n); };
   result.set_verdict(VerdictName(end.verdict.verdict));
@@ -43,6 +48,7 @@ void SetCounts(const client::JobEnd& end, BatchJobResult& result) {
 JobResult WhatBecameOf(const client::JobView& job, VerdictKind verdict) {
   switch (job.state) {
     case intaglio_JOB_DONE:
+      if (verdict == VerdictKind::kGoodWithWarnings) return JobResult::kGoodWithWarnings;
       return verdict == VerdictKind::kGood ? JobResult::kGood : JobResult::kNotGood;
     case intaglio_JOB_FAILED:
       return JobResult::kFailed;
@@ -137,7 +143,7 @@ void BatchRun::Submit(const BatchPlan::Start& start) {
   Out& out = out_[start.job];
   out.uid = submitted->uid;
   out.since = Clock::now();
-  if (options_.arm) out.arm.emplace(client_, *submitted);
+  if (options_.arm) out.arm.emplace(client_, *submitted, options_.accept_breakage);
   if (events_ != nullptr) events_->Submitted(*submitted, job.id);
 }
 
@@ -165,7 +171,9 @@ std::string BatchRun::WaitsFor(const client::JobView& view, const Out& out) cons
                        view.number);
   }
   if (!out.arm || view.state == intaglio_JOB_QUEUED) return {};
-  const std::string hint = fmt::format("; intaglio arm {}", view.number);
+  const std::string hint = "; " + client::ArmCommandOf(view);
+  const Warning* consent = view.open_consent();
+  if (consent != nullptr) return consent->text + hint;
   if (out.arm->state() == client::ArmOnce::State::kLeft) return out.arm->reason() + hint;
   // Its arm was taken and withdrawn; the status that shows it armed may not be here yet.
   const bool disarmed = out.arm->state() == client::ArmOnce::State::kArmed &&
@@ -206,13 +214,14 @@ void BatchRun::End(std::size_t job, const client::JobView& view) {
   BatchJobResult& entry = result(job);
   entry.set_time_s(Seconds(Clock::now() - out_.at(job).since));
   SetCounts(end, entry);
+  AddTo(*entry.mutable_warnings(), view.warnings);
   if (entry.message().empty()) entry.set_message(end.verdict.reason);
   if (events_ != nullptr) events_->Ended(view, end, jobs_[job].id);
   Report(fmt::format("{} (job {}, {}) {}, {}{}", jobs_[job].id, view.number, view.cell,
                      client::NameOf(view.state), VerdictName(end.verdict.verdict),
                      entry.message().empty() ? "" : ": " + entry.message()));
   ends_[job] = WhatBecameOf(view, end.verdict.verdict);
-  Settle(job, ends_[job] == JobResult::kGood);
+  Settle(job, IsGood(ends_[job]));
 }
 
 void BatchRun::Refuse(std::size_t job, const std::string& message) {
@@ -334,6 +343,7 @@ void BatchRun::Count(BatchResults& results) const {
     return static_cast<std::uint32_t>(std::count(ends_.begin(), ends_.end(), result));
   };
   results.set_good(count(JobResult::kGood));
+  results.set_good_with_warnings(count(JobResult::kGoodWithWarnings));
   results.set_not_good(count(JobResult::kNotGood));
   results.set_failed(count(JobResult::kFailed));
   results.set_cancelled(count(JobResult::kCancelled));

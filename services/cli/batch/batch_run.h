@@ -13,7 +13,7 @@
 #include "proto/shop.pb.h"
 #include "services/cli/batch/batch_jobs.h"
 #include "services/cli/batch/batch_plan.h"
-#include "services/cli/progress_bar.h"
+#include "services/cli/progress/progress_bar.h"
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"
 #include "services/client/job_client.h"
@@ -25,6 +25,7 @@ struct BatchRunOptions {
   std::size_t parallel = 0;  ///< 0: one a machine
   bool keep_going = false;   ///< after a job that is not good
   bool arm = false;
+  bool accept_breakage = false;  ///< the person who arms accepts that glass may break
   double pause_limit_s = 0;  ///< a job that waits for a person for longer is cancelled;
                              ///< 0: never
 };
@@ -33,6 +34,7 @@ struct BatchRunOptions {
 enum class JobResult {
   kNotMade,  ///< skipped, not submitted, or left as it is
   kGood,
+  kGoodWithWarnings,
   kNotGood,
   kFailed,  ///< also refused
   kCancelled,

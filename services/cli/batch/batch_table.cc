@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "services/cli/batch/batch_run.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
@@ -11,6 +13,25 @@ namespace {
 std::string FirstLine(const std::string& message) {
   const auto end = message.find('\n');
   return end == std::string::npos ? message : message.substr(0, end) + " ...";
+}
+
+constexpr std::size_t kMaxNameColumns = 32;
+
+/// Characters, not bytes, of UTF-8.
+std::size_t Columns(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+/// In one line; the end of a long one is in the results.
+std::string ShownName(const BatchJobResult& job) {
+  std::string shown;
+  for (const char c : job.name()) {
+    const bool begins = (c & 0xC0) != 0x80;
+    if (begins && Columns(shown) == kMaxNameColumns) return shown + "...";
+    shown += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return shown;
 }
 
 }  // namespace
@@ -25,15 +46,20 @@ int ExitCodeOf(const BatchResults& results, bool interrupted) {
 
 std::string TableOf(const BatchResults& results) {
   std::size_t width = 4;
+  std::size_t name_width = 4;
   for (const BatchJobResult& job : results.jobs()) {
     width = std::max(width, job.id().size());
+    name_width = std::max(name_width, Columns(ShownName(job)));
   }
-  std::string table = fmt::format(
-      "{:<{}}  {:>6}  {:<12} {:<13} {:<9} {:>17}  {:>12}  {}\n", "id", width, "job",
-      "machine", "state", "verdict", "made / planned", "time", "message");
+  std::string table =
+      fmt::format("{:<{}}  {:<{}}  {:>6}  {:<12} {:<13} {:<18} {:>17}  {:>12}  {}\n",
+                  "id", width, "name", name_width, "job", "machine", "state", "verdict",
+                  "made / planned", "time", "message");
   for (const BatchJobResult& job : results.jobs()) {
+    const std::string name = ShownName(job);
     table += fmt::format(
-        "{:<{}}  {:>6}  {:<12} {:<13} {:<9} {:>17}  {:>12}  {}\n", job.id(), width,
+        "{:<{}}  {}{:<{}}  {:>6}  {:<12} {:<13} {:<18} {:>17}  {:>12}  {}\n", job.id(),
+        width, name, "", name_width - Columns(name),
         job.job() == 0 ? "-" : std::to_string(job.job()), job.cell(), job.state(),
         job.verdict(),
         job.planned() == 0 ? "-"
@@ -43,11 +69,11 @@ std::string TableOf(const BatchResults& results) {
         FirstLine(job.message()));
   }
   return table + fmt::format(
-                     "{} jobs in {}: {} good, {} not good, {} failed, {} cancelled, {} "
-                     "not made\n",
+                     "{} jobs in {}: {} good, {} good with warnings, {} not good, {} "
+                     "failed, {} cancelled, {} not made\n",
                      results.jobs_size(), client::ShortDuration(results.time_s()),
-                     results.good(), results.not_good(), results.failed(),
-                     results.cancelled(), results.not_made());
+                     results.good(), results.good_with_warnings(), results.not_good(),
+                     results.failed(), results.cancelled(), results.not_made());
 }
 
 }  // namespace intaglio::cli

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "engrave/drawing/font_list.h"
 #include "tests/engrave/drawing/lengths.h"
 
 namespace intaglio::drawing {
@@ -17,8 +18,8 @@ using ::testing::HasSubstr;
 class FontOutline : public ::testing::Test {
  protected:
   void SetUp() override {
-    options_.font = "DejaVu Sans";
-    if (!FindFontFile(options_.font))
+    options_.font.name = "DejaVu Sans";
+    if (!FindFontFile(options_.font.name))
       GTEST_SKIP() << "no DejaVu Sans: install the package fonts-dejavu-core";
   }
   FlatDrawing Flat(const std::string& text) const {
@@ -90,16 +91,31 @@ TEST_F(FontOutline, Utf8AndMissingCharacters) {
   EXPECT_EQ(ErrorOf("ABCD").code, ErrorCode::kTooLarge);
 }
 
+TEST_F(FontOutline, LettersOfAnotherFontAreAsHigh) {
+  // Hebrew letters are in DejaVu Sans alone; the capitals of Serif decide the height.
+  options_.cap_height_mm = 7;
+  const Box3 own = ExtentOf(Flat("\u05D0"));
+  options_.font.name = "DejaVu Serif";
+  EXPECT_THAT(ErrorOf("\u05D0").message, HasSubstr("U+05D0"));
+  options_.fallbacks = {{"DejaVu Sans"}};
+  EXPECT_NEAR(ExtentOf(Flat("\u05D0")).size_mm().y(), own.size_mm().y(), 1e-9);
+  EXPECT_NEAR(ExtentOf(Flat("\u05D0")).size_mm().x(), own.size_mm().x(), 1e-9);
+  // What the font has stays in its own letters.
+  const double serif_mm = ExtentOf(Flat("mm")).size_mm().x();
+  options_.fallbacks.clear();
+  EXPECT_EQ(ExtentOf(Flat("mm")).size_mm().x(), serif_mm);
+}
+
 TEST_F(FontOutline, FontsByFileStyleAndName) {
   const auto bold = FindFontFile("DejaVu Sans:Bold");
   ASSERT_TRUE(bold);
-  options_.font = *bold;
+  options_.font.name = *bold;
   EXPECT_GT(ExtentOf(Flat("mm")).size_mm().x(), 0);
-  options_.font = "No Such Family";
+  options_.font.name = "No Such Family";
   EXPECT_EQ(ErrorOf("A").code, ErrorCode::kNotFound);
-  options_.font = "/no/such/font.ttf";
+  options_.font.name = "/no/such/font.ttf";
   EXPECT_EQ(ErrorOf("A").code, ErrorCode::kNotFound);
-  options_.font = std::string(INTAGLIO_SOURCE_DIR) + "/CMakeLists.txt";
+  options_.font.name = std::string(INTAGLIO_SOURCE_DIR) + "/CMakeLists.txt";
   EXPECT_EQ(ErrorOf("A").code, ErrorCode::kUnreadable);
   options_.cap_height_mm = 0;
   EXPECT_THROW((void)TextOutline("A", options_), PreconditionError);

@@ -73,7 +73,8 @@ TEST(BatchFile, EveryMistakeIsReportedWithItsLine) {
                               "{\"overrides\":{\"block\":{\"margin_mm\":5}}}\n"
                               "{\"overrides\":{\"glass\":null}}\n"));
   EXPECT_THAT(message, HasSubstr("line 1: id 'a b'"));
-  EXPECT_THAT(message, AllOf(HasSubstr("line 2: "), HasSubstr("idd")));
+  EXPECT_THAT(message, AllOf(HasSubstr("line 2: "), HasSubstr("idd"),
+                             HasSubstr("Did you mean id?")));
   EXPECT_THAT(message, HasSubstr("line 4: "));
   EXPECT_THAT(message, HasSubstr("line 5: overrides.block: "));
   EXPECT_THAT(message, HasSubstr("\"block.margin_mm\": 5"));

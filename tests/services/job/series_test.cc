@@ -34,6 +34,14 @@ TEST(Series, EveryRowIsAJob) {
   EXPECT_EQ((*jobs)[0].glass(), Pattern().glass());
 }
 
+TEST(Series, BracesOfAValueAreEngravedAsTheyAre) {
+  const auto table = io::ParseCsv("name,year,club\n{x},{n},owls\n").value();
+  const auto jobs = MakeSeries(Pattern(), table, "/tables");
+  ASSERT_TRUE(jobs.has_value()) << jobs.error().message;
+  EXPECT_EQ((*jobs)[0].models(1).text().text(), "{{x}}\n{{n}}, piece {n}");
+  EXPECT_EQ((*jobs)[0].name(), "Cup of {x}");
+}
+
 TEST(Series, NamesThatWouldBeAlikeAreNumbered) {
   JobSpec job = Pattern();
   job.set_name("Cups");
@@ -47,7 +55,8 @@ TEST(Series, WhatDoesNotFitIsNamed) {
   ASSERT_FALSE(unknown.has_value());
   EXPECT_EQ(unknown.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(unknown.error().message, HasSubstr("models[1].text.text"));
-  EXPECT_THAT(unknown.error().message, HasSubstr("name, year, club"));
+  EXPECT_THAT(unknown.error().message,
+              HasSubstr("'nmae', did you mean name?; it has: name, year, club"));
   EXPECT_THAT(unknown.error().message, testing::Not(HasSubstr("line 3")))
       << "what is wrong with the job file is told once";
   const auto alike = MakeSeries(GoodJob(), kTable, "/tables");

@@ -11,7 +11,7 @@
 namespace intaglio::drawing {
 namespace {
 
-Drawing DrawingOf(const std::string& content) {
+Drawing StyledDrawing(const std::string& content) {
   auto drawing = ReadSvg("<svg xmlns='http://www.w3.org/2000/svg'>" + content + "</svg>");
   EXPECT_TRUE(drawing.has_value()) << (drawing ? "" : drawing.error().message);
   return drawing ? std::move(*drawing) : Drawing{};
@@ -21,7 +21,7 @@ std::string Styled(const std::string& css, const std::string& content) {
 }
 /// The strokes of the lines that are drawn, in order.
 std::string Strokes(const std::string& content) {
-  const Drawing drawing = DrawingOf(content);
+  const Drawing drawing = StyledDrawing(content);
   std::string strokes;
   for (const Curve& curve : drawing.curves) strokes += drawing.names[curve.color] + " ";
   return strokes;
@@ -68,7 +68,7 @@ TEST(SvgStyle, DisplayIsFinalVisibilityIsInherited) {
       ".h{visibility:hidden}.s{visibility:visible;display:inline}.n{display:none}";
   EXPECT_EQ(Strokes(Styled(css, lines)), "1 4 ");
   // The second line and the group that is not displayed.
-  EXPECT_EQ(DrawingOf(Styled(css, lines)).left_out.at("invisible"), 2U);
+  EXPECT_EQ(StyledDrawing(Styled(css, lines)).left_out.at("invisible"), 2U);
   EXPECT_EQ(Strokes(Styled("svg{display:NONE}", lines)), "");
   EXPECT_EQ(Strokes(Styled("svg{visibility:collapse}", lines)), "");
   EXPECT_EQ(Strokes(Styled("svg{stroke:all}", "<line x2='1'/>")), "all ");
@@ -92,11 +92,11 @@ TEST(SvgStyle, CommentsStringsAtRulesAndOtherSelectors) {
   const std::string lines =
       "<line class='a' x2='1'/><line class='b' x2='1'/><line class='c' x2='1'/>";
   EXPECT_EQ(Strokes(Styled(css, lines)), "5  '7' --> ");
-  const auto left_out = DrawingOf(Styled(css, lines)).left_out;
+  const auto left_out = StyledDrawing(Styled(css, lines)).left_out;
   EXPECT_EQ(left_out.at("@media"), 1U);
   EXPECT_EQ(left_out.at("@charset"), 1U);
   EXPECT_EQ(left_out.at("style rule not by class, id or element"), 4U);
-  const Drawing other = DrawingOf(
+  const Drawing other = StyledDrawing(
       "<style media='print'>*{stroke:1}</style><style type='text/x'>*{stroke:2}</style>"
       "<style media='screen' type='text/css'>*{stroke:3}</style><line x2='1'/>");
   EXPECT_EQ(other.names[other.curves.at(0).color], "3");
@@ -107,8 +107,8 @@ TEST(SvgStyle, CommentsStringsAtRulesAndOtherSelectors) {
 TEST(SvgStyle, SheetsAndAttributesGiveTheSameDrawing) {
   const auto drawing = [](const std::string& head, const std::string& hidden,
                           const std::string& cut) {
-    return DrawingOf("<defs>" + head + "</defs><rect " + hidden +
-                     " width='9' height='9'/><circle " + cut + " r='5'/>");
+    return StyledDrawing("<defs>" + head + "</defs><rect " + hidden +
+                         " width='9' height='9'/><circle " + cut + " r='5'/>");
   };
   const Drawing by_sheet = drawing(
       "<style>.cls-1, .cls-2 { fill: none; } .cls-1 { display: none; } .cls-2 { stroke: "
