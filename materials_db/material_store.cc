@@ -3,7 +3,9 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <utility>
 
 #include "engrave/core/try.h"
@@ -24,6 +26,7 @@ std::string Columns() {
 }
 
 constexpr int kFirstProperty = 7;
+constexpr std::size_t kMaxSuggestions = 3;
 
 void Bind(SQLite::Statement& statement, const Material& material) {
   const optics::Dispersion& dispersion = material.dispersion;
@@ -148,9 +151,16 @@ Result<Material> MaterialStore::Find(std::string_view name) const {
     SQLite::Statement query(
         *database_, fmt::format("SELECT {} FROM material WHERE name = ?", Columns()));
     query.bind(1, std::string(name));
-    if (!query.executeStep()) return tl::unexpected(NotFound(name));
-    return ReadRow(query);
+    if (query.executeStep()) return ReadRow(query);
+    query.reset();
+    query.bind(1, NameOfAlias(name));
+    if (query.executeStep()) return ReadRow(query);
+    return tl::unexpected(NotFound(name));
   });
+}
+
+Result<std::vector<GlassAlias>> MaterialStore::Aliases() const {
+  return Guarded([&]() -> Result<std::vector<GlassAlias>> { return ReadAliases(); });
 }
 
 Status MaterialStore::Add(const Material& material) {
@@ -219,11 +229,54 @@ void MaterialStore::Write(const Material& material) {
   statement.exec();
 }
 
-Error MaterialStore::NotFound(std::string_view name) const {
+std::vector<std::string> MaterialStore::Names() const {
   SQLite::Statement query(*database_, "SELECT name FROM material ORDER BY name");
   std::vector<std::string> names;
   while (query.executeStep()) names.push_back(query.getColumn(0).getString());
-  const auto near = NearNames(name, names);
+  return names;
+}
+
+std::vector<GlassAlias> MaterialStore::ReadAliases() const {
+  SQLite::Statement query(*database_,
+                          "SELECT name, material, source FROM alias ORDER BY name");
+  std::vector<GlassAlias> aliases;
+  while (query.executeStep()) {
+    aliases.push_back({query.getColumn(0).getString(), query.getColumn(1).getString(),
+                       query.getColumn(2).getString()});
+  }
+  return aliases;
+}
+
+std::string MaterialStore::NameOfAlias(std::string_view asked) const {
+  const std::string spelling = SpellingOf(asked);
+  std::vector<std::string> alike;
+  for (std::string& name : Names()) {
+    if (SpellingOf(name) == spelling) alike.push_back(std::move(name));
+  }
+  if (alike.size() == 1) return alike.front();
+  if (!alike.empty()) return "";  // which of them?
+  for (const GlassAlias& alias : ReadAliases()) {
+    if (SpellingOf(alias.name) == spelling) return alias.glass;
+  }
+  return "";
+}
+
+Error MaterialStore::NotFound(std::string_view name) const {
+  std::vector<std::string> names = Names();
+  // A name that is nearer to an alias was meant as that.
+  std::map<std::string, std::string> glass_of;
+  for (const GlassAlias& alias : ReadAliases()) {
+    if (!Contains(alias.glass)) continue;
+    names.push_back(alias.name);
+    glass_of.emplace(alias.name, alias.glass);
+  }
+  std::vector<std::string> near;
+  for (const std::string& found : NearNames(name, names, names.size())) {
+    const auto alias = glass_of.find(found);
+    const std::string& glass = alias == glass_of.end() ? found : alias->second;
+    if (std::find(near.begin(), near.end(), glass) != near.end()) continue;
+    if (near.size() < kMaxSuggestions) near.push_back(glass);
+  }
   return {ErrorCode::kNotFound,
           near.empty() ? fmt::format("there is no glass \"{}\" in the material base; "
                                      "`intaglio materials list` lists the glasses",

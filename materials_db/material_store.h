@@ -25,6 +25,13 @@ namespace intaglio::materials_db {
 /// (no home, a system service) /var/lib/intaglio/materials.db.
 std::filesystem::path DefaultDatabasePath();
 
+/// Another name of a glass with the same index.
+struct GlassAlias {
+  std::string name;
+  std::string glass;   ///< in the material base, unless it was removed
+  std::string source;  ///< why both are one glass for the optics
+};
+
 class MaterialStore {
  public:
   /// Makes the file and its folder when they are not there, and brings an older database
@@ -38,8 +45,12 @@ class MaterialStore {
   /// All glasses, by name.
   Result<std::vector<Material>> List() const;
 
-  /// kNotFound names glasses of similar name.
+  /// By the name itself, else by one that differs only in hyphens and spaces, else by an
+  /// alias: the glass found has its own name. kNotFound names glasses of similar name.
   Result<Material> Find(std::string_view name) const;
+
+  /// All aliases, by name.
+  Result<std::vector<GlassAlias>> Aliases() const;
 
   /// Refuses a name that is there (kInvalidValue).
   Status Add(const Material& material);
@@ -60,6 +71,10 @@ class MaterialStore {
   template <typename F>
   auto Guarded(F action) const -> decltype(action());
   Error NotFound(std::string_view name) const;
+  std::vector<std::string> Names() const;
+  std::vector<GlassAlias> ReadAliases() const;
+  /// The name in the base of a glass that is asked for in another way; empty: none.
+  std::string NameOfAlias(std::string_view asked) const;
   bool Contains(std::string_view name) const;
   void Write(const Material& material);
 

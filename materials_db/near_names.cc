@@ -11,25 +11,24 @@ namespace {
 
 constexpr std::size_t kMinContained = 3;
 
-/// Letters in lower case, digits, and non-ASCII characters.
-std::string Essence(std::string_view name) {
-  std::string essence;
-  for (const char c : name) {
-    if (c != ' ' && c != '-' && c != '_') essence += io::LowerCase(c);
-  }
-  return essence;
-}
-
 }  // namespace
+
+std::string SpellingOf(std::string_view name) {
+  std::string spelling;
+  for (const char c : name) {
+    if (c != ' ' && c != '-' && c != '_') spelling += io::LowerCase(c);
+  }
+  return spelling;
+}
 
 std::vector<std::string> NearNames(std::string_view asked,
                                    std::span<const std::string> names,
                                    std::size_t max_count) {
-  const std::string wanted = Essence(asked);
+  const std::string wanted = SpellingOf(asked);
   const std::size_t max_edits = wanted.size() <= 3 ? 1 : 2;
   std::vector<std::tuple<std::size_t, std::string>> near;
   for (const std::string& name : names) {
-    const std::string known = Essence(name);
+    const std::string known = SpellingOf(name);
     if (known.empty()) continue;
     const std::string_view shorter = known.size() < wanted.size() ? known : wanted;
     const std::string_view longer = known.size() < wanted.size() ? wanted : known;

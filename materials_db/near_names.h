@@ -1,11 +1,17 @@
 #pragma once
 
+// Names that are spelled alike, or nearly.
+
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace intaglio::materials_db {
+
+/// What two spellings of one name have in common: no case, hyphens, underscores or
+/// spaces.
+std::string SpellingOf(std::string_view name);
 
 /// The names a person may have meant, nearest first, at most `max_count`. Names are
 /// compared without case, hyphens and spaces; a name is near if it is at most 2 edits

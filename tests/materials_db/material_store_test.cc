@@ -72,16 +72,70 @@ TEST(MaterialStore, AddRefusesAGlassThatIsThere) {
 
 TEST(MaterialStore, ReportsWhichGlassWasMeant) {
   MaterialStore store = InMemory();
-  const auto found = store.Find("BK7");
+  const auto found = store.Find("BK7X");
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, ErrorCode::kNotFound);
-  EXPECT_THAT(found.error().message, HasSubstr("did you mean N-BK7?"));
+  EXPECT_THAT(found.error().message, HasSubstr("did you mean N-BK7?"))
+      << "nearest is its other name, BK7";
+  EXPECT_THAT(store.Find("K9X").error().message, HasSubstr("did you mean H-K9L?"));
   EXPECT_THAT(store.Remove("soda lime").error().message,
               HasSubstr("did you mean soda-lime?"));
   Material glass = CompleteGlass();
   glass.name = "N-BK8";
   EXPECT_THAT(store.Replace(glass).error().message, HasSubstr("did you mean N-BK7?"));
   EXPECT_THAT(store.Find("xyz").error().message, HasSubstr("materials list"));
+}
+
+TEST(MaterialStore, FindsAGlassByAnotherSpellingAndByItsAliases) {
+  MaterialStore store = InMemory();
+  for (const char* name : {"BK7", "bk7", "BK-7", "n bk7", "NBK7", "N-BK7HT"}) {
+    const auto found = store.Find(name);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->name, "N-BK7") << name;
+  }
+  for (const char* name : {"K9", "k9l", "H-K9", "HK9L"}) {
+    const auto found = store.Find(name);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->name, "H-K9L") << name;
+  }
+  EXPECT_EQ(store.Find("Fused Silica")->name, "fused-silica");
+  EXPECT_EQ(store.Find("float glass")->name, "soda-lime");
+}
+
+TEST(MaterialStore, AGlassOfThatNameComesBeforeAnAlias) {
+  MaterialStore store = InMemory();
+  Material own = CompleteGlass();
+  own.name = "BK7";
+  ASSERT_TRUE(store.Add(own));
+  EXPECT_EQ(*store.Find("bk7"), own);
+  EXPECT_EQ(store.Find("bk-7")->name, "BK7") << "spelled like it";
+  EXPECT_EQ(store.Find("N-BK7")->name, "N-BK7");
+}
+
+TEST(MaterialStore, AnAliasOfARemovedGlassFindsNothing) {
+  MaterialStore store = InMemory();
+  ASSERT_TRUE(store.Remove("H-K9L"));
+  const auto found = store.Find("K9");
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, ErrorCode::kNotFound);
+}
+
+// What is stored under an alias would be another glass: only a search resolves them.
+TEST(MaterialStore, ChangesNeedTheNameItself) {
+  MaterialStore store = InMemory();
+  EXPECT_FALSE(store.Remove("BK7"));
+  EXPECT_TRUE(store.Find("N-BK7"));
+}
+
+TEST(MaterialStore, EveryAliasNamesItsGlassAndItsSource) {
+  const MaterialStore store = InMemory();
+  const auto aliases = store.Aliases();
+  ASSERT_TRUE(aliases);
+  EXPECT_GE(aliases->size(), 6u);
+  for (const GlassAlias& alias : *aliases) {
+    EXPECT_TRUE(store.Find(alias.glass)) << alias.name;
+    EXPECT_FALSE(alias.source.empty()) << alias.name;
+  }
 }
 
 TEST(MaterialStore, TakesNothingUnsound) {

@@ -1,12 +1,14 @@
 #include "services/cli/materials/glass_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string_view>
 #include <vector>
 
 #include "engrave/core/check.h"
+#include "materials_db/near_names.h"
 #include "materials_db/numbers.h"
 #include "services/job/json_text.h"
 #include "services/job/material_record.h"
@@ -14,6 +16,7 @@
 namespace intaglio::cli {
 namespace {
 
+using materials_db::GlassAlias;
 using materials_db::Material;
 using materials_db::OpticalValues;
 using materials_db::PropertyRow;
@@ -83,6 +86,19 @@ std::vector<Row> KeptRows(const Material& material) {
   return rows;
 }
 
+bool IsAliasOf(const GlassAlias& alias, const Material& material) {
+  return materials_db::SpellingOf(alias.glass) == materials_db::SpellingOf(material.name);
+}
+
+std::vector<std::string> NamesOf(const Material& material,
+                                 std::span<const GlassAlias> aliases) {
+  std::vector<std::string> names;
+  for (const GlassAlias& alias : aliases) {
+    if (IsAliasOf(alias, material)) names.push_back(alias.name);
+  }
+  return names;
+}
+
 std::string Json(const google::protobuf::Message& message) {
   const auto json = JsonTextOf(message, JsonLayout::kOneLine);
   Require(json.has_value(), "{} as JSON: {}", message.GetTypeName(),
@@ -93,10 +109,11 @@ std::string Json(const google::protobuf::Message& message) {
 }  // namespace
 
 std::string GlassesAsTable(std::span<const Material> materials,
+                           std::span<const GlassAlias> aliases,
                            const PrintedLight& light) {
   std::vector<Row> rows = {{"GLASS", "MANUFACTURER",
                             fmt::format("n({:g} nm)", light.wavelength_nm), "ABBE",
-                            "RANGE nm", "DENSITY kg/m3"}};
+                            "RANGE nm", "DENSITY kg/m3", "ALSO CALLED"}};
   for (const Material& material : materials) {
     const optics::Dispersion& dispersion = material.dispersion;
     const auto index = optics::RefractiveIndex(dispersion, light.wavelength_nm);
@@ -107,7 +124,8 @@ std::string GlassesAsTable(std::span<const Material> materials,
                     abbe ? fmt::format("{:.2f}", *abbe) : "-",
                     fmt::format("{:g}-{:g}", dispersion.min_wavelength_um * 1000,
                                 dispersion.max_wavelength_um * 1000),
-                    OrUnknown(material.density_kg_m3, 0)});
+                    OrUnknown(material.density_kg_m3, 0),
+                    fmt::format("{}", fmt::join(NamesOf(material, aliases), ", "))});
   }
   return Table(rows);
 }
@@ -121,7 +139,14 @@ std::string GlassesAsJson(std::span<const Material> materials,
   return json + "\n]";
 }
 
-std::string GlassAsTable(const Material& material) { return Table(KeptRows(material)); }
+std::string GlassAsTable(const Material& material, std::span<const GlassAlias> aliases) {
+  std::vector<Row> rows = KeptRows(material);
+  for (const GlassAlias& alias : aliases) {
+    if (!IsAliasOf(alias, material)) continue;
+    AddLines("also called", fmt::format("{}: {}", alias.name, alias.source), rows);
+  }
+  return Table(rows);
+}
 
 std::string OpticsAsTable(const OpticalValues& optics, const PrintedLight& light) {
   return fmt::format("At {:g} nm with a lens of NA {:g}:\n", light.wavelength_nm,

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "materials_db/material.h"
+#include "materials_db/material_store.h"
 
 namespace intaglio::cli {
 
@@ -17,16 +18,18 @@ struct PrintedLight {
   double numerical_aperture = 0.1;  ///< of the lens, in air
 };
 
-/// One glass a line below a line of titles; "-" where a value is unknown or the glass
-/// does not hold for the wavelength.
+/// One glass a line below a line of titles, with its aliases at the end; "-" where a
+/// value is unknown or the glass does not hold for the wavelength.
 std::string GlassesAsTable(std::span<const materials_db::Material> materials,
+                           std::span<const materials_db::GlassAlias> aliases,
                            const PrintedLight& light);
 /// An array of GlassAsJson, one a line.
 std::string GlassesAsJson(std::span<const materials_db::Material> materials,
                           const PrintedLight& light);
 
-/// All that is kept of one glass.
-std::string GlassAsTable(const materials_db::Material& material);
+/// All that is kept of one glass, with the sources of its aliases.
+std::string GlassAsTable(const materials_db::Material& material,
+                         std::span<const materials_db::GlassAlias> aliases);
 /// All that is computed of it.
 std::string OpticsAsTable(const materials_db::OpticalValues& optics,
                           const PrintedLight& light);

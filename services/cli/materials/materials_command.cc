@@ -62,7 +62,8 @@ Status List(const Flags& flags, MaterialStore& store) {
   if (flags.json) {
     std::cout << GlassesAsJson(materials, LightOf(flags)) << "\n";
   } else {
-    std::cout << GlassesAsTable(materials, LightOf(flags));
+    const auto aliases = INTAGLIO_TRY(store.Aliases());
+    std::cout << GlassesAsTable(materials, aliases, LightOf(flags));
   }
   return {};
 }
@@ -76,7 +77,8 @@ Status Show(const Flags& flags, MaterialStore& store) {
   if (flags.json) {
     std::cout << GlassAsJson(material, LightOf(flags)) << "\n";
   } else {
-    std::cout << GlassAsTable(material);
+    const auto aliases = INTAGLIO_TRY(store.Aliases());
+    std::cout << GlassAsTable(material, aliases);
     if (optics) std::cout << "\n" << OpticsAsTable(*optics, LightOf(flags));
   }
   if (!optics) return tl::unexpected(optics.error());

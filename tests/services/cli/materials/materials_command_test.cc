@@ -136,9 +136,21 @@ TEST(MaterialsCommand, ShowsWhatIsKeptAlsoOutsideTheWavelengths) {
   }
 }
 
+TEST(MaterialsCommand, ShowsAGlassByAnyOfItsNamesAndWhyItHasThem) {
+  const fs::path folder = test::FreshFolder();
+  const Outcome show = RunMaterials(folder, {"show", "K9"});
+  EXPECT_EQ(show.exit_code, 0) << show.err;
+  EXPECT_THAT(show.out, HasSubstr("H-K9L"));
+  EXPECT_THAT(show.out, HasSubstr("also called"));
+  EXPECT_THAT(show.out, HasSubstr("K9: Chinese trade name"));
+  const Outcome list = RunMaterials(folder, {"list"});
+  EXPECT_THAT(list.out, HasSubstr("ALSO CALLED"));
+  EXPECT_THAT(list.out, HasSubstr("BK7, BK7HT, N-BK7HT"));
+}
+
 TEST(MaterialsCommand, ReportsWhatIsWrong) {
   const fs::path folder = test::FreshFolder();
-  const Outcome unknown = RunMaterials(folder, {"show", "BK7"});
+  const Outcome unknown = RunMaterials(folder, {"show", "BK7X"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("did you mean N-BK7?"));
   EXPECT_EQ(RunMaterials(folder, {"show", "N-BK7", "--wavelength", "10600"}).exit_code,

@@ -1,8 +1,8 @@
-#include "services/platform/command_line/nearest_name.h"
+#include "engrave/io/nearest_name.h"
 
 #include <gtest/gtest.h>
 
-namespace intaglio::command_line {
+namespace intaglio::io {
 namespace {
 
 TEST(NearestName, IsWhatWasProbablyMeant) {
@@ -18,4 +18,4 @@ TEST(NearestName, IsWhatWasProbablyMeant) {
 }
 
 }  // namespace
-}  // namespace intaglio::command_line
+}  // namespace intaglio::io

@@ -1,10 +1,10 @@
-#include "services/platform/command_line/nearest_name.h"
+#include "engrave/io/nearest_name.h"
 
 #include <algorithm>
 
 #include "engrave/io/edit_distance.h"
 
-namespace intaglio::command_line {
+namespace intaglio::io {
 namespace {
 
 constexpr std::size_t kMaxEdits = 2;
@@ -16,7 +16,7 @@ std::optional<std::string> NearestName(const std::string& word,
   std::optional<std::string> nearest;
   std::size_t smallest = std::min(kMaxEdits + 1, (word.size() + 1) / 2);
   for (const std::string& candidate : known) {
-    const std::size_t edits = io::EditDistance(word, candidate);
+    const std::size_t edits = EditDistance(word, candidate);
     if (edits >= smallest) continue;
     smallest = edits;
     nearest = candidate;
@@ -24,4 +24,4 @@ std::optional<std::string> NearestName(const std::string& word,
   return nearest;
 }
 
-}  // namespace intaglio::command_line
+}  // namespace intaglio::io

@@ -1,0 +1,22 @@
+#pragma once
+
+// The glass that a job names, found in the material base.
+
+#include <string>
+
+#include "engrave/core/result.h"
+#include "materials_db/material_store.h"
+#include "services/cli/job_options.h"
+
+namespace intaglio::cli {
+
+/// Found by its name, another spelling or an alias; the job gets its name in the base,
+/// and a note if that is another one. kNotFound names the field and similar glasses.
+Result<materials_db::Material> FindGlass(JobAndMachine& job,
+                                         const materials_db::MaterialStore& store);
+
+/// The same in the base of that file; empty: the user's.
+Result<materials_db::Material> FindGlass(JobAndMachine& job,
+                                         const std::string& materials_db);
+
+}  // namespace intaglio::cli
