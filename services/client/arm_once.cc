@@ -20,7 +20,8 @@ ArmOnce::State ArmOnce::Follow(const JobView& job) {
 }
 
 void ArmOnce::Ask(const JobView& job) {
-  const auto sent = client_->Send(job, {.kind = intaglio_COMMAND_ARM});
+  const auto sent = client_->Send(
+      job, {.kind = intaglio_COMMAND_ARM, .accept_breakage = accept_breakage_});
   if (!sent) return Leave(sent.error().message);
   asked_ = *sent;
   state_ = State::kAsked;
@@ -43,9 +44,9 @@ void ArmOnce::Leave(const std::string& reason) {
   reason_ = reason;
 }
 
-Status ArmWhenTaken(JobClient& client, const JobView& submitted,
+Status ArmWhenTaken(JobClient& client, const JobView& submitted, bool accept_breakage,
                     std::chrono::milliseconds timeout) {
-  ArmOnce arm(client, submitted);
+  ArmOnce arm(client, submitted, accept_breakage);
   const auto settled = [&] {
     const ArmOnce::State state = arm.Follow(client.jobs().at(submitted.uid));
     return state == ArmOnce::State::kArmed || state == ArmOnce::State::kLeft;

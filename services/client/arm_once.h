@@ -23,9 +23,12 @@ class ArmOnce {
  public:
   enum class State { kWaits, kAsked, kArmed, kLeft };
 
-  /// `submitted`: the job as the person who arms it knows it.
-  ArmOnce(JobClient& client, const JobView& submitted)
-      : client_(&client), disarm_count_(submitted.disarm_count) {}
+  /// `submitted`: the job as the person who arms it knows it. `accept_breakage`: this
+  /// person accepts that the glass may break.
+  ArmOnce(JobClient& client, const JobView& submitted, bool accept_breakage)
+      : client_(&client),
+        disarm_count_(submitted.disarm_count),
+        accept_breakage_(accept_breakage) {}
 
   /// The next step, by the newest status of the job. After every Poll of the client.
   State Follow(const JobView& job);
@@ -42,6 +45,7 @@ class ArmOnce {
 
   JobClient* client_;
   std::uint64_t disarm_count_;
+  bool accept_breakage_;
   std::uint64_t asked_ = 0;  // number of the command
   State state_ = State::kWaits;
   std::string reason_;
@@ -52,7 +56,7 @@ inline constexpr std::chrono::seconds kMachineTakesJobWithin{15};
 
 /// Follows the job until it is armed: kRefused with the reason; kTimedOut, and not armed,
 /// when its machine has not taken it by then.
-Status ArmWhenTaken(JobClient& client, const JobView& submitted,
+Status ArmWhenTaken(JobClient& client, const JobView& submitted, bool accept_breakage,
                     std::chrono::milliseconds timeout = kMachineTakesJobWithin);
 
 }  // namespace intaglio::client

@@ -33,6 +33,27 @@ mesh::Fit FitOf(const Placement& placement, const Block& block) {
   return mesh::NoFit{};
 }
 
+/// A frozen job of a version without this field has none: its models were taken as they
+/// lie in their files.
+mesh::UpAxis UpOf(UpAxis up, std::optional<mesh::UpAxis> declared) {
+  switch (up) {
+    case UP_AXIS_Y:
+      return mesh::UpAxis::kY;
+    case UP_AXIS_X:
+      return mesh::UpAxis::kX;
+    case UP_AXIS_MINUS_Z:
+      return mesh::UpAxis::kMinusZ;
+    case UP_AXIS_MINUS_Y:
+      return mesh::UpAxis::kMinusY;
+    case UP_AXIS_MINUS_X:
+      return mesh::UpAxis::kMinusX;
+    case UP_AXIS_DECLARED:
+      return declared.value_or(mesh::UpAxis::kZ);
+    default:
+      return mesh::UpAxis::kZ;
+  }
+}
+
 }  // namespace
 
 std::string ProfileName(MotionProfile profile) {
@@ -54,11 +75,13 @@ Box3 PermittedBoxOf(const Block& block) {
   return {margin_mm, Vec3Of(block.size_mm()) - margin_mm};
 }
 
-mesh::Placement PlacementOf(const Placement& placement, const Block& block) {
+mesh::Placement PlacementOf(const Placement& placement, const Block& block,
+                            std::optional<mesh::UpAxis> declared) {
   Require(placement.has_unit_mm() && placement.has_scale_ratio() && block.has_margin_mm(),
           "the job's defaults are not filled in");
   mesh::Placement result;
   result.unit_mm = placement.unit_mm();
+  result.up = UpOf(placement.up(), declared);
   result.mirror_x = placement.mirror_x();
   result.mirror_y = placement.mirror_y();
   result.mirror_z = placement.mirror_z();

@@ -6,6 +6,7 @@
 // services/job/job_defaults.h, services/job/freeze.h; a broken precondition throws.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "engrave/core/geometry.h"
@@ -28,8 +29,10 @@ Vec3 BlockSizeOf(const JobSpec& job);
 /// Where points may lie: the block minus its margin. Frame glass, mm.
 Box3 PermittedBoxOf(const Block& block);
 
-/// The way of a model into the job's block.
-mesh::Placement PlacementOf(const Placement& placement, const Block& block);
+/// The way of a model into the job's block. `declared`: the up axis that its file
+/// declares (mesh::UpAxisOfFile), for UP_AXIS_DECLARED.
+mesh::Placement PlacementOf(const Placement& placement, const Block& block,
+                            std::optional<mesh::UpAxis> declared = {});
 
 /// The beam above a point, and what the cracks of the job's lens take of it.
 sort::BeamCone BeamConeOf(const FrozenJob& job);

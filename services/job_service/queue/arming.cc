@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "services/job/verdict/warnings.h"
+
 namespace intaglio::job_service {
 
 CommandAnswer Arming::Check(const JobRecord& job, const CommandView& command) const {
@@ -59,14 +61,33 @@ CommandAnswer Arming::CheckArm(const JobRecord& job, const CommandView& command)
                         "it again (intaglio arm {})",
                         job.number, job.arm.disarm_reason(), job.number)};
   }
+  if (const Warning* warning = job.open_consent(); warning && !command.accept_breakage) {
+    return {intaglio_ANSWER_NEEDS_CONSENT,
+            fmt::format("job {} cannot be armed without a consent: {}", job.number,
+                        ConsentMessage(job, *warning))};
+  }
   return {};
 }
 
+std::string Arming::ConsentMessage(const JobRecord& job, const Warning& warning) {
+  return fmt::format("{}; to engrave it all the same: intaglio arm {} {}", warning.text,
+                     job.number, AcceptOption(warning));
+}
+
+void Arming::TakeWarnings(JobRecord& job, const Warnings& warnings, Nanoseconds now) {
+  job.warnings = warnings;
+  const Warning* warning = job.open_consent();
+  if (warning == nullptr) return;
+  if (job.arm.armed()) job.arm.Disarm(warning->text, now);
+  book_.Change(job, job.state, ConsentMessage(job, *warning));
+}
+
 void Arming::Arm(JobRecord& job, const CommandView& command, Nanoseconds now) {
+  const bool had_consent = job.open_consent() == nullptr;
   job.arm.Arm(command, now);
   job.arm_loss.clear();
   if (job.state != intaglio_JOB_PAUSED) {
-    return book_.Change(job, job.state, job.message);
+    return book_.Change(job, job.state, had_consent ? job.message : "");
   }
   book_.Change(
       job, job.state,

@@ -11,6 +11,8 @@
 //    there anew; a reset arms nothing.
 // 4. A permission is granted only to the synchronizer that has the job's task; a job's
 //    first grant is kept before it is handed out.
+// 5. A job with a warning that a person has to accept is armed only with that consent;
+//    an arm from before the warning was known ends with it.
 // Used from one thread.
 
 #include <functional>
@@ -36,6 +38,11 @@ class Arming {
   /// that is not armed: an ARM may be on its way.
   void SetStop(const std::string& cell, bool pressed, Nanoseconds now);
   bool IsStopped(const std::string& cell) const { return stopped_cells_.contains(cell); }
+
+  /// New warnings of a job: an arm without the consent that they need ends.
+  void TakeWarnings(JobRecord& job, const Warnings& warnings, Nanoseconds now);
+  /// What a job that waits for a consent asks for, for people.
+  static std::string ConsentMessage(const JobRecord& job, const Warning& warning);
 
   /// After a loss: arms the job as it was armed, a while later, unless something forbids
   /// it (JobArm::Renew).

@@ -41,6 +41,10 @@ void JobArm::Note(const CommandView& command) {
 
 void JobArm::Arm(const CommandView& command, Nanoseconds now) {
   kept_.operator_name = command.operator_name;
+  if (command.accept_breakage) {
+    kept_.breakage_accepted_by =
+        command.operator_name.empty() ? "operator" : command.operator_name;
+  }
   kept_.first_point = std::max(kept_.first_point, command.from_point);
   kept_.fire_uncertain =
       command.fire_uncertain && command.kind == intaglio_COMMAND_RESUME;

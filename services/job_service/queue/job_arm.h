@@ -37,6 +37,9 @@ struct KeptArm {
   std::uint64_t disarm_count = 0;
   std::string disarm_reason = {};  ///< of the last Disarm, for people
   std::string operator_name = {};
+  /// Who has accepted that the glass may break; empty: nobody. It belongs to the job:
+  /// what disarms it does not take this back.
+  std::string breakage_accepted_by = {};
   std::uint32_t first_point = 0;   ///< as in Permission: for good
   bool fire_uncertain = false;     ///< as in Permission: of the newest command alone
   std::uint64_t last_command = 0;  ///< count of those taken; a speed is not counted

@@ -48,6 +48,7 @@ void JobBook::Change(JobRecord& job, intaglio_JobState state,
   job.state = state;
   if (state != intaglio_JOB_PAUSED) job.pause_reason = intaglio_PAUSE_NONE;
   job.message = message;
+  if (state != intaglio_JOB_ENGRAVING && state != intaglio_JOB_PAUSED) job.alarm.clear();
   ++job.revision;
   actions_.Changed(job);
 }

@@ -164,7 +164,9 @@ void JobQueue::Begin(JobRecord& job,
                      const std::array<std::vector<std::string>, 3>& workers,
                      Nanoseconds now) {
   ++job.attempt;
-  job.estimate_ticks = 0;
+  job.estimate_ticks = job.first_estimate_ticks = 0;
+  job.warnings.clear();
+  job.counts = {};
   for (const intaglio_Stage stage : kStages) job.stage(stage) = {};
   const std::string& synchronizer = workers[intaglio_STAGE_ENGRAVE].front();
   const std::string& sorter = workers[intaglio_STAGE_SORT].front();
@@ -270,16 +272,29 @@ void JobQueue::Take(const TaskView& task, Nanoseconds now) {
   }
   JobRecord* job = book_.FindOpen(task.task.job_uid);
   if (job == nullptr || !job->active() || task.task.attempt != job->attempt) return;
+  if (task.warnings) arming_.TakeWarnings(*job, *task.warnings, now);
   if (task.stage == intaglio_STAGE_DISCRETIZE) return TakePart(*job, task, now);
   StageRecord& stage = job->stage(task.stage);
   if (stage.worker != task.worker) return;
   stage.done_count = task.done_count;
   stage.total_count = task.total_count;
   stage.elapsed_s = task.elapsed_s;
+  if (task.stage == intaglio_STAGE_ENGRAVE) {
+    job->counts = task.counts;
+    job->alarm = task.alarm;
+  }
   if (task.state == intaglio_TASK_FAILED) return StageFailed(*job, task, now);
   if (task.state == intaglio_TASK_DONE) return StageDone(*job, task, now);
   if (task.stage == intaglio_STAGE_ENGRAVE) return EngraveStatus(*job, task, now);
+  NoteFirstEstimate(*job, task);
   book_.PublishProgress(*job);
+}
+
+// The plan of the motion, which comes later, is better.
+void JobQueue::NoteFirstEstimate(JobRecord& job, const TaskView& task) {
+  if (task.estimate_ticks == 0 || job.first_estimate_ticks != 0) return;
+  job.first_estimate_ticks = task.estimate_ticks;
+  if (job.estimate_ticks == 0) job.estimate_ticks = task.estimate_ticks;
 }
 
 void JobQueue::TakePart(JobRecord& job, const TaskView& task, Nanoseconds now) {
@@ -308,6 +323,7 @@ void JobQueue::StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now
 }
 
 void JobQueue::StageDone(JobRecord& job, const TaskView& task, Nanoseconds now) {
+  if (task.stage == intaglio_STAGE_SORT) NoteFirstEstimate(job, task);
   discretizing_.Finish(job, now);
   job.stage(task.stage).done = true;
   if (task.stage == intaglio_STAGE_ENGRAVE) {
@@ -325,12 +341,13 @@ void JobQueue::EngraveStatus(JobRecord& job, const TaskView& task, Nanoseconds n
   const bool loaded = task.state == intaglio_TASK_RUNNING && task.total_count > 0;
   const bool held = job.state == intaglio_JOB_PAUSED && !job.arm.armed();
   if (!loaded || held) return book_.PublishProgress(job);
-  // The whole path is there: the earlier stages are not needed any more.
+  // The whole path is there: no part is needed any more. The sorter's report, with the
+  // warnings about the path, may still be on its way.
   discretizing_.Finish(job, now);
-  job.stage(intaglio_STAGE_SORT).done = true;
+  const Warning* consent = job.open_consent();
   book_.Publish(
       job, task.done_count > 0 ? intaglio_JOB_ENGRAVING : intaglio_JOB_WAITING_FOR_ARM,
-      task.message);
+      consent == nullptr ? task.message : Arming::ConsentMessage(job, *consent));
 }
 
 }  // namespace intaglio::job_service

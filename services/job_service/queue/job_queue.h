@@ -114,6 +114,7 @@ class JobQueue {
   void LoseAttempt(JobRecord& job, const std::string& why, Nanoseconds now);
   /// It leaves its machine, to wait for another attempt; its arm does not wait with it.
   void Requeue(JobRecord& job, const std::string& why, Nanoseconds now);
+  static void NoteFirstEstimate(JobRecord& job, const TaskView& task);
   void TakePart(JobRecord& job, const TaskView& task, Nanoseconds now);
   void StageFailed(JobRecord& job, const TaskView& task, Nanoseconds now);
   void StageDone(JobRecord& job, const TaskView& task, Nanoseconds now);

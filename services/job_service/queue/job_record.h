@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/warning.h"
 #include "idl/job.h"
 #include "services/job_service/queue/job_arm.h"
 #include "services/job_service/queue/job_parts.h"
@@ -53,16 +54,20 @@ struct JobRecord {
   std::uint32_t attempt = 0;        ///< of the running chain; 0 before the first
   std::uint32_t lost_attempts = 0;  ///< chains that broke because a worker was lost
   std::string message;
-  std::uint64_t estimate_ticks = 0;
-  std::array<StageRecord, 3> stages;  ///< by intaglio_Stage
-  JobParts parts;                     ///< of the discretizing; none before it
+  std::uint64_t estimate_ticks = 0;        ///< machining time, the newest estimate
+  std::uint64_t first_estimate_ticks = 0;  ///< that of the sorter, before the order
+  std::array<StageRecord, 3> stages;       ///< by intaglio_Stage
+  JobParts parts;                          ///< of the discretizing; none before it
   JobArm arm;
+  Warnings warnings;  ///< of the running attempt, once its points are made
   std::uint64_t revision = 0;
 
   // Not kept over a restart.
   std::uint32_t speed_percent = 100;  ///< override, 10..100
   std::string last_loss;              ///< why the attempt before this one broke
   std::string arm_loss;               ///< why its arm was spent before it had a path
+  intaglio_PointCounts counts{};      ///< of the newest engraving
+  std::string alarm;                  ///< why that makes no progress; empty: it does
   bool taken_up = false;  ///< the newest engraving task: begun by another worker
 
   StageRecord& stage(intaglio_Stage s) { return stages[s]; }
@@ -89,10 +94,20 @@ struct JobRecord {
     return state == intaglio_JOB_DONE || state == intaglio_JOB_FAILED ||
            state == intaglio_JOB_CANCELLED;
   }
+  /// The warning that a person has to accept before the arm; nullptr: none.
+  const Warning* open_consent() const {
+    return arm.kept().breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;
+  }
+  /// All its warnings are known, and a person has accepted those that need it.
+  bool warnings_are_settled() const {
+    return (stage(intaglio_STAGE_SORT).done || arm.ever_granted()) &&
+           open_consent() == nullptr;
+  }
   /// Its machine has the whole path, or is at it: it may be granted a permission.
   bool may_be_granted() const {
-    return state == intaglio_JOB_WAITING_FOR_ARM || state == intaglio_JOB_ENGRAVING ||
-           state == intaglio_JOB_PAUSED;
+    return warnings_are_settled() &&
+           (state == intaglio_JOB_WAITING_FOR_ARM || state == intaglio_JOB_ENGRAVING ||
+            state == intaglio_JOB_PAUSED);
   }
   /// Holds its cell: from the first task to the end.
   bool active() const { return !ended() && state != intaglio_JOB_QUEUED; }

@@ -4,8 +4,10 @@
 // values.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "engrave/core/warning.h"
 #include "idl/job.h"
 #include "services/job_service/queue/task_id.h"
 
@@ -35,6 +37,7 @@ struct CommandView {
   std::uint32_t from_point = 0;
   bool fire_uncertain = false;
   std::uint32_t speed_percent = 100;
+  bool accept_breakage = false;
 };
 inline constexpr std::uint32_t kMinSpeedPercent = 10;
 
@@ -58,6 +61,10 @@ struct TaskView {
   intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
   intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;
   std::string message;
+  /// Of its job, as far as they are known with this report; nullopt: as before.
+  std::optional<Warnings> warnings;
+  intaglio_PointCounts counts{};
+  std::string alarm;
 
   bool ended() const {
     return state == intaglio_TASK_DONE || state == intaglio_TASK_FAILED;

@@ -45,6 +45,59 @@ TEST(Options, PlacementTurnsDegreesIntoRadians) {
   EXPECT_EQ(std::get<mesh::FitHeight>(placement.fit).height_mm, 22);
 }
 
+TEST(Options, EveryUpAxisIsThatOfThePlacement) {
+  JobSpec job = WithDefaults(GoodJob(), GoodMachine());
+  Placement placement = job.models(0).placement();
+  const std::map<UpAxis, mesh::UpAxis> expected = {
+      {UP_AXIS_DEFAULT, mesh::UpAxis::kZ},
+      {UP_AXIS_Z, mesh::UpAxis::kZ},
+      {UP_AXIS_Y, mesh::UpAxis::kY},
+      {UP_AXIS_X, mesh::UpAxis::kX},
+      {UP_AXIS_MINUS_Z, mesh::UpAxis::kMinusZ},
+      {UP_AXIS_MINUS_Y, mesh::UpAxis::kMinusY},
+      {UP_AXIS_MINUS_X, mesh::UpAxis::kMinusX},
+      {UP_AXIS_DECLARED, mesh::UpAxis::kX}};
+  ASSERT_EQ(expected.size(), static_cast<std::size_t>(UpAxis_ARRAYSIZE));
+  for (const auto& [asked, up] : expected) {
+    placement.set_up(asked);
+    EXPECT_EQ(PlacementOf(placement, job.block(), mesh::UpAxis::kX).up, up)
+        << UpAxis_Name(asked);
+  }
+  placement.set_up(UP_AXIS_DECLARED);
+  EXPECT_EQ(PlacementOf(placement, job.block()).up, mesh::UpAxis::kZ)
+      << "of a file that declares none";
+}
+
+// Upright by what the format defines. A model that is given a rotation is rotated as it
+// lies in its file: so are those of job files and stored jobs that were written before.
+TEST(Options, UpFollowsFromTheKindAndTheFormat) {
+  const auto up_of = [](const std::string& file, bool rotated = false) {
+    JobSpec job = GoodJob();
+    Model& model = *job.mutable_models(0);
+    model.Clear();
+    if (file.empty()) {
+      model.mutable_text()->set_text("Anna");
+    } else {
+      model.set_file(file);
+    }
+    if (rotated) model.mutable_placement()->mutable_rotate_deg()->set_z(30);
+    return WithDefaults(WithDefaults(job, GoodMachine()), GoodMachine())
+        .models(0)
+        .placement()
+        .up();
+  };
+  for (const char* upright :
+       {"", "a.glb", "a.GLTF", "a.svg", "a.dxf", "a.plt", "a.png", "a.jpg", "a.bmp"}) {
+    EXPECT_EQ(up_of(upright), UP_AXIS_Y) << upright;
+    EXPECT_EQ(up_of(upright, true), UP_AXIS_Z) << upright << ", rotated";
+  }
+  EXPECT_EQ(up_of("a.dae"), UP_AXIS_DECLARED);
+  for (const char* as_it_is :
+       {"a.stl", "a.obj", "a.ply", "a.3mf", "a.3ds", "a.xyz", "a.cft", "a.scl"}) {
+    EXPECT_EQ(up_of(as_it_is), UP_AXIS_Z) << as_it_is;
+  }
+}
+
 TEST(Options, FitBlockLeavesTheMargin) {
   JobSpec job = GoodJob();
   job.mutable_models(0)->mutable_placement()->set_fit_block(true);

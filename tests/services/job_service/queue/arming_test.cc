@@ -74,6 +74,8 @@ TEST_F(ArmingTest, WhatIsRefused) {
 TEST_F(ArmingTest, APermissionIsOfTheWorkerThatHasTheTask) {
   EXPECT_FALSE(Granted());
   arming_.Arm(*job_, Of(intaglio_COMMAND_ARM), now_);
+  EXPECT_FALSE(Granted()) << "its warnings are not known";
+  job_->stage(intaglio_STAGE_SORT).done = true;
   EXPECT_TRUE(Granted());
   EXPECT_TRUE(actions_.kept.at("j1").arm.ever_granted()) << "kept by then";
   workers_.Release("y", job_->TaskOf(intaglio_STAGE_ENGRAVE), now_);

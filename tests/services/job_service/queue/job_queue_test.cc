@@ -37,6 +37,26 @@ TEST_F(JobQueueTest, HappyPath) {
       << "when the points are made, and at the end";
 }
 
+// Of the sorter while it works, of the synchronizer when the motion is planned.
+TEST_F(JobQueueTest, TheFirstEstimateIsKeptWhenTheMotionIsPlanned) {
+  ReadyAll();
+  Add(1);
+  Task(intaglio_STAGE_DISCRETIZE, intaglio_TASK_DONE, 100, 100);
+  EXPECT_EQ(job().estimate_ticks, 0u);
+  TaskView sorting = SortStatus(1, intaglio_TASK_RUNNING);
+  sorting.estimate_ticks = 90;
+  Report(sorting);
+  EXPECT_EQ(job().first_estimate_ticks, 90u);
+  EXPECT_EQ(job().estimate_ticks, 90u) << "what people see until there is a plan";
+  sorting.estimate_ticks = 95;
+  sorting.state = intaglio_TASK_DONE;
+  Report(sorting);
+  EXPECT_EQ(job().first_estimate_ticks, 90u) << "the first stays";
+  Task(intaglio_STAGE_ENGRAVE, intaglio_TASK_RUNNING, 0, 100);
+  EXPECT_EQ(job().estimate_ticks, 77u);
+  EXPECT_EQ(job().first_estimate_ticks, 90u);
+}
+
 TEST_F(JobQueueTest, WaitsForWorkersAndReportsWhich) {
   Add(1);
   EXPECT_EQ(job().state, intaglio_JOB_QUEUED);

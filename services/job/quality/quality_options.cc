@@ -1,4 +1,4 @@
-#include "services/job/quality_options.h"
+#include "services/job/quality/quality_options.h"
 
 #include "services/job/job_defaults.h"
 

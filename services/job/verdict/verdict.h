@@ -5,7 +5,9 @@
 // that is the report of `intaglio run`, or an inspection by a person.
 
 #include <string>
+#include <string_view>
 
+#include "engrave/core/warning.h"
 #include "proto/task.pb.h"
 
 namespace intaglio {
@@ -14,18 +16,21 @@ enum class VerdictKind {
   kNone,     ///< nothing is in the glass
   kUnknown,  ///< done, but the outcome is not known any more
   kNotGood,
+  kGoodWithWarnings,  ///< as good, but a warning says that the piece may look wrong
   kGood,  ///< done, every planned point is made, none is missed, skipped or uncertain
 };
 
-/// As programs read it: "none", "unknown", "not_good", "good".
+/// As programs read it: "none", "unknown", "not_good", "good_with_warnings", "good".
 const char* VerdictName(VerdictKind verdict);
+/// kUnknown for another name.
+VerdictKind VerdictFromName(std::string_view name);
 
 struct ShopVerdict {
   VerdictKind verdict = VerdictKind::kNone;
-  std::string reason;  ///< why it is not good, for people; else empty
+  std::string reason;  ///< why it is not good, or the warnings, for people; else empty
 };
 
-/// `outcome`: null when it is not known.
-ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome);
+/// `outcome`: null when it is not known. `warnings`: all of the job.
+ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome, const Warnings& warnings);
 
 }  // namespace intaglio

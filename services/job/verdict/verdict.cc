@@ -1,4 +1,4 @@
-#include "services/job/verdict.h"
+#include "services/job/verdict/verdict.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,13 +15,38 @@ const char* VerdictName(VerdictKind verdict) {
       return "unknown";
     case VerdictKind::kNotGood:
       return "not_good";
+    case VerdictKind::kGoodWithWarnings:
+      return "good_with_warnings";
     case VerdictKind::kGood:
       return "good";
   }
   return "unknown";
 }
 
-ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome) {
+namespace {
+
+/// Every point is made.
+ShopVerdict GoodBut(const Warnings& warnings) {
+  std::vector<std::string> texts;
+  for (const Warning& warning : AtLeast(WarningWeight::kWarning, warnings)) {
+    texts.push_back(warning.text);
+  }
+  if (texts.empty()) return {VerdictKind::kGood, ""};
+  return {VerdictKind::kGoodWithWarnings, fmt::format("{}", fmt::join(texts, "; "))};
+}
+
+}  // namespace
+
+VerdictKind VerdictFromName(std::string_view name) {
+  for (const VerdictKind kind : {VerdictKind::kNone, VerdictKind::kNotGood,
+                                 VerdictKind::kGoodWithWarnings, VerdictKind::kGood}) {
+    if (name == VerdictName(kind)) return kind;
+  }
+  return VerdictKind::kUnknown;
+}
+
+ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome,
+                      const Warnings& warnings) {
   if (outcome == nullptr) {
     if (!done) return {VerdictKind::kNone, ""};
     return {VerdictKind::kUnknown, "the outcome of its points is no longer known"};
@@ -39,7 +64,7 @@ ShopVerdict VerdictOf(bool done, const EngraveOutcome* outcome) {
   if (reasons.empty() && outcome->made_count() != outcome->planned_count()) {
     reasons.push_back(fmt::format("{} of them made", outcome->made_count()));
   }
-  if (done && reasons.empty()) return {VerdictKind::kGood, ""};
+  if (done && reasons.empty()) return GoodBut(warnings);
   if (reasons.empty()) reasons.push_back("not finished");
   return {VerdictKind::kNotGood, fmt::format("of {} points {}", outcome->planned_count(),
                                              fmt::join(reasons, ", "))};

@@ -1,0 +1,126 @@
+#include "services/client/proof_verdict.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
+
+#include "engrave/io/whole_file.h"
+#include "services/client/proof/proof_figures.h"
+#include "services/job/verdict/verdict.h"
+#include "services/job/verdict/warnings.h"
+
+namespace intaglio::client {
+namespace {
+
+namespace pb = google::protobuf;
+
+constexpr std::uint64_t kMaxReportBytes = 64u << 20;
+
+void AddFaults(const JobReport& report, Verdict& verdict) {
+  const PointCounts& points = report.points();
+  const auto need = [&](bool holds, std::string reason) {
+    if (!holds) verdict.add_reasons(std::move(reason));
+  };
+  need(points.planned() > 0, "the plan has no points");
+  need(points.doubled() == 0, fmt::format("{} points were made twice", points.doubled()));
+  need(points.stray() == 0,
+       fmt::format("{} cracks belong to no planned point", points.stray()));
+  need(points.skipped() == 0, fmt::format("{} points were skipped", points.skipped()));
+  need(points.missed() == 0,
+       fmt::format("{} points were fired without a crack", points.missed()));
+  need(points.unaccounted() == 0,
+       report.evidence() == kControllerEvidence
+           ? fmt::format("it is unknown whether {} points were fired: check the block",
+                         points.unaccounted())
+           : fmt::format("{} points are unaccounted for: journal and glass disagree",
+                         points.unaccounted()));
+  const PositionErrors& errors = report.position_errors();
+  need(errors.max_um() <= ToleranceUm(errors),
+       fmt::format("a crack is {:.2f} um off, the tolerance is {:.2f} um",
+                   errors.max_um(), ToleranceUm(errors)));
+  need(report.shadow_violations() == 0,
+       fmt::format("{} points were fired through an earlier crack",
+                   report.shadow_violations()));
+  need(report.measured_spacing_mm() >= report.min_spacing_mm(),
+       fmt::format("two planned points are {:.4f} mm apart, nearer than {:.4f} mm",
+                   report.measured_spacing_mm(), report.min_spacing_mm()));
+}
+
+std::string TextOf(const pb::Struct& object, const char* field) {
+  const auto found = object.fields().find(field);
+  return found == object.fields().end() ? std::string() : found->second.string_value();
+}
+
+Warning WarningOfJson(const pb::Value& value) {
+  if (!value.has_struct_value()) return {.text = value.string_value()};
+  const pb::Struct& object = value.struct_value();
+  return {WarningCodeOf(TextOf(object, "code")),
+          WarningWeightOf(TextOf(object, "weight")), TextOf(object, "text")};
+}
+
+}  // namespace
+
+double ToleranceUm(const PositionErrors& errors) {
+  return errors.tolerance_um() + errors.allowed_move_um();
+}
+
+void Judge(JobReport& report) {
+  Verdict& verdict = *report.mutable_verdict();
+  verdict.Clear();
+  AddFaults(report, verdict);
+  VerdictKind kind = VerdictKind::kNotGood;
+  if (verdict.reasons().empty()) {
+    for (const Warning& warning :
+         AtLeast(WarningWeight::kWarning, WarningsOf(report.warnings()))) {
+      verdict.add_reasons(warning.text);
+    }
+    kind =
+        verdict.reasons().empty() ? VerdictKind::kGood : VerdictKind::kGoodWithWarnings;
+  }
+  verdict.set_good(kind == VerdictKind::kGood);
+  verdict.set_kind(VerdictName(kind));
+}
+
+VerdictKind KindOf(const Verdict& verdict) {
+  if (verdict.good()) return VerdictKind::kGood;  // older reports have no kind
+  return verdict.kind() == VerdictName(VerdictKind::kGoodWithWarnings)
+             ? VerdictKind::kGoodWithWarnings
+             : VerdictKind::kNotGood;
+}
+
+std::string VerdictTitle(const Verdict& verdict, const std::string& good) {
+  switch (KindOf(verdict)) {
+    case VerdictKind::kGood:
+      return good;
+    case VerdictKind::kGoodWithWarnings:
+      return "GOOD, WITH WARNINGS";
+    default:
+      return "NOT GOOD";
+  }
+}
+
+render::Tone ToneOf(const Verdict& verdict) {
+  switch (KindOf(verdict)) {
+    case VerdictKind::kGood:
+      return render::Tone::kGood;
+    case VerdictKind::kGoodWithWarnings:
+      return render::Tone::kWarning;
+    default:
+      return render::Tone::kBad;
+  }
+}
+
+void AddWarningsOf(const std::filesystem::path& report_file, JobReport& report) {
+  const auto text = io::ReadWholeFile(report_file, kMaxReportBytes);
+  pb::Struct json;
+  if (!text || !pb::util::JsonStringToMessage(*text, &json).ok()) return;
+  const auto warnings = json.fields().find("warnings");
+  if (warnings != json.fields().end()) {
+    for (const pb::Value& value : warnings->second.list_value().values()) {
+      *report.add_warnings() = RecordOf(WarningOfJson(value));
+    }
+  }
+  report.set_breakage_accepted_by(TextOf(json, "breakage_accepted_by"));
+}
+
+}  // namespace intaglio::client
