@@ -60,7 +60,7 @@ float SpacingOf(const Scene& scene) {
 }
 
 Scene SceneOf(const Rect& window, const Projection& projection,
-              const PointList& points_mm) {
+              const PointList& points_mm, const CloudStyle& style) {
   Scene scene;
   scene.width = window.width;
   scene.height = window.height;
@@ -71,7 +71,7 @@ Scene SceneOf(const Rect& window, const Projection& projection,
     const double x = seen.at_px.x() - window.x;
     const double y = seen.at_px.y() - window.y;
     if (!(x >= 0 && y >= 0 && x < window.width && y < window.height)) continue;
-    const auto depth_mm = static_cast<float>(seen.depth_mm);
+    const float depth_mm = style.is_flat ? 0.0F : static_cast<float>(seen.depth_mm);
     scene.spots.push_back({static_cast<float>(x), static_cast<float>(y), depth_mm});
     scene.near_mm = std::min(scene.near_mm, depth_mm);
     scene.far_mm = std::max(scene.far_mm, depth_mm);
@@ -105,14 +105,15 @@ Plane FrontOf(const Scene& scene, float radius_px) {
   return front;
 }
 
-Plane LightOf(const Scene& scene, const Plane& front, float radius_px) {
+Plane LightOf(const Scene& scene, const Plane& front, float radius_px,
+              const CloudStyle& style) {
   constexpr float kBehind = 0.10F;  // what still shines through of the farther sides
   Plane light(scene.width, scene.height, 0.0F);
-  const float sigma_px = std::clamp(0.40F * scene.spacing_px, 0.55F, 1.5F);
+  const float sigma_px = std::clamp(0.40F * scene.spacing_px, 0.55F, style.max_sigma_px);
   const int reach = static_cast<int>(std::ceil(2.2F * sigma_px));
   const float depth_scale_mm = 2.5F * (radius_px + 0.5F) * scene.mm_per_px;
-  std::array<float, 16> across{};
-  std::array<float, 16> down{};
+  std::vector<float> across(2 * static_cast<std::size_t>(reach) + 1);
+  std::vector<float> down(across.size());
   for (const Spot& spot : scene.spots) {
     const int x = static_cast<int>(spot.x);
     const int y = static_cast<int>(spot.y);
@@ -204,12 +205,12 @@ Color Glow(float tone) {
 }  // namespace
 
 void DrawCloud(Canvas& canvas, const Rect& window, const Projection& projection,
-               const PointList& points_mm) {
-  const Scene scene = SceneOf(window, projection, points_mm);
+               const PointList& points_mm, const CloudStyle& style) {
+  const Scene scene = SceneOf(window, projection, points_mm, style);
   if (scene.spots.empty()) return;
   const float radius_px = std::clamp(1.6F * scene.spacing_px + 0.6F, 1.5F, 8.0F);
   const Plane front = FrontOf(scene, radius_px);
-  const Plane light = LightOf(scene, front, radius_px);
+  const Plane light = LightOf(scene, front, radius_px, style);
   const Plane relief = ReliefOf(scene, front, radius_px);
   const float typical = TypicalLight(light);
   Plane tone(scene.width, scene.height, 0.0F);

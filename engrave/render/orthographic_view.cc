@@ -24,31 +24,41 @@ Rect Inner(const Rect& cell) {
           cell.height - kTopPx - kBottomPx};
 }
 
-/// The face of the block in the picture.
+/// What is shown of the block's face, and where.
 struct Face {
   double left_px, right_px, top_px, bottom_px;
-  double width_mm, height_mm, px_per_mm;
+  double min_right_mm, max_right_mm, min_up_mm, max_up_mm, px_per_mm;
 
-  double x_px(double mm) const { return left_px + mm * px_per_mm; }
-  double y_px(double mm) const { return bottom_px - mm * px_per_mm; }
+  double x_px(double mm) const { return left_px + (mm - min_right_mm) * px_per_mm; }
+  double y_px(double mm) const { return bottom_px - (mm - min_up_mm) * px_per_mm; }
 };
+
+/// The multiples of a step within a range, from the first index to the last.
+struct Multiples {
+  int first, last;
+};
+Multiples MultiplesIn(double min_mm, double max_mm, double step_mm) {
+  return {static_cast<int>(std::ceil(min_mm / step_mm - 1e-9)),
+          static_cast<int>(std::floor(max_mm / step_mm + 1e-9))};
+}
 
 void DrawGrid(Canvas& canvas, const Face& face) {
   const Palette palette;
   const double fine_mm = NiceStep(60.0 / face.px_per_mm, 6);
   const double coarse_mm = NiceStep(60.0 / face.px_per_mm, 1);
-  // A half step past the end is rounding; a whole one would leave the block.
-  for (int i = 1; i * fine_mm < face.width_mm * (1 - 1e-9); ++i) {
+  const auto draw = [&](double mm, const Vec2& from_px, const Vec2& to_px) {
+    const bool coarse = std::abs(std::remainder(mm, coarse_mm)) < 1e-6 * fine_mm;
+    DrawLine(canvas, from_px, to_px, 1.0, {palette.grid, coarse ? 0.11F : 0.035F});
+  };
+  const auto across = MultiplesIn(face.min_right_mm, face.max_right_mm, fine_mm);
+  for (int i = across.first; i <= across.last; ++i) {
     const double at_px = std::floor(face.x_px(i * fine_mm)) + 0.5;
-    const bool coarse = std::abs(std::remainder(i * fine_mm, coarse_mm)) < 1e-6 * fine_mm;
-    DrawLine(canvas, {at_px, face.top_px}, {at_px, face.bottom_px}, 1.0,
-             {palette.grid, coarse ? 0.11F : 0.035F});
+    draw(i * fine_mm, {at_px, face.top_px}, {at_px, face.bottom_px});
   }
-  for (int i = 1; i * fine_mm < face.height_mm * (1 - 1e-9); ++i) {
+  const auto up = MultiplesIn(face.min_up_mm, face.max_up_mm, fine_mm);
+  for (int i = up.first; i <= up.last; ++i) {
     const double at_px = std::floor(face.y_px(i * fine_mm)) + 0.5;
-    const bool coarse = std::abs(std::remainder(i * fine_mm, coarse_mm)) < 1e-6 * fine_mm;
-    DrawLine(canvas, {face.left_px, at_px}, {face.right_px, at_px}, 1.0,
-             {palette.grid, coarse ? 0.11F : 0.035F});
+    draw(i * fine_mm, {face.left_px, at_px}, {face.right_px, at_px});
   }
 }
 
@@ -58,14 +68,16 @@ void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view)
   TextStyle style{.cap_height_px = kNumberCapPx, .color = palette.dim_text};
   style.align = Align::kCenter;
   const double below_px = face.bottom_px + 20.0;
-  for (int i = 0; i * step_mm <= face.width_mm * (1 + 1e-9); ++i) {
+  const auto across = MultiplesIn(face.min_right_mm, face.max_right_mm, step_mm);
+  for (int i = across.first; i <= across.last; ++i) {
     const double at_px = std::floor(face.x_px(i * step_mm)) + 0.5;
     DrawLine(canvas, {at_px, face.bottom_px + 1}, {at_px, face.bottom_px + 5}, 1.0,
              {palette.dim_text});
     DrawText(canvas, {at_px, below_px}, ShortNumber(i * step_mm), style);
   }
   style.align = Align::kRight;
-  for (int i = 0; i * step_mm <= face.height_mm * (1 + 1e-9); ++i) {
+  const auto up = MultiplesIn(face.min_up_mm, face.max_up_mm, step_mm);
+  for (int i = up.first; i <= up.last; ++i) {
     const double at_px = std::floor(face.y_px(i * step_mm)) + 0.5;
     DrawLine(canvas, {face.left_px - 5, at_px}, {face.left_px - 1, at_px}, 1.0,
              {palette.dim_text});
@@ -83,45 +95,45 @@ void DrawNumbers(Canvas& canvas, const Face& face, const OrthographicView& view)
            name);
 }
 
+Face FaceOf(const Panel& panel, const OrthographicView& view, const Vec2& center_px) {
+  Face face{};
+  face.px_per_mm = panel.px_per_mm;
+  face.min_right_mm = panel.shown_mm.min_mm[view.right_axis];
+  face.max_right_mm = panel.shown_mm.max_mm[view.right_axis];
+  face.min_up_mm = panel.shown_mm.min_mm[view.up_axis];
+  face.max_up_mm = panel.shown_mm.max_mm[view.up_axis];
+  const Vec2 half_px =
+      0.5 * face.px_per_mm *
+      Vec2(face.max_right_mm - face.min_right_mm, face.max_up_mm - face.min_up_mm);
+  face.left_px = center_px.x() - half_px.x();
+  face.right_px = center_px.x() + half_px.x();
+  face.top_px = center_px.y() - half_px.y();
+  face.bottom_px = center_px.y() + half_px.y();
+  return face;
+}
+
 }  // namespace
 
-void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm) {
-  const Palette palette;
-  const double length_mm = NiceStep(90.0 / px_per_mm, 1);
-  const double right_px = cell.right() - 18.5;
-  const double left_px = std::round(right_px - length_mm * px_per_mm);
-  const double y_px = cell.y + 21.5;
-  DrawLine(canvas, {left_px, y_px}, {right_px, y_px}, 2.0, {palette.text, 0.85F});
-  for (const double x_px : {left_px, right_px}) {
-    DrawLine(canvas, {x_px, y_px - 4}, {x_px, y_px + 4}, 1.5, {palette.text, 0.85F});
-  }
-  DrawText(canvas, {left_px - 10, y_px + 4.5}, ShortNumber(length_mm) + " mm",
-           {.cap_height_px = 9.0, .color = palette.dim_text, .align = Align::kRight});
+Vec2 RoomIn(const Rect& cell) {
+  const Rect inner = Inner(cell);
+  return {inner.width, inner.height};
 }
 
-double FittingScale(const Rect& cell, const OrthographicView& view,
-                    const Vec3& block_size_mm) {
-  const Rect inner = Inner(cell);
-  return std::min(inner.width / block_size_mm[view.right_axis],
-                  inner.height / block_size_mm[view.up_axis]);
+double FittingScale(const Rect& cell, const OrthographicView& view, const Vec3& size_mm) {
+  const Vec2 room_px = RoomIn(cell);
+  return std::min(room_px.x() / size_mm[view.right_axis],
+                  room_px.y() / size_mm[view.up_axis]);
 }
 
-void DrawOrthographicView(Canvas& canvas, const Rect& cell, const OrthographicView& view,
-                          double px_per_mm, const PointList& cracks_mm,
-                          const Vec3& block_size_mm) {
+void DrawOrthographicView(Canvas& canvas, const Panel& panel,
+                          const PointList& cracks_mm) {
   const Palette palette;
-  DrawCell(canvas, cell, view.title, view.from);
-  DrawScaleBar(canvas, cell, px_per_mm);
-  const Rect inner = Inner(cell);
+  const OrthographicView view = ViewOf(panel.kind);
+  DrawCell(canvas, panel.cell, panel.name, panel.description);
+  DrawScaleBar(canvas, panel.cell, panel.px_per_mm);
+  const Rect inner = Inner(panel.cell);
   const Vec2 center_px(inner.x + 0.5 * inner.width, inner.y + 0.5 * inner.height);
-  Face face{};
-  face.px_per_mm = px_per_mm;
-  face.width_mm = block_size_mm[view.right_axis];
-  face.height_mm = block_size_mm[view.up_axis];
-  face.left_px = center_px.x() - 0.5 * face.width_mm * px_per_mm;
-  face.right_px = center_px.x() + 0.5 * face.width_mm * px_per_mm;
-  face.top_px = center_px.y() - 0.5 * face.height_mm * px_per_mm;
-  face.bottom_px = center_px.y() + 0.5 * face.height_mm * px_per_mm;
+  const Face face = FaceOf(panel, view, center_px);
   const std::vector<Vec2> corners = {{face.left_px, face.top_px},
                                      {face.right_px, face.top_px},
                                      {face.right_px, face.bottom_px},
@@ -130,12 +142,15 @@ void DrawOrthographicView(Canvas& canvas, const Rect& cell, const OrthographicVi
   DrawGrid(canvas, face);
   const Projection projection =
       Projection::Parallel(Vec3::Unit(view.right_axis), Vec3::Unit(view.up_axis),
-                           0.5 * block_size_mm, center_px, px_per_mm);
-  DrawCloud(canvas, cell.Inset(1), projection, cracks_mm);
+                           panel.shown_mm.center_mm(), center_px, panel.px_per_mm);
+  DrawCloud(canvas, panel.cell.Inset(1), projection, cracks_mm,
+            {.is_flat = panel.is_flat});
+  // The edges of the block are bright, those of a part of it are not.
+  const float strength = panel.whole_block ? 1.0F : 0.35F;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2& next = corners[(i + 1) % corners.size()];
-    DrawLine(canvas, corners[i], next, 5.0, {palette.edge, 0.05F});
-    DrawLine(canvas, corners[i], next, 1.3, {palette.edge, 0.75F});
+    DrawLine(canvas, corners[i], next, 5.0, {palette.edge, 0.05F * strength});
+    DrawLine(canvas, corners[i], next, 1.3, {palette.edge, 0.75F * strength});
   }
   DrawNumbers(canvas, face, view);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// A canvas as a PNG file, 8 bits per channel, sRGB.
+// A canvas as a PNG file, 8 bits per channel, sRGB; with an alpha channel on request.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,10 +11,17 @@
 
 namespace intaglio::render {
 
+/// kFull: without an alpha channel. kOfLight: black is transparent, and the brighter a
+/// pixel is, the less. On black the picture is the canvas; on white what is not bright
+/// appears as a tint.
+enum class Opacity { kFull, kOfLight };
+
 /// The file's bytes; the same canvas gives the same bytes.
-std::vector<std::uint8_t> EncodePng(const Canvas& canvas);
+std::vector<std::uint8_t> EncodePng(const Canvas& canvas,
+                                    Opacity opacity = Opacity::kFull);
 
 /// Writes the file whole or not at all. Fails with kIo.
-Status WritePng(const std::filesystem::path& path, const Canvas& canvas);
+Status WritePng(const std::filesystem::path& path, const Canvas& canvas,
+                Opacity opacity = Opacity::kFull);
 
 }  // namespace intaglio::render

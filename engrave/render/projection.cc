@@ -28,7 +28,7 @@ Projection Projection::Parallel(const Vec3& right, const Vec3& up, const Vec3& c
   return projection;
 }
 
-Projection Projection::Perspective(const Vec3& block_size_mm, double azimuth_rad,
+Projection Projection::Perspective(const Box3& box_mm, double azimuth_rad,
                                    double elevation_rad, const Rect& into) {
   const double ca = std::cos(azimuth_rad);
   const double sa = std::sin(azimuth_rad);
@@ -39,14 +39,14 @@ Projection Projection::Perspective(const Vec3& block_size_mm, double azimuth_rad
   projection.right_ = Vec3(ca, sa, 0.0);
   projection.forward_ = Vec3(-sa * ce, ca * ce, -se);
   projection.up_ = Cross(projection.right_, projection.forward_);
-  const double distance_mm = 3.0 * block_size_mm.norm();
-  projection.origin_mm_ = 0.5 * block_size_mm - distance_mm * projection.forward_;
+  const double distance_mm = 3.0 * box_mm.size_mm().norm();
+  projection.origin_mm_ = box_mm.center_mm() - distance_mm * projection.forward_;
   projection.place_px_ = Vec2::Zero();
 
   // With a focal length of 1 the corners span a rectangle; scale and move it into place.
   Vec2 low = Vec2::Constant(1e300);
   Vec2 high = -low;
-  for (const Vec3& corner : BlockCorners(block_size_mm)) {
+  for (const Vec3& corner : CornersOf(box_mm)) {
     const Vec2 at = projection(corner).at_px;
     low = low.cwiseMin(at);
     high = high.cwiseMax(at);
@@ -63,12 +63,14 @@ bool Projection::Sees(const Vec3& normal, const Vec3& place_mm) const {
   return normal.dot(sight) < 0.0;
 }
 
-std::vector<Vec3> BlockCorners(const Vec3& block_size_mm) {
+std::vector<Vec3> CornersOf(const Box3& box_mm) {
   std::vector<Vec3> corners;
   for (unsigned i = 0; i < 8; ++i) {
-    corners.emplace_back((i & 1U) != 0 ? block_size_mm.x() : 0.0,
-                         (i & 2U) != 0 ? block_size_mm.y() : 0.0,
-                         (i & 4U) != 0 ? block_size_mm.z() : 0.0);
+    Vec3 corner_mm = box_mm.min_mm;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      if ((i >> axis & 1U) != 0) corner_mm[axis] = box_mm.max_mm[axis];
+    }
+    corners.push_back(corner_mm);
   }
   return corners;
 }

@@ -25,8 +25,8 @@ class Projection {
 
   /// Central, seen from a turn of `azimuth_rad` to the right of the front (-y) side and
   /// `elevation_rad` above the middle, from 3 diagonals away so that the lines still
-  /// converge but nothing is distorted; the block 0..size fills `into`.
-  static Projection Perspective(const Vec3& block_size_mm, double azimuth_rad,
+  /// converge but nothing is distorted; the box (not empty) fills `into`.
+  static Projection Perspective(const Box3& box_mm, double azimuth_rad,
                                 double elevation_rad, const Rect& into);
 
   Projected operator()(const Vec3& p_mm) const {
@@ -54,9 +54,8 @@ class Projection {
   bool central_ = false;
 };
 
-/// The eight corners of a block 0..size; bit k of the index selects the high side of axis
-/// k.
-std::vector<Vec3> BlockCorners(const Vec3& block_size_mm);
+/// The eight corners; bit k of the index selects the high side of axis k.
+std::vector<Vec3> CornersOf(const Box3& box_mm);
 
 /// A step of 1, 2 or 5 times a power of ten that divides `range` into at most `most`.
 double NiceStep(double range, int largest);

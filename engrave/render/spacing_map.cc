@@ -112,6 +112,23 @@ Box3 Extent(const SpacingMap& map) {
   return box;
 }
 
+struct MapCells {
+  Rect front, right, above, histogram;
+};
+
+/// The view from the front is large; the other cells are one below the other beside it.
+MapCells CellsIn(const Rect& room) {
+  const int left = 11 * room.width / 20;
+  const int x = room.x + left + kCellGapPx;
+  const int width = room.right() - x;
+  const int height = (room.height - 2 * kCellGapPx) / 3;
+  const int step = height + kCellGapPx;
+  return {{room.x, room.y, left, room.height},
+          {x, room.y, width, height},
+          {x, room.y + step, width, height},
+          {x, room.y + 2 * step, width, room.bottom() - room.y - 2 * step}};
+}
+
 }  // namespace
 
 Color SpacingColor(double ratio) {
@@ -131,18 +148,18 @@ Canvas RenderSpacingMap(const SpacingMap& map, const ViewsCaption& caption) {
           "a minimum spacing of {} mm, {} bins of {} mm", map.min_spacing_mm,
           map.bins.size(), map.bin_mm);
   Canvas canvas(kViewsWidth, kViewsHeight);
-  DrawPage(canvas, caption);
-  const PageCells cells = CellsOfPage();
+  const Page page = LayOutPage(caption);
+  DrawPage(canvas, page);
+  const MapCells cells = CellsIn(page.views);
   const Box3 box_mm = Extent(map);
-  DrawSpacingView(canvas, cells.large, kFromFront,
-                  FittingSpacingScale(cells.large, kFromFront, box_mm), box_mm, map);
+  DrawSpacingView(canvas, cells.front, kFromFront,
+                  FittingSpacingScale(cells.front, kFromFront, box_mm), box_mm, map);
   const double small_scale =
-      std::min(FittingSpacingScale(cells.top_left, kFromRight, box_mm),
-               FittingSpacingScale(cells.top_right, kFromAbove, box_mm));
-  DrawSpacingView(canvas, cells.top_left, kFromRight, small_scale, box_mm, map);
-  DrawSpacingView(canvas, cells.top_right, kFromAbove, small_scale, box_mm, map);
-  DrawHistogram(canvas, cells.bottom_left, map);
-  DrawFiguresPanel(canvas, cells.bottom_right, caption.figures);
+      std::min(FittingSpacingScale(cells.right, kFromRight, box_mm),
+               FittingSpacingScale(cells.above, kFromAbove, box_mm));
+  DrawSpacingView(canvas, cells.right, kFromRight, small_scale, box_mm, map);
+  DrawSpacingView(canvas, cells.above, kFromAbove, small_scale, box_mm, map);
+  DrawHistogram(canvas, cells.histogram, map);
   return canvas;
 }
 

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/segment.h"
+#include "engrave/render/accents.h"
 
 // A glyph is a list of strokes, separated by blanks. A stroke begins with its kind,
 //   l  straight lines from point to point
@@ -22,6 +24,7 @@ namespace intaglio::render {
 namespace {
 
 constexpr double kUnitsPerCap = 9.0;
+constexpr double kTopUnits = 12.5;   ///< Of the marks of capitals.
 constexpr double kGapUnits = 2.3;    ///< Between glyphs.
 constexpr double kSpaceUnits = 4.2;  ///< A blank, gaps not counted.
 constexpr int kCurveSteps = 5;       ///< Chords for each corner of a curve.
@@ -142,6 +145,16 @@ const char* StrokesOf(char32_t sign) {
       return "l0h5h";
     case U'²':
       return "s0l0m2m2l0i l0i2i";
+    case U'ß':
+      return "l0d0k s0k0m4m4i2i s2i5i5d2d";
+    case U'æ':
+      return "c0d3d3j0j l3g7g s7g7j3j3d6d";
+    case U'œ':
+      return "c0d4d4j0j l4g8g s8g8j4j4d7d";
+    case U'Æ':
+      return "l0d4m7m l4m4d7d l1g4g l4i6i";
+    case U'ı':
+      return "l0d0j";
     case U'³':
       return "s0m2m2k1k s1k2k2i0i";
     default:
@@ -213,6 +226,28 @@ Glyph ParseGlyph(std::string_view strokes) {
   return glyph;
 }
 
+double HeightOf(const Glyph& glyph) {
+  double height = 0.0;
+  for (const Polyline& stroke : glyph.strokes) {
+    for (const Vec2& p : stroke) height = std::max(height, p.y());
+  }
+  return height;
+}
+
+/// The mark of an accented letter lies above or below the letter, or across it.
+Glyph GlyphOf(char32_t sign) {
+  const auto accented = SplitAccent(sign);
+  if (!accented) return ParseGlyph(StrokesOf(sign));
+  const bool above = accented->mark < Mark::kCedilla;
+  // The dot gives way to another mark.
+  const char32_t base = above && accented->base == 'i' ? U'ı' : char32_t(accented->base);
+  Glyph glyph = ParseGlyph(StrokesOf(base));
+  for (Polyline& stroke : StrokesOfMark(accented->mark, glyph.width, HeightOf(glyph))) {
+    glyph.strokes.push_back(std::move(stroke));
+  }
+  return glyph;
+}
+
 double DistanceTo(const Polyline& line, const Vec2& p) {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
@@ -228,7 +263,8 @@ void DrawGlyph(Canvas& canvas, const Glyph& glyph, const Vec2& origin_px, double
   const int left = static_cast<int>(std::floor(origin_px.x() - margin_px));
   const int right =
       static_cast<int>(std::ceil(origin_px.x() + glyph.width * unit_px + margin_px));
-  const int top = static_cast<int>(std::floor(origin_px.y() - 10 * unit_px - margin_px));
+  const int top =
+      static_cast<int>(std::floor(origin_px.y() - kTopUnits * unit_px - margin_px));
   const int bottom = static_cast<int>(std::ceil(origin_px.y() + 3 * unit_px + margin_px));
   for (int y = top; y < bottom; ++y) {
     for (int x = left; x < right; ++x) {
@@ -252,9 +288,52 @@ void DrawGlyph(Canvas& canvas, const Glyph& glyph, const Vec2& origin_px, double
 double TextWidth(std::string_view text, double cap_height_px) {
   double units = 0.0;
   for (const char32_t sign : Decode(text)) {
-    units += ParseGlyph(StrokesOf(sign)).width + kGapUnits;
+    units += GlyphOf(sign).width + kGapUnits;
   }
   return std::max(0.0, units - kGapUnits) * cap_height_px / kUnitsPerCap;
+}
+
+std::vector<std::string> WrapText(std::string_view text, double cap_height_px,
+                                  double width_px) {
+  std::vector<std::string> lines;
+  std::string line;
+  const auto fits = [&](const std::string& candidate) {
+    return TextWidth(candidate, cap_height_px) <= width_px;
+  };
+  const auto end_line = [&] {
+    if (!line.empty()) lines.push_back(std::exchange(line, {}));
+  };
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    std::string token(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (!line.empty() && fits(line + " " + token)) {
+      line += " " + token;
+      continue;
+    }
+    end_line();
+    while (token.size() > 1 && !fits(token)) {
+      std::size_t kept = token.size();
+      // Between characters of UTF-8, not within one.
+      const auto shorten = [&] {
+        do --kept;
+        while (kept > 1 && (static_cast<unsigned char>(token[kept]) & 0xC0U) == 0x80U);
+      };
+      do shorten();
+      while (kept > 1 && !fits(token.substr(0, kept)));
+      lines.push_back(token.substr(0, kept));
+      token.erase(0, kept);
+    }
+    line = token;
+  }
+  end_line();
+  return lines;
+}
+
+TextStyle FittingStyle(std::string_view text, TextStyle style, double width_px) {
+  const double width = TextWidth(text, style.cap_height_px);
+  if (width > width_px && width_px > 0.0) style.cap_height_px *= width_px / width;
+  return style;
 }
 
 void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
@@ -268,7 +347,7 @@ void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
   // Whole pixels keep stems and baselines equally sharp wherever the text is placed.
   Vec2 pen(std::round(at_px.x() - share * width_px), std::round(at_px.y()));
   for (const char32_t sign : Decode(text)) {
-    const Glyph glyph = ParseGlyph(StrokesOf(sign));
+    const Glyph glyph = GlyphOf(sign);
     DrawGlyph(canvas, glyph, pen, unit_px, stroke_px, style);
     pen.x() += (glyph.width + kGapUnits) * unit_px;
   }

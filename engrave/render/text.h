@@ -1,10 +1,13 @@
 #pragma once
 
-// Text in a built-in stroke font: ASCII and the symbols used with numbers (µ ° ± × · – ²
-// ³). Strokes scale to any size without a font file at run time; digits have equal
-// widths, so that columns of numbers are aligned.
+// Text in a built-in stroke font: ASCII, the Latin letters with marks that names of
+// people have, and the symbols used with numbers (µ ° ± × · – ² ³). Strokes scale to any
+// size without a font file at run time; digits have equal widths, so that columns of
+// numbers are aligned.
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "engrave/render/canvas.h"
 
@@ -28,5 +31,13 @@ double TextWidth(std::string_view text, double cap_height_px);
 /// names. A character that the font does not have is drawn as a box.
 void DrawText(Canvas& canvas, const Vec2& at_px, std::string_view text,
               const TextStyle& style);
+
+/// The text in lines no wider than `width_px`, broken at blanks; a token that is wider
+/// alone is broken anywhere. No line of an empty text.
+std::vector<std::string> WrapText(std::string_view text, double cap_height_px,
+                                  double width_px);
+
+/// The same text at a size at which it is no wider than `width_px`.
+TextStyle FittingStyle(std::string_view text, TextStyle style, double width_px);
 
 }  // namespace intaglio::render

@@ -1,13 +1,13 @@
 #pragma once
 
-// The parts of the picture of views.h, and the colours they share.
+// The parts of the pictures of views.h and spacing_map.h, and the colours they share.
 
 #include <string>
-#include <vector>
 
 #include "engrave/core/geometry.h"
 #include "engrave/render/canvas.h"
 #include "engrave/render/views.h"
+#include "engrave/render/views_layout.h"
 
 namespace intaglio::render {
 
@@ -23,21 +23,16 @@ struct Palette {
   Color dim_text = Srgb(0x8FA3B8);
   Color beam = Srgb(0x4DFF88);  ///< 532 nm.
   Color good = Srgb(0x53D68A);
+  Color warning = Srgb(0xFFC24A);
   Color bad = Srgb(0xFF6B5E);
 
   const Color& of(Tone tone) const {
-    return tone == Tone::kGood ? good : tone == Tone::kBad ? bad : text;
+    return tone == Tone::kGood      ? good
+           : tone == Tone::kWarning ? warning
+           : tone == Tone::kBad     ? bad
+                                    : text;
   }
 };
-
-/// The ground of a picture of kViewsWidth x kViewsHeight, its title and its verdict.
-void DrawPage(Canvas& canvas, const ViewsCaption& caption);
-
-/// A large cell on the left of a page, and four small ones on the right.
-struct PageCells {
-  Rect large, top_left, top_right, bottom_left, bottom_right;
-};
-PageCells CellsOfPage();
 
 /// One of the parallel views: the glass axes that go right and up in it.
 struct OrthographicView {
@@ -51,23 +46,26 @@ inline constexpr OrthographicView kFromFront{"XZ", "from the front", 0, 2};
 inline constexpr OrthographicView kFromRight{"YZ", "from the right", 1, 2};
 inline constexpr OrthographicView kFromAbove{"XY", "from above", 0, 1};
 
-/// Pixels per mm at which the block's face of this view fits the cell.
-double FittingScale(const Rect& cell, const OrthographicView& view,
-                    const Vec3& block_size_mm);
+/// Of a parallel view.
+constexpr const OrthographicView& ViewOf(PanelKind kind) {
+  return kind == PanelKind::kFromFront   ? kFromFront
+         : kind == PanelKind::kFromRight ? kFromRight
+                                         : kFromAbove;
+}
 
-void DrawOrthographicView(Canvas& canvas, const Rect& cell, const OrthographicView& view,
-                          double px_per_mm, const PointList& cracks_mm,
-                          const Vec3& block_size_mm);
+/// Pixels that a parallel view has across and up in a cell.
+Vec2 RoomIn(const Rect& cell);
+/// Pixels per mm at which a box of this size fits the cell in this view.
+double FittingScale(const Rect& cell, const OrthographicView& view, const Vec3& size_mm);
+/// The same in perspective, in the middle of the box.
+double PerspectiveScale(const Rect& cell, const Box3& box_mm);
 
-void DrawPerspectiveView(Canvas& canvas, const Rect& cell, const PointList& cracks_mm,
-                         const Vec3& block_size_mm);
-
-void DrawFiguresPanel(Canvas& canvas, const Rect& cell,
-                      const std::vector<Figure>& figures);
+void DrawOrthographicView(Canvas& canvas, const Panel& panel, const PointList& cracks_mm);
+void DrawPerspectiveView(Canvas& canvas, const Panel& panel, const PointList& cracks_mm);
 
 /// The background of a view and its heading: a name, and further text in a dimmer colour.
 void DrawCell(Canvas& canvas, const Rect& cell, const std::string& name,
-              const std::string& words);
+              const std::string& description);
 
 /// A bar of a round length at the right of a view's heading.
 void DrawScaleBar(Canvas& canvas, const Rect& cell, double px_per_mm);

@@ -1,9 +1,11 @@
 #pragma once
 
-// The picture of an engraved block: three parallel views (XY from above, XZ from the
-// front, YZ from the right) at one common scale with a grid and numbers in mm, a view
-// in perspective, and the figures of the job (the four views the operator has in
-// Trochimczuk 2008 annex E, in one picture).
+// The picture of an engraved block. A solid or a surface is shown in perspective and in
+// three parallel views (XZ from the front, YZ from the right, XY from above) at one
+// common scale, with a grid and numbers in mm (the four views the operator has in
+// Trochimczuk 2008 annex E). Work in one plane, such as a text, a photo or a drawing, is
+// shown in one large view from where it can be read. Beside the views: the verdict, what
+// has to be noted about it, the figures, and what their words mean.
 
 #include <string>
 #include <vector>
@@ -13,8 +15,8 @@
 
 namespace intaglio::render {
 
-/// The rating of a figure.
-enum class Tone { kPlain, kGood, kBad };
+/// The rating of a figure or a sentence.
+enum class Tone { kPlain, kGood, kWarning, kBad };
 
 struct Figure {
   std::string label;  ///< "error, rms"
@@ -22,13 +24,28 @@ struct Figure {
   Tone tone = Tone::kPlain;
 };
 
-/// What is written beside the views; UTF-8, any part may be empty.
+/// A sentence below the verdict: on what it rests, a reason, a warning.
+struct Note {
+  std::string text;
+  Tone tone = Tone::kPlain;
+};
+
+/// A word of the figures, and its meaning.
+struct LegendEntry {
+  std::string term;     ///< "stray"
+  std::string meaning;  ///< "a crack where no point is planned"
+};
+
+/// What is written beside the views; UTF-8, any part may be empty. What does not fit is
+/// set smaller, or, of the notes, counted.
 struct ViewsCaption {
   std::vector<std::string> title_lines;  ///< The first one large; there is room for 2
                                          ///< more.
   std::vector<Figure> figures;           ///< In order; about 16 fit well.
   std::string verdict;                   ///< "PROVED", "1 POINT MISSED"
   Tone verdict_tone = Tone::kPlain;
+  std::vector<Note> notes;  ///< The gravest first.
+  std::vector<LegendEntry> legend;
 };
 
 /// Size of the picture in pixels.

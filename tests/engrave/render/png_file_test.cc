@@ -58,6 +58,35 @@ TEST(PngFile, SrgbComesBackAsItWentIn) {
   for (std::size_t i = 0; i < 256; ++i) EXPECT_EQ(picture.rgb[3 * i + 2], i);
 }
 
+TEST(PngFile, WithAnAlphaChannelBlackIsTransparentAndOnBlackNothingChanges) {
+  Canvas canvas(256, 2);
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    canvas.at(static_cast<int>(i), 0) = Srgb(i << 16U | (i / 2) << 8U | (i / 3));
+    canvas.at(static_cast<int>(i), 1) = Srgb(i << 16U | i << 8U | i);
+  }
+  const auto file = EncodePng(canvas, Opacity::kOfLight);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_memory(&image, file.data(), file.size()));
+  EXPECT_TRUE(image.format & PNG_FORMAT_FLAG_ALPHA);
+  image.format = PNG_FORMAT_RGBA;
+  std::vector<std::uint8_t> rgba(PNG_IMAGE_SIZE(image));
+  ASSERT_TRUE(png_image_finish_read(&image, nullptr, rgba.data(), 0, nullptr));
+  for (int i = 0; i < 256; ++i) {
+    const auto* at = rgba.data() + 4 * i;
+    if (i == 0) {
+      EXPECT_EQ(at[3], 0);
+    }
+    EXPECT_GE(at[3], i);
+    // Two roundings, of the colour and of the product.
+    EXPECT_NEAR(at[0] * at[3] / 255.0, i, 1.0);
+    EXPECT_NEAR(at[1] * at[3] / 255.0, i / 2, 1.0);
+    EXPECT_NEAR(at[2] * at[3] / 255.0, i / 3, 1.0);
+  }
+  // White stays white, and opaque.
+  EXPECT_EQ(rgba[4 * 511 + 3], 255);
+}
+
 TEST(PngFile, TheFileHoldsTheBytes) {
   const std::filesystem::path path = test::FreshFolder() / "sample.png";
   ASSERT_TRUE(WritePng(path, Sample()).has_value());

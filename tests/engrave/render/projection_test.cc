@@ -35,10 +35,10 @@ TEST(Projection, FromTheRightTheFrontIsAtTheLeft) {
 TEST(Projection, PerspectiveFillsItsRectangle) {
   const Rect into{50, 40, 600, 400};
   for (const Vec3& size : {Vec3(60, 60, 80), Vec3(200, 20, 30), Vec3(10, 90, 10)}) {
-    const auto view = Projection::Perspective(size, 0.5, 0.3, into);
+    const auto view = Projection::Perspective({Vec3::Zero(), size}, 0.5, 0.3, into);
     Vec2 low(1e9, 1e9);
     Vec2 high = -low;
-    for (const Vec3& corner : BlockCorners(size)) {
+    for (const Vec3& corner : CornersOf({Vec3::Zero(), size})) {
       const Vec2 at = view(corner).at_px;
       low = low.cwiseMin(at);
       high = high.cwiseMax(at);
@@ -53,7 +53,8 @@ TEST(Projection, PerspectiveFillsItsRectangle) {
 
 TEST(Projection, PerspectiveShowsFrontRightAndTop) {
   const Vec3 size(60, 60, 80);
-  const auto view = Projection::Perspective(size, 0.5, 0.3, {0, 0, 500, 500});
+  const auto view =
+      Projection::Perspective({Vec3::Zero(), size}, 0.5, 0.3, {0, 0, 500, 500});
   EXPECT_TRUE(view.Sees(-Vec3::UnitY(), Vec3::Zero()));
   EXPECT_TRUE(view.Sees(Vec3::UnitX(), size));
   EXPECT_TRUE(view.Sees(Vec3::UnitZ(), size));

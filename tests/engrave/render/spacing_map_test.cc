@@ -44,7 +44,7 @@ template <typename Is>
 int CountInFront(const Canvas& canvas, Is is) {
   int count = 0;
   for (int y = 110; y < 1176; ++y) {
-    for (int x = 24; x < 834; ++x) count += is(canvas.at(x, y));
+    for (int x = 24; x < 1053; ++x) count += is(canvas.at(x, y));
   }
   return count;
 }

@@ -45,12 +45,59 @@ TEST(Text, SignsOfFiguresAreThere) {
   EXPECT_EQ(Print("漢"), box);
 }
 
+TEST(Text, LettersOfNamesHaveTheirMarks) {
+  const auto box = Print("\xEF\xBF\xBD");
+  std::set<std::vector<bool>> seen;
+  for (const char* sign :
+       {"A", "Á", "À", "Â", "Ä", "Ã", "Å", "Ą", "Ă", "Ā", "a", "á", "à", "â",
+        "ä", "ã", "å", "ą", "o", "ó", "ö", "ő", "ø", "u", "ü", "ű", "ů", "l",
+        "ł", "L", "Ł", "c", "ç", "č", "ć", "i", "í", "ï", "ı", "s", "š", "ş",
+        "ß", "z", "ž", "ż", "d", "đ", "n", "ñ", "g", "ğ", "æ", "Æ"}) {
+    const auto bits = Print(sign);
+    EXPECT_NE(bits, box) << sign;
+    EXPECT_TRUE(seen.insert(bits).second) << sign << " looks like another sign";
+  }
+  // The mark does not change the place of the next letter.
+  EXPECT_EQ(TextWidth("ä", 10), TextWidth("a", 10));
+}
+
 TEST(Text, BrokenUtf8ShowsAsBoxesAndDoesNotRunOn) {
   const auto box = Print("\xEF\xBF\xBD");
   EXPECT_EQ(Print("\x80"), box);
   EXPECT_EQ(Print("\xC2"), box);
   EXPECT_EQ(Print("\xE2\x80"), box);
   EXPECT_EQ(Print("\xFF"), box);
+}
+
+TEST(Text, WrappedLinesFitAndLoseNothing) {
+  const std::string text =
+      "the surface has a hole of radius 1.75 mm at (27.93, 18.02) mm";
+  for (const double width : {60.0, 150.0, 400.0, 4000.0}) {
+    std::string joined;
+    for (const std::string& line : WrapText(text, 10, width)) {
+      EXPECT_LE(TextWidth(line, 10), width) << line;
+      joined += (joined.empty() ? "" : " ") + line;
+    }
+    // Below the width of its widest token the text is broken elsewhere, too.
+    if (width >= 100) {
+      EXPECT_EQ(joined, text);
+    }
+  }
+  EXPECT_EQ(WrapText(text, 10, 4000).size(), 1u);
+  EXPECT_TRUE(WrapText("", 10, 100).empty());
+}
+
+TEST(Text, ATokenWiderThanTheLineIsBrokenBetweenCharacters) {
+  const std::string token = "\xC2\xB5\xC2\xB5\xC2\xB5\xC2\xB5\xC2\xB5\xC2\xB5";
+  std::string joined;
+  for (const std::string& line : WrapText(token, 10, 25)) {
+    EXPECT_EQ(line.size() % 2, 0u);  // a micro sign is two bytes
+    EXPECT_LE(TextWidth(line, 10), 25);
+    joined += line;
+  }
+  EXPECT_EQ(joined, token);
+  // Narrower than any character: one a line, and it ends.
+  EXPECT_EQ(WrapText("abc", 10, 1).size(), 3u);
 }
 
 TEST(Text, DigitsHaveEqualWidths) {

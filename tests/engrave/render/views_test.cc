@@ -6,6 +6,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/render/png_file.h"
+#include "engrave/render/views_layout.h"
 
 namespace intaglio::render {
 namespace {
@@ -56,16 +57,20 @@ TEST(Views, HasItsSizeAndIsTheSameBitForBit) {
 
 TEST(Views, EveryViewShowsTheCracks) {
   const Canvas empty = RenderViews({}, kBlock, Caption());
-  const Canvas full = RenderViews(Sphere(20000), kBlock, Caption());
-  // Places near the middles of the block in the perspective view and the three others.
-  for (const Rect& rect : {Rect{380, 610, 100, 60}, Rect{1080, 340, 60, 60},
-                           Rect{1610, 340, 60, 60}, Rect{1080, 880, 60, 60}}) {
-    EXPECT_GT(Brightness(full, rect), 5 * Brightness(empty, rect))
-        << rect.x << " " << rect.y;
+  const PointList cracks = Sphere(20000);
+  const Canvas full = RenderViews(cracks, kBlock, Caption());
+  const ViewsLayout layout = LayOutViews(cracks, kBlock, Caption());
+  ASSERT_EQ(layout.panels.size(), 4u);
+  for (const Panel& panel : layout.panels) {
+    // The sphere is in the middle of the block, and the block in that of the panel.
+    const Rect middle{panel.cell.x + panel.cell.width / 2 - 10,
+                      panel.cell.y + panel.cell.height / 2 - 10, 20, 20};
+    EXPECT_GT(Brightness(full, middle), 5 * Brightness(empty, middle)) << panel.name;
   }
-  // The figures' corner does not change with the cracks.
-  const Rect figures{1390, 660, 500, 500};
-  EXPECT_EQ(Brightness(full, figures), Brightness(empty, figures));
+  // The column at the right does not change with the cracks.
+  const int right = layout.page.views.right();
+  const Rect column{right, 0, kViewsWidth - right, kViewsHeight};
+  EXPECT_EQ(Brightness(full, column), Brightness(empty, column));
 }
 
 TEST(Views, ASinglePointIsSeen) {
@@ -96,9 +101,13 @@ TEST(Views, TheVerdictHasItsColour) {
   caption.verdict_tone = Tone::kBad;
   const Canvas bad = RenderViews({}, kBlock, caption);
   const Canvas good = RenderViews({}, kBlock, Caption());
+  caption.verdict_tone = Tone::kWarning;
+  const Canvas warned = RenderViews({}, kBlock, caption);
   const int x = kViewsWidth - 25;  // on the frame of the verdict
-  EXPECT_GT(bad.at(x, 50).r, bad.at(x, 50).g);
-  EXPECT_GT(good.at(x, 50).g, good.at(x, 50).r);
+  EXPECT_GT(bad.at(x, 50).r, 2 * bad.at(x, 50).g);
+  EXPECT_GT(good.at(x, 50).g, 2 * good.at(x, 50).r);
+  EXPECT_GT(warned.at(x, 50).r, warned.at(x, 50).g);
+  EXPECT_GT(warned.at(x, 50).g, 2 * warned.at(x, 50).b);
 }
 
 }  // namespace
