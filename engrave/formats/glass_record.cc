@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <limits>
 
 #include "engrave/io/crc32.h"
 
@@ -40,6 +42,7 @@ std::vector<std::byte> EncodeGlassHeader(const GlassHeader& header) {
   }
   PutAt(bytes.data() + 40, header.refractive_index);
   PutAt(bytes.data() + 48, header.numerical_aperture);
+  PutAt(bytes.data() + 56, header.power_up);
   PutAt(bytes.data() + 60, io::Crc32(std::span(bytes).first(60)));
   return bytes;
 }
@@ -75,6 +78,7 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   }
   record.header.refractive_index = GetAt<double>(bytes.data() + 40);
   record.header.numerical_aperture = GetAt<double>(bytes.data() + 48);
+  record.header.power_up = GetAt<std::uint32_t>(bytes.data() + 56);
   std::size_t offset = kGlassHeaderSize;
   record.cracks.reserve((bytes.size() - offset) / kGlassRecordSize);
   for (; offset + kGlassRecordSize <= bytes.size(); offset += kGlassRecordSize) {
@@ -94,14 +98,18 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
   return record;
 }
 
-Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file) {
+namespace {
+
+/// At most the first `max_bytes`.
+Result<GlassRecord> ReadBeginning(const std::filesystem::path& file,
+                                  std::size_t max_bytes) {
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   if (!in) {
     return Fail(ErrorCode::kNotFound,
                 fmt::format("cannot open the glass record {}", file.string()),
                 file.string());
   }
-  std::vector<std::byte> bytes(static_cast<std::size_t>(in.tellg()));
+  std::vector<std::byte> bytes(std::min(static_cast<std::size_t>(in.tellg()), max_bytes));
   in.seekg(0);
   in.read(reinterpret_cast<char*>(bytes.data()),
           static_cast<std::streamsize>(bytes.size()));
@@ -113,6 +121,18 @@ Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file) {
   return ParseGlassRecord(bytes).map_error([&](Error error) {
     error.message = file.string() + ": " + error.message;
     return error;
+  });
+}
+
+}  // namespace
+
+Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file) {
+  return ReadBeginning(file, std::numeric_limits<std::size_t>::max());
+}
+
+Result<GlassHeader> ReadGlassHeader(const std::filesystem::path& file) {
+  return ReadBeginning(file, kGlassHeaderSize).map([](const GlassRecord& record) {
+    return record.header;
   });
 }
 

@@ -10,7 +10,8 @@
 //       16    24  block size x, y, z, mm        40     1  channel, 0..3
 //       40     8  refractive index              41     1  1: in the glass, 0: beside it
 //       48     8  numerical aperture            42     2  zero
-//       56     4  zero                          44     4  CRC-32 of bytes 0..43
+//       56     4  power-up of the laser,        44     4  CRC-32 of bytes 0..43
+//                 0: not known
 //       60     4  CRC-32 of bytes 0..59
 // All numbers little endian.
 
@@ -29,6 +30,8 @@ struct GlassHeader {
   Vec3 block_size_mm = Vec3::Zero();
   double refractive_index = 0;
   double numerical_aperture = 0;
+  /// Of the controller whose ticks the cracks have, as in the journal; 0: not known.
+  std::uint32_t power_up = 0;
 };
 
 struct GlassCrack {
@@ -55,5 +58,7 @@ void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out);
 /// kUnreadable when the header is not a glass record's.
 Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes);
 Result<GlassRecord> ReadGlassRecord(const std::filesystem::path& file);
+/// The header alone, of a file of any size.
+Result<GlassHeader> ReadGlassHeader(const std::filesystem::path& file);
 
 }  // namespace intaglio::formats

@@ -8,7 +8,6 @@
 #include <system_error>
 
 #include "engrave/core/try.h"
-#include "engrave/formats/gcode_file.h"
 #include "engrave/formats/point_table_rules.h"
 #include "engrave/io/lower_case.h"
 #include "engrave/io/whole_file.h"
@@ -19,25 +18,18 @@ namespace {
 using Parser = Result<PointTable> (*)(std::string_view, const PointFileLimits&);
 using Writer = Status (*)(const std::filesystem::path&, const PointTable&);
 
-Status WriteDefaultGcode(const std::filesystem::path& file, const PointTable& table) {
-  return WriteGcode(file, table);
-}
-
 struct Kind {
   std::string_view extension;
-  Parser parse;  ///< null for formats that are only written
+  Parser parse;
   Writer write;
 };
 
-constexpr std::array<Kind, 9> kKinds = {{{"ply", ParsePly, WritePly},
+constexpr std::array<Kind, 6> kKinds = {{{"ply", ParsePly, WritePly},
                                          {"xyz", ParseXyz, WriteXyz},
                                          {"txt", ParseXyz, WriteXyz},
                                          {"cft", ParseCft, WriteCft},
                                          {"scl", ParseScl, WriteScl},
-                                         {"dxf", ParseDxf, WriteDxf},
-                                         {"gcode", nullptr, WriteDefaultGcode},
-                                         {"nc", nullptr, WriteDefaultGcode},
-                                         {"ngc", nullptr, WriteDefaultGcode}}};
+                                         {"dxf", ParseDxf, WriteDxf}}};
 
 const Kind* KindOf(std::string_view extension) {
   const auto* found = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) {
@@ -49,26 +41,16 @@ const Kind* KindOf(std::string_view extension) {
 Result<Parser> ParserOf(std::string_view extension) {
   const std::string lower = io::LowerCaseExtension(extension);
   const Kind* kind = KindOf(lower);
-  if (kind != nullptr && kind->parse != nullptr) return kind->parse;
+  if (kind != nullptr) return kind->parse;
   return Fail(ErrorCode::kUnsupported,
-              fmt::format("points of the kind '{}' are {}; give one of {}", lower,
-                          kind == nullptr ? "not known" : "written but not read",
-                          ReadablePointExtensions()),
+              fmt::format("points of the kind '{}' are not known; give one of {}", lower,
+                          PointExtensions()),
               lower);
 }
 
 }  // namespace
 
-std::string ReadablePointExtensions() {
-  std::string list;
-  for (const Kind& kind : kKinds) {
-    if (kind.parse == nullptr) continue;
-    list += fmt::format("{}{}", list.empty() ? "" : ", ", kind.extension);
-  }
-  return list;
-}
-
-std::string WritablePointExtensions() {
+std::string PointExtensions() {
   std::string list;
   for (const Kind& kind : kKinds) {
     list += fmt::format("{}{}", list.empty() ? "" : ", ", kind.extension);
@@ -89,11 +71,6 @@ Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extensio
   return parser(bytes, limits);
 }
 
-bool IsGcode(const std::filesystem::path& file) {
-  const Kind* kind = KindOf(io::LowerCaseExtension(file.extension().string()));
-  return kind != nullptr && kind->write == WriteDefaultGcode;
-}
-
 Status WritePoints(const std::filesystem::path& file, const PointTable& table) {
   const std::string extension = io::LowerCaseExtension(file.extension().string());
   if (const Kind* kind = KindOf(extension)) return kind->write(file, table);
@@ -106,7 +83,7 @@ Status WritePoints(const std::filesystem::path& file, const PointTable& table) {
   return Fail(ErrorCode::kUnsupported,
               fmt::format("{}: points of the kind '{}' are not known; name a file that "
                           "ends in one of {}",
-                          file.string(), extension, WritablePointExtensions()),
+                          file.string(), extension, PointExtensions()),
               extension);
 }
 

@@ -3,8 +3,7 @@
 // One entry to all formats of points: the kind is taken from the file name's extension,
 // in any case.
 //
-//   ply, xyz, txt (as xyz), cft, scl, dxf    read and written
-//   gcode, nc, ngc                           written only, with the default options
+//   ply, xyz, txt (as xyz), cft, scl, dxf
 
 #include <filesystem>
 #include <string_view>
@@ -15,20 +14,16 @@
 namespace intaglio::formats {
 
 /// The extensions as written in a message: "ply, xyz, ...".
-std::string ReadablePointExtensions();
-std::string WritablePointExtensions();
+std::string PointExtensions();
 
 /// Errors are those of the format's reader, and kUnsupported, naming the known kinds, for
-/// an unknown extension or a kind that is only written.
+/// an unknown extension.
 Result<PointTable> ReadPoints(const std::filesystem::path& file,
                               const PointFileLimits& limits = {});
 
 /// The same for bytes in memory. `extension` is "ply", ".PLY" or the like.
 Result<PointTable> ParsePoints(std::string_view bytes, std::string_view extension,
                                const PointFileLimits& limits = {});
-
-/// Whether the name is one of a G-code file.
-bool IsGcode(const std::filesystem::path& file);
 
 /// kUnsupported before anything is written. An existing path that is not a regular file
 /// (a terminal, a pipe) and has no extension gets XYZ text.

@@ -6,7 +6,7 @@ namespace intaglio::formats {
 namespace {
 
 std::vector<std::byte> Sample(int count) {
-  auto bytes = EncodeGlassHeader({Vec3(50, 60, 70), 1.5195, 0.2});
+  auto bytes = EncodeGlassHeader({Vec3(50, 60, 70), 1.5195, 0.2, 0xABCD1234});
   for (int i = 0; i < count; ++i) {
     AppendGlassCrack({100u + static_cast<unsigned>(i), Vec3(i, 0.1 * i, -i / 3.0), 30.0,
                       static_cast<std::uint8_t>(i % 4), i % 5 != 0},
@@ -20,6 +20,7 @@ TEST(GlassRecord, RoundTripIsExact) {
   ASSERT_TRUE(record.has_value());
   EXPECT_EQ(record->header.block_size_mm, Vec3(50, 60, 70));
   EXPECT_EQ(record->header.refractive_index, 1.5195);
+  EXPECT_EQ(record->header.power_up, 0xABCD1234);
   ASSERT_EQ(record->cracks.size(), 20u);
   EXPECT_EQ(record->cracks[7].position_mm, Vec3(7, 0.1 * 7, -7 / 3.0));
   EXPECT_EQ(record->cracks[7].tick, 107u);

@@ -1,0 +1,115 @@
+#pragma once
+
+// Program templates: what a controller's program consists of, as text with variables, so
+// that a new controller needs a file and no code. Variables and fragments after Siwiec
+// 2016, ch. 4 (drilling and milling templates), with the line number @N@ added.
+//
+//   #- a comment
+//   #extension ncp
+//   #line-end crlf                       lf (default) or crlf
+//   #number X Y Z scale=1000 decimals=0  how these variables are written
+//   #fragment begin
+//   IMF_PBL_V1.0
+//   #fragment point
+//   N@N@ FASTABS X@X@ Y@Y@ Z@Z@
+//
+// A line that begins with '#' is a setting; "##" at its beginning is a '#' of the
+// program,
+// "@@" anywhere an '@'. Lines behind `#fragment NAME` belong to that fragment.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "engrave/core/result.h"
+
+namespace intaglio::post {
+
+/// How a number is written: value * scale, rounded to `decimals`.
+struct NumberFormat {
+  double scale = 1;  ///< 1e-6..1e9
+  int decimals = 3;  ///< 0..9
+
+  bool operator==(const NumberFormat&) const = default;
+};
+
+/// A piece of a fragment: text as it is, then a variable; the last has none (-1).
+struct Piece {
+  std::string text;
+  int variable = -1;  ///< place in FragmentRule::variables
+};
+
+struct Fragment {
+  std::vector<Piece> pieces;  ///< empty: the template does not have it
+};
+
+/// A fragment that a kind of program knows.
+struct FragmentRule {
+  std::string_view name;
+  bool required = false;
+  /// The variables that it may use. "N" is the number of the line, counted by Expander.
+  std::span<const std::string_view> variables;
+  /// Those that it has to use: a template without them would lose what they hold.
+  std::span<const std::string_view> needed = {};
+};
+
+/// A setting with one number that a kind of program knows.
+struct SettingRule {
+  std::string_view name;
+  double min = 0;
+  double max = 0;
+};
+
+/// What the templates of one kind of program (points, holes, contours) may contain.
+struct TemplateRules {
+  std::span<const FragmentRule> fragments;
+  std::span<const SettingRule> settings;
+};
+
+struct Template {
+  std::string file;       ///< for messages
+  std::string extension;  ///< without the dot, "" when not given
+  std::string line_end = "\n";
+  std::vector<Fragment> fragments;  ///< in the order of the rules
+  std::map<std::string, NumberFormat, std::less<>> numbers;  ///< by variable
+  std::map<std::string, double, std::less<>> settings;       ///< those that are given
+
+  NumberFormat FormatOf(std::string_view variable) const;
+};
+
+/// Every mistake is an error that names file and line: an unknown setting, fragment or
+/// variable; one that is given twice; a fragment or a variable that is needed and absent;
+/// a number outside its range; an '@' without its second one. `text` up to 1 MiB.
+Result<Template> ParseTemplate(std::string_view text, std::string_view file,
+                               const TemplateRules& rules);
+
+/// The value of a variable: a number that is written by its NumberFormat, a count, or
+/// text without line breaks.
+using Value = std::variant<double, std::uint64_t, std::string_view>;
+
+/// Writes fragments one after the other and counts the lines that have a number.
+class Expander {
+ public:
+  /// Both outlive it.
+  Expander(const Template& program, const TemplateRules& rules)
+      : program_(program), rules_(rules) {}
+
+  /// Appends the fragment with these values, one for each variable of its rule, in its
+  /// order; that of "N" is not used. Numbers have to be finite.
+  void Append(std::size_t fragment, std::span<const Value> values, std::string& text);
+
+ private:
+  const Template& program_;
+  const TemplateRules& rules_;
+  std::uint64_t lines_ = 0;
+};
+
+/// Decimals without an exponent and without a minus before zero.
+void AppendNumber(double value, const NumberFormat& format, std::string& text);
+
+}  // namespace intaglio::post

@@ -1,0 +1,170 @@
+#include "services/cli/offline/post_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "engrave/core/try.h"
+#include "engrave/formats/point_file_kinds.h"
+#include "engrave/io/whole_file.h"
+#include "engrave/post/point_program.h"
+#include "engrave/sort/order.h"
+#include "services/cli/complain.h"
+#include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/job_glass.h"
+#include "services/cli/offline/job_points.h"
+#include "services/cli/offline/offline_steps.h"
+#include "services/cli/offline/path_job.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
+#include "services/client/warning_text.h"
+#include "services/job/channels.h"
+#include "services/job/freeze.h"
+#include "services/job/machine/machine_axes.h"
+#include "services/job/models/program_limits.h"
+#include "services/job/plan/ordering.h"
+#include "services/platform/command_line/supplied_files.h"
+#include "services/platform/host/process/service_host.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PostOptions {
+  JobFlags job;
+  std::string path, program_template, out, materials_db;
+};
+
+/// A job and its points in the order of engraving, glass frame.
+struct OrderedJob {
+  FrozenJob job;
+  PointList path_mm;
+};
+
+Result<post::Template> ReadTemplate(const std::string& name_or_file) {
+  const fs::path file = INTAGLIO_TRY(
+      command_line::FindSupplied(name_or_file, command_line::kSuppliedTemplates));
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, 1 << 20));
+  return post::ParsePointTemplate(text, file.string());
+}
+
+/// A controller of others opens no shutters: its program is that of one block.
+Status RequireOneChannel(const JobSpec& job, std::span<const std::uint32_t> sources) {
+  const auto masks =
+      INTAGLIO_TRY(ChannelsOfPoints(job, {sources.begin(), sources.end()}));
+  const auto other = std::ranges::adjacent_find(masks, std::ranges::not_equal_to());
+  if (other == masks.end()) return {};
+  return Fail(ErrorCode::kUnsupported,
+              "channels: the job engraves several blocks, and a program has no shutters; "
+              "make one job for each block");
+}
+
+Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
+  auto built = INTAGLIO_TRY(BuildJob(options.job));
+  const auto glass = INTAGLIO_TRY(FindGlass(built, options.materials_db));
+  OrderedJob ordered;
+  auto frozen = INTAGLIO_TRY(
+      FreezeJob(built.job, built.machine, glass, {"", 0, "", host::SoftwareVersion()}));
+  ordered.job = std::move(frozen);
+  const auto made = INTAGLIO_TRY(MakePoints(
+      ordered.job.job(), mesh_reader::LimitsOfProgram(options.job.size_limits)));
+  INTAGLIO_TRY(RequireOneChannel(ordered.job.job(), made.cloud.source));
+  for (const Warning& warning : made.warnings) {
+    std::cerr << client::WarningLine(warning) << "\n";
+  }
+  Meter meter("order");
+  const auto order = INTAGLIO_TRY(
+      sort::MakeOrder(made.cloud.points_mm, host::OrderingOf(ordered.job), meter.Sink()));
+  ordered.path_mm.reserve(order.size());
+  for (const std::uint32_t i : order) {
+    ordered.path_mm.push_back(made.cloud.points_mm[i]);
+  }
+  return ordered;
+}
+
+Result<OrderedJob> TakePath(const PostOptions& options) {
+  auto table = INTAGLIO_TRY(
+      ReadPoints(options.path, ReadLimitsTimes(options.job.size_limits).points));
+  if (table.points_mm.empty()) {
+    return Fail(ErrorCode::kMissing, "--path: " + options.path +
+                                         " has no points; name a file with one or more");
+  }
+  OrderedJob ordered;
+  auto job =
+      INTAGLIO_TRY(BuildPathJob(options.job, table.points_mm, options.materials_db));
+  INTAGLIO_TRY(RequireInBlock(job, table.points_mm));
+  ordered.job = std::move(job);
+  ordered.path_mm = std::move(table.points_mm);
+  return ordered;
+}
+
+/// The places of the axes, turning ones in degrees.
+Result<post::PointProgram> ProgramOf(const OrderedJob& ordered) {
+  const auto axes = KinematicsOf(ordered.job.machine())->axes();
+  post::PointProgram program;
+  program.name = ordered.job.job().name();
+  auto places =
+      INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(ordered.job), ordered.path_mm,
+                                      AxisLimitsOf(ordered.job.machine()).travel_mm));
+  program.axes = std::move(places);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (axes[i].unit != machine::AxisUnit::kRad) continue;
+    ++program.turning_count;
+    for (Vec3& place : program.axes) {
+      place[static_cast<int>(i)] *= 180 / std::numbers::pi;
+    }
+  }
+  return program;
+}
+
+Status MakeProgram(const PostOptions& options) {
+  // First what takes no time.
+  const auto program_template = INTAGLIO_TRY(ReadTemplate(options.program_template));
+  const auto ordered =
+      INTAGLIO_TRY(options.path.empty() ? OrderNamedJob(options) : TakePath(options));
+  const auto program = INTAGLIO_TRY(ProgramOf(ordered));
+  INTAGLIO_TRY(post::WritePointProgram(options.out, program_template, program));
+  fmt::print("{} points for {}, by {}, in {}\n",
+             client::GroupedDigits(program.axes.size()), ordered.job.machine().name(),
+             fs::path(program_template.file).filename().string(), options.out);
+  return {};
+}
+
+}  // namespace
+
+void AddPostCommand(command_line::Command app) {
+  auto options = std::make_shared<PostOptions>();
+  command_line::Command post = app.AddCommand(
+      "post", "write the program of a job for a controller of another maker");
+  AddJobFlags(post, options->job);
+  post.AddOption("--path", options->path,
+                 "instead of models: points in the order of engraving, glass frame: " +
+                     formats::PointExtensions());
+  post.AddOption("--template", options->program_template,
+                 "program template: a name in deploy/post (linuxcnc, linuxcnc-polar, "
+                 "grbl, isel, hpgl, sinumerik), or a file")
+      .Require();
+  post.AddOption("--out", options->out, "the program").Require();
+  post.AddOption("--materials", options->materials_db,
+                 "material base, default the user's");
+  post.SetFooter(
+      "The program moves the machine's axes to every point in the job's order, and fires "
+      "one pulse there; it knows neither lamp nor interlocks.\n"
+      "Example: intaglio post job.textproto --machine els-03 --template linuxcnc --out "
+      "job.ngc\n"
+      "Exit code: 0 written, 2 wrong input.");
+  post.SetAction([options] {
+    const Status made = MakeProgram(*options);
+    return made ? client::kExitGood : Complain(made.error());
+  });
+}
+
+}  // namespace intaglio::cli
