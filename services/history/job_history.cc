@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 #include <string_view>
 
 #include "engrave/core/try.h"
 #include "proto/task.pb.h"
+#include "services/history/job_database.h"
 #include "services/history/job_names.h"
 #include "services/platform/host/times/utc_time.h"
 
@@ -20,7 +22,13 @@ namespace {
 namespace fs = std::filesystem;
 using SystemTime = std::chrono::system_clock::time_point;
 
-constexpr std::array kVerdicts = {"good", "not_good", "none", "unknown"};
+constexpr std::array kVerdicts = {"good", "good_with_warnings", "not_good", "none",
+                                  "unknown"};
+
+// From this version of the database on, jobs have their warnings.
+constexpr int kWarningsVersion = 9;
+// And from this one on, their first estimates and what these are compared with.
+constexpr int kEstimatesVersion = 11;
 
 // From this share on, the pace so far predicts the end better than the plan does: it
 // includes pauses and the speed override.
@@ -34,7 +42,7 @@ SELECT j.number, j.uid, j.name, j.cell, j.material, j.state, j.verdict, j.attemp
   j.priority, j.message, j.result_directory, j.rate_hz, j.estimate_ticks, j.used_ticks,
   j.planned_count, j.made_count, j.missed_count, j.skipped_count, j.uncertain_count,
   coalesce(s.taken_utc, '') AS submitted_utc, j.started_utc, j.engraving_utc, j.ended_utc,
-  j.report, j.recording,
+  j.report, j.recording, {0}, {1},
   coalesce(e.done_count, 0) AS done_count, coalesce(e.total_count, 0) AS total_count,
   CASE j.started_utc WHEN '' THEN 0 ELSE
     (julianday(CASE j.ended_utc WHEN '' THEN ?1 ELSE j.ended_utc END)
@@ -87,6 +95,13 @@ class Conditions {
   std::vector<std::string> texts_, values_;
 };
 
+/// The report of a shop's job is made after the row is written.
+std::string ReportOf(const std::string& stored, const std::string& folder) {
+  std::error_code error;
+  const auto report = std::filesystem::path(folder) / "report.json";
+  return std::filesystem::exists(report, error) ? report.string() : stored;
+}
+
 JobStatistics RowOf(SQLite::Statement& row) {
   JobStatistics s;
   const auto text = [&row](const char* column) {
@@ -117,13 +132,24 @@ JobStatistics RowOf(SQLite::Statement& row) {
   if (rate_hz > 0) {
     s.set_estimated_s(number("estimate_ticks") / rate_hz);
     s.set_machining_s(number("used_ticks") / rate_hz);
+    s.set_first_estimated_s(number("first_estimate_ticks") / rate_hz);
+    s.set_undisturbed_s(number("undisturbed_ticks") / rate_hz);
+  }
+  if (s.undisturbed_s() > 0) {
+    s.set_first_estimate_ratio(s.first_estimated_s() / s.undisturbed_s());
+    s.set_estimate_ratio(s.estimated_s() / s.undisturbed_s());
   }
   s.set_attempt(u32("attempt"));
   s.set_priority(row.getColumn("priority").getInt());
   s.set_message(text("message"));
   s.set_result_directory(text("result_directory"));
-  s.set_report(text("report"));
+  s.set_report(ReportOf(text("report"), text("result_directory")));
   s.set_recording(text("recording"));
+  WarningList warnings;
+  if (warnings.ParseFromString(text("warnings"))) {
+    s.mutable_warnings()->Swap(warnings.mutable_warnings());
+  }
+  s.set_breakage_accepted_by(text("breakage_accepted_by"));
   return s;
 }
 
@@ -164,6 +190,19 @@ void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
                               std::chrono::duration<double>(std::min(left_s, 1e8)))));
 }
 
+EstimateScore ScoreOf(const std::vector<JobStatistics>& jobs) {
+  std::vector<double> ratios;
+  for (const JobStatistics& job : jobs) {
+    if (job.first_estimate_ratio() > 0) ratios.push_back(job.first_estimate_ratio());
+  }
+  if (ratios.empty()) return {};
+  std::sort(ratios.begin(), ratios.end());
+  const std::size_t middle = ratios.size() / 2;
+  const double median =
+      ratios.size() % 2 == 1 ? ratios[middle] : (ratios[middle - 1] + ratios[middle]) / 2;
+  return {ratios.size(), median, ratios.front(), ratios.back()};
+}
+
 Status CheckFilter(const Filter& filter) {
   INTAGLIO_TRY(CheckTime("--since", filter.since));
   INTAGLIO_TRY(CheckTime("--until", filter.until));
@@ -180,7 +219,16 @@ Status CheckFilter(const Filter& filter) {
 std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& filter,
                                       SystemTime now) {
   const Conditions conditions(filter);
-  SQLite::Statement select(database, kSelect + conditions.Text());
+  const int version = database.execAndGet("PRAGMA user_version").getInt();
+  const char* const columns = version < kWarningsVersion
+                                  ? "'' AS warnings, '' AS breakage_accepted_by"
+                                  : "j.warnings, j.breakage_accepted_by";
+  const char* const estimates = version < kEstimatesVersion
+                                    ? "0 AS first_estimate_ticks, 0 AS undisturbed_ticks"
+                                    : "j.first_estimate_ticks, j.undisturbed_ticks";
+  SQLite::Statement select(
+      database,
+      fmt::format(fmt::runtime(kSelect), columns, estimates) + conditions.Text());
   select.bind(1, host::UtcText(now));
   conditions.Bind(select);
   std::vector<JobStatistics> jobs;
@@ -208,6 +256,7 @@ Result<T> Opened(const fs::path& path, const Read& read) {
                             path.string()),
                 path.string());
   }
+  INTAGLIO_TRY(CheckJobDatabase(path));
   try {
     SQLite::Database database(path.string(), SQLite::OPEN_READONLY, 2000);
     const int version = database.execAndGet("PRAGMA user_version").getInt();

@@ -52,6 +52,13 @@ Result<JobSpec> ReadJob(const std::filesystem::path& database,
 std::vector<JobStatistics> SelectJobs(SQLite::Database& database, const Filter& filter,
                                       std::chrono::system_clock::time_point now);
 
+/// How good the first estimates were, over the jobs that can be compared.
+struct EstimateScore {
+  std::size_t jobs = 0;
+  double median_ratio = 0, min_ratio = 0, max_ratio = 0;  ///< of estimate and outcome
+};
+EstimateScore ScoreOf(const std::vector<JobStatistics>& jobs);
+
 /// What a job that is engraved has come to: `done` of `total` points in `engraving_s`.
 void AddProgress(JobStatistics& job, std::uint64_t done, std::uint64_t total,
                  double engraving_s, std::chrono::system_clock::time_point now);

@@ -1,3 +1,6 @@
+#include <atomic>
+#include <memory>
+
 #include "services/platform/bus/role_names.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/stage/cloud_output.h"
@@ -20,15 +23,20 @@ class PointInput final : public host::StageInput {
   void Close(bool, TimePoint) override { intake_.Close(); }
   host::Computation<host::StageResult>::Function TakeComputation(
       const host::StageTask& task) override {
-    return [job = task.job,
-            cloud = intake_.TakeCloud()](const ProgressSink& progress) mutable {
-      return sorter::SortJob(job, std::move(cloud), progress);
+    estimate_ticks_ = std::make_shared<std::atomic<std::uint64_t>>(0);
+    return [job = task.job, cloud = intake_.TakeCloud(),
+            estimate = estimate_ticks_](const ProgressSink& progress) mutable {
+      return sorter::SortJob(job, std::move(cloud), *estimate, progress);
     };
+  }
+  std::uint64_t estimate_ticks() const override {
+    return estimate_ticks_ == nullptr ? 0 : estimate_ticks_->load();
   }
   bus::Reader<intaglio_PointBatch>& reader() { return intake_.reader(); }
 
  private:
   host::CloudIntake<intaglio_PointBatch> intake_;
+  std::shared_ptr<std::atomic<std::uint64_t>> estimate_ticks_;  // of the newest task
 };
 
 int Serve(host::ServiceHost& host) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 #include "services/platform/host/stage/stage_task.h"
@@ -10,6 +13,7 @@ namespace intaglio::sorter {
 /// violations that the checker (not the sorter) counts. kMissing: the cloud has no
 /// points.
 Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
+                                  std::atomic<std::uint64_t>& estimate_ticks,
                                   const ProgressSink& progress);
 
 }  // namespace intaglio::sorter

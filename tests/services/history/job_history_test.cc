@@ -106,14 +106,15 @@ TEST_F(JobHistoryTest, ReportsWhatATimeAndAVerdictAre) {
   }
   const auto verdict = CheckFilter({.verdict = "bad"});
   ASSERT_FALSE(verdict);
-  EXPECT_THAT(verdict.error().message, HasSubstr("good, not_good, none, unknown"));
+  EXPECT_THAT(verdict.error().message,
+              HasSubstr("good, good_with_warnings, not_good, none, unknown"));
 }
 
 TEST_F(JobHistoryTest, WhatIsNoHistoryIsAnErrorWithARemedy) {
   EXPECT_EQ(ReadHistory(path_, {}).error().code, ErrorCode::kNotFound);
   fs::create_directories(path_.parent_path());
   std::ofstream(path_) << std::string(4096, 'x');
-  EXPECT_EQ(ReadHistory(path_, {}).error().code, ErrorCode::kIo);
+  EXPECT_EQ(ReadHistory(path_, {}).error().code, ErrorCode::kUnreadable);
   fs::remove(path_);
   {
     SQLite::Database old(path_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
@@ -124,6 +125,22 @@ TEST_F(JobHistoryTest, WhatIsNoHistoryIsAnErrorWithARemedy) {
   ASSERT_FALSE(old);
   EXPECT_EQ(old.error().code, ErrorCode::kUnreadable);
   EXPECT_THAT(old.error().message, HasSubstr("intaglio up"));
+}
+
+TEST(EstimateScore, IsOfTheJobsThatCanBeCompared) {
+  const auto with_ratio = [](double ratio) {
+    JobStatistics job;
+    job.set_first_estimate_ratio(ratio);
+    return job;
+  };
+  EXPECT_EQ(ScoreOf({with_ratio(0)}).jobs, 0u);
+  const EstimateScore score =
+      ScoreOf({with_ratio(1.2), with_ratio(0), with_ratio(0.9), with_ratio(1)});
+  EXPECT_EQ(score.jobs, 3u);
+  EXPECT_EQ(score.median_ratio, 1);
+  EXPECT_EQ(score.min_ratio, 0.9);
+  EXPECT_EQ(score.max_ratio, 1.2);
+  EXPECT_EQ(ScoreOf({with_ratio(0.9), with_ratio(1.1)}).median_ratio, 1);
 }
 
 TEST(Progress, AtFirstThePlanAndThenThePaceReportsTheEnd) {

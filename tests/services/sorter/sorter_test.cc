@@ -150,6 +150,7 @@ TEST_F(SorterTest, OrdersTheCloudWithoutShadows) {
   ASSERT_TRUE(end);
   EXPECT_EQ(end->state, intaglio_TASK_DONE) << end->message;
   EXPECT_EQ(end->outcome.sort().point_count(), cloud.size());
+  EXPECT_GE(end->estimate_ticks, cloud.size() - 1) << "a tick for each point at least";
   EXPECT_EQ(end->outcome.sort().shadow_violation_count(), 0u);
   // Sums of 3000 numbers, added in the same order or another.
   EXPECT_NEAR(end->outcome.sort().travel_mm(), travel_mm, 1e-6);

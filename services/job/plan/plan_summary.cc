@@ -1,13 +1,14 @@
-#include "services/synchronizer/plan_summary.h"
+#include "services/job/plan/plan_summary.h"
 
 #include <fmt/format.h>
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engrave/io/crc32.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio {
 namespace {
 
 constexpr std::size_t kProgressPoints = 256;
@@ -26,6 +27,8 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
   std::uint32_t crc = 0;
   std::uint64_t subticks = 0, subticks_of_last_point = 0;
   std::vector<motion::Segment> segments;
+  std::vector<std::uint32_t> point_ticks;
+  point_ticks.reserve(points_mm.size());
   const auto take = [&] {
     for (const motion::Segment& segment : segments) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -34,7 +37,10 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
       }
       Mix(crc, segment.duration_subticks);
       subticks += segment.duration_subticks;
-      if (segment.point >= 0) subticks_of_last_point = subticks;
+      if (segment.point < 0) continue;
+      subticks_of_last_point = subticks;
+      point_ticks.push_back(
+          static_cast<std::uint32_t>(subticks / motion::kSubticksPerTick));
     }
     segments.clear();
   };
@@ -58,7 +64,7 @@ Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progres
   moves.max_mm *= plan.focus_mm_per_axis_unit;
   moves.square_mm2 *= plan.focus_mm_per_axis_unit * plan.focus_mm_per_axis_unit;
   return PlanSummary{subticks_of_last_point / motion::kSubticksPerTick,
-                     fmt::format("{:08x}", crc), moves};
+                     fmt::format("{:08x}", crc), moves, std::move(point_ticks)};
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio

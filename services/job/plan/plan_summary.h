@@ -12,7 +12,7 @@
 #include "engrave/core/result.h"
 #include "engrave/motion/planner.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio {
 
 struct PlanInput {
   /// The axes at the points, in the order of engraving; at least one.
@@ -29,10 +29,11 @@ struct PlanSummary {
   std::uint64_t ticks = 0;  ///< to the last point
   std::string checksum;     ///< CRC-32 of all segments, hexadecimal
   motion::PointMoves moves;
+  std::vector<std::uint32_t> point_ticks = {};  ///< of each point, from the start
 };
 
 /// A million points with limits of the jerk take seconds. `progress`: every 256 points,
 /// done and total; kCancelled when it returns false.
 Result<PlanSummary> Summarize(const PlanInput& plan, const ProgressSink& progress);
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio

@@ -1,4 +1,4 @@
-#include "services/job/ordering.h"
+#include "services/job/plan/ordering.h"
 
 #include "services/platform/host/threads/worker_threads.h"
 

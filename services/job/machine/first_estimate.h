@@ -1,0 +1,33 @@
+#pragma once
+
+// The machining time of a cloud before it is ordered: parts of it are ordered and planned
+// as the whole will be, and the whole takes as many ticks for each point as they do.
+
+#include <cstdint>
+#include <span>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/progress.h"
+#include "engrave/core/result.h"
+#include "engrave/sort/order.h"
+#include "proto/task.pb.h"
+
+namespace intaglio {
+
+struct EstimateOptions {
+  /// Parts, and points of each; a cloud that has no more points in all is planned whole.
+  std::size_t sample_count = 4;
+  std::size_t sample_points = 2500;
+};
+
+/// Ticks from the first point to the last, without pauses, at full speed. `masks`: the
+/// channels of each point. A time budget of the order (AnnealOrder.time_s) is not used:
+/// its default number of changes is tried. Errors: those of the order and of the axes'
+/// reach; kCancelled. 0 for a cloud of one point.
+Result<std::uint64_t> FirstEstimateTicks(const FrozenJob& job, const PointList& points_mm,
+                                         std::span<const ChannelMask> masks,
+                                         const Executor& executor,
+                                         const ProgressSink& progress,
+                                         const EstimateOptions& options = {});
+
+}  // namespace intaglio
