@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/job/machine/position_tolerance.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
 
@@ -54,10 +55,11 @@ double SpeedOf(double mm_s) { return Rounded(mm_s, 10); }
 
 }  // namespace
 
-Bridge::Bridge(host::ServiceHost& host, std::string cell,
+Bridge::Bridge(host::ServiceHost& host, std::string cell, double position_tolerance_um,
                std::unique_ptr<MotionDriver> driver)
     : host_(host),
       cell_(std::move(cell)),
+      position_tolerance_um_(position_tolerance_um),
       driver_(std::move(driver)),
       batches_(host.bus(), bus::kMotionSegmentBatch, cell_),
       stops_(host.bus(), bus::kEmergencyStop, cell_),
@@ -69,6 +71,7 @@ void Bridge::Turn(std::chrono::nanoseconds now) {
   driver_->Poll();
   if (driver_->state().taken_over) return;
   AlarmRefusal();
+  AlarmTolerance();
   TakeBatches();
   TakeStops();
   // A line full of segments takes the abort as soon as it can.
@@ -87,6 +90,22 @@ void Bridge::AlarmRefusal() {
   alarmed_refusal_ = state.refusal;
   host_.RaiseAlarm(intaglio_ALARM_FAULT, ErrorCodeName(ErrorCode::kRefused),
                    alarmed_refusal_);
+}
+
+// Once for each controller that answers with another tolerance than the profile's.
+void Bridge::AlarmTolerance() {
+  const DriverState& state = driver_->state();
+  if (!state.link_up) return;
+  std::string mismatch =
+      ToleranceMismatch(state.position_tolerance_um, position_tolerance_um_);
+  if (mismatch == tolerance_mismatch_) return;
+  tolerance_mismatch_ = std::move(mismatch);
+  if (tolerance_mismatch_.empty()) return;
+  host_.RaiseAlarm(intaglio_ALARM_WARNING, "tolerance_mismatch", tolerance_mismatch_);
+}
+
+std::string Bridge::message() const {
+  return state().message.empty() ? tolerance_mismatch_ : state().message;
 }
 
 void Bridge::PublishAll(std::chrono::nanoseconds now) {
@@ -238,6 +257,7 @@ void Bridge::PublishState(std::chrono::nanoseconds now) {
   sample.fault = state.fault;
   sample.message = Borrow(state.message);
   sample.clock = state.clock;
+  sample.position_tolerance_um = state.position_tolerance_um;
   const auto held = host::WireOf(stop_.held());
   Borrow(sample.bus_stops, held);
   (void)states_.Write(sample);

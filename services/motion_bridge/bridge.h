@@ -28,7 +28,9 @@ namespace intaglio::motion_bridge {
 
 class Bridge {
  public:
-  Bridge(host::ServiceHost& host, std::string cell, std::unique_ptr<MotionDriver> driver);
+  /// `position_tolerance_um`: of the profile.
+  Bridge(host::ServiceHost& host, std::string cell, double position_tolerance_um,
+         std::unique_ptr<MotionDriver> driver);
 
   /// One turn: serial line, batches, controller, publications. Never blocks. Does and
   /// sends nothing more once state().taken_over.
@@ -38,6 +40,8 @@ class Bridge {
   bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
   int fd() const { return driver_->fd(); }
   const DriverState& state() const { return driver_->state(); }
+  /// The fault, or what a person should know of the controller; empty: all is well.
+  std::string message() const;
 
  private:
   enum class Phase { kIdle, kBeginning, kFeeding };
@@ -56,6 +60,7 @@ class Bridge {
   /// Ends the run and commands the stage to end it, now or as soon as its line takes it.
   void AbortRun();
   void AlarmRefusal();
+  void AlarmTolerance();
   void PublishAll(std::chrono::nanoseconds now);
   void TakeStops();
   void Begin(std::chrono::nanoseconds now);
@@ -65,6 +70,7 @@ class Bridge {
 
   host::ServiceHost& host_;
   std::string cell_;
+  double position_tolerance_um_;
   std::unique_ptr<MotionDriver> driver_;
   bus::Reader<intaglio_MotionSegmentBatch> batches_;
   bus::Reader<intaglio_EmergencyStop> stops_;
@@ -85,7 +91,7 @@ class Bridge {
   std::uint64_t published_number_ = 0;
   std::uint64_t position_number_ = 0;
   host::StopLatch stop_;
-  std::string alarmed_refusal_;
+  std::string alarmed_refusal_, tolerance_mismatch_;
 };
 
 }  // namespace intaglio::motion_bridge

@@ -29,7 +29,8 @@ int Serve(host::ServiceHost& host, const Options& options) {
   }
   host::OnlyInstance only(host, intaglio_ROLE_MOTION_BRIDGE);
   if (only.AwaitTurn()) return only.EndAsSecond("motion bridge");
-  motion_bridge::Bridge bridge(host, machine->name(), std::move(*driver));
+  motion_bridge::Bridge bridge(host, machine->name(), machine->position_tolerance_um(),
+                               std::move(*driver));
   host::PollLoop loop(host.bus());
   loop.Attach(bridge.batches());
   loop.Attach(bridge.stops());
@@ -37,7 +38,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
     bridge.Turn(std::chrono::steady_clock::now().time_since_epoch());
     if (bridge.state().taken_over) return host::EndTakenOver(host, "motion bridge");
     host.SetHealth(bridge.state().link_up ? intaglio_HEALTH_READY : intaglio_HEALTH_FAULT,
-                   {}, bridge.state().message);
+                   {}, bridge.message());
     host.KeepAlive();
     loop.Wait(std::array{bridge.fd()}, std::chrono::milliseconds(10));
   }

@@ -40,6 +40,7 @@ struct DriverState {
   double following_error_max_um = 0;
   std::uint32_t clock = 0;   ///< of its own, another number is another clock; 0: none
   std::uint64_t number = 0;  ///< grows with every report of the controller
+  double position_tolerance_um = 0;  ///< of its in-position output; 0: not known
 };
 
 /// Actual positions at consecutive ticks, or at the times at which a clock of its own was

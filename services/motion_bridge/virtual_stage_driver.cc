@@ -222,6 +222,9 @@ class VirtualStageDriver final : public MotionDriver {
     } else if (type == MotionFrame::kControllerClock) {
       const auto clock = link::Decode<link::ControllerClock>(payload);
       if (clock) state_.clock = clock->power_up;
+    } else if (type == MotionFrame::kStageTolerance) {
+      const auto tolerance = link::Decode<link::StageTolerance>(payload);
+      if (tolerance) state_.position_tolerance_um = tolerance->position_nm / 1e3;
     } else if (type == MotionFrame::kTimedPositions) {
       if (const auto latched = link::Decode<link::TimedPositions>(payload)) {
         LatchedPositions entry{latched->run, latched->first_tick, {}, {}};
@@ -255,8 +258,9 @@ class VirtualStageDriver final : public MotionDriver {
     }
     state_.refusal.clear();
     identified_ = identified_now_ = true;
-    status_.queue_free = 0;  // until its first status
-    state_.clock = 0;        // it will announce one when it has one
+    state_.position_tolerance_um = 0;  // it will report one when it knows it
+    status_.queue_free = 0;            // until its first status
+    state_.clock = 0;                  // it will announce one when it has one
     (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
   }
   void Refuse(std::string why) {

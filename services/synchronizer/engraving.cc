@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "services/job/machine/position_tolerance.h"
+
 namespace intaglio::synchronizer {
 namespace {
 
@@ -64,7 +66,8 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
       shutters_(laser),
       run_(job_, feed, horizon_, ticks_, record_, shutters_),
       settling_(laser, feed, ticks_, record_),
-      consent_(job_, record_, chain) {
+      consent_(job_, record_, chain),
+      progress_(job_.plan.rate_hz) {
   // Armed before there was a path, and spent before it came.
   if (chain_.has_spent()) message_ = TextOf(chain_.spent_by());
   if (job_.earlier.points.empty()) return;
@@ -79,6 +82,7 @@ Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
 
 void Engraving::Note(const PulseResult& result) {
   if (result.reason != SkipReason::kLeftOut) run_.Note(result);
+  disturbances_.Add(result);
   consent_.Note(result);
   results_(result);
 }
@@ -95,6 +99,7 @@ void Engraving::Turn(const EngravingInputs& inputs) {
   RefuseOtherDevice(inputs);
   if (!stopping_) consent_.TakeConsent(inputs, phase_ == Phase::kHalting);
   AskOverUncertain(inputs);
+  WatchProgress(inputs);
   // While it runs every window flushes; afterwards the last outcomes would wait for long.
   if (phase_ != Phase::kRunning) record_.FlushAppended();
   switch (phase_) {
@@ -147,6 +152,39 @@ void Engraving::AskOverUncertain(const EngravingInputs& inputs) {
   const std::string why = faulted() && !lost_a_line_ ? message_ + "; " : "";
   Explain({Missing::kNothing, why + consent_.Question(), true}, inputs.motion.fault);
   consent_.NoteAsked();
+}
+
+// Armed, warm, and waiting for no person; a line that comes back by itself counts.
+bool Engraving::works(const EngravingInputs& inputs) const {
+  const bool armed = inputs.permission_granted && inputs.permission_fresh;
+  const bool repairs_itself = lost_a_line_ && started();
+  const bool lamp_is_warm = !laser_.up() || laser_.Has(link::kLampWarm);
+  return !stopping_ && !asks() && job_.block_misfit.empty() && lamp_is_warm &&
+         (faulted() ? repairs_itself : armed) && !record_.ledger().all_ended();
+}
+
+void Engraving::WatchProgress(const EngravingInputs& inputs) {
+  const bool motion_up = inputs.motion.fresh && !inputs.motion.line_down();
+  if (laser_was_up_ && !laser_.up()) ++disturbances_.line_loss_count;
+  if (motion_was_up_ && !motion_up) ++disturbances_.line_loss_count;
+  laser_was_up_ = laser_.up();
+  motion_was_up_ = motion_up;
+  disturbances_.run_count = run_.count();
+  const PointLedger& ledger = record_.ledger();
+  progress_.Update({.tick = laser_.up() ? laser_.status().tick : 0,
+                    .works = works(inputs),
+                    .speed_percent = inputs.speed_percent,
+                    .made_count = ledger.count(PointState::kMade),
+                    .ended_count = ledger.size() - ledger.count(PointState::kPlanned) -
+                                   ledger.count(PointState::kSkipped) -
+                                   ledger.count(PointState::kArmed),
+                    .left_out_count = ledger.count(PointState::kLeftOut),
+                    .disturbances = disturbances_});
+  alarm_ = progress_.stall()
+               ? TextOf(*progress_.stall(),
+                        ToleranceMismatch(inputs.motion.position_tolerance_um,
+                                          job_.position_tolerance_um))
+               : "";
 }
 
 void Engraving::Prepare(const EngravingInputs& inputs) {

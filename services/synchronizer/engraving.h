@@ -40,6 +40,7 @@
 #include "services/synchronizer/engraving/engraving_run.h"
 #include "services/synchronizer/engraving/halt_reason.h"
 #include "services/synchronizer/engraving/machine_preparation.h"
+#include "services/synchronizer/engraving/progress_watch.h"
 #include "services/synchronizer/engraving/settling.h"
 #include "services/synchronizer/engraving/shutters.h"
 #include "services/synchronizer/engraving_inputs.h"
@@ -74,10 +75,17 @@ class Engraving {
   /// the end of the process; `lamp_stays` for a job that will be taken up again.
   void Stop(const std::string& why, bool lamp_stays = false);
 
+  /// The tick of each point in an undisturbed pass, once it is known.
+  void SetPlan(std::vector<std::uint32_t> point_ticks) {
+    progress_.SetPlan(std::move(point_ticks));
+  }
+
   Phase phase() const { return phase_; }
   const PointLedger& ledger() const { return record_.ledger(); }
   /// What it waits for or why it halted; empty while all is well.
   const std::string& message() const { return message_; }
+  /// Why it makes no progress, though nothing halts it for good; empty: it does.
+  const std::string& alarm() const { return alarm_; }
   /// Halted by a fault, not by a withdrawn permission: the grant is spent.
   bool faulted() const { return chain_.has_spent(); }
   /// A line or a neighbouring process was lost, not the machine's safety: it may be
@@ -104,6 +112,8 @@ class Engraving {
 
  private:
   void Note(const PulseResult& result);
+  bool works(const EngravingInputs& inputs) const;
+  void WatchProgress(const EngravingInputs& inputs);
   ChainLinks LinksNow(const EngravingInputs& inputs) const;
   void TurnChain(const EngravingInputs& inputs);
   void RefuseOtherDevice(const EngravingInputs& inputs);
@@ -137,9 +147,12 @@ class Engraving {
   EngravingRun run_;
   Settling settling_;
   Consent consent_;
+  ProgressWatch progress_;
+  Disturbances disturbances_;
+  bool laser_was_up_ = false, motion_was_up_ = false;
 
   Phase phase_ = Phase::kPreparing;
-  std::string message_;
+  std::string message_, alarm_;
   bool granted_ = false;       // by the newest permission
   bool starts_again_ = false;  // by itself, after a run that was broken off
   bool lost_a_line_ = false;

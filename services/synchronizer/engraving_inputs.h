@@ -27,6 +27,7 @@ struct MotionView {
   intaglio_MotionFault fault = intaglio_MOTION_LINK_LOST;
   std::string message;
   std::uint32_t clock = 0;  ///< the controller's own; 0: it runs on the lamp's ticks
+  double position_tolerance_um = 0;  ///< of the controller; 0: not known
 
   /// Nothing is known of the stage and nothing reaches it.
   bool line_down() const {

@@ -43,6 +43,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   job.machine_points_mm = std::move(axes);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
+  job.position_tolerance_um = frozen.machine().position_tolerance_um();
   job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;
   job.block_misfit = task.block_misfit;
   auto masks = INTAGLIO_TRY(ChannelsOfPoints(frozen.job(), path.source));

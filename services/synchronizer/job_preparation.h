@@ -10,8 +10,8 @@
 
 #include "proto/machine.pb.h"
 #include "proto/task.pb.h"
+#include "services/job/plan/plan_summary.h"
 #include "services/synchronizer/engraving.h"
-#include "services/synchronizer/plan_summary.h"
 
 namespace intaglio::synchronizer {
 

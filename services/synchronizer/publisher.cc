@@ -45,7 +45,7 @@ void Publisher::PublishTask(const TaskReport& report, std::chrono::nanoseconds n
   const bool changed =
       report.state != published_.state || report.message != published_.message ||
       report.job_uid != published_.job_uid || report.attempt != published_.attempt ||
-      report.pause_reason != published_.pause_reason;
+      report.pause_reason != published_.pause_reason || report.alarm != published_.alarm;
   if (!changed && now < next_task_) return;
   next_task_ = now + kTaskPeriod;
   published_ = report;
@@ -64,6 +64,8 @@ void Publisher::PublishTask(const TaskReport& report, std::chrono::nanoseconds n
   sample.error_code = published_.error_code;
   sample.pause_reason = published_.pause_reason;
   sample.message = Borrow(published_.message);
+  sample.counts = published_.counts;
+  sample.alarm = Borrow(published_.alarm);
   const std::vector<std::uint8_t> outcome(published_.outcome.begin(),
                                           published_.outcome.end());
   Borrow(sample.outcome, outcome);

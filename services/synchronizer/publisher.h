@@ -29,6 +29,8 @@ struct TaskReport {
   intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
   intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;
   std::string message = {};
+  intaglio_PointCounts counts = {};
+  std::string alarm = {};
   std::string outcome = {};  ///< serialized StageOutcome
 };
 

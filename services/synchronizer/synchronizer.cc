@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
@@ -17,6 +18,19 @@ namespace intaglio::synchronizer {
 namespace {
 
 using bus::View;
+
+intaglio_PointCounts CountsOf(const PointLedger& ledger) {
+  intaglio_PointCounts counts{};
+  counts.planned = ledger.size();
+  counts.made = ledger.count(PointState::kMade);
+  counts.missed = ledger.count(PointState::kMissed);
+  counts.skipped = ledger.count(PointState::kSkipped) +
+                   ledger.count(PointState::kPlanned) +
+                   ledger.count(PointState::kLeftOut) - ledger.unknown_count();
+  counts.uncertain = ledger.count(PointState::kUncertain) +
+                     ledger.count(PointState::kArmed) + ledger.unknown_count();
+  return counts;
+}
 
 }  // namespace
 
@@ -124,7 +138,7 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   job_ = std::move(job);
   attempt_ = task.attempt;
   cancelled_ = false;
-  began_at_ = now_;
+  worked_ = {};
   plan_ = {};
   planned_ = false;
   planner_.Abandon();
@@ -177,6 +191,7 @@ void Synchronizer::StartEngraving(PreparedJob prepared) {
   if (taken_up_) chain_.TakeUp({job.earlier.power_up, job.earlier.openings});
   publisher_.BeginJob(job.uid);
   logged_message_.clear();
+  progress_alarmed_ = false;
   journal_ = std::move(prepared.journal);
   engraving_ = std::make_unique<Engraving>(
       std::move(job), laser_, feed_, *journal_, chain_,
@@ -190,6 +205,7 @@ void Synchronizer::TakePlan() {
   planned_ = true;
   if (*plan) {
     plan_ = **plan;
+    engraving_->SetPlan(std::move(plan_.point_ticks));
   } else {
     host::LogError("the plan of job {} cannot be computed: {}", job_->job_uid(),
                    plan->error().message);
@@ -197,6 +213,9 @@ void Synchronizer::TakePlan() {
 }
 
 void Synchronizer::Engrave(std::chrono::nanoseconds now) {
+  const bool ran = engraving_->phase() == Engraving::Phase::kRunning;
+  if (ran) worked_ += now - turned_at_;
+  turned_at_ = now;
   engraving_->Turn(InputsAt(now));
   TakePlan();
   const PointLedger& ledger = engraving_->ledger();
@@ -215,7 +234,7 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   report.state = waits ? intaglio_TASK_PAUSED : intaglio_TASK_RUNNING;
   report.done_count = ledger.count(PointState::kMade) + ledger.count(PointState::kMissed);
   report.total_count = ledger.size();
-  report.elapsed_s = std::chrono::duration<double>(now - began_at_).count();
+  report.elapsed_s = std::chrono::duration<double>(worked_).count();
   report.estimate_ticks = plan_.ticks;
   if (waits) {
     report.pause_reason = PauseReasonOf({.faulted = engraving_->faulted(),
@@ -223,6 +242,9 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
                                          .asks = engraving_->asks(),
                                          .spent_by = chain_.spent_by()});
   }
+  report.counts = CountsOf(ledger);
+  report.alarm = done ? "" : engraving_->alarm();
+  RaiseNoProgress(report.alarm);
   report.message =
       done ? "all points are engraved; the figures of the plan are being computed"
            : engraving_->message();
@@ -233,17 +255,22 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   publisher_.PublishTask(report, now);
 }
 
+// Once, when the progress stops; the task has the newest figures.
+void Synchronizer::RaiseNoProgress(const std::string& alarm) {
+  if (!alarm.empty() && !progress_alarmed_) {
+    host_.RaiseAlarm(intaglio_ALARM_WARNING, "no_progress", alarm, job_->job_uid());
+  }
+  progress_alarmed_ = !alarm.empty();
+}
+
 EngraveOutcome Synchronizer::Outcome() const {
   EngraveOutcome outcome;
-  const PointLedger& ledger = engraving_->ledger();
-  outcome.set_planned_count(ledger.size());
-  outcome.set_made_count(ledger.count(PointState::kMade));
-  outcome.set_missed_count(ledger.count(PointState::kMissed));
-  outcome.set_skipped_count(ledger.count(PointState::kSkipped) +
-                            ledger.count(PointState::kPlanned) +
-                            ledger.count(PointState::kLeftOut) - ledger.unknown_count());
-  outcome.set_uncertain_count(ledger.count(PointState::kUncertain) +
-                              ledger.count(PointState::kArmed) + ledger.unknown_count());
+  const intaglio_PointCounts counts = CountsOf(engraving_->ledger());
+  outcome.set_planned_count(counts.planned);
+  outcome.set_made_count(counts.made);
+  outcome.set_missed_count(counts.missed);
+  outcome.set_skipped_count(counts.skipped);
+  outcome.set_uncertain_count(counts.uncertain);
   outcome.set_estimate_ticks(plan_.ticks);
   outcome.set_first_tick(engraving_->first_fired_tick());
   outcome.set_last_tick(engraving_->last_fired_tick());
@@ -265,7 +292,7 @@ EngraveOutcome Synchronizer::Outcome() const {
 void Synchronizer::EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
                            const std::string& message) {
   TaskReport report{.job_uid = job_->job_uid(), .attempt = attempt_, .state = state};
-  report.elapsed_s = std::chrono::duration<double>(now_ - began_at_).count();
+  report.elapsed_s = std::chrono::duration<double>(worked_).count();
   report.estimate_ticks = plan_.ticks;
   report.error_code = code;
   report.message = message;
@@ -275,6 +302,7 @@ void Synchronizer::EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
     *outcome.mutable_engrave() = Outcome();
     report.total_count = engraving_->ledger().size();
     report.done_count = outcome.engrave().made_count() + outcome.engrave().missed_count();
+    report.counts = CountsOf(engraving_->ledger());
   }
   report.outcome = outcome.SerializeAsString();
   DropTask();

@@ -73,6 +73,7 @@ class Synchronizer {
   void TakePlan();
   void FailTask(const Error& error);
   void Engrave(std::chrono::nanoseconds now);
+  void RaiseNoProgress(const std::string& alarm);
   void DropTask();
   void EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
                const std::string& message);
@@ -112,8 +113,11 @@ class Synchronizer {
   bool leaves_ = false;
   std::string logged_message_;
   std::string alarmed_refusal_;
+  bool progress_alarmed_ = false;
   std::chrono::nanoseconds now_{0};
-  std::chrono::nanoseconds began_at_{0};
+  std::chrono::nanoseconds worked_{
+      0};  ///< at the job in hand, without what it waited for
+  std::chrono::nanoseconds turned_at_{0};  ///< when it was engraved last
   MotionView motion_view_;
   MotionClock motion_clock_;
   /// What the clock's stamps are of: it, the laser's power-up, and the lamp's rate.

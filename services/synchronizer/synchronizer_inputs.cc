@@ -72,6 +72,7 @@ void Synchronizer::TakeMotion(std::chrono::nanoseconds now) {
     motion_view_.fault = sample.fault;
     motion_view_.message = View(sample.message);
     motion_view_.clock = sample.clock;
+    motion_view_.position_tolerance_um = sample.position_tolerance_um;
     if (stop_.TakeHeld("motion bridge", View(sample.bus_stops)))
       NoteStop("motion bridge", "it holds a press");
   });
@@ -109,7 +110,6 @@ void Synchronizer::WatchMachine(std::chrono::nanoseconds now) {
       {.job_uid = job_->job_uid(),
        .attempt = attempt_,
        .state = intaglio_TASK_PAUSED,
-       .elapsed_s = std::chrono::duration<double>(now - began_at_).count(),
        .pause_reason =
            other_device.empty() ? PauseReasonOf(chain_.spent_by()) : intaglio_PAUSE_FAULT,
        .message = other_device.empty() ? TextOf(chain_.spent_by())

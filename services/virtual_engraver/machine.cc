@@ -101,6 +101,7 @@ void Machine::PollLines() {
         HandleMotion(static_cast<MotionFrame>(type), payload);
       })) {
     motion_line_.Send(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
+    motion_line_.Send(Number(MotionFrame::kStageTolerance), Encode(stage_.Tolerance()));
     if (const OwnClock* own = stage_.own_clock()) {
       motion_line_.Send(Number(MotionFrame::kControllerClock),
                         Encode(link::ControllerClock{own->power_up(), own->now_ns()}));

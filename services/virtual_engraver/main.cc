@@ -55,7 +55,7 @@ Status Finish(Options& o) {
   const auto truth = INTAGLIO_TRY(ReadTruthFile(o.truth_file));
   MachineOptions& m = o.machine;
   m = OptionsOf(truth);
-  m.laser.power_up = std::random_device{}();
+  m.laser.power_up = std::max(1u, std::random_device{}());
   if (m.stage.own_clock) {
     m.stage.own_clock->power_up = std::max(1u, std::random_device{}());
   }
@@ -84,10 +84,10 @@ void WaitFor(const Plugs& plugs, const Panel* panel, std::chrono::nanoseconds ti
 }
 
 int Serve(Options& options) {
-  auto glass =
-      Glass::Create(options.glass_record, {options.machine.block.size_mm,
-                                           options.machine.block.refractive_index,
-                                           options.machine.block.numerical_aperture});
+  auto glass = Glass::Create(
+      options.glass_record,
+      {options.machine.block.size_mm, options.machine.block.refractive_index,
+       options.machine.block.numerical_aperture, options.machine.laser.power_up});
   if (!glass) throw std::runtime_error(glass.error().message);
   // A machine of steel does not wait for a busy host. In lockstep it waits for every
   // process.

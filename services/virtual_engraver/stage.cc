@@ -367,4 +367,8 @@ link::MotionIdentity Stage::Identity() const {
   return identity;
 }
 
+link::StageTolerance Stage::Tolerance() const {
+  return {static_cast<std::uint32_t>(ToNm(options_.position_tolerance_mm))};
+}
+
 }  // namespace intaglio::virtual_engraver

@@ -88,6 +88,7 @@ class Stage {
   link::StageFault fault() const { return fault_; }
   link::MotionStatus Report();
   link::MotionIdentity Identity() const;
+  link::StageTolerance Tolerance() const;
   /// Positions latched since the last call.
   std::vector<link::Positions> TakePositions();
   std::vector<link::TimedPositions> TakeTimedPositions();

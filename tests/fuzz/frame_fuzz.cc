@@ -47,6 +47,7 @@ void TryAll(std::span<const std::byte> payload) {
   Try<TimedSegments>(payload);
   Try<TimedPositions>(payload);
   Try<ControllerClock>(payload);
+  Try<StageTolerance>(payload);
 }
 
 }  // namespace

@@ -299,4 +299,19 @@ Result<ControllerClock> Decode(std::span<const std::byte> payload) {
   return m;
 }
 
+Bytes Encode(const StageTolerance& m) {
+  ByteWriter out;
+  out.Put(m.position_nm);
+  return out.Take();
+}
+
+template <>
+Result<StageTolerance> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  StageTolerance m;
+  m.position_nm = in.Get<std::uint32_t>();
+  if (!in.finished() || m.position_nm == 0) return BadMotionFrame("StageTolerance");
+  return m;
+}
+
 }  // namespace intaglio::link

@@ -38,6 +38,7 @@ enum class MotionFrame : std::uint8_t {
   kPositions = 0x42,
   kTimedPositions = 0x43,   ///< in place of kPositions from a clock of its own
   kControllerClock = 0x44,  ///< after the identity: this controller has its own clock
+  kStageTolerance = 0x45,   ///< after the identity: this controller reports its tolerance
 };
 
 /// Refused (status with fault kRunRefused) unless the stage is at rest without a fault.
@@ -146,6 +147,12 @@ struct ControllerClock {
   std::uint64_t now_ns = 0;    ///< since power-up
 };
 
+/// Sent once after the identity. A controller that does not send it has an in-position
+/// output of unknown tolerance.
+struct StageTolerance {
+  std::uint32_t position_nm = 0;  ///< of the in-position output, > 0
+};
+
 using Bytes = std::vector<std::byte>;
 Bytes Encode(const BeginRun& m);
 Bytes Encode(const Segments& m);
@@ -156,6 +163,7 @@ Bytes Encode(const BeginTimedRun& m);
 Bytes Encode(const TimedSegments& m);
 Bytes Encode(const TimedPositions& m);
 Bytes Encode(const ControllerClock& m);
+Bytes Encode(const StageTolerance& m);
 
 template <typename T>
 Result<T> Decode(std::span<const std::byte> payload);
@@ -177,5 +185,7 @@ template <>
 Result<TimedPositions> Decode(std::span<const std::byte> payload);
 template <>
 Result<ControllerClock> Decode(std::span<const std::byte> payload);
+template <>
+Result<StageTolerance> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link

@@ -33,6 +33,7 @@ struct EngravingJob {
   std::uint32_t max_missed_in_a_row = 5;
   bool photosensor_feedback = true;  ///< false: no sensor sees cracks, a fired point
                                      ///< counts as made
+  double position_tolerance_um = 0;  ///< of the profile; 0: not known
   /// A person is asked about points of which it is not known whether they were fired.
   bool asks_when_uncertain = false;
   /// Why nothing may be fired into the block that is in the machine; empty: it may.

@@ -36,11 +36,13 @@ struct Piece {
 
 class BridgeProcess : public ::testing::Test {
  protected:
-  BridgeProcess()
+  explicit BridgeProcess(const std::string& tolerance_um = "30")
       : folder_(test::FreshFolder()),
         engraver_(folder_,
                   "stage { travel_min_mm { x: -2 y: -2 z: -2 }"
-                  "        travel_max_mm { x: 172 y: 172 z: 172 } }"),
+                  "        travel_max_mm { x: 172 y: 172 z: 172 }"
+                  "        position_tolerance_um: " +
+                      tolerance_um + " }"),
         bus_(test::PrivateBusOptions(kCell)),
         batches_(bus_, bus::kMotionSegmentBatch, kCell),
         stops_(bus_, bus::kEmergencyStop, kCell),
@@ -243,6 +245,30 @@ TEST_F(BridgeProcess, WhoseStageIsTakenOverEndsWithAFault) {
   EXPECT_EQ(message,
             "another motion bridge has taken over this machine; this process ends");
   EXPECT_EQ(bridge_->ExitCode(), 4);
+}
+
+/// A stage that is more exact than the profile.
+class BridgeOfAnExactStage : public BridgeProcess {
+ protected:
+  BridgeOfAnExactStage() : BridgeProcess("10") {}
+};
+
+TEST_F(BridgeOfAnExactStage, ReportsTheMismatchOfTheTolerances) {
+  EXPECT_TRUE(UntilState([](const auto& s) { return s.position_tolerance_um == 10; }));
+  bus::Reader<intaglio_ServiceHealth> healths(bus_, bus::kServiceHealth);
+  std::string message;
+  intaglio_HealthState state = intaglio_HEALTH_STARTING;
+  EXPECT_TRUE(Eventually([&] {
+    healths.Take([&](const intaglio_ServiceHealth& health) {
+      if (health.role != intaglio_ROLE_MOTION_BRIDGE) return;
+      message = View(health.message);
+      state = health.state;
+    });
+    return !message.empty();
+  }));
+  EXPECT_NE(message.find("is 10 um and that of the profile 30 um"), std::string::npos)
+      << message;
+  EXPECT_EQ(state, intaglio_HEALTH_READY) << "it works; a person should know of it";
 }
 
 TEST(BridgeOptions, AnUnknownDriverNamesWhatThereIs) {

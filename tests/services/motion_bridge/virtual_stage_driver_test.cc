@@ -88,6 +88,13 @@ TEST_F(VirtualStageDriver, IsDownUntilTheStageAnswers) {
   EXPECT_TRUE(state.message.empty());
 }
 
+TEST_F(VirtualStageDriver, KnowsTheToleranceOfAControllerThatReportsIt) {
+  ASSERT_TRUE(Connect());
+  EXPECT_EQ(driver->state().position_tolerance_um, 0) << "this one does not";
+  stage.Send(link::MotionFrame::kStageTolerance, Encode(link::StageTolerance{10500}));
+  EXPECT_TRUE(Until([&] { return driver->state().position_tolerance_um == 10.5; }));
+}
+
 TEST_F(VirtualStageDriver, SendsTimesToAClockOfItsOwnAndCountsTicksItself) {
   stage.clock = 4711;
   ASSERT_TRUE(Connect());

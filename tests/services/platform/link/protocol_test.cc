@@ -71,24 +71,24 @@ bool Taken(std::span<const std::byte> payload) {
 
 using Taker = bool (*)(std::span<const std::byte>);
 
-const std::map<std::string, Taker> kTakers = {
-    {"LampCommand", Taken<LampCommand>},
-    {"ShutterCommand", Taken<ShutterCommand>},
-    {"ArmWindow", Taken<ArmWindow>},
-    {"LaserIdentity", Taken<LaserIdentity>},
-    {"LaserStatus", Taken<LaserStatus>},
-    {"PulseReport", Taken<PulseReport>},
-    {"PastRequest", Taken<PastRequest>},
-    {"PastReport", Taken<PastReport>},
-    {"BeginRun", Taken<BeginRun>},
-    {"Segments", Taken<Segments>},
-    {"MotionIdentity", Taken<MotionIdentity>},
-    {"MotionStatus", Taken<MotionStatus>},
-    {"Positions", Taken<Positions>},
-    {"BeginTimedRun", Taken<BeginTimedRun>},
-    {"TimedSegments", Taken<TimedSegments>},
-    {"TimedPositions", Taken<TimedPositions>},
-    {"ControllerClock", Taken<ControllerClock>}};
+const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>},
+                                              {"ShutterCommand", Taken<ShutterCommand>},
+                                              {"ArmWindow", Taken<ArmWindow>},
+                                              {"LaserIdentity", Taken<LaserIdentity>},
+                                              {"LaserStatus", Taken<LaserStatus>},
+                                              {"PulseReport", Taken<PulseReport>},
+                                              {"PastRequest", Taken<PastRequest>},
+                                              {"PastReport", Taken<PastReport>},
+                                              {"BeginRun", Taken<BeginRun>},
+                                              {"Segments", Taken<Segments>},
+                                              {"MotionIdentity", Taken<MotionIdentity>},
+                                              {"MotionStatus", Taken<MotionStatus>},
+                                              {"Positions", Taken<Positions>},
+                                              {"BeginTimedRun", Taken<BeginTimedRun>},
+                                              {"TimedSegments", Taken<TimedSegments>},
+                                              {"TimedPositions", Taken<TimedPositions>},
+                                              {"ControllerClock", Taken<ControllerClock>},
+                                              {"StageTolerance", Taken<StageTolerance>}};
 
 TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
   std::size_t tried = 0;
@@ -147,6 +147,7 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<Positions>(Encode(Positions{1, 1, {}})));
   EXPECT_FALSE(Taken<TimedPositions>(Encode(TimedPositions{1, 1, {}})));
   EXPECT_FALSE(Taken<ControllerClock>(Encode(ControllerClock{0, 1})));
+  EXPECT_FALSE(Taken<StageTolerance>(Encode(StageTolerance{0})));
   TimedSegments two{
       1, 0, {{1, 2, 3, 4, 5, 6, 7, false, false}, {1, 2, 3, 4, 5, 6, 8, false, false}}};
   EXPECT_TRUE(Taken<TimedSegments>(Encode(two)));
@@ -269,6 +270,9 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   EXPECT_EQ(stage_identity->queue_capacity, 4096u);
   EXPECT_EQ(stage_identity->serial_number, "ST 7/2");
   EXPECT_TRUE(stage_identity->compares_place);
+  const auto tolerance = Decode<StageTolerance>(PayloadOf("StageTolerance"));
+  ASSERT_TRUE(tolerance);
+  EXPECT_EQ(tolerance->position_nm, 30000u);
   const auto status = Decode<LaserStatus>(PayloadOf("LaserStatus"));
   ASSERT_TRUE(status);
   EXPECT_EQ(status->machine_us, 47200000u);

@@ -87,6 +87,8 @@ inline std::vector<SampleFrame> SampleFrames() {
            TimedPositions{3, 4711, {{47110001000, 1, 2, 3}, {47121003000, -4, -5, -6}}})},
       {"ControllerClock", motion(MotionFrame::kControllerClock),
        Encode(ControllerClock{0xC10C, 1700000000})},
+      {"StageTolerance", motion(MotionFrame::kStageTolerance),
+       Encode(StageTolerance{30000})},
   };
 }
 
