@@ -1,0 +1,213 @@
+#include "services/cli/preview/preview_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/try.h"
+#include "services/cli/complain.h"
+#include "services/cli/job_glass.h"
+#include "services/cli/job_options.h"
+#include "services/cli/json/print_json.h"
+#include "services/cli/progress/progress_bar.h"
+#include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
+#include "services/client/preview/preview.h"
+#include "services/client/preview/preview_text.h"
+#include "services/client/proof_folder.h"
+#include "services/client/warning_text.h"
+#include "services/history/job_history.h"
+#include "services/job/freeze.h"
+#include "services/job/models/program_limits.h"
+#include "services/job/verdict/warnings.h"
+#include "services/platform/host/process/service_host.h"
+#include "services/platform/host/threads/worker_threads.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+// What is ready before this needs no bar.
+constexpr auto kPatient = std::chrono::seconds(1);
+constexpr auto kBarPeriod = std::chrono::milliseconds(100);
+
+struct PreviewCommandOptions {
+  JobFlags job;
+  std::vector<std::string> what;  // a job file, the number of a job, or models
+  std::string folder = "intaglio-shop", database, out, materials_db;
+  bool json = false;
+};
+
+/// A progress bar that appears when the work takes more than a second.
+class LateMeter {
+ public:
+  LateMeter() : bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
+  ~LateMeter() {
+    if (shown_) bar_.Finish();
+  }
+
+  bool Show(const char* stage, std::uint64_t done, std::uint64_t total) {
+    const auto now = Clock::now();
+    if (now - began_ < kPatient || (now - last_ < kBarPeriod && done != total)) {
+      return true;
+    }
+    last_ = now;
+    shown_ = true;
+    bar_.ShowShare(stage, done, total,
+                   std::chrono::duration<double>(now - began_).count());
+    return true;
+  }
+
+ private:
+  ProgressBar bar_;
+  Clock::time_point began_ = Clock::now(), last_{};
+  bool shown_ = false;
+};
+
+bool IsJobFile(const std::string& text) {
+  const fs::path extension = fs::path(text).extension();
+  return extension == ".textproto" || extension == ".txtpb" || extension == ".json" ||
+         extension.empty();  // a supplied one
+}
+
+/// A number as `list` shows it, or a uid, unless there is a file of that name.
+bool IsJobOfShop(const std::string& text) {
+  return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0 &&
+         fs::path(text).extension().empty() && !fs::exists(text);
+}
+
+/// The job that was named: a job file or models, each with the options, or a job of a
+/// shop.
+Result<JobAndMachine> FindJob(PreviewCommandOptions options) {
+  if (options.what.size() == 1 && IsJobOfShop(options.what.front())) {
+    auto job = INTAGLIO_TRY(history::ReadJob(
+        options.database.empty() ? options.folder + "/jobs.db" : options.database,
+        options.what.front()));
+    return CompleteJob(options.job, std::move(job));
+  }
+  if (options.what.size() == 1 && IsJobFile(options.what.front())) {
+    options.job.job_file = options.what.front();
+    return BuildJob(options.job);
+  }
+  for (const std::string& model : options.what) {
+    if (IsJobFile(model)) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("'{}': give one job file, or models, not both", model),
+                  model);
+    }
+    options.job.meshes.push_back(model);
+  }
+  return BuildJob(options.job);
+}
+
+/// The job with everything resolved, and what was chosen for the user.
+struct JobToPreview {
+  FrozenJob frozen;
+  std::vector<std::string> notes;
+};
+
+Result<JobToPreview> FreezeNamed(const PreviewCommandOptions& options) {
+  auto job = INTAGLIO_TRY(FindJob(options));
+  const auto material = INTAGLIO_TRY(FindGlass(job, options.materials_db));
+  auto frozen = INTAGLIO_TRY(
+      FreezeJob(job.job, job.machine, material, {"", 0, "", host::SoftwareVersion()}));
+  return JobToPreview{std::move(frozen), std::move(job.notes)};
+}
+
+/// A name of a folder: that of the job without what divides paths.
+std::string FolderNameOf(const std::string& job_name) {
+  std::string name = job_name.substr(0, 100);
+  for (char& c : name) {
+    if (c == '/' || static_cast<unsigned char>(c) < ' ') c = '_';
+  }
+  return name.empty() || name == "." || name == ".." ? "job" : name;
+}
+
+void Print(const client::Preview& preview, const fs::path& folder) {
+  const JobPreview& figures = preview.figures;
+  std::cout << fmt::format("{:<11} {}\n", "job", figures.name());
+  for (const client::PreviewLine& line : client::LinesOf(figures)) {
+    std::cout << fmt::format("{:<11} {}\n", line.label, line.value);
+  }
+  for (const WarningRecord& warning : figures.warnings()) {
+    std::cout << fmt::format("{:<11} {}\n", client::LabelOf(WarningOf(warning)),
+                             warning.text());
+  }
+  std::cout << fmt::format("{:<11} {}\n{:<11} {}\n", "verdict",
+                           client::VerdictText(figures), "page",
+                           (folder / client::kPreviewPage).string());
+}
+
+int MakeAndWrite(const PreviewCommandOptions& options) {
+  const auto job = FreezeNamed(options);
+  if (!job) return Complain(job.error());
+  for (const std::string& note : job->notes) std::cerr << note << "\n";
+  client::PreviewOptions how;
+  how.limits = mesh_reader::LimitsOfProgram(options.job.size_limits);
+  how.executor = host::AllCores();
+  how.made_utc = client::UtcNow();
+  std::optional<LateMeter> meter(std::in_place);
+  const auto preview = client::MakePreview(
+      job->frozen, how, [&](const char* stage, std::uint64_t done, std::uint64_t total) {
+        return meter->Show(stage, done, total);
+      });
+  meter.reset();
+  if (!preview) return Complain(preview.error());
+  const fs::path folder = options.out.empty() ? fs::path("intaglio-preview") /
+                                                    FolderNameOf(preview->figures.name())
+                                              : fs::path(options.out);
+  if (auto written = client::WritePreview(folder, *preview); !written) {
+    return Complain(written.error());
+  }
+  if (options.json) {
+    if (const int failed = PrintJson(preview->figures); failed != 0) return failed;
+  } else {
+    Print(*preview, folder);
+  }
+  return preview->figures.verdict() == client::kNeedsConsent ? client::kExitNotGood
+                                                             : client::kExitGood;
+}
+
+}  // namespace
+
+void AddPreviewCommand(command_line::Command app) {
+  auto options = std::make_shared<PreviewCommandOptions>();
+  command_line::Command preview = app.AddCommand(
+      "preview", "show what a job will look like and take, before anything is engraved");
+  preview.AddOption("JOB|MODEL", options->what,
+                    "a job file, the number of a job in a shop, or models");
+  AddJobOptions(preview, options->job);
+  preview.AddOption("--out", options->out,
+                    "folder of page, picture and figures, default intaglio-preview/NAME");
+  preview.AddFlag("--json", options->json, "print the figures for programs");
+  preview.AddOption("--materials", options->materials_db,
+                    "material base, default the user's");
+  const auto folder =
+      preview
+          .AddOption("--folder", options->folder,
+                     "folder of the shop of a job's number, as for intaglio up")
+          .ShowDefault();
+  preview
+      .AddOption("--database", options->database,
+                 "or the database file of the job service, as for its --database")
+      .Exclude(folder);
+  preview.SetFooter(
+      "Example: intaglio preview horse.stl --height 40 --block 60 60 60\n"
+      "Example: intaglio preview job.textproto; intaglio preview 12\n"
+      "It writes preview.html (all in one file), preview.png and preview.json.\n"
+      "Exit code: 0 ready, 2 wrong input, 3 a warning has to be accepted before the "
+      "arm.");
+  preview.SetAction([options] { return MakeAndWrite(*options); });
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,211 @@
+#include "services/client/preview/preview.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/try.h"
+#include "engrave/discretize/cloud.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/proof/cloud_quality.h"
+#include "services/client/preview/preview_page.h"
+#include "services/client/preview/preview_picture.h"
+#include "services/client/preview/preview_text.h"
+#include "services/client/preview/preview_time.h"
+#include "services/client/proof/proof_figures.h"
+#include "services/job/channels.h"
+#include "services/job/json_text.h"
+#include "services/job/methods/method_table.h"
+#include "services/job/model_kind.h"
+#include "services/job/models/discretize_outcome.h"
+#include "services/job/models/model_sources.h"
+#include "services/job/options.h"
+#include "services/job/quality/cloud_warnings.h"
+#include "services/job/verdict/warnings.h"
+
+namespace intaglio::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+void Set(const Vec3& from, Vector3& to) {
+  to.set_x(from.x());
+  to.set_y(from.y());
+  to.set_z(from.z());
+}
+
+Box3 BoundsOf(const PointList& points_mm) {
+  Box3 box;
+  for (const Vec3& p : points_mm) box.Extend(p);
+  return box;
+}
+
+/// The points of the job, as the discretizers make them, and the warnings about them.
+struct MadeCloud {
+  PointCloud cloud;
+  std::vector<ChannelMask> masks;
+  Warnings warnings;
+};
+
+Result<MadeCloud> MakePoints(const JobSpec& job, const PreviewOptions& options,
+                             const PreviewProgress& progress) {
+  const auto of_stage = [&](const char* stage) -> ProgressSink {
+    return [&progress, stage](std::uint64_t done, std::uint64_t total) {
+      return !progress || progress(stage, done, total);
+    };
+  };
+  auto files = INTAGLIO_TRY(ReadFilesOf(job, options.limits));
+  auto sources =
+      INTAGLIO_TRY(MakeSources(job, std::move(files), options.limits, of_stage("read")));
+  auto made = INTAGLIO_TRY(discretize::MakeCloud(sources.sources, CloudOptionsOf(job), {},
+                                                 options.executor, of_stage("points")));
+  if (made.cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
+  MadeCloud result;
+  result.warnings = WarningsOf(OutcomeOf(sources, made, {}), job);
+  auto masks = INTAGLIO_TRY(ChannelsOfPoints(job, made.cloud.source));
+  result.masks = std::move(masks);
+  result.cloud = std::move(made.cloud);
+  return result;
+}
+
+void AddModels(const JobSpec& job, const PointCloud& cloud, JobPreview& figures) {
+  std::vector<Box3> boxes(static_cast<std::size_t>(job.models_size()));
+  std::vector<std::uint64_t> counts(boxes.size(), 0);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    boxes.at(cloud.source[i]).Extend(cloud.points_mm[i]);
+    ++counts[cloud.source[i]];
+  }
+  for (int i = 0; i < job.models_size(); ++i) {
+    const Model& model = job.models(i);
+    ModelPreview& preview = *figures.add_models();
+    preview.set_name(model.has_text() ? model.text().text()
+                                      : fs::path(model.file()).filename().string());
+    if (const auto kind = KindOf(model)) preview.set_kind(NameOf(*kind));
+    if (const Method* method = MethodOf(model)) preview.set_method(method->name());
+    const auto at = static_cast<std::size_t>(i);
+    preview.set_point_count(counts[at]);
+    Set(boxes[at].size_mm(), *preview.mutable_size_mm());
+  }
+}
+
+void AddQuality(const CloudFindings& found, JobPreview& figures) {
+  figures.set_measured_spacing_mm(found.measured_spacing_mm);
+  if (!found.crack_risk) return;
+  BreakagePreview& breakage = *figures.mutable_breakage();
+  breakage.set_crack_share_ratio(found.crack_risk->densest.crack_share);
+  breakage.set_max_share_ratio(found.crack_risk->max_share);
+  breakage.set_risky_count(found.crack_risk->risky_count);
+}
+
+const char* VerdictOf(const Warnings& warnings) {
+  switch (GreatestWeight(warnings)) {
+    case WarningWeight::kConsent:
+      return kNeedsConsent;
+    case WarningWeight::kWarning:
+      return kReadyWithWarnings;
+    case WarningWeight::kNote:
+      break;
+  }
+  return kReady;
+}
+
+JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
+                     const CloudFindings& found, const PreviewOptions& options) {
+  JobPreview figures;
+  const JobSpec& spec = job.job();
+  figures.set_name(spec.name());
+  figures.set_software_version(job.software_version());
+  figures.set_made_utc(options.made_utc);
+  Warnings warnings = made.warnings;
+  warnings.insert(warnings.end(), found.warnings.begin(), found.warnings.end());
+  figures.set_verdict(VerdictOf(warnings));
+  *figures.mutable_warnings() = RecordsOf(AtLeast(WarningWeight::kNote, warnings));
+  figures.set_point_count(made.cloud.size());
+  figures.set_min_spacing_mm(spec.discretization().min_spacing_mm());
+  const Box3 box = BoundsOf(made.cloud.points_mm);
+  Set(box.size_mm(), *figures.mutable_size_mm());
+  Set(box.min_mm, *figures.mutable_low_mm());
+  *figures.mutable_block_size_mm() = spec.block().size_mm();
+  figures.set_margin_mm(spec.block().margin_mm());
+  AddQuality(found, figures);
+  if (job.optics().has_thermal_strength_k()) {
+    figures.set_thermal_strength_k(job.optics().thermal_strength_k());
+  }
+  figures.set_glass(job.material().name());
+  figures.set_machine(job.machine().name());
+  AddModels(spec, made.cloud, figures);
+  figures.set_cloud_checksum(PointChecksum(made.cloud.points_mm));
+  *figures.mutable_job() = spec;
+  return figures;
+}
+
+void DrawPictures(const MadeCloud& made, Preview& preview) {
+  const std::vector<ChannelMask> channels = DistinctChannels(made.masks);
+  preview.figures.set_picture("preview.png");
+  for (const ChannelMask channel : channels) {
+    if (channels.size() < 2) break;
+    const int number = std::countr_zero(channel) + 1;
+    ChannelPreview& row = *preview.figures.add_channels();
+    row.set_channel(static_cast<std::uint32_t>(number));
+    row.set_picture(fmt::format("preview-channel-{}.png", number));
+    row.set_point_count(PointsIn(channel, made.cloud, made.masks).size());
+  }
+  preview.pictures.push_back(
+      {preview.figures.picture(), DrawPreview(preview.figures, made.cloud.points_mm)});
+  for (const ChannelPreview& row : preview.figures.channels()) {
+    const PointCloud part =
+        PointsIn(MaskOfChannel(row.channel()), made.cloud, made.masks);
+    preview.pictures.push_back(
+        {row.picture(), DrawChannel(preview.figures, row, part.points_mm)});
+  }
+}
+
+}  // namespace
+
+Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
+                            const PreviewProgress& progress) {
+  const auto made = INTAGLIO_TRY(MakePoints(job.job(), options, progress));
+  if (progress && !progress("check", 0, 0)) {
+    return Fail(ErrorCode::kCancelled, "the preview was cancelled");
+  }
+  const CloudFindings found =
+      FindInCloud(job.job(), job.machine(), made.cloud, made.masks, options.executor);
+  Preview preview;
+  preview.figures = FiguresOf(job, made, found, options);
+  const auto time = INTAGLIO_TRY(
+      EstimateTime(job, {made.cloud.points_mm, made.masks}, options.max_planned_points,
+                   options.executor, [&](std::uint64_t done, std::uint64_t total) {
+                     return !progress || progress("time", done, total);
+                   }));
+  *preview.figures.mutable_time() = time;
+  if (progress && !progress("picture", 0, 0)) {
+    return Fail(ErrorCode::kCancelled, "the preview was cancelled");
+  }
+  DrawPictures(made, preview);
+  return preview;
+}
+
+Status WritePreview(const fs::path& folder, const Preview& preview) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("{}: cannot make the folder: {}; choose another with --out",
+                            folder.string(), error.message()),
+                folder.string());
+  }
+  for (const PreviewPicture& picture : preview.pictures) {
+    INTAGLIO_TRY(io::WriteFileAtomically(folder / picture.file,
+                                         std::as_bytes(std::span(picture.png))));
+  }
+  const auto json = INTAGLIO_TRY(JsonTextOf(preview.figures));
+  INTAGLIO_TRY(io::WriteFileAtomically(folder / kPreviewFigures, json));
+  return io::WriteFileAtomically(folder / kPreviewPage, PageOf(preview));
+}
+
+}  // namespace intaglio::client

@@ -1,0 +1,60 @@
+#pragma once
+
+// What a job will look like and take, before it is engraved: the points as the
+// discretizers make them, warnings, the size in the block, and the time that an order and
+// a plan of them give. No machine and no service takes part. `intaglio preview` writes
+// the result into a folder; a console can show the page as it is.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/executor.h"
+#include "engrave/core/result.h"
+#include "proto/preview.pb.h"
+#include "proto/task.pb.h"
+#include "services/job/models/read_limits.h"
+
+namespace intaglio::client {
+
+struct PreviewOptions {
+  ReadLimits limits;
+  Executor executor;
+  /// More points than this are not all ordered and planned: the time of the others
+  /// follows from a sample of this size. 200 000 take about 3 s on one core.
+  std::size_t max_planned_points = 200'000;
+  std::string made_utc;  ///< for the record
+};
+
+/// Stages of the work by name, "read", "points", ..., and how far each one is; false
+/// cancels.
+using PreviewProgress =
+    std::function<bool(const char* stage, std::uint64_t done, std::uint64_t total)>;
+
+struct PreviewPicture {
+  std::string file;  ///< "preview.png"; of a channel "preview-channel-2.png"
+  std::vector<std::uint8_t> png;
+};
+
+struct Preview {
+  JobPreview figures;
+  /// The first one is of all points; one of each channel's block follows, of a job with
+  /// several.
+  std::vector<PreviewPicture> pictures;
+};
+
+/// `job` is frozen (services/job/freeze.h): its result folder is not used. Errors: those
+/// of the models, with the file's name; points outside the block or out of the machine's
+/// travel; no points; kCancelled.
+Result<Preview> MakePreview(const FrozenJob& job, const PreviewOptions& options,
+                            const PreviewProgress& progress);
+
+inline constexpr const char* kPreviewPage = "preview.html";
+inline constexpr const char* kPreviewFigures = "preview.json";
+
+/// Page, figures and pictures, each whole or not at all; makes the folder. kIo.
+Status WritePreview(const std::filesystem::path& folder, const Preview& preview);
+
+}  // namespace intaglio::client

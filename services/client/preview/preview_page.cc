@@ -1,0 +1,131 @@
+#include "services/client/preview/preview_page.h"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include "services/client/figure_text.h"
+#include "services/client/preview/preview_text.h"
+
+namespace intaglio::client {
+namespace {
+
+constexpr std::string_view kStyle = R"(
+  :root { color-scheme: light dark; }
+  body { font: 16px/1.45 system-ui, sans-serif; margin: 0 auto; max-width: 1100px;
+         padding: 1.5rem; }
+  h1 { font-size: 1.5rem; margin: 0 0 .25rem; overflow-wrap: anywhere; }
+  .verdict { display: inline-block; padding: .2rem .7rem; border-radius: .3rem;
+             color: #fff; background: #1d7a3c; }
+  .verdict.warning { background: #a86400; }
+  .verdict.consent { background: #b3261e; }
+  img { width: 100%; height: auto; margin: 1rem 0; border-radius: .3rem; }
+  table { border-collapse: collapse; width: 100%; margin: .5rem 0 1.25rem; }
+  th, td { text-align: left; vertical-align: top; padding: .3rem .8rem .3rem 0;
+           border-bottom: 1px solid #8884; overflow-wrap: anywhere; }
+  th { font-weight: 600; white-space: nowrap; }
+  td.bad { color: #b3261e; font-weight: 600; }
+  li { margin: .3rem 0; }
+  .weight { font-weight: 600; }
+  .weight.warning { color: #a86400; }
+  .weight.consent { color: #b3261e; }
+  footer { opacity: .7; font-size: .85rem; }
+)";
+
+std::string Base64Of(const std::vector<std::uint8_t>& bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3), '\0');
+  // It adds a null character behind the text, where the string has its own.
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
+                  static_cast<int>(bytes.size()));
+  return text;
+}
+
+std::string ClassOf(const JobPreview& figures) {
+  if (figures.verdict() == kReady) return "";
+  return figures.verdict() == kReadyWithWarnings ? " warning" : " consent";
+}
+
+std::string PictureOf(const PreviewPicture& picture, const std::string& description) {
+  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n",
+                     HtmlOf(description), Base64Of(picture.png));
+}
+
+std::string FigureTable(const JobPreview& figures) {
+  std::string rows;
+  for (const PreviewLine& line : LinesOf(figures)) {
+    rows += fmt::format("<tr><th>{}</th><td{}>{}</td></tr>\n", HtmlOf(line.label),
+                        line.bad ? " class=\"bad\"" : "", HtmlOf(line.value));
+  }
+  return "<table>\n" + rows + "</table>\n";
+}
+
+std::string WarningTexts(const JobPreview& figures) {
+  if (figures.warnings().empty()) return "<p>No warnings.</p>\n";
+  std::string items;
+  for (const WarningRecord& warning : figures.warnings()) {
+    items += fmt::format("<li><span class=\"weight {0}\">{0}</span> {1}</li>\n",
+                         HtmlOf(warning.weight()), HtmlOf(warning.text()));
+  }
+  return "<h2>Warnings</h2>\n<ul>\n" + items + "</ul>\n";
+}
+
+std::string ModelTable(const JobPreview& figures) {
+  std::string rows;
+  for (const ModelPreview& model : figures.models()) {
+    rows += fmt::format(
+        "<tr><th>{}</th><td>{}</td><td>{}</td><td>{} points</td><td>{}</td></tr>\n",
+        HtmlOf(model.name()), HtmlOf(model.kind()), HtmlOf(model.method()),
+        GroupedDigits(model.point_count()), SizeText(model.size_mm()));
+  }
+  return "<h2>Models</h2>\n<table>\n" + rows + "</table>\n";
+}
+
+}  // namespace
+
+std::string HtmlOf(std::string_view text) {
+  std::string html;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      case '\'':
+        html += "&#39;";
+        break;
+      default:
+        html += c;
+    }
+  }
+  return html;
+}
+
+std::string PageOf(const Preview& preview) {
+  const JobPreview& figures = preview.figures;
+  std::string page = fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}: preview</title>\n<style>{1}</style>\n</head>\n<body>\n"
+      "<h1>{0}</h1>\n<p><span class=\"verdict{2}\">{3}</span></p>\n",
+      HtmlOf(figures.name()), kStyle, ClassOf(figures), HtmlOf(VerdictText(figures)));
+  for (std::size_t i = 0; i < preview.pictures.size() && i < 1; ++i) {
+    page += PictureOf(preview.pictures[i], "views of the planned points in the block");
+  }
+  page += FigureTable(figures) + WarningTexts(figures) + ModelTable(figures);
+  for (std::size_t i = 1; i < preview.pictures.size(); ++i) {
+    page += PictureOf(preview.pictures[i], preview.pictures[i].file);
+  }
+  return page + fmt::format("<footer>intaglio {}{}{}</footer>\n</body>\n</html>\n",
+                            HtmlOf(figures.software_version()),
+                            figures.made_utc().empty() ? "" : ", ",
+                            HtmlOf(figures.made_utc()));
+}
+
+}  // namespace intaglio::client

@@ -1,0 +1,93 @@
+#include "services/client/preview/preview_text.h"
+
+#include <fmt/format.h>
+
+#include "engrave/core/warning.h"
+#include "services/client/figure_text.h"
+#include "services/job/verdict/warnings.h"
+
+namespace intaglio::client {
+namespace {
+
+std::string PlainSizeText(const Vector3& size_mm) {
+  return fmt::format("{:g} x {:g} x {:g} mm", size_mm.x(), size_mm.y(), size_mm.z());
+}
+
+std::string TimeText(const JobPreview& figures) {
+  const TimePreview& time = figures.time();
+  std::string text = fmt::format(
+      "{}{} at {:g} Hz", time.planned_count() < figures.point_count() ? "about " : "",
+      ShortDuration(time.machining_time_s()), time.rate_hz());
+  if (time.warm_up_s() > 0) {
+    text += fmt::format(", after {} of lamp warm-up", ShortDuration(time.warm_up_s()));
+  }
+  if (time.planned_count() < figures.point_count()) {
+    text +=
+        fmt::format("; from a sample of {} points", GroupedDigits(time.planned_count()));
+  }
+  return text;
+}
+
+std::string PointsText(const JobPreview& figures) {
+  std::string text = GroupedDigits(figures.point_count());
+  if (figures.measured_spacing_mm() > 0) {
+    text += fmt::format(", nearest two {:.4g} mm apart", figures.measured_spacing_mm());
+  }
+  return text + fmt::format(" ({:g} mm required)", figures.min_spacing_mm());
+}
+
+std::string BreakageText(const BreakagePreview& breakage) {
+  const std::string share =
+      fmt::format("cracks take {:.0f} % of the densest place, {:.0f} % are sound",
+                  100 * breakage.crack_share_ratio(), 100 * breakage.max_share_ratio());
+  if (breakage.risky_count() == 0) return share;
+  return fmt::format("may break: {}; more at {} points", share,
+                     GroupedDigits(breakage.risky_count()));
+}
+
+std::string GlassText(const JobPreview& figures) {
+  if (!figures.has_thermal_strength_k()) return figures.glass();
+  return fmt::format("{}, withstands a sudden temperature difference of {:.0f} K",
+                     figures.glass(), figures.thermal_strength_k());
+}
+
+}  // namespace
+
+std::string VerdictText(const JobPreview& figures) {
+  if (figures.verdict() == kReady) return "READY";
+  if (figures.verdict() == kReadyWithWarnings) return "READY, with warnings";
+  const Warnings warnings = WarningsOf(figures.warnings());
+  const Warning* consent = FindConsent(warnings);
+  return fmt::format("NOT READY: arm it with {} if you accept what may happen",
+                     consent == nullptr ? "a consent" : AcceptOption(*consent));
+}
+
+std::string SizeText(const Vector3& size_mm) {
+  return fmt::format("{:.1f} x {:.1f} x {:.1f} mm", size_mm.x(), size_mm.y(),
+                     size_mm.z());
+}
+
+std::vector<PreviewLine> LinesOf(const JobPreview& figures) {
+  const Vector3& low = figures.low_mm();
+  std::vector<PreviewLine> lines = {
+      {"piece", SizeText(figures.size_mm())},
+      {"block", fmt::format("{}, margin {:g} mm; the piece begins at ({:.1f}, {:.1f}, "
+                            "{:.1f}) mm",
+                            PlainSizeText(figures.block_size_mm()), figures.margin_mm(),
+                            low.x(), low.y(), low.z())},
+      {"points", PointsText(figures)},
+      {"time", TimeText(figures)},
+      {"glass", GlassText(figures)},
+      {"machine", figures.machine()}};
+  if (figures.has_breakage()) {
+    lines.push_back({"breakage", BreakageText(figures.breakage()),
+                     figures.breakage().risky_count() > 0});
+  }
+  for (const ChannelPreview& channel : figures.channels()) {
+    lines.push_back({fmt::format("channel {}", channel.channel()),
+                     GroupedDigits(channel.point_count()) + " points"});
+  }
+  return lines;
+}
+
+}  // namespace intaglio::client

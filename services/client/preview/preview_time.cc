@@ -1,0 +1,137 @@
+#include "services/client/preview/preview_time.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "engrave/core/check.h"
+#include "engrave/core/try.h"
+#include "engrave/machine/axes_from_glass.h"
+#include "engrave/sort/order.h"
+#include "services/job/machine/machine_axes.h"
+#include "services/job/options.h"
+#include "services/job/plan/plan_summary.h"
+
+namespace intaglio::client {
+namespace {
+
+constexpr std::size_t kPieces = 8;
+
+using Indices = std::vector<std::uint32_t>;
+
+/// Divides the points at the median of their largest extent, again and again, until a
+/// piece has no more than `piece_size`: compact pieces, in which points have the
+/// neighbours that they have in the whole cloud.
+void Divide(const PointList& points_mm, std::span<std::uint32_t> range,
+            std::size_t piece_size, std::vector<std::span<std::uint32_t>>& pieces) {
+  if (range.size() <= piece_size) return pieces.push_back(range);
+  Box3 box;
+  for (const std::uint32_t i : range) box.Extend(points_mm[i]);
+  Eigen::Index axis = 0;
+  box.size_mm().maxCoeff(&axis);
+  const std::size_t half = range.size() / 2;
+  std::nth_element(range.begin(), range.begin() + static_cast<std::ptrdiff_t>(half),
+                   range.end(), [&](std::uint32_t a, std::uint32_t b) {
+                     const double at_a = points_mm[a][axis], at_b = points_mm[b][axis];
+                     return at_a != at_b ? at_a < at_b : a < b;
+                   });
+  Divide(points_mm, range.first(half), piece_size, pieces);
+  Divide(points_mm, range.subspan(half), piece_size, pieces);
+}
+
+/// What is ordered and planned: all points, or pieces from all over the cloud.
+std::vector<Indices> PiecesOf(const PointList& points_mm,
+                              std::size_t max_planned_points) {
+  Indices all(points_mm.size());
+  std::iota(all.begin(), all.end(), 0);
+  if (all.size() <= max_planned_points) return {std::move(all)};
+  std::vector<std::span<std::uint32_t>> pieces;
+  Divide(points_mm, all, std::max<std::size_t>(1, max_planned_points / kPieces), pieces);
+  std::vector<Indices> chosen;
+  for (std::size_t i = 0; i < kPieces; ++i) {
+    const auto piece = pieces[(2 * i + 1) * pieces.size() / (2 * kPieces)];
+    chosen.emplace_back(piece.begin(), piece.end());
+    std::sort(chosen.back().begin(), chosen.back().end());
+  }
+  return chosen;
+}
+
+/// An order that takes seconds in place of one that takes minutes.
+FrozenJob WithQuickOrder(FrozenJob job, std::size_t point_count) {
+  Ordering& ordering = *job.mutable_job()->mutable_ordering();
+  if (ordering.has_anneal() &&
+      (point_count > kOwnOrderPoints || ordering.anneal().has_time_s())) {
+    ordering.mutable_smooth();
+  }
+  return job;
+}
+
+std::string OrderNameOf(const FrozenJob& job) {
+  const Ordering& ordering = job.job().ordering();
+  const auto* field = Ordering::descriptor()->FindFieldByNumber(ordering.method_case());
+  return field == nullptr ? "" : field->name();
+}
+
+Result<std::uint64_t> TicksOf(const FrozenJob& job, const CloudToTime& cloud,
+                              const Indices& piece, const Executor& executor,
+                              const ProgressSink& progress) {
+  PointList points_mm;
+  std::vector<ChannelMask> masks;
+  for (const std::uint32_t i : piece) {
+    points_mm.push_back(cloud.points_mm[i]);
+    masks.push_back(cloud.masks[i]);
+  }
+  sort::OrderOptions options = OrderOptionsOf(job);
+  options.executor = executor;
+  const auto order =
+      INTAGLIO_TRY(sort::MakeChannelOrder(points_mm, masks, options, progress));
+  PointList path_mm;
+  PlanInput plan;
+  for (const std::uint32_t index : order) {
+    path_mm.push_back(points_mm[index]);
+    plan.masks.push_back(masks[index]);
+  }
+  auto axes = INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(job), path_mm,
+                                              AxisLimitsOf(job.machine()).travel_mm));
+  plan.machine_points_mm = std::move(axes);
+  plan.options = MotionOptionsOf(job);
+  const auto summary = INTAGLIO_TRY(Summarize(plan, progress));
+  return summary.ticks;
+}
+
+}  // namespace
+
+Result<TimePreview> EstimateTime(const FrozenJob& job, const CloudToTime& cloud,
+                                 std::size_t max_planned_points, const Executor& executor,
+                                 const ProgressSink& progress) {
+  const std::size_t point_count = cloud.points_mm.size();
+  Require(point_count > 0 && cloud.masks.size() == point_count,
+          "{} points and {} masks to time", point_count, cloud.masks.size());
+  const std::vector<Indices> pieces = PiecesOf(cloud.points_mm, max_planned_points);
+  const FrozenJob quick = WithQuickOrder(job, point_count);
+  std::uint64_t planned_count = 0, planned_ticks = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const ProgressSink share = [&](std::uint64_t, std::uint64_t) {
+      return !progress || progress(i, pieces.size());
+    };
+    const auto ticks = INTAGLIO_TRY(TicksOf(quick, cloud, pieces[i], executor, share));
+    planned_count += pieces[i].size();
+    planned_ticks += ticks;
+  }
+  const double all_per_planned =
+      static_cast<double>(point_count) / static_cast<double>(planned_count);
+  const double ticks = std::round(static_cast<double>(planned_ticks) * all_per_planned);
+  TimePreview time;
+  time.set_ticks(static_cast<std::uint64_t>(ticks));
+  time.set_rate_hz(job.job().laser().rate_hz());
+  time.set_machining_time_s(ticks / time.rate_hz());
+  time.set_warm_up_s(job.machine().laser().warm_up_s());
+  time.set_utilisation(static_cast<double>(point_count) / std::max(1.0, ticks));
+  time.set_planned_count(planned_count);
+  time.set_order(OrderNameOf(quick));
+  return time;
+}
+
+}  // namespace intaglio::client

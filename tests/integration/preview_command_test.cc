@@ -1,0 +1,117 @@
+// `intaglio preview` as a person types it: a job file, models, the job of a shop.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "proto/preview.pb.h"
+#include "proto/report.pb.h"
+#include "tests/integration/run_program.h"
+#include "tests/test_folder.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using testing::Ended;
+using ::testing::HasSubstr;
+using testing::Program;
+using testing::Running;
+using testing::TextIn;
+using Tokens = std::vector<std::string>;
+
+const std::string kSample =
+    (fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/sample.textproto").string();
+const std::string kKnot =
+    (fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs/sample.obj").string();
+
+class PreviewCommand : public ::testing::Test {
+ protected:
+  Ended Type(Tokens words) {
+    words.insert(words.end(), {"--materials", (folder_ / "materials.db").string()});
+    Running run(Program("intaglio"), words,
+                folder_ / (words.front() + std::to_string(++count_) + ".txt"));
+    return run.WaitForEnd(60s);
+  }
+  JobPreview Figures(const std::string& folder) const {
+    JobPreview figures;
+    EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(
+                    TextIn(folder_ / folder / "preview.json"), &figures)
+                    .ok());
+    return figures;
+  }
+
+  fs::path folder_ = test::FreshFolder();
+  int count_ = 0;
+};
+
+TEST_F(PreviewCommand, OfAJobFileShowsWhatRunMakes) {
+  const Ended preview = Type({"preview", kSample, "--out", (folder_ / "p").string()});
+  EXPECT_EQ(preview.exit_code, 0) << preview.output;
+  EXPECT_THAT(preview.output,
+              AllOf(HasSubstr("time  "), HasSubstr("verdict     READY"),
+                    HasSubstr("lamp warm-up"), HasSubstr("preview.html")));
+  EXPECT_THAT(TextIn(folder_ / "p/preview.html"), HasSubstr("data:image/png;base64,"));
+  const Ended run = Type({"run", kSample, "--lockstep", "--warm-up", "0", "--no-record",
+                          "--out", (folder_ / "out").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  JobReport report;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(
+                  TextIn(folder_ / "out/report.json"), &report)
+                  .ok());
+  EXPECT_EQ(Figures("p").point_count(), report.points().made());
+  EXPECT_EQ(Figures("p").time().ticks(), report.engrave().estimate_ticks())
+      << "small enough for the job's own order: the same plan";
+  // The same job by its number in the database of the job service.
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "out")) {
+    if (entry.path().filename() != "jobs.db") continue;
+    const Ended again = Type({"preview", "1", "--database", entry.path().string(),
+                              "--out", (folder_ / "again").string()});
+    EXPECT_EQ(again.exit_code, 0) << again.output;
+    EXPECT_EQ(Figures("again").cloud_checksum(), Figures("p").cloud_checksum());
+    return;
+  }
+  FAIL() << "the run has left no database";
+}
+
+TEST_F(PreviewCommand, OfModelsTakesTheOptionsOfAJob) {
+  const Ended ended = Type({"preview", kKnot, kKnot, "--height", "20", "--block", "50",
+                            "50", "30", "--spacing", "0.4", "--up", "-y", "--json",
+                            "--out", (folder_ / "p").string()});
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("\"UP_AXIS_MINUS_Y\""));
+  const JobPreview figures = Figures("p");
+  EXPECT_EQ(figures.models_size(), 2);
+  // Of its points, which end up to a spacing below and above.
+  EXPECT_NEAR(figures.size_mm().z(), 20, 2 * 0.4);
+}
+
+TEST_F(PreviewCommand, AsksForTheUnitBeforeAnythingIsMade) {
+  const Ended ended = Type({"preview", kKnot, "--unit", "10000", "--block", "50", "50",
+                            "50", "--out", (folder_ / "p").string()});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.output, AllOf(HasSubstr("larger than the block of 50 x 50 x 50 mm"),
+                                  HasSubstr("--unit"), HasSubstr("--size")));
+  EXPECT_FALSE(fs::exists(folder_ / "p"));
+}
+
+TEST_F(PreviewCommand, RunRefusesThisSizeBeforeItsProcessesStart) {
+  const Ended ended = Type({"run", "--mesh", kKnot, "--unit", "10000", "--block", "50",
+                            "50", "50", "--lockstep", "--out", (folder_ / "o").string()});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.output, HasSubstr("larger than the block of 50 x 50 x 50 mm"));
+  EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+TEST_F(PreviewCommand, AJobFileAndAModelAreNotMixed) {
+  const Ended ended = Type({"preview", kSample, kKnot});
+  EXPECT_EQ(ended.exit_code, 2);
+  EXPECT_THAT(ended.output, HasSubstr("one job file, or models"));
+}
+
+}  // namespace
+}  // namespace intaglio
