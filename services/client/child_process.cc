@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,6 +57,9 @@ Result<ChildProcess> ChildProcess::Start(const Command& command) {
                 fmt::format("cannot start {}: {}", command.program.string(),
                             std::strerror(error)));
   }
+  // It has ended already if this fails.
+  if (command.nice > 0)
+    (void)setpriority(PRIO_PROCESS, static_cast<id_t>(pid), command.nice);
   return ChildProcess(command, pid);
 }
 

@@ -21,6 +21,7 @@ class ChildProcess {
     std::filesystem::path program;
     std::vector<std::string> arguments;
     std::filesystem::path output_file;  ///< its stdout and stderr
+    int nice = 0;                       ///< 0..19: how far all other processes go first
   };
 
   /// kNotFound when there is no such program; kIo when it cannot be started.

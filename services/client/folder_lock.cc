@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -14,6 +15,16 @@
 namespace intaglio::client {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+bool IsFile(int fd, const fs::path& file) {
+  struct stat opened = {}, named = {};
+  return fstat(fd, &opened) == 0 && stat(file.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+}  // namespace
 
 Result<FolderLock> FolderLock::Take(const fs::path& folder) {
   std::error_code error;
@@ -27,6 +38,11 @@ Result<FolderLock> FolderLock::Take(const fs::path& folder) {
             "cannot write to the folder {}: {}; choose another folder with --folder",
             folder.string(), std::strerror(errno)),
         folder.string());
+  }
+  // A process that was refused has removed the file meanwhile: it locks nothing.
+  if (flock(fd, LOCK_EX | LOCK_NB) == 0 && !IsFile(fd, file)) {
+    close(fd);
+    return Take(folder);
   }
   if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
     std::string pid = "unknown";

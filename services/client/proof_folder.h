@@ -1,8 +1,9 @@
 #pragma once
 
 // The proof of a job: glass.ply (the cracks), path.ply (the plan), report.json, views.png
-// (of several channels, one each as well), and the verdict, from what the machine's glass
-// holds.
+// (of several channels, one each as well), and the verdict. `run` makes it of everything
+// that its machine's glass holds; in a shop a job's folder is completed when the job has
+// ended.
 
 #include <filesystem>
 #include <optional>
@@ -11,31 +12,60 @@
 
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "proto/report.pb.h"
 #include "proto/task.pb.h"
+#include "services/client/proof/proof_evidence.h"
 
 namespace intaglio::client {
 
+inline constexpr const char* kReportFile = "report.json";
+inline constexpr const char* kViewsFile = "views.png";
+inline constexpr const char* kCustomerFile = "customer.png";
+/// What is known of a shop's job besides: JobStages of report.proto.
+inline constexpr const char* kStagesFile = "stages.json";
+
 struct ProofInputs {
-  std::filesystem::path folder;        ///< where the four files go
+  std::filesystem::path folder;        ///< where the files go
   std::filesystem::path job_folder;    ///< the cell's: job.json, path.ply, journal.bin
   std::filesystem::path glass_record;  ///< the machine's own
   std::optional<StageOutcome> discretize, sort, engrave;
-  std::vector<std::string> warnings;
+  Warnings warnings;                 ///< all that are known of the job
+  std::string breakage_accepted_by;  ///< empty: nobody
   std::string started_utc, ended_utc;
   double wall_time_s = 0;
+  std::uint32_t job_number = 0;
 };
 
-/// Writes the four files and returns the report. Errors are those of reading what the
-/// run left behind and of the disk.
+/// Writes the files and returns the report. Errors are those of reading what the run left
+/// behind and of the disk.
 Result<JobReport> MakeProof(const ProofInputs& inputs);
 
-/// Compares glass.ply, path.ply and the journal of a finished folder again.
-Result<JobReport> VerifyFolder(const std::filesystem::path& folder);
+struct ProvedFolder {
+  Evidence evidence;
+  JobReport report;
+  std::optional<Error> not_written;  ///< Why a file of the proof is missing.
+};
 
-/// CRC-32 of the coordinates in their order, hexadecimal: equal for equal points in the
-/// same order, bit for bit. The report's checksums "path" and "glass".
-std::string PointChecksum(const PointList& points_mm);
+/// Reads a folder of `run` or of a shop's job again. What its report.json, or its
+/// stages.json and statistics.json have of stages, times and warnings is kept. Writes
+/// nothing.
+Result<ProvedFolder> VerifyFolder(const std::filesystem::path& folder);
+
+struct FolderToComplete {
+  std::filesystem::path folder;
+  /// With the records of the virtual engraver; empty: the shop's, the second above.
+  std::filesystem::path glass_folder;
+  bool renew = false;  ///< also what is there already
+};
+
+/// The same, and writes glass.ply, if the glass is known, views and report. A job that
+/// has not ended is read alone.
+Result<ProvedFolder> CompleteFolder(const FolderToComplete& which);
+
+/// The folders of jobs in a shop's folder `jobs`, by name: those of which something was
+/// engraved. Empty when `folder` is the folder of one job itself, or has none.
+std::vector<std::filesystem::path> JobFoldersIn(const std::filesystem::path& folder);
 
 /// The report as report.json has it; kInvalidValue for text that is not UTF-8.
 Result<std::string> JsonOf(const JobReport& report);

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "engrave/core/try.h"
+#include "services/client/proof/glass_search.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/other_programs.h"
 #include "services/virtual_engraver/truth/truth_file.h"
@@ -18,6 +19,8 @@ namespace fs = std::filesystem;
 
 constexpr auto kReadyTimeout = 30s;
 constexpr auto kLinesTimeout = 10s;
+// The job service tries its disk again every second.
+constexpr auto kFaultTime = 2500ms;
 
 std::string Triple(const Vec3& v) { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
 
@@ -91,7 +94,9 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   }
   // The recorder first: samples sent before it listens are not recorded.
   const std::vector<std::pair<std::string, std::vector<std::string>>> services = {
-      {"recorder", {"--out", options.recording.string()}},
+      {"recorder",
+       {"--out", options.recording.string(), "--bulk",
+        options.recording_bulk.empty() ? "all" : options.recording_bulk}},
       {"job-service", of_the_queue},
       {"discretizer", {}},
       {"sorter", {}},
@@ -108,7 +113,9 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
                                  const VirtualMachine& machine) {
   const fs::path laser = options.folder / "laser", motion = options.folder / "motion";
   panel_ = options.folder / "panel";
-  glass_record_ = options.folder / "glass.rec";
+  glass_record_ = options.folder / kGlassRecord;
+  // A job that is open may have cracks in the block of the engraver before.
+  INTAGLIO_TRY(KeepGlassRecord(glass_record_));
   const fs::path truth = options.folder / "truth.textproto";
   INTAGLIO_TRY(WriteTruthFile(truth, machine.truth));
   ChildProcess::Command command{"virtual-engraver",
@@ -123,7 +130,10 @@ Status ServiceSet::StartEngraver(const ServiceSetOptions& options,
     command.arguments.insert(command.arguments.end(), {"--fault", fault});
   }
   if (options.die_with_parent) command.arguments.push_back(DieWithUs());
-  auto started = INTAGLIO_TRY(ChildProcess::Start(command));
+  auto process = ChildProcess::Start(command);
+  if (!process && process.error().code == ErrorCode::kNotFound)
+    process.error().message += " (Debian package intaglio-virtual-engraver)";
+  auto started = INTAGLIO_TRY(std::move(process));
   engraver_.push_back(std::make_unique<ChildProcess>(std::move(started)));
   machine_.mutable_laser_line()->set_protocol("virtual-laser");
   machine_.mutable_laser_line()->set_device(laser.string());
@@ -186,9 +196,20 @@ Result<std::vector<std::string>> ServiceSet::Revive() {
 Status ServiceSet::AwaitReady(JobClient& client) {
   std::string missing;
   Status alive;
+  std::optional<std::chrono::steady_clock::time_point> faulty_since;
   const auto ready = [&] {
     if (const auto revived = Revive(); !revived) {
       alive = tl::unexpected(revived.error());
+      return true;
+    }
+    // It waits for room on its disk, or for its folder, and does not end.
+    if (auto fault = client.JobServiceFault();
+        !fault || without_.contains("job-service")) {
+      faulty_since.reset();
+    } else if (!faulty_since) {
+      faulty_since = std::chrono::steady_clock::now();
+    } else if (std::chrono::steady_clock::now() - *faulty_since > kFaultTime) {
+      alive = tl::unexpected(std::move(*fault));
       return true;
     }
     missing.clear();
@@ -202,7 +223,12 @@ Status ServiceSet::AwaitReady(JobClient& client) {
                    (service.state == intaglio_HEALTH_READY ||
                     service.state == intaglio_HEALTH_BUSY);
           });
-      if (!there) missing += (missing.empty() ? "" : ", ") + std::string(expected.name);
+      if (there) continue;
+      missing += (missing.empty() ? "" : ", ") + std::string(expected.name);
+      for (const ServiceView& service : services) {
+        if (service.role == expected.role && !service.message.empty())
+          missing += " (" + service.message + ")";
+      }
     }
     return missing.empty();
   };

@@ -36,6 +36,7 @@ struct ServiceSetOptions {
   bus::BusOptions bus;
   std::set<std::string> without;    ///< services that run elsewhere, e.g. "discretizer"
   std::filesystem::path recording;  ///< file of a recorder; empty: none
+  std::string recording_bulk;       ///< all (""), thin or none, as its --bulk
   bool die_with_parent = true;
 };
 

@@ -101,7 +101,7 @@ class ProofFolderTest : public ::testing::Test {
     WriteFolder();
     const auto report = VerifyFolder(folder_);
     EXPECT_TRUE(report) << report.error().message;
-    return report ? *report : JobReport();
+    return report ? report->report : JobReport();
   }
   /// The one reason why the verdict is not good.
   std::string Reason() const {
@@ -217,9 +217,13 @@ TEST_F(ProofFolderTest, WhatIsNotThereOrNotWhatItShouldBeIsNamed) {
   for (const char* file : {"job.json", "path.ply", "glass.ply", "journal.bin"}) {
     WriteFolder();
     fs::remove(folder_ / file);
+    // Of a real machine there is no glass.
+    const bool needed = std::string(file) != "glass.ply";
     const auto gone = VerifyFolder(folder_);
-    ASSERT_FALSE(gone) << file;
-    EXPECT_THAT(gone.error().message, HasSubstr((folder_ / file).string()));
+    ASSERT_EQ(gone.has_value(), !needed) << file;
+    if (needed) {
+      EXPECT_THAT(gone.error().message, HasSubstr((folder_ / file).string()));
+    }
     std::ofstream(folder_ / file) << "nonsense";
     const auto nonsense = VerifyFolder(folder_);
     ASSERT_FALSE(nonsense) << file;
@@ -321,16 +325,18 @@ TEST_F(ProofFolderTest, IsMadeFromTheCellsFilesAndReadsBackTheSame) {
   inputs.folder = folder_;
   inputs.job_folder = cell;
   inputs.glass_record = cell / "glass.rec";
-  inputs.warnings = {"a note"};
+  inputs.warnings = {MakeWarning(WarningCode::kChosen, "a note")};
   const auto made = MakeProof(inputs);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_TRUE(made->verdict().good()) << made->verdict().ShortDebugString();
-  EXPECT_THAT(made->warnings(), ElementsAre("a note"));
+  ASSERT_EQ(made->warnings_size(), 1);
+  EXPECT_EQ(made->warnings(0).text(), "a note");
   EXPECT_GT(fs::file_size(folder_ / "views.png"), 1000u);
   const auto verified = VerifyFolder(folder_);
   ASSERT_TRUE(verified);
-  EXPECT_EQ(verified->verdict().ShortDebugString(), made->verdict().ShortDebugString());
-  EXPECT_EQ(verified->checksums().at("glass"), made->checksums().at("glass"));
+  EXPECT_EQ(verified->report.verdict().ShortDebugString(),
+            made->verdict().ShortDebugString());
+  EXPECT_EQ(verified->report.checksums().at("glass"), made->checksums().at("glass"));
 
   std::ifstream in(folder_ / "report.json");
   const std::string json((std::istreambuf_iterator<char>(in)), {});
@@ -338,6 +344,140 @@ TEST_F(ProofFolderTest, IsMadeFromTheCellsFilesAndReadsBackTheSame) {
   ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(json, &read).ok());
   EXPECT_EQ(read.SerializeAsString().size(), made->SerializeAsString().size());
   EXPECT_THAT(json, HasSubstr("\"doubled\": \"0\"")) << "zeros are written out";
+
+  // A warning of weight is a verdict of its own, and verify keeps to it.
+  inputs.warnings.push_back(MakeWarning(WarningCode::kOddRays, "3 of 9 rays"));
+  inputs.breakage_accepted_by = "ann@shop";
+  const auto warned = MakeProof(inputs);
+  ASSERT_TRUE(warned);
+  EXPECT_FALSE(warned->verdict().good());
+  EXPECT_EQ(warned->verdict().kind(), "good_with_warnings");
+  EXPECT_THAT(warned->verdict().reasons(), ElementsAre("3 of 9 rays"));
+  const auto again = VerifyFolder(folder_);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->report.verdict().ShortDebugString(),
+            warned->verdict().ShortDebugString());
+  EXPECT_EQ(again->report.breakage_accepted_by(), "ann@shop");
+}
+
+TEST_F(ProofFolderTest, WithoutTheGlassThePointsCountByTheController) {
+  outcomes_[2] = PointOutcome::kMissed;
+  WriteFolder();
+  fs::remove(folder_ / "glass.ply");
+  const auto proved = VerifyFolder(folder_);
+  ASSERT_TRUE(proved) << proved.error().message;
+  const JobReport& report = proved->report;
+  EXPECT_EQ(report.evidence(), "controller");
+  EXPECT_EQ(report.points().planned(), 4u);
+  EXPECT_EQ(report.points().made(), 3u);
+  EXPECT_EQ(report.points().missed(), 1u);
+  EXPECT_EQ(report.ticks(), 7u) << "from tick 1000 to 1006";
+  EXPECT_EQ(report.position_errors().max_um(), 0);
+  EXPECT_FALSE(report.checksums().contains("glass"));
+  EXPECT_FALSE(report.verdict().good());
+  EXPECT_EQ(Verified().evidence(), "glass");
+}
+
+TEST_F(ProofFolderTest, UnknownPointsOfARealMachineAreNotGood) {
+  outcomes_[1] = PointOutcome::kUncertain;
+  outcomes_[3] = PointOutcome::kNone;  // an intent without an outcome
+  WriteFolder();
+  fs::remove(folder_ / "glass.ply");
+  const auto proved = VerifyFolder(folder_);
+  ASSERT_TRUE(proved);
+  EXPECT_EQ(proved->report.points().made(), 2u);
+  EXPECT_EQ(proved->report.points().unaccounted(), 2u);
+  EXPECT_THAT(proved->report.verdict().reasons(),
+              ElementsAre(HasSubstr("unknown whether 2 points were fired")));
+}
+
+TEST_F(ProofFolderTest, AFolderIsCompletedWithWhatIsMissing) {
+  WriteFolder();
+  ASSERT_TRUE(CompleteFolder({folder_, {}, false}));
+  EXPECT_TRUE(fs::exists(folder_ / "views.png"));
+  const auto read = [&] {
+    std::ifstream in(folder_ / "report.json");
+    return std::string((std::istreambuf_iterator<char>(in)), {});
+  };
+  EXPECT_THAT(read(), HasSubstr("\"evidence\": \"glass\""));
+  // What is there stays, unless it is to be renewed.
+  const auto size = fs::file_size(folder_ / "views.png");
+  std::ofstream(folder_ / "views.png") << "mine";
+  ASSERT_TRUE(CompleteFolder({folder_, {}, false}));
+  EXPECT_EQ(fs::file_size(folder_ / "views.png"), 4u);
+  ASSERT_TRUE(CompleteFolder({folder_, {}, true}));
+  EXPECT_EQ(fs::file_size(folder_ / "views.png"), size);
+}
+
+TEST_F(ProofFolderTest, StagesAndStatisticsOfAShopAreInTheReport) {
+  WriteFolder();
+  std::ofstream(folder_ / "stages.json")
+      << R"({"job_number": 7, "engrave": {"engrave": {"made_count": 4,
+             "estimate_ticks": 900, "plan_checksum": "ab"}},
+             "warnings": [{"code": "odd_rays", "weight": "warning", "text": "rays"}]})";
+  std::ofstream(folder_ / "statistics.json")
+      << R"({"job": 7, "state": "done", "ended_utc": "2026-11-23T08:12:34.000Z",
+             "a_newer_field": 1})";
+  const auto proved = CompleteFolder({folder_, {}, false});
+  ASSERT_TRUE(proved);
+  EXPECT_EQ(proved->report.job_number(), 7u);
+  EXPECT_EQ(proved->report.engrave().made_count(), 4u);
+  EXPECT_EQ(proved->report.estimated_time_s(), 9);
+  EXPECT_EQ(proved->report.ended_utc(), "2026-11-23T08:12:34.000Z");
+  EXPECT_EQ(proved->report.verdict().kind(), "good_with_warnings");
+  // From now on the report has it.
+  fs::remove(folder_ / "stages.json");
+  fs::remove(folder_ / "statistics.json");
+  const auto again = CompleteFolder({folder_, {}, true});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->report.SerializeAsString().size(),
+            proved->report.SerializeAsString().size());
+}
+
+TEST_F(ProofFolderTest, TheFoldersOfAShopsJobsAreFound) {
+  const fs::path jobs = folder_ / "jobs";
+  for (const char* job : {"2-b", "1-a", "3-never-engraved"}) {
+    fs::create_directories(jobs / job);
+    std::ofstream(jobs / job / "statistics.json") << "{}";
+  }
+  std::ofstream(jobs / "1-a" / "journal.bin") << "x";
+  std::ofstream(jobs / "2-b" / "journal.bin") << "x";
+  EXPECT_THAT(JobFoldersIn(jobs), ElementsAre(jobs / "1-a", jobs / "2-b"));
+  WriteFolder();
+  EXPECT_TRUE(JobFoldersIn(folder_).empty()) << "it is a job's own folder";
+  EXPECT_TRUE(JobFoldersIn(folder_ / "none").empty());
+}
+
+TEST_F(ProofFolderTest, AJobThatIsBeingEngravedGetsNoReport) {
+  WriteFolder();
+  std::ofstream(folder_ / "statistics.json") << R"({"job": 7, "state": "engraving"})";
+  ASSERT_TRUE(CompleteFolder({folder_, {}, true}));
+  EXPECT_FALSE(fs::exists(folder_ / "report.json"));
+  EXPECT_FALSE(fs::exists(folder_ / "views.png"));
+}
+
+TEST_F(ProofFolderTest, WhatCannotBeWrittenIsNamedAndTheVerdictIsThere) {
+  WriteFolder();
+  fs::create_directory(folder_ / "views.png");  // in the way, for root as well
+  std::ofstream(folder_ / "views.png" / "x") << "x";
+  const auto proved = CompleteFolder({folder_, {}, true});
+  ASSERT_TRUE(proved);
+  EXPECT_TRUE(proved->report.verdict().good());
+  ASSERT_TRUE(proved->not_written);
+  EXPECT_THAT(proved->not_written->message, HasSubstr("views.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "report.json")) << "it is not complete";
+}
+
+// Of a report from before warnings had a weight.
+TEST_F(ProofFolderTest, SentencesOfAnOlderReportAreNotes) {
+  std::ofstream(folder_ / "report.json") << R"({"warnings": ["the model is open"]})";
+  const JobReport report = Verified();
+  ASSERT_EQ(report.warnings_size(), 1);
+  EXPECT_EQ(report.warnings(0).weight(), "note");
+  EXPECT_EQ(report.warnings(0).text(), "the model is open");
+  EXPECT_TRUE(report.verdict().good());
+  std::ofstream(folder_ / "report.json") << "{";
+  EXPECT_EQ(Verified().warnings_size(), 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "services/client/proof_evidence.h"
+#include "services/client/proof/proof_evidence.h"
 
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
@@ -6,6 +6,7 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/whole_file.h"
+#include "services/client/proof/glass_search.h"
 #include "services/job/channels.h"
 
 namespace intaglio::client {
@@ -39,6 +40,24 @@ Result<const std::vector<Value>*> ColumnOf(const formats::PointTable& table,
   return column;
 }
 
+Result<std::vector<proof::Crack>> ReadCracks(const fs::path& file) {
+  const auto glass = INTAGLIO_TRY(formats::ReadPly(file));
+  const auto tick = INTAGLIO_TRY(ColumnOf<double>(glass, "tick", file));
+  const auto channel = INTAGLIO_TRY(ColumnOf<std::uint8_t>(glass, "channel", file));
+  std::vector<proof::Crack> cracks;
+  for (std::size_t i = 0; i < glass.points_mm.size(); ++i) {
+    const std::uint8_t number = (*channel)[i];
+    if (number >= kMaxChannels) {
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("{}: crack {} is in channel {}, of 0..{}", file.string(), i,
+                              number, kMaxChannels - 1));
+    }
+    cracks.push_back({glass.points_mm[i], static_cast<std::uint64_t>((*tick)[i]),
+                      MaskOfChannel(number + 1u)});
+  }
+  return cracks;
+}
+
 }  // namespace
 
 Result<Evidence> ReadEvidence(const fs::path& folder) {
@@ -51,24 +70,17 @@ Result<Evidence> ReadEvidence(const fs::path& folder) {
   auto masks = INTAGLIO_TRY(ChannelsOfPoints(evidence.job.job(), *source));
   evidence.masks = std::move(masks);
   evidence.plan_mm = std::move(plan.points_mm);
-  const auto glass = INTAGLIO_TRY(formats::ReadPly(folder / "glass.ply"));
-  const auto tick = INTAGLIO_TRY(ColumnOf<double>(glass, "tick", folder / "glass.ply"));
-  const auto channel =
-      INTAGLIO_TRY(ColumnOf<std::uint8_t>(glass, "channel", folder / "glass.ply"));
-  for (std::size_t i = 0; i < glass.points_mm.size(); ++i) {
-    const std::uint8_t number = (*channel)[i];
-    if (number >= kMaxChannels) {
-      return Fail(
-          ErrorCode::kInvalidValue,
-          fmt::format("{}: crack {} is in channel {}, of 0..{}",
-                      (folder / "glass.ply").string(), i, number, kMaxChannels - 1));
-    }
-    evidence.cracks.push_back({glass.points_mm[i], static_cast<std::uint64_t>((*tick)[i]),
-                               MaskOfChannel(number + 1u)});
+  if (fs::exists(folder / "glass.ply")) {
+    auto cracks = INTAGLIO_TRY(ReadCracks(folder / "glass.ply"));
+    evidence.cracks = std::move(cracks);
+    evidence.has_glass = true;
   }
   const auto journal = INTAGLIO_TRY(formats::ReadJournal(folder / "journal.bin"));
   evidence.history = formats::HistoryOf(journal);
   evidence.history.resize(evidence.plan_mm.size());
+  for (const TickSpan& span : TickSpansOf(journal)) {
+    evidence.power_ups.push_back(span.power_up);
+  }
   return evidence;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// The content of a finished job's folder: job.json, the plan, the cracks and the journal.
+// The content of a finished job's folder: job.json, the plan, the journal, and the cracks
+// where the glass is known.
 
 #include <filesystem>
 #include <vector>
@@ -18,8 +19,10 @@ struct Evidence {
   FrozenJob job;
   PointList plan_mm;
   std::vector<ChannelMask> masks;  ///< of the plan's points
+  bool has_glass = false;          ///< A real machine has no record of its glass.
   std::vector<proof::Crack> cracks;
   std::vector<formats::PointHistory> history;
+  std::vector<std::uint32_t> power_ups;  ///< of the journal, in their order
 };
 
 /// Errors name the file and what is wrong with it.

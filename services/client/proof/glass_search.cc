@@ -1,0 +1,113 @@
+#include "services/client/proof/glass_search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "engrave/core/try.h"
+
+namespace intaglio::client {
+namespace {
+
+namespace fs = std::filesystem;
+using formats::GlassCrack;
+
+bool IsKeptRecord(const fs::path& file) {
+  return file.extension() == ".rec" && file.stem().string().starts_with("glass-");
+}
+
+/// By power-up. Files without a readable header are nobody's.
+std::map<std::uint32_t, fs::path> RecordsIn(const fs::path& folder) {
+  std::map<std::uint32_t, fs::path> records;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const fs::path& file = entry.path();
+    if (file.filename() != kGlassRecord && !IsKeptRecord(file)) continue;
+    const auto header = formats::ReadGlassHeader(file);
+    if (header && header->power_up != 0) records[header->power_up] = file;
+  }
+  return records;
+}
+
+}  // namespace
+
+std::vector<TickSpan> TickSpansOf(const formats::Journal& journal) {
+  std::vector<TickSpan> spans;
+  TickSpan session;
+  bool tried = false;
+  const auto end_session = [&] {
+    const bool goes_on = !spans.empty() && spans.back().power_up == session.power_up;
+    // An armed tick may lie behind the beginning of the next session.
+    if (tried && goes_on) {
+      spans.back().last_tick = std::max(spans.back().last_tick, session.last_tick);
+    } else if (tried) {
+      spans.push_back(session);
+    }
+    tried = false;
+  };
+  for (const formats::JournalRecord& record : journal.records) {
+    if (record.kind == formats::JournalKind::kSession) {
+      end_session();
+      session = {record.point, record.tick, record.tick};
+    } else if (record.kind == formats::JournalKind::kIntent) {
+      tried = true;
+      session.last_tick = std::max(session.last_tick, record.tick);
+    }
+  }
+  end_session();
+  return spans;
+}
+
+Result<std::optional<std::vector<GlassCrack>>> FindCracks(const formats::Journal& journal,
+                                                          const fs::path& folder) {
+  const auto records = RecordsIn(folder);
+  std::map<std::uint32_t, formats::GlassRecord> read;
+  std::vector<GlassCrack> cracks;
+  std::uint64_t offset = 0, last_tick = 0;
+  std::uint32_t power_up = 0;
+  for (const TickSpan& span : TickSpansOf(journal)) {
+    const auto file = records.find(span.power_up);
+    if (file == records.end()) return std::optional<std::vector<GlassCrack>>();
+    if (!read.contains(span.power_up)) {
+      auto record = INTAGLIO_TRY(formats::ReadGlassRecord(file->second));
+      read.emplace(span.power_up, std::move(record));
+    }
+    // Unsigned: the offset may be negative, and the sum is not.
+    if (power_up != 0 && power_up != span.power_up)
+      offset = last_tick + 1 - span.first_tick;
+    power_up = span.power_up;
+    last_tick = span.last_tick + offset;
+    for (GlassCrack crack : read.at(span.power_up).cracks) {
+      if (crack.tick < span.first_tick || crack.tick > span.last_tick) continue;
+      crack.tick += offset;
+      cracks.push_back(crack);
+    }
+  }
+  return std::optional(std::move(cracks));
+}
+
+Status KeepGlassRecord(const fs::path& record) {
+  const auto header = formats::ReadGlassHeader(record);
+  // None, or one that belongs to no journal.
+  if (!header || header->power_up == 0) return {};
+  const fs::path kept =
+      record.parent_path() / fmt::format("glass-{:08x}.rec", header->power_up);
+  std::error_code error;
+  fs::rename(record, kept, error);
+  if (!error) return {};
+  return Fail(ErrorCode::kIo,
+              fmt::format("cannot rename {} to {}: {}", record.string(), kept.string(),
+                          error.message()),
+              record.string());
+}
+
+void RemoveGlassRecords(const fs::path& folder, const std::set<std::uint32_t>& needed) {
+  for (const auto& [power_up, file] : RecordsIn(folder)) {
+    std::error_code ignored;  // it stays, and is tried again at the next start
+    if (IsKeptRecord(file) && !needed.contains(power_up)) fs::remove(file, ignored);
+  }
+}
+
+}  // namespace intaglio::client

@@ -1,0 +1,47 @@
+#pragma once
+
+// The cracks of one job among all that virtual engravers have recorded. An engraver
+// records every crack of one power-up in one file, whatever the job; the journal of a job
+// has the power-ups and the ticks at which it was engraved.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "engrave/formats/glass_record.h"
+#include "engrave/formats/journal_file.h"
+
+namespace intaglio::client {
+
+/// In the folder of a shop: the record of the engraver that runs. Older ones, of which an
+/// open job may have cracks, are glass-POWERUP.rec.
+inline constexpr const char* kGlassRecord = "glass.rec";
+
+/// When a job had the laser: from the beginning of its first session of a power-up to the
+/// last tick at which a point could fire.
+struct TickSpan {
+  std::uint32_t power_up = 0;
+  std::uint64_t first_tick = 0, last_tick = 0;
+};
+
+/// One for each power-up, in the order of the journal; those without a tried point are
+/// left out.
+std::vector<TickSpan> TickSpansOf(const formats::Journal& journal);
+
+/// The job's cracks from the records in the folder, in the order of the spans. The ticks
+/// of a later power-up follow those of the one before. Nullopt when a power-up has no
+/// record there: it was a real machine's, or the record is lost. kUnreadable, kIo.
+Result<std::optional<std::vector<formats::GlassCrack>>> FindCracks(
+    const formats::Journal& journal, const std::filesystem::path& folder);
+
+/// Gives the record of an earlier engraver its own name, so that another one can begin.
+Status KeepGlassRecord(const std::filesystem::path& record);
+
+/// Removes the kept records of other power-ups.
+void RemoveGlassRecords(const std::filesystem::path& folder,
+                        const std::set<std::uint32_t>& needed);
+
+}  // namespace intaglio::client
