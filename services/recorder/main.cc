@@ -17,6 +17,7 @@ struct Options {
   std::string file;
   double split_mb = 0, split_min = 0, keep_mb = 0, keep_h = 0, queue_mb = 64;
   int compression = 1;
+  std::string bulk = recording::NameOf(recording::Bulk::kAll);
   bus::TopicFilter filter;
 };
 
@@ -43,6 +44,12 @@ void AddOptions(command_line::Command app, Options& options) {
          "remove files not written for this many hours; 0: keep all");
   amount("--queue-mb", options.queue_mb,
          "memory for messages that wait for the disk, MB; beyond it bulk is left out");
+  app.AddOption(
+         "--bulk", options.bulk,
+         "what grows with the points of a job (models, points, motion, positions): "
+         "all of it, thin (one message in ten, no models), or none")
+      .OneOf({"all", "thin", "none"})
+      .ShowDefault();
   app.AddOption("--compression", options.compression, "level of zstd; 0: none")
       .Within(0, 19)
       .ShowDefault();
@@ -52,6 +59,7 @@ recorder::RecorderOptions RecorderOptionsOf(const Options& options) {
   constexpr double kMb = 1e6, kMinuteNs = 60e9, kHourNs = 3600e9;
   recorder::RecorderOptions made;
   made.filter = options.filter;
+  made.bulk = *recording::BulkFromName(options.bulk);  // one of the choices
   made.queue.large_bytes = static_cast<std::uint64_t>(options.queue_mb * kMb);
   made.queue.total_bytes = 4 * made.queue.large_bytes;
   recorder::SeriesOptions& series = made.series;

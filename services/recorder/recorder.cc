@@ -12,6 +12,7 @@
 #include "engrave/core/try.h"
 #include "services/platform/bus/topic_tap.h"
 #include "services/platform/host/process/log.h"
+#include "services/recorder/bulk_rule.h"
 
 namespace intaglio::recorder {
 namespace {
@@ -61,10 +62,12 @@ struct Recorder::Impl {
   Impl(bus::Bus& bus, const RecorderOptions& options, RecordingSeries&& files)
       : series(std::move(files)),
         queue(options.queue),
+        bulk_rule(options.bulk),
         tap(
             bus,
-            [filter = options.filter](const bus::TapChannel& channel) {
-              return filter.Accepts(channel.topic, channel.partition, channel.type);
+            [filter = options.filter, rule = bulk_rule](const bus::TapChannel& channel) {
+              return rule.Takes(channel.topic) &&
+                     filter.Accepts(channel.topic, channel.partition, channel.type);
             },
             [this](const std::string& topic, const std::string& why) {
               host::LogWarning("{} is not recorded: {}", topic, why);
@@ -86,6 +89,7 @@ struct Recorder::Impl {
 
   RecordingSeries series;  // of the writer thread
   WriteQueue<Item> queue;
+  BulkRule bulk_rule;  // of the receiving thread
   bus::TopicTap tap;
   std::map<std::pair<std::uint32_t, bus::TapKind>, std::uint32_t> streams;  // of it, too
   std::mutex refused_mutex;
@@ -96,7 +100,9 @@ struct Recorder::Impl {
 };
 
 void Recorder::Impl::HandOver(bus::TapSample&& sample) {
-  const bool bulk = tap.channel(sample.channel()).domain == bus::DomainKind::kBulk;
+  const bus::TapChannel& from = tap.channel(sample.channel());
+  if (!bulk_rule.Keeps(from.topic, sample.channel())) return;
+  const bool bulk = from.domain == bus::DomainKind::kBulk;
   const std::uint64_t bytes = sample.bytes().size() + sizeof(Item);
   const std::pair key(sample.channel(), sample.kind());
   const std::uint64_t received_ns = Unsigned(sample.received_ns());
@@ -176,7 +182,9 @@ Recorder::~Recorder() {
 
 Result<std::unique_ptr<Recorder>> Recorder::Start(bus::Bus& bus,
                                                   const RecorderOptions& options) {
-  auto series = INTAGLIO_TRY(RecordingSeries::Open(options.series, WallNow()));
+  SeriesOptions about = options.series;
+  about.bulk = BulkRule(options.bulk).request();
+  auto series = INTAGLIO_TRY(RecordingSeries::Open(about, WallNow()));
   auto impl = std::make_unique<Impl>(bus, options, std::move(series));
   Impl* const shared = impl.get();
   shared->Publish();

@@ -14,6 +14,7 @@
 #include "engrave/core/result.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/bus/topic_filter.h"
+#include "services/platform/recording/bulk.h"
 #include "services/recorder/recording_series.h"
 #include "services/recorder/write_queue.h"
 
@@ -22,6 +23,7 @@ namespace intaglio::recorder {
 struct RecorderOptions {
   SeriesOptions series;
   bus::TopicFilter filter;
+  recording::Bulk bulk = recording::Bulk::kAll;  ///< of what the filter accepts
   QueueLimits queue;
 };
 

@@ -88,11 +88,12 @@ Status RecordingSeries::OpenNext(std::uint64_t now_ns) {
   stream_of_channel_.clear();
   types_written_.clear();
   attachments_written_ = unrecorded_written_ = 0;
-  Note(writer_->Write(Metadata{recording::kRecordingRecord,
-                               {{"version", options_.version},
-                                {"host", options_.host},
-                                {"started_utc", UtcText(now_ns)},
-                                {"file_number", std::to_string(file_number_)}}}));
+  Metadata about{recording::kRecordingRecord, recording::EntriesOf(options_.bulk)};
+  about.entries.merge(recording::TextMap{{"version", options_.version},
+                                         {"host", options_.host},
+                                         {"started_utc", UtcText(now_ns)},
+                                         {"file_number", std::to_string(file_number_)}});
+  Note(writer_->Write(about));
   ReportForgotten();
   WritePending();
   return {};

@@ -31,6 +31,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "services/platform/recording/bulk.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/mcap_writer.h"
 #include "services/platform/recording/retained_state.h"
@@ -52,6 +53,7 @@ struct SeriesOptions {
   std::uint64_t attachments_bytes = 32u << 20;
   std::string version;  ///< software version
   std::string host;
+  recording::BulkRequest bulk;  ///< what the caller does not give; for the metadata
   recording::WriterOptions writer;
 };
 

@@ -14,10 +14,10 @@ namespace {
 constexpr std::array<std::string_view, 8> kCommands = {
     "JobSubmission", "JobCommand",         "DiscretizeTask", "SortTask",
     "EngraveTask",   "MotionSegmentBatch", "Permission",     "EmergencyStop"};
-constexpr std::array<std::string_view, 12> kBelieved = {
-    "JobStatus",   "JobCommandAnswer", "TaskStatus", "ServiceHealth",
-    "Credit",      "ModelChunk",       "PointBatch", "PathBatch",
-    "MotionState", "PositionReport",   "LampSync",   "Interlock"};
+constexpr std::array<std::string_view, 13> kBelieved = {
+    "JobStatus",  "JobCommandAnswer", "TaskStatus", "ServiceHealth", "Credit",
+    "ModelChunk", "PointBatch",       "PathBatch",  "MotionState",   "PositionReport",
+    "LampSync",   "Interlock",        "DiskSpace"};
 
 bool Contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();

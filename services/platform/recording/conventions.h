@@ -27,7 +27,10 @@
 // is recognized; their logTime is the file's beginning, before all else in it.
 //
 // Metadata records:
-//   recording   version, host, started_utc, file_number: once a file, at its beginning
+//   recording   version, host, started_utc, file_number: once a file, at its beginning;
+//   and, when the recorder was asked to leave bulk out: bulk ("thin" or "none"),
+//   bulk_left_out and bulk_thinned (topics, separated by commas), bulk_one_of (of the
+//   thinned topics the first of so many messages of a channel is there)
 //   type        recipe of a type (services/platform/bus/type_recipe.h), before its first
 //   message missing     topic, domain, partition, sample, count, from_ns, to_ns (log
 //   time) and

@@ -13,8 +13,8 @@ namespace {
 // A synchronizer gathers pulses for this time before it reports their results.
 constexpr std::uint64_t kGatheredNs = 25'000'000;
 
-constexpr const char* kColumns[] = {"x_mm",    "y_mm",    "z_mm",
-                                    "vx_mm_s", "vy_mm_s", "vz_mm_s"};
+constexpr const char* kSampleColumns[] = {"x_mm",    "y_mm",    "z_mm",
+                                          "vx_mm_s", "vy_mm_s", "vz_mm_s"};
 
 const char* NameOf(intaglio_TaskState state) {
   switch (state) {
@@ -65,7 +65,7 @@ std::optional<SegmentMessages> ReadSegments(const recording::Value& value) {
   members.Get("start_tick", messages.start_tick);
   members.Get("abort", messages.abort);
   members.Get("last", messages.last);
-  for (int i = 0; i < 6; ++i) members.Get(kColumns[i], messages.columns[i]);
+  for (int i = 0; i < 6; ++i) members.Get(kSampleColumns[i], messages.columns[i]);
   members.Get("duration_subticks", messages.duration_subticks);
   members.Get("pulse", messages.pulse);
   const std::size_t size = messages.duration_subticks.size();
