@@ -9,4 +9,10 @@ int Complain(const Error& error, int exit_code) {
   return exit_code;
 }
 
+void PrintTextWarnings(const Warnings& warnings) {
+  for (const Warning& warning : warnings) {
+    std::cerr << WarningWeightName(warning.weight) << ": " << warning.text << "\n";
+  }
+}
+
 }  // namespace intaglio::cli

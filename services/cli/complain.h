@@ -1,11 +1,15 @@
 #pragma once
 
 #include "engrave/core/result.h"
+#include "engrave/core/warning.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {
 
 /// Prints the error on the standard error stream; returns the exit code of the command.
 int Complain(const Error& error, int exit_code = client::kExitWrongInput);
+
+/// Warnings of texts before the work begins, on the standard error stream.
+void PrintTextWarnings(const Warnings& warnings);
 
 }  // namespace intaglio::cli

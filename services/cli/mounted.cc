@@ -43,7 +43,11 @@ Status MountLens(const std::string& name, const MachineSpec& machine, Mounted& m
 Status MountGlass(const std::string& name, const MachineSpec& machine,
                   const fs::path& materials_db, Mounted& mounted) {
   const auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(materials_db));
-  const auto material = INTAGLIO_TRY(store.Find(name));
+  const auto found = store.Find(name);
+  if (!found) {
+    return Fail(found.error().code, "--block-glass: " + found.error().message, name);
+  }
+  const materials_db::Material& material = *found;
   const auto values = INTAGLIO_TRY(materials_db::ComputeOptics(
       material, machine.laser().wavelength_nm(), machine.lenses(0).numerical_aperture()));
   mounted.glass = material.name;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "proto/job.pb.h"
+#include "services/job/field_suggestion.h"
 
 namespace intaglio {
 namespace {
@@ -188,7 +189,7 @@ std::string Expected(const Field& field) {
       return fmt::format("true, or one of its fields by its path: {}",
                          FieldNames(*field.message_type()));
     default:
-      return "a text";
+      return field.is_repeated() ? "texts with commas between them" : "a text";
   }
 }
 
@@ -226,7 +227,25 @@ bool PutGroups(pb::Message& message, const Field& field, std::string_view text) 
   return true;
 }
 
+/// Texts have blanks in them: "Noto Sans, DejaVu Sans".
+bool PutTexts(pb::Message& message, const Field& field, std::string_view text) {
+  message.GetReflection()->ClearField(&message, &field);
+  for (std::size_t at = 0; at <= text.size();) {
+    const auto end = std::min(text.find(',', at), text.size());
+    std::string_view one = text.substr(at, end - at);
+    while (one.starts_with(' ')) one.remove_prefix(1);
+    while (one.ends_with(' ')) one.remove_suffix(1);
+    if (one.empty()) return false;
+    message.GetReflection()->AddString(&message, &field, std::string(one));
+    at = end + 1;
+  }
+  return true;
+}
+
 bool PutAny(pb::Message& message, const Field& field, std::string_view text) {
+  if (field.is_repeated() && field.cpp_type() == Field::CPPTYPE_STRING) {
+    return PutTexts(message, field, text);
+  }
   if (field.cpp_type() != Field::CPPTYPE_MESSAGE) {
     return field.is_repeated() ? PutList(message, field, text)
                                : Put(message, field, text);
@@ -239,8 +258,10 @@ bool PutAny(pb::Message& message, const Field& field, std::string_view text) {
 
 tl::unexpected<Error> NoSuchField(std::string_view path, const pb::Descriptor& type,
                                   std::string_view name) {
+  const auto meant = NearestField(type, name);
   return Fail(ErrorCode::kNotFound,
-              fmt::format("{}: {} has no field '{}'; it has: {}", path, type.name(), name,
+              fmt::format("{}: {} has no field '{}'{}; it has: {}", path, type.name(),
+                          name, meant ? fmt::format(", did you mean {}?", *meant) : "",
                           FieldNames(type)),
               std::string(name));
 }

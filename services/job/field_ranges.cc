@@ -35,6 +35,8 @@ constexpr std::array kRanges = {
     FieldRange{"Copies", "step_mm", 0, 1000},
     FieldRange{"Text", "height_mm", 0.1, 500},
     FieldRange{"Text", "line_ratio", 0.5, 5},
+    FieldRange{"Text", "max_height_mm", 0.1, 1000},
+    FieldRange{"Text", "max_width_mm", 0.1, 1000},
     FieldRange{"TonePoint", "from", 0, 1},
     FieldRange{"TonePoint", "to", 0, 1},
     FieldRange{"Discretization", "min_spacing_mm", 0.02, 10},

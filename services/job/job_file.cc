@@ -7,9 +7,10 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "engrave/core/try.h"
-#include "engrave/drawing/font_outline.h"
+#include "engrave/drawing/font_list.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
+#include "services/job/field_suggestion.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/json_position.h"
@@ -45,7 +46,9 @@ Status ParseText(std::string_view text, const std::string& name, pb::Message& me
   parser.SetRecursionLimit(kMaxDepth);
   pb::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
   if (parser.Parse(&stream, &message)) return {};
-  return Fail(ErrorCode::kUnreadable, fmt::format("{}:{}", name, first.text()));
+  return Fail(ErrorCode::kUnreadable,
+              fmt::format("{}:{}{}", name, first.text(),
+                          SuggestionFor(*message.GetDescriptor(), first.text())));
 }
 
 Status ParseJson(std::string_view text, const std::string& name, pb::Message& message) {
@@ -53,7 +56,8 @@ Status ParseJson(std::string_view text, const std::string& name, pb::Message& me
   if (status.ok()) return {};
   const std::string what(status.message());
   return Fail(ErrorCode::kUnreadable,
-              fmt::format("{}:{}", name, LocateJsonError(text, what)));
+              fmt::format("{}:{}{}", name, LocateJsonError(text, what),
+                          SuggestionFor(*message.GetDescriptor(), what)));
 }
 
 Status Parse(std::string_view text, JobFileFormat format, const std::string& name,
@@ -87,16 +91,22 @@ void MakeAbsolute(std::string& file, const fs::path& folder) {
   if (!file.empty()) file = (folder / file).lexically_normal().string();
 }
 
-/// Families become the files that this machine has for them; a family that is not found
-/// stays, and the check reports it.
-void NameFontFiles(JobSpec& job) {
-  for (Model& model : *job.mutable_models()) {
-    if (!model.has_text() || model.text().font().empty()) continue;
-    std::string& font = *model.mutable_text()->mutable_font();
-    if (fs::path(font).has_extension()) continue;
-    if (auto file = drawing::FindFontFile(font)) font = std::move(*file);
-  }
+/// "els-03": neither a path nor a file of that name.
+bool IsNameOfAProfile(const std::string& machine_file, const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path path(machine_file);
+  return !path.has_parent_path() && !path.has_extension() &&
+         !fs::exists(folder / path, ignored);
 }
+
+/// Families become the files that this machine has for them; one that is not found stays,
+/// and the check reports it.
+void NameFontFile(std::string& font) {
+  if (font.empty() || drawing::IsFontFile(font)) return;
+  if (auto file = drawing::FindFontFile(font)) font = std::move(*file);
+}
+
+bool IsFont(const std::string& path) { return path.find(".text.") != std::string::npos; }
 
 }  // namespace
 
@@ -122,10 +132,16 @@ Result<JobSpec> ReadJobFile(const fs::path& path) {
 }
 
 void ResolveFiles(JobSpec& job, const fs::path& folder) {
-  NameFontFiles(job);
-  ForEachFile(job,
-              [&](std::string& file, const std::string&) { MakeAbsolute(file, folder); });
-  MakeAbsolute(*job.mutable_machine_file(), folder);
+  ForEachFile(job, [&](std::string& file, const std::string& path) {
+    if (IsFont(path)) {
+      NameFontFile(file);
+      if (!drawing::IsFontFile(file)) return;  // a family that is not installed
+    }
+    MakeAbsolute(file, folder);
+  });
+  if (!IsNameOfAProfile(job.machine_file(), folder)) {
+    MakeAbsolute(*job.mutable_machine_file(), folder);
+  }
 }
 
 Result<MachineSpec> ReadMachineFile(const fs::path& path) {

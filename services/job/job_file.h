@@ -27,7 +27,8 @@ enum class JobFileFormat { kText, kJson };
 Result<JobSpec> ReadJobFile(const std::filesystem::path& path);
 
 /// Paths relative to `folder`, which is absolute, become absolute; families of fonts the
-/// files that this machine has for them.
+/// files that this machine has for them. A machine file without folder and extension that
+/// is no file there stays as it is: the name of a supplied profile.
 void ResolveFiles(JobSpec& job, const std::filesystem::path& folder);
 
 /// Also checks (CheckMachine, all errors in one message, one a line) and fills in the

@@ -1,6 +1,7 @@
 #include "services/platform/command_line/program.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,57 +9,10 @@
 #include <filesystem>
 #include <iostream>
 
-#include "services/platform/command_line/nearest_name.h"
+#include "services/platform/command_line/shell_files.h"
+#include "services/platform/command_line/state.h"
 
 namespace intaglio::command_line {
-namespace {
-
-// The command that was being read: the innermost that was given.
-const CLI::App& InnermostOf(const CLI::App& app) {
-  const auto given = app.get_subcommands();
-  return given.empty() ? app : InnermostOf(*given.back());
-}
-
-std::vector<std::string> OptionsOf(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
-}
-
-std::vector<std::string> CommandsOf(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* command :
-       app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(command->get_name());
-  return names;
-}
-
-std::string PathOf(const CLI::App& app) {
-  const CLI::App* parent = app.get_parent();
-  return parent == nullptr ? app.get_name() : PathOf(*parent) + " " + app.get_name();
-}
-
-// After a parse that failed because arguments were left over: names the first of them,
-// the likely intention, and where to read more.
-std::string TextOfUnknownArguments(const CLI::App& app) {
-  const CLI::App& innermost = InnermostOf(app);
-  const std::vector<std::string> words = app.remaining(true);
-  if (words.empty()) return "";
-  const std::string word = words.front().substr(0, words.front().find('='));
-  const bool option = word.starts_with("-");
-  const auto known = option ? OptionsOf(innermost) : CommandsOf(innermost);
-  const auto meant = NearestName(word, known);
-  const std::string path = PathOf(innermost);
-  const std::string what = option          ? "has no option"
-                           : known.empty() ? "does not accept"
-                                           : "has no command";
-  return fmt::format("{} {} '{}'{}; see {} --help", path, what, word,
-                     meant ? fmt::format(", did you mean {}?", *meant) : "", path);
-}
-
-}  // namespace
 
 // ---- Options -------------------------------------------------------------------------
 
@@ -83,7 +37,10 @@ Option Option::Positive() const {
 }
 
 Option Option::OneOf(const std::vector<std::string>& values) const {
-  option_->check(CLI::IsMember(values));
+  state_->choices[option_] = values;
+  option_->check(
+      [values](const std::string& value) { return TextOfUnknownChoice(value, values); },
+      fmt::format("{{{}}}", fmt::join(values, ",")));
   return *this;
 }
 
@@ -135,13 +92,13 @@ Option Option::Group(const std::string& heading) const {
 // ---- Commands ------------------------------------------------------------------------
 
 Command Command::AddCommand(const std::string& name, const std::string& purpose) const {
-  return {app_->add_subcommand(name, purpose), chosen_};
+  return {app_->add_subcommand(name, purpose), state_};
 }
 
 template <typename T>
 Option Command::AddOption(const std::string& names, T& value,
                           const std::string& text) const {
-  return Option(app_->add_option(names, value, text));
+  return {app_->add_option(names, value, text), state_};
 }
 
 template Option Command::AddOption(const std::string&, int&, const std::string&) const;
@@ -170,14 +127,16 @@ template Option Command::AddOption(const std::string&, std::vector<std::string>&
 template <typename T>
 Option Command::AddFlag(const std::string& names, T& value,
                         const std::string& text) const {
-  return Option(app_->add_flag(names, value, text));
+  return {app_->add_flag(names, value, text), state_};
 }
 
 template Option Command::AddFlag(const std::string&, bool&, const std::string&) const;
 template Option Command::AddFlag(const std::string&, int&, const std::string&) const;
+template Option Command::AddFlag(const std::string&, std::string&,
+                                 const std::string&) const;
 
 Option Command::OptionOf(const std::string& name) const {
-  return Option(app_->get_option(name));
+  return {app_->get_option(name), state_};
 }
 
 void Command::SetFooter(const std::string& text) const { app_->footer(text); }
@@ -185,13 +144,15 @@ void Command::RequireCommand() const { app_->require_subcommand(1); }
 void Command::TakeOptionsOfParent() const { app_->fallthrough(); }
 
 void Command::SetAction(std::function<int()> action) const {
-  app_->callback([chosen = chosen_, action = std::move(action)] { *chosen = action; });
+  app_->callback(
+      [state = state_, action = std::move(action)] { state->chosen = action; });
 }
 
 // ---- Programs ------------------------------------------------------------------------
 
 Program::Program(const std::string& name, const std::string& purpose)
-    : app_(std::make_unique<CLI::App>(purpose, name)) {
+    : app_(std::make_unique<CLI::App>(purpose, name)),
+      state_(std::make_unique<ProgramState>()) {
   app_->require_subcommand(0, 1);
 }
 
@@ -201,13 +162,41 @@ void Program::SetVersion(const std::string& version) {
   app_->set_version_flag("--version", version);
 }
 
+void Program::AddHelpCommand() {
+  Command help = root().AddCommand("help", "show the help of a command");
+  help.AddOption("COMMAND", state_->help_command, "default: the list of the commands");
+  help.SetFooter(fmt::format(
+      "Example: {0} help recording cut, as {0} recording cut --help", app_->get_name()));
+  help.SetAction([this] { return ShowHelp(); });
+}
+
+int Program::ShowHelp() const {
+  std::string why_not;
+  const CLI::App* command = FindCommand(*app_, state_->help_command, why_not);
+  if (command == nullptr) {
+    std::cerr << why_not << "\n";
+    return kExitMisunderstood;
+  }
+  // The program's own help() would be that of the command `help`, which was given.
+  std::cout << command->get_formatter()->make_help(command, PathOf(*command),
+                                                   CLI::AppFormatMode::Normal);
+  return 0;
+}
+
 std::optional<int> Program::Parse(int argc, char** argv) {
+  if (argc == 3 && std::string_view(argv[1]) == kWriteShellFiles) {
+    const Status written = WriteShellFiles(app_->get_name(), Describe(), argv[2]);
+    if (written) return 0;
+    std::cerr << app_->get_name() << ": " << written.error().message << "\n";
+    return kExitMisunderstood;
+  }
   try {
     app_->parse(argc, argv);
-  } catch (const CLI::ExtrasError&) {
-    std::cerr << TextOfUnknownArguments(*app_) << "\n";
-    return kExitMisunderstood;
   } catch (const CLI::ParseError& error) {
+    if (const std::string unknown = UnknownIn(error); !unknown.empty()) {
+      std::cerr << unknown << "\n";
+      return kExitMisunderstood;
+    }
     return app_->exit(error) == 0 ? 0 : kExitMisunderstood;
   }
   return std::nullopt;
@@ -217,16 +206,23 @@ Status Program::Parse(std::vector<std::string> words) {
   std::reverse(words.begin(), words.end());  // the library takes them from the end
   try {
     app_->parse(std::move(words));
-  } catch (const CLI::ExtrasError&) {
-    return Fail(ErrorCode::kInvalidValue, TextOfUnknownArguments(*app_));
   } catch (const CLI::ParseError& error) {
-    return Fail(ErrorCode::kInvalidValue, error.what());
+    const std::string unknown = UnknownIn(error);
+    return Fail(ErrorCode::kInvalidValue, unknown.empty() ? error.what() : unknown);
   }
   return {};
 }
 
+// A required option may be missing because it is mistyped: the mistyped one is reported.
+std::string Program::UnknownIn(const CLI::Error& error) const {
+  const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
+  const bool by_unknown =
+      code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError;
+  return by_unknown ? TextOfUnknownArguments(*app_) : "";
+}
+
 int Program::Run() const {
-  if (chosen_) return chosen_();
+  if (state_->chosen) return state_->chosen();
   std::cout << app_->help();
   return 0;
 }

@@ -20,21 +20,25 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "services/platform/command_line/description.h"
 
 namespace CLI {
 class App;
+class Error;
 class Option;
 }  // namespace CLI
 
 namespace intaglio::command_line {
 
+struct ProgramState;
+
 /// What may be typed after a command's name. Refers to its program, as Command does.
 class Option {
  public:
-  explicit Option(CLI::Option* option) : option_(option) {}
+  Option(CLI::Option* option, ProgramState* state) : option_(option), state_(state) {}
 
   Option Require() const;
-  /// Values from `least` to `most`; whole numbers only when both are.
+  /// Values from `smallest` to `largest`; whole numbers only when both are.
   Option Within(int smallest, int largest) const;
   Option Within(double smallest, double largest) const;
   /// Values above 0.
@@ -59,11 +63,12 @@ class Option {
 
  private:
   CLI::Option* option_;
+  ProgramState* state_;
 };
 
 class Command {
  public:
-  Command(CLI::App* app, std::function<int()>* chosen) : app_(app), chosen_(chosen) {}
+  Command(CLI::App* app, ProgramState* state) : app_(app), state_(state) {}
 
   Command AddCommand(const std::string& name, const std::string& purpose) const;
   /// `names` as in "--mesh,--model"; without dashes it is a positional argument. T: a
@@ -71,7 +76,8 @@ class Command {
   /// lists.
   template <typename T>
   Option AddOption(const std::string& names, T& value, const std::string& text) const;
-  /// "--record,!--no-record"; T: bool, or int, which takes "--flag{1}" or --flag=2.
+  /// "--record,!--no-record"; T: bool, or int or string, which takes "--flag{1}" or
+  /// --flag=2.
   template <typename T>
   Option AddFlag(const std::string& names, T& value, const std::string& text) const;
   /// One that was added before.
@@ -86,7 +92,7 @@ class Command {
 
  private:
   CLI::App* app_;
-  std::function<int()>* chosen_;
+  ProgramState* state_;
 };
 
 class Program {
@@ -94,8 +100,12 @@ class Program {
   Program(const std::string& name, const std::string& purpose);
   ~Program();
 
-  Command root() { return {app_.get(), &chosen_}; }
+  Command root() { return {app_.get(), state_.get()}; }
   void SetVersion(const std::string& version);
+  /// `PROGRAM help [COMMAND]...` prints what `PROGRAM COMMAND --help` does.
+  void AddHelpCommand();
+  /// Its commands and options as data.
+  CommandDescription Describe() const;
 
   /// None when the arguments are understood and the program goes on; else the exit code
   /// to end with: 0 after --help and --version, kExitMisunderstood after the error was
@@ -110,8 +120,12 @@ class Program {
   static constexpr int kExitMisunderstood = 2;
 
  private:
+  int ShowHelp() const;
+  /// About what the parse did not know; "" when the error is another one.
+  std::string UnknownIn(const CLI::Error& error) const;
+
   std::unique_ptr<CLI::App> app_;
-  std::function<int()> chosen_;
+  std::unique_ptr<ProgramState> state_;
 };
 
 }  // namespace intaglio::command_line

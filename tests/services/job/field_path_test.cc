@@ -76,7 +76,7 @@ TEST_F(FieldPath, OfAChoiceTheLastStays) {
 
 TEST_F(FieldPath, WhatDoesNotFitIsNamedWithWhatDoes) {
   EXPECT_THAT(Refuses("block.margn_mm", "5"),
-              AllOf(HasSubstr("'margn_mm'"), HasSubstr("margin_mm"), HasSubstr("clip")));
+              AllOf(HasSubstr("'margn_mm', did you mean margin_mm?"), HasSubstr("clip")));
   EXPECT_THAT(Refuses("block.margin_mm", "five"), HasSubstr("'five' is not a number"));
   EXPECT_THAT(Refuses("block.margin_mm", ""), HasSubstr("number"));
   EXPECT_THAT(Refuses("block.size_mm", "1 2"), HasSubstr("three numbers"));

@@ -10,6 +10,8 @@
 
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
+#include "services/job/placeholders.h"
+#include "services/job/series.h"
 #include "tests/services/job/test_job.h"
 #include "tests/test_folder.h"
 
@@ -37,6 +39,13 @@ class JobFileTest : public testing::Test {
   fs::path folder_;
 };
 
+/// The job, or one for each row of the supplied table when it has names to fill in.
+std::vector<JobSpec> PiecesOf(const JobSpec& job) {
+  if (PlaceholdersOf(job.name()).empty()) return {job};
+  const fs::path folder = INTAGLIO_SOURCE_DIR "/deploy/jobs";
+  return MakeSeries(job, io::ReadCsv(folder / "names.csv").value(), folder).value();
+}
+
 TEST_F(JobFileTest, ShippedExamplesAreRight) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(INTAGLIO_SOURCE_DIR "/deploy/jobs")) {
@@ -46,7 +55,9 @@ TEST_F(JobFileTest, ShippedExamplesAreRight) {
     ASSERT_TRUE(job) << job.error().message;
     const auto machine = ReadMachineFile(job->machine_file());
     ASSERT_TRUE(machine) << machine.error().message;
-    EXPECT_THAT(CheckAll(*job, *machine, 0.65), IsEmpty()) << entry.path();
+    for (const JobSpec& piece : PiecesOf(*job)) {
+      EXPECT_THAT(CheckAll(piece, *machine, 0.65), IsEmpty()) << entry.path();
+    }
     ++count;
   }
   EXPECT_GE(count, 5);
@@ -114,6 +125,20 @@ TEST_F(JobFileTest, JsonErrorsNameLineAndColumn) {
               HasSubstr("c.json:2:30: (models[1].placement.unit_mm)"));
   EXPECT_THAT(ErrorOf("d.json", "{\n\"colour\": 1}").message, HasSubstr("d.json:2:1: "));
   EXPECT_THAT(ErrorOf("e.json", "[]").message, HasSubstr("e.json: "));
+}
+
+TEST_F(JobFileTest, AMistypedFieldIsAnsweredWithTheNearestOfItsMessage) {
+  EXPECT_THAT(ErrorOf("a.textproto", "glas: \"N-BK7\"").message,
+              HasSubstr("Did you mean glass?"));
+  EXPECT_THAT(ErrorOf("b.textproto", "block {\n  marginmm: 3\n}\n").message,
+              HasSubstr("Did you mean margin_mm?"));
+  EXPECT_THAT(ErrorOf("c.json", "{\"glas\": \"N-BK7\"}").message,
+              HasSubstr("Did you mean glass?"));
+  EXPECT_THAT(
+      ErrorOf("d.json", "{\"models\": [{\"placement\": {\"fit_hight_mm\": 3}}]}").message,
+      HasSubstr("Did you mean fit_height_mm?"));
+  EXPECT_THAT(ErrorOf("e.textproto", "colour: 1").message,
+              ::testing::Not(HasSubstr("Did you mean")));
 }
 
 TEST_F(JobFileTest, WhatIsNoJobFileIsRefused) {

@@ -196,6 +196,77 @@ TEST(Program, WithoutACommandShowsItsHelp) {
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("A mesh goes in."));
 }
 
+TEST(Program, HelpOfACommandIsThatOfItsOption) {
+  double rate = 1;
+  const auto output = [&](std::vector<std::string> words) {
+    Program program("intaglio", "A mesh goes in.");
+    const Command recording =
+        program.root().AddCommand("recording", "inspect recordings");
+    recording.AddCommand("cut", "a span").AddOption("--from", rate, "seconds");
+    program.AddHelpCommand();
+    Exit exit = ParseAsMain(program, std::move(words));
+    if (exit.code) return exit;
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    exit.code = program.Run();
+    exit.out = testing::internal::GetCapturedStdout();
+    exit.err = testing::internal::GetCapturedStderr();
+    return exit;
+  };
+  const Exit cut = output({"help", "recording", "cut"});
+  EXPECT_EQ(cut.code, 0);
+  EXPECT_EQ(cut.out, output({"recording", "cut", "--help"}).out);
+  EXPECT_THAT(cut.out, HasSubstr("Usage: intaglio recording cut"));
+  EXPECT_EQ(output({"help"}).out, output({"--help"}).out);
+  const Exit mistyped = output({"help", "recording", "cat"});
+  EXPECT_EQ(mistyped.code, 2);
+  EXPECT_EQ(mistyped.err,
+            "intaglio recording has no command 'cat', did you mean cut?; see intaglio "
+            "recording --help\n");
+}
+
+TEST(Program, DescribesItsCommandsAndOptions) {
+  std::string database, format;
+  std::vector<std::string> meshes;
+  bool flag = false;
+  int count = 3;
+  Program program("intaglio", "A mesh goes in.");
+  const Command materials = program.root().AddCommand("materials", "the glasses");
+  materials.AddOption("--db", database, "material base").FromEnvironment("GLASSES");
+  const Command list = materials.AddCommand("list", "list the glasses");
+  list.TakeOptionsOfParent();
+  list.AddOption("GLASS", format, "its name").Require();
+  list.AddOption("--mesh,--model", meshes, "model").Group("Model");
+  list.AddOption("--format", format, "of the table").OneOf({"csv", "json"});
+  list.AddOption("--count", count, "how many").ShowDefault();
+  list.AddFlag("--all", flag, "all of them");
+  list.SetFooter("Example: intaglio materials list");
+  const CommandDescription root = program.Describe();
+  EXPECT_EQ(root.purpose, "A mesh goes in.");
+  ASSERT_EQ(root.commands.size(), 1u);
+  ASSERT_EQ(root.commands[0].commands.size(), 1u);
+  const CommandDescription& described = root.commands[0].commands[0];
+  EXPECT_THAT(described.words, ElementsAre("materials", "list"));
+  EXPECT_EQ(described.purpose, "list the glasses");
+  EXPECT_EQ(described.footer, "Example: intaglio materials list");
+  std::map<std::string, OptionDescription> options;
+  for (const OptionDescription& option : described.options) {
+    options[option.names.back()] = option;
+  }
+  EXPECT_TRUE(options.at("GLASS").positional);
+  EXPECT_TRUE(options.at("GLASS").required);
+  EXPECT_THAT(options.at("--model").names, ElementsAre("--mesh", "--model"));
+  EXPECT_TRUE(options.at("--model").repeatable);
+  EXPECT_EQ(options.at("--model").group, "Model");
+  EXPECT_THAT(options.at("--format").choices, ElementsAre("csv", "json"));
+  EXPECT_EQ(options.at("--count").default_value, "3");
+  EXPECT_EQ(options.at("--count").value, "INT");
+  EXPECT_EQ(options.at("--all").value, "") << "a flag";
+  EXPECT_FALSE(options.at("--all").repeatable);
+  EXPECT_EQ(options.at("--db").variable, "GLASSES") << "of the command above";
+  EXPECT_EQ(options.count("--help"), 1u);
+}
+
 class UnknownArguments : public testing::Test {
  protected:
   UnknownArguments() : program_("intaglio", "an app") {
@@ -223,6 +294,30 @@ TEST_F(UnknownArguments, AnOptionIsThatOfTheInnermostCommand) {
   EXPECT_EQ(Output({"recording", "repiar", "x"}),
             "intaglio recording has no command 'repiar', did you mean repair?; see "
             "intaglio recording --help");
+}
+
+TEST_F(UnknownArguments, AnOptionOfOtherCommandsIsNamedWithThem) {
+  EXPECT_EQ(Output({"recording", "repair", "--height", "3"}),
+            "intaglio recording repair has no option '--height' (an option of run); see "
+            "intaglio recording repair --help");
+}
+
+TEST_F(UnknownArguments, AMistypedOptionIsReportedBeforeThatItIsMissing) {
+  std::string out;
+  program_.root().AddCommand("render", "").AddOption("--out", out, "").Require();
+  EXPECT_THAT(Output({"render", "--oat", "x"}), HasSubstr("did you mean --out?"));
+  EXPECT_THAT(Output({"render"}), HasSubstr("--out is required"));
+}
+
+TEST_F(UnknownArguments, AValueThatIsNoChoiceIsNamedWithTheNearestOne) {
+  std::string format;
+  program_.root()
+      .AddCommand("export", "")
+      .AddOption("--format", format, "")
+      .OneOf({"jsonl", "csv"});
+  EXPECT_THAT(Output({"export", "--format", "cvs"}),
+              HasSubstr("'cvs' is none of jsonl, csv, did you mean csv?"));
+  EXPECT_EQ(Output({"export", "--format", "csv"}), "understood");
 }
 
 TEST_F(UnknownArguments, AnArgumentTooManyIsNotTakenForACommand) {

@@ -1,0 +1,64 @@
+#include "services/cli/intaglio_program.h"
+
+#include "services/cli/batch/batch_command.h"
+#include "services/cli/fonts_command.h"
+#include "services/cli/history_command.h"
+#include "services/cli/jobs_command.h"
+#include "services/cli/materials/materials_command.h"
+#include "services/cli/offline/measure_command.h"
+#include "services/cli/offline/offline_command.h"
+#include "services/cli/offline/plan_command.h"
+#include "services/cli/offline/post_command.h"
+#include "services/cli/preview/preview_command.h"
+#include "services/cli/recordings/record_command.h"
+#include "services/cli/recordings/recording_command.h"
+#include "services/cli/recordings/replay_command.h"
+#include "services/cli/run_command.h"
+#include "services/cli/security_command.h"
+#include "services/cli/status/status_command.h"
+#include "services/cli/stop_command.h"
+#include "services/cli/up_command.h"
+
+namespace intaglio::cli {
+namespace {
+
+constexpr const char* kWelcome =
+    "Intaglio engraves 3D objects inside glass and proves from the glass what was made.";
+
+constexpr const char* kNext = R"(Where to begin:
+  intaglio preview FILE --height 40                 picture, time, size and warnings
+  intaglio run --mesh FILE --height 40 --lockstep   engrave in the virtual engraver
+  intaglio materials list                           list the known glasses
+  intaglio up                                       open a shop; then submit, list, watch
+  intaglio help COMMAND                             all about one command)";
+
+}  // namespace
+
+std::unique_ptr<command_line::Program> IntaglioProgram() {
+  auto program = std::make_unique<command_line::Program>("intaglio", kWelcome);
+  program->SetVersion(INTAGLIO_VERSION);
+  const command_line::Command root = program->root();
+  root.SetFooter(kNext);
+  AddRunCommand(root);
+  AddUpCommand(root);
+  AddJobsCommands(root);
+  AddBatchCommand(root);
+  AddStopCommand(root);
+  AddStatusCommand(root);
+  AddHistoryCommand(root);
+  AddPreviewCommand(root);
+  AddOfflineCommands(root);
+  AddMeasureCommand(root);
+  AddPathCommands(root);
+  AddPostCommand(root);
+  AddMaterialsCommand(root);
+  AddFontsCommand(root);
+  AddRecordCommand(root);
+  AddRecordingCommand(root);
+  AddReplayCommand(root);
+  AddSecurityCommand(root);
+  program->AddHelpCommand();
+  return program;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,158 @@
+// The table of commands: every command has help and a place in the documentation, and
+// only the options that change what it does.
+
+#include "services/cli/intaglio_program.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+
+#include "services/cli/flags/job_flags.h"
+
+namespace intaglio::cli {
+namespace {
+
+using command_line::CommandDescription;
+using command_line::OptionDescription;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string Document(const std::string& name) {
+  std::ifstream in(INTAGLIO_SOURCE_DIR "/docs/" + name);
+  EXPECT_TRUE(in) << name;
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::set<std::string> OptionsIn(const std::string& text) {
+  std::set<std::string> options;
+  const std::regex option("(^|[\\s`\"(,])(--[a-z][a-z-]*)");
+  for (std::sregex_iterator at(text.begin(), text.end(), option), end; at != end; ++at) {
+    options.insert((*at)[2]);
+  }
+  return options;
+}
+
+std::string NameOf(const CommandDescription& command) {
+  return fmt::format("{}", fmt::join(command.words, " "));
+}
+
+/// The command and all below it.
+void Collect(const CommandDescription& command, std::vector<CommandDescription>& all) {
+  for (const CommandDescription& below : command.commands) {
+    all.push_back(below);
+    Collect(below, all);
+  }
+}
+
+std::vector<CommandDescription> AllCommands() {
+  std::vector<CommandDescription> all;
+  Collect(IntaglioProgram()->Describe(), all);
+  return all;
+}
+
+/// Names of the options of a command; of positional arguments without dashes.
+std::set<std::string> OptionsOf(const std::string& name) {
+  std::set<std::string> options;
+  for (const CommandDescription& command : AllCommands()) {
+    if (NameOf(command) != name) continue;
+    for (const OptionDescription& option : command.options) {
+      options.insert(option.names.begin(), option.names.end());
+    }
+  }
+  EXPECT_FALSE(options.empty()) << name;
+  return options;
+}
+
+Status ParsedBy(const std::vector<std::string>& words) {
+  return IntaglioProgram()->Parse(words);
+}
+
+TEST(IntaglioProgram, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
+  const std::string document =
+      Document("cli.md") + Document("jobs.md") + Document("materials.md");
+  const std::set<std::string> documented = OptionsIn(document);
+  std::set<std::string> known = {"--version"};
+  for (const CommandDescription& command : AllCommands()) {
+    const std::string name = NameOf(command);
+    EXPECT_NE(command.purpose, "") << name;
+    EXPECT_THAT(document, HasSubstr(name));
+    // docs/materials.md has a table of what they have in common.
+    const bool of_materials = name.starts_with("materials ");
+    if (!of_materials) {
+      EXPECT_THAT(command.footer, HasSubstr("Example: intaglio " + name));
+    }
+    for (const OptionDescription& option : command.options) {
+      EXPECT_NE(option.meaning, "") << name << " " << option.names.front();
+      for (const std::string& word : option.names) {
+        if (!word.starts_with("--")) continue;
+        known.insert(word);
+        EXPECT_TRUE(of_materials || word == "--help" || documented.contains(word))
+            << name << " " << word;
+      }
+    }
+  }
+  known.insert("--no-record");  // of --record
+  // And nothing is documented that is not there.
+  for (const std::string& option : OptionsIn(Document("cli.md"))) {
+    EXPECT_TRUE(known.contains(option)) << option;
+  }
+}
+
+TEST(IntaglioProgram, ACommandHasOnlyTheOptionsThatItUses) {
+  const auto all = OptionsOf("run");
+  EXPECT_THAT(all, AllOf(Contains("--mesh"), Contains("--method"), Contains("--layer"),
+                         Contains("--order"), Contains("--rate"), Contains("--glass"),
+                         Contains("--name")));
+  JobFlags flags;
+  command_line::Program of_a_job("of a job", "");
+  AddJobFlags(of_a_job.root(), flags);
+  for (const OptionDescription& option : of_a_job.Describe().options) {
+    EXPECT_THAT(all, Contains(option.names.front()));
+    EXPECT_THAT(OptionsOf("submit"), Contains(option.names.front()));
+  }
+  // Makes points: neither orders nor moves.
+  EXPECT_THAT(OptionsOf("discretize"),
+              AllOf(Contains("--mesh"), Contains("--method"), Contains("--shells"),
+                    Contains("--clip"), Not(Contains("--order")), Not(Contains("--rate")),
+                    Not(Contains("--acceleration")), Not(Contains("--name"))));
+  // Have the points.
+  for (const char* name : {"sort", "plan"}) {
+    EXPECT_THAT(
+        OptionsOf(name),
+        AllOf(Contains("--block"), Contains("--rate"), Contains("--profile"),
+              Contains("--machine"), Contains("--glass"), Not(Contains("--rotate")),
+              Not(Contains("--mesh")), Not(Contains("--method")),
+              Not(Contains("--layer")), Not(Contains("--clip")),
+              Not(Contains("--margin")), Not(Contains("--name"))))
+        << name;
+  }
+  EXPECT_THAT(OptionsOf("sort"), AllOf(Contains("--order"), Contains("--spacing")));
+  EXPECT_THAT(OptionsOf("plan"),
+              AllOf(Not(Contains("--order")), Not(Contains("--spacing"))));
+  EXPECT_THAT(OptionsOf("measure"),
+              AllOf(Contains("--mesh"), Contains("--rotate"), Contains("--focal"),
+                    Not(Contains("--glass")), Not(Contains("--order"))));
+}
+
+TEST(IntaglioProgram, AnOptionThatDoesNothingIsRefusedWithTheCommandsThatHaveIt) {
+  const auto plan = ParsedBy({"plan", "--path", "a.ply", "--rotate", "1", "2", "3"});
+  ASSERT_FALSE(plan);
+  EXPECT_THAT(plan.error().message, HasSubstr("intaglio plan has no option '--rotate' "
+                                              "(an option of run, submit"));
+  const auto method = ParsedBy({"run", "--method", "sectoins", "--mesh", "a.stl"});
+  ASSERT_FALSE(method);
+  EXPECT_THAT(method.error().message, HasSubstr("did you mean sections?"));
+  const auto command = ParsedBy({"sumbit", "job.textproto"});
+  ASSERT_FALSE(command);
+  EXPECT_THAT(command.error().message, HasSubstr("did you mean submit?"));
+}
+
+}  // namespace
+}  // namespace intaglio::cli
