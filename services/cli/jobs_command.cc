@@ -2,23 +2,28 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 
 #include "services/cli/complain.h"
+#include "services/cli/flags/accept_flag.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
+#include "services/cli/json/job_record.h"
+#include "services/cli/json/print_json.h"
+#include "services/cli/status/command_effect.h"
+#include "services/cli/status/job_text.h"
 #include "services/cli/watch_job.h"
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
-#include "services/client/figure_text.h"
 #include "services/client/job_client.h"
+#include "services/client/warning_text.h"
 #include "services/history/job_history.h"
 
 namespace intaglio::cli {
@@ -26,59 +31,34 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kMachineTime = 2s;
-
 struct JobsOptions {
   bus::BusOptions bus;
   JobFlags job;
   std::string uid;
   std::string percent;
   std::string series;
+  std::string materials_db;
   std::string folder = "intaglio-shop";
   std::string database;
   std::uint32_t from_point = 0;
   bool fire_uncertain = false;
+  AcceptFlag accept;
   bool arm = false;
   bool watch = false;
-  bool events = false;
+  bool events = false, json = false;
 
   /// Where text for people goes.
   std::ostream& human() const { return events ? std::cerr : std::cout; }
 };
 
-std::string TimeOf(const client::JobView& job) {
-  if (job.estimate_ticks == 0 || job.rate_hz <= 0) return "-";
-  return client::ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
+void PrintWarnings(const client::JobView& job, std::ostream& out) {
+  for (const Warning& warning : job.warnings) out << client::WarningLine(warning) << "\n";
 }
 
-std::string ProgressOf(const client::JobView& job) {
-  const client::JobView::Progress* p = client::StageAtWork(job);
-  if (p == nullptr) return "-";
-  return fmt::format("{} {} / {}", client::NameOf(p->stage),
-                     client::GroupedDigits(p->done_count),
-                     client::GroupedDigits(p->total_count));
-}
-
-void PrintState(const client::JobView& job, std::ostream& out) {
-  out << "job " << job.number << " is " << client::StateOf(job)
-      << (job.message.empty() ? "" : ": " + job.message) << "\n";
-}
-
-/// Where a command leads when nothing is in its way.
-bool Reached(const client::JobView& job, intaglio_JobCommandKind kind) {
-  switch (kind) {
-    case intaglio_COMMAND_PAUSE:
-      return !job.armed && job.state != intaglio_JOB_ENGRAVING;
-    case intaglio_COMMAND_CANCEL:
-      return job.ended();
-    case intaglio_COMMAND_ARM:
-    case intaglio_COMMAND_RESUME:
-      return job.ended() || (job.armed && job.state != intaglio_JOB_PAUSED &&
-                             job.state != intaglio_JOB_WAITING_FOR_ARM);
-    case intaglio_COMMAND_SPEED:
-      break;
-  }
-  return true;
+/// There is no such shop or job, or there is one that cannot work.
+int ComplainOfShop(const Error& error) {
+  return Complain(error, error.code == ErrorCode::kFault ? client::kExitMachine
+                                                         : client::kExitWrongInput);
 }
 
 /// Exit codes of a command that got no answer, or not the one that was asked for.
@@ -92,18 +72,10 @@ std::optional<Error> WhyEnded(const client::JobView& job) {
                ""};
 }
 
-/// The machine may take a moment, or wait for a person: then its message is printed.
-int AwaitEffect(client::JobClient& client, const client::JobView& job,
-                intaglio_JobCommandKind kind, std::ostream& out) {
-  client.PollUntil([&] { return Reached(client.jobs().at(job.uid), kind); },
-                   kMachineTime);
-  PrintState(client.jobs().at(job.uid), out);
-  return client::kExitGood;
-}
-
 int CommandJob(client::JobClient& client, const client::JobView& job,
                const client::JobOrder& order) {
   if (const auto ended = WhyEnded(job)) return Complain(*ended, client::kExitWrongInput);
+  if (order.kind == intaglio_COMMAND_ARM) PrintWarnings(job, std::cerr);
   if (auto taken = client.Command(job, order); !taken) return ComplainOf(taken.error());
   return AwaitEffect(client, job, order.kind, std::cout);
 }
@@ -133,14 +105,15 @@ int SubmitSeries(const JobsOptions& options) {
                      ""},
                     client::kExitWrongInput);
   }
-  const auto series = BuildSeries(options.job, options.series);
+  const auto series = BuildSeries(options.job, options.series, options.materials_db);
   if (!series) return Complain(series.error(), client::kExitWrongInput);
+  for (const JobAndMachine& piece : *series) PrintTextWarnings(piece.warnings);
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
   for (const JobAndMachine& piece : *series) {
     const auto submitted = SubmitOne(client, piece.job, options);
-    if (!submitted) return Complain(submitted.error(), client::kExitWrongInput);
+    if (!submitted) return ComplainOfShop(submitted.error());
   }
   options.human() << series->size() << " jobs submitted; list them with intaglio list\n";
   client.Poll(500ms);
@@ -152,25 +125,30 @@ int SubmitJob(const JobSpec& spec, const JobsOptions& options) {
   client::JobClient client(bus);
   client.PollUntil([&] { return !client.services().empty(); }, bus.discovery_time());
   const auto submitted = SubmitOne(client, spec, options);
-  if (!submitted) return Complain(submitted.error(), client::kExitWrongInput);
+  if (!submitted) return ComplainOfShop(submitted.error());
   if (options.arm) {
-    auto armed = client::ArmWhenTaken(client, *submitted);
+    auto armed = client::ArmWhenTaken(client, *submitted, options.accept.breakage());
     if (!armed) return ComplainOf(armed.error());
-    AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());
+    const int effect =
+        AwaitEffect(client, *submitted, intaglio_COMMAND_ARM, options.human());
+    if (effect != client::kExitGood && !options.watch) return effect;
   }
   if (options.watch) return Watch(client, submitted->uid, options);
   if (!options.arm)
     options.human() << "intaglio arm " << submitted->number << " arms it\n";
   client.Poll(500ms);
   const client::JobView& job = client.jobs().at(submitted->uid);
-  return job.ended() && job.state != intaglio_JOB_DONE ? client::kExitMachine
-                                                       : client::kExitGood;
+  const bool asks = options.arm && job.open_consent() != nullptr;
+  return asks || (job.ended() && job.state != intaglio_JOB_DONE) ? client::kExitMachine
+                                                                 : client::kExitGood;
 }
 
 int Submit(const JobsOptions& options) {
   if (!options.series.empty()) return SubmitSeries(options);
-  const auto job = BuildJob(options.job);
+  const auto job = BuildJobToEngrave(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
+  for (const std::string& note : job->notes) std::cerr << note << "\n";
+  PrintTextWarnings(job->warnings);
   return SubmitJob(job->job, options);
 }
 
@@ -183,25 +161,43 @@ int Again(const JobsOptions& options) {
   return SubmitJob(*job, options);
 }
 
+/// What was printed is what the job service has published last; a fault of it may hide
+/// the rest.
+int ExitWithFault(const client::JobClient& client) {
+  if (const auto fault = client.JobServiceFault())
+    return Complain(*fault, client::kExitMachine);
+  return client::kExitGood;
+}
+
 int List(const JobsOptions& options) {
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
   client.PollUntil([] { return false; }, bus.discovery_time());
-  if (client.services().empty()) {
+  const auto services = client.services();
+  if (services.empty()) {
     std::cerr << "intaglio: no services found: start them (intaglio up), or check "
                  "--domain, --interface and --tag\n";
     return client::kExitWrongInput;
   }
-  fmt::print("{:>6}  {:<19} {:<12} {:<10} {:<34} {}\n", "job", "state", "machine", "time",
-             "progress", "name");
-  std::map<std::uint32_t, const client::JobView*> by_number;
-  for (const auto& [uid, job] : client.jobs()) by_number[job.number] = &job;
-  for (const auto& [number, job] : by_number) {
-    fmt::print("{:>6}  {:<19} {:<12} {:<10} {:<34} {}\n", number,
-               client::NameOf(job->state), job->cell, TimeOf(*job), ProgressOf(*job),
-               job->name);
+  if (options.json) {
+    if (const int printed = PrintJson(JobListOf(client.jobs())); printed != 0)
+      return printed;
+  } else {
+    std::vector<client::JobView> jobs;
+    for (const auto& [uid, job] : client.jobs()) jobs.push_back(job);
+    std::cout << ListText(std::move(jobs)) << std::flush;
   }
-  return client::kExitGood;
+  const bool served = std::any_of(services.begin(), services.end(), [](const auto& s) {
+    return s.role == intaglio_ROLE_JOB_SERVICE;
+  });
+  if (!served) {
+    return Complain({ErrorCode::kTimedOut,
+                     "other services run, but no job service: nothing is known of the "
+                     "jobs (intaglio history reads their database)",
+                     ""},
+                    client::kExitMachine);
+  }
+  return ExitWithFault(client);
 }
 
 /// Runs `act` on the job the options name.
@@ -209,10 +205,17 @@ int WithJob(const JobsOptions& options,
             const std::function<int(client::JobClient&, const client::JobView&)>& act) {
   bus::Bus bus(options.bus);
   client::JobClient client(bus);
-  client.PollUntil([&] { return client.Find(options.uid).has_value(); },
-                   bus.discovery_time());
+  // With the health of the job service, which may be at fault.
+  const auto is_known = [&] {
+    const auto services = client.services();
+    return client.Find(options.uid).has_value() &&
+           std::any_of(services.begin(), services.end(), [](const auto& service) {
+             return service.role == intaglio_ROLE_JOB_SERVICE;
+           });
+  };
+  client.PollUntil(is_known, bus.discovery_time());
   const auto job = client.Find(options.uid);
-  return job ? act(client, *job) : Complain(job.error(), client::kExitWrongInput);
+  return job ? act(client, *job) : ComplainOfShop(job.error());
 }
 
 int SetSpeed(client::JobClient& client, const client::JobView& job,
@@ -243,29 +246,20 @@ Result<std::uint32_t> PercentOf(const std::string& text) {
               text);
 }
 
-int ShowJob(const client::JobView& job) {
-  fmt::print(
-      "job        {} ({})\nname       {}\nstate      {}\nmachine    {}\nattempt    {}\n",
-      job.number, job.uid, job.name, client::StateOf(job), job.cell, job.attempt);
-  for (const client::JobView::Progress& p : job.progress) {
-    if (p.total_count == 0) continue;
-    fmt::print("{:<10} {} / {} points, {}\n", client::NameOf(p.stage),
-               client::GroupedDigits(p.done_count), client::GroupedDigits(p.total_count),
-               client::ShortDuration(p.elapsed_s));
+int ShowJob(const client::JobClient& client, const client::JobView& job, bool json) {
+  if (!json) {
+    std::cout << ShowText(job);
+  } else if (const int printed = PrintJson(JobRecordOf(job)); printed != 0) {
+    return printed;
   }
-  fmt::print("estimate   {}\nspeed      {} %\nfolder     {}\n", TimeOf(job),
-             job.speed_percent, job.result_directory);
-  if (!job.message.empty()) fmt::print("message    {}\n", job.message);
-  if (!job.armed && !job.ended() && !job.disarm_reason.empty()) {
-    fmt::print("disarmed   {}\n", job.disarm_reason);
-  }
-  return client::kExitGood;
+  return ExitWithFault(client);
 }
 
 void AddArmAndWatch(command_line::Command command, JobsOptions& options) {
   command.AddFlag(
       "--arm", options.arm,
       "you are at the machine: the job is armed once, as soon as it has its machine");
+  AddAcceptFlag(command, options.accept);
   command.AddFlag("--watch", options.watch, "follow it to its end");
   AddEventsFlag(command, options.events);
 }
@@ -302,6 +296,8 @@ void AddJobsCommands(command_line::Command app) {
   submit.AddOption("--series", options->series,
                    "CSV file: a job for each row; {column} in texts and file names of "
                    "the job file becomes the row's field");
+  submit.AddOption("--materials", options->materials_db,
+                   "material base for the checks of a series, default the user's");
   submit.SetFooter(
       "Example: intaglio submit job.textproto --arm --watch\n"
       "Example: intaglio submit badge.textproto --series names.csv\n"
@@ -314,6 +310,7 @@ void AddJobsCommands(command_line::Command app) {
   command_line::Command list =
       app.AddCommand("list", "list the jobs of the running job service");
   AddBusFlags(list, options->bus);
+  list.AddFlag("--json", options->json, "for programs");
   list.SetFooter("Example: intaglio list; then intaglio show 1");
   list.SetAction([options] { return List(*options); });
 
@@ -328,7 +325,10 @@ void AddJobsCommands(command_line::Command app) {
         return command;
       };
   add("show", "show all about one job",
-      [](client::JobClient&, const client::JobView& job) { return ShowJob(job); });
+      [options](client::JobClient& client, const client::JobView& job) {
+        return ShowJob(client, job, options->json);
+      })
+      .AddFlag("--json", options->json, "for programs");
   AddEventsFlag(add("watch", "follow a job to its end",
                     [options](client::JobClient& client, const client::JobView& job) {
                       return Watch(client, job.uid, *options);
@@ -339,11 +339,14 @@ void AddJobsCommands(command_line::Command app) {
       return CommandJob(client, job,
                         {.kind = kind,
                          .from_point = options->from_point,
-                         .fire_uncertain = options->fire_uncertain});
+                         .fire_uncertain = options->fire_uncertain,
+                         .accept_breakage = options->accept.breakage()});
     };
   };
-  add("arm", "you are at the machine, and the job's block is in it: the job may fire",
-      command(intaglio_COMMAND_ARM));
+  AddAcceptFlag(
+      add("arm", "you are at the machine, and the job's block is in it: the job may fire",
+          command(intaglio_COMMAND_ARM)),
+      options->accept);
   add("pause", "stop firing, bring the stage to rest", command(intaglio_COMMAND_PAUSE));
   command_line::Command resume = add("resume", "continue at the first point not made",
                                      command(intaglio_COMMAND_RESUME));

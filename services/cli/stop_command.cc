@@ -107,6 +107,8 @@ struct MachineStops {
   bool reported = false;
   bool pressed = false;
   HeldPresses held;
+  bool laser_line_up = false;  // the next three are known only if it is
+  bool key_on = false, door_closed = false, own_stop_released = false;
 };
 
 /// Collects what one machine, or every machine of the shop, reports.
@@ -127,7 +129,13 @@ class MachineReports {
     if (health_) health_->Take([this](const intaglio_ServiceHealth& s) { Add(s); });
     interlocks_.Take([this](const intaglio_Interlock& sample) {
       MachineStops& machine = machines_[std::string(View(sample.cell))];
-      machine = {true, sample.bus_stop_pressed, {}};
+      machine = {true,
+                 sample.bus_stop_pressed,
+                 {},
+                 sample.laser_link_up,
+                 sample.key_on,
+                 sample.door_closed,
+                 sample.emergency_stop_released};
       for (const intaglio_StopPress& press : View(sample.bus_stops))
         machine.held.push_back({std::string(View(press.source)), press.number});
     });
@@ -228,26 +236,50 @@ Result<std::string> MachineToReset(MachineReports& reports, const StopOptions& o
                           fmt::join(cells, ", ")));
 }
 
-int ReportReset(const std::string& cell, const MachineStops& stops) {
-  if (!stops.pressed) {
-    std::cout << cell << ": reset; arm or resume the job to continue\n";
-    return client::kExitGood;
-  }
-  std::vector<std::string> presses;
+/// What keeps it from firing besides the stops of the bus.
+std::vector<std::string> OpenInterlocks(const MachineStops& stops) {
+  if (!stops.laser_line_up)
+    return {"its laser does not answer, so that key and door are not known"};
+  std::vector<std::string> open;
+  if (!stops.key_on) open.emplace_back("the key is off");
+  if (!stops.door_closed) open.emplace_back("the door is open");
+  return open;
+}
+
+int ComplainOfHeld(const std::string& cell, const MachineStops& stops) {
+  std::vector<std::string> held;
   for (const HeldPress& press : stops.held)
-    presses.push_back(fmt::format("{} (number {})", press.source, press.number));
-  if (presses.empty()) {
+    held.push_back(fmt::format("{} (number {})", press.source, press.number));
+  const auto open = OpenInterlocks(stops);
+  const std::string also = open.empty() ? "" : fmt::format("; {}", fmt::join(open, ", "));
+  if (stops.pressed && held.empty()) {
     return ComplainOf(
-        fmt::format("{} is still stopped by more presses than it can name: restart its "
+        fmt::format("{} is still stopped by more presses than it can name{}: restart its "
                     "synchronizer",
-                    cell),
+                    cell, also),
         client::kExitMachine);
   }
-  return ComplainOf(
-      fmt::format("{} is still stopped by a press that came during the reset: {}; check "
-                  "the machine, then reset it again",
-                  cell, fmt::join(presses, ", ")),
-      client::kExitMachine);
+  if (stops.pressed) {
+    return ComplainOf(
+        fmt::format("{} is still stopped by a press that came during the reset: {}{}; "
+                    "check the machine, then reset it again",
+                    cell, fmt::join(held, ", "), also),
+        client::kExitMachine);
+  }
+  return ComplainOf(fmt::format("{}: the stop is reset, but the machine is still held: "
+                                "{}; then arm or resume the job",
+                                cell, fmt::join(open, ", ")),
+                    client::kExitMachine);
+}
+
+int ReportReset(const std::string& cell, const MachineStops& stops) {
+  if (stops.pressed || !OpenInterlocks(stops).empty()) return ComplainOfHeld(cell, stops);
+  std::cout << cell << ": reset; "
+            << (stops.own_stop_released
+                    ? ""
+                    : "its own stop is pressed, or latched until the next arm; ")
+            << "arm or resume the job to continue\n";
+  return client::kExitGood;
 }
 
 // Names the presses that the machine's synchronizer reports, and no other.
@@ -299,7 +331,7 @@ void AddStopCommand(command_line::Command app) {
       "It depends on the network and on programs: at a machine, use its button.\n"
       "Ends with 0 when every machine has confirmed it, with 4 when one has not.\n"
       "A reset releases the presses that the machine reports, and no other; it ends\n"
-      "with 4 when another press holds the machine afterwards.\n"
+      "with 4 when another press, the key or the door holds the machine afterwards.\n"
       "Example: intaglio stop           every machine\n"
       "  intaglio stop els-03 --reset   then: intaglio resume JOB");
   command.SetAction(

@@ -12,17 +12,24 @@
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/bulk_flag.h"
 #include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/truth_flags.h"
 #include "services/cli/interrupt.h"
 #include "services/cli/job_options.h"
+#include "services/cli/job_series.h"
 #include "services/cli/mounted.h"
 #include "services/client/exit_codes.h"
 #include "services/client/folder_lock.h"
+#include "services/client/fresh_paths.h"
 #include "services/client/job_client.h"
+#include "services/client/proof/shop_proofs.h"
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
+#include "services/history/job_database.h"
 #include "services/job/job_file.h"
+#include "services/platform/command_line/other_programs.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::cli {
@@ -36,6 +43,8 @@ constexpr auto kLeaveTime = 5s;
 // A process that still publishes this long after it was found has not been killed; five
 // samples.
 constexpr auto kGoesOnTime = 1s;
+// A job of 300 000 points takes four seconds.
+constexpr auto kProofTime = 8s;
 
 struct UpOptions {
   bus::BusOptions bus;
@@ -46,9 +55,11 @@ struct UpOptions {
   bool real_machine = false;
   bool lockstep = false;
   bool record = false;
+  std::string bulk;
   double speed = 1;
   TruthFlags truth;
   MountFlags mount;
+  CustomerPictureFlags picture;
 };
 
 Result<client::VirtualMachine> MachineOf(const UpOptions& options,
@@ -109,10 +120,83 @@ Result<fs::path> NewRecording(const fs::path& folder) {
   return folder / (name + ".mcap");
 }
 
+client::ShopProofs ProofsOf(const UpOptions& options,
+                            const client::ServiceSetOptions& set) {
+  return client::ShopProofs(
+      {set.folder,
+       set.bus.cell,
+       command_line::ProgramFolder() / "intaglio",
+       {"--background", options.picture.background, "--picture-size",
+        std::to_string(options.picture.size_px)}});
+}
+
+void TurnProofs(client::ShopProofs& proofs, const client::JobClient& client) {
+  for (const std::string& sentence :
+       proofs.Turn(ViewOf(client), std::chrono::steady_clock::now())) {
+    std::cerr << sentence << "\n";
+  }
+}
+
+/// What a job that has just ended still lacks; another Ctrl-C leaves it to the next
+/// start.
+void FinishProofs(client::ShopProofs& proofs, client::JobClient& client) {
+  TurnProofs(proofs, client);
+  if (proofs.pending_count() == 0) return;
+  std::cerr << "making report and pictures of " << proofs.pending_count() << " jobs\n";
+  const auto end = std::chrono::steady_clock::now() + kProofTime;
+  while (proofs.pending_count() > 0 && Interrupts() < 2 &&
+         std::chrono::steady_clock::now() < end) {
+    client.Poll(100ms);
+    TurnProofs(proofs, client);
+  }
+}
+
+/// The shop's folder is of this process alone, and its queue is one of ours.
+Status LockFolder(const client::ServiceSetOptions& set,
+                  std::optional<client::FolderLock>& lock) {
+  if (!set.without.contains("job-service"))
+    INTAGLIO_TRY(history::CheckJobDatabase(set.folder / "jobs.db"));
+  auto taken = INTAGLIO_TRY(client::FolderLock::Take(set.folder));
+  lock.emplace(std::move(taken));
+  return {};
+}
+
+void Welcome(client::ServiceSet& services, const Mounted& mounted,
+             const client::ServiceSetOptions& set) {
+  for (const std::string& process : services.Processes()) std::cout << process << "\n";
+  std::cout << TextOf(mounted) << "\n"
+            << "machine profile for jobs: " << services.machine_file().string() << "\n"
+            << "the shop is open (domain " << set.bus.control_domain << ", interface "
+            << set.bus.interface
+            << "); from another terminal: intaglio submit JOB --arm --watch\n"
+               "Ctrl-C closes it\n"
+            << std::flush;
+}
+
+/// Until Ctrl-C, or until a service has died for good. `proofs`: null without a machine.
+int KeepOpen(client::ServiceSet& services, client::JobClient& client,
+             client::ShopProofs* proofs) {
+  while (Interrupts() == 0) {
+    client.Poll(200ms);
+    if (proofs != nullptr) TurnProofs(*proofs, client);
+    const auto revived = services.Revive();
+    if (!revived) {
+      services.Stop();
+      return Complain(revived.error(), client::kExitMachine);
+    }
+    for (const std::string& sent : *revived) std::cerr << sent << "\n";
+  }
+  services.Stop();
+  if (proofs != nullptr) FinishProofs(*proofs, client);
+  return client::kExitGood;
+}
+
 int Up(const UpOptions& options) {
   CatchInterrupts();
   const auto file = FindMachineFile(options.machine);
-  if (!file) return Complain(file.error(), client::kExitWrongInput);
+  if (!file) {
+    return Complain(Prefixed(file.error(), "--machine: "), client::kExitWrongInput);
+  }
   const auto machine = ReadMachineFile(*file);
   if (!machine) return Complain(machine.error(), client::kExitWrongInput);
   client::ServiceSetOptions set;
@@ -121,24 +205,31 @@ int Up(const UpOptions& options) {
   set.materials_db = options.materials_db.empty() ? materials_db::DefaultDatabasePath()
                                                   : fs::path(options.materials_db);
   set.machine = *machine;
-  const auto mounted =
-      MountedOf(options.mount, !options.real_machine, *machine, set.materials_db);
-  if (!mounted) return Complain(mounted.error(), client::kExitWrongInput);
-  set.mounted = mounted->description;
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};
-  const auto lock = client::FolderLock::Take(set.folder);
-  if (!lock) return Complain(lock.error(), client::kExitWrongInput);
-  if (options.record) {
-    const auto recording = NewRecording(set.folder / "recordings");
-    if (!recording) return Complain(recording.error(), client::kExitWrongInput);
-    set.recording = *recording;
-  }
+  // What a refused shop has made goes again, while the folder is still locked.
+  std::optional<client::FolderLock> lock;
+  client::FreshPaths fresh(
+      {set.folder, set.folder / "lock", set.folder / "recordings", set.materials_db});
+  if (auto room = client::CheckRoom(set.folder); !room)
+    return Complain(room.error(), client::kExitMachine);
+  if (auto locked = LockFolder(set, lock); !locked)
+    return Complain(locked.error(), client::kExitWrongInput);
   bus::Bus bus(set.bus);
   client::JobClient client(bus);
   if (auto alone = AwaitNoRival(set, client, bus.discovery_time()); !alone) {
     return Complain(alone.error(), client::kExitWrongInput);
+  }
+  const auto mounted =
+      MountedOf(options.mount, !options.real_machine, *machine, set.materials_db);
+  if (!mounted) return Complain(mounted.error(), client::kExitWrongInput);
+  set.mounted = mounted->description;
+  if (options.record) {
+    const auto recording = NewRecording(set.folder / "recordings");
+    if (!recording) return Complain(recording.error(), client::kExitWrongInput);
+    set.recording = *recording;
+    set.recording_bulk = options.bulk;
   }
   std::optional<client::VirtualMachine> virtual_machine;
   if (!options.real_machine) {
@@ -146,31 +237,19 @@ int Up(const UpOptions& options) {
     if (!made) return Complain(made.error(), client::kExitWrongInput);
     virtual_machine = std::move(*made);
   }
+  fresh.Keep();
   auto services =
       client::ServiceSet::Start(set, virtual_machine ? &*virtual_machine : nullptr);
   if (!services) return Complain(services.error(), client::kExitInternal);
   if (auto ready = services->AwaitReady(client); !ready) {
-    return Complain(ready.error(), client::kExitInternal);
+    services->Stop();
+    const bool faulty = ready.error().code == ErrorCode::kFault;
+    return Complain(ready.error(), faulty ? client::kExitMachine : client::kExitInternal);
   }
-  for (const std::string& process : services->Processes()) std::cout << process << "\n";
-  std::cout
-      << TextOf(*mounted) << "\n"
-      << "machine profile for jobs: " << services->machine_file().string() << "\n"
-      << "the shop is open (domain " << set.bus.control_domain << ", interface "
-      << set.bus
-             .interface << "); from another terminal: intaglio submit JOB --arm --watch\nCtrl-C closes it\n"
-      << std::flush;
-  while (Interrupts() == 0) {
-    client.Poll(200ms);
-    const auto revived = services->Revive();
-    if (!revived) {
-      services->Stop();
-      return Complain(revived.error(), client::kExitMachine);
-    }
-    for (const std::string& sent : *revived) std::cerr << sent << "\n";
-  }
-  services->Stop();
-  return client::kExitGood;
+  Welcome(*services, *mounted, set);
+  client::ShopProofs proofs = ProofsOf(options, set);
+  const bool has_machine = !set.without.contains("synchronizer");
+  return KeepOpen(*services, client, has_machine ? &proofs : nullptr);
 }
 
 }  // namespace
@@ -185,8 +264,9 @@ void AddUpCommand(command_line::Command app) {
   up.AddOption("--folder", options->folder, "queue, logs and job folders").ShowDefault();
   up.AddOption("--materials", options->materials_db, "material base, default the user's");
   up.AddOption("--without", options->without, "services that run elsewhere");
-  up.AddFlag("--record", options->record,
-             "record all messages in the folder's recordings");
+  const auto record = up.AddFlag("--record", options->record,
+                                 "record all messages in the folder's recordings");
+  AddBulkFlag(up, options->bulk).Need(record);
   up.AddFlag("--real-machine", options->real_machine,
              "no virtual engraver: the profile's serial devices are used");
   const auto lockstep =
@@ -198,6 +278,7 @@ void AddUpCommand(command_line::Command app) {
       .Exclude(lockstep);
   AddTruthFlags(up, options->truth);
   AddMountFlags(up, options->mount);
+  AddPictureStyleFlags(up, options->picture);
   up.SetFooter(
       "Example: intaglio up --folder shop --block 60 60 40, and from another terminal: "
       "intaglio submit job.textproto --arm --watch\n"

@@ -4,12 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <random>
 
 #include "engrave/core/try.h"
-#include "services/history/job_names.h"
 #include "services/job/models/discretize_outcome.h"
+#include "services/job/verdict/warnings.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/peers/identity_role.h"
 
@@ -27,6 +26,8 @@ constexpr char kNobodyThere[] =
 // A job service that is seen again publishes all that it knows within a second.
 constexpr auto kForgottenAfter = 10s;
 constexpr auto kEndedStaysFor = 60s;
+// The job service tries its disk again every second.
+constexpr auto kFaultTime = 2s;
 
 std::int64_t SteadyNs() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
@@ -52,50 +53,6 @@ intaglio_JobCommand CommandOf(const std::string& sender, std::uint64_t number,
 
 }  // namespace
 
-bool JobView::ended() const {
-  return state == intaglio_JOB_DONE || state == intaglio_JOB_FAILED ||
-         state == intaglio_JOB_CANCELLED;
-}
-
-const char* NameOf(intaglio_JobState state) {
-  return state == intaglio_JOB_WAITING_FOR_ARM ? "waiting for arm"
-                                               : history::StateName(state);
-}
-
-std::string StateOf(const JobView& job) {
-  if (!job.armed || job.ended() || job.state == intaglio_JOB_ENGRAVING) {
-    return NameOf(job.state);
-  }
-  if (job.state == intaglio_JOB_WAITING_FOR_ARM) return "armed";
-  return std::string(NameOf(job.state)) + ", armed";
-}
-
-const JobView::Progress* StageAtWork(const JobView& job) {
-  for (const JobView::Progress& p : job.progress) {
-    if (!p.ended()) return &p;
-  }
-  return job.progress.empty() ? nullptr : &job.progress.back();
-}
-
-const char* NameOf(intaglio_Stage stage) {
-  switch (stage) {
-    case intaglio_STAGE_DISCRETIZE:
-      return "discretize";
-    case intaglio_STAGE_SORT:
-      return "order";
-    case intaglio_STAGE_ENGRAVE:
-      return "engrave";
-  }
-  return "unknown";
-}
-
-std::string OperatorName() {
-  char host[256] = "localhost";
-  gethostname(host, sizeof host - 1);
-  const char* user = std::getenv("USER");
-  return fmt::format("{}@{}", user != nullptr ? user : "operator", host);
-}
-
 JobClient::Commands::Commands(bus::Bus& bus)
     : submissions(bus, bus::kJobSubmission),
       commands(bus, bus::kJobCommand),
@@ -106,6 +63,7 @@ JobClient::JobClient(bus::Bus& bus, std::function<Clock::time_point()> now)
       statuses_(bus, bus::kJobStatus),
       tasks_(bus, bus::kTaskStatus),
       health_(bus, bus::kServiceHealth),
+      disk_spaces_(bus, bus::kDiskSpace),
       wait_(bus),
       now_(std::move(now)) {
   try {
@@ -142,6 +100,13 @@ void JobClient::Take(const intaglio_JobStatus& status) {
   view.armed = status.armed;
   view.disarm_count = status.disarm_count;
   view.disarm_reason = View(status.disarm_reason);
+  for (const intaglio_JobWarning& warning : View(status.warnings)) {
+    view.warnings.push_back(WarningOf(warning));
+  }
+  view.breakage_accepted_by = View(status.breakage_accepted_by);
+  view.counts = status.counts;
+  view.verdict = View(status.verdict);
+  view.alarm = View(status.alarm);
   if (view.uid.empty()) {
     refused_[view.submission_uid] = view;
   } else {
@@ -238,7 +203,56 @@ void JobClient::Poll(std::chrono::milliseconds timeout) {
                                health.pid,
                                std::chrono::steady_clock::now()};
       });
+  TakeDisks();
   DropForgotten();
+}
+
+void JobClient::TakeDisks() {
+  disk_spaces_.TakeAll([this](const intaglio_DiskSpace& disk,
+                              const bus::SampleOrigin& o) {
+    const std::string instance(View(disk.instance)), folder(View(disk.folder));
+    if (!o.alive) {
+      disks_.erase({instance, folder});
+    } else {
+      disks_[{instance, folder}] = {instance, folder, disk.free_bytes, disk.total_bytes};
+    }
+  });
+}
+
+std::vector<DiskView> JobClient::disks() const {
+  std::vector<DiskView> views;
+  for (const auto& [key, view] : disks_) views.push_back(view);
+  return views;
+}
+
+std::optional<Error> JobClient::JobServiceFault() const {
+  for (const auto& [instance, service] : services_) {
+    const bool faulty = service.role == intaglio_ROLE_JOB_SERVICE &&
+                        service.state == intaglio_HEALTH_FAULT;
+    if (faulty)
+      return Error{ErrorCode::kFault, "the job service cannot work: " + service.message,
+                   instance};
+  }
+  return std::nullopt;
+}
+
+Result<bool> JobClient::AwaitAnswer(const std::function<bool()>& condition,
+                                    std::chrono::milliseconds timeout) {
+  std::optional<Clock::time_point> faulty_since;
+  const auto is_decided = [&] {
+    if (condition()) return true;
+    if (!JobServiceFault()) {
+      faulty_since.reset();
+      return false;
+    }
+    const auto now = Clock::now();
+    if (!faulty_since) faulty_since = now;
+    return now - *faulty_since >= kFaultTime;
+  };
+  const bool decided = PollUntil(is_decided, timeout);
+  if (decided && condition()) return true;
+  if (auto fault = JobServiceFault()) return tl::unexpected(std::move(*fault));
+  return false;
 }
 
 bool JobClient::PollUntil(const std::function<bool()>& condition,
@@ -249,6 +263,18 @@ bool JobClient::PollUntil(const std::function<bool()>& condition,
     if (std::chrono::steady_clock::now() >= end) return false;
     Poll(50ms);
   }
+}
+
+Error JobClient::WhyNoAnswer(std::chrono::milliseconds timeout) const {
+  for (const auto& [instance, service] : services_) {
+    if (service.role != intaglio_ROLE_JOB_SERVICE) continue;
+    return {ErrorCode::kFault,
+            fmt::format("{} did not answer the submission within {:.0f} s, and it is "
+                        "withdrawn: check its log and its disk (intaglio status)",
+                        instance, std::chrono::duration<double>(timeout).count()),
+            instance};
+  }
+  return {ErrorCode::kTimedOut, kNobodyThere, ""};
 }
 
 Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds timeout) {
@@ -271,12 +297,11 @@ Result<JobView> JobClient::Submit(const JobSpec& job, std::chrono::milliseconds 
     }
     return found != nullptr;
   };
-  if (!PollUntil(answered, timeout)) {
-    return Fail(ErrorCode::kTimedOut, kNobodyThere);
-  }
-  // The job service that answered has stored it; samples retained here would only
-  // accumulate.
+  const Result<bool> answer = AwaitAnswer(answered, timeout);
+  // The job service that answered has stored it; one that answers later does not take it.
   (void)commands_->submissions.Dispose(sample);
+  if (!answer) return tl::unexpected(answer.error());
+  if (!*answer) return tl::unexpected(WhyNoAnswer(timeout));
   if (found == nullptr) return Fail(ErrorCode::kRefused, refused_[uid].message);
   return *found;
 }
@@ -291,6 +316,7 @@ Result<std::uint64_t> JobClient::Send(const JobView& job, const JobOrder& order)
   sample.from_point = order.from_point;
   sample.fire_uncertain = order.fire_uncertain;
   sample.speed_percent = order.speed_percent;
+  sample.accept_breakage = order.accept_breakage;
   INTAGLIO_TRY(commands_->commands.Write(sample));
   return last_number_;
 }
@@ -314,8 +340,11 @@ std::optional<CommandReply> JobClient::AnswerTo(std::uint64_t number) const {
 Status JobClient::Command(const JobView& job, const JobOrder& order,
                           std::chrono::milliseconds timeout) {
   const auto number = INTAGLIO_TRY(Send(job, order));
-  if (!PollUntil([&] { return AnswerTo(number).has_value(); }, timeout)) {
+  const Result<bool> answer =
+      AwaitAnswer([&] { return AnswerTo(number).has_value(); }, timeout);
+  if (!answer || !*answer) {
     Withdraw(number);
+    if (!answer) return tl::unexpected(answer.error());
     return Fail(ErrorCode::kTimedOut,
                 fmt::format("the job service did not answer the command for job {0} "
                             "within {1:.0f} s: check that it runs (intaglio list) and "
@@ -324,7 +353,9 @@ Status JobClient::Command(const JobView& job, const JobOrder& order,
   }
   const CommandReply reply = *AnswerTo(number);
   if (reply.taken()) return {};
-  return Fail(ErrorCode::kRefused, reply.message);
+  return Fail(ErrorCode::kRefused,
+              fmt::format("refused, {}: {}", NameOf(reply.code), reply.message),
+              NameOf(reply.code));
 }
 
 Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
@@ -333,6 +364,7 @@ Result<JobView> JobClient::Find(const std::string& uid_or_number) const {
     if (uid == uid_or_number || std::to_string(view.number) == uid_or_number) return view;
     known += (known.empty() ? "" : ", ") + std::to_string(view.number);
   }
+  if (auto fault = JobServiceFault()) return tl::unexpected(std::move(*fault));
   if (services_.empty()) return Fail(ErrorCode::kTimedOut, kNobodyThere);
   return Fail(ErrorCode::kNotFound,
               fmt::format("no job '{}'; the known jobs are: {}", uid_or_number,

@@ -13,75 +13,10 @@
 
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
+#include "services/client/job_view.h"
 #include "services/platform/bus/bus.h"
 
 namespace intaglio::client {
-
-/// A JobStatus, copied.
-struct JobView {
-  std::string uid, submission_uid, name, message, result_directory, cell;
-  std::uint64_t epoch = 0;
-  std::uint32_t number = 0;
-  std::uint32_t attempt = 0;
-  intaglio_JobState state = intaglio_JOB_QUEUED;
-  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;  ///< unless paused
-  struct Progress {
-    intaglio_Stage stage;
-    std::uint64_t done_count = 0, total_count = 0;
-    double elapsed_s = 0;
-
-    bool ended() const { return total_count > 0 && done_count >= total_count; }
-  };
-  std::vector<Progress> progress;
-  std::uint64_t estimate_ticks = 0;
-  double rate_hz = 0;
-  std::uint64_t revision = 0;
-  std::uint32_t speed_percent = 100;
-  bool armed = false;  ///< by an operator: what is paused goes on by itself
-  std::uint64_t disarm_count = 0;
-  std::string disarm_reason;  ///< of the last one
-
-  /// Done, failed or cancelled.
-  bool ended() const;
-  /// A person paused it, and no person has resumed it.
-  bool paused_by_operator() const {
-    return pause_reason == intaglio_PAUSE_OPERATOR && !armed;
-  }
-};
-
-/// "queued", "engraving", ...
-const char* NameOf(intaglio_JobState state);
-/// The same, with "armed" where a person has armed it and it does not fire yet:
-/// "discretizing, armed", "armed" instead of "waiting for arm".
-std::string StateOf(const JobView& job);
-/// "discretize", "order", "engrave".
-const char* NameOf(intaglio_Stage stage);
-
-/// The stage at work, or null while none is.
-const JobView::Progress* StageAtWork(const JobView& job);
-
-struct ServiceView {
-  std::string instance, host, cell, message;
-  intaglio_ServiceRole role = intaglio_ROLE_JOB_SERVICE;
-  intaglio_HealthState state = intaglio_HEALTH_STARTING;
-  int pid = 0;
-  std::chrono::steady_clock::time_point reported_at;  ///< its newest health, received
-};
-
-/// What a person asks of a job.
-struct JobOrder {
-  intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
-  std::uint32_t from_point = 0;  ///< resume: open points before that place are left out
-  bool fire_uncertain = false;   ///< resume: uncertain points are fired again
-  std::uint32_t speed_percent = 100;  ///< speed: 10..100
-};
-
-/// A JobCommandAnswer, copied.
-struct CommandReply {
-  intaglio_CommandAnswerCode code = intaglio_ANSWER_TAKEN;
-  std::string message;  ///< one sentence a person can act on; empty when taken
-  bool taken() const { return code == intaglio_ANSWER_TAKEN; }
-};
 
 /// Every client sees the jobs; commands are refused (kRefused) unless the client's
 /// identity allows them.
@@ -98,13 +33,15 @@ class JobClient {
   bool PollUntil(const std::function<bool()>& condition,
                  std::chrono::milliseconds timeout);
 
-  /// The job as the job service took it; kRefused with its reasons; kTimedOut when no
-  /// job service answers.
+  /// The job as the job service took it; kRefused with its reasons; kTimedOut when there
+  /// is no job service; kFault when there is one that cannot work or does not answer. The
+  /// submission is withdrawn then.
   Result<JobView> Submit(const JobSpec& job, std::chrono::milliseconds timeout);
   /// Longer than the bus needs to find a job service that is there.
   static constexpr std::chrono::seconds kAnswerTime{5};
   /// Sends a command about the job as `job` has it, and waits for the answer to it.
-  /// kRefused with its message; kTimedOut when none comes: the command is withdrawn then.
+  /// kRefused with its code and message; kFault when the job service cannot work, with
+  /// its reason; kTimedOut when no answer comes: the command is withdrawn then.
   Status Command(const JobView& job, const JobOrder& order,
                  std::chrono::milliseconds timeout = kAnswerTime);
   /// The same without waiting; the number of the command, for AnswerTo. It stays until it
@@ -126,6 +63,11 @@ class JobClient {
   /// time of all workers.
   std::optional<StageOutcome> OutcomeOf(const std::string& job_uid,
                                         intaglio_Stage stage) const;
+  /// The job service is there and cannot work, and why; nullopt: it can, or there is
+  /// none.
+  std::optional<Error> JobServiceFault() const;
+  /// By its process and folder.
+  std::vector<DiskView> disks() const;
   /// Living services.
   std::vector<ServiceView> services() const;
 
@@ -138,6 +80,11 @@ class JobClient {
   void DropForgotten();
   void Drop(const std::string& uid);
   void Take(const intaglio_JobCommandAnswer& answer);
+  void TakeDisks();
+  Error WhyNoAnswer(std::chrono::milliseconds timeout) const;
+  /// `condition`, or kFault once the job service has reported a fault for two seconds.
+  Result<bool> AwaitAnswer(const std::function<bool()>& condition,
+                           std::chrono::milliseconds timeout);
   /// The job service forgets it, unless it was taken.
   void Withdraw(std::uint64_t number);
 
@@ -153,6 +100,7 @@ class JobClient {
   bus::Reader<intaglio_JobStatus> statuses_;
   bus::Reader<intaglio_TaskStatus> tasks_;
   bus::Reader<intaglio_ServiceHealth> health_;
+  bus::Reader<intaglio_DiskSpace> disk_spaces_;
   bus::WaitSet wait_;
   std::map<std::string, JobView> jobs_;
   std::map<std::string, JobView> refused_;  // by submission
@@ -165,13 +113,12 @@ class JobClient {
   std::map<std::uint64_t, CommandReply> replies_;                  // by command
   std::map<std::pair<std::string, int>, StageOutcomes> outcomes_;  // by job and stage
   std::map<std::string, ServiceView> services_;
+  std::map<std::pair<std::string, std::string>, DiskView>
+      disks_;  // by process and folder
   /// Jobs without a status on the bus, since when; for open ones this time does not
   /// pass while there is no job service.
   std::map<std::string, Clock::time_point> lost_;
   std::function<Clock::time_point()> now_;
 };
-
-/// user@host, for people.
-std::string OperatorName();
 
 }  // namespace intaglio::client

@@ -25,6 +25,7 @@ CommandView ViewOf(const intaglio_JobCommand& sample) {
   command.from_point = sample.from_point;
   command.fire_uncertain = sample.fire_uncertain;
   command.speed_percent = sample.speed_percent;
+  command.accept_breakage = sample.accept_breakage;
   return command;
 }
 

@@ -155,6 +155,22 @@ ALTER TABLE answered_commands RENAME TO commands;
 ALTER TABLE jobs ADD COLUMN pause_reason INTEGER NOT NULL DEFAULT 0;
 UPDATE jobs SET pause_reason = CASE WHEN message LIKE 'paused by %' THEN 1 ELSE 3 END
   WHERE state = 5;
+)sql",
+    // The warnings of a job, a serialized WarningList, and who accepted that the glass
+    // may break. Before, warnings were sentences in the outcomes of tasks alone.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN warnings BLOB NOT NULL DEFAULT x'';
+ALTER TABLE jobs ADD COLUMN breakage_accepted_by TEXT NOT NULL DEFAULT '';
+)sql",
+    // Marks the file: "INTJ" (services/history/job_database.h).
+    R"sql(
+PRAGMA application_id = 1229870154;
+)sql",
+    // The first estimate of the machining time, and what both estimates are compared
+    // with: the ticks of a job that was made whole in one run at full speed.
+    R"sql(
+ALTER TABLE jobs ADD COLUMN first_estimate_ticks INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN undisturbed_ticks INTEGER NOT NULL DEFAULT 0;
 )sql"};
 
 }  // namespace intaglio::job_service

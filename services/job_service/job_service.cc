@@ -4,6 +4,7 @@
 
 #include "proto/task.pb.h"
 #include "services/job/model_kind.h"
+#include "services/job/verdict/warnings.h"
 #include "services/job_service/submission.h"
 #include "services/platform/bus/samples.h"
 #include "services/platform/host/process/log.h"
@@ -32,6 +33,8 @@ TaskView ViewOf(const intaglio_TaskStatus& status) {
   view.error_code = status.error_code;
   view.pause_reason = status.pause_reason;
   view.message = View(status.message);
+  view.counts = status.counts;
+  view.alarm = View(status.alarm);
   return view;
 }
 
@@ -47,7 +50,7 @@ FrozenJob FrozenOf(const JobRecord& job) {
 }  // namespace
 
 JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options,
-                       Nanoseconds now)
+                       StatusBoard& board, Nanoseconds now)
     : options_(options),
       store_(options.database),
       reader_(ReadingWith(options.materials)),
@@ -56,7 +59,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       submissions_(host.bus(), bus::kJobSubmission),
       commands_(host.bus(), store_),
       reports_(host.bus()),
-      statuses_(host.bus(), bus::kJobStatus),
+      board_(board),
       discretize_tasks_(host.bus(), bus::kDiscretizeTask),
       sort_tasks_(host.bus(), bus::kSortTask),
       engrave_tasks_(host.bus(), bus::kEngraveTask),
@@ -67,7 +70,12 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
   queue_.Restore(store_.Load(kRememberedJobs), seen_.absence(), now);
   for (const std::string& cell : CellsInUse()) OpenCell(cell);
   // What a cancelled job has left in the glass may still be reported.
-  for (const auto& [uid, job] : queue_.jobs()) reports_.OpenCell(job.cell);
+  std::set<std::string> known;
+  for (const auto& [uid, job] : queue_.jobs()) {
+    reports_.OpenCell(job.cell);
+    known.insert(uid);
+  }
+  board_.WithdrawAllBut(known);
 }
 
 JobService::~JobService() = default;
@@ -102,7 +110,7 @@ void JobService::Close(Nanoseconds now) {
 
 void JobService::TakeTasks(Nanoseconds now) {
   const auto take = [&](const intaglio_TaskStatus& status) {
-    const TaskView view = ViewOf(status);
+    TaskView view = ViewOf(status);
     if (view.stage > intaglio_STAGE_ENGRAVE) return;
     bool fresh = false;
     if (view.ended() && !queue_.AnswersAnOldRevocation(view)) {
@@ -110,6 +118,7 @@ void JobService::TakeTasks(Nanoseconds now) {
       fresh = store_.KeepTaskEnd(view, std::string(bytes.begin(), bytes.end()));
     }
     const JobRecord* job = queue_.Find(view.task.job_uid);
+    if (fresh && job != nullptr) view.warnings = WarningsAfter(view, *job);
     const bool had_ended = job != nullptr && job->ended();
     queue_.Take(view, now);
     // What a job that was ended from outside has left in the glass comes afterwards,
@@ -117,12 +126,23 @@ void JobService::TakeTasks(Nanoseconds now) {
     if (!view.ended() || view.stage != intaglio_STAGE_ENGRAVE) return;
     if (had_ended) {
       statistics_.Ended(*job);
+      Publish(*job);
     } else if (job == nullptr && fresh) {
       const auto past = store_.LoadEnded(view.task.job_uid);
       if (past) statistics_.Ended(*past);
     }
   };
   reports_.TakeTasks(take, now);
+}
+
+std::optional<Warnings> JobService::WarningsAfter(const TaskView& view,
+                                                  const JobRecord& job) {
+  const bool made = view.state == intaglio_TASK_DONE &&
+                    view.stage != intaglio_STAGE_ENGRAVE &&
+                    view.task.attempt == job.attempt && !job.ended();
+  if (!made) return std::nullopt;
+  return WarningsOf(store_.OutcomesOf(job.uid, job.attempt), job.parts.size(),
+                    FrozenOf(job).job());
 }
 
 void JobService::TakeHealth(Nanoseconds now) {
@@ -143,12 +163,13 @@ void JobService::TakeHealth(Nanoseconds now) {
 
 void JobService::Changed(const JobRecord& job) {
   store_.Keep(job);
-  Publish(job);
+  // The verdict is kept before the end is published with it.
   if (job.ended()) {
     statistics_.Ended(job);
-  } else {
-    statistics_.Changed(job);
+    return Publish(job);
   }
+  Publish(job);
+  statistics_.Changed(job);
 }
 
 void JobService::Progressed(const JobRecord& job) {
@@ -166,40 +187,13 @@ void JobService::PublishFault(const std::string& why) {
     }
     faulted.message = why;
     ++faulted.revision;
-    Publish(faulted);
+    board_.Publish(faulted);
   }
 }
 
 void JobService::Publish(const JobRecord& job) {
-  std::vector<intaglio_StageProgress> progress;
-  for (const intaglio_Stage stage : kStages) {
-    const StageRecord& record = job.stage(stage);
-    progress.push_back({stage, record.done_count, record.total_count, record.elapsed_s});
-  }
-  intaglio_JobStatus sample{};
-  sample.job_uid = Borrow(job.uid);
-  sample.submission_uid = Borrow(job.submission_uid);
-  sample.epoch = job.epoch;
-  sample.number = job.number;
-  sample.name = Borrow(job.name);
-  sample.state = job.state;
-  sample.pause_reason = job.pause_reason;
-  sample.attempt = job.attempt;
-  Borrow(sample.progress, progress);
-  sample.estimate_ticks = job.estimate_ticks;
-  sample.rate_hz = job.rate_hz;
-  sample.message = Borrow(job.message);
-  sample.result_directory = Borrow(job.result_directory);
-  sample.cell = Borrow(job.cell);
-  sample.revision = job.revision;
-  sample.speed_percent = job.speed_percent;
-  sample.armed = job.arm.armed();
-  sample.last_command = job.arm.kept().last_command;
-  sample.disarm_count = job.arm.disarm_count();
-  sample.disarm_reason = Borrow(job.arm.disarm_reason());
-  if (auto written = statuses_.Write(sample); !written) {
-    host::LogWarning("status of job {}: {}", job.uid, written.error().message);
-  }
+  if (!job.ended() || job.uid.empty()) return board_.Publish(job);
+  board_.PublishEnded(job, store_.ResultOf(job.uid));
 }
 
 void JobService::Give(const TaskOrder& order, const JobRecord& job) {
@@ -242,7 +236,7 @@ void JobService::StartFeed(const TaskOrder& order, const JobRecord& job) {
 void JobService::StopFeed(const std::string& job_uid) { feed_.Stop(job_uid); }
 
 void JobService::Forgotten(const JobRecord& job) {
-  Withdraw(job.uid, job.submission_uid);
+  board_.Withdraw(job.uid, job.submission_uid);
 }
 
 // The instance of a synchronizer stays: it takes no dispose for a revocation, and it may
@@ -262,18 +256,6 @@ std::set<std::string> JobService::CellsInUse() const {
     if (!job.ended()) cells.insert(job.cell);
   }
   return cells;
-}
-
-void JobService::Withdraw(const std::string& job_uid, const std::string& submission_uid) {
-  intaglio_JobStatus sample{};
-  sample.job_uid = Borrow(job_uid);
-  sample.submission_uid = Borrow(submission_uid);
-  const std::string empty;
-  sample.name = sample.message = sample.result_directory = sample.cell = Borrow(empty);
-  if (auto disposed = statuses_.Dispose(sample); !disposed) {
-    host::LogWarning("end of the status of job {}: {}", job_uid,
-                     disposed.error().message);
-  }
 }
 
 }  // namespace intaglio::job_service

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -17,6 +18,7 @@
 #include "services/job_service/permission_keeper.h"
 #include "services/job_service/queue/job_queue.h"
 #include "services/job_service/statistics_writer.h"
+#include "services/job_service/status_board.h"
 #include "services/job_service/submission_reader.h"
 #include "services/job_service/worker_reports.h"
 #include "services/platform/bus/bus.h"
@@ -36,14 +38,16 @@ struct JobServiceOptions {
 class JobService : private JobActions {
  public:
   /// Throws StoreError when a database cannot be opened.
-  JobService(host::ServiceHost& host, const JobServiceOptions& options, Nanoseconds now);
+  /// `board` outlives this.
+  JobService(host::ServiceHost& host, const JobServiceOptions& options,
+             StatusBoard& board, Nanoseconds now);
   ~JobService() override;
 
   /// `now`: time since the machine was switched on, in which it may have slept.
   void Turn(Nanoseconds now);
   /// A person ends this process, and with it every arm.
   void Close(Nanoseconds now);
-  /// For clients that watch the jobs: the last sample that this process publishes.
+  /// For clients that watch the jobs: the last samples before the queue is read again.
   void PublishFault(const std::string& why);
 
   template <typename Loop>
@@ -65,6 +69,8 @@ class JobService : private JobActions {
   /// The topics of a job's machine.
   void OpenCell(const std::string& cell);
   void TakeTasks(Nanoseconds now);
+  /// Of the job, when the end of this task of its running attempt has changed them.
+  std::optional<Warnings> WarningsAfter(const TaskView& view, const JobRecord& job);
   void TakeHealth(Nanoseconds now);
   void TakeSubmissions(Nanoseconds now);
   void Submit(const intaglio_JobSubmission& submission, Nanoseconds now);
@@ -73,8 +79,6 @@ class JobService : private JobActions {
               Nanoseconds now);
   void Publish(const JobRecord& job);
   std::set<std::string> CellsInUse() const;
-  /// Ends the DDS instance of its status.
-  void Withdraw(const std::string& job_uid, const std::string& submission_uid);
 
   JobServiceOptions options_;
   JobStore store_;
@@ -85,7 +89,7 @@ class JobService : private JobActions {
   bus::Reader<intaglio_JobSubmission> submissions_;
   CommandInbox commands_;
   WorkerReports reports_;
-  bus::Writer<intaglio_JobStatus> statuses_;
+  StatusBoard& board_;
   bus::Writer<intaglio_StageTask> discretize_tasks_;
   bus::Writer<intaglio_StageTask> sort_tasks_;
   bus::Writer<intaglio_StageTask> engrave_tasks_;

@@ -7,38 +7,27 @@
 #include <chrono>
 #include <random>
 
+#include "services/history/job_database.h"
 #include "services/history/job_history.h"
+#include "services/job/verdict/warnings.h"
 #include "services/job_service/job_migrations.h"
 #include "services/job_service/store_guard.h"
 
 namespace intaglio::job_service {
 namespace {
 
-// One task, by the parameters that BindTask fills.
-constexpr const char* kWhereTask =
-    "job_uid = ?1 AND attempt = ?2 AND stage = ?3 AND part = ?4 AND part_attempt = ?5";
-
-void BindTask(SQLite::Statement& statement, intaglio_Stage stage, const TaskId& task) {
-  statement.bind(1, task.job_uid);
-  statement.bind(2, task.attempt);
-  statement.bind(3, static_cast<int>(stage));
-  statement.bind(4, task.part);
-  statement.bind(5, task.part_attempt);
-}
-
 // More revisions than can have been published without being kept: progress ten times a
 // second for a month. Readers only check whether a revision is newer.
 constexpr std::uint64_t kRevisionLeap = 1u << 25;
 
+static_assert(kMigrations.size() == history::kJobDatabaseVersion);
+
 std::unique_ptr<SQLite::Database> Open(const std::filesystem::path& path) {
+  if (const auto ours = history::CheckJobDatabase(path); !ours) {
+    throw StoreError(ours.error().message, ours.error().code == ErrorCode::kIo);
+  }
   std::error_code ignored;
   std::filesystem::create_directories(path.parent_path(), ignored);
-  if (std::filesystem::is_directory(path, ignored)) {
-    throw StoreError(fmt::format("job database {}: is a folder; name a file with "
-                                 "--database",
-                                 path.string()),
-                     false);
-  }
   try {
     auto database = std::make_unique<SQLite::Database>(
         path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, 2000);
@@ -103,9 +92,11 @@ void LoadParts(SQLite::Database& database, JobRecord& job) {
 // Of an open job; an ended one is loaded without its frozen job.
 constexpr const char* kColumns =
     "number, uid, submission_uid, epoch, name, cell, material, priority, rate_hz, "
-    "result_directory, state, attempt, lost_attempts, message, estimate_ticks, revision, "
+    "result_directory, state, attempt, lost_attempts, message, estimate_ticks, "
+    "first_estimate_ticks, revision, "
     "last_command, ever_granted, armed, operator_name, first_point, fire_uncertain, "
-    "asks_before_resume, disarm_count, disarm_reason, last_command_id, pause_reason";
+    "asks_before_resume, disarm_count, disarm_reason, last_command_id, pause_reason, "
+    "warnings, breakage_accepted_by";
 
 JobRecord RecordOf(SQLite::Statement& row) {
   JobRecord job;
@@ -131,6 +122,7 @@ JobRecord RecordOf(SQLite::Statement& row) {
   job.lost_attempts = u32("lost_attempts");
   job.message = text("message");
   job.estimate_ticks = u64("estimate_ticks");
+  job.first_estimate_ticks = u64("first_estimate_ticks");
   job.revision = u64("revision") + kRevisionLeap;
   KeptArm arm;
   arm.armed = row.getColumn("armed").getInt() != 0;
@@ -143,7 +135,9 @@ JobRecord RecordOf(SQLite::Statement& row) {
   arm.fire_uncertain = row.getColumn("fire_uncertain").getInt() != 0;
   arm.last_command = u64("last_command");
   arm.last_command_id = text("last_command_id");
+  arm.breakage_accepted_by = text("breakage_accepted_by");
   job.arm = JobArm(std::move(arm));
+  job.warnings = WarningsOfBytes(text("warnings"));
   job.pause_reason =
       static_cast<intaglio_PauseReason>(row.getColumn("pause_reason").getInt());
   return job;
@@ -183,12 +177,6 @@ void JobStore::Migrate() {
   Guarded(*database_, [this] {
     const int version = database_->execAndGet("PRAGMA user_version").getInt();
     const int newest = static_cast<int>(kMigrations.size());
-    if (version > newest) {
-      throw StoreError(fmt::format("job database {} has version {}, this program "
-                                   "supports {}; use the newer program",
-                                   database_->getFilename(), version, newest),
-                       false);
-    }
     for (int next = version; next < newest; ++next) {
       SQLite::Transaction transaction(*database_);
       database_->exec(kMigrations.at(static_cast<std::size_t>(next)));
@@ -261,11 +249,12 @@ void JobStore::Keep(const JobRecord& job) {
             "estimate_ticks, revision, last_command, ever_granted, priority, material, "
             "armed, operator_name, asks_before_resume, first_point, "
             "fire_uncertain, disarm_count, disarm_reason, last_command_id, pause_reason, "
-            "changed_utc, ended_utc) "
+            "warnings, breakage_accepted_by, first_estimate_ticks, changed_utc, "
+            "ended_utc) "
             "VALUES "
             "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
             "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, "
-            "?25, ?26, ?27, ?28, ?29, {0}, "
+            "?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, {0}, "
             "CASE ?11 WHEN 1 THEN {0} ELSE '' END) "
             "ON CONFLICT (number) DO UPDATE SET state = excluded.state, "
             "ended = excluded.ended, attempt = excluded.attempt, "
@@ -279,6 +268,9 @@ void JobStore::Keep(const JobRecord& job) {
             "disarm_reason = excluded.disarm_reason, "
             "last_command_id = excluded.last_command_id, "
             "pause_reason = excluded.pause_reason, "
+            "warnings = excluded.warnings, "
+            "breakage_accepted_by = excluded.breakage_accepted_by, "
+            "first_estimate_ticks = excluded.first_estimate_ticks, "
             "changed_utc = excluded.changed_utc, "
             // The first time stays.
             "started_utc = CASE WHEN started_utc = '' AND excluded.attempt > 0 THEN "
@@ -319,43 +311,13 @@ void JobStore::Keep(const JobRecord& job) {
     insert.bind(27, arm.disarm_reason);
     insert.bind(28, arm.last_command_id);
     insert.bind(29, static_cast<int>(job.pause_reason));
+    const std::string warnings = BytesOf(job.warnings);
+    insert.bind(30, warnings.data(), static_cast<int>(warnings.size()));
+    insert.bind(31, arm.breakage_accepted_by);
+    insert.bind(32, Signed(job.first_estimate_ticks));
     insert.exec();
     KeepStages(*database_, job);
     transaction.commit();
-  });
-}
-
-void JobStore::KeepTask(const TaskOrder& order) {
-  Guarded(*database_, [&] {
-    const std::string text =
-        order.revoked
-            ? fmt::format("UPDATE tasks SET revoked_utc = {}, worker = ?6 WHERE {}", kNow,
-                          kWhereTask)
-            : fmt::format(
-                  "INSERT OR REPLACE INTO tasks "
-                  "(job_uid, attempt, stage, part, part_attempt, worker, given_utc) "
-                  "VALUES (?1, ?2, ?3, ?4, ?5, ?6, {})",
-                  kNow);
-    SQLite::Statement statement(*database_, text);
-    BindTask(statement, order.stage, order.task);
-    statement.bind(6, order.worker);
-    statement.exec();
-  });
-}
-
-bool JobStore::KeepTaskEnd(const TaskView& task, const std::string& outcome) {
-  return Guarded(*database_, [&] {
-    SQLite::Statement update(
-        *database_,
-        fmt::format("UPDATE tasks SET ended_utc = {}, state = ?6, message = ?7, "
-                    "outcome = ?8 WHERE {} AND worker = ?9 AND ended_utc IS NULL",
-                    kNow, kWhereTask));
-    BindTask(update, task.stage, task.task);
-    update.bind(6, static_cast<int>(task.state));
-    update.bind(7, task.message);
-    update.bind(8, outcome.data(), static_cast<int>(outcome.size()));
-    update.bind(9, task.worker);
-    return update.exec() > 0;
   });
 }
 

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "proto/shop.pb.h"
+#include "services/job_service/job_warnings.h"
 #include "services/job_service/queue/job_queue.h"
 #include "services/job_service/queue/job_record.h"
 
@@ -40,6 +41,12 @@ class StoreError : public std::runtime_error {
 
  private:
   bool passes_;
+};
+
+/// Of a job that has ended.
+struct JobResult {
+  std::string verdict;  ///< VerdictName; empty: not known yet
+  intaglio_PointCounts counts{};
 };
 
 class JobStore {
@@ -68,12 +75,16 @@ class JobStore {
   /// The end of a task with its outcome (StageOutcome, serialized). False: it was kept
   /// before, or the task was never given to this worker.
   bool KeepTaskEnd(const TaskView& task, const std::string& outcome);
+  /// What the discretizers and the sorter have reported of this attempt, by part.
+  AttemptOutcomes OutcomesOf(const std::string& job_uid, std::uint32_t attempt);
 
   /// The verdict of a job that has ended, by the outcome of its engraving, which may come
   /// after the end; nothing of one that has not. `report`, `recording`: as in
   /// JobStatistics.
   void KeepVerdict(const std::string& job_uid, const std::string& report,
                    const std::string& recording);
+  /// What KeepVerdict has kept; nothing for a job that is not there.
+  JobResult ResultOf(const std::string& job_uid);
   /// Of a job that was kept, as it is now.
   JobStatistics StatisticsOf(const JobRecord& job,
                              std::chrono::system_clock::time_point now);

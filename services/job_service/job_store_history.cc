@@ -8,7 +8,8 @@
 
 #include "proto/task.pb.h"
 #include "services/history/job_history.h"
-#include "services/job/verdict.h"
+#include "services/job/verdict/verdict.h"
+#include "services/job/verdict/warnings.h"
 #include "services/job_service/job_store.h"
 #include "services/job_service/store_guard.h"
 
@@ -33,6 +34,30 @@ std::optional<EngraveOutcome> OutcomeIn(SQLite::Database& database,
   return outcome.engrave();
 }
 
+/// What an estimate is compared with: the ticks of a job that one synchronizer made
+/// whole, in one run, at full speed; else 0.
+std::uint64_t UndisturbedTicks(SQLite::Database& database, const std::string& job_uid,
+                               const EngraveOutcome& outcome) {
+  const bool whole =
+      outcome.planned_count() > 0 &&
+      outcome.made_count() + outcome.missed_count() == outcome.planned_count();
+  if (!whole || outcome.run_count() != 1 || outcome.min_speed_percent() != 100) return 0;
+  SQLite::Statement given(database,
+                          "SELECT count(*) FROM tasks WHERE job_uid = ? AND stage = ?");
+  given.bind(1, job_uid);
+  given.bind(2, static_cast<int>(intaglio_STAGE_ENGRAVE));
+  const bool by_one = given.executeStep() && given.getColumn(0).getInt() == 1;
+  return by_one ? outcome.used_ticks() : 0;
+}
+
+/// The warnings that a job was kept with.
+Warnings WarningsIn(SQLite::Database& database, const std::string& job_uid) {
+  SQLite::Statement select(database, "SELECT warnings FROM jobs WHERE uid = ?");
+  select.bind(1, job_uid);
+  if (!select.executeStep()) return {};
+  return WarningsOfBytes(select.getColumn(0).getString());
+}
+
 }  // namespace
 
 void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report,
@@ -45,13 +70,15 @@ void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report
     ended.bind(1, job_uid);
     if (!ended.executeStep()) return;
     const bool done = ended.getColumn(0).getInt() == static_cast<int>(intaglio_JOB_DONE);
+    const ShopVerdict verdict =
+        VerdictOf(done, known ? &outcome : nullptr, WarningsIn(*database_, job_uid));
     SQLite::Statement update(
         *database_,
         "UPDATE jobs SET verdict = ?2, planned_count = ?3, made_count = ?4, "
         "missed_count = ?5, skipped_count = ?6, uncertain_count = ?7, used_ticks = ?8, "
-        "report = ?9, recording = ?10 WHERE uid = ?1");
+        "report = ?9, recording = ?10, undisturbed_ticks = ?11 WHERE uid = ?1");
     update.bind(1, job_uid);
-    update.bind(2, VerdictName(VerdictOf(done, known ? &outcome : nullptr).verdict));
+    update.bind(2, VerdictName(verdict.verdict));
     int column = 3;
     for (const std::uint64_t count :
          {outcome.planned_count(), outcome.made_count(), outcome.missed_count(),
@@ -60,7 +87,25 @@ void JobStore::KeepVerdict(const std::string& job_uid, const std::string& report
     }
     update.bind(9, report);
     update.bind(10, recording);
+    update.bind(
+        11, static_cast<std::int64_t>(UndisturbedTicks(*database_, job_uid, outcome)));
     update.exec();
+  });
+}
+
+JobResult JobStore::ResultOf(const std::string& job_uid) {
+  return Guarded(*database_, [&]() -> JobResult {
+    SQLite::Statement select(
+        *database_,
+        "SELECT verdict, planned_count, made_count, missed_count, skipped_count, "
+        "uncertain_count FROM jobs WHERE uid = ?");
+    select.bind(1, job_uid);
+    if (!select.executeStep()) return {};
+    const auto count = [&select](int column) {
+      return static_cast<std::uint64_t>(select.getColumn(column).getInt64());
+    };
+    return {select.getColumn(0).getString(),
+            {count(1), count(2), count(3), count(4), count(5)}};
   });
 }
 

@@ -53,7 +53,7 @@ void JobService::TakeSubmissions(Nanoseconds now) {
       Refuse(answer.uid, answer.frozen.error().message, now);
     }
   }
-  while (const auto uid = refusals_.TakeOldest(now)) Withdraw("", *uid);
+  while (const auto uid = refusals_.TakeOldest(now)) board_.Withdraw("", *uid);
 }
 
 void JobService::Submit(const intaglio_JobSubmission& submission, Nanoseconds now) {

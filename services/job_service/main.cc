@@ -3,7 +3,9 @@
 
 #include "materials_db/material_store.h"
 #include "services/job_service/boot_clock.h"
+#include "services/job_service/disk_report.h"
 #include "services/job_service/job_service.h"
+#include "services/job_service/status_board.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/only_instance.h"
 #include "services/platform/host/process/poll_loop.h"
@@ -13,10 +15,22 @@ namespace {
 using namespace intaglio;
 using namespace std::chrono_literals;
 
+/// What stays on the bus from one life of the queue to the next.
+struct Published {
+  Published(host::ServiceHost& host, const job_service::JobServiceOptions& options)
+      : board(host.bus()),
+        disk(host.bus(), host.instance(),
+             {std::filesystem::absolute(options.database).parent_path(),
+              options.results}) {}
+  job_service::StatusBoard board;
+  job_service::DiskReport disk;
+};
+
 /// One life of the queue; `opened` once it is there.
 int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& options,
-               host::OnlyInstance& only, bool& opened) {
-  job_service::JobService service(host, options, job_service::SinceBoot());
+               Published& published, host::OnlyInstance& only, bool& opened) {
+  job_service::JobService service(host, options, published.board,
+                                  job_service::SinceBoot());
   host::PollLoop loop(host.bus());
   service.AttachTo(loop);
   host.SetHealth(intaglio_HEALTH_READY);
@@ -26,6 +40,7 @@ int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& op
       if (only.MustEnd()) return only.EndAsSecond("job service");
       service.Turn(job_service::SinceBoot());
       host.KeepAlive();
+      published.disk.Turn(job_service::SinceBoot());
       loop.Wait({}, 20ms);
     }
     service.Close(job_service::SinceBoot());
@@ -43,11 +58,12 @@ int ServeQueue(host::ServiceHost& host, const job_service::JobServiceOptions& op
 int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options) {
   host::OnlyInstance only(host, intaglio_ROLE_JOB_SERVICE);
   if (only.AwaitTurn()) return only.EndAsSecond("job service");
+  Published published(host, options);
   bool opened = false;
   std::string raised;
   while (!host.stopping()) {
     try {
-      return ServeQueue(host, options, only, opened);
+      return ServeQueue(host, options, published, only, opened);
     } catch (const job_service::StoreError& error) {
       if (!opened && !error.passes()) throw;
       host.SetHealth(intaglio_HEALTH_FAULT, {}, error.what());
@@ -60,6 +76,7 @@ int Serve(host::ServiceHost& host, const job_service::JobServiceOptions& options
     for (const auto end = job_service::SinceBoot() + 1s;
          job_service::SinceBoot() < end && !host.stopping();) {
       host.KeepAlive();
+      published.disk.Turn(job_service::SinceBoot());
       std::this_thread::sleep_for(50ms);
     }
   }

@@ -70,6 +70,9 @@ inline constexpr Topic<intaglio_Presence> kPresence{"Presence", &intaglio_Presen
                                                     Scope::kRole};
 inline constexpr Topic<intaglio_Alarm> kAlarm{
     "Alarm", &intaglio_Alarm_desc, Profile::kEvent, DomainKind::kControl, Scope::kRole};
+inline constexpr Topic<intaglio_DiskSpace> kDiskSpace{
+    "DiskSpace", &intaglio_DiskSpace_desc, Profile::kState, DomainKind::kControl,
+    Scope::kShop};
 
 inline constexpr Topic<intaglio_ModelChunk> kModelChunk{
     "ModelChunk", &intaglio_ModelChunk_desc, Profile::kBulk, DomainKind::kBulk,

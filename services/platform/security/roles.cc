@@ -24,7 +24,7 @@ Topics OwnReports() { return {Of(bus::kServiceHealth), Of(bus::kAlarm)}; }
 // What can be seen of a shop without seeing what is engraved.
 Topics ShopState() {
   return {Of(bus::kJobStatus), Of(bus::kTaskStatus), Of(bus::kServiceHealth),
-          Of(bus::kAlarm)};
+          Of(bus::kAlarm), Of(bus::kDiskSpace)};
 }
 
 Topics CellState() {
@@ -44,9 +44,9 @@ Role JobService() {
   return {bus::kJobServiceRole,
           "*",
           Join({OwnReports(),
-                {Of(bus::kPresence), Of(bus::kJobStatus), Of(bus::kJobCommandAnswer),
-                 Of(bus::kDiscretizeTask), Of(bus::kSortTask), Of(bus::kEngraveTask),
-                 Of(bus::kModelChunk), Of(bus::kPermission)}}),
+                {Of(bus::kPresence), Of(bus::kDiskSpace), Of(bus::kJobStatus),
+                 Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
+                 Of(bus::kEngraveTask), Of(bus::kModelChunk), Of(bus::kPermission)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
            Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
            Of(bus::kPresence)}};

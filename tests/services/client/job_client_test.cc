@@ -140,12 +140,12 @@ TEST_F(JobClientTest, ArmsWhenTheMachineHasTheJobAndElseLeavesItQueued) {
   Start();
   const auto job = ann_.Submit(GoodJob(), 10s);
   ASSERT_TRUE(job.has_value());
-  const auto late = ArmWhenTaken(ann_, *job, 500ms);
+  const auto late = ArmWhenTaken(ann_, *job, false, 500ms);
   ASSERT_FALSE(late.has_value());
   EXPECT_THAT(late.error().message, HasSubstr("job 1 stays queued and is not armed"));
   EXPECT_THAT(late.error().message, HasSubstr("intaglio arm 1"));
   shop_.ready = true;
-  EXPECT_TRUE(ArmWhenTaken(ann_, *job, 10s).has_value());
+  EXPECT_TRUE(ArmWhenTaken(ann_, *job, false, 10s).has_value());
   OfBob(job->uid);
   EXPECT_EQ(StateOf(BobAwaits(job->uid,
                               [](const JobView& view) {
@@ -186,6 +186,19 @@ TEST_F(JobClientTest, ABatchLeavesWhatAPersonHasPausedToAPerson) {
   EXPECT_THAT(text, HasSubstr("cup (job 1, els-03) waits for a person: paused by "));
   EXPECT_THAT(text, HasSubstr("; intaglio arm 1"));
   EXPECT_EQ(results.jobs(0).state(), "done");
+}
+
+TEST(StateOf, AnArmedJobNamesWhatItWaitsFor) {
+  JobView job;
+  job.state = intaglio_JOB_WAITING_FOR_ARM;
+  job.message = "the lamp warms up: 17 %";
+  EXPECT_EQ(StateOf(job), "waiting for arm");
+  job.armed = true;
+  EXPECT_EQ(StateOf(job), "armed, the lamp warms up");
+  job.message.clear();
+  EXPECT_EQ(StateOf(job), "armed");
+  job.state = intaglio_JOB_SORTING;
+  EXPECT_EQ(StateOf(job), "ordering, armed");
 }
 
 }  // namespace

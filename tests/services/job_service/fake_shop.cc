@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "services/job/verdict/warnings.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
 
@@ -125,6 +126,20 @@ void FakeShop::Command(const StatusCopy& job, intaglio_JobCommandKind kind,
   (void)commands_.Write(sample);
 }
 
+void FakeShop::Accept(const StatusCopy& job, std::uint64_t number) {
+  const std::string sender = "ann", name = "ann@shop";
+  intaglio_JobCommand sample{};
+  sample.sender = Borrow(sender);
+  sample.disarm_count = job.disarm_count;
+  sample.job_uid = Borrow(job.uid);
+  sample.epoch = job.epoch;
+  sample.number = number;
+  sample.kind = intaglio_COMMAND_ARM;
+  sample.accept_breakage = true;
+  sample.operator_name = Borrow(name);
+  (void)commands_.Write(sample);
+}
+
 std::string FakeShop::FullName(const std::string& instance) const {
   return instance + "-" + bus_.participant_name();
 }
@@ -162,7 +177,8 @@ void FakeShop::Die(intaglio_Stage stage, const std::string& instance) {
 
 void FakeShop::Report(const TaskCopy& task, intaglio_Stage stage,
                       intaglio_TaskState state, std::uint64_t done, std::uint64_t total,
-                      intaglio_ErrorCode code, const std::string& message) {
+                      intaglio_ErrorCode code, const std::string& message,
+                      const StageOutcome& outcome) {
   intaglio_TaskStatus sample{};
   sample.job_uid = Borrow(task.job_uid);
   sample.stage = stage;
@@ -179,6 +195,9 @@ void FakeShop::Report(const TaskCopy& task, intaglio_Stage stage,
   sample.error_code = code;
   if (state == intaglio_TASK_PAUSED) sample.pause_reason = intaglio_PAUSE_NOT_ARMED;
   sample.message = Borrow(message);
+  const std::string text = outcome.SerializeAsString();
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  Borrow(sample.outcome, bytes);
   (void)tasks_out_.at(stage).Write(sample);
 }
 
@@ -195,7 +214,13 @@ void FakeShop::Poll() {
         status.attempt,
         status.state,
         status.armed,
-        status.disarm_count};
+        status.disarm_count,
+        {},
+        std::string(View(status.breakage_accepted_by))};
+    for (const intaglio_JobWarning& warning : View(status.warnings)) {
+      status_[std::string(View(status.submission_uid))].warnings.push_back(
+          WarningOf(warning));
+    }
   });
   answers_.Take([this](const intaglio_JobCommandAnswer& answer) {
     answered_[{std::string(View(answer.sender)), answer.number}].push_back(answer.code);

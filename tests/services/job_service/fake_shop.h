@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engrave/core/warning.h"
 #include "proto/job.pb.h"
 #include "proto/task.pb.h"
 #include "services/platform/bus/flow.h"
@@ -39,6 +40,8 @@ struct StatusCopy {
   intaglio_JobState state = intaglio_JOB_QUEUED;
   bool armed = false;
   std::uint64_t disarm_count = 0;
+  Warnings warnings;
+  std::string breakage_accepted_by;
 };
 
 struct TaskCopy {
@@ -59,6 +62,7 @@ class FakeShop {
   /// Of a client that has seen this status; it stays until the shop ends.
   void Command(const StatusCopy& job, intaglio_JobCommandKind kind, std::uint64_t number,
                bool fire_uncertain = false, const std::string& sender = "ann");
+  void Accept(const StatusCopy& job, std::uint64_t number);  ///< an arm with consent
   /// The newest answer, waited for, else -1; and how many came.
   int AnswerTo(std::uint64_t number, const std::string& sender = "ann");
   int answers(std::uint64_t number, const std::string& sender = "ann");
@@ -69,7 +73,7 @@ class FakeShop {
   void Report(const TaskCopy& task, intaglio_Stage stage, intaglio_TaskState state,
               std::uint64_t done, std::uint64_t total,
               intaglio_ErrorCode code = intaglio_ERROR_NONE,
-              const std::string& message = "");
+              const std::string& message = "", const StageOutcome& outcome = {});
 
   /// Tests use "s"; on the bus a name ends in that of its participant.
   std::string FullName(const std::string& instance) const;

@@ -73,6 +73,24 @@ TEST_F(FullDiskAtStart, OfAShopThatHasAQueue) {
   EXPECT_EQ(service.Stop(), 0);
 }
 
+// A client that comes while there is no queue sees what was published last.
+TEST_F(FullDiskAtStart, TheJobsOfAQueueThatIsGivenUpStayOnTheBus) {
+  ServiceProcess service(folder_, test::PrivateTag());
+  ASSERT_TRUE(Serves());
+  Fill(folder_ / "full");
+  shop_.Submit("two", GoodJob());
+  ASSERT_TRUE(Waits());
+  FakeShop late(test::PrivateBusOptions());
+  EXPECT_TRUE(late.Until([&] { return !late.Status("one").uid.empty(); }));
+  EXPECT_TRUE(late.Status("two").uid.empty());
+  fs::remove(folder_ / "full");
+  ASSERT_TRUE(shop_.Until(
+      [&] { return shop_.JobServiceHealth().state == intaglio_HEALTH_READY; }));
+  EXPECT_TRUE(late.Until([&] { return !late.Status("two").uid.empty(); }))
+      << "its client still asks for it";
+  EXPECT_EQ(service.Stop(), 0);
+}
+
 TEST_F(FullDiskAtStart, AServiceThatWaitsEndsWhenItIsAsked) {
   Fill(folder_ / "full");
   ServiceProcess service(folder_, test::PrivateTag());

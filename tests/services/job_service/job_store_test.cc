@@ -38,6 +38,7 @@ class JobStoreTest : public testing::Test {
     job.lost_attempts = 1;
     job.message = "two\nlines";
     job.estimate_ticks = 12345678901234;
+    job.first_estimate_ticks = 12345678901235;
     job.stage(intaglio_STAGE_SORT) = {"sorter-1", true, 7, 8, 1.5};
     job.revision = 9;
     job.arm = JobArm({.ever_granted = true,
@@ -75,6 +76,8 @@ class JobStoreTest : public testing::Test {
     outcome.mutable_engrave()->set_made_count(made);
     outcome.mutable_engrave()->set_missed_count(planned - made);
     outcome.mutable_engrave()->set_used_ticks(2 * planned);
+    outcome.mutable_engrave()->set_run_count(1);
+    outcome.mutable_engrave()->set_min_speed_percent(100);
     return outcome.SerializeAsString();
   }
   static void GiveEngraving(JobStore& store) {
@@ -143,6 +146,7 @@ TEST_F(JobStoreTest, KeepsEveryFieldThatHasToLast) {
   EXPECT_EQ(job.lost_attempts, kept.lost_attempts);
   EXPECT_EQ(job.message, kept.message);
   EXPECT_EQ(job.estimate_ticks, kept.estimate_ticks);
+  EXPECT_EQ(job.first_estimate_ticks, kept.first_estimate_ticks);
   const KeptArm& arm = job.arm.kept();
   EXPECT_EQ(arm.last_command, kept.arm.kept().last_command);
   EXPECT_TRUE(arm.ever_granted);
@@ -312,6 +316,7 @@ TEST_F(JobStoreTest, ReportsWhatBecameOfAJob) {
   job.arm.NoteGranted();
   job.state = intaglio_JOB_ENGRAVING;
   job.estimate_ticks = 400;
+  job.first_estimate_ticks = 460;
   store.Keep(job);
   GiveEngraving(store);
   job.stage(intaglio_STAGE_ENGRAVE) = {"y", false, 25, 100, 1.0};
@@ -322,6 +327,8 @@ TEST_F(JobStoreTest, ReportsWhatBecameOfAJob) {
   EXPECT_EQ(statistics.progress_ratio(), 0.25);
   EXPECT_EQ(statistics.made(), 25u);
   EXPECT_EQ(statistics.estimated_s(), 4);
+  EXPECT_EQ(statistics.first_estimated_s(), 4.6);
+  EXPECT_EQ(statistics.first_estimate_ratio(), 0) << "there is no outcome";
   // A quarter took one second: three are left.
   EXPECT_EQ(statistics.expected_end_utc(),
             host::UtcText(later + std::chrono::seconds(3)));
@@ -334,6 +341,9 @@ TEST_F(JobStoreTest, ReportsWhatBecameOfAJob) {
   EXPECT_EQ(statistics.verdict(), "good");
   EXPECT_EQ(statistics.made(), 100u);
   EXPECT_EQ(statistics.machining_s(), 2);
+  EXPECT_EQ(statistics.undisturbed_s(), 2);
+  EXPECT_EQ(statistics.estimate_ratio(), 2);
+  EXPECT_EQ(statistics.first_estimate_ratio(), 2.3);
   EXPECT_EQ(statistics.engraving_utc(), begun) << "the first time stays";
   EXPECT_EQ(statistics.expected_end_utc(), "");
   EXPECT_EQ(statistics.report(), "/r/report.json");
@@ -357,6 +367,11 @@ TEST_F(JobStoreTest, TheLastReportOfTheMachineChangesTheVerdict) {
   const JobStatistics after = store.StatisticsOf(job, now);
   EXPECT_EQ(after.verdict(), "not_good");
   EXPECT_EQ(after.made(), 40u);
+  const JobResult result = store.ResultOf(job.uid);
+  EXPECT_EQ(result.verdict, "not_good");
+  EXPECT_EQ(result.counts.planned, 100u);
+  EXPECT_EQ(result.counts.made, 40u);
+  EXPECT_EQ(store.ResultOf("nobody").verdict, "");
   EXPECT_EQ(after.ended_utc(), before.ended_utc());
 }
 
@@ -450,7 +465,7 @@ TEST_F(JobStoreTest, WhatIsNoDatabaseIsRefused) {
   fs::create_directories(path_);
   const StoreError folder = Refusal(path_);
   EXPECT_FALSE(folder.passes());
-  EXPECT_THAT(folder.what(), testing::HasSubstr("jobs.db: is a folder"));
+  EXPECT_THAT(folder.what(), testing::HasSubstr("it is a folder"));
 
   fs::remove(path_);
   std::ofstream(path_) << std::string(4096, 'x');

@@ -74,7 +74,7 @@ class RetainedJobs : public testing::Test {
         host_,
         JobServiceOptions{
             folder / "jobs.db", folder / "materials.db", folder / "results", {}},
-        now_);
+        board_, now_);
   }
   bool Until(Watcher& watcher, const std::function<bool()>& condition) {
     return test::Eventually([&] {
@@ -117,6 +117,7 @@ class RetainedJobs : public testing::Test {
   bus::Writer<intaglio_JobSubmission> submissions_{bus_, bus::kJobSubmission};
   bus::Writer<intaglio_JobCommand> commands_{bus_, bus::kJobCommand};
   Watcher watcher_{bus_};
+  StatusBoard board_{host_.bus()};
   std::optional<JobService> service_;
 };
 

@@ -161,6 +161,7 @@ Result<bool> StageWorker::MakeOne(Work& work, Result<bool>& taken) {
   }
   work.progress.done_count = computation_->done();
   work.progress.total_count = computation_->total();
+  work.progress.estimate_ticks = input_.estimate_ticks();
   if (!computation_->ready()) return false;
   INTAGLIO_TRY(FinishComputing(work));
   return true;

@@ -49,6 +49,9 @@ class StageInput {
   virtual void Close(bool withdrawn, TimePoint now) = 0;
   /// Moves the input into a function that needs nothing else and runs in another thread.
   virtual Computation<StageResult>::Function TakeComputation(const StageTask& task) = 0;
+  /// Machining time of the job as the computation taken last has estimated it; 0: not
+  /// yet.
+  virtual std::uint64_t estimate_ticks() const { return 0; }
 };
 
 /// Where the points go.

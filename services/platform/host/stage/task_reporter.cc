@@ -54,6 +54,7 @@ void TaskReporter::Publish(const StageTask& task, intaglio_TaskState state,
   sample.done_count = progress.done_count;
   sample.total_count = progress.total_count;
   sample.elapsed_s = progress.elapsed_s;
+  sample.estimate_ticks = progress.estimate_ticks;
   if (state == intaglio_TASK_FAILED) sample.error_code = bus::WireOf(error.code);
   sample.message = Borrow(error.message);
   Borrow(sample.outcome, bytes);

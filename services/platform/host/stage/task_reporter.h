@@ -17,6 +17,7 @@ struct TaskProgress {
   std::uint64_t done_count = 0;
   std::uint64_t total_count = 0;  ///< 0 while unknown
   double elapsed_s = 0;
+  std::uint64_t estimate_ticks = 0;  ///< machining time of the job; 0 while unknown
 };
 
 /// Not for use by two threads at once.

@@ -20,6 +20,7 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kServiceHealth);
   visit(bus::kCredit);
   visit(bus::kAlarm);
+  visit(bus::kDiskSpace);
   visit(bus::kModelChunk);
   visit(bus::kPointBatch);
   visit(bus::kPathBatch);

@@ -197,6 +197,14 @@ TEST(TopicTap, WritesTheTypeInIdl) {
     PAUSE_RESTART
   };
   @final
+  struct PointCounts {
+    uint64 planned;
+    uint64 made;
+    uint64 missed;
+    uint64 skipped;
+    uint64 uncertain;
+  };
+  @final
   struct TaskStatus {
     @key string job_uid;
     @key intaglio::Stage stage;
@@ -213,6 +221,8 @@ TEST(TopicTap, WritesTheTypeInIdl) {
     intaglio::ErrorCode error_code;
     intaglio::PauseReason pause_reason;
     string message;
+    intaglio::PointCounts counts;
+    string alarm;
     sequence<octet> outcome;
   };
 };

@@ -53,6 +53,7 @@ void StageShop::Poll() {
                       sample.error_code,
                       std::string(View(sample.message)),
                       {}};
+    report.estimate_ticks = sample.estimate_ticks;
     const auto outcome = View(sample.outcome);
     report.outcome.ParseFromArray(outcome.data(), static_cast<int>(outcome.size()));
     reports_.push_back(std::move(report));

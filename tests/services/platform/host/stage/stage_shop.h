@@ -30,6 +30,7 @@ struct TaskReport {
   intaglio_ErrorCode error_code = intaglio_ERROR_NONE;
   std::string message;
   StageOutcome outcome;
+  std::uint64_t estimate_ticks = 0;
 };
 
 class StageShop {

@@ -1,0 +1,22 @@
+#pragma once
+
+// Jobs of a shop for people: what `intaglio list` and `intaglio show` print.
+
+#include <string>
+#include <vector>
+
+#include "services/client/job_view.h"
+
+namespace intaglio::cli {
+
+/// A line for each job, by number, and below it why it is not going on or not good.
+std::string ListText(std::vector<client::JobView> jobs);
+/// All about one.
+std::string ShowText(const client::JobView& job);
+/// The planned machining time; "-" while it is not known.
+std::string TimeOf(const client::JobView& job);
+/// Why a job is paused, failed, cancelled or not good, or what it waits for; empty:
+/// nothing of that.
+std::string ReasonOf(const client::JobView& job);
+
+}  // namespace intaglio::cli

@@ -1,0 +1,57 @@
+#pragma once
+
+// A shop as it is on the bus at one moment, for `intaglio status`.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "services/client/job_client.h"
+#include "services/platform/bus/bus.h"
+
+namespace intaglio::cli {
+
+/// Interlock, LampSync and MotionState of one machine, copied.
+struct CellSnapshot {
+  bool has_interlock = false;
+  bool laser_line_up = false, key_on = false, door_closed = false, stop_released = false;
+  bool lamp_on = false, lamp_warm = false, safe_state = false;
+  std::uint8_t shutters_open = 0;
+  bool stop_pressed = false;            ///< on the bus
+  std::vector<std::string> stops_held;  ///< its presses, "SOURCE (number N)"
+  bool has_lamp = false;
+  double warm_ratio = 0, rate_hz = 0;
+  bool has_motion = false;
+  intaglio_MotionFault motion_fault = intaglio_MOTION_OK;
+  std::string motion_message;
+};
+
+struct ShopSnapshot {
+  std::vector<client::ServiceView> services;
+  std::vector<client::JobView> jobs;
+  std::vector<client::DiskView> disks;
+  std::map<std::string, CellSnapshot> cells;  ///< by name
+};
+
+/// Follows a shop. Used from one thread.
+class ShopWatcher {
+ public:
+  explicit ShopWatcher(bus::Bus& bus);
+  /// Takes what comes within `time`.
+  void Poll(std::chrono::milliseconds time);
+  /// All that is needed has come: a job service, and of every machine with a synchronizer
+  /// its interlocks, of every one with a bridge its motion.
+  bool IsComplete() const;
+  ShopSnapshot Take() const;
+
+ private:
+  void TakeCells();
+
+  client::JobClient client_;
+  bus::Reader<intaglio_Interlock> interlocks_;
+  bus::Reader<intaglio_LampSync> lamps_;
+  bus::Reader<intaglio_MotionState> motion_;
+  std::map<std::string, CellSnapshot> cells_;
+};
+
+}  // namespace intaglio::cli

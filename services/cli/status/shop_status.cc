@@ -1,0 +1,218 @@
+#include "services/cli/status/shop_status.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "services/history/job_names.h"
+#include "services/platform/host/times/utc_time.h"
+
+namespace intaglio::cli {
+namespace {
+
+const char* RoleName(intaglio_ServiceRole role) {
+  constexpr std::array kNames = {"job-service",  "discretizer",   "sorter",
+                                 "synchronizer", "motion-bridge", "recorder",
+                                 "replayer",     "console"};
+  const auto index = static_cast<std::size_t>(role);
+  return index < kNames.size() ? kNames.at(index) : "unknown";
+}
+
+const char* HealthName(intaglio_HealthState state) {
+  constexpr std::array kNames = {"starting", "ready", "busy", "fault", "stopping"};
+  const auto index = static_cast<std::size_t>(state);
+  return index < kNames.size() ? kNames.at(index) : "unknown";
+}
+
+const char* LampName(const CellSnapshot& cell) {
+  if (!cell.has_interlock || !cell.laser_line_up) return "unknown";
+  if (!cell.lamp_on) return "off";
+  return cell.lamp_warm ? "warm" : "warming_up";
+}
+
+std::uint32_t Small(std::uint64_t count) {
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(count, 0xffffffff));
+}
+
+class Builder {
+ public:
+  explicit Builder(const ShopSnapshot& shop) : shop_(shop) {}
+
+  ShopStatus Build(std::chrono::system_clock::time_point now) {
+    status_.set_time(host::UtcText(now));
+    AddServices();
+    AddJobs();
+    AddMachines();
+    AddDisks();
+    for (const ShopAlarm& alarm : status_.alarms())
+      Need(fmt::format("{}: {}", alarm.source(), alarm.message()));
+    status_.set_needs_person(status_.needs_size() > 0);
+    return std::move(status_);
+  }
+
+ private:
+  void Need(const std::string& what) { status_.add_needs(what); }
+  void Alarm(const std::string& source, std::uint32_t job, const std::string& message) {
+    ShopAlarm& alarm = *status_.add_alarms();
+    alarm.set_source(source);
+    alarm.set_job(job);
+    alarm.set_message(message);
+  }
+
+  void AddServices() {
+    std::set<intaglio_ServiceRole> roles;
+    for (const client::ServiceView& service : shop_.services) {
+      roles.insert(service.role);
+      if (service.role == intaglio_ROLE_SYNCHRONIZER) synchronizers_.insert(service.cell);
+      if (service.role == intaglio_ROLE_MOTION_BRIDGE) bridges_.insert(service.cell);
+      ServiceStatus& line = *status_.add_services();
+      line.set_instance(service.instance);
+      line.set_role(RoleName(service.role));
+      line.set_cell(service.cell);
+      line.set_host(service.host);
+      line.set_pid(service.pid);
+      line.set_state(HealthName(service.state));
+      line.set_message(service.message);
+      const bool fault = service.state == intaglio_HEALTH_FAULT;
+      if (fault || !service.message.empty()) {
+        const bool has_cell = service.role == intaglio_ROLE_SYNCHRONIZER ||
+                              service.role == intaglio_ROLE_MOTION_BRIDGE;
+        const std::string of_cell = has_cell ? " of " + service.cell : "";
+        Alarm(RoleName(service.role) + of_cell, 0,
+              service.message.empty() ? "reports a fault" : service.message);
+      }
+    }
+    for (const intaglio_ServiceRole role :
+         {intaglio_ROLE_JOB_SERVICE, intaglio_ROLE_DISCRETIZER, intaglio_ROLE_SORTER}) {
+      if (!roles.contains(role)) Need(fmt::format("no {} runs", RoleName(role)));
+    }
+    if (synchronizers_.empty() && bridges_.empty()) Need("no machine is there");
+  }
+
+  void AddJobs() {
+    for (const client::JobView& job : shop_.jobs) {
+      if (job.ended()) {
+        status_.set_ended_jobs(status_.ended_jobs() + 1);
+        continue;
+      }
+      if (job.state != intaglio_JOB_QUEUED) job_of_[job.cell] = job.number;
+      AddJob(job);
+      const bool waits_for_arm = job.state == intaglio_JOB_WAITING_FOR_ARM && !job.armed;
+      if (job.state == intaglio_JOB_PAUSED && !job.armed) {
+        Need(fmt::format("job {0} is paused: {1} (intaglio resume {0}, or cancel)",
+                         job.number, job.message));
+      } else if (waits_for_arm) {
+        Need(
+            fmt::format("job {0} waits for its arm: put its block into {1}, then "
+                        "intaglio arm {0}",
+                        job.number, job.cell));
+      }
+      if (!job.alarm.empty())
+        Alarm(fmt::format("job {}", job.number), job.number, job.alarm);
+    }
+  }
+
+  void AddJob(const client::JobView& job) {
+    OpenJob& line = *status_.add_jobs();
+    line.set_job(job.number);
+    line.set_uid(job.uid);
+    line.set_name(job.name);
+    line.set_cell(job.cell);
+    line.set_state(history::StateName(job.state));
+    line.set_pause_reason(history::PauseReasonName(job.pause_reason));
+    line.set_armed(job.armed);
+    const client::JobView::Progress* stage = client::StageAtWork(job);
+    if (stage != nullptr && job.state != intaglio_JOB_QUEUED) {
+      line.set_stage(client::NameOf(stage->stage));
+      line.set_done(Small(stage->done_count));
+      line.set_total(Small(stage->total_count));
+    }
+    line.set_planned(Small(job.counts.planned));
+    line.set_made(Small(job.counts.made));
+    line.set_missed(Small(job.counts.missed));
+    line.set_skipped(Small(job.counts.skipped));
+    line.set_uncertain(Small(job.counts.uncertain));
+    line.set_message(job.message);
+    line.set_alarm(job.alarm);
+  }
+
+  void AddMachines() {
+    std::set<std::string> names = synchronizers_;
+    names.insert(bridges_.begin(), bridges_.end());
+    for (const std::string& name : names) {
+      if (!synchronizers_.contains(name)) Need(name + ": no synchronizer runs");
+      if (!bridges_.contains(name)) Need(name + ": no motion-bridge runs");
+      const auto found = shop_.cells.find(name);
+      AddMachine(name, found == shop_.cells.end() ? CellSnapshot{} : found->second);
+    }
+  }
+
+  void AddMachine(const std::string& name, const CellSnapshot& cell) {
+    MachineStatus& line = *status_.add_machines();
+    line.set_cell(name);
+    line.set_lamp(LampName(cell));
+    line.set_lamp_warm_ratio(cell.warm_ratio);
+    line.set_rate_hz(cell.rate_hz);
+    line.set_laser_line_up(cell.has_interlock && cell.laser_line_up);
+    line.set_key_on(cell.key_on);
+    line.set_door_closed(cell.door_closed);
+    line.set_stop_released(cell.stop_released);
+    line.set_safe_state(cell.safe_state);
+    line.set_shutters_open(cell.shutters_open);
+    for (const std::string& press : cell.stops_held) line.add_stops_held(press);
+    line.set_motion_line_up(cell.has_motion &&
+                            cell.motion_fault != intaglio_MOTION_LINK_LOST &&
+                            cell.motion_fault != intaglio_MOTION_WRONG_CONTROLLER);
+    line.set_motion_message(cell.motion_message);
+    const auto job = job_of_.find(name);
+    if (job != job_of_.end()) line.set_job(job->second);
+    NeedAtMachine(name, cell, line);
+  }
+
+  void NeedAtMachine(const std::string& name, const CellSnapshot& cell,
+                     const MachineStatus& line) {
+    if (cell.stop_pressed) {
+      Need(
+          fmt::format("{0}: the emergency stop is pressed ({1}): check the machine, then "
+                      "intaglio stop {0} --reset",
+                      name, fmt::join(cell.stops_held, ", ")));
+    }
+    if (synchronizers_.contains(name) && !line.laser_line_up())
+      Need(name + ": the laser does not answer: check its cable and its power");
+    if (bridges_.contains(name) && !line.motion_line_up())
+      Need(name + ": the stage does not answer: check its cable and its power");
+    if (!line.laser_line_up() || line.job() == 0) return;
+    if (!cell.key_on) Need(name + ": the key is off");
+    if (!cell.door_closed) Need(name + ": the door is open");
+  }
+
+  void AddDisks() {
+    for (const client::DiskView& disk : shop_.disks) {
+      DiskStatus& line = *status_.add_disks();
+      line.set_folder(disk.folder);
+      line.set_free_bytes(static_cast<double>(disk.free_bytes));
+      line.set_total_bytes(static_cast<double>(disk.total_bytes));
+      line.set_low(line.free_bytes() < kLowDiskBytes);
+      if (line.low()) {
+        Need(fmt::format("the disk of {} is nearly full, {:.1f} MB are free: make room",
+                         disk.folder, line.free_bytes() / 1e6));
+      }
+    }
+  }
+
+  const ShopSnapshot& shop_;
+  ShopStatus status_;
+  std::set<std::string> synchronizers_, bridges_;  // cells
+  std::map<std::string, std::uint32_t> job_of_;    // by cell
+};
+
+}  // namespace
+
+ShopStatus StatusOf(const ShopSnapshot& shop, std::chrono::system_clock::time_point now) {
+  return Builder(shop).Build(now);
+}
+
+}  // namespace intaglio::cli

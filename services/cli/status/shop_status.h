@@ -1,0 +1,24 @@
+#pragma once
+
+// What a snapshot of a shop says: pure, from the samples to the message and its text.
+
+#include <chrono>
+#include <string>
+
+#include "proto/shop.pb.h"
+#include "services/cli/status/shop_snapshot.h"
+
+namespace intaglio::cli {
+
+/// A job needs some MB for its plan, journal and report; below this a person makes room.
+inline constexpr double kLowDiskBytes = 100e6;
+
+/// A person is needed when a service is missing or reports a fault, a line is down, a
+/// stop is pressed, an interlock is open at a machine that has a job, a job is paused or
+/// waits for its arm, an alarm is raised, or a disk is nearly full.
+ShopStatus StatusOf(const ShopSnapshot& shop, std::chrono::system_clock::time_point now);
+
+/// One screen for people.
+std::string TextOf(const ShopStatus& status);
+
+}  // namespace intaglio::cli

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "services/cli/status/shop_status.h"
+#include "services/client/figure_text.h"
+
+namespace intaglio::cli {
+namespace {
+
+std::string LampText(const MachineStatus& machine) {
+  if (machine.lamp() == "warming_up")
+    return fmt::format("lamp warms up ({:.0f} %)", 100 * machine.lamp_warm_ratio());
+  return "lamp " + machine.lamp();
+}
+
+std::string StopText(const MachineStatus& machine) {
+  if (machine.stops_held_size() > 0)
+    return fmt::format("STOP PRESSED by {}", fmt::join(machine.stops_held(), ", "));
+  return machine.stop_released() ? "stop released"
+                                 : "STOP of the machine pressed or latched";
+}
+
+std::string LineOf(const MachineStatus& machine) {
+  std::vector<std::string> parts;
+  if (machine.laser_line_up()) {
+    parts = {LampText(machine), machine.key_on() ? "key on" : "KEY OFF",
+             machine.door_closed() ? "door closed" : "DOOR OPEN", StopText(machine)};
+    if (machine.safe_state()) parts.emplace_back("safe state");
+  } else {
+    parts.emplace_back("LASER LINE DOWN");
+  }
+  if (!machine.motion_line_up()) {
+    parts.emplace_back("MOTION LINE DOWN");
+  } else if (!machine.motion_message().empty()) {
+    parts.push_back("stage: " + machine.motion_message());
+  }
+  parts.push_back(machine.job() == 0 ? "no job" : fmt::format("job {}", machine.job()));
+  return fmt::format("{:<10} {}\n", machine.cell(), fmt::join(parts, ", "));
+}
+
+std::string LineOf(const OpenJob& job) {
+  std::string progress;
+  if (job.total() > 0) {
+    progress = fmt::format("{} {} / {}", job.stage(), client::GroupedDigits(job.done()),
+                           client::GroupedDigits(job.total()));
+  }
+  std::string line = fmt::format(
+      "{:>6}  {:<23} {:<10} {:<26} {}\n", job.job(),
+      job.state() + (job.armed() && job.state() != "engraving" ? ", armed" : ""),
+      job.cell(), progress, job.name());
+  if (!job.message().empty()) line += fmt::format("        {}\n", job.message());
+  return line;
+}
+
+std::string LineOf(const DiskStatus& disk) {
+  return fmt::format("{:.1f} GB of {:.1f} GB free{}  {}\n", disk.free_bytes() / 1e9,
+                     disk.total_bytes() / 1e9, disk.low() ? ", NEARLY FULL" : "",
+                     disk.folder());
+}
+
+std::string ServicesText(const ShopStatus& status) {
+  std::vector<std::string> names;
+  for (const ServiceStatus& service : status.services())
+    names.push_back(fmt::format("{} {}", service.role(), service.state()));
+  return fmt::format("{}\n", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+std::string TextOf(const ShopStatus& status) {
+  std::string text =
+      fmt::format("shop       {}, {}\n", status.time(),
+                  status.needs_person() ? "NEEDS A PERSON" : "all is well");
+  for (const MachineStatus& machine : status.machines())
+    text += "machine    " + LineOf(machine);
+  for (const DiskStatus& disk : status.disks()) text += "disk       " + LineOf(disk);
+  text += "services   " + ServicesText(status);
+  text += fmt::format("jobs       {} open, {} ended\n", status.jobs_size(),
+                      status.ended_jobs());
+  for (const OpenJob& job : status.jobs()) text += LineOf(job);
+  for (const std::string& need : status.needs()) text += "to do      " + need + "\n";
+  return text;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,97 @@
+#include "services/client/job_view.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "services/history/job_names.h"
+#include "services/job/verdict/warnings.h"
+
+namespace intaglio::client {
+
+bool JobView::ended() const {
+  return state == intaglio_JOB_DONE || state == intaglio_JOB_FAILED ||
+         state == intaglio_JOB_CANCELLED;
+}
+
+const char* NameOf(intaglio_JobState state) {
+  return state == intaglio_JOB_WAITING_FOR_ARM ? "waiting for arm"
+                                               : history::StateName(state);
+}
+
+namespace {
+
+/// ", the lamp warms up" of "the lamp warms up: 17 %"; empty: it does not wait.
+std::string WhatItWaitsFor(const JobView& job) {
+  const std::string what = job.message.substr(0, job.message.find_first_of(":;\n"));
+  return what.empty() ? "" : ", " + what;
+}
+
+}  // namespace
+
+std::string StateOf(const JobView& job) {
+  if (!job.armed || job.ended() || job.state == intaglio_JOB_ENGRAVING) {
+    return NameOf(job.state);
+  }
+  if (job.state == intaglio_JOB_WAITING_FOR_ARM) return "armed" + WhatItWaitsFor(job);
+  return std::string(NameOf(job.state)) + ", armed";
+}
+
+std::string ArmCommandOf(const JobView& job) {
+  const Warning* consent = job.open_consent();
+  return fmt::format("intaglio arm {}{}", job.number,
+                     consent == nullptr ? "" : " " + AcceptOption(*consent));
+}
+
+const JobView::Progress* StageAtWork(const JobView& job) {
+  for (const JobView::Progress& p : job.progress) {
+    if (!p.ended()) return &p;
+  }
+  return job.progress.empty() ? nullptr : &job.progress.back();
+}
+
+const char* NameOf(intaglio_Stage stage) {
+  switch (stage) {
+    case intaglio_STAGE_DISCRETIZE:
+      return "discretize";
+    case intaglio_STAGE_SORT:
+      return "order";
+    case intaglio_STAGE_ENGRAVE:
+      return "engrave";
+  }
+  return "unknown";
+}
+
+const char* NameOf(intaglio_CommandAnswerCode code) {
+  switch (code) {
+    case intaglio_ANSWER_TAKEN:
+      return "taken";
+    case intaglio_ANSWER_UNKNOWN_JOB:
+      return "unknown_job";
+    case intaglio_ANSWER_WRONG_EPOCH:
+      return "wrong_epoch";
+    case intaglio_ANSWER_ENDED_JOB:
+      return "ended_job";
+    case intaglio_ANSWER_NOT_YET:
+      return "not_yet";
+    case intaglio_ANSWER_SUPERSEDED:
+      return "superseded";
+    case intaglio_ANSWER_STOP_PRESSED:
+      return "stop_pressed";
+    case intaglio_ANSWER_OUT_OF_RANGE:
+      return "out_of_range";
+    case intaglio_ANSWER_NEEDS_CONSENT:
+      return "needs_consent";
+  }
+  return "unknown";
+}
+
+std::string OperatorName() {
+  char host[256] = "localhost";
+  gethostname(host, sizeof host - 1);
+  const char* user = std::getenv("USER");
+  return fmt::format("{}@{}", user != nullptr ? user : "operator", host);
+}
+
+}  // namespace intaglio::client

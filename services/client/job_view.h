@@ -1,0 +1,109 @@
+#pragma once
+
+// What a client sees of a shop: samples of the bus as plain values, and their names for
+// people and programs.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engrave/core/warning.h"
+#include "idl/job.h"
+#include "idl/service.h"
+
+namespace intaglio::client {
+
+/// A JobStatus, copied.
+struct JobView {
+  std::string uid, submission_uid, name, message, result_directory, cell;
+  std::uint64_t epoch = 0;
+  std::uint32_t number = 0;
+  std::uint32_t attempt = 0;
+  intaglio_JobState state = intaglio_JOB_QUEUED;
+  intaglio_PauseReason pause_reason = intaglio_PAUSE_NONE;  ///< unless paused
+  struct Progress {
+    intaglio_Stage stage;
+    std::uint64_t done_count = 0, total_count = 0;
+    double elapsed_s = 0;
+
+    bool ended() const { return total_count > 0 && done_count >= total_count; }
+  };
+  std::vector<Progress> progress;
+  std::uint64_t estimate_ticks = 0;
+  double rate_hz = 0;
+  std::uint64_t revision = 0;
+  std::uint32_t speed_percent = 100;
+  bool armed = false;  ///< by an operator: what is paused goes on by itself
+  std::uint64_t disarm_count = 0;
+  std::string disarm_reason;         ///< of the last one
+  Warnings warnings;                 ///< of the running attempt, once its points are made
+  std::string breakage_accepted_by;  ///< empty: nobody
+  intaglio_PointCounts counts{};     ///< of the newest engraving; all 0 before its path
+  std::string verdict;               ///< of an ended job, as in the history; else empty
+  std::string alarm;  ///< why its engraving makes no progress; empty: it does
+
+  /// Done, failed or cancelled.
+  bool ended() const;
+  /// The warning that a person has to accept before the arm; nullptr: none.
+  const Warning* open_consent() const {
+    return breakage_accepted_by.empty() ? FindConsent(warnings) : nullptr;
+  }
+  /// A person paused it, and no person has resumed it.
+  bool paused_by_operator() const {
+    return pause_reason == intaglio_PAUSE_OPERATOR && !armed;
+  }
+};
+
+/// "queued", "engraving", ...
+const char* NameOf(intaglio_JobState state);
+/// The same, with "armed" where a person has armed it and it does not fire yet:
+/// "discretizing, armed"; "armed" instead of "waiting for arm", and what keeps it from
+/// firing: "armed, the lamp warms up".
+std::string StateOf(const JobView& job);
+/// "discretize", "order", "engrave".
+const char* NameOf(intaglio_Stage stage);
+
+/// "intaglio arm 3", with the option that accepts a warning where one is needed.
+std::string ArmCommandOf(const JobView& job);
+
+/// The stage at work, or null while none is.
+const JobView::Progress* StageAtWork(const JobView& job);
+
+struct ServiceView {
+  std::string instance, host, cell, message;
+  intaglio_ServiceRole role = intaglio_ROLE_JOB_SERVICE;
+  intaglio_HealthState state = intaglio_HEALTH_STARTING;
+  int pid = 0;
+  std::chrono::steady_clock::time_point reported_at;  ///< its newest health, received
+};
+
+/// What a person asks of a job.
+struct JobOrder {
+  intaglio_JobCommandKind kind = intaglio_COMMAND_ARM;
+  std::uint32_t from_point = 0;  ///< resume: open points before that place are left out
+  bool fire_uncertain = false;   ///< resume: uncertain points are fired again
+  std::uint32_t speed_percent = 100;  ///< speed: 10..100
+  bool accept_breakage = false;       ///< arm, resume: the glass may break
+};
+
+/// A DiskSpace, copied.
+struct DiskView {
+  std::string instance, folder;
+  std::uint64_t free_bytes = 0, total_bytes = 0;
+};
+
+/// "taken", "stop_pressed", ...
+const char* NameOf(intaglio_CommandAnswerCode code);
+
+/// A JobCommandAnswer, copied.
+struct CommandReply {
+  intaglio_CommandAnswerCode code = intaglio_ANSWER_TAKEN;
+  std::string message;  ///< one sentence a person can act on; empty when taken
+  bool taken() const { return code == intaglio_ANSWER_TAKEN; }
+};
+
+/// user@host, for people.
+std::string OperatorName();
+
+}  // namespace intaglio::client

@@ -1,0 +1,85 @@
+#include "services/cli/status/job_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace intaglio::cli {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+client::JobView Job(std::uint32_t number, intaglio_JobState state) {
+  client::JobView job;
+  job.uid = std::to_string(number) + "-abc";
+  job.number = number;
+  job.name = "duck";
+  job.cell = "left";
+  job.state = state;
+  return job;
+}
+
+client::JobView NotGood() {
+  client::JobView job = Job(7, intaglio_JOB_DONE);
+  job.verdict = "not_good";
+  job.counts = {1240, 1234, 4, 2, 0};
+  return job;
+}
+
+TEST(JobText, AnEndedJobHasItsVerdictItsCountsAndTheReason) {
+  const std::string line = ListText({NotGood()});
+  EXPECT_THAT(line, ContainsRegex("7  done +left +not_good .*made 1 234 / 1 240 +duck"));
+  EXPECT_THAT(line, HasSubstr("of 1240 points 4 missed, 2 skipped"));
+  const std::string shown = ShowText(NotGood());
+  EXPECT_THAT(shown, HasSubstr("verdict    not_good"));
+  EXPECT_THAT(shown,
+              HasSubstr("points     1 240 planned, 1 234 made, 4 missed, 2 skipped"));
+  EXPECT_THAT(shown, HasSubstr("reason     of 1240 points 4 missed, 2 skipped"));
+}
+
+TEST(JobText, AGoodJobHasNoReason) {
+  client::JobView job = Job(7, intaglio_JOB_DONE);
+  job.verdict = "good";
+  job.counts = {1240, 1240, 0, 0, 0};
+  EXPECT_THAT(ShowText(job), HasSubstr("verdict    good"));
+  EXPECT_THAT(ShowText(job), Not(HasSubstr("reason")));
+}
+
+TEST(JobText, AJobThatFailedOrWasCancelledHasItsMessage) {
+  client::JobView job = Job(7, intaglio_JOB_FAILED);
+  job.verdict = "none";
+  job.message = "the model is open";
+  EXPECT_THAT(ListText({job}), HasSubstr("        the model is open\n"));
+  EXPECT_THAT(ShowText(job), HasSubstr("reason     the model is open\n"));
+  job.state = intaglio_JOB_CANCELLED;
+  job.counts = {100, 40, 0, 60, 0};
+  job.message = "cancelled by ann";
+  EXPECT_EQ(ReasonOf(job), "cancelled by ann; of 100 points 60 skipped");
+}
+
+TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
+  client::JobView job = Job(7, intaglio_JOB_ENGRAVING);
+  job.progress = {{intaglio_STAGE_ENGRAVE, 1200, 5000, 10}};
+  job.counts = {5000, 1200, 0, 3800, 0};
+  job.message = "pulses were skipped: the run starts again there";
+  job.alarm = "no progress: 21 of 2400 expected points";
+  for (const std::string& text : {ListText({job}), ShowText(job)}) {
+    EXPECT_THAT(text, HasSubstr("engrav"));
+    EXPECT_THAT(text, HasSubstr("1 200 / 5 000"));
+    EXPECT_THAT(text, HasSubstr("no progress: 21 of 2400"));
+    EXPECT_THAT(text, HasSubstr("pulses were skipped"));
+    EXPECT_THAT(text, Not(HasSubstr("of 5000 points"))) << "it has not ended";
+  }
+  EXPECT_THAT(ListText({job}), HasSubstr("ALARM no progress"));
+  EXPECT_THAT(ShowText(job), HasSubstr("alarm      no progress"));
+}
+
+TEST(JobText, TheListIsInTheOrderOfNumbers) {
+  const std::string text =
+      ListText({Job(12, intaglio_JOB_QUEUED), Job(3, intaglio_JOB_DONE)});
+  EXPECT_LT(text.find(" 3  "), text.find(" 12  "));
+}
+
+}  // namespace
+}  // namespace intaglio::cli

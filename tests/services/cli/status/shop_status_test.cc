@@ -1,0 +1,167 @@
+#include "services/cli/status/shop_status.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace intaglio::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+client::ServiceView Service(intaglio_ServiceRole role, const std::string& cell = "") {
+  client::ServiceView service;
+  service.instance = "s" + std::to_string(static_cast<int>(role)) + cell;
+  service.role = role;
+  service.cell = cell;
+  service.state = intaglio_HEALTH_READY;
+  return service;
+}
+
+client::JobView Job(std::uint32_t number, intaglio_JobState state) {
+  client::JobView job;
+  job.uid = std::to_string(number) + "-abc";
+  job.number = number;
+  job.name = "duck";
+  job.cell = "left";
+  job.state = state;
+  return job;
+}
+
+/// A shop with one machine and nothing to do.
+ShopSnapshot GoodShop() {
+  ShopSnapshot shop;
+  shop.services = {Service(intaglio_ROLE_JOB_SERVICE), Service(intaglio_ROLE_DISCRETIZER),
+                   Service(intaglio_ROLE_SORTER),
+                   Service(intaglio_ROLE_SYNCHRONIZER, "left"),
+                   Service(intaglio_ROLE_MOTION_BRIDGE, "left")};
+  CellSnapshot& cell = shop.cells["left"];
+  cell.has_interlock = cell.laser_line_up = cell.key_on = cell.door_closed = true;
+  cell.stop_released = cell.lamp_on = cell.lamp_warm = cell.has_motion = true;
+  shop.disks = {{"s0", "/shop", 5'000'000'000, 20'000'000'000}};
+  return shop;
+}
+
+ShopStatus Status(const ShopSnapshot& shop) {
+  return StatusOf(shop, std::chrono::system_clock::time_point{});
+}
+
+/// That a person is needed, for this and nothing else.
+void ExpectNeed(const ShopSnapshot& shop, const std::string& why) {
+  const ShopStatus status = Status(shop);
+  EXPECT_TRUE(status.needs_person()) << why;
+  ASSERT_EQ(status.needs_size(), 1) << TextOf(status);
+  EXPECT_THAT(status.needs(0), HasSubstr(why));
+  EXPECT_THAT(TextOf(status), HasSubstr("NEEDS A PERSON"));
+  EXPECT_THAT(TextOf(status), HasSubstr("to do      "));
+}
+
+TEST(ShopStatus, AllIsWellInAShopThatWaitsForJobs) {
+  const ShopStatus status = Status(GoodShop());
+  EXPECT_FALSE(status.needs_person()) << TextOf(status);
+  const std::string text = TextOf(status);
+  EXPECT_THAT(text, HasSubstr("all is well"));
+  EXPECT_THAT(text, HasSubstr("lamp warm, key on, door closed, stop released, no job"));
+  EXPECT_THAT(text, HasSubstr("5.0 GB of 20.0 GB free  /shop"));
+  EXPECT_THAT(text, Not(HasSubstr("to do")));
+}
+
+TEST(ShopStatus, AMissingServiceNeedsAPerson) {
+  for (const std::size_t index : {0u, 1u, 2u, 3u, 4u}) {
+    ShopSnapshot shop = GoodShop();
+    shop.services.erase(shop.services.begin() + index);
+    const char* names[] = {"job-service", "discretizer", "sorter", "synchronizer",
+                           "motion-bridge"};
+    ExpectNeed(shop, std::string("no ") + names[index] + " runs");
+  }
+}
+
+TEST(ShopStatus, AFaultAndAWarningOfAServiceAreAlarms) {
+  ShopSnapshot shop = GoodShop();
+  shop.services[0].state = intaglio_HEALTH_FAULT;
+  shop.services[0].message = "the disk is full";
+  ExpectNeed(shop, "job-service: the disk is full");
+  shop = GoodShop();
+  shop.services[4].message = "the position tolerance differs";
+  ExpectNeed(shop, "motion-bridge of left: the position tolerance differs");
+}
+
+TEST(ShopStatus, AStopNeedsAPersonAndIsNamed) {
+  ShopSnapshot shop = GoodShop();
+  shop.cells["left"].stop_pressed = true;
+  shop.cells["left"].stops_held = {"ann (number 1)", "bob (number 2)"};
+  ExpectNeed(shop, "the emergency stop is pressed (ann (number 1), bob (number 2))");
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("STOP PRESSED by ann (number 1)"));
+}
+
+TEST(ShopStatus, LinesThatAreDownNeedAPerson) {
+  ShopSnapshot shop = GoodShop();
+  shop.cells["left"].laser_line_up = false;
+  ExpectNeed(shop, "left: the laser does not answer");
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("LASER LINE DOWN"));
+  shop = GoodShop();
+  shop.cells["left"].motion_fault = intaglio_MOTION_LINK_LOST;
+  ExpectNeed(shop, "left: the stage does not answer");
+}
+
+// Somebody changes the block.
+TEST(ShopStatus, AnOpenDoorNeedsAPersonOnlyWhileTheMachineHasAJob) {
+  ShopSnapshot shop = GoodShop();
+  shop.cells["left"].door_closed = false;
+  EXPECT_FALSE(Status(shop).needs_person());
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("DOOR OPEN"));
+  shop.jobs = {Job(3, intaglio_JOB_ENGRAVING)};
+  ExpectNeed(shop, "left: the door is open");
+  EXPECT_EQ(Status(shop).machines(0).job(), 3u);
+}
+
+TEST(ShopStatus, JobsThatWaitForAPerson) {
+  ShopSnapshot shop = GoodShop();
+  shop.jobs = {Job(3, intaglio_JOB_PAUSED)};
+  shop.jobs[0].message = "the door was opened";
+  ExpectNeed(shop, "job 3 is paused: the door was opened (intaglio resume 3, or cancel)");
+  shop.jobs[0].armed = true;  // it goes on by itself
+  EXPECT_FALSE(Status(shop).needs_person());
+  shop.jobs = {Job(3, intaglio_JOB_WAITING_FOR_ARM)};
+  ExpectNeed(shop, "job 3 waits for its arm");
+  shop.jobs = {Job(3, intaglio_JOB_ENGRAVING)};
+  shop.jobs[0].alarm = "no progress: 3 of 2400 expected points";
+  ExpectNeed(shop, "job 3: no progress: 3 of 2400");
+}
+
+TEST(ShopStatus, JobsWithTheirProgressAndTheCountOfEndedOnes) {
+  ShopSnapshot shop = GoodShop();
+  shop.jobs = {Job(2, intaglio_JOB_DONE), Job(3, intaglio_JOB_ENGRAVING),
+               Job(4, intaglio_JOB_QUEUED)};
+  shop.jobs[1].progress = {{intaglio_STAGE_ENGRAVE, 1200, 5000, 10}};
+  shop.jobs[1].counts = {5000, 1190, 10, 3800, 0};
+  shop.jobs[2].message = "waits for its turn on left";
+  const ShopStatus status = Status(shop);
+  EXPECT_FALSE(status.needs_person());
+  EXPECT_EQ(status.ended_jobs(), 1u);
+  ASSERT_EQ(status.jobs_size(), 2);
+  EXPECT_EQ(status.jobs(0).state(), "engraving");
+  EXPECT_EQ(status.jobs(0).missed(), 10u);
+  const std::string text = TextOf(status);
+  EXPECT_THAT(text, HasSubstr("jobs       2 open, 1 ended"));
+  EXPECT_THAT(text, HasSubstr("engrave 1 200 / 5 000"));
+  EXPECT_THAT(text, HasSubstr("waits for its turn on left"));
+}
+
+TEST(ShopStatus, ADiskThatIsNearlyFull) {
+  ShopSnapshot shop = GoodShop();
+  shop.disks[0].free_bytes = 50'000'000;
+  ExpectNeed(shop, "the disk of /shop is nearly full, 50.0 MB are free");
+  EXPECT_TRUE(Status(shop).disks(0).low());
+}
+
+TEST(ShopStatus, ALampThatWarmsUpNeedsNobody) {
+  ShopSnapshot shop = GoodShop();
+  shop.cells["left"].lamp_warm = false;
+  shop.cells["left"].warm_ratio = 0.25;
+  EXPECT_FALSE(Status(shop).needs_person());
+  EXPECT_THAT(TextOf(Status(shop)), HasSubstr("lamp warms up (25 %)"));
+}
+
+}  // namespace
+}  // namespace intaglio::cli
