@@ -7,11 +7,11 @@
 #include <memory>
 
 #include "services/cli/complain.h"
+#include "services/cli/json/print_json.h"
 #include "services/cli/message_csv.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/history/job_history.h"
-#include "services/job/json_text.h"
 
 namespace intaglio::cli {
 namespace {
@@ -27,30 +27,46 @@ struct HistoryOptions {
   bool csv = false;
 };
 
+/// "2 min 41 s", or "-" for what is not known.
+std::string TimeOrDash(double seconds) {
+  return seconds > 0 ? client::ShortDuration(seconds) : "-";
+}
+
 void PrintTable(const std::vector<JobStatistics>& jobs) {
-  fmt::print("{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<9} {:>21}  {:>12}  {}\n", "job",
-             "ended (UTC)", "machine", "glass", "state", "verdict", "made / planned",
-             "time", "name");
+  fmt::print(
+      "{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<18} {:>21}  {:>12} {:>12} {:>12} {:>6}  "
+      "{}\n",
+      "job", "ended (UTC)", "machine", "glass", "state", "verdict", "made / planned",
+      "time", "estimate", "machining", "ratio", "name");
   for (const JobStatistics& job : jobs) {
     // Day and minute.
     std::string ended = job.ended_utc().substr(0, 16);
     if (ended.size() > 10) ended[10] = ' ';
-    fmt::print("{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<9} {:>21}  {:>12}  {}\n",
-               job.job(), ended, job.cell(), job.material(), job.state(), job.verdict(),
-               fmt::format("{} / {}", client::GroupedDigits(job.made()),
-                           client::GroupedDigits(job.planned())),
-               client::ShortDuration(job.duration_s()), job.name());
+    fmt::print(
+        "{:>6}  {:<16}  {:<12} {:<10} {:<10} {:<18} {:>21}  {:>12} {:>12} {:>12} {:>6}  "
+        "{}\n",
+        job.job(), ended, job.cell(), job.material(), job.state(), job.verdict(),
+        fmt::format("{} / {}", client::GroupedDigits(job.made()),
+                    client::GroupedDigits(job.planned())),
+        client::ShortDuration(job.duration_s()), TimeOrDash(job.first_estimated_s()),
+        TimeOrDash(job.machining_s()),
+        job.first_estimate_ratio() > 0 ? fmt::format("{:.2f}", job.first_estimate_ratio())
+                                       : "-",
+        job.name());
   }
   if (jobs.empty()) std::cerr << "no ended job matches these options\n";
+  const history::EstimateScore score = history::ScoreOf(jobs);
+  if (score.jobs == 0) return;
+  fmt::print(
+      "first estimate by outcome of {} undisturbed jobs: {:.2f} in the median, {:.2f} to "
+      "{:.2f}\n",
+      score.jobs, score.median_ratio, score.min_ratio, score.max_ratio);
 }
 
-int PrintJson(const std::vector<JobStatistics>& jobs) {
+int PrintHistory(const std::vector<JobStatistics>& jobs) {
   JobHistory all;
   for (const JobStatistics& job : jobs) *all.add_jobs() = job;
-  const auto json = JsonTextOf(all);
-  if (!json) return Complain(json.error());
-  std::cout << *json;
-  return client::kExitGood;
+  return PrintJson(all);
 }
 
 int History(const HistoryOptions& options) {
@@ -62,7 +78,7 @@ int History(const HistoryOptions& options) {
                                 : fs::path(options.database);
   const auto jobs = history::ReadHistory(database, filter);
   if (!jobs) return Complain(jobs.error());
-  if (options.json) return PrintJson(*jobs);
+  if (options.json) return PrintHistory(*jobs);
   if (options.csv) {
     std::cout << CsvHeader(*JobStatistics::descriptor());
     for (const JobStatistics& job : *jobs) std::cout << CsvLine(job);
@@ -94,7 +110,7 @@ void AddHistoryCommand(command_line::Command app) {
   history.AddOption("--name", options->filter.piece, "a part of the job's name");
   history.AddOption("--glass", options->filter.material, "the material");
   history.AddOption("--verdict", options->filter.verdict,
-                    "good, not_good, none or unknown");
+                    "good, good_with_warnings, not_good, none or unknown");
   history.AddOption("--cell", options->filter.cell, "name of the machine");
   history.AddOption("--job", options->job, "one job by its number, ended or not");
   const auto json = history.AddFlag("--json", options->json, "for programs");

@@ -4,14 +4,30 @@
 #include <google/protobuf/descriptor.h>
 
 #include "engrave/io/csv.h"
+#include "proto/warning.pb.h"
 
 namespace intaglio::cli {
 namespace {
 
 namespace pb = google::protobuf;
 
+/// The sentences of a list of warnings, in one field.
+std::string WarningTexts(const pb::Message& message, const pb::FieldDescriptor& field) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  std::string texts;
+  for (int i = 0; i < reflection.FieldSize(message, &field); ++i) {
+    const pb::Message& element = reflection.GetRepeatedMessage(message, &field, i);
+    texts += (i == 0 ? "" : "; ") + static_cast<const WarningRecord&>(element).text();
+  }
+  return io::CsvField(texts);
+}
+
 std::string FieldText(const pb::Message& message, const pb::FieldDescriptor& field) {
   const pb::Reflection& reflection = *message.GetReflection();
+  if (field.is_repeated()) {
+    const bool warnings = field.message_type() == WarningRecord::descriptor();
+    return warnings ? WarningTexts(message, field) : std::string();
+  }
   switch (field.cpp_type()) {
     case pb::FieldDescriptor::CPPTYPE_STRING:
       return io::CsvField(reflection.GetString(message, &field));

@@ -1,7 +1,7 @@
 #pragma once
 
 // Messages as a table for spreadsheets: RFC 4180, a column for each field, a row for each
-// message. Of fields that are no lists and no messages.
+// message. Of fields that are no messages; of lists only those of warnings, as sentences.
 
 #include <google/protobuf/message.h>
 

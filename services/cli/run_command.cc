@@ -7,26 +7,31 @@
 #include <chrono>
 #include <filesystem>
 #include <iostream>
-#include <random>
 
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/accept_flag.h"
+#include "services/cli/flags/bulk_flag.h"
 #include "services/cli/flags/bus_flags.h"
+#include "services/cli/flags/customer_picture_flags.h"
 #include "services/cli/flags/event_flag.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/flags/truth_flags.h"
 #include "services/cli/interrupt.h"
+#include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/report_text.h"
-#include "services/cli/stage_bars.h"
+#include "services/cli/progress/progress_bar.h"
+#include "services/cli/progress/stage_bars.h"
+#include "services/cli/progress/warning_lines.h"
+#include "services/cli/run_folder.h"
 #include "services/client/arm_once.h"
 #include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
 #include "services/client/job_client.h"
 #include "services/client/proof_folder.h"
+#include "services/client/proof_verdict.h"
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
 #include "services/job/options.h"
@@ -38,7 +43,6 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* kSessionFolder = "session";
 constexpr auto kPatience = 10s;  // with a loss
 constexpr auto kCancelTimeout = 10s;
 
@@ -48,27 +52,23 @@ struct RunOptions {
   std::string materials_db;
   bool lockstep = false;
   bool events = false;
+  AcceptFlag accept;
   double speed = 1;
   TruthFlags truth;
   std::vector<std::string> faults;
   std::vector<std::string> without;
   bool record = true;
+  CustomerPictureFlags picture;
+  std::string bulk;
   bus::BusOptions bus;
 };
-
-std::string RandomTag() {
-  std::random_device random;
-  return fmt::format("run-{}-{:08x}", getpid(), random());
-}
 
 /// One `intaglio run`, from the checked job to the verdict.
 class RunSession {
  public:
-  RunSession(RunOptions options, JobAndMachine job, materials_db::Material material,
-             materials_db::OpticalValues optics)
+  RunSession(RunOptions options, JobAndMachine job, materials_db::OpticalValues optics)
       : options_(std::move(options)),
         job_(std::move(job)),
-        material_(std::move(material)),
         optics_(optics),
         bar_(std::cerr, isatty(STDERR_FILENO) != 0) {}
 
@@ -94,10 +94,10 @@ class RunSession {
 
   RunOptions options_;
   JobAndMachine job_;
-  materials_db::Material material_;
   materials_db::OpticalValues optics_;
   ProgressBar bar_;
-  StageBars bars_{bar_};
+  StageBars bars_{bar_, options_.lockstep ? 0 : options_.speed};
+  WarningLines warnings_{bar_};
   client::EventLines events_{std::cout};
   std::optional<ShopVerdict> proved_;  // by the glass; none: nothing to prove
   fs::path out_, session_;
@@ -116,27 +116,9 @@ Status RunSession::MakeFolders() {
              ? fs::path("intaglio-out") /
                    fmt::format("{}-{}", job_.job.name(), client::UtcNow())
              : fs::path(options_.out);
-  std::error_code error;
   out_ = fs::absolute(out_).lexically_normal();
-  session_ = out_ / kSessionFolder;
-  fs::remove_all(session_, error);
-  for (const char* file :
-       {"report.json", "glass.ply", "path.ply", "views.png", "journal.bin", "job.json"}) {
-    fs::remove(out_ / file, error);
-  }
-  for (const auto& entry : fs::directory_iterator(out_, error)) {
-    const fs::path& file = entry.path();
-    const std::string stem = file.stem().string(), kind = file.extension().string();
-    if ((kind == ".mcap" && stem.starts_with(kSessionFolder)) ||
-        (kind == ".png" && stem.starts_with("views-channel-")))
-      fs::remove(file, error);
-  }
-  fs::create_directories(session_, error);
-  if (!error) return {};
-  return Fail(
-      ErrorCode::kIo,
-      fmt::format("--out {}: cannot make the folder: {}", out_.string(), error.message()),
-      out_.string());
+  session_ = out_ / "session";
+  return PrepareRunFolder(out_, session_);
 }
 
 client::MountedDescription RunSession::MountedParts() const {
@@ -161,11 +143,12 @@ Result<client::ServiceSet> RunSession::StartServices(
   set.results = session_ / "jobs";
   set.materials_db = options_.materials_db;
   set.machine = job_.machine;
-  if (options_.bus.tag.empty()) options_.bus.tag = RandomTag();
+  if (options_.bus.tag.empty()) options_.bus.tag = PrivateTag();
   options_.bus.cell = job_.machine.name();
   set.bus = options_.bus;
   set.without = {options_.without.begin(), options_.without.end()};
   if (options_.record) set.recording = out_ / "session.mcap";
+  set.recording_bulk = options_.bulk;
   set.mounted = MountedParts();
   HandOnSizeLimits(options_.job.size_limits);
   return client::ServiceSet::Start(set, &machine);
@@ -206,15 +189,9 @@ int RunSession::Engrave(client::ServiceSet& services) {
 
 void RunSession::Show(const client::JobView& job) {
   if (options_.events && !job.ended()) events_.Show(job);
-  const client::JobView::Progress* p = client::StageAtWork(job);
-  if (p == nullptr) return;
-  std::string note;
-  if (p->stage == intaglio_STAGE_ENGRAVE && job.estimate_ticks > 0 && job.rate_hz > 0 &&
-      p->done_count == 0) {
-    note = "machining time " +
-           client::ShortDuration(static_cast<double>(job.estimate_ticks) / job.rate_hz);
-  }
-  if (!job.message.empty()) note = job.message;
+  warnings_.Show(job.warnings);
+  std::string note = EstimateNote(job);
+  if (!job.message.empty()) note += (note.empty() ? "" : ", ") + job.message;
   bars_.Show(job, note);
 }
 
@@ -223,7 +200,9 @@ void RunSession::Show(const client::JobView& job) {
 // an attempt, and the arm is given once more, unless a person has taken it back.
 void RunSession::Arm(client::JobClient& client, const client::JobView& job) {
   if (job.state == intaglio_JOB_QUEUED || job.ended()) return;
-  if (!arm_ || (job.attempt != armed_attempt_ && arm_holds_)) arm_.emplace(client, job);
+  if (!arm_ || (job.attempt != armed_attempt_ && arm_holds_)) {
+    arm_.emplace(client, job, options_.accept.breakage());
+  }
   armed_attempt_ = job.attempt;
   const client::ArmOnce::State state = arm_->Follow(job);
   if (arm_holds_ && state == client::ArmOnce::State::kLeft) {
@@ -272,10 +251,12 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
   while (!job.ended() && Clock::now() < give_up_) {
     client.Poll(50ms);
     job = client.jobs().at(job.uid);
-    if (!cancelled_) {
-      Show(job);
-      Arm(client, job);
+    if (!cancelled_) Show(job);
+    if (auto refused = WhyRefused(job, options_.accept); refused && !fault) {
+      fault = std::move(refused);
+      Cancel(client, job, "a warning is not accepted: the job is cancelled");
     }
+    if (!cancelled_) Arm(client, job);
     if (Interrupts() > 0) Cancel(client, job, "interrupted: the job is cancelled");
     const auto revived = services.Revive();
     if (!revived && !fault) {
@@ -307,7 +288,9 @@ int RunSession::Follow(client::ServiceSet& services, client::JobClient& client,
 void RunSession::WriteEnd(client::JobClient& client, const client::JobView& job) {
   client::JobEnd end = EndOf(client, job);
   if (proved_) end.verdict = *proved_;
-  events_.Ended(job, end);
+  client::JobView proof = job;
+  proof.result_directory = out_.string();
+  events_.Ended(proof, end);
 }
 
 int RunSession::Prove(const client::JobView& job, const client::JobClient& client,
@@ -319,43 +302,43 @@ int RunSession::Prove(const client::JobView& job, const client::JobClient& clien
   inputs.discretize = client.OutcomeOf(job.uid, intaglio_STAGE_DISCRETIZE);
   inputs.sort = client.OutcomeOf(job.uid, intaglio_STAGE_SORT);
   inputs.engrave = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
-  inputs.warnings = job_.notes;
+  for (const std::string& note : job_.notes) {
+    inputs.warnings.push_back(MakeWarning(WarningCode::kChosen, note));
+  }
+  inputs.warnings.insert(inputs.warnings.end(), job.warnings.begin(), job.warnings.end());
+  inputs.breakage_accepted_by = job.breakage_accepted_by;
   inputs.started_utc = started_utc_;
   inputs.ended_utc = client::UtcNow();
   inputs.wall_time_s = std::chrono::duration<double>(Clock::now() - started_).count();
+  inputs.job_number = job.number;
   // A job that ended before its engraving began left nothing to prove.
-  if (!fs::exists(inputs.job_folder / "path.ply")) return client::kExitMachine;
+  if (job.open_consent() != nullptr || !fs::exists(inputs.job_folder / "path.ply"))
+    return client::kExitMachine;
   const auto report = client::MakeProof(inputs);
   if (!report) return Complain(report.error(), client::kExitWrongInput);
-  for (const std::string& warning : report->warnings())
-    std::cerr << "warning    " << warning << "\n";
   std::ostream& human = options_.events ? std::cerr : std::cout;
-  human << SummaryOf(*report) << "\n";
-  human << "folder      " << out_.string()
-        << "  (report.json, glass.ply, path.ply, views.png"
-        << (options_.record ? ", session.mcap)\n" : ")\n");
-  proved_ = {report->verdict().good() ? VerdictKind::kGood : VerdictKind::kNotGood,
+  const auto drawn =
+      PresentProof(human, *report, out_, options_.record, options_.picture);
+  if (!drawn) return Complain(drawn.error(), client::kExitWrongInput);
+  proved_ = {client::KindOf(report->verdict()),
              fmt::format("{}", fmt::join(report->verdict().reasons(), "; "))};
-  return report->verdict().good() ? client::kExitGood : client::kExitNotGood;
+  return client::ExitCodeOf(proved_->verdict);
 }
 
 int RunJob(const RunOptions& given) {
   CatchInterrupts();
   RunOptions options = given;
-  auto job = BuildJob(options.job);
+  auto job = BuildJobToEngrave(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
   if (options.materials_db.empty()) {
     options.materials_db = materials_db::DefaultDatabasePath().string();
   }
-  auto store = materials_db::MaterialStore::Open(options.materials_db);
-  if (!store) return Complain(store.error(), client::kExitWrongInput);
-  auto material = store->Find(job->job.glass());
+  const auto material = FindGlass(*job, options.materials_db);
   if (!material) return Complain(material.error(), client::kExitWrongInput);
   const auto optics = materials_db::ComputeOptics(
       *material, job->job.laser().wavelength_nm(), job->job.lens().numerical_aperture());
   if (!optics) return Complain(optics.error(), client::kExitWrongInput);
-  return RunSession(std::move(options), std::move(*job), std::move(*material), *optics)
-      .Run();
+  return RunSession(std::move(options), std::move(*job), *optics).Run();
 }
 
 }  // namespace
@@ -367,13 +350,12 @@ void AddRunCommand(command_line::Command app) {
                      "engrave one job in the virtual engraver, with a separate set of "
                      "processes, and prove the result");
   run.SetFooter(
-      "Example: intaglio run --mesh bunny.obj --height 40 --glass N-BK7 --rate 100 "
-      "--method sections --layer 0.1 --spacing 0.1 --machine els-03 --lockstep --out "
-      "DIR\n"
+      "Example: intaglio run --mesh bunny.obj --height 40 --lockstep --out DIR\n"
       "Exit code: 0 good, 1 internal fault, 2 wrong input, 3 engraved but not good, "
       "4 machine fault, 5 cancelled.");
   AddJobFlags(run, options->job);
   AddEventsFlag(run, options->events);
+  AddAcceptFlag(run, options->accept);
   run.AddOption("--out", options->out,
                 "folder of the proof, default intaglio-out/NAME-TIME");
   const auto lockstep = run.AddFlag("--lockstep", options->lockstep,
@@ -382,12 +364,14 @@ void AddRunCommand(command_line::Command app) {
                 "speed of the machine as a multiple of real time")
       .Within(0.01, 1000.0)
       .Exclude(lockstep);
+  AddCustomerPictureFlags(run, options->picture);
   AddTruthFlags(run, options->truth);
   run.AddOption(
       "--fault", options->faults,
       "inject a fault into the machine: \"AT_TICK COMMAND\" (docs/protocols.md)");
   run.AddFlag("--record,!--no-record", options->record,
-              "keep every topic in session.mcap; on by default");
+              "record the messages in session.mcap; on by default");
+  AddBulkFlag(run, options->bulk);
   run.AddOption("--without", options->without,
                 "services that run elsewhere, e.g. discretizer");
   run.AddOption("--materials", options->materials_db,

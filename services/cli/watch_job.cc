@@ -7,8 +7,9 @@
 
 #include "services/cli/complain.h"
 #include "services/cli/interrupt.h"
-#include "services/cli/progress_bar.h"
-#include "services/cli/stage_bars.h"
+#include "services/cli/progress/progress_bar.h"
+#include "services/cli/progress/stage_bars.h"
+#include "services/cli/progress/warning_lines.h"
 #include "services/client/exit_codes.h"
 
 namespace intaglio::cli {
@@ -20,7 +21,11 @@ using namespace std::chrono_literals;
 std::string NoteOf(const client::JobView& job) {
   std::string note = job.message.empty() ? client::StateOf(job) : job.message;
   const bool waits = job.armed && job.state != intaglio_JOB_ENGRAVING;
-  if (waits && !job.message.empty()) note += ", armed";
+  if (waits && !job.message.empty()) note = "armed, " + note;
+  if (const std::string estimate = EstimateNote(job); !estimate.empty()) {
+    note = estimate + ", " + note;
+  }
+  if (!job.alarm.empty()) note += "; ALARM " + job.alarm;
   if (job.speed_percent != 100) note += fmt::format(", at {} % speed", job.speed_percent);
   if (job.state != intaglio_JOB_PAUSED) return note;
   if (job.armed) return "paused: " + note;
@@ -48,8 +53,10 @@ int WatchJob(client::JobClient& client, const std::string& uid,
   CatchInterrupts();
   ProgressBar bar(std::cerr, isatty(STDERR_FILENO) != 0);
   StageBars bars(bar);
+  WarningLines warnings(bar);
   for (;;) {
     const client::JobView& job = client.jobs().at(uid);
+    warnings.Show(job.warnings);
     bars.Show(job, NoteOf(job));
     if (job.ended()) {
       bar.Finish();
@@ -70,7 +77,7 @@ int WatchJob(client::JobClient& client, const std::string& uid,
     if (Interrupts() > 0) {
       bar.Finish();
       std::cerr << "the job continues; intaglio cancel " << job.number << " ends it\n";
-      return client::kExitGood;
+      return client::kExitLeft;
     }
     client.Poll(100ms);
   }

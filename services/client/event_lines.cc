@@ -7,6 +7,7 @@
 #include "services/client/exit_codes.h"
 #include "services/history/job_names.h"
 #include "services/job/json_text.h"
+#include "services/job/verdict/warnings.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::client {
@@ -14,7 +15,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The job's last state and the outcome of its engraving come from two processes.
+// The end of a job is published with its verdict. Where no job service does so, what the
+// synchronizer has reported is left.
 constexpr auto kOutcomeTime = 2s;
 
 std::uint32_t Count(std::uint64_t count) {
@@ -22,29 +24,41 @@ std::uint32_t Count(std::uint64_t count) {
       std::min<std::uint64_t>(count, std::numeric_limits<std::uint32_t>::max()));
 }
 
+void SetCounts(const intaglio_PointCounts& from, EngraveOutcome& counts) {
+  counts.set_planned_count(from.planned);
+  counts.set_made_count(from.made);
+  counts.set_missed_count(from.missed);
+  counts.set_skipped_count(from.skipped);
+  counts.set_uncertain_count(from.uncertain);
+}
+
 }  // namespace
 
 JobEnd EndOf(JobClient& client, const JobView& job) {
-  const auto reported = [&] {
-    return client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE).has_value();
-  };
-  const bool engraved = std::any_of(
-      job.progress.begin(), job.progress.end(), [](const JobView::Progress& p) {
-        return p.stage == intaglio_STAGE_ENGRAVE && p.total_count > 0;
-      });
-  if (engraved) client.PollUntil(reported, kOutcomeTime);
+  const auto is_settled = [&] { return !client.jobs().at(job.uid).verdict.empty(); };
+  client.PollUntil(is_settled, kOutcomeTime);
+  const JobView settled = client.jobs().at(job.uid);
   const auto outcome = client.OutcomeOf(job.uid, intaglio_STAGE_ENGRAVE);
-  const bool known = outcome && outcome->has_engrave();
+  const bool reported = outcome && outcome->has_engrave();
   JobEnd end;
-  if (known) end.counts = outcome->engrave();
-  end.verdict = VerdictOf(job.state == intaglio_JOB_DONE, known ? &end.counts : nullptr);
+  if (reported) end.counts = outcome->engrave();
+  const VerdictKind kind = VerdictFromName(settled.verdict);
+  const bool known = is_settled() ? kind != VerdictKind::kUnknown : reported;
+  if (is_settled()) SetCounts(settled.counts, end.counts);
+  end.verdict = VerdictOf(job.state == intaglio_JOB_DONE, known ? &end.counts : nullptr,
+                          job.warnings);
+  if (is_settled()) end.verdict.verdict = kind;
   return end;
+}
+
+int ExitCodeOf(VerdictKind verdict) {
+  return verdict == VerdictKind::kNotGood ? kExitNotGood : kExitGood;
 }
 
 int ExitCodeOf(const JobView& job, const ShopVerdict& verdict) {
   if (job.state == intaglio_JOB_CANCELLED) return kExitCancelled;
   if (job.state != intaglio_JOB_DONE) return kExitMachine;
-  return verdict.verdict == VerdictKind::kNotGood ? kExitNotGood : kExitGood;
+  return ExitCodeOf(verdict.verdict);
 }
 
 JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
@@ -60,6 +74,8 @@ JobEvent EventOf(const char* event, const JobView& job, const std::string& id) {
   line.set_attempt(job.attempt);
   line.set_armed(job.armed && !job.ended());
   line.set_message(job.message);
+  line.set_result_directory(job.result_directory);
+  line.set_alarm(job.alarm);
   const JobView::Progress* stage = StageAtWork(job);
   if (stage == nullptr || job.state == intaglio_JOB_QUEUED) return line;
   line.set_stage(NameOf(stage->stage));
@@ -84,10 +100,17 @@ void EventLines::Show(const JobView& job, const std::string& id) {
   const bool first = !shown_.contains(job.uid);
   Shown& shown = shown_[job.uid];
   const JobEvent line = EventOf("progress", job, id);
+  if (job.warnings != shown.warnings) {
+    shown.warnings = job.warnings;
+    JobEvent event = line;
+    event.set_event("warnings");
+    AddTo(*event.mutable_warnings(), job.warnings);
+    Write(std::move(event));
+  }
   const bool state = first || line.state() != shown.state ||
                      line.armed() != shown.armed ||
                      line.pause_reason() != shown.pause_reason;
-  const bool message = line.message() != shown.message;
+  const bool message = line.message() != shown.message || line.alarm() != shown.alarm;
   const auto stage =
       static_cast<std::uint32_t>(StageAtWork(job) ? StageAtWork(job)->stage : 0);
   const bool moved =
@@ -95,8 +118,8 @@ void EventLines::Show(const JobView& job, const std::string& id) {
   const bool whole = line.total() > 0 && line.done() == line.total();
   const bool due = moved && (whole || now - shown.at >= kPeriod);
   if (!state && !message && !due) return;
-  shown = {line.state(), line.message(), line.pause_reason(), stage,
-           line.done(),  line.total(),   line.armed(),        now};
+  shown = {line.state(), line.message(), line.alarm(), line.pause_reason(), stage,
+           line.done(),  line.total(),   line.armed(), job.warnings,        now};
   JobEvent event = line;
   event.set_event(state ? "state" : message ? "message" : "progress");
   Write(std::move(event));
@@ -110,6 +133,7 @@ void EventLines::Ended(const JobView& job, const JobEnd& end, const std::string&
   event.set_missed(Count(end.counts.missed_count()));
   event.set_skipped(Count(end.counts.skipped_count()));
   event.set_uncertain(Count(end.counts.uncertain_count()));
+  AddTo(*event.mutable_warnings(), job.warnings);
   if (event.message().empty()) event.set_message(end.verdict.reason);
   shown_.erase(job.uid);
   Write(std::move(event));
@@ -122,6 +146,7 @@ void EventLines::Write(JobEvent event) {
   if (!json) {
     event.clear_name();
     event.clear_message();
+    event.clear_warnings();
     json = JsonTextOf(event, JsonLayout::kOneLine);
   }
   if (json) out_ << *json << '\n' << std::flush;

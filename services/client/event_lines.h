@@ -11,7 +11,7 @@
 
 #include "proto/shop.pb.h"
 #include "services/client/job_client.h"
-#include "services/job/verdict.h"
+#include "services/job/verdict/verdict.h"
 
 namespace intaglio::client {
 
@@ -21,7 +21,8 @@ struct JobEnd {
   EngraveOutcome counts;  ///< zeros when the engraving never began
 };
 
-/// Polls until the outcome of the job's engraving is there, for a moment at most.
+/// Verdict and counts as in the history: polls until the job service has published them,
+/// for a moment at most; then by what the synchronizer has reported.
 JobEnd EndOf(JobClient& client, const JobView& job);
 
 class EventLines {
@@ -30,8 +31,8 @@ class EventLines {
   explicit EventLines(std::ostream& out, Clock clock = std::chrono::system_clock::now);
 
   void Submitted(const JobView& job, const std::string& id = {});
-  /// Lines for what is new since the last call: the state, the message, and progress at
-  /// most every kPeriod.
+  /// Lines for what is new since the last call: the warnings, the state, the message, and
+  /// progress at most every kPeriod.
   void Show(const JobView& job, const std::string& id = {});
   void Ended(const JobView& job, const JobEnd& end, const std::string& id = {});
   /// Any other; the time is filled in.
@@ -41,9 +42,10 @@ class EventLines {
 
  private:
   struct Shown {
-    std::string state, message, pause_reason;
+    std::string state, message, alarm, pause_reason;
     std::uint32_t stage = 0, done = 0, total = 0;
     bool armed = false;
+    Warnings warnings;
     std::chrono::system_clock::time_point at;
   };
   std::ostream& out_;
@@ -54,6 +56,8 @@ class EventLines {
 /// The fields that a JobStatus has.
 JobEvent EventOf(const char* event, const JobView& job, const std::string& id);
 
+/// Of a block that was engraved: 3 not good, else 0, also with warnings.
+int ExitCodeOf(VerdictKind verdict);
 /// 0 done and good, 3 not good, 4 failed, 5 cancelled (docs/cli.md).
 int ExitCodeOf(const JobView& job, const ShopVerdict& verdict);
 

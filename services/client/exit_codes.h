@@ -10,6 +10,7 @@ enum ExitCode : int {
   kExitNotGood = 3,     ///< engraved, and the verdict is not good
   kExitMachine = 4,     ///< a machine or job fault ended it
   kExitCancelled = 5,   ///< cancelled by a person
+  kExitLeft = 6,        ///< Ctrl-C of a command that follows a job, which goes on
 };
 
 }  // namespace intaglio::client

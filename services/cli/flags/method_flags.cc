@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "engrave/core/check.h"
 #include "services/job/field_path.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
@@ -75,11 +76,7 @@ std::string HelpOf(const std::string& option) {
 
 Status ChooseMethod(const std::string& name, JobSpec& job) {
   const Method* method = FindMethod(name);
-  if (method == nullptr) {
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("--method '{}' is no method; of {}", name, MethodsByKind()),
-                name);
-  }
+  Require(method != nullptr, "--method '{}' has passed its check", name);
   if (FieldInDiscretization(*method) != nullptr) {
     MutableMessageOf(*method, *job.mutable_discretization());
     return {};
@@ -162,8 +159,10 @@ Status SetValue(const std::string& option, const std::string& value,
 }  // namespace
 
 void AddMethodFlags(command_line::Command command, MethodFlags& flags) {
-  command.AddOption("--method", flags.method,
-                    "how points are made of " + MethodsByKind());
+  std::vector<std::string> names;
+  for (const Method& method : Methods()) names.push_back(method.name());
+  command.AddOption("--method", flags.method, "how points are made of " + MethodsByKind())
+      .OneOf(names);
   for (const Method& method : Methods()) {
     for (const MethodField& field : method.fields) {
       const std::string option(field.option);

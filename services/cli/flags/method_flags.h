@@ -22,11 +22,11 @@ struct MethodFlags {
 
 void AddMethodFlags(command_line::Command command, MethodFlags& flags);
 
-/// What was given, in the job: --method in its `discretization`, or in each model that
-/// the method suits when it is none of meshes; the other options in the methods that the
-/// job then has. A mesh with a method of its own keeps it as it is. kInvalidValue names
-/// the option: an unknown method, one that suits no model, a value that is none of the
-/// field's, an option that no method of the job has.
+/// What was given, in the job (`method`: one of the table): --method in its
+/// `discretization`, or in each model that the method suits when it is none of meshes;
+/// the other options in the methods that the job then has. A mesh with a method of its
+/// own keeps it as it is. kInvalidValue names the option: a method that suits no model, a
+/// value that is none of the field's, an option that no method of the job has.
 Status SetMethods(const MethodFlags& flags, JobSpec& job);
 
 }  // namespace intaglio::cli

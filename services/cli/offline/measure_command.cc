@@ -7,8 +7,7 @@
 #include <optional>
 
 #include "engrave/core/try.h"
-#include "engrave/mesh/mesh_import.h"
-#include "engrave/mesh/placement.h"
+#include "engrave/mesh/mesh.h"
 #include "engrave/proof/cloud_quality.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/spacing_map.h"
@@ -25,7 +24,7 @@
 #include "services/job/models/program_limits.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/options.h"
-#include "services/job/quality_options.h"
+#include "services/job/quality/quality_options.h"
 #include "services/platform/host/threads/worker_threads.h"
 
 namespace intaglio::cli {
@@ -87,10 +86,7 @@ Result<std::vector<mesh::TriangleMesh>> SurfacesOf(const MeasureOptions& options
                                          MaskOfChannel(*options.channel))) {
       continue;
     }
-    const auto imported = INTAGLIO_TRY(ReadMeshOf(model, limits));
-    const Block block = BlockOf(job, model);
-    auto placed = INTAGLIO_TRY(mesh::PlaceInBlock(
-        imported, PlacementOf(model.placement(), block), Vec3Of(block.size_mm())));
+    auto placed = INTAGLIO_TRY(PlacedMeshOf(job, model, limits));
     auto copied = INTAGLIO_TRY(WithCopies(model, std::move(placed)));
     any = any || !copied.triangles.empty();
     surfaces[static_cast<std::size_t>(i)] = std::move(copied);
@@ -232,21 +228,12 @@ int Measure(const MeasureOptions& options) {
 void AddPlacementFlags(command_line::Command measure, JobFlags& job) {
   measure.AddOption("--job", job.job_file,
                     "job file: its models, spacing and lens; options take precedence");
-  measure.AddOption("--mesh", job.meshes, "model file that the cloud was made from");
-  measure.AddOption("--height", job.height_mm, "scale it to this height, mm");
-  measure.AddOption("--size", job.size_mm, "scale its largest extent to this, mm")
-      .Exclude(measure.OptionOf("--height"));
-  measure.AddOption("--unit", job.unit_mm, "length of a file unit, mm");
-  measure.AddOption("--rotate", job.rotate_deg, "rotate it about x, y, z, degrees")
-      .TakeValues(3);
-  measure.AddOption("--block", job.block_mm, "block size x y z, mm").TakeValues(3);
-  measure.AddOption("--margin", job.margin_mm, "margin without points at each wall, mm");
-  measure.AddOption("--spacing", job.spacing_mm,
-                    "required minimum distance of any two points, mm, default 0.1");
-  measure.AddOption("--machine", job.machine,
-                    "machine profile: els-03 (default), or a file");
-  measure.AddOption(
-      "--focal", job.focal_mm,
+  AddModelFlags(measure, job);
+  AddBlockFlag(measure, job);
+  AddMarginFlag(measure, job);
+  AddSpacingFlag(measure, job);
+  AddLensFlags(measure, job);
+  measure.OptionOf("--focal").Describe(
       "focal length of the lens, mm: its cracks decide where the glass may break");
   AddSizeLimitsFlag(measure, job.size_limits);
 }

@@ -2,26 +2,35 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 #include <memory>
 
 #include "engrave/core/try.h"
-#include "engrave/discretize/cloud.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/render/png_file.h"
 #include "engrave/render/views.h"
+#include "proto/listing.pb.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/customer_picture_flags.h"
+#include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
+#include "services/cli/json/print_json.h"
+#include "services/cli/offline/job_points.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/report_text.h"
+#include "services/client/event_lines.h"
 #include "services/client/exit_codes.h"
 #include "services/client/figure_text.h"
+#include "services/client/proof/proof_figures.h"
+#include "services/client/proof/proof_pictures.h"
 #include "services/client/proof_folder.h"
-#include "services/job/models/discretize_outcome.h"
-#include "services/job/models/model_sources.h"
+#include "services/client/proof_verdict.h"
+#include "services/client/warning_text.h"
 #include "services/job/models/program_limits.h"
-#include "services/platform/host/threads/worker_threads.h"
+#include "services/job/verdict/warnings.h"
 
 namespace intaglio::cli {
 namespace {
@@ -30,29 +39,31 @@ namespace fs = std::filesystem;
 
 struct OfflineOptions {
   JobFlags job;
-  std::string input, out;
+  std::string input, out, materials_db, glass_folder;
   std::vector<double> block_mm;
   bool json = false;
+  bool renew = false;
+  CustomerPictureFlags picture;
 };
 
-/// The job's points, made here in one process.
-Result<discretize::Discretized> MakePoints(const JobSpec& job, const ReadLimits& limits) {
-  auto files = INTAGLIO_TRY(ReadFilesOf(job, limits));
-  Meter meter("discretize", Meter::Of::kShares);
-  auto sources = INTAGLIO_TRY(MakeSources(job, std::move(files), limits, meter.Sink()));
-  auto made = discretize::MakeCloud(sources.sources, CloudOptionsOf(job), {},
-                                    host::AllCores(), meter.Sink());
-  if (!made) return made;
-  if (made->cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
-  for (const std::string& warning : WarningsOf(OutcomeOf(sources, *made, {}), job)) {
-    std::cerr << "warning    " << warning << "\n";
-  }
-  return made;
+CloudRecord CloudRecordOf(const std::string& file, const MadeCloud& made) {
+  CloudRecord record;
+  record.set_file(file);
+  record.set_point_count(static_cast<std::uint32_t>(made.cloud.size()));
+  const double spacing_mm = proof::MinSpacing(made.cloud.points_mm);
+  if (std::isfinite(spacing_mm)) record.set_min_spacing_mm(spacing_mm);
+  record.set_checksum(client::PointChecksum(made.cloud.points_mm));
+  AddTo(*record.mutable_warnings(), made.warnings);
+  return record;
 }
 
 int DiscretizeOffline(const OfflineOptions& options) {
-  const auto job = BuildJob(options.job);
+  auto job = BuildJob(options.job);
   if (!job) return Complain(job.error(), client::kExitWrongInput);
+  // The cloud does not depend on the glass; the job that it is made for does.
+  if (const auto glass = FindGlass(*job, options.materials_db); !glass) {
+    return Complain(glass.error(), client::kExitWrongInput);
+  }
   const auto cloud =
       MakePoints(job->job, mesh_reader::LimitsOfProgram(options.job.size_limits));
   if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
@@ -62,22 +73,71 @@ int DiscretizeOffline(const OfflineOptions& options) {
   if (auto written = WritePoints(options.out, table); !written) {
     return Complain(written.error(), client::kExitWrongInput);
   }
-  std::cout << client::GroupedDigits(table.points_mm.size())
-            << " points, minimum spacing "
-            << fmt::format("{:.4f} mm", proof::MinSpacing(table.points_mm))
-            << ", checksum " << client::PointChecksum(table.points_mm) << ", in "
-            << options.out << "\n";
+  for (const Warning& warning : cloud->warnings) {
+    std::cerr << client::WarningLine(warning) << "\n";
+  }
+  const CloudRecord record = CloudRecordOf(options.out, *cloud);
+  if (options.json) return PrintJson(record);
+  fmt::print("{} points, minimum spacing {:.4f} mm, checksum {}, in {}\n",
+             client::GroupedDigits(record.point_count()), record.min_spacing_mm(),
+             record.checksum(), record.file());
   return client::kExitGood;
 }
 
-int VerifyOffline(const OfflineOptions& options) {
-  const auto report = client::VerifyFolder(options.input);
-  if (!report) return Complain(report.error(), client::kExitWrongInput);
-  const auto text =
-      options.json ? client::JsonOf(*report) : Result<std::string>(SummaryOf(*report));
+/// What the folder is completed with, but what could not be written.
+int PrintProof(const OfflineOptions& options, const client::ProvedFolder& proved) {
+  const auto text = options.json ? client::JsonOf(proved.report)
+                                 : Result<std::string>(SummaryOf(proved.report));
   if (!text) return Complain(text.error(), client::kExitInternal);
   std::cout << *text << "\n";
-  return report->verdict().good() ? client::kExitGood : client::kExitNotGood;
+  if (proved.not_written) {
+    return Complain(*proved.not_written, client::kExitWrongInput);
+  }
+  return client::ExitCodeOf(client::KindOf(proved.report.verdict()));
+}
+
+/// The customer's picture, too, where it is asked for and everything else is written.
+Result<client::ProvedFolder> Complete(const OfflineOptions& options,
+                                      const fs::path& folder) {
+  auto proved = client::CompleteFolder({folder, options.glass_folder, options.renew});
+  if (!proved || proved->not_written || !options.picture.asked()) return proved;
+  const auto drawn = client::WriteCustomerPicture(
+      options.picture.FileIn(folder), proved->evidence, options.picture.Picture());
+  if (!drawn) proved->not_written = drawn.error();
+  return proved;
+}
+
+/// One line for each job whose folder was not complete. Exit code: of the worst.
+int CompleteJobs(const OfflineOptions& options, const std::vector<fs::path>& folders) {
+  int worst = client::kExitGood;
+  for (const fs::path& folder : folders) {
+    const bool is_complete =
+        fs::exists(folder / client::kReportFile) &&
+        fs::exists(folder / client::kViewsFile) &&
+        (!options.picture.asked() || fs::exists(options.picture.FileIn(folder)));
+    if (is_complete && !options.renew) continue;
+    const auto proved = Complete(options, folder);
+    if (!proved || proved->not_written) {
+      worst = Complain(proved ? *proved->not_written : proved.error(),
+                       client::kExitWrongInput);
+      continue;
+    }
+    std::cout << folder.string() << "  "
+              << client::VerdictTitle(proved->report.verdict(), "GOOD") << "\n";
+    if (worst == client::kExitGood)
+      worst = client::ExitCodeOf(client::KindOf(proved->report.verdict()));
+  }
+  return worst;
+}
+
+int VerifyOffline(const OfflineOptions& options) {
+  const auto folders = client::JobFoldersIn(options.input);
+  if (!folders.empty()) return CompleteJobs(options, folders);
+  const auto proved = Complete(options, options.input);
+  if (!proved) return Complain(proved.error(), client::kExitWrongInput);
+  if (options.picture.asked() && !proved->not_written && !options.json)
+    std::cout << "picture     " << options.picture.FileIn(options.input).string() << "\n";
+  return PrintProof(options, *proved);
 }
 
 int RenderOffline(const OfflineOptions& options) {
@@ -102,6 +162,13 @@ int RenderOffline(const OfflineOptions& options) {
       options.out, render::RenderViews(table->points_mm, block, caption));
   if (!written) return Complain(written.error(), client::kExitWrongInput);
   std::cout << "picture in " << options.out << "\n";
+  if (options.picture.asked()) {
+    const fs::path file = options.picture.FileIn(fs::path(options.out).parent_path());
+    const auto drawn = render::WriteCustomerPicture(file, table->points_mm, block,
+                                                    options.picture.Picture());
+    if (!drawn) return Complain(drawn.error(), client::kExitWrongInput);
+    std::cout << "customer's picture in " << file.string() << "\n";
+  }
   return client::kExitGood;
 }
 
@@ -114,32 +181,50 @@ void AddOfflineCommands(command_line::Command app) {
   };
   command_line::Command discretize =
       app.AddCommand("discretize", "make a cloud of points from models");
-  AddJobFlags(discretize, options->job);
-  discretize
-      .AddOption("--out", options->out, "cloud: " + formats::WritablePointExtensions())
+  AddJobFile(discretize, options->job);
+  AddModelFlags(discretize, options->job);
+  AddTextFlags(discretize, options->job.texts);
+  AddBlockFlags(discretize, options->job);
+  AddPointFlags(discretize, options->job);
+  AddMachineFlags(discretize, options->job);
+  AddSizeLimitsFlag(discretize, options->job.size_limits);
+  discretize.AddOption("--out", options->out, "cloud: " + formats::PointExtensions())
       .Require();
+  discretize.AddOption("--materials", options->materials_db,
+                       "material base, default the user's");
+  discretize.AddFlag("--json", options->json, "the figures for programs");
   discretize.SetFooter(
       "Example: intaglio discretize --mesh bunny.obj --height 40 --spacing 0.1 --out "
       "cloud.ply");
   discretize.SetAction(with_options(DiscretizeOffline));
 
-  command_line::Command verify =
-      app.AddCommand("verify", "check a finished folder again");
-  verify.AddOption("FOLDER", options->input, "a folder written by `intaglio run`")
+  command_line::Command verify = app.AddCommand(
+      "verify", "check a finished folder again, and complete its report and pictures");
+  verify
+      .AddOption(
+          "FOLDER", options->input,
+          "a folder of `intaglio run`, or of a job in a shop's folder jobs; or this "
+          "folder jobs itself, of which the incomplete ones are completed")
       .Require();
   verify.AddFlag("--json", options->json, "for programs, as report.json");
+  verify.AddFlag("--renew", options->renew,
+                 "make report and pictures anew that are there already");
+  verify.AddOption("--glass", options->glass_folder,
+                   "folder with the glass records of a virtual engraver, default that of "
+                   "the job's shop");
+  AddCustomerPictureFlags(verify, options->picture);
   verify.SetFooter(
-      "Example: intaglio verify intaglio-out/bunny\n"
-      "Exit code: 0 good, 2 not a finished folder, 3 not good.");
+      "Example: intaglio verify intaglio-shop/jobs/1-2b6f --customer-picture\n"
+      "Exit code: 0 good, 2 not a finished folder, or it cannot be written, 3 not good.");
   verify.SetAction(with_options(VerifyOffline));
 
   command_line::Command render =
       app.AddCommand("render", "make a picture of a cloud of points");
-  render
-      .AddOption("CLOUD", options->input, "points: " + formats::ReadablePointExtensions())
+  render.AddOption("CLOUD", options->input, "points: " + formats::PointExtensions())
       .Require();
   render.AddOption("--block", options->block_mm, "block size x y z, mm").TakeValues(3);
   render.AddOption("--out", options->out, "picture.png").Require();
+  AddCustomerPictureFlags(render, options->picture);
   render.SetFooter(
       "Example: intaglio render cloud.ply --block 50 50 50 --out picture.png");
   render.SetAction(with_options(RenderOffline));

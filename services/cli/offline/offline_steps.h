@@ -8,7 +8,7 @@
 #include "engrave/core/progress.h"
 #include "engrave/core/result.h"
 #include "engrave/formats/point_file_kinds.h"
-#include "services/cli/progress_bar.h"
+#include "services/cli/progress/progress_bar.h"
 
 namespace intaglio::cli {
 

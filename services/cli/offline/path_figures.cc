@@ -16,7 +16,7 @@
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
 #include "services/client/figure_text.h"
-#include "services/client/proof_folder.h"
+#include "services/client/proof/proof_figures.h"
 #include "services/job/json_text.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"

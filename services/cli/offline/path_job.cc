@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "engrave/core/try.h"
 #include "engrave/motion/axis/limits.h"
-#include "materials_db/material_store.h"
+#include "services/cli/job_glass.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/material_record.h"
@@ -15,30 +13,25 @@
 namespace intaglio::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 // A point on the face of the block, but for rounding, is in it.
 constexpr double kOnFaceMm = 1e-9;
 
-Result<OpticalValuesRecord> OpticsOf(const JobSpec& job,
+Result<OpticalValuesRecord> OpticsOf(JobAndMachine& job,
                                      const std::string& materials_db) {
-  auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(
-      materials_db.empty() ? materials_db::DefaultDatabasePath()
-                           : fs::path(materials_db)));
-  const auto material = INTAGLIO_TRY(store.Find(job.glass()));
-  const double wavelength_nm = job.laser().wavelength_nm();
-  const double numerical_aperture = job.lens().numerical_aperture();
+  const auto material = INTAGLIO_TRY(FindGlass(job, materials_db));
+  const double wavelength_nm = job.job.laser().wavelength_nm();
+  const double numerical_aperture = job.job.lens().numerical_aperture();
   const auto optics = INTAGLIO_TRY(
       materials_db::ComputeOptics(material, wavelength_nm, numerical_aperture));
-  return RecordOf(optics, wavelength_nm, numerical_aperture);
+  return intaglio::RecordOf(optics, wavelength_nm, numerical_aperture);
 }
 
 }  // namespace
 
 Result<FrozenJob> BuildPathJob(const JobFlags& flags, const PointList& points_mm,
                                const std::string& materials_db) {
-  const auto built = INTAGLIO_TRY(BuildJobOfPoints(flags, points_mm));
-  const auto optics = INTAGLIO_TRY(OpticsOf(built.job, materials_db));
+  auto built = INTAGLIO_TRY(BuildJobOfPoints(flags, points_mm));
+  const auto optics = INTAGLIO_TRY(OpticsOf(built, materials_db));
   // Again, now that it is known from the glass how much travel the block's depth takes.
   const auto errors =
       CheckJobOnMachine(built.job, built.machine, optics.stage_per_glass_ratio());

@@ -2,14 +2,13 @@
 
 #include <iostream>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include "engrave/core/try.h"
-#include "engrave/formats/gcode_file.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "engrave/sort/order.h"
 #include "services/cli/complain.h"
+#include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/offline/path_figures.h"
 #include "services/cli/offline/path_job.h"
@@ -18,7 +17,7 @@
 #include "services/job/machine/machine_axes.h"
 #include "services/job/models/read_limits.h"
 #include "services/job/options.h"
-#include "services/job/ordering.h"
+#include "services/job/plan/ordering.h"
 
 namespace intaglio::cli {
 namespace {
@@ -95,37 +94,15 @@ Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
   return planned;
 }
 
-/// As a controller's axes: millimetres, and degrees of those that turn.
-Status WriteGcodeOfAxes(const std::string& file, formats::PointTable table,
-                        const machine::Kinematics& kinematics) {
-  formats::GcodeOptions options;
-  const auto axes = kinematics.axes();
-  // 1e-5 degrees are 0.03 um at the end of an arm of 150 mm.
-  if (axes[0].unit == machine::AxisUnit::kRad) options.decimals = 5;
-  const char* turning = "ACB";
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    if (axes[i].unit != machine::AxisUnit::kRad) continue;
-    options.words[i] = *turning++;
-    for (Vec3& point : table.points_mm) {
-      point[static_cast<int>(i)] *= 180 / std::numbers::pi;
-    }
-  }
-  return formats::WriteGcode(file, table, options);
-}
-
 /// The path for `--out`, with the tick of each point.
-Status WritePath(const PathOptions& options, const FrozenJob& job, Path path,
-                 std::vector<double> point_ticks) {
+Status WritePath(const PathOptions& options, Path path, std::vector<double> point_ticks) {
   const std::string& frame =
       options.out_frame.empty() ? options.frame : options.out_frame;
   const bool of_machine = frame == "machine";
   formats::PointTable table;
   table.points_mm = std::move(of_machine ? path.axes : path.glass_mm);
   table.columns = {{"tick", std::move(point_ticks)}};
-  if (!of_machine || !formats::IsGcode(options.out)) {
-    return WritePoints(options.out, table);
-  }
-  return WriteGcodeOfAxes(options.out, std::move(table), *KinematicsOf(job.machine()));
+  return WritePoints(options.out, table);
 }
 
 Status PlanOthers(const FrozenJob& job, const PointList& path, PlanReport& report) {
@@ -200,7 +177,7 @@ int Plan(const PathOptions& options) {
     }
   }
   if (!options.out.empty()) {
-    if (auto written = WritePath(options, *job, std::move(*path), std::move(point_ticks));
+    if (auto written = WritePath(options, std::move(*path), std::move(point_ticks));
         !written) {
       return Complain(written.error(), client::kExitWrongInput);
     }
@@ -208,25 +185,33 @@ int Plan(const PathOptions& options) {
   return Print(options, report);
 }
 
+/// Those of a job whose points are there: in its block, moved to by its machine.
+void AddPathJobFlags(command_line::Command command, JobFlags& flags) {
+  AddJobFile(command, flags);
+  AddBlockFlag(command, flags);
+  AddMotionFlags(command, flags);
+  AddMachineFlags(command, flags);
+  AddSizeLimitsFlag(command, flags.size_limits);
+}
+
 void AddSort(command_line::Command app) {
   auto options = std::make_shared<PathOptions>();
   command_line::Command sort =
       app.AddCommand("sort", "put a cloud of points into the order of engraving");
-  sort.AddOption("--cloud", options->input,
-                 "points: " + formats::ReadablePointExtensions())
+  sort.AddOption("--cloud", options->input, "points: " + formats::PointExtensions())
       .Require();
-  sort.AddOption("--out", options->out, "path: " + formats::WritablePointExtensions())
-      .Require();
+  sort.AddOption("--out", options->out, "path: " + formats::PointExtensions()).Require();
   sort.AddOption("--csv", options->csv, "the motion's segments, one row for each knot");
   sort.AddFlag("--json", options->json, "the figures for programs");
   sort.AddOption("--materials", options->materials_db,
                  "material base, default the user's");
-  AddJobFlags(sort, options->job);
+  AddPathJobFlags(sort, options->job);
+  AddSpacingFlag(sort, options->job);
+  AddOrderFlags(sort, options->job);
   sort.SetFooter(
-      "The job's machine, glass, lens and order are used; its models only give the "
-      "block.\n"
-      "Example: intaglio sort --cloud cloud.ply --mesh bunny.obj --height 40 --out "
-      "path.ply\n"
+      "Of a job file the block, the machine, the glass, the lens, the order and the "
+      "motion are used.\n"
+      "Example: intaglio sort --cloud cloud.ply --block 50 50 50 --out path.ply\n"
       "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
   sort.SetAction([options] { return Sort(*options); });
 }
@@ -235,18 +220,15 @@ void AddPlan(command_line::Command app) {
   auto options = std::make_shared<PathOptions>();
   command_line::Command plan =
       app.AddCommand("plan", "plan the motion along a path and print its figures");
-  plan.AddOption(
-          "--path", options->input,
-          "points in the order of engraving: " + formats::ReadablePointExtensions())
+  plan.AddOption("--path", options->input,
+                 "points in the order of engraving: " + formats::PointExtensions())
       .Require();
   plan.AddOption("--frame", options->frame,
                  "glass (default): the points lie in the block; machine: they are "
                  "places of the stage, the machine's axes, from a zero of their own")
       .OneOf({"glass", "machine"});
-  plan.AddOption(
-          "--out-frame", options->out_frame,
-          "of --out, that of the path when not given; machine: where the axes are, "
-          "for a controller (G-code)")
+  plan.AddOption("--out-frame", options->out_frame,
+                 "of --out, that of the path when not given; machine: where the axes are")
       .OneOf({"glass", "machine"});
   plan.AddOption("--csv", options->csv, "the motion's segments, one row for each knot");
   plan.AddOption("--out", options->out,
@@ -255,9 +237,10 @@ void AddPlan(command_line::Command app) {
   plan.AddFlag("--json", options->json, "the figures for programs");
   plan.AddOption("--materials", options->materials_db,
                  "material base, default the user's");
-  AddJobFlags(plan, options->job);
+  AddPathJobFlags(plan, options->job);
   plan.SetFooter(
-      "The job's machine, glass, lens, rate and motion are used.\n"
+      "Of a job file the block, the machine, the glass, the lens and the motion are "
+      "used.\n"
       "Example: intaglio plan --path path.ply --rate 100 --csv segments.csv --compare\n"
       "Exit code: 0 good, 2 wrong input, 3 a violation of the order or of the motion.");
   plan.SetAction([options] { return Plan(*options); });

@@ -4,7 +4,9 @@
 
 #include "engrave/core/check.h"
 #include "services/client/figure_text.h"
+#include "services/client/warning_text.h"
 #include "services/job/json_text.h"
+#include "services/job/verdict/warnings.h"
 
 namespace intaglio::cli {
 namespace {
@@ -50,6 +52,13 @@ void SetSurface(const proof::SurfaceQuality& surface, SurfaceFigures& figures) {
   figures.set_patch_count(surface.density.patch_count);
   figures.set_variation_ratio(surface.density.variation_ratio);
   figures.set_empty_patch_count(surface.density.empty_patch_count);
+  if (!surface.slices) return;
+  HeightSliceFigures& slices = *figures.mutable_slices();
+  slices.set_slice_mm(surface.slices->slice_mm);
+  slices.set_slice_count(surface.slices->slice_count);
+  slices.set_band_count(surface.slices->band_count);
+  slices.set_smallest_ratio(surface.slices->smallest_ratio);
+  slices.set_smallest_low_mm(surface.slices->smallest_low_mm);
 }
 
 void SetDensePlace(const proof::DensePlace& place, DensePlaceFigures& figures) {
@@ -130,6 +139,16 @@ void AddSurface(const CloudQuality& quality, Lines& lines) {
       surface.points_per_mm2(), Percent(surface.density_ratio()),
       Percent(surface.variation_ratio()), client::GroupedDigits(surface.patch_count()),
       client::GroupedDigits(surface.empty_patch_count()));
+  if (!surface.has_slices()) return;
+  const HeightSliceFigures& slices = surface.slices();
+  lines.Add(
+      "level slices",
+      "of {:.3f} mm: at least {} of the points expected, between the heights {:.2f} "
+      "and {:.2f} mm; below half of them in {} of {} slices",
+      slices.slice_mm(), Percent(slices.smallest_ratio()), slices.smallest_low_mm(),
+      slices.smallest_low_mm() + slices.slice_mm(),
+      client::GroupedDigits(slices.band_count()),
+      client::GroupedDigits(slices.slice_count()));
 }
 
 void AddSources(const CloudQuality& quality, Lines& lines) {
@@ -210,7 +229,7 @@ CloudQuality RecordOf(const proof::CloudQuality& quality,
   if (quality.crack_risk) {
     SetCracks(*quality.crack_risk, options, *record.mutable_cracks());
   }
-  for (const std::string& warning : quality.warnings) record.add_warnings(warning);
+  AddTo(*record.mutable_warnings(), quality.warnings);
   record.set_keeps_spacing(quality.KeepsSpacing());
   return record;
 }
@@ -226,8 +245,9 @@ std::string FiguresOf(const CloudQuality& quality) {
   if (quality.has_surface()) AddSurface(quality, lines);
   AddSources(quality, lines);
   if (quality.has_cracks()) AddCracks(quality.cracks(), lines);
-  for (const std::string& warning : quality.warnings())
-    lines.Add("warning", "{}", warning);
+  for (const Warning& warning : WarningsOf(quality.warnings())) {
+    lines.Add(client::LabelOf(warning), "{}", warning.text);
+  }
   return lines.Take();
 }
 

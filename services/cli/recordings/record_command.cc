@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "services/cli/flags/bulk_flag.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/client/exit_codes.h"
 #include "services/platform/command_line/other_programs.h"
@@ -41,6 +42,7 @@ struct RecordOptions {
       {"--keep-h", "remove files not written for this many hours"},
       {"--queue-mb", "memory for messages that wait for the disk, MB, default 64"},
       {"--compression", "level of zstd, 0 to 19, default 1; 0: none"}};
+  std::string bulk;
 };
 
 std::string DefaultFile() {
@@ -62,6 +64,7 @@ int Record(const RecordOptions& options) {
   };
   add("--tag", options.bus.tag);
   add("--security", options.bus.security);
+  add("--bulk", options.bulk);
   for (const Handed& handed : options.handed) {
     for (const std::string& value : handed.values) add(handed.flag, value);
   }
@@ -86,6 +89,7 @@ void AddRecordCommand(command_line::Command app) {
   for (Handed& handed : options->handed) {
     record.AddOption(handed.flag, handed.values, handed.help);
   }
+  AddBulkFlag(record, options->bulk);
   record.SetFooter(
       "Example: intaglio record --out night.mcap --split-min 60 --keep-mb 20000\n"
       "It delays no other process: if the disk is too slow, models and points are left "

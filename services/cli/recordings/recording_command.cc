@@ -9,9 +9,12 @@
 
 #include "engrave/core/try.h"
 #include "services/cli/complain.h"
+#include "services/cli/json/print_json.h"
+#include "services/cli/recordings/log_time.h"
 #include "services/cli/recordings/recording_export.h"
 #include "services/cli/recordings/recording_report.h"
 #include "services/client/exit_codes.h"
+#include "services/platform/recording/bulk.h"
 #include "services/platform/recording/recording_copy.h"
 
 namespace intaglio::cli {
@@ -25,6 +28,7 @@ struct Options {
   std::string out, format = "jsonl", job, path;
   std::vector<std::string> topics;
   double from_s = 0, to_s = std::numeric_limits<double>::infinity();
+  bool json = false;
 };
 using Shared = std::shared_ptr<Options>;
 
@@ -37,17 +41,14 @@ Result<std::vector<McapReader>> OpenAll(const Options& options) {
   return readers;
 }
 
-/// Seconds from the beginning of the recording as log time.
-std::uint64_t LogTimeAt(const McapReader& reader, double seconds) {
-  if (!std::isfinite(seconds)) return std::numeric_limits<std::uint64_t>::max();
-  return reader.contents().statistics.start_ns +
-         static_cast<std::uint64_t>(seconds * 1e9);
-}
-
-int Print(const Options& options, std::string (*text_of)(const McapReader&)) {
+/// Of one file: what `message_of` makes of it, for people or for programs.
+template <typename Message>
+int Print(const Options& options, Message (*message_of)(const McapReader&)) {
   const auto readers = OpenAll(options);
   if (!readers) return Complain(readers.error());
-  for (const McapReader& reader : *readers) std::cout << text_of(reader);
+  const Message message = message_of(readers->front());
+  if (options.json) return PrintJson(message);
+  std::cout << TextOf(message);
   return client::kExitGood;
 }
 
@@ -81,8 +82,15 @@ Status ExportMessages(const Options& options, const McapReader& reader,
   recording::MessageQuery query;
   if (options.from_s > 0) query.from_ns = LogTimeAt(reader, options.from_s);
   query.to_ns = LogTimeAt(reader, options.to_s);
-  auto channels = INTAGLIO_TRY(recording::ChannelsOf(reader, options.topics));
-  query.channels = std::move(channels);
+  const std::string left_out = SentenceOf(recording::BulkRequestOf(reader));
+  auto channels = recording::ChannelsOf(reader, options.topics);
+  if (!channels) {
+    Error error = channels.error();
+    if (!left_out.empty()) error.message += "; " + left_out;
+    return tl::unexpected(std::move(error));
+  }
+  if (!left_out.empty()) std::cerr << "note        " << left_out << "\n";
+  query.channels = std::move(*channels);
   if (options.format == "jsonl") return ExportJsonLines(reader, query, out);
   if (options.topics.size() != 1) {
     return Fail(ErrorCode::kMissing,
@@ -131,13 +139,15 @@ void AddReadCommands(command_line::Command group, const Shared& options) {
   command_line::Command info = group.AddCommand(
       "info", "show time, counts, attachments, and what is missing or damaged");
   AddFile(info, options);
+  info.AddFlag("--json", options->json, "for programs");
   info.SetFooter("Example: intaglio recording info session.mcap");
-  info.SetAction([options] { return Print(*options, InfoText); });
+  info.SetAction([options] { return Print(*options, InfoOf); });
   command_line::Command list =
       group.AddCommand("list", "list the topics, with counts and rates");
   AddFile(list, options);
+  list.AddFlag("--json", options->json, "for programs");
   list.SetFooter("Example: intaglio recording list session.mcap");
-  list.SetAction([options] { return Print(*options, ChannelTable); });
+  list.SetAction([options] { return Print(*options, ChannelsIn); });
   command_line::Command exported = group.AddCommand(
       "export", "export messages as JSON lines or a table, or the cracks");
   AddFile(exported, options);

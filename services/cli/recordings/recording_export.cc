@@ -9,6 +9,7 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/csv.h"
+#include "services/platform/recording/bulk.h"
 #include "services/platform/recording/conventions.h"
 #include "services/platform/recording/message_decoder.h"
 #include "services/platform/recording/recording_copy.h"
@@ -76,6 +77,7 @@ class Cracks {
   explicit Cracks(std::string job_uid) : job_uid_(std::move(job_uid)) {}
 
   Status Collect(const recording::McapReader& reader) {
+    left_out_ = SentenceOf(recording::BulkRequestOf(reader));
     for (const auto& [id, channel] : reader.contents().channels) {
       if (channel.topic == "PulseEventBatch" || channel.topic == "PathBatch") {
         channels_.insert(id);
@@ -107,11 +109,12 @@ class Cracks {
     for (const auto& [tick, point] : cracks) {
       const auto place = places_.find(point);
       if (place == places_.end()) {
-        return Fail(ErrorCode::kMissing,
-                    fmt::format("the position of point {} is not in the recording; give "
-                                "the job's path.ply with --path",
-                                point),
-                    std::to_string(point));
+        return Fail(
+            ErrorCode::kMissing,
+            fmt::format("the position of point {} is not in the recording{}; give "
+                        "the job's path.ply with --path",
+                        point, left_out_.empty() ? "" : ", for " + left_out_),
+            std::to_string(point));
       }
       table.points_mm.push_back(place->second);
       ticks.push_back(static_cast<double>(tick));
@@ -150,6 +153,7 @@ class Cracks {
   }
 
   std::string job_uid_;
+  std::string left_out_;  // by request
   std::set<std::uint16_t> channels_;
   std::map<std::uint64_t, Vec3> places_;
   std::map<std::uint64_t, std::uint64_t> made_at_;  // tick, by point

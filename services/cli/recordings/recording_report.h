@@ -1,17 +1,23 @@
 #pragma once
 
-// What `intaglio recording info` and `list` print about a file.
+// What `intaglio recording info` and `list` print about a file: as a message for
+// programs, and from that as text for people.
 
 #include <string>
 
+#include "proto/recording.pb.h"
 #include "services/platform/recording/mcap_reader.h"
 
 namespace intaglio::cli {
 
-/// Writer, time span, counts, what is missing or damaged, attachments: a line each.
-std::string InfoText(const recording::McapReader& reader);
+/// Writer, time span, counts, attachments, what is left out, missing or damaged.
+RecordingInfo InfoOf(const recording::McapReader& reader);
+/// A line each.
+std::string TextOf(const RecordingInfo& info);
 
-/// A table of the channels: topic, partition, type, count and rate.
-std::string ChannelTable(const recording::McapReader& reader);
+/// The channels by topic, with counts and rates.
+RecordingChannels ChannelsIn(const recording::McapReader& reader);
+/// A table.
+std::string TextOf(const RecordingChannels& channels);
 
 }  // namespace intaglio::cli

@@ -18,6 +18,7 @@
 #include "services/job/json_text.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/command_line/other_programs.h"
+#include "services/platform/recording/bulk.h"
 #include "services/replayer/cell/cell_rehearsal.h"
 #include "services/replayer/rehearsal.h"
 
@@ -119,6 +120,14 @@ void Print(const ReplayComparison& result) {
   fmt::print("\n");
 }
 
+/// What is compared, bit by bit, is bulk.
+Status RequireBulk(const recording::McapReader& reader) {
+  const std::string left_out = SentenceOf(recording::BulkRequestOf(reader));
+  if (left_out.empty()) return {};
+  return Fail(ErrorCode::kMissing, reader.name() + ": nothing to compare: " + left_out +
+                                       "; record with --bulk all for --against");
+}
+
 struct Bench {
   const AgainstOptions& options;
   const recording::McapReader& reader;
@@ -173,6 +182,7 @@ Result<ReplayComparison> Compare(const Bench& bench, bus::Bus& bus,
 int ReplayAgainst(const AgainstOptions& options) {
   auto reader = recording::McapReader::Open(fs::path(options.file));
   if (!reader) return Complain(reader.error());
+  if (auto complete = RequireBulk(*reader); !complete) return Complain(complete.error());
   CatchInterrupts();
   bus::BusOptions bus_options;
   bus_options.tag = fmt::format("against-{}", getpid());

@@ -14,8 +14,10 @@
 #include "services/cli/complain.h"
 #include "services/cli/flags/bus_flags.h"
 #include "services/cli/interrupt.h"
+#include "services/cli/recordings/log_time.h"
 #include "services/cli/recordings/replay_against.h"
 #include "services/client/exit_codes.h"
+#include "services/platform/recording/bulk.h"
 #include "services/replayer/live_services.h"
 #include "services/replayer/player.h"
 
@@ -49,12 +51,6 @@ Result<std::map<std::string, std::string>> RenamesOf(
     renames[word.substr(0, at)] = word.substr(at + 1);
   }
   return renames;
-}
-
-std::uint64_t LogTimeAt(const McapReader& reader, double seconds) {
-  if (!(seconds < 1e9)) return std::numeric_limits<std::uint64_t>::max();
-  return reader.contents().statistics.start_ns +
-         static_cast<std::uint64_t>(seconds * 1e9);
 }
 
 std::string Listed(const std::map<std::string, std::string>& live_services) {
@@ -150,6 +146,9 @@ Result<replayer::Selection> Replay::Choose() {
     std::cerr << "on this bus: " << Listed(there)
               << (options_.with_commands ? "; they will obey the played commands\n"
                                          : "\n");
+  }
+  if (const auto bulk = SentenceOf(recording::BulkRequestOf(reader_)); !bulk.empty()) {
+    std::cerr << "not played  " << bulk << "\n";
   }
   for (const auto& [topic, why] : selection->left_out) {
     if (why != "not selected")

@@ -32,7 +32,9 @@ JobFlags Typed(const std::vector<std::string>& words) {
 }
 
 Result<JobAndMachine> Built(const std::vector<std::string>& words) {
-  return BuildJob(Typed(words));
+  JobFlags flags;
+  if (auto parsed = Parse(words, flags); !parsed) return tl::unexpected(parsed.error());
+  return BuildJob(flags);
 }
 
 /// The job of the supplied model, 22 mm high, and these flags.
@@ -81,12 +83,15 @@ TEST(JobFlags, OfTheBlockAndTheGlassLandInThem) {
 }
 
 TEST(JobFlags, OfTheMethodLandInIt) {
-  const JobSpec sections =
-      JobOf({"--layer", "0.4", "--vertex", "0.35", "--spacing", "0.3"});
-  ASSERT_TRUE(sections.discretization().has_sections()) << "the default";
+  const JobSpec sections = JobOf(
+      {"--method", "sections", "--layer", "0.4", "--vertex", "0.35", "--spacing", "0.3"});
+  ASSERT_TRUE(sections.discretization().has_sections());
   EXPECT_EQ(sections.discretization().sections().layer_distance_mm(), 0.4);
   EXPECT_EQ(sections.discretization().sections().vertex_distance_mm(), 0.35);
   EXPECT_EQ(sections.discretization().min_spacing_mm(), 0.3);
+  const JobSpec even = JobOf({"--vertex", "0.35", "--spacing", "0.3"});
+  ASSERT_TRUE(even.discretization().has_even()) << "the default";
+  EXPECT_EQ(even.discretization().even().distance_mm(), 0.35);
   const JobSpec fill = JobOf({"--method", "fill", "--vertex", "0.5"});
   ASSERT_TRUE(fill.discretization().has_fill());
   EXPECT_EQ(fill.discretization().fill().vertex_distance_mm(), 0.5);
@@ -124,7 +129,24 @@ TEST(JobFlags, OfTheMachineAreANameOrAFile) {
   EXPECT_EQ(built->machine.name(), "mine");
   EXPECT_EQ(built->job.machine_file(), own);
   EXPECT_THAT(RefusalOf({"--mesh", kModel, "--machine", "els-30"}),
-              ::testing::AllOf(HasSubstr("--machine 'els-30'"), HasSubstr("els-03")));
+              ::testing::AllOf(HasSubstr("--machine: 'els-30'"), HasSubstr("els-03")));
+}
+
+TEST(JobFlags, AJobFileMayNameASuppliedMachine) {
+  const fs::path folder = test::FreshFolder();
+  const fs::path file = folder / "job.textproto";
+  std::ifstream in(kJob);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  text.replace(text.find("sample.obj"), 10, kModel);
+  text.replace(text.find("../machines/els-03.textproto"), 28, "els-03");
+  std::ofstream(file) << text;
+  const auto supplied = Built({file.string()});
+  ASSERT_TRUE(supplied) << supplied.error().message;
+  EXPECT_EQ(supplied->machine.name(), "els-03");
+  EXPECT_TRUE(fs::path(supplied->job.machine_file()).is_absolute());
+  // A file of that name beside the job file comes first.
+  fs::create_directory(folder / "els-03");
+  EXPECT_THAT(RefusalOf({file.string()}), HasSubstr((folder / "els-03").string()));
 }
 
 TEST(JobFlags, WinOverTheJobFileAndLeaveTheRestOfIt) {
@@ -166,8 +188,9 @@ TEST(JobFlags, WithUnknownNamesAreAnsweredWithTheKnownOnes) {
   const auto refusal = [](const char* flag, const char* name) {
     return RefusalOf({"--mesh", kModel, "--height", "22", flag, name});
   };
-  EXPECT_THAT(refusal("--method", "slices"),
-              HasSubstr("sections (default), fill, rays, even, solid"));
+  EXPECT_THAT(refusal("--method", "section"),
+              ::testing::AllOf(HasSubstr("sections, fill, rays, even, solid"),
+                               HasSubstr("did you mean sections?")));
   EXPECT_THAT(refusal("--order", "zigzag"), HasSubstr("kdz, layers, smooth, anneal"));
   EXPECT_THAT(refusal("--order-tries", "-1"), HasSubstr("tries_per_point"));
   EXPECT_THAT(refusal("--profile", "s-curve"),

@@ -15,6 +15,8 @@ TEST(MessageCsv, ReadsBack) {
   job.set_name("cup, \"Anna\";\nsecond line");
   job.set_duration_s(12.5);
   job.set_priority(-3);
+  job.add_warnings()->set_text("3 of 9 rays, \"odd\"");
+  job.add_warnings()->set_text("may break");
   const auto table = io::ParseCsv(CsvHeader(*JobStatistics::descriptor()) + CsvLine(job));
   ASSERT_TRUE(table.has_value()) << table.error().message;
   ASSERT_EQ(table->rows.size(), 1u);
@@ -23,6 +25,7 @@ TEST(MessageCsv, ReadsBack) {
   EXPECT_EQ(*table->Find(table->rows[0], "duration_s"), "12.5");
   EXPECT_EQ(*table->Find(table->rows[0], "priority"), "-3");
   EXPECT_EQ(*table->Find(table->rows[0], "recording"), "");
+  EXPECT_EQ(*table->Find(table->rows[0], "warnings"), "3 of 9 rays, \"odd\"; may break");
 }
 
 }  // namespace

@@ -21,6 +21,18 @@ TEST(ReportText, EndsWithTheVerdict) {
   report.mutable_verdict()->add_reasons("one");
   report.mutable_verdict()->add_reasons("two");
   EXPECT_THAT(SummaryOf(report), EndsWith("verdict     NOT GOOD\n  - one\n  - two"));
+  report.mutable_verdict()->set_kind("good_with_warnings");
+  EXPECT_THAT(SummaryOf(report),
+              EndsWith("verdict     GOOD, WITH WARNINGS\n  - one\n  - two"));
+}
+
+TEST(ReportText, WithoutTheGlassNothingIsWrittenOfStraysAndPositions) {
+  JobReport report;
+  report.set_evidence("controller");
+  report.mutable_points()->set_unaccounted(3);
+  EXPECT_THAT(SummaryOf(report),
+              AllOf(HasSubstr("3 uncertain"), HasSubstr("the glass was not measured"),
+                    Not(HasSubstr("stray")), Not(HasSubstr("um rms"))));
 }
 
 TEST(ReportText, NamesChannelsAndMovesWhereThereAreSome) {

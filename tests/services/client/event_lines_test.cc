@@ -47,6 +47,17 @@ class EventLinesTest : public testing::Test {
   EventLines lines_{out_, [this] { return now_; }};
 };
 
+TEST_F(EventLinesTest, EveryLineHasTheFolderOfTheJob) {
+  job_.result_directory = "/shop/jobs/7-abc";
+  lines_.Submitted(job_);
+  lines_.Show(job_);
+  job_.state = intaglio_JOB_CANCELLED;
+  lines_.Ended(job_, {});
+  for (const JobEvent& event : Lines()) {
+    EXPECT_EQ(event.result_directory(), "/shop/jobs/7-abc") << event.event();
+  }
+}
+
 TEST_F(EventLinesTest, ReportsWhatIsNewAndNothingTwice) {
   lines_.Show(job_);
   EXPECT_THAT(Kinds(), ElementsAre("state"));
@@ -86,7 +97,7 @@ TEST_F(EventLinesTest, TheEndHasTheVerdictAndTheCounts) {
   end.counts.set_planned_count(10);
   end.counts.set_made_count(9);
   end.counts.set_missed_count(1);
-  end.verdict = VerdictOf(true, &end.counts);
+  end.verdict = VerdictOf(true, &end.counts, {});
   job_.state = intaglio_JOB_DONE;
   lines_.Ended(job_, end, "a1");
   const auto events = Lines();
@@ -117,6 +128,46 @@ TEST_F(EventLinesTest, WhyAJobIsPausedIsALineOfItsOwn) {
   EXPECT_EQ(open[0].pause_reason(), "interlock");
 }
 
+TEST_F(EventLinesTest, WarningsAreALineOfTheirOwnWhenTheyAreKnownAndInTheEnd) {
+  job_.state = intaglio_JOB_SORTING;
+  lines_.Show(job_);
+  Lines();
+  job_.warnings = {MakeWarning(WarningCode::kBreakage, "the glass may break")};
+  lines_.Show(job_);
+  lines_.Show(job_);
+  const auto events = Lines();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].event(), "warnings");
+  ASSERT_EQ(events[0].warnings_size(), 1);
+  EXPECT_EQ(events[0].warnings(0).code(), "breakage");
+  EXPECT_EQ(events[0].warnings(0).weight(), "consent");
+  EXPECT_EQ(events[0].warnings(0).text(), "the glass may break");
+  JobEnd end;
+  end.counts.set_planned_count(1);
+  end.counts.set_made_count(1);
+  end.verdict = VerdictOf(true, &end.counts, job_.warnings);
+  job_.state = intaglio_JOB_DONE;
+  lines_.Ended(job_, end);
+  const auto ended = Lines();
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].verdict(), "good_with_warnings");
+  EXPECT_EQ(ended[0].warnings_size(), 1);
+}
+
+TEST_F(EventLinesTest, AnAlarmIsALineOfItsOwn) {
+  job_.state = intaglio_JOB_ENGRAVING;
+  lines_.Show(job_);
+  (void)Lines();
+  job_.alarm = "no progress";
+  lines_.Show(job_);
+  const auto raised = Lines();
+  ASSERT_EQ(raised.size(), 1u);
+  EXPECT_EQ(raised[0].event(), "message");
+  EXPECT_EQ(raised[0].alarm(), "no progress");
+  lines_.Show(job_);
+  EXPECT_THAT(Kinds(), ElementsAre()) << "once";
+}
+
 // A name from a file may be anything.
 TEST_F(EventLinesTest, ALineIsWrittenWhateverTheName) {
   job_.name = "\xff\xfe";
@@ -139,6 +190,7 @@ TEST(ExitCode, FollowsTheStateAndTheVerdict) {
   JobView job;
   job.state = intaglio_JOB_DONE;
   EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kGood, ""}), kExitGood);
+  EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kGoodWithWarnings, "x"}), kExitGood);
   EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kNotGood, "x"}), kExitNotGood);
   EXPECT_EQ(ExitCodeOf(job, {VerdictKind::kUnknown, "x"}), kExitGood);
   job.state = intaglio_JOB_FAILED;

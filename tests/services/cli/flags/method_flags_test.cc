@@ -135,7 +135,7 @@ TEST(MethodFlags, AMethodOfMeshesIsThatOfTheJob) {
   const auto job = JobWith("a.stl", {"--method", "fill", "--vertex", "0.5"});
   EXPECT_EQ(job->discretization().fill().vertex_distance_mm(), 0.5);
   EXPECT_EQ(job->models(0).method_case(), Model::METHOD_NOT_SET);
-  EXPECT_TRUE(JobWith("a.stl", {})->discretization().has_sections()) << "the default";
+  EXPECT_TRUE(JobWith("a.stl", {})->discretization().has_even()) << "the default";
 }
 
 TEST(MethodFlags, AModelWithoutAMethodTakesThatOfItsKind) {
@@ -156,17 +156,17 @@ TEST(MethodFlags, AnOptionIsForAllMethodsOfTheJobThatHaveIt) {
   flags.values["--vertex"] = "0.5";
   flags.values["--fill"] = "true";
   ASSERT_TRUE(SetMethods(flags, job));
-  EXPECT_EQ(job.discretization().sections().vertex_distance_mm(), 0.5);
+  EXPECT_EQ(job.discretization().even().distance_mm(), 0.5);
   EXPECT_EQ(job.models(1).curves().distance_mm(), 0.5);
   EXPECT_TRUE(job.models(1).curves().fill());
   EXPECT_EQ(job.models(2).fill().vertex_distance_mm(), 0.9) << "of its own";
 }
 
 TEST(MethodFlags, WhatDoesNotFitIsNamedWithWhatDoes) {
-  EXPECT_THAT(RefusedWith("a.stl", {"--method", "slices"}),
-              AllOf(HasSubstr("--method 'slices'"),
-                    HasSubstr("a mesh: sections (default), fill, rays, even, solid"),
-                    HasSubstr("an image: halftone (default), relief")));
+  EXPECT_THAT(
+      RefusedWith("a.stl", {"--method", "halftones"}),
+      AllOf(HasSubstr("--method"), HasSubstr("'halftones' is none of sections, fill"),
+            HasSubstr("did you mean halftone?")));
   EXPECT_THAT(RefusedWith("a.stl", {"--method", "relief"}), HasSubstr("an image"));
   EXPECT_THAT(RefusedWith("a.stl", {"--method", "rays", "--shells", "1"}),
               AllOf(HasSubstr("--shells"), HasSubstr("even"), HasSubstr("rays")));

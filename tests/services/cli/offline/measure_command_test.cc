@@ -82,7 +82,7 @@ TEST_F(MeasureCommand, FindsTheLostFaceOfAPlacedCube) {
   EXPECT_NEAR(quality.surface().uncovered_place_mm().z(), 15, 1e-9);
   EXPECT_GT(quality.cracks().crack_diameter_mm(), 0);
   ASSERT_EQ(quality.warnings_size(), 1);
-  EXPECT_THAT(quality.warnings(0), HasSubstr("hole of radius 5.00 mm"));
+  EXPECT_THAT(quality.warnings(0).text(), HasSubstr("hole of radius 5.00 mm"));
 }
 
 TEST_F(MeasureCommand, EndsWithOneWhenPointsAreTooNear) {

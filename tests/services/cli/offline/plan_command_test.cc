@@ -16,6 +16,7 @@
 #include "engrave/formats/point_file.h"
 #include "proto/job.pb.h"
 #include "proto/plan_report.pb.h"
+#include "services/cli/offline/post_command.h"
 #include "services/client/exit_codes.h"
 #include "tests/test_folder.h"
 
@@ -80,6 +81,7 @@ class PlanCommand : public ::testing::Test {
   int Type(std::vector<std::string> words) {
     command_line::Program program("intaglio", "");
     AddPathCommands(program.root());
+    AddPostCommand(program.root());
     EXPECT_TRUE(program.Parse(words));
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
@@ -255,30 +257,30 @@ std::vector<double> TokensOf(const fs::path& gcode, char word) {
   return values;
 }
 
-TEST_F(PlanCommand, WritesTheAxesOfATableForAController) {
+TEST_F(PlanCommand, PostWritesTheAxesOfATableForAController) {
   const fs::path machine = folder_ / "table.textproto", out = folder_ / "axes.ngc";
   std::ifstream in(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto");
   std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::string origin = "\nblock_origin_mm { x: 0";
   text.replace(text.find(origin), origin.size(), "\nblock_origin_mm { x: -100");
   std::ofstream(machine) << text << "cartesian { x { moves: AXIS_MOVES_TABLE } }\n";
-  Type({"plan", "--path", path().string(), "--machine", machine.string(), "--out",
-        out.string(), "--out-frame", "machine"});
+  Type({"post", "--path", path().string(), "--machine", machine.string(), "--out",
+        out.string(), "--template", "linuxcnc"});
   const std::vector<double> x_mm = TokensOf(out, 'X'), y_mm = TokensOf(out, 'Y');
   ASSERT_EQ(x_mm.size(), path_mm_.size()) << errors_;
   for (std::size_t i = 0; i < path_mm_.size(); ++i) {
-    EXPECT_NEAR(x_mm[i], 100 - path_mm_[i].x(), 6e-4) << "three decimals";
-    EXPECT_NEAR(y_mm[i], path_mm_[i].y(), 6e-4);
+    EXPECT_NEAR(x_mm[i], 100 - path_mm_[i].x(), 6e-5) << "four decimals";
+    EXPECT_NEAR(y_mm[i], path_mm_[i].y(), 6e-5);
   }
 }
 
 // The figures are those of a machine of 150 mm, not of one whose millimetres are radians.
 TEST_F(PlanCommand, PlansAnArmAndARotaryTable) {
   const fs::path out = folder_ / "axes.ngc";
-  const PlanReport report = ReportOf(
-      {"plan", "--path", path().string(), "--machine",
-       INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto", "--block", "50", "50",
-       "30", "--out", out.string(), "--out-frame", "machine", "--csv", csv().string()});
+  const PlanReport report =
+      ReportOf({"plan", "--path", path().string(), "--machine",
+                INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto", "--block", "50",
+                "50", "30", "--csv", csv().string()});
   ASSERT_EQ(report.motions_size(), 1) << errors_;
   EXPECT_EQ(report.motions(0).violation_count(), 0u);
   EXPECT_GT(report.motions(0).peak_speed_mm_s(), 60);
@@ -287,6 +289,11 @@ TEST_F(PlanCommand, PlansAnArmAndARotaryTable) {
   std::string heading;
   std::getline(segments, heading);
   EXPECT_EQ(heading, "tick,arm_rad,table_rad,z_mm,varm_rad_s,vtable_rad_s,vz_mm_s,point");
+  EXPECT_EQ(Type({"post", "--path", path().string(), "--machine",
+                  INTAGLIO_SOURCE_DIR "/deploy/machines/polar.textproto", "--block", "50",
+                  "50", "30", "--out", out.string(), "--template", "linuxcnc-polar"}),
+            client::kExitGood)
+      << errors_;
   // Turned forwards, the words lead to the points: the block's corner is at (-25, 90).
   const std::vector<double> arm_deg = TokensOf(out, 'A'), table_deg = TokensOf(out, 'C');
   ASSERT_EQ(arm_deg.size(), path_mm_.size());
@@ -350,7 +357,8 @@ TEST_F(PlanCommand, WrongInputIsNamedWithItsRemedy) {
               HasSubstr("none.ply"));
   EXPECT_THAT(refused({"plan", "--path", there, "--rate", "77"}),
               HasSubstr("laser.rate_hz: 77"));
-  EXPECT_THAT(refused({"plan", "--path", there, "--glass", "NBK7"}), HasSubstr("N-BK7"));
+  EXPECT_THAT(refused({"plan", "--path", there, "--glass", "N-BK77"}),
+              HasSubstr("N-BK7"));
   EXPECT_THAT(refused({"plan", "--path", there, "--block", "20", "20", "20"}),
               ::testing::AllOf(HasSubstr("outside the block of 20 x 20 x 20 mm"),
                                HasSubstr("--frame machine")));

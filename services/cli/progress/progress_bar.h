@@ -23,6 +23,9 @@ class ProgressBar {
   /// The same for work that is not counted in points: no counts and no rate.
   void ShowShare(const std::string& stage, std::uint64_t done, std::uint64_t total,
                  double elapsed_s, const std::string& note = {});
+  /// How long the stage takes in all, s, as planned; 0: not known. It decides the time
+  /// left until the pace is known from a twentieth of the work.
+  void Expect(double total_s) { expected_s_ = total_s; }
   /// Ends the line in hand.
   void Finish();
 
@@ -30,11 +33,14 @@ class ProgressBar {
   void Draw(const std::string& stage, std::uint64_t done, std::uint64_t total,
             double elapsed_s, const std::string& note);
   std::string Line() const;
+  /// Below 0: not known.
+  double SecondsLeft(double share) const;
   std::ostream& out_;
   bool interactive_;
   std::string stage_, note_;
   std::uint64_t done_ = 0, total_ = 0;
   double elapsed_s_ = 0;
+  double expected_s_ = 0;
   bool in_points_ = true;
   int shown_tenth_ = -1;
   std::string shown_note_;

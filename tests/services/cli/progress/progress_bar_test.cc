@@ -1,11 +1,11 @@
-#include "services/cli/progress_bar.h"
+#include "services/cli/progress/progress_bar.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "services/cli/stage_bars.h"
+#include "services/cli/progress/stage_bars.h"
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {
@@ -35,6 +35,21 @@ TEST(ProgressBar, ShowsPointsRateAndTimeLeft) {
   EXPECT_THAT(out.str(), HasSubstr("order      [######------------------]  25 %"));
   EXPECT_THAT(out.str(), HasSubstr("250 / 1 000 points"));
   EXPECT_THAT(out.str(), HasSubstr("500 /s  1.5 s left  a note\n"));
+}
+
+// A stage that took 30 s for its first points would seem to need hours.
+TEST(ProgressBar, UntilThePaceIsKnownThePlanGivesTheTimeLeft) {
+  std::ostringstream out;
+  ProgressBar bar(out, false);
+  bar.Expect(160);
+  bar.Show("engrave", 10, 1000, 30);
+  EXPECT_THAT(out.str(), HasSubstr("2 min 38 s left"));
+  bar.Show("engrave", 500, 1000, 100);
+  EXPECT_THAT(out.str(), HasSubstr("1 min 40 s left")) << "as slow as it has been";
+  std::ostringstream unknown;
+  ProgressBar without(unknown, false);
+  without.Show("order", 10, 1000, 1);
+  EXPECT_THAT(unknown.str(), HasSubstr("1 min 39 s left"));
 }
 
 TEST(ProgressBar, InALogPrintsALineATenthAndAChangedNote) {
@@ -96,6 +111,29 @@ TEST(StageBars, FollowTheFirstStageThatIsNotDone) {
   EXPECT_EQ(out.str().size(), size) << "ended stages are told once";
   EXPECT_EQ(client::StageAtWork(job)->stage, intaglio_STAGE_ENGRAVE);
   EXPECT_EQ(client::StageAtWork(client::JobView{}), nullptr);
+}
+
+TEST(StageBars, TakeTheTimeLeftFromThePlanAtFirst) {
+  client::JobView job;
+  job.estimate_ticks = 32'000;
+  job.rate_hz = 200;
+  job.progress = {{intaglio_STAGE_SORT, 500, 500, 2},
+                  {intaglio_STAGE_ENGRAVE, 0, 500, 0}};
+  EXPECT_EQ(EstimateNote(job), "machining time 2 min 40 s");
+  job.progress.back().done_count = 5;
+  job.progress.back().elapsed_s = 20;
+  EXPECT_EQ(EstimateNote(job), "") << "the bar has it";
+  const auto drawn = [&job](double speed) {
+    std::ostringstream out;
+    ProgressBar bar(out, false);
+    StageBars(bar, speed).Show(job, "");
+    return out.str();
+  };
+  EXPECT_THAT(drawn(1), HasSubstr("2 min 38 s left"));
+  EXPECT_THAT(drawn(2), HasSubstr("1 min 19 s left"));
+  EXPECT_THAT(drawn(0), HasSubstr("33 min 00 s left")) << "by the pace alone";
+  job.speed_percent = 50;
+  EXPECT_THAT(drawn(1), HasSubstr("5 min 17 s left"));
 }
 
 }  // namespace

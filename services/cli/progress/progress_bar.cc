@@ -1,4 +1,4 @@
-#include "services/cli/progress_bar.h"
+#include "services/cli/progress/progress_bar.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 namespace intaglio::cli {
 namespace {
 constexpr int kBarWidth = 24;
+constexpr double kPaceIsKnown = 0.05;
 
 /// "the lamp warms up: 17 %" without its figures: a log should have each note once.
 std::string WithoutDigits(std::string text) {
@@ -62,6 +63,11 @@ void ProgressBar::Draw(const std::string& stage, std::uint64_t done, std::uint64
   out_ << Line() << '\n' << std::flush;
 }
 
+double ProgressBar::SecondsLeft(double share) const {
+  if (share < kPaceIsKnown && expected_s_ > 0) return expected_s_ * (1 - share);
+  return share > 0 && elapsed_s_ > 0 ? elapsed_s_ * (1 - share) / share : -1;
+}
+
 std::string ProgressBar::Line() const {
   const double share =
       total_ == 0
@@ -77,9 +83,9 @@ std::string ProgressBar::Line() const {
   if (done_ > 0 && elapsed_s_ > 0) {
     const double rate = static_cast<double>(done_) / elapsed_s_;
     if (in_points_) line += fmt::format("  {}/s", client::ShortNumber(rate));
-    if (total_ > done_) {
-      line += fmt::format(
-          "  {} left", client::ShortDuration(static_cast<double>(total_ - done_) / rate));
+    const double left_s = SecondsLeft(share);
+    if (total_ > done_ && left_s >= 0) {
+      line += fmt::format("  {} left", client::ShortDuration(left_s));
     }
   }
   return note_.empty() ? line : line + "  " + note_;

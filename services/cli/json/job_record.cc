@@ -1,0 +1,73 @@
+#include "services/cli/json/job_record.h"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "services/history/job_names.h"
+#include "services/job/verdict/warnings.h"
+
+namespace intaglio::cli {
+namespace {
+
+std::uint32_t PointCount(std::uint64_t count) {
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(count, std::numeric_limits<std::uint32_t>::max()));
+}
+
+void AddStages(const client::JobView& job, JobRecord& record) {
+  for (const client::JobView::Progress& progress : job.progress) {
+    if (progress.total_count == 0) continue;
+    StageRecord& stage = *record.add_stages();
+    stage.set_stage(client::NameOf(progress.stage));
+    stage.set_done(PointCount(progress.done_count));
+    stage.set_total(PointCount(progress.total_count));
+    stage.set_elapsed_s(progress.elapsed_s);
+    if (progress.elapsed_s > 0) {
+      stage.set_rate(static_cast<double>(progress.done_count) / progress.elapsed_s);
+    }
+  }
+}
+
+}  // namespace
+
+JobRecord JobRecordOf(const client::JobView& job) {
+  JobRecord record;
+  record.set_job(job.number);
+  record.set_uid(job.uid);
+  record.set_name(job.name);
+  record.set_cell(job.cell);
+  record.set_state(history::StateName(job.state));
+  record.set_pause_reason(history::PauseReasonName(job.pause_reason));
+  record.set_armed(job.armed && !job.ended());
+  record.set_disarm_reason(job.disarm_reason);
+  record.set_attempt(job.attempt);
+  AddStages(job, record);
+  if (job.rate_hz > 0) {
+    record.set_estimated_s(static_cast<double>(job.estimate_ticks) / job.rate_hz);
+  }
+  record.set_rate_hz(job.rate_hz);
+  record.set_speed_percent(job.speed_percent);
+  record.set_message(job.message);
+  record.set_result_directory(job.result_directory);
+  AddTo(*record.mutable_warnings(), job.warnings);
+  record.set_breakage_accepted_by(job.breakage_accepted_by);
+  record.set_verdict(job.verdict);
+  record.set_planned(PointCount(job.counts.planned));
+  record.set_made(PointCount(job.counts.made));
+  record.set_missed(PointCount(job.counts.missed));
+  record.set_skipped(PointCount(job.counts.skipped));
+  record.set_uncertain(PointCount(job.counts.uncertain));
+  record.set_alarm(job.alarm);
+  return record;
+}
+
+JobList JobListOf(const std::map<std::string, client::JobView>& jobs) {
+  JobList list;
+  for (const auto& [uid, job] : jobs) *list.add_jobs() = JobRecordOf(job);
+  std::sort(list.mutable_jobs()->begin(), list.mutable_jobs()->end(),
+            [](const JobRecord& a, const JobRecord& b) { return a.job() < b.job(); });
+  return list;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,228 @@
+#include "tests/services/cli/schemas/json_schema.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace intaglio::schemas {
+namespace {
+
+namespace pb = google::protobuf;
+using Field = pb::FieldDescriptor;
+
+constexpr std::size_t kShortList = 60;  // characters
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+Json Texts(const std::vector<std::string>& texts) {
+  std::vector<Json> list;
+  for (const std::string& text : texts) list.push_back({text});
+  return {list};
+}
+
+/// The comment of a field or a message as one paragraph.
+template <typename Descriptor>
+std::string CommentOf(const Descriptor& descriptor) {
+  pb::SourceLocation location;
+  if (!descriptor.GetSourceLocation(&location)) return "";
+  const std::string& raw = location.leading_comments.empty() ? location.trailing_comments
+                                                             : location.leading_comments;
+  std::string text;
+  for (const char c : raw) {
+    const char plain = c == '\n' ? ' ' : c;
+    if (plain != ' ' || (!text.empty() && text.back() != ' ')) text += plain;
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+/// Where the definition of a message is.
+Json::Members Reference(const pb::Descriptor& message) {
+  return {{"$ref", {"#/$defs/" + message.name()}}};
+}
+
+Json::Members Number(const Field& field) {
+  switch (field.cpp_type()) {
+    case Field::CPPTYPE_INT32:
+      return {{"type", {"integer"}},
+              {"minimum", {-2147483648.0}},
+              {"maximum", {2147483647.0}}};
+    case Field::CPPTYPE_UINT32:
+      return {{"type", {"integer"}}, {"minimum", {0.0}}, {"maximum", {4294967295.0}}};
+    case Field::CPPTYPE_INT64:
+      return {{"type", {"string"}}, {"pattern", {"^-?[0-9]+$"}}};
+    case Field::CPPTYPE_UINT64:
+      return {{"type", {"string"}}, {"pattern", {"^[0-9]+$"}}};
+    default:
+      // Numbers that JSON does not have are texts.
+      return {{"oneOf",
+               {std::vector<Json>{
+                   {Json::Members{{"type", {"number"}}}},
+                   {Json::Members{{"enum", Texts({"NaN", "Infinity", "-Infinity"})}}}}}}};
+  }
+}
+
+/// One value of the field.
+Json::Members ValueOf(const Field& field) {
+  switch (field.cpp_type()) {
+    case Field::CPPTYPE_BOOL:
+      return {{"type", {"boolean"}}};
+    case Field::CPPTYPE_STRING: {
+      Json::Members text = {{"type", {"string"}}};
+      if (field.type() == Field::TYPE_BYTES)
+        text.push_back({"contentEncoding", {"base64"}});
+      return text;
+    }
+    case Field::CPPTYPE_ENUM: {
+      std::vector<std::string> names;
+      for (int i = 0; i < field.enum_type()->value_count(); ++i) {
+        names.push_back(field.enum_type()->value(i)->name());
+      }
+      return {{"enum", Texts(names)}};
+    }
+    case Field::CPPTYPE_MESSAGE:
+      if (field.message_type()->full_name() == "google.protobuf.Value") return {};
+      return Reference(*field.message_type());
+    default:
+      return Number(field);
+  }
+}
+
+Json::Members FieldSchema(const Field& field) {
+  Json::Members schema;
+  if (field.is_map()) {
+    schema = {{"type", {"object"}},
+              {"additionalProperties", {ValueOf(*field.message_type()->field(1))}}};
+  } else if (field.is_repeated()) {
+    schema = {{"type", {"array"}}, {"items", {ValueOf(field)}}};
+  } else {
+    schema = ValueOf(field);
+  }
+  if (const std::string comment = CommentOf(field); !comment.empty()) {
+    schema.insert(schema.begin(), {"description", {comment}});
+  }
+  return schema;
+}
+
+/// Whether JsonTextOf writes the field also when it has no value.
+bool IsAlwaysWritten(const Field& field) {
+  return field.is_repeated() || !field.has_presence();
+}
+
+Json::Members MessageSchema(const pb::Descriptor& message, Fields fields) {
+  Json::Members properties;
+  std::vector<std::string> required;
+  for (int i = 0; i < message.field_count(); ++i) {
+    const Field& field = *message.field(i);
+    properties.push_back({field.name(), {FieldSchema(field)}});
+    if (fields == Fields::kWritten && IsAlwaysWritten(field)) {
+      required.push_back(field.name());
+    }
+  }
+  Json::Members schema = {{"type", {"object"}}, {"properties", {properties}}};
+  if (const std::string comment = CommentOf(message); !comment.empty()) {
+    schema.insert(schema.begin(), {"description", {comment}});
+  }
+  if (!required.empty()) schema.push_back({"required", Texts(required)});
+  return schema;
+}
+
+/// The messages below it, by name; not the message itself unless it nests.
+void CollectBelow(const pb::Descriptor& message,
+                  std::map<std::string, const pb::Descriptor*>& found) {
+  for (int i = 0; i < message.field_count(); ++i) {
+    const Field* field = message.field(i);
+    if (field->is_map()) field = field->message_type()->field(1);
+    const pb::Descriptor* below = field->message_type();
+    if (below == nullptr || below->full_name() == "google.protobuf.Value") continue;
+    if (found.emplace(below->name(), below).second) CollectBelow(*below, found);
+  }
+}
+
+Json::Members Head(const std::string& name, const std::string& title) {
+  return {{"$schema", {"https://json-schema.org/draft/2020-12/schema"}},
+          {"$id", {name + ".schema.json"}},
+          {"title", {title}}};
+}
+
+void AddDefinitions(const std::map<std::string, const pb::Descriptor*>& messages,
+                    Fields fields, Json::Members& schema) {
+  if (messages.empty()) return;
+  Json::Members definitions;
+  for (const auto& [name, message] : messages) {
+    definitions.push_back({name, {MessageSchema(*message, fields)}});
+  }
+  schema.push_back({"$defs", {definitions}});
+}
+
+}  // namespace
+
+std::string Json::Text(int level) const {
+  const std::string indent(static_cast<std::size_t>(level) * 2 + 2, ' ');
+  const std::string close = "\n" + indent.substr(2);
+  if (const auto* yes = std::get_if<bool>(&held)) return *yes ? "true" : "false";
+  if (const auto* number = std::get_if<double>(&held))
+    return fmt::format("{:.0f}", *number);
+  if (const auto* text = std::get_if<std::string>(&held)) return Quoted(*text);
+  std::string lines, line;
+  if (const auto* list = std::get_if<std::vector<Json>>(&held)) {
+    for (const Json& element : *list) {
+      lines += (lines.empty() ? "\n" : ",\n") + indent + element.Text(level + 1);
+      line += (line.empty() ? "" : ", ") + element.Text(level + 1);
+    }
+    const bool is_short =
+        line.size() <= kShortList && line.find('\n') == std::string::npos;
+    return is_short ? "[" + line + "]" : "[" + lines + close + "]";
+  }
+  for (const auto& [name, member] : std::get<Members>(held)) {
+    lines += (lines.empty() ? "\n" : ",\n") + indent + Quoted(name) + ": " +
+             member.Text(level + 1);
+  }
+  return lines.empty() ? "{}" : "{" + lines + close + "}";
+}
+
+Json SchemaOf(const Schema& schema) {
+  Json::Members whole = Head(schema.name, schema.title);
+  for (auto& member : MessageSchema(*schema.message, schema.fields)) {
+    whole.push_back(std::move(member));
+  }
+  std::map<std::string, const pb::Descriptor*> below;
+  CollectBelow(*schema.message, below);
+  AddDefinitions(below, schema.fields, whole);
+  return {whole};
+}
+
+Json GlassSchema(const std::string& name, const std::string& title,
+                 const pb::Descriptor& material, const pb::Descriptor& optics,
+                 bool list) {
+  Json::Members glass = {{"type", {"object"}},
+                         {"properties",
+                          {Json::Members{{"material", {Reference(material)}},
+                                         {"optics", {Reference(optics)}}}}},
+                         {"required", Texts({"material"})}};
+  Json::Members whole = Head(name, title);
+  if (list) {
+    whole.push_back({"type", {"array"}});
+    whole.push_back({"items", {glass}});
+  } else {
+    for (auto& member : glass) whole.push_back(std::move(member));
+  }
+  std::map<std::string, const pb::Descriptor*> below;
+  for (const pb::Descriptor* message : {&material, &optics}) {
+    below.emplace(message->name(), message);
+    CollectBelow(*message, below);
+  }
+  AddDefinitions(below, Fields::kWritten, whole);
+  return {whole};
+}
+
+}  // namespace intaglio::schemas
