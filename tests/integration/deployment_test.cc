@@ -40,7 +40,7 @@ class Units : public ::testing::Test {
       if (entry.path().extension() != ".service") continue;
       // The programs are where they were built.
       const std::string text = std::regex_replace(
-          TextIn(entry.path()), std::regex("/usr/local/bin"), INTAGLIO_BIN_DIR);
+          TextIn(entry.path()), std::regex("/usr/bin"), INTAGLIO_BIN_DIR);
       std::ofstream(entry.path()) << text;
       std::string name = entry.path().filename().string();
       const auto at = name.find("@.");
@@ -48,6 +48,8 @@ class Units : public ::testing::Test {
       units_.push_back(name);
     }
     ASSERT_GE(units_.size(), 5u);
+    // The manual pages that they name are those of the build.
+    setenv("MANPATH", INTAGLIO_BIN_DIR "/../share/man", 1);
     setenv("SYSTEMD_UNIT_PATH", (folder_.string() + ":").c_str(), 1);
   }
   static std::string FileOf(const std::string& unit) {
