@@ -42,6 +42,7 @@ Result<FrozenJob> FreezeJob(const JobSpec& job, const MachineSpec& machine,
   frozen.set_job_uid(identity.uid);
   frozen.set_epoch(identity.epoch);
   *frozen.mutable_job() = std::move(whole);
+  frozen.mutable_job()->set_glass(material.name);  // it may have been named otherwise
   *frozen.mutable_machine() = whole_machine;
   *frozen.mutable_material() = RecordOf(material);
   *frozen.mutable_optics() = *optics;

@@ -11,12 +11,14 @@
 #include <set>
 
 #include "engrave/core/check.h"
+#include "engrave/drawing/font_list.h"
 #include "services/job/field_ranges.h"
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
 #include "services/job/machine/reach_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
+#include "services/job/placeholders.h"
 
 namespace intaglio {
 namespace {
@@ -30,7 +32,18 @@ void CheckFile(const std::string& file, const std::string& path, Findings& findi
   if (file.empty()) return findings.Missing(path, "name a file");
   std::error_code error;
   const auto status = fs::status(file, error);
-  if (!fs::exists(status)) return findings.Wrong(path, file, "does not exist");
+  if (!fs::exists(status)) {
+    const auto names = PlaceholdersOf(file);
+    if (!names.empty())
+      return findings.Wrong(path, file, "{}", UnfilledText(names.front()));
+    if (path.find(".text.") == std::string::npos || drawing::IsFontFile(file)) {
+      return findings.Wrong(path, file, "does not exist");
+    }
+    const auto font = drawing::FindFontFile(file);
+    return findings.Wrong(path, file, "{}",
+                          font ? "is a family: name its file, " + *font
+                               : "is no font: " + font.error().message);
+  }
   if (!fs::is_regular_file(status)) findings.Wrong(path, file, "is not a file");
 }
 
@@ -61,6 +74,11 @@ void CheckModel(const Model& model, const std::string& path, Findings& findings)
   }
   if (model.has_text() && model.text().text().empty()) {
     findings.Missing(path + ".text.text", "give the text to write");
+  }
+  if (model.text().shrink_to_fit() &&
+      model.placement().fit_case() != Placement::FIT_NOT_SET) {
+    findings.Wrong(path + ".text.shrink_to_fit", true,
+                   "excludes placement.fit, which decides the size of the text");
   }
   if (model.placement().has_fit_block() && !model.placement().fit_block()) {
     findings.Wrong(path + ".placement.fit_block", false,
@@ -281,6 +299,7 @@ std::vector<Finding> CheckJob(const JobSpec& job) {
   Findings findings;
   CheckRanges(job, "", findings.found());
   CheckModels(job, findings);
+  CheckPlaceholders(job, findings);
   if (!job.block().has_size_mm()) {
     findings.Missing("block.size_mm", "give the block's size, 1..1000 mm in each axis");
   }

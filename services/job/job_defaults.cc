@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <string>
 
+#include "engrave/io/lower_case.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
+#include "services/job/placeholders.h"
 
 namespace intaglio {
 namespace {
@@ -27,7 +29,7 @@ Vector3 MakeVector(double x, double y, double z) {
 }
 
 std::string NameOf(const Model& model) {
-  return model.has_text() ? model.text().text()
+  return model.has_text() ? NumberedText(model.text().text(), 1)
                           : std::filesystem::path(model.file()).filename().string();
 }
 
@@ -41,6 +43,27 @@ void PlaceByKind(const Model& model, Placement& placement) {
   if (kind == ModelKind::kCloud && !placement.has_centre_in_block()) {
     placement.set_centre_in_block(false);
   }
+}
+
+/// Upright, by what the format defines; a model that is given a rotation is rotated from
+/// how it lies in its file.
+UpAxis UpOf(const Model& model) {
+  const auto kind = KindOf(model);
+  if (!kind || model.placement().has_rotate_deg()) return UP_AXIS_Z;
+  switch (*kind) {
+    case ModelKind::kDrawing:
+    case ModelKind::kText:
+    case ModelKind::kImage:
+      return UP_AXIS_Y;
+    case ModelKind::kMesh:
+      break;
+    case ModelKind::kCloud:
+      return UP_AXIS_Z;
+  }
+  const std::string extension =
+      io::LowerCaseExtension(std::filesystem::path(model.file()).extension().string());
+  if (extension == "gltf" || extension == "glb") return UP_AXIS_Y;
+  return extension == "dae" ? UP_AXIS_DECLARED : UP_AXIS_Z;
 }
 
 void FillPlacement(Placement& placement) {
@@ -82,6 +105,9 @@ void ChooseMethod(Model& model, const Discretization& of_meshes) {
 
 void FillModel(Model& model, const Discretization& discretization) {
   PlaceByKind(model, *model.mutable_placement());
+  if (model.placement().up() == UP_AXIS_DEFAULT) {
+    model.mutable_placement()->set_up(UpOf(model));
+  }
   FillPlacement(*model.mutable_placement());
   if (model.has_text()) {
     Text& text = *model.mutable_text();

@@ -52,19 +52,30 @@ void WriteCube(const fs::path& file) {
   out << "endsolid cube\n";
 }
 
-class OfflineChain : public ::testing::TestWithParam<Tokens> {
+/// Options of the points and of their order.
+struct Chain {
+  Tokens points, order;
+};
+
+Tokens Joined(Tokens words, const Tokens& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+class OfflineChain : public ::testing::TestWithParam<Chain> {
  protected:
   OfflineChain() { WriteCube(folder_ / "cube.stl"); }
-  Tokens WithJob(Tokens words) const {
-    const Tokens job = {"--mesh",    (folder_ / "cube.stl").string(),
-                        "--block",   "20",
-                        "20",        "20",
-                        "--rotate",  "30",
-                        "20",        "10",
-                        "--spacing", "0.5"};
-    words.insert(words.end(), job.begin(), job.end());
-    words.insert(words.end(), GetParam().begin(), GetParam().end());
-    return words;
+  /// Options of a command that makes the points.
+  Tokens WithModel(const Tokens& words) const {
+    return Joined(
+        Joined(words, {"--mesh", (folder_ / "cube.stl").string(), "--block", "20", "20",
+                       "20", "--rotate", "30", "20", "10", "--spacing", "0.5"}),
+        GetParam().points);
+  }
+  /// Of one that has them.
+  static Tokens WithOrder(const Tokens& words) {
+    return Joined(Joined(words, {"--block", "20", "20", "20", "--spacing", "0.5"}),
+                  GetParam().order);
   }
   Tokens WithMaterials(Tokens words) const {
     words.insert(words.end(), {"--materials", (folder_ / "materials.db").string()});
@@ -101,10 +112,11 @@ TEST_P(OfflineChain, GivesWhatRunGives) {
   const std::string cloud = (folder_ / "cloud.ply").string();
   const std::string path = (folder_ / "path.ply").string();
   const std::string picture = (folder_ / "picture.png").string();
-  Type(WithMaterials(WithJob({"run", "--lockstep", "--out", out})));
-  Type(WithJob({"discretize", "--out", cloud}));
+  Type(WithMaterials(
+      Joined(WithModel({"run", "--lockstep", "--out", out}), GetParam().order)));
+  Type(WithModel({"discretize", "--out", cloud}));
   const Ended sorted =
-      Type(WithMaterials(WithJob({"sort", "--cloud", cloud, "--out", path})));
+      Type(WithMaterials(WithOrder({"sort", "--cloud", cloud, "--out", path})));
   EXPECT_THAT(sorted.output, HasSubstr(" 0 fired through an earlier crack"));
 
   const auto made = SortedPoints(fs::path(out) / "path.ply");
@@ -118,7 +130,8 @@ TEST_P(OfflineChain, GivesWhatRunGives) {
   EXPECT_EQ(ChecksumIn(sorted.output), report.checksums().at("path")) << "in one order";
   EXPECT_THAT(Type({"verify", out}).output, HasSubstr("verdict     GOOD"));
 
-  const Ended planned = Type(WithMaterials(WithJob({"plan", "--path", path, "--json"})));
+  const Ended planned = Type(
+      WithMaterials({"plan", "--path", path, "--block", "20", "20", "20", "--json"}));
   JobReport ran;
   PlanReport plan;
   ASSERT_TRUE(
@@ -140,9 +153,9 @@ TEST_P(OfflineChain, GivesWhatRunGives) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, OfflineChain,
-                         ::testing::Values(Tokens{}, Tokens{"--method", "fill"},
-                                           Tokens{"--method", "rays", "--order",
-                                                  "layers"}));
+                         ::testing::Values(Chain{}, Chain{{"--method", "fill"}, {}},
+                                           Chain{{"--method", "rays"},
+                                                 {"--order", "layers"}}));
 
 }  // namespace
 }  // namespace intaglio

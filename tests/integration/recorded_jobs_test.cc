@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "proto/report.pb.h"
@@ -66,6 +67,20 @@ void WriteRow(const RecordedJob& job) {
   }
 }
 
+/// Of the arguments, those of a command that makes points but orders and moves nothing.
+Tokens OfPoints(const Tokens& arguments) {
+  static const std::set<std::string> kOthers = {"--order", "--profile", "--rate"};
+  Tokens kept;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (kOthers.contains(arguments[i])) {
+      ++i;  // its value
+    } else {
+      kept.push_back(arguments[i]);
+    }
+  }
+  return kept;
+}
+
 class RecordedJobs : public ::testing::TestWithParam<RecordedJob> {
  protected:
   Ended Type(Tokens words) {
@@ -74,7 +89,10 @@ class RecordedJobs : public ::testing::TestWithParam<RecordedJob> {
     arguments >> file;
     words.insert(words.begin() + 1,
                  (fs::path(INTAGLIO_SOURCE_DIR) / "deploy/jobs" / file).string());
-    for (std::string option; arguments >> option;) words.push_back(option);
+    Tokens options;
+    for (std::string option; arguments >> option;) options.push_back(option);
+    if (words.front() == "discretize") options = OfPoints(options);
+    words.insert(words.end(), options.begin(), options.end());
     Running run(Program("intaglio"), words, folder_ / (words.front() + ".txt"));
     Ended ended = run.WaitForEnd(120s);
     EXPECT_EQ(ended.exit_code, 0) << ended.output;

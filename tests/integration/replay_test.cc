@@ -271,7 +271,7 @@ TEST_F(Replay, AFigurineIsMadeAgainByAllThree) {
   std::ofstream(model, std::ios::binary) << mesh::BinaryStl(discretize::Figurine(6));
   testing::Running run(testing::Program("intaglio"),
                        {"run", "--mesh", model.string(), "--height", "30", "--spacing",
-                        "0.65", "--layer", "0.65", "--lockstep", "--tag",
+                        "0.65", "--method", "sections", "--lockstep", "--tag",
                         bus_.options().tag, "--out", (folder_ / "figurine").string()},
                        folder_ / "run.txt");
   const auto engraved = run.WaitForEnd(kBound);

@@ -60,6 +60,12 @@ class Shop : public ::testing::Test {
                 folder_ / ("typed" + std::to_string(++typed_) + ".txt"));
     return run.WaitForEnd(60s);
   }
+  /// Of a command that needs no shop.
+  Ended Ask(const std::vector<std::string>& words) {
+    Running run(Program("intaglio"), words,
+                folder_ / ("typed" + std::to_string(++typed_) + ".txt"));
+    return run.WaitForEnd(60s);
+  }
   std::string Submit(std::vector<std::string> more) {
     std::vector<std::string> words = {
         "submit", std::string(INTAGLIO_SOURCE_DIR) + "/deploy/jobs/sample.textproto",
@@ -215,6 +221,58 @@ TEST_F(Shop, ClosedInMidJobItFiresNothingWhenItIsOpenedAgain) {
   EXPECT_THAT(shown, HasSubstr("disarmed   the shop was closed"));
   EXPECT_EQ(Type({"resume", job}).exit_code, 0);
   EXPECT_TRUE(Reaches(job, "engraving")) << last_;
+}
+
+/// The folder of the only job.
+fs::path FolderOfTheJob(const fs::path& shop) {
+  return fs::directory_iterator(shop / "jobs")->path();
+}
+
+bool IsComplete(const fs::path& job) {
+  return fs::exists(job / "report.json") && fs::exists(job / "views.png") &&
+         fs::exists(job / "customer.png");
+}
+
+// The block stays in the machine while the shop is closed, so that its glass has the
+// cracks of two virtual engravers.
+TEST_F(Shop, TheFolderOfAJobHasItsProofAndPicturesAlsoAfterARestartInIt) {
+  const std::string job = Submit({"--rate", "50", "--arm"});
+  ASSERT_TRUE(RunsTo(job, "engraving")) << last_;
+  ASSERT_TRUE(Eventually([&] { return Pulses() > 20; }, 20s));
+  Close();
+  Open({"50", "50", "30"}, {"--background", "transparent", "--picture-size", "800"});
+  ASSERT_TRUE(Eventually([&] { return Type({"show", job}).exit_code == 0; }, 40s));
+  Type({"resume", job});
+  ASSERT_TRUE(RunsTo(job, "done")) << last_;
+  const fs::path folder = FolderOfTheJob(folder_ / "shop");
+  ASSERT_TRUE(Eventually([&] { return IsComplete(folder); }, 60s)) << up_->Output();
+  const std::string report = testing::TextIn(folder / "report.json");
+  EXPECT_THAT(report, HasSubstr("\"evidence\": \"glass\""));
+  EXPECT_THAT(report, HasSubstr("\"kind\": \"good\""));
+  EXPECT_THAT(report, HasSubstr("\"estimate_ticks\""));
+  const Ended history =
+      Ask({"history", "--folder", (folder_ / "shop").string(), "--json"});
+  EXPECT_THAT(history.output, HasSubstr((folder / "report.json").string()));
+  const Ended verified = Ask({"verify", folder.string()});
+  EXPECT_EQ(verified.exit_code, 0) << verified.output;
+  EXPECT_THAT(verified.output, HasSubstr("0 doubled, 0 stray"));
+
+  // As the folder of a real machine's job, away from all glass.
+  const fs::path away = folder_ / "a" / "b" / "c";
+  fs::create_directories(away);
+  for (const char* file : {"path.ply", "job.json", "journal.bin", "statistics.json"}) {
+    fs::copy_file(folder / file, away / file);
+  }
+  const Ended counted = Ask({"verify", away.string(), "--customer-picture"});
+  EXPECT_EQ(counted.exit_code, 0) << counted.output;
+  EXPECT_THAT(counted.output, HasSubstr("the laser controller's counters"));
+  EXPECT_TRUE(IsComplete(away));
+
+  // What is missing comes at the next start.
+  fs::remove(folder / "views.png");
+  Close();
+  Open({"50", "50", "30"});
+  EXPECT_TRUE(Eventually([&] { return IsComplete(folder); }, 60s)) << up_->Output();
 }
 
 TEST_F(Shop, TheHistoryNamesTheRecordingOfAJob) {

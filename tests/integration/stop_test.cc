@@ -60,6 +60,12 @@ class Machine {
     const std::lock_guard lock(mutex_);
     return pressed_at_;
   }
+  /// As its laser controller reports them from now on.
+  void SetInterlocks(bool key_on, bool door_closed) {
+    const std::lock_guard lock(mutex_);
+    key_on_ = key_on;
+    door_closed_ = door_closed;
+  }
   /// Another source presses at the moment when a reset is taken.
   void PressAtTheNextReset(const std::string& source) {
     const std::lock_guard lock(mutex_);
@@ -91,6 +97,9 @@ class Machine {
     sample.cell = bus::Borrow(cell_);
     sample.message = bus::Borrow(message);
     const auto held = host::WireOf(latch_.held());
+    sample.laser_link_up = sample.emergency_stop_released = true;
+    sample.key_on = key_on_;
+    sample.door_closed = door_closed_;
     if (answers_ == Answers::kAll) {
       sample.bus_stop_pressed = latch_.pressed();
       bus::Borrow(sample.bus_stops, held);
@@ -106,6 +115,7 @@ class Machine {
   host::StopLatch latch_;
   std::optional<Clock::time_point> pressed_at_;
   std::string press_at_reset_;
+  bool key_on_ = true, door_closed_ = true;
   std::jthread thread_;
 };
 
@@ -192,6 +202,22 @@ TEST_F(Stop, AResetLeavesAPressThatItDidNotKnowOf) {
   const Ended again = Type({"els-03", "--reset"});
   EXPECT_EQ(again.exit_code, 0) << again.output;
   EXPECT_FALSE(machine.pressed());
+}
+
+TEST_F(Stop, AResetReportsWhatStillHoldsTheMachine) {
+  bus::Bus bus(Options());
+  Machine machine(bus, "els-03");
+  machine.SetInterlocks(false, false);
+  ASSERT_EQ(Type({}).exit_code, 0);
+  const Ended reset = Type({"els-03", "--reset"});
+  EXPECT_EQ(reset.exit_code, 4) << reset.output;
+  EXPECT_FALSE(machine.pressed()) << "the stop itself is reset";
+  EXPECT_THAT(reset.output,
+              AllOf(HasSubstr("the stop is reset"), HasSubstr("the key is off"),
+                    HasSubstr("the door is open")));
+  machine.SetInterlocks(true, true);
+  ASSERT_EQ(Type({}).exit_code, 0);  // its report has the interlocks as they are now
+  EXPECT_EQ(Type({"els-03", "--reset"}).exit_code, 0);
 }
 
 TEST_F(Stop, AResetOfOneOfSeveralMachinesHasToNameIt) {
