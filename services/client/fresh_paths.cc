@@ -38,7 +38,8 @@ Status CheckRoom(const fs::path& folder) {
   fs::path there = fs::absolute(folder).lexically_normal();
   while (!IsThere(there) && there != there.root_path()) there = there.parent_path();
   const fs::space_info space = fs::space(there, error);
-  if (error || space.available >= kMinRoomBytes) return {};
+  // A file system without a size, like /proc, is not a full disk: the folder is tried.
+  if (error || space.capacity == 0 || space.available >= kMinRoomBytes) return {};
   return Fail(ErrorCode::kIo,
               fmt::format("the disk of the folder {} is full, {:.1f} MB are free: make "
                           "room, or choose another folder with --folder",

@@ -36,10 +36,11 @@ Ended Type(const std::vector<std::string>& words) {
 }
 
 const std::vector<std::string> kCommands = {
-    "run",      "up",     "submit", "list",       "show",    "watch", "arm",
-    "pause",    "resume", "cancel", "discretize", "sort",    "plan",  "post",
-    "measure",  "verify", "render", "materials",  "history", "batch", "again",
-    "security", "stop",   "record", "recording",  "replay",  "help"};
+    "run",       "up",     "submit",  "list",     "show",       "watch",
+    "arm",       "pause",  "resume",  "cancel",   "discretize", "sort",
+    "plan",      "post",   "measure", "verify",   "render",     "materials",
+    "history",   "batch",  "again",   "security", "stop",       "record",
+    "recording", "replay", "help",    "preview",  "fonts",      "status"};
 
 std::set<std::string> FlagsIn(const std::string& text) {
   std::set<std::string> flags;
@@ -73,7 +74,10 @@ TEST(CommandLine, HelpOfACommandIsThatOfItsOption) {
 TEST(CommandLine, TheServicesTooAreDocumentedAsTheyAre) {
   const std::set<std::string> documented =
       FlagsIn(TextIn(INTAGLIO_SOURCE_DIR "/docs/services.md"));
-  std::set<std::string> known = {"--arm", "--watch", "--without"};  // of the examples
+  std::set<std::string> known;
+  for (const char* command : {"submit", "up"}) {  // of the examples
+    known.merge(FlagsIn(Type({command, "--help"}).output));
+  }
   for (const char* program :
        {"intaglio-job-service", "intaglio-discretizer", "intaglio-sorter",
         "intaglio-synchronizer", "intaglio-motion-bridge", "intaglio-recorder",
@@ -111,6 +115,8 @@ TEST(CommandLine, BrokenModelsAreNamedWithARemedyAndNothingIsMade) {
   const fs::path broken = INTAGLIO_SOURCE_DIR "/tests/data/broken";
   std::size_t tried = 0;
   for (const fs::path& file : fs::directory_iterator(broken)) {
+    // Of an open drawing the lines are engraved; other tests have what is said of it.
+    if (file.extension() == ".dxf") continue;
     ++tried;
     const fs::path out = test::FreshFolder("command_line_broken") / "out";
     for (const char* command : {"discretize", "run"}) {
@@ -123,7 +129,7 @@ TEST(CommandLine, BrokenModelsAreNamedWithARemedyAndNothingIsMade) {
       EXPECT_FALSE(fs::exists(out));
     }
   }
-  EXPECT_EQ(tried, 9u);
+  EXPECT_EQ(tried, 7u);
 }
 
 TEST(CommandLine, ASoundModelWithoutNormalsIsTaken) {

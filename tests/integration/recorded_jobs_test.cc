@@ -69,7 +69,8 @@ void WriteRow(const RecordedJob& job) {
 
 /// Of the arguments, those of a command that makes points but orders and moves nothing.
 Tokens OfPoints(const Tokens& arguments) {
-  static const std::set<std::string> kOthers = {"--order", "--profile", "--rate"};
+  static const std::set<std::string> kOthers = {"--name", "--order", "--profile",
+                                                "--rate"};
   Tokens kept;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (kOthers.contains(arguments[i])) {

@@ -181,6 +181,8 @@ void AddOfflineCommands(command_line::Command app) {
   };
   command_line::Command discretize =
       app.AddCommand("discretize", "make a cloud of points from models");
+  // The points do not depend on the job's name: a {column} in it needs no value here.
+  options->job.name = "cloud";
   AddJobFile(discretize, options->job);
   AddModelFlags(discretize, options->job);
   AddTextFlags(discretize, options->job.texts);

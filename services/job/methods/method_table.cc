@@ -132,7 +132,10 @@ void FillDefaults(const Method& method, double min_spacing_mm, pb::Message& mess
     if (row.by_default.of == FieldDefault::Of::kNothing || IsThere(message, field)) {
       continue;
     }
-    Set(message, field, ValueOf(row.by_default, min_spacing_mm, message));
+    const double value = ValueOf(row.by_default, min_spacing_mm, message);
+    // A job without a minimum spacing is refused for that, not for what follows of it.
+    if (value == 0 && row.by_default.factor != 0) continue;
+    Set(message, field, value);
   }
 }
 
