@@ -19,6 +19,7 @@
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
 #include "services/job/placeholders.h"
+#include "services/job/teach/taught_check.h"
 
 namespace intaglio {
 namespace {
@@ -332,6 +333,7 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaser(whole.laser(), machine, findings);
   CheckChannels(whole, findings);
+  CheckZeros(whole, machine, findings);
   return std::move(findings.found());
 }
 

@@ -5,6 +5,7 @@
 
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
+#include "services/job/teach/taught_check.h"
 #include "services/platform/link/endpoint.h"
 
 namespace intaglio {
@@ -194,6 +195,7 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   CheckLenses(machine, errors);
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);
+  if (errors.empty()) CheckTaught(machine, errors);
   return errors;
 }
 

@@ -11,6 +11,7 @@
 #include "engrave/motion/profiles.h"
 #include "engrave/sort/kdz.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
 
 namespace intaglio {
@@ -205,7 +206,7 @@ motion::PlanOptions MotionOptionsOf(const FrozenJob& job) {
 optics::MachineFromGlass MachineFromGlassOf(const FrozenJob& job) {
   const double ratio = job.optics().stage_per_glass_ratio();
   Require(ratio > 0 && ratio <= 1, "stage_per_glass_ratio must be in 0..1, is {}", ratio);
-  return {Vec3Of(job.machine().block_origin_mm()), BlockSizeOf(job.job()), ratio};
+  return {BlockOriginOf(job.machine(), job.job()), BlockSizeOf(job.job()), ratio};
 }
 
 }  // namespace intaglio

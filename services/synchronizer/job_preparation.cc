@@ -37,9 +37,9 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   }
   job.trigger->Adapt(job.plan);
   job.machine_from_glass = AxesFromGlassOf(frozen);
-  auto axes =
-      INTAGLIO_TRY(CheckedAxes(path, BlocksOfModels(frozen.job()), job.machine_from_glass,
-                               job.plan.limits.travel_mm));
+  const auto frames = AxesFromGlassOfModels(frozen);
+  auto axes = INTAGLIO_TRY(
+      CheckedAxes(path, BlocksOfModels(frozen.job()), frames, job.plan.limits.travel_mm));
   job.machine_points_mm = std::move(axes);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
@@ -49,12 +49,15 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   auto masks = INTAGLIO_TRY(ChannelsOfPoints(frozen.job(), path.source));
   job.shutter_mask = masks.front();
   if (DistinctMasks(masks).size() > 1) job.masks = std::move(masks);
-  const optics::MachineFromGlass& optics = job.machine_from_glass.machine_from_glass();
   if (!AreHeadCoordinates(frozen.machine())) {
     job.places_mm.reserve(path.size());
-    for (const Vec3& p : path.points_mm) job.places_mm.push_back(optics.ToMachine(p));
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const auto& frame = frames[path.source[i] < frames.size() ? path.source[i] : 0];
+      job.places_mm.push_back(frame.machine_from_glass().ToMachine(path.points_mm[i]));
+    }
   }
-  job.cone_tangent = frozen.optics().cone_tangent() / optics.stage_per_glass_ratio;
+  job.cone_tangent =
+      frozen.optics().cone_tangent() / frozen.optics().stage_per_glass_ratio();
   return job;
 }
 

@@ -88,12 +88,12 @@ std::vector<Box3> BlocksOfModels(const JobSpec& job) {
 }
 
 Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& blocks,
-                              const machine::AxesFromGlass& axes_from_glass,
+                              const std::vector<machine::AxesFromGlass>& frames,
                               const Box3& travel) {
-  Require(!blocks.empty() && path.source.size() == path.size(),
+  Require(!blocks.empty() && !frames.empty() && path.source.size() == path.size(),
           "a path of {} points with {} sources and {} blocks", path.size(),
           path.source.size(), blocks.size());
-  const auto axes = axes_from_glass.kinematics().axes();
+  const auto axes = frames.front().kinematics().axes();
   const Box3 reach = Wider(travel, axes);
   std::vector<Box3> allowed;
   for (const Box3& block : blocks) allowed.push_back(Wider(block, kGlassAxes));
@@ -110,7 +110,8 @@ Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& b
                    blocks[model]);
       continue;
     }
-    const auto at = axes_from_glass.ToAxes(place_mm, near);
+    const auto at = frames[path.source[i] < frames.size() ? path.source[i] : 0].ToAxes(
+        place_mm, near);
     if (!at) {
       findings.Add(i, at.error());
       continue;

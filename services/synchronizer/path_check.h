@@ -21,9 +21,9 @@ std::vector<Box3> BlocksOfModels(const JobSpec& job);
 /// the limit, unless all points are finite, within 1 um inside the box of their model
 /// (`path.source`; a model that `blocks` does not have gets the first), within reach, and
 /// their axes within `travel`, 1 um and 10 urad allowed, too. `path`: glass frame, mm, in
-/// the order of engraving. `blocks`: at least one.
+/// the order of engraving. `blocks`: at least one. `frames`: by model, too; at least one.
 Result<PointList> CheckedAxes(const PointCloud& path, const std::vector<Box3>& blocks,
-                              const machine::AxesFromGlass& axes_from_glass,
+                              const std::vector<machine::AxesFromGlass>& frames,
                               const Box3& travel);
 
 }  // namespace intaglio::synchronizer

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "engrave/core/check.h"
+#include "services/job/channels.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/options.h"
 
 namespace intaglio {
@@ -45,6 +47,14 @@ void SetAxis(motion::Limits& limits, int i, const RotaryAxis& axis) {
   limits.travel_mm.max_mm[i] = axis.travel_max_rad();
 }
 
+void NarrowTravel(motion::Limits& limits, const MachineSpec& machine) {
+  if (!machine.taught().has_limits()) return;
+  const SoftLimits& soft = machine.taught().limits();
+  Box3& travel = limits.travel_mm;
+  travel.min_mm = travel.min_mm.cwiseMax(Vec3Of(soft.min()));
+  travel.max_mm = travel.max_mm.cwiseMin(Vec3Of(soft.max()));
+}
+
 }  // namespace
 
 machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine) {
@@ -72,10 +82,12 @@ motion::Limits AxisLimitsOf(const MachineSpec& machine) {
   if (machine.has_polar()) {
     SetAxis(limits, 0, machine.polar().arm());
     SetAxis(limits, 1, machine.polar().table());
+    NarrowTravel(limits, machine);
     return limits;
   }
   SetAxis(limits, 0, machine.x());
   SetAxis(limits, 1, machine.y());
+  NarrowTravel(limits, machine);
   if (machine.has_max_speed_norm_mm_s()) {
     limits.max_speed_norm_mm_s = machine.max_speed_norm_mm_s();
   }
@@ -102,8 +114,19 @@ machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job) {
   return {MachineFromGlassOf(job), KinematicsOf(job.machine())};
 }
 
+std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job) {
+  const auto kinematics = KinematicsOf(job.machine());
+  std::vector<machine::AxesFromGlass> all;
+  for (const ChannelMask mask : ChannelsOfModels(job.job())) {
+    optics::MachineFromGlass frame = MachineFromGlassOf(job);
+    frame.block_origin_mm = BlockOriginOf(job.machine(), job.job(), FirstChannel(mask));
+    all.emplace_back(frame, kinematics);
+  }
+  return all;
+}
+
 machine::ScaleBounds ScaleBoundsOf(const FrozenJob& job) {
-  const Vec3 origin_mm = Vec3Of(job.machine().block_origin_mm());
+  const Vec3 origin_mm = BlockOriginOf(job.machine(), job.job());
   return KinematicsOf(job.machine())
       ->BoundsOver({origin_mm, origin_mm + BlockSizeOf(job.job())});
 }

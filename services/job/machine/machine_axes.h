@@ -6,6 +6,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engrave/machine/axes_from_glass.h"
 #include "engrave/motion/axis/limits.h"
@@ -22,7 +23,8 @@ std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machi
 bool AreHeadCoordinates(const MachineSpec& machine);
 
 /// The machine's own limits and its travel, of each axis in its unit: for one that turns
-/// the fields ending in _mm hold rad. Limits of lengths are those of linear axes.
+/// the fields ending in _mm hold rad. Limits of lengths are those of linear axes. The
+/// travel is that within the taught soft limits.
 motion::Limits AxisLimitsOf(const MachineSpec& machine);
 
 /// The greatest speed and acceleration that one axis alone gives the focus, anywhere the
@@ -33,8 +35,10 @@ struct FocusLimits {
 };
 FocusLimits FocusLimitsOf(const MachineSpec& machine);
 
-/// Glass frame to axes, focus depth included.
+/// Glass frame to axes, focus depth included, in the first of the job's channels.
 machine::AxesFromGlass AxesFromGlassOf(const FrozenJob& job);
+/// By model of the job, in the channels of the model; one of a job without models.
+std::vector<machine::AxesFromGlass> AxesFromGlassOfModels(const FrozenJob& job);
 
 /// How far the focus moves in air for a unit of the axes, at most, in the job's block.
 machine::ScaleBounds ScaleBoundsOf(const FrozenJob& job);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "services/job/job_check.h"
+#include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
 
@@ -32,16 +33,12 @@ void CheckAxisTravel(const machine::Axis& axis, int i, const JobSpec& job,
                  machine.name(), axis.name, from, to, travel.min_mm[i], travel.max_mm[i]);
 }
 
-}  // namespace
-
-void CheckReach(const JobSpec& job, const MachineSpec& machine,
-                std::optional<double> stage_per_glass_ratio, Findings& findings) {
-  if (machine.has_polar() && !CheckKinematics(machine).empty()) return;
+void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec& machine,
+                    std::optional<double> stage_per_glass_ratio, Findings& findings) {
   const Vec3 size_mm = BlockSizeOf(job);
   const Vec3 margin_mm = Vec3::Constant(job.block().margin_mm());
   const machine::AxesFromGlass axes_from_glass(
-      {Vec3Of(machine.block_origin_mm()), size_mm, stage_per_glass_ratio.value_or(1)},
-      KinematicsOf(machine));
+      {origin_mm, size_mm, stage_per_glass_ratio.value_or(1)}, KinematicsOf(machine));
   Box3 permitted_mm{margin_mm, size_mm - margin_mm};
   if (!stage_per_glass_ratio) permitted_mm.min_mm.z() = permitted_mm.max_mm.z();
   const auto needed =
@@ -55,6 +52,16 @@ void CheckReach(const JobSpec& job, const MachineSpec& machine,
   for (int i = 0; i < 3; ++i) {
     CheckAxisTravel(axes[static_cast<std::size_t>(i)], i, job, *needed, machine,
                     findings);
+  }
+}
+
+}  // namespace
+
+void CheckReach(const JobSpec& job, const MachineSpec& machine,
+                std::optional<double> stage_per_glass_ratio, Findings& findings) {
+  if (machine.has_polar() && !CheckKinematics(machine).empty()) return;
+  for (const Vec3& origin_mm : BlockOriginsOf(machine, job)) {
+    CheckReachFrom(origin_mm, job, machine, stage_per_glass_ratio, findings);
   }
 }
 

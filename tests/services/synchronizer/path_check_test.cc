@@ -26,7 +26,8 @@ machine::AxesFromGlass Straight() {
 std::string RefusalOf(const PointList& points_mm) {
   PointCloud path;
   for (const Vec3& p : points_mm) path.Add(p, 0);
-  const auto status = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, Straight(), kTravel);
+  const auto status =
+      CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, {Straight()}, kTravel);
   if (status) return "";
   EXPECT_EQ(status.error().code, ErrorCode::kOutsideBlock);
   return status.error().message;
@@ -74,7 +75,7 @@ TEST(PathCheck, ABlockThatIsNoNumberLetsNothingPass) {
   PointCloud path;
   path.Add(Vec3(1, 1, 20), 0);
   const Box3 no_number{Vec3::Zero(), Vec3::Constant(std::nan(""))};
-  EXPECT_FALSE(CheckedAxes(path, {no_number}, Straight(), kTravel));
+  EXPECT_FALSE(CheckedAxes(path, {no_number}, {Straight()}, kTravel));
 }
 
 TEST(PathCheck, PointsOfAModelStayInTheBlockOfItsChannel) {
@@ -91,9 +92,9 @@ TEST(PathCheck, PointsOfAModelStayInTheBlockOfItsChannel) {
   ASSERT_EQ(blocks.size(), 2);
   PointCloud path;
   path.Add(Vec3(20, 1, 20), 0);
-  EXPECT_TRUE(CheckedAxes(path, blocks, Straight(), kTravel));
+  EXPECT_TRUE(CheckedAxes(path, blocks, {Straight()}, kTravel));
   path.Add(Vec3(20, 1, 20), 1);
-  const auto status = CheckedAxes(path, blocks, Straight(), kTravel);
+  const auto status = CheckedAxes(path, blocks, {Straight()}, kTravel);
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().message, HasSubstr("point 1 of the order"));
 }
@@ -101,7 +102,7 @@ TEST(PathCheck, PointsOfAModelStayInTheBlockOfItsChannel) {
 TEST(PathCheck, AxesAreThoseOfTheFocusInAir) {
   PointCloud path;
   path.Add(Vec3(1, 2, 20), 0);
-  const auto axes = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, Straight(), kTravel);
+  const auto axes = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, {Straight()}, kTravel);
   ASSERT_TRUE(axes);
   EXPECT_EQ(*axes, PointList{Vec3(1, 2, 30 - 10 * kRatio)});
 }
@@ -118,7 +119,7 @@ TEST(PathCheck, ReachAndTravelOfAnArmAndATable) {
   const auto refusal = [&](const PointList& points_mm) {
     PointCloud path;
     for (const Vec3& p : points_mm) path.Add(p, 0);
-    const auto axes = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, polar, travel);
+    const auto axes = CheckedAxes(path, {{Vec3::Zero(), kBlockMm}}, {polar}, travel);
     return axes ? "" : axes.error().message;
   };
   EXPECT_EQ(refusal({Vec3(25, 39, 5), Vec3(26, 39, 5)}), "");

@@ -1,0 +1,61 @@
+#include "services/job/machine/block_origin.h"
+
+#include <algorithm>
+
+#include "services/job/job_defaults.h"
+#include "services/job/options.h"
+
+namespace intaglio {
+namespace {
+
+std::string LensNameOf(const MachineSpec& machine, const JobSpec& job) {
+  const MachineLens* lens = FindLens(machine, job.lens().focal_length_mm());
+  return lens == nullptr ? "" : lens->name();
+}
+
+}  // namespace
+
+const TaughtZero* FindZero(const MachineSpec& machine, std::uint32_t channel,
+                           const std::string& lens) {
+  for (const TaughtZero& zero : machine.taught().zeros()) {
+    if (zero.channel() == channel && zero.lens() == lens) return &zero;
+  }
+  return nullptr;
+}
+
+Vec3 BlockOriginOf(const MachineSpec& machine, std::uint32_t channel,
+                   const std::string& lens) {
+  const TaughtZero* zero = FindZero(machine, channel, lens);
+  return Vec3Of(zero == nullptr ? machine.block_origin_mm() : zero->block_origin_mm());
+}
+
+Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job,
+                   std::uint32_t channel) {
+  return BlockOriginOf(machine, channel, LensNameOf(machine, job));
+}
+
+Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job) {
+  return BlockOriginsOf(machine, job).front();
+}
+
+std::vector<Vec3> BlockOriginsOf(const MachineSpec& machine, const JobSpec& job) {
+  const std::string lens = LensNameOf(machine, job);
+  std::vector<Vec3> origins_mm;
+  for (const std::uint32_t channel : job.laser().channels()) {
+    const Vec3 origin_mm = BlockOriginOf(machine, channel, lens);
+    if (std::find(origins_mm.begin(), origins_mm.end(), origin_mm) == origins_mm.end()) {
+      origins_mm.push_back(origin_mm);
+    }
+  }
+  if (origins_mm.empty()) origins_mm.push_back(BlockOriginOf(machine, 1, lens));
+  return origins_mm;
+}
+
+std::uint32_t FirstChannel(ChannelMask mask) {
+  for (std::uint32_t channel = 1; channel <= kMaxChannels; ++channel) {
+    if ((mask & MaskOfChannel(channel)) != 0) return channel;
+  }
+  return 1;
+}
+
+}  // namespace intaglio

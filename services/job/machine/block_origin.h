@@ -1,0 +1,34 @@
+#pragma once
+
+// Where the block's corner, the origin of the glass frame, lies in the machine frame: by
+// what was taught for the lens and the channel, else block_origin_mm of the profile.
+// Machine frame, mm; with all axes at zero the beam is at zero. Jobs have every default
+// filled in.
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/core/channels.h"
+#include "engrave/core/geometry.h"
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+
+namespace intaglio {
+
+/// What was taught; nullptr: nothing for this channel and lens.
+const TaughtZero* FindZero(const MachineSpec& machine, std::uint32_t channel,
+                           const std::string& lens);
+
+Vec3 BlockOriginOf(const MachineSpec& machine, std::uint32_t channel,
+                   const std::string& lens);
+/// With the job's lens.
+Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job, std::uint32_t channel);
+/// In the first of the job's channels: what estimates are made with.
+Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job);
+/// Each that the job's channels have, once.
+std::vector<Vec3> BlockOriginsOf(const MachineSpec& machine, const JobSpec& job);
+
+/// The lowest channel of a mask, 1..4; 1 of an empty one.
+std::uint32_t FirstChannel(ChannelMask mask);
+
+}  // namespace intaglio
