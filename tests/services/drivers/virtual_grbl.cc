@@ -1,0 +1,301 @@
+#include "tests/services/drivers/virtual_grbl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+namespace intaglio::grbl {
+namespace {
+
+constexpr double kSlice_us = 50;
+constexpr std::size_t kMaxLine = 79;
+constexpr double kBitsPerByte = 10;
+
+}  // namespace
+
+VirtualGrblOptions Grbl11() { return {}; }
+
+VirtualGrblOptions GrblHal() {
+  VirtualGrblOptions options;
+  options.hal = true;
+  options.receive_bytes = 1023;
+  options.parse_us = 400;
+  options.parse_us_per_byte = 75;
+  options.motion.planner_blocks = 100;
+  return options;
+}
+
+VirtualGrbl::VirtualGrbl(VirtualGrblOptions options)
+    : options_(std::move(options)),
+      motion_(options_.motion),
+      byte_us_(kBitsPerByte * 1e6 / options_.baud),
+      locked_(options_.homing) {
+  Banner();
+  UpdateState();
+}
+
+void VirtualGrbl::Write(std::string_view bytes) {
+  for (const char byte : bytes) {
+    const double free = to_grbl_.empty() ? now_us_ : to_grbl_.back().at_us;
+    to_grbl_.push_back({byte, std::max(now_us_, free) + byte_us_});
+  }
+}
+
+void VirtualGrbl::Send(std::string_view text) {
+  for (const char byte : text) {
+    const double free = to_host_.empty() ? now_us_ : to_host_.back().at_us;
+    to_host_.push_back({byte, std::max(now_us_, free) + byte_us_});
+  }
+}
+
+std::string VirtualGrbl::Read() {
+  std::string read;
+  while (!to_host_.empty() && to_host_.front().at_us <= now_us_) {
+    read += to_host_.front().byte;
+    to_host_.pop_front();
+  }
+  return read;
+}
+
+void VirtualGrbl::Banner() { Send("\r\nGrbl 1.1h ['$' for help]\r\n"); }
+
+void VirtualGrbl::Answer(int error) {
+  if (error < 0) return;
+  if (error == 0) return Send("ok\r\n");
+  Send(fmt::format("error:{}\r\n", error));
+}
+
+void VirtualGrbl::Advance(double us) {
+  while (us > 0) {
+    const double part = std::min(us, kSlice_us);
+    Slice(part);
+    us -= part;
+  }
+}
+
+void VirtualGrbl::Slice(double us) {
+  motion_.Advance(us);
+  now_us_ += us;
+  ReceiveBytes();
+  if (crashed_) return;
+  UpdateState();
+  if (waiting_ && !suspended()) FinishWaiting(us);
+  UpdateState();
+  if (!suspended()) TakeLines();
+  if (reports_ && !mute_) Report();
+  reports_ = false;
+}
+
+void VirtualGrbl::ReceiveBytes() {
+  while (!to_grbl_.empty() && to_grbl_.front().at_us <= now_us_) {
+    const char byte = to_grbl_.front().byte;
+    to_grbl_.pop_front();
+    if (!crashed_) TakeByte(byte);
+  }
+}
+
+void VirtualGrbl::TakeByte(char byte) {
+  if (TakeRealtime(static_cast<unsigned char>(byte))) return;
+  if (receive_buffer_.size() >= options_.receive_bytes) {
+    ++lost_bytes_;
+    return;
+  }
+  receive_buffer_.push_back(byte);
+}
+
+bool VirtualGrbl::TakeRealtime(unsigned char byte) {
+  if (byte == 0x18) {
+    Reset();
+  } else if (byte == '?') {
+    reports_ = true;
+  } else if (byte == '!') {
+    if (state_ == State::kRun || state_ == State::kIdle) {
+      motion_.Hold();
+      state_ = State::kHold;
+    } else if (state_ == State::kJog) {
+      motion_.CancelJog();
+    }
+  } else if (byte == '~') {
+    const bool door_holds = state_ == State::kDoor && door_open_;
+    if (suspended() && !door_holds && !motion_.moving()) {
+      motion_.Resume();
+      motion_.ForceDark(false);
+      state_ = State::kIdle;
+    }
+  } else if (byte == 0x85) {
+    if (state_ == State::kJog) motion_.CancelJog();
+  } else {
+    return byte >= 0x80;
+  }
+  return true;
+}
+
+void VirtualGrbl::TakeLines() {
+  while (!waiting_ && !mute_ && !suspended() && !crashed_) {
+    if (parsing_) {
+      if (now_us_ < parses_until_us_) return;
+      const std::string line = std::move(*parsing_);
+      parsing_.reset();
+      Execute(line);
+      UpdateState();
+      continue;
+    }
+    if (receive_buffer_.empty()) return;
+    const char byte = receive_buffer_.front();
+    receive_buffer_.pop_front();
+    if (byte == '\n' || byte == '\r') {
+      if (line_.empty() && byte == '\n') continue;
+      parses_until_us_ =
+          now_us_ + options_.parse_us +
+          options_.parse_us_per_byte * static_cast<double>(line_.size() + 1);
+      parsing_ = std::exchange(line_, {});
+    } else if (byte > ' ' && line_.size() <= kMaxLine) {
+      line_ += static_cast<char>(std::toupper(byte));
+    }
+  }
+}
+
+void VirtualGrbl::FinishWaiting(double us) {
+  Waiting& wait = *waiting_;
+  if (wait.reason == Waiting::For::kRoom) {
+    if (motion_.is_full()) return;
+    motion_.Add(wait.target, wait.speed_mm_s, wait.beam, wait.jog, wait.line);
+    if (wait.jog) state_ = State::kJog;
+  } else if (wait.reason == Waiting::For::kEmpty) {
+    if (!motion_.is_empty()) return;
+    if (wait.spindle) CommandSpindle(*wait.spindle);
+    if (wait.sets_offset) work_offset_mm_ = wait.offset_mm;
+    if (wait.dwell_us > 0) {
+      wait.reason = Waiting::For::kDwell;
+      return;
+    }
+  } else if ((wait.dwell_us -= us) > 0) {
+    return;
+  }
+  waiting_.reset();
+  Answer(0);
+}
+
+void VirtualGrbl::CommandSpindle(Spindle spindle) {
+  spindle_ = spindle;
+  const bool in_g1 = !rapid_ || !options_.laser_mode;
+  // M4 of the laser mode, too, stays off until something moves.
+  const bool rests_lit = spindle == Spindle::kConstant ||
+                         (spindle == Spindle::kDynamic && !options_.laser_mode);
+  motion_.SetRestingBeam(rests_lit && power_ > 0 && in_g1);
+}
+
+void VirtualGrbl::UpdateState() {
+  if (state_ == State::kAlarm && locked_) return;
+  if (locked_) {
+    state_ = State::kAlarm;
+    return;
+  }
+  if (suspended()) {
+    if (!motion_.moving()) motion_.ForceDark(true);
+    return;
+  }
+  if (state_ == State::kJog && !motion_.is_empty()) return;
+  state_ = motion_.is_empty() ? State::kIdle : State::kRun;
+}
+
+void VirtualGrbl::SetDoor(bool open) {
+  door_open_ = open;
+  if (!open || state_ == State::kAlarm) return;
+  if (state_ == State::kJog) {
+    motion_.CancelJog();
+  } else {
+    motion_.Hold();
+  }
+  state_ = State::kDoor;
+}
+
+void VirtualGrbl::HitLimit() {
+  motion_.Kill();
+  RaiseAlarm(1);
+  mute_ = true;
+}
+
+void VirtualGrbl::RaiseAlarm(int code) {
+  locked_ = true;
+  state_ = State::kAlarm;
+  Send(fmt::format("ALARM:{}\r\n", code));
+  if (code != 2) return;
+  motion_.Kill();
+  spindle_ = Spindle::kOff;
+}
+
+void VirtualGrbl::Reset() {
+  const bool in_motion = motion_.moving() || (!suspended() && !motion_.is_empty());
+  motion_.Kill();
+  motion_.ForceDark(false);
+  motion_.SetRestingBeam(false);
+  waiting_.reset();
+  parsing_.reset();
+  receive_buffer_.clear();
+  line_.clear();
+  spindle_ = Spindle::kOff;
+  power_ = feed_mm_min_ = 0;
+  absolute_ = rapid_ = true;
+  mute_ = false;
+  if (in_motion) RaiseAlarm(3);
+  state_ = locked_ ? State::kAlarm : State::kIdle;
+  if (!locked_ && door_open_) state_ = State::kDoor;
+  Banner();
+  if (locked_) Send("[MSG:'$H'|'$X' to unlock]\r\n");
+}
+
+void VirtualGrbl::PowerCycle() {
+  motion_.Kill();
+  motion_.ForceDark(false);
+  motion_.SetPosition({});
+  waiting_.reset();
+  parsing_.reset();
+  to_grbl_.clear();
+  to_host_.clear();
+  receive_buffer_.clear();
+  line_.clear();
+  spindle_ = Spindle::kOff;
+  power_ = feed_mm_min_ = 0;
+  absolute_ = rapid_ = true;
+  mute_ = crashed_ = homed_ = output_on_ = false;
+  locked_ = options_.homing;
+  state_ = State::kIdle;
+  UpdateState();
+  Banner();
+}
+
+const char* VirtualGrbl::StateName() const {
+  switch (state_) {
+    case State::kIdle:
+      return "Idle";
+    case State::kRun:
+      return "Run";
+    case State::kHold:
+      return motion_.moving() ? "Hold:1" : "Hold:0";
+    case State::kJog:
+      return "Jog";
+    case State::kDoor:
+      return door_open_ ? (motion_.moving() ? "Door:2" : "Door:1") : "Door:0";
+    case State::kAlarm:
+      return "Alarm";
+  }
+  return "";
+}
+
+void VirtualGrbl::Report() {
+  const Vec3 at = WorkPosition_mm();
+  std::string text = fmt::format("<{}|WPos:{:.3f},{:.3f},{:.3f}|Bf:{},{}", StateName(),
+                                 at.x(), at.y(), at.z(), motion_.free_blocks(),
+                                 options_.receive_bytes - receive_buffer_.size());
+  if (options_.reports_lines && motion_.line() > 0) {
+    text += fmt::format("|Ln:{}", motion_.line());
+  }
+  text += fmt::format("|FS:{:.0f},{:.0f}", motion_.speed_mm_s() * 60, power_);
+  if (door_open_) text += "|Pn:D";
+  Send(text + ">\r\n");
+}
+
+}  // namespace intaglio::grbl

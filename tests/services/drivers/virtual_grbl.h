@@ -1,0 +1,150 @@
+#pragma once
+
+// A grbl behind a serial line, on a clock that the test moves: what a sender sees of grbl
+// 1.1h or grblHAL, and what the laser and the stage really do.
+//
+//   host -> 115200 baud -> receive buffer -> one line at a time -> planner -> stepper
+//                |                               |
+//                +-- ? ! ~ 0x18 0x85: at once    +-- "ok": queued, not done
+//
+// Every fact that it follows is a test in virtual_grbl_test.cc, named after it; they were
+// measured on grblHAL's simulator and on the AVR code of grbl 1.1h.
+//
+// WPos = MPos - work offset; G54 only, mm only, G0 G1 G4 G10L20 G90 G91 M3 M4 M5 M62-M65
+// S F N; anything else is error:20. Not simulated: arcs, probing, overrides, G28/G30.
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tests/services/drivers/virtual_grbl_motion.h"
+
+namespace intaglio::grbl {
+
+struct VirtualGrblOptions {
+  bool hal = false;  ///< grblHAL; else grbl 1.1h
+  std::string serial_number = "G-03";
+  std::uint32_t baud = 115200;
+  std::size_t receive_bytes = 128;
+  double parse_us = 1540;        ///< of one line,
+  double parse_us_per_byte = 0;  ///< and of each of its bytes
+  MotionOptions motion;
+  Vec3 travel_min_mm = Vec3::Constant(-50), travel_max_mm = Vec3::Constant(50);
+  bool laser_mode = true;     ///< $32
+  bool soft_limits = false;   ///< $20
+  bool homing = false;        ///< $22: locked from power-up until $H or $X
+  bool reports_lines = true;  ///< Ln in the status
+};
+
+/// What was measured of both: 1023 bytes and 100 blocks; lines a second.
+VirtualGrblOptions GrblHal();
+VirtualGrblOptions Grbl11();
+
+class VirtualGrbl {
+ public:
+  enum class State { kIdle, kRun, kHold, kJog, kDoor, kAlarm };
+
+  explicit VirtualGrbl(VirtualGrblOptions options);
+
+  /// The host writes; bytes arrive at the baud rate.
+  void Write(std::string_view bytes);
+  /// The host reads what has arrived there.
+  std::string Read();
+  void Advance(double us);
+
+  void SetDoor(bool open);
+  /// A limit switch is hit, and released again.
+  void HitLimit();
+  /// Off and on again: everything but the work offset is forgotten.
+  void PowerCycle();
+
+  State state() const { return state_; }
+  const VirtualGrblMotion& motion() const { return motion_; }
+  bool spindle_on() const { return spindle_ != Spindle::kOff; }
+  /// An output of M62..M65 is on; where it was switched on.
+  bool output_on() const { return output_on_; }
+  const Steps& output_at() const { return output_at_; }
+  /// Bytes that came while the receive buffer was full, and are lost.
+  std::uint64_t lost_bytes() const { return lost_bytes_; }
+  std::uint64_t lines_taken() const { return lines_taken_; }
+  /// Dead by a memory error of the firmware; only a power cycle helps.
+  bool crashed() const { return crashed_; }
+  Vec3 WorkPosition_mm() const { return motion_.Position_mm() - work_offset_mm_; }
+
+ private:
+  enum class Spindle { kOff, kConstant, kDynamic };
+  struct GcodeLine;
+  /// A line that is parsed and waits: for room in the planner, or for an empty one.
+  struct Waiting {
+    enum class For { kRoom, kEmpty, kDwell } reason = For::kEmpty;
+    Steps target{};
+    double speed_mm_s = 0;
+    Beam beam = Beam::kDark;
+    bool jog = false;
+    std::int64_t line = 0;
+    double dwell_us = 0;
+    std::optional<Spindle> spindle = {};
+    Vec3 offset_mm = Vec3::Zero();
+    bool sets_offset = false;
+  };
+
+  void Slice(double us);
+  void ReceiveBytes();
+  void TakeByte(char byte);
+  bool TakeRealtime(unsigned char byte);
+  void TakeLines();
+  bool suspended() const { return state_ == State::kHold || state_ == State::kDoor; }
+  void Execute(const std::string& line);
+  void ExecuteSystem(const std::string& line);
+  void PrintSettings();
+  void ExecuteGcode(const std::string& line, bool jog);
+  int QueueMotion(const GcodeLine& words, bool jog);
+  int CheckRange(const Vec3& machine_mm, bool jog);
+  bool range_is_checked() const;
+  void QueueWait(const GcodeLine& words);
+  void FinishWaiting(double us);
+  void CommandSpindle(Spindle spindle);
+  Beam BeamOf(bool rapid) const;
+  void Reset();
+  void RaiseAlarm(int code);
+  void UpdateState();
+  void Report();
+  void Send(std::string_view text);
+  void Answer(int error);
+  void Banner();
+  const char* StateName() const;
+
+  VirtualGrblOptions options_;
+  VirtualGrblMotion motion_;
+  double byte_us_;
+  double now_us_ = 0;
+
+  struct Timed {
+    char byte;
+    double at_us;
+  };
+  std::deque<Timed> to_grbl_, to_host_;
+  std::deque<char> receive_buffer_;
+  std::string line_;
+  std::uint64_t lost_bytes_ = 0, lines_taken_ = 0;
+  double parses_until_us_ = 0;
+  std::optional<std::string> parsing_;
+  std::optional<Waiting> waiting_;
+
+  State state_ = State::kIdle;
+  bool mute_ = false, crashed_ = false, locked_ = false, homed_ = false;
+  bool door_open_ = false, reports_ = false;
+
+  // The parser's modal state.
+  bool absolute_ = true, rapid_ = true;
+  double feed_mm_min_ = 0, power_ = 0;
+  Spindle spindle_ = Spindle::kOff;
+  Vec3 work_offset_mm_ = Vec3::Zero();
+
+  bool output_on_ = false;
+  Steps output_at_{};
+};
+
+}  // namespace intaglio::grbl
