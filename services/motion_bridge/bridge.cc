@@ -56,7 +56,7 @@ double SpeedOf(double mm_s) { return Rounded(mm_s, 10); }
 }  // namespace
 
 Bridge::Bridge(host::ServiceHost& host, std::string cell, double position_tolerance_um,
-               std::unique_ptr<MotionDriver> driver)
+               std::unique_ptr<drivers::MotionDriver> driver)
     : host_(host),
       cell_(std::move(cell)),
       position_tolerance_um_(position_tolerance_um),
@@ -84,7 +84,7 @@ void Bridge::Turn(std::chrono::nanoseconds now) {
 
 // Once for each device that is refused; a line that comes and goes raises no more.
 void Bridge::AlarmRefusal() {
-  const DriverState& state = driver_->state();
+  const drivers::DriverState& state = driver_->state();
   if (state.link_up) alarmed_refusal_.clear();
   if (state.refusal.empty() || state.refusal == alarmed_refusal_) return;
   alarmed_refusal_ = state.refusal;
@@ -94,7 +94,7 @@ void Bridge::AlarmRefusal() {
 
 // Once for each controller that answers with another tolerance than the profile's.
 void Bridge::AlarmTolerance() {
-  const DriverState& state = driver_->state();
+  const drivers::DriverState& state = driver_->state();
   if (!state.link_up) return;
   std::string mismatch =
       ToleranceMismatch(state.position_tolerance_um, position_tolerance_um_);
@@ -181,7 +181,7 @@ void Bridge::TakeStops() {
 }
 
 void Bridge::Begin(std::chrono::nanoseconds now) {
-  const DriverState& state = driver_->state();
+  const drivers::DriverState& state = driver_->state();
   if (!state.link_up) return;
   if (state.fault == intaglio_MOTION_OK && state.at_rest) {
     if (driver_->BeginRun(run_, start_tick_, start_controller_ns_))
@@ -214,7 +214,7 @@ void Bridge::Feed() {
 
 void Bridge::PublishPositions() {
   std::vector<double> x, y, z;
-  for (const LatchedPositions& latched : driver_->TakePositions()) {
+  for (const drivers::LatchedPositions& latched : driver_->TakePositions()) {
     x.clear(), y.clear(), z.clear();
     for (const Vec3& p : latched.positions_mm) {
       x.push_back(p.x());
@@ -236,7 +236,7 @@ void Bridge::PublishPositions() {
 }
 
 void Bridge::PublishState(std::chrono::nanoseconds now) {
-  const DriverState& state = driver_->state();
+  const drivers::DriverState& state = driver_->state();
   if (state.number == published_number_ && now < next_state_) return;
   published_number_ = state.number;
   next_state_ = now + kStatePeriod;

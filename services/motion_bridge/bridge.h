@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "services/motion_bridge/motion_driver.h"
+#include "services/drivers/motion_driver.h"
 #include "services/platform/bus/flow.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/safety/stop_latch.h"
@@ -30,7 +30,7 @@ class Bridge {
  public:
   /// `position_tolerance_um`: of the profile.
   Bridge(host::ServiceHost& host, std::string cell, double position_tolerance_um,
-         std::unique_ptr<MotionDriver> driver);
+         std::unique_ptr<drivers::MotionDriver> driver);
 
   /// One turn: serial line, batches, controller, publications. Never blocks. Does and
   /// sends nothing more once state().taken_over.
@@ -39,7 +39,7 @@ class Bridge {
   bus::Reader<intaglio_MotionSegmentBatch>& batches() { return batches_; }
   bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
   int fd() const { return driver_->fd(); }
-  const DriverState& state() const { return driver_->state(); }
+  const drivers::DriverState& state() const { return driver_->state(); }
   /// The fault, or what a person should know of the controller; empty: all is well.
   std::string message() const;
 
@@ -71,7 +71,7 @@ class Bridge {
   host::ServiceHost& host_;
   std::string cell_;
   double position_tolerance_um_;
-  std::unique_ptr<MotionDriver> driver_;
+  std::unique_ptr<drivers::MotionDriver> driver_;
   bus::Reader<intaglio_MotionSegmentBatch> batches_;
   bus::Reader<intaglio_EmergencyStop> stops_;
   bus::Writer<intaglio_MotionState> states_;

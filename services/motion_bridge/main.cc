@@ -22,7 +22,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
     return 2;
   }
   if (!options.device.empty()) machine->mutable_motion_line()->set_device(options.device);
-  auto driver = motion_bridge::MakeDriver(*machine);
+  auto driver = drivers::MakeMotionDriver(*machine);
   if (!driver) {
     std::cerr << options.machine_file << ": " << driver.error().message << "\n";
     return 2;

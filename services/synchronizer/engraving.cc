@@ -51,7 +51,7 @@ bool IsLostLine(Missing missing, intaglio_MotionFault motion_fault) {
 
 }  // namespace
 
-Engraving::Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
+Engraving::Engraving(EngravingJob job, drivers::LaserController& laser, MotionFeed& feed,
                      JournalWriter& journal, PermissionChain& chain,
                      PulseSchedule::ResultSink results)
     : job_(std::move(job)),

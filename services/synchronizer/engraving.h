@@ -35,6 +35,7 @@
 #include <cstdint>
 #include <string>
 
+#include "services/drivers/laser_controller.h"
 #include "services/synchronizer/engraving/consent.h"
 #include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving/engraving_run.h"
@@ -47,7 +48,6 @@
 #include "services/synchronizer/motion_feed.h"
 #include "services/synchronizer/permission/permission_chain.h"
 #include "services/synchronizer/pulses/journal_writer.h"
-#include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 #include "services/synchronizer/pulses/tick_horizon.h"
@@ -60,12 +60,12 @@ class Engraving {
   enum class Phase { kPreparing, kWaiting, kRunning, kHalting, kDone };
 
   /// All outlive this. `chain` has begun the job, and is turned by this from now on.
-  Engraving(EngravingJob job, LaserController& laser, MotionFeed& feed,
+  Engraving(EngravingJob job, drivers::LaserController& laser, MotionFeed& feed,
             JournalWriter& journal, PermissionChain& chain,
             PulseSchedule::ResultSink results);
 
   void Turn(const EngravingInputs& inputs);
-  /// The controller's report, as LaserController::Poll hands it over.
+  /// The controller's report, as drivers::LaserController::Poll hands it over.
   void Take(const link::PulseReport& report) { ticks_.Take(report); }
   void Take(const link::PastReport& report) {
     if (phase_ == Phase::kHalting) settling_.Take(report);
@@ -136,7 +136,7 @@ class Engraving {
   void SendIdleTicks();
 
   EngravingJob job_;
-  LaserController& laser_;
+  drivers::LaserController& laser_;
   PermissionChain& chain_;
   PulseSchedule::ResultSink results_;
   PulseRecord record_;

@@ -2,7 +2,7 @@
 
 namespace intaglio::synchronizer {
 
-ChainLinks LinksOf(const EngravingInputs& inputs, const LaserController& laser,
+ChainLinks LinksOf(const EngravingInputs& inputs, const drivers::LaserController& laser,
                    ChannelMask open_mask) {
   ChainLinks links;
   links.permission_fresh = inputs.permission_fresh;
@@ -23,7 +23,8 @@ ChainLinks LinksOf(const EngravingInputs& inputs, const LaserController& laser,
   return links;
 }
 
-std::string OtherDevice(const EngravingInputs& inputs, const LaserController& laser) {
+std::string OtherDevice(const EngravingInputs& inputs,
+                        const drivers::LaserController& laser) {
   if (!laser.refusal().empty()) return laser.refusal();
   const bool other_stage =
       inputs.motion.fresh && inputs.motion.fault == intaglio_MOTION_WRONG_CONTROLLER;

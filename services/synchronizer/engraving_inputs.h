@@ -9,9 +9,9 @@
 #include "engrave/core/channels.h"
 #include "engrave/core/geometry.h"
 #include "idl/motion.h"
+#include "services/drivers/laser_controller.h"
 #include "services/synchronizer/motion_clock.h"
 #include "services/synchronizer/permission/permission_chain.h"
-#include "services/synchronizer/pulses/laser_controller.h"
 
 namespace intaglio::synchronizer {
 
@@ -54,10 +54,11 @@ struct EngravingInputs {
 
 /// The links of the permission chain as the inputs and the laser controller have them.
 /// `open_mask`: the shutters that have to be open, and no other; 0: none may fire.
-ChainLinks LinksOf(const EngravingInputs& inputs, const LaserController& laser,
+ChainLinks LinksOf(const EngravingInputs& inputs, const drivers::LaserController& laser,
                    ChannelMask open_mask);
 
 /// Why one of the lines leads to another device than the profile's; empty: none does.
-std::string OtherDevice(const EngravingInputs& inputs, const LaserController& laser);
+std::string OtherDevice(const EngravingInputs& inputs,
+                        const drivers::LaserController& laser);
 
 }  // namespace intaglio::synchronizer

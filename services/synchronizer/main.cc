@@ -51,7 +51,7 @@ int Serve(host::ServiceHost& host, const Options& options) {
     std::cerr << "--lens: " << mounted.error().message << "\n";
     return 2;
   }
-  auto laser = synchronizer::MakeLaserDriver(*machine);
+  auto laser = drivers::MakeLaserDriver(*machine);
   if (!laser) {
     std::cerr << options.machine_file << ": " << laser.error().message << "\n";
     return 2;

@@ -99,8 +99,8 @@ void Publisher::Flush(std::chrono::nanoseconds now, bool all) {
   tick_.clear(), point_.clear(), outcome_.clear(), reason_.clear();
 }
 
-void Publisher::PublishLaser(const LaserController& laser, const host::StopLatch& stop,
-                             std::chrono::nanoseconds now) {
+void Publisher::PublishLaser(const drivers::LaserController& laser,
+                             const host::StopLatch& stop, std::chrono::nanoseconds now) {
   if (laser.up() && laser.status_number() != published_status_) {
     published_status_ = laser.status_number();
     PublishLampSync(laser);
@@ -120,7 +120,7 @@ void Publisher::PublishLaser(const LaserController& laser, const host::StopLatch
   PublishInterlock(laser, stop);
 }
 
-void Publisher::PublishLampSync(const LaserController& laser) {
+void Publisher::PublishLampSync(const drivers::LaserController& laser) {
   const link::LaserStatus& status = laser.status();
   intaglio_LampSync sample{};
   sample.cell = Borrow(cell_);
@@ -133,7 +133,7 @@ void Publisher::PublishLampSync(const LaserController& laser) {
   (void)lamp_.Write(sample);
 }
 
-void Publisher::PublishInterlock(const LaserController& laser,
+void Publisher::PublishInterlock(const drivers::LaserController& laser,
                                  const host::StopLatch& stop) {
   intaglio_Interlock sample{};
   sample.bus_stop_pressed = stop.pressed();

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "proto/task.pb.h"
+#include "services/drivers/laser_controller.h"
 #include "services/platform/bus/bus.h"
 #include "services/platform/host/safety/stop_latch.h"
 #include "services/platform/host/stage/kept_tasks.h"
-#include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 
 namespace intaglio::synchronizer {
@@ -46,12 +46,13 @@ class Publisher {
   void Flush(std::chrono::nanoseconds now, bool all);
   /// The lamp's clock with every status of the controller; interlocks when they change
   /// and once a second.
-  void PublishLaser(const LaserController& laser, const host::StopLatch& stop,
+  void PublishLaser(const drivers::LaserController& laser, const host::StopLatch& stop,
                     std::chrono::nanoseconds now);
 
  private:
-  void PublishLampSync(const LaserController& laser);
-  void PublishInterlock(const LaserController& laser, const host::StopLatch& stop);
+  void PublishLampSync(const drivers::LaserController& laser);
+  void PublishInterlock(const drivers::LaserController& laser,
+                        const host::StopLatch& stop);
 
   std::string cell_;
   std::string worker_;

@@ -36,7 +36,7 @@ intaglio_PointCounts CountsOf(const PointLedger& ledger) {
 
 Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
                            std::string machine_file, const MountedParts& mounted,
-                           std::unique_ptr<LaserController> laser)
+                           std::unique_ptr<drivers::LaserController> laser)
     : host_(host),
       machine_(machine),
       machine_file_(std::move(machine_file)),

@@ -27,7 +27,7 @@ class Synchronizer {
   /// machine is taken from a task. `mounted`: as far as it is known. `laser`: not null.
   Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
                std::string machine_file, const MountedParts& mounted,
-               std::unique_ptr<LaserController> laser);
+               std::unique_ptr<drivers::LaserController> laser);
   ~Synchronizer();
 
   /// One turn of the loop; never blocks.
@@ -97,8 +97,8 @@ class Synchronizer {
   PathIntake intake_;
   JobPlanner planner_;
   Publisher publisher_;
-  std::unique_ptr<LaserController> laser_driver_;
-  LaserController& laser_;
+  std::unique_ptr<drivers::LaserController> laser_driver_;
+  drivers::LaserController& laser_;
   MotionFeed feed_;
   PermissionChain chain_;
   std::unique_ptr<JournalWriter> journal_;

@@ -82,6 +82,16 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"services/*",
      {"engrave/*", "materials_db", "proto", "idl", "services/job", "services/job/models",
       "services/job/verdict", "services/platform/*", "services/history"}},
+    // Drivers of controllers, for the programs that hold a line to one: a controller may
+    // move the stage and switch the laser.
+    {"services/drivers",
+     {"engrave/core", "engrave/motion", "idl", "proto", "services/platform/link"}},
+    {"services/motion_bridge",
+     {"engrave/*", "idl", "proto", "services/drivers", "services/job",
+      "services/platform/*"}},
+    {"services/synchronizer",
+     {"engrave/*", "idl", "proto", "services/drivers", "services/job",
+      "services/platform/*"}},
     // The stand-in of a cell's laser is the laser of the virtual engraver, whose pulses
     // end as they did in the recording: a second model of it could not prove the first.
     {"services/replayer",

@@ -1,7 +1,7 @@
 #pragma once
 
 // Finds the driver that a line of the machine profile names in the table of a seam
-// (services/motion_bridge/motion_driver.h, services/synchronizer/pulses/laser_driver.h).
+// (services/drivers/motion_driver.h, services/drivers/laser_controller.h).
 
 #include <fmt/format.h>
 

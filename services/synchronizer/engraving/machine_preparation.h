@@ -15,16 +15,16 @@
 #include <cstdint>
 #include <string>
 
+#include "services/drivers/laser_controller.h"
 #include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving_inputs.h"
-#include "services/synchronizer/pulses/laser_controller.h"
 
 namespace intaglio::synchronizer {
 
 class MachinePreparation {
  public:
   /// Both outlive this.
-  MachinePreparation(const EngravingJob& job, LaserController& laser)
+  MachinePreparation(const EngravingJob& job, drivers::LaserController& laser)
       : job_(job), laser_(laser) {}
 
   /// Another block, another device, or no line: then nothing is prepared. Empty: none.
@@ -44,7 +44,7 @@ class MachinePreparation {
   bool MaySend(std::chrono::nanoseconds now);
 
   const EngravingJob& job_;
-  LaserController& laser_;
+  drivers::LaserController& laser_;
   std::chrono::nanoseconds next_request_{0};
   std::uint64_t lamp_session_ = 0;  // that the lamp was switched on in
 };

@@ -22,10 +22,10 @@
 #include <string>
 #include <vector>
 
+#include "services/drivers/laser_controller.h"
 #include "services/synchronizer/engraving/engraving_job.h"
 #include "services/synchronizer/engraving_inputs.h"
 #include "services/synchronizer/motion_feed.h"
-#include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/tick_windows.h"
 
@@ -37,7 +37,7 @@ class Settling {
   static constexpr std::chrono::seconds kTimeout{2};
 
   /// All outlive this.
-  Settling(LaserController& laser, MotionFeed& feed, TickWindows& ticks,
+  Settling(drivers::LaserController& laser, MotionFeed& feed, TickWindows& ticks,
            PulseRecord& record)
       : laser_(laser), feed_(feed), ticks_(ticks), record_(record) {}
 
@@ -83,7 +83,7 @@ class Settling {
   bool MarkNextPoints();
   void SettleAs(std::vector<PulseResult> points, formats::PointOutcome outcome);
 
-  LaserController& laser_;
+  drivers::LaserController& laser_;
   MotionFeed& feed_;
   TickWindows& ticks_;
   PulseRecord& record_;

@@ -13,7 +13,7 @@
 #include <chrono>
 
 #include "engrave/core/channels.h"
-#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/drivers/laser_controller.h"
 
 namespace intaglio::synchronizer {
 
@@ -22,7 +22,7 @@ class Shutters {
   /// How long one may travel before it counts as stuck: real ones take below 100 ms.
   static constexpr std::chrono::seconds kTravelTimeout{2};
 
-  explicit Shutters(LaserController& laser) : laser_(laser) {}
+  explicit Shutters(drivers::LaserController& laser) : laser_(laser) {}
 
   /// Commands those of a run. False: the line takes nothing now, and nothing has changed.
   bool Open(ChannelMask mask, std::chrono::nanoseconds now);
@@ -48,7 +48,7 @@ class Shutters {
   }
 
  private:
-  LaserController& laser_;
+  drivers::LaserController& laser_;
   ChannelMask run_mask_ = 0;
   bool seen_open_ = false;  // in this run
   std::chrono::nanoseconds opened_at_{0};

@@ -108,7 +108,7 @@ bool PulseRecord::Reopen(std::uint32_t point, std::uint64_t grant_number) {
   return true;
 }
 
-void PulseRecord::TakeCounters(const LaserController& laser) {
+void PulseRecord::TakeCounters(const drivers::LaserController& laser) {
   const std::uint32_t before =
       static_cast<std::uint32_t>(laser.status().pulse_count) - fired_count_;
   const bool same_power_up = power_up_ == laser.identity().power_up;
@@ -119,13 +119,14 @@ void PulseRecord::TakeCounters(const LaserController& laser) {
   JournalSession(laser);
 }
 
-void PulseRecord::AcceptOpenings(const LaserController& laser, std::uint32_t openings) {
+void PulseRecord::AcceptOpenings(const drivers::LaserController& laser,
+                                 std::uint32_t openings) {
   if (openings_accepted_ == openings) return;
   openings_accepted_ = openings;
   JournalSession(laser);
 }
 
-void PulseRecord::JournalSession(const LaserController& laser) {
+void PulseRecord::JournalSession(const drivers::LaserController& laser) {
   session_journaled_ = true;
   journal_.Append({JournalKind::kSession, PointOutcome::kNone, 0, run_,
                    laser.status().tick, power_up_, pulses_before_job_,

@@ -22,9 +22,9 @@
 #include <string>
 #include <vector>
 
+#include "services/drivers/laser_controller.h"
 #include "services/synchronizer/pulses/earlier_work.h"
 #include "services/synchronizer/pulses/journal_writer.h"
-#include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/point_ledger.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 
@@ -75,10 +75,10 @@ class PulseRecord {
   /// Begins the account anew with the controller's counter as it is now. With nothing
   /// armed: else the pulses of uncertain points would be taken for some of the next lost
   /// line.
-  void TakeCounters(const LaserController& laser);
+  void TakeCounters(const drivers::LaserController& laser);
   /// Openings of interlocks that a run is begun in spite of: what later lives need not
   /// ask about.
-  void AcceptOpenings(const LaserController& laser, std::uint32_t openings);
+  void AcceptOpenings(const drivers::LaserController& laser, std::uint32_t openings);
 
   std::uint64_t first_fired_tick() const { return first_fired_tick_; }
   std::uint64_t last_fired_tick() const { return last_fired_tick_; }
@@ -94,7 +94,7 @@ class PulseRecord {
   void FlushAppended();
 
  private:
-  void JournalSession(const LaserController& laser);
+  void JournalSession(const drivers::LaserController& laser);
 
   JournalWriter& journal_;
   PulseSchedule::ResultSink results_;

@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "services/drivers/laser_controller.h"
 #include "services/synchronizer/motion_clock.h"
-#include "services/synchronizer/pulses/laser_controller.h"
 #include "services/synchronizer/pulses/tick_clock.h"
 
 namespace intaglio::synchronizer {
@@ -20,7 +20,7 @@ namespace intaglio::synchronizer {
 class TickHorizon {
  public:
   /// `rate_hz` > 0: of the lamp.
-  TickHorizon(const LaserController& laser, double rate_hz)
+  TickHorizon(const drivers::LaserController& laser, double rate_hz)
       : laser_(laser), rate_hz_(rate_hz) {}
 
   /// Once a turn: takes the newest status.
@@ -44,7 +44,7 @@ class TickHorizon {
   bool has_own_clock() const { return motion_clock_ != nullptr; }
 
  private:
-  const LaserController& laser_;
+  const drivers::LaserController& laser_;
   double rate_hz_;
   TickClock clock_;
   std::pair<std::uint64_t, std::uint64_t> status_number_{0, 0};  // session, number

@@ -19,7 +19,7 @@
 #include <functional>
 #include <vector>
 
-#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/drivers/laser_controller.h"
 #include "services/synchronizer/pulses/pulse_record.h"
 #include "services/synchronizer/pulses/pulse_schedule.h"
 #include "services/synchronizer/pulses/pulse_trigger.h"
@@ -29,7 +29,7 @@ namespace intaglio::synchronizer {
 class TickWindows {
  public:
   /// Both outlive this.
-  TickWindows(LaserController& laser, PulseRecord& record)
+  TickWindows(drivers::LaserController& laser, PulseRecord& record)
       : laser_(laser), record_(record) {}
 
   /// What is planned and what is armed; planned points are added to it.
@@ -77,7 +77,7 @@ class TickWindows {
     link::ArmWindow arm;
   };
 
-  LaserController& laser_;
+  drivers::LaserController& laser_;
   PulseRecord& record_;
   PulseSchedule schedule_;
   std::deque<HeldWindow> held_;

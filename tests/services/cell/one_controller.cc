@@ -173,8 +173,8 @@ Status OneController::Command(Action action) {
   return {};
 }
 
-std::vector<motion_bridge::LatchedPositions> OneController::TakePositions() {
-  std::vector<motion_bridge::LatchedPositions> all;
+std::vector<drivers::LatchedPositions> OneController::TakePositions() {
+  std::vector<drivers::LatchedPositions> all;
   if (!link_up_ || !machine_.reachable()) return all;
   for (const link::Positions& part : machine_.stage->TakePositions()) {
     all.push_back({part.run, part.first_tick, {}, {}});
@@ -230,6 +230,9 @@ Status OneController::Reset() {
 }
 Status OneController::Stop() {
   return Command([this] { machine_.laser->Stop(); });
+}
+Status OneController::RequestStatus() {
+  return Command([] {});
 }
 bool OneController::RequestPast(std::uint64_t first_tick, std::uint16_t count) {
   return Command([&] {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "services/motion_bridge/motion_driver.h"
-#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/drivers/laser_controller.h"
+#include "services/drivers/motion_driver.h"
 #include "services/virtual_engraver/laser.h"
 #include "services/virtual_engraver/stage.h"
 
@@ -51,8 +51,8 @@ class OneMachine {
   std::vector<std::uint64_t> fired_;
 };
 
-class OneController final : public motion_bridge::MotionDriver,
-                            public synchronizer::LaserController {
+class OneController final : public drivers::MotionDriver,
+                            public drivers::LaserController {
  public:
   OneController(OneMachine& machine, std::string serial_number);
 
@@ -61,8 +61,8 @@ class OneController final : public motion_bridge::MotionDriver,
 
   // The motion driver.
   void Poll() override;
-  const motion_bridge::DriverState& state() const override { return state_; }
-  std::vector<motion_bridge::LatchedPositions> TakePositions() override;
+  const drivers::DriverState& state() const override { return state_; }
+  std::vector<drivers::LatchedPositions> TakePositions() override;
   Status BeginRun(std::uint32_t run, std::uint64_t start_tick,
                   std::uint64_t start_ns) override;
   std::size_t Room() const override;
@@ -92,9 +92,7 @@ class OneController final : public motion_bridge::MotionDriver,
   Status Disarm() override;
   Status Reset() override;
   Status Stop() override;
-  Status RequestStatus() override {
-    return Command([] {});
-  }
+  Status RequestStatus() override;
   bool RequestPast(std::uint64_t first_tick, std::uint16_t count) override;
 
  private:
@@ -108,7 +106,7 @@ class OneController final : public motion_bridge::MotionDriver,
 
   OneMachine& machine_;
   std::string serial_number_;
-  motion_bridge::DriverState state_;
+  drivers::DriverState state_;
   link::LaserIdentity identity_;
   link::LaserStatus status_;
   std::string message_ = "the controller was not called yet";

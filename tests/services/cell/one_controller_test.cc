@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/services/motion_bridge/motion_bench.h"
-#include "tests/services/synchronizer/pulses/laser_bench.h"
+#include "tests/services/drivers/laser_bench.h"
+#include "tests/services/drivers/motion_bench.h"
 
 namespace intaglio::cell {
 namespace {
@@ -35,7 +35,7 @@ virtual_engraver::LaserOptions LaserOf() {
 // A command for some 30 bytes of a line.
 constexpr std::uint64_t kBytesOfACommand = 30;
 
-class AsMotion final : public motion_bridge::MotionRig {
+class AsMotion final : public drivers::MotionRig {
  public:
   explicit AsMotion(const std::string& serial_number) {
     driver = std::make_unique<OneController>(
@@ -65,7 +65,7 @@ class AsMotion final : public motion_bridge::MotionRig {
   OneMachine machine_{StageOf(), LaserOf()};
 };
 
-class AsLaser final : public synchronizer::LaserRig {
+class AsLaser final : public drivers::LaserRig {
  public:
   explicit AsLaser(const std::string& serial_number) {
     driver = std::make_unique<OneController>(
@@ -100,7 +100,7 @@ class AsLaser final : public synchronizer::LaserRig {
 };
 
 TEST(OneController, KeepsWhatAMotionDriverGuarantees) {
-  for (const auto& check : motion_bridge::MotionChecks()) {
+  for (const auto& check : drivers::MotionChecks()) {
     EXPECT_EQ(ViolationOf(check,
                           [](const std::string& serial_number) {
                             return std::make_unique<AsMotion>(serial_number);
@@ -111,7 +111,7 @@ TEST(OneController, KeepsWhatAMotionDriverGuarantees) {
 }
 
 TEST(OneController, KeepsWhatALaserDriverGuarantees) {
-  for (const auto& check : synchronizer::LaserChecks()) {
+  for (const auto& check : drivers::LaserChecks()) {
     EXPECT_EQ(ViolationOf(check,
                           [](const std::string& serial_number) {
                             return std::make_unique<AsLaser>(serial_number);
@@ -140,18 +140,18 @@ class Both : public ::testing::Test {
 
   OneMachine machine{StageOf(), LaserOf()};
   OneController both{machine, kSerialNumber};
-  motion_bridge::MotionDriver& motion = both;
-  synchronizer::LaserController& laser = both;
+  drivers::MotionDriver& motion = both;
+  drivers::LaserController& laser = both;
 };
 
 // Every tick is armed; the stage's output lets those through at which a point is reached.
 TEST_F(Both, FiresWhereTheMotionIsInPlace) {
   Prepare();
   const std::uint64_t start = motion.state().tick + 20;
-  std::vector<motion::Segment> course = {motion_bridge::To(0.25, 10, 5)};
-  for (int i = 1; i <= 5; ++i) course.push_back(motion_bridge::To(0.25 + 0.1 * i, 10, 1));
+  std::vector<motion::Segment> course = {drivers::To(0.25, 10, 5)};
+  for (int i = 1; i <= 5; ++i) course.push_back(drivers::To(0.25 + 0.1 * i, 10, 1));
   course[1].pulse = course[3].pulse = true;
-  course.push_back(motion_bridge::To(1, 0, 5, true));
+  course.push_back(drivers::To(1, 0, 5, true));
   ASSERT_TRUE(motion.BeginRun(1, start, 0));
   ASSERT_TRUE(motion.Append(course, {}));
   ASSERT_TRUE(laser.Arm({start, true, std::vector<bool>(30, true)}));

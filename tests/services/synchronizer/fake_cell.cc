@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "services/synchronizer/pulses/virtual_laser_driver.h"
+#include "services/drivers/virtual_laser_driver.h"
 
 namespace intaglio::synchronizer {
 namespace {
@@ -93,7 +93,7 @@ void FakeCell::Begin(JobBegun begun) {
   machine.set_name("els-03");
   machine.mutable_laser_line()->set_device("/dev/ttyUSB0");
   machine.mutable_laser_line()->set_serial_number("A-03");
-  controller = MakeVirtualLaserDriver(
+  controller = drivers::MakeVirtualLaserDriver(
       machine,
       [this] { return Result<std::unique_ptr<link::ByteStream>>(LineEnd(true)); },
       [this] { return now; });

@@ -120,7 +120,7 @@ class FakeCell {
   FakeStage stage;
   std::filesystem::path journal_file;
   std::unique_ptr<JournalWriter> journal;
-  std::unique_ptr<LaserController> controller;
+  std::unique_ptr<drivers::LaserController> controller;
   std::unique_ptr<MotionFeed> feed;
   PermissionChain chain;
   std::unique_ptr<Engraving> engraving;

@@ -1,8 +1,8 @@
 #pragma once
 
-// A LaserController at a fake laser, on a line in memory and a clock that the test moves
-// by 1 ms at a time; and a journal in a file of its own. For the parts of Engraving that
-// are tested alone.
+// A drivers::LaserController at a fake laser, on a line in memory and a clock that the
+// test moves by 1 ms at a time; and a journal in a file of its own. For the parts of
+// Engraving that are tested alone.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "services/drivers/virtual_laser_driver.h"
 #include "services/synchronizer/pulses/journal_writer.h"
-#include "services/synchronizer/pulses/virtual_laser_driver.h"
 #include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
 
@@ -27,7 +27,7 @@ class LaserBench {
  public:
   explicit LaserBench(bool lockstep = false)
       : laser([this] { return now; }, lockstep),
-        driver(MakeVirtualLaserDriver(
+        driver(drivers::MakeVirtualLaserDriver(
             MachineSpec(),
             [this] {
               return Result<std::unique_ptr<link::ByteStream>>(
@@ -93,8 +93,8 @@ class LaserBench {
 
  public:
   FakeLaser laser;
-  std::unique_ptr<LaserController> driver;
-  LaserController& controller;
+  std::unique_ptr<drivers::LaserController> driver;
+  drivers::LaserController& controller;
   std::vector<link::PulseReport> reports;
   std::vector<link::PastReport> pasts;
 };

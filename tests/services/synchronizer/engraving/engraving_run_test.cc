@@ -65,7 +65,7 @@ class EngravingRunTest : public testing::Test {
   }
 
   struct Parts {
-    Parts(const EngravingJob& job, LaserController& laser, FakeStage& stage,
+    Parts(const EngravingJob& job, drivers::LaserController& laser, FakeStage& stage,
           JournalWriter& journal, const EngravingInputs& inputs)
         : record(kRunPoints, job.photosensor_feedback, journal,
                  [this](const PulseResult& r) { run.Note(r); }),

@@ -7,12 +7,12 @@
 // handshake: its line counts as down, nothing of it is taken, and nothing is sent but one
 // AbortRun a session, which brakes what another host may have left running.
 
-#include "services/motion_bridge/motion_driver.h"
+#include "services/drivers/motion_driver.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
                                                      link::StreamOpener open,
                                                      link::SteadyClock clock);
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

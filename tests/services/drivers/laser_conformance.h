@@ -8,9 +8,9 @@
 #include <span>
 #include <string>
 
-#include "tests/services/synchronizer/pulses/laser_rig.h"
+#include "tests/services/drivers/laser_rig.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 
 /// A fresh rig; of one whose profile names another controller when that is given.
 using LaserRigMaker =
@@ -26,4 +26,4 @@ std::span<const LaserCheck> LaserChecks();
 /// The first violation, in a sentence; empty when the check passes.
 std::string ViolationOf(const LaserCheck& check, const LaserRigMaker& make);
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/drivers/laser_controller.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 
 class LaserRig {
  public:
@@ -58,4 +58,4 @@ class LaserRig {
 std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
                                        const std::string& serial_number = "");
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -1,9 +1,9 @@
-#include "services/synchronizer/pulses/virtual_laser_driver.h"
+#include "services/drivers/virtual_laser_driver.h"
 
 #include "services/platform/link/expected_device.h"
 #include "services/platform/link/line_session.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 namespace {
 
 using link::LaserFrame;
@@ -175,4 +175,4 @@ std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machi
                            "laser_line"});
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

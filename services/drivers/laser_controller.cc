@@ -1,21 +1,21 @@
-#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/drivers/laser_controller.h"
 
 #include <array>
 
 #include "engrave/core/try.h"
+#include "services/drivers/virtual_laser_driver.h"
 #include "services/platform/link/driver_table.h"
-#include "services/synchronizer/pulses/virtual_laser_driver.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 namespace {
 
-constexpr std::array kKinds = {
+constexpr std::array kLaserKinds = {
     LaserDriverKind{"virtual-laser", true, &MakeVirtualLaserDriver},
 };
 
 }  // namespace
 
-std::span<const LaserDriverKind> LaserDriverKinds() { return kKinds; }
+std::span<const LaserDriverKind> LaserDriverKinds() { return kLaserKinds; }
 
 Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.laser_line();
@@ -25,4 +25,4 @@ Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& mach
                     link::MonotonicClock());
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

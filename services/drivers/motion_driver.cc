@@ -1,23 +1,23 @@
-#include "services/motion_bridge/motion_driver.h"
+#include "services/drivers/motion_driver.h"
 
 #include <array>
 
 #include "engrave/core/try.h"
-#include "services/motion_bridge/virtual_stage_driver.h"
+#include "services/drivers/virtual_stage_driver.h"
 #include "services/platform/link/driver_table.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 namespace {
 
-constexpr std::array kKinds = {
+constexpr std::array kMotionKinds = {
     MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver},
 };
 
 }  // namespace
 
-std::span<const MotionDriverKind> MotionDriverKinds() { return kKinds; }
+std::span<const MotionDriverKind> MotionDriverKinds() { return kMotionKinds; }
 
-Result<std::unique_ptr<MotionDriver>> MakeDriver(const MachineSpec& machine) {
+Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.motion_line();
   const auto kind = INTAGLIO_TRY(link::FindDriver(
       MotionDriverKinds(), {"motion_line", line.protocol(), line.device()}));
@@ -25,4 +25,4 @@ Result<std::unique_ptr<MotionDriver>> MakeDriver(const MachineSpec& machine) {
                     link::MonotonicClock());
 }
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -3,13 +3,13 @@
 // What a laser controller family has to be able to do for the synchronizer: the laser at
 // the end of the laser line. A driver is one header, one source, one test, one row of the
 // table in laser_controller.cc and one bench of its controller in
-// tests/services/synchronizer/pulses/laser_rig.cc.
+// tests/services/drivers/laser_rig.cc.
 //
 // Time is the laser's: a tick is one lamp sync, counted from its power-up. A family
 // without ticks counts periods of its pulse rate.
 //
 // Guarantees of every driver together with its controller; each is checked for all that
-// LaserDriverKinds lists (tests/services/synchronizer/pulses/laser_conformance.cc):
+// LaserDriverKinds lists (tests/services/drivers/laser_conformance.cc):
 //   L1  Nothing blocks. What cannot be taken now is refused with an error, and nothing of
 //       it is done.
 //   L2  A pulse comes at a tick only if a window of this session decides that tick to
@@ -38,7 +38,7 @@
 //       false, refusal() gives the reason, nothing of it is taken, and it is closed and
 //       disarmed.
 // Not thread-safe. An object may be a motion driver, too
-// (services/motion_bridge/motion_driver.h), when one controller is both: fd() is the same
+// (services/drivers/motion_driver.h), when one controller is both: fd() is the same
 // in both interfaces, and nothing else is.
 
 #include <chrono>
@@ -54,7 +54,7 @@
 #include "services/platform/link/laser_protocol.h"
 #include "services/platform/link/steady_clock.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 
 class LaserController {
  public:
@@ -130,4 +130,4 @@ std::span<const LaserDriverKind> LaserDriverKinds();
 /// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device.
 Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& machine);
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -1,6 +1,6 @@
-#include "tests/services/synchronizer/pulses/laser_bench.h"
+#include "tests/services/drivers/laser_bench.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 
 using link::TickOutcome;
 
@@ -48,4 +48,4 @@ void LaserBench::ExpectGoodWindow() {
   Expect(driver().status().pulse_count == count + 2, "L5: two pulses are not counted");
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -1,8 +1,8 @@
-#include "tests/services/motion_bridge/motion_rig.h"
+#include "tests/services/drivers/motion_rig.h"
 
 #include "tests/services/virtual_engraver/machine_rig.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 namespace {
 
 constexpr char kSerialNumber[] = "S-03";
@@ -65,4 +65,4 @@ std::unique_ptr<MotionRig> MakeMotionRig(std::string_view protocol,
   return nullptr;
 }
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

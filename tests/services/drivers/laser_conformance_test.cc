@@ -1,4 +1,4 @@
-#include "tests/services/synchronizer/pulses/laser_conformance.h"
+#include "tests/services/drivers/laser_conformance.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <iostream>
 #include <tuple>
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 namespace {
 
 std::vector<std::string> Protocols() {
@@ -241,4 +241,4 @@ INSTANTIATE_TEST_SUITE_P(
 #undef PLANT
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -16,7 +16,7 @@
 #include "services/platform/link/motion_protocol.h"
 #include "services/virtual_engraver/pty_line.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 
 class FakeStage {
  public:
@@ -124,4 +124,4 @@ class FakeStage {
   std::uint64_t taken_ = 0;
 };
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -8,12 +8,12 @@
 // once a session, "shutters closed, disarm, lamp off". So it is when the cable was
 // swapped while the process runs.
 
-#include "services/synchronizer/pulses/laser_controller.h"
+#include "services/drivers/laser_controller.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 
 std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machine,
                                                         link::StreamOpener open,
                                                         link::SteadyClock clock);
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -11,29 +11,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <vector>
 
-#include "tests/services/motion_bridge/motion_conformance.h"
+#include "tests/services/drivers/motion_conformance.h"
+#include "tests/services/drivers/rig_expect.h"
 
-namespace intaglio::motion_bridge {
-
-using std::chrono::milliseconds;
+namespace intaglio::drivers {
 
 inline constexpr double kSpeed_mm_s = 10;
 inline constexpr std::uint32_t kRampTicks = 5;
-// Reports come every 20 ms, and a frame takes a turn or two.
-inline constexpr milliseconds kReportTime{30};
-inline constexpr milliseconds kSilence{250};
-
-inline void Expect(bool holds, const std::string& violation) {
-  if (!holds) throw std::runtime_error(violation);
-}
-
-inline void Expect(const Status& status, const std::string& command) {
-  Expect(status.has_value(),
-         command + " is refused: " + (status ? "" : status.error().message));
-}
 
 inline motion::Segment To(double x_mm, double vx_mm_s, std::uint32_t ticks,
                           bool end = false) {
@@ -77,9 +63,9 @@ struct Course {
 };
 
 /// A rig in the middle of a check, and what its driver reported of positions.
-class Bench {
+class MotionBench {
  public:
-  explicit Bench(const RigMaker& make, const std::string& serial_number = "")
+  explicit MotionBench(const MotionRigMaker& make, const std::string& serial_number = "")
       : rig_(make(serial_number)) {}
   void Connect() { Expect(rig_->Connect(), "the line does not come up: " + Message()); }
 
@@ -171,4 +157,4 @@ class Bench {
   std::unique_ptr<MotionRig> rig_;
 };
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "services/motion_bridge/motion_driver.h"
+#include "services/drivers/motion_driver.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 
 class MotionRig {
  public:
@@ -66,4 +66,4 @@ class MotionRig {
 std::unique_ptr<MotionRig> MakeMotionRig(std::string_view protocol,
                                          const std::string& serial_number = "");
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

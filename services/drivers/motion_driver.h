@@ -2,7 +2,7 @@
 
 // What a motion controller family has to be able to do for the bridge. A driver is one
 // header, one source, one test, one row of the table in motion_driver.cc and one bench of
-// its controller in tests/services/motion_bridge/motion_rig.cc.
+// its controller in tests/services/drivers/motion_rig.cc.
 // Frame machine, mm and mm/s; time in ticks of the lamp sync, and for a controller with a
 // clock of its own also in ns of that clock.
 
@@ -21,7 +21,7 @@
 #include "services/platform/link/endpoint.h"
 #include "services/platform/link/steady_clock.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 
 /// The controller's newest report of its state.
 struct DriverState {
@@ -53,7 +53,7 @@ struct LatchedPositions {
 };
 
 /// Guarantees of every driver together with its controller; each is checked for all that
-/// MotionDriverKinds lists (tests/services/motion_bridge/motion_conformance.cc):
+/// MotionDriverKinds lists (tests/services/drivers/motion_conformance.cc):
 ///   M1  Nothing blocks. What cannot be taken now is refused, by Room() == 0 or an error,
 ///       and nothing of it is done; the caller tries again.
 ///   M2  state() is the controller's own newest report. While nothing is known of it,
@@ -79,7 +79,7 @@ struct LatchedPositions {
 ///   M13 A controller with another serial number than the profile's is refused
 ///       (MOTION_WRONG_CONTROLLER) and moves nothing.
 /// Not thread-safe. An object may be a laser driver, too
-/// (services/synchronizer/pulses/laser_controller.h), when one controller is both: fd()
+/// (services/drivers/laser_controller.h), when one controller is both: fd()
 /// is the same in both interfaces, and nothing else is.
 class MotionDriver {
  public:
@@ -122,6 +122,6 @@ std::span<const MotionDriverKind> MotionDriverKinds();
 
 /// The driver that the machine's motion_line names, on its device and the clock of this
 /// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device.
-Result<std::unique_ptr<MotionDriver>> MakeDriver(const MachineSpec& machine);
+Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine);
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -8,22 +8,22 @@
 #include <span>
 #include <string>
 
-#include "tests/services/motion_bridge/motion_rig.h"
+#include "tests/services/drivers/motion_rig.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 
 /// A fresh rig; of one whose profile names another controller when that is given.
-using RigMaker =
+using MotionRigMaker =
     std::function<std::unique_ptr<MotionRig>(const std::string& serial_number)>;
 
 struct MotionCheck {
   const char* name;  ///< with the guarantees' numbers
-  void (*run)(const RigMaker& make);
+  void (*run)(const MotionRigMaker& make);
 };
 
 std::span<const MotionCheck> MotionChecks();
 
 /// The first violation, in a sentence; empty when the check passes.
-std::string ViolationOf(const MotionCheck& check, const RigMaker& make);
+std::string ViolationOf(const MotionCheck& check, const MotionRigMaker& make);
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -7,23 +7,14 @@
 
 #include <algorithm>
 #include <map>
-#include <stdexcept>
 #include <vector>
 
-#include "tests/services/synchronizer/pulses/laser_conformance.h"
+#include "tests/services/drivers/laser_conformance.h"
+#include "tests/services/drivers/rig_expect.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 
-using std::chrono::milliseconds;
 using Ticks = std::vector<std::uint64_t>;
-
-// Reports come every 20 ms, and a frame takes a turn or two.
-inline constexpr milliseconds kReportTime{30};
-inline constexpr milliseconds kSilence{250};
-
-inline void Expect(bool holds, const std::string& violation) {
-  if (!holds) throw std::runtime_error(violation);
-}
 
 class LaserBench {
  public:
@@ -96,4 +87,4 @@ class LaserBench {
   std::unique_ptr<LaserRig> rig_;
 };
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "services/synchronizer/pulses/virtual_laser_driver.h"
+#include "services/drivers/virtual_laser_driver.h"
 #include "tests/services/platform/link/faulty_line.h"
 #include "tests/services/synchronizer/fake_laser.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 namespace {
 
 using link::TickOutcome;
@@ -67,7 +67,7 @@ class LaserAndHosts : public ::testing::Test {
   void ExpectEverythingRefused() {
     EXPECT_FALSE(host->up());
     EXPECT_FALSE(host->CanSend());
-    EXPECT_FALSE(host->Lamp(true, FakeLaser::kRateHz));
+    EXPECT_FALSE(host->Lamp(true, synchronizer::FakeLaser::kRateHz));
     EXPECT_FALSE(host->OpenShutters(1));
     EXPECT_FALSE(host->Arm({laser.tick() + 5, false, {true}}));
     EXPECT_FALSE(host->Reset());
@@ -90,14 +90,14 @@ class LaserAndHosts : public ::testing::Test {
   std::shared_ptr<std::mt19937_64> random = std::make_shared<std::mt19937_64>(1);
   std::shared_ptr<link::FaultyPipe> to_laser = std::make_shared<link::FaultyPipe>();
   std::shared_ptr<link::FaultyPipe> to_host = std::make_shared<link::FaultyPipe>();
-  FakeLaser laser{[this] { return now; }, false};
+  synchronizer::FakeLaser laser{[this] { return now; }, false};
   std::unique_ptr<LaserController> host;
   std::vector<link::PulseReport> reports;
   std::vector<link::PastReport> pasts;
 };
 
 TEST_F(LaserAndHosts, WhatADeadHostArmedIsReportedToTheNextWhenItAsks) {
-  ASSERT_TRUE(host->Lamp(true, FakeLaser::kRateHz));
+  ASSERT_TRUE(host->Lamp(true, synchronizer::FakeLaser::kRateHz));
   StepFor(milliseconds(10));
   PassTicks(30);  // warm
   ASSERT_TRUE(host->OpenShutters(1));
@@ -140,7 +140,7 @@ constexpr char kRefusal[] =
 
 // As its own host left it: lit, open, armed.
 TEST_F(LaserAndHosts, AnotherLaserIsClosedAndSentNothingElse) {
-  ASSERT_TRUE(host->Lamp(true, FakeLaser::kRateHz));
+  ASSERT_TRUE(host->Lamp(true, synchronizer::FakeLaser::kRateHz));
   StepFor(milliseconds(10));
   PassTicks(30);  // warm
   ASSERT_TRUE(host->OpenShutters(1));
@@ -185,7 +185,7 @@ TEST_F(LaserAndHosts, AnotherLaserAfterAReconnectIsRefusedAndTheRightOneTakenBac
   EXPECT_EQ(host->refusal(), "");
   EXPECT_TRUE(host->up());
   EXPECT_GT(host->session(), session) << "what was sent before may be lost";
-  EXPECT_TRUE(host->Lamp(true, FakeLaser::kRateHz));
+  EXPECT_TRUE(host->Lamp(true, synchronizer::FakeLaser::kRateHz));
   StepFor(milliseconds(10));
   EXPECT_TRUE(laser.lamp_on());
 }
@@ -283,4 +283,4 @@ TEST(LaserDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
 }
 
 }  // namespace
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -1,11 +1,11 @@
-#include "tests/services/motion_bridge/motion_conformance.h"
+#include "tests/services/drivers/motion_conformance.h"
 
 #include <gtest/gtest.h>
 
 #include <iostream>
 #include <tuple>
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 namespace {
 
 std::vector<std::string> Protocols() {
@@ -21,7 +21,7 @@ class EveryMotionDriver
 TEST_P(EveryMotionDriver, Keeps) {
   const auto& [protocol, check] = GetParam();
   ASSERT_NE(MakeMotionRig(protocol), nullptr) << "motion_rig.cc has no rig for it";
-  const RigMaker make = [&protocol = protocol](const std::string& serial_number) {
+  const MotionRigMaker make = [&protocol = protocol](const std::string& serial_number) {
     return MakeMotionRig(protocol, serial_number);
   };
   EXPECT_EQ(ViolationOf(check, make), "");
@@ -175,7 +175,7 @@ class MotionConformance : public ::testing::TestWithParam<std::pair<std::string,
 };
 
 TEST_P(MotionConformance, Finds) {
-  const RigMaker make = [](const std::string& serial_number) {
+  const MotionRigMaker make = [](const std::string& serial_number) {
     auto rig = MakeMotionRig("virtual-stage", serial_number);
     rig->driver = GetParam().second(std::move(rig->driver));
     return rig;
@@ -201,4 +201,4 @@ INSTANTIATE_TEST_SUITE_P(ThatADriver, MotionConformance,
 #undef PLANT
 
 }  // namespace
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

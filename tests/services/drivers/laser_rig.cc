@@ -1,8 +1,8 @@
-#include "tests/services/synchronizer/pulses/laser_rig.h"
+#include "tests/services/drivers/laser_rig.h"
 
 #include "tests/services/virtual_engraver/machine_rig.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 namespace {
 
 constexpr char kSerialNumber[] = "A-03";
@@ -69,4 +69,4 @@ std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
   return nullptr;
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

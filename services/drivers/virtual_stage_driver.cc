@@ -1,4 +1,4 @@
-#include "services/motion_bridge/virtual_stage_driver.h"
+#include "services/drivers/virtual_stage_driver.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "services/platform/link/line_session.h"
 #include "services/platform/link/motion_protocol.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 namespace {
 
 using link::MotionFrame;
@@ -317,4 +317,4 @@ std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
       machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE);
 }
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -1,4 +1,4 @@
-#include "services/motion_bridge/virtual_stage_driver.h"
+#include "services/drivers/virtual_stage_driver.h"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <random>
 
 #include "tests/integration/run_program.h"
-#include "tests/services/motion_bridge/fake_stage.h"
+#include "tests/services/drivers/fake_stage.h"
 #include "tests/test_folder.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 namespace {
 
 using namespace std::chrono_literals;
@@ -29,7 +29,7 @@ class VirtualStageDriver : public ::testing::Test {
   VirtualStageDriver()
       : device(test::FreshFolder() / "motion"),
         stage(device, kCapacity),
-        driver(MakeDriver(MachineAt(device)).value()) {}
+        driver(MakeMotionDriver(MachineAt(device)).value()) {}
 
   bool Until(const std::function<bool()>& condition,
              std::chrono::milliseconds bound = 3s) {
@@ -334,7 +334,7 @@ TEST(MotionDrivers, AnUnknownOneNamesWhatThereIs) {
   for (const char* protocol : {"", "grbl", "Virtual-Stage"}) {
     MachineSpec machine;
     machine.mutable_motion_line()->set_protocol(protocol);
-    const auto driver = MakeDriver(machine);
+    const auto driver = MakeMotionDriver(machine);
     ASSERT_FALSE(driver.has_value()) << protocol;
     EXPECT_EQ(driver.error().code, ErrorCode::kUnsupported);
     EXPECT_EQ(driver.error().value, protocol);
@@ -347,7 +347,7 @@ TEST(MotionDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
   for (const auto& [device, why] :
        {std::pair("", "is missing; give"), std::pair("udp:1", "no known kind of line"),
         std::pair("tcp:laser-box:5", "not resolved")}) {
-    const auto driver = MakeDriver(MachineAt(device));
+    const auto driver = MakeMotionDriver(MachineAt(device));
     ASSERT_FALSE(driver.has_value()) << device;
     EXPECT_NE(driver.error().message.find("motion_line.device: "), std::string::npos);
     EXPECT_NE(driver.error().message.find(why), std::string::npos)
@@ -356,7 +356,7 @@ TEST(MotionDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
 }
 
 TEST(MotionDrivers, ADeviceThatIsNotThereIsReportedInTheState) {
-  auto driver = MakeDriver(MachineAt("/nonexistent/motion"));
+  auto driver = MakeMotionDriver(MachineAt("/nonexistent/motion"));
   ASSERT_TRUE(driver.has_value());
   (*driver)->Poll();
   EXPECT_FALSE((*driver)->state().link_up);
@@ -364,4 +364,4 @@ TEST(MotionDrivers, ADeviceThatIsNotThereIsReportedInTheState) {
 }
 
 }  // namespace
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -1,17 +1,17 @@
-#include "tests/services/motion_bridge/motion_conformance.h"
+#include "tests/services/drivers/motion_conformance.h"
 
 #include <array>
 #include <cmath>
 
-#include "tests/services/motion_bridge/motion_bench.h"
+#include "tests/services/drivers/motion_bench.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 namespace {
 
 using namespace std::chrono_literals;
 
-void RunsFollowTheirSegments(const RigMaker& make) {
-  Bench bench(make);
+void RunsFollowTheirSegments(const MotionRigMaker& make) {
+  MotionBench bench(make);
   Expect(!bench.state().link_up, "M2: the line is up before it was opened");
   Expect(!bench.driver().BeginRun(1, 100, 0), "M2: a run begins before the line is up");
   bench.Connect();
@@ -19,8 +19,8 @@ void RunsFollowTheirSegments(const RigMaker& make) {
 }
 
 // More than a queue holds, or the line takes at once.
-void NoSegmentIsLostWhereThereIsNoRoom(const RigMaker& make) {
-  Bench bench(make);
+void NoSegmentIsLostWhereThereIsNoRoom(const MotionRigMaker& make) {
+  MotionBench bench(make);
   bench.Connect();
   Course course = bench.CourseFromHere();
   course.cruise_ticks = 300;
@@ -33,8 +33,8 @@ void NoSegmentIsLostWhereThereIsNoRoom(const RigMaker& make) {
          fmt::format("M4: the run ends at {}, not {}", bench.x(), course.end_mm()));
 }
 
-void AnAbortEndsTheRun(const RigMaker& make) {
-  Bench bench(make);
+void AnAbortEndsTheRun(const MotionRigMaker& make) {
+  MotionBench bench(make);
   bench.Connect();
   bench.MoveALot(1);
   Expect(bench.driver().AbortRun(), "AbortRun");
@@ -45,8 +45,8 @@ void AnAbortEndsTheRun(const RigMaker& make) {
   bench.ExpectGoodRun(2);
 }
 
-void ARunThatIsLateDoesNotBegin(const RigMaker& make) {
-  Bench bench(make);
+void ARunThatIsLateDoesNotBegin(const MotionRigMaker& make) {
+  MotionBench bench(make);
   bench.Connect();
   bench.StepFor(200ms);
   Expect(bench.driver().BeginRun(1, bench.state().tick - 5, 0), "BeginRun");
@@ -59,8 +59,8 @@ void ARunThatIsLateDoesNotBegin(const RigMaker& make) {
   bench.ExpectGoodRun(2);
 }
 
-void ARunIntoAnotherStopsBoth(const RigMaker& make) {
-  Bench bench(make);
+void ARunIntoAnotherStopsBoth(const MotionRigMaker& make) {
+  MotionBench bench(make);
   bench.Connect();
   bench.MoveALot(1);
   bench.Begin(2);
@@ -71,8 +71,8 @@ void ARunIntoAnotherStopsBoth(const RigMaker& make) {
   bench.ExpectGoodRun(3);
 }
 
-void AFaultLastsUntilItIsCleared(const RigMaker& make) {
-  Bench bench(make);
+void AFaultLastsUntilItIsCleared(const MotionRigMaker& make) {
+  MotionBench bench(make);
   bench.Connect();
   bench.Begin(1);
   bench.Append({To(0.25, kSpeed_mm_s, kRampTicks)});  // and no more
@@ -89,10 +89,10 @@ void AFaultLastsUntilItIsCleared(const RigMaker& make) {
   bench.ExpectGoodRun(3);
 }
 
-void ATargetOutsideTheTravelIsNotDrivenTo(const RigMaker& make) {
+void ATargetOutsideTheTravelIsNotDrivenTo(const MotionRigMaker& make) {
   for (const double side : {-1.0, 1.0}) {
     for (const double beyond_mm : {1e-5, 1.0, 1e4, 1e300, std::nan("")}) {
-      Bench bench(make);
+      MotionBench bench(make);
       bench.Connect();
       const double end =
           side > 0 ? bench.rig().travel_max_mm().x() : bench.rig().travel_min_mm().x();
@@ -109,7 +109,7 @@ void ATargetOutsideTheTravelIsNotDrivenTo(const RigMaker& make) {
 }
 
 /// After a cut in mid-run that is over.
-void ExpectRecovery(Bench& bench) {
+void ExpectRecovery(MotionBench& bench) {
   Expect(bench.Until([&] { return bench.state().link_up; }, 3s),
          "M10: the line does not come back: " + bench.Message());
   bench.ExpectFault(intaglio_MOTION_SAFE_STATE, "M10: a run that was lost");
@@ -118,8 +118,8 @@ void ExpectRecovery(Bench& bench) {
   bench.ExpectGoodRun(9);
 }
 
-void ACutLineBringsTheStageToRest(const RigMaker& make) {
-  Bench bench(make);
+void ACutLineBringsTheStageToRest(const MotionRigMaker& make) {
+  MotionBench bench(make);
   bench.Connect();
   bench.MoveALot(1);
   bench.rig().CutLine(true);
@@ -139,9 +139,9 @@ void ACutLineBringsTheStageToRest(const RigMaker& make) {
 }
 
 // In the middle of a frame, too: of BeginRun, of segments, of what keeps the line alive.
-void ALineCutAtAnyByteBringsTheStageToRest(const RigMaker& make) {
+void ALineCutAtAnyByteBringsTheStageToRest(const MotionRigMaker& make) {
   for (std::uint64_t bytes = 0; bytes < 600; bytes += 13) {
-    Bench bench(make);
+    MotionBench bench(make);
     bench.Connect();
     Course course = bench.CourseFromHere();
     course.cruise_ticks = 100;
@@ -160,8 +160,8 @@ void ALineCutAtAnyByteBringsTheStageToRest(const RigMaker& make) {
   }
 }
 
-void APowerCycleEndsWhatWasBegun(const RigMaker& make) {
-  Bench bench(make);
+void APowerCycleEndsWhatWasBegun(const MotionRigMaker& make) {
+  MotionBench bench(make);
   bench.Connect();
   bench.MoveALot(5);
   bench.rig().PowerCycle();
@@ -175,8 +175,8 @@ void APowerCycleEndsWhatWasBegun(const RigMaker& make) {
   bench.ExpectGoodRun(6);
 }
 
-void AnotherControllerMovesNothing(const RigMaker& make) {
-  Bench bench(make, "another");
+void AnotherControllerMovesNothing(const MotionRigMaker& make) {
+  MotionBench bench(make, "another");
   Expect(bench.Until(
              [&] { return bench.state().fault == intaglio_MOTION_WRONG_CONTROLLER; }),
          "M13: it is not refused");
@@ -207,7 +207,7 @@ constexpr std::array kChecks = {
 
 std::span<const MotionCheck> MotionChecks() { return kChecks; }
 
-std::string ViolationOf(const MotionCheck& check, const RigMaker& make) {
+std::string ViolationOf(const MotionCheck& check, const MotionRigMaker& make) {
   try {
     check.run(make);
     return "";
@@ -216,4 +216,4 @@ std::string ViolationOf(const MotionCheck& check, const RigMaker& make) {
   }
 }
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

@@ -1,10 +1,10 @@
-#include "tests/services/synchronizer/pulses/laser_conformance.h"
+#include "tests/services/drivers/laser_conformance.h"
 
 #include <array>
 
-#include "tests/services/synchronizer/pulses/laser_bench.h"
+#include "tests/services/drivers/laser_bench.h"
 
-namespace intaglio::synchronizer {
+namespace intaglio::drivers {
 namespace {
 
 using link::TickOutcome;
@@ -270,4 +270,4 @@ std::string ViolationOf(const LaserCheck& check, const LaserRigMaker& make) {
   }
 }
 
-}  // namespace intaglio::synchronizer
+}  // namespace intaglio::drivers

@@ -1,8 +1,8 @@
-#include "tests/services/motion_bridge/motion_bench.h"
+#include "tests/services/drivers/motion_bench.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 
-void Bench::ExpectGoodRun(std::uint32_t run) {
+void MotionBench::ExpectGoodRun(std::uint32_t run) {
   const Course course = CourseFromHere();
   positions.clear();
   const std::uint64_t start = Begin(run);
@@ -34,4 +34,4 @@ void Bench::ExpectGoodRun(std::uint32_t run) {
          fmt::format("M12: {} positions of {} ticks", tick - start - 1, course.ticks()));
 }
 
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers

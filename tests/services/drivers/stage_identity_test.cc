@@ -4,12 +4,12 @@
 
 #include <functional>
 
-#include "services/motion_bridge/motion_driver.h"
+#include "services/drivers/motion_driver.h"
 #include "tests/integration/run_program.h"
-#include "tests/services/motion_bridge/fake_stage.h"
+#include "tests/services/drivers/fake_stage.h"
 #include "tests/test_folder.h"
 
-namespace intaglio::motion_bridge {
+namespace intaglio::drivers {
 namespace {
 
 using namespace std::chrono_literals;
@@ -19,7 +19,7 @@ class ExpectedStage : public ::testing::Test {
   ExpectedStage()
       : device(test::FreshFolder() / "motion"),
         stage(device, 100),
-        driver(MakeDriver(Profile()).value()) {}
+        driver(MakeMotionDriver(Profile()).value()) {}
 
   MachineSpec Profile() const {
     MachineSpec machine;
@@ -89,7 +89,7 @@ TEST_F(ExpectedStage, ItsStageIsTaken) { EXPECT_TRUE(Connect()); }
 TEST_F(ExpectedStage, AStageWithoutACompareOutputIsRefusedWhereThePlaceFires) {
   MachineSpec machine = Profile();
   machine.set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
-  driver = MakeDriver(machine).value();
+  driver = MakeMotionDriver(machine).value();
   ASSERT_TRUE(Refused());
   EXPECT_FALSE(driver->state().link_up);
   EXPECT_NE(driver->state().refusal.find("has no compare output: set pulse_trigger"),
@@ -130,4 +130,4 @@ TEST_F(ExpectedStage, AnotherStageAfterAReconnectIsRefusedAndTheRightOneTakenBac
 }
 
 }  // namespace
-}  // namespace intaglio::motion_bridge
+}  // namespace intaglio::drivers
