@@ -38,8 +38,7 @@
 //       false, refusal() gives the reason, nothing of it is taken, and it is closed and
 //       disarmed.
 // Not thread-safe. An object may be a motion driver, too
-// (services/drivers/motion_driver.h), when one controller is both: fd() is the same
-// in both interfaces, and nothing else is.
+// (services/drivers/motion_driver.h), when one controller is both.
 
 #include <chrono>
 #include <cstdint>

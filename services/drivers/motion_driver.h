@@ -23,6 +23,8 @@
 
 namespace intaglio::drivers {
 
+class LaserController;
+
 /// The controller's newest report of its state.
 struct DriverState {
   bool link_up = false;
@@ -78,9 +80,13 @@ struct LatchedPositions {
 ///       are where the stage is, in the machine frame.
 ///   M13 A controller with another serial number than the profile's is refused
 ///       (MOTION_WRONG_CONTROLLER) and moves nothing.
-/// Not thread-safe. An object may be a laser driver, too
-/// (services/drivers/laser_controller.h), when one controller is both: fd()
-/// is the same in both interfaces, and nothing else is.
+/// Not thread-safe.
+///
+/// A controller that moves the stage and switches the laser has one driver object that is
+/// a LaserController (services/drivers/laser_controller.h), too; its row in
+/// MotionDriverKinds has `switches_laser`, and the profile's laser_line.protocol is
+/// "motion-output". Either Poll alone keeps the object alive; whoever uses both sides
+/// calls both. fd() is the same in both interfaces, and nothing else is.
 class MotionDriver {
  public:
   virtual ~MotionDriver() = default;
@@ -106,6 +112,9 @@ class MotionDriver {
   virtual Status AbortRun() = 0;
   /// Clear a fault whose cause is gone.
   virtual Status ClearFault() = 0;
+
+  /// This object as a laser driver; null: the controller only moves.
+  virtual LaserController* laser() { return nullptr; }
 };
 
 /// One row of the table of controller families.
@@ -115,6 +124,7 @@ struct MotionDriverKind {
   /// `open` is unused by a driver that needs no device.
   std::unique_ptr<MotionDriver> (*make)(const MachineSpec& machine,
                                         link::StreamOpener open, link::SteadyClock clock);
+  bool switches_laser = false;  ///< what it makes has a laser()
 };
 
 /// All there are.

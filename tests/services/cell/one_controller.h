@@ -70,6 +70,7 @@ class OneController final : public drivers::MotionDriver,
                 std::span<const std::uint64_t> end_ns) override;
   Status AbortRun() override;
   Status ClearFault() override;
+  drivers::LaserController* laser() override { return this; }
 
   // The laser driver.
   void Poll(const ReportSink& sink, const PastSink& past) override;
