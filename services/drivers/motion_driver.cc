@@ -15,6 +15,18 @@ constexpr std::array kMotionKinds = {
 
 }  // namespace
 
+Status MotionDriver::Jog(const Vec3& /*axes*/, double /*speed_mm_s*/) {
+  return Fail(ErrorCode::kUnsupported,
+              "the driver of this motion controller cannot move it by hand: use the "
+              "controller's own panel");
+}
+
+Status MotionDriver::Home() {
+  return Fail(ErrorCode::kUnsupported,
+              "the driver of this motion controller cannot home it: use the "
+              "controller's own panel");
+}
+
 std::span<const MotionDriverKind> MotionDriverKinds() { return kMotionKinds; }
 
 Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine) {

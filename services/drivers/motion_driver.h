@@ -43,6 +43,8 @@ struct DriverState {
   std::uint32_t clock = 0;   ///< of its own, another number is another clock; 0: none
   std::uint64_t number = 0;  ///< grows with every report of the controller
   double position_tolerance_um = 0;  ///< of its in-position output; 0: not known
+  /// False: the controller does not know where its axes are; nothing but Home is right.
+  bool homed = true;
 };
 
 /// Actual positions at consecutive ticks, or at the times at which a clock of its own was
@@ -80,6 +82,14 @@ struct LatchedPositions {
 ///       are where the stage is, in the machine frame.
 ///   M13 A controller with another serial number than the profile's is refused
 ///       (MOTION_WRONG_CONTROLLER) and moves nothing.
+/// And of one that can be moved by hand (Jog does not return kUnsupported):
+///   M14 Jog and Home move from rest, without a fault, and without a run; else they are
+///       refused and nothing moves. While they move, at_rest is false from the moment in
+///       which Jog returns.
+///   M15 Hold brings the stage to rest, without a fault, wherever it is on its way. A run
+///       that begins meanwhile is refused (M3).
+///   M16 No pulse is possible while it is moved by hand: a controller that drives the
+///       laser, too, has switched it off before it moves.
 /// Not thread-safe.
 ///
 /// A controller that moves the stage and switches the laser has one driver object that is
@@ -115,6 +125,15 @@ class MotionDriver {
 
   /// This object as a laser driver; null: the controller only moves.
   virtual LaserController* laser() { return nullptr; }
+
+  /// By hand: straight to `axes`, within the travel, at most at `speed_mm_s` of the focus
+  /// (mm/s; rad/s of a rotary axis that moves alone). A person holds it: the caller ends
+  /// it with Hold. kUnsupported: this family cannot.
+  virtual Status Jog(const Vec3& axes, double speed_mm_s);
+  /// By hand: to where the axes count from, as the controller does it.
+  virtual Status Home();
+  /// Ends both, braking to rest. As AbortRun, unless a family has another way.
+  virtual Status Hold() { return AbortRun(); }
 };
 
 /// One row of the table of controller families.

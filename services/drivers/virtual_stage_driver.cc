@@ -158,6 +158,13 @@ class VirtualStageDriver final : public MotionDriver {
   }
 
   Status AbortRun() override { return SendFrame(MotionFrame::kAbortRun, {}); }
+  Status Jog(const Vec3& axes, double speed_mm_s) override {
+    const link::JogMove move{
+        ToNm(axes.x()), ToNm(axes.y()), ToNm(axes.z()),
+        static_cast<std::uint32_t>(std::clamp(speed_mm_s * kNmPerMm, 1.0, 4e9))};
+    return SendJog(MotionFrame::kJogMove, Encode(move));
+  }
+  Status Home() override { return SendJog(MotionFrame::kHome, {}); }
   Status ClearFault() override { return SendFrame(MotionFrame::kMotionReset, {}); }
 
  private:
@@ -208,6 +215,18 @@ class VirtualStageDriver final : public MotionDriver {
     state_.clock = 0;
     state_.fault = fault;
     state_.message = message;
+  }
+  Status SendJog(MotionFrame type, const link::Bytes& payload) {
+    if (!identified_) return Fail(ErrorCode::kLinkLost, state_.message);
+    if (!state_.at_rest || state_.fault != intaglio_MOTION_OK) {
+      return Fail(ErrorCode::kRefused,
+                  state_.at_rest ? state_.message : "the stage is not at rest");
+    }
+    auto sent = SendFrame(type, payload);
+    if (!sent) return sent;
+    ++jogs_sent_;
+    state_.at_rest = false;  // until a status that counts this one says so
+    return sent;
   }
   Status SendFrame(MotionFrame type, const link::Bytes& payload) {
     if (!identified_) return Fail(ErrorCode::kLinkLost, state_.message);
@@ -260,7 +279,8 @@ class VirtualStageDriver final : public MotionDriver {
     identified_ = identified_now_ = true;
     state_.position_tolerance_um = 0;  // it will report one when it knows it
     status_.queue_free = 0;            // until its first status
-    state_.clock = 0;                  // it will announce one when it has one
+    first_status_ = true;
+    state_.clock = 0;  // it will announce one when it has one
     (void)SendFrame(MotionFrame::kMotionStatusRequest, {});
   }
   void Refuse(std::string why) {
@@ -282,7 +302,8 @@ class VirtualStageDriver final : public MotionDriver {
     if (state_.clock != 0 && status.run == begun_run_) {
       state_.covered_through_tick = covered_.TickAfter(status.segments_taken);
     }
-    state_.at_rest = status.at_rest;
+    if (std::exchange(first_status_, false)) jogs_sent_ = status.jogs_taken;
+    state_.at_rest = status.at_rest && status.jogs_taken == jogs_sent_;
     state_.following_error_max_um = status.following_error_max_nm / 1e3;
     const FaultText text = TextOf(status.fault);
     state_.fault = text.fault;
@@ -300,6 +321,8 @@ class VirtualStageDriver final : public MotionDriver {
   std::uint32_t polled_sessions_ = 0;
   std::uint32_t begun_run_ = 0;
   std::uint64_t appended_ = 0;
+  bool first_status_ = true;     // of this session is still to come
+  std::uint32_t jogs_sent_ = 0;  // JogMove and Home, as the controller counts them
   Coverage covered_;
   std::vector<LatchedPositions> positions_;
 };

@@ -143,7 +143,14 @@ void Machine::HandleMotion(MotionFrame type, std::span<const std::byte> payload)
         stage_.AppendTimed(*m);
       }
       return;
+    case MotionFrame::kJogMove:
+      if (const auto m = link::Decode<link::JogMove>(payload)) stage_.Jog(*m);
+      return;
+    case MotionFrame::kHome:
+      return stage_.Home();
     case MotionFrame::kAbortRun:
+      // Until now the stage moved on.
+      AdvanceJog();
       return stage_.Abort();
     case MotionFrame::kMotionReset:
       return stage_.Reset();
@@ -153,6 +160,13 @@ void Machine::HandleMotion(MotionFrame type, std::span<const std::byte> payload)
     default:
       return;
   }
+}
+
+// By the stage controller's own timer, whatever the lamp does.
+void Machine::AdvanceJog() {
+  const nanoseconds now = clock_();
+  const nanoseconds passed = now - std::exchange(jogged_at_, now);
+  if (stage_.jogging()) stage_.AdvanceJog(1e-9 * static_cast<double>(passed.count()));
 }
 
 void Machine::KeepSafe() {
@@ -254,6 +268,7 @@ void Machine::SendReports(bool at_once) {
 }
 
 nanoseconds Machine::Turn() {
+  AdvanceJog();
   PollLines();
   KeepSafe();
   const bool passed = PassTicks();

@@ -85,6 +85,7 @@ class Machine {
   void PollLines();
   void HandleLaser(link::LaserFrame type, std::span<const std::byte> payload);
   void HandleMotion(link::MotionFrame type, std::span<const std::byte> payload);
+  void AdvanceJog();
   void KeepSafe();
   bool MayPassTick() const;
   bool PassTicks();
@@ -100,6 +101,7 @@ class Machine {
   Line laser_line_, motion_line_;
   unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;
+  std::chrono::nanoseconds jogged_at_{0};  // until when the stage was moved by hand
   std::uint64_t to_miss_ = 0, to_overlook_ = 0;
   double sync_late_s_ = 0;
   std::uint32_t sent_interlocks_ = 0;

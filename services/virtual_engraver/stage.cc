@@ -135,6 +135,7 @@ void Stage::Brake(StageFault fault) {
   queued_units_ = in_piece_units_ = 0;
   passed_ = {};
   if (phase_ == Phase::kRest) return;
+  if (phase_ == Phase::kJogging) return jog_->Brake();
   const double seconds =
       AtFocus(commanded_mm_s_).norm() / options_.brake_acceleration_mm_s2;
   if (seconds <= 0 || now_units_ < start_units_) {
@@ -235,7 +236,8 @@ void Stage::AdvanceTo(std::uint64_t units) {
     left = FollowQueue(left);  // brakes at once, without a pause to the tick
   }
   // At rest the lag goes on.
-  if (left > 0) FollowCurve({commanded_mm_}, 0, static_cast<double>(left) * unit_s_);
+  if (left > 0 && phase_ != Phase::kJogging)
+    FollowCurve({commanded_mm_}, 0, static_cast<double>(left) * unit_s_);
   now_units_ += left;
 }
 
@@ -352,6 +354,7 @@ link::MotionStatus Stage::Report() {
   status.following_error_max_nm =
       static_cast<std::uint32_t>(std::max(0, ToNm(following_error_max_mm_)));
   following_error_max_mm_ = 0;
+  status.jogs_taken = jogs_taken_;
   return status;
 }
 

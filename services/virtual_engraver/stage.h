@@ -7,6 +7,7 @@
 //   rest --BeginRun--> waiting for the start --> running --end of program--> rest
 //                                                       |  fault, abort
 //                                                       +----> braking ----> rest
+//   rest --Jog, Home--> jogging --at the place, or braked by an abort or a fault--> rest
 //
 // With a clock of its own it knows of a tick only by a notice, which arrives a while
 // later; knots come with times of its clock, and its in-position output is on around
@@ -22,6 +23,7 @@
 
 #include "engrave/core/geometry.h"
 #include "services/platform/link/motion_protocol.h"
+#include "services/virtual_engraver/jog_course.h"
 #include "services/virtual_engraver/mechanics.h"
 #include "services/virtual_engraver/own_clock.h"
 #include "services/virtual_engraver/repeatability.h"
@@ -58,6 +60,12 @@ class Stage {
   void BeginTimedRun(const link::BeginTimedRun& run);
   void AppendTimed(const link::TimedSegments& segments);
   void Abort() { Brake(link::StageFault::kNone); }
+  /// By hand, see JogMove in the protocol. AdvanceJog moves it, not AdvanceTick.
+  void Jog(const link::JogMove& jog);
+  void Home();
+  bool jogging() const { return phase_ == Phase::kJogging; }
+  /// The time that has passed since the last call, s.
+  void AdvanceJog(double seconds);
   /// Stops the stage, with a fault that has to be reset.
   void Fail(link::StageFault fault) { Brake(fault); }
   void Reset();
@@ -96,7 +104,7 @@ class Stage {
   OwnClock* own_clock() { return own_clock_ ? &*own_clock_ : nullptr; }
 
  private:
-  enum class Phase { kRest, kRunning, kBraking };
+  enum class Phase { kRest, kRunning, kBraking, kJogging };
   /// What is queued; times in units: subticks, or ns of the controller's own clock.
   struct Piece {
     Vec3 end_mm = Vec3::Zero(), end_mm_s = Vec3::Zero();
@@ -133,6 +141,7 @@ class Stage {
   }
   void Latch();
   void LatchAt(const OwnClock::Received& received);
+  void StartJog(const Vec3& target, double speed_mm_s);
 
   StageOptions options_;
   std::optional<OwnClock> own_clock_;
@@ -157,6 +166,8 @@ class Stage {
   Repeatability repeatability_;
   bool in_position_ = false;
   double following_error_max_mm_ = 0;
+  std::optional<JogCourse> jog_;  // while phase_ is kJogging
+  std::uint32_t jogs_taken_ = 0;
   std::vector<link::Positions> latched_;
   std::vector<link::TimedPositions> timed_latched_;
 };

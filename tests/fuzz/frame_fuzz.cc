@@ -48,6 +48,7 @@ void TryAll(std::span<const std::byte> payload) {
   Try<TimedPositions>(payload);
   Try<ControllerClock>(payload);
   Try<StageTolerance>(payload);
+  Try<JogMove>(payload);
 }
 
 }  // namespace

@@ -139,6 +139,7 @@ Bytes Encode(const MotionStatus& m) {
   out.Put(static_cast<std::uint8_t>(m.at_rest));
   out.Put(static_cast<std::uint8_t>(m.fault));
   out.Put(m.following_error_max_nm);
+  out.Put(m.jogs_taken);
   return out.Take();
 }
 
@@ -156,6 +157,7 @@ Result<MotionStatus> Decode(std::span<const std::byte> payload) {
   m.at_rest = in.GetFlag();
   const auto fault = in.Get<std::uint8_t>();
   m.following_error_max_nm = in.Get<std::uint32_t>();
+  m.jogs_taken = in.Get<std::uint32_t>();
   if (!in.finished() || fault > static_cast<std::uint8_t>(StageFault::kBadSequence)) {
     return BadMotionFrame("MotionStatus");
   }
@@ -311,6 +313,23 @@ Result<StageTolerance> Decode(std::span<const std::byte> payload) {
   StageTolerance m;
   m.position_nm = in.Get<std::uint32_t>();
   if (!in.finished() || m.position_nm == 0) return BadMotionFrame("StageTolerance");
+  return m;
+}
+
+Bytes Encode(const JogMove& m) {
+  ByteWriter out;
+  PutPosition(out, m);
+  out.Put(m.speed_nm_s);
+  return out.Take();
+}
+
+template <>
+Result<JogMove> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  JogMove m;
+  GetPosition(in, m);
+  m.speed_nm_s = in.Get<std::uint32_t>();
+  if (!in.finished() || m.speed_nm_s == 0) return BadMotionFrame("JogMove");
   return m;
 }
 

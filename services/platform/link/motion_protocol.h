@@ -32,6 +32,8 @@ enum class MotionFrame : std::uint8_t {
   kMotionReset = 0x34,          ///< no payload: clears a fault when its cause is gone
   kBeginTimedRun = 0x35,        ///< the next two only to a clock of its own
   kTimedSegments = 0x36,
+  kJogMove = 0x37,
+  kHome = 0x38,  ///< no payload: by hand, to where the axes count from
   // device -> host
   kMotionIdentity = 0x40,  ///< once after every handshake
   kMotionStatus = 0x41,    ///< on request, on every fault, every 20 ms
@@ -94,6 +96,17 @@ struct MotionStatus {
   bool at_rest = true;                     ///< no run, at rest
   StageFault fault = StageFault::kNone;
   std::uint32_t following_error_max_nm = 0;  ///< since the last status
+  std::uint32_t jogs_taken = 0;  ///< JogMove and Home since power-up, modulo 2^32
+};
+
+/// Motion by hand, without a run: straight to a place of the axes, by the controller's
+/// own timer, with constant acceleration and at most this speed. Dropped unless at rest
+/// without a fault; kAbortRun ends it at rest. A place outside the travel is kLimit, and
+/// nothing moves. Every JogMove and Home is counted in MotionStatus::jogs_taken, also one
+/// that is dropped.
+struct JogMove {
+  std::int32_t x_nm = 0, y_nm = 0, z_nm = 0;
+  std::uint32_t speed_nm_s = 0;  ///< of the focus, > 0
 };
 
 /// Actual positions latched at lamp sync, one a tick while a run is executed, in order.
@@ -164,6 +177,7 @@ Bytes Encode(const TimedSegments& m);
 Bytes Encode(const TimedPositions& m);
 Bytes Encode(const ControllerClock& m);
 Bytes Encode(const StageTolerance& m);
+Bytes Encode(const JogMove& m);
 
 template <typename T>
 Result<T> Decode(std::span<const std::byte> payload);
@@ -187,5 +201,7 @@ template <>
 Result<ControllerClock> Decode(std::span<const std::byte> payload);
 template <>
 Result<StageTolerance> Decode(std::span<const std::byte> payload);
+template <>
+Result<JogMove> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link

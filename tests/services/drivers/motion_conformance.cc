@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/services/drivers/motion_bench.h"
+#include "tests/services/drivers/motion_conformance_jog.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -201,6 +202,10 @@ constexpr std::array kChecks = {
     MotionCheck{"M9_cut_at_any_byte", &ALineCutAtAnyByteBringsTheStageToRest},
     MotionCheck{"M11_power_cycle", &APowerCycleEndsWhatWasBegun},
     MotionCheck{"M13_another_controller", &AnotherControllerMovesNothing},
+    MotionCheck{"M14_jog", &AJogGoesToItsPlaceAndRests},
+    MotionCheck{"M15_hold", &HoldEndsAJog},
+    MotionCheck{"M14_refusals", &AJogIsRefusedDuringARunAndAfterAFault},
+    MotionCheck{"M9_cut_in_a_jog", &ACutLineEndsAJog},
 };
 
 }  // namespace

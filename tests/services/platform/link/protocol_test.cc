@@ -88,7 +88,8 @@ const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>
                                               {"TimedSegments", Taken<TimedSegments>},
                                               {"TimedPositions", Taken<TimedPositions>},
                                               {"ControllerClock", Taken<ControllerClock>},
-                                              {"StageTolerance", Taken<StageTolerance>}};
+                                              {"StageTolerance", Taken<StageTolerance>},
+                                              {"JogMove", Taken<JogMove>}};
 
 TEST(Protocols, EveryMessageWithAPayloadIsTakenWholeAndOnlyWhole) {
   std::size_t tried = 0;

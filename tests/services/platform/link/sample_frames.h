@@ -70,7 +70,7 @@ inline std::vector<SampleFrame> SampleFrames() {
            {0, 0, -1}, {300000000, 300000000, 100000000}, 4096, "ST 7/2", true})},
       {"MotionStatus", motion(MotionFrame::kMotionStatus),
        Encode(MotionStatus{4720, 1, -2, 3, 4, -5, 6, 3, 4800, 4000, 96, false,
-                           StageFault::kFollowingError, 12345})},
+                           StageFault::kFollowingError, 12345, 77})},
       {"Positions", motion(MotionFrame::kPositions),
        Encode(Positions{3, 4711, {{1, 2, 3}, {-4, -5, -6}}})},
       {"BeginTimedRun", motion(MotionFrame::kBeginTimedRun),
@@ -89,6 +89,9 @@ inline std::vector<SampleFrame> SampleFrames() {
        Encode(ControllerClock{0xC10C, 1700000000})},
       {"StageTolerance", motion(MotionFrame::kStageTolerance),
        Encode(StageTolerance{30000})},
+      {"JogMove", motion(MotionFrame::kJogMove),
+       Encode(JogMove{1000000, -2000000, 3000000, 20000000})},
+      {"Home", motion(MotionFrame::kHome), {}},
   };
 }
 

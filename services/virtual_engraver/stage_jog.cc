@@ -1,0 +1,56 @@
+// Motion by hand of the stage.
+
+#include <algorithm>
+
+#include "services/virtual_engraver/stage.h"
+
+namespace intaglio::virtual_engraver {
+namespace {
+
+constexpr double kNmPerMm = 1e6;
+constexpr double kHomeSpeedMmS = 20;
+// Slower than braking, as a person wants it.
+constexpr double kJogAccelerationRatio = 0.1;
+
+}  // namespace
+
+void Stage::Jog(const link::JogMove& jog) {
+  ++jogs_taken_;
+  StartJog(Vec3(jog.x_nm, jog.y_nm, jog.z_nm) / kNmPerMm, jog.speed_nm_s / kNmPerMm);
+}
+
+// Its encoders are absolute: home is where the axes count from, or the travel's nearest
+// place to it.
+void Stage::Home() {
+  ++jogs_taken_;
+  StartJog(Vec3::Zero().cwiseMax(options_.travel_min_mm).cwiseMin(options_.travel_max_mm),
+           kHomeSpeedMmS);
+}
+
+void Stage::StartJog(const Vec3& target, double speed_mm_s) {
+  if (phase_ != Phase::kRest || fault_ != link::StageFault::kNone) return;
+  if (!Box3{options_.travel_min_mm, options_.travel_max_mm}.Contains(target))
+    return Fail(link::StageFault::kLimit);
+  const double length_mm = AtFocus(target - commanded_mm_).norm();
+  if (length_mm <= 0) return;
+  jog_.emplace(commanded_mm_, target, length_mm, speed_mm_s,
+               kJogAccelerationRatio * options_.brake_acceleration_mm_s2);
+  phase_ = Phase::kJogging;
+}
+
+void Stage::AdvanceJog(double seconds) {
+  while (phase_ == Phase::kJogging && seconds > 0) {
+    const JogCourse::Stretch stretch = jog_->Next(seconds);
+    FollowCurve(stretch.curve, 0, stretch.seconds);
+    seconds -= stretch.seconds;
+    if (!jog_->done()) continue;
+    jog_.reset();
+    commanded_mm_s_ = Vec3::Zero();
+    knot_mm_ = commanded_mm_;
+    knot_mm_s_ = Vec3::Zero();
+    phase_ = Phase::kRest;
+    if (seconds > 0) FollowCurve({commanded_mm_}, 0, seconds);
+  }
+}
+
+}  // namespace intaglio::virtual_engraver
