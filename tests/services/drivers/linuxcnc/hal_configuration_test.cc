@@ -1,0 +1,306 @@
+// The supplied HAL files alone, without any driver: rows and commands are written by
+// halstreamer, and halsampler shows what the axes and the laser do.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <sstream>
+#include <thread>
+
+#include "tests/services/drivers/linuxcnc/hal_machine.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::linuxcnc {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct Row {
+  int tick = 1, number = 0, arm = 7, motion = 3, fire = 0, gated = 0;
+  double x_mm = 0;
+  int again_off = 0;
+};
+
+struct Sample {
+  long period = 0, tick = 0, number = 0, command = 0, flags = 0, pulses = 0, openings = 0;
+  double x_mm = 0, target_x_mm = 0;
+  bool fresh() const { return (flags & 1) != 0; }
+  bool laser() const { return (flags & 4) != 0; }
+  bool laser_ok() const { return (flags & 128) != 0; }
+};
+
+Sample Parse(const std::string& line) {
+  std::istringstream in(line);
+  double number = 0, row_arm = 0, command = 0, arm = 0, motion = 0, y = 0, z = 0, ty = 0,
+         tz = 0;
+  long key = 0, door = 0, stop = 0;
+  Sample s;
+  in >> s.period >> s.tick >> number >> row_arm >> command >> arm >> motion >> s.flags >>
+      s.x_mm >> y >> z >> s.target_x_mm >> ty >> tz >> s.pulses >> key >> door >> stop;
+  s.number = std::lround(number);
+  s.command = std::lround(command);
+  s.openings = key + door + stop;
+  return s;
+}
+
+class HalConfiguration : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (const std::string why = EnterNamespace(); !why.empty()) GTEST_SKIP() << why;
+    machine_ = std::make_unique<HalMachine>(test::FreshFolder());
+    samples_ =
+        test::FreshFolder("hal_samples_" + machine_->folder().filename().string()) /
+        "samples";
+    const std::string none = "/dev/null";
+    rows_ = std::make_unique<HalTool>(std::vector<std::string>{"halstreamer", "-c", "0"},
+                                      none);
+    commands_ = std::make_unique<HalTool>(
+        std::vector<std::string>{"halstreamer", "-c", "1"}, none);
+    sampler_ = std::make_unique<HalTool>(
+        std::vector<std::string>{"stdbuf", "-oL", "halsampler", "-c", "0", "-t"},
+        samples_);
+    Send(0), Send(1);
+    wake_ = true, Send(0), wake_ = false;
+    for (int i = 0; i < 4; ++i) Send(i % 2);
+    lamp_ = shutter_ = true;
+    reset_ = true, Send(0), reset_ = false;
+    Await([](const Sample& s) { return s.laser_ok() && (s.flags & 512) != 0; });
+  }
+  void Send(int heartbeat) {
+    ++command_;
+    const std::string line =
+        fmt::format("{} {} {} {} {} {} {} {} {} {} {}\n", command_, arm_, 3, heartbeat,
+                    stop_ ? 1 : 0, wake_ ? 1 : 0, reset_ ? 1 : 0, reset_ ? 1 : 0,
+                    shutter_ ? 1 : 0, lamp_ ? 1 : 0, command_ + command_off_);
+    commands_->Write(line);
+  }
+  /// One heartbeat a period, all of them sent at once: so that they are in time however
+  /// late this process is.
+  void Beat(milliseconds time) {
+    const auto end = std::chrono::steady_clock::now() + time;
+    for (std::int64_t i = 0; i < time.count(); ++i) Send(i % 2 == 0 ? 0 : 1);
+    std::this_thread::sleep_until(end);
+  }
+  void Write(Row row) {
+    row.number = ++number_;
+    const std::string line = fmt::format("{} {} {} {} {} {} {:.6f} 0 0 {}\n", row.tick,
+                                         row.number, row.arm, row.motion, row.fire,
+                                         row.gated, row.x_mm, row.number + row.again_off);
+    rows_->Write(line);
+  }
+  /// Beats until a sample is so; fails after 10 s.
+  void Await(const std::function<bool(const Sample&)>& condition) {
+    for (int i = 0; i < 200; ++i) {
+      const auto samples = Samples();
+      if (!samples.empty() && condition(samples.back())) return;
+      Beat(milliseconds(50));
+    }
+    ADD_FAILURE() << "HAL does not report it";
+  }
+  void AwaitCommands() {
+    Send(0);
+    Await([number = command_](const Sample& s) { return s.command >= number; });
+  }
+  /// All of them, after all commands; until they have been played, and a little more.
+  void Play(const std::vector<Row>& rows, bool beats = true) {
+    AwaitCommands();
+    // As many in advance: this process may be late.
+    for (std::size_t i = 0; beats && i < rows.size() + 500; ++i) Send(i % 2 == 0 ? 0 : 1);
+    for (const Row& row : rows) Write(row);
+    if (!beats) std::this_thread::sleep_for(milliseconds(rows.size() + 300));
+    Await([number = number_](const Sample& s) { return s.number >= number; });
+    Beat(milliseconds(50));
+    AwaitCommands();
+  }
+  std::vector<Sample> Samples() const {
+    std::istringstream in(test::ContentOf(samples_));
+    std::vector<Sample> all;
+    for (std::string line; std::getline(in, line);) {
+      if (std::isdigit(line[0]) != 0 && !in.eof()) all.push_back(Parse(line));
+    }
+    return all;
+  }
+  long LaserPeriods() const {
+    long count = 0;
+    for (const Sample& s : Samples()) count += s.laser() ? 1 : 0;
+    return count;
+  }
+
+  std::unique_ptr<HalMachine> machine_;
+  std::filesystem::path samples_;
+  std::unique_ptr<HalTool> rows_, commands_, sampler_;
+  int number_ = 0, command_ = 0, arm_ = 7, command_off_ = 0;
+  bool stop_ = false, wake_ = false, reset_ = false, shutter_ = false, lamp_ = false;
+};
+
+constexpr double kPeriod_s = 1e-3, kSpeed_mm_s = 50, kRamp_mm_s2 = 1000;
+
+/// At 50 mm/s, after a ramp; every tenth row of the cruise fires, gated.
+std::vector<Row> Cruise(int periods) {
+  std::vector<Row> rows;
+  for (int i = 1; i <= 50; ++i) {
+    const double t = i * kPeriod_s;
+    rows.push_back({1, 0, 7, 3, 0, 0, kRamp_mm_s2 / 2 * t * t});
+  }
+  for (int i = 1; i <= periods; ++i)
+    rows.push_back({1 + i / 10, 0, 7, 3, i % 10 == 0 ? 1 : 0, 1,
+                    1.25 + kSpeed_mm_s * i * kPeriod_s});
+  return rows;
+}
+
+TEST_F(HalConfiguration, PlaysEveryRowOnceAtItsPeriodWithItsPulse) {
+  std::vector<Row> rows = Cruise(400);
+  const double end_mm = rows.back().x_mm;
+  for (int i = 1; i <= 50; ++i) {
+    const double t = i * kPeriod_s;
+    rows.push_back(
+        {50, 0, 7, 3, 0, 0, end_mm + kSpeed_mm_s * t - kRamp_mm_s2 / 2 * t * t});
+  }
+  Play(rows);
+  long next = 1, first_period = 0;
+  for (const Sample& s : Samples()) {
+    if (!s.fresh()) continue;
+    ASSERT_EQ(s.number, next);
+    if (next == 1) first_period = s.period;
+    EXPECT_EQ(s.period, first_period + next - 1) << "a row is not one period long";
+    const Row& row = rows[static_cast<std::size_t>(next - 1)];
+    // The report has six decimals.
+    EXPECT_NEAR(s.x_mm, row.x_mm, 1.1e-6) << "row " << next;
+    EXPECT_EQ(s.laser(), row.fire != 0) << "row " << next;
+    ++next;
+  }
+  EXPECT_EQ(next, static_cast<long>(rows.size()) + 1);
+  EXPECT_EQ(machine_->RecordedTicks().size(), 40u);
+  for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(machine_->RecordedTicks()[i], i + 2);
+}
+
+TEST_F(HalConfiguration, TurnsTheLaserOffAndRestsWhenTheRowsEnd) {
+  std::vector<Row> rows = Cruise(100);
+  for (Row& row : rows) row.fire = 1, row.gated = 0;
+  Play(rows);
+  const auto samples = Samples();
+  long last = 0;
+  for (const Sample& s : samples) {
+    if (s.fresh()) last = s.period;
+    EXPECT_EQ(s.laser(), s.fresh()) << "period " << s.period;
+  }
+  EXPECT_GT(last, 0);
+  // 50 mm/s at 8000 mm/s^2: rest after 7 ms, back at the last row after as long again.
+  for (const Sample& s : samples) {
+    if (s.period > last + 30) {
+      EXPECT_NEAR(s.x_mm, rows.back().x_mm, 1.1e-6);
+    }
+  }
+}
+
+TEST_F(HalConfiguration, IsOffAndAtRestWithin250MsAfterTheLastHeartbeat) {
+  std::vector<Row> rows = Cruise(1000);
+  for (Row& row : rows) row.fire = 1;
+  Play(rows, false);
+  long last_beat = 0, last_laser = 0, last_move = 0, command = 0;
+  double x_mm = 0;
+  const auto samples = Samples();
+  for (const Sample& s : samples) {
+    if (s.laser()) last_laser = s.period;
+    if (s.x_mm != x_mm) last_move = s.period;
+    x_mm = s.x_mm;
+  }
+  for (const Sample& s : samples) {
+    if (s.command != command && s.period <= last_laser) last_beat = s.period;
+    command = s.command;
+  }
+  ASSERT_GT(last_laser, last_beat);
+  // 200 ms, and a period or two.
+  EXPECT_LE(last_laser, last_beat + 203);
+  EXPECT_LE(last_move, last_beat + 240) << "the axes do not stop";
+  EXPECT_LT(x_mm, 40.0);
+  EXPECT_FALSE(samples.back().laser_ok()) << "heartbeats alone open the gate again";
+}
+
+struct Closed {
+  friend void PrintTo(const Closed& closed, std::ostream* out) { *out << closed.name; }
+  const char* name;
+  const char* command;  // of halcmd
+  void (*spoil)(Row& row);
+};
+void Leave(Row&) {}
+
+class HalGate : public HalConfiguration, public ::testing::WithParamInterface<Closed> {};
+
+TEST_P(HalGate, LetsNoPulsePass) {
+  std::vector<Row> rows(20);
+  for (Row& row : rows) row.fire = 1;
+  Play(rows);
+  ASSERT_EQ(LaserPeriods(), 20) << "the gate is closed before";
+  if (GetParam().command[0] != 0) machine_->Command(GetParam().command);
+  Beat(milliseconds(100));
+  for (Row& row : rows) GetParam().spoil(row);
+  Play(rows);
+  EXPECT_EQ(LaserPeriods(), 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    For, HalGate,
+    ::testing::Values(Closed{"key", "sets key-on 0", &Leave},
+                      Closed{"door", "sets door-closed 0", &Leave},
+                      Closed{"stop", "sets stop-released 0", &Leave},
+                      Closed{"drives", "sets drives-ready 0", &Leave},
+                      Closed{"torn_row", "", [](Row& row) { row.again_off = 1; }},
+                      Closed{"another_arm", "", [](Row& row) { row.arm = 8; }},
+                      Closed{"out_of_place", "",
+                             [](Row& row) {
+                               row.gated = 1, row.x_mm = 90, row.motion = 4;
+                             }}),
+    [](const auto& closed) { return std::string(closed.param.name); });
+
+TEST_F(HalConfiguration, NeedsShutterLampArmAndWholeCommands) {
+  std::vector<Row> rows(20);
+  for (Row& row : rows) row.fire = 1;
+  bool* const bits[] = {&shutter_, &lamp_};
+  for (bool* bit : bits) {
+    *bit = false;
+    Play(rows);
+    EXPECT_EQ(LaserPeriods(), 0);
+    *bit = true;
+    Await([](const Sample& s) { return (s.flags & 512) != 0; });
+  }
+  arm_ = 6;
+  Play(rows);
+  EXPECT_EQ(LaserPeriods(), 0);
+  arm_ = 7;
+  command_off_ = 1;
+  Play(rows);
+  EXPECT_EQ(LaserPeriods(), 0);
+}
+
+TEST_F(HalConfiguration, HoldsAStopUntilItIsReset) {
+  std::vector<Row> rows(20);
+  for (Row& row : rows) row.fire = 1;
+  stop_ = true, Send(0), stop_ = false;
+  Play(rows);
+  EXPECT_EQ(LaserPeriods(), 0);
+  reset_ = true, Send(0), reset_ = false;
+  Play(rows);
+  EXPECT_EQ(LaserPeriods(), 20);
+}
+
+TEST_F(HalConfiguration, CountsOpenings) {
+  long openings = 0;
+  for (const char* input : {"key-on", "door-closed", "stop-released", "key-on"}) {
+    machine_->Command(fmt::format("sets {} 0", input));
+    ++openings;
+    Await([&](const Sample& s) { return s.openings == openings; });
+    machine_->Command(fmt::format("sets {} 1", input));
+    Await([](const Sample& s) { return (s.flags & 0x70) == 0x70; });
+    Beat(milliseconds(50));
+  }
+  EXPECT_EQ(Samples().back().openings, 4);
+}
+
+}  // namespace
+}  // namespace intaglio::linuxcnc

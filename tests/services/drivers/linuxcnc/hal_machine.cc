@@ -1,0 +1,155 @@
+#include "tests/services/drivers/linuxcnc/hal_machine.h"
+
+#include <fcntl.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/mount.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include "tests/test_folder.h"
+
+namespace intaglio::linuxcnc {
+namespace {
+
+bool WriteFile(const char* file, const std::string& text) {
+  std::ofstream out(file);
+  out << text << std::flush;
+  return out.good();
+}
+
+// Root needs no user namespace; anybody else is root of one, mapped to himself.
+bool Unshare() {
+  if (unshare(CLONE_NEWIPC) == 0) return true;
+  const std::string user = std::to_string(getuid()), group = std::to_string(getgid());
+  if (unshare(CLONE_NEWUSER | CLONE_NEWIPC) != 0) return false;
+  return WriteFile("/proc/self/uid_map", user + " " + user + " 1\n") &&
+         WriteFile("/proc/self/setgroups", "deny") &&
+         WriteFile("/proc/self/gid_map", group + " " + group + " 1\n");
+}
+
+// halrun takes every rtapi_app that it finds in /proc for its own. So HAL has process
+// numbers of its own; with the first of them everything ends.
+template <typename Exec>
+[[noreturn]] void RunAsInit(const Exec& exec) {
+  if (unshare(CLONE_NEWPID | CLONE_NEWNS) != 0) _exit(126);
+  const pid_t init = fork();
+  if (init == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+    mount("proc", "/proc", "proc", 0, nullptr);
+    exec();
+    _exit(127);
+  }
+  waitpid(init, nullptr, 0);
+  _exit(0);
+}
+
+}  // namespace
+
+std::string EnterNamespace() {
+  if (access("/usr/bin/halrun", X_OK) != 0)
+    return "halrun is missing: apt-get install linuxcnc-uspace";
+  return Unshare() ? "" : "this system permits no IPC namespace";
+}
+
+HalTool::HalTool(const std::vector<std::string>& arguments, const std::string& output) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe2 failed");
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments)
+    argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  child_ = fork();
+  if (child_ == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    dup2(ends[0], 0);
+    const int out = open(output.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    dup2(out, 1);
+    execvp(argv[0], argv.data());
+    _exit(127);
+  }
+  close(ends[0]);
+  input_ = ends[1];
+}
+
+HalTool::~HalTool() {
+  close(input_);
+  kill(child_, SIGKILL);
+  waitpid(child_, nullptr, 0);
+}
+
+void HalTool::Write(const std::string& text) const {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t count = write(input_, text.data() + done, text.size() - done);
+    if (count < 0) throw std::runtime_error("a tool of HAL takes no more");
+    done += static_cast<std::size_t>(count);
+  }
+}
+
+HalMachine::HalMachine(std::filesystem::path folder, std::string serial_number)
+    : folder_(std::move(folder)), serial_number_(std::move(serial_number)) {
+  PowerOn();
+}
+
+HalMachine::~HalMachine() { PowerOff(); }
+
+void HalMachine::PowerOn() {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe2 failed");
+  const std::string start = std::string(INTAGLIO_SOURCE_DIR) + "/deploy/linuxcnc/start";
+  const std::string log = (folder_ / "hal.log").string();
+  std::filesystem::remove(folder_ / "identity");
+  child_ = fork();
+  if (child_ == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    dup2(ends[0], 0);
+    const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    dup2(out, 1);
+    dup2(out, 2);
+    RunAsInit([&] {
+      execl(start.c_str(), "start", folder_.c_str(), "--serial-number",
+            serial_number_.c_str(), nullptr);
+    });
+  }
+  close(ends[0]);
+  input_ = ends[1];
+  for (int i = 0; i < 1000; ++i) {
+    if (std::filesystem::exists(folder_ / "identity")) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const std::string output = test::ContentOf(log);
+  PowerOff();
+  throw std::runtime_error("HAL does not start: " + output);
+}
+
+void HalMachine::Command(const std::string& command) {
+  const std::string line = command + "\n";
+  if (write(input_, line.data(), line.size()) != static_cast<ssize_t>(line.size()))
+    throw std::runtime_error("HAL takes no command: " + command);
+}
+
+void HalMachine::PowerOff() {
+  if (child_ < 0) return;
+  close(input_);
+  // Everything in its process numbers ends with it.
+  kill(child_, SIGKILL);
+  waitpid(child_, nullptr, 0);
+  child_ = -1;
+  std::filesystem::remove(folder_ / "hal.log");
+}
+
+std::vector<std::uint64_t> HalMachine::RecordedTicks() const {
+  std::ifstream in(folder_ / "pulses");
+  std::vector<std::uint64_t> ticks;
+  for (std::uint64_t tick = 0; in >> tick;) ticks.push_back(tick);
+  return ticks;
+}
+
+}  // namespace intaglio::linuxcnc
