@@ -50,14 +50,16 @@ class PreviewCommand : public ::testing::Test {
 };
 
 TEST_F(PreviewCommand, OfAJobFileShowsWhatRunMakes) {
-  const Ended preview = Type({"preview", kSample, "--out", (folder_ / "p").string()});
+  const Ended preview = Type(
+      {"preview", kSample, "--method", "sections", "--out", (folder_ / "p").string()});
   EXPECT_EQ(preview.exit_code, 0) << preview.output;
   EXPECT_THAT(preview.output,
               AllOf(HasSubstr("time  "), HasSubstr("verdict     READY"),
                     HasSubstr("lamp warm-up"), HasSubstr("preview.html")));
   EXPECT_THAT(TextIn(folder_ / "p/preview.html"), HasSubstr("data:image/png;base64,"));
-  const Ended run = Type({"run", kSample, "--lockstep", "--warm-up", "0", "--no-record",
-                          "--out", (folder_ / "out").string()});
+  const Ended run =
+      Type({"run", kSample, "--method", "sections", "--lockstep", "--warm-up", "0",
+            "--no-record", "--out", (folder_ / "out").string()});
   ASSERT_EQ(run.exit_code, 0) << run.output;
   JobReport report;
   ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(
