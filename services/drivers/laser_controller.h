@@ -125,6 +125,16 @@ struct LaserDriverKind {
 /// All there are.
 std::span<const LaserDriverKind> LaserDriverKinds();
 
+/// laser_line.protocol of a laser on a digital output of the machine's motion controller:
+/// the motion bridge has the controller's line and serves its laser
+/// (services/drivers/laser_output.h); the synchronizer opens that.
+inline constexpr std::string_view kMotionOutput = "motion-output";
+
+/// laser_line.device; of a motion output without one a socket of the cell's name in the
+/// folder that the system gives to services or users: the first there is of
+/// $RUNTIME_DIRECTORY, $XDG_RUNTIME_DIR/intaglio, /tmp/intaglio-UID.
+std::string LaserDeviceOf(const MachineSpec& machine);
+
 /// The driver that the machine's laser_line names, on its device and the clock of this
 /// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device.
 Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& machine);

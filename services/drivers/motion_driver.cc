@@ -1,5 +1,7 @@
 #include "services/drivers/motion_driver.h"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "engrave/core/try.h"
@@ -28,6 +30,23 @@ Status MotionDriver::Home() {
 }
 
 std::span<const MotionDriverKind> MotionDriverKinds() { return kMotionKinds; }
+
+Status CheckMotionOutput(const MachineSpec& machine) {
+  const std::string& protocol = machine.motion_line().protocol();
+  std::string known;
+  for (const MotionDriverKind& kind : MotionDriverKinds()) {
+    if (!kind.switches_laser) continue;
+    if (kind.protocol == protocol) return {};
+    known += (known.empty() ? "" : ", ") + std::string(kind.protocol);
+  }
+  return Fail(
+      ErrorCode::kUnsupported,
+      fmt::format("laser_line.protocol: 'motion-output' needs a motion controller "
+                  "that switches the laser, and motion_line.protocol is '{}'; "
+                  "there are: {}",
+                  protocol, known.empty() ? "none" : known),
+      protocol);
+}
 
 Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine) {
   const SerialLine& line = machine.motion_line();

@@ -149,6 +149,10 @@ struct MotionDriverKind {
 /// All there are.
 std::span<const MotionDriverKind> MotionDriverKinds();
 
+/// kUnsupported unless the machine's motion controller switches a laser; the message
+/// lists those that do.
+Status CheckMotionOutput(const MachineSpec& machine);
+
 /// The driver that the machine's motion_line names, on its device and the clock of this
 /// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device.
 Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine);

@@ -39,6 +39,8 @@ class Bridge {
   bus::Reader<intaglio_MotionSegmentBatch>& batches() { return batches_; }
   bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
   int fd() const { return driver_->fd(); }
+  /// Of the controller; null: it only moves.
+  drivers::LaserController* laser() { return driver_->laser(); }
   const drivers::DriverState& state() const { return driver_->state(); }
   /// The fault, or what a person should know of the controller; empty: all is well.
   std::string message() const;

@@ -1,7 +1,10 @@
+#include <array>
 #include <iostream>
+#include <optional>
 
 #include "services/job/job_file.h"
 #include "services/motion_bridge/bridge.h"
+#include "services/motion_bridge/laser_socket.h"
 #include "services/platform/command_line/program.h"
 #include "services/platform/host/process/only_instance.h"
 #include "services/platform/host/process/poll_loop.h"
@@ -15,6 +18,38 @@ struct Options {
   std::string device;
 };
 
+std::chrono::nanoseconds Now() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+bool SwitchesLaser(const MachineSpec& machine) {
+  return machine.laser_line().protocol() == drivers::kMotionOutput;
+}
+
+Status CheckLaser(const MachineSpec& machine) {
+  return SwitchesLaser(machine) ? drivers::CheckMotionOutput(machine) : Status();
+}
+
+void ReportHealth(host::ServiceHost& host, const motion_bridge::Bridge& bridge,
+                  const std::optional<motion_bridge::LaserSocket>& laser) {
+  const std::string& socket = laser ? laser->message() : std::string();
+  const bool ready = bridge.state().link_up && socket.empty();
+  host.SetHealth(ready ? intaglio_HEALTH_READY : intaglio_HEALTH_FAULT, {},
+                 socket.empty() ? bridge.message() : socket);
+}
+
+// The controller's own watchdog would close it, too; not every family has one.
+void CloseLaser(motion_bridge::Bridge& bridge, motion_bridge::LaserSocket& laser,
+                host::PollLoop& loop) {
+  laser.Close();
+  const auto end = Now() + std::chrono::milliseconds(500);
+  while (!laser.closed() && bridge.state().link_up && Now() < end) {
+    bridge.Turn(Now());
+    laser.Turn();
+    loop.Wait(std::array{bridge.fd()}, std::chrono::milliseconds(5));
+  }
+}
+
 int Serve(host::ServiceHost& host, const Options& options) {
   auto machine = ReadMachineFile(options.machine_file);
   if (!machine) {
@@ -27,21 +62,31 @@ int Serve(host::ServiceHost& host, const Options& options) {
     std::cerr << options.machine_file << ": " << driver.error().message << "\n";
     return 2;
   }
+  if (Status whole = CheckLaser(*machine); !whole) {
+    std::cerr << options.machine_file << ": " << whole.error().message << "\n";
+    return 2;
+  }
   host::OnlyInstance only(host, intaglio_ROLE_MOTION_BRIDGE);
   if (only.AwaitTurn()) return only.EndAsSecond("motion bridge");
   motion_bridge::Bridge bridge(host, machine->name(), machine->position_tolerance_um(),
                                std::move(*driver));
+  std::optional<motion_bridge::LaserSocket> laser;
+  if (SwitchesLaser(*machine))
+    laser.emplace(*bridge.laser(), drivers::LaserDeviceOf(*machine));
   host::PollLoop loop(host.bus());
   loop.Attach(bridge.batches());
   loop.Attach(bridge.stops());
   while (!host.stopping()) {
-    bridge.Turn(std::chrono::steady_clock::now().time_since_epoch());
+    bridge.Turn(Now());
     if (bridge.state().taken_over) return host::EndTakenOver(host, "motion bridge");
-    host.SetHealth(bridge.state().link_up ? intaglio_HEALTH_READY : intaglio_HEALTH_FAULT,
-                   {}, bridge.message());
+    if (laser) laser->Turn();
+    ReportHealth(host, bridge, laser);
     host.KeepAlive();
-    loop.Wait(std::array{bridge.fd()}, std::chrono::milliseconds(10));
+    const auto [host_fd, listener_fd] = laser ? laser->descriptors() : std::array{-1, -1};
+    loop.Wait(std::array{bridge.fd(), host_fd, listener_fd},
+              std::chrono::milliseconds(10));
   }
+  if (laser) CloseLaser(bridge, *laser, loop);
   return 0;
 }
 

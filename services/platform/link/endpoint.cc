@@ -8,6 +8,7 @@
 #include "engrave/core/try.h"
 #include "services/platform/link/serial_port.h"
 #include "services/platform/link/tcp_stream.h"
+#include "services/platform/link/unix_stream.h"
 
 namespace intaglio::link {
 namespace {
@@ -28,9 +29,15 @@ Result<std::unique_ptr<ByteStream>> OpenTcpText(const std::string& text, std::ui
   return OpenTcp(address, MonotonicClock());
 }
 
+Result<std::unique_ptr<ByteStream>> OpenUnixText(const std::string& path, std::uint32_t) {
+  return OpenUnix(path);
+}
+
 constexpr std::array kKinds = {
     EndpointKind{"serial", "serial:/dev/ttyUSB0", &CheckPath, &OpenSerialPort},
     EndpointKind{"tcp", "tcp:192.168.7.20:5000", &CheckTcp, &OpenTcpText},
+    EndpointKind{"unix", "unix:/run/intaglio/els-03.laser", &CheckUnixPath,
+                 &OpenUnixText},
 };
 
 struct Device {

@@ -20,6 +20,8 @@ namespace intaglio::cell {
 /// of 250 ms stops and closes both.
 class OneMachine {
  public:
+  static constexpr double kRateHz = 100, kFastRateHz = 4000;
+
   OneMachine(virtual_engraver::StageOptions stage, virtual_engraver::LaserOptions laser);
 
   /// A millisecond.

@@ -5,105 +5,20 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/services/cell/one_controller_rig.h"
 #include "tests/services/drivers/laser_bench.h"
 #include "tests/services/drivers/motion_bench.h"
 
 namespace intaglio::cell {
 namespace {
 
-constexpr char kSerialNumber[] = "both-1";
-constexpr double kRateHz = 100, kFastRateHz = 4000;
-
-virtual_engraver::StageOptions StageOf() {
-  virtual_engraver::StageOptions options;
-  options.lag_s = 0;
-  options.travel_min_mm = Vec3::Constant(-50);
-  options.travel_max_mm = Vec3::Constant(50);
-  options.queue_capacity = 64;
-  options.serial_number = kSerialNumber;
-  return options;
-}
-
-virtual_engraver::LaserOptions LaserOf() {
-  virtual_engraver::LaserOptions options;
-  options.rates_hz = {kRateHz, kFastRateHz};
-  options.warm_up_s = 0.1;
-  options.serial_number = kSerialNumber;
-  return options;
-}
-
-// A command for some 30 bytes of a line.
-constexpr std::uint64_t kBytesOfACommand = 30;
-
-class AsMotion final : public drivers::MotionRig {
- public:
-  explicit AsMotion(const std::string& serial_number) {
-    driver = std::make_unique<OneController>(
-        machine_, serial_number.empty() ? kSerialNumber : serial_number);
-  }
-  void CutLine(bool cut) override { machine_.Cut(cut); }
-  void CutLineAfter(std::uint64_t bytes) override {
-    machine_.CutAfter(bytes / kBytesOfACommand);
-  }
-  void PowerCycle() override {
-    machine_.SwitchOff();
-    StepFor(std::chrono::seconds(1));
-    machine_.SwitchOn();
-  }
-  Vec3 actual_mm() override { return machine_.stage->actual_mm(); }
-  bool moves() override { return machine_.stage->running(); }
-  double rate_hz() const override { return kRateHz; }
-  Vec3 travel_min_mm() const override { return Vec3::Constant(-50); }
-  Vec3 travel_max_mm() const override { return Vec3::Constant(50); }
-  double tolerance_mm() const override { return 2e-6; }
-  std::chrono::milliseconds braking_time() const override {
-    return std::chrono::milliseconds(30);
-  }
-
- private:
-  void AdvanceController() override { machine_.Advance(); }
-  OneMachine machine_{StageOf(), LaserOf()};
-};
-
-class AsLaser final : public drivers::LaserRig {
- public:
-  explicit AsLaser(const std::string& serial_number) {
-    driver = std::make_unique<OneController>(
-        machine_, serial_number.empty() ? kSerialNumber : serial_number);
-  }
-  void CutLine(bool cut) override { machine_.Cut(cut); }
-  void CutLineAfter(std::uint64_t bytes) override {
-    machine_.CutAfter(bytes / kBytesOfACommand);
-  }
-  void PowerCycle() override {
-    machine_.SwitchOff();
-    for (int i = 0; i < 1000; ++i) Step();
-    machine_.SwitchOn();
-  }
-  void Set(Interlock interlock, bool holds) override {
-    if (interlock == Interlock::kKey) machine_.laser->SetKey(holds);
-    if (interlock == Interlock::kDoor) machine_.laser->SetDoor(holds);
-    if (interlock == Interlock::kStopButton) machine_.laser->SetStopButton(!holds);
-  }
-  std::uint64_t tick() override { return machine_.laser->tick(); }
-  std::vector<std::uint64_t> FiredTicks() override { return machine_.fired_ticks(); }
-  std::uint8_t shutters() override { return machine_.laser->shutters(); }
-  bool lamp_on() override {
-    return (machine_.laser->Report().interlocks & link::kLampOn) != 0;
-  }
-  double rate_hz() const override { return kRateHz; }
-  double fast_rate_hz() const override { return kFastRateHz; }
-
- private:
-  void AdvanceController() override { machine_.Advance(); }
-  OneMachine machine_{StageOf(), LaserOf()};
-};
+constexpr double kRateHz = OneMachine::kRateHz;
 
 TEST(OneController, KeepsWhatAMotionDriverGuarantees) {
   for (const auto& check : drivers::MotionChecks()) {
     EXPECT_EQ(ViolationOf(check,
                           [](const std::string& serial_number) {
-                            return std::make_unique<AsMotion>(serial_number);
+                            return MakeOneControllerMotionRig(serial_number);
                           }),
               "")
         << check.name;
@@ -114,7 +29,7 @@ TEST(OneController, KeepsWhatALaserDriverGuarantees) {
   for (const auto& check : drivers::LaserChecks()) {
     EXPECT_EQ(ViolationOf(check,
                           [](const std::string& serial_number) {
-                            return std::make_unique<AsLaser>(serial_number);
+                            return MakeOneControllerLaserRig(serial_number);
                           }),
               "")
         << check.name;
@@ -138,8 +53,8 @@ class Both : public ::testing::Test {
     ASSERT_TRUE(laser.Has(link::kLampWarm));
   }
 
-  OneMachine machine{StageOf(), LaserOf()};
-  OneController both{machine, kSerialNumber};
+  OneMachine machine{StageOfOne(), LaserOfOne()};
+  OneController both{machine, kOneSerialNumber};
   drivers::MotionDriver& motion = both;
   drivers::LaserController& laser = both;
 };

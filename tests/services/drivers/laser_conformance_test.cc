@@ -6,12 +6,16 @@
 #include <iostream>
 #include <tuple>
 
+#include "services/drivers/motion_driver.h"
+
 namespace intaglio::drivers {
 namespace {
 
 std::vector<std::string> Protocols() {
   std::vector<std::string> all;
   for (const LaserDriverKind& kind : LaserDriverKinds()) all.emplace_back(kind.protocol);
+  for (const MotionDriverKind& kind : MotionDriverKinds())
+    if (kind.switches_laser) all.emplace_back(kind.protocol);
   return all;
 }
 

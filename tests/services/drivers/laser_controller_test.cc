@@ -268,7 +268,7 @@ TEST(LaserDrivers, AnUnknownOneNamesWhatThereIs) {
     EXPECT_EQ(driver.error().value, protocol);
     EXPECT_EQ(driver.error().message, "laser_line.protocol: no driver for '" +
                                           std::string(protocol) +
-                                          "'; there are: virtual-laser");
+                                          "'; there are: virtual-laser, motion-output");
   }
 }
 

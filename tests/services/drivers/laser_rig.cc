@@ -1,5 +1,7 @@
 #include "tests/services/drivers/laser_rig.h"
 
+#include "tests/services/cell/one_controller_rig.h"
+#include "tests/services/drivers/motion_output_rig.h"
 #include "tests/services/virtual_engraver/machine_rig.h"
 
 namespace intaglio::drivers {
@@ -21,11 +23,8 @@ class VirtualLaserRig final : public LaserRig {
 
   void CutLine(bool cut) override { machine_.laser.Cut(cut); }
   void CutLineAfter(std::uint64_t bytes) override { machine_.laser.CutAfter(bytes); }
-  void PowerCycle() override {
-    machine_.SwitchOff();
-    for (int i = 0; i < 1000; ++i) Step();
-    machine_.SwitchOn();
-  }
+  void SwitchOff() override { machine_.SwitchOff(); }
+  void SwitchOn() override { machine_.SwitchOn(); }
   void Set(Interlock interlock, bool holds) override {
     if (interlock == Interlock::kKey) laser().SetKey(holds);
     if (interlock == Interlock::kDoor) laser().SetDoor(holds);
@@ -62,6 +61,10 @@ class VirtualLaserRig final : public LaserRig {
 
 std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
                                        const std::string& serial_number) {
+  if (protocol == kMotionOutput) {
+    return std::make_unique<MotionOutputRig>(cell::MakeOneControllerLaserRig(),
+                                             CutLineOf::kSynchronizer, serial_number);
+  }
   for (const LaserDriverKind& kind : LaserDriverKinds()) {
     if (kind.protocol == protocol && protocol == "virtual-laser")
       return std::make_unique<VirtualLaserRig>(kind, serial_number);

@@ -22,16 +22,25 @@ class LaserRig {
 
   /// A millisecond of the driver and its controller.
   void Step() {
-    AdvanceController();
+    Advance();
     driver->Poll([this](const link::PulseReport& r) { reports.push_back(r); },
                  [this](const link::PastReport& r) { pasts.push_back(r); });
   }
+
+  /// A millisecond of the controller alone.
+  void Advance() { AdvanceController(); }
 
   /// Nothing passes either way, and the ends stay open.
   virtual void CutLine(bool cut) = 0;
   /// So it is after this many bytes more to the controller.
   virtual void CutLineAfter(std::uint64_t bytes) = 0;
-  virtual void PowerCycle() = 0;
+  void PowerCycle() {
+    SwitchOff();
+    for (int i = 0; i < 1000; ++i) Step();
+    SwitchOn();
+  }
+  virtual void SwitchOff() = 0;
+  virtual void SwitchOn() = 0;
   /// Lets go, or holds again.
   virtual void Set(Interlock interlock, bool holds) = 0;
 
@@ -54,7 +63,8 @@ class LaserRig {
 };
 
 /// Its profile names `serial_number`; empty: the one of the controller. Null for a driver
-/// that has no rig: the conformance test fails for it.
+/// that has no rig: the conformance test fails for it. A motion controller that switches
+/// the laser has one under its own protocol, too, with its driver as the laser's.
 std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
                                        const std::string& serial_number = "");
 

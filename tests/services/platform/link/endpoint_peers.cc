@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <pty.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
@@ -120,11 +121,73 @@ class TcpPeer final : public EndpointPeer {
   std::uint16_t port_ = 0;
 };
 
+class UnixPeer final : public EndpointPeer {
+ public:
+  UnixPeer() { ComeBack(); }
+  ~UnixPeer() override {
+    Remove();
+    std::filesystem::remove_all(folder_);
+  }
+
+  std::string device() const override { return "unix:" + path_; }
+  std::string name() const override { return path_; }
+  std::vector<std::byte> Read(std::size_t count) override {
+    Serve();
+    return ReadFrom(host_, count);
+  }
+  std::size_t Write(std::span<const std::byte> bytes) override {
+    Serve();
+    const ssize_t taken = send(host_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    return taken > 0 ? static_cast<std::size_t>(taken) : 0;
+  }
+  void Serve() override {
+    for (;;) {
+      int next = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+      if (next < 0) return;
+      if (host_ >= 0 && HostIsGone()) Close(host_);
+      host_ < 0 ? host_ = next : close(next);
+    }
+  }
+  bool HostIsGone() override {
+    if (host_ < 0) return false;
+    pollfd state{host_, POLLRDHUP, 0};
+    return poll(&state, 1, 0) > 0;
+  }
+  // As of a program that was killed: its file stays.
+  void Remove() override {
+    Close(listener_);
+    Close(host_);
+  }
+  void ComeBack() override {
+    std::filesystem::remove(path_);
+    listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    path_.copy(at.sun_path, sizeof at.sun_path - 1);
+    if (bind(listener_, reinterpret_cast<sockaddr*>(&at), sizeof at) != 0 ||
+        listen(listener_, 5) != 0)
+      throw std::runtime_error("no socket");
+  }
+
+ private:
+  // The folders of tests are longer than a socket's path may be.
+  static std::string ShortFolder() {
+    std::string made = "/tmp/intaglio-peer-XXXXXX";
+    if (mkdtemp(made.data()) == nullptr) throw std::runtime_error("no folder");
+    return made;
+  }
+
+  int listener_ = -1, host_ = -1;
+  std::string folder_ = ShortFolder();
+  std::string path_ = folder_ + "/socket";
+};
+
 }  // namespace
 
 std::unique_ptr<EndpointPeer> MakePeer(std::string_view scheme) {
   if (scheme == "serial") return std::make_unique<PtyPeer>();
   if (scheme == "tcp") return std::make_unique<TcpPeer>();
+  if (scheme == "unix") return std::make_unique<UnixPeer>();
   return nullptr;
 }
 
