@@ -74,15 +74,22 @@ struct LinearAxis {
   bool moves_table = false;  ///< the block; false: the head, and with it the focus
   bool reversed = false;     ///< it counts down when the part that it moves goes to + of
                              ///< the frame
+  /// What it moves for 1 mm of its coordinate, mm: 0.9..1.1; 1: it counts mm.
+  double scale_ratio = 1;
 
-  /// Of the focus in the block for a growing coordinate.
-  double sign() const { return moves_table != reversed ? -1 : 1; }
+  /// Move of the focus in the block for a unit of the coordinate, mm.
+  double per_unit_mm() const {
+    return moves_table != reversed ? -scale_ratio : scale_ratio;
+  }
 };
 
-/// Three linear axes along those of the frame. Default: the head moves, all count up, so
-/// axes and places are the same numbers.
+/// Three linear axes along those of the frame, y inclined to x by a small angle. Default:
+/// the head moves, all count up, so axes and places are the same numbers.
 struct CartesianOptions {
   LinearAxis x, y, z;
+  /// How much less than a right angle + of x and + of y of the focus enclose,
+  /// -0.1..0.1; y is inclined, x goes along the frame.
+  double squareness_xy_rad = 0;
 };
 
 enum class ArmSide { kLeft, kRight };

@@ -38,7 +38,7 @@ class Polar final : public Kinematics {
       : d_mm_(options.axis_distance_mm),
         r1_mm_(options.arm_length_mm),
         left_(options.side == ArmSide::kLeft),
-        z_sign_(options.z.sign()),
+        z_mm_(options.z.per_unit_mm()),
         margin_rad_(options.singular_margin_rad) {
     Require(d_mm_ > 0 && r1_mm_ > 0 && std::isfinite(d_mm_ + r1_mm_),
             "axis_distance_mm and arm_length_mm must be positive, are {} and {}", d_mm_,
@@ -66,13 +66,13 @@ class Polar final : public Kinematics {
     const double arm = left_ ? 2 * pi - theta1 : theta1;
     const double table = left_ ? theta2 + beta : beta - theta2;
     return Vec3(NearestTurn(arm, near.x()), NearestTurn(table, near.y()),
-                z_sign_ * place_mm.z());
+                place_mm.z() / z_mm_);
   }
 
   Vec3 ToPlace(const Vec3& axes) const override {
     const Vec2 beam(r1_mm_ * std::sin(axes.x()), d_mm_ - r1_mm_ * std::cos(axes.x()));
     const Vec2 place = TurnedBack(beam, axes.y());
-    return {place.x(), place.y(), z_sign_ * axes.z()};
+    return {place.x(), place.y(), z_mm_ * axes.z()};
   }
 
   Mat3 ScaleAt(const Vec3& axes) const override {
@@ -82,7 +82,7 @@ class Polar final : public Kinematics {
     Mat3 scale = Mat3::Zero();
     scale.col(0).head<2>() = arm;
     scale.col(1).head<2>() = Vec2(place.y(), -place.x());
-    scale(2, 2) = z_sign_;
+    scale(2, 2) = z_mm_;
     return scale;
   }
 
@@ -95,8 +95,8 @@ class Polar final : public Kinematics {
                             .head<2>()
                             .norm();
     ScaleBounds bounds;
-    bounds.axis_mm = Vec3(r1_mm_, r_mm, 1);
-    bounds.any_mm = std::max(1.0, std::hypot(r1_mm_, r_mm));
+    bounds.axis_mm = Vec3(r1_mm_, r_mm, std::abs(z_mm_));
+    bounds.any_mm = std::max(std::abs(z_mm_), std::hypot(r1_mm_, r_mm));
     return bounds;
   }
 
@@ -126,7 +126,7 @@ class Polar final : public Kinematics {
 
   double d_mm_, r1_mm_;
   bool left_;
-  double z_sign_, margin_rad_;
+  double z_mm_, margin_rad_;
 };
 
 }  // namespace

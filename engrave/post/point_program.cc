@@ -11,9 +11,9 @@
 namespace intaglio::post {
 namespace {
 
-constexpr std::string_view kFrameVariables[] = {"NAME", "COUNT", "N"};
-constexpr std::string_view kPointVariables[] = {"I",  "X",  "Y",  "Z",  "SX", "SY",
-                                                "SZ", "EX", "EY", "EZ", "N"};
+constexpr std::string_view kFrameVariables[] = {"NAME", "COUNT", "POWER", "N"};
+constexpr std::string_view kPointVariables[] = {"I",  "X",  "Y",  "Z",  "SX",    "SY",
+                                                "SZ", "EX", "EY", "EZ", "POWER", "N"};
 constexpr FragmentRule kFragments[] = {{"begin", false, kFrameVariables},
                                        {"point", true, kPointVariables},
                                        {"end", false, kFrameVariables}};
@@ -43,7 +43,8 @@ Vec3 DirectionTo(const PointList& axes, std::size_t i) {
 }
 
 std::array<Value, std::size(kPointVariables)> ValuesOf(const PointList& axes,
-                                                       std::size_t i, double mark_mm) {
+                                                       std::size_t i, double mark_mm,
+                                                       double power_ratio) {
   const Vec3 half = 0.5 * mark_mm * DirectionTo(axes, i);
   const Vec3 p = axes[i], from = p - half, to = p + half;
   return {std::uint64_t{i + 1},
@@ -56,6 +57,7 @@ std::array<Value, std::size(kPointVariables)> ValuesOf(const PointList& axes,
           to.x(),
           to.y(),
           to.z(),
+          power_ratio,
           std::uint64_t{0}};
 }
 
@@ -127,13 +129,14 @@ Status WritePointProgram(const std::filesystem::path& file, const Template& prog
   INTAGLIO_TRY(RequireFlat(program, points.axes));
   io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));
   const std::string name = OneLine(points.name);
-  const std::array<Value, 3> frame = {
-      std::string_view(name), std::uint64_t{points.axes.size()}, std::uint64_t{0}};
+  const std::array<Value, 4> frame = {std::string_view(name),
+                                      std::uint64_t{points.axes.size()},
+                                      points.power_ratio, std::uint64_t{0}};
   Expander expander(program, kRules);
   std::string text;
   expander.Append(kBegin, frame, text);
   for (std::size_t i = 0; i < points.axes.size(); ++i) {
-    expander.Append(kPoint, ValuesOf(points.axes, i, mark_mm), text);
+    expander.Append(kPoint, ValuesOf(points.axes, i, mark_mm, points.power_ratio), text);
     if (text.size() < (std::size_t{1} << 16)) continue;
     INTAGLIO_TRY(out.Write(text));
     text.clear();

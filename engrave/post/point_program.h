@@ -13,6 +13,7 @@
 //   X Y Z           point: its place, in the controller's axes
 //   SX SY SZ        point: where the mark through it begins, half of `mark` before
 //   EX EY EZ        point: where it ends
+//   POWER           the laser's setting, 0..1 of its largest
 //   N               number of the line, from 1, counted through the program
 // Axes in mm, turning axes in degrees. Settings:
 //   mark            length of the mark, mm, 0.0001..1: needed by SX..EZ. Its direction is
@@ -38,7 +39,8 @@ Result<Template> ParsePointTemplate(std::string_view text, std::string_view file
 struct PointProgram {
   std::string name;  ///< of the job; line breaks and control characters become spaces
   PointList axes;    ///< N x 3, one point per row: places of the axes, mm or degrees
-  int turning_count = 0;  ///< of the first axes that turn, 0..3
+  int turning_count = 0;   ///< of the first axes that turn, 0..3
+  double power_ratio = 1;  ///< setting of the laser for the job's pulse energy, 0..1
 };
 
 /// Writes the program atomically, in constant memory. kUnsupported: a template for other

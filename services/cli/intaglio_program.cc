@@ -4,6 +4,7 @@
 #include "services/cli/fonts_command.h"
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
+#include "services/cli/machine/machine_command.h"
 #include "services/cli/materials/materials_command.h"
 #include "services/cli/offline/measure_command.h"
 #include "services/cli/offline/offline_command.h"
@@ -51,6 +52,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddMeasureCommand(root);
   AddPathCommands(root);
   AddPostCommand(root);
+  AddMachineCommand(root);
   AddMaterialsCommand(root);
   AddFontsCommand(root);
   AddRecordCommand(root);

@@ -5,6 +5,7 @@
 
 #include "engrave/core/try.h"
 #include "materials_db/material_store.h"
+#include "services/job/machine/focus_offset.h"
 
 namespace intaglio::cli {
 namespace {
@@ -13,13 +14,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kVirtualGlass = "N-BK7";
 const Vec3 kVirtualBlockMm = Vec3::Constant(100);
-
-const MachineLens* FindLensNamed(const MachineSpec& machine, const std::string& name) {
-  for (const MachineLens& lens : machine.lenses()) {
-    if (lens.name() == name) return &lens;
-  }
-  return nullptr;
-}
 
 /// kNotFound: there is no such lens.
 Status MountLens(const std::string& name, const MachineSpec& machine, Mounted& mounted) {
@@ -76,7 +70,8 @@ void AddMountFlags(command_line::Command command, MountFlags& flags) {
       .Exclude(glass);
   command.AddOption("--lens", flags.lens,
                     "name of the mounted lens in the profile; a job for another one is "
-                    "not fired; default of a virtual machine the profile's first");
+                    "not fired; default the profile's mounted_lens, of a virtual "
+                    "machine also the profile's first");
 }
 
 Result<Mounted> MountedOf(const MountFlags& flags, bool is_virtual,
@@ -87,8 +82,9 @@ Result<Mounted> MountedOf(const MountFlags& flags, bool is_virtual,
   } else if (is_virtual) {
     mounted.description.block_size_mm = kVirtualBlockMm;
   }
-  if (!flags.lens.empty() || is_virtual) {
-    const std::string name = flags.lens.empty() ? machine.lenses(0).name() : flags.lens;
+  if (!flags.lens.empty() || is_virtual || !machine.mounted_lens().empty()) {
+    const std::string name =
+        flags.lens.empty() ? MountedLensOf(machine)->name() : flags.lens;
     if (auto lens = MountLens(name, machine, mounted); !lens)
       return tl::unexpected(lens.error());
   }

@@ -1,6 +1,9 @@
 #include "services/client/virtual_truth.h"
 
+#include "services/job/job_defaults.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
+#include "services/job/options.h"
 
 namespace intaglio::client {
 namespace {
@@ -17,6 +20,7 @@ TruthGuide GuideOf(const machine::LinearAxis& axis) {
   TruthGuide guide;
   guide.set_carries_block(axis.moves_table);
   guide.set_backwards(axis.reversed);
+  if (axis.scale_ratio != 1) guide.set_travel_ratio(axis.scale_ratio);
   return guide;
 }
 
@@ -34,6 +38,9 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
   *positioner.mutable_x() = GuideOf(linear.x);
   *positioner.mutable_y() = GuideOf(linear.y);
   *positioner.mutable_z() = GuideOf(linear.z);
+  if (linear.squareness_xy_rad != 0) {
+    positioner.mutable_y()->set_turn_rad(-linear.squareness_xy_rad);
+  }
   return positioner;
 }
 
@@ -61,6 +68,12 @@ void SetLaser(const MachineSpec& machine, TruthLaser& laser) {
   laser.set_warm_up_s(machine.laser().warm_up_s());
   laser.set_channels(machine.laser().channels());
   laser.set_pulse_energy_mj(machine.laser().pulse_energy_mj());
+  if (!machine.channel_positions().empty()) {
+    for (std::uint32_t channel = 2; channel <= 4; ++channel) {
+      const Vec3 mm = FocusOffsetOf(machine, "", channel);
+      *laser.add_channel_offset_mm() = Vector(mm.x(), mm.y(), mm.z());
+    }
+  }
   if (machine.laser_line().has_serial_number())
     laser.set_serial_number(machine.laser_line().serial_number());
 }
@@ -74,7 +87,11 @@ MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mount
   TruthBlock& block = *truth.mutable_block();
   const Vec3& size_mm = mounted.block_size_mm.value();
   *block.mutable_size_mm() = Vector(size_mm.x(), size_mm.y(), size_mm.z());
-  *block.mutable_origin_mm() = machine.block_origin_mm();
+  // The truth is that of the mounted lens: the focus is at the machine's zero with it.
+  const MachineLens* lens = FindLens(machine, mounted.lens.value().focal_length_mm);
+  const Vec3 origin_mm = Vec3Of(machine.block_origin_mm()) -
+                         FocusOffsetOf(machine, lens == nullptr ? "" : lens->name(), 1);
+  *block.mutable_origin_mm() = Vector(origin_mm.x(), origin_mm.y(), origin_mm.z());
   block.set_refractive_index(mounted.refractive_index.value());
   block.set_numerical_aperture(mounted.lens.value().numerical_aperture);
   return truth;

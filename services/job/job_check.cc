@@ -15,6 +15,7 @@
 #include "services/job/field_ranges.h"
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
+#include "services/job/machine/laser_setting.h"
 #include "services/job/machine/reach_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
@@ -245,6 +246,12 @@ void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
     findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
                    "is above the pulse energy of {}, {}", machine.name(),
                    head.pulse_energy_mj());
+  }
+  if (const auto all = EnergiesOf(head); all && (laser.pulse_energy_mj() < all->min_mj ||
+                                                 laser.pulse_energy_mj() > all->max_mj)) {
+    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
+                   "is outside the calibrated energies of {}, {}..{}", machine.name(),
+                   all->min_mj, all->max_mj);
   }
   std::set<std::uint32_t> seen;
   for (int i = 0; i < laser.channels_size(); ++i) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engrave/io/lower_case.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
@@ -179,8 +180,9 @@ void FillChannels(JobSpec& job) {
 }
 
 void FillLens(Lens& lens, const MachineSpec& machine) {
-  if (!lens.has_focal_length_mm() && machine.lenses_size() > 0) {
-    lens.set_focal_length_mm(machine.lenses(0).focal_length_mm());
+  if (const MachineLens* own = MountedLensOf(machine);
+      own != nullptr && !lens.has_focal_length_mm()) {
+    lens.set_focal_length_mm(own->focal_length_mm());
   }
   const MachineLens* mounted = FindLens(machine, lens.focal_length_mm());
   if (!lens.has_numerical_aperture() && mounted != nullptr) {

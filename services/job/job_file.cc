@@ -144,15 +144,20 @@ void ResolveFiles(JobSpec& job, const fs::path& folder) {
   }
 }
 
-Result<MachineSpec> ReadMachineFile(const fs::path& path) {
+Result<MachineSpec> ReadUncheckedMachine(const fs::path& path) {
   MachineSpec machine;
   INTAGLIO_TRY(ReadMessage(path, machine));
+  return machine;
+}
+
+Result<MachineSpec> ReadMachineFile(const fs::path& path) {
+  const MachineSpec machine = INTAGLIO_TRY(ReadUncheckedMachine(path));
   if (const auto errors = CheckMachine(machine); !errors.empty()) {
     Error all = JoinErrors(errors);
     all.message = fmt::format("{}:\n{}", path.string(), all.message);
     return tl::unexpected(all);
   }
-  return WithMachineDefaults(std::move(machine));
+  return WithMachineDefaults(machine);
 }
 
 Status WriteMachineFile(const fs::path& path, const MachineSpec& machine) {

@@ -35,6 +35,9 @@ void ResolveFiles(JobSpec& job, const std::filesystem::path& folder);
 /// defaults: no machine should be driven from an unchecked profile.
 Result<MachineSpec> ReadMachineFile(const std::filesystem::path& path);
 
+/// Parses only, for a caller that reports each mistake.
+Result<MachineSpec> ReadUncheckedMachine(const std::filesystem::path& path);
+
 /// The same from memory, paths untouched, unchecked; errors show `name` in place of the
 /// file. For tests/fuzz/job_fuzz.cc, which parses millions of texts without a file.
 Result<JobSpec> ParseJob(std::string_view text, JobFileFormat format,

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
 
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/teach/taught_check.h"
 #include "services/platform/link/endpoint.h"
 
@@ -109,6 +111,63 @@ void CheckLenses(const MachineSpec& machine, std::vector<Error>& errors) {
   }
 }
 
+void CheckLensName(const MachineSpec& machine, const std::string& path,
+                   const std::string& name, std::vector<Error>& errors) {
+  if (name.empty() || FindLensNamed(machine, name) != nullptr) return;
+  std::vector<std::string> names;
+  for (const MachineLens& lens : machine.lenses()) names.push_back(lens.name());
+  Wrong(errors, path,
+        fmt::format("{:?} is no lens of this machine; give one of {}", name,
+                    fmt::join(names, ", ")));
+}
+
+void CheckEnergies(const LaserHead& laser, std::vector<Error>& errors) {
+  const auto& points = laser.energy_calibration();
+  if (points.empty()) return;
+  const std::string path = "laser.energy_calibration";
+  if (points.size() < 2) {
+    return Missing(errors, path + "[1]", "measure the energy at two settings or more");
+  }
+  for (int i = 1; i < points.size(); ++i) {
+    if (points[i].setting_ratio() > points[i - 1].setting_ratio() &&
+        points[i].energy_mj() > points[i - 1].energy_mj()) {
+      continue;
+    }
+    Wrong(errors, fmt::format("{}[{}]", path, i),
+          fmt::format("setting {} with {} mJ does not exceed setting {} with {} mJ; "
+                      "list the measurements by growing setting, and measure those "
+                      "again whose energy does not grow",
+                      points[i].setting_ratio(), points[i].energy_mj(),
+                      points[i - 1].setting_ratio(), points[i - 1].energy_mj()));
+  }
+  const double min_mj = points.begin()->energy_mj(),
+               max_mj = points.rbegin()->energy_mj();
+  if (laser.pulse_energy_mj() < min_mj || laser.pulse_energy_mj() > max_mj) {
+    Wrong(errors, "laser.pulse_energy_mj",
+          fmt::format("{} is outside the calibrated energies, {}..{}",
+                      laser.pulse_energy_mj(), min_mj, max_mj));
+  }
+}
+
+void CheckChannelPositions(const MachineSpec& machine, std::vector<Error>& errors) {
+  std::set<std::uint32_t> seen;
+  for (int i = 0; i < machine.channel_positions_size(); ++i) {
+    const ChannelPosition& position = machine.channel_positions(i);
+    const std::string path = fmt::format("channel_positions[{}]", i);
+    if (!position.has_offset_mm()) {
+      Missing(errors, path + ".offset_mm", "give where its beam meets");
+    }
+    if (position.channel() > machine.laser().channels()) {
+      Wrong(errors, path + ".channel",
+            fmt::format("{} is above laser.channels, {}", position.channel(),
+                        machine.laser().channels()));
+    } else if (!seen.insert(position.channel()).second) {
+      Wrong(errors, path + ".channel",
+            fmt::format("{} occurs twice; remove one", position.channel()));
+    }
+  }
+}
+
 // What a controller's identity can report (services/platform/link/laser_protocol.h).
 bool IsSerialNumber(const std::string& text) {
   return !text.empty() && text.size() <= 64 &&
@@ -193,6 +252,10 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
          fmt::format("{}", static_cast<int>(machine.pulse_trigger()))});
   }
   CheckLenses(machine, errors);
+  CheckLensName(machine, "mounted_lens", machine.mounted_lens(), errors);
+  CheckLensName(machine, "zero_lens", machine.zero_lens(), errors);
+  CheckEnergies(machine.laser(), errors);
+  CheckChannelPositions(machine, errors);
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);
   if (errors.empty()) CheckTaught(machine, errors);

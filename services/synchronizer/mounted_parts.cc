@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "services/job/job_defaults.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/options.h"
 #include "services/synchronizer/block_fit.h"
 
@@ -90,6 +91,9 @@ std::string GlassMisfit(const FrozenJob& job, double mounted_index) {
 Result<std::optional<optics::Lens>> MountedLens(const std::string& text,
                                                 const MachineSpec& machine) {
   if (text.empty()) {
+    if (const auto* own = FindLensNamed(machine, machine.mounted_lens())) {
+      return LensOf(*own);
+    }
     if (machine.lenses_size() != 1) return std::nullopt;
     return LensOf(machine.lenses(0));
   }

@@ -219,8 +219,9 @@ void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
       seen = false;
       continue;
     }
-    const Focus focus =
-        TraceFocus(FocusAt(options_.positioner, place_mm), options_.block);
+    const Focus focus = TraceFocus(
+        FocusAt(options_.positioner, place_mm) + options_.channel_offset_mm[channel],
+        options_.block);
     glass_.Add({laser_.tick(), focus.position_mm, options_.pulse_energy_mj, channel,
                 focus.in_glass});
     seen = seen && focus.in_glass;

@@ -12,6 +12,7 @@
 // open or a tick is decided closes the shutters; on the motion line during a run it stops
 // the stage. Wall time, in lockstep, too.
 
+#include <array>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -33,6 +34,9 @@ struct MachineOptions {
   BlockInMachine block;
   PositionerOptions positioner;
   double pulse_energy_mj = 30;
+  /// How far beside that of channel 1 the beam of each channel meets.
+  std::array<Vec3, 4> channel_offset_mm = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
+                                           Vec3::Zero()};
   double speed = 1;  ///< machine time against real time; ignored in lockstep
   std::chrono::nanoseconds line_jitter{0};  ///< 0..2 ms; ignored in lockstep
   unsigned seed = 0;                        ///< of the jitter

@@ -13,7 +13,10 @@ namespace {
 using Motion = Eigen::Isometry3d;
 
 Vec3 Travelled(const Guide& guide, int axis, double coordinate) {
-  return (guide.backwards ? -coordinate : coordinate) * Vec3::Unit(axis);
+  const double way_mm = guide.travel_ratio * coordinate;
+  const Vec3 along =
+      Eigen::AngleAxisd(guide.turn_rad, Vec3::UnitZ()) * Vec3(Vec3::Unit(axis));
+  return (guide.backwards ? -way_mm : way_mm) * along;
 }
 
 Motion Turn(double angle_rad, const Vec3& pivot_mm) {

@@ -15,6 +15,8 @@ namespace intaglio::virtual_engraver {
 struct Guide {
   bool carries_block = false;  ///< else the head
   bool backwards = false;
+  double travel_ratio = 1;  ///< mm that the carriage moves for 1 mm of its coordinate
+  double turn_rad = 0;      ///< of the guide about the vertical, from its proper way
 };
 
 /// The machine frame is the laboratory's while all axes are at zero; the block is at

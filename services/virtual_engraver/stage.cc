@@ -25,6 +25,9 @@ std::int32_t ToNm(double mm) {
 constexpr double kGateSeconds = 0.00035;
 constexpr double kGateTickRatio = 0.25;
 
+// At 10 m/s^2 an axis that turns within it goes back by 0.05 um before the end.
+constexpr double kTurnS = 1e-4;
+
 }  // namespace
 
 Stage::Stage(const StageOptions& options)
@@ -33,6 +36,7 @@ Stage::Stage(const StageOptions& options)
           Vec3::Zero().cwiseMax(options.travel_min_mm).cwiseMin(options.travel_max_mm)),
       commanded_mm_(knot_mm_),
       mechanics_(options.lag_s, options.second_order, knot_mm_),
+      backlash_(options.backlash_mm, knot_mm_),
       repeatability_(options.repeatability_mm, options.repeatability_seed) {
   if (!options.own_clock) return;
   own_clock_.emplace(*options.own_clock);
@@ -175,7 +179,20 @@ CubicCommand Stage::CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
 void Stage::FollowCurve(const CubicCommand& curve, double from_s, double to_s) {
   commanded_mm_ = curve.At(to_s);
   commanded_mm_s_ = curve.SpeedAt(to_s);
-  mechanics_.Follow(curve, from_s, to_s);
+  if (backlash_.none()) return mechanics_.Follow(curve, from_s, to_s);
+  // In steps so short that an axis turns at most at their ends.
+  const int steps = std::max(1, static_cast<int>(std::ceil((to_s - from_s) / kTurnS)));
+  const double step_s = (to_s - from_s) / steps;
+  for (int i = 0; i < steps; ++i) {
+    mechanics_.Follow(curve, from_s + i * step_s, from_s + (i + 1) * step_s);
+    backlash_.Follow(mechanics_.actual_mm());
+  }
+}
+
+Vec3 Stage::BesideMm() const {
+  Vec3 beside_mm = repeatability_.DeviationMm(DoneRatio());
+  if (!backlash_.none()) beside_mm += backlash_.carried_mm() - actual_mm();
+  return beside_mm;
 }
 
 double Stage::DoneRatio() const {
@@ -183,9 +200,7 @@ double Stage::DoneRatio() const {
   return static_cast<double>(in_piece_units_) / static_cast<double>(queue_.front().units);
 }
 
-Vec3 Stage::place_mm() const {
-  return actual_mm() + repeatability_.DeviationMm(DoneRatio());
-}
+Vec3 Stage::place_mm() const { return actual_mm() + BesideMm(); }
 
 void Stage::FinishPiece() {
   const Piece piece = queue_.front();

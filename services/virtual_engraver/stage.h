@@ -23,6 +23,7 @@
 
 #include "engrave/core/geometry.h"
 #include "services/platform/link/motion_protocol.h"
+#include "services/virtual_engraver/backlash.h"
 #include "services/virtual_engraver/jog_course.h"
 #include "services/virtual_engraver/mechanics.h"
 #include "services/virtual_engraver/own_clock.h"
@@ -39,6 +40,7 @@ struct StageOptions {
   std::optional<SecondOrderOptions> second_order = {};  ///< in place of the lag
   double repeatability_mm = 0;  ///< of every place it goes to, each axis
   unsigned repeatability_seed = 0;
+  Vec3 backlash_mm = Vec3::Zero();      ///< of each axis, >= 0
   double position_tolerance_mm = 0.01;  ///< of the in-position output, distance
   /// How far the focus goes for a unit of each axis: what is in rad is compared in mm.
   Vec3 focus_per_axis_unit_mm = Vec3::Ones();
@@ -90,7 +92,7 @@ class Stage {
   /// the knot of this tick that is marked for a pulse. Nothing when it does not pass
   /// within the tolerance before the next tick, or runs on a clock of its own.
   std::optional<Vec3> PlaceOfCompare() const;
-  /// Where it is: the actual position and what its repeatability adds to it.
+  /// Where it is: the actual position and what backlash and repeatability add to it.
   Vec3 place_mm() const;
   bool running() const { return phase_ != Phase::kRest; }
   link::StageFault fault() const { return fault_; }
@@ -126,6 +128,8 @@ class Stage {
   bool Queue(const Piece& piece);
   void Brake(link::StageFault fault);
   void FollowCurve(const CubicCommand& curve, double from_s, double to_s);
+  /// What backlash and repeatability add to an actual position now.
+  Vec3 BesideMm() const;
   /// At most `units`; what the queue did not cover is returned.
   std::uint64_t FollowQueue(std::uint64_t units);
   void AdvanceTo(std::uint64_t units);
@@ -163,6 +167,7 @@ class Stage {
   Vec3 knot_mm_ = Vec3::Zero(), knot_mm_s_ = Vec3::Zero();
   Vec3 commanded_mm_ = Vec3::Zero(), commanded_mm_s_ = Vec3::Zero();
   Mechanics mechanics_;
+  Backlash backlash_;
   Repeatability repeatability_;
   bool in_position_ = false;
   double following_error_max_mm_ = 0;

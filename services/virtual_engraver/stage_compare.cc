@@ -80,7 +80,7 @@ std::optional<Vec3> Stage::PlaceOfCompare() const {
     nearest_mm = ahead.actual_mm();
   }
   if (min_distance_mm > options_.position_tolerance_mm) return std::nullopt;
-  return nearest_mm + repeatability_.DeviationMm(DoneRatio());
+  return nearest_mm + BesideMm();
 }
 
 }  // namespace intaglio::virtual_engraver

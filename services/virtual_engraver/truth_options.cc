@@ -21,11 +21,13 @@ void SetStage(const TruthStage& truth, StageOptions& stage) {
   if (truth.has_position_tolerance_um())
     stage.position_tolerance_mm = truth.position_tolerance_um() / 1000;
   stage.repeatability_mm = truth.repeatability_um() / 1000;
+  stage.backlash_mm = Vec3Of(truth.backlash_um()) / 1000;
   if (truth.has_serial_number()) stage.serial_number = truth.serial_number();
 }
 
 Guide GuideOf(const TruthGuide& truth) {
-  return {truth.carries_block(), truth.backwards()};
+  return {truth.carries_block(), truth.backwards(),
+          truth.has_travel_ratio() ? truth.travel_ratio() : 1, truth.turn_rad()};
 }
 
 PositionerOptions PositionerOf(const TruthPositioner& truth) {
@@ -44,6 +46,10 @@ void SetLaser(const TruthLaser& truth, MachineOptions& options) {
   if (truth.has_warm_up_s()) laser.warm_up_s = truth.warm_up_s();
   if (truth.has_channels()) laser.channels = static_cast<std::uint8_t>(truth.channels());
   if (truth.has_serial_number()) laser.serial_number = truth.serial_number();
+  for (int i = 0; i < truth.channel_offset_mm_size(); ++i) {
+    options.channel_offset_mm.at(static_cast<std::size_t>(i) + 1) =
+        Vec3Of(truth.channel_offset_mm(i));
+  }
   if (truth.has_pulse_energy_mj()) options.pulse_energy_mj = truth.pulse_energy_mj();
 }
 

@@ -27,6 +27,7 @@
 #include "services/client/warning_text.h"
 #include "services/job/channels.h"
 #include "services/job/freeze.h"
+#include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/models/program_limits.h"
 #include "services/job/plan/ordering.h"
@@ -111,6 +112,9 @@ Result<post::PointProgram> ProgramOf(const OrderedJob& ordered) {
   const auto axes = KinematicsOf(ordered.job.machine())->axes();
   post::PointProgram program;
   program.name = ordered.job.job().name();
+  program.power_ratio = LaserSettingFor(ordered.job.machine().laser(),
+                                        ordered.job.job().laser().pulse_energy_mj())
+                            .value_or(1);
   auto places =
       INTAGLIO_TRY(machine::AxesAlong(AxesFromGlassOf(ordered.job), ordered.path_mm,
                                       AxisLimitsOf(ordered.job.machine()).travel_mm));
@@ -125,11 +129,25 @@ Result<post::PointProgram> ProgramOf(const OrderedJob& ordered) {
   return program;
 }
 
+/// `--template`, else the one that the machine names.
+Result<post::Template> TemplateOf(const PostOptions& options,
+                                  const MachineSpec& machine) {
+  if (!options.program_template.empty()) return ReadTemplate(options.program_template);
+  if (!machine.post().empty()) return ReadTemplate(machine.post());
+  return Fail(ErrorCode::kMissing,
+              "--template: is missing, and the profile of " + machine.name() +
+                  " has no field post; give a name of deploy/post or a file, here or in "
+                  "the profile");
+}
+
 Status MakeProgram(const PostOptions& options) {
   // First what takes no time.
-  const auto program_template = INTAGLIO_TRY(ReadTemplate(options.program_template));
+  if (!options.program_template.empty()) {
+    INTAGLIO_TRY(ReadTemplate(options.program_template));
+  }
   const auto ordered =
       INTAGLIO_TRY(options.path.empty() ? OrderNamedJob(options) : TakePath(options));
+  const auto program_template = INTAGLIO_TRY(TemplateOf(options, ordered.job.machine()));
   const auto program = INTAGLIO_TRY(ProgramOf(ordered));
   INTAGLIO_TRY(post::WritePointProgram(options.out, program_template, program));
   fmt::print("{} points for {}, by {}, in {}\n",
@@ -150,8 +168,8 @@ void AddPostCommand(command_line::Command app) {
                      formats::PointExtensions());
   post.AddOption("--template", options->program_template,
                  "program template: a name in deploy/post (linuxcnc, linuxcnc-polar, "
-                 "grbl, isel, hpgl, sinumerik), or a file")
-      .Require();
+                 "grbl, isel, hpgl, sinumerik), or a file; default the profile's "
+                 "post");
   post.AddOption("--out", options->out, "the program").Require();
   post.AddOption("--materials", options->materials_db,
                  "material base, default the user's");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "services/job/job_defaults.h"
+#include "services/job/machine/focus_offset.h"
 #include "services/job/options.h"
 
 namespace intaglio {
@@ -26,7 +27,8 @@ const TaughtZero* FindZero(const MachineSpec& machine, std::uint32_t channel,
 Vec3 BlockOriginOf(const MachineSpec& machine, std::uint32_t channel,
                    const std::string& lens) {
   const TaughtZero* zero = FindZero(machine, channel, lens);
-  return Vec3Of(zero == nullptr ? machine.block_origin_mm() : zero->block_origin_mm());
+  if (zero != nullptr) return Vec3Of(zero->block_origin_mm());
+  return Vec3Of(machine.block_origin_mm()) - FocusOffsetOf(machine, lens, channel);
 }
 
 Vec3 BlockOriginOf(const MachineSpec& machine, const JobSpec& job,

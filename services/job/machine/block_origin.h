@@ -1,9 +1,9 @@
 #pragma once
 
 // Where the block's corner, the origin of the glass frame, lies in the machine frame: by
-// what was taught for the lens and the channel, else block_origin_mm of the profile.
-// Machine frame, mm; with all axes at zero the beam is at zero. Jobs have every default
-// filled in.
+// what was taught for the lens and the channel, else by block_origin_mm of the profile
+// and where the focus of this lens and channel is (focus_offset.h). Machine frame, mm;
+// with all axes at zero the beam is at zero. Jobs have every default filled in.
 
 #include <cstdint>
 #include <vector>

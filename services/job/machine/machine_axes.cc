@@ -15,7 +15,8 @@ namespace {
 constexpr double kMaxJobSpeedMmS = 5000, kMaxJobAccelerationMmS2 = 100000;
 
 machine::LinearAxis LinearAxisOf(const LinearAxis& axis) {
-  return {axis.moves() == AXIS_MOVES_TABLE, axis.reversed()};
+  return {axis.moves() == AXIS_MOVES_TABLE, axis.reversed(),
+          axis.has_scale_ratio() ? axis.scale_ratio() : 1};
 }
 
 machine::PolarOptions PolarOptionsOf(const PolarKinematics& polar) {
@@ -60,9 +61,9 @@ void NarrowTravel(motion::Limits& limits, const MachineSpec& machine) {
 machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine) {
   if (machine.has_polar()) return PolarOptionsOf(machine.polar());
   const CartesianKinematics& cartesian = machine.cartesian();
-  return machine::CartesianOptions{LinearAxisOf(cartesian.x()),
-                                   LinearAxisOf(cartesian.y()),
-                                   LinearAxisOf(cartesian.z())};
+  return machine::CartesianOptions{
+      LinearAxisOf(cartesian.x()), LinearAxisOf(cartesian.y()),
+      LinearAxisOf(cartesian.z()), cartesian.squareness_xy_rad()};
 }
 
 std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine) {
@@ -72,8 +73,9 @@ std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machi
 bool AreHeadCoordinates(const MachineSpec& machine) {
   const auto kinematics = KinematicsOptionsOf(machine);
   const auto* linear = std::get_if<machine::CartesianOptions>(&kinematics);
-  return linear != nullptr && linear->x.sign() > 0 && linear->y.sign() > 0 &&
-         linear->z.sign() > 0;
+  return linear != nullptr && linear->x.per_unit_mm() == 1 &&
+         linear->y.per_unit_mm() == 1 && linear->z.per_unit_mm() == 1 &&
+         linear->squareness_xy_rad == 0;
 }
 
 motion::Limits AxisLimitsOf(const MachineSpec& machine) {
@@ -99,10 +101,12 @@ motion::Limits AxisLimitsOf(const MachineSpec& machine) {
 
 FocusLimits FocusLimitsOf(const MachineSpec& machine) {
   const motion::Limits limits = AxisLimitsOf(machine);
-  Vec3 scale_mm = Vec3::Ones();
+  Vec3 scale_mm;
   if (machine.has_polar()) {
     const double arm_mm = machine.polar().arm_length_mm();
     scale_mm = Vec3(arm_mm, machine.polar().axis_distance_mm() + arm_mm, 1);
+  } else {
+    scale_mm = KinematicsOf(machine)->BoundsOver({Vec3::Zero(), Vec3::Zero()}).axis_mm;
   }
   return {
       std::min(kMaxJobSpeedMmS, limits.max_speed_mm_s.cwiseProduct(scale_mm).maxCoeff()),

@@ -19,7 +19,8 @@ namespace intaglio {
 machine::KinematicsOptions KinematicsOptionsOf(const MachineSpec& machine);
 std::shared_ptr<const machine::Kinematics> KinematicsOf(const MachineSpec& machine);
 
-/// Whether the axes are the focus' own coordinates: linear, the head moves, all count up.
+/// Whether the axes are the focus' own coordinates: linear, the head moves, all count up,
+/// no corrections.
 bool AreHeadCoordinates(const MachineSpec& machine);
 
 /// The machine's own limits and its travel, of each axis in its unit: for one that turns

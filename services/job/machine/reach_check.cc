@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/machine/block_origin.h"
 #include "services/job/machine/machine_axes.h"
@@ -60,6 +61,7 @@ void CheckReachFrom(const Vec3& origin_mm, const JobSpec& job, const MachineSpec
 void CheckReach(const JobSpec& job, const MachineSpec& machine,
                 std::optional<double> stage_per_glass_ratio, Findings& findings) {
   if (machine.has_polar() && !CheckKinematics(machine).empty()) return;
+  if (!OutOfRange(machine.cartesian(), "").empty()) return;
   for (const Vec3& origin_mm : BlockOriginsOf(machine, job)) {
     CheckReachFrom(origin_mm, job, machine, stage_per_glass_ratio, findings);
   }

@@ -109,9 +109,9 @@ void CheckZeros(const JobSpec& job, const MachineSpec& machine, Findings& findin
       const double apart_mm = (BlockOriginOf(machine, job, channel) - first_mm).norm();
       if (apart_mm <= allowed_mm) continue;
       findings.Wrong(fmt::format("models[{}].channels", i), channel,
-                     "has a taught zero that is {:.4g} mm from that of channel {}: one "
-                     "position of the stage cannot serve both; engrave them in jobs of "
-                     "their own, or teach their zeros again",
+                     "has a zero that is {:.4g} mm from that of channel {}: one position "
+                     "of the stage cannot serve both; engrave them in jobs of their own, "
+                     "or teach their zeros or correct channel_positions",
                      apart_mm, channels[0]);
       break;
     }

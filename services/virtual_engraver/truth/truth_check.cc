@@ -21,6 +21,8 @@ constexpr TruthRange kRanges[] = {
     {"TruthSecondOrder", "damping_ratio", 0.05, 5},
     {"TruthArm", "pivot_distance_mm", 0.001, 100000},
     {"TruthArm", "arm_length_mm", 0.001, 100000},
+    {"TruthGuide", "travel_ratio", 0.5, 2},
+    {"TruthGuide", "turn_rad", -0.1, 0.1},
     {"TruthStage", "travel_min_mm", -10000, 10000},
     {"TruthStage", "travel_max_mm", -10000, 10000},
     {"TruthStage", "first_order_lag_s", 0, 0.1},
@@ -28,10 +30,12 @@ constexpr TruthRange kRanges[] = {
     {"TruthStage", "position_tolerance_um", 0.001, 10000},
     {"TruthStage", "clock_drift_ppm", -200, 200},
     {"TruthStage", "repeatability_um", 0, 1000},
+    {"TruthStage", "backlash_um", 0, 10000},
     {"TruthLaser", "rates_hz", 0.1, 100000},
     {"TruthLaser", "warm_up_s", 0, 3600},
     {"TruthLaser", "channels", 1, 4},
     {"TruthLaser", "pulse_energy_mj", 0.001, 10000},
+    {"TruthLaser", "channel_offset_mm", -1000, 1000},
     {"TruthBlock", "size_mm", 0.1, 10000},
     {"TruthBlock", "origin_mm", -10000, 10000},
     {"TruthBlock", "refractive_index", 1, 4},
@@ -57,8 +61,7 @@ class Checker {
       const std::string at = path.empty() ? field.name() : path + "." + field.name();
       if (field.is_repeated()) {
         for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
-          CheckNumber(reflection.GetRepeatedDouble(message, &field, k), *FindRange(field),
-                      fmt::format("{}[{}]", at, k));
+          CheckElement(message, field, k, fmt::format("{}[{}]", at, k));
         }
       } else if (!field.has_presence() || reflection.HasField(message, &field)) {
         CheckField(message, field, at);
@@ -86,6 +89,13 @@ class Checker {
     axis("z", stage.travel_min_mm().z(), max.z());
   }
 
+  void CheckOffsets(const TruthLaser& laser) {
+    if (laser.channel_offset_mm_size() <= 3) return;
+    Add("laser.channel_offset_mm",
+        fmt::format("{} places", laser.channel_offset_mm_size()),
+        "are more than 3, of channels 2 to 4");
+  }
+
   void CheckRates(const TruthLaser& laser) {
     if (laser.rates_hz_size() <= kMaxRates) return;
     Add("laser.rates_hz", fmt::format("{} rates", laser.rates_hz_size()),
@@ -95,6 +105,25 @@ class Checker {
   std::vector<Error> Take() { return std::move(errors_); }
 
  private:
+  void CheckElement(const pb::Message& message, const pb::FieldDescriptor& field, int k,
+                    const std::string& path) {
+    const pb::Reflection& reflection = *message.GetReflection();
+    if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
+      const auto& vector =
+          dynamic_cast<const Vector3&>(reflection.GetRepeatedMessage(message, &field, k));
+      return CheckVector(vector, *FindRange(field), path);
+    }
+    CheckNumber(reflection.GetRepeatedDouble(message, &field, k), *FindRange(field),
+                path);
+  }
+
+  void CheckVector(const Vector3& vector, const TruthRange& range,
+                   const std::string& path) {
+    CheckNumber(vector.x(), range, path + ".x");
+    CheckNumber(vector.y(), range, path + ".y");
+    CheckNumber(vector.z(), range, path + ".z");
+  }
+
   void CheckField(const pb::Message& message, const pb::FieldDescriptor& field,
                   const std::string& path) {
     const pb::Reflection& reflection = *message.GetReflection();
@@ -103,9 +132,7 @@ class Checker {
       const pb::Message& child = reflection.GetMessage(message, &field);
       const auto* vector = dynamic_cast<const Vector3*>(&child);
       if (vector == nullptr || range == nullptr) return CheckMessage(child, path);
-      CheckNumber(vector->x(), *range, path + ".x");
-      CheckNumber(vector->y(), *range, path + ".y");
-      CheckNumber(vector->z(), *range, path + ".z");
+      CheckVector(*vector, *range, path);
     } else if (range != nullptr) {
       CheckNumber(field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32
                       ? reflection.GetUInt32(message, &field)
@@ -138,6 +165,7 @@ std::vector<Error> CheckTruth(const MachineTruth& truth) {
   checker.CheckTravel(truth.stage());
   checker.CheckSerialNumber(truth.stage().serial_number(), "stage.serial_number");
   checker.CheckRates(truth.laser());
+  checker.CheckOffsets(truth.laser());
   checker.CheckSerialNumber(truth.laser().serial_number(), "laser.serial_number");
   return checker.Take();
 }

@@ -65,6 +65,9 @@ Result<MachineTruth> ReadTruthFile(const std::filesystem::path& file) {
 
 void Replace(const MachineTruth& changes, MachineTruth& truth) {
   if (changes.laser().rates_hz_size() > 0) truth.mutable_laser()->clear_rates_hz();
+  if (changes.laser().channel_offset_mm_size() > 0) {
+    truth.mutable_laser()->clear_channel_offset_mm();
+  }
   truth.MergeFrom(changes);
 }
 

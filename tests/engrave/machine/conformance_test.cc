@@ -35,14 +35,18 @@ std::vector<Sample> Samples() {
       {"head", CartesianOptions{}, work, no_numbers},
       {"table", CartesianOptions{{true}, {true}, {true}}, work, no_numbers},
       {"table_and_lens", CartesianOptions{{true}, {true, true}, {false}}, work,
-       no_numbers}};
+       no_numbers},
+      {"corrected",
+       CartesianOptions{
+           {true, false, 1.0004}, {false, true, 0.91}, {false, false, 1.1}, -0.09},
+       work, no_numbers}};
   PolarOptions polar;
   const PointList around = {Vec3(0, 0, 0), Vec3(10, 40, 3), Vec3(0, 349.8, 0),
                             Vec3(300, 300, 0)};
   const Box3 piece{Vec3(-25, 85, 0), Vec3(25, 135, 30)};
   samples.push_back({"polar_left", polar, piece, around, "block_origin_mm"});
   polar.side = ArmSide::kRight;
-  polar.z = {true, false};
+  polar.z = {true, false, 0.98};
   samples.push_back({"polar_right", polar, piece, around, "block_origin_mm"});
   polar.arm_length_mm = 230;
   samples.push_back({"long_arm", polar, piece, {Vec3(1, 20, 0)}, "block_origin_mm"});

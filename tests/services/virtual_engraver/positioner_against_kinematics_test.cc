@@ -41,6 +41,31 @@ TEST(PositionerAgainstKinematics, EveryLinearArrangementAgrees) {
   }
 }
 
+// Guides that are longer or shorter than they count, y turned: the corrections of the
+// kinematics, whichever part an axis carries.
+TEST(PositionerAgainstKinematics, CorrectionsAgree) {
+  const Vec3 place_mm(31, -7, 12);
+  for (int bits = 0; bits < 64; ++bits) {
+    machine::CartesianOptions options{AxisOf(bits), AxisOf(bits >> 2), AxisOf(bits >> 4)};
+    options.x.scale_ratio = 1.0005;
+    options.y.scale_ratio = 0.999;
+    options.z.scale_ratio = 1.01;
+    options.squareness_xy_rad = 0.0007;
+    PositionerOptions truth =
+        PositionerOf(GuideOf(bits) + "," + GuideOf(bits >> 2) + "," + GuideOf(bits >> 4));
+    truth.guides[0].travel_ratio = 1.0005;
+    truth.guides[1].travel_ratio = 0.999;
+    truth.guides[1].turn_rad =
+        -0.0007;  // its + towards that of x: less than a right angle
+    truth.guides[2].travel_ratio = 1.01;
+    const auto axes = machine::MakeKinematics(options)->ToAxes(place_mm, {});
+    ASSERT_TRUE(axes);
+    EXPECT_LT((FocusAt(truth, *axes) - place_mm).norm(), kRoundingMm) << bits;
+    truth.guides[1].turn_rad = 0.0007;
+    EXPECT_GT((FocusAt(truth, *axes) - place_mm).norm(), 0.009);
+  }
+}
+
 TEST(PositionerAgainstKinematics, ArmAndTableAgreeOnBothSides) {
   for (const auto side : {machine::ArmSide::kLeft, machine::ArmSide::kRight}) {
     machine::PolarOptions options;

@@ -89,6 +89,20 @@ TEST(Truth, TravelThatTheDefaultsMakeEmptyIsRefused) {
   EXPECT_EQ(ErrorOf("stage { travel_min_mm { x: 169 y: -1 z: 0 } }"), "");
 }
 
+TEST(Truth, TheWaysOfItsPartsAreChecked) {
+  const std::string error = ErrorOf(
+      "stage { positioner { x { travel_ratio: 0 turn_rad: 1 } } backlash_um { y: -1 } }\n"
+      "laser { channel_offset_mm { x: 2000 } channel_offset_mm {} channel_offset_mm {}\n"
+      "  channel_offset_mm {} }");
+  for (const char* part : {"stage.positioner.x.travel_ratio: 0 is outside 0.5..2",
+                           "stage.positioner.x.turn_rad: 1 is outside -0.1..0.1",
+                           "stage.backlash_um.y: -1 is outside 0..10000",
+                           "laser.channel_offset_mm[0].x: 2000 is outside -1000..1000",
+                           "laser.channel_offset_mm: 4 places are more than 3"}) {
+    EXPECT_THAT(error, HasSubstr(part));
+  }
+}
+
 TEST(Truth, TooManyRatesForALineAreRefused) {
   std::string rates = "1";
   for (int i = 2; i <= 32; ++i) rates += fmt::format(", {}", i);
@@ -129,9 +143,10 @@ TEST(Truth, EveryFieldReachesTheMachine) {
       "stage { travel_min_mm { x: -1 y: -2 z: -3 } travel_max_mm { x: 1 y: 2 z: 3 }\n"
       "  second_order { natural_frequency_hz: 120 damping_ratio: 0.6 }\n"
       "  brake_acceleration_mm_s2: 5000 position_tolerance_um: 25 clock_drift_ppm: 0\n"
-      "  repeatability_um: 9 serial_number: '' }\n"
+      "  repeatability_um: 9 serial_number: '' backlash_um { x: 7 y: 0 z: 2 }\n"
+      "  positioner { y { travel_ratio: 1.001 turn_rad: 0.002 } } }\n"
       "laser { rates_hz: [50, 200] warm_up_s: 2 channels: 3 pulse_energy_mj: 12\n"
-      "  serial_number: 'L' }\n"
+      "  serial_number: 'L' channel_offset_mm { x: 1 } channel_offset_mm { z: -2 } }\n"
       "block { size_mm { x: 10 y: 20 z: 30 } origin_mm { x: 4 y: 5 z: 6 }\n"
       "  refractive_index: 1.7 numerical_aperture: 0.2 }\n"
       "line_jitter_ms: 1.5 seed: 77",
@@ -150,6 +165,13 @@ TEST(Truth, EveryFieldReachesTheMachine) {
   EXPECT_EQ(options.stage.repeatability_mm, 0.009);
   EXPECT_EQ(options.stage.repeatability_seed, 77u);
   EXPECT_EQ(options.stage.serial_number, "");
+  EXPECT_LT((options.stage.backlash_mm - Vec3(0.007, 0, 0.002)).norm(), 1e-15);
+  EXPECT_EQ(options.positioner.guides[0].travel_ratio, 1);
+  EXPECT_EQ(options.positioner.guides[1].travel_ratio, 1.001);
+  EXPECT_EQ(options.positioner.guides[1].turn_rad, 0.002);
+  EXPECT_EQ(options.channel_offset_mm[0], Vec3(0, 0, 0));
+  EXPECT_EQ(options.channel_offset_mm[1], Vec3(1, 0, 0));
+  EXPECT_EQ(options.channel_offset_mm[2], Vec3(0, 0, -2));
   EXPECT_EQ(options.laser.rates_hz, (std::vector<double>{50, 200}));
   EXPECT_EQ(options.laser.warm_up_s, 2);
   EXPECT_EQ(options.laser.channels, 3);

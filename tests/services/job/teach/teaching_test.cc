@@ -173,7 +173,7 @@ TEST(Teaching, ModelsInChannelsOfDifferentZerosAreRefused) {
   job.mutable_laser()->add_channels(2);
   const auto has_finding = [&](const MachineSpec& on) {
     for (const Finding& finding : CheckJobOnMachine(job, on, kRatio)) {
-      if (finding.message.find("taught zero") != std::string::npos) return true;
+      if (finding.message.find("has a zero that is") != std::string::npos) return true;
     }
     return false;
   };

@@ -1,0 +1,14 @@
+#include "services/cli/machine/machine_command.h"
+
+namespace intaglio::cli {
+
+void AddMachineCommand(command_line::Command app) {
+  const command_line::Command machine = app.AddCommand(
+      "machine", "the profile of a machine: make it, check it, measure it");
+  machine.RequireCommand();
+  machine.SetFooter("Example: intaglio machine check els-03");
+  AddMachineNewCommand(machine);
+  AddMachineCheckCommand(machine);
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,128 @@
+#include "services/cli/machine/machine_questions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <vector>
+
+#include "services/job/field_path.h"
+#include "services/job/job_check.h"
+
+namespace intaglio::cli {
+namespace {
+
+struct Question {
+  const char* field;
+  const char* text;
+  enum class For { kAll, kCartesian } machines = For::kAll;
+};
+
+using enum Question::For;
+constexpr Question kQuestions[] = {
+    {"name", "name of the machine"},
+    {"x.travel_min_mm", "x: travel from, mm", kCartesian},
+    {"x.travel_max_mm", "x: travel to, mm", kCartesian},
+    {"y.travel_min_mm", "y: travel from, mm", kCartesian},
+    {"y.travel_max_mm", "y: travel to, mm", kCartesian},
+    {"z.travel_min_mm", "z: travel from, mm"},
+    {"z.travel_max_mm", "z: travel to, mm"},
+    {"cartesian.x.moves", "x moves the head or the table", kCartesian},
+    {"cartesian.y.moves", "y moves the head or the table", kCartesian},
+    {"block_origin_mm", "corner of the block for the axes (x y z), mm"},
+    {"mounted_lens", "mounted lens"},
+    {"laser_line.device", "line of the laser controller"},
+    {"motion_line.device", "line of the motion controller"}};
+
+const google::protobuf::FieldDescriptor* FieldOf(const google::protobuf::Message*& at,
+                                                 std::string_view path) {
+  for (;;) {
+    const auto dot = path.find('.');
+    const auto* field =
+        at->GetDescriptor()->FindFieldByName(std::string(path.substr(0, dot)));
+    if (dot == std::string_view::npos) return field;
+    at = &at->GetReflection()->GetMessage(*at, field);
+    path.remove_prefix(dot + 1);
+  }
+}
+
+/// The present value as a person writes it.
+std::string TextOf(const MachineSpec& machine, std::string_view path) {
+  const google::protobuf::Message* message = &machine;
+  const auto& field = *FieldOf(message, path);
+  const auto& reflection = *message->GetReflection();
+  using google::protobuf::FieldDescriptor;
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_STRING:
+      return reflection.GetString(*message, &field);
+    case FieldDescriptor::CPPTYPE_ENUM: {
+      const std::string& name = reflection.GetEnum(*message, &field)->name();
+      std::string last = name.substr(name.rfind('_') + 1);
+      std::ranges::transform(last, last.begin(), [](unsigned char c) {
+        return static_cast<char>(std::tolower(c));
+      });
+      return last;
+    }
+    case FieldDescriptor::CPPTYPE_MESSAGE: {
+      const auto& v =
+          dynamic_cast<const Vector3&>(reflection.GetMessage(*message, &field));
+      return fmt::format("{} {} {}", v.x(), v.y(), v.z());
+    }
+    default:
+      return fmt::format("{}", reflection.GetDouble(*message, &field));
+  }
+}
+
+/// The first mistake of the profile that begins with the field; empty: none.
+std::string MistakeOf(const MachineSpec& machine, const std::string& field) {
+  for (const Error& error : CheckMachine(machine)) {
+    if (error.message.starts_with(field)) return error.message;
+  }
+  return {};
+}
+
+void Ask(const Question& question, std::istream& in, std::ostream& out,
+         MachineSpec& machine) {
+  for (;;) {
+    out << fmt::format("{} [{}]: ", question.text, TextOf(machine, question.field))
+        << std::flush;
+    std::string answer;
+    if (!std::getline(in, answer) || answer.empty()) return;
+    MachineSpec changed = machine;
+    const Status set = SetField(changed, question.field, answer);
+    const std::string mistake =
+        set ? MistakeOf(changed, question.field) : set.error().message;
+    if (mistake.empty()) {
+      machine = std::move(changed);
+      return;
+    }
+    out << "  " << mistake << "\n";
+  }
+}
+
+}  // namespace
+
+void AskAboutMachine(std::istream& in, std::ostream& out, MachineSpec& machine) {
+  for (const Question& question : kQuestions) {
+    if (question.machines == kCartesian && machine.has_polar()) continue;
+    Ask(question, in, out, machine);
+  }
+}
+
+Status ChangeField(MachineSpec& machine, const std::string& change) {
+  const auto equals = change.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("--set {}: is no field=value, e.g. x.travel_max_mm=300", change),
+        change);
+  }
+  const Status set =
+      SetField(machine, change.substr(0, equals), change.substr(equals + 1));
+  if (set) return {};
+  Error error = set.error();
+  error.message = "--set " + error.message;
+  return tl::unexpected(error);
+}
+
+}  // namespace intaglio::cli

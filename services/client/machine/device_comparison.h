@@ -1,0 +1,39 @@
+#pragma once
+
+// What the devices of a machine report, against its profile. Reading a device commands
+// nothing: it opens the line, takes the identity and closes the line again.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/core/result.h"
+#include "proto/machine.pb.h"
+#include "services/platform/link/laser_protocol.h"
+#include "services/platform/link/motion_protocol.h"
+#include "services/platform/link/steady_clock.h"
+
+namespace intaglio::client {
+
+/// What differs, each "field: value of the profile, what the device reports; remedy".
+/// `machine` passes CheckMachine.
+std::vector<Error> CompareLaser(const MachineSpec& machine,
+                                const link::LaserIdentity& reported);
+/// Without a tolerance the controller is one that does not report it.
+std::vector<Error> CompareStage(const MachineSpec& machine,
+                                const link::MotionIdentity& reported,
+                                const std::optional<link::StageTolerance>& tolerance);
+
+struct DeviceComparison {
+  std::string line;          ///< "laser_line" or "motion_line"
+  std::string not_compared;  ///< why it was not compared; empty: it was
+  std::vector<Error> differences;
+};
+
+/// Both lines of the profile. A line that another program has, that leads nowhere or
+/// whose protocol has no identity is not compared, and not disturbed; a device that does
+/// not answer takes a second.
+std::vector<DeviceComparison> CompareDevices(const MachineSpec& machine,
+                                             const link::SteadyClock& clock);
+
+}  // namespace intaglio::client

@@ -1,0 +1,27 @@
+#include "services/job/machine/laser_setting.h"
+
+#include <algorithm>
+
+namespace intaglio {
+
+std::optional<EnergyRange> EnergiesOf(const LaserHead& head) {
+  const auto& points = head.energy_calibration();
+  if (points.empty()) return std::nullopt;
+  return EnergyRange{points.begin()->energy_mj(), points.rbegin()->energy_mj()};
+}
+
+std::optional<double> LaserSettingFor(const LaserHead& head, double energy_mj) {
+  const auto& points = head.energy_calibration();
+  if (points.empty()) return std::nullopt;
+  const auto above =
+      std::find_if(points.begin(), points.end(),
+                   [&](const EnergyPoint& p) { return p.energy_mj() >= energy_mj; });
+  if (above == points.begin()) return above->setting_ratio();
+  if (above == points.end()) return points.rbegin()->setting_ratio();
+  const EnergyPoint& below = *(above - 1);
+  const double share =
+      (energy_mj - below.energy_mj()) / (above->energy_mj() - below.energy_mj());
+  return below.setting_ratio() + share * (above->setting_ratio() - below.setting_ratio());
+}
+
+}  // namespace intaglio

@@ -1,0 +1,99 @@
+// `intaglio machine new` and `check`, as a person calls them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "services/cli/intaglio_program.h"
+#include "services/job/job_file.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MachineCommand : public testing::Test {
+ protected:
+  int Run(std::vector<std::string> words) {
+    const auto program = IntaglioProgram();
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const Status parsed = program->Parse(std::move(words));
+    const int code = parsed ? program->Run() : 2;
+    out_ = testing::internal::GetCapturedStdout();
+    errors_ = testing::internal::GetCapturedStderr();
+    if (!parsed) errors_ += parsed.error().message;
+    return code;
+  }
+  fs::path profile() const { return folder_ / "shop-1.textproto"; }
+  static std::string Supplied(const std::string& name) {
+    return INTAGLIO_SOURCE_DIR "/deploy/machines/" + name + ".textproto";
+  }
+
+  fs::path folder_ = test::FreshFolder();
+  std::string out_, errors_;
+};
+
+TEST_F(MachineCommand, NewMakesAProfileOfAFamily) {
+  ASSERT_EQ(Run({"machine", "new", Supplied("els-03"), "--out", profile().string(),
+                 "--no-questions", "--set", "x.travel_max_mm=300", "laser.channels=1"}),
+            0)
+      << errors_;
+  const auto machine = ReadMachineFile(profile());
+  ASSERT_TRUE(machine) << machine.error().message;
+  EXPECT_EQ(machine->name(), "shop-1");
+  EXPECT_EQ(machine->x().travel_max_mm(), 300);
+  EXPECT_EQ(machine->laser().channels(), 1u);
+  EXPECT_EQ(Run({"machine", "check", profile().string(), "--offline"}), 0) << out_;
+  EXPECT_THAT(out_, HasSubstr("shop-1: good"));
+  EXPECT_EQ(Run({"machine", "new", Supplied("els-03"), "--out", profile().string()}), 2);
+  EXPECT_THAT(errors_, HasSubstr("exists already"));
+}
+
+TEST_F(MachineCommand, NewWritesNoProfileWithMistakes) {
+  EXPECT_EQ(Run({"machine", "new", Supplied("els-03"), "--out", profile().string(),
+                 "--no-questions", "--set", "x.travel_max_mm=-9", "laser.channels=7"}),
+            2);
+  EXPECT_THAT(errors_, AllOf(HasSubstr("x.travel_min_mm: -2 is not below"),
+                             HasSubstr("laser.channels: 7 is outside 1..4")));
+  EXPECT_FALSE(fs::exists(profile()));
+}
+
+TEST_F(MachineCommand, CheckPrintsEverythingAtOnce) {
+  MachineSpec machine = ReadMachineFile(Supplied("els-03")).value();
+  machine.mutable_x()->set_travel_min_mm(200);
+  machine.mutable_laser()->set_channels(0);
+  machine.mutable_lenses(1)->set_name("f43");
+  machine.set_mounted_lens("f50");
+  machine.set_post("linuxcn");
+  machine.mutable_laser_line()->set_device("tcp:nowhere");
+  ASSERT_TRUE(WriteMachineFile(profile(), machine));
+  EXPECT_EQ(Run({"machine", "check", profile().string()}), 2);
+  EXPECT_THAT(out_, AllOf(HasSubstr("x.travel_min_mm: 200 is not below"),
+                          HasSubstr("laser.channels: 0 is outside 1..4"),
+                          HasSubstr("lenses[1].name: \"f43\" is already"),
+                          HasSubstr("mounted_lens: \"f50\" is no lens"),
+                          HasSubstr("laser_line.device: "),
+                          HasSubstr("post: 'linuxcn' is neither a file nor"),
+                          HasSubstr("6 to correct")));
+}
+
+// Devices that are not there are named, and are no mistake of the profile.
+TEST_F(MachineCommand, CheckNamesLinesThatItCannotCompare) {
+  MachineSpec machine = ReadMachineFile(Supplied("els-03")).value();
+  machine.mutable_laser_line()->set_device((folder_ / "none").string());
+  machine.mutable_motion_line()->set_protocol("isel");
+  ASSERT_TRUE(WriteMachineFile(profile(), machine));
+  EXPECT_EQ(Run({"machine", "check", profile().string()}), 0) << out_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("laser_line: not compared with the device: "),
+                          HasSubstr("motion_line: not compared with the device: "
+                                    "controllers of the protocol isel")));
+}
+
+}  // namespace
+}  // namespace intaglio::cli

@@ -1,0 +1,79 @@
+#include "services/cli/machine/machine_questions.h"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "services/job/job_file.h"
+
+namespace intaglio::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+MachineSpec Family(const char* name) {
+  return ReadMachineFile(std::string(INTAGLIO_SOURCE_DIR "/deploy/machines/") + name +
+                         ".textproto")
+      .value();
+}
+
+TEST(MachineQuestions, EmptyLinesAndTheEndKeepWhatIs) {
+  const MachineSpec family = Family("els-03");
+  for (const char* answers : {"", "\n\n\n\n\n\n\n\n\n\n\n\n\n\n\n"}) {
+    MachineSpec machine = family;
+    std::istringstream in(answers);
+    std::ostringstream out;
+    AskAboutMachine(in, out, machine);
+    EXPECT_EQ(machine.SerializeAsString(), family.SerializeAsString());
+    EXPECT_THAT(out.str(), HasSubstr("name of the machine [els-03]: "));
+    EXPECT_THAT(out.str(), HasSubstr("x: travel to, mm [172]: "));
+    EXPECT_THAT(out.str(),
+                HasSubstr("corner of the block for the axes (x y z), mm [0 0 0]"));
+  }
+}
+
+// A wrong answer is asked again, with the reason.
+TEST(MachineQuestions, AnswersReachTheirFields) {
+  MachineSpec machine = Family("els-03");
+  std::istringstream in(
+      "shop 1\nshop-1\n-5\n300\n\n250\n\n\ntable\ntable\n-100 -100 0\nf50\nf70\n"
+      "tcp:192.168.7.20:5000\n/dev/ttyACM0\n");
+  std::ostringstream out;
+  AskAboutMachine(in, out, machine);
+  EXPECT_THAT(out.str(), HasSubstr("name: \"shop 1\" has characters other than"));
+  EXPECT_THAT(out.str(), HasSubstr("mounted_lens: \"f50\" is no lens of this machine"));
+  EXPECT_EQ(machine.name(), "shop-1");
+  EXPECT_EQ(machine.x().travel_min_mm(), -5);
+  EXPECT_EQ(machine.x().travel_max_mm(), 300);
+  EXPECT_EQ(machine.y().travel_min_mm(), -2);
+  EXPECT_EQ(machine.y().travel_max_mm(), 250);
+  EXPECT_EQ(machine.cartesian().x().moves(), AXIS_MOVES_TABLE);
+  EXPECT_EQ(machine.cartesian().y().moves(), AXIS_MOVES_TABLE);
+  EXPECT_EQ(machine.block_origin_mm().x(), -100);
+  EXPECT_EQ(machine.mounted_lens(), "f70");
+  EXPECT_EQ(machine.laser_line().device(), "tcp:192.168.7.20:5000");
+  EXPECT_EQ(machine.motion_line().device(), "/dev/ttyACM0");
+}
+
+TEST(MachineQuestions, AnArmIsNotAskedAboutXAndY) {
+  MachineSpec machine = Family("polar");
+  std::istringstream in("");
+  std::ostringstream out;
+  AskAboutMachine(in, out, machine);
+  EXPECT_THAT(out.str(), Not(HasSubstr("x: travel")));
+  EXPECT_THAT(out.str(), HasSubstr("z: travel to"));
+}
+
+TEST(MachineQuestions, AChangeNamesFieldAndValue) {
+  MachineSpec machine = Family("els-03");
+  EXPECT_TRUE(ChangeField(machine, "laser.channels=1"));
+  EXPECT_EQ(machine.laser().channels(), 1u);
+  EXPECT_THAT(ChangeField(machine, "laser.channels").error().message,
+              HasSubstr("is no field=value"));
+  EXPECT_THAT(ChangeField(machine, "laser.chanels=1").error().message,
+              HasSubstr("--set laser.chanels"));
+}
+
+}  // namespace
+}  // namespace intaglio::cli

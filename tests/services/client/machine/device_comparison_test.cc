@@ -1,0 +1,102 @@
+// A profile against a machine that runs: the virtual engraver, over its real lines.
+
+#include "services/client/machine/device_comparison.h"
+
+#include <gmock/gmock.h>
+
+#include "services/job/job_file.h"
+#include "tests/services/virtual_engraver/engraver_process.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::client {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+MachineSpec Els03() {
+  return ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").value();
+}
+
+std::string TextOf(const std::vector<Error>& errors) {
+  std::string text;
+  for (const Error& error : errors) text += error.message + "\n";
+  return text;
+}
+
+link::LaserIdentity GoodLaser() {
+  link::LaserIdentity laser;
+  laser.channels = 4;
+  laser.rates_hz = {1, 2, 5, 10, 25, 50, 100, 200};
+  laser.serial_number = "L-1";
+  return laser;
+}
+
+link::MotionIdentity GoodStage() {
+  link::MotionIdentity stage;
+  for (int axis = 0; axis < 3; ++axis) {
+    stage.travel_min_nm[axis] = -2'000'000;
+    stage.travel_max_nm[axis] = 172'000'000;
+  }
+  stage.serial_number = "S-1";
+  return stage;
+}
+
+TEST(DeviceComparison, WhatAgreesIsNoDifference) {
+  MachineSpec machine = Els03();
+  EXPECT_THAT(CompareLaser(machine, GoodLaser()), IsEmpty());
+  EXPECT_THAT(CompareStage(machine, GoodStage(), link::StageTolerance{30000}), IsEmpty());
+  EXPECT_THAT(CompareStage(machine, GoodStage(), std::nullopt), IsEmpty());
+  machine.mutable_laser_line()->set_serial_number("L-1");
+  machine.mutable_motion_line()->set_serial_number("S-1");
+  EXPECT_THAT(CompareLaser(machine, GoodLaser()), IsEmpty());
+  EXPECT_THAT(CompareStage(machine, GoodStage(), std::nullopt), IsEmpty());
+}
+
+TEST(DeviceComparison, EachDifferenceNamesItsField) {
+  MachineSpec machine = Els03();
+  machine.mutable_laser_line()->set_serial_number("L-2");
+  machine.mutable_motion_line()->set_serial_number("S-2");
+  machine.set_pulse_trigger(PULSE_TRIGGER_AT_PLACE);
+  link::LaserIdentity laser = GoodLaser();
+  laser.channels = 2;
+  laser.rates_hz.pop_back();
+  const std::string of_laser = TextOf(CompareLaser(machine, laser));
+  EXPECT_THAT(of_laser, HasSubstr("laser_line.serial_number: \"L-2\" is expected"));
+  EXPECT_THAT(of_laser, HasSubstr("laser.channels: 4 are more than the 2"));
+  EXPECT_THAT(of_laser, HasSubstr("laser.rates_hz[7]: 200 Hz is no rate"));
+  EXPECT_THAT(of_laser, HasSubstr("pulse_trigger: "));
+  link::MotionIdentity stage = GoodStage();
+  stage.travel_max_nm[1] = 150'000'000;
+  const std::string of_stage =
+      TextOf(CompareStage(machine, stage, link::StageTolerance{10000}));
+  EXPECT_THAT(of_stage, HasSubstr("motion_line.serial_number: \"S-2\" is expected"));
+  EXPECT_THAT(of_stage, HasSubstr("y travel: -2 to 172 mm is beyond the -2 to 150"));
+  EXPECT_THAT(of_stage, HasSubstr("position_tolerance_um: "));
+  EXPECT_THAT(of_stage, HasSubstr("pulse_trigger: "));
+}
+
+TEST(DeviceComparison, ReadsARunningMachineAndLeavesABusyOneAlone) {
+  virtual_engraver::EngraverProcess engraver(
+      test::FreshFolder(), "stage { travel_max_mm { x: 100 y: 172 z: 172 } }");
+  ASSERT_TRUE(engraver.AwaitReady());
+  MachineSpec machine = Els03();
+  machine.mutable_laser_line()->set_device(engraver.laser_line());
+  machine.mutable_motion_line()->set_device(engraver.motion_line());
+  {
+    const auto found = CompareDevices(machine, link::MonotonicClock());
+    ASSERT_EQ(found.size(), 2u);
+    EXPECT_EQ(found[0].not_compared, "");
+    EXPECT_EQ(found[1].not_compared, "");
+    EXPECT_THAT(TextOf(found[1].differences), HasSubstr("x travel: -2 to 172 mm"));
+  }
+  virtual_engraver::EngravingHost host(engraver);
+  ASSERT_TRUE(host.Connect());
+  const auto busy = CompareDevices(machine, link::MonotonicClock());
+  EXPECT_NE(busy[0].not_compared, "");
+  EXPECT_NE(busy[1].not_compared, "");
+  EXPECT_TRUE(host.Until([] { return true; }));
+}
+
+}  // namespace
+}  // namespace intaglio::client

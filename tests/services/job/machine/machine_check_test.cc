@@ -1,0 +1,102 @@
+// Fields of a profile that the check of the whole profile compares with each other.
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <string>
+
+#include "services/job/job_check.h"
+#include "services/job/machine/laser_setting.h"
+#include "tests/services/job/test_job.h"
+
+namespace intaglio {
+namespace {
+
+using testing::HasSubstr;
+
+void AddEnergy(MachineSpec& machine, double setting_ratio, double energy_mj) {
+  EnergyPoint& point = *machine.mutable_laser()->add_energy_calibration();
+  point.set_setting_ratio(setting_ratio);
+  point.set_energy_mj(energy_mj);
+}
+
+std::string ErrorsOf(const std::function<void(MachineSpec&)>& change) {
+  MachineSpec machine = GoodMachine();
+  change(machine);
+  std::string all;
+  for (const Error& error : CheckMachine(machine)) all += error.message + "\n";
+  return all;
+}
+
+TEST(MachineCheck, LensNamesAreThoseOfTheList) {
+  EXPECT_EQ(ErrorsOf([](auto& m) { m.set_mounted_lens("f70"); }), "");
+  EXPECT_EQ(ErrorsOf([](auto& m) { m.set_mounted_lens("f50"), m.set_zero_lens("x"); }),
+            "mounted_lens: \"f50\" is no lens of this machine; give one of f43, f70\n"
+            "zero_lens: \"x\" is no lens of this machine; give one of f43, f70\n");
+}
+
+TEST(MachineCheck, EnergiesGrow) {
+  EXPECT_EQ(ErrorsOf([](auto& m) { AddEnergy(m, 0.2, 5), AddEnergy(m, 1, 30); }), "");
+  EXPECT_THAT(ErrorsOf([](auto& m) { AddEnergy(m, 1, 30); }),
+              HasSubstr("laser.energy_calibration[1]: is missing"));
+  EXPECT_THAT(ErrorsOf([](auto& m) {
+                AddEnergy(m, 0.2, 5), AddEnergy(m, 0.5, 5), AddEnergy(m, 1, 30);
+              }),
+              HasSubstr("laser.energy_calibration[1]: setting 0.5 with 5 mJ does not "
+                        "exceed setting 0.2 with 5 mJ"));
+  EXPECT_EQ(ErrorsOf([](auto& m) { AddEnergy(m, 0.2, 5), AddEnergy(m, 1, 20); }),
+            "laser.pulse_energy_mj: 30 is outside the calibrated energies, 5..20\n");
+}
+
+TEST(MachineCheck, ChannelPositionsAreThoseOfItsChannels) {
+  const auto found = ErrorsOf([](MachineSpec& m) {
+    m.mutable_laser()->set_channels(2);
+    for (const std::uint32_t channel : {2, 2, 3, 7}) {
+      m.add_channel_positions()->set_channel(channel);
+    }
+    for (int i : {0, 1, 2}) m.mutable_channel_positions(i)->mutable_offset_mm();
+  });
+  EXPECT_THAT(found, HasSubstr("channel_positions[1].channel: 2 occurs twice"));
+  EXPECT_THAT(found, HasSubstr("channel_positions[2].channel: 3 is above"));
+  EXPECT_THAT(found, HasSubstr("channel_positions[3].channel: 7 is outside 2..4"));
+  EXPECT_THAT(found, HasSubstr("channel_positions[3].offset_mm: is missing"));
+}
+
+TEST(MachineCheck, CorrectionsAreSmall) {
+  EXPECT_EQ(ErrorsOf([](auto& m) {
+              m.mutable_cartesian()->mutable_y()->set_scale_ratio(1.2);
+              m.mutable_cartesian()->set_squareness_xy_rad(0.5);
+            }),
+            "cartesian.y.scale_ratio: 1.2 is outside 0.9..1.1\n"
+            "cartesian.squareness_xy_rad: 0.5 is outside -0.1..0.1\n");
+}
+
+TEST(LaserSetting, IsLinearBetweenTheMeasurements) {
+  MachineSpec machine = GoodMachine();
+  EXPECT_FALSE(LaserSettingFor(machine.laser(), 10).has_value());
+  EXPECT_FALSE(EnergiesOf(machine.laser()).has_value());
+  AddEnergy(machine, 0.2, 4), AddEnergy(machine, 0.6, 24), AddEnergy(machine, 1, 30);
+  // By hand: 0.2 + 0.4 * (10 - 4) / 20, and 0.6 + 0.4 * (27 - 24) / 6.
+  EXPECT_DOUBLE_EQ(*LaserSettingFor(machine.laser(), 10), 0.32);
+  EXPECT_DOUBLE_EQ(*LaserSettingFor(machine.laser(), 27), 0.8);
+  EXPECT_DOUBLE_EQ(*LaserSettingFor(machine.laser(), 24), 0.6);
+  EXPECT_DOUBLE_EQ(*LaserSettingFor(machine.laser(), 3), 0.2);
+  EXPECT_DOUBLE_EQ(*LaserSettingFor(machine.laser(), 31), 1);
+}
+
+TEST(LaserSetting, JobsAskForCalibratedEnergies) {
+  MachineSpec machine = GoodMachine();
+  AddEnergy(machine, 0.2, 4), AddEnergy(machine, 1, 30);
+  JobSpec job = GoodJob();
+  job.mutable_laser()->set_pulse_energy_mj(4);
+  EXPECT_TRUE(CheckJobOnMachine(job, machine).empty());
+  job.mutable_laser()->set_pulse_energy_mj(3.9);
+  const auto found = CheckJobOnMachine(job, machine);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].message,
+            "laser.pulse_energy_mj: 3.9 is outside the calibrated energies of els-03, "
+            "4..30");
+}
+
+}  // namespace
+}  // namespace intaglio
