@@ -5,6 +5,7 @@
 #include <array>
 
 #include "engrave/core/try.h"
+#include "services/drivers/virtual_cell_driver.h"
 #include "services/drivers/virtual_stage_driver.h"
 #include "services/platform/link/driver_table.h"
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::array kMotionKinds = {
     MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver},
+    MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true},
 };
 
 }  // namespace

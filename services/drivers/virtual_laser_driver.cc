@@ -1,7 +1,6 @@
 #include "services/drivers/virtual_laser_driver.h"
 
 #include "services/platform/link/expected_device.h"
-#include "services/platform/link/line_session.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -10,7 +9,7 @@ using link::LaserFrame;
 
 class VirtualLaserDriver final : public LaserController {
  public:
-  VirtualLaserDriver(link::StreamOpener open, link::SteadyClock clock,
+  VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
                      link::ExpectedDevice expected);
 
   void Poll(const ReportSink& sink, const PastSink& past) override;
@@ -52,7 +51,7 @@ class VirtualLaserDriver final : public LaserController {
   link::SteadyClock clock_;
   link::ExpectedDevice expected_;
   std::string refusal_;
-  link::LineSession session_;
+  link::FramePort session_;
   link::LaserIdentity identity_;
   link::LaserStatus status_;
   bool identified_ = false;
@@ -64,11 +63,11 @@ class VirtualLaserDriver final : public LaserController {
   std::uint32_t disarms_sent_ = 0;
 };
 
-VirtualLaserDriver::VirtualLaserDriver(link::StreamOpener open, link::SteadyClock clock,
+VirtualLaserDriver::VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
                                        link::ExpectedDevice expected)
     : clock_(std::move(clock)),
       expected_(std::move(expected)),
-      session_(std::move(open), clock_) {}
+      session_(std::move(port)) {}
 
 void VirtualLaserDriver::Poll(const ReportSink& sink, const PastSink& past) {
   session_.Poll([&](std::uint8_t type, std::span<const std::byte> payload) {
@@ -168,9 +167,15 @@ bool VirtualLaserDriver::RequestPast(std::uint64_t first_tick, std::uint16_t cou
 std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machine,
                                                         link::StreamOpener open,
                                                         link::SteadyClock clock) {
+  return MakeVirtualLaserDriver(machine, link::FramePort(std::move(open), clock), clock);
+}
+
+std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machine,
+                                                        link::FramePort port,
+                                                        link::SteadyClock clock) {
   const SerialLine& line = machine.laser_line();
   return std::make_unique<VirtualLaserDriver>(
-      std::move(open), std::move(clock),
+      std::move(port), std::move(clock),
       link::ExpectedDevice{line.serial_number(), "laser", machine.name(), line.device(),
                            "laser_line"});
 }

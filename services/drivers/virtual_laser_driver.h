@@ -9,11 +9,16 @@
 // swapped while the process runs.
 
 #include "services/drivers/laser_controller.h"
+#include "services/platform/link/shared_line.h"
 
 namespace intaglio::drivers {
 
 std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machine,
                                                         link::StreamOpener open,
+                                                        link::SteadyClock clock);
+/// On a line that carries other frames, too.
+std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machine,
+                                                        link::FramePort port,
                                                         link::SteadyClock clock);
 
 }  // namespace intaglio::drivers

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "services/platform/link/expected_device.h"
-#include "services/platform/link/line_session.h"
 #include "services/platform/link/motion_protocol.h"
 
 namespace intaglio::drivers {
@@ -87,11 +86,11 @@ FaultText TextOf(link::StageFault fault) {
 
 class VirtualStageDriver final : public MotionDriver {
  public:
-  VirtualStageDriver(link::StreamOpener open, link::SteadyClock clock,
-                     link::ExpectedDevice expected, bool needs_compare)
+  VirtualStageDriver(link::FramePort port, link::ExpectedDevice expected,
+                     bool needs_compare)
       : expected_(std::move(expected)),
         needs_compare_(needs_compare),
-        session_(std::move(open), std::move(clock)) {}
+        session_(std::move(port)) {}
 
   void Poll() override {
     session_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
@@ -313,7 +312,7 @@ class VirtualStageDriver final : public MotionDriver {
 
   link::ExpectedDevice expected_;
   bool needs_compare_;
-  link::LineSession session_;
+  link::FramePort session_;
   DriverState state_;
   link::MotionStatus status_;
   bool identified_ = false;
@@ -332,9 +331,15 @@ class VirtualStageDriver final : public MotionDriver {
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
                                                      link::StreamOpener open,
                                                      link::SteadyClock clock) {
+  return MakeVirtualStageDriver(machine,
+                                link::FramePort(std::move(open), std::move(clock)));
+}
+
+std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
+                                                     link::FramePort port) {
   const SerialLine& line = machine.motion_line();
   return std::make_unique<VirtualStageDriver>(
-      std::move(open), std::move(clock),
+      std::move(port),
       link::ExpectedDevice{line.serial_number(), "stage controller", machine.name(),
                            line.device(), "motion_line"},
       machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE);

@@ -8,11 +8,15 @@
 // AbortRun a session, which brakes what another host may have left running.
 
 #include "services/drivers/motion_driver.h"
+#include "services/platform/link/shared_line.h"
 
 namespace intaglio::drivers {
 
 std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
                                                      link::StreamOpener open,
                                                      link::SteadyClock clock);
+/// On a line that carries other frames, too.
+std::unique_ptr<MotionDriver> MakeVirtualStageDriver(const MachineSpec& machine,
+                                                     link::FramePort port);
 
 }  // namespace intaglio::drivers

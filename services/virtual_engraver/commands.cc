@@ -40,11 +40,17 @@ std::vector<std::string> TokensOf(const std::string& line) {
 
 Status Commands::PlugLaser() {
   INTAGLIO_TRY(PlugIn(plugs_.laser, "laser line"));
-  machine_.PlugLaserLine(plugs_.laser.line->MachineEnd());
+  PlugEnd(plugs_.laser.line->MachineEnd());
   return {};
 }
 
+void Commands::PlugEnd(std::unique_ptr<link::ByteStream> end) {
+  plugs_.one_line ? machine_.PlugOneLine(std::move(end))
+                  : machine_.PlugLaserLine(std::move(end));
+}
+
 Status Commands::PlugMotion() {
+  if (plugs_.one_line) return {};
   INTAGLIO_TRY(PlugIn(plugs_.motion, "motion line"));
   machine_.PlugMotionLine(plugs_.motion.line->MachineEnd());
   return {};
@@ -52,7 +58,7 @@ Status Commands::PlugMotion() {
 
 void Commands::TakeHangUps() {
   if (plugs_.laser.line && plugs_.laser.line->HostHasGone())
-    machine_.PlugLaserLine(plugs_.laser.line->MachineEnd());
+    PlugEnd(plugs_.laser.line->MachineEnd());
   if (plugs_.motion.line && plugs_.motion.line->HostHasGone())
     machine_.PlugMotionLine(plugs_.motion.line->MachineEnd());
 }
@@ -66,8 +72,8 @@ std::string Commands::Do(const std::string& command) {
 }
 
 std::string Commands::Line(const std::string& verb, const std::string& which) {
-  const bool laser = which == "laser";
-  if (!laser && which != "motion") return {};
+  if (which != "laser" && which != "motion") return {};
+  const bool laser = which == "laser" || plugs_.one_line;
   if (verb == "unplug") {
     if (laser) {
       machine_.PlugLaserLine(nullptr);

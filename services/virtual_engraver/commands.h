@@ -31,6 +31,7 @@ struct Plugs {
   };
   Plug laser, motion;
   unsigned seed = 0;
+  bool one_line = false;  ///< laser.device carries both; motion has no line
 };
 
 class Commands {
@@ -46,6 +47,7 @@ class Commands {
   bool quit() const { return quit_; }
 
  private:
+  void PlugEnd(std::unique_ptr<link::ByteStream> end);
   std::string DoCommand(const std::vector<std::string>& words);
   std::string DoLamp(const std::vector<std::string>& words);
   std::string DoStage(const std::vector<std::string>& words);

@@ -89,23 +89,36 @@ void Machine::PlugMotionLine(std::unique_ptr<link::ByteStream> end) {
   motion_line_.Plug(Delayed(std::move(end)), clock_);
 }
 
+void Machine::PlugOneLine(std::unique_ptr<link::ByteStream> end) {
+  one_line_ = true;
+  PlugLaserLine(std::move(end));
+}
+
 void Machine::PollLines() {
   // The identity goes first in a session, before what its frames are answered with.
   if (laser_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
-        HandleLaser(static_cast<LaserFrame>(type), payload);
+        const bool motion = one_line_ && type >= Number(MotionFrame::kBeginRun);
+        motion ? HandleMotion(static_cast<MotionFrame>(type), payload)
+               : HandleLaser(static_cast<LaserFrame>(type), payload);
       })) {
     laser_.NewSession();
     laser_line_.Send(Number(LaserFrame::kLaserIdentity), Encode(laser_.Identity()));
+    if (one_line_) GreetMotionHost();
   }
   if (motion_line_.Poll([this](std::uint8_t type, std::span<const std::byte> payload) {
         HandleMotion(static_cast<MotionFrame>(type), payload);
       })) {
-    motion_line_.Send(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
-    motion_line_.Send(Number(MotionFrame::kStageTolerance), Encode(stage_.Tolerance()));
-    if (const OwnClock* own = stage_.own_clock()) {
-      motion_line_.Send(Number(MotionFrame::kControllerClock),
-                        Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
-    }
+    GreetMotionHost();
+  }
+}
+
+void Machine::GreetMotionHost() {
+  Line& line = MotionLine();
+  line.Send(Number(MotionFrame::kMotionIdentity), Encode(stage_.Identity()));
+  line.Send(Number(MotionFrame::kStageTolerance), Encode(stage_.Tolerance()));
+  if (const OwnClock* own = stage_.own_clock()) {
+    line.Send(Number(MotionFrame::kControllerClock),
+              Encode(link::ControllerClock{own->power_up(), own->now_ns()}));
   }
 }
 
@@ -171,7 +184,7 @@ void Machine::AdvanceJog() {
 
 void Machine::KeepSafe() {
   if (laser_line_.silent() && laser_.MayFire()) laser_.EnterSafeState();
-  if (motion_line_.silent() && stage_.running())
+  if (MotionLine().silent() && stage_.running())
     stage_.Fail(link::StageFault::kSafeState);
 }
 
@@ -237,12 +250,12 @@ void Machine::SendReports(bool at_once) {
     laser_line_.Send(Number(LaserFrame::kPulseReport), Encode(report));
   }
   for (const link::Positions& positions : stage_.TakePositions()) {
-    motion_line_.Send(Number(MotionFrame::kPositions), Encode(positions));
+    MotionLine().Send(Number(MotionFrame::kPositions), Encode(positions));
   }
   for (const link::TimedPositions& positions : stage_.TakeTimedPositions()) {
     // They arrive at rest, too: they are not kept for a host that is not there.
-    if (!motion_line_.link || !motion_line_.link->up()) break;
-    motion_line_.Send(Number(MotionFrame::kTimedPositions), Encode(positions));
+    if (!MotionLine().link || !MotionLine().link->up()) break;
+    MotionLine().Send(Number(MotionFrame::kTimedPositions), Encode(positions));
   }
   const link::LaserStatus status = laser_.Report();
   const std::uint32_t interlocks = status.interlocks | status.shutters_open << 8;
@@ -260,8 +273,8 @@ void Machine::SendReports(bool at_once) {
     sent_fault_ = stage_.fault();
     motion_line_.status_asked = false;
     motion_line_.next_status = now + kStatusPeriod;
-    if (motion_line_.link && motion_line_.link->up()) {
-      motion_line_.Send(Number(MotionFrame::kMotionStatus), Encode(stage_.Report()));
+    if (MotionLine().link && MotionLine().link->up()) {
+      MotionLine().Send(Number(MotionFrame::kMotionStatus), Encode(stage_.Report()));
     }
   }
   laser_line_.Flush();

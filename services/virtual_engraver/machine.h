@@ -8,6 +8,8 @@
 // time: ticks pass by the clock, `speed` times as fast as the lamp's rate, and data sent
 // on a line arrive up to `line_jitter` later.
 //
+// With one line both protocols are on it; it has one host and one session.
+//
 // A safe state of its own: no valid frame on the laser line for 250 ms while a shutter is
 // open or a tick is decided closes the shutters; on the motion line during a run it stops
 // the stage. Wall time, in lockstep, too.
@@ -49,6 +51,8 @@ class Machine {
   /// A line is plugged in: the machine's end of it. Null unplugs it.
   void PlugLaserLine(std::unique_ptr<link::ByteStream> end);
   void PlugMotionLine(std::unique_ptr<link::ByteStream> end);
+  /// One line for both: a controller that moves the stage and switches the laser.
+  void PlugOneLine(std::unique_ptr<link::ByteStream> end);
 
   /// Lines, ticks that are due, reports. Returns how long nothing is due.
   std::chrono::nanoseconds Turn();
@@ -87,6 +91,9 @@ class Machine {
 
   std::unique_ptr<link::ByteStream> Delayed(std::unique_ptr<link::ByteStream> end);
   void PollLines();
+  void GreetMotionHost();
+  /// What carries the frames of the stage.
+  Line& MotionLine() { return one_line_ ? laser_line_ : motion_line_; }
   void HandleLaser(link::LaserFrame type, std::span<const std::byte> payload);
   void HandleMotion(link::MotionFrame type, std::span<const std::byte> payload);
   void AdvanceJog();
@@ -103,6 +110,7 @@ class Machine {
   Glass glass_;
   link::SteadyClock clock_;
   Line laser_line_, motion_line_;
+  bool one_line_ = false;
   unsigned lines_plugged_ = 0;
   std::chrono::nanoseconds next_tick_at_;
   std::chrono::nanoseconds jogged_at_{0};  // until when the stage was moved by hand

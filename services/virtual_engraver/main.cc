@@ -40,7 +40,10 @@ void AddOptions(command_line::Command app, Options& o) {
                 "laser line: the symbolic link to make for a pseudo-terminal, or "
                 "tcp:HOST:PORT to listen there (port 0: a free one)")
       .Require();
-  app.AddOption("--motion-line", o.motion_line, "motion line, as --laser-line").Require();
+  app.AddOption("--motion-line", o.motion_line,
+                "motion line, as --laser-line; the same symbolic link: one line carries "
+                "both, as of a controller that moves and switches the laser")
+      .Require();
   app.AddOption("--glass-record", o.glass_record, "file that records every crack")
       .Require();
   app.AddOption("--panel", o.panel, "Unix socket for buttons and injected faults");
@@ -100,6 +103,8 @@ int Serve(Options& options) {
   }
   Machine machine(options.machine, std::move(*glass), link::MonotonicClock());
   Plugs plugs{{options.laser_line}, {options.motion_line}, options.machine.seed};
+  plugs.one_line = options.laser_line == options.motion_line &&
+                   !options.laser_line.starts_with("tcp:");
   Commands commands(machine, plugs);
   for (const auto& plugged : {commands.PlugLaser(), commands.PlugMotion()}) {
     if (!plugged) throw std::runtime_error(plugged.error().message);

@@ -13,12 +13,22 @@ class VirtualLaserRig final : public LaserRig {
  public:
   VirtualLaserRig(const LaserDriverKind& kind, const std::string& serial_number)
       : machine_(Options()) {
+    driver = kind.make(Profile(serial_number), machine_.Opener(machine_.laser),
+                       machine_.clock());
+  }
+  /// Of the engraver with one line.
+  VirtualLaserRig(const MotionDriverKind& kind, const std::string& serial_number)
+      : machine_(Options(), true) {
+    driver = LaserOf(kind.make(Profile(serial_number), machine_.Opener(machine_.laser),
+                               machine_.clock()));
+  }
+  static MachineSpec Profile(const std::string& serial_number) {
     MachineSpec profile;
     profile.set_name("els-03");
     profile.mutable_laser_line()->set_device("the line");
     profile.mutable_laser_line()->set_serial_number(
         serial_number.empty() ? kSerialNumber : serial_number);
-    driver = kind.make(profile, machine_.Opener(machine_.laser), machine_.clock());
+    return profile;
   }
 
   void CutLine(bool cut) override { machine_.laser.Cut(cut); }
@@ -59,11 +69,19 @@ class VirtualLaserRig final : public LaserRig {
 
 }  // namespace
 
+std::unique_ptr<LaserController> LaserOf(std::unique_ptr<MotionDriver> both) {
+  return std::unique_ptr<LaserController>(both.release()->laser());
+}
+
 std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
                                        const std::string& serial_number) {
   if (protocol == kMotionOutput) {
     return std::make_unique<MotionOutputRig>(cell::MakeOneControllerLaserRig(),
                                              CutLineOf::kSynchronizer, serial_number);
+  }
+  for (const MotionDriverKind& kind : MotionDriverKinds()) {
+    if (kind.protocol == protocol && protocol == "virtual-cell")
+      return std::make_unique<VirtualLaserRig>(kind, serial_number);
   }
   for (const LaserDriverKind& kind : LaserDriverKinds()) {
     if (kind.protocol == protocol && protocol == "virtual-laser")

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "services/drivers/laser_controller.h"
+#include "services/drivers/motion_driver.h"
 
 namespace intaglio::drivers {
 
@@ -61,6 +62,9 @@ class LaserRig {
  private:
   virtual void AdvanceController() = 0;
 };
+
+/// The same object, of a controller that moves and switches the laser.
+std::unique_ptr<LaserController> LaserOf(std::unique_ptr<MotionDriver> both);
 
 /// Its profile names `serial_number`; empty: the one of the controller. Null for a driver
 /// that has no rig: the conformance test fails for it. A motion controller that switches

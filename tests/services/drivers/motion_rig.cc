@@ -10,17 +10,18 @@ constexpr char kSerialNumber[] = "S-03";
 class VirtualStageRig final : public MotionRig {
  public:
   VirtualStageRig(const MotionDriverKind& kind, const std::string& serial_number)
-      : machine_(Options()) {
+      : machine_(Options(), kind.switches_laser),
+        line_(kind.switches_laser ? machine_.laser : machine_.motion) {
     MachineSpec profile;
     profile.set_name("els-03");
     profile.mutable_motion_line()->set_device("the line");
     profile.mutable_motion_line()->set_serial_number(
         serial_number.empty() ? kSerialNumber : serial_number);
-    driver = kind.make(profile, machine_.Opener(machine_.motion), machine_.clock());
+    driver = kind.make(profile, machine_.Opener(line_), machine_.clock());
   }
 
-  void CutLine(bool cut) override { machine_.motion.Cut(cut); }
-  void CutLineAfter(std::uint64_t bytes) override { machine_.motion.CutAfter(bytes); }
+  void CutLine(bool cut) override { line_.Cut(cut); }
+  void CutLineAfter(std::uint64_t bytes) override { line_.CutAfter(bytes); }
   void PowerCycle() override {
     machine_.SwitchOff();
     StepFor(std::chrono::seconds(1));
@@ -52,6 +53,7 @@ class VirtualStageRig final : public MotionRig {
   }
 
   virtual_engraver::MachineRig machine_;
+  virtual_engraver::MachineRig::Line& line_;
 };
 
 }  // namespace
@@ -59,7 +61,7 @@ class VirtualStageRig final : public MotionRig {
 std::unique_ptr<MotionRig> MakeMotionRig(std::string_view protocol,
                                          const std::string& serial_number) {
   for (const MotionDriverKind& kind : MotionDriverKinds()) {
-    if (kind.protocol == protocol && protocol == "virtual-stage")
+    if (kind.protocol == protocol && protocol.starts_with("virtual-"))
       return std::make_unique<VirtualStageRig>(kind, serial_number);
   }
   return nullptr;

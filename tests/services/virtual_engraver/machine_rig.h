@@ -38,8 +38,11 @@ class MachineRig {
     }
   };
 
-  explicit MachineRig(MachineOptions options)
-      : folder_(test::FreshFolder()), options_(std::move(options)) {
+  /// With one line that is `laser`.
+  explicit MachineRig(MachineOptions options, bool one_line = false)
+      : laser_and_motion_(one_line),
+        folder_(test::FreshFolder()),
+        options_(std::move(options)) {
     SwitchOn();
   }
   MachineRig(const MachineRig&) = delete;
@@ -48,7 +51,7 @@ class MachineRig {
   void SwitchOff() {
     machine_.reset();
     laser.to_machine->gone = laser.to_host->gone = true;
-    motion.to_machine->gone = motion.to_host->gone = true;
+    if (!laser_and_motion_) motion.to_machine->gone = motion.to_host->gone = true;
   }
   /// With another clock, other counters, and a glass record of its own.
   void SwitchOn() {
@@ -58,6 +61,8 @@ class MachineRig {
     if (!glass) throw std::runtime_error(glass.error().message);
     machine_ = std::make_unique<Machine>(options_, std::move(*glass), clock());
     laser.Renew();
+    if (laser_and_motion_)
+      return machine_->PlugOneLine(End(laser.to_machine, laser.to_host));
     motion.Renew();
     machine_->PlugLaserLine(End(laser.to_machine, laser.to_host));
     machine_->PlugMotionLine(End(motion.to_machine, motion.to_host));
@@ -68,7 +73,7 @@ class MachineRig {
     now_ += std::chrono::milliseconds(1);
     if (machine_) machine_->Turn();
     for (Line* line : {&laser, &motion}) {
-      if (line->to_machine->cut) line->to_host->cut = true;
+      if (line->to_machine && line->to_machine->cut) line->to_host->cut = true;
     }
   }
 
@@ -95,6 +100,7 @@ class MachineRig {
                                              clock());
   }
 
+  bool laser_and_motion_;
   std::filesystem::path folder_, record_;
   MachineOptions options_;
   std::chrono::nanoseconds now_ = std::chrono::hours(3);

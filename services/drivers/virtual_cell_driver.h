@@ -1,0 +1,17 @@
+#pragma once
+
+// Driver of the virtual engraver with one line (--laser-line and --motion-line are the
+// same): a controller that moves the stage and switches the laser. It is the drivers of
+// both controllers on the two ports of that line. The serial numbers of both lines of the
+// profile are compared.
+
+#include "services/drivers/motion_driver.h"
+
+namespace intaglio::drivers {
+
+/// The object is a LaserController, too.
+std::unique_ptr<MotionDriver> MakeVirtualCellDriver(const MachineSpec& machine,
+                                                    link::StreamOpener open,
+                                                    link::SteadyClock clock);
+
+}  // namespace intaglio::drivers
