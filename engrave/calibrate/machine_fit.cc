@@ -22,6 +22,9 @@ namespace intaglio::calibrate {
 namespace {
 
 using Mat2 = Eigen::Matrix2d;
+// Backlash and lag are along the axes of the machine: what is measured is turned to them
+// by the rotation that the first fit finds.
+constexpr int kTurnings = 3;
 enum { kOffset, kOfX, kOfY, kBacklash, kLag, kUnknowns };
 
 struct AxisSolution {
@@ -133,20 +136,16 @@ void AddResiduals(const AxisSolution& solution, int axis,
   }
 }
 
-}  // namespace
+/// Turns what was measured back by this, so that its axes are those of the machine.
+void TurnBack(double angle_rad, std::vector<PassedMark>& marks) {
+  const Eigen::Rotation2Dd back(-angle_rad);
+  for (PassedMark& mark : marks) mark.measured_mm = back * mark.measured_mm;
+}
 
-Result<MachineFit> FitMachine(const std::vector<PassedMark>& marks,
-                              const KnownGeometry& known) {
-  for (std::size_t i = 0; i < marks.size(); ++i) {
-    if (marks[i].measured_mm.allFinite() && marks[i].place_mm.allFinite()) continue;
-    return Fail(ErrorCode::kInvalidValue,
-                fmt::format("mark {} has a coordinate that is no number", i));
-  }
+/// Of marks that are turned little.
+Result<MachineFit> FitTurned(const std::vector<PassedMark>& marks, const Mat2& a0) {
   const AxisSolution x = INTAGLIO_TRY(SolveAxis(marks, 0));
   const AxisSolution y = INTAGLIO_TRY(SolveAxis(marks, 1));
-  Mat2 a0;
-  a0 << known.x_scale_ratio, known.y_scale_ratio * std::sin(known.squareness_rad), 0,
-      known.y_scale_ratio * std::cos(known.squareness_rad);
   const Geometry geometry = GeometryFrom(x, y, a0);
   MachineFit fit;
   fit.axes = {FiguresOf(x, geometry.values[0], geometry.intervals95[0]),
@@ -158,10 +157,33 @@ Result<MachineFit> FitMachine(const std::vector<PassedMark>& marks,
   AddResiduals(x, 0, marks, fit);
   AddResiduals(y, 1, marks, fit);
   for (const PassedMark& mark : marks) {
-    fit.deviations_mm.push_back(Eigen::Rotation2Dd(-fit.rotation_rad) *
-                                    Vec2(mark.measured_mm - fit.offset_mm) -
-                                mark.place_mm);
+    fit.deviations_mm.push_back(mark.measured_mm - fit.offset_mm - mark.place_mm);
   }
+  return fit;
+}
+
+}  // namespace
+
+Result<MachineFit> FitMachine(const std::vector<PassedMark>& marks,
+                              const KnownGeometry& known) {
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (marks[i].measured_mm.allFinite() && marks[i].place_mm.allFinite()) continue;
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("mark {} has a coordinate that is no number", i));
+  }
+  Mat2 a0;
+  a0 << known.x_scale_ratio, known.y_scale_ratio * std::sin(known.squareness_rad), 0,
+      known.y_scale_ratio * std::cos(known.squareness_rad);
+  std::vector<PassedMark> turned = marks;
+  double rotation_rad = 0;
+  for (int round = 0; round < kTurnings; ++round) {
+    const MachineFit rough = INTAGLIO_TRY(FitTurned(turned, a0));
+    TurnBack(rough.rotation_rad, turned);
+    rotation_rad += rough.rotation_rad;
+  }
+  MachineFit fit = INTAGLIO_TRY(FitTurned(turned, a0));
+  fit.rotation_rad += rotation_rad;
+  fit.offset_mm = Eigen::Rotation2Dd(rotation_rad) * fit.offset_mm;
   return fit;
 }
 

@@ -19,10 +19,10 @@ struct CentreOptions {
   MarkTone tone = MarkTone::kEither;  ///< either: that of the strongest marks
 };
 
-/// Of every spot from half to twice the diameter, pixels; (0, 0) is the middle of the
-/// pixel at the top left, x to the right, y down. In rows from the top. kInvalidValue:
-/// the diameter is outside its range, or the picture smaller than four of them; kMissing:
-/// no spot.
+/// Of every spot from half to twice the diameter, pixels, of a dozen or more; (0, 0) is
+/// the middle of the pixel at the top left, x to the right, y down. In rows from the top.
+/// kInvalidValue: the diameter is outside its range, or the picture smaller than four of
+/// them; kMissing: no spot.
 Result<std::vector<Vec2>> FindMarkCentres(const image::GreyImage& picture,
                                           const CentreOptions& options);
 

@@ -9,6 +9,7 @@ void AddMachineCommand(command_line::Command app) {
   machine.SetFooter("Example: intaglio machine check els-03");
   AddMachineNewCommand(machine);
   AddMachineCheckCommand(machine);
+  AddMachineMeasureCommand(machine);
 }
 
 }  // namespace intaglio::cli

@@ -63,7 +63,7 @@ Truth Wrong() {
   truth.squareness_rad = 0.0005;
   truth.backlash_mm = Vec2(0.012, 0.007);
   truth.lag_s = Vec2(0.0003, 0.0001);
-  truth.rotation_rad = 0.01;
+  truth.rotation_rad = 0.6;
   truth.offset_mm = Vec2(3, -4);
   return truth;
 }
@@ -76,9 +76,8 @@ TEST(MachineFit, FindsEveryErrorWithoutNoise) {
   EXPECT_NEAR(fit->axes[0].scale_ratio.value, 1.0004, 1e-9);
   EXPECT_NEAR(fit->axes[1].scale_ratio.value, 0.9993, 1e-9);
   EXPECT_NEAR(fit->squareness_rad.value, 0.0005, 1e-9);
-  EXPECT_NEAR(fit->rotation_rad, 0.01, 1e-9);
-  // The fit's b and tau are along the measured axes: a turn of 0.01 changes them by 5e-5
-  // of themselves, and so do the scales.
+  EXPECT_NEAR(fit->rotation_rad, 0.6, 1e-9);
+  // Backlash and lag are along axes that are 4e-4 longer and 5e-4 inclined.
   EXPECT_NEAR(fit->axes[0].backlash_mm.value, 0.012, 1e-5);
   EXPECT_NEAR(fit->axes[1].backlash_mm.value, 0.007, 1e-5);
   EXPECT_NEAR(fit->axes[0].lag_s.value, 0.0003, 1e-6);

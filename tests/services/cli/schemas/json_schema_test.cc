@@ -64,6 +64,8 @@ constexpr Written kWritten[] = {
      "JobReport"},
     {"plan", "`intaglio sort --json` and `intaglio plan --json`", "plan_report",
      "PlanReport"},
+    {"machine_measurement", "`intaglio machine measure --json`", "machine_report",
+     "MachineMeasurement"},
     {"quality", "`intaglio measure --json`", "quality", "CloudQuality"},
     {"preview", "preview.json; `intaglio preview --json`", "preview", "JobPreview"},
     {"cloud", "`intaglio discretize --json`", "listing", "CloudRecord"},

@@ -1,0 +1,32 @@
+#pragma once
+
+// A picture of marks that lie beside their places: an arrow from each place, many times
+// longer than the deviation. Seen from above, x to the right, y up.
+
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/render/canvas.h"
+
+namespace intaglio::render {
+
+struct Deviation {
+  Vec2 place_mm = Vec2::Zero();
+  Vec2 by_mm = Vec2::Zero();
+};
+
+struct DeviationsCaption {
+  std::string title;
+  std::vector<std::string> figures;  ///< lines below the picture
+};
+
+/// How much longer the arrows are than the deviations: a round number (1, 2 or 5 times a
+/// power of ten), so that the root of their mean square is a thirtieth of the marks'
+/// extent or less. 1 without deviations.
+double MagnificationOf(const std::vector<Deviation>& deviations);
+
+Canvas DrawDeviations(const std::vector<Deviation>& deviations,
+                      const DeviationsCaption& caption);
+
+}  // namespace intaglio::render

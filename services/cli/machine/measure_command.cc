@@ -1,0 +1,173 @@
+// `intaglio machine measure`: the test pattern of a machine, and what its marks show.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engrave/calibrate/test_pattern.h"
+#include "engrave/core/try.h"
+#include "engrave/formats/point_file.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/render/deviations.h"
+#include "engrave/render/png_file.h"
+#include "services/cli/complain.h"
+#include "services/cli/json/print_json.h"
+#include "services/cli/machine/machine_command.h"
+#include "services/cli/machine/measurement_text.h"
+#include "services/client/exit_codes.h"
+#include "services/client/machine/measurement.h"
+#include "services/client/machine/pattern_job.h"
+#include "services/job/job_file.h"
+#include "services/platform/command_line/supplied_files.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MachineMeasureOptions {
+  std::string folder, machine, glass = "N-BK7", out, profile;
+  std::vector<double> block_mm;
+  client::MarksFile marks;
+  std::string marks_file;
+  bool json = false;
+};
+
+/// The job of the pattern, in a folder of its own.
+int MakePatternJob(const MachineMeasureOptions& options) {
+  const auto file =
+      command_line::FindSupplied(options.machine, command_line::kSuppliedProfiles);
+  if (!file) return Complain(file.error());
+  client::PatternJob job;
+  job.machine_file = *file;
+  if (!options.block_mm.empty()) {
+    job.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
+  }
+  job.glass = options.glass;
+  const auto made = client::WritePatternJob(job, options.out);
+  if (!made) return Complain(made.error());
+  std::cout << made->string() << "\n";
+  std::cerr << "Engrave it: intaglio submit " << made->string()
+            << " --arm --watch (or intaglio run, in the virtual engraver). Then measure "
+               "the marks and give them with the folder of the job: intaglio machine "
+               "measure FOLDER --marks FILE\n";
+  return client::kExitGood;
+}
+
+Status WriteDeviations(const client::Measurement& measurement, const fs::path& file) {
+  std::vector<render::Deviation> deviations;
+  for (std::size_t i = 0; i < measurement.marks.size(); ++i) {
+    deviations.push_back(
+        {measurement.marks[i].place_mm, measurement.fit.deviations_mm[i]});
+  }
+  return render::WritePng(
+      file, render::DrawDeviations(deviations, {measurement.report.machine() +
+                                                    ": marks against their places",
+                                                FigureLinesOf(measurement.report)}));
+}
+
+int MeasurePattern(const MachineMeasureOptions& options) {
+  client::MarksFile marks = options.marks;
+  marks.file = options.marks_file;
+  auto measured = client::MeasureMachine(options.folder, marks);
+  if (!measured) return Complain(measured.error());
+  const fs::path out = options.out.empty() ? options.folder : options.out;
+  std::error_code error;
+  fs::create_directories(out, error);
+  const fs::path profile =
+      options.profile.empty() ? out / "corrected.textproto" : fs::path(options.profile);
+  const fs::path picture = out / "deviations.png";
+  measured->report.set_profile(profile.string());
+  measured->report.set_picture(picture.string());
+  for (const Status& written : {WriteMachineFile(profile, measured->corrected.machine),
+                                WriteDeviations(*measured, picture)}) {
+    if (!written) return Complain(written.error());
+  }
+  if (options.json) return PrintJson(measured->report);
+  for (const std::string& line : FigureLinesOf(measured->report)) {
+    std::cout << line << "\n";
+  }
+  for (const std::string& line : OutcomeLinesOf(measured->report)) {
+    std::cout << line << "\n";
+  }
+  return client::kExitGood;
+}
+
+int RunMachineMeasure(const MachineMeasureOptions& options) {
+  const bool pattern = !options.machine.empty();
+  if (pattern == (!options.folder.empty() || !options.marks_file.empty())) {
+    return Complain({ErrorCode::kMissing,
+                     "give either --machine, to make the test pattern, or the FOLDER of "
+                     "its job with --marks, to measure it",
+                     ""});
+  }
+  if (pattern) {
+    if (!options.out.empty()) return MakePatternJob(options);
+    return Complain({ErrorCode::kMissing,
+                     "--out: is missing; name a folder for the pattern's job", ""});
+  }
+  if (options.folder.empty() || options.marks_file.empty()) {
+    return Complain(
+        {ErrorCode::kMissing,
+         "FOLDER and --marks belong together: the folder of the pattern's job "
+         "and where its marks lie",
+         ""});
+  }
+  const std::string extension = fs::path(options.marks_file).extension().string();
+  const bool picture = extension == ".png" || extension == ".jpg" ||
+                       extension == ".jpeg" || extension == ".bmp";
+  if (picture && options.marks.pixel_um <= 0) {
+    return Complain({ErrorCode::kMissing,
+                     "--pixel: is missing; give the side of a pixel in the block, um (a "
+                     "scan of 2400 dpi has 10.583)",
+                     ""});
+  }
+  return MeasurePattern(options);
+}
+
+}  // namespace
+
+void AddMachineMeasureCommand(command_line::Command machine) {
+  auto options = std::make_shared<MachineMeasureOptions>();
+  command_line::Command measure = machine.AddCommand(
+      "measure", "scale, squareness, backlash, lag and repeatability, by a test pattern");
+  measure.AddOption("FOLDER", options->folder,
+                    "of the job that made the pattern: of `run`, or of a shop's job");
+  measure.AddOption("--marks", options->marks_file,
+                    "where its marks lie: .csv with x_mm and y_mm, a picture from above, "
+                    "or points");
+  measure
+      .AddOption("--pixel", options->marks.pixel_um,
+                 "of a picture: side of a pixel in the block, um")
+      .Positive();
+  measure
+      .AddOption("--mark-size", options->marks.mark_um,
+                 "of a picture: diameter of a mark, um; default that of the lens' cracks")
+      .Positive();
+  measure.AddOption("--machine", options->machine,
+                    "makes the pattern instead: profile, a file or a supplied name");
+  measure.AddOption("--block", options->block_mm, "block of the pattern, mm")
+      .TakeValues(3)
+      .Positive();
+  measure.AddOption("--glass", options->glass, "its glass").ShowDefault();
+  measure.AddOption("--out", options->out,
+                    "folder of the pattern's job, or of profile and picture (default "
+                    "FOLDER)");
+  measure.AddOption("--profile", options->profile,
+                    "file of the corrected profile, default corrected.textproto");
+  measure.AddFlag("--json", options->json, "prints MachineMeasurement as JSON");
+  measure.SetFooter(
+      "Example: intaglio machine measure --machine els-03 --block 50 50 20 --out "
+      "pattern; "
+      "intaglio submit pattern/pattern.textproto --arm --watch; intaglio machine measure "
+      "intaglio-shop/jobs/1 --marks scan.png --pixel 10.583\n"
+      "Exit code: 0 measured, 2 wrong input, or marks that are not the pattern.");
+  measure.SetAction([options] { return RunMachineMeasure(*options); });
+}
+
+}  // namespace intaglio::cli

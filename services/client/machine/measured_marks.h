@@ -1,0 +1,31 @@
+#pragma once
+
+// Where the marks of a test pattern lie, as somebody measured them.
+
+#include <filesystem>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+
+namespace intaglio::client {
+
+struct MarksFile {
+  std::filesystem::path file;
+  /// Of a picture: the side of a pixel in the block, and the diameter of a mark; > 0.
+  double pixel_um = 0, mark_um = 0;
+};
+
+struct MeasuredMarks {
+  std::vector<Vec2> places_mm;  ///< from above, x to the right, y up
+  /// Of each, its number in the pattern, from 0; empty: they are not known.
+  std::vector<int> numbers;
+};
+
+/// By the file's extension: a table .csv with columns x_mm and y_mm, and mark (from 1,
+/// the order of engraving) when it is known; a picture .png, .jpg, .jpeg or .bmp, taken
+/// from above; or points of any format, of which z is not used. Errors name file, line
+/// and field.
+Result<MeasuredMarks> ReadMarks(const MarksFile& marks);
+
+}  // namespace intaglio::client
