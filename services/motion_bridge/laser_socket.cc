@@ -13,7 +13,10 @@ constexpr std::chrono::milliseconds kListenAgain{500};
 
 LaserSocket::LaserSocket(drivers::LaserController& laser, std::string device,
                          link::SteadyClock clock)
-    : output_(laser, clock), device_(std::move(device)), clock_(std::move(clock)) {}
+    : laser_(laser),
+      output_(laser, clock),
+      device_(std::move(device)),
+      clock_(std::move(clock)) {}
 
 void LaserSocket::Listen() {
   if (clock_() < next_listen_) return;

@@ -28,13 +28,16 @@ class LaserSocket {
   bool closed() const { return output_.closed(); }
   /// For poll(2): the host's and the listener's; -1 when there is none.
   std::array<int, 2> descriptors() const;
-  /// Why nobody can open it; empty: it is served.
-  const std::string& message() const { return message_; }
+  /// Why nobody can open it; empty: it is served, or the line of both is down.
+  const std::string& message() const {
+    return message_.empty() ? laser_.refusal() : message_;
+  }
 
  private:
   void Listen();
   void AcceptHosts();
 
+  drivers::LaserController& laser_;
   drivers::LaserOutput output_;
   std::string device_;
   link::SteadyClock clock_;

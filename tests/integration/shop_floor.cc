@@ -37,6 +37,10 @@ std::vector<std::string> Sample(const std::string& command,
                 options);
 }
 
+std::string SuppliedMachine() {
+  return std::string(kSource) + "/deploy/machines/els-03.textproto";
+}
+
 /// Sets variables for the processes that are started while it lives.
 class Environment {
  public:
@@ -124,6 +128,25 @@ ShopFloor::ShopFloor(fs::path folder, Options options)
     : folder_(std::move(folder)), options_(std::move(options)) {
   if (options_.results.empty()) options_.results = folder_ / "results";
   if (options_.database.empty()) options_.database = folder_ / "jobs.db";
+  if (!options_.one_line) return;
+  std::string made = "/tmp/intaglio-floor-XXXXXX";
+  if (mkdtemp(made.data()) == nullptr) throw std::runtime_error("no folder");
+  socket_folder_ = made;
+  const std::string profile = TextIn(SuppliedMachine());
+  std::ofstream(MachineFile())
+      << profile.substr(0, profile.find("laser_line {"))
+      << "motion_line { protocol: \"virtual-cell\" device: \"" << PlugOf(kMotion)
+      << "\" }\nlaser_line { protocol: \"motion-output\" device: \"unix:" << made
+      << "/laser\" }\n";
+}
+
+ShopFloor::~ShopFloor() {
+  running_.clear();
+  if (!socket_folder_.empty()) fs::remove_all(socket_folder_);
+}
+
+std::string ShopFloor::MachineFile() const {
+  return options_.one_line ? (folder_ / "machine.textproto").string() : SuppliedMachine();
 }
 
 std::vector<std::string> ShopFloor::With(std::vector<std::string> words) const {
@@ -135,7 +158,7 @@ const TestHost* ShopFloor::HostOf(const std::string& service) const {
 }
 
 std::vector<std::string> ShopFloor::ArgumentsOf(const std::string& service) const {
-  const std::string machine = std::string(kSource) + "/deploy/machines/els-03.textproto";
+  const std::string machine = MachineFile();
   std::vector<std::string> words = With({"--cell", "els-03"});
   // In real time: what shares this computer with a test is not what it tests.
   if (service == kJobService) {
@@ -143,6 +166,8 @@ std::vector<std::string> ShopFloor::ArgumentsOf(const std::string& service) cons
                           options_.results.string(), "--materials-db",
                           (folder_ / "materials.db").string(), "--real-time"});
   }
+  if (options_.one_line && (service == kSynchronizer || service == kBridge))
+    return Joined(words, {"--machine", machine, "--real-time"});
   if (service == kSynchronizer) {
     return Joined(words,
                   {"--machine", machine, "--real-time", "--device", OpenedFor(kLaser)});
@@ -176,6 +201,7 @@ void ShopFloor::StartMachine() {
 }
 
 std::string ShopFloor::PlugOf(const std::string& line) const {
+  if (options_.one_line) return (folder_ / "line").string();
   return options_.lines_over_tcp ? "tcp:127.0.0.1:0" : (folder_ / line).string();
 }
 

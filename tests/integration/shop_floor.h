@@ -29,11 +29,13 @@ class ShopFloor {
     std::filesystem::path results;   ///< empty: below the folder
     std::filesystem::path database;  ///< empty: in the folder
     double machine_speed = 1;
-    bool lines_over_tcp = false;       ///< on free ports of this computer
+    bool lines_over_tcp = false;  ///< on free ports of this computer
+    bool one_line = false;  ///< of a controller that moves the stage and has the laser
     const TestHost* office = nullptr;  ///< of operator, job service and workers
     const TestHost* cell = nullptr;    ///< of synchronizer, bridge and machine
   };
   ShopFloor(std::filesystem::path folder, Options options);
+  ~ShopFloor();
 
   void StartAll();
   void StartMachine();
@@ -75,10 +77,12 @@ class ShopFloor {
  private:
   std::vector<std::string> ArgumentsOf(const std::string& service) const;
   std::string PlugOf(const std::string& line) const;
+  std::string MachineFile() const;
   std::string OpenedFor(const std::string& line) const;
   const TestHost* HostOf(const std::string& service) const;
 
   std::filesystem::path folder_;
+  std::filesystem::path socket_folder_;  // short enough for a socket; empty: none
   Options options_;
   std::map<std::string, std::unique_ptr<Running>> running_;
   std::unique_ptr<Running> watch_;
