@@ -56,7 +56,7 @@ void LaserOutput::CloseLaser() {
   if (disarm_owed_ && laser_.CanSend()) disarm_owed_ = !laser_.Disarm();
 }
 
-void LaserOutput::Poll() {
+void LaserOutput::PollLaser() {
   laser_.Poll(
       [this](const link::PulseReport& report) {
         if (serving_) Send(LaserFrame::kPulseReport, Encode(report));
@@ -65,9 +65,14 @@ void LaserOutput::Poll() {
         if (serving_) Send(LaserFrame::kPastReport, Encode(report));
       });
   FollowLaser();
+}
+
+void LaserOutput::Poll() {
+  PollLaser();
   if (link_) PollHost();
   CloseLaser();
   PassCommandsOn();
+  PollLaser();  // what was commanded leaves now, and not after the caller's next wait
   if (!link_) return;
   Identify();
   SendStatus();

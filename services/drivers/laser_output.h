@@ -53,6 +53,7 @@ class LaserOutput {
     link::Bytes payload;
   };
 
+  void PollLaser();
   void FollowLaser();
   void PollHost();
   void BeginSession();
