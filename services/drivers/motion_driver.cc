@@ -5,6 +5,7 @@
 #include <array>
 
 #include "engrave/core/try.h"
+#include "services/drivers/linuxcnc/linuxcnc_driver.h"
 #include "services/drivers/virtual_cell_driver.h"
 #include "services/drivers/virtual_stage_driver.h"
 #include "services/platform/link/driver_table.h"
@@ -15,6 +16,7 @@ namespace {
 constexpr std::array kMotionKinds = {
     MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver},
     MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true},
+    MotionDriverKind{"linuxcnc", false, &MakeLinuxcncDriver, true},
 };
 
 }  // namespace

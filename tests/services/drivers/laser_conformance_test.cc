@@ -15,7 +15,9 @@ std::vector<std::string> Protocols() {
   std::vector<std::string> all;
   for (const LaserDriverKind& kind : LaserDriverKinds()) all.emplace_back(kind.protocol);
   for (const MotionDriverKind& kind : MotionDriverKinds())
-    if (kind.switches_laser) all.emplace_back(kind.protocol);
+    // In real time, by linuxcnc_driver_test: linuxcnc.
+    if (kind.switches_laser && kind.protocol != "linuxcnc")
+      all.emplace_back(kind.protocol);
   return all;
 }
 

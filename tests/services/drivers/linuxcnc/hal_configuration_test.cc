@@ -74,7 +74,7 @@ class HalConfiguration : public ::testing::Test {
   void Send(int heartbeat) {
     ++command_;
     const std::string line =
-        fmt::format("{} {} {} {} {} {} {} {} {} {} {}\n", command_, arm_, 3, heartbeat,
+        fmt::format("{} {} {} {} {} {} {} {} {} {} 10 {}\n", command_, arm_, 3, heartbeat,
                     stop_ ? 1 : 0, wake_ ? 1 : 0, reset_ ? 1 : 0, reset_ ? 1 : 0,
                     shutter_ ? 1 : 0, lamp_ ? 1 : 0, command_ + command_off_);
     commands_->Write(line);

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <sys/mount.h>
 #include <sys/prctl.h>
+#include <sys/shm.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -49,6 +50,17 @@ template <typename Exec>
   }
   waitpid(init, nullptr, 0);
   _exit(0);
+}
+
+// What the killed HAL has left in this process's namespace.
+void RemoveSharedMemory() {
+  shm_info all{};
+  const int last = shmctl(0, SHM_INFO, reinterpret_cast<shmid_ds*>(&all));
+  for (int i = 0; i <= last; ++i) {
+    shmid_ds segment{};
+    if (const int id = shmctl(i, SHM_STAT, &segment); id >= 0)
+      shmctl(id, IPC_RMID, nullptr);
+  }
 }
 
 }  // namespace
@@ -143,12 +155,15 @@ void HalMachine::PowerOff() {
   waitpid(child_, nullptr, 0);
   child_ = -1;
   std::filesystem::remove(folder_ / "hal.log");
+  std::filesystem::remove(folder_ / "identity");
+  RemoveSharedMemory();
 }
 
 std::vector<std::uint64_t> HalMachine::RecordedTicks() const {
   std::ifstream in(folder_ / "pulses");
   std::vector<std::uint64_t> ticks;
-  for (std::uint64_t tick = 0; in >> tick;) ticks.push_back(tick);
+  double x = 0, y = 0, z = 0;
+  for (std::uint64_t tick = 0; in >> tick >> x >> y >> z;) ticks.push_back(tick);
   return ticks;
 }
 

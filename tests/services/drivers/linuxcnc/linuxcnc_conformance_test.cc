@@ -1,0 +1,50 @@
+// The guarantees of every motion driver and of every laser driver, on LinuxCNC.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <set>
+#include <string>
+
+#include "tests/services/drivers/laser_conformance.h"
+#include "tests/services/drivers/linuxcnc/linuxcnc_rig.h"
+#include "tests/services/drivers/motion_conformance.h"
+
+namespace intaglio::linuxcnc {
+namespace {
+
+/// Minutes each, in real time: with INTAGLIO_LONG=1.
+const std::set<std::string> kLong = {"M9_cut_at_any_byte", "L7_cut_at_any_byte",
+                                     "L6_memory"};
+
+std::string WhyNot(const std::string& check) {
+  if (kLong.contains(check) && std::getenv("INTAGLIO_LONG") == nullptr)
+    return "takes minutes: set INTAGLIO_LONG=1";
+  return EnterNamespace();
+}
+
+class LinuxcncMotion : public ::testing::TestWithParam<drivers::MotionCheck> {};
+
+TEST_P(LinuxcncMotion, Keeps) {
+  if (const auto why = WhyNot(GetParam().name); !why.empty()) GTEST_SKIP() << why;
+  EXPECT_EQ(drivers::ViolationOf(GetParam(), &MakeMotionRig), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, LinuxcncMotion,
+                         ::testing::ValuesIn(drivers::MotionChecks().begin(),
+                                             drivers::MotionChecks().end()),
+                         [](const auto& check) { return std::string(check.param.name); });
+
+class LinuxcncLaser : public ::testing::TestWithParam<drivers::LaserCheck> {};
+
+TEST_P(LinuxcncLaser, Keeps) {
+  if (const auto why = WhyNot(GetParam().name); !why.empty()) GTEST_SKIP() << why;
+  EXPECT_EQ(drivers::ViolationOf(GetParam(), &MakeLaserRig), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, LinuxcncLaser,
+                         ::testing::ValuesIn(drivers::LaserChecks().begin(),
+                                             drivers::LaserChecks().end()),
+                         [](const auto& check) { return std::string(check.param.name); });
+
+}  // namespace
+}  // namespace intaglio::linuxcnc
