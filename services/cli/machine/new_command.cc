@@ -37,8 +37,12 @@ std::string PurposeOf(const fs::path& file) {
   std::string text, line;
   while (std::getline(in, line) && line.starts_with("# ")) {
     text += (text.empty() ? "" : " ") + line.substr(2);
-    if (const auto end = text.find(". "); end != std::string::npos)
-      return text.substr(0, end);
+    for (auto end = text.find(". "); end != std::string::npos;
+         end = text.find(". ", end + 1)) {
+      // Not that of an abbreviation: "ch. 8".
+      if (end + 2 < text.size() && text[end + 2] >= 'A' && text[end + 2] <= 'Z')
+        return text.substr(0, end);
+    }
     if (text.ends_with('.')) return text.substr(0, text.size() - 1);
   }
   return text;

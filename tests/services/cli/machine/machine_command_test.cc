@@ -55,6 +55,42 @@ TEST_F(MachineCommand, NewMakesAProfileOfAFamily) {
   EXPECT_THAT(errors_, HasSubstr("exists already"));
 }
 
+TEST_F(MachineCommand, NewListsTheFamilies) {
+  setenv("INTAGLIO_SHARE", INTAGLIO_SOURCE_DIR "/deploy", 1);
+  EXPECT_EQ(Run({"machine", "new"}), 0);
+  unsetenv("INTAGLIO_SHARE");
+  EXPECT_THAT(out_, HasSubstr("els-03           ELS-03, the laser engraver of Troch"));
+  EXPECT_THAT(out_, HasSubstr("proposes it in ch. 8: the table carries the block"));
+}
+
+// The profile names the template and calibrates the pulse energy: half of the energy is
+// at setting 0.6.
+TEST_F(MachineCommand, PostTakesTemplateAndSettingOfTheProfile) {
+  setenv("INTAGLIO_MATERIALS_DB", (folder_ / "materials.db").c_str(), 1);
+  MachineSpec machine = ReadMachineFile(Supplied("els-03")).value();
+  machine.set_post(INTAGLIO_SOURCE_DIR "/deploy/post/grbl.post");
+  machine.mutable_laser()->set_pulse_energy_mj(15);
+  for (const auto& [setting, energy] : {std::pair{0.2, 0.0}, {0.6, 15.0}, {1.0, 30.0}}) {
+    EnergyPoint& point = *machine.mutable_laser()->add_energy_calibration();
+    point.set_setting_ratio(setting);
+    point.set_energy_mj(energy);
+  }
+  ASSERT_TRUE(WriteMachineFile(profile(), machine));
+  const fs::path path = folder_ / "path.xyz", program = folder_ / "p.nc";
+  std::ofstream(path) << "10 10 10\n11 10 10\n";
+  ASSERT_EQ(Run({"post", "--path", path.string(), "--block", "30", "30", "20",
+                 "--machine", profile().string(), "--out", program.string()}),
+            0)
+      << errors_;
+  std::ifstream in(program);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(text, HasSubstr("S600 F3000"));
+  EXPECT_EQ(Run({"post", "--path", path.string(), "--block", "30", "30", "20",
+                 "--machine", Supplied("els-03"), "--out", program.string()}),
+            2);
+  EXPECT_THAT(errors_, HasSubstr("has no field post"));
+}
+
 TEST_F(MachineCommand, NewWritesNoProfileWithMistakes) {
   EXPECT_EQ(Run({"machine", "new", Supplied("els-03"), "--out", profile().string(),
                  "--no-questions", "--set", "x.travel_max_mm=-9", "laser.channels=7"}),
