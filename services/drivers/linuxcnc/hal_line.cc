@@ -31,6 +31,13 @@ class Tool {
   ~Tool() {
     if (end_ >= 0) close(end_);
     if (child_ < 0) return;
+    // It takes its leave of HAL within a millisecond or two; killed, it would leave its
+    // name there.
+    kill(child_, SIGTERM);
+    for (int i = 0; i < 10; ++i) {
+      if (waitpid(child_, nullptr, WNOHANG) == child_) return;
+      usleep(1000);
+    }
     kill(child_, SIGKILL);
     waitpid(child_, nullptr, 0);
   }
