@@ -88,6 +88,7 @@ constexpr std::array kRanges = {
     FieldRange{"LaserHead", "wavelength_nm", 200, 2000},
     FieldRange{"LaserHead", "channels", 1, 4},
     FieldRange{"LaserHead", "max_missed_in_a_row", 1, 1000},
+    FieldRange{"LaserHead", "max_unsettled_points", 1, 1000},
     FieldRange{"SerialLine", "baud", 1200, 4000000},
     FieldRange{"MachineSpec", "block_origin_mm", -10000, 10000},
     FieldRange{"TaughtZero", "channel", 1, 4},

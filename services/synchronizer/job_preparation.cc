@@ -42,6 +42,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
       CheckedAxes(path, BlocksOfModels(frozen.job()), frames, job.plan.limits.travel_mm));
   job.machine_points_mm = std::move(axes);
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
+  job.max_unsettled_points = frozen.machine().laser().max_unsettled_points();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();
   job.position_tolerance_um = frozen.machine().position_tolerance_um();
   job.asks_when_uncertain = frozen.job().when_uncertain() == UNCERTAIN_POINTS_ASK;

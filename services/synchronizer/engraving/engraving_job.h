@@ -31,6 +31,8 @@ struct EngravingJob {
   std::vector<ChannelMask> masks = {};
   /// Number of pulses in a row for which no crack was seen, until it pauses.
   std::uint32_t max_missed_in_a_row = 5;
+  /// Points that are armed at a time without a result; 0: no limit.
+  std::uint32_t max_unsettled_points = 0;
   bool photosensor_feedback = true;  ///< false: no sensor sees cracks, a fired point
                                      ///< counts as made
   double position_tolerance_um = 0;  ///< of the profile; 0: not known

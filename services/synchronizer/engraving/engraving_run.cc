@@ -152,8 +152,10 @@ std::optional<HaltReason> EngravingRun::DecideTicks(const EngravingInputs& input
   while (ticks_.decided() < limit) {
     const std::uint64_t last = std::min(limit, ticks_.decided() + window);
     // A narrow window costs as much as a wide one; wait unless the machine waits for us.
-    const bool idle =
-        ticks_.reported_through() >= ticks_.decided() && !ticks_.holds_windows();
+    // So it is with a few points at a time: they are decided as soon as there is room.
+    const bool idle = job_.max_unsettled_points > 0 ||
+                      (ticks_.reported_through() >= ticks_.decided() &&
+                       !ticks_.holds_windows());
     if (horizon_.lockstep() && last - ticks_.decided() < window / 4 && !idle) break;
     if (!shutters_.are_open()) break;
     if (auto reason = ArmThrough(last)) return reason;
@@ -185,6 +187,9 @@ std::uint64_t EngravingRun::ArmLimit(const EngravingInputs& inputs) {
   const bool executed = is_executed(inputs.motion);
   std::uint64_t limit =
       executed ? inputs.motion.covered_through_tick : feed_.start_tick() - 1;
+  if (job_.max_unsettled_points > 0) {
+    limit = std::min(limit, ticks_.schedule().LastTickFor(job_.max_unsettled_points));
+  }
   if (!horizon_.lockstep()) {
     const std::uint64_t now = horizon_.TickAt(inputs.now);
     ticks_.SkipTo(now);

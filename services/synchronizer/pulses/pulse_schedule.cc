@@ -68,6 +68,12 @@ link::ArmWindow PulseSchedule::Decide(
   return window;
 }
 
+std::uint64_t PulseSchedule::LastTickFor(std::size_t count) const {
+  const std::size_t room = count - std::min(count, armed_count_);
+  const std::size_t first_beyond = decided_ + room;
+  return first_beyond < entries_.size() ? entries_[first_beyond].tick - 1 : UINT64_MAX;
+}
+
 PulseSchedule::Entry* PulseSchedule::Find(std::uint64_t tick) {
   const auto found = std::lower_bound(
       entries_.begin(), entries_.end(), tick,

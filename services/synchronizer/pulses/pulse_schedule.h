@@ -65,6 +65,10 @@ class PulseSchedule {
   /// Forgets what is planned and not armed; the armed wait for their results.
   void DropUnarmed();
 
+  /// Through which tick may be decided, so that no more than `count` points are armed
+  /// without a result; UINT64_MAX: the planned ones are no more.
+  std::uint64_t LastTickFor(std::size_t count) const;
+
   bool empty() const { return entries_.empty(); }
   std::size_t armed_count() const { return armed_count_; }
   /// Tick of the first entry without a result; 0 when empty.

@@ -27,6 +27,19 @@ struct Recorder {
 const auto kIgnoreArmed = [](std::uint64_t, std::uint32_t) {};
 const auto kNoLate = [](std::uint32_t point) { ADD_FAILURE() << point << " is late"; };
 
+TEST(PulseSchedule, DecidesOnlyAsManyPointsAsMayBeUnsettled) {
+  PulseSchedule schedule;
+  Recorder recorder;
+  for (std::uint32_t i = 0; i < 10; ++i) schedule.Add(10 + 3 * i, i);
+  EXPECT_EQ(schedule.LastTickFor(4), 21u) << "up to before the fifth, of tick 22";
+  schedule.Decide(1, 21, kIgnoreArmed, kNoLate);
+  EXPECT_EQ(schedule.armed_count(), 4u);
+  EXPECT_EQ(schedule.LastTickFor(4), 21u);
+  schedule.Apply(PulseReport{10, {TickOutcome::kFiredSeen}}, recorder.sink());
+  EXPECT_EQ(schedule.LastTickFor(4), 24u);
+  EXPECT_EQ(schedule.LastTickFor(9), UINT64_MAX) << "no more are planned";
+}
+
 TEST(PulseSchedule, WindowFiresExactlyThePlannedTicks) {
   PulseSchedule schedule;
   schedule.Add(10, 0);
