@@ -5,6 +5,7 @@
 #include <array>
 
 #include "engrave/core/try.h"
+#include "services/drivers/grbl/grbl_driver.h"
 #include "services/drivers/linuxcnc/linuxcnc_driver.h"
 #include "services/drivers/virtual_cell_driver.h"
 #include "services/drivers/virtual_stage_driver.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr std::array kMotionKinds = {
     MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver},
     MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true},
+    MotionDriverKind{"grbl", true, &MakeGrblDriver, true},
     MotionDriverKind{"linuxcnc", false, &MakeLinuxcncDriver, true},
 };
 

@@ -4,6 +4,35 @@ namespace intaglio::drivers {
 
 using link::TickOutcome;
 
+namespace {
+constexpr std::uint64_t kIdlePatienceSteps = 100;
+}  // namespace
+
+void LaserBench::DecideIdleUpTo(std::uint64_t last) {
+  const bool lockstep = driver().up() && driver().identity().lockstep;
+  if (!lockstep || !driver().Has(link::kLampOn)) return;
+  const link::LaserStatus& status = driver().status();
+  // What is on its way is not repeated, unless it was lost.
+  if (driver().session() != idle_session_ || steps_ > idle_until_) idle_through_ = 0;
+  const std::uint64_t first =
+      std::max({status.tick, status.decided_through, idle_through_}) + 1;
+  last = std::min(last, first + link::kMaxArmTicks - 1);
+  if (first > last || !driver().Arm({first, true, std::vector(last - first + 1, false)}))
+    return;
+  idle_session_ = driver().session();
+  idle_through_ = last;
+  idle_until_ = steps_ + kIdlePatienceSteps;
+  for (std::uint64_t at = first; at <= last; ++at) idle_.insert(at);
+}
+
+void LaserBench::Step() {
+  rig_->Step();
+  ++steps_;
+  if (driver().status().decided_through <= driver().status().tick) {
+    DecideIdleUpTo(driver().status().tick + 1);
+  }
+}
+
 std::map<std::uint64_t, TickOutcome> LaserBench::Outcomes() {
   std::map<std::uint64_t, TickOutcome> outcomes;
   std::uint64_t newest = 0;
@@ -12,7 +41,8 @@ std::map<std::uint64_t, TickOutcome> LaserBench::Outcomes() {
       if (report.outcome[i] == TickOutcome::kTooLate) continue;
       const std::uint64_t at = report.first_tick + i;
       Expect(at > newest, fmt::format("L4: tick {} is reported after {}", at, newest));
-      outcomes[newest = at] = report.outcome[i];
+      newest = at;
+      if (idle_.count(at) == 0) outcomes[at] = report.outcome[i];
     }
   }
   return outcomes;

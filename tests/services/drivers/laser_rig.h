@@ -54,6 +54,17 @@ class LaserRig {
   /// The slowest and the fastest that it has.
   virtual double rate_hz() const = 0;
   virtual double fast_rate_hz() const = 0;
+  /// A sensor sees what it fires.
+  virtual bool sees_cracks() const { return true; }
+  /// From Disarm to its confirmation, with what the controller has to finish before.
+  virtual std::chrono::milliseconds disarm_time() const {
+    return std::chrono::milliseconds(100);
+  }
+
+  /// What a check finds because the family cannot keep a guarantee, as its driver's
+  /// header and its page state; empty: it keeps it. A test of the family checks what
+  /// holds instead.
+  virtual std::string stated_violation(std::string_view /*check*/) const { return ""; }
 
   std::unique_ptr<LaserController> driver;
   std::vector<link::PulseReport> reports;

@@ -151,7 +151,7 @@ void ALineCutAtAnyByteBringsTheStageToRest(const MotionRigMaker& make) {
     const auto segments = course.Segments();
     (void)bench.driver().Append(
         std::span(segments).first(std::min(bench.driver().Room(), segments.size())), {});
-    Expect(bench.Until([&] { return !bench.state().link_up; }, 1s),
+    Expect(bench.Until([&] { return !bench.state().link_up; }),
            "M2: the line is not lost");
     Expect(bench.RestsWithin(kSilence), "M9: the stage goes on without a host");
     bench.ExpectStill(500ms, "M9: motion follows");

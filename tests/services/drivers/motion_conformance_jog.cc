@@ -85,7 +85,7 @@ void AJogIsRefusedDuringARunAndAfterAFault(const MotionRigMaker& make) {
          "M14: a jog in a run is taken");
   Expect(bench.driver().AbortRun(), "AbortRun");
   Expect(bench.RestsWithin(kReportTime), "M5: the stage does not brake");
-  bench.StepFor(kReportTime);
+  Expect(bench.Until([&] { return bench.state().at_rest; }), "M2: rest is not reported");
   bench.Begin(2);
   bench.Append({To(bench.x() + 0.25, kSpeed_mm_s, kRampTicks)});  // and no more
   bench.ExpectFault(intaglio_MOTION_STARVED, "M8: motion that ends in mid-run");

@@ -37,6 +37,17 @@ class MotionOutputRig final : public LaserRig {
   bool lamp_on() override { return inner_->lamp_on(); }
   double rate_hz() const override { return inner_->rate_hz(); }
   double fast_rate_hz() const override { return inner_->fast_rate_hz(); }
+  bool sees_cracks() const override { return inner_->sees_cracks(); }
+  std::chrono::milliseconds disarm_time() const override {
+    return inner_->disarm_time() + std::chrono::milliseconds(100);
+  }
+  // A silent synchronizer is noticed by the bridge, which closes the controller.
+  std::string stated_violation(std::string_view check) const override {
+    const bool of_a_cut = check.substr(0, 2) == "L7";
+    return of_a_cut && cut_line_ == CutLineOf::kSynchronizer
+               ? ""
+               : inner_->stated_violation(check);
+  }
 
   /// The bridge's process is killed, and another one comes; so with the synchronizer's.
   void KillBridge();

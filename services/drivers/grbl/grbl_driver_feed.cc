@@ -1,0 +1,350 @@
+// What the driver of the grbl family sends, and how its ticks pass (grbl_driver.h).
+
+#include <algorithm>
+#include <utility>
+
+#include "services/drivers/grbl/grbl_driver.h"
+
+namespace intaglio::drivers {
+namespace {
+
+using Outcome = link::TickOutcome;
+using namespace std::chrono_literals;
+
+// With the lamp on it is the host that is awaited; without one, the plan's time counts.
+constexpr auto kStarvedPatience = 1s;
+// Of a step aside and back.
+constexpr double kAside_s = 0.012;
+constexpr char kBarrier[] = "G4P0";
+constexpr char kJogCancel = static_cast<char>(0x85);
+
+std::chrono::nanoseconds Nanoseconds(double seconds) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
+}
+
+}  // namespace
+
+double GrblDriver::WarmRatio() const {
+  if (!lamp_on_) return 0;
+  const double on_s = std::chrono::duration<double>(now() - lamp_since_).count();
+  return warm_up_s_ > 0 ? std::min(1.0, on_s / warm_up_s_) : 1;
+}
+
+std::optional<Outcome> GrblDriver::WhyDark() const {
+  if (stop_ || safe_ || halted_ || line_.door_is_open()) return Outcome::kInterlocked;
+  if (WarmRatio() < 1) return Outcome::kLampNotReady;
+  if (!open_ || !wanted_open_) return Outcome::kShutterClosed;
+  return std::nullopt;
+}
+
+bool GrblDriver::Fires(std::uint64_t tick) {
+  if (!ticks_.fires(tick)) return false;
+  const auto why = WhyDark();
+  if (why) ticks_.Settle(tick, *why);
+  return !why;
+}
+
+double GrblDriver::AheadSeconds() const {
+  double ahead_s = 0;
+  for (const InFlight& one : in_flight_) ahead_s += one.move.planned_s;
+  return ahead_s;
+}
+
+bool GrblDriver::MaySendPulses() const {
+  return unsettled_.size() < kMaxUnsettled && AheadSeconds() < kAhead_s;
+}
+
+bool GrblDriver::BarrierIsDue() const {
+  const auto newer = std::count_if(unsettled_.begin(), unsettled_.end(),
+                                   [this](auto tick) { return tick > barrier_tick_; });
+  return newer >= static_cast<std::ptrdiff_t>(kPointsPerBarrier);
+}
+
+void GrblDriver::Feed() {
+  if (halted_ || !line_.takes_lines()) return;
+  if (jog_) return FeedJog();
+  FeedEnable();
+  bool more = true;
+  while (more) {
+    if (pending_ && !SendPending()) return;
+    if (BarrierIsDue()) FeedBarrier();
+    if (run_ == Run::kRuns) {
+      more = FeedProgram();
+    } else {
+      more = FeedAsides(ticks_.decided_through());
+    }
+  }
+}
+
+void GrblDriver::FeedJog() {
+  if (!jog_->dark) {
+    jog_->dark = line_.Send({"M5S0"});
+    if (!jog_->dark) return;
+    commanded_open_ = false;
+    in_flight_.push_back({InFlight::What::kDisable});
+  }
+  if (jog_->cancelled) {
+    // A line may be parsed behind the first one; so it is repeated while one moves.
+    const bool moves = grbl_.state == GrblState::kJog || !in_flight_.empty();
+    if (moves && !line_.has_unsent()) line_.SendRealtime(kJogCancel);
+    return;
+  }
+  const double piece_mm = jog_->speed_mm_s * GrblProgram::kMaxPiece_s;
+  while (jog_->sent_mm < jog_->length_mm && AheadSeconds() < kAhead_s) {
+    const double to_mm = std::min(jog_->length_mm, jog_->sent_mm + piece_mm);
+    GrblMove move;
+    move.to_mm =
+        jog_->from_mm + (jog_->to_mm - jog_->from_mm) * (to_mm / jog_->length_mm);
+    move.planned_s = (to_mm - jog_->sent_mm) / jog_->speed_mm_s;
+    if (!line_.Send({program_.JogLine(move.to_mm, jog_->speed_mm_s)})) return;
+    jog_->sent_mm = to_mm;
+    in_flight_.push_back({InFlight::What::kMove, std::move(move)});
+    UpdateReach();
+  }
+}
+
+void GrblDriver::UpdateReach() {
+  Box3 reach{state_.position_mm, state_.position_mm};
+  for (const InFlight& one : in_flight_) {
+    if (one.what != InFlight::What::kMove) continue;
+    reach.min_mm = reach.min_mm.cwiseMin(one.move.to_mm);
+    reach.max_mm = reach.max_mm.cwiseMax(one.move.to_mm);
+  }
+  line_.SetReach(reach);
+}
+
+// False: nothing more can be sent now.
+bool GrblDriver::FeedProgram() {
+  if (unsettled_.size() >= kMaxUnsettled) {
+    FeedBarrier();
+    return false;
+  }
+  if (AheadSeconds() >= kAhead_s) {
+    // Without Bf in the status only a barrier shows what has been executed.
+    if (grbl_.free_blocks < 0) FeedBarrier();
+    return false;
+  }
+  const std::uint64_t decided = lamp_decides() ? ticks_.decided_through() : UINT64_MAX;
+  pending_ = program_.Next(decided, [this](std::uint64_t tick) { return Fires(tick); });
+  if (!pending_) FeedBarrier();
+  return pending_.has_value();
+}
+
+// Pulses that are asked for while no run moves the stage.
+bool GrblDriver::FeedAsides(std::uint64_t through) {
+  if (!lamp_decides()) return false;
+  const std::uint64_t tick = ticks_.next_fire_after(
+      unsettled_.empty() ? ticks_.tick() : std::max(ticks_.tick(), unsettled_.back()));
+  const bool before_run = run_ != Run::kWaits || tick < start_tick_;
+  if (tick > through || !before_run) {
+    if (!unsettled_.empty()) FeedBarrier();
+    return false;
+  }
+  if (ticks_.gated(tick)) {
+    ticks_.Settle(tick, Outcome::kNotInPosition);
+    return true;
+  }
+  if (!Fires(tick)) return true;
+  if (!MaySendPulses()) {
+    FeedBarrier();
+    return false;
+  }
+  program_.RestAt(state_.position_mm);
+  pending_ = program_.Aside(tick);
+  pending_->moves.back().planned_s = kAside_s;
+  return true;
+}
+
+void GrblDriver::FeedBarrier() {
+  if (in_flight_.empty() && unsettled_.empty()) return;
+  if (!in_flight_.empty() && in_flight_.back().what != InFlight::What::kMove) return;
+  if (!line_.Send({kBarrier})) return;
+  InFlight barrier{InFlight::What::kBarrier};
+  barrier.settles = barrier_tick_ =
+      unsettled_.empty() ? barrier_tick_ : unsettled_.back();
+  in_flight_.push_back(barrier);
+}
+
+void GrblDriver::FeedEnable() {
+  if (wanted_open_ == commanded_open_) return;
+  if (!line_.Send({wanted_open_ ? "M4S0" : "M5S0"})) return;
+  commanded_open_ = wanted_open_;
+  in_flight_.push_back(
+      {wanted_open_ ? InFlight::What::kEnable : InFlight::What::kDisable});
+}
+
+bool GrblDriver::SendPending() {
+  if (!pending_->lines.empty() && !line_.Send(pending_->lines)) return false;
+  for (GrblMove& move : pending_->moves) {
+    if (move.pulse_tick != 0) {
+      unsettled_.push_back(move.pulse_tick);
+      committed_tick_ = std::max(committed_tick_, move.pulse_tick);
+    }
+    planned_end_ = std::max(planned_end_, now()) + Nanoseconds(move.planned_s);
+    in_flight_.push_back({InFlight::What::kMove, std::move(move)});
+  }
+  pending_.reset();
+  Executed(0);
+  UpdateReach();
+  return true;
+}
+
+void GrblDriver::TakeOk() {
+  for (std::size_t i = 0; i < in_flight_.size(); ++i) {
+    InFlight& one = in_flight_[i];
+    const bool is_move = one.what == InFlight::What::kMove;
+    if (one.acknowledged || (is_move && !one.move.has_line)) continue;
+    one.acknowledged = true;
+    // All others wait for an empty planner.
+    if (!is_move) ExecuteThrough(i);
+    return;
+  }
+}
+
+void GrblDriver::ExecuteThrough(std::size_t index) {
+  const InFlight last = in_flight_[index];
+  for (std::size_t i = 0; i <= index; ++i) {
+    const InFlight one = std::move(in_flight_.front());
+    in_flight_.pop_front();
+    if (one.what == InFlight::What::kMove) Execute(one.move);
+  }
+  if (last.what == InFlight::What::kEnable) open_ = true;
+  if (last.what == InFlight::What::kDisable) open_ = false;
+  while (!unsettled_.empty() && unsettled_.front() <= last.settles) {
+    ticks_.Settle(unsettled_.front(), Outcome::kFiredUnseen);
+    unsettled_.pop_front();
+  }
+  if (in_flight_.empty()) quiet_at_ = now();
+}
+
+// So many of the first acknowledged lines have left the planner.
+void GrblDriver::Executed(std::size_t lines) {
+  while (!in_flight_.empty() && in_flight_.front().what == InFlight::What::kMove) {
+    const InFlight& front = in_flight_.front();
+    if (front.move.has_line && (lines == 0 || !front.acknowledged)) return;
+    if (front.move.has_line) --lines;
+    Execute(front.move);
+    in_flight_.pop_front();
+    if (in_flight_.empty()) quiet_at_ = now();
+  }
+}
+
+void GrblDriver::Execute(const GrblMove& move) {
+  if (move.through_tick == 0 || run_ == Run::kNone) return;
+  executed_through_ = std::max(executed_through_, move.through_tick);
+  if (move.places_mm.empty()) return;
+  positions_.push_back({state_.run, move.first_tick, move.places_mm, {}});
+}
+
+void GrblDriver::EndRun() {
+  checks_place_ = run_ == Run::kRuns;
+  run_ = Run::kNone;
+}
+
+// No tick passes before the outcome of a pulse in it is known.
+std::uint64_t GrblDriver::LimitedByPulses(std::uint64_t tick) const {
+  if (!unsettled_.empty()) tick = std::min(tick, unsettled_.front() - 1);
+  for (const std::uint64_t knot :
+       {pending_ ? pending_->knot_tick : 0, program_.pulse_tick()}) {
+    if (knot != 0 && ticks_.fires(knot)) tick = std::min(tick, knot - 1);
+  }
+  return tick;
+}
+
+void GrblDriver::PassThrough(std::uint64_t tick) {
+  if (tick > ticks_.tick()) ticks_.PassThrough(tick);
+}
+
+// Without a run: through which tick time has come.
+std::uint64_t GrblDriver::IdleTarget() {
+  std::uint64_t target = ticks_.tick();
+  if (lamp_decides()) {
+    target = std::max(target, ticks_.decided_through());
+    // A pulse that is not sent yet.
+    const std::uint64_t next = ticks_.next_fire_after(ticks_.tick());
+    if (!halted_) target = std::min(target, next - 1);
+  } else {
+    const double passed =
+        std::chrono::duration<double>(now() - passed_at_).count() * rate_hz_ +
+        passed_part_;
+    target += static_cast<std::uint64_t>(passed);
+    passed_part_ = passed - static_cast<double>(target - ticks_.tick());
+    for (std::uint64_t tick = ticks_.next_fire_after(ticks_.tick()); tick <= target;
+         tick = ticks_.next_fire_after(tick)) {
+      ticks_.Settle(tick, WhyDark().value_or(Outcome::kLampNotReady));
+    }
+  }
+  return run_ == Run::kWaits ? std::min(target, start_tick_) : target;
+}
+
+void GrblDriver::PassTicks() {
+  if (run_ != Run::kRuns) {
+    PassThrough(LimitedByPulses(IdleTarget()));
+    if (run_ == Run::kWaits && ticks_.tick() >= start_tick_ && !halted_ &&
+        in_flight_.empty()) {
+      run_ = Run::kRuns;
+      planned_end_ = now();
+    }
+  }
+  passed_at_ = now();
+  if (run_ != Run::kRuns) return;
+  std::uint64_t through = LimitedByPulses(executed_through_);
+  if (lamp_decides()) through = std::min(through, ticks_.decided_through());
+  PassThrough(through);
+  const bool over = program_.is_empty() && program_.has_end() && !pending_ &&
+                    in_flight_.empty() && unsettled_.empty();
+  if (over && (aborted_ || !lamp_decides() || ticks_.tick() >= executed_through_ ||
+               state_.fault != intaglio_MOTION_OK)) {
+    EndRun();
+  }
+}
+
+void GrblDriver::CheckStarved() {
+  if (run_ != Run::kRuns || program_.has_end() || pending_) return;
+  if (program_.piece_count() > 0 || state_.fault != intaglio_MOTION_OK) {
+    if (program_.piece_count() > 0) planned_end_ = std::max(planned_end_, now());
+    return;
+  }
+  if (now() < planned_end_ + (lamp_on_ ? kStarvedPatience : 0s)) return;
+  SetFault(intaglio_MOTION_STARVED,
+           "the segments of the run ended before the run: the host was too slow");
+}
+
+void GrblDriver::Forget() {
+  pending_.reset();
+  jog_.reset();
+  const std::uint64_t last = unsettled_.empty() ? ticks_.tick() : unsettled_.back();
+  for (const std::uint64_t tick : unsettled_) {
+    ticks_.Settle(tick, Outcome::kNoLongerKnown);
+  }
+  unsettled_.clear();
+  in_flight_.clear();
+  ticks_.UndecideAfter(std::max(last, ticks_.tick()));
+  PassThrough(last);
+  program_.Drop();
+  run_ = Run::kNone;
+  checks_place_ = false;
+  committed_tick_ = std::min(committed_tick_, ticks_.tick());
+}
+
+void GrblDriver::Halt(intaglio_MotionFault fault, std::string why) {
+  if (halted_) return;
+  halted_ = safe_ = true;
+  leaving_safe_ = false;
+  Forget();
+  wanted_open_ = commanded_open_ = open_ = false;
+  SetFault(fault, std::move(why));
+}
+
+// To a controller that takes lines: out of a hold and a closed door by a reset at rest,
+// which forgets what was queued; out of an alarm by $X.
+void GrblDriver::Recover() {
+  const bool holds = (grbl_.state == GrblState::kHold || grbl_.state == GrblState::kDoor);
+  if (holds && grbl_.substate == 0 && line_.takes_lines()) {
+    line_.Reset();
+  } else if (line_.locked() && grbl_.state == GrblState::kAlarm) {
+    line_.Unlock();
+  }
+}
+
+}  // namespace intaglio::drivers

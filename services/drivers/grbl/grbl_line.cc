@@ -1,0 +1,328 @@
+#include "services/drivers/grbl/grbl_line.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <span>
+#include <utility>
+
+namespace intaglio::drivers {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kGrblSilence = 250ms;
+constexpr auto kQuestionPeriod = 20ms;
+constexpr auto kReopenPeriod = 500ms;
+constexpr auto kStepTimeout = 2s;
+constexpr char kReset = 0x18;
+// A step of a coarse controller, and the decimals of its status.
+constexpr double kPlaceTolerance_mm = 0.02;
+
+bool IsWithin(const Box3& box, const Vec3& place) {
+  return (place.array() >= box.min_mm.array() - kPlaceTolerance_mm).all() &&
+         (place.array() <= box.max_mm.array() + kPlaceTolerance_mm).all();
+}
+
+}  // namespace
+
+GrblLine::GrblLine(link::StreamOpener open, link::SteadyClock clock,
+                   link::ExpectedDevice expected)
+    : open_(std::move(open)), clock_(std::move(clock)), expected_(std::move(expected)) {}
+
+void GrblLine::Poll(std::vector<Event>& events) {
+  if (!stream_) Open();
+  if (!stream_) return;
+  Read(events);
+  if (!stream_) return;
+  CheckSilence(events);
+  Ask();
+  Write();
+}
+
+void GrblLine::Open() {
+  if (now() < next_open_) return;
+  next_open_ = now() + kReopenPeriod;
+  auto opened = open_();
+  if (!opened) {
+    message_ = opened.error().message;
+    return;
+  }
+  stream_ = std::move(*opened);
+  message_ =
+      "the controller does not answer: check its power, the cable and the baud "
+      "rate";
+  phase_ = Phase::kAsking;
+  reader_.Clear();
+  out_.clear();
+  received_at_ = phase_at_ = now();
+  next_status_ = {};
+}
+
+void GrblLine::Read(std::vector<Event>& events) {
+  std::array<std::byte, 1024> buffer;
+  std::vector<std::string> lines;
+  for (;;) {
+    const auto count = stream_->Read(buffer);
+    if (!count) {
+      Lose(count.error().message, events);
+      stream_.reset();
+      phase_ = Phase::kClosed;
+      return;
+    }
+    if (*count == 0) break;
+    reader_.Feed(std::span(buffer).first(*count), lines);
+  }
+  for (const std::string& line : lines) Take(ParseGrblAnswer(line), events);
+}
+
+void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
+  if (std::holds_alternative<GrblOther>(answer)) return;
+  received_at_ = now();
+  if (std::holds_alternative<GrblBanner>(answer)) return TakeBanner(events);
+  if (const auto* status = std::get_if<GrblStatus>(&answer)) {
+    return TakeStatus(*status, events);
+  }
+  if (std::holds_alternative<GrblOk>(answer)) {
+    return TakeAcknowledgement(true, 0, events);
+  }
+  if (const auto* error = std::get_if<GrblError>(&answer)) {
+    return TakeAcknowledgement(false, error->code, events);
+  }
+  if (const auto* alarm = std::get_if<GrblAlarm>(&answer)) {
+    alarm_ = true;
+    if (!up()) return;
+    set_up_ = false;
+    events.emplace_back(*alarm);
+    // Limits leave it mute until a reset, which moves and lights nothing.
+    if (alarm->code == 1 || alarm->code == 2) Reset();
+  } else if (const auto* version = std::get_if<GrblVersion>(&answer)) {
+    traits_.version = version->version;
+    traits_.serial_number = version->serial_number;
+  } else if (const auto* build = std::get_if<GrblBuild>(&answer)) {
+    if (build->planner_blocks > 0) traits_.planner_blocks = build->planner_blocks;
+    if (build->receive_bytes > 0) traits_.receive_bytes = build->receive_bytes;
+  } else if (const auto* setting = std::get_if<GrblSetting>(&answer)) {
+    TakeSetting(*setting);
+  }
+}
+
+void GrblLine::TakeSetting(const GrblSetting& setting) {
+  if (setting.number == 30) traits_.max_power = setting.value;
+  if (setting.number == 32) traits_.laser_mode = setting.value == 1;
+  if (setting.number >= 100 && setting.number <= 102) {
+    traits_.steps_per_mm[setting.number - 100] = setting.value;
+  }
+}
+
+void GrblLine::TakeBanner(std::vector<Event>& events) {
+  if (phase_ != Phase::kResetting) {
+    // Nobody asked for it: power, the reset button, or the opening of the port.
+    if (phase_ != Phase::kRefused) ++power_ups_;
+    reach_.reset();
+    if (up()) Lose("the controller was reset or switched off", events);
+    phase_ = Phase::kAsking;
+    return;
+  }
+  outstanding_.clear();
+  outstanding_bytes_ = 0;
+  phase_at_ = now();
+  if (resets_itself_) {
+    phase_ = Phase::kUp;
+    resets_itself_ = false;
+    if (!alarm_) SetUp();
+    return;
+  }
+  phase_ = Phase::kIdentifying;
+  traits_ = {};
+  SendOwn({"$I", "$$"});
+}
+
+void GrblLine::TakeAcknowledgement(bool good, int code, std::vector<Event>& events) {
+  if (outstanding_.empty()) return;
+  const Sent sent = outstanding_.front();
+  outstanding_.pop_front();
+  outstanding_bytes_ -= sent.bytes;
+  if (!sent.own) {
+    if (good) {
+      events.emplace_back(GrblOk{});
+    } else {
+      events.emplace_back(GrblError{code});
+    }
+    return;
+  }
+  if (phase_ == Phase::kIdentifying && outstanding_.empty()) Identified(events);
+  if (!setting_up_) return;
+  if (!good) setting_up_ = false;
+  if (outstanding_.empty() && setting_up_) {
+    setting_up_ = false;
+    set_up_ = true;
+  }
+}
+
+// Door:0 is latched: it was open, and may have been while nobody listened.
+void GrblLine::WatchDoor(const GrblStatus& status) {
+  const bool door = status.state == GrblState::kDoor;
+  const bool open =
+      (door && status.substate != 0) || status.pins.find('D') != std::string::npos;
+  if ((open && !door_open_) || (door && !open && !door_latched_)) ++door_openings_;
+  door_open_ = open;
+  door_latched_ = door;
+}
+
+// The offset comes with some statuses only.
+void GrblLine::TakeStatus(GrblStatus status, std::vector<Event>& events) {
+  alarm_ = status.state == GrblState::kAlarm;
+  WatchDoor(status);
+  if (status.work_offset_mm) work_offset_mm_ = *status.work_offset_mm;
+  if (!status.work_mm) status.work_mm = *status.machine_mm - work_offset_mm_;
+  if (phase_ == Phase::kUp) {
+    if (alarm_) set_up_ = false;
+    events.emplace_back(std::move(status));
+    return;
+  }
+  if (phase_ != Phase::kAsking) return;
+  if (status.state == GrblState::kDoor && status.substate != 0) {
+    message_ = "the safety door is open: close it";
+    return;
+  }
+  if (!status.at_rest()) {
+    if (!std::exchange(held_, true)) out_ += '!';
+    return;
+  }
+  held_ = false;
+  if (reach_ && !IsWithin(*reach_, *status.work_mm)) ++power_ups_;
+  reach_.reset();
+  out_ = kReset;
+  phase_ = Phase::kResetting;
+  phase_at_ = now();
+}
+
+std::string GrblLine::RefusalOfTraits() const {
+  if (auto why = link::RefusalOf(expected_, traits_.serial_number); !why.empty()) {
+    return why;
+  }
+  if (!traits_.laser_mode) {
+    return "the controller is not in laser mode, so the laser could stay lit at rest: "
+           "set "
+           "$32=1";
+  }
+  if (!(traits_.max_power > 0) || !(traits_.steps_per_mm.minCoeff() > 0)) {
+    return "the controller does not report $30 and $100-$102: check its version with $$";
+  }
+  return "";
+}
+
+void GrblLine::Identified(std::vector<Event>& events) {
+  refusal_ = RefusalOfTraits();
+  if (!refusal_.empty()) {
+    message_ = refusal_;
+    phase_ = Phase::kRefused;
+    return;
+  }
+  phase_ = Phase::kUp;
+  phase_at_ = now();
+  ++sessions_;
+  message_.clear();
+  events.emplace_back(GrblUp{});
+  if (!alarm_) SetUp();
+  next_status_ = {};
+}
+
+void GrblLine::SetUp() {
+  setting_up_ = true;
+  set_up_ = false;
+  SendOwn({"M5S0", "G21G90G94G54G1"});
+}
+
+void GrblLine::Unlock() {
+  if (phase_ != Phase::kUp || set_up_ || setting_up_) return;
+  SendOwn({"$X"});
+  SetUp();
+}
+
+void GrblLine::SendOwn(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    out_ += line + "\n";
+    outstanding_.push_back({line.size() + 1, true});
+    outstanding_bytes_ += line.size() + 1;
+  }
+}
+
+std::size_t GrblLine::Room() const {
+  const auto capacity = static_cast<std::size_t>(traits_.receive_bytes);
+  if (!takes_lines() || outstanding_bytes_ >= capacity) return 0;
+  return capacity - outstanding_bytes_;
+}
+
+bool GrblLine::Send(const std::vector<std::string>& lines) {
+  std::size_t bytes = 0;
+  for (const std::string& line : lines) bytes += line.size() + 1;
+  if (bytes > Room()) return false;
+  for (const std::string& line : lines) {
+    out_ += line + "\n";
+    outstanding_.push_back({line.size() + 1, false});
+  }
+  outstanding_bytes_ += bytes;
+  Write();
+  return true;
+}
+
+void GrblLine::SendRealtime(char command) {
+  if (!stream_) return;
+  out_ += command;
+  Write();
+}
+
+void GrblLine::Reset() {
+  if (phase_ != Phase::kUp) return;
+  out_ = kReset;  // what is not written yet never is
+  phase_ = Phase::kResetting;
+  phase_at_ = now();
+  resets_itself_ = true;
+  set_up_ = setting_up_ = false;
+  Write();
+}
+
+void GrblLine::Ask() {
+  if (phase_ == Phase::kResetting || phase_ == Phase::kIdentifying) return;
+  if (now() < next_status_ || out_.find('?') != std::string::npos) return;
+  next_status_ = now() + kQuestionPeriod;
+  out_ += '?';
+}
+
+void GrblLine::Lose(std::string why, std::vector<Event>& events) {
+  const bool was_up = up();
+  message_ = std::move(why);
+  phase_ = Phase::kAsking;
+  resets_itself_ = set_up_ = setting_up_ = held_ = false;
+  outstanding_.clear();
+  outstanding_bytes_ = 0;
+  out_.clear();
+  refusal_.clear();
+  phase_at_ = received_at_ = now();
+  if (was_up) events.emplace_back(GrblLost{});
+}
+
+void GrblLine::CheckSilence(std::vector<Event>& events) {
+  if (phase_ == Phase::kUp || phase_ == Phase::kRefused) {
+    if (now() - received_at_ > kGrblSilence) {
+      Lose("the controller has not answered for 250 ms: check its power and the cable",
+           events);
+    }
+    return;
+  }
+  const bool waits = phase_ == Phase::kResetting || phase_ == Phase::kIdentifying;
+  if (waits && now() - phase_at_ > (resets_itself_ ? 250ms : kStepTimeout)) {
+    Lose("the controller does not answer a reset: check its power and the cable", events);
+  }
+}
+
+void GrblLine::Write() {
+  if (!stream_ || out_.empty() || !stream_->connected()) return;
+  const auto taken = stream_->Write(std::as_bytes(std::span(out_)));
+  // An error of the line is found by the next Read.
+  if (taken) out_.erase(0, *taken);
+}
+
+}  // namespace intaglio::drivers

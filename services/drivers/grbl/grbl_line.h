@@ -1,0 +1,143 @@
+#pragma once
+
+// The line to one controller of the grbl family: opens it, brings the controller to a
+// known state, streams lines into its receive buffer, and notices when it is lost.
+//
+//   kClosed --open--> kAsking --at rest: 0x18--> kResetting --banner--> kIdentifying
+//                      ^  ^                                                  | $I, $$
+//                      |  +-- no byte for 250 ms, or a banner unasked        v
+//                      +----------------------------------------- kUp <------+-->
+//                      kRefused
+//
+// kAsking sends '?' alone and, once, '!' to a controller that moves for a host of before.
+// The reset at rest drops what an earlier host left in the receive buffer, also half a
+// line, is dark, and keeps the position; no line is sent before it.
+//
+// Lines are counted by their characters: what is not acknowledged never exceeds the
+// receive buffer, so no byte is lost in it. Realtime commands need no room.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "services/drivers/grbl/grbl_text.h"
+#include "services/platform/link/endpoint.h"
+#include "services/platform/link/expected_device.h"
+#include "services/platform/link/steady_clock.h"
+
+namespace intaglio::drivers {
+
+/// What the controller reports of itself in $I and $$.
+struct GrblTraits {
+  std::string version, serial_number;
+  int planner_blocks = 15, receive_bytes = 128;
+  Vec3 steps_per_mm = Vec3::Zero();
+  double max_power = 0;  ///< $30: S of full power
+  bool laser_mode = false;
+};
+
+struct GrblUp {};    ///< a session has begun: the controller is at rest, empty and dark
+struct GrblLost {};  ///< the line, or the controller's memory of what was sent
+
+class GrblLine {
+ public:
+  /// A GrblStatus has work_mm. In the order in which they came. GrblOk and GrblError are
+  /// of Send's lines alone.
+  using Event = std::variant<GrblUp, GrblLost, GrblOk, GrblError, GrblAlarm, GrblStatus>;
+
+  GrblLine(link::StreamOpener open, link::SteadyClock clock,
+           link::ExpectedDevice expected);
+
+  /// Moves bytes; appends what has happened.
+  void Poll(std::vector<Event>& events);
+  int fd() const { return stream_ ? stream_->fd() : -1; }
+
+  /// Identified and answering; not for a while after its own reset.
+  bool up() const { return phase_ == Phase::kUp || resets_itself_; }
+  /// Lines are taken: up, unlocked and set up.
+  bool takes_lines() const { return phase_ == Phase::kUp && set_up_ && !setting_up_; }
+  /// The newest status is an alarm, or the lines of the set-up were refused.
+  bool locked() const { return phase_ == Phase::kUp && !set_up_ && !setting_up_; }
+  /// Grows when the controller was switched off, or another reset than ours was seen.
+  std::uint32_t power_ups() const { return power_ups_; }
+  std::uint64_t sessions() const { return sessions_; }
+  const GrblTraits& traits() const { return traits_; }
+  /// How often the safety door's input was seen to open.
+  std::uint32_t door_openings() const { return door_openings_; }
+  bool door_is_open() const { return door_open_; }
+  /// Why it is down; empty while it is up.
+  const std::string& message() const { return message_; }
+  const std::string& refusal() const { return refusal_; }
+
+  /// Bytes that the receive buffer has room for.
+  std::size_t Room() const;
+  bool idle() const { return outstanding_.empty(); }
+  /// All places to which what was sent can lead, in work coordinates. A controller that
+  /// rests elsewhere when the line comes back was switched off, or moved by another.
+  void SetReach(const Box3& reach) { reach_ = reach; }
+  /// All of these lines in one write, or none: false.
+  bool Send(const std::vector<std::string>& lines);
+  bool has_unsent() const { return !out_.empty(); }
+  /// '!' and 0x85.
+  void SendRealtime(char command);
+  /// 0x18: dark with the last step, everything that was sent is forgotten. The session
+  /// stays.
+  void Reset();
+  /// After an alarm: $X and the set-up.
+  void Unlock();
+  void RequestStatus() { next_status_ = {}; }
+
+ private:
+  enum class Phase { kClosed, kAsking, kResetting, kIdentifying, kUp, kRefused };
+  struct Sent {
+    std::size_t bytes = 0;
+    bool own = false;  ///< of the set-up
+  };
+
+  void Open();
+  void Read(std::vector<Event>& events);
+  void Take(const GrblAnswer& answer, std::vector<Event>& events);
+  void TakeBanner(std::vector<Event>& events);
+  void TakeAcknowledgement(bool good, int code, std::vector<Event>& events);
+  void TakeStatus(GrblStatus status, std::vector<Event>& events);
+  void WatchDoor(const GrblStatus& status);
+  void TakeSetting(const GrblSetting& setting);
+  void Lose(std::string why, std::vector<Event>& events);
+  void CheckSilence(std::vector<Event>& events);
+  void Ask();
+  void Identified(std::vector<Event>& events);
+  std::string RefusalOfTraits() const;
+  void SendOwn(const std::vector<std::string>& lines);
+  void SetUp();
+  void Write();
+  std::chrono::nanoseconds now() const { return clock_(); }
+
+  link::StreamOpener open_;
+  link::SteadyClock clock_;
+  link::ExpectedDevice expected_;
+  std::unique_ptr<link::ByteStream> stream_;
+  GrblAnswerReader reader_;
+  std::string out_;
+  std::deque<Sent> outstanding_;
+  std::size_t outstanding_bytes_ = 0;
+  GrblTraits traits_;
+  Phase phase_ = Phase::kClosed;
+  bool resets_itself_ = false, set_up_ = false, setting_up_ = false, held_ = false;
+  bool alarm_ = false;
+  bool door_open_ = false, door_latched_ = false;
+  std::uint32_t door_openings_ = 0;
+  std::uint32_t power_ups_ = 1;
+  std::uint64_t sessions_ = 0;
+  Vec3 work_offset_mm_ = Vec3::Zero();  // the newest that was reported
+  std::optional<Box3> reach_;
+  std::chrono::nanoseconds next_open_{0}, next_status_{0}, received_at_{0}, phase_at_{0};
+  std::string message_ = "the line is not open yet", refusal_;
+};
+
+}  // namespace intaglio::drivers

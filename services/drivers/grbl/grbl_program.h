@@ -1,0 +1,142 @@
+#pragma once
+
+// From a run's segments to lines of G1, with the pulses in them.
+//
+// Time of this family is progress. A grbl gives no time at which a line is executed: it
+// slows down for its look-ahead, its buffers and a barrier. So a tick is a place in the
+// program: of a segment of n ticks that goes from knot A to knot B, tick i is reached
+// when the stage has passed the place that the segment has after i ticks. The tick rate
+// is that of the plan (the laser's rate), and the lines' feed is the segment's highest
+// speed, so that a controller that keeps up passes ticks at about that rate.
+//
+//   knots   A----------------B----------------C        segments, ends at ticks
+//   pieces  A---+---+---+----B---+---+---+----C        chords of at most 50 ms
+//   lines       G1 S0        |=|-- G1 S0               a pulse at B: the lit block begins
+//                            lit                       at B, with the first step of the
+//                            block                     way that follows
+//
+// - A pulse is the rising edge of the laser output, at the point's own step. The block is
+//   lit for kLit_s at the way's speed (a 328P's PWM takes effect up to 1 ms late), at
+//   most half the way to the next knot. Its lit and its dark block leave in one write.
+// - Where no way follows (the end of the run, a knot that rests, a way of a few steps)
+// the
+//   stage does a step aside and back: a few steps, lit on the way out.
+// - A lit block's line number (N) is its tick modulo 1000, plus 1: so a controller that
+//   reports or records line numbers shows which pulse it was.
+// - With M4 both are dark at rest, whatever becomes of the host.
+// - A piece is given out only when the tick of its beginning is decided; so the stage is
+//   ahead of the decisions by one piece at most, and never by a knot.
+//
+// Places are whole steps of the controller. Used from one thread.
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+#include "engrave/motion/segment.h"
+
+namespace intaglio::drivers {
+
+/// What one line, or a piece without one, is when it has been executed.
+struct GrblMove {
+  bool has_line = true;
+  double planned_s = 0;          ///< of the plan, 0 for what the plan does not have
+  std::uint64_t pulse_tick = 0;  ///< of a lit block; else 0
+  std::uint64_t through_tick =
+      0;                         ///< the last tick that has passed after it; 0: none more
+  std::uint64_t first_tick = 0;  ///< of `places_mm`
+  PointList places_mm;           ///< of the ticks that pass with it
+  Vec3 to_mm = Vec3::Zero();
+  bool ends_program = false;
+};
+
+/// Lines that leave in one write; moves without a line are among them.
+struct GrblWrite {
+  std::vector<std::string> lines;
+  std::vector<GrblMove> moves;
+  std::uint64_t knot_tick = 0;  ///< of the knot with a pulse that it begins at; else 0
+};
+
+class GrblProgram {
+ public:
+  static constexpr double kLit_s = 0.0025;
+  static constexpr double kMaxPiece_s = 0.05;
+
+  /// Of the controller. `travel` of the profile, machine frame.
+  void SetController(const Vec3& steps_per_mm, double max_power);
+  void SetTravel(const Box3& travel) { travel_ = travel; }
+  /// The controller's modal state is that after the set-up: G1, no F, S0.
+  void ForgetModes();
+
+  void Begin(std::uint64_t start_tick, const Vec3& from_mm);
+  /// kInvalidValue, with the place, when any of it is outside the travel or no number;
+  /// then nothing is taken.
+  Status Append(std::span<const motion::Segment> segments, double rate_hz);
+  /// What was not given out yet is forgotten.
+  void Drop();
+
+  /// What can be given out next: ticks up to `decided_through` are decided, and
+  /// `fires` answers once for each knot with a pulse.
+  std::optional<GrblWrite> Next(std::uint64_t decided_through,
+                                const std::function<bool(std::uint64_t)>& fires);
+  /// Between runs: where the stage rests.
+  void RestAt(const Vec3& place_mm) { place_mm_ = Snapped(place_mm); }
+  /// A jog to `to_mm`: it changes no modal state.
+  std::string JogLine(const Vec3& to_mm, double speed_mm_s) const;
+  /// kInvalidValue, with the place, when it is outside the travel or no number.
+  Status Check(const Vec3& place_mm) const;
+  /// A pulse beside the way, where the stage rests.
+  GrblWrite Aside(std::uint64_t tick);
+
+  std::size_t piece_count() const { return pieces_.size(); }
+  bool is_empty() const { return pieces_.empty() && pulse_tick_ == 0; }
+  /// Of a knot with a pulse that is next to be given out; 0: none.
+  std::uint64_t pulse_tick() const { return pulse_tick_; }
+  /// The segment at which the run ends has been appended.
+  bool has_end() const { return has_end_; }
+  std::uint64_t covered_through_tick() const {
+    return appended_subticks_ / motion::kSubticksPerTick;
+  }
+  /// Where everything that was given out ends.
+  const Vec3& place_mm() const { return place_mm_; }
+
+ private:
+  struct Piece {
+    Vec3 to_mm = Vec3::Zero();
+    double speed_mm_s = 0, duration_s = 0;
+    std::uint64_t start_subticks = 0, end_subticks = 0;
+    bool pulse = false, end = false;  // at its end
+    PointList at_ticks_mm;            // of the segment, at the ticks that pass
+  };
+  using Pieces = std::deque<Piece>;
+
+  Status Cut(const motion::KnotState& from, const motion::Segment& segment,
+             double rate_hz, std::uint64_t start_subticks, Pieces& pieces) const;
+  Vec3 Snapped(const Vec3& place_mm) const;
+  double Steps(const Vec3& from_mm, const Vec3& to_mm) const;
+  std::string Line(const Vec3& to_mm, double speed_mm_s, std::uint64_t pulse_tick = 0);
+  bool LightBeginning(const Piece& piece, GrblWrite& write);
+  void AddAside(std::uint64_t tick, GrblWrite& write);
+  GrblMove MoveOf(const Piece& piece) const;
+
+  Vec3 steps_per_mm_ = Vec3::Constant(100);
+  double max_power_ = 1000;
+  Box3 travel_;
+  std::string feed_text_, power_text_;
+
+  motion::KnotState appended_;
+  std::uint64_t appended_subticks_ = 0;
+  Pieces pieces_;
+  Vec3 place_mm_ = Vec3::Zero();  // of what was given out
+  std::uint64_t pulse_tick_ = 0;  // of a pulse at place_mm_ that is not given out yet
+  double newest_speed_mm_s_ = 10;
+  bool has_end_ = true;
+};
+
+}  // namespace intaglio::drivers

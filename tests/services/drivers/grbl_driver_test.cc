@@ -1,0 +1,267 @@
+// The driver of the grbl family in a run, against the virtual grbl: where pulses are,
+// what is sent when, and what a door, an alarm and a lost line leave.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "tests/services/drivers/grbl_rig.h"
+
+namespace intaglio::drivers {
+namespace {
+
+using link::TickOutcome;
+
+/// A run along points 0.3 mm apart on a winding way, all of them armed.
+class Cell {
+ public:
+  explicit Cell(grbl::VirtualGrblOptions options = grbl::Grbl11())
+      : machine(std::move(options)), driver(machine.MakeDriver("")) {}
+
+  void Step() {
+    machine.Advance();
+    driver->Poll(
+        [this](const link::PulseReport& report) {
+          for (std::size_t i = 0; i < report.outcome.size(); ++i) {
+            if (report.outcome[i] == TickOutcome::kNotArmed) continue;
+            EXPECT_TRUE(outcomes.emplace(report.first_tick + i, report.outcome[i]).second)
+                << "tick " << report.first_tick + i << " is reported twice";
+          }
+        },
+        [](const link::PastReport&) {});
+    (void)driver->TakePositions();
+    Feed();
+  }
+  bool Until(const std::function<bool()>& condition, int limit_ms = 60000) {
+    for (int i = 0; i < limit_ms && !condition(); ++i) Step();
+    return condition();
+  }
+  void Prepare() {
+    ASSERT_TRUE(Until([&] { return driver->up(); })) << driver->message();
+    ASSERT_TRUE(driver->Reset() && driver->Lamp(true, kGrblRateHz) &&
+                driver->OpenShutters(1));
+    ASSERT_TRUE(Until([&] {
+      return driver->Has(link::kLampWarm) && driver->status().shutters_open == 1 &&
+             driver->state().at_rest;
+    })) << driver->state().message;
+  }
+  /// Points of which each is `pitch_mm` from the next one, 4 ticks apart.
+  void Begin(int count, double pitch_mm, bool stops) {
+    const Vec3 from = driver->state().position_mm;
+    const std::uint64_t start =
+        std::max(driver->status().tick, driver->status().decided_through) + 3;
+    ASSERT_TRUE(driver->BeginRun(++run, start, 0)) << driver->state().message;
+    const double speed = pitch_mm * kGrblRateHz / 4;
+    for (int i = 1; i <= count; ++i) {
+      motion::Segment segment;
+      const double turn = 0.3 * i;
+      const Vec3 along(std::cos(0.2 * turn), std::sin(0.2 * turn), 0.1);
+      const Vec3 last = points.empty() ? from : points.rbegin()->second;
+      segment.end_position_mm = last + along * pitch_mm / along.norm();
+      if (!stops && i < count) segment.end_velocity_mm_s = along * speed / along.norm();
+      segment.duration_subticks = 4 * motion::kSubticksPerTick;
+      segment.pulse = true;
+      segment.program_end = i == count;
+      points[start + 4 * static_cast<std::uint64_t>(i)] = segment.end_position_mm;
+      segments.push_back(segment);
+    }
+    armed_through = start;
+    last_tick = start + 4 * static_cast<std::uint64_t>(count);
+    ASSERT_TRUE(driver->Arm({start - 2, true, {false, false, false}}));
+  }
+  /// As a synchronizer: never more than 16 points armed and not reported.
+  void Feed() {
+    while (!segments.empty() && driver->Room() > 0) {
+      ASSERT_TRUE(driver->Append(std::span(segments).first(1), {}));
+      segments.erase(segments.begin());
+    }
+    if (!feeds || !driver->up()) return;
+    while (armed_through < last_tick && Open() < GrblDriver::kMaxUnsettled) {
+      ASSERT_TRUE(driver->Arm({armed_through + 1, true, {false, false, false, true}}));
+      armed_through += 4;
+    }
+  }
+  std::size_t Open() const {
+    std::size_t open = 0;
+    for (const auto& [tick, place] : points) {
+      open += tick <= armed_through && outcomes.count(tick) == 0;
+    }
+    return open;
+  }
+  bool RunIsOver() { return armed_through >= last_tick && driver->state().at_rest; }
+
+  GrblMachine machine;
+  std::unique_ptr<GrblDriver> driver;
+  std::map<std::uint64_t, Vec3> points;
+  std::map<std::uint64_t, TickOutcome> outcomes;
+  std::vector<motion::Segment> segments;
+  std::uint64_t armed_through = 0, last_tick = 0;
+  std::uint32_t run = 0;
+  bool feeds = true;
+};
+
+/// Every flash begins within a step of its point, one a point, in order.
+void ExpectFlashesAtPoints(const Cell& cell, double steps_per_mm) {
+  const auto& flashes = cell.machine.grbl.motion().flashes();
+  ASSERT_EQ(flashes.size(), cell.points.size());
+  std::size_t i = 0;
+  for (const auto& [tick, place] : cell.points) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(std::abs(static_cast<double>(flashes[i].on_at[axis]) -
+                         place[axis] * steps_per_mm),
+                1.0)
+          << "point " << i << ", axis " << axis;
+    }
+    EXPECT_EQ(flashes[i].line, static_cast<std::int64_t>(tick % 1000 + 1));
+    EXPECT_EQ(flashes[i].at_rest_us, 0) << i;
+    ++i;
+  }
+  EXPECT_EQ(cell.machine.grbl.motion().lit_at_rest_us(), 0);
+  EXPECT_EQ(cell.machine.grbl.lost_bytes(), 0U);
+}
+
+TEST(GrblDriver, PulsesLieWithinAStepOfTheirPoints) {
+  for (const auto& options : {grbl::Grbl11(), grbl::GrblHal()}) {
+    for (const bool stops : {false, true}) {
+      for (const double pitch_mm : {0.02, 0.3}) {
+        Cell cell(options);
+        cell.Prepare();
+        cell.Begin(100, pitch_mm, stops);
+        ASSERT_TRUE(cell.Until([&] { return cell.RunIsOver(); }))
+            << cell.driver->state().message;
+        ExpectFlashesAtPoints(cell, options.motion.steps_per_mm);
+        ASSERT_EQ(cell.outcomes.size(), 100U);
+        for (const auto& [tick, outcome] : cell.outcomes) {
+          EXPECT_EQ(outcome, TickOutcome::kFiredUnseen) << tick;
+        }
+        EXPECT_EQ(cell.driver->status().pulse_count, 100U);
+        EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_OK);
+      }
+    }
+  }
+}
+
+TEST(GrblDriver, AnUnarmedPointIsPassedDark) {
+  Cell cell;
+  cell.Prepare();
+  cell.feeds = false;
+  cell.Begin(10, 0.3, false);
+  ASSERT_TRUE(
+      cell.driver->Arm({cell.armed_through + 1, true, std::vector<bool>(40, false)}));
+  cell.armed_through = cell.last_tick;
+  ASSERT_TRUE(cell.Until([&] { return cell.RunIsOver(); }));
+  EXPECT_TRUE(cell.machine.grbl.motion().flashes().empty());
+}
+
+TEST(GrblDriver, UndecidedTicksHoldTheRun) {
+  Cell cell;
+  cell.Prepare();
+  cell.feeds = false;
+  cell.Begin(10, 0.3, false);
+  cell.Until([] { return false; }, 1000);
+  EXPECT_FALSE(cell.driver->state().at_rest);
+  EXPECT_EQ(cell.driver->status().tick, cell.armed_through);
+  EXPECT_LE(cell.machine.grbl.WorkPosition_mm().norm(), 0.301)
+      << "a piece ahead of the decisions, at most";
+}
+
+TEST(GrblDriver, ALostLineLeavesAtMost16UncertainAndNoneLit) {
+  for (int after_ms = 100; after_ms < 1500; after_ms += 37) {
+    Cell cell;
+    cell.Prepare();
+    cell.Begin(200, 0.1, false);
+    cell.Until([] { return false; }, after_ms);
+    cell.machine.Cut(true);
+    cell.Until([] { return false; }, 2000);
+    EXPECT_EQ(cell.machine.grbl.motion().lit_at_rest_us(), 0);
+    const std::size_t fired = cell.machine.grbl.motion().flashes().size();
+    cell.feeds = false;
+    cell.segments.clear();
+    cell.machine.Cut(false);
+    ASSERT_TRUE(cell.Until([&] { return cell.driver->up(); }));
+    std::size_t known = 0, uncertain = 0;
+    ASSERT_TRUE(cell.driver->RequestPast(cell.points.begin()->first, 512));
+    cell.driver->Poll([](const auto&) {},
+                      [&](const link::PastReport& past) {
+                        for (const TickOutcome outcome : past.outcome) {
+                          known += outcome == TickOutcome::kFiredUnseen;
+                          uncertain += outcome == TickOutcome::kNoLongerKnown;
+                        }
+                      });
+    EXPECT_LE(uncertain, GrblDriver::kMaxUnsettled);
+    EXPECT_LE(known, fired);
+    EXPECT_GE(known + uncertain, fired) << "a pulse that nobody knows of";
+  }
+}
+
+TEST(GrblDriver, AfterADoorNothingMovesOrFiresBeforeReset) {
+  Cell cell;
+  cell.Prepare();
+  cell.Begin(200, 0.1, false);
+  cell.Until([] { return false; }, 600);
+  cell.machine.grbl.SetDoor(true);
+  cell.Until([] { return false; }, 500);
+  const std::uint64_t lines = cell.machine.grbl.lines_taken();
+  const std::size_t flashes = cell.machine.grbl.motion().flashes().size();
+  EXPECT_GT(flashes, 0U);
+  cell.machine.grbl.SetDoor(false);
+  cell.Until([] { return false; }, 2000);
+  EXPECT_EQ(cell.machine.grbl.state(), grbl::VirtualGrbl::State::kDoor)
+      << "neither '~' nor a reset";
+  EXPECT_EQ(cell.machine.grbl.lines_taken(), lines);
+  EXPECT_EQ(cell.machine.grbl.motion().flashes().size(), flashes);
+  EXPECT_NE(cell.driver->state().fault, intaglio_MOTION_OK);
+  EXPECT_FALSE(cell.driver->Has(link::kStopReleased) &&
+               cell.driver->status().shutters_open);
+  EXPECT_EQ(cell.driver->status().openings, 1U);
+  // A new arm: Reset of the laser, ClearFault of the stage.
+  ASSERT_TRUE(cell.driver->ClearFault());
+  cell.feeds = false;
+  cell.segments.clear();
+  cell.Prepare();
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_OK);
+  EXPECT_EQ(cell.machine.grbl.motion().flashes().size(), flashes);
+}
+
+TEST(GrblDriver, ALimitIsAFaultAndTheControllerAnswersAgain) {
+  Cell cell;
+  cell.Prepare();
+  cell.Begin(200, 0.1, false);
+  cell.Until([] { return false; }, 600);
+  cell.machine.grbl.HitLimit();
+  ASSERT_TRUE(cell.Until(
+      [&] { return cell.driver->state().fault == intaglio_MOTION_LIMIT; }, 200));
+  cell.feeds = false;
+  cell.segments.clear();
+  cell.Until([] { return false; }, 1000);
+  EXPECT_TRUE(cell.driver->state().link_up);
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_LIMIT);
+  ASSERT_TRUE(cell.driver->ClearFault());
+  cell.Prepare();
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_OK);
+}
+
+TEST(GrblDriver, WithoutLaserModeItIsRefused) {
+  grbl::VirtualGrblOptions options = grbl::Grbl11();
+  options.laser_mode = false;
+  Cell cell(options);
+  ASSERT_TRUE(cell.Until([&] { return !cell.driver->refusal().empty(); }, 1000));
+  EXPECT_NE(cell.driver->refusal().find("$32=1"), std::string::npos);
+  EXPECT_FALSE(cell.driver->up());
+}
+
+TEST(GrblDriver, AJogIsDarkWhateverWasSetBefore) {
+  Cell cell;
+  cell.Prepare();
+  ASSERT_TRUE(cell.driver->Jog(Vec3(5, 0, 0), 50));
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_EQ(cell.machine.grbl.WorkPosition_mm(), Vec3(5, 0, 0));
+  EXPECT_TRUE(cell.machine.grbl.motion().flashes().empty());
+  EXPECT_FALSE(cell.machine.grbl.spindle_on());
+  EXPECT_FALSE(cell.driver->Jog(Vec3(500, 0, 0), 50)) << "checked before it is sent";
+  EXPECT_FALSE(cell.driver->Jog(Vec3(std::nan(""), 0, 0), 50));
+}
+
+}  // namespace
+}  // namespace intaglio::drivers
