@@ -18,6 +18,7 @@
 #include "services/cli/security_command.h"
 #include "services/cli/status/status_command.h"
 #include "services/cli/stop_command.h"
+#include "services/cli/teach/teach_command.h"
 #include "services/cli/up_command.h"
 
 namespace intaglio::cli {
@@ -46,6 +47,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddBatchCommand(root);
   AddStopCommand(root);
   AddStatusCommand(root);
+  AddTeachCommand(root);
   AddHistoryCommand(root);
   AddPreviewCommand(root);
   AddOfflineCommands(root);

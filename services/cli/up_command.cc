@@ -204,7 +204,7 @@ int Up(const UpOptions& options) {
   set.results = set.folder / "jobs";
   set.materials_db = options.materials_db.empty() ? materials_db::DefaultDatabasePath()
                                                   : fs::path(options.materials_db);
-  set.machine = *machine;
+  set.machine = client::WithKeptTaught(set.folder, *machine);
   set.bus = options.bus;
   set.bus.cell = machine->name();
   set.without = {options.without.begin(), options.without.end()};

@@ -7,6 +7,7 @@
 
 #include "engrave/core/try.h"
 #include "services/client/proof/glass_search.h"
+#include "services/job/job_check.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/other_programs.h"
 #include "services/virtual_engraver/truth/truth_file.h"
@@ -16,6 +17,8 @@ namespace {
 
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
+
+constexpr char kMachineFile[] = "machine.textproto";
 
 constexpr auto kReadyTimeout = 30s;
 constexpr auto kLinesTimeout = 10s;
@@ -52,6 +55,17 @@ constexpr Expected kExpected[] = {{intaglio_ROLE_JOB_SERVICE, "job-service"},
 
 }  // namespace
 
+MachineSpec WithKeptTaught(const fs::path& folder, const MachineSpec& machine) {
+  const auto before = ReadMachineFile(folder / kMachineFile);
+  if (!before || before->name() != machine.name() ||
+      before->taught().number() <= machine.taught().number()) {
+    return machine;
+  }
+  MachineSpec kept = machine;
+  *kept.mutable_taught() = before->taught();
+  return CheckMachine(kept).empty() ? kept : machine;
+}
+
 Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
                                      const VirtualMachine* virtual_machine) {
   ServiceSet set;
@@ -68,7 +82,7 @@ Result<ServiceSet> ServiceSet::Start(const ServiceSetOptions& options,
   if (virtual_machine != nullptr) {
     INTAGLIO_TRY(set.StartEngraver(options, *virtual_machine));
   }
-  set.machine_file_ = options.folder / "machine.textproto";
+  set.machine_file_ = options.folder / kMachineFile;
   INTAGLIO_TRY(WriteMachineFile(set.machine_file_, set.machine_));
   const std::string machine = set.machine_file_.string();
   // A machine that waits for us leaves the processor to the others.

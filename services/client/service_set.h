@@ -40,6 +40,11 @@ struct ServiceSetOptions {
   bool die_with_parent = true;
 };
 
+/// `machine` with what was taught when the shop in `folder` was open before, unless its
+/// own taught positions are newer, or those do not fit it any more.
+MachineSpec WithKeptTaught(const std::filesystem::path& folder,
+                           const MachineSpec& machine);
+
 class ServiceSet {
  public:
   /// Starts everything; on failure what was started is ended again.

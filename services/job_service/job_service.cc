@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "proto/task.pb.h"
 #include "services/job/model_kind.h"
 #include "services/job/verdict/warnings.h"
@@ -57,6 +60,7 @@ JobService::JobService(host::ServiceHost& host, const JobServiceOptions& options
       statistics_(store_, options.recording.string()),
       epoch_(store_.BeginRun()),
       submissions_(host.bus(), bus::kJobSubmission),
+      manual_commands_(host.bus(), bus::kManualCommand),
       commands_(host.bus(), store_),
       reports_(host.bus()),
       board_(board),
@@ -90,6 +94,7 @@ void JobService::Turn(Nanoseconds now) {
   TakeTasks(now);
   TakeHealth(now);
   TakeSubmissions(now);
+  TakeManualCommands();
   commands_.Take([&](const CommandView& command) { return queue_.Take(command, now); },
                  now);
   for (const ModelFeed::Failure& failure : feed_.TakeFailures()) {
@@ -101,6 +106,18 @@ void JobService::Turn(Nanoseconds now) {
   queue_.Turn(now);
   seen_.Note();
   permissions_.Decide(queue_.Permissions(now));
+}
+
+void JobService::TakeManualCommands() {
+  manual_commands_.Take([this](const intaglio_ManualCommand& command) {
+    // Of a partition's pattern the permission would reach other machines, too.
+    const std::string_view cell = View(command.cell);
+    const bool is_name =
+        !cell.empty() && std::all_of(cell.begin(), cell.end(), [](unsigned char c) {
+          return std::isalnum(c) != 0 || c == '-' || c == '_';
+        });
+    if (is_name) permissions_.Open(std::string(cell), CellsInUse());
+  });
 }
 
 void JobService::Close(Nanoseconds now) {

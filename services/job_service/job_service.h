@@ -53,6 +53,7 @@ class JobService : private JobActions {
   template <typename Loop>
   void AttachTo(Loop& loop) {
     loop.Attach(submissions_);
+    loop.Attach(manual_commands_);
     commands_.AttachTo(loop);
     reports_.AttachTo(loop);
   }
@@ -73,6 +74,8 @@ class JobService : private JobActions {
   std::optional<Warnings> WarningsAfter(const TaskView& view, const JobRecord& job);
   void TakeHealth(Nanoseconds now);
   void TakeSubmissions(Nanoseconds now);
+  /// A machine that a person moves by hand needs a permission, though it has no job.
+  void TakeManualCommands();
   void Submit(const intaglio_JobSubmission& submission, Nanoseconds now);
   void Accept(const SubmissionReader::Answer& submission, FrozenJob frozen);
   void Refuse(const std::string& submission_uid, const std::string& reasons,
@@ -87,6 +90,7 @@ class JobService : private JobActions {
   std::uint64_t epoch_;
 
   bus::Reader<intaglio_JobSubmission> submissions_;
+  bus::Reader<intaglio_ManualCommand> manual_commands_;
   CommandInbox commands_;
   WorkerReports reports_;
   StatusBoard& board_;

@@ -55,17 +55,18 @@ double SpeedOf(double mm_s) { return Rounded(mm_s, 10); }
 
 }  // namespace
 
-Bridge::Bridge(host::ServiceHost& host, std::string cell, double position_tolerance_um,
+Bridge::Bridge(host::ServiceHost& host, const MachineSpec& machine, std::string profile,
                std::unique_ptr<drivers::MotionDriver> driver)
     : host_(host),
-      cell_(std::move(cell)),
-      position_tolerance_um_(position_tolerance_um),
+      cell_(machine.name()),
+      position_tolerance_um_(machine.position_tolerance_um()),
       driver_(std::move(driver)),
       batches_(host.bus(), bus::kMotionSegmentBatch, cell_),
       stops_(host.bus(), bus::kEmergencyStop, cell_),
       states_(host.bus(), bus::kMotionState, cell_),
       positions_(host.bus(), bus::kPositionReport, cell_),
-      credit_(host.bus(), host.instance()) {}
+      credit_(host.bus(), host.instance()),
+      manual_(host.bus(), machine, std::move(profile), *driver_) {}
 
 void Bridge::Turn(std::chrono::nanoseconds now) {
   driver_->Poll();
@@ -74,10 +75,11 @@ void Bridge::Turn(std::chrono::nanoseconds now) {
   AlarmTolerance();
   TakeBatches();
   TakeStops();
+  manual_.Turn(phase_ != Phase::kIdle || abort_owed_, stop_.pressed(), now);
   // A line full of segments takes the abort as soon as it can.
   if (abort_owed_) abort_owed_ = !driver_->AbortRun();
   if (abort_owed_) return PublishAll(now);
-  if (phase_ == Phase::kBeginning) Begin(now);
+  if (phase_ == Phase::kBeginning && !manual_.moves()) Begin(now);
   if (phase_ == Phase::kFeeding) Feed();
   PublishAll(now);
 }

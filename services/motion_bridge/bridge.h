@@ -10,8 +10,10 @@
 //     +--------------------------------------------------------------- <-+  appended
 //
 // kBeginning clears a fault and brakes an old run first. A batch of an older run is
-// dropped. Flow: batch 0 opens the run's Credit stream (MotionStream in the header of
-// the synchronizer's side), a batch is consumed once the controller has all of it.
+// dropped. Motion by hand (manual/manual_control.h) is executed in kIdle alone; a run
+// that comes ends it, and begins when the stage is at rest. Flow: batch 0 opens the run's
+// Credit stream (MotionStream in the header of the synchronizer's side), a batch is
+// consumed once the controller has all of it.
 
 #include <chrono>
 #include <cstdint>
@@ -20,6 +22,7 @@
 #include <vector>
 
 #include "services/drivers/motion_driver.h"
+#include "services/motion_bridge/manual/manual_desk.h"
 #include "services/platform/bus/flow.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/safety/stop_latch.h"
@@ -28,8 +31,8 @@ namespace intaglio::motion_bridge {
 
 class Bridge {
  public:
-  /// `position_tolerance_um`: of the profile.
-  Bridge(host::ServiceHost& host, std::string cell, double position_tolerance_um,
+  /// `machine`: the profile, read from `profile`, in which taught positions are saved.
+  Bridge(host::ServiceHost& host, const MachineSpec& machine, std::string profile,
          std::unique_ptr<drivers::MotionDriver> driver);
 
   /// One turn: serial line, batches, controller, publications. Never blocks. Does and
@@ -38,6 +41,7 @@ class Bridge {
 
   bus::Reader<intaglio_MotionSegmentBatch>& batches() { return batches_; }
   bus::Reader<intaglio_EmergencyStop>& stops() { return stops_; }
+  ManualDesk& manual() { return manual_; }
   int fd() const { return driver_->fd(); }
   /// Of the controller; null: it only moves.
   drivers::LaserController* laser() { return driver_->laser(); }
@@ -80,6 +84,7 @@ class Bridge {
   bus::Writer<intaglio_PositionReport> positions_;
   bus::CreditGrantor credit_;
 
+  ManualDesk manual_;
   bool abort_owed_ = false;
   Phase phase_ = Phase::kIdle;
   std::uint32_t run_ = 0;

@@ -68,14 +68,16 @@ int Serve(host::ServiceHost& host, const Options& options) {
   }
   host::OnlyInstance only(host, intaglio_ROLE_MOTION_BRIDGE);
   if (only.AwaitTurn()) return only.EndAsSecond("motion bridge");
-  motion_bridge::Bridge bridge(host, machine->name(), machine->position_tolerance_um(),
-                               std::move(*driver));
+  motion_bridge::Bridge bridge(host, *machine, options.machine_file, std::move(*driver));
   std::optional<motion_bridge::LaserSocket> laser;
   if (SwitchesLaser(*machine))
     laser.emplace(*bridge.laser(), drivers::LaserDeviceOf(*machine));
   host::PollLoop loop(host.bus());
   loop.Attach(bridge.batches());
   loop.Attach(bridge.stops());
+  loop.Attach(bridge.manual().commands());
+  loop.Attach(bridge.manual().cell_moves());
+  loop.Attach(bridge.manual().interlocks());
   while (!host.stopping()) {
     bridge.Turn(Now());
     if (bridge.state().taken_over) return host::EndTakenOver(host, "motion bridge");

@@ -11,7 +11,8 @@ using namespace std::chrono_literals;
 
 constexpr auto kTaskPeriod = 100ms;
 constexpr auto kPulsePeriod = 20ms;
-constexpr auto kInterlockPeriod = 1s;
+// Whoever moves the stage by hand stops when it has not come for 500 ms.
+constexpr auto kInterlockPeriod = 100ms;
 constexpr std::size_t kPulseBatch = 1024;
 
 intaglio_PulseOutcome WireOutcome(PointOutcome outcome) {

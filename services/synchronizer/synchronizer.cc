@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "services/job/job_file.h"
 #include "services/platform/bus/error_code.h"
 #include "services/platform/bus/role_names.h"
 #include "services/platform/bus/samples.h"
@@ -54,7 +55,8 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       laser_driver_(std::move(laser)),
       laser_(*laser_driver_),
       feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
-            [this](const std::string& stream) { return credit_.Find(stream); }) {}
+            [this](const std::string& stream) { return credit_.Find(stream); }),
+      drive_(host.bus(), cell_, host.instance()) {}
 
 Synchronizer::~Synchronizer() = default;
 
@@ -73,10 +75,11 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   TakeMotion(now);
   TakePositions();
   TakeTasks();
+  TurnDrive();
   if (!engraving_) WatchMachine(now);
   if (job_ && !engraving_) {
     TakePath();
-    TakePrepared();
+    if (!drive_.drives()) TakePrepared();
   } else {
     intake_.Drop();
   }
@@ -96,6 +99,7 @@ void Synchronizer::AlarmRefusal() {
 
 void Synchronizer::Stop() {
   leaves_ = true;
+  drive_.Stop();
   if (engraving_) {
     engraving_->Stop("the synchronizer was stopped");
   } else if (job_) {
@@ -145,15 +149,26 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
   chain_.BeginJob();
   taken_up_ = task.take_up;
   host_.SetHealth(intaglio_HEALTH_BUSY, job_->job_uid());
+  if (auto taught = TakeTaught(); !taught) return FailTask(taught.error());
   if (auto checked = CheckTask(*job_, machine_, machine_file_); !checked) {
     return FailTask(checked.error());
   }
   *job_->mutable_machine() = machine_;
+  Drive(machine_.taught().has_sample(), machine_.taught().sample());
   if (task.take_up) return Prepare(std::nullopt);
   if (auto opened = intake_.Open(job_->job_uid(), attempt_); !opened) {
     return FailTask(opened.error());
   }
   publisher_.PublishTask({.job_uid = job_->job_uid(), .attempt = attempt_}, now_);
+}
+
+// What was taught since this process read its profile counts from the next job on.
+Status Synchronizer::TakeTaught() {
+  const auto machine = ReadMachineFile(machine_file_);
+  if (!machine) return tl::unexpected(machine.error());
+  machine_.clear_taught();
+  if (machine->has_taught()) *machine_.mutable_taught() = machine->taught();
+  return {};
 }
 
 void Synchronizer::FailTask(const Error& error) {
@@ -306,8 +321,24 @@ void Synchronizer::EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
   }
   report.outcome = outcome.SerializeAsString();
   DropTask();
+  Drive(state == intaglio_TASK_DONE && machine_.taught().has_park(),
+        machine_.taught().park());
   publisher_.PublishTask(report, now_);
   host_.SetHealth(intaglio_HEALTH_READY);
+}
+
+void Synchronizer::Drive(bool taught, const Vector3& axes) {
+  drive_.Stop();
+  if (taught) drive_.Start(Vec3(axes.x(), axes.y(), axes.z()), now_);
+}
+
+void Synchronizer::TurnDrive() {
+  const bool drove = drive_.drives();
+  drive_.Turn(now_);
+  if (drove && !drive_.drives() && !drive_.message().empty()) {
+    host::LogWarning("the taught position before or after a job was not reached: {}",
+                     drive_.message());
+  }
 }
 
 // The journal's last records are on disk before the end of the job is published.

@@ -13,6 +13,7 @@
 #include "proto/task.pb.h"
 #include "services/platform/host/process/service_host.h"
 #include "services/platform/host/safety/stop_latch.h"
+#include "services/synchronizer/cell_drive.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
 #include "services/synchronizer/mounted_parts.h"
@@ -59,6 +60,7 @@ class Synchronizer {
   void AlarmRefusal();
   void TakeTasks();
   void Begin(const intaglio_StageTask& task);
+  Status TakeTaught();
   void TakePermission(std::chrono::nanoseconds now);
   /// A press that was not known: this turn at least is stopped.
   void NoteStop(std::string_view source, std::string_view reason);
@@ -70,6 +72,8 @@ class Synchronizer {
   void Prepare(std::optional<PointCloud> path);
   void TakePrepared();
   void StartEngraving(PreparedJob prepared);
+  void Drive(bool taught, const Vector3& axes);
+  void TurnDrive();
   void TakePlan();
   void FailTask(const Error& error);
   void Engrave(std::chrono::nanoseconds now);
@@ -100,6 +104,7 @@ class Synchronizer {
   std::unique_ptr<drivers::LaserController> laser_driver_;
   drivers::LaserController& laser_;
   MotionFeed feed_;
+  CellDrive drive_;
   PermissionChain chain_;
   std::unique_ptr<JournalWriter> journal_;
   std::unique_ptr<Engraving> engraving_;

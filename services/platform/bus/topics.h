@@ -9,6 +9,7 @@
 #include "idl/motion.h"
 #include "idl/safety.h"
 #include "idl/service.h"
+#include "idl/teach.h"
 
 struct dds_topic_descriptor;
 
@@ -107,6 +108,18 @@ inline constexpr Topic<intaglio_EmergencyStop> kEmergencyStop{
     Scope::kCell};
 inline constexpr Topic<intaglio_Interlock> kInterlock{
     "Interlock", &intaglio_Interlock_desc, Profile::kState, DomainKind::kControl,
+    Scope::kCell};
+
+/// Of a person, by a client; its motion is executed by the bridge.
+inline constexpr Topic<intaglio_ManualCommand> kManualCommand{
+    "ManualCommand", &intaglio_ManualCommand_desc, Profile::kCommand,
+    DomainKind::kControl, Scope::kCell};
+/// The same by the cell's synchronizer, which drives before and after a job.
+inline constexpr Topic<intaglio_ManualCommand> kCellMove{
+    "CellMove", &intaglio_ManualCommand_desc, Profile::kCommand, DomainKind::kControl,
+    Scope::kCell};
+inline constexpr Topic<intaglio_ManualState> kManualState{
+    "ManualState", &intaglio_ManualState_desc, Profile::kState, DomainKind::kControl,
     Scope::kCell};
 
 }  // namespace intaglio::bus

@@ -144,8 +144,10 @@ void Command::RequireCommand() const { app_->require_subcommand(1); }
 void Command::TakeOptionsOfParent() const { app_->fallthrough(); }
 
 void Command::SetAction(std::function<int()> action) const {
-  app_->callback(
-      [state = state_, action = std::move(action)] { state->chosen = action; });
+  app_->callback([state = state_, action = std::move(action)] {
+    // The innermost command's comes first.
+    if (!state->chosen) state->chosen = action;
+  });
 }
 
 // ---- Programs ------------------------------------------------------------------------
@@ -203,6 +205,7 @@ std::optional<int> Program::Parse(int argc, char** argv) {
 }
 
 Status Program::Parse(std::vector<std::string> words) {
+  state_->chosen = nullptr;
   std::reverse(words.begin(), words.end());  // the library takes them from the end
   try {
     app_->parse(std::move(words));

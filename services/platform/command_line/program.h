@@ -87,7 +87,8 @@ class Command {
   void RequireCommand() const;
   /// The options of the command above are understood here as well.
   void TakeOptionsOfParent() const;
-  /// What Program::Run() does when this command was given; the exit code is returned.
+  /// What Program::Run() does when this command was given, and none below it that has an
+  /// action; the exit code is returned.
   void SetAction(std::function<int()> action) const;
 
  private:

@@ -28,15 +28,16 @@ Topics ShopState() {
 }
 
 Topics CellState() {
-  return {Of(bus::kMotionState),  Of(bus::kPositionReport), Of(bus::kLampSync),
-          Of(bus::kInterlock),    Of(bus::kPermission),     Of(bus::kPulseEventBatch),
-          Of(bus::kEmergencyStop)};
+  return {Of(bus::kMotionState),   Of(bus::kPositionReport), Of(bus::kLampSync),
+          Of(bus::kInterlock),     Of(bus::kPermission),     Of(bus::kPulseEventBatch),
+          Of(bus::kEmergencyStop), Of(bus::kManualState)};
 }
 
 Role Operator() {
   return {bus::kOperatorRole,
           "*",
-          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kEmergencyStop)},
+          {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kEmergencyStop),
+           Of(bus::kManualCommand)},
           Join({ShopState(), CellState(), {Of(bus::kJobCommandAnswer)}})};
 }
 
@@ -49,7 +50,7 @@ Role JobService() {
                  Of(bus::kEngraveTask), Of(bus::kModelChunk), Of(bus::kPermission)}}),
           {Of(bus::kJobSubmission), Of(bus::kJobCommand), Of(bus::kTaskStatus),
            Of(bus::kServiceHealth), Of(bus::kCredit), Of(bus::kEmergencyStop),
-           Of(bus::kPresence)}};
+           Of(bus::kPresence), Of(bus::kManualCommand)}};
 }
 
 Role StageWorker() {
@@ -71,11 +72,12 @@ Role Cell(const std::string& cell) {
                 {Of(bus::kPresence), Of(bus::kTaskStatus), Of(bus::kCredit),
                  Of(bus::kMotionSegmentBatch), Of(bus::kMotionState),
                  Of(bus::kPositionReport), Of(bus::kLampSync), Of(bus::kPulseEventBatch),
-                 Of(bus::kInterlock)}}),
+                 Of(bus::kInterlock), Of(bus::kCellMove), Of(bus::kManualState)}}),
           {Of(bus::kServiceHealth), Of(bus::kEngraveTask), Of(bus::kPathBatch),
            Of(bus::kCredit), Of(bus::kPermission), Of(bus::kEmergencyStop),
            Of(bus::kMotionSegmentBatch), Of(bus::kMotionState), Of(bus::kPositionReport),
-           Of(bus::kPresence, bus::kJobServiceRole)}};
+           Of(bus::kPresence, bus::kJobServiceRole), Of(bus::kInterlock),
+           Of(bus::kManualCommand), Of(bus::kCellMove), Of(bus::kManualState)}};
 }
 
 Role Recorder() {
@@ -85,7 +87,8 @@ Role Recorder() {
                 {Of(bus::kJobSubmission), Of(bus::kJobCommand),
                  Of(bus::kJobCommandAnswer), Of(bus::kDiscretizeTask), Of(bus::kSortTask),
                  Of(bus::kEngraveTask), Of(bus::kCredit), Of(bus::kMotionSegmentBatch),
-                 Of(bus::kModelChunk), Of(bus::kPointBatch), Of(bus::kPathBatch)}})};
+                 Of(bus::kModelChunk), Of(bus::kPointBatch), Of(bus::kPathBatch),
+                 Of(bus::kManualCommand), Of(bus::kCellMove)}})};
 }
 
 Role Observer() {

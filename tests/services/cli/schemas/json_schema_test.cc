@@ -77,6 +77,8 @@ constexpr Written kWritten[] = {
     {"statistics", "statistics.json in the folder of a job", "shop", "JobStatistics"},
     {"stages", "stages.json in the folder of a shop's job", "report", "JobStages"},
     {"batch_results", "--results of `intaglio batch`", "shop", "BatchResults"},
+    {"teach_status", "`intaglio teach status --json`", "teach", "TeachStatus"},
+    {"teach_history", "`intaglio teach history --json`", "teach", "TaughtHistoryRecord"},
     {"recording_info", "`intaglio recording info --json`", "recording", "RecordingInfo"},
     {"recording_channels", "`intaglio recording list --json`", "recording",
      "RecordingChannels"},

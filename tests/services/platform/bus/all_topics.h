@@ -32,6 +32,9 @@ void ForEachTopic(Visit&& visit) {
   visit(bus::kPermission);
   visit(bus::kEmergencyStop);
   visit(bus::kInterlock);
+  visit(bus::kManualCommand);
+  visit(bus::kCellMove);
+  visit(bus::kManualState);
 }
 
 template <typename Visit>

@@ -1,0 +1,87 @@
+#include "services/cli/teach/teach_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <iostream>
+
+#include "services/cli/complain.h"
+#include "services/cli/flags/bus_flags.h"
+#include "services/cli/interrupt.h"
+#include "services/client/exit_codes.h"
+
+namespace intaglio::cli {
+
+void AddTeachFlags(command_line::Command command, TeachOptions& options) {
+  AddBusFlags(command, options.bus);
+  command.AddOption("--cell", options.cell,
+                    "name of the machine; default the only one that is found");
+}
+
+int WithMachine(const TeachOptions& options,
+                const std::function<int(client::TeachClient&)>& action) {
+  CatchInterrupts();
+  bus::Bus bus(options.bus);
+  const auto cell = client::TeachClient::FindMachine(bus, options.cell);
+  if (!cell) return Complain(cell.error());
+  try {
+    client::TeachClient client(bus, *cell);
+    if (auto connected = client.Connect(); !connected)
+      return Complain(connected.error(), client::kExitWrongInput);
+    return action(client);
+  } catch (const bus::NotAllowedError& error) {
+    return Complain({ErrorCode::kRefused, error.what(), ""}, client::kExitWrongInput);
+  }
+}
+
+int ExecuteOrder(client::TeachClient& client, const client::TeachOrder& order,
+                 std::chrono::milliseconds timeout) {
+  const auto done = client.Execute(order, timeout, [] { return Interrupts() > 0; });
+  if (!done) return Complain(done.error(), client::kExitMachine);
+  if (!done->empty()) std::cout << *done << "\n";
+  return client::kExitGood;
+}
+
+Result<int> AxisByName(const client::MachineView& view, const std::string& name) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (view.axes[i] == name || (name.size() == 1 && name[0] == "XYZ"[i] &&
+                                 view.axes[i] == std::string(1, "xyz"[i])))
+      return static_cast<int>(i);
+  }
+  return Fail(ErrorCode::kNotFound,
+              fmt::format("\"{}\" is no axis of {}: give one of {}", name, view.cell,
+                          fmt::join(view.axes, ", ")),
+              name);
+}
+
+std::string TextOf(const client::MachineView& view) {
+  std::string text = view.cell + "\n";
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    text += fmt::format("  {:<6}{:>11.4f} {:<4} limits {:g} to {:g}\n", view.axes[at],
+                        view.position[i], view.rotary[at] ? "rad" : "mm",
+                        view.limit_min[i], view.limit_max[i]);
+  }
+  if (!view.homed) text += "  not homed: `intaglio teach home`\n";
+  const auto closed = [](bool yes, const char* good, const char* bad) {
+    return yes ? good : bad;
+  };
+  if (!view.interlocks_known) {
+    text += "  key, door and stop: not known\n";
+  } else {
+    text += fmt::format("  key {}, door {}, stop {}, lamp {}, shutters {}\n",
+                        closed(view.key_on, "on", "OFF"),
+                        closed(view.door_closed, "closed", "OPEN"),
+                        closed(view.stop_released, "released", "PRESSED"),
+                        view.lamp_on ? (view.lamp_warm ? "warm" : "warming up") : "off",
+                        view.shutters_open == 0 ? "closed" : "OPEN");
+  }
+  text +=
+      fmt::format("  by hand: {}\n", !view.held_by.empty()  ? "moved by " + view.held_by
+                                     : view.refusal.empty() ? "allowed"
+                                                            : view.refusal);
+  text += fmt::format("  taught: version {} of {}\n", view.taught_number, view.profile);
+  return text;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,39 @@
+#pragma once
+
+// What the commands of `intaglio teach` share.
+
+#include <functional>
+#include <string>
+
+#include "services/client/teach_client.h"
+#include "services/platform/command_line/program.h"
+
+namespace intaglio::cli {
+
+struct TeachOptions {
+  bus::BusOptions bus;
+  std::string cell;
+  bool json = false;
+};
+
+/// --cell and the flags of the bus.
+void AddTeachFlags(command_line::Command command, TeachOptions& options);
+
+/// Connects, and runs `action`; its exit code, or that of the error.
+int WithMachine(const TeachOptions& options,
+                const std::function<int(client::TeachClient&)>& action);
+
+/// Executes one order, prints the answer; the exit code. Ctrl-C lets go.
+int ExecuteOrder(client::TeachClient& client, const client::TeachOrder& order,
+                 std::chrono::milliseconds timeout = std::chrono::seconds(10));
+
+/// The number of the axis with this name; kNotFound lists them.
+Result<int> AxisByName(const client::MachineView& view, const std::string& name);
+
+/// Positions, limits and interlocks, for people.
+std::string TextOf(const client::MachineView& view);
+
+/// The screen of `intaglio teach`, until q or Ctrl-C; the exit code.
+int ShowTeachScreen(client::TeachClient& client);
+
+}  // namespace intaglio::cli

@@ -1,0 +1,185 @@
+#include "services/client/teach_client.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <random>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "services/client/job_client.h"
+#include "services/platform/bus/samples.h"
+
+namespace intaglio::client {
+namespace {
+
+using bus::Borrow;
+using bus::View;
+using namespace std::chrono_literals;
+
+constexpr auto kPollTime = 5ms;
+
+std::string NewSender() {
+  std::random_device random;
+  return fmt::format("{}-{}-{:08x}", OperatorName(), getpid(), random());
+}
+
+Vec3 VectorOf(const double (&values)[3]) { return {values[0], values[1], values[2]}; }
+
+void Put(const Vec3& from, double (&to)[3]) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+void Take(const intaglio_ManualState& sample, MachineView& view) {
+  view.number = sample.number;
+  view.held_by = View(sample.held_by);
+  view.refusal = View(sample.refusal);
+  view.profile = View(sample.profile);
+  view.homed = sample.homed;
+  std::istringstream names{std::string(View(sample.axes))};
+  for (std::size_t i = 0; i < 3; ++i) {
+    names >> view.axes[i];
+    view.rotary[i] = (sample.rotary >> i & 1) != 0;
+  }
+  view.position = VectorOf(sample.position);
+  view.limit_min = VectorOf(sample.limit_min);
+  view.limit_max = VectorOf(sample.limit_max);
+  view.taught_number = sample.taught_number;
+  view.answered_sender = View(sample.answered_sender);
+  view.answered_number = sample.answered_number;
+  view.answer = sample.answer;
+  view.message = View(sample.message);
+}
+
+}  // namespace
+
+Result<std::string> TeachClient::FindMachine(bus::Bus& bus, const std::string& cell) {
+  if (!cell.empty()) return cell;
+  bus::Reader<intaglio_ManualState> states(bus, bus::kManualState);
+  std::set<std::string> cells;
+  for (const auto end = Clock::now() + bus.discovery_time() + 600ms;
+       Clock::now() < end;) {
+    states.Take([&](const intaglio_ManualState& state) {
+      cells.insert(std::string(View(state.cell)));
+    });
+    std::this_thread::sleep_for(kPollTime);
+  }
+  if (cells.size() == 1) return *cells.begin();
+  if (cells.empty()) {
+    return Fail(ErrorCode::kNotFound,
+                "no machine found: check that its motion bridge runs (intaglio up), and "
+                "--domain, --interface and --tag");
+  }
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("several machines found ({}): name one with --cell",
+                          fmt::join(cells, ", ")));
+}
+
+TeachClient::TeachClient(bus::Bus& bus, std::string cell)
+    : sender_(NewSender()),
+      operator_name_(OperatorName()),
+      states_(bus, bus::kManualState, cell),
+      interlocks_(bus, bus::kInterlock, cell),
+      commands_(bus, bus::kManualCommand, cell) {
+  view_.cell = std::move(cell);
+}
+
+// The bridge would notice the silence, too.
+TeachClient::~TeachClient() { LetGo(); }
+
+void TeachClient::Poll() {
+  states_.Take([this](const intaglio_ManualState& sample) { Take(sample, view_); });
+  interlocks_.TakeAll(
+      [this](const intaglio_Interlock& sample, const bus::SampleOrigin& origin) {
+        view_.interlocks_known = origin.alive && sample.laser_link_up;
+        if (!origin.alive) return;
+        view_.key_on = sample.key_on;
+        view_.door_closed = sample.door_closed;
+        view_.stop_released = sample.emergency_stop_released;
+        view_.lamp_on = sample.lamp_on;
+        view_.lamp_warm = sample.lamp_warm;
+        view_.shutters_open = sample.shutters_open;
+      });
+  Send(false);
+}
+
+void TeachClient::Send(bool at_once) {
+  if (!at_once && Clock::now() < next_send_) return;
+  next_send_ = Clock::now() + kRepeatTime;
+  intaglio_ManualCommand sample{};
+  sample.cell = Borrow(view_.cell);
+  sample.sender = Borrow(sender_);
+  sample.number = number_;
+  sample.seen = view_.number;
+  sample.kind = held_.kind;
+  sample.operator_name = Borrow(operator_name_);
+  Put(held_.place, sample.place);
+  Put(held_.place_max, sample.place_max);
+  sample.speed_mm_s = held_.speed_mm_s;
+  sample.channel = held_.channel;
+  sample.lens = Borrow(held_.lens);
+  sample.sets = held_.sets;
+  sample.forget = held_.forget;
+  (void)commands_.Write(sample);
+}
+
+// States come every 20 ms once the bridge has a command; two in a row show that.
+Status TeachClient::Connect(std::chrono::milliseconds timeout) {
+  std::uint64_t first = 0;
+  for (const auto end = Clock::now() + timeout; Clock::now() < end;) {
+    Poll();
+    if (first == 0) first = view_.number;
+    if (commands_.matched_count() > 0 && first != 0 && view_.number > first + 2)
+      return {};
+    std::this_thread::sleep_for(kPollTime);
+  }
+  return Fail(ErrorCode::kTimedOut,
+              fmt::format("the motion bridge of {} does not answer: check that it runs "
+                          "(intaglio up), and --domain, --interface and --tag",
+                          view_.cell));
+}
+
+std::uint64_t TeachClient::Hold(const TeachOrder& order) {
+  held_ = order;
+  ++number_;
+  Send(true);
+  return number_;
+}
+
+void TeachClient::LetGo() {
+  if (held_.kind == intaglio_MANUAL_NONE) return;
+  held_ = {};
+  Send(true);
+}
+
+bool TeachClient::IsAnswered(std::uint64_t number) const {
+  return view_.answered_sender == sender_ && view_.answered_number == number &&
+         view_.answer != intaglio_MANUAL_ACCEPTED;
+}
+
+Result<std::string> TeachClient::Execute(const TeachOrder& order,
+                                         std::chrono::milliseconds timeout,
+                                         const std::function<bool()>& cancelled) {
+  const std::uint64_t number = Hold(order);
+  const auto end = Clock::now() + timeout;
+  while (!IsAnswered(number)) {
+    const bool is_cancelled = cancelled && cancelled();
+    if (is_cancelled || Clock::now() > end) {
+      LetGo();
+      if (is_cancelled) return Fail(ErrorCode::kCancelled, "let go");
+      return Fail(ErrorCode::kTimedOut,
+                  fmt::format("{} has not answered within {} s: check its motion bridge",
+                              view_.cell, timeout.count() / 1000));
+    }
+    std::this_thread::sleep_for(kPollTime);
+    Poll();
+  }
+  held_ = {};
+  Send(true);
+  if (view_.answer == intaglio_MANUAL_DONE) return view_.message;
+  return Fail(ErrorCode::kRefused, view_.message);
+}
+
+}  // namespace intaglio::client

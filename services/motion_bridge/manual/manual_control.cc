@@ -1,0 +1,190 @@
+#include "services/motion_bridge/manual/manual_control.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace intaglio::motion_bridge {
+namespace {
+
+// At 50 states a second, more than two seconds; what is older is stale anyway.
+constexpr std::size_t kRemembered = 128;
+// Clients come and go; the oldest names are of processes that have ended.
+constexpr std::size_t kMaxSenders = 256;
+
+}  // namespace
+
+std::string WhyNoMotionByHand(const ManualConditions& conditions,
+                              const drivers::DriverState& state, bool by_cell) {
+  if (!state.link_up) return "the stage does not answer: " + state.message;
+  if (conditions.run_active) return "a job moves the stage: pause it first";
+  if (!by_cell && !conditions.permission_fresh) {
+    return "no job service answers for this machine: motion by hand needs its consent; "
+           "start it";
+  }
+  if (!by_cell && conditions.job_armed)
+    return "a job is armed on this machine: pause or cancel it first";
+  if (conditions.stop_pressed)
+    return "the emergency stop is pressed: release it with `intaglio stop --reset`";
+  if (!conditions.interlocks_fresh || !conditions.laser_line_up) {
+    return "key and door are not known, because the laser controller does not answer: "
+           "check the synchronizer and the laser line";
+  }
+  if (!conditions.key_on) return "the key is off: turn it on";
+  if (!conditions.door_closed) return "the door is open: close it";
+  if (!conditions.stop_released)
+    return "the machine's stop button is pressed, or latched: release it";
+  return "";
+}
+
+void ManualControl::NotePublished(std::uint64_t number, Nanoseconds now) {
+  published_.emplace_back(number, now);
+  if (published_.size() > kRemembered) published_.pop_front();
+}
+
+std::optional<ManualControl::Nanoseconds> ManualControl::PublishedAt(
+    std::uint64_t number) const {
+  for (const auto& [known, at] : published_) {
+    if (known == number) return at;
+  }
+  return std::nullopt;
+}
+
+bool ManualControl::IsFresh(std::uint64_t seen, Nanoseconds now) const {
+  const auto at = PublishedAt(seen);
+  return at && now - *at <= kHeldTime;
+}
+
+bool ManualControl::IsNew(const ManualOrder& order) const {
+  const auto spent = spent_.find(order.sender);
+  return spent == spent_.end() || order.number > spent->second;
+}
+
+void ManualControl::Answer(const ManualOrder& order, intaglio_ManualAnswer code,
+                           std::string message) {
+  answer_ = {order.sender, order.number, code, std::move(message)};
+  if (code == intaglio_MANUAL_ACCEPTED) return;
+  if (spent_.size() >= kMaxSenders && !spent_.contains(order.sender))
+    spent_.erase(spent_.begin());
+  std::uint64_t& spent = spent_[order.sender];
+  spent = std::max(spent, order.number);
+}
+
+void ManualControl::LoseSender(const std::string& sender) {
+  if (moves() && order_.sender == sender) let_go_ = true;
+}
+
+void ManualControl::Take(const ManualOrder& order, Nanoseconds now) {
+  const bool of_mover = moves() && order.sender == order_.sender;
+  if (of_mover && (order.kind == intaglio_MANUAL_NONE || order.number != order_.number))
+    let_go_ = true;
+  if (order.kind == intaglio_MANUAL_NONE || !IsNew(order)) return;
+  const auto made_at = PublishedAt(order.seen);
+  if (!made_at || now - *made_at > kHeldTime) return;  // its sender repeats a live one
+  if (of_mover && order.number == order_.number) {
+    held_at_ = std::max(held_at_, *made_at);
+  } else if (moves() && !of_mover) {
+    Answer(order, intaglio_MANUAL_REFUSED,
+           fmt::format("{} moves the stage: wait until it has let go", order_.sender));
+  } else {
+    pending_ = order;
+  }
+}
+
+Result<Vec3> ManualControl::TargetOf(const ManualOrder& order) const {
+  const Vec3 here = driver_.state().position_mm;
+  if (!order.place.allFinite())
+    return Fail(ErrorCode::kInvalidValue, "the place is no number");
+  if (order.kind == intaglio_MANUAL_MOVE) {
+    for (int i = 0; i < 3; ++i) {
+      if (order.place[i] >= limits_.min_mm[i] && order.place[i] <= limits_.max_mm[i])
+        continue;
+      return Fail(ErrorCode::kInvalidValue,
+                  fmt::format("{} {:.6g} is outside the limits, {:g} to {:g}",
+                              names_[static_cast<std::size_t>(i)], order.place[i],
+                              limits_.min_mm[i], limits_.max_mm[i]));
+    }
+    return order.place;
+  }
+  // As far as every axis may go.
+  double share = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const double d = order.place[i];
+    if (d == 0) continue;
+    const double end = d > 0 ? limits_.max_mm[i] : limits_.min_mm[i];
+    share = std::min(share, std::max(0.0, (end - here[i]) / d));
+  }
+  if (!std::isfinite(share))
+    return Fail(ErrorCode::kInvalidValue, "a jog needs a direction");
+  return (here + share * order.place)
+      .cwiseMax(limits_.min_mm.cwiseMin(here))
+      .cwiseMin(limits_.max_mm.cwiseMax(here));
+}
+
+Status ManualControl::Start(const ManualOrder& order) {
+  if (order.kind == intaglio_MANUAL_HOME) return driver_.Home();
+  if (!(order.speed_mm_s > 0)) {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("speed {} mm/s: give one above 0", order.speed_mm_s));
+  }
+  const auto target = TargetOf(order);
+  if (!target) return tl::unexpected(target.error());
+  return driver_.Jog(*target, std::min(order.speed_mm_s, kMaxSpeedMmS));
+}
+
+void ManualControl::Begin(const ManualOrder& order, const ManualConditions& conditions,
+                          Nanoseconds now) {
+  if (!IsFresh(order.seen, now)) return Answer(order, intaglio_MANUAL_STOPPED, "let go");
+  std::string why = WhyNoMotionByHand(conditions, driver_.state(), order.by_cell);
+  if (!why.empty()) return Answer(order, intaglio_MANUAL_REFUSED, std::move(why));
+  // A fault of before; the order is repeated while it is held.
+  if (driver_.state().fault != intaglio_MOTION_OK) {
+    (void)driver_.ClearFault();
+    pending_ = order;
+    return;
+  }
+  if (auto started = Start(order); !started)
+    return Answer(order, intaglio_MANUAL_REFUSED, started.error().message);
+  order_ = order;
+  held_at_ = *PublishedAt(order.seen);
+  let_go_ = hold_owed_ = false;
+  stopped_by_.clear();
+  phase_ = Phase::kMoving;
+  Answer(order, intaglio_MANUAL_ACCEPTED, "");
+}
+
+void ManualControl::Brake(std::string why) {
+  phase_ = Phase::kBraking;
+  stopped_by_ = std::move(why);
+  hold_owed_ = !driver_.Hold();
+}
+
+void ManualControl::Turn(const ManualConditions& conditions, Nanoseconds now) {
+  const drivers::DriverState& state = driver_.state();
+  if (phase_ == Phase::kMoving) {
+    std::string why = WhyNoMotionByHand(conditions, state, order_.by_cell);
+    if (why.empty() && state.fault != intaglio_MOTION_OK) why = state.message;
+    if (why.empty() && (let_go_ || now - held_at_ > kHeldTime)) why = "let go";
+    if (!why.empty()) {
+      Brake(std::move(why));
+    } else if (state.at_rest) {
+      phase_ = Phase::kResting;
+      Answer(order_, intaglio_MANUAL_DONE, "");
+    }
+  }
+  if (phase_ == Phase::kBraking) {
+    if (hold_owed_) hold_owed_ = !driver_.Hold();
+    // Of a lost line the controller itself has ended the motion.
+    if (state.link_up && (hold_owed_ || !state.at_rest)) return;
+    phase_ = Phase::kResting;
+    Answer(order_, intaglio_MANUAL_STOPPED, stopped_by_);
+  }
+  if (phase_ == Phase::kResting && pending_) {
+    const ManualOrder order = *std::exchange(pending_, std::nullopt);
+    if (IsNew(order)) Begin(order, conditions, now);
+  }
+}
+
+}  // namespace intaglio::motion_bridge

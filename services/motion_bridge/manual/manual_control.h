@@ -1,0 +1,127 @@
+#pragma once
+
+// Motion by hand: executes what a person (or the cell's synchronizer) holds, as long as
+// it is held and nothing forbids it.
+//
+//            an order, fresh, nothing forbids it         at rest
+//   kResting ----------------------------------> kMoving --------> kResting (done)
+//      ^                                           | let go, stale, forbidden
+//      +--------- at rest (stopped) -- kBraking <--+
+//
+// Dead-man. An order has the number of the ManualState that its sender received last, and
+// this process knows when it published that: so the age of an order is measured by one
+// clock, whatever delayed it, and a sample that a network held back, or that was stored,
+// moves nothing. Motion whose newest order is older than kHeldTime is ended.
+//
+// Nothing restarts by itself: what ended, for whatever reason, is spent with its number;
+// only an order with a greater number moves again.
+//
+// Who decides: the job service, by a fresh Permission that is not granted. While a job is
+// armed, nothing is moved by hand. Key, door and the stops hold as in engraving. A run of
+// the synchronizer takes the stage at once (bridge.h). Used from one thread; pure but for
+// the driver.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "engrave/core/geometry.h"
+#include "idl/teach.h"
+#include "services/drivers/motion_driver.h"
+
+namespace intaglio::motion_bridge {
+
+struct ManualOrder {
+  std::string sender;
+  std::uint64_t number = 0, seen = 0;
+  intaglio_ManualCommandKind kind = intaglio_MANUAL_NONE;
+  Vec3 place = Vec3::Zero();
+  double speed_mm_s = 0;
+  bool by_cell = false;  ///< the synchronizer, for a job that is armed
+};
+
+/// What the bridge knows of the rest of the machine.
+struct ManualConditions {
+  bool permission_fresh = false;  ///< the job service answers for this machine
+  bool job_armed = false;
+  bool run_active = false;        ///< of the synchronizer
+  bool interlocks_fresh = false;  ///< the next four are known
+  bool key_on = false, door_closed = false, stop_released = false, laser_line_up = false;
+  bool stop_pressed = false;  ///< on the bus
+};
+
+/// Why nothing may be moved by hand, and what to do; empty: it may be.
+std::string WhyNoMotionByHand(const ManualConditions& conditions,
+                              const drivers::DriverState& state, bool by_cell);
+
+struct ManualAnswer {
+  std::string sender;
+  std::uint64_t number = 0;
+  intaglio_ManualAnswer code = intaglio_MANUAL_REFUSED;
+  std::string message;
+};
+
+class ManualControl {
+ public:
+  using Nanoseconds = std::chrono::nanoseconds;
+  static constexpr std::chrono::milliseconds kHeldTime{200};
+  static constexpr double kMaxSpeedMmS = 50;
+
+  /// `limits`: in the axes' units; `names`: of the axes, for messages.
+  ManualControl(drivers::MotionDriver& driver, const Box3& limits,
+                std::array<std::string, 3> names)
+      : driver_(driver), limits_(limits), names_(std::move(names)) {}
+
+  void SetLimits(const Box3& limits) { limits_ = limits; }
+  /// A ManualState of this number goes out.
+  void NotePublished(std::uint64_t number, Nanoseconds now);
+  /// Whether an order that was made on this number is young enough.
+  bool IsFresh(std::uint64_t seen, Nanoseconds now) const;
+
+  /// Once for each order that comes.
+  void Take(const ManualOrder& order, Nanoseconds now);
+  /// Its process is gone.
+  void LoseSender(const std::string& sender);
+  /// Once a turn.
+  void Turn(const ManualConditions& conditions, Nanoseconds now);
+
+  bool moves() const { return phase_ != Phase::kResting; }
+  /// Empty: nobody's motion is executed.
+  std::string held_by() const { return moves() ? order_.sender : ""; }
+  /// The newest answer.
+  const ManualAnswer& answer() const { return answer_; }
+  void Answer(const ManualOrder& order, intaglio_ManualAnswer code, std::string message);
+  /// A number of this sender that was not answered before.
+  bool IsNew(const ManualOrder& order) const;
+
+ private:
+  enum class Phase { kResting, kMoving, kBraking };
+
+  void Begin(const ManualOrder& order, const ManualConditions& conditions,
+             Nanoseconds now);
+  Status Start(const ManualOrder& order);
+  Result<Vec3> TargetOf(const ManualOrder& order) const;
+  void Brake(std::string why);
+  std::optional<Nanoseconds> PublishedAt(std::uint64_t number) const;
+
+  drivers::MotionDriver& driver_;
+  Box3 limits_;
+  std::array<std::string, 3> names_;
+  std::deque<std::pair<std::uint64_t, Nanoseconds>> published_;
+  std::map<std::string, std::uint64_t> spent_;  // greatest number by sender
+  std::optional<ManualOrder> pending_;
+  Phase phase_ = Phase::kResting;
+  ManualOrder order_;       // whose motion is executed
+  Nanoseconds held_at_{0};  // when its newest repetition was made, at the earliest
+  bool let_go_ = false;
+  bool hold_owed_ = false;  // the line has not taken it
+  std::string stopped_by_;
+  ManualAnswer answer_;
+};
+
+}  // namespace intaglio::motion_bridge

@@ -1,0 +1,70 @@
+#include "services/synchronizer/cell_drive.h"
+
+#include "services/platform/bus/samples.h"
+
+namespace intaglio::synchronizer {
+namespace {
+
+using bus::Borrow;
+using bus::View;
+using namespace std::chrono_literals;
+
+constexpr auto kRepeatTime = 40ms;
+const std::string kNoLens;
+
+}  // namespace
+
+CellDrive::CellDrive(bus::Bus& bus, std::string cell, std::string sender)
+    : cell_(std::move(cell)),
+      sender_(std::move(sender)),
+      states_(bus, bus::kManualState, cell_),
+      moves_(bus, bus::kCellMove, cell_) {}
+
+void CellDrive::Start(const Vec3& axes, std::chrono::nanoseconds now) {
+  axes_ = axes;
+  drives_ = true;
+  ++number_;
+  ends_at_ = now + kPatience;
+  next_send_ = now;
+  message_ = "the motion bridge has not answered";
+}
+
+void CellDrive::Stop() {
+  if (!drives_) return;
+  drives_ = false;
+  Send();
+}
+
+void CellDrive::Turn(std::chrono::nanoseconds now) {
+  states_.Take([this](const intaglio_ManualState& state) {
+    seen_ = state.number;
+    const bool ours = View(state.answered_sender) == sender_ &&
+                      state.answered_number == number_ &&
+                      state.answer != intaglio_MANUAL_ACCEPTED;
+    if (!drives_ || !ours) return;
+    drives_ = false;
+    message_ = state.answer == intaglio_MANUAL_DONE ? "" : View(state.message);
+  });
+  if (drives_ && now >= ends_at_) Stop();
+  if (!drives_ || now < next_send_) return;
+  next_send_ = now + kRepeatTime;
+  Send();
+}
+
+void CellDrive::Send() {
+  intaglio_ManualCommand move{};
+  move.cell = Borrow(cell_);
+  move.sender = Borrow(sender_);
+  move.number = number_;
+  move.seen = seen_;
+  move.kind = drives_ ? intaglio_MANUAL_MOVE : intaglio_MANUAL_NONE;
+  move.operator_name = Borrow(sender_);
+  for (int i = 0; i < 3; ++i) move.place[i] = axes_[i];
+  move.speed_mm_s = kSpeedMmS;
+  move.channel = 1;
+  move.lens = Borrow(kNoLens);
+
+  (void)moves_.Write(move);
+}
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,49 @@
+#pragma once
+
+// Drives the stage to the taught sample position before a job and to the park position
+// after it, by CellMove, which the motion bridge executes as motion by hand
+// (services/motion_bridge/manual/manual_control.h): within its limits, only while key,
+// door and stops hold, and as long as this process repeats it. It ends when the place is
+// reached, when the bridge refuses it, or after kPatience: a job never waits longer.
+//
+// Nothing is driven during a run; no pulse is armed meanwhile. Used from one thread.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "engrave/core/geometry.h"
+#include "services/platform/bus/bus.h"
+
+namespace intaglio::synchronizer {
+
+class CellDrive {
+ public:
+  static constexpr std::chrono::seconds kPatience{60};
+  static constexpr double kSpeedMmS = 30;
+
+  CellDrive(bus::Bus& bus, std::string cell, std::string sender);
+
+  /// From the next Turn on, instead of what was driven to.
+  void Start(const Vec3& axes, std::chrono::nanoseconds now);
+  void Stop();
+  /// Once a turn.
+  void Turn(std::chrono::nanoseconds now);
+  bool drives() const { return drives_; }
+  /// Why the last place was not reached; empty: it was.
+  const std::string& message() const { return message_; }
+
+ private:
+  void Send();
+
+  std::string cell_, sender_;
+  bus::Reader<intaglio_ManualState> states_;
+  bus::Writer<intaglio_ManualCommand> moves_;
+  bool drives_ = false;
+  Vec3 axes_ = Vec3::Zero();
+  std::uint64_t number_ = 0, seen_ = 0;
+  std::chrono::nanoseconds ends_at_{0}, next_send_{0};
+  std::string message_;
+};
+
+}  // namespace intaglio::synchronizer

@@ -1,0 +1,268 @@
+#include "services/motion_bridge/manual/manual_control.h"
+
+#include <gmock/gmock.h>
+
+namespace intaglio::motion_bridge {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+using Nanoseconds = std::chrono::nanoseconds;
+
+/// A stage that does what the test says, and remembers what it was told to do.
+class FakeDriver final : public drivers::MotionDriver {
+ public:
+  void Poll() override {}
+  int fd() const override { return -1; }
+  const drivers::DriverState& state() const override { return now; }
+  std::vector<drivers::LatchedPositions> TakePositions() override { return {}; }
+  Status BeginRun(std::uint32_t, std::uint64_t, std::uint64_t) override { return {}; }
+  std::size_t Room() const override { return 0; }
+  Status Append(std::span<const motion::Segment>,
+                std::span<const std::uint64_t>) override {
+    return {};
+  }
+  Status AbortRun() override {
+    ++holds;
+    return {};
+  }
+  Status ClearFault() override {
+    ++clears;
+    return {};
+  }
+  Status Jog(const Vec3& axes, double speed_mm_s) override {
+    ++jogs;
+    target = axes;
+    speed = speed_mm_s;
+    now.at_rest = false;
+    return {};
+  }
+
+  drivers::DriverState now;
+  int jogs = 0, holds = 0, clears = 0;
+  Vec3 target = Vec3::Zero();
+  double speed = 0;
+};
+
+class ManualControlTest : public ::testing::Test {
+ protected:
+  ManualControlTest()
+      : control_(driver_, {Vec3::Zero(), Vec3(100, 80, 60)}, {"x", "y", "z"}) {
+    driver_.now.link_up = driver_.now.at_rest = true;
+    driver_.now.fault = intaglio_MOTION_OK;
+    driver_.now.position_mm = Vec3(10, 10, 10);
+    conditions_.permission_fresh = conditions_.interlocks_fresh = true;
+    conditions_.key_on = conditions_.door_closed = conditions_.stop_released = true;
+    conditions_.laser_line_up = true;
+    Publish();
+  }
+
+  void Publish() { control_.NotePublished(++number_, now_); }
+  void Turn() { control_.Turn(conditions_, now_); }
+  ManualOrder Jog(std::uint64_t number, const std::string& sender = "ann") const {
+    return {sender, number, number_, intaglio_MANUAL_JOG, Vec3(1, 0, 0), 20};
+  }
+  void Give(const ManualOrder& order) {
+    control_.Take(order, now_);
+    Turn();
+  }
+  void BeginJog() {
+    Give(Jog(1));
+    ASSERT_EQ(driver_.jogs, 1);
+    ASSERT_TRUE(control_.moves());
+  }
+  void ComeToRest() {
+    driver_.now.at_rest = true;
+    Turn();
+  }
+
+  FakeDriver driver_;
+  ManualControl control_;
+  ManualConditions conditions_;
+  Nanoseconds now_ = 10s;
+  std::uint64_t number_ = 1000;
+};
+
+TEST_F(ManualControlTest, AJogGoesToTheLimitAtItsSpeedAndNoFaster) {
+  BeginJog();
+  EXPECT_EQ(driver_.target, Vec3(100, 10, 10));
+  EXPECT_EQ(driver_.speed, 20);
+  ComeToRest();
+  ManualOrder fast = Jog(2);
+  fast.speed_mm_s = 1e9;
+  Give(fast);
+  EXPECT_EQ(driver_.speed, ManualControl::kMaxSpeedMmS);
+}
+
+// The dead-man: 200 ms after the newest command was made, whenever it came.
+TEST_F(ManualControlTest, ASilentClientIsHeldAfter200ms) {
+  BeginJog();
+  now_ += 200ms;
+  Turn();
+  EXPECT_EQ(driver_.holds, 0);
+  now_ += 1ms;
+  Turn();
+  EXPECT_EQ(driver_.holds, 1);
+  ComeToRest();
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_STOPPED);
+  EXPECT_FALSE(control_.moves());
+}
+
+TEST_F(ManualControlTest, ARepeatedCommandKeepsItMoving) {
+  BeginJog();
+  for (int i = 0; i < 100; ++i) {
+    now_ += 50ms;
+    Publish();
+    Give(Jog(1));
+  }
+  EXPECT_EQ(driver_.holds, 0);
+  EXPECT_EQ(driver_.jogs, 1);
+}
+
+// A network that holds samples back delivers them all at once: they are as old as the
+// state that they were made on.
+TEST_F(ManualControlTest, ACommandThatWasHeldBackKeepsNothingMoving) {
+  BeginJog();
+  const ManualOrder late = Jog(1);
+  for (int i = 0; i < 30; ++i) {
+    now_ += 10ms;
+    Publish();
+    Give(late);
+  }
+  EXPECT_EQ(driver_.holds, 1);
+  ComeToRest();
+  Give(late);
+  EXPECT_EQ(driver_.jogs, 1);
+  ManualOrder stored = Jog(7);
+  stored.seen = 3;  // of another life of the bridge
+  Give(stored);
+  EXPECT_EQ(driver_.jogs, 1);
+}
+
+TEST_F(ManualControlTest, LettingGoOrTheEndOfItsProcessEndsTheJog) {
+  BeginJog();
+  ManualOrder none = Jog(1);
+  none.kind = intaglio_MANUAL_NONE;
+  Give(none);
+  EXPECT_EQ(driver_.holds, 1);
+  ComeToRest();
+  Publish();
+  Give(Jog(2));
+  EXPECT_EQ(driver_.jogs, 2);
+  control_.LoseSender("bob");
+  Turn();
+  EXPECT_EQ(driver_.holds, 1);
+  control_.LoseSender("ann");
+  Turn();
+  EXPECT_EQ(driver_.holds, 2);
+}
+
+struct Opened {
+  const char* name;
+  bool ManualConditions::*condition;
+  bool value;
+  const char* text;
+};
+
+class EachInterlock : public ManualControlTest,
+                      public ::testing::WithParamInterface<Opened> {};
+
+// Not only is a jog refused; one that moves ends, and does not go on by itself.
+TEST_P(EachInterlock, RefusesAndEndsAJogForGood) {
+  const bool good = conditions_.*GetParam().condition;
+  conditions_.*GetParam().condition = GetParam().value;
+  Give(Jog(1));
+  EXPECT_EQ(driver_.jogs, 0);
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_THAT(control_.answer().message, HasSubstr(GetParam().text));
+  conditions_.*GetParam().condition = good;
+  Give(Jog(1));
+  EXPECT_EQ(driver_.jogs, 0) << "a refused number is spent";
+  Give(Jog(2));
+  ASSERT_EQ(driver_.jogs, 1);
+  conditions_.*GetParam().condition = GetParam().value;
+  Turn();
+  EXPECT_EQ(driver_.holds, 1);
+  conditions_.*GetParam().condition = good;
+  ComeToRest();
+  EXPECT_THAT(control_.answer().message, HasSubstr(GetParam().text));
+  for (int i = 0; i < 5; ++i) {
+    Publish();
+    Give(Jog(2));
+  }
+  EXPECT_EQ(driver_.jogs, 1) << "nothing restarts by itself";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, EachInterlock,
+    ::testing::Values(
+        Opened{"ArmedJob", &ManualConditions::job_armed, true, "a job is armed"},
+        Opened{"Run", &ManualConditions::run_active, true, "a job moves"},
+        Opened{"NoJobService", &ManualConditions::permission_fresh, false, "job service"},
+        Opened{"BusStop", &ManualConditions::stop_pressed, true, "emergency stop"},
+        Opened{"NoInterlocks", &ManualConditions::interlocks_fresh, false, "not known"},
+        Opened{"LaserLine", &ManualConditions::laser_line_up, false, "not known"},
+        Opened{"Key", &ManualConditions::key_on, false, "key"},
+        Opened{"Door", &ManualConditions::door_closed, false, "door"},
+        Opened{"Stop", &ManualConditions::stop_released, false, "stop button"}),
+    [](const auto& opened) { return std::string(opened.param.name); });
+
+TEST_F(ManualControlTest, TheSynchronizerDrivesForAnArmedJobAndNotInARun) {
+  conditions_.job_armed = true;
+  ManualOrder order = Jog(1, "synchronizer");
+  order.by_cell = true;
+  Give(order);
+  EXPECT_EQ(driver_.jogs, 1);
+  conditions_.run_active = true;
+  Turn();
+  EXPECT_EQ(driver_.holds, 1);
+}
+
+TEST_F(ManualControlTest, APlaceOutsideTheLimitsIsRefusedWithAxisAndLimits) {
+  ManualOrder order = Jog(1);
+  order.kind = intaglio_MANUAL_MOVE;
+  order.place = Vec3(50, 80.001, 10);
+  Give(order);
+  EXPECT_EQ(driver_.jogs, 0);
+  EXPECT_THAT(control_.answer().message, HasSubstr("y 80.001 is outside the limits, 0"));
+  order.number = 2;
+  order.place = Vec3(50, std::nan(""), 10);
+  Give(order);
+  EXPECT_EQ(driver_.jogs, 0);
+  order.number = 3;
+  order.place = Vec3(50, 80, 10);
+  Give(order);
+  EXPECT_EQ(driver_.target, Vec3(50, 80, 10));
+  ComeToRest();
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_DONE);
+}
+
+TEST_F(ManualControlTest, ASecondPersonWaits) {
+  BeginJog();
+  Give(Jog(1, "bob"));
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_THAT(control_.answer().message, HasSubstr("ann moves the stage"));
+  EXPECT_EQ(driver_.holds, 0);
+  EXPECT_EQ(control_.held_by(), "ann");
+}
+
+TEST_F(ManualControlTest, AFaultOfBeforeIsClearedWhileTheKeyIsHeld) {
+  driver_.now.fault = intaglio_MOTION_SAFE_STATE;
+  Give(Jog(1));
+  EXPECT_EQ(driver_.clears, 1);
+  EXPECT_EQ(driver_.jogs, 0);
+  driver_.now.fault = intaglio_MOTION_OK;
+  Turn();
+  EXPECT_EQ(driver_.jogs, 1);
+}
+
+TEST_F(ManualControlTest, AFamilyThatCannotIsReported) {
+  ManualOrder home = Jog(1);
+  home.kind = intaglio_MANUAL_HOME;  // the fake has none
+  Give(home);
+  EXPECT_EQ(control_.answer().code, intaglio_MANUAL_REFUSED);
+  EXPECT_THAT(control_.answer().message, HasSubstr("own panel"));
+}
+
+}  // namespace
+}  // namespace intaglio::motion_bridge

@@ -1,0 +1,178 @@
+// Motion by hand through intaglio-motion-bridge as a process, before a virtual engraver.
+// The test is the job service, the synchronizer and the client.
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "services/platform/bus/samples.h"
+#include "tests/services/platform/bus/child_program.h"
+#include "tests/services/virtual_engraver/engraver_process.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::motion_bridge {
+namespace {
+
+using bus::Borrow;
+using bus::View;
+using test::Eventually;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+const std::string kMachine = "els-03", kSender = "a client", kNoJob;
+
+class ManualProcess : public ::testing::Test {
+ protected:
+  ManualProcess()
+      : folder_(test::FreshFolder()),
+        engraver_(folder_,
+                  "stage { travel_min_mm { x: -2 y: -2 z: -2 }"
+                  "        travel_max_mm { x: 172 y: 172 z: 172 }"
+                  "        position_tolerance_um: 30 }"),
+        bus_(test::PrivateBusOptions(kMachine)),
+        commands_(bus_, bus::kManualCommand, kMachine),
+        states_(bus_, bus::kManualState, kMachine),
+        permissions_(bus_, bus::kPermission, kMachine),
+        interlocks_(bus_, bus::kInterlock, kMachine) {}
+
+  void SetUp() override {
+    ASSERT_TRUE(engraver_.AwaitReady()) << engraver_.program().Output();
+    const auto profile = folder_ / "machine.textproto";
+    std::filesystem::copy_file(
+        std::filesystem::path(INTAGLIO_SOURCE_DIR) / "deploy/machines/els-03.textproto",
+        profile);
+    bridge_.emplace(
+        intaglio::testing::Program("intaglio-motion-bridge").string(),
+        std::vector<std::string>{"--machine", profile.string(), "--device",
+                                 engraver_.motion_line(), "--tag", test::PrivateTag(),
+                                 "--cell", kMachine, "--log-level", "error"});
+    ASSERT_TRUE(Eventually([&] {
+      Beat();
+      return commands_.matched_count() > 0 && permissions_.matched_count() > 0 &&
+             interlocks_.matched_count() > 0 && number_ > 0 && refusal_.empty();
+    })) << refusal_;
+  }
+
+  /// What the machine's other services publish, and what has come.
+  void Beat(bool door_closed = true) {
+    intaglio_Permission permission{};
+    permission.cell = Borrow(kMachine);
+    permission.job_uid = Borrow(kNoJob);
+    permission.granted = armed_;
+    (void)permissions_.Write(permission);
+    intaglio_Interlock interlock{};
+    interlock.cell = Borrow(kMachine);
+    interlock.key_on = interlock.emergency_stop_released = interlock.laser_link_up = true;
+    interlock.door_closed = door_closed;
+    (void)interlocks_.Write(interlock);
+    states_.Take([this](const intaglio_ManualState& state) {
+      number_ = state.number;
+      refusal_ = View(state.refusal);
+      x_mm_ = state.position[0];
+      held_ = !View(state.held_by).empty();
+      answer_ = state.answer;
+      answered_ = state.answered_number;
+      message_ = View(state.message);
+    });
+  }
+  void Send(intaglio_ManualCommandKind kind, std::uint64_t number,
+            const Vec3& place = Vec3(1, 0, 0)) {
+    intaglio_ManualCommand command{};
+    command.cell = Borrow(kMachine);
+    command.sender = Borrow(kSender);
+    command.number = number;
+    command.seen = number_;
+    command.kind = kind;
+    command.place[0] = place.x(), command.place[1] = place.y(),
+    command.place[2] = place.z();
+    command.speed_mm_s = 20;
+    command.channel = 1;
+    command.sets = 7;
+    const std::string lens = "f43";
+    command.lens = Borrow(lens);
+    (void)commands_.Write(command);
+  }
+  /// Held until the condition is true.
+  bool HoldUntil(intaglio_ManualCommandKind kind, std::uint64_t number,
+                 const std::function<bool()>& condition) {
+    return Eventually([&] {
+      Beat();
+      Send(kind, number);
+      return condition();
+    });
+  }
+  bool BeginJog(std::uint64_t number) {
+    return HoldUntil(intaglio_MANUAL_JOG, number, [&] { return held_ && x_mm_ > 2; });
+  }
+  bool StageRuns() { return engraver_.StatusOf("running") == "true"; }
+
+  std::filesystem::path folder_;
+  virtual_engraver::EngraverProcess engraver_;
+  bus::Bus bus_;
+  bus::Writer<intaglio_ManualCommand> commands_;
+  bus::Reader<intaglio_ManualState> states_;
+  bus::Writer<intaglio_Permission> permissions_;
+  bus::Writer<intaglio_Interlock> interlocks_;
+  std::optional<test::ChildProgram> bridge_;
+  bool armed_ = false, held_ = false;
+  std::uint64_t number_ = 0, answered_ = 0;
+  std::string refusal_ = "no state came", message_;
+  double x_mm_ = 0;
+  intaglio_ManualAnswer answer_ = intaglio_MANUAL_DONE;
+};
+
+// 200 ms, braking from 20 mm/s at 700 mm/s^2 (29 ms), and what a computer under load and
+// the panel add.
+TEST_F(ManualProcess, AClientThatIsKilledStopsTheStage) {
+  ASSERT_TRUE(BeginJog(1)) << message_;
+  const auto last_command = Clock::now();
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    return !StageRuns();
+  }));
+  EXPECT_LT(Clock::now() - last_command, 200ms + 30ms + 300ms);
+  EXPECT_LT(x_mm_, 60) << "it did not come to its limit";
+}
+
+TEST_F(ManualProcess, ABridgeThatIsKilledStopsTheStage) {
+  ASSERT_TRUE(BeginJog(1)) << message_;
+  bridge_.reset();
+  EXPECT_TRUE(Eventually([&] { return !StageRuns(); }, 2s));
+}
+
+TEST_F(ManualProcess, AnOpenDoorAndAnArmedJobEndAndRefuseTheJog) {
+  ASSERT_TRUE(BeginJog(1)) << message_;
+  ASSERT_TRUE(Eventually([&] {
+    Beat(false);
+    Send(intaglio_MANUAL_JOG, 1);
+    return answered_ == 1 && answer_ == intaglio_MANUAL_STOPPED;
+  }));
+  EXPECT_NE(message_.find("door"), std::string::npos) << message_;
+  armed_ = true;
+  ASSERT_TRUE(HoldUntil(intaglio_MANUAL_JOG, 2, [&] {
+    return answered_ == 2 && answer_ == intaglio_MANUAL_REFUSED;
+  }));
+  EXPECT_NE(message_.find("armed"), std::string::npos) << message_;
+  ASSERT_TRUE(HoldUntil(intaglio_TEACH_ZERO, 3, [&] { return answered_ == 3; }));
+  EXPECT_EQ(answer_, intaglio_MANUAL_REFUSED) << "a zero is taught under an armed job";
+}
+
+TEST_F(ManualProcess, AZeroIsSavedWhereTheAxesAreAndUndone) {
+  const auto profile = folder_ / "machine.textproto";
+  const std::string before = test::ContentOf(profile);
+  ASSERT_TRUE(BeginJog(1)) << message_;
+  ASSERT_TRUE(Eventually([&] {
+    Beat();
+    Send(intaglio_MANUAL_NONE, 1);
+    return answered_ == 1 && answer_ == intaglio_MANUAL_STOPPED;
+  }));
+  ASSERT_TRUE(HoldUntil(intaglio_TEACH_ZERO, 2, [&] { return answered_ == 2; }));
+  EXPECT_EQ(answer_, intaglio_MANUAL_DONE) << message_;
+  EXPECT_NE(test::ContentOf(profile).find("taught {"), std::string::npos);
+  ASSERT_TRUE(HoldUntil(intaglio_TEACH_UNDO, 3, [&] { return answered_ == 3; }));
+  EXPECT_EQ(answer_, intaglio_MANUAL_DONE) << message_;
+  EXPECT_EQ(test::ContentOf(profile).find("zeros"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace intaglio::motion_bridge
