@@ -162,7 +162,7 @@ void ManualDesk::TakeCommands(bus::Reader<intaglio_ManualCommand>& reader, bool 
         if (commanded_at_.count() < 0 || now - commanded_at_ > kBusyTime)
           next_state_ = now;
         commanded_at_ = now;
-            const ManualOrder order = OrderOf(command, by_cell);
+        const ManualOrder order = OrderOf(command, by_cell);
         if (!IsTeaching(command.kind)) return control_.Take(order, now);
         if (!by_cell) Teach(order, command, now);
       });

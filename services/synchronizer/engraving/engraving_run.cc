@@ -153,9 +153,9 @@ std::optional<HaltReason> EngravingRun::DecideTicks(const EngravingInputs& input
     const std::uint64_t last = std::min(limit, ticks_.decided() + window);
     // A narrow window costs as much as a wide one; wait unless the machine waits for us.
     // So it is with a few points at a time: they are decided as soon as there is room.
-    const bool idle = job_.max_unsettled_points > 0 ||
-                      (ticks_.reported_through() >= ticks_.decided() &&
-                       !ticks_.holds_windows());
+    const bool idle =
+        job_.max_unsettled_points > 0 ||
+        (ticks_.reported_through() >= ticks_.decided() && !ticks_.holds_windows());
     if (horizon_.lockstep() && last - ticks_.decided() < window / 4 && !idle) break;
     if (!shutters_.are_open()) break;
     if (auto reason = ArmThrough(last)) return reason;
