@@ -39,9 +39,9 @@ TEST(Selection, EveryTopicOfTheProductIsWeighed) {
 }
 
 TEST(Selection, CommandsAreNeverPlayedUnlessAskedFor) {
-  for (const char* topic :
-       {"Permission", "EmergencyStop", "JobCommand", "JobSubmission",
-        "MotionSegmentBatch", "DiscretizeTask", "SortTask", "EngraveTask"}) {
+  for (const char* topic : {"Permission", "EmergencyStop", "JobCommand", "JobSubmission",
+                            "MotionSegmentBatch", "DiscretizeTask", "SortTask",
+                            "EngraveTask", "ManualCommand", "CellMove"}) {
     EXPECT_EQ(WeightOf(topic), Weight::kCommand) << topic;
     EXPECT_THAT(Played({}), Not(Contains(topic)));
   }
