@@ -331,7 +331,7 @@ TEST_F(VirtualStageDriver, AnUnpluggedLineIsOpenedAgain) {
 }
 
 TEST(MotionDrivers, AnUnknownOneNamesWhatThereIs) {
-  for (const char* protocol : {"", "grbl", "Virtual-Stage"}) {
+  for (const char* protocol : {"", "Virtual-Laser", "Virtual-Stage"}) {
     MachineSpec machine;
     machine.mutable_motion_line()->set_protocol(protocol);
     const auto driver = MakeMotionDriver(machine);

@@ -275,11 +275,11 @@ TEST(BridgeOptions, AnUnknownDriverNamesWhatThereIs) {
   const auto folder = test::FreshFolder();
   auto machine = ReadMachineFile(ProfileFile());
   ASSERT_TRUE(machine.has_value());
-  machine->mutable_motion_line()->set_protocol("grbl");
-  ASSERT_TRUE(WriteMachineFile(folder / "grbl.textproto", *machine).has_value());
+  machine->mutable_motion_line()->set_protocol("no-such-family");
+  ASSERT_TRUE(WriteMachineFile(folder / "other.textproto", *machine).has_value());
   intaglio::testing::Running bridge(
       intaglio::testing::Program("intaglio-motion-bridge"),
-      {"--machine", folder / "grbl.textproto", "--tag", test::PrivateTag()},
+      {"--machine", folder / "other.textproto", "--tag", test::PrivateTag()},
       folder / "bridge.log");
   const auto ended = bridge.WaitForEnd(5s);
   EXPECT_EQ(ended.exit_code, 2);
