@@ -53,7 +53,7 @@ class Cell {
         engraver_(folder_, "laser { rates_hz: [100, 200] serial_number: '" + Laser() +
                                "' } stage { travel_min_mm { x: -2 y: -2 z: -2 }"
                                " travel_max_mm { x: 172 y: 172 z: 172 }"
-                               " serial_number: '" +
+                               " position_tolerance_um: 30 serial_number: '" +
                                Stage() + "' }") {}
 
   std::string Laser() const { return "laser of " + name_; }
@@ -303,7 +303,7 @@ class TwoCells : public ::testing::Test {
 TEST_F(TwoCells, WithTheirOwnLinesBothEngrave) {
   StartBoth();
   EXPECT_TRUE(BothEngrave()) << a_.job_message << "\n" << b_.job_message << a_.Logs();
-  EXPECT_TRUE(a_.alarm_texts.empty());
+  EXPECT_THAT(a_.alarm_texts, ::testing::IsEmpty());
 }
 
 TEST_F(TwoCells, WithSwappedLaserLinesNothingIsLitOrFiredAndBothReportWhy) {
