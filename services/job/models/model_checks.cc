@@ -88,7 +88,7 @@ void AddOrientationOfMesh(const MethodInput& input, std::optional<mesh::UpAxis> 
   const Vec3 up_in_file =
       mesh::UprightFrom(input.placement.up).transpose() * mesh::DirectionOf(*upright);
   Add(input.model,
-      fmt::format("its only large flat face is {}; if this is its base, {} stands it up",
+      fmt::format("its only flat face is {}; if this is its base, {} stands it up",
                   *upright == mesh::UpAxis::kMinusZ ? "at the top: it may be upside down"
                                                     : "in front: it may lie on its back",
                   UpOption(mesh::NearestUpAxis(up_in_file))),

@@ -69,6 +69,38 @@ TEST(BaseFace, ABaseInFrontLiesOnItsBack) {
   EXPECT_EQ(UpOfBaseFace(With(y_up, *up)), std::nullopt);
 }
 
+// As scanned: its base is hollow by a few tenths of a millimetre, nowhere plane.
+TEST(BaseFace, TheRoughBaseOfAScannedFigureInFrontLiesOnItsBack) {
+  const TriangleMesh scanned = Turned({{0.1, 0.4},
+                                       {7, 0.3},
+                                       {12, 0},
+                                       {12.2, 4},
+                                       {5, 6},
+                                       {5, 14},
+                                       {9, 20},
+                                       {8, 26},
+                                       {3, 30},
+                                       {0.1, 31}});
+  EXPECT_EQ(UpOfBaseFace(scanned), std::nullopt);
+  TriangleMesh y_up = scanned;
+  const Mat3 turn = UprightFrom(UpAxis::kY).transpose();
+  for (Vec3& v : y_up.vertices) v = turn * v;
+  EXPECT_EQ(UpOfBaseFace(y_up), UpAxis::kY);
+  EXPECT_EQ(UpOfBaseFace(With(y_up, UpAxis::kY)), std::nullopt);
+  EXPECT_EQ(UpOfBaseFace(With(scanned, UpAxis::kMinusZ)), UpAxis::kMinusZ);
+}
+
+TEST(BaseFace, ABallHasNoBase) {
+  std::vector<std::pair<double, double>> circle;
+  for (int i = 1; i < 60; ++i) {
+    const double angle = std::numbers::pi * i / 60;
+    circle.emplace_back(20 * std::sin(angle), -20 * std::cos(angle));
+  }
+  for (const UpAxis up : {UpAxis::kZ, UpAxis::kY, UpAxis::kMinusZ}) {
+    EXPECT_EQ(UpOfBaseFace(With(Turned(circle), up)), std::nullopt);
+  }
+}
+
 TEST(BaseFace, BoxesPlatesAndRoundThingsAreNotReported) {
   EXPECT_EQ(UpOfBaseFace(BoxMesh({10, 20, 30})), std::nullopt);
   EXPECT_EQ(UpOfBaseFace(BoxMesh({30, 1, 30})), std::nullopt) << "a standing plate";
