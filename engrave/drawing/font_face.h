@@ -10,6 +10,7 @@
 #include FT_FREETYPE_H
 
 #include "engrave/core/result.h"
+#include "engrave/drawing/closer.h"
 #include "engrave/drawing/font_source.h"
 
 namespace intaglio::drawing {
@@ -33,13 +34,6 @@ class FontFace {
   FT_Face get() const { return face_.get(); }
 
  private:
-  template <auto Done>
-  struct Closer {
-    template <typename T>
-    void operator()(T* object) const {
-      Done(object);
-    }
-  };
   using Library = std::unique_ptr<FT_LibraryRec_, Closer<FT_Done_FreeType>>;
   using Face = std::unique_ptr<FT_FaceRec_, Closer<FT_Done_Face>>;
 

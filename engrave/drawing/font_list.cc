@@ -10,19 +10,13 @@
 #include <tuple>
 #include <utility>
 
+#include "engrave/drawing/closer.h"
 #include "engrave/io/edit_distance.h"
 #include "engrave/io/lower_case.h"
 
 namespace intaglio::drawing {
 namespace {
 
-template <auto Done>
-struct Closer {
-  template <typename T>
-  void operator()(T* object) const {
-    Done(object);
-  }
-};
 using FontConfig = std::unique_ptr<FcConfig, Closer<FcConfigDestroy>>;
 using FontPattern = std::unique_ptr<FcPattern, Closer<FcPatternDestroy>>;
 using FontObjects = std::unique_ptr<FcObjectSet, Closer<FcObjectSetDestroy>>;
