@@ -18,7 +18,6 @@
 #include "services/cli/job_glass.h"
 #include "services/cli/job_options.h"
 #include "services/cli/json/print_json.h"
-#include "services/cli/offline/job_points.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/report_text.h"
 #include "services/client/event_lines.h"
@@ -46,7 +45,7 @@ struct OfflineOptions {
   CustomerPictureFlags picture;
 };
 
-CloudRecord CloudRecordOf(const std::string& file, const MadeCloud& made) {
+CloudRecord CloudRecordOf(const std::string& file, const JobCloud& made) {
   CloudRecord record;
   record.set_file(file);
   record.set_point_count(static_cast<std::uint32_t>(made.cloud.size()));
@@ -65,7 +64,7 @@ int DiscretizeOffline(const OfflineOptions& options) {
     return Complain(glass.error(), client::kExitWrongInput);
   }
   const auto cloud =
-      MakePoints(job->job, mesh_reader::LimitsOfProgram(options.job.size_limits));
+      MakeMeteredCloud(job->job, mesh_reader::LimitsOfProgram(options.job.size_limits));
   if (!cloud) return Complain(cloud.error(), client::kExitWrongInput);
   formats::PointTable table;
   table.points_mm = cloud->cloud.points_mm;

@@ -4,6 +4,8 @@
 
 #include <iostream>
 
+#include "services/platform/host/threads/worker_threads.h"
+
 namespace intaglio::cli {
 
 Meter::Meter(std::string stage, Of of)
@@ -24,6 +26,11 @@ ProgressSink Meter::Sink() {
     }
     return true;
   };
+}
+
+Result<JobCloud> MakeMeteredCloud(const JobSpec& job, const ReadLimits& limits) {
+  Meter meter("discretize", Meter::Of::kShares);
+  return MakeJobCloud(job, limits, host::AllCores(), {meter.Sink(), meter.Sink()});
 }
 
 }  // namespace intaglio::cli

@@ -9,6 +9,7 @@
 #include "engrave/core/result.h"
 #include "engrave/formats/point_file_kinds.h"
 #include "services/cli/progress/progress_bar.h"
+#include "services/job/models/job_cloud.h"
 
 namespace intaglio::cli {
 
@@ -33,6 +34,9 @@ class Meter {
   ProgressBar bar_;
   Clock::time_point began_ = Clock::now(), shown_{};
 };
+
+/// With a progress bar, on all cores.
+Result<JobCloud> MakeMeteredCloud(const JobSpec& job, const ReadLimits& limits);
 
 /// Files of points, of the format that the file's ending names.
 using formats::ReadPoints;

@@ -19,7 +19,6 @@
 #include "services/cli/complain.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job_glass.h"
-#include "services/cli/offline/job_points.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/offline/path_job.h"
 #include "services/client/exit_codes.h"
@@ -75,7 +74,7 @@ Result<OrderedJob> OrderNamedJob(const PostOptions& options) {
   auto frozen = INTAGLIO_TRY(
       FreezeJob(built.job, built.machine, glass, {"", 0, "", host::SoftwareVersion()}));
   ordered.job = std::move(frozen);
-  const auto made = INTAGLIO_TRY(MakePoints(
+  const auto made = INTAGLIO_TRY(MakeMeteredCloud(
       ordered.job.job(), mesh_reader::LimitsOfProgram(options.job.size_limits)));
   INTAGLIO_TRY(RequireOneChannel(ordered.job.job(), made.cloud.source));
   for (const Warning& warning : made.warnings) {

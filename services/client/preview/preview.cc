@@ -10,7 +10,6 @@
 
 #include "engrave/core/channels.h"
 #include "engrave/core/try.h"
-#include "engrave/discretize/cloud.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/proof/cloud_quality.h"
 #include "services/client/preview/preview_page.h"
@@ -22,9 +21,7 @@
 #include "services/job/json_text.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
-#include "services/job/models/discretize_outcome.h"
-#include "services/job/models/model_sources.h"
-#include "services/job/options.h"
+#include "services/job/models/job_cloud.h"
 #include "services/job/quality/cloud_warnings.h"
 #include "services/job/verdict/warnings.h"
 
@@ -45,7 +42,7 @@ Box3 BoundsOf(const PointList& points_mm) {
   return box;
 }
 
-/// The points of the job, as the discretizers make them, and the warnings about them.
+/// The points of the job with their channels, and the warnings about them.
 struct MadeCloud {
   PointCloud cloud;
   std::vector<ChannelMask> masks;
@@ -59,18 +56,10 @@ Result<MadeCloud> MakePoints(const JobSpec& job, const PreviewOptions& options,
       return !progress || progress(stage, done, total);
     };
   };
-  auto files = INTAGLIO_TRY(ReadFilesOf(job, options.limits));
-  auto sources =
-      INTAGLIO_TRY(MakeSources(job, std::move(files), options.limits, of_stage("read")));
-  auto made = INTAGLIO_TRY(discretize::MakeCloud(sources.sources, CloudOptionsOf(job), {},
-                                                 options.executor, of_stage("points")));
-  if (made.cloud.size() == 0) return tl::unexpected(discretize::NoPoints());
-  MadeCloud result;
-  result.warnings = WarningsOf(OutcomeOf(sources, made, {}), job);
+  auto made = INTAGLIO_TRY(MakeJobCloud(job, options.limits, options.executor,
+                                        {of_stage("read"), of_stage("points")}));
   auto masks = INTAGLIO_TRY(ChannelsOfPoints(job, made.cloud.source));
-  result.masks = std::move(masks);
-  result.cloud = std::move(made.cloud);
-  return result;
+  return MadeCloud{std::move(made.cloud), std::move(masks), std::move(made.warnings)};
 }
 
 void AddModels(const JobSpec& job, const PointCloud& cloud, JobPreview& figures) {
