@@ -11,6 +11,7 @@
 #include "services/cli/offline/plan_command.h"
 #include "services/cli/offline/post_command.h"
 #include "services/cli/preview/preview_command.h"
+#include "services/cli/proofs/proofs_command.h"
 #include "services/cli/recordings/record_command.h"
 #include "services/cli/recordings/recording_command.h"
 #include "services/cli/recordings/replay_command.h"
@@ -49,6 +50,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddStatusCommand(root);
   AddTeachCommand(root);
   AddHistoryCommand(root);
+  AddProofsCommand(root);
   AddPreviewCommand(root);
   AddOfflineCommands(root);
   AddMeasureCommand(root);

@@ -20,16 +20,15 @@
 #include "services/cli/job_options.h"
 #include "services/cli/job_series.h"
 #include "services/cli/mounted.h"
+#include "services/cli/proofs/cell_proofs.h"
 #include "services/client/exit_codes.h"
 #include "services/client/folder_lock.h"
 #include "services/client/fresh_paths.h"
 #include "services/client/job_client.h"
-#include "services/client/proof/shop_proofs.h"
 #include "services/client/service_set.h"
 #include "services/client/virtual_truth.h"
 #include "services/history/job_database.h"
 #include "services/job/job_file.h"
-#include "services/platform/command_line/other_programs.h"
 #include "services/platform/host/times/utc_time.h"
 
 namespace intaglio::cli {
@@ -43,9 +42,6 @@ constexpr auto kLeaveTime = 5s;
 // A process that still publishes this long after it was found has not been killed; five
 // samples.
 constexpr auto kGoesOnTime = 1s;
-// A job of 300 000 points takes four seconds.
-constexpr auto kProofTime = 8s;
-
 struct UpOptions {
   bus::BusOptions bus;
   std::string machine = "els-03";
@@ -118,37 +114,6 @@ Result<fs::path> NewRecording(const fs::path& folder) {
   std::string name = host::UtcText(std::chrono::system_clock::now());
   std::replace(name.begin(), name.end(), ':', '-');
   return folder / (name + ".mcap");
-}
-
-client::ShopProofs ProofsOf(const UpOptions& options,
-                            const client::ServiceSetOptions& set) {
-  return client::ShopProofs(
-      {set.folder,
-       set.bus.cell,
-       command_line::ProgramFolder() / "intaglio",
-       {"--background", options.picture.background, "--picture-size",
-        std::to_string(options.picture.size_px)}});
-}
-
-void TurnProofs(client::ShopProofs& proofs, const client::JobClient& client) {
-  for (const std::string& sentence :
-       proofs.Turn(ViewOf(client), std::chrono::steady_clock::now())) {
-    std::cerr << sentence << "\n";
-  }
-}
-
-/// What a job that has just ended still lacks; another Ctrl-C leaves it to the next
-/// start.
-void FinishProofs(client::ShopProofs& proofs, client::JobClient& client) {
-  TurnProofs(proofs, client);
-  if (proofs.pending_count() == 0) return;
-  std::cerr << "making report and pictures of " << proofs.pending_count() << " jobs\n";
-  const auto end = std::chrono::steady_clock::now() + kProofTime;
-  while (proofs.pending_count() > 0 && Interrupts() < 2 &&
-         std::chrono::steady_clock::now() < end) {
-    client.Poll(100ms);
-    TurnProofs(proofs, client);
-  }
 }
 
 /// The shop's folder is of this process alone, and its queue is one of ours.
@@ -247,7 +212,7 @@ int Up(const UpOptions& options) {
     return Complain(ready.error(), faulty ? client::kExitMachine : client::kExitInternal);
   }
   Welcome(*services, *mounted, set);
-  client::ShopProofs proofs = ProofsOf(options, set);
+  client::ShopProofs proofs = ProofsOf(set.folder, set.bus.cell, options.picture);
   const bool has_machine = !set.without.contains("synchronizer");
   return KeepOpen(*services, client, has_machine ? &proofs : nullptr);
 }

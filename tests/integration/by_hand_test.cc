@@ -84,6 +84,10 @@ TEST_F(ByHand, TheRecipeOfTheDocumentEngravesAtItsPlannedRate) {
   EXPECT_THAT(ended.output, HasSubstr("job 1 done"));
   EXPECT_THAT(ended.output, ::testing::Not(HasSubstr("no progress")));
   EXPECT_THAT(ended.output, ::testing::Not(HasSubstr("tolerance")));
+  const auto job = fs::directory_iterator(folder_ / "jobs")->path();
+  EXPECT_TRUE(fs::is_regular_file(job / "views.png")) << ended.output;
+  EXPECT_TRUE(fs::is_regular_file(job / "customer.png"));
+  EXPECT_THAT(testing::TextIn(job / "report.json"), HasSubstr("\"evidence\": \"glass\""));
 }
 
 // The job makes a point now and then, and nothing halts it for good.
