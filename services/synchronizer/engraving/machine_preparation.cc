@@ -1,12 +1,26 @@
 #include "services/synchronizer/engraving/machine_preparation.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "services/synchronizer/permission/permission_chain.h"
 
 namespace intaglio::synchronizer {
 namespace {
 constexpr std::chrono::milliseconds kPreparationPeriod{20};  // until it is answered
+
+/// Such a lamp would never be ready; a controller may report no rates.
+std::string RateRefusal(const std::vector<double>& rates_hz, double rate_hz) {
+  if (rates_hz.empty() || std::ranges::find(rates_hz, rate_hz) != rates_hz.end())
+    return "";
+  return fmt::format(
+      "the laser has no lamp sync rate of {} Hz but {} Hz: cancel the job, correct "
+      "laser.rates_hz of the machine profile, and submit the job with one of these rates",
+      rate_hz, fmt::join(rates_hz, ", "));
+}
+
 }  // namespace
 
 std::string MachinePreparation::Refusal() const {
@@ -15,7 +29,7 @@ std::string MachinePreparation::Refusal() const {
   if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
   if (const auto can = job_.trigger->CheckLaser(laser_.identity()); !can)
     return can.error().message;
-  return "";
+  return RateRefusal(laser_.identity().rates_hz, job_.plan.rate_hz);
 }
 
 bool MachinePreparation::MaySend(std::chrono::nanoseconds now) {

@@ -1,5 +1,6 @@
 #include "services/synchronizer/engraving/machine_preparation.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/services/synchronizer/laser_bench.h"
@@ -35,6 +36,16 @@ TEST_F(MachinePreparationTest, RefusesAnotherBlockAndALineThatIsDown) {
   bench_.CutLine(true);
   bench_.StepFor(600ms);
   EXPECT_THAT(preparation_.Refusal(), HasSubstr("laser line is down"));
+}
+
+// The job would wait for ever for a lamp that is warm at another rate.
+TEST_F(MachinePreparationTest, RefusesARateThatTheLaserDoesNotHave) {
+  job_.plan.rate_hz = 2 * FakeLaser::kRateHz;
+  EXPECT_EQ(preparation_.Refusal(),
+            fmt::format("the laser has no lamp sync rate of {} Hz but {} Hz: cancel the "
+                        "job, correct laser.rates_hz of the machine profile, and submit "
+                        "the job with one of these rates",
+                        2 * FakeLaser::kRateHz, FakeLaser::kRateHz));
 }
 
 TEST_F(MachinePreparationTest, SwitchesTheLampOnOnceASession) {
