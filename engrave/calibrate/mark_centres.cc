@@ -8,6 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include "engrave/calibrate/median.h"
+
 // The background is the median of tiles far larger than a mark, interpolated between
 // their middles; what differs from it, relative to it, is the signal. Noise is estimated
 // by the median of its size. Pixels beyond a threshold form spots; the centre of a spot
@@ -23,7 +25,6 @@ constexpr double kFewMarks = 8;
 constexpr double kNoiseFactor = 6;     // threshold over noise
 constexpr double kPeakShare = 0.35;    // and over the strong marks
 constexpr double kCountedShare = 0.1;  // of its peak: what a centroid counts
-constexpr double kNormalMad = 1.4826;
 constexpr int kMoves = 20;
 
 struct Signal {
@@ -34,12 +35,6 @@ struct Signal {
                   static_cast<std::size_t>(x)];
   }
 };
-
-float MedianOf(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Medians of tiles, and bilinear between their middles and beyond the outermost.
 class Background {

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "engrave/calibrate/median.h"
+
 // Every half degree, shifted so that the medians coincide, and as it is; the candidates
 // with most marks near one are refined with the similarity of least squares of their
 // pairs (as complex numbers: place = a + b measured), in ever smaller reach.
@@ -67,12 +69,6 @@ class Cells {
   std::unordered_map<std::int64_t, std::vector<int>> cells_;
 };
 
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Complex MedianOf(const std::vector<Vec2>& points, Complex turn) {
   std::vector<double> x, y;
   for (const Vec2& p : points) {
@@ -80,7 +76,7 @@ Complex MedianOf(const std::vector<Vec2>& points, Complex turn) {
     x.push_back(at.real());
     y.push_back(at.imag());
   }
-  return {MedianOf(std::move(x)), MedianOf(std::move(y))};
+  return {MedianOf(x), MedianOf(y)};
 }
 
 int CountNear(const Cells& cells, const std::vector<Vec2>& measured,

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/calibrate/median.h"
+
 // Start: iteratively weighted least squares with Huber's weights min(1, k s / |r|), s
 // from the median of |r|. Then rows within five deviations are solved with equal weights,
 // until the same rows are used twice; of normal errors one in two million is left out, so
@@ -13,7 +15,6 @@ namespace intaglio::calibrate {
 namespace {
 
 constexpr double kHuber = 1.345;
-constexpr double kNormalMad = 1.4826;
 constexpr double kOutlier = 5;
 constexpr int kMaxRounds = 30;
 // Below it a column is a combination of the others but for rounding.
@@ -21,18 +22,12 @@ constexpr double kRank = 1e-7;
 // A residual below this is rounding: exact measurements have no outliers.
 constexpr double kRoundingShare = 1e-12;
 
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double MadOf(const Eigen::VectorXd& residuals) {
   std::vector<double> sizes(residuals.size());
   for (Eigen::Index i = 0; i < residuals.size(); ++i) {
     sizes[static_cast<std::size_t>(i)] = std::abs(residuals[i]);
   }
-  return kNormalMad * MedianOf(std::move(sizes));
+  return kNormalMad * MedianOf(sizes);
 }
 
 Eigen::VectorXd SolveWeighted(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,

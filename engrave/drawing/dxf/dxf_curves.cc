@@ -1,7 +1,5 @@
 #include "engrave/drawing/dxf/dxf_curves.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -65,12 +63,6 @@ bool ReadValues(const DxfEntity& entity, DrawingBuilder& builder, DxfCommon& com
     values.has[static_cast<std::size_t>(code)] = true;
     return true;
   });
-}
-
-bool Refuse(const DxfEntity& entity, DrawingBuilder& builder, std::string_view sentence,
-            double value) {
-  return builder.Refuse(ErrorCode::kInvalidValue, entity.Place(), sentence,
-                        fmt::format("{}", value));
 }
 
 bool CircleOf(const DxfEntity& entity, DrawingBuilder& builder, DxfCurve& result) {

@@ -90,6 +90,12 @@ bool DxfEntities::Next(DxfEntity& entity) {
   return groups_.good();
 }
 
+bool Refuse(const DxfEntity& entity, DrawingBuilder& builder, std::string_view sentence,
+            double value) {
+  return builder.Refuse(ErrorCode::kInvalidValue, entity.Place(), sentence,
+                        fmt::format("{}", value));
+}
+
 bool DxfNumber(const DxfGroup& group, const DxfEntity& entity, DrawingBuilder& builder,
                double& number) {
   const std::optional<double> value = NumberOf(group.value);

@@ -82,6 +82,10 @@ struct DxfCommon {
   Vec3 extrusion = Vec3::UnitZ();
 };
 
+/// The error of an entity with such a value; false.
+bool Refuse(const DxfEntity& entity, DrawingBuilder& builder, std::string_view sentence,
+            double value);
+
 /// The value of a group as a number; the error names the line. `number` finite.
 bool DxfNumber(const DxfGroup& group, const DxfEntity& entity, DrawingBuilder& builder,
                double& number);

@@ -11,12 +11,6 @@ namespace {
 
 constexpr int kMaxDegree = 15;
 
-bool Refuse(const DxfEntity& entity, DrawingBuilder& builder, std::string_view sentence,
-            double value) {
-  return builder.Refuse(ErrorCode::kInvalidValue, entity.Place(), sentence,
-                        fmt::format("{}", value));
-}
-
 bool CheckNurbs(const DxfEntity& entity, DrawingBuilder& builder, const Nurbs& nurbs,
                 double degree) {
   if (!(degree >= 1 && degree <= kMaxDegree) || degree != std::floor(degree)) {

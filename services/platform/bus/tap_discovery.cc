@@ -14,9 +14,6 @@
 namespace intaglio::bus {
 namespace {
 
-// Time a remote type is waited for; a writer that has just come may need longer and is
-// asked again.
-constexpr dds_duration_t kTypeTimeout = DDS_MSECS(500);
 constexpr int kTypeTries = 10;
 constexpr std::size_t kReadAtOnce = 1024;
 
@@ -133,7 +130,7 @@ void TopicTap::Impl::MakeReader(Domain& domain, const dds_builtintopic_endpoint_
   const std::string topic = writer.topic_name;
   dds_topic_descriptor_t* made = nullptr;
   const auto resolved = dds_create_topic_descriptor(
-      DDS_FIND_SCOPE_GLOBAL, domain.participant, type, kTypeTimeout, &made);
+      DDS_FIND_SCOPE_GLOBAL, domain.participant, type, internal::kTypeTimeoutNs, &made);
   if (resolved != DDS_RETCODE_OK) {
     if (++domain.tries[topic] >= kTypeTries) {
       GiveUp(domain, topic,

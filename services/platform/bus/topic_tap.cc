@@ -11,7 +11,7 @@
 namespace intaglio::bus {
 namespace {
 
-constexpr std::size_t kTakeAtOnce = 64;
+constexpr std::size_t kTakenByTap = 64;
 constexpr std::uint32_t kIgnored = ~0u;
 constexpr std::size_t kKnownWriters = 10'000;
 
@@ -153,16 +153,16 @@ int TopicTap::Impl::TakeFrom(Tapped& tapped,
   Delivery delivery(*this, tapped, sink);
   int total = 0;
   for (;;) {
-    std::array<ddsi_serdata*, kTakeAtOnce> taken{};
-    std::array<dds_sample_info_t, kTakeAtOnce> origins;
-    const auto count = dds_takecdr(tapped.reader, taken.data(), kTakeAtOnce,
+    std::array<ddsi_serdata*, kTakenByTap> taken{};
+    std::array<dds_sample_info_t, kTakenByTap> origins;
+    const auto count = dds_takecdr(tapped.reader, taken.data(), kTakenByTap,
                                    origins.data(), DDS_ANY_STATE);
     for (std::int32_t i = 0; i < count; ++i) {
       const auto at = static_cast<std::size_t>(i);
       delivery.Deliver(taken[at], origins[at]);
     }
     total += std::max<int>(0, count);
-    if (count < static_cast<std::int32_t>(kTakeAtOnce)) break;
+    if (count < static_cast<std::int32_t>(kTakenByTap)) break;
   }
   delivery.DeliverEnds();
   return total;

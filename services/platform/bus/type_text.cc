@@ -20,9 +20,6 @@ namespace {
 
 using Identifier = DDS_XTypes_TypeIdentifier;
 
-// A type that is known to the library answers at once; a remote one after a round trip.
-constexpr dds_duration_t kTypeTimeout = DDS_MSECS(500);
-
 /// A part of a type that IDL text is not made of; caught in TextOf.
 struct NotDescribed {};
 
@@ -96,7 +93,7 @@ class Writer {
     const ddsi_typeid id{type};
     dds_typeobj_t* found = nullptr;
     if (type._d != DDS_XTypes_EK_COMPLETE ||
-        dds_get_typeobj(participant_, &id, kTypeTimeout, &found) != DDS_RETCODE_OK ||
+        dds_get_typeobj(participant_, &id, kTypeTimeoutNs, &found) != DDS_RETCODE_OK ||
         found == nullptr) {
       throw NotDescribed{};
     }

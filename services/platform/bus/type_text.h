@@ -11,6 +11,10 @@ struct ddsi_typeinfo;
 
 namespace intaglio::bus::internal {
 
+/// Time that a remote type is waited for: a round trip; a writer that has just come may
+/// need longer and is asked again.
+inline constexpr std::int64_t kTypeTimeoutNs = 500'000'000;
+
 struct TypeText {
   std::string idl;      ///< the type and all that it is made of
   std::string key_idl;  ///< a struct <name>_key of the key members alone; empty: no key

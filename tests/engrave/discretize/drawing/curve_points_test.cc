@@ -11,6 +11,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/discretize/drawing/place_drawing.h"
+#include "tests/engrave/discretize/oracles.h"
 
 namespace intaglio::discretize {
 namespace {
@@ -47,15 +48,6 @@ double NearestTo(const Vec3& p, const PointList& points) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Vec3& q : points) nearest = std::min(nearest, (p - q).norm());
   return nearest;
-}
-double MinDistance(const PointList& points) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      smallest = std::min(smallest, (points[i] - points[j]).norm());
-    }
-  }
-  return smallest;
 }
 bool Has(const PointList& points, const Vec3& p) { return NearestTo(p, points) < 1e-9; }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/engrave/discretize/oracles.h"
 #include "tests/engrave/image/pictures.h"
 
 namespace intaglio::discretize {
@@ -32,17 +33,7 @@ PointList PointsOf(const GreyImage& map, const std::optional<GreyImage>& photo,
   return cloud.points_mm;
 }
 
-double MinDistance(const PointList& points) {
-  double smallest = 1e9;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      smallest = std::min(smallest, (points[i] - points[j]).squaredNorm());
-    }
-  }
-  return std::sqrt(smallest);
-}
-
-std::size_t CountIn(const PointList& points, double x0, double x1) {
+std::size_t CountBetween(const PointList& points, double x0, double x1) {
   return static_cast<std::size_t>(
       std::count_if(points.begin(), points.end(),
                     [&](const Vec3& p) { return p.x() >= x0 && p.x() < x1; }));
@@ -74,8 +65,8 @@ TEST(Relief, SlopesGetAsManyPointsAMm2OfSurfaceAsPlains) {
   const ReliefOptions options = Options(10, 10, 0.1);
   const PointList points = PointsOf(map, std::nullopt, options);
   EXPECT_GE(MinDistance(points), 0.1);
-  const auto flat = static_cast<double>(CountIn(points, 0.5, 4.5));
-  const auto slope = static_cast<double>(CountIn(points, 5.5, 9.5));
+  const auto flat = static_cast<double>(CountBetween(points, 0.5, 4.5));
+  const auto slope = static_cast<double>(CountBetween(points, 5.5, 9.5));
   EXPECT_NEAR(slope / flat, std::sqrt(5.0), 0.03 * std::sqrt(5.0));
   EXPECT_NEAR(flat / (4 * 5), 0.7 / 0.01, 0.05 * 70);
 }
@@ -91,8 +82,8 @@ TEST(Relief, ThePhotoGivesTheDensity) {
   }
   const GreyImage half = PaintGrey(160, 4, [](int x, int) { return x < 80 ? 0.2 : 0.6; });
   const PointList points = PointsOf(map, half, options);
-  const double ratio = static_cast<double>(CountIn(points, 0.5, 7.5)) /
-                       static_cast<double>(CountIn(points, 8.5, 15.5));
+  const double ratio = static_cast<double>(CountBetween(points, 0.5, 7.5)) /
+                       static_cast<double>(CountBetween(points, 8.5, 15.5));
   EXPECT_NEAR(ratio, 1 / 3.0, 0.02 / 3);
 }
 

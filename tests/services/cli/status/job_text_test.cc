@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/services/cli/status/shown_job.h"
+
 namespace intaglio::cli {
 namespace {
 
@@ -10,18 +12,8 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-client::JobView Job(std::uint32_t number, intaglio_JobState state) {
-  client::JobView job;
-  job.uid = std::to_string(number) + "-abc";
-  job.number = number;
-  job.name = "duck";
-  job.cell = "left";
-  job.state = state;
-  return job;
-}
-
 client::JobView NotGood() {
-  client::JobView job = Job(7, intaglio_JOB_DONE);
+  client::JobView job = ShownJob(7, intaglio_JOB_DONE);
   job.verdict = "not_good";
   job.counts = {1240, 1234, 4, 2, 0};
   return job;
@@ -39,7 +31,7 @@ TEST(JobText, AnEndedJobHasItsVerdictItsCountsAndTheReason) {
 }
 
 TEST(JobText, AGoodJobHasNoReason) {
-  client::JobView job = Job(7, intaglio_JOB_DONE);
+  client::JobView job = ShownJob(7, intaglio_JOB_DONE);
   job.verdict = "good";
   job.counts = {1240, 1240, 0, 0, 0};
   EXPECT_THAT(ShowText(job), HasSubstr("verdict    good"));
@@ -47,7 +39,7 @@ TEST(JobText, AGoodJobHasNoReason) {
 }
 
 TEST(JobText, AJobThatFailedOrWasCancelledHasItsMessage) {
-  client::JobView job = Job(7, intaglio_JOB_FAILED);
+  client::JobView job = ShownJob(7, intaglio_JOB_FAILED);
   job.verdict = "none";
   job.message = "the model is open";
   EXPECT_THAT(ListText({job}), HasSubstr("        the model is open\n"));
@@ -59,7 +51,7 @@ TEST(JobText, AJobThatFailedOrWasCancelledHasItsMessage) {
 }
 
 TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
-  client::JobView job = Job(7, intaglio_JOB_ENGRAVING);
+  client::JobView job = ShownJob(7, intaglio_JOB_ENGRAVING);
   job.progress = {{intaglio_STAGE_ENGRAVE, 1200, 5000, 10}};
   job.counts = {5000, 1200, 0, 3800, 0};
   job.message = "pulses were skipped: the run starts again there";
@@ -77,7 +69,7 @@ TEST(JobText, AnOpenJobHasItsProgressItsMessageAndItsAlarm) {
 
 TEST(JobText, TheListIsInTheOrderOfNumbers) {
   const std::string text =
-      ListText({Job(12, intaglio_JOB_QUEUED), Job(3, intaglio_JOB_DONE)});
+      ListText({ShownJob(12, intaglio_JOB_QUEUED), ShownJob(3, intaglio_JOB_DONE)});
   EXPECT_LT(text.find(" 3  "), text.find(" 12  "));
 }
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/services/cli/status/shown_job.h"
+
 namespace intaglio::cli {
 namespace {
 
@@ -16,16 +18,6 @@ client::ServiceView Service(intaglio_ServiceRole role, const std::string& cell =
   service.cell = cell;
   service.state = intaglio_HEALTH_READY;
   return service;
-}
-
-client::JobView Job(std::uint32_t number, intaglio_JobState state) {
-  client::JobView job;
-  job.uid = std::to_string(number) + "-abc";
-  job.number = number;
-  job.name = "duck";
-  job.cell = "left";
-  job.state = state;
-  return job;
 }
 
 /// A shop with one machine and nothing to do.
@@ -110,29 +102,29 @@ TEST(ShopStatus, AnOpenDoorNeedsAPersonOnlyWhileTheMachineHasAJob) {
   shop.cells["left"].door_closed = false;
   EXPECT_FALSE(Status(shop).needs_person());
   EXPECT_THAT(TextOf(Status(shop)), HasSubstr("DOOR OPEN"));
-  shop.jobs = {Job(3, intaglio_JOB_ENGRAVING)};
+  shop.jobs = {ShownJob(3, intaglio_JOB_ENGRAVING)};
   ExpectNeed(shop, "left: the door is open");
   EXPECT_EQ(Status(shop).machines(0).job(), 3u);
 }
 
 TEST(ShopStatus, JobsThatWaitForAPerson) {
   ShopSnapshot shop = GoodShop();
-  shop.jobs = {Job(3, intaglio_JOB_PAUSED)};
+  shop.jobs = {ShownJob(3, intaglio_JOB_PAUSED)};
   shop.jobs[0].message = "the door was opened";
   ExpectNeed(shop, "job 3 is paused: the door was opened (intaglio resume 3, or cancel)");
   shop.jobs[0].armed = true;  // it goes on by itself
   EXPECT_FALSE(Status(shop).needs_person());
-  shop.jobs = {Job(3, intaglio_JOB_WAITING_FOR_ARM)};
+  shop.jobs = {ShownJob(3, intaglio_JOB_WAITING_FOR_ARM)};
   ExpectNeed(shop, "job 3 waits for its arm");
-  shop.jobs = {Job(3, intaglio_JOB_ENGRAVING)};
+  shop.jobs = {ShownJob(3, intaglio_JOB_ENGRAVING)};
   shop.jobs[0].alarm = "no progress: 3 of 2400 expected points";
   ExpectNeed(shop, "job 3: no progress: 3 of 2400");
 }
 
 TEST(ShopStatus, JobsWithTheirProgressAndTheCountOfEndedOnes) {
   ShopSnapshot shop = GoodShop();
-  shop.jobs = {Job(2, intaglio_JOB_DONE), Job(3, intaglio_JOB_ENGRAVING),
-               Job(4, intaglio_JOB_QUEUED)};
+  shop.jobs = {ShownJob(2, intaglio_JOB_DONE), ShownJob(3, intaglio_JOB_ENGRAVING),
+               ShownJob(4, intaglio_JOB_QUEUED)};
   shop.jobs[1].progress = {{intaglio_STAGE_ENGRAVE, 1200, 5000, 10}};
   shop.jobs[1].counts = {5000, 1190, 10, 3800, 0};
   shop.jobs[2].message = "waits for its turn on left";
