@@ -63,6 +63,7 @@ constexpr std::array kRanges = {
     FieldRange{"AxisLimits", "max_speed_mm_s", 0.1, 5000},
     FieldRange{"AxisLimits", "max_acceleration_mm_s2", 1, 100000},
     FieldRange{"AxisLimits", "max_jerk_mm_s3", 1, 1000000000},
+    FieldRange{"AxisLimits", "steps_per_mm", 0.1, 100000},
     FieldRange{"RotaryAxis", "travel_min_rad", -2000, 2000},
     FieldRange{"RotaryAxis", "travel_max_rad", -2000, 2000},
     FieldRange{"RotaryAxis", "max_speed_rad_s", 0.001, 1000},
