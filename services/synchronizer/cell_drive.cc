@@ -11,6 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kRepeatTime = 40ms;
 const std::string kNoLens;
+constexpr char kTooSlow[] = "it takes more than 60 s: check the speed of the axes";
 
 }  // namespace
 
@@ -26,7 +27,7 @@ void CellDrive::Start(const Vec3& axes, std::chrono::nanoseconds now) {
   ++number_;
   ends_at_ = now + kPatience;
   next_send_ = now;
-  message_ = "the motion bridge has not answered";
+  message_ = "the motion bridge has not answered: check that it runs";
 }
 
 void CellDrive::Stop() {
@@ -38,10 +39,13 @@ void CellDrive::Stop() {
 void CellDrive::Turn(std::chrono::nanoseconds now) {
   states_.Take([this](const intaglio_ManualState& state) {
     seen_ = state.number;
-    const bool ours = View(state.answered_sender) == sender_ &&
-                      state.answered_number == number_ &&
-                      state.answer != intaglio_MANUAL_ACCEPTED;
+    const bool ours =
+        View(state.answered_sender) == sender_ && state.answered_number == number_;
     if (!drives_ || !ours) return;
+    if (state.answer == intaglio_MANUAL_ACCEPTED) {
+      message_ = kTooSlow;
+      return;
+    }
     drives_ = false;
     message_ = state.answer == intaglio_MANUAL_DONE ? "" : View(state.message);
   });

@@ -154,7 +154,8 @@ void Synchronizer::Begin(const intaglio_StageTask& task) {
     return FailTask(checked.error());
   }
   *job_->mutable_machine() = machine_;
-  Drive(machine_.taught().has_sample(), machine_.taught().sample());
+  Drive("sample", machine_.taught().has_sample(), machine_.taught().sample(),
+        job_->job_uid());
   if (task.take_up) return Prepare(std::nullopt);
   if (auto opened = intake_.Open(job_->job_uid(), attempt_); !opened) {
     return FailTask(opened.error());
@@ -321,24 +322,31 @@ void Synchronizer::EndTask(intaglio_TaskState state, intaglio_ErrorCode code,
   }
   report.outcome = outcome.SerializeAsString();
   DropTask();
-  Drive(state == intaglio_TASK_DONE && machine_.taught().has_park(),
-        machine_.taught().park());
+  Drive("park", state == intaglio_TASK_DONE && machine_.taught().has_park(),
+        machine_.taught().park(), report.job_uid);
   publisher_.PublishTask(report, now_);
   host_.SetHealth(intaglio_HEALTH_READY);
 }
 
-void Synchronizer::Drive(bool taught, const Vector3& axes) {
+void Synchronizer::Drive(const char* name, bool taught, const Vector3& axes,
+                         const std::string& job_uid) {
   drive_.Stop();
-  if (taught) drive_.Start(Vec3(axes.x(), axes.y(), axes.z()), now_);
+  if (!taught) return;
+  drive_name_ = name;
+  drive_job_ = job_uid;
+  drive_.Start(Vec3(axes.x(), axes.y(), axes.z()), now_);
 }
 
+// The stage is at rest then, or brakes: the bridge has ended the motion, or is ending it.
 void Synchronizer::TurnDrive() {
   const bool drove = drive_.drives();
   drive_.Turn(now_);
-  if (drove && !drive_.drives() && !drive_.message().empty()) {
-    host::LogWarning("the taught position before or after a job was not reached: {}",
-                     drive_.message());
-  }
+  if (!drove || drive_.drives() || drive_.message().empty()) return;
+  host_.RaiseAlarm(intaglio_ALARM_WARNING, "position_not_reached",
+                   fmt::format("the taught {} position was not reached, and the stage "
+                               "was stopped: {}",
+                               drive_name_, drive_.message()),
+                   drive_job_);
 }
 
 // The journal's last records are on disk before the end of the job is published.

@@ -72,7 +72,9 @@ class Synchronizer {
   void Prepare(std::optional<PointCloud> path);
   void TakePrepared();
   void StartEngraving(PreparedJob prepared);
-  void Drive(bool taught, const Vector3& axes);
+  /// `name`: of the taught position, for people; of the job with this uid.
+  void Drive(const char* name, bool taught, const Vector3& axes,
+             const std::string& job_uid);
   void TurnDrive();
   void TakePlan();
   void FailTask(const Error& error);
@@ -105,6 +107,7 @@ class Synchronizer {
   drivers::LaserController& laser_;
   MotionFeed feed_;
   CellDrive drive_;
+  std::string drive_name_, drive_job_;
   PermissionChain chain_;
   std::unique_ptr<JournalWriter> journal_;
   std::unique_ptr<Engraving> engraving_;

@@ -1,0 +1,111 @@
+// Teaching through the product's processes and a virtual engraver: what was taught is
+// where the next job's cracks lie, and where the stage is before and after it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/integration/teach_shop.h"
+
+namespace intaglio {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Ended;
+using testing::Eventually;
+using ::testing::HasSubstr;
+
+class TeachJob : public testing::TeachShop {};
+
+/// How much further the focus goes in the glass than the stage, by Snell's law at the
+/// marginal ray (engrave/optics/focus.h has it the other way round).
+double GlassPerStage(double index, double aperture) {
+  return std::sqrt(index * index - aperture * aperture) /
+         std::sqrt(1 - aperture * aperture);
+}
+
+// Cracks of both jobs come in the same order, for only their places differ.
+TEST_F(TeachJob, ATaughtZeroMovesTheNextJobsCracksByExactlyThat) {
+  const Vec3 by(0.4, -0.3, -0.2);
+  ASSERT_TRUE(RunsTo(Submit({"--arm"}), "done")) << shown_;
+  const auto first = Cracks();
+  ASSERT_GT(first.size(), 100U);
+  const Ended taught = Teach({"zero", "--lens", "f43", "--by", "0.4", "-0.3", "-0.2"});
+  ASSERT_EQ(taught.exit_code, 0) << taught.output;
+  EXPECT_THAT(taught.output, HasSubstr("version 1"));
+  ASSERT_TRUE(RunsTo(Submit({"--arm"}), "done")) << shown_;
+  const auto all = Cracks();
+  ASSERT_EQ(all.size(), 2 * first.size());
+  // The beam model of the virtual engraver, N-BK7 at 532 nm.
+  const Vec3 expected(by.x(), by.y(), by.z() * GlassPerStage(1.51947, 0.2));
+  double farthest_mm = 0;
+  for (const auto& before : first) {
+    double nearest_mm = 1e9;
+    for (std::size_t i = first.size(); i < all.size(); ++i) {
+      nearest_mm = std::min(nearest_mm,
+                            (all[i].position_mm - before.position_mm - expected).norm());
+    }
+    farthest_mm = std::max(farthest_mm, nearest_mm);
+  }
+  // What the compensation of the drive leaves, below 1 um in each job.
+  EXPECT_LT(farthest_mm, 0.003);
+  Do({"undo"});
+  EXPECT_EQ(testing::TextIn(shop() / "machine.textproto").find("zeros"),
+            std::string::npos);
+}
+
+TEST_F(TeachJob, TheStageGoesToTheSamplePositionBeforeAJobAndToTheParkPositionAfterIt) {
+  const Vec3 sample(20, 30, 40), park(60, 50, 45);
+  Do({"move", "20", "30", "40", "--speed", "50"});
+  Do({"sample"});
+  Do({"move", "60", "50", "45", "--speed", "50"});
+  Do({"park"});
+  Do({"move", "5", "5", "35", "--speed", "50"});
+  const std::string job = Submit();
+  EXPECT_TRUE(Eventually([&] { return IsAt(sample); }, 30s)) << Logs();
+  Type({"arm", job});
+  ASSERT_TRUE(RunsTo(job, "done")) << shown_;
+  EXPECT_TRUE(Eventually([&] { return IsAt(park); }, 30s)) << Logs();
+  EXPECT_EQ(Logs().find("position_not_reached"), std::string::npos);
+}
+
+TEST_F(TeachJob, APositionThatIsNotReachedIsAnAlarmAndTheStageRests) {
+  Do({"move", "90", "90", "40", "--speed", "50"});
+  Do({"sample"});
+  Do({"move", "5", "5", "35", "--speed", "50"});
+  ASSERT_NE(testing::AskPanel(shop(), "door open"), "");
+  const std::string job = Submit();
+  ASSERT_TRUE(Eventually(
+      [&] { return Logs().find("position_not_reached") != std::string::npos; }, 30s))
+      << Logs();
+  EXPECT_THAT(Logs(), HasSubstr("the taught sample position was not reached"));
+  EXPECT_THAT(Logs(), HasSubstr("the door is open"));
+  EXPECT_TRUE(IsAt(Vec3(5, 5, 35)));
+  // Nothing of it comes back by itself.
+  testing::AskPanel(shop(), "door close");
+  EXPECT_FALSE(Eventually([&] { return !IsAt(Vec3(5, 5, 35)); }, 2s));
+  Type({"arm", job});
+  EXPECT_TRUE(RunsTo(job, "done")) << shown_;
+}
+
+TEST_F(TeachJob, NothingIsMovedOrTaughtByHandWhileAJobFires) {
+  const std::string job = Submit({"--rate", "5", "--arm"});  // for a minute
+  ASSERT_TRUE(RunsTo(job, "engraving")) << shown_;
+  ASSERT_TRUE(Eventually([&] { return Cracks().size() > 3; }, 60s));
+  const Ended jog = Teach({"jog", "x", "1"});
+  EXPECT_NE(jog.exit_code, 0);
+  EXPECT_THAT(jog.output, ::testing::AnyOf(HasSubstr("a job moves the stage"),
+                                           HasSubstr("a job is armed")));
+  const Ended zero = Teach({"zero", "--lens", "f43"});
+  EXPECT_NE(zero.exit_code, 0) << zero.output;
+  EXPECT_EQ(testing::TextIn(shop() / "machine.textproto").find("taught"),
+            std::string::npos);
+  const auto count = Cracks().size();
+  EXPECT_TRUE(Eventually([&] { return Cracks().size() > count; }, 20s))
+      << "the job goes on: " << Type({"show", job}).output;
+  Type({"cancel", job});
+}
+
+}  // namespace
+}  // namespace intaglio
