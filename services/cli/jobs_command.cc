@@ -376,4 +376,11 @@ void AddJobsCommands(command_line::Command app) {
   });
 }
 
+int SubmitJobFile(const bus::BusOptions& bus, const std::string& file) {
+  JobsOptions options;
+  options.bus = bus;
+  options.job.job_file = file;
+  return Submit(options);
+}
+
 }  // namespace intaglio::cli

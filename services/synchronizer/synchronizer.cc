@@ -33,6 +33,11 @@ intaglio_PointCounts CountsOf(const PointLedger& ledger) {
   return counts;
 }
 
+double LowestRate(const MachineSpec& machine) {
+  const auto& rates_hz = machine.laser().rates_hz();
+  return rates_hz.empty() ? 1 : *std::min_element(rates_hz.begin(), rates_hz.end());
+}
+
 }  // namespace
 
 Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
@@ -48,12 +53,14 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       stops_(host.bus(), bus::kEmergencyStop, cell_),
       motion_(host.bus(), bus::kMotionState, cell_),
       positions_(host.bus(), bus::kPositionReport, cell_),
+      by_hand_(host.bus(), bus::kManualState, cell_),
       credit_(host.bus(), bus::RolePartition(bus::CellRole(cell_))),
       segments_(host.bus(), bus::kMotionSegmentBatch, cell_),
       intake_(host.bus(), host.instance()),
       publisher_(host.bus(), cell_, host.instance()),
       laser_driver_(std::move(laser)),
       laser_(*laser_driver_),
+      light_(laser_, LowestRate(machine_)),
       feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
             [this](const std::string& stream) { return credit_.Find(stream); }),
       drive_(host.bus(), cell_, host.instance()) {}
@@ -76,6 +83,7 @@ void Synchronizer::Turn(std::chrono::nanoseconds now) {
   TakePositions();
   TakeTasks();
   TurnDrive();
+  TurnLight();
   if (!engraving_) WatchMachine(now);
   if (job_ && !engraving_) {
     TakePath();
@@ -347,6 +355,15 @@ void Synchronizer::TurnDrive() {
                                "was stopped: {}",
                                drive_name_, drive_.message()),
                    drive_job_);
+}
+
+void Synchronizer::TurnLight() {
+  by_hand_.TakeAll(
+      [this](const intaglio_ManualState& state, const bus::SampleOrigin& origin) {
+        light_.Take(state, origin.alive, now_);
+      });
+  if (engraving_) return light_.Yield();
+  light_.Turn(!job_ && !leaves_ && !stop_.pressed() && !stop_came_, now_);
 }
 
 // The journal's last records are on disk before the end of the job is published.

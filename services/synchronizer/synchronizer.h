@@ -16,6 +16,7 @@
 #include "services/synchronizer/cell_drive.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
+#include "services/synchronizer/light_by_hand.h"
 #include "services/synchronizer/mounted_parts.h"
 #include "services/synchronizer/path_intake.h"
 #include "services/synchronizer/publisher.h"
@@ -52,6 +53,7 @@ class Synchronizer {
     loop.Attach(stops_);
     loop.Attach(motion_);
     loop.Attach(positions_);
+    loop.Attach(by_hand_);
     loop.Attach(intake_.reader());
     loop.Attach(credit_.reader());
   }
@@ -76,6 +78,7 @@ class Synchronizer {
   void Drive(const char* name, bool taught, const Vector3& axes,
              const std::string& job_uid);
   void TurnDrive();
+  void TurnLight();
   void TakePlan();
   void FailTask(const Error& error);
   void Engrave(std::chrono::nanoseconds now);
@@ -98,6 +101,7 @@ class Synchronizer {
   bus::Reader<intaglio_EmergencyStop> stops_;
   bus::Reader<intaglio_MotionState> motion_;
   bus::Reader<intaglio_PositionReport> positions_;
+  bus::Reader<intaglio_ManualState> by_hand_;
   bus::CreditBook credit_;
   bus::Writer<intaglio_MotionSegmentBatch> segments_;
   PathIntake intake_;
@@ -105,6 +109,7 @@ class Synchronizer {
   Publisher publisher_;
   std::unique_ptr<drivers::LaserController> laser_driver_;
   drivers::LaserController& laser_;
+  LightByHand light_;
   MotionFeed feed_;
   CellDrive drive_;
   std::string drive_name_, drive_job_;

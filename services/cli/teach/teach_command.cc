@@ -12,7 +12,9 @@
 #include "proto/teach.pb.h"
 #include "services/cli/complain.h"
 #include "services/cli/json/print_json.h"
+#include "services/cli/teach/teach_light.h"
 #include "services/cli/teach/teach_options.h"
+#include "services/cli/teach/teach_pulse.h"
 #include "services/client/exit_codes.h"
 #include "services/job/teach/profile_history.h"
 
@@ -359,6 +361,8 @@ void AddTeachCommand(command_line::Command app) {
   AddPlace(teach, "park", "the axes are at the position after a job: save it",
            intaglio_TEACH_PARK);
   AddLimits(teach);
+  AddTestPulseCommands(teach);
+  AddLightCommands(teach);
   AddUndo(teach);
   AddHistory(teach);
 }

@@ -14,6 +14,10 @@ constexpr std::size_t kRemembered = 128;
 // Clients come and go; the oldest names are of processes that have ended.
 constexpr std::size_t kMaxSenders = 256;
 
+bool IsLight(intaglio_ManualCommandKind kind) {
+  return kind == intaglio_MANUAL_LAMP || kind == intaglio_MANUAL_SHUTTER;
+}
+
 }  // namespace
 
 std::string WhyNoMotionByHand(const ManualConditions& conditions,
@@ -87,7 +91,9 @@ void ManualControl::Take(const ManualOrder& order, Nanoseconds now) {
     held_at_ = std::max(held_at_, *made_at);
   } else if (moves() && !of_mover) {
     Answer(order, intaglio_MANUAL_REFUSED,
-           fmt::format("{} moves the stage: wait until it has let go", order_.sender));
+           fmt::format(
+               "{} {}: wait until it has let go", order_.sender,
+               IsLight(order_.kind) ? "has lamp or shutter by hand" : "moves the stage"));
   } else {
     pending_ = order;
   }
@@ -124,6 +130,13 @@ Result<Vec3> ManualControl::TargetOf(const ManualOrder& order) const {
 }
 
 Status ManualControl::Start(const ManualOrder& order) {
+  if (order.kind == intaglio_MANUAL_LAMP) return {};
+  if (order.kind == intaglio_MANUAL_SHUTTER) {
+    if (order.channel >= 1 && order.channel <= channels_) return {};
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("channel {}: the machine has 1 to {}", order.channel, channels_));
+  }
   if (order.kind == intaglio_MANUAL_HOME) return driver_.Home();
   if (!(order.speed_mm_s > 0)) {
     return Fail(ErrorCode::kInvalidValue,
@@ -140,7 +153,7 @@ void ManualControl::Begin(const ManualOrder& order, const ManualConditions& cond
   std::string why = WhyNoMotionByHand(conditions, driver_.state(), order.by_cell);
   if (!why.empty()) return Answer(order, intaglio_MANUAL_REFUSED, std::move(why));
   // A fault of before; the order is repeated while it is held.
-  if (driver_.state().fault != intaglio_MOTION_OK) {
+  if (!IsLight(order.kind) && driver_.state().fault != intaglio_MOTION_OK) {
     (void)driver_.ClearFault();
     pending_ = order;
     return;
@@ -149,10 +162,33 @@ void ManualControl::Begin(const ManualOrder& order, const ManualConditions& cond
     return Answer(order, intaglio_MANUAL_REFUSED, started.error().message);
   order_ = order;
   held_at_ = *PublishedAt(order.seen);
-  let_go_ = hold_owed_ = false;
+  began_at_ = now;
+  let_go_ = hold_owed_ = was_lit_ = false;
   stopped_by_.clear();
   phase_ = Phase::kMoving;
   Answer(order, intaglio_MANUAL_ACCEPTED, "");
+}
+
+// The stage rests all the time; the synchronizer switches off what is not held any more.
+void ManualControl::TurnLight(std::string why, const ManualConditions& conditions,
+                              Nanoseconds now) {
+  const bool lit = order_.kind == intaglio_MANUAL_LAMP
+                       ? conditions.lamp_on
+                       : (conditions.shutters_open & MaskOf(order_.channel)) != 0;
+  if (why.empty() && was_lit_ && !lit) {
+    why =
+        "the laser controller has switched it off: check its state (intaglio teach "
+        "status)";
+  }
+  if (why.empty() && !lit && now - began_at_ > kLightTime) {
+    why =
+        "the laser controller has not switched it on within 2 s: cancel a job that "
+        "waits in this machine, and check the synchronizer's log";
+  }
+  was_lit_ = was_lit_ || lit;
+  if (why.empty()) return;
+  phase_ = Phase::kResting;
+  Answer(order_, intaglio_MANUAL_STOPPED, std::move(why));
 }
 
 void ManualControl::Brake(std::string why) {
@@ -164,10 +200,13 @@ void ManualControl::Brake(std::string why) {
 void ManualControl::Turn(const ManualConditions& conditions, Nanoseconds now) {
   const drivers::DriverState& state = driver_.state();
   if (phase_ == Phase::kMoving) {
+    const bool light = IsLight(order_.kind);
     std::string why = WhyNoMotionByHand(conditions, state, order_.by_cell);
-    if (why.empty() && state.fault != intaglio_MOTION_OK) why = state.message;
+    if (why.empty() && !light && state.fault != intaglio_MOTION_OK) why = state.message;
     if (why.empty() && (let_go_ || now - held_at_ > kHeldTime)) why = "let go";
-    if (!why.empty()) {
+    if (light) {
+      TurnLight(std::move(why), conditions, now);
+    } else if (!why.empty()) {
       Brake(std::move(why));
     } else if (state.at_rest) {
       phase_ = Phase::kResting;

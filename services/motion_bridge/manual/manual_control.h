@@ -1,7 +1,7 @@
 #pragma once
 
-// Motion by hand: executes what a person (or the cell's synchronizer) holds, as long as
-// it is held and nothing forbids it.
+// Motion by hand, lamp and shutters by hand: executes what a person (or the cell's
+// synchronizer) holds, as long as it is held and nothing forbids it.
 //
 //            an order, fresh, nothing forbids it         at rest
 //   kResting ----------------------------------> kMoving --------> kResting (done)
@@ -12,6 +12,11 @@
 // this process knows when it published that: so the age of an order is measured by one
 // clock, whatever delayed it, and a sample that a network held back, or that was stored,
 // moves nothing. Motion whose newest order is older than kHeldTime is ended.
+//
+// Lamp and shutters belong to the synchronizer, which has the laser's line: it switches
+// what lamp_by_hand() and shutters_by_hand() are in the published state, and reports what
+// the laser controller has done (Interlock). An order whose effect is not reported within
+// kLightTime, or ends, is ended. One order is executed at a time, of whichever kind.
 //
 // Nothing restarts by itself: what ended, for whatever reason, is spent with its number;
 // only an order with a greater number moves again.
@@ -42,7 +47,8 @@ struct ManualOrder {
   intaglio_ManualCommandKind kind = intaglio_MANUAL_NONE;
   Vec3 place = Vec3::Zero();
   double speed_mm_s = 0;
-  bool by_cell = false;  ///< the synchronizer, for a job that is armed
+  bool by_cell = false;       ///< the synchronizer, for a job that is armed
+  std::uint32_t channel = 1;  ///< of a shutter
 };
 
 /// What the bridge knows of the rest of the machine.
@@ -52,7 +58,9 @@ struct ManualConditions {
   bool run_active = false;        ///< of the synchronizer
   bool interlocks_fresh = false;  ///< the next four are known
   bool key_on = false, door_closed = false, stop_released = false, laser_line_up = false;
-  bool stop_pressed = false;  ///< on the bus
+  bool stop_pressed = false;       ///< on the bus
+  bool lamp_on = false;            ///< as the laser controller reports it
+  std::uint8_t shutters_open = 0;  ///< bit 0..3: channel 1..4
 };
 
 /// Why nothing may be moved by hand, and what to do; empty: it may be.
@@ -71,12 +79,16 @@ class ManualControl {
   using Nanoseconds = std::chrono::nanoseconds;
   static constexpr std::chrono::milliseconds kHeldTime{200};
   static constexpr double kMaxSpeedMmS = 50;
+  /// From an order to the report that the lamp is on, or the shutter open.
+  static constexpr std::chrono::seconds kLightTime{2};
 
   /// `limits`: in the axes' units; `names`: of the axes, for messages.
   ManualControl(drivers::MotionDriver& driver, const Box3& limits,
                 std::array<std::string, 3> names)
       : driver_(driver), limits_(limits), names_(std::move(names)) {}
 
+  /// Of the machine; default 1.
+  void SetChannels(std::uint32_t count) { channels_ = count; }
   void SetLimits(const Box3& limits) { limits_ = limits; }
   /// A ManualState of this number goes out.
   void NotePublished(std::uint64_t number, Nanoseconds now);
@@ -93,6 +105,11 @@ class ManualControl {
   bool moves() const { return phase_ != Phase::kResting; }
   /// Empty: nobody's motion is executed.
   std::string held_by() const { return moves() ? order_.sender : ""; }
+  bool lamp_by_hand() const { return Holds(intaglio_MANUAL_LAMP); }
+  /// Bit 0..3: channel 1..4.
+  std::uint8_t shutters_by_hand() const {
+    return Holds(intaglio_MANUAL_SHUTTER) ? MaskOf(order_.channel) : std::uint8_t{0};
+  }
   /// The newest answer.
   const ManualAnswer& answer() const { return answer_; }
   void Answer(const ManualOrder& order, intaglio_ManualAnswer code, std::string message);
@@ -107,6 +124,13 @@ class ManualControl {
   Status Start(const ManualOrder& order);
   Result<Vec3> TargetOf(const ManualOrder& order) const;
   void Brake(std::string why);
+  void TurnLight(std::string why, const ManualConditions& conditions, Nanoseconds now);
+  bool Holds(intaglio_ManualCommandKind kind) const {
+    return phase_ == Phase::kMoving && order_.kind == kind;
+  }
+  static std::uint8_t MaskOf(std::uint32_t channel) {
+    return static_cast<std::uint8_t>(1u << (channel - 1));
+  }
   std::optional<Nanoseconds> PublishedAt(std::uint64_t number) const;
 
   drivers::MotionDriver& driver_;
@@ -116,7 +140,10 @@ class ManualControl {
   std::map<std::string, std::uint64_t> spent_;  // greatest number by sender
   std::optional<ManualOrder> pending_;
   Phase phase_ = Phase::kResting;
-  ManualOrder order_;       // whose motion is executed
+  ManualOrder order_;  // whose motion is executed
+  std::uint32_t channels_ = 1;
+  Nanoseconds began_at_{0};
+  bool was_lit_ = false;    // the effect of order_ was reported
   Nanoseconds held_at_{0};  // when its newest repetition was made, at the earliest
   bool let_go_ = false;
   bool hold_owed_ = false;  // the line has not taken it

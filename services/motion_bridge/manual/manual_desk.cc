@@ -43,9 +43,14 @@ void Put(const Vec3& from, double (&to)[3]) {
 }
 
 ManualOrder OrderOf(const intaglio_ManualCommand& command, bool by_cell) {
-  return {
-      std::string(View(command.sender)), command.number,     command.seen, command.kind,
-      VectorOf(command.place),           command.speed_mm_s, by_cell};
+  return {std::string(View(command.sender)),
+          command.number,
+          command.seen,
+          command.kind,
+          VectorOf(command.place),
+          command.speed_mm_s,
+          by_cell,
+          command.channel};
 }
 
 ZeroChoice ChoiceOf(const intaglio_ManualCommand& command) {
@@ -121,7 +126,9 @@ ManualDesk::ManualDesk(bus::Bus& bus, const MachineSpec& machine,
       permissions_(bus, bus::kPermission, cell_),
       states_(bus, bus::kManualState, cell_),
       // No state of another process is taken for one of this.
-      number_(std::random_device{}() * 0x100000000ULL) {}
+      number_(std::random_device{}() * 0x100000000ULL) {
+  control_.SetChannels(machine.laser().channels());
+}
 
 void ManualDesk::TakeConditions(std::chrono::nanoseconds now) {
   permissions_.TakeAll(
@@ -137,6 +144,8 @@ void ManualDesk::TakeConditions(std::chrono::nanoseconds now) {
         conditions_.key_on = sample.key_on;
         conditions_.door_closed = sample.door_closed;
         conditions_.stop_released = sample.emergency_stop_released;
+        conditions_.lamp_on = sample.lamp_on;
+        conditions_.shutters_open = sample.shutters_open;
       });
   conditions_.permission_fresh =
       permission_at_.count() >= 0 && now - permission_at_ < kPermissionTime;
@@ -163,8 +172,12 @@ void ManualDesk::TakeCommands(bus::Reader<intaglio_ManualCommand>& reader, bool 
           next_state_ = now;
         commanded_at_ = now;
         const ManualOrder order = OrderOf(command, by_cell);
+        const bool of_person = IsTeaching(command.kind) ||
+                               command.kind == intaglio_MANUAL_LAMP ||
+                               command.kind == intaglio_MANUAL_SHUTTER;
+        if (by_cell && of_person) return;
         if (!IsTeaching(command.kind)) return control_.Take(order, now);
-        if (!by_cell) Teach(order, command, now);
+        Teach(order, command, now);
       });
 }
 
@@ -240,6 +253,8 @@ void ManualDesk::Publish(std::chrono::nanoseconds now) {
     if (axes[i].unit == machine::AxisUnit::kRad)
       sample.rotary = static_cast<std::uint8_t>(sample.rotary | 1u << i);
   }
+  sample.lamp_by_hand = control_.lamp_by_hand();
+  sample.shutters_by_hand = control_.shutters_by_hand();
   Put(state.position_mm, sample.position);
   Put(limits.min_mm, sample.limit_min);
   Put(limits.max_mm, sample.limit_max);

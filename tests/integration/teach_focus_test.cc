@@ -1,0 +1,148 @@
+// A test pulse, a focus series, lamp and shutter by hand, through the product's processes
+// and a virtual engraver.
+
+#include <cmath>
+
+#include "tests/integration/teach_shop.h"
+
+namespace intaglio {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Ended;
+using testing::Eventually;
+using ::testing::HasSubstr;
+using testing::Program;
+using testing::Running;
+
+constexpr double kHeightMm = 30;
+
+class TeachFocus : public testing::TeachShop {
+ protected:
+  /// A job of `teach pulse` or `teach focus`, armed and made.
+  void Make(std::vector<std::string> words) {
+    words.insert(words.end(), {"--block", "50", "50", "30", "--materials",
+                               (folder_ / "materials.db").string()});
+    const Ended ended = Teach(words);
+    ASSERT_EQ(ended.exit_code, 0) << ended.output;
+    EXPECT_THAT(ended.output, HasSubstr("arms it"));
+    const std::string job = NumberIn(ended.output);
+    ASSERT_TRUE(Eventually(
+        [&] {
+          shown_ = Type({"show", job}).output;
+          return shown_.find("state      waiting for arm") != std::string::npos;
+        },
+        60s))
+        << shown_;
+    const auto before = Cracks().size();
+    EXPECT_FALSE(Eventually([&] { return Cracks().size() > before; }, 2s))
+        << "it fires without an arm";
+    Type({"arm", job});
+    ASSERT_TRUE(RunsTo(job, "done")) << shown_;
+  }
+  std::string Panel() { return testing::AskPanel(shop(), "status"); }
+};
+
+TEST_F(TeachFocus, ATestPulseIsWhereTheFocusIs) {
+  // 2 mm of air below the face, by the zero of the profile.
+  Do({"move", "12", "17", "28", "--speed", "50"});
+  Make({"pulse", "--out", (folder_ / "pulse").string()});
+  const auto cracks = Cracks();
+  ASSERT_EQ(cracks.size(), 1u);
+  // The beam model of the virtual engraver, N-BK7 at 532 nm and NA 0.2.
+  const double glass_per_stage = std::sqrt(1.51947 * 1.51947 - 0.04) / std::sqrt(0.96);
+  const Vec3 expected(12, 17, kHeightMm - 2 * glass_per_stage);
+  EXPECT_LT((cracks[0].position_mm - expected).norm(), 0.003)
+      << cracks[0].position_mm.transpose();
+}
+
+// The zero is 0.5 mm too high. What the series teaches moves the next job's cracks by
+// exactly that, and they are within half a step of where they belong.
+TEST_F(TeachFocus, AFocusSeriesTeachesTheZeroInZ) {
+  const std::string out = (folder_ / "focus").string();
+  Do({"zero", "--lens", "f43", "--by", "0", "0", "0.5"});
+  Do({"move", "12", "17", "29", "--speed", "50"});
+  Make({"pulse", "--out", (folder_ / "before").string()});
+  const double before_mm = Cracks().at(0).position_mm.z();
+  Make({"focus", "--out", out, "--step", "0.1"});
+  const auto cracks = Cracks();
+  ASSERT_EQ(cracks.size(), 21u);
+  // As a microscope shows them: from the start of the row.
+  std::vector<formats::GlassCrack> row(cracks.begin() + 1, cracks.end());
+  std::sort(row.begin(), row.end(), [](const auto& a, const auto& b) {
+    return a.position_mm.x() < b.position_mm.x();
+  });
+  std::size_t first = 0;
+  while (first < row.size() && !row[first].in_glass) ++first;
+  ASSERT_GT(first, 1u) << "the series began in the glass";
+  ASSERT_LT(first, row.size());
+  const Ended taught = Teach({"focus", "--out", out, "--first", std::to_string(first + 1),
+                              "--materials", (folder_ / "materials.db").string()});
+  ASSERT_EQ(taught.exit_code, 0) << taught.output;
+
+  const double ratio = std::sqrt(0.96) / std::sqrt(1.51947 * 1.51947 - 0.04);
+  const double step_mm = 0.1;
+  // The point under the same axes is not the same point of the block: the same job.
+  const Ended again = Type({"submit", (folder_ / "before/job.textproto").string(),
+                            "--machine", (shop() / "machine.textproto").string()});
+  const std::string job = NumberIn(again.output);
+  Eventually([&] { return Type({"arm", job}).exit_code == 0; }, 60s);
+  ASSERT_TRUE(RunsTo(job, "done")) << shown_;
+  const auto all = Cracks();
+  ASSERT_EQ(all.size(), 22u);
+  const double moved_mm = all.back().position_mm.z() - before_mm;
+  const double taught_mm = -(static_cast<double>(first + 1) - 0.5) * step_mm;
+  EXPECT_NEAR(moved_mm, taught_mm, 0.003) << "in the glass, of which k cancels";
+  // 0.5 mm of air too high is 0.5 / k of glass.
+  EXPECT_NEAR(moved_mm, -0.5 / ratio, step_mm / 2 + 0.003);
+}
+
+TEST_F(TeachFocus, LampAndShutterAreOnWhileTheyAreHeldAndNoLonger) {
+  const Ended lamp = Teach({"lamp", "--for", "1"});
+  EXPECT_EQ(lamp.exit_code, 0) << lamp.output;
+  EXPECT_THAT(lamp.output, HasSubstr("the lamp is on"));
+  EXPECT_TRUE(Eventually([&] { return !StatusNow().lamp_on(); }, 5s));
+  const Ended shutter = Teach({"shutter", "2", "--for", "1"});
+  EXPECT_EQ(shutter.exit_code, 0) << shutter.output;
+  EXPECT_THAT(shutter.output, HasSubstr("the shutter of channel 2 is on"));
+  EXPECT_TRUE(Eventually([&] { return StatusNow().shutters_open_size() == 0; }, 5s));
+  EXPECT_TRUE(Cracks().empty());
+}
+
+TEST_F(TeachFocus, AKilledClientAndAnOpenDoorSwitchLampAndShutterOff) {
+  const auto held = [&](const char* file) {
+    return std::make_unique<Running>(Program("intaglio"), With({"teach", "shutter", "1"}),
+                                     folder_ / file);
+  };
+  const auto is_open = [&] { return StatusNow().shutters_open_size() == 1; };
+  auto client = held("killed.txt");
+  ASSERT_TRUE(Eventually(is_open, 20s)) << client->Output();
+  client->Signal(SIGKILL);
+  EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
+  client = held("door.txt");
+  ASSERT_TRUE(Eventually(is_open, 20s)) << client->Output();
+  testing::AskPanel(shop(), "door open");
+  EXPECT_TRUE(Eventually([&] { return !is_open(); }, 10s));
+  const Ended ended = client->WaitForEnd(10s);
+  EXPECT_EQ(ended.exit_code, 4) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("door is open"));
+  testing::AskPanel(shop(), "door close");
+  EXPECT_FALSE(Eventually(is_open, 3s)) << "it opens by itself";
+}
+
+TEST_F(TeachFocus, NothingIsLitByHandWhileAJobFires) {
+  const std::string job = Submit({"--rate", "5", "--arm"});
+  ASSERT_TRUE(RunsTo(job, "engraving")) << shown_;
+  ASSERT_TRUE(Eventually([&] { return Cracks().size() > 3; }, 60s));
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"lamp", "--for", "1"}, {"shutter", "2", "--for", "1"}}) {
+    const Ended refused = Teach(words);
+    EXPECT_EQ(refused.exit_code, 4) << refused.output;
+  }
+  const auto count = Cracks().size();
+  EXPECT_TRUE(Eventually([&] { return Cracks().size() > count; }, 20s));
+  Type({"cancel", job});
+}
+
+}  // namespace
+}  // namespace intaglio

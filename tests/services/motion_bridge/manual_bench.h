@@ -1,0 +1,89 @@
+#pragma once
+
+// ManualControl before a stage that does what the test says.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "services/motion_bridge/manual/manual_control.h"
+
+namespace intaglio::motion_bridge {
+
+using namespace std::chrono_literals;
+using Nanoseconds = std::chrono::nanoseconds;
+
+/// A stage that does what the test says, and remembers what it was told to do.
+class FakeDriver final : public drivers::MotionDriver {
+ public:
+  void Poll() override {}
+  int fd() const override { return -1; }
+  const drivers::DriverState& state() const override { return now; }
+  std::vector<drivers::LatchedPositions> TakePositions() override { return {}; }
+  Status BeginRun(std::uint32_t, std::uint64_t, std::uint64_t) override { return {}; }
+  std::size_t Room() const override { return 0; }
+  Status Append(std::span<const motion::Segment>,
+                std::span<const std::uint64_t>) override {
+    return {};
+  }
+  Status AbortRun() override {
+    ++holds;
+    return {};
+  }
+  Status ClearFault() override {
+    ++clears;
+    return {};
+  }
+  Status Jog(const Vec3& axes, double speed_mm_s) override {
+    ++jogs;
+    target = axes;
+    speed = speed_mm_s;
+    now.at_rest = false;
+    return {};
+  }
+
+  drivers::DriverState now;
+  int jogs = 0, holds = 0, clears = 0;
+  Vec3 target = Vec3::Zero();
+  double speed = 0;
+};
+
+class ManualControlTest : public ::testing::Test {
+ protected:
+  ManualControlTest()
+      : control_(driver_, {Vec3::Zero(), Vec3(100, 80, 60)}, {"x", "y", "z"}) {
+    driver_.now.link_up = driver_.now.at_rest = true;
+    driver_.now.fault = intaglio_MOTION_OK;
+    driver_.now.position_mm = Vec3(10, 10, 10);
+    conditions_.permission_fresh = conditions_.interlocks_fresh = true;
+    conditions_.key_on = conditions_.door_closed = conditions_.stop_released = true;
+    conditions_.laser_line_up = true;
+    Publish();
+  }
+
+  void Publish() { control_.NotePublished(++number_, now_); }
+  void Turn() { control_.Turn(conditions_, now_); }
+  ManualOrder Jog(std::uint64_t number, const std::string& sender = "ann") const {
+    return {sender, number, number_, intaglio_MANUAL_JOG, Vec3(1, 0, 0), 20};
+  }
+  void Give(const ManualOrder& order) {
+    control_.Take(order, now_);
+    Turn();
+  }
+  void BeginJog() {
+    Give(Jog(1));
+    ASSERT_EQ(driver_.jogs, 1);
+    ASSERT_TRUE(control_.moves());
+  }
+  void ComeToRest() {
+    driver_.now.at_rest = true;
+    Turn();
+  }
+
+  FakeDriver driver_;
+  ManualControl control_;
+  ManualConditions conditions_;
+  Nanoseconds now_ = 10s;
+  std::uint64_t number_ = 1000;
+};
+
+}  // namespace intaglio::motion_bridge
