@@ -5,7 +5,7 @@
 // wiring and the settings.
 //
 //   segments --GrblProgram--> writes --GrblLine--> controller
-//   decided ticks --GrblTicks--^          |           |
+//   decided ticks --ProgressTicks--^          |           |
 //                                         v           v
 //                            sent moves: "ok" and Bf: executed; "ok" of a barrier:
 //                            settled
@@ -48,9 +48,9 @@
 
 #include "services/drivers/grbl/grbl_line.h"
 #include "services/drivers/grbl/grbl_program.h"
-#include "services/drivers/grbl/grbl_ticks.h"
 #include "services/drivers/laser_controller.h"
 #include "services/drivers/motion_driver.h"
+#include "services/drivers/progress_ticks.h"
 
 namespace intaglio::drivers {
 
@@ -173,7 +173,7 @@ class GrblDriver final : public MotionDriver, public LaserController {
   link::SteadyClock clock_;
   GrblLine line_;
   GrblProgram program_;
-  GrblTicks ticks_;
+  ProgressTicks ticks_;
   double rate_hz_, warm_up_s_;
   std::vector<double> rates_hz_;
   std::string profile_error_;

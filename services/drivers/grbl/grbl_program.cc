@@ -14,10 +14,6 @@ constexpr double kMinFeed_mm_min = 1;
 constexpr double kAsideSteps = 4;
 constexpr double kAside_mm_s = 10;
 
-std::uint64_t TickOf(std::uint64_t subticks) {
-  return subticks / motion::kSubticksPerTick;
-}
-
 // Without zeros at its end: the line's bytes are what limits the pulses a second.
 std::string Short(double value, int digits) {
   std::string text = fmt::format("{:.{}f}", value, digits);
@@ -30,7 +26,7 @@ std::string Short(double value, int digits) {
 }  // namespace
 
 void GrblProgram::SetController(const Vec3& steps_per_mm, double max_power) {
-  steps_per_mm_ = steps_per_mm;
+  pieces_.SetStepsPerMm(steps_per_mm);
   max_power_ = max_power;
 }
 
@@ -40,93 +36,21 @@ void GrblProgram::ForgetModes() {
 }
 
 void GrblProgram::Begin(std::uint64_t start_tick, const Vec3& from_mm) {
-  pieces_.clear();
+  pieces_.Begin(start_tick, from_mm);
   pulse_tick_ = 0;
-  has_end_ = false;
-  appended_ = {from_mm, Vec3::Zero()};
-  appended_subticks_ = start_tick * motion::kSubticksPerTick;
   place_mm_ = Snapped(from_mm);
 }
 
 void GrblProgram::Drop() {
-  pieces_.clear();
+  pieces_.Drop();
   pulse_tick_ = 0;
-  has_end_ = true;
-}
-
-Vec3 GrblProgram::Snapped(const Vec3& place_mm) const {
-  return (place_mm.array() * steps_per_mm_.array()).round() / steps_per_mm_.array();
 }
 
 double GrblProgram::Steps(const Vec3& from_mm, const Vec3& to_mm) const {
-  return ((to_mm - from_mm).array() * steps_per_mm_.array()).abs().round().maxCoeff();
-}
-
-Status GrblProgram::Check(const Vec3& place_mm) const {
-  const bool inside = (place_mm.array() >= travel_.min_mm.array()).all() &&
-                      (place_mm.array() <= travel_.max_mm.array()).all();
-  if (inside) return {};  // a NaN is not
-  return Fail(
-      ErrorCode::kInvalidValue,
-      fmt::format("the target {:.3f}, {:.3f}, {:.3f} mm lies outside the travel of "
-                  "the axes: check block_origin_mm and the block",
-                  place_mm.x(), place_mm.y(), place_mm.z()));
-}
-
-Status GrblProgram::Append(std::span<const motion::Segment> segments, double rate_hz) {
-  Pieces pieces;
-  motion::KnotState from = appended_;
-  std::uint64_t subticks = appended_subticks_;
-  bool end = has_end_;
-  for (const motion::Segment& segment : segments) {
-    if (auto cut = Cut(from, segment, rate_hz, subticks, pieces); !cut) return cut;
-    from = segment.end();
-    subticks += segment.duration_subticks;
-    end = end || segment.program_end;
-  }
-  pieces_.insert(pieces_.end(), pieces.begin(), pieces.end());
-  appended_ = from;
-  appended_subticks_ = subticks;
-  has_end_ = end;
-  return {};
-}
-
-Status GrblProgram::Cut(const motion::KnotState& from, const motion::Segment& segment,
-                        double rate_hz, std::uint64_t start_subticks,
-                        Pieces& pieces) const {
-  const double duration_s = motion::DurationSeconds(segment.duration_subticks, rate_hz);
-  if (auto good = Check(segment.end_position_mm); !good) return good;
-  if (!segment.end_velocity_mm_s.allFinite()) {
-    return Fail(ErrorCode::kInvalidValue, "a segment's velocity is not a number");
-  }
-  const auto count = static_cast<std::uint64_t>(
-      std::max(1.0, std::ceil(duration_s / kMaxPiece_s - 1e-9)));
-  const double speed = motion::MaxSpeed(from, segment, duration_s).norm();
-  std::uint64_t start = start_subticks;
-  for (std::uint64_t i = 1; i <= count; ++i) {
-    const std::uint64_t end = start_subticks + segment.duration_subticks * i / count;
-    const double at_s = motion::DurationSeconds(end - start_subticks, rate_hz);
-    Piece piece;
-    piece.to_mm = i == count ? segment.end_position_mm
-                             : motion::HermitePosition(from, segment, at_s, duration_s);
-    if (auto good = Check(piece.to_mm); !good) return good;
-    piece.to_mm = Snapped(piece.to_mm);
-    piece.speed_mm_s = speed;
-    piece.duration_s = motion::DurationSeconds(end - start, rate_hz);
-    piece.start_subticks = start;
-    piece.end_subticks = end;
-    piece.pulse = segment.pulse && i == count;
-    piece.end = segment.program_end && i == count;
-    for (std::uint64_t tick = TickOf(start) + 1; tick <= TickOf(end); ++tick) {
-      const double tick_s = motion::DurationSeconds(
-          tick * motion::kSubticksPerTick - start_subticks, rate_hz);
-      piece.at_ticks_mm.push_back(motion::HermitePosition(
-          from, segment, std::min(tick_s, duration_s), duration_s));
-    }
-    pieces.push_back(piece);
-    start = end;
-  }
-  return {};
+  return ((to_mm - from_mm).array() * pieces_.steps_per_mm().array())
+      .abs()
+      .round()
+      .maxCoeff();
 }
 
 std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
@@ -134,7 +58,7 @@ std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
   const bool lit = pulse_tick != 0;
   std::string line = lit ? fmt::format("N{}", pulse_tick % 1000 + 1) : "";
   for (int i = 0; i < 3; ++i) {
-    const double way = (to_mm[i] - place_mm_[i]) * steps_per_mm_[i];
+    const double way = (to_mm[i] - place_mm_[i]) * pieces_.steps_per_mm()[i];
     if (std::abs(way) >= 0.5) line += "XYZ"[i] + Short(to_mm[i], 4);
   }
   const std::string feed = "F" + Short(std::max(kMinFeed_mm_min, speed_mm_s * 60), 0);
@@ -157,13 +81,8 @@ GrblMove GrblProgram::MoveOf(const Piece& piece) const {
   move.to_mm = piece.to_mm;
   move.ends_program = piece.end;
   move.first_tick = TickOf(piece.start_subticks) + 1;
-  // The segment may be curved; the stage is on the chord, where it is nearest to it.
-  const Vec3 way = piece.to_mm - place_mm_;
-  const double length2 = std::max(way.squaredNorm(), 1e-12);
-  for (const Vec3& at_mm : piece.at_ticks_mm) {
-    const double share = std::clamp(way.dot(at_mm - place_mm_) / length2, 0.0, 1.0);
-    move.places_mm.push_back(Snapped(place_mm_ + way * share));
-  }
+  for (const Vec3& place_mm : PlacesOnChord(place_mm_, piece))
+    move.places_mm.push_back(Snapped(place_mm));
   return move;
 }
 
@@ -184,8 +103,8 @@ bool GrblProgram::LightBeginning(const Piece& piece, GrblWrite& write) {
 
 void GrblProgram::AddAside(std::uint64_t tick, GrblWrite& write) {
   const Vec3 place = place_mm_;
-  const double way = kAsideSteps / steps_per_mm_.x();
-  const bool beyond = place.x() + way > travel_.max_mm.x();
+  const double way = kAsideSteps / pieces_.steps_per_mm().x();
+  const bool beyond = place.x() + way > pieces_.travel().max_mm.x();
   const Vec3 aside = Snapped(place + Vec3(beyond ? -way : way, 0, 0));
   write.lines.push_back(Line(aside, kAside_mm_s, tick));
   GrblMove out, back;
@@ -210,14 +129,13 @@ std::optional<GrblWrite> GrblProgram::Next(
   GrblWrite write;
   write.knot_tick = pulse_tick_;
   if (pieces_.empty()) {
-    if (pulse_tick_ == 0 || !has_end_) return std::nullopt;
+    if (pulse_tick_ == 0 || !has_end()) return std::nullopt;
     if (fires(pulse_tick_)) AddAside(pulse_tick_, write);
     pulse_tick_ = 0;
     return write;
   }
-  const Piece piece = pieces_.front();
-  if (TickOf(piece.start_subticks) > decided_through) return std::nullopt;
-  pieces_.pop_front();
+  if (TickOf(pieces_.front().start_subticks) > decided_through) return std::nullopt;
+  const Piece piece = pieces_.TakeFront();
   GrblMove move = MoveOf(piece);
   if (pulse_tick_ != 0 && fires(pulse_tick_) && !LightBeginning(piece, write)) {
     AddAside(pulse_tick_, write);

@@ -30,7 +30,6 @@
 // Places are whole steps of the controller. Used from one thread.
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <span>
@@ -40,6 +39,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/core/result.h"
 #include "engrave/motion/segment.h"
+#include "services/drivers/piece_queue.h"
 
 namespace intaglio::drivers {
 
@@ -66,18 +66,20 @@ struct GrblWrite {
 class GrblProgram {
  public:
   static constexpr double kLit_s = 0.0025;
-  static constexpr double kMaxPiece_s = 0.05;
+  static constexpr double kMaxPiece_s = PieceQueue::kMaxPiece_s;
 
   /// Of the controller. `travel` of the profile, machine frame.
   void SetController(const Vec3& steps_per_mm, double max_power);
-  void SetTravel(const Box3& travel) { travel_ = travel; }
+  void SetTravel(const Box3& travel) { pieces_.SetTravel(travel); }
   /// The controller's modal state is that after the set-up: G1, no F, S0.
   void ForgetModes();
 
   void Begin(std::uint64_t start_tick, const Vec3& from_mm);
   /// kInvalidValue, with the place, when any of it is outside the travel or no number;
   /// then nothing is taken.
-  Status Append(std::span<const motion::Segment> segments, double rate_hz);
+  Status Append(std::span<const motion::Segment> segments, double rate_hz) {
+    return pieces_.Append(segments, rate_hz);
+  }
   /// What was not given out yet is forgotten.
   void Drop();
 
@@ -90,7 +92,7 @@ class GrblProgram {
   /// A jog to `to_mm`: it changes no modal state.
   std::string JogLine(const Vec3& to_mm, double speed_mm_s) const;
   /// kInvalidValue, with the place, when it is outside the travel or no number.
-  Status Check(const Vec3& place_mm) const;
+  Status Check(const Vec3& place_mm) const { return pieces_.Check(place_mm); }
   /// A pulse beside the way, where the stage rests.
   GrblWrite Aside(std::uint64_t tick);
 
@@ -99,44 +101,25 @@ class GrblProgram {
   /// Of a knot with a pulse that is next to be given out; 0: none.
   std::uint64_t pulse_tick() const { return pulse_tick_; }
   /// The segment at which the run ends has been appended.
-  bool has_end() const { return has_end_; }
-  std::uint64_t covered_through_tick() const {
-    return appended_subticks_ / motion::kSubticksPerTick;
-  }
+  bool has_end() const { return pieces_.has_end(); }
+  std::uint64_t covered_through_tick() const { return pieces_.covered_through_tick(); }
   /// Where everything that was given out ends.
   const Vec3& place_mm() const { return place_mm_; }
 
  private:
-  struct Piece {
-    Vec3 to_mm = Vec3::Zero();
-    double speed_mm_s = 0, duration_s = 0;
-    std::uint64_t start_subticks = 0, end_subticks = 0;
-    bool pulse = false, end = false;  // at its end
-    PointList at_ticks_mm;            // of the segment, at the ticks that pass
-  };
-  using Pieces = std::deque<Piece>;
-
-  Status Cut(const motion::KnotState& from, const motion::Segment& segment,
-             double rate_hz, std::uint64_t start_subticks, Pieces& pieces) const;
-  Vec3 Snapped(const Vec3& place_mm) const;
+  Vec3 Snapped(const Vec3& place_mm) const { return pieces_.Snapped(place_mm); }
   double Steps(const Vec3& from_mm, const Vec3& to_mm) const;
   std::string Line(const Vec3& to_mm, double speed_mm_s, std::uint64_t pulse_tick = 0);
   bool LightBeginning(const Piece& piece, GrblWrite& write);
   void AddAside(std::uint64_t tick, GrblWrite& write);
   GrblMove MoveOf(const Piece& piece) const;
 
-  Vec3 steps_per_mm_ = Vec3::Constant(100);
   double max_power_ = 1000;
-  Box3 travel_;
   std::string feed_text_, power_text_;
 
-  motion::KnotState appended_;
-  std::uint64_t appended_subticks_ = 0;
-  Pieces pieces_;
+  PieceQueue pieces_;
   Vec3 place_mm_ = Vec3::Zero();  // of what was given out
   std::uint64_t pulse_tick_ = 0;  // of a pulse at place_mm_ that is not given out yet
-  double newest_speed_mm_s_ = 10;
-  bool has_end_ = true;
 };
 
 }  // namespace intaglio::drivers

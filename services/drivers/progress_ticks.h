@@ -2,7 +2,7 @@
 
 // The ticks of a controller that has none: which of them are decided, which fire, what
 // became of each of the newest link::kRememberedTicks, and the reports of it in order.
-// Ticks pass when the driver says so (grbl_program.h says what a tick is).
+// Ticks pass with the program (piece_queue.h), when the driver passes them.
 //
 // Used from one thread.
 
@@ -14,7 +14,7 @@
 
 namespace intaglio::drivers {
 
-class GrblTicks {
+class ProgressTicks {
  public:
   using Outcome = link::TickOutcome;
 

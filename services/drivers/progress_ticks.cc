@@ -1,15 +1,15 @@
-#include "services/drivers/grbl/grbl_ticks.h"
+#include "services/drivers/progress_ticks.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace intaglio::drivers {
 
-void GrblTicks::Remember(std::uint64_t tick, Outcome outcome) {
+void ProgressTicks::Remember(std::uint64_t tick, Outcome outcome) {
   memory_[tick % memory_.size()] = outcome;
 }
 
-void GrblTicks::Decide(const link::ArmWindow& window) {
+void ProgressTicks::Decide(const link::ArmWindow& window) {
   const std::uint64_t open = std::max(decided_through_, tick_) + 1;
   for (std::size_t i = 0; i < window.fire.size(); ++i) {
     const std::uint64_t tick = window.first_tick + i;
@@ -24,19 +24,19 @@ void GrblTicks::Decide(const link::ArmWindow& window) {
   }
 }
 
-void GrblTicks::Refuse(std::uint64_t tick) {
+void ProgressTicks::Refuse(std::uint64_t tick) {
   if (tick <= tick_ || tick > decided_through_ || fire_.count(tick) != 0) return;
   fire_.insert(tick);
   Settle(tick, Outcome::kInterlocked);
 }
 
-void GrblTicks::UndecideAfter(std::uint64_t tick) {
+void ProgressTicks::UndecideAfter(std::uint64_t tick) {
   fire_.erase(fire_.upper_bound(tick), fire_.end());
   ungated_.erase(ungated_.upper_bound(tick), ungated_.end());
   decided_through_ = std::max(tick_, std::min(decided_through_, tick));
 }
 
-void GrblTicks::Settle(std::uint64_t tick, Outcome outcome) {
+void ProgressTicks::Settle(std::uint64_t tick, Outcome outcome) {
   if (fire_.erase(tick) == 0) return;
   ungated_.erase(tick);
   settled_.insert(tick);
@@ -46,7 +46,7 @@ void GrblTicks::Settle(std::uint64_t tick, Outcome outcome) {
   last_fired_tick_ = std::max(last_fired_tick_, tick);
 }
 
-void GrblTicks::PassThrough(std::uint64_t last) {
+void ProgressTicks::PassThrough(std::uint64_t last) {
   link::PulseReport report{tick_ + 1, {}};
   const auto end_report = [&] {
     if (!report.outcome.empty()) reports_.push_back(std::move(report));
@@ -65,11 +65,12 @@ void GrblTicks::PassThrough(std::uint64_t last) {
   end_report();
 }
 
-std::vector<link::PulseReport> GrblTicks::TakeReports() {
+std::vector<link::PulseReport> ProgressTicks::TakeReports() {
   return std::exchange(reports_, {});
 }
 
-link::PastReport GrblTicks::Past(std::uint64_t first_tick, std::uint16_t count) const {
+link::PastReport ProgressTicks::Past(std::uint64_t first_tick,
+                                     std::uint16_t count) const {
   link::PastReport past{first_tick, {}};
   for (std::uint64_t tick = first_tick; tick < first_tick + count; ++tick) {
     if (tick > tick_ && settled_.count(tick) == 0) {
