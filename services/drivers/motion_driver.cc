@@ -6,6 +6,7 @@
 
 #include "engrave/core/try.h"
 #include "services/drivers/grbl/grbl_driver.h"
+#include "services/drivers/isel/isel_driver.h"
 #include "services/drivers/linuxcnc/linuxcnc_driver.h"
 #include "services/drivers/virtual_cell_driver.h"
 #include "services/drivers/virtual_stage_driver.h"
@@ -18,6 +19,7 @@ constexpr std::array kMotionKinds = {
     MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver},
     MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true},
     MotionDriverKind{"grbl", true, &MakeGrblDriver, true},
+    MotionDriverKind{"isel", true, &MakeIselDriver, true},
     MotionDriverKind{"linuxcnc", false, &MakeLinuxcncDriver, true},
 };
 

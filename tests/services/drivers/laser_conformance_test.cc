@@ -30,8 +30,9 @@ TEST_P(EveryLaserDriver, Keeps) {
   const LaserRigMaker make = [&protocol = protocol](const std::string& serial_number) {
     return MakeLaserRig(protocol, serial_number);
   };
-  EXPECT_EQ(ViolationOf(check, make),
-            MakeLaserRig(protocol)->stated_violation(check.name));
+  const std::string stated = MakeLaserRig(protocol)->stated_violation(check.name);
+  const std::string found = ViolationOf(check, make);
+  EXPECT_EQ(stated.empty() ? found : found.substr(0, stated.size()), stated) << found;
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, EveryLaserDriver,

@@ -38,7 +38,9 @@ TEST_P(EveryMotionOutput, KeepsWhatALaserDriverGuarantees) {
   const LaserRigMaker make = [&, name = name, line = line](const std::string& serial) {
     return std::make_unique<MotionOutputRig>(ControllerRig(name), line, serial);
   };
-  EXPECT_EQ(ViolationOf(check, make), make("")->stated_violation(check.name));
+  const std::string stated = make("")->stated_violation(check.name);
+  const std::string found = ViolationOf(check, make);
+  EXPECT_EQ(stated.empty() ? found : found.substr(0, stated.size()), stated) << found;
 }
 
 INSTANTIATE_TEST_SUITE_P(

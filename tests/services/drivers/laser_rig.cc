@@ -2,6 +2,7 @@
 
 #include "tests/services/cell/one_controller_rig.h"
 #include "tests/services/drivers/grbl_rig.h"
+#include "tests/services/drivers/isel/isel_rig.h"
 #include "tests/services/drivers/motion_output_rig.h"
 #include "tests/services/virtual_engraver/machine_rig.h"
 
@@ -84,6 +85,7 @@ std::unique_ptr<LaserRig> MakeLaserRig(std::string_view protocol,
     if (kind.protocol == protocol && protocol == "virtual-cell")
       return std::make_unique<VirtualLaserRig>(kind, serial_number);
   }
+  if (protocol == "isel") return MakeIselLaserRig(serial_number);
   if (protocol == "grbl") return MakeGrblLaserRig(serial_number);
   for (const LaserDriverKind& kind : LaserDriverKinds()) {
     if (kind.protocol == protocol && protocol == "virtual-laser")

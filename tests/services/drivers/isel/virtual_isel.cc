@@ -193,6 +193,11 @@ void VirtualIsel::SetCover(bool open) {
   if (open) StopMove(kCover);
 }
 
+void VirtualIsel::HomeAtPanel() {
+  place_ = zero_ = {};
+  referenced_ = true;
+}
+
 void VirtualIsel::PowerCycle() {
   if (output_) flashes_.back().off_us = now_us_;
   moving_ = homing_ = output_ = referenced_ = false;

@@ -52,6 +52,10 @@ class VirtualIsel {
   void SetCover(bool open);
   /// A hand on the controller's stop key.
   void PressStop() { StopMove('F'); }
+  /// Another host, or a hand at the panel, moves the axis by so many steps.
+  void MoveAtPanel(std::size_t axis, std::int32_t steps) { place_[axis] += steps; }
+  /// A person initializes it and drives it to its reference, at its panel; at once.
+  void HomeAtPanel();
   /// Off and on again: neither initialized nor referenced, at the counter's zero.
   void PowerCycle();
 

@@ -1,0 +1,112 @@
+// What the driver of isel's controllers makes of their answers (isel_driver.h).
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "services/drivers/isel/isel_driver.h"
+
+namespace intaglio::drivers {
+
+using Outcome = link::TickOutcome;
+
+void IselDriver::TakeReply(const IselReply& reply) {
+  const IselAnswer& answer = reply.answers.front();
+  if (answer.code == 'H') SetChain(true);
+  switch (reply.command) {
+    case IselCommand::kPlace:
+      return TakePlace(*answer.place);
+    case IselCommand::kCheck:
+      return TakeCheck(*answer.place);
+    case IselCommand::kProbe:
+      return TakeProbe(answer.code);
+    case IselCommand::kMove:
+      return TakeMove(answer.code);
+    case IselCommand::kPulse:
+      return TakePulse(answer.code, reply.answers.back().code);
+    case IselCommand::kHome:
+      return TakeHome(answer.code);
+  }
+}
+
+void IselDriver::TakePlace(const IselSteps& place) {
+  place_ = place;
+  state_.position_mm = PlaceOf(place);
+  ++state_.number;
+  if (!knows_chain_) return;
+  ++status_number_;
+  status_at_ = now();
+  CheckPlace();
+}
+
+void IselDriver::SetChain(bool open) {
+  if (open && (!chain_open_ || !knows_chain_)) ++openings_;
+  chain_open_ = open;
+  knows_chain_ = true;
+}
+
+void IselDriver::TakeProbe(char code) {
+  SetChain(code == 'H');
+  if (code == 'H') {
+    Halt(intaglio_MOTION_SAFE_STATE,
+         "the controller's " + TextOfIselError(code) + ", check the block, then resume");
+    return;
+  }
+  state_.homed = code != 'R';
+  if (code != '0' && code != 'R') Refuse(code, "to be ready");
+}
+
+void IselDriver::Refuse(char code, const std::string& what) {
+  if (code == 'R' || code == '2') state_.homed = false;
+  Halt(code == '2' ? intaglio_MOTION_LIMIT : intaglio_MOTION_SAFE_STATE,
+       fmt::format("the controller refused {}: {}; check the block, then resume", what,
+                   TextOfIselError(code)));
+}
+
+void IselDriver::TakeMove(char code) {
+  if (!move_) return;  // it was stopped, or forgotten
+  const Move move = *std::exchange(move_, std::nullopt);
+  if (code != '0') return Refuse(code, "a move");
+  TakePlace(move.to);
+  Execute(move);
+}
+
+// The point's own step, or no pulse.
+void IselDriver::TakeCheck(const IselSteps& place) {
+  const IselSteps expected = place_;
+  TakePlace(place);
+  if (pulse_tick_ == 0) return;
+  if (place == expected) {
+    is_checked_ = true;
+    return;
+  }
+  ticks_.Settle(pulse_tick_, Outcome::kNotInPosition);
+  pulse_tick_ = 0;
+  SetFault(intaglio_MOTION_FOLLOWING_ERROR,
+           "the controller is not at the place of its last move: check its zero, then "
+           "resume");
+}
+
+void IselDriver::TakePulse(char on, char off) {
+  const std::uint64_t tick = std::exchange(pulse_tick_, 0);
+  is_fired_ = is_checked_ = false;
+  if (tick != 0) {
+    ticks_.Settle(tick, on == '0'   ? Outcome::kFiredUnseen
+                        : on == 'H' ? Outcome::kInterlocked
+                                    : Outcome::kNotInPosition);
+  }
+  if (on != '0') return Refuse(on, "a pulse");
+  if (off != '0') Refuse(off, "to switch its output off");
+}
+
+void IselDriver::TakeHome(char code) {
+  homing_ = home_sent_ = false;
+  next_question_ = {};
+  if (code == '0') {
+    state_.homed = true;
+    return TakePlace({});  // where it counts from
+  }
+  if (code != 'F') Refuse(code, "to home");
+}
+
+}  // namespace intaglio::drivers
