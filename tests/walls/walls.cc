@@ -36,6 +36,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/motion/axis", {"engrave/core"}},
     {"engrave/drive", {"engrave/core"}},
     {"engrave/calibrate", {"engrave/core", "engrave/image", "engrave/motion"}},
+    {"engrave/contour", {"engrave/core"}},
     {"engrave/post", {"engrave/core", "engrave/io"}},
     {"engrave/motion", {"engrave/core", "engrave/drive", "engrave/motion/axis"}},
     {"engrave/formats", {"engrave/core", "engrave/io"}},

@@ -1,0 +1,123 @@
+#include "engrave/contour/simple_loops.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engrave/contour/crossings.h"
+#include "engrave/contour/near_pairs.h"
+
+namespace intaglio::contour {
+namespace {
+
+constexpr double kMinArea_mm2 = 1e-9;
+constexpr double kShared_mm = 1e-7;
+
+FlatBox BoxOf(const Edge& edge) {
+  FlatBox box{edge.begin_mm.cwiseMin(edge.end_mm), edge.begin_mm.cwiseMax(edge.end_mm)};
+  if (!edge.is_arc()) return box;
+  const Vec2 middle = PointAt(edge, edge.length_mm / 2);
+  const Vec2 reach =
+      Vec2::Constant(2 * edge.radius_mm * std::sin(std::abs(edge.sweep_rad) / 4));
+  box.min_mm = box.min_mm.cwiseMin(middle - reach);
+  box.max_mm = box.max_mm.cwiseMax(middle + reach);
+  return box;
+}
+
+/// The edges of all loops, each with the one behind it.
+struct Ring {
+  Edges edges;
+  std::vector<std::uint32_t> next;
+};
+
+Ring AllEdges(const std::vector<Edges>& loops) {
+  Ring ring;
+  for (const Edges& loop : loops) {
+    const auto first = static_cast<std::uint32_t>(ring.edges.size());
+    for (const Edge& edge : loop) {
+      ring.edges.push_back(edge);
+      ring.next.push_back(static_cast<std::uint32_t>(ring.edges.size()));
+    }
+    if (!loop.empty()) ring.next.back() = first;
+  }
+  return ring;
+}
+
+/// Where two edges of one outline touch although they should not.
+std::optional<Vec2> Contact(const Ring& ring, const Pair& pair) {
+  const Edge& a = ring.edges[pair.first];
+  const Edge& b = ring.edges[pair.second];
+  std::vector<SharedPart> shared;
+  AppendSharedParts(a, b, kShared_mm, shared);
+  if (!shared.empty()) return PointAt(a, 0.5 * (shared[0].begin_mm + shared[0].end_mm));
+  std::vector<Vec2> points;
+  AppendCrossings(a, b, points);
+  for (const Vec2& p : points) {
+    const auto is_joint = [&](const Vec2& end, const Vec2& begin) {
+      return (p - end).norm() < 4 * kVertex_mm && (end - begin).norm() < kVertex_mm;
+    };
+    if (ring.next[pair.first] == pair.second && is_joint(a.end_mm, b.begin_mm)) continue;
+    if (ring.next[pair.second] == pair.first && is_joint(b.end_mm, a.begin_mm)) continue;
+    return p;
+  }
+  return std::nullopt;
+}
+
+tl::unexpected<Error> Wrong(const std::string& what, const Vec2& at) {
+  return Fail(
+      ErrorCode::kInvalidValue,
+      fmt::format("{} at ({:.6g}, {:.6g}); draw it as loops apart from each other", what,
+                  at.x(), at.y()),
+      fmt::format("{:.6g}, {:.6g}", at.x(), at.y()));
+}
+
+}  // namespace
+
+// Parity of the polygon of all chords, and of the segments between chords and arcs.
+bool IsInLoops(const Edges& edges, const Vec2& p) {
+  bool inside = false;
+  for (const Edge& e : edges) {
+    const double side = Cross(e.end_mm - e.begin_mm, p - e.begin_mm);
+    const bool up = e.end_mm.y() > e.begin_mm.y();
+    if ((e.begin_mm.y() <= p.y()) != (e.end_mm.y() <= p.y()) && (side > 0) == up)
+      inside = !inside;
+    if (!e.is_arc()) continue;
+    // Of an arc that turns left the segment lies to the right of the chord.
+    if (e.begin_mm != e.end_mm && (side <= 0) != (e.sweep_rad > 0)) continue;
+    if ((p - e.center_mm).squaredNorm() < e.radius_mm * e.radius_mm) inside = !inside;
+  }
+  return inside;
+}
+
+Result<std::vector<Edges>> OrientedLoops(const std::vector<Edges>& loops) {
+  const Ring ring = AllEdges(loops);
+  if (ring.edges.empty()) return Fail(ErrorCode::kInvalidValue, "has no edges");
+  std::vector<FlatBox> boxes;
+  for (const Edge& edge : ring.edges) boxes.push_back(BoxOf(edge));
+  for (const Pair& pair : NearPairs(boxes, kVertex_mm)) {
+    if (const auto place = Contact(ring, pair))
+      return Wrong("crosses or touches itself", *place);
+  }
+  std::vector<Edges> oriented;
+  for (const Edges& loop : loops) {
+    if (loop.empty()) continue;
+    const double area = AreaOf(loop);
+    if (std::abs(area) < kMinArea_mm2)
+      return Wrong("has a loop without an area", loop[0].begin_mm);
+    bool is_hole = false;
+    for (const Edges& other : loops) {
+      if (&other != &loop && !other.empty() && IsInLoops(other, loop[0].begin_mm))
+        is_hole = !is_hole;
+    }
+    oriented.push_back(loop);
+    if ((area > 0) != is_hole) continue;
+    Edges& turned = oriented.back();
+    std::reverse(turned.begin(), turned.end());
+    for (Edge& edge : turned) edge = Reversed(edge);
+  }
+  return oriented;
+}
+
+}  // namespace intaglio::contour

@@ -1,0 +1,27 @@
+#pragma once
+
+// What a union has to satisfy, checked on its fragments. Shares no decision with their
+// making: only the signed distance of a point from an area.
+
+#include <optional>
+#include <string>
+
+#include "engrave/contour/fragments.h"
+
+namespace intaglio::contour {
+
+/// What is wrong, and where.
+struct Refusal {
+  std::string sentence;
+  Vec2 place_mm;
+  std::uint32_t area = 0;
+};
+
+/// Nothing when everything holds. `pairs`: those of the areas that may meet; `groups`:
+/// one number for each area, alike for those that touch.
+std::optional<Refusal> Prove(std::span<const Area> areas, std::span<const Pair> pairs,
+                             const Remains& remains,
+                             std::span<const ChainedContour> contours,
+                             std::span<const std::uint32_t> groups);
+
+}  // namespace intaglio::contour
