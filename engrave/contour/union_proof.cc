@@ -6,8 +6,10 @@ namespace intaglio::contour {
 namespace {
 
 constexpr double kAllowedDepth_mm = 2e-6;
-// An omitted edge is covered when a point so far outside of it is in an area, mm.
-constexpr double kOutside_mm = 1e-5;
+// An omitted edge is covered when a point so far outside of it is in an area, mm: far
+// above the rounding of doubles. Of several edges that run along each other the
+// outermost is not, so a fragment has to remain.
+constexpr double kOutside_mm = 1e-8;
 
 /// The neighbours of every area, and the fragments of every area.
 class Prover {

@@ -169,6 +169,15 @@ TEST(Union, GrowsOutlinesWithHolesAndArcs) {
   EXPECT_NEAR(United({ring}, 0.3).area_mm2, pi * 2.3 * 2.3, 1e-9);  // filled
 }
 
+// Round ends of one circle, of which a third track covers nearly half of the common part:
+// it leaves the circle as a tangent there.
+TEST(Union, OfTracksFromOneNodeIsProved) {
+  const auto tracks = test::ElementsOf(
+      "4 7.62 581.66 5.08 581.66 0.4|4 7.62 576.58 7.62 581.66 0.4|"
+      "4 7.62 581.66 15.54 573.84 0.4");
+  EXPECT_NEAR(United(tracks, 0.1).area_mm2, test::CoveredArea_mm2(tracks, 0.1), 1e-8);
+}
+
 TEST(Union, OfArcTracksIsThatOfTheirSweep) {
   const double sweep = 4;
   const Element bent{ArcTrack{MakeArc({1, 2}, 3, 0.5, sweep), 0.6}, ""};
