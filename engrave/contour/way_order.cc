@@ -227,28 +227,36 @@ class Path {
 
 }  // namespace
 
+std::uint32_t NearestPlace(std::span<const Vec2> places_mm, const Vec2& at_mm) {
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (const Vec2& place : places_mm)
+    nearest2 = std::min(nearest2, (place - at_mm).squaredNorm());
+  const double reach = std::sqrt(nearest2) + kEqualDistance_mm;
+  std::size_t best = places_mm.size();
+  double best_dy = 0;
+  for (std::size_t k = 0; k < places_mm.size(); ++k) {
+    const Vec2 way = places_mm[k] - at_mm;
+    if (way.squaredNorm() > reach * reach) continue;
+    const double dy = std::abs(way.y());
+    if (best < places_mm.size() && dy >= best_dy - kEqualDistance_mm) continue;
+    best = k;
+    best_dy = dy;
+  }
+  return static_cast<std::uint32_t>(best);
+}
+
 VisitOrder NearestOrder(std::span<const Vec2> places_mm, const Vec2& start_mm) {
   VisitOrder order;
-  std::vector<std::uint32_t> left(places_mm.size());
+  VisitOrder left(places_mm.size());
   std::iota(left.begin(), left.end(), 0U);
+  std::vector<Vec2> places(places_mm.begin(), places_mm.end());
   Vec2 at = start_mm;
   while (!left.empty()) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t k : left)
-      nearest = std::min(nearest, (places_mm[k] - at).norm());
-    auto best = left.end();
-    double best_dy = 0;
-    for (auto k = left.begin(); k != left.end(); ++k) {
-      const Vec2 way = places_mm[*k] - at;
-      if (way.norm() > nearest + kEqualDistance_mm) continue;
-      const double dy = std::abs(way.y());
-      if (best != left.end() && dy >= best_dy - kEqualDistance_mm) continue;
-      best = k;
-      best_dy = dy;
-    }
-    at = places_mm[*best];
-    order.push_back(*best);
-    left.erase(best);
+    const std::uint32_t nearest = NearestPlace(places, at);
+    at = places[nearest];
+    order.push_back(left[nearest]);
+    left.erase(left.begin() + nearest);
+    places.erase(places.begin() + nearest);
   }
   return order;
 }

@@ -23,14 +23,18 @@ using VisitOrder = std::vector<std::uint32_t>;
 /// decimals.
 inline constexpr double kEqualDistance_mm = 1e-4;
 
-/// Of places that are equal in this too, the one with the lower number. N^2 steps.
+/// The number of the place nearest to `at`, by the rule above; of places that are equal
+/// in this too, the lowest. `places_mm` is not empty.
+std::uint32_t NearestPlace(std::span<const Vec2> places_mm, const Vec2& at_mm);
+
+/// By this rule until none is left. N^2 steps.
 VisitOrder NearestOrder(std::span<const Vec2> places_mm, const Vec2& start_mm);
 
 struct ImproveOptions {
   /// After the exchanges find nothing more (2-opt: a part reversed; Or-opt: up to three
   /// places moved elsewhere), so many times per place four edges near each other are
   /// exchanged at random and the result is kept when it is shorter.
-  int tries_per_place = 20;
+  int tries_per_place = 8;
   std::uint32_t seed = 1;
 };
 

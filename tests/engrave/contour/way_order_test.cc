@@ -97,7 +97,7 @@ TEST(ImprovedOrder, IsTheShortestOfEightPlaces) {
   }
 }
 
-TEST(ImprovedOrder, SavesATwelfthOfTheNearestOrdersWay) {
+TEST(ImprovedOrder, SavesTwelveHundredthsOfTheNearestOrdersWay) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     for (const auto& places : {RandomPlaces(500, seed), RasterPlaces(40, seed)}) {
       VisitOrder order = NearestOrder(places, Vec2::Zero());
