@@ -35,6 +35,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/sort", {"engrave/core", "engrave/motion*", "engrave/sort/beam"}},
     {"engrave/motion/axis", {"engrave/core"}},
     {"engrave/drive", {"engrave/core"}},
+    {"engrave/course", {"engrave/core"}},
     {"engrave/calibrate", {"engrave/core", "engrave/image", "engrave/motion"}},
     {"engrave/contour", {"engrave/core"}},
     {"engrave/post", {"engrave/core", "engrave/io"}},

@@ -1,0 +1,44 @@
+#pragma once
+
+// How far a course that was really driven is from its path, both ways (Hausdorff):
+//  - one-sided: from each actual point to the nearest place of the path;
+//  - node miss: from each node of the path to the nearest place of the course. One-sided
+//    alone lets sharp tips be cut off.
+// The nearest place is searched only in a window of arc length around where the point was
+// commanded, so that a course cannot be excused by another leg that happens to pass.
+
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/course/path.h"
+
+namespace intaglio::course {
+
+struct SearchWindow {
+  double back_mm = 0;   ///< how far behind the commanded place the axes may be
+  double ahead_mm = 0;  ///< how far before it
+};
+
+struct ContourError {
+  /// For each node: greatest error of the actual points whose nearest place is nearest to
+  /// this node, and of those on the segment behind it.
+  std::vector<double> one_sided_mm;
+  std::vector<double> node_miss_mm;  ///< for each node
+  double worst_one_sided_mm = 0, worst_node_miss_mm = 0;
+
+  double worst_mm() const {
+    return worst_one_sided_mm > worst_node_miss_mm ? worst_one_sided_mm
+                                                   : worst_node_miss_mm;
+  }
+};
+
+/// `actual_mm` and `commanded_s_mm` (ascending, from below 0 to beyond the path's length)
+/// have the same size, two or more. Where the nearest place changes its segment between
+/// two samples the course between them is examined too. `sample_mm` (may be empty) gets
+/// the one-sided error of each sample.
+ContourError MeasureContour(const Path& path, std::span<const Vec2> actual_mm,
+                            std::span<const double> commanded_s_mm,
+                            const SearchWindow& window, std::span<double> sample_mm = {});
+
+}  // namespace intaglio::course

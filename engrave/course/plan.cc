@@ -1,0 +1,188 @@
+#include "engrave/course/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engrave/core/try.h"
+#include "engrave/course/correction.h"
+#include "engrave/course/kernel_figures.h"
+
+namespace intaglio::course {
+namespace {
+
+struct Range {
+  const char* name;
+  double value, min, max;
+};
+
+Status CheckRanges(std::initializer_list<Range> ranges) {
+  for (const Range& range : ranges) {
+    if (range.value >= range.min && range.value <= range.max) continue;
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("{} {} is outside {}..{}", range.name, range.value, range.min,
+                            range.max),
+                fmt::format("{}", range.value));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status CheckOptions(const PlanOptions& options) {
+  INTAGLIO_TRY(CheckRanges({{"tolerance_mm", options.tolerance_mm, 1e-4, 10},
+                            {"acceleration_mm_s2", options.acceleration_mm_s2, 1, 1e6},
+                            {"jerk_mm_s3", options.jerk_mm_s3.value_or(1e6), 1, 1e12},
+                            {"motor_mm_s2", options.motor_mm_s2.value_or(1), 1, 1e9},
+                            {"kernel_s", options.kernel_s.value_or(1e-3), 1e-5, 10},
+                            {"period_s", options.period_s, 1e-5, 0.1},
+                            {"planned_ratio", options.planned_ratio, 0.05, 1},
+                            {"rounds", static_cast<double>(options.rounds), 1, 100}}));
+  if (options.compensate && !options.motor_mm_s2) {
+    return Fail(ErrorCode::kMissing,
+                "motor_mm_s2 is missing: a compensated course is limited by the "
+                "acceleration of its motors; give that of the weaker axis");
+  }
+  return {};
+}
+
+Allowed AllowedBy(const PlanOptions& options) {
+  Allowed allowed;
+  allowed.error_mm = options.tolerance_mm * options.planned_ratio;
+  allowed.motor_mm_s2 = options.motor_mm_s2.value_or(0);
+  if (options.compensate) allowed.jerk_mm_s3 = options.jerk_mm_s3.value_or(0);
+  return allowed;
+}
+
+namespace {
+
+/// Kernels to choose from, in periods 1 / w of the slowest mechanics.
+constexpr double kKernelLengths[] = {1.6, 2.1, 2.7, 3.3, 3.9, 4.8, 6, 8, 11};
+/// Of what the motor's limit allows on a straight line.
+constexpr double kAccelerationShares[] = {0.4, 0.55, 0.7, 0.85};
+
+double SlowestTime(const AxisPair& axes) {
+  double time_s = 0;
+  for (const AxisDynamics& axis : axes) {
+    const auto& p = axis.parameters();
+    if (std::isfinite(p.natural_rad_s)) time_s = std::max(time_s, 1 / p.natural_rad_s);
+  }
+  if (time_s > 0) return time_s;
+  return std::max({axes[0].lag_s(), axes[1].lag_s(), 1e-4});
+}
+
+struct Choice {
+  TrackingOptions tracking;
+  double acceleration_mm_s2 = 0;
+};
+
+Choice DirectChoice(const PlanOptions& options) {
+  TrackingOptions tracking;
+  tracking.period_s = options.period_s;
+  if (options.jerk_mm_s3)
+    tracking.smooth_s = 2 * options.acceleration_mm_s2 / *options.jerk_mm_s3;
+  return {tracking, options.acceleration_mm_s2};
+}
+
+/// The kernel and the acceleration whose first guess of all corners takes the shortest
+/// time.
+Choice CompensatedChoice(const Path& path, const AxisPair& axes,
+                         const PlanOptions& options) {
+  const Allowed allowed = AllowedBy(options);
+  std::vector<double> lengths_s;
+  for (const double length : kKernelLengths)
+    lengths_s.push_back(length * SlowestTime(axes));
+  if (options.kernel_s) lengths_s = {*options.kernel_s};
+  Choice best;
+  double shortest_s = std::numeric_limits<double>::infinity();
+  for (const double length_s : lengths_s) {
+    const Tracking tracking(axes, {options.period_s, 0, length_s});
+    const KernelFigures figures = FiguresOf(tracking.kernel(), axes);
+    // A change from full acceleration to full deceleration is a step of twice its size.
+    double reach_mm_s2 =
+        *options.motor_mm_s2 / (2 * std::max(figures.motor_per_acceleration[0],
+                                             figures.motor_per_acceleration[1]) -
+                                1);
+    if (options.jerk_mm_s3)
+      reach_mm_s2 = std::min(reach_mm_s2,
+                             *options.jerk_mm_s3 / (2 * figures.jerk_per_acceleration));
+    for (const double share : kAccelerationShares) {
+      const double a = std::min(options.acceleration_mm_s2, share * reach_mm_s2);
+      const Speeds speeds = FirstSpeeds(path, tracking, allowed, a);
+      const double time_s = PlanSpeeds(path, {speeds.node_mm_s, speeds.segment_mm_s,
+                                              speeds.acceleration_mm_s2})
+                                .duration_s +
+                            tracking.kernel().length_s();
+      if (time_s >= shortest_s) continue;
+      shortest_s = time_s;
+      best = {tracking.options(), a};
+    }
+  }
+  return best;
+}
+
+std::string ReasonOf(const Path& path, const Evaluation& evaluation) {
+  const auto worst =
+      std::max_element(evaluation.load_ratio.begin(), evaluation.load_ratio.end());
+  const auto node = static_cast<std::size_t>(worst - evaluation.load_ratio.begin());
+  const Vec2& at = path.node_mm(node);
+  return fmt::format(
+      "at node {} ({:.3f}, {:.3f} mm) error, motor or jerk is {:.2f} times what is "
+      "allowed, also when it is passed slowly; compensate the axes, or lower the "
+      "acceleration",
+      node, at.x(), at.y(), *worst);
+}
+
+CoursePlan PlanOf(const Path& path, const Choice& choice, const Corrected& corrected) {
+  CoursePlan plan;
+  plan.law = corrected.law;
+  plan.tracking = choice.tracking;
+  plan.acceleration_mm_s2 = choice.acceleration_mm_s2;
+  plan.nodes = corrected.evaluation.nodes;
+  for (const NodeFigures& node : plan.nodes) {
+    plan.worst_one_sided_mm = std::max(plan.worst_one_sided_mm, node.one_sided_mm);
+    plan.worst_node_miss_mm = std::max(plan.worst_node_miss_mm, node.node_miss_mm);
+  }
+  plan.motor_mm_s2 = corrected.evaluation.motor_mm_s2;
+  plan.jerk_mm_s3 = corrected.evaluation.jerk_mm_s3;
+  plan.holds = corrected.holds;
+  if (!plan.holds) plan.reason = ReasonOf(path, corrected.evaluation);
+  return plan;
+}
+
+}  // namespace
+
+Result<CoursePlan> PlanCourse(const Path& path, const AxisPair& axes,
+                              const PlanOptions& options) {
+  INTAGLIO_TRY(CheckOptions(options));
+  const Choice choice =
+      options.compensate ? CompensatedChoice(path, axes, options) : DirectChoice(options);
+  const Allowed allowed = AllowedBy(options);
+  const Tracking tracking(axes, choice.tracking);
+  const Corrected corrected = CorrectSpeeds(
+      path, tracking, allowed,
+      FirstSpeeds(path, tracking, allowed, choice.acceleration_mm_s2), options.rounds);
+  return PlanOf(path, choice, corrected);
+}
+
+Tracked FollowPlan(const Path& path, const CoursePlan& plan, const AxisPair& axes,
+                   const AxisPair& real) {
+  return Tracking(axes, plan.tracking)
+      .Follow(path, plan.law, real, Exactness::kAxes, true);
+}
+
+CoursePlan EvaluateLaw(const Path& path, const AxisPair& axes, const SpeedLaw& law,
+                       const PlanOptions& options) {
+  const Choice choice = DirectChoice(options);
+  const Tracking tracking(axes, choice.tracking);
+  Corrected corrected;
+  corrected.law = law;
+  corrected.evaluation =
+      Evaluate(path, law, tracking, AllowedBy(options), Exactness::kAxes);
+  corrected.holds = corrected.evaluation.worst_load_ratio <= 1;
+  return PlanOf(path, choice, corrected);
+}
+
+}  // namespace intaglio::course
