@@ -63,7 +63,21 @@ void SetStage(const MachineSpec& machine, TruthStage& stage) {
     stage.set_serial_number(machine.motion_line().serial_number());
 }
 
+/// A laser that the profile is right for.
+void SetSignals(const PulseTiming& timing, TruthLaser& laser) {
+  if (timing.has_max_qswitch_delay_us())
+    laser.set_trigger_max_delay_us(timing.max_qswitch_delay_us());
+  if (timing.has_min_qswitch_width_us())
+    laser.set_trigger_min_width_us(timing.min_qswitch_width_us());
+  if (timing.has_min_sync_width_us())
+    laser.set_sync_width_us(1 + timing.min_sync_width_us());
+  if (timing.has_min_sensor_width_us())
+    laser.set_sensor_width_us(1 + timing.min_sensor_width_us());
+  if (timing.has_shutter_time_ms()) laser.set_shutter_time_ms(timing.shutter_time_ms());
+}
+
 void SetLaser(const MachineSpec& machine, TruthLaser& laser) {
+  SetSignals(machine.laser().timing(), laser);
   *laser.mutable_rates_hz() = machine.laser().rates_hz();
   laser.set_warm_up_s(machine.laser().warm_up_s());
   laser.set_channels(machine.laser().channels());

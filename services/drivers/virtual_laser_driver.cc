@@ -7,10 +7,24 @@ namespace {
 
 using link::LaserFrame;
 
+link::PulseTiming TimingOf(const PulseTiming& profile) {
+  link::PulseTiming timing;
+  if (profile.has_qswitch_delay_us())
+    timing.qswitch_delay_us = profile.qswitch_delay_us();
+  if (profile.has_qswitch_width_us())
+    timing.qswitch_width_us = profile.qswitch_width_us();
+  if (profile.has_min_sync_width_us())
+    timing.min_sync_width_us = profile.min_sync_width_us();
+  if (profile.has_min_sensor_width_us())
+    timing.min_sensor_width_us = profile.min_sensor_width_us();
+  timing.shutter_time_ms = profile.shutter_time_ms();
+  return timing;
+}
+
 class VirtualLaserDriver final : public LaserController {
  public:
   VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
-                     link::ExpectedDevice expected);
+                     link::ExpectedDevice expected, const link::PulseTiming& timing);
 
   void Poll(const ReportSink& sink, const PastSink& past) override;
 
@@ -50,6 +64,7 @@ class VirtualLaserDriver final : public LaserController {
 
   link::SteadyClock clock_;
   link::ExpectedDevice expected_;
+  link::PulseTiming timing_;
   std::string refusal_;
   link::FramePort session_;
   link::LaserIdentity identity_;
@@ -64,9 +79,11 @@ class VirtualLaserDriver final : public LaserController {
 };
 
 VirtualLaserDriver::VirtualLaserDriver(link::FramePort port, link::SteadyClock clock,
-                                       link::ExpectedDevice expected)
+                                       link::ExpectedDevice expected,
+                                       const link::PulseTiming& timing)
     : clock_(std::move(clock)),
       expected_(std::move(expected)),
+      timing_(timing),
       session_(std::move(port)) {}
 
 void VirtualLaserDriver::Poll(const ReportSink& sink, const PastSink& past) {
@@ -94,6 +111,8 @@ void VirtualLaserDriver::Identify(std::span<const std::byte> payload) {
   status_number_ = 0;
   disarms_sent_ = 0;
   ++sessions_;
+  // Before all others, so that nothing is fired with that of another host.
+  (void)SendFrame(LaserFrame::kPulseTiming, Encode(timing_));
   (void)RequestStatus();
 }
 
@@ -177,7 +196,8 @@ std::unique_ptr<LaserController> MakeVirtualLaserDriver(const MachineSpec& machi
   return std::make_unique<VirtualLaserDriver>(
       std::move(port), std::move(clock),
       link::ExpectedDevice{line.serial_number(), "laser", machine.name(), line.device(),
-                           "laser_line"});
+                           "laser_line"},
+      TimingOf(machine.laser().timing()));
 }
 
 }  // namespace intaglio::drivers

@@ -16,6 +16,10 @@ namespace {
 // What a laser controller's identity can list (services/platform/link/laser_protocol.h).
 constexpr int kMaxRates = 32;
 
+// Of proto/machine.proto.
+constexpr double kQSwitchDelay_us = 5, kQSwitchWidth_us = 120;
+constexpr double kMaxQSwitchDelay_us = 20, kMinQSwitchWidth_us = 100;
+
 void Missing(std::vector<Error>& errors, const std::string& path,
              const std::string& remedy) {
   errors.push_back(
@@ -149,6 +153,40 @@ void CheckEnergies(const LaserHead& laser, std::vector<Error>& errors) {
   }
 }
 
+// By the defaults of what is absent: proto/machine.proto.
+void CheckTiming(const LaserHead& laser, std::vector<Error>& errors) {
+  const PulseTiming& timing = laser.timing();
+  const auto or_default = [](bool present, double us, double default_us) {
+    return present ? us : default_us;
+  };
+  const double delay_us = or_default(timing.has_qswitch_delay_us(),
+                                     timing.qswitch_delay_us(), kQSwitchDelay_us);
+  const double width_us = or_default(timing.has_qswitch_width_us(),
+                                     timing.qswitch_width_us(), kQSwitchWidth_us);
+  const double max_us = or_default(timing.has_max_qswitch_delay_us(),
+                                   timing.max_qswitch_delay_us(), kMaxQSwitchDelay_us);
+  const double min_us = or_default(timing.has_min_qswitch_width_us(),
+                                   timing.min_qswitch_width_us(), kMinQSwitchWidth_us);
+  if (delay_us > max_us) {
+    Wrong(errors, "laser.timing.qswitch_delay_us",
+          fmt::format("{} is later than the laser takes a trigger, "
+                      "max_qswitch_delay_us, {}; reduce it",
+                      delay_us, max_us));
+  }
+  if (width_us < min_us) {
+    Wrong(errors, "laser.timing.qswitch_width_us",
+          fmt::format("{} is shorter than the laser needs, min_qswitch_width_us, {}; "
+                      "increase it",
+                      width_us, min_us));
+  }
+  const auto fastest = std::ranges::max_element(laser.rates_hz());
+  if (fastest == laser.rates_hz().end() || delay_us + width_us < 1e6 / *fastest) return;
+  Wrong(errors, "laser.timing.qswitch_width_us",
+        fmt::format("a trigger of {} us that begins {} us after the lamp sync lasts "
+                    "until the next one at {} Hz; reduce it",
+                    width_us, delay_us, *fastest));
+}
+
 void CheckChannelPositions(const MachineSpec& machine, std::vector<Error>& errors) {
   std::set<std::uint32_t> seen;
   for (int i = 0; i < machine.channel_positions_size(); ++i) {
@@ -255,6 +293,7 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   CheckLensName(machine, "mounted_lens", machine.mounted_lens(), errors);
   CheckLensName(machine, "zero_lens", machine.zero_lens(), errors);
   CheckEnergies(machine.laser(), errors);
+  CheckTiming(machine.laser(), errors);
   CheckChannelPositions(machine, errors);
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);
   CheckLine(machine.has_motion_line(), machine.motion_line(), "motion_line", errors);

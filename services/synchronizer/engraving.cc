@@ -19,6 +19,7 @@ SkipReason ReasonOf(Missing missing) {
   switch (missing) {
     case Missing::kLaserLine:
       return SkipReason::kLink;
+    case Missing::kLampSync:
     case Missing::kLamp:
       return SkipReason::kLamp;
     case Missing::kShutter:

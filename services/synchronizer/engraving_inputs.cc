@@ -14,6 +14,7 @@ ChainLinks LinksOf(const EngravingInputs& inputs, const drivers::LaserController
   links.door_closed = laser.Has(link::kDoorClosed);
   links.stop_released = laser.Has(link::kStopReleased);
   links.no_safe_state = !laser.Has(link::kSafeState);
+  links.lamp_sync_counted = !laser.Has(link::kNoLampSync);
   links.lamp_warm = laser.Has(link::kLampOn) && laser.Has(link::kLampWarm);
   links.motion_fresh = inputs.motion.fresh;
   links.motion_without_fault = inputs.motion.fault == intaglio_MOTION_OK;

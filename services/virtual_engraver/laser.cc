@@ -32,6 +32,9 @@ bool Laser::Obey(LaserFrame type, std::span<const std::byte> payload) {
         SetShutters(m->open_mask);
       }
       return true;
+    case LaserFrame::kPulseTiming:
+      if (const auto m = link::Decode<link::PulseTiming>(payload)) SetTiming(*m);
+      return true;
     case LaserFrame::kArmWindow:
       if (const auto m = link::Decode<link::ArmWindow>(payload)) Decide(*m);
       return true;
@@ -51,8 +54,16 @@ bool Laser::Obey(LaserFrame type, std::span<const std::byte> payload) {
 
 void Laser::SetShutters(std::uint8_t open_mask) {
   const auto built_in = static_cast<std::uint8_t>((1u << options_.channels) - 1);
-  shutters_ =
-      safe_state_ ? std::uint8_t{0} : static_cast<std::uint8_t>(open_mask & built_in);
+  MoveShutters(safe_state_ ? std::uint8_t{0}
+                           : static_cast<std::uint8_t>(open_mask & built_in));
+}
+
+// A command comes within the present tick, whose time is known at its end.
+void Laser::MoveShutters(std::uint8_t open_mask) {
+  if (open_mask == shutters_) return;
+  shutters_before_ = shutters_;
+  shutters_ = open_mask;
+  shutters_moved_s_ = machine_s_ + 1 / rate_hz_;
 }
 
 void Laser::Decide(const link::ArmWindow& window) {
@@ -100,7 +111,7 @@ void Laser::SetStopButton(bool pressed) {
 
 void Laser::EnterSafeState() {
   safe_state_ = true;
-  shutters_ = 0;
+  MoveShutters(0);
   windows_.clear();
   decided_through_ = std::min(decided_through_, tick_);
 }
@@ -109,12 +120,17 @@ bool Laser::interlocked() const {
   return !key_on_ || !door_closed_ || !stop_released_ || stop_latched_ || safe_state_;
 }
 
-TickOutcome Laser::OutcomeAt(bool armed, bool gated, bool in_position) const {
+TickOutcome Laser::OutcomeAt(bool armed, const link::ArmWindow& window,
+                             bool in_position) const {
   if (!armed) return TickOutcome::kNotArmed;
-  if (gated && !in_position) return TickOutcome::kNotInPosition;
+  if (window.gated && !in_position) return TickOutcome::kNotInPosition;
   if (interlocked()) return TickOutcome::kInterlocked;
   if (!lamp_on_ || lamp_s_ < options_.warm_up_s) return TickOutcome::kLampNotReady;
   if (shutters_ == 0) return TickOutcome::kShutterClosed;
+  if (timing_.shutter_time_ms > 0 && ShuttersMove(timing_.shutter_time_ms / 1000))
+    return TickOutcome::kShutterClosed;
+  if (!TakesTrigger(options_.signals, timing_, window.at_place))
+    return TickOutcome::kTriggerOutside;
   return TickOutcome::kFiredSeen;  // Seen() returns whether it was
 }
 
@@ -142,16 +158,20 @@ std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   if (windows_.empty() || windows_.front().first_tick > tick_) return 0;
   const link::ArmWindow& window = windows_.front();
   const TickOutcome outcome =
-      OutcomeAt(window.fire[tick_ - window.first_tick], window.gated, in_position);
+      OutcomeAt(window.fire[tick_ - window.first_tick], window, in_position);
   Note(tick_, outcome);
   if (outcome != TickOutcome::kFiredSeen) return 0;
   ++pulse_count_;
   last_fired_tick_ = tick_;
-  return shutters_;
+  // A shutter on its way lets a part of the beam pass.
+  const double time_s = options_.signals.shutter_time_s;
+  return time_s > 0 && ShuttersMove(time_s)
+             ? static_cast<std::uint8_t>(shutters_ | shutters_before_)
+             : shutters_;
 }
 
 void Laser::Seen(bool crack) {
-  if (crack) return;
+  if (crack && options_.signals.sensor_width_us > timing_.min_sensor_width_us) return;
   reports_.back().outcome.back() = TickOutcome::kFiredUnseen;
   past_[tick_ % past_.size()] = TickOutcome::kFiredUnseen;
 }
@@ -203,7 +223,10 @@ link::LaserStatus Laser::Report() const {
   set(lamp_on_, link::kLampOn);
   set(lamp_on_ && lamp_s_ >= options_.warm_up_s, link::kLampWarm);
   set(safe_state_, link::kSafeState);
-  status.shutters_open = shutters_;
+  set(!CountsSync(), link::kNoLampSync);
+  const bool moving =
+      timing_.shutter_time_ms > 0 && ShuttersMove(timing_.shutter_time_ms / 1000);
+  status.shutters_open = moving ? shutters_before_ : shutters_;
   status.pulse_count = pulse_count_;
   status.last_fired_tick = last_fired_tick_;
   status.decided_through = decided_through_;

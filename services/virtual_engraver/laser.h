@@ -5,9 +5,10 @@
 //
 //   armed -> [gated: in position; at a place: compare output] -> key, door, stop -> no
 //   safe state -> lamp warm
-//         -> a shutter is open -> pulse
+//         -> a shutter is open, and none moves -> the Q-switch takes the trigger -> pulse
 //
-// The first link that does not hold is the outcome. Not thread-safe; time is AdvanceTick.
+// The first link that does not hold is the outcome. Nothing passes at all while the lamp
+// sync is too short for the controller to count. Not thread-safe; time is AdvanceTick.
 
 #include <array>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "services/platform/link/laser_protocol.h"
+#include "services/virtual_engraver/laser_signals.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -27,6 +29,7 @@ struct LaserOptions {
   bool lockstep = false;
   std::uint32_t power_up = 1;                     ///< random number of this power-up
   std::string serial_number = "virtual-laser-1";  ///< empty: it has none
+  LaserSignals signals = {};
 };
 
 class Laser {
@@ -39,6 +42,7 @@ class Laser {
   bool Obey(link::LaserFrame type, std::span<const std::byte> payload);
   void SetLamp(const link::LampCommand& command);
   void SetShutters(std::uint8_t open_mask);
+  void SetTiming(const link::PulseTiming& timing) { timing_ = timing; }
   void Decide(const link::ArmWindow& window);
   void Disarm();
   void Stop() {
@@ -58,6 +62,10 @@ class Laser {
   /// Shutters closed, nothing decided, until Reset.
   void EnterSafeState();
 
+  /// The lamp sync is long enough for the controller: else no tick passes.
+  bool CountsSync() const {
+    return options_.signals.sync_width_us > timing_.min_sync_width_us;
+  }
   /// The next tick is decided (fire or not).
   bool NextIsDecided() const { return tick_ + 1 <= decided_through_; }
   /// The next tick is armed to fire at a place: then AdvanceTick is given the stage's
@@ -85,7 +93,12 @@ class Laser {
   /// One of the interlocks, counted when it lets go.
   void Set(bool& holds, bool now);
   bool interlocked() const;
-  link::TickOutcome OutcomeAt(bool armed, bool gated, bool in_position) const;
+  link::TickOutcome OutcomeAt(bool armed, const link::ArmWindow& window,
+                              bool in_position) const;
+  void MoveShutters(std::uint8_t open_mask);
+  bool ShuttersMove(double time_s) const {
+    return machine_s_ < shutters_moved_s_ + time_s;
+  }
   void Note(std::uint64_t tick, link::TickOutcome outcome);
 
   LaserOptions options_;
@@ -95,7 +108,10 @@ class Laser {
   double machine_s_ = 0;
   bool lamp_on_ = false;
   double lamp_s_ = 0;
-  std::uint8_t shutters_ = 0;
+  std::uint8_t shutters_ = 0;         // as commanded
+  std::uint8_t shutters_before_ = 0;  // as they were before they began to move
+  double shutters_moved_s_ = -1e9;    // when they began, in machine time
+  link::PulseTiming timing_ = {};
   bool key_on_ = true, door_closed_ = true, stop_released_ = true;
   bool stop_latched_ = false, safe_state_ = false;
   std::uint64_t decided_through_ = 0;

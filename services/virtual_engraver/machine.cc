@@ -189,6 +189,7 @@ void Machine::KeepSafe() {
 }
 
 bool Machine::MayPassTick() const {
+  if (!laser_.CountsSync()) return false;
   if (!options_.laser.lockstep) return clock_() >= next_tick_at_;
   return laser_.NextIsDecided() && stage_.MayPass(laser_.rate_hz()) &&
          laser_line_.waiting.size() < kMaxWaiting &&

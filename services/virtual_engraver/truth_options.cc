@@ -39,7 +39,19 @@ PositionerOptions PositionerOf(const TruthPositioner& truth) {
   return positioner;
 }
 
+void SetSignals(const TruthLaser& truth, LaserSignals& signals) {
+  signals.trigger_shift_us = truth.trigger_shift_us();
+  if (truth.has_trigger_max_delay_us())
+    signals.trigger_max_delay_us = truth.trigger_max_delay_us();
+  if (truth.has_trigger_min_width_us())
+    signals.trigger_min_width_us = truth.trigger_min_width_us();
+  if (truth.has_sync_width_us()) signals.sync_width_us = truth.sync_width_us();
+  if (truth.has_sensor_width_us()) signals.sensor_width_us = truth.sensor_width_us();
+  signals.shutter_time_s = truth.shutter_time_ms() / 1000;
+}
+
 void SetLaser(const TruthLaser& truth, MachineOptions& options) {
+  SetSignals(truth, options.laser.signals);
   LaserOptions& laser = options.laser;
   if (!truth.rates_hz().empty())
     laser.rates_hz.assign(truth.rates_hz().begin(), truth.rates_hz().end());

@@ -37,6 +37,7 @@ void TryAll(std::span<const std::byte> payload) {
   Try<LaserStatus>(payload);
   Try<PulseReport>(payload);
   Try<PastRequest>(payload);
+  Try<PulseTiming>(payload);
   Try<PastReport>(payload);
   Try<BeginRun>(payload);
   Try<Segments>(payload);

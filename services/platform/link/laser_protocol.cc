@@ -14,7 +14,7 @@ constexpr std::size_t kMaxModelText = 64;
 constexpr std::uint8_t kGatedBit = 1, kAtPlaceBit = 2;
 constexpr std::size_t kMaxLaserSerialNumber = 64;
 constexpr std::size_t kMaxRates = 32;
-constexpr std::uint8_t kAllInterlocks = (kSafeState << 1) - 1;
+constexpr std::uint8_t kAllInterlocks = (kNoLampSync << 1) - 1;
 constexpr std::uint8_t kAllShutters = 0x0f;
 
 bool IsRate(double rate_hz) { return std::isfinite(rate_hz) && rate_hz > 0; }
@@ -35,7 +35,7 @@ Bytes EncodeOutcomes(const Report& m) {
 }
 
 template <typename Report>
-bool DecodeOutcomes(std::span<const std::byte> payload, TickOutcome highest, Report& m) {
+bool DecodeOutcomes(std::span<const std::byte> payload, TickOutcome excluded, Report& m) {
   ByteReader in(payload);
   m.first_tick = in.Get<std::uint64_t>();
   const auto count = in.Get<std::uint16_t>();
@@ -45,8 +45,9 @@ bool DecodeOutcomes(std::span<const std::byte> payload, TickOutcome highest, Rep
   }
   for (int i = 0; i < count; ++i) {
     const auto outcome = in.Get<std::uint8_t>();
-    if (outcome > static_cast<std::uint8_t>(highest)) return false;
+    if (outcome > static_cast<std::uint8_t>(TickOutcome::kTriggerOutside)) return false;
     m.outcome.push_back(static_cast<TickOutcome>(outcome));
+    if (m.outcome.back() == excluded) return false;
   }
   return in.finished();
 }
@@ -207,7 +208,7 @@ Bytes Encode(const PastReport& m) { return EncodeOutcomes(m); }
 template <>
 Result<PulseReport> Decode(std::span<const std::byte> payload) {
   PulseReport m;
-  if (!DecodeOutcomes(payload, TickOutcome::kTooLate, m))
+  if (!DecodeOutcomes(payload, TickOutcome::kNoLongerKnown, m))
     return BadLaserFrame("PulseReport");
   return m;
 }
@@ -215,9 +216,8 @@ Result<PulseReport> Decode(std::span<const std::byte> payload) {
 template <>
 Result<PastReport> Decode(std::span<const std::byte> payload) {
   PastReport m;
-  if (!DecodeOutcomes(payload, TickOutcome::kNoLongerKnown, m)) {
+  if (!DecodeOutcomes(payload, TickOutcome::kTooLate, m))
     return BadLaserFrame("PastReport");
-  }
   return m;
 }
 
@@ -238,6 +238,32 @@ Result<PastRequest> Decode(std::span<const std::byte> payload) {
       GoesRound(m.first_tick, m.count)) {
     return BadLaserFrame("PastRequest");
   }
+  return m;
+}
+
+Bytes Encode(const PulseTiming& m) {
+  ByteWriter out;
+  out.Put(m.qswitch_delay_us);
+  out.Put(m.qswitch_width_us);
+  out.Put(m.min_sync_width_us);
+  out.Put(m.min_sensor_width_us);
+  out.Put(m.shutter_time_ms);
+  return out.Take();
+}
+
+template <>
+Result<PulseTiming> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  PulseTiming m;
+  bool good = true;
+  for (double* us : {&m.qswitch_delay_us, &m.qswitch_width_us, &m.min_sync_width_us,
+                     &m.min_sensor_width_us}) {
+    *us = in.Get<double>();
+    good = good && *us >= 0 && *us <= kMaxPulseTime_us;  // false for NaN
+  }
+  m.shutter_time_ms = in.Get<double>();
+  good = good && m.shutter_time_ms >= 0 && m.shutter_time_ms <= kMaxShutterTime_ms;
+  if (!good || !in.finished()) return BadLaserFrame("PulseTiming");
   return m;
 }
 

@@ -15,6 +15,9 @@
 // When `at_place` is set, too, the pulse of an armed tick comes not at its lamp sync but
 // at the motion controller's compare output, which is on for an instant while the tick
 // lasts: when the stage passes nearest to the end of that segment, within the tolerance.
+//
+// The laser has inputs and outputs of its own: lamp sync, Q-switch, photosensor and
+// shutter of each channel. Their timing is the host's to command (PulseTiming).
 
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +39,7 @@ enum class LaserFrame : std::uint8_t {
   kLaserReset = 0x15,  ///< no payload: leaves the safe state when its cause is gone
   kLaserStatusRequest = 0x16,  ///< no payload
   kPastRequest = 0x17,
+  kPulseTiming = 0x18,
   // device -> host
   kLaserIdentity = 0x20,  ///< once after every handshake
   kLaserStatus = 0x21,    ///< on request, on every change of an interlock, every 20 ms
@@ -51,6 +55,19 @@ struct LampCommand {
 struct ShutterCommand {
   std::uint8_t open_mask = 0;  ///< bit 0..3: channels 1..4
 };
+
+/// How the controller drives the laser, until power-off or the next one. Defaults: what
+/// it does without (Trochimczuk 2008, annexes C and D: a trigger within 20 us of the lamp
+/// sync, longer than 100 us; a sync longer than 2 us; a sensor's signal longer than 10
+/// us).
+struct PulseTiming {
+  double qswitch_delay_us = 5;      ///< from the lamp sync to the trigger
+  double qswitch_width_us = 120;    ///< of the trigger
+  double min_sync_width_us = 2;     ///< a lamp sync that is not longer is not counted
+  double min_sensor_width_us = 10;  ///< nor is a photosensor's signal
+  double shutter_time_ms = 0;       ///< no trigger so long after a shutter was commanded
+};
+inline constexpr double kMaxPulseTime_us = 1e4, kMaxShutterTime_ms = 1e3;
 
 /// Decides ticks first_tick .. first_tick + fire.size() - 1. Ticks already decided or
 /// passed are reported as late when they were to fire, and ignored otherwise.
@@ -79,16 +96,17 @@ enum InterlockBits : std::uint8_t {
   kStopReleased = 1 << 2,
   kLampOn = 1 << 3,
   kLampWarm = 1 << 4,
-  kSafeState = 1 << 5,  ///< shutters closed by the controller itself
+  kSafeState = 1 << 5,   ///< shutters closed by the controller itself
+  kNoLampSync = 1 << 6,  ///< the laser's lamp sync is too short to be counted
 };
 
 struct LaserStatus {
   std::uint64_t tick = 0;        ///< the newest lamp sync
   std::uint64_t machine_us = 0;  ///< controller's clock at that tick
   double rate_hz = 0;
-  double warm_ratio = 0;        ///< 0..1
-  std::uint8_t interlocks = 0;  ///< InterlockBits
-  std::uint8_t shutters_open = 0;
+  double warm_ratio = 0;              ///< 0..1
+  std::uint8_t interlocks = 0;        ///< InterlockBits
+  std::uint8_t shutters_open = 0;     ///< where they came to rest last
   std::uint64_t pulse_count = 0;      ///< since power-up
   std::uint64_t last_fired_tick = 0;  ///< 0: none
   std::uint64_t decided_through = 0;  ///< highest decided tick
@@ -110,7 +128,8 @@ enum class TickOutcome : std::uint8_t {
   kLampNotReady = 5,
   kShutterClosed = 6,
   kTooLate = 7,
-  kNoLongerKnown = 8,  ///< only in a PastReport
+  kNoLongerKnown = 8,   ///< only in a PastReport
+  kTriggerOutside = 9,  ///< too late or too short for the laser: no pulse
 };
 
 /// Every decided tick is reported once, in order, without gap; a late one in a report
@@ -145,6 +164,7 @@ Bytes Encode(const LaserStatus& m);
 Bytes Encode(const PulseReport& m);
 Bytes Encode(const PastRequest& m);
 Bytes Encode(const PastReport& m);
+Bytes Encode(const PulseTiming& m);
 
 /// Decode<T>: kUnreadable when the payload is shorter, longer or out of range.
 template <typename T>
@@ -165,5 +185,7 @@ template <>
 Result<PastRequest> Decode(std::span<const std::byte> payload);
 template <>
 Result<PastReport> Decode(std::span<const std::byte> payload);
+template <>
+Result<PulseTiming> Decode(std::span<const std::byte> payload);
 
 }  // namespace intaglio::link

@@ -106,6 +106,12 @@ HaltReason EngravingRun::WhySkipped() {
       return {Missing::kLamp, TextOf(Missing::kLamp), true};
     case SkipReason::kShutter:
       return {Missing::kShutter, TextOf(Missing::kShutter), true};
+    case SkipReason::kTrigger:
+      return {Missing::kNothing,
+              "the Q-switch's trigger came too late or was too short for the laser: "
+              "compare laser.timing of the profile with its data sheet, check the cable, "
+              "then resume",
+              true};
     default:
       break;
   }

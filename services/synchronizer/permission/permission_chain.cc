@@ -64,6 +64,7 @@ Missing FirstMissing(const ChainLinks& links, bool with_shutters) {
   if (!links.door_closed) return Missing::kDoor;
   if (!links.stop_released) return Missing::kEmergencyStop;
   if (!links.no_safe_state) return Missing::kSafeState;
+  if (!links.lamp_sync_counted) return Missing::kLampSync;
   if (!links.lamp_warm) return Missing::kLamp;
   if (!links.motion_fresh) return Missing::kMotionState;
   if (!links.motion_without_fault) return Missing::kMotionFault;
@@ -87,6 +88,9 @@ std::string TextOf(Missing missing) {
       return "the door is open: close it, then resume";
     case Missing::kSafeState:
       return "the laser controller is in its safe state: resume to reset it";
+    case Missing::kLampSync:
+      return "the lamp sync is too short to be counted: check its cable, and "
+             "laser.timing.min_sync_width_us of the profile, then resume";
     case Missing::kLamp:
       return "the lamp is not warm yet";
     case Missing::kMotionState:

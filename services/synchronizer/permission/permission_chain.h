@@ -70,6 +70,7 @@ struct ChainLinks {
   bool door_closed = false;
   bool stop_released = false;  ///< the machine's own button
   bool no_safe_state = false;
+  bool lamp_sync_counted = false;
   bool lamp_warm = false;
   bool motion_fresh = false;
   bool motion_without_fault = false;
@@ -85,6 +86,7 @@ enum class Missing : std::uint8_t {
   kKey,
   kDoor,
   kSafeState,
+  kLampSync,
   kLamp,
   kMotionState,
   kMotionFault,

@@ -33,6 +33,8 @@ Meaning MeaningOf(TickOutcome outcome) {
       return {PointOutcome::kSkipped, SkipReason::kShutter};
     case TickOutcome::kTooLate:
       return {PointOutcome::kSkipped, SkipReason::kLate};
+    case TickOutcome::kTriggerOutside:
+      return {PointOutcome::kSkipped, SkipReason::kTrigger};
     case TickOutcome::kNoLongerKnown:
       break;
   }

@@ -24,6 +24,7 @@ enum class SkipReason : std::uint8_t {
   kLate,
   kLink,
   kLeftOut,
+  kTrigger,
 };
 
 /// What became of one armed point.

@@ -33,10 +33,22 @@ TEST(VirtualTruth, IsWhatTheProfileReportsAndWhatIsMounted) {
   EXPECT_EQ(truth.block().origin_mm().y(), 7);
   EXPECT_EQ(truth.block().refractive_index(), 1.52);
   EXPECT_EQ(truth.block().numerical_aperture(), 0.2);
+  PulseTiming& timing = *machine.mutable_laser()->mutable_timing();
+  EXPECT_FALSE(truth.laser().has_trigger_max_delay_us());
+  timing.set_max_qswitch_delay_us(30);
+  timing.set_min_qswitch_width_us(90);
+  timing.set_min_sync_width_us(4);
+  timing.set_min_sensor_width_us(40);
+  timing.set_shutter_time_ms(12);
   machine.mutable_second_order()->set_natural_frequency_hz(120);
   machine.mutable_second_order()->set_damping_ratio(0.7);
   const MachineTruth second =
       TruthOf(machine, {Vec3(50, 60, 70), 1.52, optics::Lens{43, 0.2}});
+  EXPECT_EQ(second.laser().trigger_max_delay_us(), 30);
+  EXPECT_EQ(second.laser().trigger_min_width_us(), 90);
+  EXPECT_GT(second.laser().sync_width_us(), 4);
+  EXPECT_GT(second.laser().sensor_width_us(), 40);
+  EXPECT_EQ(second.laser().shutter_time_ms(), 12);
   EXPECT_FALSE(second.stage().has_first_order_lag_s());
   EXPECT_EQ(second.stage().second_order().natural_frequency_hz(), 120);
   EXPECT_EQ(second.stage().second_order().damping_ratio(), 0.7);

@@ -195,6 +195,23 @@ TEST_F(EngravingTest, PausesWhenAStageIsBehindForGood) {
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 
+// Not a run that starts again and again: the trigger is late for good.
+TEST_F(EngravingTest, PausesWhenTheLaserDoesNotTakeTheTrigger) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(20));
+  cell_.laser.trigger_late = true;
+  ASSERT_TRUE(cell_.StepUntil([&] { return cell_.engraving->faulted(); }, 60s));
+  EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("laser.timing"));
+  EXPECT_TRUE(std::any_of(
+      cell_.results.begin(), cell_.results.end(),
+      [](const PulseResult& r) { return r.reason == SkipReason::kTrigger; }));
+  cell_.laser.trigger_late = false;
+  cell_.GrantAnew();
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 60);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
 TEST_F(EngravingTest, StartsAgainWhenTheRunCameTooLate) {
   cell_.stage.deaf = true;
   cell_.Grant();

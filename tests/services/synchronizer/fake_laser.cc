@@ -148,6 +148,7 @@ TickOutcome FakeLaser::OutcomeAt(bool fire, bool gated, bool in_position) const 
     return TickOutcome::kInterlocked;
   if (!warm()) return TickOutcome::kLampNotReady;
   if (OpenNow() == 0) return TickOutcome::kShutterClosed;
+  if (trigger_late) return TickOutcome::kTriggerOutside;
   return blind ? TickOutcome::kFiredUnseen : TickOutcome::kFiredSeen;
 }
 

@@ -355,5 +355,106 @@ TEST(Laser, WildWindowsDoNothing) {
   EXPECT_NE(laser.AdvanceTick(false), 0);
 }
 
+/// Outcome of one armed tick of a ready laser with this timing, and whether it fired.
+std::pair<TickOutcome, bool> PulseWith(const link::PulseTiming& timing,
+                                       const LaserSignals& signals,
+                                       bool at_place = false) {
+  LaserOptions options = Quick();
+  options.signals = signals;
+  Laser laser(options);
+  laser.SetTiming(timing);
+  laser.SetLamp({true, 100});
+  for (int i = 0; i < 10; ++i) laser.AdvanceTick(false);
+  laser.SetShutters(1);
+  laser.Decide({11, true, {true}, at_place});
+  const bool fired = laser.AdvanceTick(true) != 0;
+  if (fired) laser.Seen(true);
+  EXPECT_EQ(laser.Report().pulse_count, fired ? 1u : 0u);
+  return {OutcomesOf(laser).at(11), fired};
+}
+
+// Trochimczuk 2008, annex D: within 20 us of the lamp sync, at least 100 us long.
+TEST(LaserTrigger, OutsideItsTimesMakesNoPulseAndIsReported) {
+  for (const double shift_us : {-100.0, -6.0, -5.0, 0.0, 14.9, 15.0, 15.1, 40.0, 500.0}) {
+    LaserSignals shifted;
+    shifted.trigger_shift_us = shift_us;
+    const bool inside = 5 + shift_us >= 0 && 5 + shift_us <= 20;
+    EXPECT_EQ(PulseWith({}, shifted),
+              std::pair(inside ? TickOutcome::kFiredSeen : TickOutcome::kTriggerOutside,
+                        inside))
+        << shift_us;
+    // The trigger of the compare output has no time from the lamp sync.
+    EXPECT_TRUE(PulseWith({}, shifted, true).second) << shift_us;
+    // The controller makes up for its cable.
+    link::PulseTiming made_up;
+    made_up.qswitch_delay_us = 10 - shift_us;
+    if (made_up.qswitch_delay_us >= 0) {
+      EXPECT_TRUE(PulseWith(made_up, shifted).second);
+    }
+  }
+  for (const double width_us : {0.0, 50.0, 99.9, 100.0, 120.0, 1000.0}) {
+    link::PulseTiming timing;
+    timing.qswitch_width_us = width_us;
+    EXPECT_EQ(PulseWith(timing, {}).second, width_us >= 100) << width_us;
+    EXPECT_EQ(PulseWith(timing, {}, true).second, width_us >= 100) << width_us;
+  }
+}
+
+TEST(LaserTrigger, AFlashIsSeenByASignalThatIsLongEnough) {
+  for (const double width_us : {5.0, 10.0, 10.1, 25.0}) {
+    LaserSignals signals;
+    signals.sensor_width_us = width_us;
+    EXPECT_EQ(PulseWith({}, signals).first,
+              width_us > 10 ? TickOutcome::kFiredSeen : TickOutcome::kFiredUnseen)
+        << width_us;
+  }
+}
+
+TEST(LaserSync, ThatIsTooShortIsNotCounted) {
+  LaserOptions options = Quick();
+  for (const double width_us : {1.0, 2.0, 2.1, 5.0}) {
+    options.signals.sync_width_us = width_us;
+    const Laser laser(options);
+    EXPECT_EQ(laser.CountsSync(), width_us > 2) << width_us;
+    EXPECT_EQ((laser.Report().interlocks & link::kNoLampSync) != 0, width_us <= 2);
+  }
+}
+
+/// Channels that get light at each of 12 armed ticks, channel 1 open; at the third tick
+/// channel 2 takes its place.
+std::vector<std::uint8_t> LightWhileShuttersChange(double waits_ms, double takes_ms,
+                                                   std::vector<std::uint8_t>* reported) {
+  LaserOptions options = Quick();
+  options.signals.shutter_time_s = takes_ms / 1000;
+  Laser laser(options);
+  link::PulseTiming timing;
+  timing.shutter_time_ms = waits_ms;
+  laser.SetTiming(timing);
+  laser.SetLamp({true, 100});
+  laser.SetShutters(1);
+  for (int i = 0; i < 20; ++i) laser.AdvanceTick(false);
+  laser.Decide({21, false, std::vector<bool>(12, true)});
+  std::vector<std::uint8_t> light;
+  for (int i = 0; i < 12; ++i) {
+    if (i == 3) laser.SetShutters(2);
+    light.push_back(laser.AdvanceTick(false));
+    reported->push_back(laser.Report().shutters_open);
+  }
+  return light;
+}
+
+// Ticks of 10 ms. Without the wait a shutter that closes for 35 ms lets three pulses into
+// the block of its channel, and the first ones of the other are not whole.
+TEST(LaserShutters, NoPulseWhileOneMoves) {
+  using Masks = std::vector<std::uint8_t>;
+  Masks reported;
+  EXPECT_EQ(LightWhileShuttersChange(0, 35, &reported),
+            (Masks{1, 1, 1, 3, 3, 3, 3, 2, 2, 2, 2, 2}));
+  reported.clear();
+  EXPECT_EQ(LightWhileShuttersChange(35, 35, &reported),
+            (Masks{1, 1, 1, 0, 0, 0, 0, 2, 2, 2, 2, 2}));
+  EXPECT_EQ(reported, (Masks{1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2}));
+}
+
 }  // namespace
 }  // namespace intaglio::virtual_engraver

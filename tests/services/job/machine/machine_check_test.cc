@@ -71,6 +71,31 @@ TEST(MachineCheck, CorrectionsAreSmall) {
             "cartesian.squareness_xy_rad: 0.5 is outside -0.1..0.1\n");
 }
 
+// Trochimczuk 2008, annex D: within 20 us of the lamp sync, at least 100 us long.
+TEST(MachineCheck, TheTriggerIsWithinTheLasersTimes) {
+  const auto timing = [](MachineSpec& m) { return m.mutable_laser()->mutable_timing(); };
+  EXPECT_EQ(ErrorsOf([&](auto& m) { timing(m)->set_qswitch_delay_us(20); }), "");
+  EXPECT_THAT(ErrorsOf([&](auto& m) { timing(m)->set_qswitch_delay_us(20.5); }),
+              HasSubstr("laser.timing.qswitch_delay_us: 20.5 is later than"));
+  EXPECT_THAT(ErrorsOf([&](auto& m) { timing(m)->set_max_qswitch_delay_us(4); }),
+              HasSubstr("laser.timing.qswitch_delay_us: 5 is later than"));
+  EXPECT_THAT(ErrorsOf([&](auto& m) { timing(m)->set_qswitch_width_us(99); }),
+              HasSubstr("laser.timing.qswitch_width_us: 99 is shorter than"));
+  EXPECT_THAT(ErrorsOf([&](auto& m) { timing(m)->set_min_qswitch_width_us(121); }),
+              HasSubstr("laser.timing.qswitch_width_us: 120 is shorter than"));
+  // 4 kHz are 250 us.
+  const auto at_4_khz = [&](double width_us) {
+    return ErrorsOf([&](auto& m) {
+      m.mutable_laser()->add_rates_hz(4000);
+      timing(m)->set_qswitch_width_us(width_us);
+    });
+  };
+  EXPECT_EQ(at_4_khz(244), "");
+  EXPECT_THAT(at_4_khz(245), HasSubstr("until the next one at 4000 Hz; reduce it"));
+  EXPECT_EQ(ErrorsOf([&](auto& m) { timing(m)->set_shutter_time_ms(1001); }),
+            "laser.timing.shutter_time_ms: 1001 is outside 0..1000\n");
+}
+
 TEST(LaserSetting, IsLinearBetweenTheMeasurements) {
   MachineSpec machine = GoodMachine();
   EXPECT_FALSE(LaserSettingFor(machine.laser(), 10).has_value());

@@ -79,6 +79,7 @@ const std::map<std::string, Taker> kTakers = {{"LampCommand", Taken<LampCommand>
                                               {"PulseReport", Taken<PulseReport>},
                                               {"PastRequest", Taken<PastRequest>},
                                               {"PastReport", Taken<PastReport>},
+                                              {"PulseTiming", Taken<PulseTiming>},
                                               {"BeginRun", Taken<BeginRun>},
                                               {"Segments", Taken<Segments>},
                                               {"MotionIdentity", Taken<MotionIdentity>},
@@ -133,7 +134,16 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<LaserIdentity>(Encode(LaserIdentity{1, true, 1, {NAN}, ""})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(8)}})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {}})));
-  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(9)}})));
+  EXPECT_FALSE(
+      Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(10)}})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(7)}})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(10)}})));
+  EXPECT_TRUE(Taken<PulseTiming>(Encode(PulseTiming{0, 10000, 0, 10000, 1000})));
+  EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{-0.1, 120, 2, 10, 0})));
+  EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 10001, 2, 10, 0})));
+  EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 120, NAN, 10, 0})));
+  EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 120, 2, INFINITY, 0})));
+  EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 120, 2, 10, 1001})));
   EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {}})));
   EXPECT_FALSE(Taken<PastReport>(
       Encode(PastReport{1, std::vector<TickOutcome>(kMaxReportTicks + 1)})));
@@ -170,7 +180,7 @@ TEST(Protocols, AStatusOutOfRangeIsRefused) {
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::warm_ratio, NAN)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, -1.0)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::rate_hz, INFINITY)));
-  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::interlocks, 0x40)));
+  EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::interlocks, 0x80)));
   EXPECT_FALSE(Taken<LaserStatus>(changed(&LaserStatus::shutters_open, 0x10)));
   MotionStatus fault;
   fault.fault = static_cast<StageFault>(8);

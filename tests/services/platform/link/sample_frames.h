@@ -47,6 +47,8 @@ inline std::vector<SampleFrame> SampleFrames() {
       {"Reset", laser(LaserFrame::kLaserReset), {}},
       {"StatusRequest", laser(LaserFrame::kLaserStatusRequest), {}},
       {"PastRequest", laser(LaserFrame::kPastRequest), Encode(PastRequest{4711, 512})},
+      {"PulseTiming", laser(LaserFrame::kPulseTiming),
+       Encode(PulseTiming{7.5, 150, 3, 12, 40})},
       {"LaserIdentity", laser(LaserFrame::kLaserIdentity),
        Encode(LaserIdentity{0xC0FFEE, true, 4, {50, 100}, "virtual", "A-03", true})},
       {"LaserStatus", laser(LaserFrame::kLaserStatus),

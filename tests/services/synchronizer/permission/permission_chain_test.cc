@@ -16,7 +16,7 @@ namespace {
 using State = PermissionChain::State;
 using namespace std::chrono_literals;
 
-constexpr unsigned kLinks = 12;
+constexpr unsigned kLinks = 13;
 constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
                                                &ChainLinks::permission_granted,
                                                &ChainLinks::stop_not_pressed,
@@ -25,12 +25,13 @@ constexpr bool ChainLinks::*kMember[kLinks] = {&ChainLinks::permission_fresh,
                                                &ChainLinks::door_closed,
                                                &ChainLinks::stop_released,
                                                &ChainLinks::no_safe_state,
+                                               &ChainLinks::lamp_sync_counted,
                                                &ChainLinks::lamp_warm,
                                                &ChainLinks::motion_fresh,
                                                &ChainLinks::motion_without_fault,
                                                &ChainLinks::shutters_open};
 constexpr unsigned kAll = (1u << kLinks) - 1;
-constexpr unsigned kShutters = 1u << 11;
+constexpr unsigned kShutters = 1u << 12;
 
 ChainLinks LinksOfBits(unsigned bits, Grant grant = {1, 0}) {
   ChainLinks links;
