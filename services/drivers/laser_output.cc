@@ -16,6 +16,9 @@ constexpr auto kSilenceLimit = 250ms;
 constexpr auto kHostIsGone = 2s;
 // More than a host sends ahead; a driver that takes none for so long is no laser.
 constexpr std::size_t kMaxCommands = 256;
+// A driver takes what it has no room for within a turn or two of its line. What it
+// refuses for longer it refuses for good, until a Reset.
+constexpr auto kRoomPatience = kSilenceLimit;
 constexpr std::size_t kMaxOutgoing = 4096;
 
 }  // namespace
@@ -46,6 +49,7 @@ void LaserOutput::EnterSafeState() {
   safe_state_ = true;
   close_owed_ = true;
   commands_.clear();
+  refused_at_.reset();
   CloseLaser();
 }
 
@@ -111,6 +115,7 @@ void LaserOutput::BeginSession() {
   serving_ = false;
   outgoing_.clear();
   commands_.clear();
+  refused_at_.reset();
   disarms_taken_ = disarms_confirmed_ = disarms_sent_ = 0;
   disarm_owed_ = true;
   status_number_ = 0;
@@ -138,6 +143,7 @@ void LaserOutput::Take(LaserFrame type, std::span<const std::byte> payload) {
       std::erase_if(commands_, [](const Frame& frame) {
         return frame.type == LaserFrame::kShutterCommand;
       });
+      refused_at_.reset();
       if (const auto shutter = link::Decode<link::ShutterCommand>(payload);
           shutter && shutter->open_mask == 0 && laser_.OpenShutters(0)) {
         return;
@@ -151,6 +157,7 @@ void LaserOutput::Take(LaserFrame type, std::span<const std::byte> payload) {
 void LaserOutput::TakeAtOnce(LaserFrame type) {
   std::erase_if(commands_,
                 [](const Frame& frame) { return frame.type == LaserFrame::kArmWindow; });
+  refused_at_.reset();
   if (type == LaserFrame::kDisarm) {
     ++disarms_taken_;
     disarm_owed_ = true;
@@ -167,9 +174,22 @@ void LaserOutput::Queue(LaserFrame type, std::span<const std::byte> payload) {
 void LaserOutput::PassCommandsOn() {
   while (!commands_.empty() && !close_owed_ && !disarm_owed_ && !stop_owed_ &&
          laser_.CanSend()) {
-    if (!PassOn(commands_.front())) return;
+    if (!PassOn(commands_.front()) && !MustGiveUp()) return;
+    refused_at_.reset();
     commands_.pop_front();
   }
+}
+
+// The first command was refused. It is repeated for a while, but it never keeps a Reset
+// from the laser, which may be what it waits for.
+bool LaserOutput::MustGiveUp() {
+  if (!refused_at_) refused_at_ = clock_();
+  const bool reset_waits = std::any_of(
+      commands_.begin() + 1, commands_.end(),
+      [](const Frame& frame) { return frame.type == LaserFrame::kLaserReset; });
+  if (!reset_waits && clock_() - *refused_at_ < kRoomPatience) return false;
+  if (commands_.front().type == LaserFrame::kArmWindow) ReportLate(commands_.front());
+  return true;
 }
 
 bool LaserOutput::PassOn(const Frame& command) {
@@ -213,6 +233,7 @@ Status LaserOutput::Obey(const Frame& command) {
 // The driver takes it never: it fires nothing, and its points are known at once.
 void LaserOutput::ReportLate(const Frame& command) {
   const auto window = link::Decode<link::ArmWindow>(command.payload);
+  if (!window) return;
   for (std::size_t i = 0; i < window->fire.size(); ++i) {
     if (!window->fire[i]) continue;
     Send(

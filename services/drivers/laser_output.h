@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 
 #include "services/drivers/laser_controller.h"
 #include "services/platform/link/reliable_link.h"
@@ -65,6 +66,7 @@ class LaserOutput {
   void CloseLaser();
   void PassCommandsOn();
   bool PassOn(const Frame& command);
+  bool MustGiveUp();
   Status Obey(const Frame& command);
   void ReportLate(const Frame& command);
   void Identify();
@@ -83,6 +85,7 @@ class LaserOutput {
   bool close_owed_ = true, disarm_owed_ = false, stop_owed_ = false;
   std::deque<Frame> commands_;  // of the host, in order, not passed on yet
   std::deque<Frame> outgoing_;  // to the host
+  std::optional<std::chrono::nanoseconds> refused_at_;  // the first command, since then
   std::uint32_t disarms_taken_ = 0, disarms_confirmed_ = 0, disarms_sent_ = 0;
   bool status_asked_ = false;
   std::uint64_t status_number_ = 0;

@@ -9,6 +9,7 @@
 #include "tests/services/cell/one_controller_rig.h"
 #include "tests/services/drivers/laser_bench.h"
 #include "tests/services/drivers/motion_output_rig.h"
+#include "tests/services/drivers/planted/laser_wrapper.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -115,6 +116,50 @@ TEST_F(MotionOutput, ASynchronizerThatHangsLosesTheLaserForTheNextOne) {
   rig->CutLine(false);
   rig->KillSynchronizer();
   ExpectClosed(armed, armed.front() + 20 + 27);
+}
+
+/// In its safe state it has no room for anything but a Reset.
+class RefusesInItsSafeState final : public LaserWrapper {
+ public:
+  using LaserWrapper::LaserWrapper;
+  Status OpenShutters(std::uint8_t mask) override {
+    return mask != 0 && Has(link::kSafeState) ? No() : inner_->OpenShutters(mask);
+  }
+  Status Arm(const link::ArmWindow& window) override {
+    return Has(link::kSafeState) ? No() : inner_->Arm(window);
+  }
+
+ private:
+  static Status No() { return Fail(ErrorCode::kRefused, "the safe state lasts"); }
+};
+
+// A command that is refused for good is repeated for a while; a Reset passes it at once.
+TEST(MotionOutputOf, ARefusedCommandKeepsNoResetFromTheLaser) {
+  for (const auto wait : {20ms, 500ms}) {
+    LaserBench bench([](const std::string&) {
+      auto inner = cell::MakeOneControllerLaserRig();
+      inner->driver = std::make_unique<RefusesInItsSafeState>(std::move(inner->driver));
+      return std::make_unique<MotionOutputRig>(std::move(inner), CutLineOf::kSynchronizer,
+                                               "");
+    });
+    bench.ConnectAndPrepare();
+    EXPECT_TRUE(bench.driver().Stop());
+    ASSERT_TRUE(bench.Until([&] { return bench.driver().Has(link::kSafeState); }));
+    const std::uint64_t first = bench.tick() + 10;
+    EXPECT_TRUE(bench.driver().OpenShutters(1));
+    EXPECT_TRUE(bench.driver().Arm({first, false, {true, true}}));
+    bench.ExpectNoPulseFor(wait, "in the safe state");
+    bench.ExpectGoodWindow();
+    // Its points are known: they never came.
+    std::size_t late = 0;
+    for (const link::PulseReport& report : bench.rig().reports)
+      late += report.first_tick == first || report.first_tick == first + 1
+                  ? static_cast<std::size_t>(std::count(report.outcome.begin(),
+                                                        report.outcome.end(),
+                                                        link::TickOutcome::kTooLate))
+                  : 0;
+    EXPECT_EQ(late, 2u);
+  }
 }
 
 TEST(MotionOutputOf, AMotionControllerThatOnlyMovesIsRefused) {
