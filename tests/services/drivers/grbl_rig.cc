@@ -121,7 +121,7 @@ void GrblLaserRig::SwitchOn() {
   fired_.clear();
 }
 
-// What holds instead: grbl_conformance_test.cc.
+// What holds instead: planted/grbl_checks.cc.
 std::string GrblLaserRig::stated_violation(std::string_view check) const {
   if (check == "L9_interlocks") return "L9: lettings go are not counted";
   if (check == "L7L8_cut" || check == "L7_cut_at_any_byte")

@@ -1,11 +1,8 @@
-// What holds of the grbl family where it cannot keep a guarantee of every laser driver
-// (LaserRig::stated_violation of its rig): the conformance test fails when such a
-// violation is not found any more, this one when less holds than is stated here.
-
-#include <gtest/gtest.h>
+#include "tests/services/drivers/planted/grbl_checks.h"
 
 #include <algorithm>
-#include <set>
+#include <array>
+#include <optional>
 
 #include "tests/services/drivers/grbl_rig.h"
 #include "tests/services/drivers/laser_bench.h"
@@ -18,9 +15,10 @@ using link::TickOutcome;
 
 /// A bench whose rig shows the controller.
 struct GrblBench {
-  GrblBench()
-      : bench([this](const std::string& serial_number) {
+  explicit GrblBench(const LaserPlant& plant)
+      : bench([this, &plant](const std::string& serial_number) {
           auto made = std::make_unique<GrblLaserRig>(serial_number);
+          if (plant) made->driver = plant(std::move(made->driver));
           rig = made.get();
           return made;
         }) {}
@@ -54,8 +52,9 @@ void ExpectMemoryWithUncertain(GrblBench& grbl, std::uint64_t first) {
 }
 
 /// There is no watchdog: it runs out what it has, and is dark at rest, always.
-void ACutLineLeavesItDarkAndBounded(std::optional<std::uint64_t> after_bytes) {
-  GrblBench grbl;
+void ExpectDarkAfterACut(const LaserPlant& plant,
+                         std::optional<std::uint64_t> after_bytes) {
+  GrblBench grbl(plant);
   LaserBench& bench = grbl.bench;
   bench.ConnectAndPrepare();
   const std::uint64_t first = bench.tick() + 1, session = bench.driver().session();
@@ -87,8 +86,8 @@ void ACutLineLeavesItDarkAndBounded(std::optional<std::uint64_t> after_bytes) {
 }
 
 /// Openings without a host are seen as one: the door's state is latched.
-void AnOpeningWithoutAHostIsSeen() {
-  GrblBench grbl;
+void AnOpeningWithoutAHostIsSeen(const LaserPlant& plant) {
+  GrblBench grbl(plant);
   LaserBench& bench = grbl.bench;
   bench.ConnectAndPrepare();
   const std::uint32_t openings = bench.driver().status().openings;
@@ -105,16 +104,33 @@ void AnOpeningWithoutAHostIsSeen() {
   bench.ExpectGoodWindow();
 }
 
-TEST(GrblConformance, ACutLineLeavesItDarkAtRestAndAtMost16PointsUncertain) {
-  EXPECT_NO_THROW(ACutLineLeavesItDarkAndBounded(std::nullopt));
+void ACutLineLeavesItDark(const LaserPlant& plant) {
+  ExpectDarkAfterACut(plant, std::nullopt);
+}
+
+void ALineCutAtAnyByteLeavesItDark(const LaserPlant& plant) {
   for (std::uint64_t bytes = 0; bytes < 300; bytes += 17) {
-    EXPECT_NO_THROW(ACutLineLeavesItDarkAndBounded(bytes)) << bytes;
+    ExpectDarkAfterACut(plant, bytes);
   }
 }
 
-TEST(GrblConformance, OpeningsWithoutAHostAreSeenAsOne) {
-  EXPECT_NO_THROW(AnOpeningWithoutAHostIsSeen());
-}
+constexpr std::array kChecks = {
+    GrblCheck{"L7L8_cut", &ACutLineLeavesItDark},
+    GrblCheck{"L7_cut_at_any_byte", &ALineCutAtAnyByteLeavesItDark},
+    GrblCheck{"L9_openings", &AnOpeningWithoutAHostIsSeen},
+};
 
 }  // namespace
+
+std::span<const GrblCheck> GrblChecks() { return kChecks; }
+
+std::string ViolationOf(const GrblCheck& check, const LaserPlant& plant) {
+  try {
+    check.run(plant);
+    return "";
+  } catch (const std::runtime_error& violation) {
+    return violation.what();
+  }
+}
+
 }  // namespace intaglio::drivers
