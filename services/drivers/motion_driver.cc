@@ -6,7 +6,9 @@
 
 #include "engrave/core/try.h"
 #include "services/drivers/grbl/grbl_driver.h"
+#include "services/drivers/grbl/grbl_settings.h"
 #include "services/drivers/isel/isel_driver.h"
+#include "services/drivers/linuxcnc/hal_limits.h"
 #include "services/drivers/linuxcnc/linuxcnc_driver.h"
 #include "services/drivers/virtual_cell_driver.h"
 #include "services/drivers/virtual_stage_driver.h"
@@ -18,9 +20,11 @@ namespace {
 constexpr std::array kMotionKinds = {
     MotionDriverKind{"virtual-stage", true, &MakeVirtualStageDriver},
     MotionDriverKind{"virtual-cell", true, &MakeVirtualCellDriver, true},
-    MotionDriverKind{"grbl", true, &MakeGrblDriver, true},
+    MotionDriverKind{"grbl", true, &MakeGrblDriver, true, &CheckGrblProfile,
+                     &CompareGrblController},
     MotionDriverKind{"isel", true, &MakeIselDriver, true},
-    MotionDriverKind{"linuxcnc", false, &MakeLinuxcncDriver, true},
+    MotionDriverKind{"linuxcnc", false, &MakeLinuxcncDriver, true, &CheckLinuxcncProfile,
+                     &CompareLinuxcnc},
 };
 
 }  // namespace
@@ -60,6 +64,10 @@ Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machin
   const SerialLine& line = machine.motion_line();
   const auto kind = INTAGLIO_TRY(link::FindDriver(
       MotionDriverKinds(), {"motion_line", line.protocol(), line.device()}));
+  if (kind->check != nullptr) {
+    if (const auto errors = kind->check(machine); !errors.empty())
+      return tl::unexpected(errors.front());
+  }
   return kind->make(machine, link::EndpointOpener(line.device(), line.baud()),
                     link::MonotonicClock());
 }

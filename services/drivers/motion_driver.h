@@ -144,6 +144,14 @@ struct MotionDriverKind {
   std::unique_ptr<MotionDriver> (*make)(const MachineSpec& machine,
                                         link::StreamOpener open, link::SteadyClock clock);
   bool switches_laser = false;  ///< what it makes has a laser()
+  /// What it needs of a profile and does not find, each error beginning with the field;
+  /// null: nothing beyond what every machine needs.
+  std::vector<Error> (*check)(const MachineSpec& machine) = nullptr;
+  /// What a controller on the line reports and the profile has otherwise
+  /// (services/drivers/profile_check.h); null: the family reports nothing.
+  Result<std::vector<Error>> (*compare)(const MachineSpec& machine,
+                                        const link::StreamOpener& open,
+                                        const link::SteadyClock& clock) = nullptr;
 };
 
 /// All there are.
@@ -154,7 +162,8 @@ std::span<const MotionDriverKind> MotionDriverKinds();
 Status CheckMotionOutput(const MachineSpec& machine);
 
 /// The driver that the machine's motion_line names, on its device and the clock of this
-/// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device.
+/// computer. kUnsupported lists what there is; kMissing, kInvalidValue: its device, or
+/// what this family needs of a profile, by name.
 Result<std::unique_ptr<MotionDriver>> MakeMotionDriver(const MachineSpec& machine);
 
 }  // namespace intaglio::drivers

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "services/drivers/linuxcnc/hal_limits.h"
 #include "services/drivers/linuxcnc/hal_text.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -16,6 +17,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (const auto identity = ParseIdentity(text)) {
     if (identity->power_up == 0 || identity->period_ns < 50'000) std::abort();
+  }
+  for (const auto& [pin, value] : ParseHalPins(text)) {
+    if (!std::isfinite(value) || pin.size() > size) std::abort();
   }
   if (ParsePulses(text).size() > size / 2) std::abort();
   return 0;

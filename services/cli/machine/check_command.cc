@@ -10,7 +10,9 @@
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
 #include "engrave/post/point_program.h"
+#include "proto/machine_report.pb.h"
 #include "services/cli/complain.h"
+#include "services/cli/json/print_json.h"
 #include "services/cli/machine/machine_command.h"
 #include "services/client/exit_codes.h"
 #include "services/client/machine/device_comparison.h"
@@ -26,7 +28,7 @@ namespace fs = std::filesystem;
 
 struct CheckOptions {
   std::string profile;
-  bool offline = false;
+  bool offline = false, json = false;
 };
 
 /// The profile's template, if it names one.
@@ -39,32 +41,59 @@ Status CheckPost(const MachineSpec& machine) {
   return {};
 }
 
-std::vector<Error> FindAll(const MachineSpec& machine) {
+ProfileFinding FindingOf(const Error& error) {
+  ProfileFinding finding;
+  finding.set_field(error.message.substr(0, error.message.find(": ")));
+  finding.set_message(error.message);
+  return finding;
+}
+
+void FindAll(const MachineSpec& machine, MachineCheck& check) {
   std::vector<Error> found = CheckMachine(machine);
   if (const Status post = CheckPost(machine); !post) {
     Error error = post.error();
     error.message = "post: " + error.message;
     found.push_back(std::move(error));
   }
-  return found;
+  for (Error& error : client::CheckDriversOf(machine)) found.push_back(std::move(error));
+  for (const Error& error : found) *check.add_findings() = FindingOf(error);
 }
 
-/// How many differences were printed.
-int PrintDevices(const MachineSpec& machine) {
-  int count = 0;
-  for (const auto& line : client::CompareDevices(machine, link::MonotonicClock())) {
-    if (!line.not_compared.empty()) {
-      std::cout << line.line << ": not compared with the device: " << line.not_compared
-                << "\n";
-    } else if (line.differences.empty()) {
-      std::cout << line.line << ": the device agrees with the profile\n";
-    }
-    for (const Error& difference : line.differences) {
-      std::cout << difference.message << "\n";
-      ++count;
-    }
+void CompareDevices(const MachineSpec& machine, MachineCheck& check) {
+  for (const auto& compared : client::CompareDevices(machine, link::MonotonicClock())) {
+    CheckedLine& line = *check.add_lines();
+    line.set_line(compared.line);
+    line.set_not_compared(compared.not_compared);
+    for (const Error& error : compared.differences)
+      *line.add_differences() = FindingOf(error);
   }
+}
+
+int CountOf(const MachineCheck& check) {
+  int count = check.findings_size();
+  for (const CheckedLine& line : check.lines()) count += line.differences_size();
   return count;
+}
+
+void PrintText(const MachineCheck& check) {
+  for (const ProfileFinding& finding : check.findings())
+    std::cout << finding.message() << "\n";
+  for (const CheckedLine& line : check.lines()) {
+    if (!line.not_compared().empty()) {
+      std::cout << line.line()
+                << ": not compared with the device: " << line.not_compared() << "\n";
+    } else if (line.differences().empty()) {
+      std::cout << line.line() << ": the device agrees with the profile\n";
+    }
+    for (const ProfileFinding& difference : line.differences())
+      std::cout << difference.message() << "\n";
+  }
+  if (check.good()) {
+    std::cout << check.machine() << ": good, " << check.profile() << "\n";
+  } else {
+    std::cout << fmt::format("{}: {} to correct; every field: docs/machines/profile.md\n",
+                             check.profile(), CountOf(check));
+  }
 }
 
 int Check(const CheckOptions& options) {
@@ -73,19 +102,19 @@ int Check(const CheckOptions& options) {
   if (!file) return Complain(file.error());
   const auto machine = ReadUncheckedMachine(*file);
   if (!machine) return Complain(machine.error());
-  const std::vector<Error> found = FindAll(*machine);
-  for (const Error& error : found) std::cout << error.message << "\n";
-  int count = static_cast<int>(found.size());
-  if (found.empty() && !options.offline) {
-    count += PrintDevices(WithMachineDefaults(*machine));
+  MachineCheck check;
+  check.set_machine(machine->name());
+  check.set_profile(file->string());
+  FindAll(*machine, check);
+  if (check.findings().empty() && !options.offline)
+    CompareDevices(WithMachineDefaults(*machine), check);
+  check.set_good(CountOf(check) == 0);
+  if (options.json) {
+    if (const int failed = PrintJson(check); failed != client::kExitGood) return failed;
+  } else {
+    PrintText(check);
   }
-  if (count == 0) {
-    std::cout << machine->name() << ": good, " << file->string() << "\n";
-    return client::kExitGood;
-  }
-  std::cout << fmt::format("{}: {} to correct; every field: docs/machines/profile.md\n",
-                           file->string(), count);
-  return client::kExitWrongInput;
+  return check.good() ? client::kExitGood : client::kExitWrongInput;
 }
 
 }  // namespace
@@ -100,10 +129,12 @@ void AddMachineCheckCommand(command_line::Command machine) {
       .Require();
   check.AddFlag("--offline", options->offline,
                 "does not open the lines to compare with the devices");
+  check.AddFlag("--json", options->json, "prints the findings as JSON");
   check.SetFooter(
       "A good profile is also compared with what the devices on its lines report: serial "
-      "numbers, rates, channels, travel, tolerance. A line that another program uses is "
-      "left alone.\n"
+      "numbers, rates, channels, travel, tolerance; the settings of a grbl; the limits "
+      "of "
+      "LinuxCNC's HAL. A line that another program uses is left alone.\n"
       "Example: intaglio machine check els-03\n"
       "Exit code: 0 good, 2 something has to be corrected.");
   check.SetAction([options] { return Check(*options); });

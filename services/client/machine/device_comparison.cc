@@ -9,6 +9,8 @@
 #include <cmath>
 #include <functional>
 
+#include "services/drivers/laser_controller.h"
+#include "services/drivers/profile_check.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/position_tolerance.h"
 #include "services/platform/link/line_session.h"
@@ -93,6 +95,16 @@ void CompareMotionLine(const MachineSpec& machine, const link::SteadyClock& cloc
   comparison.differences = CompareStage(machine, *identity, tolerance);
 }
 
+void CompareByDriver(const MachineSpec& machine, const link::SteadyClock& clock,
+                     DeviceComparison& comparison) {
+  auto differences = drivers::CompareMotionController(machine, clock);
+  if (differences) {
+    comparison.differences = std::move(*differences);
+  } else {
+    comparison.not_compared = differences.error().message;
+  }
+}
+
 }  // namespace
 
 std::vector<Error> CompareLaser(const MachineSpec& machine,
@@ -152,6 +164,10 @@ std::vector<Error> CompareStage(const MachineSpec& machine,
   return found;
 }
 
+std::vector<Error> CheckDriversOf(const MachineSpec& machine) {
+  return drivers::CheckDrivers(machine);
+}
+
 std::vector<DeviceComparison> CompareDevices(const MachineSpec& machine,
                                              const link::SteadyClock& clock) {
   struct Reader {
@@ -166,11 +182,13 @@ std::vector<DeviceComparison> CompareDevices(const MachineSpec& machine,
         comparison.line == "laser_line" ? machine.laser_line() : machine.motion_line();
     const auto* reader = std::ranges::find_if(
         kReaders, [&](const Reader& r) { return line.protocol() == r.protocol; });
-    if (line.device().empty()) {
+    const bool output = line.protocol() == drivers::kMotionOutput;
+    if (line.device().empty() && !output) {
       comparison.not_compared = "the profile has no device for it";
+    } else if (output) {
+      comparison.not_compared = "it is an output of the motion controller";
     } else if (reader == std::end(kReaders)) {
-      comparison.not_compared = fmt::format(
-          "controllers of the protocol {} report no identity", line.protocol());
+      CompareByDriver(machine, clock, comparison);
     } else {
       reader->compare(machine, clock, comparison);
     }

@@ -1,7 +1,8 @@
 #pragma once
 
 // What the devices of a machine report, against its profile. Reading a device commands
-// nothing: it opens the line, takes the identity and closes the line again.
+// neither motion nor a pulse: it opens the line, takes what the device reports of itself
+// and closes the line again.
 
 #include <optional>
 #include <string>
@@ -29,6 +30,9 @@ struct DeviceComparison {
   std::string not_compared;  ///< why it was not compared; empty: it was
   std::vector<Error> differences;
 };
+
+/// What is wrong with the profile for its drivers (drivers::CheckDrivers).
+std::vector<Error> CheckDriversOf(const MachineSpec& machine);
 
 /// Both lines of the profile. A line that another program has, that leads nowhere or
 /// whose protocol has no identity is not compared, and not disturbed; a device that does

@@ -176,7 +176,6 @@ class GrblDriver final : public MotionDriver, public LaserController {
   ProgressTicks ticks_;
   double rate_hz_, warm_up_s_;
   std::vector<double> rates_hz_;
-  std::string profile_error_;
 
   DriverState state_;
   GrblStatus grbl_;

@@ -1,11 +1,13 @@
 // `intaglio machine new` and `check`, as a person calls them.
 
 #include <gmock/gmock.h>
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "proto/machine_report.pb.h"
 #include "services/cli/intaglio_program.h"
 #include "services/job/job_file.h"
 #include "tests/test_folder.h"
@@ -108,6 +110,7 @@ TEST_F(MachineCommand, CheckPrintsEverythingAtOnce) {
   machine.set_mounted_lens("f50");
   machine.set_post("linuxcn");
   machine.mutable_laser_line()->set_device("tcp:nowhere");
+  machine.mutable_motion_line()->set_protocol("no-such-family");
   ASSERT_TRUE(WriteMachineFile(profile(), machine));
   EXPECT_EQ(Run({"machine", "check", profile().string()}), 2);
   EXPECT_THAT(out_, AllOf(HasSubstr("x.travel_min_mm: 200 is not below"),
@@ -116,19 +119,41 @@ TEST_F(MachineCommand, CheckPrintsEverythingAtOnce) {
                           HasSubstr("mounted_lens: \"f50\" is no lens"),
                           HasSubstr("laser_line.device: "),
                           HasSubstr("post: 'linuxcn' is neither a file nor"),
-                          HasSubstr("6 to correct")));
+                          HasSubstr("motion_line.protocol: no driver for 'no-such-"),
+                          HasSubstr("7 to correct")));
+}
+
+// As the message of proto/machine_report.proto, for programs.
+TEST_F(MachineCommand, CheckPrintsJson) {
+  const std::string grbl = Supplied("grbl");
+  EXPECT_EQ(Run({"machine", "check", grbl, "--offline", "--json"}), 0) << out_;
+  MachineCheck check;
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_, &check).ok()) << out_;
+  EXPECT_TRUE(check.good());
+  EXPECT_EQ(check.machine(), "grbl");
+  EXPECT_EQ(check.profile(), grbl);
+  MachineSpec machine = ReadMachineFile(grbl).value();
+  machine.mutable_laser()->clear_max_unsettled_points();
+  ASSERT_TRUE(WriteMachineFile(profile(), machine));
+  EXPECT_EQ(Run({"machine", "check", profile().string(), "--json"}), 2);
+  ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(out_, &check).ok()) << out_;
+  EXPECT_FALSE(check.good());
+  ASSERT_EQ(check.findings_size(), 1);
+  EXPECT_EQ(check.findings(0).field(), "laser.max_unsettled_points");
+  EXPECT_THAT(check.findings(0).message(), HasSubstr("is missing"));
+  EXPECT_TRUE(check.lines().empty()) << "no line is opened for a wrong profile";
 }
 
 // Devices that are not there are named, and are no mistake of the profile.
 TEST_F(MachineCommand, CheckNamesLinesThatItCannotCompare) {
   MachineSpec machine = ReadMachineFile(Supplied("els-03")).value();
   machine.mutable_laser_line()->set_device((folder_ / "none").string());
-  machine.mutable_motion_line()->set_protocol("isel");
+  machine.mutable_motion_line()->set_protocol("virtual-cell");
   ASSERT_TRUE(WriteMachineFile(profile(), machine));
   EXPECT_EQ(Run({"machine", "check", profile().string()}), 0) << out_;
   EXPECT_THAT(out_, AllOf(HasSubstr("laser_line: not compared with the device: "),
                           HasSubstr("motion_line: not compared with the device: "
-                                    "controllers of the protocol isel")));
+                                    "controllers of the protocol virtual-cell")));
 }
 
 }  // namespace

@@ -66,6 +66,8 @@ constexpr Written kWritten[] = {
      "PlanReport"},
     {"machine_measurement", "`intaglio machine measure --json`", "machine_report",
      "MachineMeasurement"},
+    {"machine_check", "`intaglio machine check --json`", "machine_report",
+     "MachineCheck"},
     {"quality", "`intaglio measure --json`", "quality", "CloudQuality"},
     {"preview", "preview.json; `intaglio preview --json`", "preview", "JobPreview"},
     {"cloud", "`intaglio discretize --json`", "listing", "CloudRecord"},

@@ -1,0 +1,60 @@
+#include "services/drivers/profile_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "services/drivers/laser_controller.h"
+#include "services/drivers/motion_driver.h"
+#include "services/platform/link/driver_table.h"
+
+namespace intaglio::drivers {
+namespace {
+
+template <typename Kind>
+const Kind* KindOf(std::span<const Kind> kinds, const std::string& protocol) {
+  const auto found = std::ranges::find_if(
+      kinds, [&](const Kind& kind) { return kind.protocol == protocol; });
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+/// Only that there is such a driver.
+template <typename Kind>
+void AddUnknown(std::span<const Kind> kinds, const std::string& field,
+                const SerialLine& line, std::vector<Error>& errors) {
+  if (KindOf(kinds, line.protocol()) != nullptr || line.protocol().empty()) return;
+  errors.push_back(
+      link::FindDriver(kinds, {field, line.protocol(), line.device()}).error());
+}
+
+}  // namespace
+
+std::vector<Error> CheckDrivers(const MachineSpec& machine) {
+  std::vector<Error> errors;
+  AddUnknown(LaserDriverKinds(), "laser_line", machine.laser_line(), errors);
+  AddUnknown(MotionDriverKinds(), "motion_line", machine.motion_line(), errors);
+  const auto* kind = KindOf(MotionDriverKinds(), machine.motion_line().protocol());
+  if (kind == nullptr) return errors;
+  if (machine.laser_line().protocol() == kMotionOutput) {
+    if (const Status output = CheckMotionOutput(machine); !output)
+      errors.push_back(output.error());
+  }
+  if (kind->check != nullptr) {
+    for (Error& error : kind->check(machine)) errors.push_back(std::move(error));
+  }
+  return errors;
+}
+
+Result<std::vector<Error>> CompareMotionController(const MachineSpec& machine,
+                                                   const link::SteadyClock& clock) {
+  const SerialLine& line = machine.motion_line();
+  const auto* kind = KindOf(MotionDriverKinds(), line.protocol());
+  if (kind == nullptr || kind->compare == nullptr) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("controllers of the protocol {} report no identity",
+                            line.protocol()));
+  }
+  return kind->compare(machine, link::EndpointOpener(line.device(), line.baud()), clock);
+}
+
+}  // namespace intaglio::drivers
