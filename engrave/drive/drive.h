@@ -9,7 +9,7 @@
 //     steps give what one of both their lengths gives.
 //  2. An axis at rest on a constant command stays there.
 //  3. The drive is stable: whatever the axis did before, it comes to Settled(command).
-//  4. Settled(command) is a course on which Follow stays.
+//  4. Settled(command) is a course on which Follow stays, from SettledState(command) on.
 //  5. CommandFor is the inverse of Settled, and exact: an axis that is on a cubic course
 //     and is commanded CommandFor(course) stays on the course, to 1e-9.
 //  6. Error(command, t) is Settled(command) - command at t: what is predicted is what
@@ -17,11 +17,15 @@
 //  7. Parameters that are not finite numbers within the ranges of the drive's row in
 //     DriveKinds are refused (drive_kinds.h), and only those.
 //  8. CommandFor is linear and does not depend on the time: it adds to a course fixed
-//     multiples of its first, second and third derivative.
+//     multiples of its first, second and third derivative, those of the series of 1 /
+//     transfer().
 //  9. All functions are const and without state: the same call gives the same bits, from
 //     any thread.
 
+#include <array>
 #include <string_view>
+
+#include "engrave/drive/transfer.h"
 
 namespace intaglio::drive {
 
@@ -46,6 +50,9 @@ struct AxisState {
   /// Of the actual motion. Free where the drive's order makes it a state, else it follows
   /// from position and command and is not read.
   double velocity_u_s = 0;
+  /// Further states of drives of higher order, in their own terms: only those that
+  /// SettledState and Follow return.
+  std::array<double, kMaxOrder - 1> inner = {};
 };
 
 class Drive {
@@ -61,6 +68,12 @@ class Drive {
 
   /// The course of the axis after its transients have decayed.
   virtual Cubic Settled(const Cubic& command) const = 0;
+
+  /// The state of an axis on Settled(command) at its begin.
+  virtual AxisState SettledState(const Cubic& command) const = 0;
+
+  /// From the command to the actual position.
+  virtual Transfer transfer() const = 0;
 
   /// The command that keeps an axis on `course`.
   virtual Cubic CommandFor(const Cubic& course) const = 0;

@@ -35,6 +35,11 @@ Cubic FirstOrder::CommandFor(const Cubic& course) const {
           course.acceleration_u_s2 + lag_s_ * course.jerk_u_s3, course.jerk_u_s3};
 }
 
+AxisState FirstOrder::SettledState(const Cubic& command) const {
+  const Cubic q = Settled(command);
+  return {q.position_u, q.velocity_u_s};
+}
+
 AxisState FirstOrder::Follow(const AxisState& state, const Cubic& command,
                              double duration_s) const {
   const Cubic q = Settled(command);

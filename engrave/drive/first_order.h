@@ -19,6 +19,8 @@ class FirstOrder final : public Drive {
   AxisState Follow(const AxisState& state, const Cubic& command,
                    double duration_s) const override;
   Cubic Settled(const Cubic& command) const override;
+  AxisState SettledState(const Cubic& command) const override;
+  Transfer transfer() const override { return {{1}, {1, lag_s_}}; }
   Cubic CommandFor(const Cubic& course) const override;
   double lead_s2() const override { return 0.5 * lag_s_ * lag_s_; }
 

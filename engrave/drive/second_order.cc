@@ -83,6 +83,11 @@ Cubic SecondOrder::CommandFor(const Cubic& course) const {
           course.jerk_u_s3};
 }
 
+AxisState SecondOrder::SettledState(const Cubic& command) const {
+  const Cubic q = Settled(command);
+  return {q.position_u, q.velocity_u_s};
+}
+
 AxisState SecondOrder::Follow(const AxisState& state, const Cubic& command,
                               double duration_s) const {
   const Cubic q = Settled(command);

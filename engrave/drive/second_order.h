@@ -27,6 +27,10 @@ class SecondOrder final : public Drive {
   AxisState Follow(const AxisState& state, const Cubic& command,
                    double duration_s) const override;
   Cubic Settled(const Cubic& command) const override;
+  AxisState SettledState(const Cubic& command) const override;
+  Transfer transfer() const override {
+    return {{1}, {1, velocity_lag_s_, acceleration_lag_s2_}};
+  }
   Cubic CommandFor(const Cubic& course) const override;
   double lead_s2() const override;
 

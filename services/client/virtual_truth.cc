@@ -1,5 +1,7 @@
 #include "services/client/virtual_truth.h"
 
+#include <google/protobuf/message.h>
+
 #include "services/job/job_defaults.h"
 #include "services/job/machine/focus_offset.h"
 #include "services/job/machine/machine_axes.h"
@@ -24,6 +26,19 @@ TruthGuide GuideOf(const machine::LinearAxis& axis) {
   return guide;
 }
 
+// The steps of a stepper are not in the profile: so long ones that none is lost.
+constexpr double kFullStepMm = 10;
+
+/// The fields of `from` into those of the same names.
+void SetEqualFields(const google::protobuf::Message& from,
+                    google::protobuf::Message& to) {
+  for (int i = 0; i < from.GetDescriptor()->field_count(); ++i) {
+    const auto* field = from.GetDescriptor()->field(i);
+    to.GetReflection()->SetDouble(&to, to.GetDescriptor()->FindFieldByName(field->name()),
+                                  from.GetReflection()->GetDouble(from, field));
+  }
+}
+
 /// What the axes carry.
 TruthPositioner PositionerOf(const MachineSpec& machine) {
   TruthPositioner positioner;
@@ -44,6 +59,26 @@ TruthPositioner PositionerOf(const MachineSpec& machine) {
   return positioner;
 }
 
+void SetDrive(const MachineSpec& machine, TruthStage& stage) {
+  switch (machine.drive_case()) {
+    case MachineSpec::kSecondOrder:
+      return SetEqualFields(machine.second_order(), *stage.mutable_second_order());
+    case MachineSpec::kServo:
+      return SetEqualFields(machine.servo(), *stage.mutable_servo());
+    case MachineSpec::kCascade:
+      return SetEqualFields(machine.cascade(), *stage.mutable_cascade());
+    case MachineSpec::kStepperScrew:
+      SetEqualFields(machine.stepper_screw(), *stage.mutable_stepper_screw());
+      return stage.mutable_stepper_screw()->set_full_step_mm(kFullStepMm);
+    case MachineSpec::kPlanarDrive:
+      return SetEqualFields(machine.planar_drive(), *stage.mutable_planar());
+    case MachineSpec::kStageLagS:
+    case MachineSpec::DRIVE_NOT_SET:
+      break;
+  }
+  stage.set_first_order_lag_s(machine.stage_lag_s());
+}
+
 void SetStage(const MachineSpec& machine, TruthStage& stage) {
   const Box3 travel = AxisLimitsOf(machine).travel_mm;
   *stage.mutable_travel_min_mm() =
@@ -51,13 +86,7 @@ void SetStage(const MachineSpec& machine, TruthStage& stage) {
   *stage.mutable_travel_max_mm() =
       Vector(travel.max_mm.x(), travel.max_mm.y(), travel.max_mm.z());
   *stage.mutable_positioner() = PositionerOf(machine);
-  if (machine.has_second_order()) {
-    const SecondOrderDrive& drive = machine.second_order();
-    stage.mutable_second_order()->set_natural_frequency_hz(drive.natural_frequency_hz());
-    stage.mutable_second_order()->set_damping_ratio(drive.damping_ratio());
-  } else {
-    stage.set_first_order_lag_s(machine.stage_lag_s());
-  }
+  SetDrive(machine, stage);
   stage.set_position_tolerance_um(machine.position_tolerance_um());
   if (machine.motion_line().has_serial_number())
     stage.set_serial_number(machine.motion_line().serial_number());

@@ -173,10 +173,17 @@ void SetOptionalLimits(const FrozenJob& job, motion::PlanOptions& plan) {
 std::shared_ptr<const drive::Drive> DriveOf(const MachineSpec& machine) {
   std::string_view name = "first_order";
   std::vector<double> values = {machine.stage_lag_s()};
-  if (machine.has_second_order()) {
-    name = "second_order";
-    values = {machine.second_order().natural_frequency_hz(),
-              machine.second_order().damping_ratio()};
+  // The others are messages of their kind's name, with its parameters in their order.
+  const auto* drive = MachineSpec::GetReflection()->GetOneofFieldDescriptor(
+      machine, MachineSpec::descriptor()->FindOneofByName("drive"));
+  if (drive != nullptr && drive->message_type() != nullptr) {
+    const auto& message = MachineSpec::GetReflection()->GetMessage(machine, drive);
+    name = drive->name();
+    values.clear();
+    for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+      values.push_back(
+          message.GetReflection()->GetDouble(message, message.GetDescriptor()->field(i)));
+    }
   }
   auto made = drive::MakeDrive(name, values);
   Require(made.has_value(), "the machine was not checked: {}",

@@ -37,11 +37,14 @@ Matrix6 Exponential(const Matrix6& exponent) {
 
 }  // namespace
 
-Mechanics::Mechanics(double lag_s, const std::optional<SecondOrderOptions>& second_order,
-                     const Vec3& at_mm)
-    : lag_s_(lag_s), second_order_(second_order), actual_mm_(at_mm) {}
+Mechanics::Mechanics(const MechanicsOptions& options, const Vec3& at_mm)
+    : lag_s_(options.lag_s), second_order_(options.second_order), actual_mm_(at_mm) {
+  if (!options.loop) return;
+  for (int axis = 0; axis < 3; ++axis) loops_.emplace_back(*options.loop, at_mm[axis]);
+}
 
 double Mechanics::velocity_lag_s() const {
+  if (!loops_.empty()) return loops_.front().velocity_lag_s();
   if (!second_order_) return lag_s_;
   return second_order_->damping_ratio /
          (std::numbers::pi * second_order_->natural_frequency_hz);
@@ -54,8 +57,9 @@ void Mechanics::Stick(int axis) {
 }
 
 void Mechanics::Follow(const CubicCommand& command, double from_s, double to_s) {
-  const Vec3 next = second_order_ ? SecondOrder(command, from_s, to_s)
-                                  : FirstOrder(command, from_s, to_s);
+  const Vec3 next = !loops_.empty() ? Loops(command, from_s, to_s)
+                    : second_order_ ? SecondOrder(command, from_s, to_s)
+                                    : FirstOrder(command, from_s, to_s);
   for (int axis = 0; axis < 3; ++axis) {
     if (stuck_[static_cast<std::size_t>(axis)]) {
       actual_mm_per_rad_[axis] = 0;
@@ -75,6 +79,21 @@ Vec3 Mechanics::FirstOrder(const CubicCommand& command, double from_s,
   };
   const double fade = tau > 0 ? std::exp(-(to_s - from_s) / tau) : 0;
   return particular(to_s) + fade * (actual_mm_ - particular(from_s));
+}
+
+Vec3 Mechanics::Loops(const CubicCommand& command, double from_s, double to_s) {
+  Vec3 next;
+  for (int axis = 0; axis < 3; ++axis) {
+    LoopAxis& loop = loops_[static_cast<std::size_t>(axis)];
+    if (stuck_[static_cast<std::size_t>(axis)]) {
+      loop.Rest();
+    } else {
+      loop.Follow({command.p[axis], command.v[axis], command.c2[axis], command.c3[axis]},
+                  from_s, to_s);
+    }
+    next[axis] = loop.actual();
+  }
+  return next;
 }
 
 void Mechanics::Step(double angle_rad) {

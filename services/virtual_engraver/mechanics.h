@@ -4,14 +4,16 @@
 // Machine frame, mm. Written for itself: it shares nothing with engrave/drive, so that a
 // wrong compensation there shows as cracks in the wrong place.
 //
-// First order: x' = (c - x) / lag. Second order: x'' + 2 d w x' + w^2 x = w^2 c with w =
-// 2 pi times the natural frequency and d the damping ratio. Both are stepped exactly over
-// commands that are cubic in time.
+// Control loops and steppers: loop_axis.h. First order: x' = (c - x) / lag. Second order:
+// x'' + 2 d w x' + w^2 x = w^2 c with w = 2 pi times the natural frequency and d the
+// damping ratio. Both are stepped exactly over commands that are cubic in time.
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "engrave/core/geometry.h"
+#include "services/virtual_engraver/loop_axis.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -28,12 +30,17 @@ struct CubicCommand {
   Vec3 SpeedAt(double s) const { return v + s * (2 * c2 + 3 * s * c3); }
 };
 
+/// At most one of second_order and loop.
+struct MechanicsOptions {
+  double lag_s = 0.0002;  ///< first order, without both others; 0: none
+  std::optional<SecondOrderOptions> second_order = {};
+  std::optional<LoopOptions> loop = {};
+};
+
 class Mechanics {
  public:
-  /// First order with `lag_s` >= 0 (0: no lag) unless `second_order` is given. At rest at
-  /// `at_mm`.
-  Mechanics(double lag_s, const std::optional<SecondOrderOptions>& second_order,
-            const Vec3& at_mm);
+  /// At rest at `at_mm`.
+  Mechanics(const MechanicsOptions& options, const Vec3& at_mm);
 
   /// From `from_s` to `to_s` >= from_s of the command.
   void Follow(const CubicCommand& command, double from_s, double to_s);
@@ -48,10 +55,12 @@ class Mechanics {
  private:
   Vec3 FirstOrder(const CubicCommand& command, double from_s, double to_s) const;
   Vec3 SecondOrder(const CubicCommand& command, double from_s, double to_s);
+  Vec3 Loops(const CubicCommand& command, double from_s, double to_s);
   void Step(double angle_rad);
 
   double lag_s_;
   std::optional<SecondOrderOptions> second_order_;
+  std::vector<LoopAxis> loops_;  // three, or none
   Vec3 actual_mm_;
   Vec3 actual_mm_per_rad_ = Vec3::Zero();  // of the second order: speed / w
   std::array<bool, 3> stuck_ = {false, false, false};

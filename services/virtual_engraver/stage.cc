@@ -35,9 +35,10 @@ Stage::Stage(const StageOptions& options)
       knot_mm_(
           Vec3::Zero().cwiseMax(options.travel_min_mm).cwiseMin(options.travel_max_mm)),
       commanded_mm_(knot_mm_),
-      mechanics_(options.lag_s, options.second_order, knot_mm_),
+      mechanics_(options.mechanics, knot_mm_),
       backlash_(options.backlash_mm, knot_mm_),
       repeatability_(options.repeatability_mm, options.repeatability_seed) {
+  if (options.vibration) vibration_.emplace(*options.vibration, knot_mm_);
   if (!options.own_clock) return;
   own_clock_.emplace(*options.own_clock);
   now_units_ = own_clock_->now_ns();
@@ -179,19 +180,21 @@ CubicCommand Stage::CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
 void Stage::FollowCurve(const CubicCommand& curve, double from_s, double to_s) {
   commanded_mm_ = curve.At(to_s);
   commanded_mm_s_ = curve.SpeedAt(to_s);
-  if (backlash_.none()) return mechanics_.Follow(curve, from_s, to_s);
+  if (backlash_.none() && !vibration_) return mechanics_.Follow(curve, from_s, to_s);
   // In steps so short that an axis turns at most at their ends.
   const int steps = std::max(1, static_cast<int>(std::ceil((to_s - from_s) / kTurnS)));
   const double step_s = (to_s - from_s) / steps;
   for (int i = 0; i < steps; ++i) {
     mechanics_.Follow(curve, from_s + i * step_s, from_s + (i + 1) * step_s);
     backlash_.Follow(mechanics_.actual_mm());
+    if (vibration_ && step_s > 0) vibration_->Follow(mechanics_.actual_mm(), step_s);
   }
 }
 
 Vec3 Stage::BesideMm() const {
   Vec3 beside_mm = repeatability_.DeviationMm(DoneRatio());
   if (!backlash_.none()) beside_mm += backlash_.carried_mm() - actual_mm();
+  if (vibration_) beside_mm += vibration_->beside_mm();
   return beside_mm;
 }
 
@@ -289,10 +292,11 @@ void Stage::AdvanceTick(double rate_hz) {
 }
 
 // With a clock of its own it is not the tick that decides between two places of a moving
-// stage, so the place is taken as exactly as it is known. So it is with second-order
-// mechanics, whose lag is many times the tolerance.
+// stage, so the place is taken as exactly as it is known. So it is with all mechanics but
+// the first order: their lag is many times the tolerance.
 Vec3 Stage::PlaceOf(const Piece& piece) const {
-  if (!own_clock_ && !options_.second_order) return piece.end_mm;
+  if (!own_clock_ && !options_.mechanics.second_order && !options_.mechanics.loop)
+    return piece.end_mm;
   return piece.end_mm - mechanics_.velocity_lag_s() * piece.end_mm_s;
 }
 

@@ -28,6 +28,7 @@
 #include "services/virtual_engraver/mechanics.h"
 #include "services/virtual_engraver/own_clock.h"
 #include "services/virtual_engraver/repeatability.h"
+#include "services/virtual_engraver/vibration.h"
 
 namespace intaglio::virtual_engraver {
 
@@ -36,8 +37,8 @@ inline constexpr std::uint64_t kSubticksPerTick = 65536;
 struct StageOptions {
   Vec3 travel_min_mm = Vec3::Zero();
   Vec3 travel_max_mm = Vec3::Constant(170);
-  double lag_s = 0.0002;  ///< first order, each axis; 0: none
-  std::optional<SecondOrderOptions> second_order = {};  ///< in place of the lag
+  MechanicsOptions mechanics;  ///< of each axis
+  std::optional<VibrationOptions> vibration = {};
   double repeatability_mm = 0;  ///< of every place it goes to, each axis
   unsigned repeatability_seed = 0;
   Vec3 backlash_mm = Vec3::Zero();      ///< of each axis, >= 0
@@ -83,8 +84,8 @@ class Stage {
 
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
   /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick. There, and
-  /// with second-order mechanics, where the stage is to be is the end less its lag times
-  /// its velocity there.
+  /// with all mechanics but the first order, where the stage is to be is the end less its
+  /// lag times its velocity there.
   bool in_position() const { return in_position_; }
   /// As its encoders measure it.
   const Vec3& actual_mm() const { return mechanics_.actual_mm(); }
@@ -92,7 +93,7 @@ class Stage {
   /// the knot of this tick that is marked for a pulse. Nothing when it does not pass
   /// within the tolerance before the next tick, or runs on a clock of its own.
   std::optional<Vec3> PlaceOfCompare() const;
-  /// Where it is: the actual position and what backlash and repeatability add to it.
+  /// Where it is: the actual position and what backlash, vibration and repeatability add.
   Vec3 place_mm() const;
   bool running() const { return phase_ != Phase::kRest; }
   link::StageFault fault() const { return fault_; }
@@ -128,7 +129,7 @@ class Stage {
   bool Queue(const Piece& piece);
   void Brake(link::StageFault fault);
   void FollowCurve(const CubicCommand& curve, double from_s, double to_s);
-  /// What backlash and repeatability add to an actual position now.
+  /// What backlash, vibration and repeatability add to an actual position now.
   Vec3 BesideMm() const;
   /// At most `units`; what the queue did not cover is returned.
   std::uint64_t FollowQueue(std::uint64_t units);
@@ -168,6 +169,7 @@ class Stage {
   Vec3 commanded_mm_ = Vec3::Zero(), commanded_mm_s_ = Vec3::Zero();
   Mechanics mechanics_;
   Backlash backlash_;
+  std::optional<Vibration> vibration_;
   Repeatability repeatability_;
   bool in_position_ = false;
   double following_error_max_mm_ = 0;

@@ -8,13 +8,64 @@ namespace {
 
 Vec3 Vec3Of(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
+// Trochimczuk 2008, ch. 6.3: the machine shakes above 7.5 m/s^2.
+constexpr double kShakesAboveMmS2 = 7500;
+
+ServoOptions LoopOf(const TruthServo& truth) {
+  ServoOptions servo{
+      truth.position_gain_per_s(),     truth.velocity_time_s(),
+      truth.derivative_ratio(),        truth.feed_forward_ratio(),
+      truth.load_acceleration_mm_s2(), truth.friction_acceleration_mm_s2()};
+  if (truth.has_max_acceleration_mm_s2())
+    servo.max_acceleration_mm_s2 = truth.max_acceleration_mm_s2();
+  return servo;
+}
+
+CascadeOptions LoopOf(const TruthCascade& truth) {
+  return {truth.position_gain_per_s(), truth.natural_frequency_hz(),
+          truth.damping_ratio()};
+}
+
+StepperOptions LoopOf(const TruthStepperScrew& truth) {
+  StepperOptions stepper{truth.rotor_frequency_hz(), truth.rotor_damping_ratio(),
+                         truth.carriage_frequency_hz(), truth.carriage_damping_ratio(),
+                         truth.inertia_ratio()};
+  if (truth.has_full_step_mm()) stepper.full_step_mm = truth.full_step_mm();
+  return stepper;
+}
+
+PlanarOptions LoopOf(const TruthPlanar& truth) {
+  PlanarOptions planar{truth.natural_frequency_hz(), truth.damping_ratio(),
+                       truth.integral_rate_per_s()};
+  if (truth.has_period_s()) planar.period_s = truth.period_s();
+  if (truth.has_tooth_period_mm()) planar.tooth_period_mm = truth.tooth_period_mm();
+  planar.cogging_mm_s2 = truth.cogging_acceleration_mm_s2();
+  planar.sensor_error_mm = truth.sensor_error_um() / 1000;
+  return planar;
+}
+
+void SetMechanics(const TruthStage& truth, MechanicsOptions& mechanics) {
+  if (truth.has_first_order_lag_s()) mechanics.lag_s = truth.first_order_lag_s();
+  if (truth.has_second_order()) {
+    mechanics.second_order =
+        SecondOrderOptions{truth.second_order().natural_frequency_hz(),
+                           truth.second_order().damping_ratio()};
+  }
+  if (truth.has_servo()) mechanics.loop = LoopOf(truth.servo());
+  if (truth.has_cascade()) mechanics.loop = LoopOf(truth.cascade());
+  if (truth.has_stepper_screw()) mechanics.loop = LoopOf(truth.stepper_screw());
+  if (truth.has_planar()) mechanics.loop = LoopOf(truth.planar());
+}
+
 void SetStage(const TruthStage& truth, StageOptions& stage) {
   if (truth.has_travel_min_mm()) stage.travel_min_mm = Vec3Of(truth.travel_min_mm());
   if (truth.has_travel_max_mm()) stage.travel_max_mm = Vec3Of(truth.travel_max_mm());
-  if (truth.has_first_order_lag_s()) stage.lag_s = truth.first_order_lag_s();
-  if (truth.has_second_order()) {
-    stage.second_order = SecondOrderOptions{truth.second_order().natural_frequency_hz(),
-                                            truth.second_order().damping_ratio()};
+  SetMechanics(truth, stage.mechanics);
+  if (truth.has_vibration()) {
+    const TruthVibration& vibration = truth.vibration();
+    stage.vibration = VibrationOptions{
+        vibration.has_above_mm_s2() ? vibration.above_mm_s2() : kShakesAboveMmS2,
+        vibration.natural_frequency_hz(), vibration.damping_ratio()};
   }
   if (truth.has_brake_acceleration_mm_s2())
     stage.brake_acceleration_mm_s2 = truth.brake_acceleration_mm_s2();

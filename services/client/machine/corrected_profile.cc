@@ -62,10 +62,10 @@ class Corrector {
           1e6 * x.value, 1e6 * y.value));
     }
     if (!IsFound(0, mean)) return;
-    if (before_.has_second_order()) {
+    if (before_.drive_case() != MachineSpec::kStageLagS) {
       corrected_.remarks.push_back(fmt::format(
-          "the axes are {:.0f} us later than their drive second_order compensates: "
-          "measure its natural frequency and damping again",
+          "the axes are {:.0f} us later than the drive of the profile compensates: "
+          "identify its parameters again",
           1e6 * mean.value));
       return;
     }

@@ -25,7 +25,8 @@ TEST(DriveKinds, AnUnknownNameListsTheKnownOnes) {
   ASSERT_FALSE(made.has_value());
   EXPECT_EQ(made.error().code, ErrorCode::kNotFound);
   EXPECT_EQ(made.error().message,
-            "drive magnetic: no such drive; known: first_order, second_order");
+            "drive magnetic: no such drive; known: first_order, second_order, servo, "
+            "cascade, stepper_screw, planar_drive");
 }
 
 TEST(DriveKinds, TheNumberOfValuesIsChecked) {

@@ -6,7 +6,7 @@ namespace intaglio::cell {
 
 virtual_engraver::StageOptions StageOfOne() {
   virtual_engraver::StageOptions options;
-  options.lag_s = 0;
+  options.mechanics.lag_s = 0;
   options.travel_min_mm = Vec3::Constant(-50);
   options.travel_max_mm = Vec3::Constant(50);
   options.queue_capacity = 64;

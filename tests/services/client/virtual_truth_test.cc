@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string>
+
 #include "services/job/job_file.h"
 #include "services/virtual_engraver/truth/truth_check.h"
 
@@ -52,6 +55,41 @@ TEST(VirtualTruth, IsWhatTheProfileReportsAndWhatIsMounted) {
   EXPECT_FALSE(second.stage().has_first_order_lag_s());
   EXPECT_EQ(second.stage().second_order().natural_frequency_hz(), 120);
   EXPECT_EQ(second.stage().second_order().damping_ratio(), 0.7);
+}
+
+// Whatever drive the profile has, the machine that it makes is of the same kind and has
+// the same numbers.
+TEST(VirtualTruth, TheTruthHasTheDriveOfTheProfile) {
+  const std::map<std::string, std::string> fields = {{"second_order", "second_order"},
+                                                     {"servo", "servo"},
+                                                     {"cascade", "cascade"},
+                                                     {"stepper_screw", "stepper_screw"},
+                                                     {"planar_drive", "planar"}};
+  const auto* oneof = MachineSpec::descriptor()->FindOneofByName("drive");
+  for (int i = 0; i < oneof->field_count(); ++i) {
+    const auto* field = oneof->field(i);
+    if (field->message_type() == nullptr) continue;
+    auto machine =
+        ReadMachineFile(INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto").value();
+    auto& message = *MachineSpec::GetReflection()->MutableMessage(&machine, field);
+    for (int k = 0; k < field->message_type()->field_count(); ++k) {
+      message.GetReflection()->SetDouble(&message, field->message_type()->field(k),
+                                         1 + k);
+    }
+    const TruthStage stage =
+        TruthOf(machine, {Vec3(50, 60, 70), 1.52, optics::Lens{43, 0.2}}).stage();
+    const auto* of_truth =
+        TruthStage::descriptor()->FindFieldByName(fields.at(field->name()));
+    ASSERT_TRUE(TruthStage::GetReflection()->HasField(stage, of_truth)) << field->name();
+    const auto& drive = TruthStage::GetReflection()->GetMessage(stage, of_truth);
+    for (int k = 0; k < field->message_type()->field_count(); ++k) {
+      EXPECT_EQ(drive.GetReflection()->GetDouble(
+                    drive, drive.GetDescriptor()->FindFieldByName(
+                               field->message_type()->field(k)->name())),
+                1 + k)
+          << field->message_type()->field(k)->full_name();
+    }
+  }
 }
 
 }  // namespace

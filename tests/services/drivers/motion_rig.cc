@@ -45,7 +45,7 @@ class VirtualStageRig final : public MotionRig {
   void AdvanceController() override { machine_.Advance(); }
   virtual_engraver::MachineOptions Options() const {
     virtual_engraver::MachineOptions options;
-    options.stage.lag_s = 0;
+    options.stage.mechanics.lag_s = 0;
     options.stage.travel_min_mm = travel_min_mm();
     options.stage.travel_max_mm = travel_max_mm();
     options.stage.queue_capacity = 64;

@@ -155,17 +155,48 @@ TEST(Options, TheDriveIsTheOneThatTheProfileNames) {
               80 * 2 * 0.5 / (2 * std::numbers::pi * 50), 1e-12);
 }
 
+// Each row of the registry is a field of the profile that carries its name, and the
+// values arrive in their order: a value of its own for each parameter.
+TEST(Options, EachKindOfDriveIsMadeFromItsMessage) {
+  const auto* oneof = MachineSpec::descriptor()->FindOneofByName("drive");
+  ASSERT_EQ(oneof->field_count(), static_cast<int>(drive::DriveKinds().size()));
+  for (int i = 0; i < oneof->field_count(); ++i) {
+    const auto* field = oneof->field(i);
+    if (field->message_type() == nullptr) continue;
+    MachineSpec machine;
+    auto& message = *MachineSpec::GetReflection()->MutableMessage(&machine, field);
+    std::vector<double> values;
+    for (int k = 0; k < message.GetDescriptor()->field_count(); ++k) {
+      const auto* parameter = message.GetDescriptor()->field(k);
+      const FieldRange* range =
+          FindRange(message.GetDescriptor()->name(), parameter->name());
+      ASSERT_NE(range, nullptr) << parameter->full_name();
+      values.push_back(0.3 * range->min + 0.7 * range->max);
+      message.GetReflection()->SetDouble(&message, parameter, values.back());
+    }
+    const auto expected = drive::MakeDrive(field->name(), values);
+    ASSERT_TRUE(expected.has_value()) << expected.error().message;
+    const auto made = DriveOf(machine);
+    EXPECT_EQ(made->name(), field->name());
+    EXPECT_EQ(made->transfer().numerator, (*expected)->transfer().numerator);
+    EXPECT_EQ(made->transfer().denominator, (*expected)->transfer().denominator);
+  }
+}
+
 // A profile that is good makes a drive, and one that makes none is no good profile.
 TEST(Options, TheRangesOfAProfileAreThoseOfTheDrives) {
   const std::map<std::string_view, std::string_view> messages = {
-      {"lag_s", "MachineSpec"},
-      {"natural_frequency_hz", "SecondOrderDrive"},
-      {"damping_ratio", "SecondOrderDrive"}};
+      {"first_order", "MachineSpec"},
+      {"second_order", "SecondOrderDrive"},
+      {"servo", "ServoDrive"},
+      {"cascade", "CascadeDrive"},
+      {"stepper_screw", "StepperScrewDrive"},
+      {"planar_drive", "PlanarDrive"}};
   for (const drive::DriveKind& kind : drive::DriveKinds()) {
     for (const drive::DriveParameter& parameter : kind.parameters) {
       const std::string_view field =
           parameter.name == "lag_s" ? "stage_lag_s" : parameter.name;
-      const FieldRange* range = FindRange(messages.at(parameter.name), field);
+      const FieldRange* range = FindRange(messages.at(kind.name), field);
       ASSERT_NE(range, nullptr) << field;
       EXPECT_EQ(range->min, parameter.min) << field;
       EXPECT_EQ(range->max, parameter.max) << field;

@@ -98,6 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
                  m.mutable_second_order()->set_natural_frequency_hz(120);
                  m.mutable_second_order()->set_damping_ratio(0.7);
                }},
+        Change{"servo", [](auto& m) { m.mutable_servo()->set_position_gain_per_s(300); }},
         Change{"max_speed_norm_mm_s", [](auto& m) { m.set_max_speed_norm_mm_s(80); }},
         Change{"max_acceleration_norm_mm_s2",
                [](auto& m) { m.set_max_acceleration_norm_mm_s2(7000); }}));

@@ -89,7 +89,7 @@ class MachineBench : public ::testing::Test {
   /// Warm at once; 100 Hz; no lag.
   static MachineOptions PlainOptions(bool lockstep) {
     MachineOptions options;
-    options.stage.lag_s = 0;
+    options.stage.mechanics.lag_s = 0;
     options.stage.waits_for_motion = options.laser.lockstep = lockstep;
     options.laser.warm_up_s = 0;
     return options;

@@ -60,7 +60,7 @@ class PointRow : public MachineBench {
 TEST_F(PointRow, CracksAreAtTheirTicksAndPlaces) {
   for (const double lag_s : {0.0, 0.0005}) {
     MachineOptions options = PlainOptions(true);
-    options.stage.lag_s = lag_s;
+    options.stage.mechanics.lag_s = lag_s;
     options.block.refractive_index = 1;  // the beam has a test of its own
     Start(options);
     Connect();

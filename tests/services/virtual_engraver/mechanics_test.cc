@@ -31,7 +31,7 @@ TEST(Mechanics, SecondOrderFollowsItsEquationWhateverTheDamping) {
                                 Vec3(-9e4, 4e4, 1e3)};
   for (const double frequency_hz : {37.0, 120.0, 1500.0}) {
     for (const double damping : {0.05, 0.7, 1.0, 3.0}) {
-      Mechanics mechanics(0, SecondOrderOptions{frequency_hz, damping}, Vec3::Zero());
+      Mechanics mechanics({0, SecondOrderOptions{frequency_hz, damping}}, Vec3::Zero());
       Vec3 x = Vec3::Zero(), v = Vec3::Zero();
       // Steps of different lengths, so that none is taken for another.
       double at_s = 0;
@@ -52,7 +52,7 @@ TEST(Mechanics, AtConstantSpeedItIsLateByItsVelocityLag) {
                                 Vec3::Zero()};
   for (const auto& second : {std::optional<SecondOrderOptions>(),
                              std::optional(SecondOrderOptions{120, 0.7})}) {
-    Mechanics mechanics(0.0005, second, Vec3::Zero());
+    Mechanics mechanics({0.0005, second}, Vec3::Zero());
     mechanics.Follow(command, 0, 0.2);
     const double lag_s = second ? 2 * 0.7 / (2 * std::numbers::pi * 120) : 0.0005;
     EXPECT_NEAR(mechanics.velocity_lag_s(), lag_s, 1e-15);
@@ -61,7 +61,7 @@ TEST(Mechanics, AtConstantSpeedItIsLateByItsVelocityLag) {
 }
 
 TEST(Mechanics, AStuckAxisStaysAndStartsAgainFromRest) {
-  Mechanics mechanics(0, SecondOrderOptions{50, 0.3}, Vec3::Zero());
+  Mechanics mechanics({0, SecondOrderOptions{50, 0.3}}, Vec3::Zero());
   const CubicCommand step = {Vec3(1, 1, 1), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   mechanics.Follow(step, 0, 0.003);
   const double stuck_mm = mechanics.actual_mm().y();

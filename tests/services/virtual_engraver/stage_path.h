@@ -56,7 +56,7 @@ inline StageOptions Roomy(double lag_s) {
   StageOptions options;
   options.travel_min_mm = Vec3::Constant(-50);
   options.travel_max_mm = Vec3::Constant(50);
-  options.lag_s = lag_s;
+  options.mechanics.lag_s = lag_s;
   return options;
 }
 

@@ -127,8 +127,8 @@ TEST(Truth, AnEmptyFileIsTheMachineOfTheDefaults) {
   const MachineOptions options = virtual_engraver::OptionsOf(ParseTruth("", "t").value());
   const MachineOptions plain;
   EXPECT_EQ(options.stage.travel_max_mm, plain.stage.travel_max_mm);
-  EXPECT_EQ(options.stage.lag_s, 0.0002);
-  EXPECT_FALSE(options.stage.second_order.has_value());
+  EXPECT_EQ(options.stage.mechanics.lag_s, 0.0002);
+  EXPECT_FALSE(options.stage.mechanics.second_order.has_value());
   EXPECT_FALSE(options.stage.own_clock.has_value());
   EXPECT_EQ(options.stage.position_tolerance_mm, 0.01);
   EXPECT_EQ(options.stage.repeatability_mm, 0);
@@ -155,8 +155,8 @@ TEST(Truth, EveryFieldReachesTheMachine) {
   const auto options = virtual_engraver::OptionsOf(*truth);
   EXPECT_EQ(options.stage.travel_min_mm, Vec3(-1, -2, -3));
   EXPECT_EQ(options.stage.travel_max_mm, Vec3(1, 2, 3));
-  EXPECT_EQ(options.stage.second_order->natural_frequency_hz, 120);
-  EXPECT_EQ(options.stage.second_order->damping_ratio, 0.6);
+  EXPECT_EQ(options.stage.mechanics.second_order->natural_frequency_hz, 120);
+  EXPECT_EQ(options.stage.mechanics.second_order->damping_ratio, 0.6);
   EXPECT_EQ(options.stage.brake_acceleration_mm_s2, 5000);
   EXPECT_EQ(options.stage.position_tolerance_mm, 0.025);
   ASSERT_TRUE(options.stage.own_clock.has_value()) << "0 ppm is a clock of its own, too";

@@ -50,7 +50,7 @@ class Trigger : public MachineBench,
  protected:
   void StartMachine(double lag_s, bool lockstep) {
     MachineOptions options = PlainOptions(lockstep);
-    options.stage.lag_s = lag_s;
+    options.stage.mechanics.lag_s = lag_s;
     options.block.refractive_index = 1;  // the beam has a test of its own
     Start(options);
     Connect();
