@@ -1,6 +1,6 @@
 #include "engrave/motion/planner.h"
 
-#include "engrave/motion/drive_compensation.h"
+#include "engrave/motion/commands/drive_compensation.h"
 #include "engrave/motion/stop_and_go.h"
 #include "engrave/motion/tick_planner.h"
 

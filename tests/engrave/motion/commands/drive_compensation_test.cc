@@ -1,4 +1,4 @@
-#include "engrave/motion/drive_compensation.h"
+#include "engrave/motion/commands/drive_compensation.h"
 
 #include <gtest/gtest.h>
 
