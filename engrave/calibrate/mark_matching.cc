@@ -69,7 +69,7 @@ class Cells {
   std::unordered_map<std::int64_t, std::vector<int>> cells_;
 };
 
-Complex MedianOf(const std::vector<Vec2>& points, Complex turn) {
+Complex MedianPlaceOf(const std::vector<Vec2>& points, Complex turn) {
   std::vector<double> x, y;
   for (const Vec2& p : points) {
     const Complex at = turn * Of(p);
@@ -139,10 +139,10 @@ std::vector<Similarity> Candidates(const std::vector<Vec2>& marks,
                                    const std::vector<Vec2>& measured,
                                    const Cells& cells) {
   std::vector<Similarity> all = {{}};
-  const Complex middle = MedianOf(marks, 1);
+  const Complex middle = MedianPlaceOf(marks, 1);
   for (int i = 0; i < kTurns; ++i) {
     const Complex turn = std::polar(1.0, i * 360 * kDegree / kTurns);
-    all.push_back({middle - MedianOf(measured, turn), turn});
+    all.push_back({middle - MedianPlaceOf(measured, turn), turn});
   }
   std::vector<std::pair<int, std::size_t>> counts;
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <random>
 #include <utility>
+
+#include "services/drivers/power_up.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -23,11 +24,6 @@ Box3 TravelOf(const MachineSpec& machine) {
     travel.max_mm[i] = axes[i]->travel_max_mm();
   }
   return travel;
-}
-
-std::uint32_t DrawPowerUp() {
-  std::random_device draw;
-  return std::max<std::uint32_t>(1, draw());
 }
 
 }  // namespace

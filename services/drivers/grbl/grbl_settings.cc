@@ -17,8 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kAnswerTime = 4s;
-constexpr auto kQuestionPeriod = 200ms;
-constexpr char kReset = 0x18;
+constexpr auto kSettingsPeriod = 200ms;
 constexpr int kMinPower = 31, kMaxPower = 30, kLaserMode = 32, kStepsPerMm = 100,
               kMaxRate = 110, kAcceleration = 120, kTravel = 130;
 // $110 to $132 have three decimals.
@@ -117,7 +116,7 @@ class SettingsReader {
   Result<GrblSettings> Read() {
     while (clock_() < give_up_ && acknowledged_ < 2) {
       if (phase_ == Phase::kAsking && clock_() >= next_question_) {
-        next_question_ = clock_() + kQuestionPeriod;
+        next_question_ = clock_() + kSettingsPeriod;
         out_ += '?';
       }
       INTAGLIO_TRY(Move());
@@ -131,7 +130,7 @@ class SettingsReader {
   }
 
  private:
-  enum class Phase { kAsking, kResetting, kReading };
+  enum class Phase { kAsking, kGrblResetting, kReading };
 
   Status Move() {
     if (!out_.empty() && stream_.connected()) {
@@ -148,7 +147,7 @@ class SettingsReader {
 
   Status Take(const GrblAnswer& answer) {
     if (const auto* status = std::get_if<GrblStatus>(&answer)) return TakeStatus(*status);
-    if (std::holds_alternative<GrblBanner>(answer) && phase_ == Phase::kResetting) {
+    if (std::holds_alternative<GrblBanner>(answer) && phase_ == Phase::kGrblResetting) {
       phase_ = Phase::kReading;
       out_ += "$I\n$$\n";
     }
@@ -174,8 +173,8 @@ class SettingsReader {
                   "the controller moves, holds or has an open door: wait until it is "
                   "idle");
     }
-    phase_ = Phase::kResetting;
-    out_ = kReset;
+    phase_ = Phase::kGrblResetting;
+    out_ = kGrblReset;
     return {};
   }
 

@@ -19,6 +19,9 @@
 
 namespace intaglio::drivers {
 
+/// The byte that resets the controller, at any time: dark with the last step.
+inline constexpr char kGrblReset = 0x18;
+
 enum class GrblState : std::uint8_t {
   kIdle,
   kRun,

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <utility>
+
+#include "services/drivers/power_up.h"
 
 namespace intaglio::drivers {
 namespace {
@@ -32,11 +33,6 @@ std::string RefusalOf(const MachineSpec& machine) {
         std::string(1, "xyz"[i]));
   }
   return "";
-}
-
-std::uint32_t DrawPowerUp() {
-  std::random_device draw;
-  return std::max<std::uint32_t>(1, draw());
 }
 
 }  // namespace
