@@ -115,7 +115,7 @@ void GrblLine::TakeSetting(const GrblSetting& setting) {
 }
 
 void GrblLine::TakeBanner(std::vector<Event>& events) {
-  if (phase_ != Phase::kGrblResetting) {
+  if (phase_ != Phase::kResetting) {
     // Nobody asked for it: power, the reset button, or the opening of the port.
     if (phase_ != Phase::kRefused) ++power_ups_;
     reach_.reset();
@@ -193,7 +193,7 @@ void GrblLine::TakeStatus(GrblStatus status, std::vector<Event>& events) {
   if (reach_ && !IsWithin(*reach_, *status.work_mm)) ++power_ups_;
   reach_.reset();
   out_ = kGrblReset;
-  phase_ = Phase::kGrblResetting;
+  phase_ = Phase::kResetting;
   phase_at_ = now();
 }
 
@@ -276,7 +276,7 @@ void GrblLine::SendRealtime(char command) {
 void GrblLine::Reset() {
   if (phase_ != Phase::kUp) return;
   out_ = kGrblReset;  // what is not written yet never is
-  phase_ = Phase::kGrblResetting;
+  phase_ = Phase::kResetting;
   phase_at_ = now();
   resets_itself_ = true;
   set_up_ = setting_up_ = false;
@@ -284,7 +284,7 @@ void GrblLine::Reset() {
 }
 
 void GrblLine::Ask() {
-  if (phase_ == Phase::kGrblResetting || phase_ == Phase::kIdentifying) return;
+  if (phase_ == Phase::kResetting || phase_ == Phase::kIdentifying) return;
   if (now() < next_status_ || out_.find('?') != std::string::npos) return;
   next_status_ = now() + kQuestionPeriod;
   out_ += '?';
@@ -311,7 +311,7 @@ void GrblLine::CheckSilence(std::vector<Event>& events) {
     }
     return;
   }
-  const bool waits = phase_ == Phase::kGrblResetting || phase_ == Phase::kIdentifying;
+  const bool waits = phase_ == Phase::kResetting || phase_ == Phase::kIdentifying;
   if (waits && now() - phase_at_ > (resets_itself_ ? 250ms : kStepTimeout)) {
     Lose("the controller does not answer a reset: check its power and the cable", events);
   }
