@@ -10,7 +10,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -105,8 +107,13 @@ void HalTool::Write(const std::string& text) const {
   }
 }
 
-HalMachine::HalMachine(std::filesystem::path folder, std::string serial_number)
-    : folder_(std::move(folder)), serial_number_(std::move(serial_number)) {
+HalMachine::HalMachine(std::filesystem::path folder, std::string serial_number,
+                       std::filesystem::path axes)
+    : folder_(std::move(folder)),
+      serial_number_(std::move(serial_number)),
+      axes_(axes.empty() ? std::filesystem::path(INTAGLIO_SOURCE_DIR) /
+                               "deploy/linuxcnc/simulated.hal"
+                         : std::move(axes)) {
   PowerOn();
 }
 
@@ -127,7 +134,7 @@ void HalMachine::PowerOn() {
     dup2(out, 2);
     RunAsInit([&] {
       execl(start.c_str(), "start", folder_.c_str(), "--serial-number",
-            serial_number_.c_str(), nullptr);
+            serial_number_.c_str(), "--axes", axes_.c_str(), nullptr);
     });
   }
   close(ends[0]);
@@ -145,6 +152,24 @@ void HalMachine::Command(const std::string& command) {
   const std::string line = command + "\n";
   if (write(input_, line.data(), line.size()) != static_cast<ssize_t>(line.size()))
     throw std::runtime_error("HAL takes no command: " + command);
+}
+
+// A line of its log that is a number, whatever its prompt adds.
+double HalMachine::ValueOf(const std::string& pin) {
+  const auto log = folder_ / "hal.log";
+  const auto before = std::filesystem::file_size(log);
+  Command("getp " + pin);
+  for (int i = 0; i < 500; ++i) {
+    std::istringstream lines(test::ContentOf(log).substr(before));
+    for (std::string line; std::getline(lines, line) && !lines.eof();) {
+      while (line.starts_with("halcmd: ")) line.erase(0, 8);
+      char* end = nullptr;
+      const double value = std::strtod(line.c_str(), &end);
+      if (!line.empty() && end == line.c_str() + line.size()) return value;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  throw std::runtime_error("HAL does not print " + pin);
 }
 
 void HalMachine::PowerOff() {

@@ -33,14 +33,18 @@ class HalTool {
 
 class HalMachine {
  public:
-  /// Starts it; throws std::runtime_error with HAL's output when it does not run.
-  explicit HalMachine(std::filesystem::path folder, std::string serial_number = "");
+  /// Starts it; throws std::runtime_error with HAL's output when it does not run. `axes`:
+  /// the axes' own HAL file; empty: the supplied one without hardware.
+  explicit HalMachine(std::filesystem::path folder, std::string serial_number = "",
+                      std::filesystem::path axes = {});
   ~HalMachine();
   HalMachine(const HalMachine&) = delete;
   HalMachine& operator=(const HalMachine&) = delete;
 
   /// A command of halcmd, e.g. "sets key-on 0".
   void Command(const std::string& command);
+  /// What halcmd reads from a pin, e.g. "pulse-count.count".
+  double ValueOf(const std::string& pin);
   void PowerOff();
   void PowerOn();
   const std::filesystem::path& folder() const { return folder_; }
@@ -50,6 +54,7 @@ class HalMachine {
  private:
   std::filesystem::path folder_;
   std::string serial_number_;
+  std::filesystem::path axes_;
   pid_t child_ = -1;
   int input_ = -1;
 };

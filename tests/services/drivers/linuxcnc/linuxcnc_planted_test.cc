@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <iostream>
 #include <string>
 
@@ -19,17 +20,27 @@ const Check& Named(std::span<const Check> checks, std::string_view name) {
                        [&](const Check& check) { return check.name == name; });
 }
 
+// In real time: a computer that is busy may end the session before the fault shows, and
+// a driver without a session fires nothing.
+std::string FindInTries(const std::function<std::string()>& check) {
+  std::string found;
+  for (int i = 0; i < 3 && found.empty(); ++i) found = check();
+  return found;
+}
+
 class LinuxcncMotionPlanted : public ::testing::TestWithParam<drivers::MotionFault> {};
 
 TEST_P(LinuxcncMotionPlanted, IsFound) {
   if (GetParam().by_hand) GTEST_SKIP() << "LinuxCNC's driver does not jog";
   if (const auto why = EnterNamespace(); !why.empty()) GTEST_SKIP() << why;
-  const auto found = drivers::ViolationOf(
-      Named(drivers::MotionChecks(), GetParam().check), [](const std::string& serial) {
-        auto rig = MakeMotionRig(serial);
-        rig->driver = GetParam().plant(std::move(rig->driver));
-        return rig;
-      });
+  const auto found = FindInTries([] {
+    return drivers::ViolationOf(Named(drivers::MotionChecks(), GetParam().check),
+                                [](const std::string& serial) {
+                                  auto rig = MakeMotionRig(serial);
+                                  rig->driver = GetParam().plant(std::move(rig->driver));
+                                  return rig;
+                                });
+  });
   EXPECT_NE(found, "");
   std::cout << "  " << found << "\n";
 }
@@ -43,12 +54,14 @@ class LinuxcncLaserPlanted : public ::testing::TestWithParam<drivers::LaserFault
 
 TEST_P(LinuxcncLaserPlanted, IsFound) {
   if (const auto why = EnterNamespace(); !why.empty()) GTEST_SKIP() << why;
-  const auto found = drivers::ViolationOf(
-      Named(drivers::LaserChecks(), GetParam().check), [](const std::string& serial) {
-        auto rig = MakeLaserRig(serial);
-        rig->driver = GetParam().plant(std::move(rig->driver));
-        return rig;
-      });
+  const auto found = FindInTries([] {
+    return drivers::ViolationOf(Named(drivers::LaserChecks(), GetParam().check),
+                                [](const std::string& serial) {
+                                  auto rig = MakeLaserRig(serial);
+                                  rig->driver = GetParam().plant(std::move(rig->driver));
+                                  return rig;
+                                });
+  });
   EXPECT_NE(found, "");
   std::cout << "  " << found << "\n";
 }
