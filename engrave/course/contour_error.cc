@@ -49,7 +49,7 @@ class Searcher {
 
 void MeasureOneSided(const Path& path, std::span<const Vec2> actual_mm,
                      std::span<const double> commanded_s_mm, const SearchWindow& window,
-                     ContourError& error, std::span<double> sample_mm) {
+                     ContourError& error, std::span<NearestPlace> places) {
   constexpr int kBetween = 16;
   Searcher searcher(path, window);
   std::size_t previous = 0;
@@ -71,7 +71,7 @@ void MeasureOneSided(const Path& path, std::span<const Vec2> actual_mm,
     error.one_sided_mm[near] = std::max(error.one_sided_mm[near], worst_mm);
     error.one_sided_mm[k] = std::max(error.one_sided_mm[k], worst_mm);
     error.worst_one_sided_mm = std::max(error.worst_one_sided_mm, worst_mm);
-    if (!sample_mm.empty()) sample_mm[i] = worst_mm;
+    if (!places.empty()) places[i] = {worst_mm, place.s_mm};
   }
 }
 
@@ -119,13 +119,13 @@ void MeasureNodes(const Path& path, std::span<const Vec2> actual_mm,
 
 ContourError MeasureContour(const Path& path, std::span<const Vec2> actual_mm,
                             std::span<const double> commanded_s_mm,
-                            const SearchWindow& window, std::span<double> sample_mm) {
+                            const SearchWindow& window, std::span<NearestPlace> places) {
   Require(actual_mm.size() == commanded_s_mm.size() && actual_mm.size() >= 2,
           "{} actual points, {} commanded", actual_mm.size(), commanded_s_mm.size());
   ContourError error;
   error.one_sided_mm.assign(path.node_count(), 0);
   error.node_miss_mm.assign(path.node_count(), 0);
-  MeasureOneSided(path, actual_mm, commanded_s_mm, window, error, sample_mm);
+  MeasureOneSided(path, actual_mm, commanded_s_mm, window, error, places);
   MeasureNodes(path, actual_mm, commanded_s_mm, window, error);
   return error;
 }

@@ -20,6 +20,13 @@ struct SearchWindow {
   double ahead_mm = 0;  ///< how far before it
 };
 
+/// The place of the path that is nearest to an actual point. Of a point before which a
+/// greater error lies, between it and the one before, the distance is that error.
+struct NearestPlace {
+  double distance_mm = 0;
+  double s_mm = 0;
+};
+
 struct ContourError {
   /// For each node: greatest error of the actual points whose nearest place is nearest to
   /// this node, and of those on the segment behind it.
@@ -35,10 +42,11 @@ struct ContourError {
 
 /// `actual_mm` and `commanded_s_mm` (ascending, from below 0 to beyond the path's length)
 /// have the same size, two or more. Where the nearest place changes its segment between
-/// two samples the course between them is examined too. `sample_mm` (may be empty) gets
-/// the one-sided error of each sample.
+/// two samples the course between them is examined too. `places` (may be empty) gets
+/// the place of each sample.
 ContourError MeasureContour(const Path& path, std::span<const Vec2> actual_mm,
                             std::span<const double> commanded_s_mm,
-                            const SearchWindow& window, std::span<double> sample_mm = {});
+                            const SearchWindow& window,
+                            std::span<NearestPlace> places = {});
 
 }  // namespace intaglio::course

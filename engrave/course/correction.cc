@@ -98,6 +98,7 @@ double CornerGuess(const Tracking& tracking, double turn_rad, const Vec2& change
   double v = allowed.error_mm / std::max(error_s, 1e-12);
   for (int i = 0; i < 2 && allowed.motor_mm_s2 > 0; ++i) {
     const double t_s = 1 / axes[static_cast<std::size_t>(i)].parameters().bandwidth_rad_s;
+    if (t_s <= 0) continue;
     v = std::min(v, allowed.motor_mm_s2 * t_s / std::max(std::abs(change[i]), 1e-12));
   }
   return v;

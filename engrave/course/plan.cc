@@ -58,19 +58,18 @@ Allowed AllowedBy(const PlanOptions& options) {
 
 namespace {
 
-/// Kernels to choose from, in periods 1 / w of the slowest mechanics.
+/// Kernels to choose from, in units of KernelTime.
 constexpr double kKernelLengths[] = {1.6, 2.1, 2.7, 3.3, 3.9, 4.8, 6, 8, 11};
 /// Of what the motor's limit allows on a straight line.
 constexpr double kAccelerationShares[] = {0.4, 0.55, 0.7, 0.85};
 
-double SlowestTime(const AxisPair& axes) {
-  double time_s = 0;
-  for (const AxisDynamics& axis : axes) {
-    const auto& p = axis.parameters();
-    if (std::isfinite(p.natural_rad_s)) time_s = std::max(time_s, 1 / p.natural_rad_s);
-  }
-  if (time_s > 0) return time_s;
-  return std::max({axes[0].lag_s(), axes[1].lag_s(), 1e-4});
+/// 1 / w of the slowest mechanics; of stiff ones what rounding by the tolerance takes
+/// with the motors' acceleration, v T ~ tolerance and v / T ~ acceleration.
+double KernelTime(const AxisPair& axes, const Allowed& allowed) {
+  double time_s = 1.5 * std::sqrt(allowed.error_mm / allowed.motor_mm_s2);
+  for (const AxisDynamics& axis : axes)
+    time_s = std::max(time_s, 1 / axis.parameters().natural_rad_s);
+  return time_s;
 }
 
 struct Choice {
@@ -93,7 +92,7 @@ Choice CompensatedChoice(const Path& path, const AxisPair& axes,
   const Allowed allowed = AllowedBy(options);
   std::vector<double> lengths_s;
   for (const double length : kKernelLengths)
-    lengths_s.push_back(length * SlowestTime(axes));
+    lengths_s.push_back(length * KernelTime(axes, allowed));
   if (options.kernel_s) lengths_s = {*options.kernel_s};
   Choice best;
   double shortest_s = std::numeric_limits<double>::infinity();
@@ -161,9 +160,13 @@ Result<CoursePlan> PlanCourse(const Path& path, const AxisPair& axes,
       options.compensate ? CompensatedChoice(path, axes, options) : DirectChoice(options);
   const Allowed allowed = AllowedBy(options);
   const Tracking tracking(axes, choice.tracking);
-  const Corrected corrected = CorrectSpeeds(
+  Corrected corrected = CorrectSpeeds(
       path, tracking, allowed,
       FirstSpeeds(path, tracking, allowed, choice.acceleration_mm_s2), options.rounds);
+  // The rounds compute no motor that has no limit.
+  if (!options.compensate)
+    corrected.evaluation =
+        Evaluate(path, corrected.law, tracking, allowed, Exactness::kAxes);
   return PlanOf(path, choice, corrected);
 }
 

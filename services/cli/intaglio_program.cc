@@ -1,6 +1,7 @@
 #include "services/cli/intaglio_program.h"
 
 #include "services/cli/batch/batch_command.h"
+#include "services/cli/course/course_command.h"
 #include "services/cli/fonts_command.h"
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
@@ -56,6 +57,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddMeasureCommand(root);
   AddPathCommands(root);
   AddPostCommand(root);
+  AddCourseCommand(root);
   AddMachineCommand(root);
   AddMaterialsCommand(root);
   AddFontsCommand(root);

@@ -26,8 +26,8 @@ Box3 BoundsOf(const discretize::PlacedDrawing& placed) {
   return box;
 }
 
-Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
-                                     const drawing::DrawingLimits& limits) {
+Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view file,
+                                      const drawing::DrawingLimits& limits) {
   std::string ending = std::filesystem::path(name).extension().string();
   for (char& c : ending) {
     c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -69,15 +69,22 @@ Warning LeftOutWarning(const std::string& file, const std::string& kind,
 
 }  // namespace
 
-MadePoints MakeDrawing(const Method& method, const MethodInput& input,
-                       std::string_view file, const ReadLimits& limits,
-                       SizeCheck size_check, Warnings& warnings) {
-  const std::string& name = input.model.file();
-  auto drawing = INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings));
+Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
+                                     const drawing::DrawingLimits& limits,
+                                     Warnings& warnings) {
+  auto drawing = INTAGLIO_TRY(ReadByEnding(name, file, limits));
   for (const auto& [kind, count] : drawing.left_out) {
     warnings.push_back(
         LeftOutWarning(std::filesystem::path(name).filename().string(), kind, count));
   }
+  return drawing;
+}
+
+MadePoints MakeDrawing(const Method& method, const MethodInput& input,
+                       std::string_view file, const ReadLimits& limits,
+                       SizeCheck size_check, Warnings& warnings) {
+  const std::string& name = input.model.file();
+  const auto drawing = INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings, warnings));
   const auto placed = INTAGLIO_TRY(
       discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
   if (size_check == SizeCheck::kDone) {

@@ -18,6 +18,12 @@ namespace intaglio {
 
 enum class SizeCheck { kDone, kLeftOut };
 
+/// Of the kind that the name's ending says: .dxf, .svg, else HPGL. What it holds that is
+/// no curve is added to `warnings`.
+Result<drawing::Drawing> ReadDrawing(const std::string& name, std::string_view file,
+                                     const drawing::DrawingLimits& limits,
+                                     Warnings& warnings);
+
 /// What a file holds that is not engraved, and an implausible size (model_checks.h), is
 /// added to `warnings`.
 MadePoints MakeDrawing(const Method& method, const MethodInput& input,

@@ -23,8 +23,8 @@ TEST(MeasureContour, IsThatOfAllPlaces) {
       s_mm.push_back(std::min(s, path.length_mm()));
       actual.push_back(cursor.PointAt(s_mm.back()) + Vec2(shift(random), shift(random)));
     }
-    std::vector<double> samples(actual.size());
-    const ContourError error = MeasureContour(path, actual, s_mm, {6, 6}, samples);
+    std::vector<NearestPlace> places(actual.size());
+    const ContourError error = MeasureContour(path, actual, s_mm, {6, 6}, places);
     const OracleError oracle = OracleMeasure(path, actual, s_mm);
     // Between the points it examines more than the oracle, which has points alone.
     EXPECT_GE(error.worst_one_sided_mm, oracle.one_sided_mm - 1e-12);
@@ -33,8 +33,9 @@ TEST(MeasureContour, IsThatOfAllPlaces) {
     // this one a chord further on may be nearer.
     EXPECT_GE(error.worst_node_miss_mm, oracle.node_miss_mm - 1e-12);
     EXPECT_LE(error.worst_node_miss_mm, oracle.node_miss_mm + 0.03);
-    EXPECT_EQ(error.worst_one_sided_mm,
-              *std::max_element(samples.begin(), samples.end()));
+    EXPECT_EQ(
+        error.worst_one_sided_mm,
+        std::ranges::max_element(places, {}, &NearestPlace::distance_mm)->distance_mm);
     EXPECT_EQ(error.worst_one_sided_mm,
               *std::max_element(error.one_sided_mm.begin(), error.one_sided_mm.end()));
   }

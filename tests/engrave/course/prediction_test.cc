@@ -79,12 +79,12 @@ double Predicted(const Case& c, const Corner& corner, LoopKind loop) {
   const Tracking tracking(axes, {0.00025, 0, {}});
   const Tracked tracked =
       tracking.Follow(corner.path, corner.law, axes, Exactness::kAxes, false);
-  std::vector<double> samples(tracked.actual_mm.size());
+  std::vector<NearestPlace> places(tracked.actual_mm.size());
   MeasureContour(corner.path, tracked.actual_mm, tracked.commanded_s_mm,
-                 tracking.WindowFor(100, 0.1), samples);
+                 tracking.WindowFor(100, 0.1), places);
   double worst = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    if (tracked.actual_mm[i].norm() < 15) worst = std::max(worst, samples[i]);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (tracked.actual_mm[i].norm() < 15) worst = std::max(worst, places[i].distance_mm);
   return worst;
 }
 

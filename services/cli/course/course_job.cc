@@ -1,0 +1,120 @@
+#include "services/cli/course/course_job.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "engrave/core/try.h"
+#include "engrave/drawing/flatten.h"
+#include "engrave/io/whole_file.h"
+#include "services/job/model_kind.h"
+#include "services/job/models/flat_models.h"
+#include "services/job/models/read_limits.h"
+
+namespace intaglio::cli {
+namespace {
+
+/// Ends of curves that are one contour: below what a drawing program rounds to.
+constexpr double kJoinMm = 0.01;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+Result<course::Path> PathOf(const drawing::FlatCurve& curve, double feed_mm_s) {
+  std::vector<course::Piece> pieces;
+  Vec2 last = curve.points_mm.front().head<2>();
+  const auto add = [&](const Vec3& point) {
+    // Points that differ in z alone are one place of x and y.
+    if ((point.head<2>() - last).norm() < course::kMinSegmentMm) return;
+    last = point.head<2>();
+    pieces.push_back({last, feed_mm_s});
+  };
+  for (const Vec3& point : curve.points_mm) add(point);
+  if (curve.closed) add(curve.points_mm.front());
+  return course::Path::Make(curve.points_mm.front().head<2>(), pieces);
+}
+
+}  // namespace
+
+Result<std::vector<course::Path>> ReadContours(const std::string& file, double feed_mm_s,
+                                               double size_limits, Warnings& warnings) {
+  Model model;
+  model.set_file(file);
+  const auto kind = KindOf(model);
+  if (!kind || *kind != ModelKind::kDrawing) {
+    return Fail(ErrorCode::kUnsupported,
+                file + ": is no drawing; give one that ends in .dxf, .svg, .hpgl or .plt",
+                file);
+  }
+  const ReadLimits limits = ReadLimitsTimes(size_limits);
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes));
+  auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
+  if (!drawing) return tl::unexpected(WithRemedy(drawing.error(), limits));
+  auto flat = INTAGLIO_TRY(drawing::Flatten(*drawing));
+  drawing::JoinOpenCurves(kJoinMm, flat);
+  std::vector<course::Path> paths;
+  for (const drawing::FlatCurve& curve : flat.curves) {
+    if (curve.points_mm.size() < 2) continue;  // a point of the drawing
+    auto path = PathOf(curve, feed_mm_s);
+    if (path) {
+      paths.push_back(std::move(*path));
+    } else if (path.error().code != ErrorCode::kMissing) {
+      return tl::unexpected(io::AboutFile(path.error(), file));
+    }
+  }
+  if (paths.empty()) {
+    return Fail(ErrorCode::kMissing, file + ": has no curve to cut", file);
+  }
+  return paths;
+}
+
+Result<course::AxisPair> AxesOf(const MachineSpec& machine) {
+  if (machine.has_polar()) {
+    return Fail(ErrorCode::kUnsupported,
+                machine.name() +
+                    ": kinematics: polar: has an arm and a table; courses are "
+                    "planned for linear axes x and y");
+  }
+  course::AxisParameters axis;
+  axis.bandwidth_rad_s = axis.natural_rad_s = std::numeric_limits<double>::infinity();
+  switch (machine.drive_case()) {
+    case MachineSpec::kSecondOrder:
+      axis.natural_rad_s = kTurn * machine.second_order().natural_frequency_hz();
+      axis.damping_ratio = machine.second_order().damping_ratio();
+      break;
+    case MachineSpec::kCascade:
+      axis.loop = course::LoopKind::kCascade;
+      axis.bandwidth_rad_s = machine.cascade().position_gain_per_s();
+      axis.natural_rad_s = kTurn * machine.cascade().natural_frequency_hz();
+      axis.damping_ratio = machine.cascade().damping_ratio();
+      break;
+    case MachineSpec::kServo:
+    case MachineSpec::kStepperScrew:
+    case MachineSpec::kPlanarDrive:
+      return Fail(ErrorCode::kUnsupported,
+                  machine.name() +
+                      ": drive: courses are planned for stage_lag_s, second_order and "
+                      "cascade; describe the axes x and y by one of them");
+    default:
+      if (machine.stage_lag_s() > 0) axis.bandwidth_rad_s = 1 / machine.stage_lag_s();
+  }
+  return course::AxisPair{course::AxisDynamics(axis), course::AxisDynamics(axis)};
+}
+
+double FeedOf(const MachineSpec& machine) {
+  return std::min(machine.x().max_speed_mm_s(), machine.y().max_speed_mm_s());
+}
+
+course::PlanOptions CourseLimitsOf(const MachineSpec& machine) {
+  course::PlanOptions options;
+  options.acceleration_mm_s2 = std::min(machine.x().max_acceleration_mm_s2(),
+                                        machine.y().max_acceleration_mm_s2());
+  options.tolerance_mm = machine.position_tolerance_um() / 1000;
+  for (const AxisLimits* axis : {&machine.x(), &machine.y()}) {
+    if (!axis->has_max_jerk_mm_s3()) continue;
+    options.jerk_mm_s3 = std::min(options.jerk_mm_s3.value_or(axis->max_jerk_mm_s3()),
+                                  axis->max_jerk_mm_s3());
+  }
+  return options;
+}
+
+}  // namespace intaglio::cli
