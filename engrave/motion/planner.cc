@@ -56,7 +56,9 @@ class Continuous : public Planner {
     Pass(out);
     compensation_.Finish(out);
   }
-  std::uint64_t ticks() const override { return planner_.ticks(); }
+  std::uint64_t ticks() const override {
+    return planner_.ticks() + compensation_.tail_ticks();
+  }
   PointMoves moves() const override { return planner_.moves(); }
 
  private:

@@ -28,6 +28,8 @@ TruthGuide GuideOf(const machine::LinearAxis& axis) {
 
 // The steps of a stepper are not in the profile: so long ones that none is lost.
 constexpr double kFullStepMm = 10;
+// Nor is the period of a planar motor's controller: so short that it is continuous.
+constexpr double kPlanarPeriodS = 0.00002;
 
 /// The fields of `from` into those of the same names.
 void SetEqualFields(const google::protobuf::Message& from,
@@ -71,7 +73,8 @@ void SetDrive(const MachineSpec& machine, TruthStage& stage) {
       SetEqualFields(machine.stepper_screw(), *stage.mutable_stepper_screw());
       return stage.mutable_stepper_screw()->set_full_step_mm(kFullStepMm);
     case MachineSpec::kPlanarDrive:
-      return SetEqualFields(machine.planar_drive(), *stage.mutable_planar());
+      SetEqualFields(machine.planar_drive(), *stage.mutable_planar());
+      return stage.mutable_planar()->set_period_s(kPlanarPeriodS);
     case MachineSpec::kStageLagS:
     case MachineSpec::DRIVE_NOT_SET:
       break;

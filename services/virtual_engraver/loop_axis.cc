@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace intaglio::virtual_engraver {
@@ -13,6 +14,9 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kLongestStepS = 50e-6;
 // Of the fastest time constant: the error of a step is its fifth power over 120, 1e-7.
 constexpr double kStepRatio = 0.1;
+
+// Of a field in which no stage gets so far from its command that the sine counts.
+constexpr double kLongStepMm = 1000;
 
 constexpr double kDivision = 4096;  // of the sensor's period
 
@@ -36,6 +40,18 @@ double FastestRate(const PlanarOptions& o) {
 }
 
 }  // namespace
+
+LoopOptions Undisturbed(LoopOptions options) {
+  if (auto* servo = std::get_if<ServoOptions>(&options)) {
+    servo->load_mm_s2 = servo->friction_mm_s2 = 0;
+    servo->max_acceleration_mm_s2 = std::numeric_limits<double>::infinity();
+  } else if (auto* stepper = std::get_if<StepperOptions>(&options)) {
+    stepper->full_step_mm = kLongStepMm;
+  } else if (auto* planar = std::get_if<PlanarOptions>(&options)) {
+    planar->cogging_mm_s2 = planar->sensor_error_mm = 0;
+  }
+  return options;
+}
 
 LoopAxis::LoopAxis(const LoopOptions& options, double at)
     : options_(options),

@@ -57,6 +57,10 @@ struct PlanarOptions {
 using LoopOptions =
     std::variant<ServoOptions, CascadeOptions, StepperOptions, PlanarOptions>;
 
+/// The same axis without what disturbs it: load, friction, limits, lost steps, cogging
+/// and errors of the sensor.
+LoopOptions Undisturbed(LoopOptions options);
+
 /// p + v s + c2 s^2 + c3 s^3, s in seconds.
 struct AxisCommand {
   double p = 0, v = 0, c2 = 0, c3 = 0;

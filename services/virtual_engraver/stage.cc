@@ -38,6 +38,9 @@ Stage::Stage(const StageOptions& options)
       mechanics_(options.mechanics, knot_mm_),
       backlash_(options.backlash_mm, knot_mm_),
       repeatability_(options.repeatability_mm, options.repeatability_seed) {
+  if (options.mechanics.loop)
+    expected_.emplace(MechanicsOptions{0, {}, Undisturbed(*options.mechanics.loop)},
+                      knot_mm_);
   if (options.vibration) vibration_.emplace(*options.vibration, knot_mm_);
   if (!options.own_clock) return;
   own_clock_.emplace(*options.own_clock);
@@ -180,6 +183,7 @@ CubicCommand Stage::CurveOf(const Vec3& p0, const Vec3& v0, const Vec3& p1,
 void Stage::FollowCurve(const CubicCommand& curve, double from_s, double to_s) {
   commanded_mm_ = curve.At(to_s);
   commanded_mm_s_ = curve.SpeedAt(to_s);
+  if (expected_) expected_->Follow(curve, from_s, to_s);
   if (backlash_.none() && !vibration_) return mechanics_.Follow(curve, from_s, to_s);
   // In steps so short that an axis turns at most at their ends.
   const int steps = std::max(1, static_cast<int>(std::ceil((to_s - from_s) / kTurnS)));
@@ -214,7 +218,8 @@ void Stage::FinishPiece() {
   knot_mm_ = piece.end_mm;
   knot_mm_s_ = piece.end_mm_s;
   if (phase_ == Phase::kRunning && (piece.pulse || !own_clock_)) {
-    passed_ = {PlaceOf(piece), piece.end_mm, now_units_, piece.pulse};
+    passed_ = {expected_ ? expected_->actual_mm() : PlaceOf(piece), piece.end_mm,
+               now_units_, piece.pulse};
   }
   if (piece.program_end) {
     phase_ = Phase::kRest;
@@ -291,9 +296,8 @@ void Stage::AdvanceTick(double rate_hz) {
   }
 }
 
-// With a clock of its own it is not the tick that decides between two places of a moving
-// stage, so the place is taken as exactly as it is known. So it is with all mechanics but
-// the first order: their lag is many times the tolerance.
+// On its own clock the place is taken as exactly as it is known, and with a lag of many
+// times the tolerance.
 Vec3 Stage::PlaceOf(const Piece& piece) const {
   if (!own_clock_ && !options_.mechanics.second_order && !options_.mechanics.loop)
     return piece.end_mm;

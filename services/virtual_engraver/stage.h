@@ -84,8 +84,8 @@ class Stage {
 
   /// At the present tick: a segment marked for a pulse ends here, and the stage is there.
   /// On a clock of its own, "here" is within 0.35 ms and a quarter of a tick. There, and
-  /// with all mechanics but the first order, where the stage is to be is the end less its
-  /// lag times its velocity there.
+  /// with second-order mechanics, where the stage is to be is the end less its lag times
+  /// its velocity there; with control loops where its controller's model of them is.
   bool in_position() const { return in_position_; }
   /// As its encoders measure it.
   const Vec3& actual_mm() const { return mechanics_.actual_mm(); }
@@ -168,6 +168,8 @@ class Stage {
   Vec3 knot_mm_ = Vec3::Zero(), knot_mm_s_ = Vec3::Zero();
   Vec3 commanded_mm_ = Vec3::Zero(), commanded_mm_s_ = Vec3::Zero();
   Mechanics mechanics_;
+  // The controller's model of its loops: where the axes are to be.
+  std::optional<Mechanics> expected_;
   Backlash backlash_;
   std::optional<Vibration> vibration_;
   Repeatability repeatability_;

@@ -22,7 +22,7 @@
 namespace intaglio::motion {
 
 /// Streams segments of a plan into segments of commands, one segment behind. Durations,
-/// points and pulses are unchanged; rest stays rest.
+/// points and pulses are unchanged, but for ticks at the end; rest stays rest.
 class DriveCompensation {
  public:
   /// `drive` is that of each axis; null: the axes are where they are commanded. The plan
@@ -30,16 +30,22 @@ class DriveCompensation {
   DriveCompensation(const drive::Drive* drive, double rate_hz, const KnotState& start);
 
   void Append(const Segment& planned, std::vector<Segment>& out);
-  /// Adds the segment still held, which ends at rest.
+  /// Adds the segment still held, which ends at rest; of a drive with transients behind
+  /// it segments of a tick in which the command comes to rest, too.
   void Finish(std::vector<Segment>& out);
+  /// How many ticks Finish added.
+  std::uint64_t tail_ticks() const { return tail_ticks_; }
 
  private:
+  /// The last segment of the plan and those behind it; returns the very last.
+  Segment FollowTail(Segment last, std::vector<Segment>& out);
   CubicCourse CourseOf(const KnotState& from, const Segment& to) const;
 
   InverseDrive inverse_;
   double rate_hz_;
   KnotState from_;  ///< of the plan, where the held segment begins
   std::optional<Segment> held_;
+  std::uint64_t tail_ticks_ = 0;
 };
 
 }  // namespace intaglio::motion

@@ -38,7 +38,7 @@ constexpr TruthRange kRanges[] = {
     {"TruthPlanar", "natural_frequency_hz", 1, 10000},
     {"TruthPlanar", "damping_ratio", 0.05, 5},
     {"TruthPlanar", "integral_rate_per_s", 0.1, 10000},
-    {"TruthPlanar", "period_s", 0.0001, 0.01},
+    {"TruthPlanar", "period_s", 0.00001, 0.01},
     {"TruthPlanar", "tooth_period_mm", 0.01, 10},
     {"TruthPlanar", "cogging_acceleration_mm_s2", 0, 100000},
     {"TruthPlanar", "sensor_error_um", 0, 100},

@@ -209,6 +209,57 @@ TEST(Truth, ThePositionerIsThatOfTheFile) {
       << "an arm without a length";
 }
 
+// Each drive reaches the stage with its numbers, and what a file leaves out has its
+// default.
+TEST(Truth, TheDriveOfAFileIsThatOfTheStage) {
+  const auto loop = [](const std::string& drive) {
+    const auto truth = ParseTruth("stage { " + drive + " }", "t");
+    EXPECT_TRUE(truth.has_value()) << truth.error().message;
+    return virtual_engraver::OptionsOf(*truth).stage.mechanics.loop.value();
+  };
+  const auto servo = std::get<virtual_engraver::ServoOptions>(
+      loop("servo { position_gain_per_s: 150 velocity_time_s: 0.004 derivative_ratio: 1 "
+           "feed_forward_ratio: 0.9 load_acceleration_mm_s2: 20 "
+           "friction_acceleration_mm_s2: 30 }"));
+  EXPECT_EQ(servo.position_gain_per_s, 150);
+  EXPECT_EQ(servo.velocity_time_s, 0.004);
+  EXPECT_EQ(servo.derivative_ratio, 1);
+  EXPECT_EQ(servo.feed_forward_ratio, 0.9);
+  EXPECT_EQ(servo.load_mm_s2, 20);
+  EXPECT_EQ(servo.friction_mm_s2, 30);
+  EXPECT_EQ(servo.max_acceleration_mm_s2, 1e6);
+  const auto cascade = std::get<virtual_engraver::CascadeOptions>(loop(
+      "cascade { position_gain_per_s: 90 natural_frequency_hz: 70 damping_ratio: 0.2 }"));
+  EXPECT_EQ(cascade.position_gain_per_s, 90);
+  EXPECT_EQ(cascade.natural_frequency_hz, 70);
+  EXPECT_EQ(cascade.damping_ratio, 0.2);
+  const auto stepper = std::get<virtual_engraver::StepperOptions>(
+      loop("stepper_screw { rotor_frequency_hz: 80 rotor_damping_ratio: 0.3 "
+           "carriage_frequency_hz: 200 carriage_damping_ratio: 0.1 inertia_ratio: 2 }"));
+  EXPECT_EQ(stepper.rotor_frequency_hz, 80);
+  EXPECT_EQ(stepper.inertia_ratio, 2);
+  EXPECT_EQ(stepper.full_step_mm, 0.025);
+  const auto planar = std::get<virtual_engraver::PlanarOptions>(
+      loop("planar { natural_frequency_hz: 40 damping_ratio: 0.7 integral_rate_per_s: 9 "
+           "cogging_acceleration_mm_s2: 100 sensor_error_um: 2 }"));
+  EXPECT_EQ(planar.natural_frequency_hz, 40);
+  EXPECT_EQ(planar.integral_rate_per_s, 9);
+  EXPECT_EQ(planar.cogging_mm_s2, 100);
+  EXPECT_EQ(planar.sensor_error_mm, 0.002);
+  EXPECT_EQ(planar.period_s, 0.0002);
+  EXPECT_EQ(planar.tooth_period_mm, 0.64);
+  const auto vibration =
+      virtual_engraver::OptionsOf(
+          ParseTruth(
+              "stage { vibration { natural_frequency_hz: 60 damping_ratio: 0.1 } }", "t")
+              .value())
+          .stage.vibration.value();
+  EXPECT_EQ(vibration.above_mm_s2, 7500);
+  EXPECT_EQ(vibration.natural_frequency_hz, 60);
+  EXPECT_THAT(ErrorOf("stage { cascade { position_gain_per_s: 90 } }"),
+              HasSubstr("stage.cascade.natural_frequency_hz: 0 is outside 1..10000"));
+}
+
 TEST(Truth, WhatAFileSetsReplacesTheRestStays) {
   auto truth = ParseTruth(
                    "stage { first_order_lag_s: 0.0002 position_tolerance_um: 30 }\n"
