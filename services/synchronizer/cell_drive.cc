@@ -25,6 +25,7 @@ void CellDrive::Start(const Vec3& axes, std::chrono::nanoseconds now) {
   axes_ = axes;
   drives_ = true;
   ++number_;
+  attempts_ = 1;
   ends_at_ = now + kPatience;
   next_send_ = now;
   message_ = "the motion bridge has not answered: check that it runs";
@@ -44,6 +45,13 @@ void CellDrive::Turn(std::chrono::nanoseconds now) {
     if (!drives_ || !ours) return;
     if (state.answer == intaglio_MANUAL_ACCEPTED) {
       message_ = kTooSlow;
+      return;
+    }
+    // On a computer that was too busy to repeat it in time. What forbids motion refuses
+    // the next attempt.
+    if (state.answer == intaglio_MANUAL_STOPPED && attempts_ < kAttempts) {
+      ++attempts_;
+      ++number_;
       return;
     }
     drives_ = false;

@@ -4,7 +4,8 @@
 // after it, by CellMove, which the motion bridge executes as motion by hand
 // (services/motion_bridge/manual/manual_control.h): within its limits, only while key,
 // door and stops hold, and as long as this process repeats it. It ends when the place is
-// reached, when the bridge refuses it, or after kPatience: a job never waits longer.
+// reached, when the bridge refuses it, has ended it kAttempts times, or after kPatience:
+// a job never waits longer.
 //
 // Nothing is driven during a run; no pulse is armed meanwhile. Used from one thread.
 
@@ -21,6 +22,7 @@ class CellDrive {
  public:
   static constexpr std::chrono::seconds kPatience{60};
   static constexpr double kSpeedMmS = 30;
+  static constexpr int kAttempts = 3;
 
   CellDrive(bus::Bus& bus, std::string cell, std::string sender);
 
@@ -40,6 +42,7 @@ class CellDrive {
   bus::Reader<intaglio_ManualState> states_;
   bus::Writer<intaglio_ManualCommand> moves_;
   bool drives_ = false;
+  int attempts_ = 0;
   Vec3 axes_ = Vec3::Zero();
   std::uint64_t number_ = 0, seen_ = 0;
   std::chrono::nanoseconds ends_at_{0}, next_send_{0};
