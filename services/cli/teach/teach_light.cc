@@ -27,9 +27,10 @@ struct LightOptions : TeachOptions {
 
 /// Until the time is over, Ctrl-C, or an answer that ends it.
 int Hold(TeachClient& client, const TeachOrder& order, const LightOptions& options) {
-  const std::string name = order.kind == intaglio_MANUAL_LAMP
-                               ? "the lamp"
-                               : fmt::format("the shutter of channel {}", order.channel);
+  const std::string name =
+      order.kind == intaglio_MANUAL_LAMP
+          ? "the lamp is on"
+          : fmt::format("the shutter of channel {} is open", order.channel);
   const auto is_on = [&] {
     return order.kind == intaglio_MANUAL_LAMP
                ? client.view().lamp_on
@@ -42,7 +43,7 @@ int Hold(TeachClient& client, const TeachOrder& order, const LightOptions& optio
     client.Poll();
     if (!on_since && is_on()) {
       on_since = Clock::now();
-      std::cout << name << " is on; Ctrl-C ends it\n" << std::flush;
+      std::cout << name << "; Ctrl-C ends it\n" << std::flush;
     }
     if (on_since && options.time_s > 0 && Clock::now() - *on_since > time) break;
     usleep(5000);

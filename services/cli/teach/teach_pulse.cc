@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "engrave/core/try.h"
+#include "materials_db/material_store.h"
 #include "services/cli/complain.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/teach/teach_options.h"
@@ -52,6 +54,21 @@ void AddPulseFlags(command_line::Command command, PulseOptions& options) {
   command.AddOption("--out", options.out, "folder of the job").ShowDefault();
 }
 
+client::StagePerGlass GlassesOf(const PulseOptions& options) {
+  return [file = options.materials_db](const MachineSpec& machine,
+                                       const MachineLens& lens,
+                                       const std::string& glass) -> Result<double> {
+    const auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(
+        file.empty() ? materials_db::DefaultDatabasePath() : fs::path(file)));
+    const auto material = store.Find(glass);
+    if (!material)
+      return Fail(material.error().code, "--glass: " + material.error().message, glass);
+    const auto values = INTAGLIO_TRY(materials_db::ComputeOptics(
+        *material, machine.laser().wavelength_nm(), lens.numerical_aperture()));
+    return values.stage_per_glass_ratio;
+  };
+}
+
 /// Where the axes are, and the profile.
 int TakePlace(PulseOptions& options) {
   return WithMachine(options, [&](TeachClient& client) -> int {
@@ -76,11 +93,11 @@ int SubmitTest(PulseOptions& options, bool series) {
   }
   if (const int taken = TakePlace(options); taken != client::kExitGood) return taken;
   options.job.block_mm = Eigen::Map<const Vec3>(options.block_mm.data());
-  options.job.materials_db = options.materials_db;
   options.job.energy_mj = options.energy_mj;
+  const auto ratio = GlassesOf(options);
   const auto file =
-      series ? client::WriteFocusSeries(options.job, options.series, options.out)
-             : client::WriteTestPulse(options.job, options.out);
+      series ? client::WriteFocusSeries(options.job, ratio, options.series, options.out)
+             : client::WriteTestPulse(options.job, ratio, options.out);
   if (!file) return Complain(file.error());
   const int submitted = SubmitJobFile(options.bus, file->string());
   if (series && submitted == client::kExitGood) {
@@ -93,7 +110,7 @@ int SubmitTest(PulseOptions& options, bool series) {
 
 int TeachFirstCrack(const PulseOptions& options) {
   const auto move =
-      client::ZeroMoveOfSeries(options.out, options.first, options.materials_db);
+      client::ZeroMoveOfSeries(options.out, options.first, GlassesOf(options));
   if (!move) return Complain(move.error());
   return WithMachine(options, [&](TeachClient& client) {
     TeachOrder order;
@@ -137,9 +154,8 @@ void AddFocus(command_line::Command teach) {
                     "number of the first point with a visible crack, from 1: teaches "
                     "the zero by the series in --out");
   command.SetFooter(
-      "Example: intaglio teach zero --lens f43 --by 0 0 0.5   begin above the face\n"
-      "  intaglio teach focus --block 50 50 30               then arm it\n"
-      "  intaglio teach focus --first 12                     the zero in z is right");
+      "Example: intaglio teach focus --block 50 50 30   a row, which a person arms\n"
+      "  intaglio teach focus --first 12               its first crack is point 12");
   command.SetAction([options] {
     return options->first > 0 ? TeachFirstCrack(*options) : SubmitTest(*options, true);
   });

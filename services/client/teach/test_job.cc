@@ -8,7 +8,6 @@
 #include "engrave/core/try.h"
 #include "engrave/formats/point_file.h"
 #include "engrave/io/atomic_file.h"
-#include "materials_db/material_store.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
 #include "services/job/machine/focus_offset.h"
@@ -24,18 +23,6 @@ constexpr double kEnergyShare = 0.1;
 // Below the distance of the points, so that none is thinned out.
 constexpr double kSpacingShare = 0.9;
 constexpr double kPulseSpacing_mm = 0.1;
-
-Result<double> StagePerGlass(const MachineSpec& machine, const MachineLens& lens,
-                             const std::string& glass, const fs::path& materials_db) {
-  const auto store = INTAGLIO_TRY(materials_db::MaterialStore::Open(
-      materials_db.empty() ? materials_db::DefaultDatabasePath() : materials_db));
-  const auto material = store.Find(glass);
-  if (!material)
-    return Fail(material.error().code, "--glass: " + material.error().message, glass);
-  const auto values = INTAGLIO_TRY(materials_db::ComputeOptics(
-      *material, machine.laser().wavelength_nm(), lens.numerical_aperture()));
-  return values.stage_per_glass_ratio;
-}
 
 Result<const MachineLens*> LensOf(const MachineSpec& machine, const std::string& name) {
   const MachineLens* lens =
@@ -95,11 +82,11 @@ struct Bench {
   optics::MachineFromGlass frame;
 };
 
-Status Prepare(const TestJob& asked, Bench& bench) {
+Status Prepare(const TestJob& asked, const StagePerGlass& stage_per_glass, Bench& bench) {
   bench.machine = INTAGLIO_TRY(ReadMachineFile(asked.machine_file));
   bench.lens = INTAGLIO_TRY(LensOf(bench.machine, asked.lens));
-  const double ratio = INTAGLIO_TRY(
-      StagePerGlass(bench.machine, *bench.lens, asked.glass, asked.materials_db));
+  const double ratio =
+      INTAGLIO_TRY(stage_per_glass(bench.machine, *bench.lens, asked.glass));
   bench.frame =
       TestFrame(bench.machine, asked.channel, bench.lens->name(), asked.block_mm, ratio);
   return {};
@@ -107,19 +94,21 @@ Status Prepare(const TestJob& asked, Bench& bench) {
 
 }  // namespace
 
-Result<fs::path> WriteTestPulse(const TestJob& job, const fs::path& folder) {
+Result<fs::path> WriteTestPulse(const TestJob& job, const StagePerGlass& stage_per_glass,
+                                const fs::path& folder) {
   Bench bench;
-  INTAGLIO_TRY(Prepare(job, bench));
+  INTAGLIO_TRY(Prepare(job, stage_per_glass, bench));
   const Vec3 point_mm =
       INTAGLIO_TRY(PointUnderFocus(bench.machine, job.axes, bench.frame));
   return Write(JobOf(job, "test pulse", bench.machine, *bench.lens, kPulseSpacing_mm),
                {point_mm}, folder);
 }
 
-Result<fs::path> WriteFocusSeries(const TestJob& job, const FocusSeries& series,
-                                  const fs::path& folder) {
+Result<fs::path> WriteFocusSeries(const TestJob& job,
+                                  const StagePerGlass& stage_per_glass,
+                                  const FocusSeries& series, const fs::path& folder) {
   Bench bench;
-  INTAGLIO_TRY(Prepare(job, bench));
+  INTAGLIO_TRY(Prepare(job, stage_per_glass, bench));
   const PointList points_mm =
       INTAGLIO_TRY(FocusSeriesPoints(bench.machine, job.axes, bench.frame, series));
   return Write(JobOf(job, "focus series", bench.machine, *bench.lens,
@@ -128,7 +117,7 @@ Result<fs::path> WriteFocusSeries(const TestJob& job, const FocusSeries& series,
 }
 
 Result<ZeroMove> ZeroMoveOfSeries(const fs::path& folder, std::uint32_t first,
-                                  const fs::path& materials_db) {
+                                  const StagePerGlass& stage_per_glass) {
   const JobSpec job = INTAGLIO_TRY(ReadJobFile(folder / kTestJob));
   const auto points = INTAGLIO_TRY(formats::ReadXyz(folder / kTestPoints));
   const MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(job.machine_file()));
@@ -140,8 +129,7 @@ Result<ZeroMove> ZeroMoveOfSeries(const fs::path& folder, std::uint32_t first,
                     " is no focus series of this machine: name the folder that "
                     "`intaglio teach focus` has written");
   }
-  const double ratio =
-      INTAGLIO_TRY(StagePerGlass(machine, *lens, job.glass(), materials_db));
+  const double ratio = INTAGLIO_TRY(stage_per_glass(machine, *lens, job.glass()));
   ZeroMove move;
   move.z_mm = INTAGLIO_TRY(
       ZeroMoveOfFirstCrack(points.points_mm, job.block().size_mm().z(), ratio, first));
