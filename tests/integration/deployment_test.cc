@@ -124,6 +124,26 @@ TEST_F(Units, OnlyTheCellsMayReachTheMachineAndOnlyWhoIsWaitedForIsInRealTime) {
   }
 }
 
+// What was taught is saved in /etc, which is closed to all others.
+TEST_F(Units, OnlyTheBridgeMaySaveWhatWasTaught) {
+  for (const std::string& unit : units_) {
+    std::string text = TextIn(folder_ / FileOf(unit));
+    for (const char* part : {"intaglio-.service.d", "intaglio-cell-.service.d"}) {
+      for (const auto& entry : fs::directory_iterator(folder_ / part))
+        text += TextIn(entry.path());
+    }
+    EXPECT_NE(text.find("ProtectSystem=strict"), std::string::npos) << unit;
+    const bool is_bridge = unit.find("cell-bridge") != std::string::npos;
+    EXPECT_EQ(text.find("ReadWritePaths=-/etc/intaglio/machines") != std::string::npos,
+              is_bridge)
+        << unit;
+    if (is_bridge) {
+      EXPECT_NE(text.find("--machine /etc/intaglio/machines/%i.textproto"),
+                std::string::npos);
+    }
+  }
+}
+
 // A unit without supervision must not fill a disk: recordings have a bound in size and in
 // age. A file is removed whole, and never the one that is being written, so the bound
 // holds several.

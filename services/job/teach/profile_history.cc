@@ -113,7 +113,7 @@ Status WriteVersion(const fs::path& profile, const TaughtVersion& version) {
                                  std::string_view(text));
 }
 
-Status WriteProfile(const fs::path& profile, const MachineSpec& wanted) {
+Status WriteTaught(const fs::path& profile, const MachineSpec& wanted) {
   if (profile.extension() == ".json") return WriteMachineFile(profile, wanted);
   const std::string old = INTAGLIO_TRY(io::ReadWholeFile(profile, kMaxJobFileBytes));
   const std::string text = WithTaught(old, wanted.taught());
@@ -125,6 +125,17 @@ Status WriteProfile(const fs::path& profile, const MachineSpec& wanted) {
                     pb::util::MessageDifferencer::Equals(read.taught(), wanted.taught());
   if (!same) return WriteMachineFile(profile, wanted);
   return io::WriteFileAtomically(profile, std::string_view(text));
+}
+
+/// Who may read the profile may read it afterwards, whatever the mask of this process:
+/// jobs are made with it.
+Status WriteProfile(const fs::path& profile, const MachineSpec& wanted) {
+  std::error_code error;
+  const fs::perms before = fs::status(profile, error).permissions();
+  INTAGLIO_TRY(WriteTaught(profile, wanted));
+  // It is written; a system without such permissions does not matter.
+  if (!error) fs::permissions(profile, before, error);
+  return {};
 }
 
 /// The current version is in the history, also of a profile that was written by hand.

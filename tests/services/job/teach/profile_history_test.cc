@@ -1,6 +1,7 @@
 #include "services/job/teach/profile_history.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "services/job/job_file.h"
 #include "services/job/machine/block_origin.h"
@@ -119,6 +120,19 @@ TEST(ProfileHistory, OnlyTheFieldOfTheOutermostMessageIsReplaced) {
             "block_origin_mm { x: 1 }\n"
             "taught {\n  number: 3\n}\n");
   EXPECT_EQ(WithTaught("name: \"a\"", taught), "name: \"a\"\ntaught {\n  number: 3\n}\n");
+}
+
+// As under systemd, where the mask lets nobody else read what a service writes.
+TEST(ProfileHistory, WhoMayReadTheProfileMayReadItAfterwards) {
+  const fs::path file = FreshProfile();
+  const auto wanted = fs::perms::owner_read | fs::perms::owner_write |
+                      fs::perms::group_read | fs::perms::others_read;
+  fs::permissions(file, wanted);
+  const mode_t before = umask(0077);
+  const auto saved = SaveTaught(file, {}, {});
+  umask(before);
+  ASSERT_TRUE(saved) << saved.error().message;
+  EXPECT_EQ(fs::status(file).permissions(), wanted);
 }
 
 TEST(ProfileHistory, AFolderThatCannotBeWrittenChangesNothing) {
