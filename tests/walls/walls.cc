@@ -38,6 +38,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/course", {"engrave/core"}},
     {"engrave/calibrate", {"engrave/core", "engrave/image", "engrave/motion"}},
     {"engrave/contour", {"engrave/core"}},
+    {"engrave/contour/files", {"engrave/core", "engrave/io", "engrave/contour"}},
     {"engrave/post", {"engrave/core", "engrave/io"}},
     {"engrave/motion", {"engrave/core", "engrave/drive", "engrave/motion/axis"}},
     {"engrave/formats", {"engrave/core", "engrave/io"}},
