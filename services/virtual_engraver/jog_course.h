@@ -3,7 +3,7 @@
 // A move by hand: straight from rest to rest, with constant acceleration up to a speed.
 // In lengths of the focus, mm; times in s.
 
-#include "services/virtual_engraver/mechanics.h"
+#include "services/virtual_engraver/mechanics/mechanics.h"
 
 namespace intaglio::virtual_engraver {
 

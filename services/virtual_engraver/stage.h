@@ -23,12 +23,12 @@
 
 #include "engrave/core/geometry.h"
 #include "services/platform/link/motion_protocol.h"
-#include "services/virtual_engraver/backlash.h"
 #include "services/virtual_engraver/jog_course.h"
-#include "services/virtual_engraver/mechanics.h"
+#include "services/virtual_engraver/mechanics/backlash.h"
+#include "services/virtual_engraver/mechanics/mechanics.h"
+#include "services/virtual_engraver/mechanics/repeatability.h"
+#include "services/virtual_engraver/mechanics/vibration.h"
 #include "services/virtual_engraver/own_clock.h"
-#include "services/virtual_engraver/repeatability.h"
-#include "services/virtual_engraver/vibration.h"
 
 namespace intaglio::virtual_engraver {
 

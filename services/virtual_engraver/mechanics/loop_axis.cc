@@ -1,4 +1,4 @@
-#include "services/virtual_engraver/loop_axis.h"
+#include "services/virtual_engraver/mechanics/loop_axis.h"
 
 #include <algorithm>
 #include <cmath>

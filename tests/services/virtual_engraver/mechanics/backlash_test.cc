@@ -1,4 +1,4 @@
-#include "services/virtual_engraver/backlash.h"
+#include "services/virtual_engraver/mechanics/backlash.h"
 
 #include <gtest/gtest.h>
 

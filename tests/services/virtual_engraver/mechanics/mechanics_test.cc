@@ -1,4 +1,4 @@
-#include "services/virtual_engraver/mechanics.h"
+#include "services/virtual_engraver/mechanics/mechanics.h"
 
 #include <gtest/gtest.h>
 

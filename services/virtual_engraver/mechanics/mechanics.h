@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engrave/core/geometry.h"
-#include "services/virtual_engraver/loop_axis.h"
+#include "services/virtual_engraver/mechanics/loop_axis.h"
 
 namespace intaglio::virtual_engraver {
 

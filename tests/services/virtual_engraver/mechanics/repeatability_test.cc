@@ -1,4 +1,4 @@
-#include "services/virtual_engraver/repeatability.h"
+#include "services/virtual_engraver/mechanics/repeatability.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "services/virtual_engraver/vibration.h"
+#include "services/virtual_engraver/mechanics/vibration.h"
 
 #include <algorithm>
 #include <cmath>
