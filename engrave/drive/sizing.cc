@@ -53,9 +53,11 @@ TorqueDemand DemandOf(const ScrewAxis& axis, const Motor& motor, CylinderRule ru
   demand.angular_acceleration_rad_s2 = a / metres;
   demand.friction_torque_nm =
       rub_n * metres / axis.efficiency_ratio + axis.preload_torque_nm;
-  demand.inertia_torque_nm =
-      demand.angular_acceleration_rad_s2 * (inertia.load_kg_m2 / axis.efficiency_ratio +
-                                            inertia.total_kg_m2 - inertia.load_kg_m2);
+  // A mass that is braked gives its share back through the screw.
+  const double of_load_kg_m2 = a < 0 ? inertia.load_kg_m2 * axis.efficiency_ratio
+                                     : inertia.load_kg_m2 / axis.efficiency_ratio;
+  demand.inertia_torque_nm = demand.angular_acceleration_rad_s2 *
+                             (of_load_kg_m2 + inertia.total_kg_m2 - inertia.load_kg_m2);
   demand.torque_nm = demand.friction_torque_nm + demand.inertia_torque_nm;
   demand.current_a = demand.torque_nm / motor.torque_constant_nm_a;
   demand.static_torque_2016_nm =

@@ -52,8 +52,9 @@ struct DemandPhase {
 struct TorqueDemand {
   double angular_acceleration_rad_s2 = 0;  ///< (4.18), (4.19)
   double friction_torque_nm = 0;           ///< guides, force of the process and preload
-  double inertia_torque_nm = 0;  ///< the carried mass through eta, the rest directly
-  double torque_nm = 0;          ///< both
+  double inertia_torque_nm =
+      0;  ///< the carried mass through eta, by which braking loses too; the rest directly
+  double torque_nm = 0;  ///< both
   double current_a = 0;
   /// As in the source, (4.11), (4.20), (4.22), where the acceleration of the carried mass
   /// is in both parts.

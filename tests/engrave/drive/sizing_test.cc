@@ -66,6 +66,17 @@ TEST(Sizing, TheTrueDemandCountsTheMassOnce) {
   EXPECT_NEAR(rapid.current_a, rapid.torque_nm / 0.6, 1e-12);
 }
 
+// What the screw loses is lost both ways: pushing costs m a / eta, braking gives m a eta.
+TEST(Sizing, BrakingGivesBackLessThanAccelerationTakes) {
+  const double metres = 0.01 / (2 * std::numbers::pi);
+  const auto inertia_torque = [](double a) {
+    return DemandOf(kSourceAxis, kSourceMotor, CylinderRule::kSolid, {1, a})
+        .inertia_torque_nm;
+  };
+  EXPECT_NEAR(inertia_torque(1.5) + inertia_torque(-1.5),
+              400 * 1.5 * metres * (1 / 0.9 - 0.9), 1e-9);
+}
+
 TEST(Sizing, MarginsAreOfHeatAndOfPeak) {
   // 1 s up, 1 s down, 2 s at speed.
   const std::array<DemandPhase, 3> phases = {{{1, 1.5}, {1, -1.5}, {2, 0}}};
