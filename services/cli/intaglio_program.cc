@@ -2,6 +2,7 @@
 
 #include "services/cli/batch/batch_command.h"
 #include "services/cli/course/course_command.h"
+#include "services/cli/drive/drive_command.h"
 #include "services/cli/fonts_command.h"
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
@@ -59,6 +60,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddPostCommand(root);
   AddCourseCommand(root);
   AddMachineCommand(root);
+  AddDriveCommand(root);
   AddMaterialsCommand(root);
   AddFontsCommand(root);
   AddRecordCommand(root);

@@ -15,6 +15,7 @@
 #include "engrave/motion/verify.h"
 #include "engrave/sort/shadow.h"
 #include "engrave/sort/travel.h"
+#include "services/cli/offline/predicted_errors.h"
 #include "services/client/figure_text.h"
 #include "services/client/proof/proof_figures.h"
 #include "services/job/json_text.h"
@@ -68,7 +69,6 @@ class MotionMeter {
       verifier_->Append(AtFocus(segment));
       subticks_ += segment.duration_subticks;
       if (segment.point >= 0) subticks_of_last_point_ = subticks_;
-      if (!sink_) continue;
       if (auto taken = sink_(segment); !taken) return taken;
     }
     segment_count_ += segments_.size();
@@ -148,11 +148,17 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm) {
 }
 
 Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
-                                 const SegmentSink& sink, const ProgressSink& progress) {
+                                 const SegmentSink& sink, const ProgressSink& progress,
+                                 std::vector<double>* errors_um) {
   Require(!path.empty(), "a path without points");
   motion::PlanOptions plan = MotionOptionsOf(job);
   plan.drive = nullptr;
-  MotionMeter meter(plan, path, ScaleBoundsOf(job), sink);
+  PredictedErrors predicted(job, path);
+  const SegmentSink predict_and_sink = [&](const motion::Segment& segment) -> Status {
+    predicted.Append(segment);
+    return sink ? sink(segment) : Status{};
+  };
+  MotionMeter meter(plan, path, ScaleBoundsOf(job), predict_and_sink);
   for (std::size_t begin = 0; begin < path.size(); begin += kPointsATime) {
     const std::size_t end = std::min(begin + kPointsATime, path.size());
     INTAGLIO_TRY(meter.Plan(path, begin, end));
@@ -162,6 +168,12 @@ Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
   }
   PlannedMotion planned = meter.Finish(path.size());
   planned.set_planner(ProfileName(job.job().motion().profile()));
+  predicted.Finish();
+  if (predicted.predicts()) {
+    planned.set_predicted_rms_error_um(predicted.rms_um());
+    planned.set_predicted_max_error_um(predicted.max_um());
+  }
+  if (errors_um != nullptr) *errors_um = predicted.errors_um();
   return planned;
 }
 
@@ -208,6 +220,12 @@ std::string FiguresOf(const PlanReport& report) {
       client::ShortNumber(m.planned_points_per_s()));
   if (m.max_move_um() > 0) {
     text += fmt::format("\nmoves         {:.2f} um at most, of a point", m.max_move_um());
+  }
+  if (m.has_predicted_rms_error_um()) {
+    text += fmt::format(
+        "\nprediction    {:.2f} um rms, {:.2f} um at most beside the points, by the "
+        "profile's drive",
+        m.predicted_rms_error_um(), m.predicted_max_error_um());
   }
   for (const std::string& violation : m.violations()) {
     text += "\n  " + violation;

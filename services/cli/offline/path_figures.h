@@ -25,11 +25,14 @@ PlanReport DescribePath(const FrozenJob& job, const PointList& path_mm);
 /// Plans the job's motion, from rest at the first point as the synchronizer does, and
 /// checks it with the independent verifier; holds only some segments at a time. The
 /// motion is that of the stage itself: commands to a stage that lags lead it
-/// (engrave/motion/drive_compensation.h). `path`: the axes at the points, not empty; the
-/// figures of axes that turn are those of the focus farthest from their pivot. Errors are
-/// those of `sink`, and kCancelled.
+/// (engrave/motion/commands/drive_compensation.h). `path`: the axes at the points, not
+/// empty; the figures of axes that turn are those of the focus farthest from their pivot.
+/// Errors are those of `sink`, and kCancelled. `errors_um`, where it is not null: how far
+/// from each point it will be made, in the glass, as the profile's drive predicts it;
+/// empty where nothing is predicted (predicted_errors.h).
 Result<PlannedMotion> PlanMotion(const FrozenJob& job, const PointList& path,
-                                 const SegmentSink& sink, const ProgressSink& progress);
+                                 const SegmentSink& sink, const ProgressSink& progress,
+                                 std::vector<double>* errors_um = nullptr);
 
 /// The job with each of the motion profiles but its own.
 std::vector<FrozenJob> WithOtherPlanners(const FrozenJob& job);

@@ -68,40 +68,49 @@ Result<Path> InBothFrames(const FrozenJob& job, PointList points, bool of_machin
   return path;
 }
 
-/// The job's own motion: its segments to the file of `--csv`, and the tick of each point.
+/// What is known of each point of a planned path.
+struct PointFigures {
+  std::vector<double> ticks;
+  std::vector<double> errors_um;  ///< predicted; empty: not
+};
+
+/// The job's own motion: its segments to the file of `--csv`, and the points' figures.
 Result<PlannedMotion> PlanOwn(const PathOptions& options, const FrozenJob& job,
-                              const PointList& path, std::vector<double>& point_ticks) {
+                              const PointList& path, PointFigures& figures) {
   std::optional<SegmentFile> file;
   if (!options.csv.empty()) {
     auto created = INTAGLIO_TRY(SegmentFile::Create(
         options.csv, KinematicsOf(job.machine())->axes(), path.front()));
     file.emplace(std::move(created));
   }
-  point_ticks.assign(path.size(), 0);
+  figures.ticks.assign(path.size(), 0);
   std::uint64_t subticks = 0;
   const SegmentSink sink = [&](const motion::Segment& segment) -> Status {
     subticks += segment.duration_subticks;
     if (segment.point >= 0) {
-      point_ticks.at(static_cast<std::size_t>(segment.point)) =
+      figures.ticks.at(static_cast<std::size_t>(segment.point)) =
           static_cast<double>(subticks / motion::kSubticksPerTick);
     }
     return file ? file->Append(segment) : Status{};
   };
   Meter meter("plan");
-  auto planned = PlanMotion(job, path, sink, meter.Sink());
+  auto planned = PlanMotion(job, path, sink, meter.Sink(), &figures.errors_um);
   if (!planned || !file) return planned;
   INTAGLIO_TRY(file->Commit());
   return planned;
 }
 
-/// The path for `--out`, with the tick of each point.
-Status WritePath(const PathOptions& options, Path path, std::vector<double> point_ticks) {
+/// The path for `--out`, with the figures of each point.
+Status WritePath(const PathOptions& options, Path path, PointFigures figures) {
   const std::string& frame =
       options.out_frame.empty() ? options.frame : options.out_frame;
   const bool of_machine = frame == "machine";
   formats::PointTable table;
   table.points_mm = std::move(of_machine ? path.axes : path.glass_mm);
-  table.columns = {{"tick", std::move(point_ticks)}};
+  table.columns = {{"tick", std::move(figures.ticks)}};
+  if (!figures.errors_um.empty()) {
+    table.columns.push_back({"predicted_error_um", std::move(figures.errors_um)});
+  }
   return WritePoints(options.out, table);
 }
 
@@ -144,8 +153,8 @@ int Sort(const PathOptions& options) {
   PlanReport report = DescribePath(*job, table.points_mm);
   const auto path = InBothFrames(*job, std::move(table.points_mm), false);
   if (!path) return Complain(path.error(), client::kExitWrongInput);
-  std::vector<double> point_ticks;
-  auto planned = PlanOwn(options, *job, path->axes, point_ticks);
+  PointFigures figures;
+  auto planned = PlanOwn(options, *job, path->axes, figures);
   if (!planned) return Complain(planned.error(), client::kExitWrongInput);
   *report.add_motions() = std::move(*planned);
   return Print(options, report);
@@ -167,8 +176,8 @@ int Plan(const PathOptions& options) {
   auto path = InBothFrames(*job, std::move(*points_mm), of_machine);
   if (!path) return Complain(path.error(), client::kExitWrongInput);
   PlanReport report = DescribePath(*job, path->glass_mm);
-  std::vector<double> point_ticks;
-  auto planned = PlanOwn(options, *job, path->axes, point_ticks);
+  PointFigures figures;
+  auto planned = PlanOwn(options, *job, path->axes, figures);
   if (!planned) return Complain(planned.error(), client::kExitWrongInput);
   *report.add_motions() = std::move(*planned);
   if (options.compare) {
@@ -177,7 +186,7 @@ int Plan(const PathOptions& options) {
     }
   }
   if (!options.out.empty()) {
-    if (auto written = WritePath(options, std::move(*path), std::move(point_ticks));
+    if (auto written = WritePath(options, std::move(*path), std::move(figures));
         !written) {
       return Complain(written.error(), client::kExitWrongInput);
     }
@@ -231,8 +240,10 @@ void AddPlan(command_line::Command app) {
                  "of --out, that of the path when not given; machine: where the axes are")
       .OneOf({"glass", "machine"});
   plan.AddOption("--csv", options->csv, "the motion's segments, one row for each knot");
-  plan.AddOption("--out", options->out,
-                 "copy of the path; .ply and .scl have the tick of each point");
+  plan.AddOption(
+      "--out", options->out,
+      "copy of the path; .ply and .scl have the tick of each point and how far "
+      "from it the profile's drive will be");
   plan.AddFlag("--compare", options->compare, "a table of all planners");
   plan.AddFlag("--json", options->json, "the figures for programs");
   plan.AddOption("--materials", options->materials_db,

@@ -1,0 +1,62 @@
+#include "services/cli/offline/predicted_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/job/machine/machine_axes.h"
+#include "services/job/options.h"
+
+namespace intaglio::cli {
+
+PredictedErrors::PredictedErrors(const FrozenJob& job, const PointList& path)
+    : path_(path), axes_from_glass_(AxesFromGlassOf(job)) {
+  if (job.machine().pulse_trigger() == PULSE_TRIGGER_AT_PLACE) return;
+  const motion::PlanOptions plan = MotionOptionsOf(job);
+  drive_ = plan.drive;
+  if (plan.continuous) {
+    compensation_.emplace(drive_.get(), plan.rate_hz,
+                          motion::KnotState{path.front(), Vec3::Zero()});
+  }
+  prediction_.emplace(drive_.get(), plan.rate_hz, path.front());
+  errors_um_.assign(path.size(), 0);
+}
+
+void PredictedErrors::Append(const motion::Segment& planned) {
+  if (!predicts()) return;
+  if (compensation_) {
+    compensation_->Append(planned, commands_);
+  } else {
+    commands_.push_back(planned);
+  }
+  Follow();
+}
+
+void PredictedErrors::Finish() {
+  if (compensation_) compensation_->Finish(commands_);
+  Follow();
+}
+
+void PredictedErrors::Follow() {
+  for (const motion::Segment& command : commands_) prediction_->Append(command, places_);
+  for (const motion::PredictedPlace& place : places_) {
+    const auto point = static_cast<std::size_t>(place.point);
+    errors_um_.at(point) = 1000 * (axes_from_glass_.ToGlass(place.axes) -
+                                   axes_from_glass_.ToGlass(path_.at(point)))
+                                      .norm();
+  }
+  commands_.clear();
+  places_.clear();
+}
+
+double PredictedErrors::rms_um() const {
+  double sum = 0;
+  for (const double error_um : errors_um_) sum += error_um * error_um;
+  return std::sqrt(sum /
+                   static_cast<double>(std::max<std::size_t>(errors_um_.size(), 1)));
+}
+
+double PredictedErrors::max_um() const {
+  return errors_um_.empty() ? 0 : *std::max_element(errors_um_.begin(), errors_um_.end());
+}
+
+}  // namespace intaglio::cli

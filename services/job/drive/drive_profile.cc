@@ -1,0 +1,256 @@
+#include "services/job/drive/drive_profile.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/text_format.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "engrave/core/try.h"
+#include "engrave/io/whole_file.h"
+
+namespace intaglio {
+namespace {
+
+namespace pb = google::protobuf;
+
+constexpr int kMaxDepth = 8;
+
+constexpr DriveRange kRanges[] = {
+    {"DriveMotor", "resistance_ohm", 0.001, 1000},
+    {"DriveMotor", "torque_constant_nm_a", 0.0001, 1000},
+    {"DriveMotor", "back_emf_v_s", 0.0001, 1000},
+    {"DriveMotor", "friction_nm_s", 0, 1000},
+    {"DriveMotor", "inertia_kg_m2", 1e-9, 1000},
+    {"DriveMotor", "rated_torque_nm", 0.0001, 100000},
+    {"DriveMotor", "peak_current_a", 0.001, 100000},
+    {"DriveAmplifier", "gain_v_v", 0.001, 10000},
+    {"DriveAmplifier", "tachometer_v_s", 0, 100},
+    {"DriveAmplifier", "max_control_v", 0.01, 1000},
+    {"DriveScrew", "mass_kg", 0, 100000},
+    {"DriveScrew", "lead_m", 0.0001, 1},
+    {"DriveScrew", "friction_ratio", 0, 1},
+    {"DriveScrew", "efficiency_ratio", 0.01, 1},
+    {"DriveScrew", "preload_torque_nm", 0, 10000},
+    {"DriveScrew", "diameter_m", 0, 1},
+    {"DriveScrew", "length_m", 0, 100},
+    {"DriveScrew", "density_kg_m3", 0, 30000},
+    {"DriveScrew", "coupling_inertia_kg_m2", 0, 1000},
+    {"DrivePanel", "proportional", 1e-6, 1e9},
+    {"DrivePanel", "derivative_s", 0, 1e9},
+    {"DrivePanel", "feed_forward_ratio", 0, 2},
+    {"DriveController", "period_s", 1e-6, 0.1},
+    {"DriveController", "converter_bits", 4, 24},
+    {"DriveController", "counts_per_m", 1, 1e10},
+    {"DrivePhase", "duration_s", 0, 100000},
+    {"DrivePhase", "acceleration_m_s2", -1000, 1000},
+    {"DrivePhase", "force_n", -1e6, 1e6},
+    {"DriveProfile", "max_speed_m_s", 1e-6, 1000},
+};
+
+const DriveRange* FindDriveRange(const pb::FieldDescriptor& field) {
+  for (const DriveRange& range : kRanges) {
+    if (field.containing_type()->name() == range.message && field.name() == range.field)
+      return &range;
+  }
+  return nullptr;
+}
+
+void Add(std::vector<Error>& errors, const std::string& path, const std::string& what) {
+  errors.push_back({ErrorCode::kInvalidValue, path + ": " + what, ""});
+}
+
+/// Each number of a message, at any depth; a message that is left out is as one of zeros.
+void CheckNumbers(const pb::Message& message, const std::string& path,
+                  std::vector<Error>& errors) {
+  const pb::Reflection& reflection = *message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const pb::FieldDescriptor& field = *message.GetDescriptor()->field(i);
+    const std::string at = path.empty() ? field.name() : path + "." + field.name();
+    if (field.cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE) {
+      if (!field.is_repeated()) {
+        CheckNumbers(reflection.GetMessage(message, &field), at, errors);
+        continue;
+      }
+      for (int k = 0; k < reflection.FieldSize(message, &field); ++k) {
+        CheckNumbers(reflection.GetRepeatedMessage(message, &field, k),
+                     fmt::format("{}[{}]", at, k), errors);
+      }
+    } else if (const DriveRange* range = FindDriveRange(field)) {
+      const double value = field.cpp_type() == pb::FieldDescriptor::CPPTYPE_UINT32
+                               ? reflection.GetUInt32(message, &field)
+                               : reflection.GetDouble(message, &field);
+      if (value >= range->min && value <= range->max) continue;  // false for NaN
+      Add(errors, at,
+          fmt::format("{} is outside {:.10g}..{:.10g}", value, range->min, range->max));
+    }
+  }
+}
+
+class FirstSyntaxErrorOfProfile : public pb::io::ErrorCollector {
+ public:
+  void AddError(int line, pb::io::ColumnNumber column,
+                const std::string& message) override {
+    if (!text_.empty()) return;
+    text_ = line < 0 ? " " + message
+                     : fmt::format("{}:{}: {}", line + 1, column + 1, message);
+  }
+  void AddWarning(int, pb::io::ColumnNumber, const std::string&) override {}
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+double InertiaOfAll(const DriveAxis& axis, drive::CylinderRule rule) {
+  return drive::InertiaOf(ScrewOf(axis), MotorOf(axis), rule).total_kg_m2;
+}
+
+}  // namespace
+
+std::span<const DriveRange> DriveRanges() { return kRanges; }
+
+std::vector<Error> CheckDriveProfile(const DriveProfile& profile) {
+  std::vector<Error> errors;
+  CheckNumbers(profile, "", errors);
+  if (profile.axes().empty())
+    Add(errors, "axes", "is missing; describe one axis or more");
+  if (profile.demand().empty()) {
+    Add(errors, "demand", "is missing; give what the axes have to do, one phase or more");
+  }
+  std::set<std::string> names;
+  for (int i = 0; i < profile.axes_size(); ++i) {
+    const DriveAxis& axis = profile.axes(i);
+    const std::string path = fmt::format("axes[{}]", i);
+    if (axis.name().empty()) Add(errors, path + ".name", "is missing; name the axis");
+    if (!names.insert(axis.name()).second)
+      Add(errors, path + ".name",
+          fmt::format("{:?} is that of another axis", axis.name()));
+    const DrivePanelUnit unit = axis.panel().unit();
+    if (unit != DRIVE_PANEL_UNIT_VOLT_PER_MM && unit != DRIVE_PANEL_UNIT_ENCODER_PULSE) {
+      Add(errors, path + ".panel.unit",
+          "is missing; give DRIVE_PANEL_UNIT_VOLT_PER_MM or "
+          "DRIVE_PANEL_UNIT_ENCODER_PULSE: a gain means nothing without its unit");
+    }
+  }
+  return errors;
+}
+
+Result<DriveProfile> ParseDriveProfile(std::string_view text, const std::string& name) {
+  if (text.size() > kMaxDriveProfileBytes) {
+    return Fail(ErrorCode::kTooLarge,
+                fmt::format("{}: is larger than {} bytes; give a drive profile "
+                            "(proto/drive.proto)",
+                            name, kMaxDriveProfileBytes));
+  }
+  FirstSyntaxErrorOfProfile first;
+  pb::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&first);
+  parser.SetRecursionLimit(kMaxDepth);
+  pb::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
+  DriveProfile profile;
+  if (!parser.Parse(&stream, &profile)) {
+    return Fail(ErrorCode::kUnreadable, fmt::format("{}:{}", name, first.text()));
+  }
+  std::string wrong;
+  for (const Error& error : CheckDriveProfile(profile))
+    wrong += fmt::format("{}{}: {}", wrong.empty() ? "" : "\n", name, error.message);
+  if (!wrong.empty()) return Fail(ErrorCode::kInvalidValue, wrong);
+  return profile;
+}
+
+Result<DriveProfile> ReadDriveProfile(const std::filesystem::path& file) {
+  const auto text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxDriveProfileBytes));
+  return ParseDriveProfile(text, file.string());
+}
+
+drive::Motor MotorOf(const DriveAxis& axis) {
+  const DriveMotor& m = axis.motor();
+  return {m.resistance_ohm(), m.torque_constant_nm_a(), m.back_emf_v_s(),
+          m.friction_nm_s(),  m.inertia_kg_m2(),        m.rated_torque_nm(),
+          m.peak_current_a()};
+}
+
+drive::ScrewAxis ScrewOf(const DriveAxis& axis) {
+  const DriveScrew& s = axis.screw();
+  return {s.mass_kg(),
+          s.lead_m(),
+          s.friction_ratio(),
+          s.efficiency_ratio(),
+          s.preload_torque_nm(),
+          s.diameter_m(),
+          s.length_m(),
+          s.density_kg_m3(),
+          s.coupling_inertia_kg_m2()};
+}
+
+std::vector<drive::DemandPhase> DemandOf(const DriveProfile& profile) {
+  std::vector<drive::DemandPhase> phases;
+  for (const DrivePhase& p : profile.demand())
+    phases.push_back({p.duration_s(), p.acceleration_m_s2(), p.force_n()});
+  return phases;
+}
+
+drive::VelocityLoop VelocityLoopOf(const DriveAxis& axis, drive::CylinderRule rule) {
+  const DriveAmplifier& a = axis.amplifier();
+  return drive::CloseVelocityLoop(MotorOf(axis),
+                                  {a.gain_v_v(), a.tachometer_v_s(), a.max_control_v()},
+                                  InertiaOfAll(axis, rule));
+}
+
+double VoltPerStep(const DriveProfile& profile, const DriveAxis& axis) {
+  return std::ldexp(axis.amplifier().max_control_v(),
+                    1 - static_cast<int>(profile.controller().converter_bits()));
+}
+
+drive::PositionLoop PositionLoopOf(const DriveProfile& profile, const DriveAxis& axis) {
+  const DrivePanel& panel = axis.panel();
+  const auto unit = panel.unit() == DRIVE_PANEL_UNIT_VOLT_PER_MM
+                        ? drive::PanelUnit::kVoltPerMm
+                        : drive::PanelUnit::kEncoderPulse;
+  return drive::FromPanel(
+      {panel.proportional(), panel.derivative_s(), unit, VoltPerStep(profile, axis),
+       profile.controller().counts_per_m()},
+      panel.feed_forward_ratio());
+}
+
+drive::SampledAxis SampledAxisOf(const DriveProfile& profile, const DriveAxis& axis,
+                                 drive::CylinderRule rule) {
+  const drive::VelocityLoop velocity = VelocityLoopOf(axis, rule);
+  drive::SampledAxis sampled;
+  sampled.speed_per_volt =
+      velocity.gain_rad_v_s * axis.screw().lead_m() / (2 * std::numbers::pi);
+  sampled.velocity_time_s = velocity.time_s;
+  sampled.loop = PositionLoopOf(profile, axis);
+  sampled.period_s = profile.controller().period_s();
+  sampled.volt_per_step = VoltPerStep(profile, axis);
+  sampled.max_volt = axis.amplifier().max_control_v();
+  sampled.counts_per_m = profile.controller().counts_per_m();
+  const drive::TorqueDemand rub = drive::DemandOf(ScrewOf(axis), MotorOf(axis), rule, {});
+  sampled.friction_m_s2 = drive::LoadAcceleration(
+      MotorOf(axis), velocity, axis.screw().lead_m(), rub.friction_torque_nm);
+  return sampled;
+}
+
+drive::TunedAxis TunedAxisOf(const DriveProfile& profile, const DriveAxis& axis,
+                             drive::CylinderRule rule) {
+  drive::TunedAxis tuned;
+  tuned.name = axis.name();
+  tuned.velocity = VelocityLoopOf(axis, rule);
+  tuned.lead_m = axis.screw().lead_m();
+  tuned.amplifier_a_per_v = axis.amplifier().gain_v_v() / axis.motor().resistance_ohm();
+  tuned.peak_current_a = axis.motor().peak_current_a();
+  const auto phases = DemandOf(profile);
+  const drive::MotorSize size =
+      drive::SizeMotor(ScrewOf(axis), MotorOf(axis), rule, phases);
+  tuned.moving_current_a = size.peak_current_a;
+  tuned.load_acceleration_m_s2 = drive::LoadAcceleration(
+      MotorOf(axis), tuned.velocity, tuned.lead_m,
+      drive::DemandOf(ScrewOf(axis), MotorOf(axis), rule, {}).friction_torque_nm);
+  return tuned;
+}
+
+}  // namespace intaglio
