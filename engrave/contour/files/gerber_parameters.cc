@@ -1,0 +1,95 @@
+#include "engrave/contour/files/gerber_parameters.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "engrave/core/try.h"
+#include "engrave/io/number_text.h"
+
+namespace intaglio::contour {
+namespace {
+
+constexpr double kMaxRepeat = 10'000;
+constexpr std::size_t kMaxNumbers = 64;
+
+tl::unexpected<Error> WrongParameter(const char* sentence) {
+  return Fail(ErrorCode::kInvalidValue, sentence);
+}
+
+}  // namespace
+
+Result<GerberFormat> ParseGerberFormat(std::string_view block) {
+  if (block.size() != 10 || block[4] != 'X' || block[7] != 'Y' || block[3] != 'A' ||
+      (block[2] != 'L' && block[2] != 'T') || block.substr(5, 2) != block.substr(8, 2) ||
+      block[5] < '0' || block[5] > '6' || block[6] < '1' || block[6] > '7')
+    return WrongParameter("expected an absolute format such as FSLAX46Y46");
+  const int behind = block[6] - '0';
+  return GerberFormat{block[5] - '0' + behind, behind, block[2] == 'T'};
+}
+
+Result<double> ParseGerberUnit(std::string_view block) {
+  if (block != "MOMM" && block != "MOIN") return WrongParameter("expected MOMM or MOIN");
+  return block == "MOMM" ? 1 : 25.4;
+}
+
+Result<GerberRepeat> ParseGerberRepeat(std::string_view block, double unit_mm) {
+  double values[4] = {1, 1, 0, 0};
+  for (std::size_t begin = 2; begin < block.size();) {
+    const std::size_t letter = std::string_view("XYIJ").find(block[begin]);
+    const std::size_t end =
+        std::min(block.find_first_of("XYIJ", begin + 1), block.size());
+    const auto value = io::ParseFinite(block.substr(begin + 1, end - begin - 1));
+    if (letter == std::string_view::npos || !value || *value < 0 || *value > kMaxRepeat)
+      return WrongParameter("expected a repeat such as SRX2Y3I5J4");
+    values[letter] = *value;
+    begin = end;
+  }
+  if (values[0] < 1 || values[1] < 1) return WrongParameter("a repeat has no times");
+  return GerberRepeat{static_cast<int>(values[0]), static_cast<int>(values[1]),
+                      unit_mm * Vec2(values[2], values[3])};
+}
+
+Result<std::pair<int, GerberAperture>> ParseGerberAperture(std::string_view block,
+                                                           const GerberMacros& macros,
+                                                           double unit_mm) {
+  const std::size_t letter = block.find_first_not_of("0123456789", 3);
+  double number = -1;
+  if (letter != std::string_view::npos && letter > 3)
+    number = io::ParseFinite(block.substr(3, letter - 3)).value_or(-1);
+  if (!block.starts_with("ADD") || number < 10 || number > 1e6)
+    return WrongParameter("expected an aperture such as ADD10C,0.5");
+  const std::size_t comma = std::min(block.find(','), block.size());
+  const std::string_view kind = block.substr(letter, comma - letter);
+  std::vector<double> numbers;
+  for (std::size_t begin = comma + 1; begin <= block.size();) {
+    const std::size_t end = std::min(block.find('X', begin), block.size());
+    const auto value = io::ParseFinite(block.substr(begin, end - begin));
+    if (!value || numbers.size() == kMaxNumbers)
+      return WrongParameter("an aperture has a wrong number");
+    numbers.push_back(*value);
+    begin = end + 1;
+  }
+  const auto macro = macros.find(kind);
+  GerberAperture aperture = INTAGLIO_TRY(
+      macro != macros.end()
+          ? MacroAperture(macro->second, numbers, unit_mm)
+          : StandardAperture(kind.size() == 1 ? kind[0] : '?', numbers, unit_mm));
+  return std::pair(static_cast<int>(number), std::move(aperture));
+}
+
+bool HasNoEffect(std::string_view block) {
+  if (block.starts_with("LR") || block.starts_with("LS")) {
+    const auto value = io::ParseFinite(block.substr(2));
+    return value == (block[1] == 'R' ? 0.0 : 1.0);
+  }
+  for (const char* code : {"TF", "TA", "LN", "IN"}) {
+    if (block.starts_with(code)) return true;
+  }
+  for (const char* whole : {"LPD", "IPPOS", "LMN", "ASAXBY", "MIA0B0", "OFA0B0", "IR0"}) {
+    if (block == whole) return true;
+  }
+  return false;
+}
+
+}  // namespace intaglio::contour

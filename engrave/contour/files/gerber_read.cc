@@ -1,0 +1,400 @@
+#include "engrave/contour/files/gerber_read.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engrave/contour/files/gerber_aperture.h"
+#include "engrave/contour/files/gerber_parameters.h"
+#include "engrave/contour/files/gerber_region.h"
+#include "engrave/core/try.h"
+#include "engrave/io/number_text.h"
+
+namespace intaglio::contour {
+namespace {
+
+constexpr double kMaxPlace_mm = 10'000;
+
+class GerberReader {
+ public:
+  GerberReader(std::string_view text, std::string_view name, const GerberLimits& limits)
+      : text_(text), name_(name), limits_(limits) {}
+
+  Result<std::vector<Element>> Read() {
+    if (text_.size() > limits_.max_file_bytes)
+      return Wrong(ErrorCode::kTooLarge,
+                   fmt::format("the file has {} bytes, the limit is {}; divide it",
+                               text_.size(), limits_.max_file_bytes));
+    while (!ended_) {
+      SkipBlanks();
+      if (at_ == text_.size())
+        return Wrong(ErrorCode::kMissing,
+                     "the file does not end with M02; it is cut short or no Gerber file");
+      if (text_[at_] == '%') {
+        INTAGLIO_TRY(ReadExtended());
+        continue;
+      }
+      const std::string block = INTAGLIO_TRY(Block());
+      INTAGLIO_TRY(ReadCommand(block));
+    }
+    INTAGLIO_TRY(EndRepeat());
+    return std::move(elements_);
+  }
+
+ private:
+  tl::unexpected<Error> Wrong(ErrorCode code, const std::string& sentence,
+                              std::string_view value = {}) const {
+    return Fail(code, fmt::format("{}: line {}: {}", name_, line_number_, sentence),
+                std::string(value.substr(0, 80)));
+  }
+  tl::unexpected<Error> Wrong(const Error& error, std::string_view value) const {
+    return Wrong(error.code, error.message + "; export the layer again", value);
+  }
+  tl::unexpected<Error> NotRead(std::string_view block, const char* what) const {
+    return Wrong(
+        ErrorCode::kUnsupported,
+        fmt::format("{} would change the copper and is not read; export the layer "
+                    "without it",
+                    what),
+        block);
+  }
+
+  void SkipBlanks() {
+    for (; at_ < text_.size(); ++at_) {
+      if (text_[at_] == '\n') ++line_number_;
+      if (text_[at_] != '\n' && text_[at_] != '\r' && text_[at_] != ' ' &&
+          text_[at_] != '\t')
+        return;
+    }
+  }
+
+  /// Up to '*', without line breaks.
+  Result<std::string> Block() {
+    std::string block;
+    for (; at_ < text_.size() && text_[at_] != '*' && text_[at_] != '%'; ++at_) {
+      if (text_[at_] == '\n') ++line_number_;
+      if (text_[at_] != '\n' && text_[at_] != '\r') block += text_[at_];
+    }
+    if (at_ == text_.size() || text_[at_] == '%')
+      return Wrong(ErrorCode::kUnreadable,
+                   "a command does not end with '*'; the file is damaged or of another "
+                   "kind",
+                   block);
+    ++at_;
+    return block;
+  }
+
+  Status ReadExtended() {
+    ++at_;
+    std::vector<std::string> blocks;
+    for (;;) {
+      SkipBlanks();
+      if (at_ < text_.size() && text_[at_] == '%') break;
+      blocks.push_back(INTAGLIO_TRY(Block()));
+    }
+    ++at_;
+    if (!blocks.empty() && blocks[0].starts_with("AM")) {
+      macros_[blocks[0].substr(2)] = {blocks.begin() + 1, blocks.end()};
+      return {};
+    }
+    for (const std::string& block : blocks) INTAGLIO_TRY(ReadParameter(block));
+    return {};
+  }
+
+  Status ReadParameter(const std::string& block) {
+    auto read = Parameter(block);
+    if (read) return {};
+    if (read.error().code == ErrorCode::kUnsupported && read.error().message.empty())
+      return NotRead(block, block.substr(0, 16).c_str());
+    return Wrong(read.error(), block);
+  }
+
+  /// Errors without a place.
+  Status Parameter(const std::string& block) {
+    const std::string code = block.substr(0, 2);
+    if (code == "FS") {
+      format_ = INTAGLIO_TRY(ParseGerberFormat(block));
+    } else if (code == "MO") {
+      unit_mm_ = INTAGLIO_TRY(ParseGerberUnit(block));
+    } else if (code == "AD") {
+      const double unit = INTAGLIO_TRY(Unit());
+      auto [number, aperture] = INTAGLIO_TRY(ParseGerberAperture(block, macros_, unit));
+      apertures_[number] = std::move(aperture);
+    } else if (code == "SR") {
+      INTAGLIO_TRY(EndRepeat());
+      const double unit = INTAGLIO_TRY(Unit());
+      repeat_ = INTAGLIO_TRY(ParseGerberRepeat(block, unit));
+      repeat_begin_ = elements_.size();
+    } else if (code == "TO" || code == "TD") {
+      ReadName(block);
+    } else if (!HasNoEffect(block)) {
+      return Fail(ErrorCode::kUnsupported,
+                  block == "LPC" ? "clear polarity (LPC) is not read" : "");
+    }
+    return {};
+  }
+
+  Result<double> Unit() const {
+    if (unit_mm_ && format_.digits > 0) return *unit_mm_;
+    return Wrong(
+        ErrorCode::kMissing,
+        "a length before the format (FS) and the unit (MO); the file is damaged");
+  }
+
+  /// TO.P,R1,2 names a pin, TO.N,GND a net; the pin's name goes first.
+  void ReadName(const std::string& block) {
+    if (block.starts_with("TD")) {
+      name_of_element_.clear();
+      named_by_pin_ = false;
+      return;
+    }
+    const bool pin = block.starts_with("TO.P,");
+    if (!pin && (!block.starts_with("TO.N,") || named_by_pin_)) return;
+    name_of_element_ = block.substr(5, 64);
+    named_by_pin_ = pin;
+    if (pin) std::replace(name_of_element_.begin(), name_of_element_.end(), ',', '-');
+  }
+
+  Status EndRepeat() {
+    const std::size_t end = elements_.size();
+    for (int y = 0; y < repeat_.rows && end > repeat_begin_; ++y) {
+      for (int x = 0; x < repeat_.columns; ++x) {
+        if (x == 0 && y == 0) continue;
+        const Vec2 by = repeat_.step_mm.cwiseProduct(Vec2(x, y));
+        for (std::size_t k = repeat_begin_; k < end; ++k) {
+          const Element first = elements_[k];
+          INTAGLIO_TRY(Add(Moved(first.shape, by), first.name));
+        }
+      }
+    }
+    repeat_ = {};
+    return {};
+  }
+
+  Status ReadCommand(std::string_view block) {
+    if (block.empty() || block.starts_with("G04") || block.starts_with("G4 ")) return {};
+    if (block == "M02" || block == "M2" || block == "M00") {
+      ended_ = true;
+      return region_ ? Wrong(ErrorCode::kInvalidValue, "a region does not end (G37)")
+                     : Status{};
+    }
+    Vec2 offset = Vec2::Zero();
+    Vec2 to = place_;
+    bool moves = false;
+    std::optional<int> operation;
+    for (std::size_t begin = 0; begin < block.size();) {
+      const char letter = block[begin];
+      std::size_t end = begin + 1;
+      while (end < block.size() && (block[end] < 'A' || block[end] > 'Z')) ++end;
+      const std::string_view number = block.substr(begin + 1, end - begin - 1);
+      begin = end;
+      if (letter == 'X' || letter == 'Y') {
+        to[letter == 'Y'] = INTAGLIO_TRY(Length(number));
+        moves = true;
+      } else if (letter == 'I' || letter == 'J') {
+        offset[letter == 'J'] = INTAGLIO_TRY(Length(number));
+      } else if (letter == 'G') {
+        INTAGLIO_TRY(SetMode(number, block));
+      } else if (letter == 'D') {
+        const int code = INTAGLIO_TRY(CodeIn(number, block));
+        if (code >= 10)
+          INTAGLIO_TRY(Select(code));
+        else
+          operation = code;
+      } else {
+        return Wrong(
+            ErrorCode::kUnreadable,
+            "expected a command such as X1000Y2000D01 or G01; the file is damaged "
+            "or of another kind",
+            block);
+      }
+    }
+    if (!operation && !moves) return {};
+    if (operation) operation_ = *operation;
+    return Operate(to, offset, block);
+  }
+
+  Result<int> CodeIn(std::string_view number, std::string_view block) const {
+    const auto value = io::ParseFinite(number);
+    if (value && *value >= 0 && *value <= 1e6 && *value == std::floor(*value))
+      return static_cast<int>(*value);
+    return Wrong(ErrorCode::kUnreadable, "expected a whole number behind a letter",
+                 block);
+  }
+
+  Result<double> Length(std::string_view number) const {
+    const double unit = INTAGLIO_TRY(Unit());
+    const auto value = io::ParseFinite(number);
+    const int sign = number.starts_with('-') || number.starts_with('+') ? 1 : 0;
+    const int count = static_cast<int>(number.size()) - sign;
+    const int behind = format_.trailing_left_out
+                           ? count - (format_.digits - format_.behind)
+                           : format_.behind;
+    const double length = value.value_or(1e300) * std::pow(10, -behind) * unit;
+    if (number.find_first_of(".eE") == std::string_view::npos && count <= 15 &&
+        std::abs(length) <= kMaxPlace_mm)
+      return length;
+    return Wrong(
+        ErrorCode::kInvalidValue,
+        fmt::format("expected a length without a point of at most {} mm", kMaxPlace_mm),
+        number);
+  }
+
+  Status SetMode(std::string_view number, std::string_view block) {
+    const int code = INTAGLIO_TRY(CodeIn(number, block));
+    switch (code) {
+      case 1:
+      case 2:
+      case 3:
+        motion_ = code;
+        return {};
+      case 36:
+        region_ = Edges{};
+        return {};
+      case 37:
+        INTAGLIO_TRY(EndPath());
+        region_.reset();
+        return {};
+      case 70:
+      case 71:
+        unit_mm_ = code == 70 ? 25.4 : 1;
+        return {};
+      case 74:
+        single_quadrant_ = true;
+        return {};
+      case 75:
+        single_quadrant_ = false;
+        return {};
+      default:
+        return code == 54 || code == 55 || code == 90 ? Status{}
+                                                      : NotRead(block, "this G code");
+    }
+  }
+
+  Status Select(int code) {
+    const auto found = apertures_.find(code);
+    if (found == apertures_.end())
+      return Wrong(
+          ErrorCode::kMissing,
+          fmt::format("aperture D{} is not defined; export the layer again", code));
+    aperture_ = &found->second;
+    return {};
+  }
+
+  Status Operate(const Vec2& to, const Vec2& offset, std::string_view block) {
+    const Vec2 from = place_;
+    place_ = to;
+    if (operation_ == 2) return region_ ? EndPath() : Status{};
+    if (operation_ != 1 && operation_ != 3)
+      return Wrong(ErrorCode::kUnreadable, "a place without D01, D02 or D03", block);
+    if (operation_ == 3) {
+      if (region_) return Wrong(ErrorCode::kInvalidValue, "a flash in a region", block);
+      return Flash();
+    }
+    const bool arc = motion_ != 1;
+    if (arc && single_quadrant_)
+      return NotRead(block, "an arc of a single quadrant (G74)");
+    Edge edge = MakeLine(from, to);
+    if (arc) edge = INTAGLIO_TRY(ArcTo(from, to, from + offset, block));
+    if (!region_) return Draw(edge, block);
+    if (++edge_count_ > limits_.max_edges) return TooMany();
+    region_->push_back(edge);
+    return {};
+  }
+
+  /// The centre is moved to where both ends are equally far: files round it.
+  Result<Edge> ArcTo(const Vec2& from, const Vec2& to, Vec2 center,
+                     std::string_view block) const {
+    const double r = (from - center).norm();
+    if (r < 1e-6 || std::abs((to - center).norm() - r) > 0.01 + 0.01 * r)
+      return Wrong(ErrorCode::kInvalidValue,
+                   "the ends of an arc are not equally far from its centre; export the "
+                   "layer again",
+                   block);
+    if (from != to) {
+      const Vec2 along = (to - from).normalized();
+      center += along * along.dot(0.5 * (from + to) - center);
+      if ((from - center).norm() < 1e-6) return MakeLine(from, to);
+    }
+    return MakeArcBetween(from, to, center, motion_ == 3);
+  }
+
+  Status CheckAperture() const {
+    if (aperture_ != nullptr) return {};
+    return Wrong(ErrorCode::kMissing, "no aperture is selected; export the layer again");
+  }
+  Status Flash() {
+    INTAGLIO_TRY(CheckAperture());
+    for (const Shape& shape : aperture_->shapes)
+      INTAGLIO_TRY(Add(Moved(shape, place_), name_of_element_));
+    return {};
+  }
+
+  Status Draw(const Edge& edge, std::string_view block) {
+    INTAGLIO_TRY(CheckAperture());
+    const double width = aperture_->draw_width_mm;
+    if (width == 0) return {};  // the specification's "no image"
+    if (width > 0 && edge.is_arc()) return Add(ArcTrack{edge, width}, name_of_element_);
+    if (width > 0) return Add(Track{edge.begin_mm, edge.end_mm, width}, name_of_element_);
+    if (aperture_->draw_box_mm.x() > 0 && !edge.is_arc())
+      return Add(SweptBox(aperture_->draw_box_mm, edge.begin_mm, edge.end_mm),
+                 name_of_element_);
+    return NotRead(block, "a draw with this aperture");
+  }
+
+  Status EndPath() {
+    if (!region_ || region_->empty()) return {};
+    const Edges path = std::exchange(*region_, {});
+    auto outline = RegionOutline(path);
+    if (!outline) return Wrong(outline.error(), "G36");
+    return Add(std::move(*outline), name_of_element_);
+  }
+  tl::unexpected<Error> TooMany() const {
+    return Wrong(ErrorCode::kTooLarge,
+                 fmt::format("more than {} elements or {} edges; divide the layer",
+                             limits_.max_elements, limits_.max_edges));
+  }
+  Status Add(Shape shape, const std::string& name) {
+    if (const auto* outline = std::get_if<Outline>(&shape)) {
+      for (const Edges& loop : outline->loops) edge_count_ += loop.size();
+    }
+    if (elements_.size() >= limits_.max_elements || edge_count_ > 2 * limits_.max_edges)
+      return TooMany();
+    elements_.push_back({std::move(shape), name});
+    return {};
+  }
+
+  std::string_view text_;
+  std::string_view name_;
+  GerberLimits limits_;
+  std::size_t at_ = 0;
+  std::size_t line_number_ = 1;
+  bool ended_ = false;
+  GerberFormat format_;
+  std::optional<double> unit_mm_;
+  GerberMacros macros_;
+  std::map<int, GerberAperture> apertures_;
+  const GerberAperture* aperture_ = nullptr;
+  Vec2 place_ = Vec2::Zero();
+  int motion_ = 1;
+  int operation_ = 0;
+  bool single_quadrant_ = false;
+  std::optional<Edges> region_;
+  std::string name_of_element_;
+  bool named_by_pin_ = false;
+  GerberRepeat repeat_;
+  std::size_t repeat_begin_ = 0;
+  std::uint64_t edge_count_ = 0;
+  std::vector<Element> elements_;
+};
+
+}  // namespace
+
+Result<std::vector<Element>> ReadGerber(std::string_view text, std::string_view name,
+                                        const GerberLimits& limits) {
+  return GerberReader(text, name, limits).Read();
+}
+
+}  // namespace intaglio::contour
