@@ -228,6 +228,7 @@ link::LaserStatus FakeLaser::Status() const {
       {!stop_pressed_ && !stop_latched_, link::kStopReleased},
       {burns(), link::kLampOn},
       {warm(), link::kLampWarm},
+      {short_sync, link::kNoLampSync},
       {safe_, link::kSafeState}};
   for (const auto& [on, bit] : bits) {
     if (on) status.interlocks = static_cast<std::uint8_t>(status.interlocks | bit);

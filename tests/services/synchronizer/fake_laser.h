@@ -72,6 +72,7 @@ class FakeLaser {
   std::uint8_t stuck_open = 0;  ///< shutters that are open, whatever is commanded
   std::chrono::nanoseconds shutter_travel{0};  ///< from the command to the movement
   bool blind = false;                          ///< the photosensor sees no crack
+  bool short_sync = false;                     ///< the lamp sync is not counted
   bool trigger_late = false;                   ///< the Q-switch takes no trigger
   bool mute = false;     ///< keeps the line alive and reports nothing
   bool forgets = false;  ///< nothing that was asked about the past is known

@@ -77,6 +77,15 @@ TEST_F(MachinePreparationTest, WaitsForTheLampAndThenForTheStage) {
   EXPECT_EQ(preparation_.WhatIsMissing(motion), TextOf(Missing::kMotionState));
 }
 
+TEST_F(MachinePreparationTest, NamesALampSyncThatIsTooShort) {
+  MotionView motion;
+  motion.fault = intaglio_MOTION_OK;
+  motion.fresh = true;
+  bench_.laser.short_sync = true;
+  LightLampFor(50ms);
+  EXPECT_THAT(preparation_.WhatIsMissing(motion), HasSubstr("min_sync_width_us"));
+}
+
 TEST_F(MachinePreparationTest, ALampOfAnotherRateIsNotReady) {
   bench_.WarmUp();
   job_.plan.rate_hz = 2 * FakeLaser::kRateHz;
