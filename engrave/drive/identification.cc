@@ -115,7 +115,7 @@ class Fit {
     int count = 1;
     for (std::size_t i = 0; i < size(); ++i) count *= a_side;
     Vector best;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (int k = 0; k < count; ++k) {
       Vector at(static_cast<Eigen::Index>(size()));
       int left = k;
@@ -124,7 +124,7 @@ class Fit {
         at[static_cast<Eigen::Index>(i)] = Low(i) + ratio * (High(i) - Low(i));
       }
       const double cost = Residuals(at).squaredNorm();
-      if (cost < least) least = cost, best = at;
+      if (cost < smallest) smallest = cost, best = at;
     }
     return best;
   }

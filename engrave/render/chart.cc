@@ -69,10 +69,10 @@ std::vector<double> RoundNumbers(double min, double max, int count) {
   Require(count >= 2 && min <= max, "{} marks of {}..{}", count, min, max);
   const double size = std::max({std::abs(min), std::abs(max), 1e-300});
   if (max - min < 1e-9 * size) min -= 0.5 * size, max += 0.5 * size;
-  const double least = (max - min) / std::max(1, count - 2);
-  double step = std::pow(10, std::floor(std::log10(least)));
+  const double min_step = (max - min) / std::max(1, count - 2);
+  double step = std::pow(10, std::floor(std::log10(min_step)));
   for (const double factor : {2.0, 2.5, 2.0}) {
-    if (step >= least) break;
+    if (step >= min_step) break;
     step *= factor;
   }
   const double first = std::floor(min / step), last = std::ceil(max / step);

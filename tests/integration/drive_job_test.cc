@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <regex>
 
+#include "engrave/formats/point_file.h"
 #include "tests/integration/run_job.h"
 
 namespace intaglio {
@@ -39,7 +41,8 @@ class DriveOfAProfile : public RunJob, public ::testing::WithParamInterface<Name
     Running run(Program("intaglio"),
                 {"plan", "--path", (folder_ / "out/path.ply").string(), "--block", "30",
                  "30", "30", "--machine", profile.string(), "--materials",
-                 (folder_ / "materials.db").string()},
+                 (folder_ / "materials.db").string(), "--out",
+                 (folder_ / "predicted.ply").string()},
                 folder_ / "plan.txt");
     const std::string text = run.WaitForEnd(testing::kBound).output;
     static const std::regex kFigures(R"(prediction +([\d.]+) um rms, ([\d.]+) um)");
@@ -47,6 +50,20 @@ class DriveOfAProfile : public RunJob, public ::testing::WithParamInterface<Name
     EXPECT_TRUE(std::regex_search(text, match, kFigures)) << text;
     return match.empty() ? std::pair(0.0, 0.0)
                          : std::pair(std::stod(match[1]), std::stod(match[2]));
+  }
+
+  /// Rms of the column of the copy that `plan --out` has written, um.
+  double OfEachPoint() const {
+    const auto table = formats::ReadPly(folder_ / "predicted.ply");
+    EXPECT_TRUE(table.has_value());
+    for (const formats::NamedColumn& column : table->columns) {
+      if (column.name != "predicted_error_um") continue;
+      double sum = 0;
+      const auto& errors_um = std::get<std::vector<double>>(column.values);
+      for (const double error_um : errors_um) sum += error_um * error_um;
+      return std::sqrt(sum / static_cast<double>(errors_um.size()));
+    }
+    return -1;
   }
 };
 
@@ -61,6 +78,7 @@ TEST_P(DriveOfAProfile, MakesAllPointsWhereThePlanPredicts) {
   EXPECT_EQ(report.points().made(), report.points().planned());
   const auto [rms_um, max_um] = Predicted(profile);
   EXPECT_GT(rms_um, 0.1) << "a drive that leaves nothing predicts nothing";
+  EXPECT_NEAR(OfEachPoint(), rms_um, 0.006) << "of all points, as printed";
   EXPECT_NEAR(report.position_errors().rms_um(), rms_um, 0.1 * rms_um);
   EXPECT_NEAR(report.position_errors().max_um(), max_um, 0.2 * max_um);
 }

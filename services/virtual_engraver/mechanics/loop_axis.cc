@@ -12,8 +12,11 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 
 // At 80 mm/s a tooth of 0.64 mm lasts 8 ms: 160 steps.
 constexpr double kLongestStepS = 50e-6;
-// Of the fastest time constant: the error of a step is its fifth power over 120, 1e-7.
-constexpr double kStepRatio = 0.1;
+// Of the fastest time constant, of which FastestRate is a bound: the error of a step is
+// below its fifth power over 120, 1e-5 of what decays fastest.
+constexpr double kStepRatio = 0.25;
+// An axis that is slower and nearer than 1 pm on a constant command stays.
+constexpr double kRestMmS = 1e-9, kRestMmS2 = 1e-6;
 
 // Of a field in which no stage gets so far from its command that the sine counts.
 constexpr double kLongStepMm = 1000;
@@ -171,8 +174,21 @@ void LoopAxis::Step(const AxisCommand& command, double from_s, double step_s) {
   if (rubs && state_[1] * friction_sign_ < 0) state_[1] = 0;
 }
 
+bool LoopAxis::Rests(const AxisCommand& command) const {
+  if (command.v != 0 || command.c2 != 0 || command.c3 != 0) return false;
+  // The motor of a cascade has to be where it is commanded.
+  if (std::holds_alternative<CascadeOptions>(options_) &&
+      std::abs(command.p - state_[2]) > kRestMmS) {
+    return false;
+  }
+  const State slope = Slope(state_, command.p, 0);
+  return std::abs(slope[0]) < kRestMmS && std::abs(slope[2]) < kRestMmS &&
+         std::abs(slope[1]) < kRestMmS2 && std::abs(slope[3]) < kRestMmS2;
+}
+
 void LoopAxis::Follow(const AxisCommand& command, double from_s, double to_s) {
   const auto* planar = std::get_if<PlanarOptions>(&options_);
+  if (planar == nullptr && Rests(command)) return;
   for (double at_s = from_s; at_s < to_s;) {
     if (planar != nullptr && to_sample_s_ <= 0) {
       Sample(*planar, command.At(at_s));

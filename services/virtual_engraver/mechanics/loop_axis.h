@@ -90,6 +90,8 @@ class LoopAxis {
   State SlopeOf(const CascadeOptions& o, const State& at, double c, double c_s) const;
   State SlopeOf(const StepperOptions& o, const State& at, double c, double c_s) const;
   State SlopeOf(const PlanarOptions& o, const State& at, double c, double c_s) const;
+  /// It stays where it is, whatever comes.
+  bool Rests(const AxisCommand& command) const;
   void Step(const AxisCommand& command, double from_s, double step_s);
   double MotorAcceleration(const ServoOptions& o, const State& at, double c,
                            double c_s) const;

@@ -131,7 +131,7 @@ TEST(Motor, TheNumbersOfThePanelAreThoseOfTheSource) {
   EXPECT_NEAR(2000 * 10 / 24000.0 / kSourceVoltPerStep, 2730.7, 0.1);
 }
 
-TEST(Motor, AGainMeansWhatItsUnitSays) {
+TEST(Motor, AGainCountsInItsUnit) {
   const ServoLoop pulses = SourceServo(20480, 0, PanelUnit::kEncoderPulse);
   const ServoLoop volts = SourceServo(20480, 0, PanelUnit::kVoltPerMm);
   EXPECT_NEAR(pulses.position_gain_per_s, 81870, 5);

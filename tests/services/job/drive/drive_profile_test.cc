@@ -30,7 +30,7 @@ std::string ErrorAfter(const std::string& from, const std::string& to) {
   return profile ? "" : profile.error().message;
 }
 
-TEST(DriveProfile, TheSuppliedOneIsGoodAndMeansWhatItSays) {
+TEST(DriveProfile, TheSuppliedOneIsGoodAndIsConverted) {
   const auto profile = ReadDriveProfile(kSupplied);
   ASSERT_TRUE(profile.has_value()) << profile.error().message;
   ASSERT_EQ(profile->axes_size(), 2);
