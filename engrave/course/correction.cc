@@ -84,6 +84,17 @@ void LowerAccelerations(const Path& path, const SpeedLaw& law,
   }
 }
 
+/// A round that changes no speed by more than this changes nothing that is measured.
+constexpr double kSameRatio = 1e-4;
+
+bool AreSame(const SpeedLaw& before, const SpeedLaw& now) {
+  const auto near = [](double p, double q) {
+    return std::abs(p - q) <= kSameRatio * std::max(p, q);
+  };
+  return near(before.duration_s, now.duration_s) &&
+         std::ranges::equal(before.node_speed_mm_s, now.node_speed_mm_s, near);
+}
+
 double CornerGuess(const Tracking& tracking, double turn_rad, const Vec2& change,
                    const Allowed& allowed) {
   const auto& axes = tracking.axes();
@@ -170,11 +181,17 @@ Corrected CorrectSpeeds(const Path& path, const Tracking& tracking,
                         const Window& window) {
   const Speeds first = speeds;
   Corrected best, last;
+  bool settling = false;
   for (int round = 0; round < rounds + kFurtherRounds; ++round) {
-    const bool settling = round >= rounds - kLastRounds;
-    last.law = PlanSpeeds(
+    SpeedLaw law = PlanSpeeds(
         path, {speeds.node_mm_s, speeds.segment_mm_s, speeds.acceleration_mm_s2});
-    last.law.begin_s = window.begin_s;
+    law.begin_s = window.begin_s;
+    const bool same = AreSame(last.law, law);
+    if (same && settling && best.holds) break;
+    // What has converged is settled at once.
+    if (same && !settling) round = std::max(round, rounds - kLastRounds);
+    settling = round >= rounds - kLastRounds;
+    last.law = std::move(law);
     last.evaluation = Evaluate(path, last.law, tracking, allowed,
                                settling ? Exactness::kAxes : Exactness::kModel);
     last.speeds = speeds;
