@@ -14,6 +14,7 @@
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/client/exit_codes.h"
 #include "services/client/warning_text.h"
+#include "services/job/drive/drive_profile.h"
 #include "services/job/job_file.h"
 #include "services/platform/command_line/supplied_files.h"
 
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CourseOptions {
-  std::string file, machine, csv, picture;
+  std::string file, machine, drive, csv, picture;
   std::optional<double> feed_mm_s, tolerance_um, motor_mm_s2, kernel_ms, jerk_mm_s3;
   std::optional<double> acceleration_mm_s2;
   double period_ms = 0.5, frequency_percent = 5, damping_percent = 20;
@@ -45,11 +46,19 @@ course::PlanOptions PlanOptionsOf(const CourseOptions& options,
   return plan;
 }
 
+/// The axes of the drive profile, else of the machine's.
+Result<course::AxisPair> AxesBy(const CourseOptions& options,
+                                const MachineSpec& machine) {
+  if (options.drive.empty()) return AxesOf(machine);
+  const DriveProfile profile = INTAGLIO_TRY(ReadDriveProfile(options.drive));
+  return AxesOf(profile);
+}
+
 Result<CourseProgram> MakeProgram(const CourseOptions& options) {
   const fs::path profile = INTAGLIO_TRY(
       command_line::FindSupplied(options.machine, command_line::kSuppliedProfiles));
   const MachineSpec machine = INTAGLIO_TRY(ReadMachineFile(profile));
-  const course::AxisPair axes = INTAGLIO_TRY(AxesOf(machine));
+  const course::AxisPair axes = INTAGLIO_TRY(AxesBy(options, machine));
   Warnings warnings;
   auto paths =
       INTAGLIO_TRY(ReadContours(options.file, options.feed_mm_s.value_or(FeedOf(machine)),
@@ -126,6 +135,8 @@ void AddCourseCommand(command_line::Command app) {
   plan.AddOption("--machine", options->machine,
                  "profile: a file, or the name of a supplied one")
       .Require();
+  plan.AddOption("--drive", options->drive,
+                 "drive profile whose axes x and y follow; default the machine's drive");
   AddLimits(plan, *options);
   plan.AddFlag("--reserve", options->reserve,
                "plan so that the tolerance is kept with wrong mechanics too");

@@ -1,13 +1,18 @@
 #include "services/cli/course/course_job.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "engrave/core/try.h"
 #include "engrave/drawing/flatten.h"
+#include "engrave/drive/motor.h"
 #include "engrave/io/whole_file.h"
+#include "services/job/drive/drive_profile.h"
 #include "services/job/model_kind.h"
 #include "services/job/models/flat_models.h"
 #include "services/job/models/read_limits.h"
@@ -31,6 +36,34 @@ Result<course::Path> PathOf(const drawing::FlatCurve& curve, double feed_mm_s) {
   for (const Vec3& point : curve.points_mm) add(point);
   if (curve.closed) add(curve.points_mm.front());
   return course::Path::Make(curve.points_mm.front().head<2>(), pieces);
+}
+
+Result<course::AxisDynamics> ServoAxisOf(const DriveProfile& profile,
+                                         const DriveAxis& axis) {
+  const DrivePanel& panel = axis.panel();
+  if (panel.derivative_s() != 0 || panel.feed_forward_ratio() != 0) {
+    return Fail(ErrorCode::kUnsupported,
+                profile.name() + ": axis " + axis.name() +
+                    ": panel: courses are planned for servos with derivative_s 0 and "
+                    "feed_forward_ratio 0; set them so");
+  }
+  const drive::ServoLoop servo =
+      drive::CloseAxis(VelocityLoopOf(axis, drive::CylinderRule::kSolid),
+                       PositionLoopOf(profile, axis), axis.screw().lead_m());
+  course::AxisParameters parameters;
+  parameters.bandwidth_rad_s = std::numeric_limits<double>::infinity();
+  parameters.natural_rad_s = std::sqrt(servo.position_gain_per_s / servo.velocity_time_s);
+  parameters.damping_ratio =
+      1 / (2 * std::sqrt(servo.position_gain_per_s * servo.velocity_time_s));
+  constexpr double kMinDamping = 0.01, kMaxDamping = 5;
+  if (parameters.damping_ratio < kMinDamping || parameters.damping_ratio > kMaxDamping) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: axis {}: the damping {:.3g} of its loop is outside "
+                            "{}..{}; change panel.proportional",
+                            profile.name(), axis.name(), parameters.damping_ratio,
+                            kMinDamping, kMaxDamping));
+  }
+  return course::AxisDynamics(parameters);
 }
 
 }  // namespace
@@ -98,6 +131,25 @@ Result<course::AxisPair> AxesOf(const MachineSpec& machine) {
       if (machine.stage_lag_s() > 0) axis.bandwidth_rad_s = 1 / machine.stage_lag_s();
   }
   return course::AxisPair{course::AxisDynamics(axis), course::AxisDynamics(axis)};
+}
+
+Result<course::AxisPair> AxesOf(const DriveProfile& profile) {
+  if (profile.axes_size() < 2) {
+    return Fail(ErrorCode::kMissing, profile.name() +
+                                         ": axes: a course needs two, x and y; add the "
+                                         "one that is missing");
+  }
+  const auto index_of = [&](std::string_view name, int otherwise) {
+    for (int i = 0; i < profile.axes_size(); ++i)
+      if (profile.axes(i).name() == name) return i;
+    return otherwise;
+  };
+  std::vector<course::AxisDynamics> axes;
+  for (const int i : {index_of("x", 0), index_of("y", 1)}) {
+    auto axis = INTAGLIO_TRY(ServoAxisOf(profile, profile.axes(i)));
+    axes.push_back(std::move(axis));
+  }
+  return course::AxisPair{axes[0], axes[1]};
 }
 
 double FeedOf(const MachineSpec& machine) {

@@ -9,6 +9,7 @@
 #include "engrave/core/result.h"
 #include "engrave/core/warning.h"
 #include "engrave/course/plan.h"
+#include "proto/drive.pb.h"
 #include "proto/machine.pb.h"
 
 namespace intaglio::cli {
@@ -23,6 +24,11 @@ Result<std::vector<course::Path>> ReadContours(const std::string& file, double f
 /// kUnsupported: axes that turn, a drive that is neither a lag, of second order nor a
 /// cascade.
 Result<course::AxisPair> AxesOf(const MachineSpec& machine);
+
+/// Of a drive profile: its axes x and y, or its first two. A servo without derivative
+/// gain and feed-forward is of second order, w = sqrt(K / tau), xi = 1 / (2 sqrt(K tau));
+/// kUnsupported: others, named by axis and field. kMissing: fewer than two axes.
+Result<course::AxisPair> AxesOf(const DriveProfile& profile);
 
 /// Speed, acceleration and jerk that both axes have, mm/s, mm/s^2, mm/s^3; the tolerance
 /// is the profile's.

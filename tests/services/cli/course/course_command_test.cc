@@ -15,6 +15,7 @@
 #include "services/cli/course/course_job.h"
 #include "services/cli/course/course_program.h"
 #include "services/client/exit_codes.h"
+#include "services/job/drive/drive_profile.h"
 #include "services/job/job_file.h"
 #include "tests/test_folder.h"
 
@@ -129,6 +130,26 @@ TEST_F(CourseCommand, ErrorsNameFileAndRemedy) {
   EXPECT_EQ(Type({empty, "--machine", soft_}), client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("empty.svg"));
   EXPECT_EQ(Type({drawing_, "--machine", "polar"}), client::kExitWrongInput);
+}
+
+TEST_F(CourseCommand, TheAxesOfADriveProfileFollow) {
+  const std::string drive = INTAGLIO_SOURCE_DIR "/deploy/drives/tirnovean-2016.textproto";
+  const DriveProfile profile = ReadDriveProfile(drive).value();
+  const course::AxisPair axes = AxesOf(profile).value();
+  // docs of the drive: K of Kp 20480 in V per mm is 327.5 1/s, and the lag is 1 / K.
+  EXPECT_NEAR(axes[0].lag_s(), 1 / 327.5, 1e-3 / 327.5);
+  // y carries less on a shorter screw: the same K, faster mechanics.
+  EXPECT_NEAR(axes[1].lag_s(), axes[0].lag_s(), 1e-12);
+  EXPECT_GT(axes[1].parameters().natural_rad_s, axes[0].parameters().natural_rad_s);
+  EXPECT_EQ(Type({drawing_, "--machine", "soft", "--drive", drive}),
+            client::kExitWrongInput);
+  EXPECT_EQ(Type({drawing_, "--machine", soft_, "--drive", drive, "--feed", "60",
+                  "--tolerance", "100", "--acceleration", "1500", "--compensate"}),
+            client::kExitGood)
+      << output_ << errors_;
+  DriveProfile derivative = profile;
+  derivative.mutable_axes(1)->mutable_panel()->set_derivative_s(10);
+  EXPECT_THAT(AxesOf(derivative).error().message, HasSubstr("axis y: panel"));
 }
 
 TEST(CourseJob, AxesAreThoseOfTheProfile) {
