@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::drivers {
 namespace {
 
@@ -27,6 +29,11 @@ LinuxcncDriver::LinuxcncDriver(const MachineSpec& machine, HalOpener open,
                    machine.z().travel_min_mm()),
               Vec3(machine.x().travel_max_mm(), machine.y().travel_max_mm(),
                    machine.z().travel_max_mm())},
+      max_speed_mm_s_(machine.x().max_speed_mm_s(), machine.y().max_speed_mm_s(),
+                      machine.z().max_speed_mm_s()),
+      max_acceleration_mm_s2_(machine.x().max_acceleration_mm_s2(),
+                              machine.y().max_acceleration_mm_s2(),
+                              machine.z().max_acceleration_mm_s2()),
       lead_s_(lead_s),
       profile_rates_hz_(machine.laser().rates_hz().begin(),
                         machine.laser().rates_hz().end()) {
@@ -80,7 +87,8 @@ void LinuxcncDriver::BeginSession() {
   disarm_number_ = session_.arm();
   reset_number_ = 0;
   shutter_open_ = false;
-  settled_ = run_in_flight_ = clearing_ = false;
+  jog_.End();
+  settled_ = run_in_flight_ = jog_in_flight_ = clearing_ = false;
   still_samples_ = 0;
   state_.fault = run_lost_ ? intaglio_MOTION_SAFE_STATE : intaglio_MOTION_OK;
   state_.message =
@@ -93,8 +101,9 @@ void LinuxcncDriver::SetDown() {
   if (state_.link_up || state_.message != session_.message()) ++state_.number;
   if (state_.link_up && (course_.active() || run_in_flight_)) run_lost_ = true;
   course_.End();
+  jog_.End();
   sent_.clear();
-  run_in_flight_ = false;
+  run_in_flight_ = jog_in_flight_ = false;
   status_number_ = 0;
   state_.link_up = false;
   state_.taken_over = session_.fenced();
@@ -107,7 +116,8 @@ void LinuxcncDriver::SetDown() {
 void LinuxcncDriver::Take(const HalSample& sample) {
   if (sample.Has(kHalFresh))
     TakeRow(sample);
-  else if (run_in_flight_ && !sent_.empty() && sent_.front().run != 0)
+  else if ((run_in_flight_ || jog_in_flight_) && !sent_.empty() &&
+           (sent_.front().run != 0 || sent_.front().by_hand))
     SetFault(intaglio_MOTION_STARVED,
              "the rows of positions did not reach LinuxCNC in time: the computer is too "
              "busy, or its services do not run in real time");
@@ -122,13 +132,14 @@ void LinuxcncDriver::TakeRow(const HalSample& sample) {
   const SentRow row = sent_.front();
   sent_.pop_front();
   if (row.sync) TakeSync(row, sample);
-  const bool followed = row.run != 0 && row.motion == sample.motion;
+  const bool moves = row.run != 0 || row.by_hand;
+  const bool followed = moves && row.motion == sample.motion;
   if (followed && sample.Has(kHalMotionOk)) {
     const double error_um =
         (sample.actual_mm - row.position_mm).cwiseAbs().maxCoeff() * 1e3;
     state_.following_error_max_um = std::max(state_.following_error_max_um, error_um);
   }
-  if (followed && row.last) run_in_flight_ = false;
+  if (followed && row.last) run_in_flight_ = jog_in_flight_ = false;
 }
 
 void LinuxcncDriver::TakeSync(const SentRow& row, const HalSample& sample) {
@@ -180,7 +191,7 @@ void LinuxcncDriver::UpdateState(const HalSample& sample) {
   state_.refusal.clear();
   state_.position_mm = sample.actual_mm;
   state_.covered_through_tick = course_.active() ? course_.covered_through_tick() : 0;
-  state_.at_rest = settled_ && !course_.active() && !run_in_flight_;
+  state_.at_rest = settled_ && !course_.active() && !run_in_flight_ && !jog_in_flight_;
   ++state_.number;
 }
 
@@ -208,6 +219,7 @@ LinuxcncDriver::SentRow LinuxcncDriver::NextRow() {
   row.sync = next_period_ == 0;
   if (row.sync) row.decision = ticks_.TakeDecision(row.tick);
   if (course_.active()) FollowCourse(row);
+  if (jog_.active()) FollowJog(row);
   row.position_mm = place_mm_;
   row.arm = session_.arm();
   row.motion = settled_ ? session_.motion() : 0;
@@ -233,6 +245,13 @@ void LinuxcncDriver::FollowCourse(SentRow& row) {
   if (place->ended) course_.End();
 }
 
+void LinuxcncDriver::FollowJog(SentRow& row) {
+  place_mm_ = jog_.Next(period_s());
+  row.by_hand = true;
+  row.last = !jog_.active();
+  row.decision.interlocked = true;
+}
+
 bool LinuxcncDriver::Inside(const Vec3& place_mm) const {
   // A NaN is outside.
   return (place_mm.array() >= travel_.min_mm.array()).all() &&
@@ -249,7 +268,8 @@ void LinuxcncDriver::SetFault(intaglio_MotionFault fault, std::string message) {
 // HAL brakes, from where the axes are; rows of the run that wait there are not followed.
 void LinuxcncDriver::Brake() {
   course_.End();
-  run_in_flight_ = false;
+  jog_.End();
+  run_in_flight_ = jog_in_flight_ = false;
   settled_ = false;
   still_samples_ = 0;
   (void)session_.NextMotion();
@@ -260,7 +280,7 @@ Status LinuxcncDriver::BeginRun(std::uint32_t run, std::uint64_t start_tick,
   if (!state_.link_up) return LinkLost();
   if (state_.fault != intaglio_MOTION_OK)
     return Fail(ErrorCode::kRefused, "a fault is not cleared: " + state_.message);
-  if (course_.active() || run_in_flight_ || !settled_) {
+  if (course_.active() || run_in_flight_ || jog_in_flight_ || !settled_) {
     SetFault(intaglio_MOTION_LATE,
              "the axes were not at rest at the beginning of the run");
   } else if (start_tick < next_tick_ || (start_tick == next_tick_ && next_period_ != 0)) {
@@ -297,7 +317,30 @@ Status LinuxcncDriver::Append(std::span<const motion::Segment> segments,
 
 Status LinuxcncDriver::AbortRun() {
   if (!state_.link_up) return LinkLost();
-  if (course_.active() || run_in_flight_) Brake();
+  if (course_.active() || run_in_flight_ || jog_in_flight_) Brake();
+  return {};
+}
+
+Status LinuxcncDriver::Jog(const Vec3& axes, double speed_mm_s) {
+  if (!state_.link_up) return LinkLost();
+  if (state_.fault != intaglio_MOTION_OK)
+    return Fail(ErrorCode::kRefused, "a fault is not cleared: " + state_.message);
+  if (course_.active() || run_in_flight_ || jog_in_flight_ || !settled_)
+    return Fail(ErrorCode::kRefused, "the axes are not at rest");
+  if (!Inside(axes))
+    return Fail(ErrorCode::kInvalidValue, "the place lies outside the axes' travel");
+  if (!(max_speed_mm_s_.minCoeff() > 0) || !(max_acceleration_mm_s2_.minCoeff() > 0))
+    return Fail(ErrorCode::kMissing,
+                "the machine profile has no max_speed_mm_s or max_acceleration_mm_s2 of "
+                "an axis: give them");
+  shutter_open_ = false;
+  ticks_.Disarm(sent_through());
+  INTAGLIO_TRY(session_.NextArm());
+  INTAGLIO_TRY(session_.SetShutter(false));
+  jog_.Begin(place_mm_, axes, std::max(0.01, speed_mm_s), max_speed_mm_s_,
+             max_acceleration_mm_s2_);
+  jog_in_flight_ = true;
+  state_.at_rest = false;
   return {};
 }
 

@@ -23,6 +23,7 @@
 #include "services/drivers/linuxcnc/hal_session.h"
 #include "services/drivers/linuxcnc/laser_ticks.h"
 #include "services/drivers/linuxcnc/row_course.h"
+#include "services/drivers/linuxcnc/row_jog.h"
 #include "services/drivers/motion_driver.h"
 
 namespace intaglio::drivers {
@@ -52,6 +53,10 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
   Status AbortRun() override;
   Status ClearFault() override;
   LaserController* laser() override { return this; }
+  /// Rows of a straight way, with the shutter closed and no tick armed. HAL stops the
+  /// axes when the host is gone. Home is not offered: the axes' file of the machine does
+  /// it, before HAL takes rows.
+  Status Jog(const Vec3& axes, double speed_mm_s) override;
 
   // LaserController
   void Poll(const ReportSink& sink, const PastSink& past) override;
@@ -83,7 +88,8 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
     LaserTicks::Decision decision;
     bool knot = false;      ///< a knot marked for a pulse lies here
     std::uint32_t run = 0;  ///< 0: none
-    bool last = false;      ///< of its run
+    bool by_hand = false;   ///< of a jog
+    bool last = false;      ///< of its run or jog
     Vec3 position_mm = Vec3::Zero();
   };
 
@@ -101,6 +107,7 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
   void SendRows();
   SentRow NextRow();
   void FollowCourse(SentRow& row);
+  void FollowJog(SentRow& row);
   void SetFault(intaglio_MotionFault fault, std::string message);
   void Brake();
   bool Inside(const Vec3& place_mm) const;
@@ -114,6 +121,7 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
   HalSession session_;
   link::SteadyClock clock_;
   Box3 travel_;
+  Vec3 max_speed_mm_s_, max_acceleration_mm_s2_;
   double lead_s_;
   std::vector<double> profile_rates_hz_;
   std::uint64_t begun_sessions_ = 0;
@@ -125,7 +133,9 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
 
   // motion
   RowCourse course_;
+  RowJog jog_;
   bool run_in_flight_ = false;  ///< rows of the run are not reported yet, or to come
+  bool jog_in_flight_ = false;  ///< the same of a jog
   bool run_lost_ = false;       ///< by a lost line
   bool clearing_ = false;
   bool settled_ = false;  ///< `place_mm_` is where the axes rest

@@ -83,8 +83,8 @@ bool LinuxcncDriver::interlocked() const {
 
 Status LinuxcncDriver::OpenShutters(std::uint8_t mask) {
   if (!up()) return LinkLost();
-  // Not in the safe state: HAL would open it with the next Reset.
-  shutter_open_ = (mask & 1) != 0 && !interlocked();
+  // Not in the safe state: HAL would open it with the next Reset; nor by hand.
+  shutter_open_ = (mask & 1) != 0 && !interlocked() && !jog_in_flight_;
   return session_.SetShutter(shutter_open_);
 }
 

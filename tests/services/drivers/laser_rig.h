@@ -62,8 +62,8 @@ class LaserRig {
   }
 
   /// What a check finds because the family cannot keep a guarantee, as its driver's
-  /// header and its page state, or the beginning of it; empty: it keeps it. A test of the family checks what
-  /// holds instead.
+  /// header and its page state, or the beginning of it; empty: it keeps it. A test of the
+  /// family checks what holds instead.
   virtual std::string stated_violation(std::string_view /*check*/) const { return ""; }
 
   std::unique_ptr<LaserController> driver;

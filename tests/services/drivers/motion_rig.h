@@ -54,6 +54,8 @@ class MotionRig {
   virtual double tolerance_mm() const = 0;
   /// From 10 mm/s to rest, with all delays of the controller.
   virtual std::chrono::milliseconds braking_time() const = 0;
+  /// A speed over 100 steps seems so much higher at most; in real time steps are longer.
+  virtual double speed_margin() const { return 1.02; }
 
   std::unique_ptr<MotionDriver> driver;
 

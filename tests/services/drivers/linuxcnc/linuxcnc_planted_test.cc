@@ -31,7 +31,6 @@ std::string FindInTries(const std::function<std::string()>& check) {
 class LinuxcncMotionPlanted : public ::testing::TestWithParam<drivers::MotionFault> {};
 
 TEST_P(LinuxcncMotionPlanted, IsFound) {
-  if (GetParam().by_hand) GTEST_SKIP() << "LinuxCNC's driver does not jog";
   if (const auto why = EnterNamespace(); !why.empty()) GTEST_SKIP() << why;
   const auto found = FindInTries([] {
     return drivers::ViolationOf(Named(drivers::MotionChecks(), GetParam().check),

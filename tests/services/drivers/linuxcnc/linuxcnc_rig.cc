@@ -29,6 +29,8 @@ MachineSpec Profile(const std::filesystem::path& folder, const std::string& seri
        {profile.mutable_x(), profile.mutable_y(), profile.mutable_z()}) {
     axis->set_travel_min_mm(-kTravel_mm);
     axis->set_travel_max_mm(kTravel_mm);
+    axis->set_max_speed_mm_s(50);
+    axis->set_max_acceleration_mm_s2(2000);
   }
   for (const double rate_hz : rates_hz) profile.mutable_laser()->add_rates_hz(rate_hz);
   return profile;
@@ -94,6 +96,8 @@ class Motion final : public drivers::MotionRig {
   std::chrono::milliseconds braking_time() const override {
     return std::chrono::milliseconds(100);
   }
+  // Samples come every 10 ms or so.
+  double speed_margin() const override { return 1.5; }
 
  private:
   void AdvanceController() override { rig_.Advance(); }
