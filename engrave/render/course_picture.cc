@@ -10,7 +10,8 @@
 namespace intaglio::render {
 namespace {
 
-constexpr int kSheetWidth = 1200, kEdge = 50, kContours = 900, kSpeeds = 220;
+constexpr int kSheetWidth = 1200, kEdge = 50, kSpeeds = 220;
+constexpr double kMinContours = 150, kMaxContours = 800;
 constexpr double kTextLine = 24;
 constexpr double kToleranceShare = 1.0 / 40;
 constexpr double kJumpRatio = 0.3;
@@ -27,9 +28,16 @@ PathExtent PathExtentOf(const std::vector<std::vector<Vec2>>& paths_mm) {
   return {box.min_mm.head<2>(), box.size_mm().head<2>().cwiseMax(1e-6)};
 }
 
+/// As high as the contours need it over the whole width.
+int ContoursHeightOf(const CoursePicture& picture) {
+  const Vec2 size_mm = PathExtentOf(picture.paths_mm).size_mm;
+  const double wanted = (kSheetWidth - 2 * kEdge) * size_mm.y() / size_mm.x();
+  return static_cast<int>(std::clamp(wanted, kMinContours, kMaxContours));
+}
+
 void DrawContours(const CoursePicture& picture, Canvas& canvas) {
   const PathExtent extent = PathExtentOf(picture.paths_mm);
-  const double room = kContours - 2 * kEdge;
+  const double room = ContoursHeightOf(picture);
   const double scale =
       std::min((kSheetWidth - 2 * kEdge) / extent.size_mm.x(), room / extent.size_mm.y());
   const double by = CourseMagnification(picture);
@@ -91,12 +99,13 @@ double CourseMagnification(const CoursePicture& picture) {
 
 Canvas DrawCourse(const CoursePicture& picture) {
   const auto lines = static_cast<int>(picture.figures.size());
-  const int text_px = kContours + kSpeeds + kEdge;
+  const int contours_px = ContoursHeightOf(picture) + 2 * kEdge;
+  const int text_px = contours_px + kSpeeds + kEdge;
   Canvas canvas(kSheetWidth, text_px + static_cast<int>(kTextLine) * (lines + 2));
   FillRect(canvas, {0, 0, canvas.width(), canvas.height()}, {Srgb(0x10141a)});
   DrawText(canvas, {kEdge, 30}, picture.title, {14, Srgb(0xffffff)});
   DrawContours(picture, canvas);
-  DrawSpeeds(picture, kContours, canvas);
+  DrawSpeeds(picture, contours_px, canvas);
   const TextStyle plain{10, Srgb(0xd8dee8)};
   double y_px = text_px;
   DrawText(canvas, {kEdge, y_px},
