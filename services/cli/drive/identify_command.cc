@@ -125,6 +125,7 @@ void AddDriveIdentifyCommand(command_line::Command drive) {
       .ShowDefault();
   identify.AddOption("--picture", o->picture, "PNG: the record and the identified drive");
   identify.SetFooter(
+      "Example: intaglio drive identify record.csv --drive second_order\n"
       "The axis rests at the first sample. The last line is for the machine profile.\n"
       "Exit code: 0 good, 2 wrong input.");
   identify.SetAction([o] { return IdentifyDrive(*o); });

@@ -93,6 +93,9 @@ void AddDriveCommand(command_line::Command app) {
   command_line::Command drive =
       app.AddCommand("drive", "what the drives of a machine can do");
   drive.RequireCommand();
+  drive.SetFooter(
+      "Example: intaglio drive size deploy/drives/tirnovean-2016.textproto\n"
+      "docs/machines/drives.md explains profile and figures.");
   AddDriveSizeCommand(drive);
   AddDriveTuneCommands(drive);
   AddDriveSimulateCommand(drive);

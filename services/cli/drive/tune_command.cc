@@ -131,13 +131,17 @@ void AddDriveTuneCommands(command_line::Command drive) {
   command_line::Command tune =
       drive.AddCommand("tune", "gains of the axes, each with its reason and its limit");
   AddTuneOptions(tune, *of_tune);
-  tune.SetFooter("Exit code: 0 good, 2 wrong input.");
+  tune.SetFooter(
+      "Example: intaglio drive tune deploy/drives/tirnovean-2016.textproto --regime "
+      "circle\n"
+      "Exit code: 0 good, 2 wrong input.");
   tune.SetAction([of_tune] { return Tune(*of_tune); });
   auto of_compare = std::make_shared<DriveTuneOptions>();
   command_line::Command compare =
       drive.AddCommand("compare", "the gains of the panel beside the tuned ones");
   AddTuneOptions(compare, *of_compare);
   compare.SetFooter(
+      "Example: intaglio drive compare deploy/drives/tirnovean-2016.textproto\n"
       "Exit code: 0 good, 2 wrong input, 3 a loop of the panel is not stable.");
   compare.SetAction([of_compare] { return Compare(*of_compare); });
 }
