@@ -9,8 +9,8 @@ namespace intaglio::virtual_engraver {
 
 /// Defaults: Trochimczuk 2008, annexes C and D.
 struct LaserSignals {
-  /// The Q-switch gets every trigger so much later than the controller sends it; negative:
-  /// earlier.
+  /// The Q-switch gets every trigger so much later than the controller sends it;
+  /// negative: earlier.
   double trigger_shift_us = 0;
   double trigger_max_delay_us = 20;   ///< a later trigger makes no pulse
   double trigger_min_width_us = 100;  ///< nor does a shorter one
