@@ -9,9 +9,10 @@
 //                      +-- after 500 ms
 //
 // kDraining spoils half a command that an earlier host left, and drops what is still
-// answered: a CR alone would execute it. The first command switches the output off: an earlier host may have
-// been cut off while it was on. The controller answers nothing during a move, so that
-// the silence that counts as a lost line begins with the end of the move.
+// answered: a CR alone would execute it. The first command switches the output off: an
+// earlier host may have been cut off while it was on. The controller answers nothing
+// during a move, so that the silence that counts as a lost line begins with the end of
+// the move.
 //
 // The controller is switched off or reset when it answers '9', not initialized.
 
