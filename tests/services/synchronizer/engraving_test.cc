@@ -202,9 +202,9 @@ TEST_F(EngravingTest, PausesWhenTheLaserDoesNotTakeTheTrigger) {
   cell_.laser.trigger_late = true;
   ASSERT_TRUE(cell_.StepUntil([&] { return cell_.engraving->faulted(); }, 60s));
   EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("laser.timing"));
-  EXPECT_TRUE(std::any_of(
-      cell_.results.begin(), cell_.results.end(),
-      [](const PulseResult& r) { return r.reason == SkipReason::kTrigger; }));
+  EXPECT_TRUE(
+      std::any_of(cell_.results.begin(), cell_.results.end(),
+                  [](const PulseResult& r) { return r.reason == SkipReason::kTrigger; }));
   cell_.laser.trigger_late = false;
   cell_.GrantAnew();
   ASSERT_TRUE(cell_.StepUntilDone());
