@@ -75,7 +75,7 @@ class BridgeProcess : public ::testing::Test {
     return state_.has_value();
   }
   bool UntilState(const std::function<bool(const intaglio_MotionState&)>& condition,
-                  std::chrono::milliseconds bound = 5s) {
+                  std::chrono::milliseconds bound = 15s) {
     return Eventually([&] { return Read() && condition(*state_); }, bound);
   }
 
@@ -110,8 +110,10 @@ class BridgeProcess : public ::testing::Test {
       return s.run == run && !s.at_rest && s.x_mm > 0.6 && s.vx_mm_s > 1;
     });
   }
-  bool StageComesToRest(std::chrono::milliseconds bound) {
-    if (!Eventually([&] { return engraver_.StatusOf("running") == "false"; }, bound))
+  /// True when the stage stops, and stays, short of the end of the long run, which is
+  /// half a minute away. How long that takes is not judged: the computer may be busy.
+  bool StageComesToRest() {
+    if (!Eventually([&] { return engraver_.StatusOf("running") == "false"; }, 15s))
       return false;
     const std::string at = engraver_.StatusOf("stage_mm");
     std::this_thread::sleep_for(50ms);  // five ticks in which it may not move
@@ -133,7 +135,7 @@ class BridgeProcess : public ::testing::Test {
 };
 
 TEST_F(BridgeProcess, HandsARunToTheStageAndItsPositionsBack) {
-  const std::uint64_t start = state_->tick + 30;
+  const std::uint64_t start = state_->tick + 150;
   // Speeds up to 10 mm/s within 5 ticks, 0.1 mm a tick, and stops again.
   Write(1, 0, start, {{0.25, 0.35, 0.45}, {10, 10, 10}, {5 * kTick, kTick, kTick}},
         false);
@@ -162,10 +164,9 @@ TEST_F(BridgeProcess, HandsARunToTheStageAndItsPositionsBack) {
 
 TEST_F(BridgeProcess, KilledItLeavesAStageThatComesToRestByItself) {
   ASSERT_TRUE(StartLongRun(1));
-  bridge_->Kill();
   ASSERT_EQ(engraver_.StatusOf("running"), "true");
-  // 250 ms of silence, the braking, and what a loaded computer adds.
-  EXPECT_TRUE(StageComesToRest(800ms));
+  bridge_->Kill();
+  EXPECT_TRUE(StageComesToRest());
   // The next bridge reports what happened, and clears it for a new run.
   state_.reset();
   StartBridge();
@@ -174,7 +175,8 @@ TEST_F(BridgeProcess, KilledItLeavesAStageThatComesToRestByItself) {
   EXPECT_NE(message_.find("250 ms"), std::string::npos) << message_;
   EXPECT_GE(state_->highest_run, 1u);
   ASSERT_TRUE(Eventually([&] { return batches_.matched_count() > 0; }));
-  Write(2, 0, state_->tick + 60, {{state_->x_mm}, {0}, {5 * kTick}}, true);
+  // Three seconds ahead: a run that comes too late to the stage is refused.
+  Write(2, 0, state_->tick + 300, {{state_->x_mm}, {0}, {5 * kTick}}, true);
   EXPECT_TRUE(UntilState([](const auto& s) {
     return s.run == 2 && s.at_rest && s.fault == intaglio_MOTION_OK;
   }));
@@ -183,7 +185,7 @@ TEST_F(BridgeProcess, KilledItLeavesAStageThatComesToRestByItself) {
 TEST_F(BridgeProcess, AnAbortBrakesTheStage) {
   ASSERT_TRUE(StartLongRun(1));
   Write(1, 2, 0, {}, false, true);
-  EXPECT_TRUE(StageComesToRest(1s));
+  EXPECT_TRUE(StageComesToRest());
   EXPECT_TRUE(UntilState([](const auto& s) { return s.at_rest; }));
   EXPECT_EQ(state_->fault, intaglio_MOTION_OK) << "an abort is no fault";
 }
@@ -198,7 +200,7 @@ TEST_F(BridgeProcess, AnEmergencyStopBrakesTheStage) {
   stop.reason = Borrow(reason);
   stop.number = 1;
   ASSERT_TRUE(stops_.Write(stop).has_value());
-  EXPECT_TRUE(StageComesToRest(1s));
+  EXPECT_TRUE(StageComesToRest());
   // While it is pressed no run begins.
   Read();
   Write(2, 0, state_->tick + 30, {{state_->x_mm}, {0}, {5 * kTick}}, true);
@@ -220,7 +222,7 @@ TEST_F(BridgeProcess, AMissingBatchAbortsTheRunAndRaisesAnAlarm) {
   }));
   EXPECT_EQ(code, "link_lost");
   EXPECT_NE(message.find("batch 1 of run 2"), std::string::npos) << message;
-  EXPECT_TRUE(StageComesToRest(1s));
+  EXPECT_TRUE(StageComesToRest());
 }
 
 TEST_F(BridgeProcess, ALineThatIsGoneIsAFaultInItsState) {
