@@ -41,6 +41,16 @@ Status MotionDriver::Home() {
               "controller's own panel");
 }
 
+Box3 TravelOf(const MachineSpec& machine) {
+  Box3 travel;
+  const AxisLimits* axes[] = {&machine.x(), &machine.y(), &machine.z()};
+  for (int i = 0; i < 3; ++i) {
+    travel.min_mm[i] = axes[i]->travel_min_mm();
+    travel.max_mm[i] = axes[i]->travel_max_mm();
+  }
+  return travel;
+}
+
 std::span<const MotionDriverKind> MotionDriverKinds() { return kMotionKinds; }
 
 Status CheckMotionOutput(const MachineSpec& machine) {

@@ -136,6 +136,9 @@ class MotionDriver {
   virtual Status Hold() { return AbortRun(); }
 };
 
+/// The travel of a profile's linear axes, mm, machine frame.
+Box3 TravelOf(const MachineSpec& machine);
+
 /// One row of the table of controller families.
 struct MotionDriverKind {
   std::string_view protocol;  ///< motion_line.protocol of the profile

@@ -9,40 +9,13 @@ namespace intaglio::drivers {
 namespace {
 
 using Outcome = link::TickOutcome;
-using namespace std::chrono_literals;
 
-// With the lamp on it is the host that is awaited; without one, the plan's time counts.
-constexpr auto kStarvedPatience = 1s;
 // Of a step aside and back.
 constexpr double kAside_s = 0.012;
 constexpr char kBarrier[] = "G4P0";
 constexpr char kJogCancel = static_cast<char>(0x85);
 
-std::chrono::nanoseconds Nanoseconds(double seconds) {
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
-}
-
 }  // namespace
-
-double GrblDriver::WarmRatio() const {
-  if (!lamp_on_) return 0;
-  const double on_s = std::chrono::duration<double>(now() - lamp_since_).count();
-  return warm_up_s_ > 0 ? std::min(1.0, on_s / warm_up_s_) : 1;
-}
-
-std::optional<Outcome> GrblDriver::WhyDark() const {
-  if (stop_ || safe_ || halted_ || line_.door_is_open()) return Outcome::kInterlocked;
-  if (WarmRatio() < 1) return Outcome::kLampNotReady;
-  if (!open_ || !wanted_open_) return Outcome::kShutterClosed;
-  return std::nullopt;
-}
-
-bool GrblDriver::Fires(std::uint64_t tick) {
-  if (!ticks_.fires(tick)) return false;
-  const auto why = WhyDark();
-  if (why) ticks_.Settle(tick, *why);
-  return !why;
-}
 
 double GrblDriver::AheadSeconds() const {
   double ahead_s = 0;
@@ -77,9 +50,9 @@ void GrblDriver::Feed() {
 }
 
 void GrblDriver::FeedJog() {
-  if (!jog_->dark) {
-    jog_->dark = line_.Send({"M5S0"});
-    if (!jog_->dark) return;
+  if (!is_dark_) {
+    is_dark_ = line_.Send({"M5S0"});
+    if (!is_dark_) return;
     commanded_open_ = false;
     in_flight_.push_back({InFlight::What::kDisable});
   }
@@ -89,15 +62,13 @@ void GrblDriver::FeedJog() {
     if (moves && !line_.has_unsent()) line_.SendRealtime(kJogCancel);
     return;
   }
-  const double piece_mm = jog_->speed_mm_s * GrblProgram::kMaxPiece_s;
-  while (jog_->sent_mm < jog_->length_mm && AheadSeconds() < kAhead_s) {
-    const double to_mm = std::min(jog_->length_mm, jog_->sent_mm + piece_mm);
+  while (AheadSeconds() < kAhead_s) {
+    const auto piece = NextJogPiece();
+    if (!piece || !line_.Send({program_.JogLine(piece->to_mm, jog_->speed_mm_s)})) return;
+    jog_->sent_mm = piece->end_mm;
     GrblMove move;
-    move.to_mm =
-        jog_->from_mm + (jog_->to_mm - jog_->from_mm) * (to_mm / jog_->length_mm);
-    move.planned_s = (to_mm - jog_->sent_mm) / jog_->speed_mm_s;
-    if (!line_.Send({program_.JogLine(move.to_mm, jog_->speed_mm_s)})) return;
-    jog_->sent_mm = to_mm;
+    move.to_mm = piece->to_mm;
+    move.planned_s = piece->seconds;
     in_flight_.push_back({InFlight::What::kMove, std::move(move)});
     UpdateReach();
   }
@@ -124,15 +95,15 @@ bool GrblDriver::FeedProgram() {
     if (grbl_.free_blocks < 0) FeedBarrier();
     return false;
   }
-  const std::uint64_t decided = lamp_decides() ? ticks_.decided_through() : UINT64_MAX;
-  pending_ = program_.Next(decided, [this](std::uint64_t tick) { return Fires(tick); });
+  pending_ =
+      program_.Next(DecidedThrough(), [this](std::uint64_t tick) { return Fires(tick); });
   if (!pending_) FeedBarrier();
   return pending_.has_value();
 }
 
 // Pulses that are asked for while no run moves the stage.
 bool GrblDriver::FeedAsides(std::uint64_t through) {
-  if (!lamp_decides()) return false;
+  if (!lamp_on_) return false;
   const std::uint64_t tick = ticks_.next_fire_after(
       unsettled_.empty() ? ticks_.tick() : std::max(ticks_.tick(), unsettled_.back()));
   const bool before_run = run_ != Run::kWaits || tick < start_tick_;
@@ -180,7 +151,7 @@ bool GrblDriver::SendPending() {
       unsettled_.push_back(move.pulse_tick);
       committed_tick_ = std::max(committed_tick_, move.pulse_tick);
     }
-    planned_end_ = std::max(planned_end_, now()) + Nanoseconds(move.planned_s);
+    Plan(move.planned_s);
     in_flight_.push_back({InFlight::What::kMove, std::move(move)});
   }
   pending_.reset();
@@ -236,11 +207,6 @@ void GrblDriver::Execute(const GrblMove& move) {
   positions_.push_back({state_.run, move.first_tick, move.places_mm, {}});
 }
 
-void GrblDriver::EndRun() {
-  checks_place_ = run_ == Run::kRuns;
-  run_ = Run::kNone;
-}
-
 // No tick passes before the outcome of a pulse in it is known.
 std::uint64_t GrblDriver::LimitedByPulses(std::uint64_t tick) const {
   if (!unsettled_.empty()) tick = std::min(tick, unsettled_.front() - 1);
@@ -251,89 +217,17 @@ std::uint64_t GrblDriver::LimitedByPulses(std::uint64_t tick) const {
   return tick;
 }
 
-void GrblDriver::PassThrough(std::uint64_t tick) {
-  if (tick > ticks_.tick()) ticks_.PassThrough(tick);
-}
-
-// Without a run: through which tick time has come.
-std::uint64_t GrblDriver::IdleTarget() {
-  std::uint64_t target = ticks_.tick();
-  if (lamp_decides()) {
-    target = std::max(target, ticks_.decided_through());
-    // A pulse that is not sent yet.
-    const std::uint64_t next = ticks_.next_fire_after(ticks_.tick());
-    if (!halted_) target = std::min(target, next - 1);
-  } else {
-    const double passed =
-        std::chrono::duration<double>(now() - passed_at_).count() * rate_hz_ +
-        passed_part_;
-    target += static_cast<std::uint64_t>(passed);
-    passed_part_ = passed - static_cast<double>(target - ticks_.tick());
-    for (std::uint64_t tick = ticks_.next_fire_after(ticks_.tick()); tick <= target;
-         tick = ticks_.next_fire_after(tick)) {
-      ticks_.Settle(tick, WhyDark().value_or(Outcome::kLampNotReady));
-    }
-  }
-  return run_ == Run::kWaits ? std::min(target, start_tick_) : target;
-}
-
-void GrblDriver::PassTicks() {
-  if (run_ != Run::kRuns) {
-    PassThrough(LimitedByPulses(IdleTarget()));
-    if (run_ == Run::kWaits && ticks_.tick() >= start_tick_ && !halted_ &&
-        in_flight_.empty()) {
-      run_ = Run::kRuns;
-      planned_end_ = now();
-    }
-  }
-  passed_at_ = now();
-  if (run_ != Run::kRuns) return;
-  std::uint64_t through = LimitedByPulses(executed_through_);
-  if (lamp_decides()) through = std::min(through, ticks_.decided_through());
-  PassThrough(through);
-  const bool over = program_.is_empty() && program_.has_end() && !pending_ &&
-                    in_flight_.empty() && unsettled_.empty();
-  if (over && (aborted_ || !lamp_decides() || ticks_.tick() >= executed_through_ ||
-               state_.fault != intaglio_MOTION_OK)) {
-    EndRun();
-  }
-}
-
-void GrblDriver::CheckStarved() {
-  if (run_ != Run::kRuns || program_.has_end() || pending_) return;
-  if (program_.piece_count() > 0 || state_.fault != intaglio_MOTION_OK) {
-    if (program_.piece_count() > 0) planned_end_ = std::max(planned_end_, now());
-    return;
-  }
-  if (now() < planned_end_ + (lamp_on_ ? kStarvedPatience : 0s)) return;
-  SetFault(intaglio_MOTION_STARVED,
-           "the segments of the run ended before the run: the host was too slow");
-}
-
-void GrblDriver::Forget() {
+std::uint64_t GrblDriver::ForgetSent() {
   pending_.reset();
-  jog_.reset();
-  const std::uint64_t last = unsettled_.empty() ? ticks_.tick() : unsettled_.back();
+  const std::uint64_t last = unsettled_.empty() ? 0 : unsettled_.back();
   for (const std::uint64_t tick : unsettled_) {
     ticks_.Settle(tick, Outcome::kNoLongerKnown);
   }
   unsettled_.clear();
   in_flight_.clear();
-  ticks_.UndecideAfter(std::max(last, ticks_.tick()));
-  PassThrough(last);
-  program_.Drop();
-  run_ = Run::kNone;
-  checks_place_ = false;
-  committed_tick_ = std::min(committed_tick_, ticks_.tick());
-}
-
-void GrblDriver::Halt(intaglio_MotionFault fault, std::string why) {
-  if (halted_) return;
-  halted_ = safe_ = true;
-  leaving_safe_ = false;
-  Forget();
-  wanted_open_ = commanded_open_ = open_ = false;
-  SetFault(fault, std::move(why));
+  program_.ForgetModes();
+  commanded_open_ = open_ = false;
+  return last;
 }
 
 // To a controller that takes lines: out of a hold and a closed door by a reset at rest,

@@ -13,7 +13,6 @@ using namespace std::chrono_literals;
 
 constexpr auto kGrblSilence = 250ms;
 constexpr auto kQuestionPeriod = 20ms;
-constexpr auto kReopenPeriod = 500ms;
 constexpr auto kStepTimeout = 2s;
 // A step of a coarse controller, and the decimals of its status.
 constexpr double kPlaceTolerance_mm = 0.02;
@@ -27,7 +26,7 @@ bool IsWithin(const Box3& box, const Vec3& place) {
 
 GrblLine::GrblLine(link::StreamOpener open, link::SteadyClock clock,
                    link::ExpectedDevice expected)
-    : open_(std::move(open)), clock_(std::move(clock)), expected_(std::move(expected)) {}
+    : ControllerLine(std::move(open), std::move(clock)), expected_(std::move(expected)) {}
 
 void GrblLine::Poll(std::vector<Event>& events) {
   if (!stream_) Open();
@@ -40,20 +39,9 @@ void GrblLine::Poll(std::vector<Event>& events) {
 }
 
 void GrblLine::Open() {
-  if (now() < next_open_) return;
-  next_open_ = now() + kReopenPeriod;
-  auto opened = open_();
-  if (!opened) {
-    message_ = opened.error().message;
-    return;
-  }
-  stream_ = std::move(*opened);
-  message_ =
-      "the controller does not answer: check its power, the cable and the baud "
-      "rate";
+  if (!OpenStream()) return;
   phase_ = Phase::kAsking;
   reader_.Clear();
-  out_.clear();
   received_at_ = phase_at_ = now();
   next_status_ = {};
 }
@@ -315,13 +303,6 @@ void GrblLine::CheckSilence(std::vector<Event>& events) {
   if (waits && now() - phase_at_ > (resets_itself_ ? 250ms : kStepTimeout)) {
     Lose("the controller does not answer a reset: check its power and the cable", events);
   }
-}
-
-void GrblLine::Write() {
-  if (!stream_ || out_.empty() || !stream_->connected()) return;
-  const auto taken = stream_->Write(std::as_bytes(std::span(out_)));
-  // An error of the line is found by the next Read.
-  if (taken) out_.erase(0, *taken);
 }
 
 }  // namespace intaglio::drivers

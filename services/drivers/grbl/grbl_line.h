@@ -20,16 +20,14 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
-#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "services/drivers/controller_line.h"
 #include "services/drivers/grbl/grbl_text.h"
-#include "services/platform/link/endpoint.h"
 #include "services/platform/link/expected_device.h"
-#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 
@@ -45,7 +43,7 @@ struct GrblTraits {
 struct GrblUp {};    ///< a session has begun: the controller is at rest, empty and dark
 struct GrblLost {};  ///< the line, or the controller's memory of what was sent
 
-class GrblLine {
+class GrblLine final : public ControllerLine {
  public:
   /// A GrblStatus has work_mm. In the order in which they came. GrblOk and GrblError are
   /// of Send's lines alone.
@@ -56,24 +54,17 @@ class GrblLine {
 
   /// Moves bytes; appends what has happened.
   void Poll(std::vector<Event>& events);
-  int fd() const { return stream_ ? stream_->fd() : -1; }
 
-  /// Identified and answering; not for a while after its own reset.
-  bool up() const { return phase_ == Phase::kUp || resets_itself_; }
+  /// Also for a while after its own reset.
+  bool up() const override { return phase_ == Phase::kUp || resets_itself_; }
   /// Lines are taken: up, unlocked and set up.
   bool takes_lines() const { return phase_ == Phase::kUp && set_up_ && !setting_up_; }
   /// The newest status is an alarm, or the lines of the set-up were refused.
   bool locked() const { return phase_ == Phase::kUp && !set_up_ && !setting_up_; }
-  /// Grows when the controller was switched off, or another reset than ours was seen.
-  std::uint32_t power_ups() const { return power_ups_; }
-  std::uint64_t sessions() const { return sessions_; }
   const GrblTraits& traits() const { return traits_; }
   /// How often the safety door's input was seen to open.
   std::uint32_t door_openings() const { return door_openings_; }
   bool door_is_open() const { return door_open_; }
-  /// Why it is down; empty while it is up.
-  const std::string& message() const { return message_; }
-  const std::string& refusal() const { return refusal_; }
 
   /// Bytes that the receive buffer has room for.
   std::size_t Room() const;
@@ -115,15 +106,9 @@ class GrblLine {
   std::string RefusalOfTraits() const;
   void SendOwn(const std::vector<std::string>& lines);
   void SetUp();
-  void Write();
-  std::chrono::nanoseconds now() const { return clock_(); }
 
-  link::StreamOpener open_;
-  link::SteadyClock clock_;
   link::ExpectedDevice expected_;
-  std::unique_ptr<link::ByteStream> stream_;
   GrblAnswerReader reader_;
-  std::string out_;
   std::deque<Sent> outstanding_;
   std::size_t outstanding_bytes_ = 0;
   GrblTraits traits_;
@@ -132,12 +117,9 @@ class GrblLine {
   bool alarm_ = false;
   bool door_open_ = false, door_latched_ = false;
   std::uint32_t door_openings_ = 0;
-  std::uint32_t power_ups_ = 1;
-  std::uint64_t sessions_ = 0;
   Vec3 work_offset_mm_ = Vec3::Zero();  // the newest that was reported
   std::optional<Box3> reach_;
-  std::chrono::nanoseconds next_open_{0}, next_status_{0}, received_at_{0}, phase_at_{0};
-  std::string message_ = "the line is not open yet", refusal_;
+  std::chrono::nanoseconds next_status_{0}, received_at_{0}, phase_at_{0};
 };
 
 }  // namespace intaglio::drivers

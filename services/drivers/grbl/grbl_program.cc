@@ -129,7 +129,7 @@ std::optional<GrblWrite> GrblProgram::Next(
   GrblWrite write;
   write.knot_tick = pulse_tick_;
   if (pieces_.empty()) {
-    if (pulse_tick_ == 0 || !has_end()) return std::nullopt;
+    if (pulse_tick_ == 0 || !pieces_.has_end()) return std::nullopt;
     if (fires(pulse_tick_)) AddAside(pulse_tick_, write);
     pulse_tick_ = 0;
     return write;

@@ -75,11 +75,8 @@ class GrblProgram {
   void ForgetModes();
 
   void Begin(std::uint64_t start_tick, const Vec3& from_mm);
-  /// kInvalidValue, with the place, when any of it is outside the travel or no number;
-  /// then nothing is taken.
-  Status Append(std::span<const motion::Segment> segments, double rate_hz) {
-    return pieces_.Append(segments, rate_hz);
-  }
+  /// What the segments are appended to.
+  PieceQueue& pieces() { return pieces_; }
   /// What was not given out yet is forgotten.
   void Drop();
 
@@ -91,18 +88,11 @@ class GrblProgram {
   void RestAt(const Vec3& place_mm) { place_mm_ = Snapped(place_mm); }
   /// A jog to `to_mm`: it changes no modal state.
   std::string JogLine(const Vec3& to_mm, double speed_mm_s) const;
-  /// kInvalidValue, with the place, when it is outside the travel or no number.
-  Status Check(const Vec3& place_mm) const { return pieces_.Check(place_mm); }
   /// A pulse beside the way, where the stage rests.
   GrblWrite Aside(std::uint64_t tick);
 
-  std::size_t piece_count() const { return pieces_.size(); }
-  bool is_empty() const { return pieces_.empty() && pulse_tick_ == 0; }
   /// Of a knot with a pulse that is next to be given out; 0: none.
   std::uint64_t pulse_tick() const { return pulse_tick_; }
-  /// The segment at which the run ends has been appended.
-  bool has_end() const { return pieces_.has_end(); }
-  std::uint64_t covered_through_tick() const { return pieces_.covered_through_tick(); }
   /// Where everything that was given out ends.
   const Vec3& place_mm() const { return place_mm_; }
 

@@ -10,6 +10,29 @@ namespace intaglio::drivers {
 
 using Outcome = link::TickOutcome;
 
+void IselDriver::TakeAnswers() {
+  std::vector<IselLine::Event> events;
+  line_.Poll(events);
+  TakePowerUps();
+  for (const IselLine::Event& event : events) {
+    if (std::holds_alternative<IselUp>(event)) {
+      TakeUp();
+    } else if (std::holds_alternative<IselLost>(event)) {
+      TakeLost();
+    } else {
+      TakeReply(std::get<IselReply>(event));
+    }
+  }
+}
+
+void IselDriver::TakeUp() {
+  BeginSession(
+      "the line to the controller was lost in a run: check the block, then resume");
+  knows_chain_ = asks_chain_ = false;
+  next_question_ = {};
+  TakePlace(line_.first_place());
+}
+
 void IselDriver::TakeReply(const IselReply& reply) {
   const IselAnswer& answer = reply.answers.front();
   if (answer.code == 'H') SetChain(true);
@@ -107,6 +130,32 @@ void IselDriver::TakeHome(char code) {
     return TakePlace({});  // where it counts from
   }
   if (code != 'F') Refuse(code, "to home");
+}
+
+void IselDriver::Execute(const Move& move) {
+  if (!move.piece || run_ == Run::kNone) return;
+  const Piece& piece = *move.piece;
+  executed_through_ = std::max(executed_through_, TickOf(piece.end_subticks));
+  // The place before the move was a whole step, too.
+  if (!piece.at_ticks_mm.empty()) {
+    positions_.push_back({state_.run,
+                          TickOf(piece.start_subticks) + 1,
+                          PlacesOnChord(move.from_mm, piece),
+                          {}});
+  }
+  if (!piece.pulse || aborted_) return;
+  pulse_tick_ = TickOf(piece.end_subticks);
+  is_checked_ = false;
+}
+
+// The controller counts its steps; another place than that of its last move is another
+// host, or a reset.
+void IselDriver::CheckPlace() {
+  if (!std::exchange(checks_place_, false) || state_.fault != intaglio_MOTION_OK) return;
+  state_.following_error_max_um = (state_.position_mm - end_mm_).norm() * 1000;
+  if (StepsOf(end_mm_) == place_) return;
+  SetFault(intaglio_MOTION_FOLLOWING_ERROR,
+           "the controller ended elsewhere than the run: check its zero, then resume");
 }
 
 }  // namespace intaglio::drivers

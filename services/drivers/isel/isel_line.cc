@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 // From the end of a command to its answer: the longest write and answer take 20 ms.
 constexpr auto kIselSilence = 200ms;
 constexpr auto kQuiet = 100ms;
-constexpr auto kIselReopenPeriod = 500ms;
+constexpr auto kIselRetryPause = 500ms;
 
 struct StartStep {
   const char* bytes;
@@ -29,7 +29,8 @@ constexpr std::array kStart = {StartStep{kIselOff, IselExpected::kCode},
 }  // namespace
 
 IselLine::IselLine(link::StreamOpener open, link::SteadyClock clock, std::string refusal)
-    : open_(std::move(open)), clock_(std::move(clock)), refusal_(std::move(refusal)) {
+    : ControllerLine(std::move(open), std::move(clock)) {
+  refusal_ = std::move(refusal);
   if (!refusal_.empty()) message_ = refusal_;
 }
 
@@ -48,16 +49,7 @@ void IselLine::Poll(std::vector<Event>& events) {
 }
 
 void IselLine::Open() {
-  if (now() < next_open_) return;
-  next_open_ = now() + kIselReopenPeriod;
-  auto opened = open_();
-  if (!opened) {
-    message_ = opened.error().message;
-    return;
-  }
-  stream_ = std::move(*opened);
-  message_ =
-      "the controller does not answer: check its power, the cable and the baud rate";
+  if (!OpenStream()) return;
   phase_ = Phase::kDraining;
   reader_.Clear();
   out_ = kFirst;
@@ -160,15 +152,8 @@ void IselLine::Lose(std::string why, std::vector<Event>& events) {
   answers_.clear();
   out_ = kFirst;
   // Another attempt at the end of a long move.
-  quiet_since_ = now() + (was_up ? 0ms : std::chrono::milliseconds(kIselReopenPeriod));
+  quiet_since_ = now() + (was_up ? 0ms : std::chrono::milliseconds(kIselRetryPause));
   if (was_up) events.emplace_back(IselLost{});
-}
-
-void IselLine::Write() {
-  if (!stream_ || out_.empty() || !stream_->connected()) return;
-  const auto taken = stream_->Write(std::as_bytes(std::span(out_)));
-  // An error of the line is found by the next Read.
-  if (taken) out_.erase(0, *taken);
 }
 
 }  // namespace intaglio::drivers

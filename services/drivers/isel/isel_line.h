@@ -18,14 +18,12 @@
 
 #include <chrono>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "services/drivers/controller_line.h"
 #include "services/drivers/isel/isel_text.h"
-#include "services/platform/link/endpoint.h"
-#include "services/platform/link/steady_clock.h"
 
 namespace intaglio::drivers {
 
@@ -45,7 +43,7 @@ struct IselReply {
   std::vector<IselAnswer> answers;  ///< one; of kPulse two
 };
 
-class IselLine {
+class IselLine final : public ControllerLine {
  public:
   using Event = std::variant<IselUp, IselLost, IselReply>;
 
@@ -54,18 +52,11 @@ class IselLine {
 
   /// Moves bytes; appends what has happened.
   void Poll(std::vector<Event>& events);
-  int fd() const { return stream_ ? stream_->fd() : -1; }
-  bool up() const { return phase_ == Phase::kUp; }
+  bool up() const override { return phase_ == Phase::kUp; }
   /// Up, and the newest command was answered.
   bool is_idle() const { return up() && !reader_.is_expecting(); }
-  /// Grows when the controller was switched off or reset.
-  std::uint32_t power_ups() const { return power_ups_; }
-  std::uint64_t sessions() const { return sessions_; }
   /// When the session began.
   const IselSteps& first_place() const { return first_place_; }
-  /// Why it is down; empty while it is up.
-  const std::string& message() const { return message_; }
-  const std::string& refusal() const { return refusal_; }
 
   /// When it is idle. `planned_s`: until the command is answered.
   void Send(IselCommand command, const std::string& bytes, double planned_s = 0);
@@ -80,25 +71,16 @@ class IselLine {
   void Read(std::vector<Event>& events);
   void TakeStart(const IselAnswer& answer, std::vector<Event>& events);
   void SendStart();
-  void Write();
   void Expect(const std::string& bytes, IselExpected what, double planned_s);
   void Lose(std::string why, std::vector<Event>& events);
-  std::chrono::nanoseconds now() const { return clock_(); }
 
-  link::StreamOpener open_;
-  link::SteadyClock clock_;
-  std::unique_ptr<link::ByteStream> stream_;
   IselAnswerReader reader_;
-  std::string out_;
   Phase phase_ = Phase::kClosed;
   std::size_t step_ = 0;  // of kStarting
   IselCommand command_ = IselCommand::kPlace;
   std::vector<IselAnswer> answers_;
-  std::uint32_t power_ups_ = 1;
-  std::uint64_t sessions_ = 0;
   IselSteps first_place_{};
-  std::chrono::nanoseconds next_open_{0}, quiet_since_{0}, deadline_{0};
-  std::string message_ = "the line is not open yet", refusal_;
+  std::chrono::nanoseconds quiet_since_{0}, deadline_{0};
 };
 
 }  // namespace intaglio::drivers
