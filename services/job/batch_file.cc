@@ -11,7 +11,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
-#include "services/job/field_suggestion.h"
+#include "services/platform/text_format/field_suggestion.h"
 #include "services/job/job_check.h"
 #include "services/job/json_position.h"
 #include "services/job/series.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "proto/job.pb.h"
-#include "services/job/field_suggestion.h"
+#include "services/platform/text_format/field_suggestion.h"
 
 namespace intaglio {
 namespace {

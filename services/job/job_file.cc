@@ -1,8 +1,6 @@
 #include "services/job/job_file.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/io/tokenizer.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 #include <google/protobuf/util/json_util.h>
 
@@ -10,11 +8,12 @@
 #include "engrave/drawing/font_list.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
-#include "services/job/field_suggestion.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/json_position.h"
 #include "services/job/model_kind.h"
+#include "services/platform/text_format/field_suggestion.h"
+#include "services/platform/text_format/text_format.h"
 
 namespace intaglio {
 namespace {
@@ -24,32 +23,6 @@ namespace pb = google::protobuf;
 
 // The messages nest five deep.
 constexpr int kMaxDepth = 16;
-
-class FirstError : public pb::io::ErrorCollector {
- public:
-  void AddError(int line, pb::io::ColumnNumber column,
-                const std::string& message) override {
-    if (!text_.empty()) return;
-    text_ = line < 0 ? message : fmt::format("{}:{}: {}", line + 1, column + 1, message);
-  }
-  void AddWarning(int, pb::io::ColumnNumber, const std::string&) override {}
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
-Status ParseText(std::string_view text, const std::string& name, pb::Message& message) {
-  FirstError first;
-  pb::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&first);
-  parser.SetRecursionLimit(kMaxDepth);
-  pb::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
-  if (parser.Parse(&stream, &message)) return {};
-  return Fail(ErrorCode::kUnreadable,
-              fmt::format("{}:{}{}", name, first.text(),
-                          SuggestionFor(*message.GetDescriptor(), first.text())));
-}
 
 Status ParseJson(std::string_view text, const std::string& name, pb::Message& message) {
   const auto status = pb::util::JsonStringToMessage({text.data(), text.size()}, &message);
@@ -68,7 +41,7 @@ Status Parse(std::string_view text, JobFileFormat format, const std::string& nam
                             kMaxJobFileBytes));
   }
   return format == JobFileFormat::kJson ? ParseJson(text, name, message)
-                                        : ParseText(text, name, message);
+                                        : ParseTextFormat(text, name, kMaxDepth, message);
 }
 
 Result<JobFileFormat> FormatOf(const fs::path& path) {

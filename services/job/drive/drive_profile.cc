@@ -1,9 +1,6 @@
 #include "services/job/drive/drive_profile.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/io/tokenizer.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
-#include <google/protobuf/text_format.h>
 
 #include <cmath>
 #include <numbers>
@@ -11,6 +8,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/io/whole_file.h"
+#include "services/platform/text_format/text_format.h"
 
 namespace intaglio {
 namespace {
@@ -90,21 +88,6 @@ void CheckNumbers(const pb::Message& message, const std::string& path,
   }
 }
 
-class FirstSyntaxErrorOfProfile : public pb::io::ErrorCollector {
- public:
-  void AddError(int line, pb::io::ColumnNumber column,
-                const std::string& message) override {
-    if (!text_.empty()) return;
-    text_ = line < 0 ? " " + message
-                     : fmt::format("{}:{}: {}", line + 1, column + 1, message);
-  }
-  void AddWarning(int, pb::io::ColumnNumber, const std::string&) override {}
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
 double InertiaOfAll(const DriveAxis& axis, drive::CylinderRule rule) {
   return drive::InertiaOf(ScrewOf(axis), MotorOf(axis), rule).total_kg_m2;
 }
@@ -146,15 +129,8 @@ Result<DriveProfile> ParseDriveProfile(std::string_view text, const std::string&
                             "(proto/drive.proto)",
                             name, kMaxDriveProfileBytes));
   }
-  FirstSyntaxErrorOfProfile first;
-  pb::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&first);
-  parser.SetRecursionLimit(kMaxDepth);
-  pb::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
   DriveProfile profile;
-  if (!parser.Parse(&stream, &profile)) {
-    return Fail(ErrorCode::kUnreadable, fmt::format("{}:{}", name, first.text()));
-  }
+  INTAGLIO_TRY(ParseTextFormat(text, name, kMaxDepth, profile));
   std::string wrong;
   for (const Error& error : CheckDriveProfile(profile))
     wrong += fmt::format("{}{}: {}", wrong.empty() ? "" : "\n", name, error.message);

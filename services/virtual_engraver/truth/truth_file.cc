@@ -1,13 +1,12 @@
 #include "services/virtual_engraver/truth/truth_file.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/io/tokenizer.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/whole_file.h"
+#include "services/platform/text_format/text_format.h"
 #include "services/virtual_engraver/truth/truth_check.h"
 
 namespace intaglio {
@@ -18,21 +17,6 @@ namespace pb = google::protobuf;
 // The messages nest three deep.
 constexpr int kMaxDepth = 8;
 
-class FirstSyntaxError : public pb::io::ErrorCollector {
- public:
-  void AddError(int line, pb::io::ColumnNumber column,
-                const std::string& message) override {
-    if (!text_.empty()) return;
-    text_ = line < 0 ? " " + message
-                     : fmt::format("{}:{}: {}", line + 1, column + 1, message);
-  }
-  void AddWarning(int, pb::io::ColumnNumber, const std::string&) override {}
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
 }  // namespace
 
 Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name) {
@@ -41,15 +25,8 @@ Result<MachineTruth> ParseTruth(std::string_view text, const std::string& name) 
                                                   "truth file (proto/truth.proto)",
                                                   name, kMaxTruthFileBytes));
   }
-  FirstSyntaxError first;
-  pb::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&first);
-  parser.SetRecursionLimit(kMaxDepth);
-  pb::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
   MachineTruth truth;
-  if (!parser.Parse(&stream, &truth)) {
-    return Fail(ErrorCode::kUnreadable, fmt::format("{}:{}", name, first.text()));
-  }
+  INTAGLIO_TRY(ParseTextFormat(text, name, kMaxDepth, truth));
   std::string wrong;
   for (const Error& error : CheckTruth(truth)) {
     wrong += fmt::format("{}{}: {}", wrong.empty() ? "" : "\n", name, error.message);

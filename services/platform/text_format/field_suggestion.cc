@@ -1,4 +1,4 @@
-#include "services/job/field_suggestion.h"
+#include "services/platform/text_format/field_suggestion.h"
 
 #include <fmt/format.h>
 
