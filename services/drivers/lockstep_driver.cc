@@ -108,6 +108,7 @@ void LockstepDriver::Halt(intaglio_MotionFault fault, std::string why) {
 
 void LockstepDriver::Forget() {
   jog_.reset();
+  homing_ = home_sent_ = false;
   const std::uint64_t last = std::max(ForgetSent(), ticks_.tick());
   ticks_.UndecideAfter(last);
   PassThrough(last);
@@ -133,7 +134,7 @@ void LockstepDriver::Report() {
   state_.tick = ticks_.tick();
   state_.covered_through_tick =
       run_ == Run::kNone ? executed_through_ : pieces().covered_through_tick();
-  const bool is_quiet = !HasSent() && IsQuiet();
+  const bool is_quiet = !IsBusy() && IsQuiet();
   if (jog_ && is_quiet && jog_->is_sent()) jog_.reset();
   state_.at_rest = run_ == Run::kNone && !jog_ && is_quiet && IsSettled();
   if (state_.at_rest) state_.velocity_mm_s.setZero();
@@ -159,7 +160,7 @@ Status LockstepDriver::BeginRun(std::uint32_t run, std::uint64_t start_tick,
              "resume");
     return {};
   }
-  const bool busy = run_ != Run::kNone || jog_ || HasSent();
+  const bool busy = run_ != Run::kNone || jog_ || IsBusy();
   if (busy || start_tick <= ticks_.tick()) {
     SetFault(intaglio_MOTION_LATE,
              busy ? "the stage was not at rest at the beginning of the run"
@@ -228,8 +229,25 @@ std::optional<LockstepDriver::JogPiece> LockstepDriver::NextJogPiece() const {
   return piece;
 }
 
+Status LockstepDriver::Home() {
+  if (!up()) return Down();
+  if (!state_.at_rest || state_.fault != intaglio_MOTION_OK) {
+    return Fail(ErrorCode::kRefused,
+                state_.message.empty() ? "the stage is not at rest" : state_.message);
+  }
+  wanted_open_ = false;
+  homing_ = true;
+  state_.at_rest = false;
+  return {};
+}
+
 Status LockstepDriver::Hold() {
   if (!up()) return Down();
+  if (homing_ && home_sent_) {
+    StopHoming();
+    return {};
+  }
+  homing_ = false;
   if (!jog_) return AbortRun();
   jog_->cancelled = true;
   return {};
@@ -282,7 +300,7 @@ std::uint64_t LockstepDriver::IdleTarget() {
 void LockstepDriver::PassTicks() {
   if (run_ != Run::kRuns) {
     PassThrough(LimitedByPulses(IdleTarget()));
-    if (run_ == Run::kWaits && ticks_.tick() >= start_tick_ && !halted_ && !HasSent() &&
+    if (run_ == Run::kWaits && ticks_.tick() >= start_tick_ && !halted_ && !IsBusy() &&
         IsSettled()) {
       run_ = Run::kRuns;
       planned_end_ = now();
@@ -291,7 +309,7 @@ void LockstepDriver::PassTicks() {
   passed_at_ = now();
   if (run_ != Run::kRuns) return;
   PassThrough(std::min(LimitedByPulses(executed_through_), DecidedThrough()));
-  if (!pieces().has_end() || !IsGivenOut() || HasSent() || !IsSettled()) return;
+  if (!pieces().has_end() || !IsGivenOut() || IsBusy() || !IsSettled()) return;
   if (aborted_ || !lamp_on_ || ticks_.tick() >= executed_through_ ||
       state_.fault != intaglio_MOTION_OK)
     EndRun();

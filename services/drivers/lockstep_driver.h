@@ -11,6 +11,10 @@
 // late. Without the lamp nothing can fire, and ticks pass by this computer's clock. Lamp
 // and rate are this driver's: the controller has neither.
 //
+// A controller that homes is mute. Until it has ended nothing can light: the output was
+// switched off before, and nothing is sent. So the status stays fresh, with the shutter
+// closed and the interlocks as they were; the controller itself stops for its chain.
+//
 // A family overrides how its controller is fed and what its answers mean; what it does
 // not keep of the numbered guarantees of both interfaces stands in its header.
 //
@@ -49,8 +53,9 @@ class LockstepDriver : public MotionDriver, public LaserController {
   /// In moves of at most PieceQueue::kMaxPiece_s: so it ends by itself when the host is
   /// gone.
   Status Jog(const Vec3& axes, double speed_mm_s) override;
-  /// A jog: nothing more of it is sent. A run: as AbortRun.
-  Status Hold() override;
+  Status Home() override;
+  /// A jog: nothing more of it is sent. Home: StopHoming. A run: as AbortRun.
+  Status Hold() final;
 
   // The laser driver.
   void Poll(const ReportSink& sink, const PastSink& past) final;
@@ -130,6 +135,8 @@ class LockstepDriver : public MotionDriver, public LaserController {
   /// Ends what the controller executes, dark.
   virtual void StopController() = 0;
   virtual void AskStatus() = 0;
+  /// Of a home that was sent.
+  virtual void StopHoming() = 0;
   /// Brings the controller to where it takes commands again.
   virtual void Recover() {}
   virtual void Report();
@@ -161,6 +168,7 @@ class LockstepDriver : public MotionDriver, public LaserController {
   std::uint64_t executed_through_ = 0;
   std::uint64_t committed_tick_ = 0;  ///< of the newest pulse that is sent or about to be
   std::optional<JogWay> jog_;
+  bool homing_ = false, home_sent_ = false;
   bool halted_ = false;        ///< nothing is sent before Reset or ClearFault
   bool checks_place_ = false;  ///< the place is to be where the run ended
   bool aborted_ = false;       ///< the run ends where it is
@@ -180,6 +188,7 @@ class LockstepDriver : public MotionDriver, public LaserController {
   void ReportLaser();
   void Forget();
   double WarmRatio() const;
+  bool IsBusy() const { return homing_ || HasSent(); }
   std::optional<link::TickOutcome> WhyDark() const;
 
   link::SteadyClock clock_;

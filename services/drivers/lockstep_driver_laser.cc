@@ -25,7 +25,7 @@ double LockstepDriver::WarmRatio() const {
 std::optional<Outcome> LockstepDriver::WhyDark() const {
   if (stop_ || safe_ || halted_ || chain_is_open()) return Outcome::kInterlocked;
   if (WarmRatio() < 1) return Outcome::kLampNotReady;
-  if (!shutter_is_open()) return Outcome::kShutterClosed;
+  if (homing_ || !shutter_is_open()) return Outcome::kShutterClosed;
   return std::nullopt;
 }
 
@@ -48,12 +48,15 @@ void LockstepDriver::ReportLaser() {
       (closed ? link::kKeyOn | link::kDoorClosed : 0) |
       (closed && !stop_ ? link::kStopReleased : 0) | (lamp_on_ ? link::kLampOn : 0) |
       (WarmRatio() >= 1 ? link::kLampWarm : 0) | (safe_ ? link::kSafeState : 0));
-  status_.shutters_open = shutter_is_open() ? 1 : 0;
+  status_.shutters_open = !homing_ && shutter_is_open() ? 1 : 0;
   status_.pulse_count = ticks_.pulse_count();
   status_.last_fired_tick = ticks_.last_fired_tick();
   status_.decided_through = ticks_.decided_through();
   status_.openings = openings();
   if (IsSettled()) status_.disarms_taken = disarms_sent_;
+  if (!homing_) return;
+  ++status_number_;
+  status_at_ = now();
 }
 
 Status LockstepDriver::Lamp(bool on, double rate_hz) {

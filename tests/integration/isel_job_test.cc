@@ -185,6 +185,22 @@ TEST_F(IselJob, EveryPointIsMadeOnceAtItsStepAndAtRest) {
   std::cout << "  " << judgement.points << " points\n";
 }
 
+// A controller that homes is mute for longer than a status is believed: two seconds here.
+// On a busy computer the jog, or the home, is let go before: then once more.
+TEST_F(IselJob, HomeByHandLastsAsLongAsTheControllerTakes) {
+  OpenShop();
+  std::string homed = "not begun", place;
+  const auto goes_home = [&] {
+    (void)Type({"teach", "move", "50", "0", "0", "--speed", "30"});
+    place = Type({"teach", "status"});
+    if (place.find("x         50.0000 mm") == std::string::npos) return false;
+    homed = Type({"teach", "home"});
+    return homed.empty();
+  };
+  ASSERT_TRUE(Eventually(goes_home, 90s)) << homed << place;
+  EXPECT_THAT(Type({"teach", "status"}), ::testing::HasSubstr("x          0.0000 mm"));
+}
+
 TEST_F(IselJob, KillsOfTheBridgeDoubleNoPoint) {
   OpenShop();
   Submit();

@@ -35,16 +35,35 @@ void GrblDriver::Take(const GrblLine::Event& event) {
   if (std::holds_alternative<GrblLost>(event)) return TakeLost();
   if (std::holds_alternative<GrblOk>(event)) return TakeOk();
   if (const auto* status = std::get_if<GrblStatus>(&event)) return TakeStatus(*status);
-  if (const auto* alarm = std::get_if<GrblAlarm>(&event)) {
-    const bool limit = alarm->code == 1 || alarm->code == 2;
-    return Halt(limit ? intaglio_MOTION_LIMIT : intaglio_MOTION_SAFE_STATE,
-                TextOfGrblAlarm(alarm->code));
-  }
+  if (const auto* alarm = std::get_if<GrblAlarm>(&event)) return TakeAlarm(*alarm);
+  if (std::holds_alternative<GrblHomed>(event)) return TakeHomed();
   // What follows in its buffer goes on; a hold keeps it until the reset of ClearFault.
-  line_.SendRealtime('!');
+  if (!homing_) line_.SendRealtime('!');
   Halt(intaglio_MOTION_SAFE_STATE, "the controller refused a line: " +
                                        TextOfGrblError(std::get<GrblError>(event).code) +
                                        "; check its version, then resume");
+}
+
+void GrblDriver::TakeAlarm(const GrblAlarm& alarm) {
+  constexpr int kHomeReset = 6;
+  if (std::exchange(stopped_home_, false) && alarm.code == kHomeReset) return;
+  const bool limit = alarm.code == 1 || alarm.code == 2;
+  Halt(limit ? intaglio_MOTION_LIMIT : intaglio_MOTION_SAFE_STATE,
+       TextOfGrblAlarm(alarm.code));
+}
+
+void GrblDriver::TakeHomed() {
+  homing_ = home_sent_ = false;
+  state_.homed = true;
+  program_.ForgetModes();
+  quiet_at_ = now();
+}
+
+void GrblDriver::StopHoming() {
+  line_.Reset();
+  homing_ = home_sent_ = false;
+  stopped_home_ = true;
+  quiet_at_ = now();
 }
 
 void GrblDriver::TakeUp() {
@@ -55,12 +74,12 @@ void GrblDriver::TakeUp() {
   BeginSession(
       "the line to the controller was lost in a run, and the controller has "
       "executed what it had: resume");
-  commanded_open_ = open_ = false;
+  commanded_open_ = open_ = stopped_home_ = false;
+  state_.homed = true;
 }
 
 bool GrblDriver::IsIdentified() const {
-  const bool is_set_up = line_.takes_lines() || line_.locked();
-  return status_number_ > 0 && (state_.link_up || is_set_up);
+  return status_number_ > 0 && (state_.link_up || IsSetUp());
 }
 
 bool GrblDriver::IsGivenOut() const {
@@ -82,7 +101,10 @@ void GrblDriver::TakeStatus(const GrblStatus& status) {
          door ? "the safety door opened: close it, check the block, then resume"
               : "the controller is on hold: release it, then resume");
   }
-  if (status.state == GrblState::kAlarm && state_.fault == intaglio_MOTION_OK) {
+  // Locked at the beginning of a session: since its power-up, or an alarm of before.
+  const bool locked = status.state == GrblState::kAlarm;
+  if (locked && status_number_ == 0 && line_.traits().homing) state_.homed = false;
+  if (locked && state_.homed && state_.fault == intaglio_MOTION_OK) {
     Halt(intaglio_MOTION_SAFE_STATE,
          "the controller is locked by an alarm: home it or check its zero, then resume");
   }
@@ -145,6 +167,17 @@ Status GrblDriver::Jog(const Vec3& axes, double speed_mm_s) {
   is_dark_ = false;
   quiet_at_ = now();
   return {};
+}
+
+Status GrblDriver::Home() {
+  if (up() && !line_.traits().homing) {
+    return Fail(ErrorCode::kRefused,
+                "the controller does not home: $22 is 0; set $22=1 if its axes have "
+                "switches");
+  }
+  auto begun = LockstepDriver::Home();
+  if (begun) is_dark_ = false;
+  return begun;
 }
 
 std::unique_ptr<MotionDriver> MakeGrblDriver(const MachineSpec& machine,

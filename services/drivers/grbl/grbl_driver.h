@@ -26,7 +26,10 @@
 //    So never more than kAhead_s of motion is sent ahead, no lit block without its dark
 //    one, and M4 is dark at rest; but the laser stays enabled (M4) until the line comes
 //    back. An external gate has to close the laser when the line is silent.
-//  - Home is not offered: a controller that homes answers nothing, not even '?'.
+//  - A controller that homes answers nothing, not even '?': a host that dies meanwhile
+//    ends it no more. Hold does, by 0x18: the controller is locked then, until it has
+//    homed. After its power-up a controller with $22=1 is not homed, and takes nothing
+//    else.
 //  - L5, L6: of pulses in the uncertain window neither outcome nor count is known.
 //  - L9: openings of the door are counted while the line is up; of those without a host
 //    one is seen. Key, door and stop button are one chain on the door's input.
@@ -58,6 +61,8 @@ class GrblDriver final : public LockstepDriver {
   /// M5 S0, then the moves of a jog, never more than kAhead_s ahead. Hold: 0x85 until it
   /// is idle.
   Status Jog(const Vec3& axes, double speed_mm_s) override;
+  /// M5 S0, then $H. kRefused of a controller whose $22 is 0.
+  Status Home() override;
 
  private:
   struct InFlight {
@@ -71,10 +76,13 @@ class GrblDriver final : public LockstepDriver {
   PieceQueue& pieces() override { return program_.pieces(); }
   bool IsIdentified() const override;
   bool HasSent() const override { return !in_flight_.empty(); }
-  bool IsQuiet() const override { return grbl_.at_rest() && status_at_ > quiet_at_; }
+  bool IsQuiet() const override {
+    return grbl_.at_rest() && status_at_ > quiet_at_ && IsSetUp();
+  }
   bool IsSettled() const override { return unsettled_.empty() && !pending_; }
   bool HasPending() const override { return pending_.has_value(); }
   bool IsGivenOut() const override;
+  bool IsSetUp() const { return line_.takes_lines() || line_.locked(); }
   bool HasRecovered() const override;
   bool chain_is_open() const override { return line_.door_is_open(); }
   std::uint32_t openings() const override { return line_.door_openings(); }
@@ -85,6 +93,7 @@ class GrblDriver final : public LockstepDriver {
   std::uint64_t ForgetSent() override;
   void StopController() override { line_.Reset(); }
   void AskStatus() override { line_.RequestStatus(); }
+  void StopHoming() override;
   void Recover() override;
   void Report() override;
 
@@ -92,6 +101,8 @@ class GrblDriver final : public LockstepDriver {
   void Take(const GrblLine::Event& event);
   void TakeUp();
   void TakeOk();
+  void TakeAlarm(const GrblAlarm& alarm);
+  void TakeHomed();
   void TakeStatus(const GrblStatus& status);
   void TakeProgress();
   void CheckPlace();
@@ -101,6 +112,8 @@ class GrblDriver final : public LockstepDriver {
   void Feed() override;
   bool FeedProgram();
   void FeedJog();
+  void FeedHome();
+  bool SendDark();
   bool FeedAsides(std::uint64_t through);
   void FeedBarrier();
   void FeedEnable();
@@ -119,7 +132,8 @@ class GrblDriver final : public LockstepDriver {
   std::optional<GrblWrite> pending_;
   std::deque<std::uint64_t> unsettled_;  ///< ticks of pulses that were sent
   std::uint64_t barrier_tick_ = 0;       ///< the newest barrier settles up to here
-  bool is_dark_ = false;                 ///< M5 S0 was sent for the newest jog
+  bool is_dark_ = false;                 ///< M5 S0 was sent for the newest motion by hand
+  bool stopped_home_ = false;            ///< its alarm is no fault
   bool commanded_open_ = false, open_ = false;
   std::chrono::nanoseconds quiet_at_{0};
 };

@@ -34,7 +34,9 @@ bool GrblDriver::BarrierIsDue() const {
 }
 
 void GrblDriver::Feed() {
-  if (halted_ || !line_.takes_lines()) return;
+  if (halted_) return;
+  if (homing_) return FeedHome();
+  if (!line_.takes_lines()) return;
   if (jog_) return FeedJog();
   FeedEnable();
   bool more = true;
@@ -49,13 +51,24 @@ void GrblDriver::Feed() {
   }
 }
 
+bool GrblDriver::SendDark() {
+  if (is_dark_) return true;
+  is_dark_ = line_.Send({"M5S0"});
+  if (!is_dark_) return false;
+  commanded_open_ = false;
+  in_flight_.push_back({InFlight::What::kDisable});
+  return true;
+}
+
+// A controller that is locked is dark since its reset, and takes $H alone.
+void GrblDriver::FeedHome() {
+  if (home_sent_ || (!line_.locked() && !SendDark()) || !in_flight_.empty()) return;
+  home_sent_ = line_.SendHome();
+  if (home_sent_) state_.homed = false;
+}
+
 void GrblDriver::FeedJog() {
-  if (!is_dark_) {
-    is_dark_ = line_.Send({"M5S0"});
-    if (!is_dark_) return;
-    commanded_open_ = false;
-    in_flight_.push_back({InFlight::What::kDisable});
-  }
+  if (!SendDark()) return;
   if (jog_->cancelled) {
     // A line may be parsed behind the first one; so it is repeated while one moves.
     const bool moves = grbl_.state == GrblState::kJog || !in_flight_.empty();

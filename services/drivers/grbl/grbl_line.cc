@@ -14,6 +14,7 @@ using namespace std::chrono_literals;
 constexpr auto kGrblSilence = 250ms;
 constexpr auto kQuestionPeriod = 20ms;
 constexpr auto kStepTimeout = 2s;
+constexpr auto kHomeTimeout = 300s;
 // A step of a coarse controller, and the decimals of its status.
 constexpr double kPlaceTolerance_mm = 0.02;
 
@@ -80,6 +81,7 @@ void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
     alarm_ = true;
     if (!up()) return;
     set_up_ = false;
+    home_failed_ = std::exchange(homing_, false);
     events.emplace_back(*alarm);
     // Limits leave it mute until a reset, which moves and lights nothing.
     if (alarm->code == 1 || alarm->code == 2) Reset();
@@ -96,6 +98,7 @@ void GrblLine::Take(const GrblAnswer& answer, std::vector<Event>& events) {
 
 void GrblLine::TakeSetting(const GrblSetting& setting) {
   if (setting.number == 30) traits_.max_power = setting.value;
+  if (setting.number == 22) traits_.homing = (static_cast<int>(setting.value) & 1) != 0;
   if (setting.number == 32) traits_.laser_mode = setting.value == 1;
   if (setting.number >= 100 && setting.number <= 102) {
     traits_.steps_per_mm[setting.number - 100] = setting.value;
@@ -103,6 +106,11 @@ void GrblLine::TakeSetting(const GrblSetting& setting) {
 }
 
 void GrblLine::TakeBanner(std::vector<Event>& events) {
+  if (std::exchange(home_failed_, false) && phase_ == Phase::kUp) {
+    outstanding_.clear();
+    outstanding_bytes_ = 0;
+    return;
+  }
   if (phase_ != Phase::kResetting) {
     // Nobody asked for it: power, the reset button, or the opening of the port.
     if (phase_ != Phase::kRefused) ++power_ups_;
@@ -130,6 +138,16 @@ void GrblLine::TakeAcknowledgement(bool good, int code, std::vector<Event>& even
   const Sent sent = outstanding_.front();
   outstanding_.pop_front();
   outstanding_bytes_ -= sent.bytes;
+  if (std::exchange(homing_, false)) {
+    if (good) {
+      alarm_ = false;
+      events.emplace_back(GrblHomed{});
+      SetUp();
+    } else {
+      events.emplace_back(GrblError{code});
+    }
+    return;
+  }
   if (!sent.own) {
     if (good) {
       events.emplace_back(GrblOk{});
@@ -228,6 +246,15 @@ void GrblLine::Unlock() {
   SetUp();
 }
 
+bool GrblLine::SendHome() {
+  if (!is_ready() || !idle() || !out_.empty()) return false;
+  homing_ = true;
+  phase_at_ = now();
+  SendOwn({"$H"});
+  Write();
+  return true;
+}
+
 void GrblLine::SendOwn(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) {
     out_ += line + "\n";
@@ -267,12 +294,12 @@ void GrblLine::Reset() {
   phase_ = Phase::kResetting;
   phase_at_ = now();
   resets_itself_ = true;
-  set_up_ = setting_up_ = false;
+  set_up_ = setting_up_ = homing_ = false;
   Write();
 }
 
 void GrblLine::Ask() {
-  if (phase_ == Phase::kResetting || phase_ == Phase::kIdentifying) return;
+  if (phase_ == Phase::kResetting || phase_ == Phase::kIdentifying || homing_) return;
   if (now() < next_status_ || out_.find('?') != std::string::npos) return;
   next_status_ = now() + kQuestionPeriod;
   out_ += '?';
@@ -282,7 +309,7 @@ void GrblLine::Lose(std::string why, std::vector<Event>& events) {
   const bool was_up = up();
   message_ = std::move(why);
   phase_ = Phase::kAsking;
-  resets_itself_ = set_up_ = setting_up_ = held_ = false;
+  resets_itself_ = set_up_ = setting_up_ = held_ = homing_ = home_failed_ = false;
   outstanding_.clear();
   outstanding_bytes_ = 0;
   out_.clear();
@@ -292,6 +319,12 @@ void GrblLine::Lose(std::string why, std::vector<Event>& events) {
 }
 
 void GrblLine::CheckSilence(std::vector<Event>& events) {
+  if (homing_) {
+    if (now() - phase_at_ > kHomeTimeout)
+      Lose("the controller has not ended homing for 5 minutes: check its switches",
+           events);
+    return;
+  }
   if (phase_ == Phase::kUp || phase_ == Phase::kRefused) {
     if (now() - received_at_ > kGrblSilence) {
       Lose("the controller has not answered for 250 ms: check its power and the cable",

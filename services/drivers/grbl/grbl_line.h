@@ -38,16 +38,19 @@ struct GrblTraits {
   Vec3 steps_per_mm = Vec3::Zero();
   double max_power = 0;  ///< $30: S of full power
   bool laser_mode = false;
+  bool homing = false;  ///< $22: it has switches, and is locked from power-up until $H
 };
 
-struct GrblUp {};    ///< a session has begun: the controller is at rest, empty and dark
-struct GrblLost {};  ///< the line, or the controller's memory of what was sent
+struct GrblUp {};     ///< a session has begun: the controller is at rest, empty and dark
+struct GrblHomed {};  ///< what SendHome began has ended well
+struct GrblLost {};   ///< the line, or the controller's memory of what was sent
 
 class GrblLine final : public ControllerLine {
  public:
   /// A GrblStatus has work_mm. In the order in which they came. GrblOk and GrblError are
   /// of Send's lines alone.
-  using Event = std::variant<GrblUp, GrblLost, GrblOk, GrblError, GrblAlarm, GrblStatus>;
+  using Event =
+      std::variant<GrblUp, GrblLost, GrblOk, GrblError, GrblAlarm, GrblStatus, GrblHomed>;
 
   GrblLine(link::StreamOpener open, link::SteadyClock clock,
            link::ExpectedDevice expected);
@@ -58,9 +61,9 @@ class GrblLine final : public ControllerLine {
   /// Also for a while after its own reset.
   bool up() const override { return phase_ == Phase::kUp || resets_itself_; }
   /// Lines are taken: up, unlocked and set up.
-  bool takes_lines() const { return phase_ == Phase::kUp && set_up_ && !setting_up_; }
+  bool takes_lines() const { return is_ready() && set_up_; }
   /// The newest status is an alarm, or the lines of the set-up were refused.
-  bool locked() const { return phase_ == Phase::kUp && !set_up_ && !setting_up_; }
+  bool locked() const { return is_ready() && !set_up_; }
   const GrblTraits& traits() const { return traits_; }
   /// How often the safety door's input was seen to open.
   std::uint32_t door_openings() const { return door_openings_; }
@@ -83,6 +86,10 @@ class GrblLine final : public ControllerLine {
   /// After an alarm: $X and the set-up.
   void Unlock();
   void RequestStatus() { next_status_ = {}; }
+  /// $H, when nothing is outstanding; false: something is. The controller is mute until
+  /// GrblHomed, a GrblAlarm or a GrblError tells how it ended. Reset ends it, with
+  /// ALARM:6.
+  bool SendHome();
 
  private:
   enum class Phase { kClosed, kAsking, kResetting, kIdentifying, kUp, kRefused };
@@ -106,6 +113,7 @@ class GrblLine final : public ControllerLine {
   std::string RefusalOfTraits() const;
   void SendOwn(const std::vector<std::string>& lines);
   void SetUp();
+  bool is_ready() const { return phase_ == Phase::kUp && !setting_up_ && !homing_; }
 
   link::ExpectedDevice expected_;
   GrblAnswerReader reader_;
@@ -115,6 +123,8 @@ class GrblLine final : public ControllerLine {
   Phase phase_ = Phase::kClosed;
   bool resets_itself_ = false, set_up_ = false, setting_up_ = false, held_ = false;
   bool alarm_ = false;
+  bool homing_ = false;
+  bool home_failed_ = false;  // it resets itself behind the alarm
   bool door_open_ = false, door_latched_ = false;
   std::uint32_t door_openings_ = 0;
   Vec3 work_offset_mm_ = Vec3::Zero();  // the newest that was reported

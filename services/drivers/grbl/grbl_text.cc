@@ -171,10 +171,12 @@ std::string TextOfGrblError(int code) {
 }
 
 std::string TextOfGrblAlarm(int code) {
-  constexpr std::array<std::pair<int, const char*>, 6> kTexts = {{
+  constexpr std::array<std::pair<int, const char*>, 8> kTexts = {{
       {1, "a limit switch was hit: free the axis and home"},
       {2, "a target beyond the travel ($130-$132): check block_origin_mm and the zero"},
       {3, "reset while moving: steps may be lost, check the zero"},
+      {6, "homing was ended by a reset: home again"},
+      {7, "homing was ended by the safety door: close it and home again"},
       {8, "homing failed: a switch was not released"},
       {9, "homing failed: a switch was not found"},
       {10, "the emergency stop is pressed"},

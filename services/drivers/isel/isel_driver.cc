@@ -63,7 +63,7 @@ void IselDriver::EndRun() {
 // A pulse that was sent is uncertain.
 std::uint64_t IselDriver::ForgetSent() {
   move_.reset();
-  homing_ = home_sent_ = is_checked_ = false;
+  is_checked_ = false;
   const std::uint64_t tick = std::exchange(pulse_tick_, 0);
   if (!std::exchange(is_fired_, false)) return 0;
   ticks_.Settle(tick, link::TickOutcome::kNoLongerKnown);
@@ -92,28 +92,6 @@ IselSteps IselDriver::StepsOf(const Vec3& place_mm) const {
 Status IselDriver::AbortRun() {
   if (up() && !is_fired_) pulse_tick_ = 0;
   return LockstepDriver::AbortRun();
-}
-
-Status IselDriver::Home() {
-  if (!up()) return Down();
-  if (!state_.at_rest || state_.fault != intaglio_MOTION_OK) {
-    return Fail(ErrorCode::kRefused,
-                state_.message.empty() ? "the stage is not at rest" : state_.message);
-  }
-  wanted_open_ = false;
-  homing_ = true;
-  state_.at_rest = false;
-  return {};
-}
-
-Status IselDriver::Hold() {
-  if (!up()) return Down();
-  if (homing_ && home_sent_) {
-    line_.SendStop();
-    return {};
-  }
-  homing_ = false;
-  return LockstepDriver::Hold();
 }
 
 std::unique_ptr<MotionDriver> MakeIselDriver(const MachineSpec& machine,

@@ -44,8 +44,6 @@ class IselDriver final : public LockstepDriver {
              link::SteadyClock clock);
 
   Status AbortRun() override;
-  Status Home() override;
-  Status Hold() override;
 
  private:
   /// A move that is executed, and what has passed with it.
@@ -57,7 +55,7 @@ class IselDriver final : public LockstepDriver {
 
   const ControllerLine& line() const override { return line_; }
   PieceQueue& pieces() override { return pieces_; }
-  bool HasSent() const override { return homing_ || move_; }
+  bool HasSent() const override { return move_.has_value(); }
   bool IsSettled() const override { return !is_fired_; }
   bool HasPending() const override { return pulse_tick_ != 0; }
   bool HasRecovered() const override { return line_.up() && !chain_open_; }
@@ -68,6 +66,7 @@ class IselDriver final : public LockstepDriver {
   std::uint64_t ForgetSent() override;
   void StopController() override;
   void AskStatus() override { next_question_ = {}; }
+  void StopHoming() override { line_.SendStop(); }
 
   // isel_driver_replies.cc.
   void TakeAnswers() override;
@@ -102,7 +101,6 @@ class IselDriver final : public LockstepDriver {
   IselSteps place_{};           ///< the controller's newest
   Vec3 end_mm_ = Vec3::Zero();  ///< where the newest run ended
   std::optional<Move> move_;
-  bool homing_ = false, home_sent_ = false;
   std::uint64_t pulse_tick_ = 0;  ///< of a point where the stage is now; 0: none
   bool is_checked_ = false;       ///< the place of that point was read and is right
   bool is_fired_ = false;         ///< it was sent, and not answered

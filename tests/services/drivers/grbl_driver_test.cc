@@ -263,5 +263,94 @@ TEST(GrblDriver, AJogIsDarkWhateverWasSetBefore) {
   EXPECT_FALSE(cell.driver->Jog(Vec3(std::nan(""), 0, 0), 50));
 }
 
+/// 20 mm from its switches, which take 0.8 s.
+grbl::VirtualGrblOptions WithSwitches() {
+  grbl::VirtualGrblOptions options = grbl::Grbl11();
+  options.homing = true;
+  options.home_steps = {-5000, 1000, 0};
+  return options;
+}
+
+TEST(GrblDriver, WithoutAReferenceOnlyHomeMovesIt) {
+  Cell cell(WithSwitches());
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->up(); })) << cell.driver->message();
+  EXPECT_FALSE(cell.driver->state().homed);
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_OK);
+  EXPECT_FALSE(cell.driver->Jog(Vec3(1, 0, 0), 5));
+  ASSERT_TRUE(cell.driver->BeginRun(1, cell.driver->status().tick + 50, 0));
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_SAFE_STATE);
+  EXPECT_NE(cell.driver->state().message.find("teach home"), std::string::npos);
+  ASSERT_TRUE(cell.driver->ClearFault());
+  ASSERT_TRUE(cell.Until([&] {
+    return cell.driver->state().fault == intaglio_MOTION_OK &&
+           cell.driver->state().at_rest;
+  }));
+  ASSERT_TRUE(cell.driver->Home());
+  EXPECT_FALSE(cell.driver->state().at_rest);
+  for (int i = 0; i < 700; ++i) {
+    cell.Step();
+    ASSERT_TRUE(cell.driver->up()) << "silence is not a lost line while it homes";
+    ASSERT_TRUE(cell.driver->status().shutters_open == 0);
+  }
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_TRUE(cell.driver->state().homed);
+  EXPECT_EQ(cell.machine.grbl.TrueSteps(), WithSwitches().home_steps);
+  cell.Prepare();
+  cell.run = 1;
+  cell.Begin(5, 0.3, false);
+  ASSERT_TRUE(cell.Until([&] { return cell.RunIsOver(); }));
+  ExpectFlashesAtPoints(cell, 250);
+}
+
+TEST(GrblDriver, HoldEndsHomingWithoutAFaultAndWithoutAReference) {
+  Cell cell(WithSwitches());
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->up(); }));
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  ASSERT_TRUE(cell.driver->Home());
+  for (int i = 0; i < 400; ++i) cell.Step();
+  ASSERT_EQ(cell.machine.grbl.state(), grbl::VirtualGrbl::State::kHome);
+  ASSERT_TRUE(cell.driver->Hold());
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }, 1000));
+  EXPECT_EQ(cell.machine.grbl.state(), grbl::VirtualGrbl::State::kAlarm);
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_OK);
+  EXPECT_FALSE(cell.driver->state().homed);
+  EXPECT_FALSE(cell.driver->Jog(Vec3(1, 0, 0), 5));
+  ASSERT_TRUE(cell.driver->Home());
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  EXPECT_TRUE(cell.driver->state().homed);
+  EXPECT_TRUE(cell.driver->Jog(Vec3(1, 0, 0), 5));
+}
+
+TEST(GrblDriver, TheDoorEndsHomingWithAFault) {
+  Cell cell(WithSwitches());
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->up(); }));
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().at_rest; }));
+  ASSERT_TRUE(cell.driver->Home());
+  for (int i = 0; i < 400; ++i) cell.Step();
+  cell.machine.grbl.SetDoor(true);
+  for (int i = 0; i < 100; ++i) cell.Step();
+  EXPECT_TRUE(cell.driver->up());
+  EXPECT_EQ(cell.driver->state().fault, intaglio_MOTION_SAFE_STATE);
+  EXPECT_NE(cell.driver->state().message.find("door"), std::string::npos);
+  EXPECT_FALSE(cell.driver->state().homed);
+  cell.machine.grbl.SetDoor(false);
+  ASSERT_TRUE(cell.driver->ClearFault());
+  ASSERT_TRUE(cell.Until([&] {
+    return cell.driver->state().fault == intaglio_MOTION_OK &&
+           cell.driver->state().at_rest;
+  }));
+  ASSERT_TRUE(cell.driver->Home());
+  ASSERT_TRUE(cell.Until([&] { return cell.driver->state().homed; }));
+}
+
+TEST(GrblDriver, WithoutSwitchesHomeIsRefusedByTheSetting) {
+  Cell cell;
+  cell.Prepare();
+  const auto homed = cell.driver->Home();
+  ASSERT_FALSE(homed);
+  EXPECT_NE(homed.error().message.find("$22=1"), std::string::npos);
+  EXPECT_TRUE(cell.driver->state().at_rest);
+}
+
 }  // namespace
 }  // namespace intaglio::drivers

@@ -28,7 +28,10 @@ class GrblMotionRig final : public MotionRig {
     machine_.SwitchOn();
   }
   Vec3 actual_mm() override { return machine_.grbl.WorkPosition_mm(); }
-  bool moves() override { return !machine_.grbl.motion().is_empty(); }
+  bool moves() override {
+    return !machine_.grbl.motion().is_empty() ||
+           machine_.grbl.state() == grbl::VirtualGrbl::State::kHome;
+  }
   double rate_hz() const override { return kGrblRateHz; }
   Vec3 travel_min_mm() const override { return Vec3::Constant(-50); }
   Vec3 travel_max_mm() const override { return Vec3::Constant(50); }

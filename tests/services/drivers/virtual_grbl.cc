@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <utility>
 
 namespace intaglio::grbl {
@@ -80,6 +81,8 @@ void VirtualGrbl::Slice(double us) {
   now_us_ += us;
   ReceiveBytes();
   if (crashed_) return;
+  // Mute: bytes wait in the buffer, a '?' is answered when it has ended.
+  if (state_ == State::kHome) return AdvanceHome(us);
   UpdateState();
   if (waiting_ && !suspended()) FinishWaiting(us);
   UpdateState();
@@ -107,6 +110,7 @@ void VirtualGrbl::TakeByte(char byte) {
 
 bool VirtualGrbl::TakeRealtime(unsigned char byte) {
   if (byte == 0x18) {
+    if (state_ == State::kHome) return EndHome(6), true;
     Reset();
   } else if (byte == '?') {
     reports_ = true;
@@ -133,7 +137,7 @@ bool VirtualGrbl::TakeRealtime(unsigned char byte) {
 }
 
 void VirtualGrbl::TakeLines() {
-  while (!waiting_ && !mute_ && !suspended() && !crashed_) {
+  while (!waiting_ && !mute_ && !suspended() && !crashed_ && state_ != State::kHome) {
     if (parsing_) {
       if (now_us_ < parses_until_us_) return;
       const std::string line = std::move(*parsing_);
@@ -188,6 +192,7 @@ void VirtualGrbl::CommandSpindle(Spindle spindle) {
 }
 
 void VirtualGrbl::UpdateState() {
+  if (state_ == State::kHome) return;
   if (state_ == State::kAlarm && locked_) return;
   if (locked_) {
     state_ = State::kAlarm;
@@ -204,12 +209,56 @@ void VirtualGrbl::UpdateState() {
 void VirtualGrbl::SetDoor(bool open) {
   door_open_ = open;
   if (!open || state_ == State::kAlarm) return;
+  if (state_ == State::kHome) return EndHome(7);
   if (state_ == State::kJog) {
     motion_.CancelJog();
   } else {
     motion_.Hold();
   }
   state_ = State::kDoor;
+}
+
+Steps VirtualGrbl::TrueSteps() const {
+  Steps steps = motion_.at();
+  for (std::size_t i = 0; i < 3; ++i) steps[i] += uncounted_[i];
+  return steps;
+}
+
+void VirtualGrbl::BeginHome() {
+  state_ = State::kHome;
+  home_from_ = motion_.at();
+  home_done_us_ = home_us_ = 0;
+  const Steps from = TrueSteps();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double way_mm =
+        std::abs(double(options_.home_steps[i] - from[i])) / options_.motion.steps_per_mm;
+    home_us_ = std::max(home_us_, way_mm / options_.home_mm_s * 1e6);
+  }
+}
+
+void VirtualGrbl::AdvanceHome(double us) {
+  home_done_us_ = std::min(home_us_, home_done_us_ + us);
+  const double part = home_us_ > 0 ? home_done_us_ / home_us_ : 1;
+  Steps at{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double way =
+        static_cast<double>(options_.home_steps[i] - uncounted_[i] - home_from_[i]);
+    at[i] = home_from_[i] + std::llround(way * part);
+  }
+  motion_.SetPosition(at);
+  if (part < 1) return;
+  uncounted_ = options_.home_steps;
+  motion_.SetPosition({});
+  homed_ = true;
+  locked_ = false;
+  state_ = State::kIdle;
+  Answer(0);
+}
+
+void VirtualGrbl::EndHome(int alarm) {
+  homed_ = false;
+  RaiseAlarm(alarm);
+  Reset();
 }
 
 void VirtualGrbl::HitLimit() {
@@ -250,6 +299,7 @@ void VirtualGrbl::Reset() {
 void VirtualGrbl::PowerCycle() {
   motion_.Kill();
   motion_.ForceDark(false);
+  uncounted_ = TrueSteps();
   motion_.SetPosition({});
   waiting_.reset();
   parsing_.reset();
@@ -281,6 +331,8 @@ const char* VirtualGrbl::StateName() const {
       return door_open_ ? (motion_.moving() ? "Door:2" : "Door:1") : "Door:0";
     case State::kAlarm:
       return "Alarm";
+    case State::kHome:
+      return "Home";
   }
   return "";
 }

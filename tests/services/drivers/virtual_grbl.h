@@ -32,9 +32,11 @@ struct VirtualGrblOptions {
   double parse_us_per_byte = 0;  ///< and of each of its bytes
   MotionOptions motion;
   Vec3 travel_min_mm = Vec3::Constant(-50), travel_max_mm = Vec3::Constant(50);
-  bool laser_mode = true;     ///< $32
-  bool soft_limits = false;   ///< $20
-  bool homing = false;        ///< $22: locked from power-up until $H or $X
+  bool laser_mode = true;    ///< $32
+  bool soft_limits = false;  ///< $20
+  bool homing = false;       ///< $22: locked from power-up until $H or $X
+  Steps home_steps{};        ///< where the switches are, counted as TrueSteps
+  double home_mm_s = 25;
   bool reports_lines = true;  ///< Ln in the status
 };
 
@@ -44,7 +46,7 @@ VirtualGrblOptions Grbl11();
 
 class VirtualGrbl {
  public:
-  enum class State { kIdle, kRun, kHold, kJog, kDoor, kAlarm };
+  enum class State { kIdle, kRun, kHold, kJog, kDoor, kAlarm, kHome };
 
   explicit VirtualGrbl(VirtualGrblOptions options);
 
@@ -62,6 +64,8 @@ class VirtualGrbl {
 
   State state() const { return state_; }
   const VirtualGrblMotion& motion() const { return motion_; }
+  /// Where the stage is, counted from its first power-up, whatever the controller counts.
+  Steps TrueSteps() const;
   bool spindle_on() const { return spindle_ != Spindle::kOff; }
   /// An output of M62..M65 is on; where it was switched on.
   bool output_on() const { return output_on_; }
@@ -107,6 +111,9 @@ class VirtualGrbl {
   void FinishWaiting(double us);
   void CommandSpindle(Spindle spindle);
   Beam BeamOf(bool rapid) const;
+  void BeginHome();
+  void AdvanceHome(double us);
+  void EndHome(int alarm);
   void Reset();
   void RaiseAlarm(int code);
   void UpdateState();
@@ -136,6 +143,9 @@ class VirtualGrbl {
   State state_ = State::kIdle;
   bool mute_ = false, crashed_ = false, locked_ = false, homed_ = false;
   bool door_open_ = false, reports_ = false;
+
+  Steps home_from_{}, uncounted_{};  // of $H; what the counter does not have
+  double home_us_ = 0, home_done_us_ = 0;
 
   // The parser's modal state.
   bool absolute_ = true, rapid_ = true;

@@ -116,9 +116,7 @@ void VirtualGrbl::ExecuteSystem(const std::string& line) {
     PrintSettings();
   } else if (line == "$H") {
     if (!options_.homing) return Answer(5);
-    motion_.SetPosition({});
-    homed_ = true;
-    locked_ = false;
+    return BeginHome();
   } else if (line == "$32=0" || line == "$32=1") {
     options_.laser_mode = line.back() == '1';
   } else {

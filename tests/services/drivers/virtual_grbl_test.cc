@@ -266,6 +266,32 @@ TEST(VirtualGrbl, WithHomingItIsLockedFromPowerUpUntilHOrX) {
   EXPECT_EQ(host.Ask("G1X1F600"), "ok");
 }
 
+TEST(VirtualGrbl, WhileItHomesItIsMuteAndAResetOrTheDoorEndsItWithAnAlarm) {
+  VirtualGrblOptions options;
+  options.homing = true;
+  options.home_steps = {-5000, 0, 0};  // 20 mm away: 0.8 s
+  Host host(options);
+  host.grbl.Write("$H\n");
+  host.Run(0.3);
+  host.read.clear();
+  host.grbl.Write("?");
+  host.Run(0.2);
+  EXPECT_EQ(host.read, "");
+  host.grbl.Write("\x18");
+  host.Run(0.1);
+  EXPECT_NE(host.read.find("ALARM:6"), std::string::npos);
+  EXPECT_EQ(host.Ask("G1X1F600"), "error:9");
+  host.grbl.Write("$H\n");
+  host.Run(0.2);
+  host.grbl.SetDoor(true);
+  host.Run(0.1);
+  EXPECT_NE(host.read.find("ALARM:7"), std::string::npos);
+  host.grbl.SetDoor(false);
+  EXPECT_EQ(host.Ask("$H"), "ok");
+  EXPECT_EQ(host.grbl.motion().at(), Steps{});
+  EXPECT_EQ(host.grbl.TrueSteps(), options.home_steps);
+}
+
 // An oracle apart from the planner: v^2 = 2 a s up to the speed, and the area below it.
 TEST(VirtualGrbl, ABlockTakesTheTimeOfItsTrapezoid) {
   Host host;
