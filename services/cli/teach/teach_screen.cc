@@ -5,6 +5,7 @@
 // bridge notices the silence within 200 ms.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <poll.h>
 #include <termios.h>
 #include <unistd.h>
@@ -152,14 +153,20 @@ class TeachScreen {
     const auto now = Clock::now();
     if (now < next_draw_) return;
     next_draw_ = now + kDrawPeriod;
-    std::cout << "\x1b[H\x1b[2J" << TextOf(client_.view())
-              << fmt::format(
-                     "\n  step {:g}   {}\n\n"
-                     "  arrows x and y, page up and down z: a step, held: continuous\n"
-                     "  1 2 3 4 step   h home   s sample   p park   u undo   q end\n"
-                     "  zeros: `intaglio teach zero` in another terminal\n",
-                     kSteps[step_], message_)
-              << std::flush;
+    std::string text =
+        TextOf(client_.view()) +
+        fmt::format(
+            "\n  step {:g} (mm, of a rotary axis rad)   {}\n\n"
+            "  arrows x and y, page up and down z: a step, held: continuous\n"
+            "  1 2 3 4 step {:g}   h home   s sample   p park   u undo   q end\n"
+            "  zeros: `intaglio teach zero` in another terminal\n",
+            kSteps[step_], message_, fmt::join(kSteps, " "));
+    // Each line is written over the one before and cleared behind it: nothing flickers.
+    for (std::size_t at = text.find('\n'); at != std::string::npos;
+         at = text.find('\n', at + 4)) {
+      text.insert(at, "\x1b[K");
+    }
+    std::cout << "\x1b[H" << text << "\x1b[J" << std::flush;
   }
 
   TeachClient& client_;
