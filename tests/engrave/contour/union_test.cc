@@ -193,6 +193,16 @@ TEST(Union, OfArcTracksIsThatOfTheirSweep) {
   EXPECT_NEAR(United({wide}).area_mm2, pi * 0.25, 1e-9);
 }
 
+// A full circle ends where it begins to the last bit: beside it, at the height of its
+// ends, a point is outside.
+TEST(Union, OfARingAndATrackAtTheHeightOfItsCentreIsProved) {
+  const Edge circle = MakeArc({21, 9}, 2.5, 0, 2 * pi);
+  EXPECT_EQ(circle.begin_mm, circle.end_mm);
+  const Union united =
+      United({{ArcTrack{circle, 6}, ""}, {Track{{16, 12}, {13, 12}, 6}, ""}});
+  EXPECT_EQ(united.group_count, 1U);
+}
+
 TEST(Union, RoundCornersAreThoseOfTheTool) {
   const Union united = United(test::ElementsOf("2 0 0 2"), 0.5, Corners::kRound);
   EXPECT_NEAR(united.area_mm2, 4 + 8 * 0.5 + pi * 0.25, 1e-9);

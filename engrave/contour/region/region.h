@@ -38,7 +38,7 @@ Result<Region> Intersection(const Region& a, const Region& b);
 
 /// The points of the region at least distance_mm from its border (Inset), and those at
 /// most distance_mm from the region (Outset): exactly, corners become arcs. 0.0005 ..
-/// 100 mm. Made of the union of what a disc of this radius sweeps along the border, so
+/// 5000 mm. Made of the union of what a disc of this radius sweeps along the border, so
 /// with its proof; errors as of Unite.
 Result<Region> Inset(const Region& region, double distance_mm);
 Result<Region> Outset(const Region& region, double distance_mm);

@@ -1,0 +1,47 @@
+#pragma once
+
+// Points in regions of many edges: the edges sorted into bands of equal height.
+
+#include <cstdint>
+#include <vector>
+
+#include "engrave/contour/region/region.h"
+
+namespace intaglio::contour {
+
+/// The box of an edge, its arc included.
+struct EdgeBox {
+  Vec2 min_mm;
+  Vec2 max_mm;
+};
+EdgeBox BoxOfEdge(const Edge& edge);
+EdgeBox BoxOfEdges(const Edges& edges);  ///< at least one
+
+class RegionIndex {
+ public:
+  explicit RegionIndex(const Region& region);
+  /// On the border: either.
+  bool IsInside(const Vec2& point_mm) const;
+  const Edges& edges() const { return edges_; }  ///< of all loops, in their order
+  double area_mm2() const { return area_mm2_; }
+
+ private:
+  std::size_t BandOf(double y_mm) const;
+
+  Edges edges_;
+  double area_mm2_ = 0;
+  double bottom_mm_ = 0;
+  double top_mm_ = 0;
+  double height_mm_ = 1;  ///< of a band
+  std::vector<Edges> bands_;
+};
+
+/// The difference and the intersection of two regions at once.
+struct Combined {
+  Region outside;  ///< of a, what is not in b
+  Region inside;   ///< of a, what is in b
+  double inside_area_mm2 = 0;
+};
+Result<Combined> Combine(const Region& a, const Region& b);
+
+}  // namespace intaglio::contour
