@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engrave/contour/files/gerber_aperture.h"
+#include "engrave/contour/region/region.h"
 #include "engrave/core/try.h"
 #include "engrave/io/number_text.h"
 
@@ -14,6 +15,7 @@ namespace {
 using std::numbers::pi;
 constexpr int kMaxNesting = 32;
 constexpr std::size_t kMaxOutline = 5000;
+constexpr int kMaxCleared = 200;
 
 using Variables = std::map<int, double>;
 
@@ -125,10 +127,12 @@ class MacroReader {
     }
     const int code = static_cast<int>(n[0]);
     n.erase(n.begin());
+    clears_ = false;
     if (code == 7) return Thermal(n);
-    if (!n.empty() && n[0] != 1)
-      return Fail(ErrorCode::kUnsupported,
-                  "a primitive of a macro clears copper (exposure 0), which is not read");
+    if (!n.empty() && n[0] != 0 && n[0] != 1)
+      return Fail(ErrorCode::kInvalidValue,
+                  "a primitive of a macro has an exposure that is neither 0 nor 1");
+    clears_ = !n.empty() && n[0] == 0;
     switch (code) {
       case 1:
         return Needs(n, 4) ? Add(Circle{At(n, 2, Turn(n, 4)), n[1] * unit_mm_}, n[1])
@@ -169,7 +173,19 @@ class MacroReader {
   Status Add(Shape shape, double size) {
     if (!(size > 0))
       return Fail(ErrorCode::kInvalidValue, "a primitive of a macro has no size");
-    aperture_.shapes.push_back(std::move(shape));
+    if (!clears_) {
+      aperture_.shapes.push_back(std::move(shape));
+      return {};
+    }
+    // Exposure 0 takes away what the macro drew before, nothing else.
+    if (++cleared_count_ > kMaxCleared)
+      return Fail(ErrorCode::kTooLarge, "a macro has too many primitives of exposure 0");
+    std::vector<Element> drawn;
+    for (Shape& before : aperture_.shapes) drawn.push_back({std::move(before), {}});
+    const Element cleared{std::move(shape), {}};
+    drawn = INTAGLIO_TRY(Cleared(drawn, {&cleared, 1}));
+    aperture_.shapes.clear();
+    for (Element& rest : drawn) aperture_.shapes.push_back(std::move(rest.shape));
     return {};
   }
   Status AddCorners(const std::vector<Vec2>& corners, double turn, double size) {
@@ -251,6 +267,8 @@ class MacroReader {
   double unit_mm_;
   Variables variables_;
   GerberAperture aperture_;
+  bool clears_ = false;
+  int cleared_count_ = 0;
 };
 
 }  // namespace

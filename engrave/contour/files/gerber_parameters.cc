@@ -86,7 +86,7 @@ bool HasNoEffect(std::string_view block) {
   for (const char* code : {"TF", "TA", "LN", "IN"}) {
     if (block.starts_with(code)) return true;
   }
-  for (const char* whole : {"LPD", "IPPOS", "LMN", "ASAXBY", "MIA0B0", "OFA0B0", "IR0"}) {
+  for (const char* whole : {"IPPOS", "LMN", "ASAXBY", "MIA0B0", "OFA0B0", "IR0"}) {
     if (block == whole) return true;
   }
   return false;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engrave/contour/files/gerber_aperture.h"
+#include "engrave/contour/files/gerber_objects.h"
 #include "engrave/contour/files/gerber_parameters.h"
 #include "engrave/contour/files/gerber_region.h"
 #include "engrave/core/try.h"
@@ -20,7 +21,7 @@ constexpr double kMaxPlace_mm = 10'000;
 class GerberReader {
  public:
   GerberReader(std::string_view text, std::string_view name, const GerberLimits& limits)
-      : text_(text), name_(name), limits_(limits) {}
+      : text_(text), name_(name), limits_(limits), objects_(limits) {}
 
   Result<std::vector<Element>> Read() {
     if (text_.size() > limits_.max_file_bytes)
@@ -39,8 +40,9 @@ class GerberReader {
       const std::string block = INTAGLIO_TRY(Block());
       INTAGLIO_TRY(ReadCommand(block));
     }
-    INTAGLIO_TRY(EndRepeat());
-    return std::move(elements_);
+    auto elements = objects_.Finish();
+    if (!elements) return Wrong(elements.error(), "LPC");
+    return elements;
   }
 
  private:
@@ -123,15 +125,15 @@ class GerberReader {
       auto [number, aperture] = INTAGLIO_TRY(ParseGerberAperture(block, macros_, unit));
       apertures_[number] = std::move(aperture);
     } else if (code == "SR") {
-      INTAGLIO_TRY(EndRepeat());
       const double unit = INTAGLIO_TRY(Unit());
-      repeat_ = INTAGLIO_TRY(ParseGerberRepeat(block, unit));
-      repeat_begin_ = elements_.size();
+      const GerberRepeat repeat = INTAGLIO_TRY(ParseGerberRepeat(block, unit));
+      return objects_.Repeat(repeat);
+    } else if (block == "LPC" || block == "LPD") {
+      objects_.SetClear(block == "LPC");
     } else if (code == "TO" || code == "TD") {
       ReadName(block);
     } else if (!HasNoEffect(block)) {
-      return Fail(ErrorCode::kUnsupported,
-                  block == "LPC" ? "clear polarity (LPC) is not read" : "");
+      return Fail(ErrorCode::kUnsupported, "");
     }
     return {};
   }
@@ -155,22 +157,6 @@ class GerberReader {
     name_of_element_ = block.substr(5, 64);
     named_by_pin_ = pin;
     if (pin) std::replace(name_of_element_.begin(), name_of_element_.end(), ',', '-');
-  }
-
-  Status EndRepeat() {
-    const std::size_t end = elements_.size();
-    for (int y = 0; y < repeat_.rows && end > repeat_begin_; ++y) {
-      for (int x = 0; x < repeat_.columns; ++x) {
-        if (x == 0 && y == 0) continue;
-        const Vec2 by = repeat_.step_mm.cwiseProduct(Vec2(x, y));
-        for (std::size_t k = repeat_begin_; k < end; ++k) {
-          const Element first = elements_[k];
-          INTAGLIO_TRY(Add(Moved(first.shape, by), first.name));
-        }
-      }
-    }
-    repeat_ = {};
-    return {};
   }
 
   Status ReadCommand(std::string_view block) {
@@ -327,8 +313,7 @@ class GerberReader {
   }
   Status Flash() {
     INTAGLIO_TRY(CheckAperture());
-    for (const Shape& shape : aperture_->shapes)
-      INTAGLIO_TRY(Add(Moved(shape, place_), name_of_element_));
+    for (const Shape& shape : aperture_->shapes) INTAGLIO_TRY(Add(Moved(shape, place_)));
     return {};
   }
 
@@ -336,11 +321,10 @@ class GerberReader {
     INTAGLIO_TRY(CheckAperture());
     const double width = aperture_->draw_width_mm;
     if (width == 0) return {};  // the specification's "no image"
-    if (width > 0 && edge.is_arc()) return Add(ArcTrack{edge, width}, name_of_element_);
-    if (width > 0) return Add(Track{edge.begin_mm, edge.end_mm, width}, name_of_element_);
+    if (width > 0 && edge.is_arc()) return Add(ArcTrack{edge, width});
+    if (width > 0) return Add(Track{edge.begin_mm, edge.end_mm, width});
     if (aperture_->draw_box_mm.x() > 0 && !edge.is_arc())
-      return Add(SweptBox(aperture_->draw_box_mm, edge.begin_mm, edge.end_mm),
-                 name_of_element_);
+      return Add(SweptBox(aperture_->draw_box_mm, edge.begin_mm, edge.end_mm));
     return NotRead(block, "a draw with this aperture");
   }
 
@@ -349,21 +333,12 @@ class GerberReader {
     const Edges path = std::exchange(*region_, {});
     auto outline = RegionOutline(path);
     if (!outline) return Wrong(outline.error(), "G36");
-    return Add(std::move(*outline), name_of_element_);
+    return Add(std::move(*outline));
   }
-  tl::unexpected<Error> TooMany() const {
-    return Wrong(ErrorCode::kTooLarge,
-                 fmt::format("more than {} elements or {} edges; divide the layer",
-                             limits_.max_elements, limits_.max_edges));
-  }
-  Status Add(Shape shape, const std::string& name) {
-    if (const auto* outline = std::get_if<Outline>(&shape)) {
-      for (const Edges& loop : outline->loops) edge_count_ += loop.size();
-    }
-    if (elements_.size() >= limits_.max_elements || edge_count_ > 2 * limits_.max_edges)
-      return TooMany();
-    elements_.push_back({std::move(shape), name});
-    return {};
+  tl::unexpected<Error> TooMany() const { return Wrong(objects_.TooMany(), {}); }
+  Status Add(Shape shape) {
+    auto added = objects_.Add(std::move(shape), name_of_element_);
+    return added ? Status{} : Wrong(added.error(), {});
   }
 
   std::string_view text_;
@@ -384,10 +359,8 @@ class GerberReader {
   std::optional<Edges> region_;
   std::string name_of_element_;
   bool named_by_pin_ = false;
-  GerberRepeat repeat_;
-  std::size_t repeat_begin_ = 0;
-  std::uint64_t edge_count_ = 0;
-  std::vector<Element> elements_;
+  std::uint64_t edge_count_ = 0;  ///< of regions
+  GerberObjects objects_;
 };
 
 }  // namespace

@@ -5,12 +5,14 @@
 //
 // What is read: FS, MO (and G70 G71), apertures C R O P with and without a hole, macros
 // (AM) of the primitives 1, 4, 5, 7, 20, 21 with variables and arithmetic; D01 D02 D03,
-// lines, arcs (G02 G03 with G75), regions (G36 G37) with cut-ins, step and repeat (SR).
-// Names of pins and nets (TO) become names of the elements. Other attributes and comments
-// have no meaning here. What would change the copper and is not handled is refused with
-// its line: clear polarity (LPC, IPNEG, exposure 0), G74, mirroring, rotation and scaling
-// of apertures, blocks (AB), draws with other apertures than C and lines with R.
-// Frame: the file's, y up.
+// lines, arcs (G02 G03 with G75), regions (G36 G37) with cut-ins, step and repeat (SR),
+// dark and clear polarity (LPD LPC; exposure 0 in macros): what clear objects cover of
+// those before them is taken away, and the rest of an element is an outline with its
+// name. Names of pins and nets (TO) become names of the elements. Other attributes and
+// comments have no meaning here. What would change the copper and is not handled is
+// refused with its line: negative images (IPNEG), G74, mirroring, rotation and scaling of
+// apertures, blocks (AB), draws with other apertures than C and lines with R. Frame: the
+// file's, y up.
 
 #include <cstdint>
 #include <string_view>

@@ -144,10 +144,10 @@ TEST(Gerber, NamesElementsByPinAndNet) {
 }
 
 TEST(Gerber, RefusesWhatItWouldGetWrong) {
-  EXPECT_THAT(RefusalOfLayer(Layer("%LPC*%\n")),
-              AllOf(HasSubstr("a.gbr: line 6:"), HasSubstr("clear polarity")));
-  EXPECT_THAT(RefusalOfLayer(Layer("%AMA*1,0,1,0,0*%\n%ADD10A*%\n")),
-              HasSubstr("exposure 0"));
+  EXPECT_THAT(RefusalOfLayer(Layer("%IPNEG*%\n")),
+              AllOf(HasSubstr("a.gbr: line 6:"), HasSubstr("IPNEG")));
+  EXPECT_THAT(RefusalOfLayer(Layer("%AMA*1,2,1,0,0*%\n%ADD10A*%\n")),
+              HasSubstr("neither 0 nor 1"));
   EXPECT_THAT(RefusalOfLayer(Layer("%LR45*%\n")), HasSubstr("LR45"));
   EXPECT_THAT(RefusalOfLayer(Layer("D11*\n")), HasSubstr("D11 is not defined"));
   EXPECT_THAT(RefusalOfLayer(Layer("X1D03*\n")), HasSubstr("no aperture"));
