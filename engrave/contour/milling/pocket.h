@@ -15,7 +15,7 @@
 
 #include <vector>
 
-#include "engrave/contour/region.h"
+#include "engrave/contour/region/region.h"
 
 namespace intaglio::contour {
 
@@ -34,9 +34,8 @@ struct PocketPass {
 
 struct Pocket {
   std::vector<PocketPass> passes;  ///< in the order of milling: along the wall last
-  double cut_area_mm2 = 0;
-  Region left;  ///< of the area (without the allowance): corners and necks
-  double left_area_mm2 = 0;
+  double cut_area_mm2 = 0;         ///< what the tool sweeps: all of it is in the area
+  double left_area_mm2 = 0;        ///< corners and necks, without the allowance
 };
 
 /// Errors: kInvalidValue for an option outside its range; kUnsupported when the tool fits

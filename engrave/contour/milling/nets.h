@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engrave/contour/isolation.h"
-#include "engrave/contour/region.h"
+#include "engrave/contour/region/region.h"
 
 namespace intaglio::contour {
 

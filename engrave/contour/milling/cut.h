@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engrave/contour/region.h"
+#include "engrave/contour/region/region.h"
 
 namespace intaglio::contour {
 
@@ -28,9 +28,10 @@ enum class LeadKind {
 };
 
 struct TabOptions {
-  int count = 0;         ///< of each contour of the part, 0 .. 1000
-  double width_mm = 3;   ///< of the material that is left, 0.01 .. 1000
-  double height_mm = 1;  ///< 0.01 .. 1000; above the sheet's bottom
+  int count = 0;          ///< of each contour, 0 .. 1000
+  double width_mm = 3;    ///< of the material that is left, 0.01 .. 1000
+  double height_mm = 1;   ///< 0.01 .. 1000; above the sheet's bottom
+  bool of_holes = false;  ///< in the holes of parts as well, whose waste then stays
 };
 
 struct CutOptions {
@@ -39,7 +40,7 @@ struct CutOptions {
   CutDirection direction = CutDirection::kClimb;
   LeadKind lead = LeadKind::kNone;
   double lead_mm = 1;  ///< length of the line, radius of the arc; 0.01 .. 1000
-  TabOptions tabs;
+  TabOptions tabs = {};
 };
 
 /// A piece of the closed path between its entry and its tabs.
@@ -67,5 +68,9 @@ Result<std::vector<Cut>> CutOut(const Region& area, const CutOptions& options);
 
 /// All of a cut in the order of the way.
 Edges PathOf(const Cut& cut);
+
+/// What the tool leaves beyond the contour, with any path: corners sharper than it, slots
+/// narrower than it. Of parts outside the area, of openings inside.
+Result<Region> Unreached(const Region& area, double tool_diameter_mm, CutSide side);
 
 }  // namespace intaglio::contour

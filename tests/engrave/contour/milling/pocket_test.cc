@@ -1,0 +1,170 @@
+#include "engrave/contour/milling/pocket.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "engrave/contour/milling/cut.h"
+#include "tests/engrave/contour/boards.h"
+
+namespace intaglio::contour {
+namespace {
+
+using std::numbers::pi;
+using ::testing::HasSubstr;
+
+Edges Rectangle(const Vec2& a, const Vec2& b) {
+  return {MakeLine(a, {b.x(), a.y()}), MakeLine({b.x(), a.y()}, b),
+          MakeLine(b, {a.x(), b.y()}), MakeLine({a.x(), b.y()}, a)};
+}
+
+Edges Disc(const Vec2& center, double radius) {
+  return {MakeArc(center, radius, 0, 2 * pi)};
+}
+
+Region Area(const std::vector<Edges>& loops) {
+  const auto region = RegionOfLoops(loops);
+  EXPECT_TRUE(region) << region.error().message;
+  return region ? *region : Region{};
+}
+
+double DistanceToLoops(const std::vector<Edges>& loops, const Vec2& p) {
+  double nearest = 1e300;
+  for (const Edges& loop : loops) {
+    for (const Edge& edge : loop) nearest = std::min(nearest, DistanceTo(edge, p));
+  }
+  return nearest;
+}
+
+/// A pocket with a slanted wall, an island, a neck and a bay with a round end.
+Region Irregular() {
+  return Area(
+      {{MakeLine({0, 0}, {30, 3}), MakeLine({30, 3}, {28, 20}),
+        MakeArcBetween({28, 20}, {20, 20}, {24, 20}, true), MakeLine({20, 20}, {16, 12}),
+        MakeLine({16, 12}, {13, 12}), MakeLine({13, 12}, {10, 24}),
+        MakeLine({10, 24}, {-3, 18}), MakeLine({-3, 18}, {0, 0})},
+       Disc({21, 9}, 2.5),
+       Rectangle({3, 8}, {6, 13})});
+}
+
+double NearestCut(const Pocket& pocket, const Vec2& p) {
+  double nearest = 1e300;
+  for (const PocketPass& pass : pocket.passes)
+    nearest = std::min(nearest, DistanceToLoops(pass.paths, p));
+  return nearest;
+}
+
+// The oracle knows distances alone: a point is cut when a path is within the radius; it
+// can be reached when a point nearby is at least the radius from the wall. Of the border
+// of both 0.02 mm are left out: a raster of the tool's places has that fineness.
+void ExpectEverythingReachableCut(const Region& area, const Pocket& pocket,
+                                  double tool_mm) {
+  const double r = tool_mm / 2;
+  std::mt19937 random(1);
+  int cut_count = 0;
+  for (int k = 0; k < 6000; ++k) {
+    const Vec2 p(36 * test::Random(random) - 4, 28 * test::Random(random) - 2);
+    const bool inside = IsInside(area, p);
+    const double nearest = NearestCut(pocket, p);
+    if (!inside) {
+      EXPECT_GT(nearest, r - 1e-5) << "cut outside at " << p.transpose();
+      continue;
+    }
+    const double from_wall = DistanceToLoops(area.loops, p);
+    // A place for the tool's centre from which it reaches the point: uphill.
+    bool reachable = from_wall > r + 1e-4;
+    for (int a = 0; a < 90 && !reachable; ++a) {
+      const Vec2 center =
+          p + (r - 0.01) * Vec2(std::cos(a * pi / 45), std::sin(a * pi / 45));
+      reachable =
+          IsInside(area, center) && DistanceToLoops(area.loops, center) > r + 1e-4;
+    }
+    if (!reachable) continue;
+    EXPECT_LT(nearest, r + 1e-5) << "left uncut at " << p.transpose();
+    ++cut_count;
+  }
+  EXPECT_GT(cut_count, 1500);
+}
+
+TEST(Pocket, CutsWhatTheToolReachesAndNothingElse) {
+  const Region area = Irregular();
+  for (const double step : {0.2, 0.5, 0.7, 0.95}) {
+    const auto pocket = ClearPocket(area, {2, step});
+    ASSERT_TRUE(pocket) << pocket.error().message;
+    ExpectEverythingReachableCut(area, *pocket, 2);
+  }
+}
+
+// By hand: of a rectangle four corners of (1 - pi / 4) r^2 stay.
+TEST(Pocket, LeavesTheCornersThatAreSharperThanTheTool) {
+  for (const double step : {0.3, 0.5, 0.6, 0.8, 0.95}) {
+    const auto pocket = ClearPocket(Area({Rectangle({0, 0}, {37, 23})}), {3, step});
+    ASSERT_TRUE(pocket) << pocket.error().message;
+    EXPECT_NEAR(pocket->left_area_mm2, (4 - pi) * 2.25, 1e-5) << step;
+    EXPECT_NEAR(pocket->cut_area_mm2, 37 * 23 - (4 - pi) * 2.25, 1e-5) << step;
+    EXPECT_NEAR(pocket->passes.back().offset_mm, 1.5, 1e-12);
+  }
+}
+
+TEST(Pocket, PutsPassesInOnlyWhereWideStepsLeaveStrips) {
+  const auto between = [](double step) {
+    const auto pocket = ClearPocket(Area({Disc({0, 0}, 10)}), {2, step});
+    EXPECT_TRUE(pocket) << pocket.error().message;
+    if (!pocket) return -1;
+    int count = 0;
+    for (const PocketPass& pass : pocket->passes) count += pass.between ? 1 : 0;
+    EXPECT_NEAR(pocket->left_area_mm2, 0, 1e-5);
+    return count;
+  };
+  EXPECT_EQ(between(0.5), 0);
+  // Passes at 1, 2.9, 4.8, 6.7, 8.6 from the wall: the last has a radius of 1.4 and
+  // leaves a disc of 0.4 in its middle.
+  EXPECT_EQ(between(0.95), 1);
+  // 1, 2.8, 4.6, 6.4, 8.2, 10 - the middle itself.
+  EXPECT_EQ(between(0.85), 0);
+}
+
+TEST(Pocket, KeepsTheAllowance) {
+  const auto pocket =
+      ClearPocket(Area({Disc({0, 0}, 10), Disc({1, 0}, 3)}), {2, 0.4, 0.5});
+  ASSERT_TRUE(pocket) << pocket.error().message;
+  // The ring between 9.5 and 3.5 is everywhere wider than the tool.
+  EXPECT_NEAR(pocket->cut_area_mm2, pi * (9.5 * 9.5 - 3.5 * 3.5), 1e-5);
+  EXPECT_NEAR(pocket->left_area_mm2, 0, 1e-5);
+}
+
+TEST(Pocket, NamesThePartThatIsTooNarrow) {
+  const auto pocket = ClearPocket(
+      Area({Rectangle({0, 0}, {20, 20}), Rectangle({40, 0}, {60, 1.5})}), {2, 0.4});
+  ASSERT_FALSE(pocket);
+  EXPECT_THAT(
+      pocket.error().message,
+      HasSubstr("the tool of 2 mm does not fit into the pocket at (40, 0); use one "
+                "of 1.499 mm or less"));
+  EXPECT_THAT(ClearPocket(Irregular(), {2, 1.5}).error().message,
+              HasSubstr("the step is 1.5"));
+}
+
+// The pocket around all pads and tracks of a board, without what they enclose.
+TEST(Pocket, ClearsAroundThePadsOfABoard) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const auto drawn = Unite(test::MakeBoard({25, seed, seed % 2 == 0}));
+    ASSERT_TRUE(drawn);
+    std::vector<Edges> loops{Rectangle({-4, -4}, {16, 16})};
+    for (const Contour& contour : drawn->contours) loops.push_back(contour.edges);
+    const auto all = RegionOfLoops(loops);
+    ASSERT_TRUE(all) << all.error().message;
+    const Region area = ConnectedParts(*all)[0];
+    const auto pocket = ClearPocket(area, {0.4, seed % 3 == 0 ? 0.45 : 0.7});
+    ASSERT_TRUE(pocket) << pocket.error().message;
+    // By the border of what stays, which knows nothing of passes.
+    if (const auto left = Unreached(area, 0.4, CutSide::kInside)) {
+      EXPECT_NEAR(pocket->left_area_mm2, AreaOf(*left), 1e-4);
+    }
+    EXPECT_LT(pocket->left_area_mm2, 0.05 * AreaOf(area));
+  }
+}
+
+}  // namespace
+}  // namespace intaglio::contour
