@@ -1,7 +1,7 @@
 #pragma once
 
 // Reads circuit boards of KiCad (.kicad_pcb, an s-expression; KiCad, Board File Format,
-// 2023; versions 20171130 .. 20240108, KiCad 5 to 8).
+// 2023; versions 20171130 .. 20241229, KiCad 5 to 9).
 //
 // What is read: nets; segments, arcs and vias; the pads of footprints (circle, rect,
 // oval, roundrect, trapezoid as rect, custom with polygons) with their drills; the filled
@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "engrave/contour/drill_plan.h"
-#include "engrave/contour/nets.h"
+#include "engrave/contour/milling/nets.h"
 #include "engrave/core/result.h"
 
 namespace intaglio::contour {

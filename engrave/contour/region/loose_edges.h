@@ -1,0 +1,18 @@
+#pragma once
+
+// Edges in any order and direction, as drawings have them, joined to closed loops.
+
+#include <vector>
+
+#include "engrave/contour/edge.h"
+#include "engrave/core/result.h"
+
+namespace intaglio::contour {
+
+/// Joins ends nearer than tolerance_mm to each other; of several the nearest. Each edge
+/// is moved to begin where the one before ends. Edges without a length are left out. A
+/// loop begins with its first edge. Fails with kInvalidValue and the place where a loop
+/// does not close.
+Result<std::vector<Edges>> JoinLoops(const Edges& edges, double tolerance_mm);
+
+}  // namespace intaglio::contour
