@@ -44,6 +44,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"engrave/contour/files",
      {"engrave/core", "engrave/io", "engrave/contour", "engrave/contour/region",
       "engrave/contour/milling"}},
+    {"engrave/galvo", {"engrave/core"}},
+    {"engrave/galvo/files", {"engrave/core", "engrave/io", "engrave/galvo"}},
     {"engrave/post", {"engrave/core", "engrave/io"}},
     {"engrave/motion", {"engrave/core", "engrave/drive", "engrave/motion/axis"}},
     {"engrave/formats", {"engrave/core", "engrave/io"}},
