@@ -1,0 +1,194 @@
+#include "engrave/galvo/mark_ticks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engrave/core/try.h"
+#include "engrave/galvo/servo_lead.h"
+#include "engrave/galvo/stroke_path.h"
+
+namespace intaglio::galvo {
+namespace {
+
+constexpr double kMaxTicks = 1e8;
+// A quintic from rest to rest is 15/8 as fast in its middle as on average.
+constexpr double kQuinticPeak = 15.0 / 8;
+// The shortest jump, in lags: the servo follows its changes of speed.
+constexpr double kMinJumpLags = 6;
+
+Status CheckTickOptions(const MarkTickOptions& o) {
+  struct Range {
+    const char* name;
+    double value, min, max;
+  };
+  for (const Range& r : {Range{"rate_hz", o.rate_hz, 1e3, 1e6},
+                         {"mark_mm_s", o.mark_mm_s, 1e-3, 1e6},
+                         {"jump_mm_s", o.jump_mm_s, 1e-3, 1e6},
+                         {"run_in_s", o.run_in_s, 0, 0.1},
+                         {"lag_s", o.lag_s, 0, 0.01},
+                         {"laser_on_delay_s", o.laser_on_delay_s, 0, 0.01},
+                         {"laser_off_delay_s", o.laser_off_delay_s, 0, 0.01},
+                         {"jump_delay_s", o.jump_delay_s, 0, 0.01},
+                         {"mark_delay_s", o.mark_delay_s, 0, 0.01},
+                         {"polygon_delay_s", o.polygon_delay_s, 0, 0.01}}) {
+    if (r.value >= r.min && r.value <= r.max) continue;
+    return Fail(
+        ErrorCode::kInvalidValue,
+        fmt::format("ticks: {} is {}; give {}..{}", r.name, r.value, r.min, r.max),
+        fmt::format("{}", r.value));
+  }
+  if (o.lead_servo && !(o.lag_s > 0))
+    return Fail(ErrorCode::kInvalidValue, "ticks: lead_servo needs lag_s above 0");
+  return {};
+}
+
+class TickMaker {
+ public:
+  TickMaker(const MarkTickOptions& options, const Vec2& from_mm)
+      : options_(options), at_mm_(from_mm) {}
+
+  Status Add(const MarkStroke& stroke, std::size_t number) {
+    const std::vector<StrokePart> parts = PartsOf(stroke);
+    if (parts.empty()) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          fmt::format("stroke {} has fewer than two places; leave it out", number + 1));
+    }
+    double length_mm = 0;
+    for (const StrokePart& part : parts)
+      length_mm += StrokePath(part.points_mm, part.closed).length_mm();
+    const double ticks = length_mm / options_.mark_mm_s * options_.rate_hz;
+    if (!(static_cast<double>(ticks_.size()) + ticks < kMaxTicks)) {
+      return Fail(ErrorCode::kTooLarge,
+                  fmt::format("stroke {}: more than {:g} ticks; mark faster or less",
+                              number + 1, kMaxTicks));
+    }
+    if (options_.lead_servo) {
+      for (const StrokePart& part : parts) AddWithRunIn(part);
+    } else if (options_.run_in_s > 0 && parts.size() == 1) {
+      AddWithRunIn(parts.front());
+    } else {
+      AddWithDelays(parts);
+    }
+    return {};
+  }
+
+  std::vector<MarkTick> Finish() {
+    Rest(Ticks(options_.run_in_s) + 1);
+    std::vector<MarkTick> ticks = std::move(ticks_);
+    for (const auto& [begin, end] : lit_)
+      for (std::size_t k = begin; k < std::min(end, ticks.size()); ++k)
+        ticks[k].laser = true;
+    if (!options_.lead_servo) return ticks;
+    std::vector<Vec2> places;
+    for (const MarkTick& tick : ticks) places.push_back(tick.place_mm);
+    LeadServo(options_.lag_s, 1 / options_.rate_hz, places);
+    for (std::size_t k = 0; k < ticks.size(); ++k) ticks[k].place_mm = places[k];
+    return ticks;
+  }
+
+ private:
+  std::size_t Ticks(double duration_s) const {
+    return static_cast<std::size_t>(std::lround(duration_s * options_.rate_hz));
+  }
+  std::size_t TicksFor(double way_mm, double speed_mm_s) const {
+    return static_cast<std::size_t>(
+        std::max(1.0, std::ceil(way_mm / speed_mm_s * options_.rate_hz - 1e-9)));
+  }
+  void Put(const Vec2& place_mm) {
+    ticks_.push_back({place_mm, false});
+    at_mm_ = place_mm;
+  }
+  void Rest(std::size_t ticks) {
+    for (std::size_t k = 0; k < ticks; ++k) Put(at_mm_);
+    if (ticks > 0) speed_mm_s_ = Vec2::Zero();
+  }
+
+  /// Ends one tick before the place, at which the mark or its run-in begins.
+  void JumpTo(const Vec2& to_mm, const Vec2& speed_mm_s) {
+    const double way_mm = (to_mm - at_mm_).norm();
+    if (options_.lead_servo) {
+      JumpSmoothly(to_mm, speed_mm_s, way_mm);
+      return;
+    }
+    if (way_mm == 0) return;
+    const Vec2 from_mm = at_mm_;
+    const std::size_t n = TicksFor(way_mm, options_.jump_mm_s);
+    for (std::size_t k = 1; k <= n; ++k)
+      Put(from_mm + static_cast<double>(k) / static_cast<double>(n) * (to_mm - from_mm));
+    Rest(Ticks(options_.jump_delay_s));
+  }
+
+  /// A quintic from the place and speed that are to those, accelerations 0.
+  void JumpSmoothly(const Vec2& to_mm, const Vec2& to_mm_s, double way_mm) {
+    const double wanted_s = std::max(kQuinticPeak * way_mm / options_.jump_mm_s,
+                                     kMinJumpLags * options_.lag_s);
+    const auto n = static_cast<std::size_t>(std::ceil(wanted_s * options_.rate_hz));
+    const double duration_s = static_cast<double>(n) / options_.rate_hz;
+    const Vec2 from_mm = at_mm_;
+    const Vec2 a = duration_s * speed_mm_s_, b = duration_s * to_mm_s;
+    const Vec2 way = to_mm - from_mm;
+    const Vec2 c3 = 10 * way - 6 * a - 4 * b, c4 = -15 * way + 8 * a + 7 * b,
+               c5 = 6 * way - 3 * a - 3 * b;
+    for (std::size_t k = 1; k < n; ++k) {
+      const double t = static_cast<double>(k) / static_cast<double>(n);
+      Put(from_mm + t * (a + t * t * (c3 + t * (c4 + t * c5))));
+    }
+  }
+
+  void AddWithRunIn(const StrokePart& part) {
+    const StrokePath path(part.points_mm, part.closed);
+    const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s);
+    const double step_mm = path.length_mm() / static_cast<double>(n);
+    const std::size_t run = Ticks(options_.run_in_s);
+    const double run_mm = static_cast<double>(run) * step_mm;
+    const double speed_mm_s = step_mm * options_.rate_hz;
+    JumpTo(path.At(-run_mm), speed_mm_s * path.DirectionAt(-run_mm));
+    const std::size_t begin = ticks_.size() + run + Ticks(options_.laser_on_delay_s);
+    const std::size_t end = ticks_.size() + run + n + Ticks(options_.laser_off_delay_s);
+    for (std::size_t k = 0; k <= n + 2 * run; ++k)
+      Put(path.At(static_cast<double>(k) * step_mm - run_mm));
+    speed_mm_s_ = speed_mm_s * path.DirectionAt(path.length_mm() + run_mm);
+    lit_.emplace_back(begin, end);
+    // The laser goes off before the next jump begins.
+    if (ticks_.size() < end) Rest(end - ticks_.size());
+  }
+
+  void AddWithDelays(const std::vector<StrokePart>& parts) {
+    JumpTo(parts.front().points_mm.front(), Vec2::Zero());
+    const std::size_t begin = ticks_.size() + Ticks(options_.laser_on_delay_s);
+    Put(parts.front().points_mm.front());
+    for (const StrokePart& part : parts) {
+      const StrokePath path(part.points_mm, part.closed);
+      const std::size_t n = TicksFor(path.length_mm(), options_.mark_mm_s);
+      const double step_mm = path.length_mm() / static_cast<double>(n);
+      for (std::size_t k = 1; k <= n; ++k) Put(path.At(static_cast<double>(k) * step_mm));
+      Rest(Ticks(options_.polygon_delay_s * (1 - std::cos(part.turn_rad))));
+    }
+    const std::size_t end = ticks_.size() - 1 + Ticks(options_.laser_off_delay_s);
+    lit_.emplace_back(begin, end);
+    Rest(std::max(Ticks(options_.mark_delay_s),
+                  end > ticks_.size() ? end - ticks_.size() : 0));
+  }
+
+  const MarkTickOptions& options_;
+  Vec2 at_mm_;
+  Vec2 speed_mm_s_ = Vec2::Zero();
+  std::vector<MarkTick> ticks_;
+  std::vector<std::pair<std::size_t, std::size_t>> lit_;  // first, one behind the last
+};
+
+}  // namespace
+
+Result<std::vector<MarkTick>> MakeMarkTicks(std::span<const MarkStroke> strokes,
+                                            const Vec2& from_mm,
+                                            const MarkTickOptions& options) {
+  INTAGLIO_TRY(CheckTickOptions(options));
+  TickMaker maker(options, from_mm);
+  for (std::size_t i = 0; i < strokes.size(); ++i) INTAGLIO_TRY(maker.Add(strokes[i], i));
+  return maker.Finish();
+}
+
+}  // namespace intaglio::galvo

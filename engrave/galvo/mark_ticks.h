@@ -1,0 +1,53 @@
+#pragma once
+
+// Strokes as places for each tick of a scan head, 100 kHz: micro-vectors of constant
+// length v / f (Bessmeltsev, Goloshevsky, Smirnov 2009, step 2), with the delays that a
+// control board knows, or with a run-in and commands that lead the servo.
+//
+// Frame: of the material, mm. Tick k holds its place from k / f to (k + 1) / f; the laser
+// is on for as many ticks as the stroke has micro-vectors.
+//   Delays (RTC manuals): the laser is switched on and off later than the commands begin
+//   and end by its delays; the mirrors rest after a jump, after a mark, and at a corner
+//   by the polygon delay times 1 - cos of its angle. Run-in: the beam moves at the speed
+//   of the mark before and behind it with the laser off; a closed stroke is passed over
+//   its seam, an open one along its end's direction. Lead (servo_lead.h): jumps are
+//   quintics without a step of speed, corners end strokes so that each side has its
+//   run-in, and no delay is needed.
+
+#include <span>
+#include <vector>
+
+#include "engrave/core/geometry.h"
+#include "engrave/core/result.h"
+
+namespace intaglio::galvo {
+
+struct MarkStroke {
+  std::vector<Vec2> points_mm;  ///< two or more; a closed one does not repeat its first
+  bool closed = false;
+};
+
+struct MarkTickOptions {
+  double rate_hz = 1e5;     ///< 1e3..1e6
+  double mark_mm_s = 0;     ///< > 0
+  double jump_mm_s = 0;     ///< largest of a jump, > 0
+  double run_in_s = 0;      ///< 0..0.1, before and behind each stroke
+  double lag_s = 0;         ///< tracking delay of the servo, 0..0.01
+  bool lead_servo = false;  ///< commands ahead by the lag; needs lag_s > 0
+  double laser_on_delay_s = 0, laser_off_delay_s = 0;              ///< 0..0.01
+  double jump_delay_s = 0, mark_delay_s = 0, polygon_delay_s = 0;  ///< 0..0.01
+};
+
+struct MarkTick {
+  Vec2 place_mm = Vec2::Zero();
+  bool laser = false;
+};
+
+/// From `from_mm` through the strokes in their order. kInvalidValue: an option outside
+/// its range, or a stroke of fewer than two places, by name; kTooLarge: more than 100
+/// million ticks.
+Result<std::vector<MarkTick>> MakeMarkTicks(std::span<const MarkStroke> strokes,
+                                            const Vec2& from_mm,
+                                            const MarkTickOptions& options);
+
+}  // namespace intaglio::galvo

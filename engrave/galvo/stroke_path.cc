@@ -1,0 +1,98 @@
+#include "engrave/galvo/stroke_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engrave/core/check.h"
+
+namespace intaglio::galvo {
+namespace {
+
+// Above the turns of arcs that were flattened to a micrometre, below any corner that is
+// seen: 20 degrees.
+constexpr double kCornerRad = 0.35;
+
+double TurnAt(const Vec2& before, const Vec2& at, const Vec2& after) {
+  const Vec2 in = at - before, out = after - at;
+  return std::abs(std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out)));
+}
+
+/// Without places that coincide with the one before.
+std::vector<Vec2> Distinct(const MarkStroke& stroke) {
+  std::vector<Vec2> points;
+  for (const Vec2& p : stroke.points_mm)
+    if (points.empty() || p != points.back()) points.push_back(p);
+  while (stroke.closed && points.size() > 1 && points.back() == points.front())
+    points.pop_back();
+  return points;
+}
+
+}  // namespace
+
+StrokePath::StrokePath(std::vector<Vec2> points_mm, bool closed)
+    : points_mm_(std::move(points_mm)), closed_(closed) {
+  if (closed_) points_mm_.push_back(points_mm_.front());
+  double sum_mm = 0;
+  for (std::size_t i = 0; i < points_mm_.size(); ++i) {
+    if (i > 0) sum_mm += (points_mm_[i] - points_mm_[i - 1]).norm();
+    ends_mm_.push_back(sum_mm);
+  }
+  Require(sum_mm > 0, "a stroke of {} places has no length", points_mm_.size());
+}
+
+double StrokePath::Within(double along_mm) const {
+  if (!closed_) return along_mm;
+  const double turns = std::floor(along_mm / length_mm());
+  return along_mm - turns * length_mm();
+}
+
+std::size_t StrokePath::SegmentAt(double along_mm) const {
+  if (along_mm < ends_mm_[last_]) last_ = 0;
+  while (last_ + 2 < ends_mm_.size() && along_mm >= ends_mm_[last_ + 1]) ++last_;
+  return last_;
+}
+
+Vec2 StrokePath::At(double along_mm) const {
+  const double s = Within(along_mm);
+  const std::size_t i = SegmentAt(s);
+  const double share = (s - ends_mm_[i]) / (ends_mm_[i + 1] - ends_mm_[i]);
+  return points_mm_[i] + share * (points_mm_[i + 1] - points_mm_[i]);
+}
+
+Vec2 StrokePath::DirectionAt(double along_mm) const {
+  const std::size_t i = SegmentAt(Within(along_mm));
+  return (points_mm_[i + 1] - points_mm_[i]).normalized();
+}
+
+std::vector<StrokePart> PartsOf(const MarkStroke& stroke) {
+  std::vector<Vec2> points = Distinct(stroke);
+  const std::size_t n = points.size();
+  if (n < 2) return {};
+  std::vector<double> turns(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!stroke.closed && (i == 0 || i + 1 == n)) continue;
+    turns[i] = TurnAt(points[(i + n - 1) % n], points[i], points[(i + 1) % n]);
+  }
+  const auto corner = std::find_if(turns.begin(), turns.end(),
+                                   [](double turn) { return turn > kCornerRad; });
+  if (corner == turns.end()) return {{std::move(points), stroke.closed, 0}};
+  if (stroke.closed) {  // begins and ends at a corner: the first place if it is one
+    const auto by = corner - turns.begin();
+    std::rotate(points.begin(), points.begin() + by, points.end());
+    std::rotate(turns.begin(), turns.begin() + by, turns.end());
+    points.push_back(points.front());
+    turns.push_back(0);
+    turns.front() = 0;
+  }
+  std::vector<StrokePart> parts(1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    parts.back().points_mm.push_back(points[i]);
+    if (turns[i] <= kCornerRad) continue;
+    parts.back().turn_rad = turns[i];
+    parts.push_back({{points[i]}, false, 0});
+  }
+  return parts;
+}
+
+}  // namespace intaglio::galvo
