@@ -4,6 +4,7 @@
 #include "services/cli/course/course_command.h"
 #include "services/cli/drive/drive_command.h"
 #include "services/cli/fonts_command.h"
+#include "services/cli/galvo/galvo_command.h"
 #include "services/cli/history_command.h"
 #include "services/cli/jobs_command.h"
 #include "services/cli/machine/machine_command.h"
@@ -61,6 +62,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddCourseCommand(root);
   AddMachineCommand(root);
   AddDriveCommand(root);
+  AddGalvoCommand(root);
   AddMaterialsCommand(root);
   AddFontsCommand(root);
   AddRecordCommand(root);

@@ -76,7 +76,8 @@ Status ParsedBy(const std::vector<std::string>& words) {
 
 TEST(IntaglioProgram, EveryCommandHasHelpAndAPlaceInTheDocumentation) {
   const std::string document = Document("cli.md") + Document("jobs.md") +
-                               Document("materials.md") + Document("machines/drives.md");
+                               Document("materials.md") + Document("machines/drives.md") +
+                               Document("machines/galvo.md");
   const std::set<std::string> documented = OptionsIn(document);
   std::set<std::string> known = {"--version"};
   for (const CommandDescription& command : AllCommands()) {
