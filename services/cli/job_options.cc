@@ -8,6 +8,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/core/try.h"
+#include "services/job/course/course_check.h"
 #include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
@@ -194,6 +195,9 @@ std::vector<Finding> CheckWithoutModels(const JobAndMachine& built) {
 /// points_mm: of a job whose points are there already, or null.
 Result<JobAndMachine> Build(const JobFlags& flags, JobSpec read,
                             const PointList* points_mm) {
+  if (const auto refused = RefuseCourse(read); !refused.empty()) {
+    return tl::unexpected(JoinErrors(refused));
+  }
   JobAndMachine built;
   JobSpec& job = built.job = std::move(read);
   INTAGLIO_TRY(Apply(flags, job));

@@ -12,6 +12,7 @@
 
 #include "engrave/core/check.h"
 #include "engrave/drawing/font_list.h"
+#include "services/job/course/course_check.h"
 #include "services/job/field_ranges.h"
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
@@ -304,6 +305,7 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
 }  // namespace
 
 std::vector<Finding> CheckJob(const JobSpec& job) {
+  if (job.has_course()) return RefuseCourse(job);
   Findings findings;
   CheckRanges(job, "", findings.found());
   CheckModels(job, findings);

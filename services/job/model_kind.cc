@@ -114,6 +114,9 @@ void ForEachFile(JobSpec& job, const Visit& visit) {
   if (job.has_discretization()) {
     VisitMethod(*job.mutable_discretization(), "discretization.", visit);
   }
+  for (int i = 0; i < job.course().files_size(); ++i) {
+    visit(*job.mutable_course()->mutable_files(i), fmt::format("course.files[{}]", i));
+  }
 }
 
 std::vector<std::string> FilesOf(const JobSpec& job) {

@@ -46,7 +46,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
       "engrave/contour/milling"}},
     {"engrave/galvo", {"engrave/core"}},
     {"engrave/galvo/files", {"engrave/core", "engrave/io", "engrave/galvo"}},
-    {"engrave/post", {"engrave/core", "engrave/io"}},
+    {"engrave/post", {"engrave/core", "engrave/io", "engrave/contour"}},
     {"engrave/motion", {"engrave/core", "engrave/drive", "engrave/motion/axis"}},
     {"engrave/formats", {"engrave/core", "engrave/io"}},
     {"engrave/proof", {"engrave/core", "engrave/mesh"}},

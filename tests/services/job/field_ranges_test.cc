@@ -53,6 +53,7 @@ Ranges DocumentedRanges(const std::string& file) {
 TEST(FieldRanges, CommentsAndTableAgree) {
   Ranges documented = DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/job.proto");
   documented.merge(DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/machine.proto"));
+  documented.merge(DocumentedRanges(INTAGLIO_SOURCE_DIR "/proto/course.proto"));
   Ranges table;
   for (const FieldRange& range : FieldRanges()) {
     table[fmt::format("{}.{}", range.message, range.field)] = {range.min, range.max};
@@ -63,7 +64,8 @@ TEST(FieldRanges, CommentsAndTableAgree) {
 // Every number that a person can write has a range (but the seed, where all are right).
 TEST(FieldRanges, EveryNumberHasOne) {
   for (const pb::FileDescriptor* file :
-       {JobSpec::descriptor()->file(), MachineSpec::descriptor()->file()}) {
+       {JobSpec::descriptor()->file(), MachineSpec::descriptor()->file(),
+        Course::descriptor()->file()}) {
     for (int m = 0; m < file->message_type_count(); ++m) {
       const pb::Descriptor& type = *file->message_type(m);
       if (type.name() == "Vector3") continue;

@@ -1,0 +1,80 @@
+#include "services/job/course/course_check.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "services/job/field_ranges.h"
+
+namespace intaglio {
+namespace {
+
+namespace fs = std::filesystem;
+
+void CheckCourseFiles(const Course& course, Findings& findings) {
+  if (course.files().empty()) {
+    findings.Missing("course.files", "name a circuit board or a drawing");
+  }
+  for (int i = 0; i < course.files_size(); ++i) {
+    std::error_code error;
+    if (fs::is_regular_file(course.files(i), error)) continue;
+    findings.Wrong(fmt::format("course.files[{}]", i), course.files(i),
+                   "does not exist or is not a file");
+  }
+}
+
+void CheckTool(const Course& course, Findings& findings) {
+  if (course.has_power_ratio() && course.has_depth_mm()) {
+    findings.Wrong("course.depth_mm", course.depth_mm(),
+                   "excludes course.power_ratio; a laser has a power and no depth");
+  }
+  if (course.make() == COURSE_MAKE_ISOLATION) return;
+  if (course.has_pass_count() || course.has_overlap_ratio()) {
+    findings.Wrong("course.pass_count", course.pass_count(),
+                   "and course.overlap_ratio are of isolations; remove them, or make an "
+                   "isolation");
+  }
+}
+
+}  // namespace
+
+Course WithDefaults(Course course) {
+  if (!course.has_tool_diameter_mm()) course.set_tool_diameter_mm(0.2);
+  if (!course.has_pass_count()) course.set_pass_count(1);
+  if (!course.has_overlap_ratio()) course.set_overlap_ratio(0.5);
+  if (!course.has_speed_mm_s()) course.set_speed_mm_s(5);
+  if (!course.has_travel_mm_s()) course.set_travel_mm_s(50);
+  if (!course.has_plunge_mm_s()) course.set_plunge_mm_s(course.speed_mm_s());
+  if (!course.has_power_ratio() && !course.has_depth_mm()) course.set_depth_mm(0.2);
+  if (!course.has_repeat_count()) course.set_repeat_count(1);
+  if (!course.has_safe_height_mm()) course.set_safe_height_mm(2);
+  if (!course.has_drill_depth_mm()) course.set_drill_depth_mm(3);
+  return course;
+}
+
+std::vector<Finding> CheckCourse(const JobSpec& job) {
+  Findings findings;
+  CheckRanges(job.course(), "course", findings.found());
+  if (!CourseMake_IsValid(job.course().make())) {
+    findings.Wrong("course.make", static_cast<int>(job.course().make()), "is none, 0..{}",
+                   static_cast<int>(CourseMake_MAX));
+  }
+  if (!job.models().empty()) {
+    findings.Wrong("models", job.models_size(),
+                   "are given beside course; make a job of each");
+  }
+  CheckCourseFiles(job.course(), findings);
+  CheckTool(job.course(), findings);
+  return std::move(findings.found());
+}
+
+std::vector<Finding> RefuseCourse(const JobSpec& job) {
+  Findings findings;
+  if (job.has_course()) {
+    findings.Wrong("course", job.course().files_size(),
+                   "files of contours: this makes points in a block; write the program "
+                   "of such a job by intaglio post JOB --template NAME --out FILE");
+  }
+  return std::move(findings.found());
+}
+
+}  // namespace intaglio
