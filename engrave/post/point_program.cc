@@ -23,10 +23,7 @@ constexpr TemplateRules kRules{kFragments, kSettings};
 enum { kBegin, kPoint, kEnd };
 
 bool Uses(const Template& program, std::string_view variable) {
-  return std::ranges::any_of(program.fragments[kPoint].pieces, [&](const Piece& piece) {
-    return piece.variable >= 0 &&
-           kPointVariables[static_cast<std::size_t>(piece.variable)] == variable;
-  });
+  return UsesVariable(program, kRules, kPoint, variable);
 }
 
 std::string OneLine(std::string text) {
@@ -61,21 +58,16 @@ std::array<Value, std::size(kPointVariables)> ValuesOf(const PointList& axes,
           std::uint64_t{0}};
 }
 
-double SettingOf(const Template& program, std::string_view name) {
-  const auto found = program.settings.find(name);
-  return found == program.settings.end() ? 0 : found->second;
-}
-
 Status RequireAxes(const Template& program, int turning_count) {
-  if (SettingOf(program, "turning") != turning_count) {
+  if (program.SettingOf("turning", 0) != turning_count) {
     return Fail(
         ErrorCode::kUnsupported,
         fmt::format("{}: this template is for {} axes that turn, the machine has {}; "
                     "choose or write a template with '#turning {}'",
-                    program.file, SettingOf(program, "turning"), turning_count,
+                    program.file, program.SettingOf("turning", 0), turning_count,
                     turning_count));
   }
-  if (SettingOf(program, "mark") > 0 && turning_count > 0) {
+  if (program.SettingOf("mark", 0) > 0 && turning_count > 0) {
     return Fail(ErrorCode::kUnsupported,
                 program.file + ": marks of a length need three axes that do not turn");
   }
@@ -124,7 +116,7 @@ Result<Template> ParsePointTemplate(std::string_view text, std::string_view file
 
 Status WritePointProgram(const std::filesystem::path& file, const Template& program,
                          const PointProgram& points) {
-  const double mark_mm = SettingOf(program, "mark");
+  const double mark_mm = program.SettingOf("mark", 0);
   INTAGLIO_TRY(RequireAxes(program, points.turning_count));
   INTAGLIO_TRY(RequireFlat(program, points.axes));
   io::AtomicFile out = INTAGLIO_TRY(io::AtomicFile::Create(file));

@@ -59,6 +59,7 @@ class Reader {
       INTAGLIO_TRY(TakeLine(line));
     }
     INTAGLIO_TRY(RequireComplete());
+    INTAGLIO_TRY(RequireUsed());
     return std::move(out_);
   }
 
@@ -148,6 +149,7 @@ class Reader {
       if (!out_.numbers.emplace(variable, format).second) {
         return Wrong(fmt::format("#number: '{}' is given twice", variable), variable);
       }
+      number_lines_.emplace(variable, line_number_);
     }
     return {};
   }
@@ -163,8 +165,12 @@ class Reader {
       format.decimals = static_cast<int>(*number);
       return {};
     }
-    return Wrong(fmt::format("#number: '{}={}'; allowed are scale=1e-6..1e9 and "
-                             "decimals=0..9",
+    if (name == "trim" && (value == "0" || value == "1")) {
+      format.trim = value == "1";
+      return {};
+    }
+    return Wrong(fmt::format("#number: '{}={}'; allowed are scale=1e-6..1e9, "
+                             "decimals=0..9 and trim=0..1",
                              name, value),
                  value);
   }
@@ -225,6 +231,26 @@ class Reader {
     return {};
   }
 
+  bool IsUsed(std::string_view variable) const {
+    for (std::size_t i = 0; i < rules_.fragments.size(); ++i) {
+      if (UsesVariable(out_, rules_, i, variable)) return true;
+    }
+    return false;
+  }
+
+  Status RequireUsed() {
+    for (const auto& [variable, line] : number_lines_) {
+      if (IsUsed(variable)) continue;
+      line_number_ = line;
+      return Wrong(
+          fmt::format("#number: no fragment uses @{}@; remove the variable here, or use "
+                      "it",
+                      variable),
+          variable);
+    }
+    return {};
+  }
+
   Status RequireComplete() const {
     for (std::size_t i = 0; i < rules_.fragments.size(); ++i) {
       const FragmentRule& rule = rules_.fragments[i];
@@ -247,6 +273,7 @@ class Reader {
   const TemplateRules& rules_;
   Template out_;
   std::vector<std::vector<bool>> used_;  ///< by fragment and variable; empty: not given
+  std::map<std::string, int, std::less<>> number_lines_;  ///< of #number, by variable
   std::optional<std::size_t> fragment_;
   int line_number_ = 0;
 };
@@ -256,6 +283,20 @@ class Reader {
 NumberFormat Template::FormatOf(std::string_view variable) const {
   const auto found = numbers.find(variable);
   return found == numbers.end() ? NumberFormat{} : found->second;
+}
+
+double Template::SettingOf(std::string_view name, double otherwise) const {
+  const auto found = settings.find(name);
+  return found == settings.end() ? otherwise : found->second;
+}
+
+bool UsesVariable(const Template& program, const TemplateRules& rules,
+                  std::size_t fragment, std::string_view variable) {
+  const auto& variables = rules.fragments[fragment].variables;
+  return std::ranges::any_of(program.fragments[fragment].pieces, [&](const Piece& piece) {
+    return piece.variable >= 0 &&
+           variables[static_cast<std::size_t>(piece.variable)] == variable;
+  });
 }
 
 Result<Template> ParseTemplate(std::string_view text, std::string_view file,
@@ -272,6 +313,10 @@ void AppendNumber(double value, const NumberFormat& format, std::string& text) {
   Require(std::isfinite(value), "a program cannot hold {}", value);
   const std::size_t begin = text.size();
   text += fmt::format("{:.{}f}", value * format.scale, format.decimals);
+  if (format.trim && format.decimals > 0) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
   if (text[begin] == '-' && text.find_first_of("123456789", begin) == std::string::npos) {
     text.erase(begin, 1);
   }

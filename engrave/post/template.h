@@ -7,7 +7,8 @@
 //   #- a comment
 //   #extension ncp
 //   #line-end crlf                       lf (default) or crlf
-//   #number X Y Z scale=1000 decimals=0  how these variables are written
+//   #number X Y Z scale=1000 decimals=0  how these variables are written; trim=1 leaves
+//                                        zeros out that end the decimals
 //   #fragment begin
 //   IMF_PBL_V1.0
 //   #fragment point
@@ -32,8 +33,9 @@ namespace intaglio::post {
 
 /// How a number is written: value * scale, rounded to `decimals`.
 struct NumberFormat {
-  double scale = 1;  ///< 1e-6..1e9
-  int decimals = 3;  ///< 0..9
+  double scale = 1;   ///< 1e-6..1e9
+  int decimals = 3;   ///< 0..9
+  bool trim = false;  ///< without zeros at the end of the decimals
 
   bool operator==(const NumberFormat&) const = default;
 };
@@ -80,11 +82,18 @@ struct Template {
   std::map<std::string, double, std::less<>> settings;       ///< those that are given
 
   NumberFormat FormatOf(std::string_view variable) const;
+  /// Of a setting that is not given: `otherwise`.
+  double SettingOf(std::string_view name, double otherwise) const;
 };
+
+/// Whether fragment `fragment` uses the variable.
+bool UsesVariable(const Template& program, const TemplateRules& rules,
+                  std::size_t fragment, std::string_view variable);
 
 /// Every mistake is an error that names file and line: an unknown setting, fragment or
 /// variable; one that is given twice; a fragment or a variable that is needed and absent;
-/// a number outside its range; an '@' without its second one. `text` up to 1 MiB.
+/// a #number of a variable that no fragment uses; a number outside its range; an '@'
+/// without its second one. `text` up to 1 MiB.
 Result<Template> ParseTemplate(std::string_view text, std::string_view file,
                                const TemplateRules& rules);
 

@@ -3,40 +3,18 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
-#include <memory>
 #include <random>
 #include <regex>
 #include <sstream>
 
 #include "engrave/post/point_program.h"
+#include "tests/engrave/post/judge_programs.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::post {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool IsInstalled(const std::string& program) {
-  return std::system(("command -v " + program + " > /dev/null 2>&1").c_str()) == 0;
-}
-
-/// What a command prints, both streams; it has to end with 0.
-std::string OutputOf(const std::string& command) {
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
-      popen((command + " 2>&1").c_str(), "r"),  // NOLINT(cert-env33-c)
-      [](FILE* file) {
-        EXPECT_EQ(pclose(file), 0);
-        return 0;
-      });
-  std::string text;
-  std::array<char, 4096> chunk{};
-  for (std::size_t n = 0; (n = fread(chunk.data(), 1, chunk.size(), pipe.get())) > 0;) {
-    text.append(chunk.data(), n);
-  }
-  return text;
-}
 
 /// Steps of at least `min_mm`, so that directions are well defined.
 PointList RandomPath(int count, double z_mm) {
@@ -52,9 +30,10 @@ PointList RandomPath(int count, double z_mm) {
 fs::path ProgramOf(const std::string& family, const PointList& axes) {
   const fs::path source =
       fs::path(INTAGLIO_SOURCE_DIR) / "deploy/post" / (family + ".post");
-  const auto parsed = ParsePointTemplate(test::ContentOf(source), source.string());
+  const auto parsed =
+      ParsePointTemplate(intaglio::test::ContentOf(source), source.string());
   EXPECT_TRUE(parsed) << (parsed ? "" : parsed.error().message);
-  const fs::path file = test::FreshFolder() / ("path." + parsed->extension);
+  const fs::path file = intaglio::test::FreshFolder() / ("path." + parsed->extension);
   const Status written = WritePointProgram(file, *parsed, {"judged", axes});
   EXPECT_TRUE(written) << (written ? "" : written.error().message);
   return file;
@@ -92,10 +71,11 @@ std::vector<Move> MovesOf(const std::string& canon) {
 }
 
 TEST(Judges, Rs274TracesThePathOfLinuxCnc) {
-  if (!IsInstalled("rs274"))
+  if (!fixture::IsInstalled("rs274"))
     GTEST_SKIP() << "no rs274: install the package linuxcnc-uspace";
   const PointList path = RandomPath(2000, 1);
-  const auto canon = OutputOf("rs274 -g " + ProgramOf("linuxcnc", path).string());
+  const auto canon =
+      fixture::OutputOf("rs274 -g " + ProgramOf("linuxcnc", path).string());
   const std::vector<Move> moves = MovesOf(canon);
   ASSERT_EQ(moves.size(), path.size()) << canon.substr(0, 2000);
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -107,10 +87,10 @@ TEST(Judges, Rs274TracesThePathOfLinuxCnc) {
 }
 
 TEST(Judges, Rs274TracesTheMarksOfGrbl) {
-  if (!IsInstalled("rs274"))
+  if (!fixture::IsInstalled("rs274"))
     GTEST_SKIP() << "no rs274: install the package linuxcnc-uspace";
   const PointList path = RandomPath(2000, 1);
-  const auto canon = OutputOf("rs274 -g " + ProgramOf("grbl", path).string());
+  const auto canon = fixture::OutputOf("rs274 -g " + ProgramOf("grbl", path).string());
   const std::vector<Move> moves = MovesOf(canon);
   ASSERT_EQ(moves.size(), 2 * path.size()) << canon.substr(0, 2000);
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -125,17 +105,19 @@ TEST(Judges, Rs274TracesTheMarksOfGrbl) {
 }
 
 TEST(Judges, Hp2xxTracesThePathOfHpgl) {
-  if (!IsInstalled("hp2xx")) GTEST_SKIP() << "no hp2xx: install the package hp2xx";
+  if (!fixture::IsInstalled("hp2xx"))
+    GTEST_SKIP() << "no hp2xx: install the package hp2xx";
   const PointList path = RandomPath(500, 0);
   const std::string file = ProgramOf("hpgl", path).string();
-  const std::string verdict = OutputOf("hp2xx -t -m nc -f " + file + ".nc " + file);
+  const std::string verdict =
+      fixture::OutputOf("hp2xx -t -m nc -f " + file + ".nc " + file);
   EXPECT_NE(verdict.find("ignored: 0"), std::string::npos) << verdict;
   EXPECT_NE(verdict.find("Unexpected event(s):  0"), std::string::npos) << verdict;
   // Its dots, from the lowest corner of all; 0.025 mm a unit.
   Vec3 corner = path[0];
   for (const Vec3& p : path) corner = corner.cwiseMin(p);
   static const std::regex kDown(R"(G00 X ([-\d.]+) Y ([-\d.]+))");
-  std::istringstream lines(test::ContentOf(file + ".nc"));
+  std::istringstream lines(intaglio::test::ContentOf(file + ".nc"));
   std::size_t i = 0;
   std::smatch found;
   for (std::string line; std::getline(lines, line);) {

@@ -102,6 +102,7 @@ TEST(PointProgram, SuppliedTemplatesAreGood) {
   int templates = 0;
   for (const auto& entry :
        fs::directory_iterator(fs::path(INTAGLIO_SOURCE_DIR) / "deploy/post")) {
+    if (entry.is_directory()) continue;
     const std::string file = entry.path().string();
     const auto parsed = ParsePointTemplate(test::ContentOf(entry.path()), file);
     ASSERT_TRUE(parsed) << parsed.error().message;

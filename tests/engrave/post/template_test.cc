@@ -80,10 +80,13 @@ TEST(Template, NamesFileAndLineOfEveryMistake) {
   EXPECT_EQ(ErrorOf("#number Q decimals=3\n"),
             "a.post: line 1: #number: unknown variable 'Q'");
   EXPECT_EQ(ErrorOf("#number X decimals=3.5\n"),
-            "a.post: line 1: #number: 'decimals=3.5'; allowed are scale=1e-6..1e9 and "
-            "decimals=0..9");
+            "a.post: line 1: #number: 'decimals=3.5'; allowed are scale=1e-6..1e9, "
+            "decimals=0..9 and trim=0..1");
   EXPECT_EQ(ErrorOf("#number X\n#number X\n"),
             "a.post: line 2: #number: 'X' is given twice");
+  EXPECT_EQ(ErrorOf("\n#number N decimals=0\n#fragment body\n@X@\n"),
+            "a.post: line 2: #number: no fragment uses @N@; remove the variable here, or "
+            "use it");
   EXPECT_EQ(ErrorOf("#line-end cr\n"),
             "a.post: line 1: #line-end is lf or crlf, not 'cr'");
   EXPECT_EQ(ErrorOf("#\n"),
@@ -103,6 +106,10 @@ TEST(AppendNumber, HasNoExponentAndNoMinusBeforeZero) {
   };
   EXPECT_EQ(text(-1e-9, {}), "0.000");
   EXPECT_EQ(text(-0.0005, {1, 3}), "-0.001");
+  EXPECT_EQ(text(-0.2, {1, 3, true}), "-0.2");
+  EXPECT_EQ(text(500, {1, 3, true}), "500");
+  EXPECT_EQ(text(-0.0001, {1, 3, true}), "0");
+  EXPECT_EQ(text(100, {1, 0, true}), "100");
   EXPECT_EQ(text(1e6, {40, 0}), "40000000");
   EXPECT_EQ(text(12.0000005, {1, 6}), "12.000001");
 }

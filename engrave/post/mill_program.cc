@@ -1,0 +1,294 @@
+#include "engrave/post/mill_program.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "engrave/core/try.h"
+
+namespace intaglio::post {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kDefaultChordMm = 0.001;
+constexpr std::size_t kMaxParts = 10'000;
+
+constexpr std::array<std::string_view, 2> kPlace = {"X", "Y"};
+constexpr std::array<std::string_view, 9> kArc = {"X", "Y", "AX", "AY", "I",
+                                                  "J", "R", "CR", "P"};
+constexpr auto kPlaceVariables = WithCommon(kPlace);
+constexpr auto kArcVariables = WithCommon(kArc);
+constexpr FragmentRule kMillFragments[] = {{"start", false, kCommonVariables},
+                                           {"approach", true, kPlaceVariables, kPlace},
+                                           {"line", true, kPlaceVariables, kPlace},
+                                           {"arc-clockwise", false, kArcVariables},
+                                           {"arc-counterclockwise", false, kArcVariables},
+                                           {"retract", true, kPlaceVariables},
+                                           {"end", false, kCommonVariables}};
+constexpr SettingRule kMillSettings[] = {kOriginX,
+                                         kOriginY,
+                                         kMaxBytes,
+                                         {"tool-radius", 0, 50},
+                                         {"chord", 1e-4, 1},
+                                         {"axis-x", -10000, 10000},
+                                         {"axis-y", -10000, 10000},
+                                         {"axis-speed", 0.01, 100000}};
+constexpr TemplateRules kMillRules{kMillFragments, kMillSettings};
+enum {
+  kMillStart,
+  kMillApproach,
+  kMillLine,
+  kMillClockwise,
+  kMillCounterClockwise,
+  kMillRetract,
+  kMillEnd
+};
+
+/// Whether an arc that begins where the tool is follows from what the fragment writes.
+bool Determines(const Template& program, std::size_t fragment) {
+  const auto uses = [&](std::string_view variable) {
+    return UsesVariable(program, kMillRules, fragment, variable);
+  };
+  const bool end = uses("X") && uses("Y");
+  const bool center = uses("I") && uses("J");
+  return (end && (center || uses("CR") || (uses("AX") && uses("AY")))) ||
+         (uses("P") && (center || (end && uses("R"))));
+}
+
+/// Writes programs part by part.
+class MillWriter {
+ public:
+  MillWriter(const Template& program, const Cutting& cutting, const Vec2& origin_mm,
+             std::optional<std::size_t> max_bytes)
+      : program_(program),
+        cutting_(cutting),
+        origin_mm_(origin_mm),
+        max_bytes_(max_bytes) {
+    cutting_.name = ProgramName(cutting.name);
+    depth_mm_ = cutting.depths_mm.front();
+    BeginPart();
+  }
+
+  Status Add(const ToolPath& path, double depth_mm) {
+    depth_mm_ = depth_mm;
+    if (max_bytes_ && !fresh_ && !FitsWhole(path)) INTAGLIO_TRY(EndPart());
+    INTAGLIO_TRY(Approach(path));
+    Vec2 at_mm = path.begin_mm;
+    for (const WorkMove& move : path.moves) {
+      if (!Fits(move)) {
+        Write(kMillRetract, at_mm);
+        INTAGLIO_TRY(EndPart());
+        Write(kMillApproach, at_mm);
+        if (!Fits(move)) return TooSmall(path);
+      }
+      Write(move);
+      at_mm = move.end_mm;
+    }
+    Write(kMillRetract, at_mm);
+    fresh_ = false;
+    return {};
+  }
+
+  ProgramTexts Take() {
+    Write(kMillEnd);
+    parts_.push_back(std::move(text_));
+    return std::move(parts_);
+  }
+
+ private:
+  void BeginPart() {
+    expander_.emplace(program_, kMillRules);
+    part_name_ = PartName(cutting_.name, parts_.size());
+    text_.clear();
+    Write(kMillStart);
+    fresh_ = true;
+  }
+
+  Status EndPart() {
+    if (parts_.size() >= kMaxParts) {
+      return Fail(ErrorCode::kTooLarge,
+                  fmt::format("{}: more than {} programs of {} bytes; allow larger ones "
+                              "with #max-bytes",
+                              program_.file, kMaxParts, *max_bytes_));
+    }
+    Write(kMillEnd);
+    parts_.push_back(std::move(text_));
+    BeginPart();
+    return {};
+  }
+
+  Status Approach(const ToolPath& path) {
+    Write(kMillApproach, path.begin_mm);
+    if (path.moves.empty() || Fits(path.moves.front())) return {};
+    return TooSmall(path);
+  }
+
+  tl::unexpected<Error> TooSmall(const ToolPath& path) const {
+    return Fail(ErrorCode::kInvalidValue,
+                fmt::format("{}: a program of {} bytes holds not even one move of {}; "
+                            "allow larger ones with #max-bytes",
+                            program_.file, *max_bytes_, path.name),
+                fmt::format("{}", *max_bytes_));
+  }
+
+  void Append(Expander& expander, std::size_t fragment, const WorkMove& move,
+              std::string& text) const {
+    std::vector<Value> values = CommonValues(cutting_, part_name_, depth_mm_);
+    const std::size_t count = kMillFragments[fragment].variables.size();
+    const Vec2 end = move.end_mm - origin_mm_, middle = move.middle_mm - origin_mm_;
+    const double signed_radius =
+        move.sweep_rad > std::numbers::pi ? -move.radius_mm : move.radius_mm;
+    for (const double number :
+         {end.x(), end.y(), middle.x(), middle.y(), move.center_from_begin_mm.x(),
+          move.center_from_begin_mm.y(), move.radius_mm, signed_radius,
+          move.sweep_rad * kDegrees}) {
+      if (values.size() < count) values.emplace_back(number);
+    }
+    expander.Append(fragment, values, text);
+  }
+
+  void Write(std::size_t fragment, const Vec2& at_mm = Vec2::Zero()) {
+    WorkMove place;
+    place.end_mm = at_mm;
+    Append(*expander_, fragment, place, text_);
+  }
+
+  static std::size_t FragmentOf(const WorkMove& move) {
+    if (move.kind == WorkKind::kLine) return kMillLine;
+    return move.kind == WorkKind::kClockwise ? kMillClockwise : kMillCounterClockwise;
+  }
+
+  void Write(const WorkMove& move) { Append(*expander_, FragmentOf(move), move, text_); }
+
+  /// With a retract and the end of the program behind them.
+  template <typename Moves>
+  bool FitsWith(const Moves& add_moves) const {
+    if (!max_bytes_) return true;
+    Expander expander(*expander_);
+    std::string text;
+    const WorkMove& last = add_moves(expander, text);
+    Append(expander, kMillRetract, last, text);
+    Append(expander, kMillEnd, last, text);
+    return text_.size() + text.size() <= *max_bytes_;
+  }
+
+  bool Fits(const WorkMove& move) const {
+    return FitsWith([&](Expander& expander, std::string& text) -> const WorkMove& {
+      Append(expander, FragmentOf(move), move, text);
+      return move;
+    });
+  }
+
+  bool FitsWhole(const ToolPath& path) const {
+    WorkMove last;
+    last.end_mm = path.begin_mm;
+    return FitsWith([&](Expander& expander, std::string& text) -> const WorkMove& {
+      Append(expander, kMillApproach, last, text);
+      for (const WorkMove& move : path.moves) {
+        Append(expander, FragmentOf(move), move, text);
+        last.end_mm = move.end_mm;
+      }
+      return last;
+    });
+  }
+
+  const Template& program_;
+  Cutting cutting_;
+  Vec2 origin_mm_;
+  std::optional<std::size_t> max_bytes_;
+  std::optional<Expander> expander_;
+  std::string part_name_;
+  std::string text_;
+  ProgramTexts parts_;
+  double depth_mm_ = 0;
+  bool fresh_ = true;  ///< no contour is in this part
+};
+
+Status CheckLathe(const Template& program, std::span<const ToolPath> paths,
+                  const Cutting& cutting, const MillOptions& options,
+                  const Vec2& origin_mm) {
+  const double given = program.SettingOf("axis-speed", 0);
+  const double limit_deg_s = options.axis_speed_deg_s.value_or(given);
+  if (limit_deg_s <= 0) return {};
+  const Vec2 axis_mm(program.SettingOf("axis-x", 0), program.SettingOf("axis-y", 0));
+  return RequireReachableOnLathe(paths, axis_mm + origin_mm, cutting.speed_mm_s,
+                                 limit_deg_s);
+}
+
+}  // namespace
+
+Result<Template> ParseMillTemplate(std::string_view text, std::string_view file) {
+  Template program = INTAGLIO_TRY(ParseTemplate(text, file, kMillRules));
+  const auto& fragments = program.fragments;
+  if (fragments[kMillClockwise].pieces.empty() !=
+      fragments[kMillCounterClockwise].pieces.empty()) {
+    return Fail(
+        ErrorCode::kUnreadable,
+        fmt::format("{}: fragment '{}' is given and its counterpart is not; give "
+                    "both, or none to get chords",
+                    file,
+                    fragments[kMillClockwise].pieces.empty() ? "arc-counterclockwise"
+                                                             : "arc-clockwise"));
+  }
+  for (const std::size_t arc : {kMillClockwise, kMillCounterClockwise}) {
+    if (fragments[arc].pieces.empty() || Determines(program, arc)) continue;
+    return Fail(
+        ErrorCode::kUnreadable,
+        fmt::format("{}: fragment '{}' does not determine an arc; use @X@ @Y@ with @I@ "
+                    "@J@, @AX@ @AY@, @CR@, or @R@ @P@, or @I@ @J@ with @P@",
+                    file, kMillFragments[arc].name));
+  }
+  return program;
+}
+
+Result<ProgramTexts> MillPrograms(const Template& program,
+                                  std::span<const ToolPath> paths, const Cutting& cutting,
+                                  const MillOptions& options) {
+  INTAGLIO_TRY(RequireSuited(program, kMillRules, cutting));
+  const Vec2 origin_mm = options.origin_mm + Vec2(program.SettingOf("origin-x", 0),
+                                                  program.SettingOf("origin-y", 0));
+  INTAGLIO_TRY(CheckLathe(program, paths, cutting, options, origin_mm));
+  std::optional<std::size_t> max_bytes = options.max_bytes;
+  if (const double given = program.SettingOf("max-bytes", 0); !max_bytes && given > 0) {
+    max_bytes = static_cast<std::size_t>(given);
+  }
+  const bool chords = options.chords || program.fragments[kMillClockwise].pieces.empty();
+  const double tolerance_mm =
+      options.chord_tolerance_mm.value_or(program.SettingOf("chord", kDefaultChordMm));
+  MillWriter writer(program, cutting, origin_mm, max_bytes);
+  for (const ToolPath& path : paths) {
+    const ToolPath made = chords ? Chorded(path, tolerance_mm) : path;
+    for (const double depth_mm : cutting.depths_mm) {
+      INTAGLIO_TRY(writer.Add(made, depth_mm));
+    }
+  }
+  return writer.Take();
+}
+
+Status RequireReachableOnLathe(std::span<const ToolPath> paths, const Vec2& axis_mm,
+                               double speed_mm_s, double limit_deg_s) {
+  for (const ToolPath& path : paths) {
+    for (contour::Edge edge : EdgesOf(path)) {
+      for (Vec2* place : {&edge.begin_mm, &edge.end_mm, &edge.center_mm}) {
+        *place -= axis_mm;
+      }
+      const double needed = AxisSpeed_rad_s(edge, speed_mm_s) * kDegrees;
+      if (needed <= limit_deg_s) continue;
+      const double near_mm = contour::DistanceTo(edge, Vec2::Zero());
+      return Fail(
+          ErrorCode::kUnsupported,
+          fmt::format("{} passes the turning axis at {:.4g} mm, which needs {:.4g} deg/s "
+                      "at {:.4g} mm/s, and the axis has {:.4g}; reduce the speed to "
+                      "{:.3g} mm/s, or move the work away from the axis",
+                      path.name, near_mm, needed, speed_mm_s, limit_deg_s,
+                      speed_mm_s * limit_deg_s / needed),
+          fmt::format("{:.6g}", needed));
+    }
+  }
+  return {};
+}
+
+}  // namespace intaglio::post
