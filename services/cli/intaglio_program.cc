@@ -1,6 +1,7 @@
 #include "services/cli/intaglio_program.h"
 
 #include "services/cli/batch/batch_command.h"
+#include "services/cli/contour/contour_command.h"
 #include "services/cli/course/course_command.h"
 #include "services/cli/drive/drive_command.h"
 #include "services/cli/fonts_command.h"
@@ -59,6 +60,7 @@ std::unique_ptr<command_line::Program> IntaglioProgram() {
   AddMeasureCommand(root);
   AddPathCommands(root);
   AddPostCommand(root);
+  AddContourCommand(root);
   AddCourseCommand(root);
   AddMachineCommand(root);
   AddDriveCommand(root);

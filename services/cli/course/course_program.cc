@@ -16,14 +16,14 @@ namespace {
 constexpr std::size_t kMaxDrawnSamples = 200'000;
 
 /// The course of the model's axes, with the nearest place of each of its points.
-struct Course {
+struct FollowedCourse {
   course::Tracked tracked;
   std::vector<course::NearestPlace> places;
   std::vector<double> speed_mm_s;
 };
 
-Course CourseOf(const CourseProgram& program, const PlannedContour& contour) {
-  Course found;
+FollowedCourse CourseOf(const CourseProgram& program, const PlannedContour& contour) {
+  FollowedCourse found;
   found.tracked =
       course::FollowPlan(contour.path, contour.plan, program.axes, program.axes);
   const course::Tracked& tracked = found.tracked;
@@ -165,7 +165,7 @@ Status WriteCourseTable(const std::string& file, const CourseProgram& program) {
       "contour,time_s,setpoint_x_mm,setpoint_y_mm,actual_x_mm,actual_y_mm,s_mm,"
       "speed_mm_s,deviation_um\n"));
   for (std::size_t k = 0; k < program.contours.size(); ++k) {
-    const Course course = CourseOf(program, program.contours[k]);
+    const FollowedCourse course = CourseOf(program, program.contours[k]);
     const course::Tracked& tracked = course.tracked;
     for (std::size_t i = 0; i < tracked.actual_mm.size(); ++i) {
       INTAGLIO_TRY(table.Write(fmt::format(
@@ -193,7 +193,7 @@ render::CoursePicture PictureOf(const CourseProgram& program, const std::string&
     for (std::size_t k = 0; k < contour.path.node_count(); ++k)
       nodes_mm.push_back(contour.path.node_mm(k));
     picture.paths_mm.push_back(std::move(nodes_mm));
-    const Course course = CourseOf(program, contour);
+    const FollowedCourse course = CourseOf(program, contour);
     course::PathCursor cursor(contour.path);
     std::vector<render::CourseSample> drawn;
     for (std::size_t i = 0; i < course.places.size(); i += step) {

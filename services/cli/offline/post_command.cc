@@ -1,12 +1,14 @@
 #include "services/cli/offline/post_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <numbers>
+#include <ranges>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,6 +19,9 @@
 #include "engrave/post/point_program.h"
 #include "engrave/sort/order.h"
 #include "services/cli/complain.h"
+#include "services/cli/contour/contour_files.h"
+#include "services/cli/contour/contour_programs.h"
+#include "services/cli/contour/contour_work.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job_glass.h"
 #include "services/cli/offline/offline_steps.h"
@@ -25,7 +30,10 @@
 #include "services/client/figure_text.h"
 #include "services/client/warning_text.h"
 #include "services/job/channels.h"
+#include "services/job/course/course_check.h"
 #include "services/job/freeze.h"
+#include "services/job/job_check.h"
+#include "services/job/job_file.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/models/program_limits.h"
@@ -139,7 +147,41 @@ Result<post::Template> TemplateOf(const PostOptions& options,
                   "the profile");
 }
 
+/// The contours of a job file that has a course.
+Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
+  if (const auto errors = CheckCourse(job); !errors.empty())
+    return tl::unexpected(JoinErrors(errors));
+  if (options.program_template.empty()) {
+    return Fail(ErrorCode::kMissing,
+                "--template: is missing; give a name of deploy/post/mill, or a file");
+  }
+  const Course whole = WithDefaults(job.course());
+  Warnings warnings;
+  const CourseFiles files =
+      INTAGLIO_TRY(ReadCourseFiles(whole, options.job.size_limits, warnings));
+  for (const Warning& warning : warnings)
+    std::cerr << client::WarningLine(warning) << "\n";
+  const ContourWork work = INTAGLIO_TRY(MakeContourWork(whole, files, Vec2(0, 0)));
+  ContourProgramOptions program;
+  program.mill_template = options.program_template;
+  program.out = options.out;
+  const auto written =
+      INTAGLIO_TRY(WriteContourPrograms(work, whole, job.course(), program));
+  fmt::print("{} contours and {} holes: {} {}\n",
+             client::GroupedDigits(work.paths.size()),
+             client::GroupedDigits(work.hole_count),
+             written.size() == 1 ? "program" : "programs",
+             fmt::join(written | std::views::transform(
+                                     [](const fs::path& file) { return file.string(); }),
+                       ", "));
+  return {};
+}
+
 Status MakeProgram(const PostOptions& options) {
+  if (!options.job.job_file.empty()) {
+    const auto job = ReadJobFile(options.job.job_file);
+    if (job && job->has_course()) return MakeCourseProgram(options, *job);
+  }
   // First what takes no time.
   if (!options.program_template.empty()) {
     INTAGLIO_TRY(ReadTemplate(options.program_template));
@@ -165,16 +207,19 @@ void AddPostCommand(command_line::Command app) {
   post.AddOption("--path", options->path,
                  "instead of models: points in the order of engraving, glass frame: " +
                      formats::PointExtensions());
-  post.AddOption("--template", options->program_template,
-                 "program template: a name in deploy/post (linuxcnc, linuxcnc-polar, "
-                 "grbl, isel, hpgl, sinumerik), or a file; default the profile's "
-                 "post");
+  post.AddOption(
+      "--template", options->program_template,
+      "program template: a name in deploy/post (linuxcnc, linuxcnc-polar, "
+      "grbl, isel, hpgl, sinumerik), of a job of contours one in deploy/post/mill, "
+      "or a file; default the profile's post");
   post.AddOption("--out", options->out, "the program").Require();
   post.AddOption("--materials", options->materials_db,
                  "material base, default the user's");
   post.SetFooter(
       "The program moves the machine's axes to every point in the job's order, and fires "
-      "one pulse there; it knows neither lamp nor interlocks.\n"
+      "one pulse there; it knows neither lamp nor interlocks. The program of a job with "
+      "a "
+      "course follows its contours.\n"
       "Example: intaglio post job.textproto --machine els-03 --template linuxcnc --out "
       "job.ngc\n"
       "Exit code: 0 written, 2 wrong input.");

@@ -1,0 +1,185 @@
+#include "services/cli/contour/contour_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "engrave/contour/files/excellon_read.h"
+#include "engrave/contour/files/gerber_read.h"
+#include "engrave/contour/files/project_file.h"
+#include "engrave/core/try.h"
+#include "engrave/drawing/flatten.h"
+#include "engrave/io/lower_case.h"
+#include "engrave/io/whole_file.h"
+#include "services/job/model_kind.h"
+#include "services/job/models/flat_models.h"
+#include "services/job/models/read_limits.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+/// Ends of curves that are one contour: below what a drawing program rounds to.
+constexpr double kJoinedEndsMm = 0.01;
+/// A drill file declares itself in its first lines.
+constexpr std::size_t kHeadBytes = 4096;
+
+std::string FileName(const std::string& file) {
+  return fs::path(file).filename().string();
+}
+
+DrawnCurve EdgesOfCurve(const drawing::FlatCurve& flat, std::string name) {
+  DrawnCurve curve{std::move(name), {}, flat.closed};
+  const auto place = [&](std::size_t i) {
+    return Vec2(flat.points_mm[i % flat.points_mm.size()].head<2>());
+  };
+  const std::size_t count = flat.points_mm.size() - (flat.closed ? 0 : 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((place(i + 1) - place(i)).norm() < 1e-6) continue;
+    curve.edges.push_back(contour::MakeLine(place(i), place(i + 1)));
+  }
+  return curve;
+}
+
+Status AddDrawing(const std::string& file, const ReadLimits& limits, CourseFiles& files,
+                  Warnings& warnings) {
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes));
+  const auto drawing = ReadDrawing(file, text, limits.drawings, warnings);
+  if (!drawing) return tl::unexpected(WithRemedy(drawing.error(), limits));
+  auto flat = INTAGLIO_TRY(drawing::Flatten(*drawing));
+  drawing::JoinOpenCurves(kJoinedEndsMm, flat);
+  drawing::RemoveRepeatedContours(kJoinedEndsMm, flat);
+  int number = 0;
+  for (const drawing::FlatCurve& curve : flat.curves) {
+    ++number;
+    if (curve.points_mm.size() < 2) continue;  // a point of the drawing
+    DrawnCurve drawn =
+        EdgesOfCurve(curve, fmt::format("{}, curve {}", FileName(file), number));
+    if (!drawn.edges.empty()) files.curves.push_back(std::move(drawn));
+  }
+  return {};
+}
+
+void WarnOfDrillFile(const std::string& file, const contour::DrillFile& drilled,
+                     Warnings& warnings) {
+  const auto warn = [&](std::string text) {
+    Warning warning = MakeWarning(WarningCode::kLeftOut, std::move(text));
+    warning.weight = WarningWeight::kWarning;
+    warnings.push_back(std::move(warning));
+  };
+  for (const auto& [command, count] : drilled.left_out) {
+    warn(fmt::format("{}: left out {} commands {}", FileName(file), count, command));
+  }
+  if (drilled.slots.empty()) return;
+  warn(fmt::format(
+      "{}: left out {} slots, the first {}; mill them from a drawing with "
+      "--make curves",
+      FileName(file), drilled.slots.size(), contour::Describe(drilled.slots.front())));
+}
+
+Status AddBoard(const std::string& file, const std::string& text, CourseFiles& files,
+                Warnings& warnings) {
+  const std::string_view head = std::string_view(text).substr(0, kHeadBytes);
+  const auto has = [&](std::string_view mark) {
+    return head.find(mark) != std::string_view::npos;
+  };
+  if (io::LowerCase(fs::path(file).extension().string()) == ".xml") {
+    const auto project = INTAGLIO_TRY(contour::ReadProject(text, file));
+    contour::Board board = contour::BoardOf(project);
+    std::ranges::move(board.elements, std::back_inserter(files.elements));
+    std::ranges::move(board.holes, std::back_inserter(files.holes));
+    return {};
+  }
+  if (has("%FS") || has("%MO")) {
+    auto elements = INTAGLIO_TRY(contour::ReadGerber(text, file));
+    std::ranges::move(elements, std::back_inserter(files.elements));
+    return {};
+  }
+  if (has("M48")) {
+    auto drilled = INTAGLIO_TRY(contour::ReadExcellon(text, file));
+    WarnOfDrillFile(file, drilled, warnings);
+    std::ranges::move(drilled.holes, std::back_inserter(files.holes));
+    return {};
+  }
+  return Fail(ErrorCode::kUnreadable,
+              file +
+                  ": is neither a drawing (.dxf, .svg, .hpgl, .plt), a project (.xml), "
+                  "a Gerber file with %FS..*%, nor an Excellon file with M48; export "
+                  "one of these",
+              file);
+}
+
+Vec2 EndOf(const DrawnCurve& curve) { return curve.edges.back().end_mm; }
+
+/// Whether the place is inside the loop of lines: an odd number of edges to its right.
+bool LoopEncloses(const contour::Edges& loop, const Vec2& p) {
+  bool inside = false;
+  for (const contour::Edge& e : loop) {
+    if ((e.begin_mm.y() > p.y()) == (e.end_mm.y() > p.y())) continue;
+    const double t = (p.y() - e.begin_mm.y()) / (e.end_mm.y() - e.begin_mm.y());
+    if (p.x() < e.begin_mm.x() + t * (e.end_mm.x() - e.begin_mm.x())) inside = !inside;
+  }
+  return inside;
+}
+
+}  // namespace
+
+Result<CourseFiles> ReadCourseFiles(const Course& course, double size_limits,
+                                    Warnings& warnings) {
+  const ReadLimits limits = ReadLimitsTimes(size_limits);
+  CourseFiles files;
+  for (const std::string& file : course.files()) {
+    Model model;
+    model.set_file(file);
+    const auto kind = KindOf(model);
+    if (kind && *kind == ModelKind::kDrawing) {
+      INTAGLIO_TRY(AddDrawing(file, limits, files, warnings));
+      continue;
+    }
+    const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes));
+    INTAGLIO_TRY(AddBoard(file, text, files, warnings));
+  }
+  if (files.elements.empty() && files.holes.empty() && files.curves.empty()) {
+    return Fail(ErrorCode::kMissing, fmt::format("{}: holds nothing to make",
+                                                 fmt::join(course.files(), ", ")));
+  }
+  return files;
+}
+
+Result<std::vector<contour::Element>> OutlinesOf(const std::vector<DrawnCurve>& curves) {
+  std::vector<std::vector<std::size_t>> around(curves.size());
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const Vec2 begin = curves[i].edges.front().begin_mm;
+    if (!curves[i].closed) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          fmt::format("{}: is open, from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}), and "
+                      "has no outline; close it, or follow it with --make curves",
+                      curves[i].name, begin.x(), begin.y(), EndOf(curves[i]).x(),
+                      EndOf(curves[i]).y()),
+          curves[i].name);
+    }
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+      if (k != i && curves[k].closed && LoopEncloses(curves[k].edges, begin))
+        around[i].push_back(k);
+    }
+  }
+  std::vector<contour::Element> elements;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    if (around[i].size() % 2 != 0) continue;
+    contour::Outline outline{{curves[i].edges}};
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+      // A hole of this one: it lies in it, and in what this one lies in.
+      if (around[k].size() == around[i].size() + 1 &&
+          std::ranges::find(around[k], i) != around[k].end())
+        outline.loops.push_back(curves[k].edges);
+    }
+    elements.push_back({std::move(outline), curves[i].name});
+  }
+  return elements;
+}
+
+}  // namespace intaglio::cli

@@ -1,0 +1,93 @@
+#include "services/cli/contour/contour_programs.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "engrave/core/try.h"
+#include "engrave/io/atomic_file.h"
+#include "engrave/io/whole_file.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kMaxTemplateFile = 1 << 20;
+
+Result<post::Template> ReadDrillTemplate(const ContourProgramOptions& options) {
+  const std::string& name =
+      options.drill_template.empty() ? options.mill_template : options.drill_template;
+  if (options.drill_template.empty() && fs::exists(name)) {
+    return Fail(ErrorCode::kMissing,
+                "--drill-template: is missing; the files have holes, and " + name +
+                    " is a template for milling: give one for drilling, too",
+                name);
+  }
+  auto file = command_line::FindSupplied(name, kDrillTemplates);
+  if (!file) {
+    Error error = file.error();
+    error.message = "--drill-template: " + error.message;
+    return tl::unexpected(error);
+  }
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(*file, kMaxTemplateFile));
+  return post::ParseDrillTemplate(text, file->string());
+}
+
+Status WriteParts(const fs::path& first, const post::ProgramTexts& texts,
+                  std::vector<fs::path>& files) {
+  for (std::size_t part = 0; part < texts.size(); ++part) {
+    const fs::path file =
+        first.parent_path() /
+        (post::PartName(first.stem().string(), part) + first.extension().string());
+    INTAGLIO_TRY(io::WriteFileAtomically(file, texts[part]));
+    files.push_back(file);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<post::Template> ReadMillTemplate(const std::string& name_or_file) {
+  const fs::path file =
+      INTAGLIO_TRY(command_line::FindSupplied(name_or_file, kMillTemplates));
+  const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, kMaxTemplateFile));
+  return post::ParseMillTemplate(text, file.string());
+}
+
+Result<std::vector<fs::path>> WriteContourPrograms(const ContourWork& work,
+                                                   const Course& whole,
+                                                   const Course& typed,
+                                                   const ContourProgramOptions& options) {
+  const fs::path out = options.out;
+  // All texts first: a fault in the second program leaves no first one behind.
+  post::ProgramTexts mill_texts, drill_texts;
+  fs::path drill_file = out;
+  if (!work.paths.empty()) {
+    const auto program = INTAGLIO_TRY(ReadMillTemplate(options.mill_template));
+    post::Cutting cutting = MillingOf(whole, typed);
+    cutting.name = out.stem().string();
+    auto texts =
+        INTAGLIO_TRY(post::MillPrograms(program, work.paths, cutting, options.mill));
+    mill_texts = std::move(texts);
+  }
+  if (!work.rounds.empty()) {
+    const auto program = INTAGLIO_TRY(ReadDrillTemplate(options));
+    if (!work.paths.empty()) {
+      drill_file =
+          out.parent_path() / (out.stem().string() + "_drill" +
+                               (program.extension.empty() ? out.extension().string()
+                                                          : "." + program.extension));
+    }
+    post::Cutting cutting = DrillingOf(whole, typed);
+    cutting.name = drill_file.stem().string();
+    auto texts = INTAGLIO_TRY(post::DrillPrograms(
+        program, work.rounds, cutting, options.mill.origin_mm, options.mill.max_bytes));
+    drill_texts = std::move(texts);
+  }
+  std::vector<fs::path> files;
+  INTAGLIO_TRY(WriteParts(out, mill_texts, files));
+  INTAGLIO_TRY(WriteParts(drill_file, drill_texts, files));
+  return files;
+}
+
+}  // namespace intaglio::cli

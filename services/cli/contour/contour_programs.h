@@ -1,0 +1,36 @@
+#pragma once
+
+// Contours and holes as programs for controllers of other makers.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engrave/post/mill_program.h"
+#include "services/cli/contour/contour_work.h"
+#include "services/platform/command_line/supplied_files.h"
+
+namespace intaglio::cli {
+
+inline constexpr command_line::SuppliedKind kMillTemplates{"post/mill", "mill template"};
+inline constexpr command_line::SuppliedKind kDrillTemplates{"post/drill",
+                                                            "drill template"};
+
+struct ContourProgramOptions {
+  std::string mill_template;
+  std::string drill_template;  ///< default: the supplied one of the mill template's name
+  std::string out;
+  post::MillOptions mill;
+};
+
+Result<post::Template> ReadMillTemplate(const std::string& name_or_file);
+
+/// The contours in `out`, the holes in a file beside it, board.ngc and board_drill.ngc,
+/// and further parts in board_2.ngc and so on; which files, in their order. A program's
+/// NAME is that of its file. What there is none of gets no file; holes alone are `out`.
+Result<std::vector<std::filesystem::path>> WriteContourPrograms(
+    const ContourWork& work, const Course& whole, const Course& typed,
+    const ContourProgramOptions& options);
+
+}  // namespace intaglio::cli

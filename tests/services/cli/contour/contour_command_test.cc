@@ -1,0 +1,284 @@
+// `intaglio contour`, and `intaglio post` of a job with contours, from files to files.
+
+#include "services/cli/contour/contour_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <regex>
+
+#include "engrave/contour/files/project_file.h"
+#include "services/cli/contour/contour_files.h"
+#include "services/cli/contour/contour_work.h"
+#include "services/cli/job_options.h"
+#include "services/cli/offline/post_command.h"
+#include "services/client/exit_codes.h"
+#include "services/job/course/course_check.h"
+#include "services/job/job_check.h"
+#include "tests/test_folder.h"
+
+namespace intaglio::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Two pads of 1 mm that a track of 0.4 joins, and a third pad 0.3 mm from it.
+constexpr const char* kGerber =
+    "%FSLAX46Y46*%\n%MOMM*%\n%ADD10C,1*%\n%ADD11C,0.4*%\n"
+    "%TO.N,GND*%\nD10*\nX0Y0D03*\nX5000000Y0D03*\n"
+    "D11*\nX0Y0D02*\nX5000000Y0D01*\n"
+    "%TO.N,VCC*%\nD10*\nX2500000Y1000000D03*\nM02*\n";
+constexpr const char* kExcellon =
+    "M48\nMETRIC,TZ\nT1C0.600\nT2C0.400\n%\nT1\nX0.0Y0.0\nX5.0Y0.0\nT2\nX2.5Y1.0\nM30\n";
+
+class ContourCommand : public ::testing::Test {
+ protected:
+  std::string Write(const std::string& name, const std::string& text) {
+    const fs::path file = folder_ / name;
+    std::ofstream(file) << text;
+    return file;
+  }
+
+  int Type(const std::vector<std::string>& words) {
+    command_line::Program program("intaglio", "");
+    AddContourCommand(program.root());
+    AddPostCommand(program.root());
+    const Status parsed = program.Parse(words);
+    EXPECT_TRUE(parsed) << (parsed ? "" : parsed.error().message);
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    const int code = program.Run();
+    output_ = ::testing::internal::GetCapturedStdout();
+    errors_ = ::testing::internal::GetCapturedStderr();
+    return code;
+  }
+
+  std::string Mill(const std::string& name) const {
+    return INTAGLIO_SOURCE_DIR "/deploy/post/mill/" + name + ".post";
+  }
+  std::string Drill(const std::string& name) const {
+    return INTAGLIO_SOURCE_DIR "/deploy/post/drill/" + name + ".post";
+  }
+
+  fs::path folder_ = test::FreshFolder();
+  std::string gerber_ = Write("board.gbr", kGerber);
+  std::string excellon_ = Write("board.drl", kExcellon);
+  std::string output_, errors_;
+};
+
+TEST_F(ContourCommand, IsolatesABoardAndDrillsIt) {
+  const std::string out = folder_ / "board.ngc", picture = folder_ / "board.svg";
+  ASSERT_EQ(Type({"contour", gerber_, excellon_, "--tool", "0.1", "--passes", "2",
+                  "--template", Mill("linuxcnc"), "--drill-template", Drill("linuxcnc"),
+                  "--out", out, "--picture", picture}),
+            client::kExitGood)
+      << errors_;
+  EXPECT_THAT(output_, HasSubstr("elements      4, 3 holes with 2 tools"));
+  EXPECT_THAT(output_, HasSubstr("isolation     2 nets, 0.15 mm around the copper"));
+  EXPECT_THAT(output_, HasSubstr("contours      4,"));
+  const std::string program = test::ContentOf(out);
+  EXPECT_THAT(program, HasSubstr("(board)\nG21 G90"));
+  const std::string holes = test::ContentOf(folder_ / "board_drill.ngc");
+  // The thinner drill first.
+  EXPECT_LT(holes.find("X2.50000 Y1.00000"), holes.find("X0.00000 Y0.00000"));
+  EXPECT_THAT(holes, HasSubstr("(board_drill)"));
+  EXPECT_THAT(holes, HasSubstr("Z-3.0000"));
+}
+
+// Of a circle of 2 mm alone everything is known.
+TEST_F(ContourCommand, FiguresAreThoseOfTheGeometry) {
+  const std::string circle = Write(
+      "circle.gbr", "%FSLAX46Y46*%\n%MOMM*%\n%ADD10C,2*%\nD10*\nX3000000Y0D03*\nM02*\n");
+  Course course;
+  course.add_files(circle);
+  course.set_tool_diameter_mm(0.5);
+  course.set_pass_count(2);
+  course.set_speed_mm_s(10);
+  course.set_repeat_count(3);
+  course.set_depth_mm(0.3);
+  const Course whole = WithDefaults(course);
+  Warnings warnings;
+  const auto files = ReadCourseFiles(whole, 1, warnings);
+  ASSERT_TRUE(files) << files.error().message;
+  const auto work = MakeContourWork(whole, *files, {0, 0});
+  ASSERT_TRUE(work) << work.error().message;
+  // Radii 1.25 and 1.5.
+  EXPECT_NEAR(work->work_mm, 2 * std::numbers::pi * (1.25 + 1.5), 1e-9);
+  EXPECT_NEAR(work->isolated_mm, 0.75, 1e-12);
+  const WorkTime time = TimeOf(*work, whole);
+  EXPECT_NEAR(time.work_s, 3 * work->work_mm / 10, 1e-9);
+  // Each of two contours three times: 2 mm up at 50 mm/s, 2.3 mm down at 10.
+  EXPECT_NEAR(time.idle_s, work->idle_mm / 50 + 6 * (2.0 / 50 + 2.3 / 10), 1e-9);
+  const post::Cutting cutting = MillingOf(whole, course);
+  EXPECT_THAT(cutting.depths_mm, testing::ElementsAre(testing::DoubleNear(-0.1, 1e-12),
+                                                      testing::DoubleNear(-0.2, 1e-12),
+                                                      testing::DoubleNear(-0.3, 1e-12)));
+  EXPECT_THAT(cutting.given, testing::ElementsAre("SPEED", "DEPTH"));
+}
+
+TEST_F(ContourCommand, ATooLargeToolIsRefusedByTheNetsNames) {
+  const std::string out = folder_ / "board.ngc";
+  EXPECT_EQ(Type({"contour", gerber_, "--tool", "0.5", "--template", Mill("linuxcnc"),
+                  "--out", out}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("cannot isolate GND from VCC: gap 0.3 < tool 0.5"));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(ContourCommand, APictureIsADrawingOfTheContours) {
+  const std::string picture = folder_ / "board.svg";
+  ASSERT_EQ(Type({"contour", gerber_, "--tool", "0.1", "--picture", picture}),
+            client::kExitGood)
+      << errors_;
+  const std::string first = output_;
+  // Copper, idle ways and contours are its curves; the contours have their length.
+  Course course;
+  course.add_files(picture);
+  Warnings warnings;
+  const auto files = ReadCourseFiles(course, 1, warnings);
+  ASSERT_TRUE(files) << files.error().message;
+  double longest_mm = 0;
+  for (const DrawnCurve& curve : files->curves)
+    longest_mm = std::max(longest_mm, contour::LengthOf(curve.edges));
+  // Two pads of 1.1 mm that a track of 0.5 joins: arcs but where the track leaves.
+  const double half = std::asin(0.25 / 0.55);
+  const double expected_mm =
+      2 * (2 * std::numbers::pi - 2 * half) * 0.55 + 2 * (5 - 2 * 0.55 * std::cos(half));
+  EXPECT_NEAR(longest_mm, expected_mm, 0.002);
+}
+
+TEST_F(ContourCommand, AProjectComesBackAsItWas) {
+  const fs::path source =
+      fs::path(INTAGLIO_SOURCE_DIR) / "tests/data/contours/project_two_pads.xml";
+  const std::string xml = folder_ / "copy.xml", again = folder_ / "again.xml";
+  ASSERT_EQ(Type({"contour", source, "--xml", xml}), client::kExitGood) << errors_;
+  ASSERT_EQ(Type({"contour", xml, "--xml", again}), client::kExitGood) << errors_;
+  EXPECT_EQ(test::ContentOf(xml), test::ContentOf(again));
+  const auto board =
+      contour::BoardOf(contour::ReadProject(test::ContentOf(xml), "copy.xml").value());
+  const auto original = contour::BoardOf(
+      contour::ReadProject(test::ContentOf(source), "two_pads.xml").value());
+  ASSERT_EQ(board.elements.size(), original.elements.size());
+  for (std::size_t i = 0; i < board.elements.size(); ++i) {
+    EXPECT_EQ(contour::Describe(board.elements[i]),
+              contour::Describe(original.elements[i]));
+  }
+  EXPECT_EQ(board.holes.size(), original.holes.size());
+  const std::string plate =
+      Write("plate.svg",
+            R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" )"
+            R"(viewBox="0 0 30 30"><rect x="5" y="5" width="20" height="20"/></svg>)");
+  EXPECT_EQ(Type({"contour", plate, "--xml", xml}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("plate.svg, curve 1 is no element of a project"));
+}
+
+TEST_F(ContourCommand, APlateIsCutAroundItselfAndInItsHole) {
+  const std::string plate =
+      Write("plate.svg",
+            R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" )"
+            R"(viewBox="0 0 30 30"><rect x="5" y="5" width="20" height="20"/>)"
+            R"(<rect x="10" y="10" width="10" height="10"/></svg>)");
+  Course course;
+  course.add_files(plate);
+  course.set_make(COURSE_MAKE_OUTLINE);
+  course.set_tool_diameter_mm(2);
+  course.set_round_corners(true);
+  const Course whole = WithDefaults(course);
+  Warnings warnings;
+  const auto files = ReadCourseFiles(whole, 1, warnings);
+  ASSERT_TRUE(files);
+  const auto work = MakeContourWork(whole, *files, {0, 0});
+  ASSERT_TRUE(work) << work.error().message;
+  ASSERT_EQ(work->paths.size(), 2U);
+  // Around: four sides and a circle of radius 1; the hole: a square of 8.
+  EXPECT_NEAR(work->work_mm, 80 + 2 * std::numbers::pi + 32, 1e-6);
+}
+
+TEST_F(ContourCommand, OpenCurvesHaveNoOutlineButCanBeFollowed) {
+  const std::string line = Write(
+      "line.svg", R"(<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" )"
+                  R"(viewBox="0 0 30 30"><line x1="5" y1="5" x2="25" y2="5"/></svg>)");
+  EXPECT_EQ(Type({"contour", line, "--make", "outline"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("line.svg, curve 1: is open, from (5, 25) to (25, 25)"));
+  const std::string out = folder_ / "line.nc";
+  ASSERT_EQ(Type({"contour", line, "--make", "curves", "--power", "0.4", "--speed", "20",
+                  "--template", Mill("grbl-laser"), "--out", out}),
+            client::kExitGood)
+      << errors_;
+  EXPECT_THAT(
+      test::ContentOf(out),
+      HasSubstr("G0 X5.0000 Y25.0000 S0\nG1 F1200.0 S400\nG1 X25.0000 Y25.0000\n"));
+  EXPECT_EQ(Type({"contour", line, "--make", "curves", "--power", "0.4", "--template",
+                  Mill("linuxcnc"), "--out", out}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("no fragment uses @POWER@"));
+}
+
+TEST_F(ContourCommand, ErrorsNameFileAndRemedy) {
+  const std::string odd = Write("board.txt", "nothing of the kind\n");
+  EXPECT_EQ(Type({"contour", odd}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("board.txt: is neither a drawing"));
+  EXPECT_EQ(Type({"contour", folder_ / "absent.gbr"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("absent.gbr does not exist or is not a file"));
+  EXPECT_EQ(Type({"contour", gerber_, "--make", "outline", "--passes", "2"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("are of isolations"));
+  EXPECT_EQ(Type({"contour", excellon_, "--template", Mill("hpgl"), "--out",
+                  folder_ / "a.plt"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("--drill-template: is missing"));
+}
+
+TEST_F(ContourCommand, AJobOfContoursIsAProgram) {
+  const std::string job =
+      Write("board.textproto",
+            "name: \"board\"\ncourse {\n  files: \"board.gbr\"\n  tool_diameter_mm: 0.1\n"
+            "  speed_mm_s: 8\n  depth_mm: 0.4\n  repeat_count: 2\n}\n");
+  const std::string out = folder_ / "board.src";
+  ASSERT_EQ(Type({"post", job, "--template", Mill("krl-full"), "--out", out}),
+            client::kExitGood)
+      << errors_;
+  const std::string program = test::ContentOf(out);
+  EXPECT_THAT(program, HasSubstr("DEF board( )"));
+  EXPECT_THAT(program, HasSubstr("Z -0.2 }"));
+  EXPECT_THAT(program, HasSubstr("Z -0.4 }"));
+  EXPECT_THAT(program, HasSubstr("Vel=0.008 m/s"));
+  // The short form has its speeds on the robot: what is given would be lost.
+  EXPECT_EQ(Type({"post", job, "--template", Mill("krl"), "--out", out}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("no fragment uses @SPEED@, which is given"));
+}
+
+TEST_F(ContourCommand, OtherCommandsRefuseAJobOfContours) {
+  const std::string job =
+      Write("board.textproto", "course {\n  files: \"board.gbr\"\n}\n");
+  JobFlags flags;
+  flags.job_file = job;
+  const auto built = BuildJob(flags);
+  ASSERT_FALSE(built);
+  EXPECT_THAT(built.error().message, HasSubstr("intaglio post JOB --template NAME"));
+  JobSpec spec;
+  spec.mutable_course()->add_files(gerber_);
+  ASSERT_EQ(CheckJob(spec).size(), 1U);
+  EXPECT_THAT(CheckJob(spec).front().message, HasSubstr("intaglio post JOB"));
+  EXPECT_TRUE(CheckCourse(spec).empty());
+  spec.mutable_course()->set_power_ratio(0.5);
+  spec.mutable_course()->set_depth_mm(0.5);
+  spec.mutable_course()->set_repeat_count(101);
+  spec.mutable_course()->add_files("/no/such.gbr");
+  spec.add_models();
+  const auto found = CheckCourse(spec);
+  std::vector<std::string> fields;
+  for (const Finding& finding : found) fields.push_back(finding.field);
+  EXPECT_THAT(fields,
+              testing::UnorderedElementsAre("course.depth_mm", "course.repeat_count",
+                                            "course.files[1]", "models"));
+}
+
+}  // namespace
+}  // namespace intaglio::cli
