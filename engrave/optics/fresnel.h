@@ -7,4 +7,8 @@ namespace intaglio::optics {
 /// (Fresnel).
 double ReflectanceAtNormalIncidence(double refractive_index);
 
+/// The same of unpolarized light at an angle of incidence in air, 0..pi/2 rad from the
+/// normal: the mean of both polarizations (Fresnel). It grows with the angle to 1.
+double ReflectanceAtAngle(double refractive_index, double incidence_rad);
+
 }  // namespace intaglio::optics

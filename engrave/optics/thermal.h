@@ -11,9 +11,19 @@ struct ThermalProperties {
   double youngs_modulus_gpa = 0;    ///< > 0
 };
 
-/// dT = sigma (1 - nu) / (alpha_T E), in kelvin (Trochimczuk 2008 ch. 5, eq. 1): of a
-/// body that is heated as a whole. The source allows up to 1.5 times as much where it is
-/// cooled, and 3 times where it is heated locally.
-double ThermalStrengthK(const ThermalProperties& glass);
+/// Where the temperature changes, and with that how much of it the glass withstands.
+enum class ThermalLoad {
+  kWholeBody,     ///< 1: of a body that is heated as a whole
+  kCooling,       ///< 1.5, "up to": where it is cooled
+  kLocalHeating,  ///< 3, "up to": where it is heated in a small place, as at a focus
+};
+
+/// The factor of a load, without unit (Trochimczuk 2008 ch. 5.2).
+double ThermalLoadFactor(ThermalLoad load);
+
+/// dT = factor sigma (1 - nu) / (alpha_T E), in kelvin (Trochimczuk 2008 ch. 5.2, eq. 1,
+/// where the factor is 1).
+double ThermalStrengthK(const ThermalProperties& glass,
+                        ThermalLoad load = ThermalLoad::kWholeBody);
 
 }  // namespace intaglio::optics

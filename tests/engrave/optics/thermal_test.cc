@@ -15,6 +15,12 @@ TEST(Thermal, StrengthOfWindowGlass) {
   EXPECT_NEAR(ThermalStrengthK(kWindow), 37.142857142857, 1e-11);
 }
 
+TEST(Thermal, LocalHeatingIsWithstoodThreeTimesAsMuch) {
+  EXPECT_NEAR(ThermalStrengthK(kWindow, ThermalLoad::kLocalHeating), 111.428571428571,
+              1e-11);
+  EXPECT_NEAR(ThermalStrengthK(kWindow, ThermalLoad::kCooling), 55.7142857142857, 1e-11);
+}
+
 TEST(Thermal, OutsideTheRangesItThrows) {
   ThermalProperties glass = kWindow;
   glass.expansion_per_k = 0;
