@@ -1,0 +1,144 @@
+#include "engrave/contour/files/drawing_loops.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "engrave/contour/region/loose_edges.h"
+#include "engrave/core/try.h"
+#include "engrave/drawing/flatten.h"
+
+namespace intaglio::contour {
+namespace {
+
+using std::numbers::pi;
+// An ellipse whose axes differ by less, relatively, is a circle.
+constexpr double kCircle = 1e-9;
+constexpr double kSameLoop_mm = 1e-3;
+
+Vec2 Flat(const Vec3& p) { return {p.x(), p.y()}; }
+
+/// The arc, where the piece is one of a circle in the plane of the drawing.
+std::optional<Edge> CircularArc(const drawing::EllipticArc& arc) {
+  const Vec2 u = Flat(arc.axis_u_mm);
+  const Vec2 v = Flat(arc.axis_v_mm);
+  const double r = u.norm();
+  if (!(r > 0) || std::abs(v.norm() - r) > kCircle * r ||
+      std::abs(u.dot(v)) > kCircle * r * r || std::abs(arc.sweep_rad) < 1e-9)
+    return std::nullopt;
+  const double side = Cross(u, v) > 0 ? 1 : -1;
+  const double begin = std::atan2(u.y(), u.x()) + side * arc.begin_rad;
+  return MakeArc(Flat(arc.center_mm), r, begin, side * arc.sweep_rad);
+}
+
+/// All edges of a curve, the lines between its pieces among them.
+class CurveEdges {
+ public:
+  explicit CurveEdges(const LoopOptions& options) : options_(options) {}
+
+  Status Append(const drawing::Curve& curve) {
+    begin_.reset();
+    for (const drawing::Piece& piece : curve.pieces) {
+      if (const auto* line = std::get_if<drawing::Polyline>(&piece)) {
+        for (const Vec3& p : line->points_mm) LineTo(Flat(p));
+      } else if (const auto arc = ArcOf(piece)) {
+        LineTo(arc->begin_mm);
+        edges_.push_back(*arc);
+        at_ = arc->end_mm;
+      } else {
+        INTAGLIO_TRY(AppendChords(piece));
+      }
+    }
+    if (curve.closed && begin_) LineTo(*begin_);
+    return {};
+  }
+  Edges Take() { return std::move(edges_); }
+
+ private:
+  static std::optional<Edge> ArcOf(const drawing::Piece& piece) {
+    const auto* arc = std::get_if<drawing::EllipticArc>(&piece);
+    return arc != nullptr ? CircularArc(*arc) : std::nullopt;
+  }
+
+  void LineTo(const Vec2& to) {
+    if (!begin_)
+      begin_ = to;
+    else if (to != at_)
+      edges_.push_back(MakeLine(at_, to));
+    at_ = to;
+  }
+
+  Status AppendChords(const drawing::Piece& piece) {
+    drawing::Drawing one;
+    one.curves.push_back({{piece}});
+    const auto flat = INTAGLIO_TRY(
+        drawing::Flatten(one, {options_.chord_tolerance_mm, 1.0, 10'000'000}));
+    for (const drawing::FlatCurve& curve : flat.curves) {
+      for (const Vec3& p : curve.points_mm) LineTo(Flat(p));
+      if (curve.closed && !curve.points_mm.empty()) LineTo(Flat(curve.points_mm[0]));
+    }
+    return {};
+  }
+
+  const LoopOptions& options_;
+  std::optional<Vec2> begin_;
+  Vec2 at_ = Vec2::Zero();
+  Edges edges_;
+};
+
+Status CheckLoopOption(const char* name, double value, double min) {
+  if (value >= min && value <= 1) return {};
+  return Fail(
+      ErrorCode::kInvalidValue,
+      fmt::format("{} is {} mm, it has to be {} .. 1; correct it", name, value, min),
+      fmt::format("{}", value));
+}
+
+/// By area, length and the places of their corners.
+bool AreSameLoop(const Edges& a, const Edges& b) {
+  if (std::abs(std::abs(AreaOf(a)) - std::abs(AreaOf(b))) > kSameLoop_mm * LengthOf(a) ||
+      std::abs(LengthOf(a) - LengthOf(b)) > kSameLoop_mm)
+    return false;
+  for (const Edge& edge : a) {
+    for (const Vec2& place : {edge.begin_mm, PointAt(edge, edge.length_mm / 2)}) {
+      double nearest = kSameLoop_mm;
+      for (const Edge& other : b) nearest = std::min(nearest, DistanceTo(other, place));
+      if (nearest >= kSameLoop_mm) return false;
+    }
+  }
+  return true;
+}
+
+std::vector<Edges> WithoutRepeated(std::vector<Edges> loops) {
+  std::vector<Edges> kept;
+  for (Edges& loop : loops) {
+    bool seen = false;
+    for (const Edges& other : kept) seen = seen || AreSameLoop(loop, other);
+    if (!seen) kept.push_back(std::move(loop));
+  }
+  return kept;
+}
+
+}  // namespace
+
+Result<std::vector<Edges>> LoopsOfDrawing(const drawing::Drawing& drawing,
+                                          const LoopOptions& options) {
+  INTAGLIO_TRY(CheckLoopOption("the chord tolerance", options.chord_tolerance_mm, 1e-6));
+  INTAGLIO_TRY(CheckLoopOption("the joint", options.joint_mm, 1e-5));
+  CurveEdges edges(options);
+  for (const drawing::Curve& curve : drawing.curves) INTAGLIO_TRY(edges.Append(curve));
+  auto loops = INTAGLIO_TRY(JoinLoops(edges.Take(), options.joint_mm));
+  if (loops.empty())
+    return Fail(ErrorCode::kInvalidValue,
+                "the drawing has no curve; draw a closed contour");
+  return WithoutRepeated(std::move(loops));
+}
+
+Result<Region> RegionOfDrawing(const drawing::Drawing& drawing,
+                               const LoopOptions& options) {
+  return RegionOfLoops(INTAGLIO_TRY(LoopsOfDrawing(drawing, options)));
+}
+
+}  // namespace intaglio::contour
