@@ -13,15 +13,20 @@
 #include "engrave/io/atomic_file.h"
 #include "services/cli/complain.h"
 #include "services/cli/contour/contour_files.h"
+#include "services/cli/contour/contour_frames.h"
+#include "services/cli/contour/contour_motion.h"
 #include "services/cli/contour/contour_picture.h"
 #include "services/cli/contour/contour_programs.h"
 #include "services/cli/contour/contour_project.h"
 #include "services/cli/contour/contour_work.h"
 #include "services/cli/flags/size_limits_flag.h"
+#include "services/cli/job_options.h"
 #include "services/client/exit_codes.h"
+#include "services/client/figure_text.h"
 #include "services/client/warning_text.h"
 #include "services/job/course/course_check.h"
 #include "services/job/job_check.h"
+#include "services/job/job_file.h"
 
 namespace intaglio::cli {
 namespace {
@@ -36,7 +41,8 @@ struct ContourOptions {
   std::optional<std::uint32_t> passes, repeat, max_bytes;
   std::vector<double> start_mm, origin_mm;
   bool chords = false;
-  std::string mill_template, drill_template, out, picture, xml;
+  std::string mill_template, drill_template, out, picture, xml, frames, machine;
+  std::optional<double> frame_step_s;
   double size_limits = 1;
 };
 
@@ -93,6 +99,40 @@ Status WritePrograms(const ContourOptions& options, const ContourWork& work,
   return {};
 }
 
+/// The motion in time, when it is asked for.
+Status Simulate(const ContourOptions& options, const ContourWork& work,
+                const Course& whole) {
+  if (options.frames.empty() && options.machine.empty()) return {};
+  std::optional<MachineSpec> machine;
+  if (!options.machine.empty()) {
+    const fs::path profile = INTAGLIO_TRY(FindMachineFile(options.machine));
+    machine = INTAGLIO_TRY(ReadMachineFile(profile));
+  }
+  const ContourMotion motion = INTAGLIO_TRY(
+      MotionOf(work, whole, machine ? &*machine : nullptr, PlaceOf(options.start_mm)));
+  if (machine) {
+    fmt::print("{:<13} {} at work within {:g} um, {} in all\n", machine->name(),
+               client::ShortDuration(motion.work_s), machine->position_tolerance_um(),
+               client::ShortDuration(motion.duration_s));
+  }
+  if (motion.not_held > 0) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{} of {} contours: {} cannot keep its tolerance of {:g} um "
+                            "there however slow it is; use another machine, or a greater "
+                            "position_tolerance_um",
+                            motion.not_held, work.paths.size(), machine->name(),
+                            machine->position_tolerance_um()));
+  }
+  if (options.frames.empty()) return {};
+  FrameOptions frames;
+  frames.folder = options.frames;
+  frames.step_s = options.frame_step_s;
+  const auto count =
+      INTAGLIO_TRY(WriteFrames(work, motion, whole.tool_diameter_mm(), frames));
+  fmt::print("frames        {} in {}\n", count, options.frames);
+  return {};
+}
+
 Status MakeContours(const ContourOptions& options) {
   Course typed = TypedCourse(options);
   JobSpec job;
@@ -117,6 +157,7 @@ Status MakeContours(const ContourOptions& options) {
     INTAGLIO_TRY(io::WriteFileAtomically(
         options.picture, SvgOf(work, start_mm, whole.tool_diameter_mm())));
   }
+  INTAGLIO_TRY(Simulate(options, work, whole));
   return WritePrograms(options, work, whole, typed);
 }
 
@@ -224,6 +265,16 @@ void AddContourCommand(command_line::Command app) {
   contour.AddOption("--picture", options->picture,
                     "SVG, 1:1: copper, contours by pass, idle ways, holes");
   contour.AddOption("--xml", options->xml, "the elements and holes as a project");
+  const auto frames =
+      contour.AddOption("--frames", options->frames,
+                        "folder of an animation: PNG files and a table of them");
+  contour
+      .AddOption("--frame-step", options->frame_step_s,
+                 "s between frames, default a hundredth of the time")
+      .Within(0.001, 1000.0)
+      .Need(frames);
+  contour.AddOption("--machine", options->machine,
+                    "profile whose drive follows: time and frames with planned speeds");
   AddSizeLimitsFlag(contour, options->size_limits);
   contour.SetFooter(
       "Example: intaglio contour board.gbr board.drl --tool 0.2 --passes 2 --template "
