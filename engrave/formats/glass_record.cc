@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -56,6 +57,8 @@ void AppendGlassCrack(const GlassCrack& crack, std::vector<std::byte>& out) {
   PutAt(at + 32, crack.pulse_energy_mj);
   PutAt(at + 40, crack.channel);
   PutAt(at + 41, static_cast<std::uint8_t>(crack.in_glass ? 1 : 0));
+  const double length_um = std::clamp(std::round(1000 * crack.length_mm), 0.0, 65535.0);
+  PutAt(at + 42, static_cast<std::uint16_t>(length_um));
   PutAt(at + 44, io::Crc32({at, 44}));
 }
 
@@ -92,6 +95,7 @@ Result<GlassRecord> ParseGlassRecord(std::span<const std::byte> bytes) {
     crack.pulse_energy_mj = GetAt<double>(at + 32);
     crack.channel = GetAt<std::uint8_t>(at + 40);
     crack.in_glass = GetAt<std::uint8_t>(at + 41) != 0;
+    crack.length_mm = GetAt<std::uint16_t>(at + 42) / 1000.0;
     record.cracks.push_back(crack);
   }
   record.torn_bytes = bytes.size() - offset;

@@ -9,8 +9,8 @@
 //       12     4  record size, 48               32     8  pulse energy, mJ
 //       16    24  block size x, y, z, mm        40     1  channel, 0..3
 //       40     8  refractive index              41     1  1: in the glass, 0: beside it
-//       48     8  numerical aperture            42     2  zero
-//       56     4  power-up of the laser,        44     4  CRC-32 of bytes 0..43
+//       48     8  numerical aperture            42     2  length of the crack, um; 0: not
+//       known 56     4  power-up of the laser,        44     4  CRC-32 of bytes 0..43
 //                 0: not known
 //       60     4  CRC-32 of bytes 0..59
 // All numbers little endian.
@@ -40,6 +40,7 @@ struct GlassCrack {
   double pulse_energy_mj = 0;
   std::uint8_t channel = 0;
   bool in_glass = true;  ///< false: the pulse went into the air
+  double length_mm = 0;  ///< along the beam, in whole um; 0: not known
 };
 
 struct GlassRecord {

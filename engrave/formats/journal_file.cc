@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <optional>
@@ -50,14 +52,22 @@ std::optional<JournalRecord> DecodeRecord(std::span<const std::byte> bytes,
       bytes[1] > static_cast<std::byte>(PointOutcome::kLeftOut)) {
     return std::nullopt;
   }
-  return JournalRecord{kind,
+  JournalRecord record{kind,
                        static_cast<PointOutcome>(bytes[1]),
                        static_cast<std::uint8_t>(bytes[2]),
                        Get<std::uint32_t>(bytes, 4),
                        Get<std::uint64_t>(bytes, 8),
                        point,
-                       Get<std::uint32_t>(bytes, 24),
-                       Get<std::uint32_t>(bytes, 20)};
+                       Get<std::uint32_t>(bytes, 24)};
+  const auto extra = Get<std::uint32_t>(bytes, 20);
+  if (kind != JournalKind::kOutcome) {
+    record.openings = extra;
+  } else {
+    record.missed_channels = static_cast<std::uint8_t>(bytes[3]);
+    const auto energy_mj = std::bit_cast<float>(extra);
+    if (std::isfinite(energy_mj) && energy_mj > 0) record.measured_mj = energy_mj;
+  }
+  return record;
 }
 
 }  // namespace
@@ -84,7 +94,11 @@ std::array<std::byte, kJournalRecordSize> EncodeJournalRecord(
   Put<std::uint32_t>(bytes, 4, record.run);
   Put<std::uint64_t>(bytes, 8, record.tick);
   Put<std::uint32_t>(bytes, 16, record.point);
-  Put<std::uint32_t>(bytes, 20, record.openings);
+  const bool has_outcome = record.kind == JournalKind::kOutcome;
+  if (has_outcome) bytes[3] = static_cast<std::byte>(record.missed_channels);
+  Put<std::uint32_t>(
+      bytes, 20,
+      has_outcome ? std::bit_cast<std::uint32_t>(record.measured_mj) : record.openings);
   Put<std::uint32_t>(bytes, 24, record.pulse_count);
   Put<std::uint32_t>(bytes, 28, io::Crc32(std::span(bytes).first(28)));
   return bytes;
@@ -176,6 +190,8 @@ std::vector<PointHistory> HistoryOf(const Journal& journal) {
     point.open_intent = false;
     point.outcome = record.outcome;
     point.reason = record.reason;
+    point.missed_channels = record.missed_channels;
+    point.measured_mj = record.measured_mj;
     if (IsFired(record.outcome)) ++point.fired_count;
   }
   return history;

@@ -20,11 +20,12 @@
 //        0     1  kind (JournalKind)
 //        1     1  outcome (PointOutcome)
 //        2     1  reason (idl SkipReason)
-//        3     1  zero
-//        4     4  run
-//        8     8  tick; kinds consent and reopened: number of the grant
+//        3     1  kind outcome: bit 0..3, channels 1..4 whose photosensor saw no flash;
+//        else zero 4     4  run 8     8  tick; kinds consent and reopened: number of the
+//        grant
 //       16     4  point: place in the order
-//       20     4  kind session: times an interlock was opened; else zero
+//       20     4  kind session: times an interlock was opened; kind outcome: measured
+//                 energy of the pulse, float, mJ, 0: not measured; else zero
 //       24     4  pulses counted by the controller
 //       28     4  CRC-32 of bytes 0..27
 // A record of kind session has at 16 the controller's power-up, at 24 the pulses that it
@@ -82,6 +83,9 @@ struct JournalRecord {
   std::uint32_t point = 0;  ///< kSession: power-up
   std::uint32_t pulse_count = 0;
   std::uint32_t openings = 0;  ///< kSession alone
+  /// kOutcome alone. Bit 0..3: channels 1..4 that missed; 0 of a missed pulse: not known.
+  std::uint8_t missed_channels = 0;
+  float measured_mj = 0;  ///< kOutcome alone: energy of the pulse; 0: not measured
   bool operator==(const JournalRecord&) const = default;
 };
 
@@ -129,6 +133,8 @@ struct PointHistory {
   /// It was uncertain and has been reopened by a person's consent. Until it is fired it
   /// is unknown whether it holds a crack.
   bool reopened = false;
+  std::uint8_t missed_channels = 0;  ///< of its last pulse, as in JournalRecord
+  float measured_mj = 0;
 };
 std::vector<PointHistory> HistoryOf(const Journal& journal);
 

@@ -33,6 +33,25 @@ std::string PointsText(const JobReport& report) {
                     errors.rms_um(), errors.max_um(), errors.tolerance_um());
 }
 
+std::string PulsesText(const JobReport& report) {
+  const PulseEnergyReport& energy = report.pulse_energy();
+  std::string text = fmt::format("energy      {:g} mJ commanded", energy.commanded_mj());
+  if (energy.measured_count() == 0) {
+    text += ", not measured by the laser\n";
+  } else {
+    text += fmt::format(
+        "; measured {:.4g} mJ mean, {:.2g} mJ spread, {:.4g} mJ furthest off (point "
+        "{})\n",
+        energy.mean_mj(), energy.spread_mj(), energy.furthest_mj(),
+        energy.furthest_point());
+  }
+  for (const ChannelMisses& misses : report.missed_by_channel()) {
+    text += fmt::format("missed      {} by channel {}\n", GroupedDigits(misses.count()),
+                        misses.channel());
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string SummaryOf(const JobReport& report) {
@@ -44,6 +63,7 @@ std::string SummaryOf(const JobReport& report) {
       report.shadow_violations(), report.measured_spacing_mm(), report.min_spacing_mm(),
       client::ShortDuration(report.machining_time_s()), report.job().laser().rate_hz(),
       GroupedDigits(report.ticks()), report.utilisation());
+  text += PulsesText(report);
   for (const ChannelCounts& channel : report.channels()) {
     text += fmt::format("channel {}   {} planned, {} made, {} doubled, {} stray\n",
                         channel.channel(), GroupedDigits(channel.planned()),

@@ -2,8 +2,11 @@
 
 #include <google/protobuf/message.h>
 
+#include <algorithm>
+
 #include "services/job/job_defaults.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/options.h"
 
@@ -28,6 +31,8 @@ TruthGuide GuideOf(const machine::LinearAxis& axis) {
 
 // The steps of a stepper are not in the profile: so long ones that none is lost.
 constexpr double kFullStepMm = 10;
+// A calibration may begin at 0, which is no pulse.
+constexpr double kMinEnergy_mj = 0.001;
 // Nor is the period of a planar motor's controller: so short that it is continuous.
 constexpr double kPlanarPeriodS = 0.00002;
 
@@ -114,6 +119,8 @@ void SetLaser(const MachineSpec& machine, TruthLaser& laser) {
   laser.set_warm_up_s(machine.laser().warm_up_s());
   laser.set_channels(machine.laser().channels());
   laser.set_pulse_energy_mj(machine.laser().pulse_energy_mj());
+  if (const auto calibrated = EnergiesOf(machine.laser()))
+    laser.set_min_pulse_energy_mj(std::max(kMinEnergy_mj, calibrated->min_mj));
   if (!machine.channel_positions().empty()) {
     for (std::uint32_t channel = 2; channel <= 4; ++channel) {
       const Vec3 mm = FocusOffsetOf(machine, "", channel);
@@ -140,6 +147,8 @@ MachineTruth TruthOf(const MachineSpec& machine, const MountedDescription& mount
   *block.mutable_origin_mm() = Vector(origin_mm.x(), origin_mm.y(), origin_mm.z());
   block.set_refractive_index(mounted.refractive_index.value());
   block.set_numerical_aperture(mounted.lens.value().numerical_aperture);
+  if (lens != nullptr && lens->crack_length_mm() > 0)
+    block.set_crack_length_mm(lens->crack_length_mm());
   return truth;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
@@ -38,6 +39,17 @@ std::string LaserDeviceOf(const MachineSpec& machine) {
   const SerialLine& line = machine.laser_line();
   if (!line.device().empty() || line.protocol() != kMotionOutput) return line.device();
   return fmt::format("unix:{}/{}.laser", RuntimeFolder(), machine.name());
+}
+
+Status CheckEnergy(const link::LaserIdentity& laser, const link::ArmWindow& window) {
+  const double energy_mj = window.pulse_energy_mj;
+  const bool fires = std::ranges::find(window.fire, true) != window.fire.end();
+  if (!fires || (energy_mj >= laser.min_energy_mj && energy_mj <= laser.max_energy_mj))
+    return {};
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("the laser makes no pulses of {} mJ but {}..{} mJ", energy_mj,
+                          laser.min_energy_mj, laser.max_energy_mj),
+              fmt::format("{}", energy_mj));
 }
 
 Result<std::unique_ptr<LaserController>> MakeLaserDriver(const MachineSpec& machine) {

@@ -37,6 +37,8 @@
 //   L12 A controller with another serial number than the profile's is refused: up() is
 //       false, refusal() gives the reason, nothing of it is taken, and it is closed and
 //       disarmed.
+//   L13 A window whose energy is outside identity()'s range fires nothing: it is refused
+//       with kUnsupported, or each of its pulses has the outcome kEnergyOutside.
 // Not thread-safe. An object may be a motion driver, too
 // (services/drivers/motion_driver.h), when one controller is both.
 
@@ -107,10 +109,14 @@ class LaserController {
   /// Emergency stop, which the controller keeps latched until Reset.
   virtual Status Stop() = 0;
   virtual Status RequestStatus() = 0;
-  /// Asks what came of `count` ticks (1..link::kMaxReportTicks), whichever session armed
+  /// Asks what came of `count` ticks (1..link::kMaxPastTicks), whichever session armed
   /// them. False: the line takes nothing now. A new session loses what was asked before.
   virtual bool RequestPast(std::uint64_t first_tick, std::uint16_t count) = 0;
 };
+
+/// For families that cannot set each pulse's energy: kUnsupported when the window fires
+/// and its energy is outside the range of `laser`.
+Status CheckEnergy(const link::LaserIdentity& laser, const link::ArmWindow& window);
 
 /// One row of the table of controller families.
 struct LaserDriverKind {

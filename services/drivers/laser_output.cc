@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engrave/core/try.h"
+
 namespace intaglio::drivers {
 namespace {
 
@@ -188,7 +190,8 @@ bool LaserOutput::MustGiveUp() {
       commands_.begin() + 1, commands_.end(),
       [](const Frame& frame) { return frame.type == LaserFrame::kLaserReset; });
   if (!reset_waits && clock_() - *refused_at_ < kRoomPatience) return false;
-  if (commands_.front().type == LaserFrame::kArmWindow) ReportLate(commands_.front());
+  if (commands_.front().type == LaserFrame::kArmWindow)
+    ReportDark(commands_.front(), link::TickOutcome::kTooLate);
   return true;
 }
 
@@ -199,7 +202,11 @@ bool LaserOutput::PassOn(const Frame& command) {
   }
   const Status obeyed = Obey(command);
   if (!obeyed && obeyed.error().code == ErrorCode::kRefused) return false;
-  if (!obeyed && command.type == LaserFrame::kArmWindow) ReportLate(command);
+  if (!obeyed && command.type == LaserFrame::kArmWindow) {
+    ReportDark(command, obeyed.error().code == ErrorCode::kUnsupported
+                            ? link::TickOutcome::kEnergyOutside
+                            : link::TickOutcome::kTooLate);
+  }
   return true;
 }
 
@@ -217,6 +224,7 @@ Status LaserOutput::Obey(const Frame& command) {
     case LaserFrame::kArmWindow:
       if (const auto window = link::Decode<link::ArmWindow>(command.payload);
           window && !safe_state_ && !window->fire.empty()) {
+        INTAGLIO_TRY(CheckEnergy(laser_.identity(), *window));
         return laser_.Arm(*window);
       }
       return {};
@@ -231,14 +239,13 @@ Status LaserOutput::Obey(const Frame& command) {
 }
 
 // The driver takes it never: it fires nothing, and its points are known at once.
-void LaserOutput::ReportLate(const Frame& command) {
+void LaserOutput::ReportDark(const Frame& command, link::TickOutcome outcome) {
   const auto window = link::Decode<link::ArmWindow>(command.payload);
   if (!window) return;
   for (std::size_t i = 0; i < window->fire.size(); ++i) {
     if (!window->fire[i]) continue;
-    Send(
-        LaserFrame::kPulseReport,
-        Encode(link::PulseReport{window->first_tick + i, {link::TickOutcome::kTooLate}}));
+    Send(LaserFrame::kPulseReport,
+         Encode(link::PulseReport{window->first_tick + i, {outcome}}));
   }
 }
 

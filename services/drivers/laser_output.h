@@ -68,7 +68,7 @@ class LaserOutput {
   bool PassOn(const Frame& command);
   bool MustGiveUp();
   Status Obey(const Frame& command);
-  void ReportLate(const Frame& command);
+  void ReportDark(const Frame& command, link::TickOutcome outcome);
   void Identify();
   void SendStatus();
   void Send(link::LaserFrame type, link::Bytes payload);

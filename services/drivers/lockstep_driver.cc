@@ -25,6 +25,7 @@ LockstepDriver::LockstepDriver(const MachineSpec& machine, link::SteadyClock clo
   identity_.lockstep = true;
   identity_.rates_hz = rates_hz_;
   identity_.model = std::move(model);
+  identity_.min_energy_mj = identity_.max_energy_mj = machine.laser().pulse_energy_mj();
   passed_at_ = now();
 }
 

@@ -121,6 +121,11 @@ class LockstepDriver : public MotionDriver, public LaserController {
   virtual std::uint64_t LimitedByPulses(std::uint64_t tick) const = 0;
 
   // What a family does.
+  /// Before a window is decided: its pulses are of the window's energy, or an error. Of a
+  /// laser with one energy: CheckEnergy.
+  virtual Status SetEnergy(const link::ArmWindow& window) {
+    return CheckEnergy(identity_, window);
+  }
   /// Moves the line's bytes, and takes what came; TakePowerUps comes first.
   virtual void TakeAnswers() = 0;
   virtual void Feed() = 0;

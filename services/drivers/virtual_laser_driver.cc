@@ -18,6 +18,10 @@ link::PulseTiming TimingOf(const PulseTiming& profile) {
   if (profile.has_min_sensor_width_us())
     timing.min_sensor_width_us = profile.min_sensor_width_us();
   timing.shutter_time_ms = profile.shutter_time_ms();
+  if (profile.has_min_flash_height_mm())
+    timing.min_flash_height_mm = profile.min_flash_height_mm();
+  if (profile.has_max_flash_height_mm())
+    timing.max_flash_height_mm = profile.max_flash_height_mm();
   return timing;
 }
 

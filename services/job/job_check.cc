@@ -230,6 +230,18 @@ void CheckChannels(const JobSpec& job, Findings& findings) {
       findings);
 }
 
+// Trochimczuk 2008, table 8: E_p f < 1000 W.
+void CheckPump(const LaserOptions& laser, const LaserHead& head, Findings& findings) {
+  if (!head.has_pump()) return;
+  const double power_w = head.pump().energy_j() * laser.rate_hz();
+  const double max_w = MaxPumpPower_w(head.pump());
+  if (power_w < max_w) return;
+  findings.Wrong("laser.rate_hz", laser.rate_hz(),
+                 "takes {} W of pump power at {} J a pulse, and laser.pump allows less "
+                 "than {} W: choose a rate below {} Hz",
+                 power_w, head.pump().energy_j(), max_w, max_w / head.pump().energy_j());
+}
+
 void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
                 Findings& findings) {
   const LaserHead& head = machine.laser();
@@ -247,7 +259,15 @@ void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
     findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
                    "is above the pulse energy of {}, {}", machine.name(),
                    head.pulse_energy_mj());
+  } else if (laser.pulse_energy_mj() < SettableEnergies(machine).min_mj &&
+             !EnergiesOf(head)) {
+    findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),
+                   "cannot be set on {}, whose controller switches the laser and no "
+                   "more: every pulse has {}; ask for that, or calibrate "
+                   "laser.energy_calibration of a controller with a power setting",
+                   machine.name(), head.pulse_energy_mj());
   }
+  CheckPump(laser, head, findings);
   if (const auto all = EnergiesOf(head); all && (laser.pulse_energy_mj() < all->min_mj ||
                                                  laser.pulse_energy_mj() > all->max_mj)) {
     findings.Wrong("laser.pulse_energy_mj", laser.pulse_energy_mj(),

@@ -7,6 +7,7 @@
 #include "services/job/field_ranges.h"
 #include "services/job/job_check.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/laser_setting.h"
 #include "services/job/teach/taught_check.h"
 #include "services/platform/link/endpoint.h"
 
@@ -187,6 +188,23 @@ void CheckTiming(const LaserHead& laser, std::vector<Error>& errors) {
                     width_us, delay_us, *fastest));
 }
 
+void CheckPumpEnergy(const LaserHead& laser, std::vector<Error>& errors) {
+  if (!laser.has_pump() || laser.pump().energy_j() <= MaxPumpEnergy_j(laser.pump()))
+    return;
+  Wrong(errors, "laser.pump.energy_j",
+        fmt::format("{} is above max_energy_j, {}; reduce it", laser.pump().energy_j(),
+                    MaxPumpEnergy_j(laser.pump())));
+}
+
+void CheckFlashHeights(const PulseTiming& timing, std::vector<Error>& errors) {
+  if (!timing.has_min_flash_height_mm() || !timing.has_max_flash_height_mm() ||
+      timing.min_flash_height_mm() <= timing.max_flash_height_mm())
+    return;
+  Wrong(errors, "laser.timing.min_flash_height_mm",
+        fmt::format("{} is above max_flash_height_mm, {}; exchange them",
+                    timing.min_flash_height_mm(), timing.max_flash_height_mm()));
+}
+
 void CheckChannelPositions(const MachineSpec& machine, std::vector<Error>& errors) {
   std::set<std::uint32_t> seen;
   for (int i = 0; i < machine.channel_positions_size(); ++i) {
@@ -293,6 +311,8 @@ std::vector<Error> CheckMachine(const MachineSpec& machine) {
   CheckLensName(machine, "mounted_lens", machine.mounted_lens(), errors);
   CheckLensName(machine, "zero_lens", machine.zero_lens(), errors);
   CheckEnergies(machine.laser(), errors);
+  CheckPumpEnergy(machine.laser(), errors);
+  CheckFlashHeights(machine.laser().timing(), errors);
   CheckTiming(machine.laser(), errors);
   CheckChannelPositions(machine, errors);
   CheckLine(machine.has_laser_line(), machine.laser_line(), "laser_line", errors);

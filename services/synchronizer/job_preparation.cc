@@ -41,6 +41,7 @@ Result<EngravingJob> EngravingOf(const PreparationTask& task, const PointCloud& 
   auto axes = INTAGLIO_TRY(
       CheckedAxes(path, BlocksOfModels(frozen.job()), frames, job.plan.limits.travel_mm));
   job.machine_points_mm = std::move(axes);
+  job.pulse_energy_mj = frozen.job().laser().pulse_energy_mj();
   job.max_missed_in_a_row = frozen.machine().laser().max_missed_in_a_row();
   job.max_unsettled_points = frozen.machine().laser().max_unsettled_points();
   job.photosensor_feedback = frozen.job().laser().photosensor_feedback();

@@ -165,7 +165,15 @@ std::string Commands::DoCommand(const std::vector<std::string>& words) {
   if (verb == "miss" || verb == "blind") {
     const auto count = NumberOf<std::uint64_t>(what);
     if (!count) return "";
-    verb == "miss" ? machine_.MissPulses(*count) : machine_.BlindSensor(*count);
+    if (verb == "miss") {
+      machine_.MissPulses(*count);
+    } else if (words.size() == 2) {
+      machine_.BlindSensor(*count);
+    } else {
+      const auto channel = NumberOf<unsigned>(words[2]);
+      if (!channel || *channel < 1 || *channel > 4) return "error blind N 1..4";
+      machine_.BlindSensor(*count, static_cast<std::uint8_t>(1u << (*channel - 1)));
+    }
     return "ok";
   }
   if (verb == "drop-bytes" && words.size() == 3) {

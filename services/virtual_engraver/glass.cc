@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace intaglio::virtual_engraver {
 namespace {
 
@@ -13,6 +15,10 @@ tl::unexpected<Error> CannotWrite(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+double CrackLengthMm(double full_mm, double energy_ratio) {
+  return full_mm * std::cbrt(energy_ratio);
+}
 
 Result<Glass> Glass::Create(const std::filesystem::path& file,
                             const formats::GlassHeader& header) {

@@ -11,7 +11,8 @@ using link::TickOutcome;
 Laser::Laser(LaserOptions options)
     : options_(std::move(options)),
       rate_hz_(options_.rates_hz.front()),
-      next_rate_hz_(rate_hz_) {}
+      next_rate_hz_(rate_hz_),
+      random_(options_.seed) {}
 
 void Laser::SetLamp(const link::LampCommand& command) {
   if (!command.on || !lamp_on_) lamp_s_ = 0;
@@ -131,7 +132,11 @@ TickOutcome Laser::OutcomeAt(bool armed, const link::ArmWindow& window,
     return TickOutcome::kShutterClosed;
   if (!TakesTrigger(options_.signals, timing_, window.at_place))
     return TickOutcome::kTriggerOutside;
-  return TickOutcome::kFiredSeen;  // Seen() returns whether it was
+  // false for NaN
+  const double energy_mj = window.pulse_energy_mj;
+  if (!(energy_mj >= options_.min_energy_mj && energy_mj <= options_.max_energy_mj))
+    return TickOutcome::kEnergyOutside;
+  return TickOutcome::kFiredSeen;  // Missed() takes it back
 }
 
 bool Laser::NextFiresAtPlace() const {
@@ -147,6 +152,7 @@ bool Laser::NextFiresAtPlace() const {
 std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   ++tick_;
   past_[tick_ % past_.size()] = TickOutcome::kNotArmed;
+  past_missed_[tick_ % past_.size()] = 0;
   const double period_s = 1 / rate_hz_ + late_s;
   machine_s_ += period_s;
   if (lamp_on_) lamp_s_ += period_s;
@@ -163,17 +169,32 @@ std::uint8_t Laser::AdvanceTick(bool in_position, double late_s) {
   if (outcome != TickOutcome::kFiredSeen) return 0;
   ++pulse_count_;
   last_fired_tick_ = tick_;
+  Discharge(window.pulse_energy_mj);
   // A shutter on its way lets a part of the beam pass.
   const double time_s = options_.signals.shutter_time_s;
-  return time_s > 0 && ShuttersMove(time_s)
-             ? static_cast<std::uint8_t>(shutters_ | shutters_before_)
-             : shutters_;
+  pulse_channels_ = time_s > 0 && ShuttersMove(time_s)
+                        ? static_cast<std::uint8_t>(shutters_ | shutters_before_)
+                        : shutters_;
+  if (options_.signals.sensor_width_us <= timing_.min_sensor_width_us)
+    Missed(pulse_channels_);
+  return pulse_channels_;
 }
 
-void Laser::Seen(bool crack) {
-  if (crack && options_.signals.sensor_width_us > timing_.min_sensor_width_us) return;
+void Laser::Discharge(double energy_mj) {
+  // The same numbers from every standard library.
+  const double uniform = static_cast<double>(random_() >> 11) * 0x1p-53;
+  pulse_energy_mj_ = energy_mj * (1 + options_.energy_error_ratio) *
+                     (1 + options_.energy_spread_ratio * (2 * uniform - 1));
+  reports_.back().measured_mj.back() = static_cast<float>(pulse_energy_mj_);
+}
+
+void Laser::Missed(std::uint8_t channels) {
+  const auto missed = static_cast<std::uint8_t>(channels & pulse_channels_);
+  if (missed == 0) return;
   reports_.back().outcome.back() = TickOutcome::kFiredUnseen;
+  reports_.back().missed.back() |= missed;
   past_[tick_ % past_.size()] = TickOutcome::kFiredUnseen;
+  past_missed_[tick_ % past_.size()] |= missed;
 }
 
 void Laser::Note(std::uint64_t tick, TickOutcome outcome) {
@@ -183,6 +204,8 @@ void Laser::Note(std::uint64_t tick, TickOutcome outcome) {
       reports_.back().outcome.size() < link::kMaxReportTicks;
   if (!follows) reports_.push_back({tick, {}});
   reports_.back().outcome.push_back(outcome);
+  reports_.back().missed.push_back(0);
+  reports_.back().measured_mj.push_back(0);
   past_[tick % past_.size()] = outcome;
 }
 
@@ -196,10 +219,13 @@ link::PastReport Laser::Past(const link::PastRequest& asked) const {
     const std::uint64_t tick = asked.first_tick + i;
     if (tick > tick_) {
       report.outcome.push_back(TickOutcome::kNotArmed);
+      report.missed.push_back(0);
     } else if (tick_ - tick >= past_.size()) {
       report.outcome.push_back(TickOutcome::kNoLongerKnown);
+      report.missed.push_back(0);
     } else {
       report.outcome.push_back(past_[tick % past_.size()]);
+      report.missed.push_back(past_missed_[tick % past_.size()]);
     }
   }
   return report;
@@ -242,7 +268,9 @@ link::LaserIdentity Laser::Identity() const {
           options_.rates_hz,
           "Intaglio virtual engraver",
           options_.serial_number,
-          true};
+          true,
+          options_.min_energy_mj,
+          options_.max_energy_mj};
 }
 
 }  // namespace intaglio::virtual_engraver

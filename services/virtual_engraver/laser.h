@@ -5,7 +5,8 @@
 //
 //   armed -> [gated: in position; at a place: compare output] -> key, door, stop -> no
 //   safe state -> lamp warm
-//         -> a shutter is open, and none moves -> the Q-switch takes the trigger -> pulse
+//         -> a shutter is open, and none moves -> the Q-switch takes the trigger
+//         -> the commanded energy is within its range -> pulse
 //
 // The first link that does not hold is the outcome. Nothing passes at all while the lamp
 // sync is too short for the controller to count. Not thread-safe; time is AdvanceTick.
@@ -13,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <random>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +32,12 @@ struct LaserOptions {
   std::uint32_t power_up = 1;                     ///< random number of this power-up
   std::string serial_number = "virtual-laser-1";  ///< empty: it has none
   LaserSignals signals = {};
+  /// What the energy of a pulse can be set to, in front of the lens.
+  double min_energy_mj = 0.001, max_energy_mj = 30;
+  /// All pulses are off by the one; each by up to the other, uniform (Trochimczuk 2008,
+  /// annex D, table 10: 2 %).
+  double energy_error_ratio = 0, energy_spread_ratio = 0.02;
+  unsigned seed = 0;  ///< of the spread
 };
 
 class Laser {
@@ -76,8 +84,17 @@ class Laser {
   /// One lamp sync later, which comes `late_s` after its time. Returns the mask of
   /// channels that fire; 0: no pulse.
   std::uint8_t AdvanceTick(bool in_position, double late_s = 0);
-  /// What the photosensors saw of the pulse that AdvanceTick returned.
-  void Seen(bool crack);
+  /// Of the pulse that AdvanceTick returned, in front of the lens; detectors measure it
+  /// exactly.
+  double pulse_energy_mj() const { return pulse_energy_mj_; }
+  /// The photosensors of these channels saw no flash of the pulse that AdvanceTick
+  /// returned.
+  void Missed(std::uint8_t channels);
+  /// Whether a photosensor would count a flash at this height, glass frame.
+  bool CountsFlashAt(double height_mm) const {
+    return height_mm >= timing_.min_flash_height_mm &&
+           height_mm <= timing_.max_flash_height_mm;
+  }
 
   double rate_hz() const { return rate_hz_; }
   std::uint64_t tick() const { return tick_; }
@@ -100,6 +117,7 @@ class Laser {
     return machine_s_ < shutters_moved_s_ + time_s;
   }
   void Note(std::uint64_t tick, link::TickOutcome outcome);
+  void Discharge(double energy_mj);
 
   LaserOptions options_;
   double rate_hz_;
@@ -117,10 +135,14 @@ class Laser {
   std::uint64_t decided_through_ = 0;
   std::deque<link::ArmWindow> windows_;
   std::uint64_t pulse_count_ = 0, last_fired_tick_ = 0;
+  double pulse_energy_mj_ = 0;
+  std::uint8_t pulse_channels_ = 0;
+  std::mt19937_64 random_;
   std::uint32_t disarms_taken_ = 0, openings_ = 0;
   std::vector<link::PulseReport> reports_;
   // Outcome of tick t at t modulo the size.
   std::array<link::TickOutcome, link::kRememberedTicks> past_{};
+  std::array<std::uint8_t, link::kRememberedTicks> past_missed_{};
 };
 
 }  // namespace intaglio::virtual_engraver

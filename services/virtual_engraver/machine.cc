@@ -225,23 +225,27 @@ bool Machine::PassTicks() {
 }
 
 void Machine::Fire(std::uint8_t channels, const Vec3& place_mm) {
-  bool seen = to_overlook_ == 0;
+  unsigned missed = to_overlook_ > 0 ? blind_channels_ : 0;
   if (to_overlook_ > 0) --to_overlook_;
+  const double energy_mj = laser_.pulse_energy_mj();
   for (std::uint8_t channel = 0; channel < 4; ++channel) {
     if ((channels >> channel & 1) == 0) continue;
     if (to_miss_ > 0) {
-      seen = false;
+      missed |= 1u << channel;
       continue;
     }
     const Focus focus = TraceFocus(
         FocusAt(options_.positioner, place_mm) + options_.channel_offset_mm[channel],
         options_.block);
-    glass_.Add({laser_.tick(), focus.position_mm, options_.pulse_energy_mj, channel,
-                focus.in_glass});
-    seen = seen && focus.in_glass;
+    const double length_mm =
+        CrackLengthMm(options_.crack_length_mm, energy_mj / options_.laser.max_energy_mj);
+    glass_.Add({laser_.tick(), focus.position_mm, energy_mj, channel, focus.in_glass,
+                focus.in_glass ? length_mm : 0});
+    if (!focus.in_glass || !laser_.CountsFlashAt(focus.position_mm.z()))
+      missed |= 1u << channel;
   }
   if (to_miss_ > 0) --to_miss_;
-  laser_.Seen(seen);
+  laser_.Missed(static_cast<std::uint8_t>(missed));
 }
 
 void Machine::SendReports(bool at_once) {

@@ -35,7 +35,7 @@ struct MachineOptions {
   LaserOptions laser;
   BlockInMachine block;
   PositionerOptions positioner;
-  double pulse_energy_mj = 30;
+  double crack_length_mm = 0.2;  ///< of the laser's largest pulse, along the beam
   /// How far beside that of channel 1 the beam of each channel meets.
   std::array<Vec3, 4> channel_offset_mm = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                            Vec3::Zero()};
@@ -62,8 +62,11 @@ class Machine {
   Glass& glass() { return glass_; }
   /// The next pulses make no crack.
   void MissPulses(std::uint64_t count) { to_miss_ += count; }
-  /// The photosensor sees none of the next cracks.
-  void BlindSensor(std::uint64_t count) { to_overlook_ += count; }
+  /// The photosensors of these channels, or of all, see none of the next flashes.
+  void BlindSensor(std::uint64_t count, std::uint8_t channels = 0x0f) {
+    to_overlook_ += count;
+    blind_channels_ = channels;
+  }
   /// The next lamp sync comes `seconds` of machine time late.
   void DelaySync(double seconds);
   /// Everything about the present moment as one line of JSON.
@@ -115,6 +118,7 @@ class Machine {
   std::chrono::nanoseconds next_tick_at_;
   std::chrono::nanoseconds jogged_at_{0};  // until when the stage was moved by hand
   std::uint64_t to_miss_ = 0, to_overlook_ = 0;
+  std::uint8_t blind_channels_ = 0;
   double sync_late_s_ = 0;
   std::uint32_t sent_interlocks_ = 0;
   link::StageFault sent_fault_ = link::StageFault::kNone;

@@ -113,7 +113,11 @@ void SetLaser(const TruthLaser& truth, MachineOptions& options) {
     options.channel_offset_mm.at(static_cast<std::size_t>(i) + 1) =
         Vec3Of(truth.channel_offset_mm(i));
   }
-  if (truth.has_pulse_energy_mj()) options.pulse_energy_mj = truth.pulse_energy_mj();
+  if (truth.has_pulse_energy_mj()) laser.max_energy_mj = truth.pulse_energy_mj();
+  if (truth.has_min_pulse_energy_mj()) laser.min_energy_mj = truth.min_pulse_energy_mj();
+  if (truth.has_energy_spread_ratio())
+    laser.energy_spread_ratio = truth.energy_spread_ratio();
+  laser.energy_error_ratio = truth.energy_error_ratio();
 }
 
 void SetBlock(const TruthBlock& truth, BlockInMachine& block) {
@@ -137,7 +141,9 @@ MachineOptions OptionsOf(const MachineTruth& truth) {
       options.positioner, {block.origin_mm, block.origin_mm + block.size_mm});
   options.line_jitter =
       std::chrono::nanoseconds(std::llround(1e6 * truth.line_jitter_ms()));
-  options.seed = options.stage.repeatability_seed = truth.seed();
+  if (truth.block().has_crack_length_mm())
+    options.crack_length_mm = truth.block().crack_length_mm();
+  options.seed = options.stage.repeatability_seed = options.laser.seed = truth.seed();
   if (truth.stage().has_clock_drift_ppm()) {
     options.stage.own_clock = OwnClockOptions{
         truth.stage().clock_drift_ppm(), 1e-3 * truth.line_jitter_ms(), 1, truth.seed()};

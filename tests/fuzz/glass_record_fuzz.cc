@@ -53,6 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     std::memcpy(&crack.pulse_energy_mj, bytes + at + 32, 8);
     crack.channel = bytes[at + 40];
     crack.in_glass = (bytes[at + 41] & 1) != 0;
+    crack.length_mm = bytes[at + 41] / 10.0;
     cracks.push_back(crack);
   }
   std::vector<std::byte> whole = Written(header, cracks);

@@ -64,6 +64,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     record.reason = bytes[at + 2];
     std::memcpy(&record.point, bytes + at + 3, 4);
     std::memcpy(&record.tick, bytes + at + 7, 4);
+    record.missed_channels = record.reason;
+    std::memcpy(&record.measured_mj, bytes + at + 7, 4);
     records.push_back(record);
   }
   Try(Written(header, records));

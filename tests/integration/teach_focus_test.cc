@@ -56,6 +56,27 @@ TEST_F(TeachFocus, ATestPulseIsWhereTheFocusIs) {
       << cracks[0].position_mm.transpose();
 }
 
+// 30 mJ are the energy of a job by default; a test pulse has a tenth of it.
+TEST_F(TeachFocus, ATestPulseIsWeakerThanAJobs) {
+  Do({"move", "12", "17", "20", "--speed", "50"});
+  Make({"pulse", "--out", (folder_ / "weak").string()});
+  Do({"move", "14", "17", "20", "--speed", "50"});
+  Make({"pulse", "--energy", "2", "--out", (folder_ / "asked").string()});
+  Do({"move", "16", "17", "20", "--speed", "50"});
+  Make({"pulse", "--energy", "30", "--out", (folder_ / "full").string()});
+  const auto cracks = Cracks();
+  ASSERT_EQ(cracks.size(), 3u);
+  // The laser's stability: 2 %.
+  EXPECT_NEAR(cracks[0].pulse_energy_mj, 3, 0.06);
+  EXPECT_NEAR(cracks[1].pulse_energy_mj, 2, 0.04);
+  EXPECT_NEAR(cracks[2].pulse_energy_mj, 30, 0.6);
+  // By the cube root of the energy, in whole um.
+  const double full_mm = cracks[2].length_mm;
+  EXPECT_GT(full_mm, 0.1);
+  EXPECT_NEAR(cracks[0].length_mm, full_mm * std::cbrt(0.1), 0.003);
+  EXPECT_NEAR(cracks[1].length_mm, full_mm * std::cbrt(1.0 / 15), 0.003);
+}
+
 // The zero is 0.5 mm too high. What the series teaches moves the next job's cracks by
 // exactly that, and they are within half a step of where they belong.
 TEST_F(TeachFocus, AFocusSeriesTeachesTheZeroInZ) {

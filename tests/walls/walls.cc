@@ -96,7 +96,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // Drivers of controllers, for the programs that hold a line to one: a controller may
     // move the stage and switch the laser.
     {"services/drivers",
-     {"engrave/core", "engrave/io", "engrave/motion", "idl", "proto",
+     {"engrave/core", "engrave/io", "engrave/motion", "idl", "proto", "services/job",
       "services/platform/link"}},
     {"services/motion_bridge",
      {"engrave/*", "idl", "proto", "services/drivers", "services/job",

@@ -9,6 +9,7 @@
 #include "engrave/formats/journal_file.h"
 #include "engrave/proof/glass_comparison.h"
 #include "engrave/sort/shadow.h"
+#include "services/client/proof/pulse_figures.h"
 
 namespace intaglio::client {
 namespace {
@@ -193,6 +194,9 @@ JobReport FiguresOf(const Evidence& evidence) {
            evidence.has_glass ? MeasureGlass(evidence, report)
                               : CountByController(evidence, report),
            report);
+  *report.mutable_pulse_energy() =
+      PulseEnergiesOf(evidence.history, frozen.job().laser().pulse_energy_mj());
+  AddMisses(evidence.history, report);
   if (evidence.plan_mm.size() > 1) {
     report.set_measured_spacing_mm(proof::MinSpacing(evidence.plan_mm, evidence.masks));
   }

@@ -11,6 +11,7 @@
 #include "services/job/job_defaults.h"
 #include "services/job/job_file.h"
 #include "services/job/machine/focus_offset.h"
+#include "services/job/machine/laser_setting.h"
 #include "services/job/options.h"
 
 namespace intaglio::client {
@@ -35,9 +36,9 @@ Result<const MachineLens*> LensOf(const MachineSpec& machine, const std::string&
 
 double EnergyOf(const TestJob& asked, const MachineSpec& machine) {
   if (asked.energy_mj) return *asked.energy_mj;
-  const auto& points = machine.laser().energy_calibration();
-  const double weak_mj = kEnergyShare * machine.laser().pulse_energy_mj();
-  return points.empty() ? weak_mj : std::max(weak_mj, points.begin()->energy_mj());
+  const EnergyRange settable = SettableEnergies(machine);
+  return std::clamp(kEnergyShare * machine.laser().pulse_energy_mj(), settable.min_mj,
+                    settable.max_mj);
 }
 
 JobSpec JobOf(const TestJob& asked, const std::string& name, const MachineSpec& machine,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "services/job/machine/laser_setting.h"
+
 namespace intaglio::drivers {
 namespace {
 
@@ -19,8 +21,13 @@ link::ExpectedDevice ExpectedOf(const MachineSpec& machine) {
 GrblDriver::GrblDriver(const MachineSpec& machine, link::StreamOpener open,
                        link::SteadyClock clock)
     : LockstepDriver(machine, clock, "grbl"),
-      line_(std::move(open), std::move(clock), ExpectedOf(machine)) {
+      line_(std::move(open), std::move(clock), ExpectedOf(machine)),
+      laser_(machine.laser()) {
   pieces().SetTravel(TravelOf(machine));
+  if (const auto energies = EnergiesOf(laser_)) {
+    identity_.min_energy_mj = energies->min_mj;
+    identity_.max_energy_mj = energies->max_mj;
+  }
 }
 
 void GrblDriver::TakeAnswers() {
@@ -157,6 +164,20 @@ void GrblDriver::CheckPlace() {
 void GrblDriver::Report() {
   LockstepDriver::Report();
   CheckPlace();
+}
+
+// The S of every pulse that is armed: one energy at a time.
+Status GrblDriver::SetEnergy(const link::ArmWindow& window) {
+  if (auto energy = CheckEnergy(identity_, window); !energy) return energy;
+  if (std::ranges::find(window.fire, true) == window.fire.end()) return {};
+  const double power_ratio = LaserSettingFor(laser_, window.pulse_energy_mj).value_or(1);
+  if (power_ratio == program_.power_ratio()) return {};
+  if (ticks_.next_fire_after(0) != UINT64_MAX || program_.pulse_tick() != 0) {
+    return Fail(ErrorCode::kRefused,
+                "pulses of another energy are armed: wait until they are fired");
+  }
+  program_.SetPowerRatio(power_ratio);
+  return {};
 }
 
 Status GrblDriver::Jog(const Vec3& axes, double speed_mm_s) {

@@ -94,6 +94,7 @@ class GrblDriver final : public LockstepDriver {
   void StopController() override { line_.Reset(); }
   void AskStatus() override { line_.RequestStatus(); }
   void StopHoming() override;
+  Status SetEnergy(const link::ArmWindow& window) override;
   void Recover() override;
   void Report() override;
 
@@ -127,6 +128,7 @@ class GrblDriver final : public LockstepDriver {
 
   GrblLine line_;
   GrblProgram program_;
+  LaserHead laser_;  ///< of the profile
   GrblStatus grbl_;
   std::deque<InFlight> in_flight_;
   std::optional<GrblWrite> pending_;

@@ -62,7 +62,7 @@ std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
     if (std::abs(way) >= 0.5) line += "XYZ"[i] + Short(to_mm[i], 4);
   }
   const std::string feed = "F" + Short(std::max(kMinFeed_mm_min, speed_mm_s * 60), 0);
-  const std::string power = lit ? "S" + Short(max_power_, 0) : "S0";
+  const std::string power = lit ? "S" + Short(PulsePower(), 0) : "S0";
   if (feed != feed_text_) line += feed_text_ = feed;
   if (power != power_text_) line += power_text_ = power;
   place_mm_ = to_mm;
@@ -72,6 +72,11 @@ std::string GrblProgram::Line(const Vec3& to_mm, double speed_mm_s,
 std::string GrblProgram::JogLine(const Vec3& to_mm, double speed_mm_s) const {
   return "$J=G90X" + Short(to_mm.x(), 4) + "Y" + Short(to_mm.y(), 4) + "Z" +
          Short(to_mm.z(), 4) + "F" + Short(std::max(kMinFeed_mm_min, speed_mm_s * 60), 0);
+}
+
+// Never S0, which fires nothing, and never more than the setting.
+double GrblProgram::PulsePower() const {
+  return std::max(1.0, std::floor(max_power_ * power_ratio_));
 }
 
 GrblMove GrblProgram::MoveOf(const Piece& piece) const {

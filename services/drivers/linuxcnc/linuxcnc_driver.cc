@@ -32,6 +32,7 @@ LinuxcncDriver::LinuxcncDriver(const MachineSpec& machine, HalOpener open,
                               machine.y().max_acceleration_mm_s2(),
                               machine.z().max_acceleration_mm_s2()),
       lead_s_(lead_s),
+      pulse_energy_mj_(machine.laser().pulse_energy_mj()),
       profile_rates_hz_(machine.laser().rates_hz().begin(),
                         machine.laser().rates_hz().end()) {
   state_.message = session_.message();
@@ -65,6 +66,7 @@ void LinuxcncDriver::BeginSession() {
   }
   identity_ = {session_.identity().power_up,     false, 1, {}, "LinuxCNC HAL",
                session_.identity().serial_number};
+  identity_.min_energy_mj = identity_.max_energy_mj = pulse_energy_mj_;
   for (const double rate_hz : profile_rates_hz_)
     if (PeriodsOf(rate_hz) != 0) identity_.rates_hz.push_back(rate_hz);
   const bool kept = now.periods >= 2 && now.periods <= kMaxPeriods;

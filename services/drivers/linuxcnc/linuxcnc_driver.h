@@ -123,6 +123,7 @@ class LinuxcncDriver final : public MotionDriver, public LaserController {
   Box3 travel_;
   Vec3 max_speed_mm_s_, max_acceleration_mm_s2_;
   double lead_s_;
+  double pulse_energy_mj_;  ///< the only one
   std::vector<double> profile_rates_hz_;
   std::uint64_t begun_sessions_ = 0;
 

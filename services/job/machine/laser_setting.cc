@@ -10,6 +10,22 @@ std::optional<EnergyRange> EnergiesOf(const LaserHead& head) {
   return EnergyRange{points.begin()->energy_mj(), points.rbegin()->energy_mj()};
 }
 
+double MaxPumpEnergy_j(const LaserPump& pump) {
+  return pump.has_max_energy_j() ? pump.max_energy_j() : 20;
+}
+
+double MaxPumpPower_w(const LaserPump& pump) {
+  return pump.has_max_power_w() ? pump.max_power_w() : 1000;
+}
+
+EnergyRange SettableEnergies(const MachineSpec& machine) {
+  const LaserHead& head = machine.laser();
+  if (const auto calibrated = EnergiesOf(head)) return *calibrated;
+  const bool takes_frames = machine.laser_line().protocol() != "motion-output" ||
+                            machine.motion_line().protocol() == "virtual-cell";
+  return {takes_frames ? 0 : head.pulse_energy_mj(), head.pulse_energy_mj()};
+}
+
 std::optional<double> LaserSettingFor(const LaserHead& head, double energy_mj) {
   const auto& points = head.energy_calibration();
   if (points.empty()) return std::nullopt;

@@ -24,33 +24,39 @@ tl::unexpected<Error> BadLaserFrame(const char* frame) {
               std::string("laser line: a frame ") + frame + " is malformed", frame);
 }
 
-/// PulseReport or PastReport.
+/// PulseReport or PastReport. A byte a tick: the outcome in the lower half, the channels
+/// that missed in the upper.
 template <typename Report>
-Bytes EncodeOutcomes(const Report& m) {
-  ByteWriter out;
+void PutOutcomes(const Report& m, ByteWriter& out) {
   out.Put(m.first_tick);
   out.Put(static_cast<std::uint16_t>(m.outcome.size()));
-  for (const TickOutcome outcome : m.outcome) out.Put(static_cast<std::uint8_t>(outcome));
-  return out.Take();
+  for (std::size_t i = 0; i < m.outcome.size(); ++i) {
+    const bool unseen = m.outcome[i] == TickOutcome::kFiredUnseen;
+    const unsigned missed = unseen && i < m.missed.size() ? m.missed[i] : 0;
+    out.Put(static_cast<std::uint8_t>(static_cast<unsigned>(m.outcome[i]) | missed << 4));
+  }
 }
 
 template <typename Report>
-bool DecodeOutcomes(std::span<const std::byte> payload, TickOutcome excluded, Report& m) {
-  ByteReader in(payload);
+bool GetOutcomes(ByteReader& in, std::size_t max_ticks, TickOutcome excluded, Report& m) {
   m.first_tick = in.Get<std::uint64_t>();
   const auto count = in.Get<std::uint16_t>();
-  if (!in.good() || count == 0 || count > kMaxReportTicks ||
-      GoesRound(m.first_tick, count)) {
+  if (!in.good() || count == 0 || count > max_ticks || GoesRound(m.first_tick, count))
     return false;
-  }
   for (int i = 0; i < count; ++i) {
-    const auto outcome = in.Get<std::uint8_t>();
-    if (outcome > static_cast<std::uint8_t>(TickOutcome::kTriggerOutside)) return false;
-    m.outcome.push_back(static_cast<TickOutcome>(outcome));
-    if (m.outcome.back() == excluded) return false;
+    const auto byte = in.Get<std::uint8_t>();
+    const auto outcome = static_cast<TickOutcome>(byte & 0x0f);
+    const auto missed = static_cast<std::uint8_t>(byte >> 4);
+    if (outcome > TickOutcome::kEnergyOutside || outcome == excluded ||
+        (missed != 0 && outcome != TickOutcome::kFiredUnseen))
+      return false;
+    m.outcome.push_back(outcome);
+    m.missed.push_back(missed);
   }
-  return in.finished();
+  return in.good();
 }
+
+bool IsEnergy(double mj) { return mj >= 0 && mj <= kMaxPulseEnergy_mj; }
 
 }  // namespace
 
@@ -94,6 +100,7 @@ Bytes Encode(const ArmWindow& m) {
   out.Put(static_cast<std::uint8_t>((m.gated ? kGatedBit : 0) |
                                     (m.at_place ? kAtPlaceBit : 0)));
   out.Put(static_cast<std::uint16_t>(m.fire.size()));
+  out.Put(m.pulse_energy_mj);
   for (std::size_t i = 0; i < m.fire.size(); i += 8) {
     std::uint8_t bits = 0;
     for (std::size_t j = 0; j < 8 && i + j < m.fire.size(); ++j) {
@@ -113,8 +120,10 @@ Result<ArmWindow> Decode(std::span<const std::byte> payload) {
   m.gated = (trigger & kGatedBit) != 0;
   m.at_place = (trigger & kAtPlaceBit) != 0;
   const auto count = in.Get<std::uint16_t>();
-  if (!in.good() || trigger > (kGatedBit | kAtPlaceBit) || (m.at_place && !m.gated) ||
-      count == 0 || count > kMaxArmTicks || GoesRound(m.first_tick, count)) {
+  m.pulse_energy_mj = in.Get<double>();
+  if (!in.good() || !IsEnergy(m.pulse_energy_mj) || trigger > (kGatedBit | kAtPlaceBit) ||
+      (m.at_place && !m.gated) || count == 0 || count > kMaxArmTicks ||
+      GoesRound(m.first_tick, count)) {
     return BadLaserFrame("ArmWindow");
   }
   m.fire.resize(count);
@@ -139,6 +148,8 @@ Bytes Encode(const LaserIdentity& m) {
   out.PutText(m.model, kMaxModelText);
   out.PutText(m.serial_number, kMaxLaserSerialNumber);
   out.Put(static_cast<std::uint8_t>(m.fires_at_place));
+  out.Put(m.min_energy_mj);
+  out.Put(m.max_energy_mj);
   return out.Take();
 }
 
@@ -157,7 +168,11 @@ Result<LaserIdentity> Decode(std::span<const std::byte> payload) {
   m.model = in.GetText(kMaxModelText);
   m.serial_number = in.GetPrintableText(kMaxLaserSerialNumber);
   m.fires_at_place = in.GetFlag();
-  if (!in.finished() || !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
+  m.min_energy_mj = in.Get<double>();
+  m.max_energy_mj = in.Get<double>();
+  if (!in.finished() || !IsEnergy(m.min_energy_mj) || !IsEnergy(m.max_energy_mj) ||
+      m.min_energy_mj > m.max_energy_mj ||
+      !std::all_of(m.rates_hz.begin(), m.rates_hz.end(), IsRate)) {
     return BadLaserFrame("LaserIdentity");
   }
   return m;
@@ -202,21 +217,40 @@ Result<LaserStatus> Decode(std::span<const std::byte> payload) {
   return m;
 }
 
-Bytes Encode(const PulseReport& m) { return EncodeOutcomes(m); }
-Bytes Encode(const PastReport& m) { return EncodeOutcomes(m); }
+Bytes Encode(const PulseReport& m) {
+  ByteWriter out;
+  PutOutcomes(m, out);
+  for (std::size_t i = 0; i < m.outcome.size(); ++i) {
+    if (HasFired(m.outcome[i])) out.Put(i < m.measured_mj.size() ? m.measured_mj[i] : 0);
+  }
+  return out.Take();
+}
+
+Bytes Encode(const PastReport& m) {
+  ByteWriter out;
+  PutOutcomes(m, out);
+  return out.Take();
+}
 
 template <>
 Result<PulseReport> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
   PulseReport m;
-  if (!DecodeOutcomes(payload, TickOutcome::kNoLongerKnown, m))
+  if (!GetOutcomes(in, kMaxReportTicks, TickOutcome::kNoLongerKnown, m))
     return BadLaserFrame("PulseReport");
+  for (const TickOutcome outcome : m.outcome) {
+    m.measured_mj.push_back(HasFired(outcome) ? in.Get<float>() : 0);
+    if (!IsEnergy(m.measured_mj.back())) return BadLaserFrame("PulseReport");
+  }
+  if (!in.finished()) return BadLaserFrame("PulseReport");
   return m;
 }
 
 template <>
 Result<PastReport> Decode(std::span<const std::byte> payload) {
+  ByteReader in(payload);
   PastReport m;
-  if (!DecodeOutcomes(payload, TickOutcome::kTooLate, m))
+  if (!GetOutcomes(in, kMaxPastTicks, TickOutcome::kTooLate, m) || !in.finished())
     return BadLaserFrame("PastReport");
   return m;
 }
@@ -234,7 +268,7 @@ Result<PastRequest> Decode(std::span<const std::byte> payload) {
   PastRequest m;
   m.first_tick = in.Get<std::uint64_t>();
   m.count = in.Get<std::uint16_t>();
-  if (!in.finished() || m.count == 0 || m.count > kMaxReportTicks ||
+  if (!in.finished() || m.count == 0 || m.count > kMaxPastTicks ||
       GoesRound(m.first_tick, m.count)) {
     return BadLaserFrame("PastRequest");
   }
@@ -248,6 +282,8 @@ Bytes Encode(const PulseTiming& m) {
   out.Put(m.min_sync_width_us);
   out.Put(m.min_sensor_width_us);
   out.Put(m.shutter_time_ms);
+  out.Put(m.min_flash_height_mm);
+  out.Put(m.max_flash_height_mm);
   return out.Take();
 }
 
@@ -263,6 +299,11 @@ Result<PulseTiming> Decode(std::span<const std::byte> payload) {
   }
   m.shutter_time_ms = in.Get<double>();
   good = good && m.shutter_time_ms >= 0 && m.shutter_time_ms <= kMaxShutterTime_ms;
+  m.min_flash_height_mm = in.Get<double>();
+  m.max_flash_height_mm = in.Get<double>();
+  good = good && m.min_flash_height_mm >= -kMaxFlashHeight_mm &&
+         m.min_flash_height_mm <= m.max_flash_height_mm &&
+         m.max_flash_height_mm <= kMaxFlashHeight_mm;
   if (!good || !in.finished()) return BadLaserFrame("PulseTiming");
   return m;
 }

@@ -18,6 +18,9 @@
 //
 // The laser has inputs and outputs of its own: lamp sync, Q-switch, photosensor and
 // shutter of each channel. Their timing is the host's to command (PulseTiming).
+//
+// A window carries the energy of its pulses, so no lost frame and no earlier command
+// decides it: a laser that cannot make it makes none.
 
 #include <cstddef>
 #include <cstdint>
@@ -66,8 +69,11 @@ struct PulseTiming {
   double min_sync_width_us = 2;     ///< a lamp sync that is not longer is not counted
   double min_sensor_width_us = 10;  ///< nor is a photosensor's signal
   double shutter_time_ms = 0;       ///< no trigger so long after a shutter was commanded
+  /// A flash below or above these heights is not counted; glass frame.
+  double min_flash_height_mm = -1e4, max_flash_height_mm = 1e4;
 };
-inline constexpr double kMaxPulseTime_us = 1e4, kMaxShutterTime_ms = 1e3;
+inline constexpr double kMaxPulseTime_us = 1e4, kMaxShutterTime_ms = 1e3,
+                        kMaxFlashHeight_mm = 1e4;
 
 /// Decides ticks first_tick .. first_tick + fire.size() - 1. Ticks already decided or
 /// passed are reported as late when they were to fire, and ignored otherwise.
@@ -76,8 +82,12 @@ struct ArmWindow {
   bool gated = true;
   std::vector<bool> fire;  ///< at most kMaxArmTicks, one a tick
   bool at_place = false;   ///< only where `gated` is set and the identity offers it
+  /// Of each pulse, within the identity's range: else the outcome is kEnergyOutside. 0 of
+  /// a window that fires none.
+  double pulse_energy_mj = 0;
 };
 inline constexpr std::size_t kMaxArmTicks = 4096;
+inline constexpr double kMaxPulseEnergy_mj = 1e4;
 
 struct LaserIdentity {
   std::uint32_t power_up =
@@ -88,6 +98,8 @@ struct LaserIdentity {
   std::string model;               ///< at most 64 bytes
   std::string serial_number = {};  ///< printable ASCII, at most 64; empty: it has none
   bool fires_at_place = false;     ///< takes windows `at_place`
+  /// What the pulse energy can be set to, in front of the lens; equal: it has one alone.
+  double min_energy_mj = 0, max_energy_mj = 0;
 };
 
 enum InterlockBits : std::uint8_t {
@@ -121,8 +133,8 @@ struct LaserStatus {
 
 enum class TickOutcome : std::uint8_t {
   kNotArmed = 0,
-  kFiredSeen = 1,  ///< a photosensor saw the crack
-  kFiredUnseen = 2,
+  kFiredSeen = 1,    ///< the photosensor of every open channel saw a crack
+  kFiredUnseen = 2,  ///< that of an open channel saw none, or there is none
   kNotInPosition = 3,
   kInterlocked = 4,
   kLampNotReady = 5,
@@ -130,27 +142,39 @@ enum class TickOutcome : std::uint8_t {
   kTooLate = 7,
   kNoLongerKnown = 8,   ///< only in a PastReport
   kTriggerOutside = 9,  ///< too late or too short for the laser: no pulse
+  kEnergyOutside = 10,  ///< the laser cannot make the commanded energy: no pulse
 };
+constexpr bool HasFired(TickOutcome outcome) {
+  return outcome == TickOutcome::kFiredSeen || outcome == TickOutcome::kFiredUnseen;
+}
 
 /// Every decided tick is reported once, in order, without gap; a late one in a report
 /// of its own with kTooLate.
 struct PulseReport {
   std::uint64_t first_tick = 0;
   std::vector<TickOutcome> outcome;  ///< at most kMaxReportTicks, one a tick
+  /// One a tick, bit 0..3: channels 1..4 that were open and whose photosensor saw none.
+  /// Empty, or 0 with kFiredUnseen: not known.
+  std::vector<std::uint8_t> missed = {};
+  /// One a tick, of the pulses that fired, in front of the lens. Empty, or 0: not
+  /// measured.
+  std::vector<float> measured_mj = {};
 };
-inline constexpr std::size_t kMaxReportTicks = 512;
+inline constexpr std::size_t kMaxReportTicks = 200;
 
 /// What became of ticks that have passed, whichever host and session decided them.
 struct PastRequest {
   std::uint64_t first_tick = 0;
-  std::uint16_t count = 1;  ///< 1..kMaxReportTicks
+  std::uint16_t count = 1;  ///< 1..kMaxPastTicks
 };
+inline constexpr std::size_t kMaxPastTicks = 512;
 
 /// A tick that was not decided, or has not passed, is kNotArmed. A tick that was to fire
 /// and had not passed can still fire: ask after a Disarm that a status counts.
 struct PastReport {
   std::uint64_t first_tick = 0;
-  std::vector<TickOutcome> outcome;  ///< at most kMaxReportTicks, one a tick
+  std::vector<TickOutcome> outcome;       ///< at most kMaxPastTicks, one a tick
+  std::vector<std::uint8_t> missed = {};  ///< as in PulseReport
 };
 /// A controller remembers at least this many ticks up to the newest, since its power-up.
 inline constexpr std::size_t kRememberedTicks = 65536;

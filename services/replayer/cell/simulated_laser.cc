@@ -26,6 +26,9 @@ virtual_engraver::LaserOptions OptionsOf(const MachineSpec& machine) {
   options.channels = static_cast<std::uint8_t>(
       std::clamp(static_cast<int>(machine.laser().channels()), 1, 4));
   options.lockstep = true;
+  options.min_energy_mj = 0;
+  options.max_energy_mj = machine.laser().pulse_energy_mj();
+  options.energy_spread_ratio = 0;
   // The profile may name the one that the recorded cell had.
   options.serial_number = machine.laser_line().serial_number();
   return options;
@@ -107,8 +110,8 @@ bool SimulatedLaser::PassTick(const EndOfPulse& end_of_pulse) {
     end = *known;
     armed_.pop_front();
   }
-  if (laser_.AdvanceTick(end != PulseEnd::kNotInPosition) != 0)
-    laser_.Seen(end == PulseEnd::kSeen);
+  const std::uint8_t channels = laser_.AdvanceTick(end != PulseEnd::kNotInPosition);
+  if (channels != 0 && end != PulseEnd::kSeen) laser_.Missed(channels);
   return true;
 }
 

@@ -112,6 +112,13 @@ HaltReason EngravingRun::WhySkipped() {
               "compare laser.timing of the profile with its data sheet, check the cable, "
               "then resume",
               true};
+    case SkipReason::kEnergy:
+      return {Missing::kNothing,
+              fmt::format("the laser does not make pulses of {} mJ: compare "
+                          "laser.pulse_energy_mj of the profile with its data sheet, "
+                          "then cancel the job and submit it with an energy it has",
+                          job_.pulse_energy_mj),
+              true};
     default:
       break;
   }
@@ -209,7 +216,8 @@ std::uint64_t EngravingRun::ArmLimit(const EngravingInputs& inputs) {
 
 std::optional<HaltReason> EngravingRun::ArmThrough(std::uint64_t last) {
   const bool armed = ticks_.Arm(
-      last, [this](std::uint32_t) { passed_by_ = SkipReason::kLate; }, *job_.trigger);
+      last, job_.pulse_energy_mj,
+      [this](std::uint32_t) { passed_by_ = SkipReason::kLate; }, *job_.trigger);
   if (armed) return std::nullopt;
   return HaltReason{Missing::kNothing,
                     record_.disk_failed()

@@ -21,6 +21,20 @@ std::string RateRefusal(const std::vector<double>& rates_hz, double rate_hz) {
       rate_hz, fmt::join(rates_hz, ", "));
 }
 
+/// It would pass by every point.
+std::string EnergyRefusal(const link::LaserIdentity& laser, double energy_mj) {
+  if (energy_mj >= laser.min_energy_mj && energy_mj <= laser.max_energy_mj) return "";
+  const std::string made =
+      laser.min_energy_mj == laser.max_energy_mj
+          ? fmt::format("{} mJ alone", laser.max_energy_mj)
+          : fmt::format("{}..{} mJ", laser.min_energy_mj, laser.max_energy_mj);
+  return fmt::format(
+      "the laser makes no pulses of {} mJ but {}: cancel the job, correct "
+      "laser.pulse_energy_mj of the machine profile, and submit the job with an energy "
+      "that the laser has",
+      energy_mj, made);
+}
+
 }  // namespace
 
 std::string MachinePreparation::Refusal() const {
@@ -29,6 +43,8 @@ std::string MachinePreparation::Refusal() const {
   if (!laser_.up()) return TextOf(Missing::kLaserLine) + ": " + laser_.message();
   if (const auto can = job_.trigger->CheckLaser(laser_.identity()); !can)
     return can.error().message;
+  const std::string energy = EnergyRefusal(laser_.identity(), job_.pulse_energy_mj);
+  if (!energy.empty()) return energy;
   return RateRefusal(laser_.identity().rates_hz, job_.plan.rate_hz);
 }
 

@@ -108,7 +108,7 @@ void Settling::RequestPast(std::chrono::nanoseconds now) {
   next_past_ = now + kPastRequestPeriod;
   const std::uint64_t first = ticks_.schedule().front_tick();
   const auto asked =
-      ticks_.schedule().ArmedWithin(first, first + link::kMaxReportTicks - 1);
+      ticks_.schedule().ArmedWithin(first, first + link::kMaxPastTicks - 1);
   if (asked.empty()) return;
   (void)laser_.RequestPast(first,
                            static_cast<std::uint16_t>(asked.back().tick - first + 1));

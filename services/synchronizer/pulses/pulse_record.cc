@@ -54,6 +54,7 @@ bool PulseRecord::Arm(std::uint64_t tick, std::uint32_t point) {
 void PulseRecord::Resolve(PulseResult result) {
   if (result.outcome == PointOutcome::kMissed && !photosensor_feedback_) {
     result.outcome = PointOutcome::kMade;
+    result.missed_channels = 0;
   }
   if (formats::IsFired(result.outcome)) {
     ++fired_count_;
@@ -63,7 +64,8 @@ void PulseRecord::Resolve(PulseResult result) {
   ledger_.Resolve(result.point, result.outcome);
   journal_.Append({JournalKind::kOutcome, result.outcome,
                    static_cast<std::uint8_t>(result.reason), run_, result.tick,
-                   result.point, known_pulse_count()});
+                   result.point, known_pulse_count(), 0, result.missed_channels,
+                   result.measured_mj});
   results_(result);
 }
 

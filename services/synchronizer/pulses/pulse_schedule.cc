@@ -35,6 +35,8 @@ Meaning MeaningOf(TickOutcome outcome) {
       return {PointOutcome::kSkipped, SkipReason::kLate};
     case TickOutcome::kTriggerOutside:
       return {PointOutcome::kSkipped, SkipReason::kTrigger};
+    case TickOutcome::kEnergyOutside:
+      return {PointOutcome::kSkipped, SkipReason::kEnergy};
     case TickOutcome::kNoLongerKnown:
       break;
   }
@@ -83,12 +85,13 @@ PulseSchedule::Entry* PulseSchedule::Find(std::uint64_t tick) {
   return found != entries_.end() && found->tick == tick ? &*found : nullptr;
 }
 
-void PulseSchedule::SettleOne(Entry& entry, PointOutcome outcome, SkipReason reason,
-                              const ResultSink& sink) {
+void PulseSchedule::SettleOne(Entry& entry, PulseResult result, const ResultSink& sink) {
   if (!entry.armed || entry.settled) return;
   entry.settled = true;
   --armed_count_;
-  sink({entry.tick, entry.point, outcome, reason});
+  result.tick = entry.tick;
+  result.point = entry.point;
+  sink(result);
 }
 
 bool PulseSchedule::AddArmed(std::uint64_t tick, std::uint32_t point) {
@@ -99,25 +102,32 @@ bool PulseSchedule::AddArmed(std::uint64_t tick, std::uint32_t point) {
   return true;
 }
 
-void PulseSchedule::ApplyOne(std::uint64_t tick, TickOutcome outcome,
+void PulseSchedule::ApplyOne(TickOutcome outcome, PulseResult result,
                              const ResultSink& sink) {
-  Entry* entry = Find(tick);
+  Entry* entry = Find(result.tick);
   if (entry == nullptr) return;
   const Meaning meaning = MeaningOf(outcome);
-  SettleOne(*entry, meaning.outcome, meaning.reason, sink);
+  result.outcome = meaning.outcome;
+  result.reason = meaning.reason;
+  SettleOne(*entry, result, sink);
 }
 
 void PulseSchedule::Apply(const link::PulseReport& report, const ResultSink& sink) {
   for (std::size_t i = 0; i < report.outcome.size(); ++i) {
     if (report.outcome[i] == TickOutcome::kNotArmed) continue;
-    ApplyOne(report.first_tick + i, report.outcome[i], sink);
+    PulseResult result{report.first_tick + i};
+    if (i < report.missed.size()) result.missed_channels = report.missed[i];
+    if (i < report.measured_mj.size()) result.measured_mj = report.measured_mj[i];
+    ApplyOne(report.outcome[i], result, sink);
   }
   PopSettled();
 }
 
 void PulseSchedule::Apply(const link::PastReport& report, const ResultSink& sink) {
   for (std::size_t i = 0; i < report.outcome.size(); ++i) {
-    ApplyOne(report.first_tick + i, report.outcome[i], sink);
+    PulseResult result{report.first_tick + i};
+    if (i < report.missed.size()) result.missed_channels = report.missed[i];
+    ApplyOne(report.outcome[i], result, sink);
   }
   PopSettled();
 }
@@ -137,7 +147,7 @@ void PulseSchedule::Settle(const std::vector<PulseResult>& results,
                            const ResultSink& sink) {
   for (const PulseResult& result : results) {
     Entry* entry = Find(result.tick);
-    if (entry != nullptr) SettleOne(*entry, result.outcome, result.reason, sink);
+    if (entry != nullptr) SettleOne(*entry, result, sink);
   }
   PopSettled();
 }

@@ -25,6 +25,7 @@ enum class SkipReason : std::uint8_t {
   kLink,
   kLeftOut,
   kTrigger,
+  kEnergy,
 };
 
 /// What became of one armed point.
@@ -33,6 +34,10 @@ struct PulseResult {
   std::uint32_t point = 0;
   formats::PointOutcome outcome = formats::PointOutcome::kNone;
   SkipReason reason = SkipReason::kNone;
+  /// Bit 0..3: channels 1..4 whose photosensor saw no flash; 0 of a missed pulse: not
+  /// known.
+  std::uint8_t missed_channels = 0;
+  float measured_mj = 0;  ///< energy of the pulse; 0: not measured
 };
 
 class PulseSchedule {
@@ -85,9 +90,8 @@ class PulseSchedule {
     bool settled = false;
   };
   Entry* Find(std::uint64_t tick);
-  void ApplyOne(std::uint64_t tick, link::TickOutcome outcome, const ResultSink& sink);
-  void SettleOne(Entry& entry, formats::PointOutcome outcome, SkipReason reason,
-                 const ResultSink& sink);
+  void ApplyOne(link::TickOutcome outcome, PulseResult result, const ResultSink& sink);
+  void SettleOne(Entry& entry, PulseResult result, const ResultSink& sink);
   void PopSettled();
 
   std::deque<Entry> entries_;

@@ -12,7 +12,7 @@ void TickWindows::Begin(std::uint64_t tick, bool lockstep) {
   held_.clear();
 }
 
-bool TickWindows::Arm(std::uint64_t last,
+bool TickWindows::Arm(std::uint64_t last, double pulse_energy_mj,
                       const std::function<void(std::uint32_t point)>& late,
                       const PulseTrigger& trigger) {
   HeldWindow window;
@@ -22,6 +22,7 @@ bool TickWindows::Arm(std::uint64_t last,
       [&](std::uint64_t tick, std::uint32_t point) { kept &= record_.Arm(tick, point); },
       late);
   trigger.Mark(window.arm);
+  window.arm.pulse_energy_mj = pulse_energy_mj;
   if (!kept || record_.disk_failed()) return false;
   window.journal_number = record_.appended();
   held_.push_back(std::move(window));

@@ -45,8 +45,9 @@ class TickWindows {
   /// Decides the ticks that follow, through `last`: what is planned for them is armed, in
   /// ledger, journal and window. `late` gets points whose tick is decided already. False
   /// when an intent does not get to the journal: then nothing of it is sent, ever.
-  /// `trigger` marks the window.
-  bool Arm(std::uint64_t last, const std::function<void(std::uint32_t point)>& late,
+  /// Each pulse has `pulse_energy_mj`; `trigger` marks the window.
+  bool Arm(std::uint64_t last, double pulse_energy_mj,
+           const std::function<void(std::uint32_t point)>& late,
            const PulseTrigger& trigger = TriggerAtTick());
   /// Sends the windows whose intents are on disk, as far as the line takes them.
   void SendDurable();

@@ -68,10 +68,14 @@ constexpr TruthRange kRanges[] = {
     {"TruthLaser", "sync_width_us", 0, 10000},
     {"TruthLaser", "sensor_width_us", 0, 10000},
     {"TruthLaser", "shutter_time_ms", 0, 1000},
+    {"TruthLaser", "min_pulse_energy_mj", 0.001, 10000},
+    {"TruthLaser", "energy_spread_ratio", 0, 0.5},
+    {"TruthLaser", "energy_error_ratio", -0.5, 0.5},
     {"TruthBlock", "size_mm", 0.1, 10000},
     {"TruthBlock", "origin_mm", -10000, 10000},
     {"TruthBlock", "refractive_index", 1, 4},
     {"TruthBlock", "numerical_aperture", 0, 0.95},
+    {"TruthBlock", "crack_length_mm", 0.001, 10},
     {"MachineTruth", "line_jitter_ms", 0, 2},
 };
 

@@ -173,5 +173,19 @@ TEST(JournalFile, RefusesWhatIsNoJournal) {
   EXPECT_THAT(absent.error().message, testing::HasSubstr("/nonexistent/journal"));
 }
 
+TEST(Journal, KeepsEnergyAndMissedChannelsOfAnOutcomeAlone) {
+  JournalRecord missed{JournalKind::kOutcome, PointOutcome::kMissed, 0, 1, 50, 2, 7};
+  missed.missed_channels = 0b1010;
+  missed.measured_mj = 29.5F;
+  JournalRecord session{JournalKind::kSession, PointOutcome::kNone, 0, 1, 50, 99, 7, 3};
+  const auto journal = ParseJournal(BytesOf({3, 77, 0xcafe}, {session, missed}));
+  ASSERT_TRUE(journal.has_value());
+  EXPECT_EQ(journal->records, (std::vector{session, missed}));
+  const auto history = HistoryOf(*journal);
+  EXPECT_EQ(history[2].missed_channels, 0b1010);
+  EXPECT_EQ(history[2].measured_mj, 29.5F);
+  EXPECT_EQ(history[1].measured_mj, 0);
+}
+
 }  // namespace
 }  // namespace intaglio::formats

@@ -91,10 +91,7 @@ void OneMachine::Advance() {
 
 void OneMachine::PassTick() {
   stage->AdvanceTick(laser->rate_hz());
-  if (laser->AdvanceTick(stage->in_position()) != 0) {
-    fired_.push_back(laser->tick());
-    laser->Seen(true);
-  }
+  if (laser->AdvanceTick(stage->in_position()) != 0) fired_.push_back(laser->tick());
   next_tick_s_ += 1 / laser->rate_hz();
 }
 

@@ -69,7 +69,7 @@ TEST_F(Both, FiresWhereTheMotionIsInPlace) {
   course.push_back(drivers::To(1, 0, 5, true));
   ASSERT_TRUE(motion.BeginRun(1, start, 0));
   ASSERT_TRUE(motion.Append(course, {}));
-  ASSERT_TRUE(laser.Arm({start, true, std::vector<bool>(30, true)}));
+  ASSERT_TRUE(laser.Arm({start, true, std::vector<bool>(30, true), false, 30}));
   StepFor(600);
   EXPECT_EQ(machine.fired_ticks(), (std::vector<std::uint64_t>{start + 6, start + 8}));
   EXPECT_EQ(laser.status().pulse_count, 2u);
@@ -87,7 +87,7 @@ TEST_F(Both, ClearingAMotionFaultReleasesNoStop) {
   EXPECT_EQ(motion.state().fault, intaglio_MOTION_OK);
   EXPECT_FALSE(laser.Has(link::kStopReleased));
   ASSERT_TRUE(laser.OpenShutters(1));
-  ASSERT_TRUE(laser.Arm({laser.status().tick + 5, false, {true}}));
+  ASSERT_TRUE(laser.Arm({laser.status().tick + 5, false, {true}, false, 30}));
   StepFor(200);
   EXPECT_TRUE(machine.fired_ticks().empty());
   ASSERT_TRUE(laser.Reset());

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "tests/services/drivers/grbl_rig.h"
 
@@ -18,6 +20,15 @@ class Cell {
  public:
   explicit Cell(grbl::VirtualGrblOptions options = grbl::Grbl11())
       : machine(std::move(options)), driver(machine.MakeDriver("")) {}
+  /// Half the setting makes 4 mJ, all of it 10 mJ.
+  void Calibrate() {
+    for (const auto& [ratio, mj] : {std::pair(0.5, 4.0), std::pair(1.0, 10.0)}) {
+      EnergyPoint& point = *machine.profile.mutable_laser()->add_energy_calibration();
+      point.set_setting_ratio(ratio);
+      point.set_energy_mj(mj);
+    }
+    driver = machine.MakeDriver("");
+  }
 
   void Step() {
     machine.Advance();
@@ -78,7 +89,8 @@ class Cell {
     }
     if (!feeds || !driver->up()) return;
     while (armed_through < last_tick && Open() < GrblDriver::kMaxUnsettled) {
-      ASSERT_TRUE(driver->Arm({armed_through + 1, true, {false, false, false, true}}));
+      ASSERT_TRUE(driver->Arm(
+          {armed_through + 1, true, {false, false, false, true}, false, energy_mj}));
       armed_through += 4;
     }
   }
@@ -98,6 +110,7 @@ class Cell {
   std::vector<motion::Segment> segments;
   std::uint64_t armed_through = 0, last_tick = 0;
   std::uint32_t run = 0;
+  double energy_mj = 10;
   bool feeds = true;
 };
 
@@ -119,6 +132,44 @@ void ExpectFlashesAtPoints(const Cell& cell, double steps_per_mm) {
   }
   EXPECT_EQ(cell.machine.grbl.motion().lit_at_rest_us(), 0);
   EXPECT_EQ(cell.machine.grbl.lost_bytes(), 0U);
+}
+
+// $30 of the virtual grbl is 1000.
+TEST(GrblDriver, TheEnergyIsAnSByTheCalibration) {
+  // 7 mJ are half way between the measurements: 0.75 of the setting.
+  for (const auto& [mj, s] : {std::pair(4.0, 500.0), std::pair(7.0, 750.0)}) {
+    Cell cell;
+    cell.Calibrate();
+    cell.energy_mj = mj;
+    cell.Prepare();
+    EXPECT_EQ(cell.driver->identity().min_energy_mj, 4);
+    EXPECT_EQ(cell.driver->identity().max_energy_mj, 10);
+    cell.Begin(20, 0.3, false);
+    ASSERT_TRUE(cell.Until([&] { return cell.RunIsOver(); }));
+    EXPECT_EQ(cell.machine.grbl.motion().flashes().size(), 20u);
+    EXPECT_EQ(cell.machine.grbl.powers(), std::set<double>{s});
+  }
+}
+
+TEST(GrblDriver, AnEnergyWithoutCalibrationOrBesideAnotherIsRefused) {
+  const auto code_of = [](Cell& cell, std::uint64_t ahead, double mj) {
+    const auto armed =
+        cell.driver->Arm({cell.driver->status().tick + ahead, true, {true}, false, mj});
+    return armed ? std::optional<ErrorCode>() : armed.error().code;
+  };
+  Cell fixed;
+  fixed.Prepare();
+  EXPECT_EQ(code_of(fixed, 50, 4), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of(fixed, 50, 0), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of(fixed, 50, 10), std::nullopt);
+  Cell calibrated;
+  calibrated.Calibrate();
+  calibrated.Prepare();
+  EXPECT_EQ(code_of(calibrated, 50, 3.9), ErrorCode::kUnsupported);
+  EXPECT_EQ(code_of(calibrated, 50, 4), std::nullopt);
+  EXPECT_EQ(code_of(calibrated, 60, 5), ErrorCode::kRefused)
+      << "its S would be that of the pulse that is armed";
+  EXPECT_EQ(code_of(calibrated, 60, 4), std::nullopt);
 }
 
 TEST(GrblDriver, PulsesLieWithinAStepOfTheirPoints) {

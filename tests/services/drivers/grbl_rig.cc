@@ -95,16 +95,17 @@ MachineSpec GrblProfile() {
   profile.mutable_laser()->add_rates_hz(kGrblRateHz);
   profile.mutable_laser()->add_rates_hz(kGrblFastRateHz);
   profile.mutable_laser()->set_warm_up_s(0.1);
+  profile.mutable_laser()->set_pulse_energy_mj(10);
   profile.mutable_motion_line()->set_device("the line");
   return profile;
 }
 
 std::unique_ptr<GrblDriver> GrblMachine::MakeDriver(const std::string& serial_number) {
-  MachineSpec profile = GrblProfile();
-  profile.mutable_motion_line()->set_serial_number(
+  MachineSpec machine = profile;
+  machine.mutable_motion_line()->set_serial_number(
       serial_number.empty() ? grbl::VirtualGrblOptions().serial_number : serial_number);
   return std::make_unique<GrblDriver>(
-      profile,
+      machine,
       [this]() -> Result<std::unique_ptr<link::ByteStream>> {
         return std::make_unique<link::FaultyEnd>(to_host_, to_grbl_, random_,
                                                  [this] { return now_; });

@@ -15,6 +15,9 @@
 
 namespace intaglio::drivers {
 
+/// 100 Hz, 250 steps/mm, travel of +-50 mm.
+MachineSpec GrblProfile();
+
 /// The controller, its line and its mains switch, on a clock that a test moves by 1 ms.
 class GrblMachine {
  public:
@@ -32,6 +35,7 @@ class GrblMachine {
   std::unique_ptr<GrblDriver> MakeDriver(const std::string& serial_number);
 
   grbl::VirtualGrbl grbl;
+  MachineSpec profile = GrblProfile();  ///< of the drivers that are made
 
  private:
   bool on_ = true;
@@ -73,9 +77,6 @@ class GrblLaserRig final : public LaserRig {
   std::vector<std::uint64_t> fired_;
   std::size_t flash_count_ = 0;
 };
-
-/// 100 Hz, 250 steps/mm, travel of +-50 mm.
-MachineSpec GrblProfile();
 
 std::unique_ptr<MotionRig> MakeGrblMotionRig(const std::string& serial_number);
 std::unique_ptr<LaserRig> MakeGrblLaserRig(const std::string& serial_number);

@@ -70,12 +70,14 @@ class LaserBench {
     const std::uint64_t first = tick() + ahead;
     DecideIdleUpTo(first - 1);
     idle_through_ = 0;
-    Expect(driver().Arm({first, gated, fire}).has_value(), "Arm is refused");
+    Expect(driver().Arm({first, gated, fire, false, energy_mj()}).has_value(),
+           "Arm is refused");
     Ticks ticks;
     for (std::size_t i = 0; i < fire.size(); ++i)
       if (fire[i]) ticks.push_back(first + i);
     return ticks;
   }
+  double energy_mj() { return driver().identity().max_energy_mj; }
   void ExpectFired(const Ticks& expected, const std::string& rule) {
     const Ticks fired = rig_->FiredTicks();
     Expect(fired == expected,

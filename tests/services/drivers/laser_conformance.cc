@@ -46,7 +46,7 @@ void NothingThatIsArmedAgainFiresAgain(const LaserRigMaker& make) {
   LaserBench bench(make);
   bench.ConnectAndPrepare();
   const std::uint64_t first = bench.tick() + 10;
-  const link::ArmWindow window{first, false, kPattern};
+  const link::ArmWindow window{first, false, kPattern, false, bench.energy_mj()};
   for (int i = 0; i < 3; ++i) Expect(bench.driver().Arm(window).has_value(), "Arm");
   bench.PassTicks(30);
   const Ticks fired = bench.rig().FiredTicks();
@@ -213,6 +213,30 @@ void TheNewestTicksAreRemembered(const LaserRigMaker& make) {
   bench.ExpectRemembers(armed.front(), 20);
 }
 
+void NoEnergyOutsideTheRangeFires(const LaserRigMaker& make) {
+  LaserBench bench(make);
+  bench.ConnectAndPrepare();
+  const double max_mj = bench.energy_mj(),
+               min_mj = bench.driver().identity().min_energy_mj;
+  Expect(max_mj > 0, "L13: the identity has no energy");
+  for (const double mj : {0.0, min_mj / 2, max_mj * 1.01}) {
+    const Status armed =
+        bench.driver().Arm({bench.tick() + 10, false, kPattern, false, mj});
+    Expect(armed || armed.error().code == ErrorCode::kUnsupported,
+           fmt::format("L13: {} mJ is refused otherwise", mj));
+    bench.ExpectNoPulseFor(500ms, fmt::format("L13: a pulse of {} mJ", mj));
+    // They may come early, as late ones do: the window was not taken.
+    for (const link::PulseReport& report : bench.rig().reports)
+      for (const TickOutcome outcome : report.outcome)
+        Expect(
+            outcome == TickOutcome::kEnergyOutside || outcome == TickOutcome::kNotArmed,
+            fmt::format("L13: a pulse of {} mJ is reported as {}", mj,
+                        static_cast<int>(outcome)));
+    bench.rig().reports.clear();
+  }
+  bench.ExpectGoodWindow();
+}
+
 void APowerCycleIsAnotherClock(const LaserRigMaker& make) {
   LaserBench bench(make);
   bench.ConnectAndPrepare();
@@ -255,6 +279,7 @@ constexpr std::array kChecks = {
     LaserCheck{"L7_cut_at_any_byte", &ALineCutAtAnyByteClosesTheLaser},
     LaserCheck{"L6_memory", &TheNewestTicksAreRemembered},
     LaserCheck{"L11_power_cycle", &APowerCycleIsAnotherClock},
+    LaserCheck{"L13_energy", &NoEnergyOutsideTheRangeFires},
     LaserCheck{"L12_another_controller", &AnotherControllerIsClosed},
 };
 

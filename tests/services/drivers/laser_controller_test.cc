@@ -254,7 +254,7 @@ TEST_F(LaserThatReports, AnIdentityThatCannotBeReadIsRefusedWithTheRemedy) {
   EXPECT_EQ(
       host->message(),
       "laser line: a frame LaserIdentity is malformed: the laser at /dev/ttyUSB0 must "
-      "use version 7 of the frames (docs/protocols.md)");
+      "use version 8 of the frames (docs/protocols.md)");
   EXPECT_TRUE(reports.empty());
 }
 
@@ -280,6 +280,50 @@ TEST(LaserDrivers, ADeviceThatCannotBeIsRefusedAtOnce) {
   EXPECT_EQ(MakeLaserDriver(machine).error().code, ErrorCode::kInvalidValue);
   machine.mutable_laser_line()->clear_device();
   EXPECT_EQ(MakeLaserDriver(machine).error().code, ErrorCode::kMissing);
+}
+
+// Every window carries its energy, so whatever the line loses and repeats, a pulse has
+// that of the window which armed it.
+TEST_F(LaserAndHosts, ALineThatLosesBytesFiresNoPulseOfAnotherEnergy) {
+  ASSERT_TRUE(host->Lamp(true, synchronizer::FakeLaser::kRateHz));
+  StepFor(milliseconds(10));
+  PassTicks(30);  // warm
+  const auto energy_of = [](std::uint64_t tick) { return 1.0 + (tick - 31) / 4 % 7; };
+  to_laser->drop_ratio = to_host->drop_ratio = 0.002;
+  to_laser->damage_ratio = to_host->damage_ratio = 0.002;
+  std::uint64_t armed = 0;
+  for (std::uint64_t first = 31; first < 2031; first += 4) {
+    if (host->up()) (void)host->OpenShutters(1);
+    const std::vector<bool> fire(4, true);
+    armed += host->Arm({first, false, fire, false, energy_of(first)}) ? 1 : 0;
+    StepFor(milliseconds(40));
+    while (laser.tick() < first + 3) PassTicks(1);
+  }
+  ASSERT_GT(armed, 400u);
+  ASSERT_GT(laser.cracks().size(), 1000u);
+  for (const auto& crack : laser.cracks())
+    EXPECT_EQ(crack.energy_mj, energy_of(crack.tick)) << crack.tick;
+}
+
+// A device of version 7 takes none of our frames, and we take none of its.
+TEST_F(LaserAndHosts, AnArmWindowOfAnOlderVersionFiresNothing) {
+  ASSERT_TRUE(host->Lamp(true, synchronizer::FakeLaser::kRateHz));
+  ASSERT_TRUE(host->OpenShutters(1));
+  StepFor(milliseconds(10));
+  PassTicks(30);
+  link::ArmWindow window{31, false, {true}, false, 30};
+  auto old = Encode(window);
+  old.erase(old.begin() + 11, old.begin() + 19);  // the energy
+  std::vector<std::byte> bytes;
+  link::AppendFrame({static_cast<std::uint8_t>(link::LaserFrame::kArmWindow), 1, 1}, old,
+                    bytes);
+  bytes[2] = std::byte{7};
+  std::size_t taken = 0;
+  link::FrameParser().Feed(bytes, [&](const auto&, auto) { ++taken; });
+  EXPECT_EQ(taken, 0u);
+  EXPECT_FALSE(link::Decode<link::ArmWindow>(old));
+  PassTicks(5);
+  EXPECT_TRUE(laser.cracks().empty());
 }
 
 }  // namespace

@@ -147,7 +147,8 @@ TEST(MotionOutputOf, ARefusedCommandKeepsNoResetFromTheLaser) {
     ASSERT_TRUE(bench.Until([&] { return bench.driver().Has(link::kSafeState); }));
     const std::uint64_t first = bench.tick() + 10;
     EXPECT_TRUE(bench.driver().OpenShutters(1));
-    EXPECT_TRUE(bench.driver().Arm({first, false, {true, true}}));
+    EXPECT_TRUE(
+        bench.driver().Arm({first, false, {true, true}, false, bench.energy_mj()}));
     bench.ExpectNoPulseFor(wait, "in the safe state");
     bench.ExpectGoodWindow();
     // Its points are known: they never came.

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -73,6 +74,8 @@ class VirtualGrbl {
   /// Bytes that came while the receive buffer was full, and are lost.
   std::uint64_t lost_bytes() const { return lost_bytes_; }
   std::uint64_t lines_taken() const { return lines_taken_; }
+  /// Every S above 0 that came.
+  const std::set<double>& powers() const { return powers_; }
   /// Dead by a memory error of the firmware; only a power cycle helps.
   bool crashed() const { return crashed_; }
   Vec3 WorkPosition_mm() const { return motion_.Position_mm() - work_offset_mm_; }
@@ -150,6 +153,7 @@ class VirtualGrbl {
   // The parser's modal state.
   bool absolute_ = true, rapid_ = true;
   double feed_mm_min_ = 0, power_ = 0;
+  std::set<double> powers_;
   Spindle spindle_ = Spindle::kOff;
   Vec3 work_offset_mm_ = Vec3::Zero();
 

@@ -149,6 +149,7 @@ void VirtualGrbl::ExecuteGcode(const std::string& line, bool jog) {
   }
   if (words.f) feed_mm_min_ = *words.f;
   if (words.s) power_ = *words.s;
+  if (words.s && *words.s > 0) powers_.insert(*words.s);
   if (words.has(900)) absolute_ = true;
   if (words.has(910)) absolute_ = false;
   if (words.has(0)) rapid_ = true;

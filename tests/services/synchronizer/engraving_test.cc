@@ -212,6 +212,35 @@ TEST_F(EngravingTest, PausesWhenTheLaserDoesNotTakeTheTrigger) {
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 
+// As above: the laser has never this energy.
+TEST_F(EngravingTest, PausesWhenTheLaserDoesNotMakeTheEnergy) {
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilMade(20));
+  cell_.laser.refuses_energy = true;
+  ASSERT_TRUE(cell_.StepUntil([&] { return cell_.engraving->faulted(); }, 60s));
+  EXPECT_THAT(cell_.engraving->message(), testing::HasSubstr("pulses of 12.5 mJ"));
+  EXPECT_TRUE(
+      std::any_of(cell_.results.begin(), cell_.results.end(),
+                  [](const PulseResult& r) { return r.reason == SkipReason::kEnergy; }));
+  cell_.laser.refuses_energy = false;
+  cell_.GrantAnew();
+  ASSERT_TRUE(cell_.StepUntilDone());
+  EXPECT_EQ(cell_.made(), 60);
+  EXPECT_THAT(cell_.Disagreements(), IsEmpty());
+}
+
+TEST_F(EngravingTest, EveryPulseHasTheJobsEnergyAndItsMeasurementIsKept) {
+  cell_.laser.measured_mj = 12.25F;
+  cell_.Grant();
+  ASSERT_TRUE(cell_.StepUntilDone());
+  ASSERT_EQ(cell_.laser.cracks().size(), 60u);
+  for (const Crack& crack : cell_.laser.cracks()) EXPECT_EQ(crack.energy_mj, 12.5);
+  const auto journal = formats::ReadJournal(cell_.journal_file);
+  ASSERT_TRUE(journal);
+  for (const formats::PointHistory& point : formats::HistoryOf(*journal))
+    EXPECT_EQ(point.measured_mj, 12.25F);
+}
+
 TEST_F(EngravingTest, StartsAgainWhenTheRunCameTooLate) {
   cell_.stage.deaf = true;
   cell_.Grant();
@@ -241,11 +270,18 @@ TEST_F(EngravingTest, APulseThatNoSensorSawIsMissedAndNotRepeated) {
   cell_.Grant();
   ASSERT_TRUE(cell_.StepUntilMade(20));
   cell_.laser.blind = true;
+  cell_.laser.missed_channels = 0b1001;
   ASSERT_TRUE(cell_.StepUntilMade(24));
   cell_.laser.blind = false;
   ASSERT_TRUE(cell_.StepUntilDone());
   EXPECT_EQ(cell_.Count(PointState::kMissed), 4);
   EXPECT_EQ(cell_.made(), 56);
+  const auto journal = formats::ReadJournal(cell_.journal_file);
+  ASSERT_TRUE(journal);
+  for (const formats::PointHistory& point : formats::HistoryOf(*journal)) {
+    EXPECT_EQ(point.missed_channels,
+              point.outcome == formats::PointOutcome::kMissed ? 0b1001 : 0);
+  }
   EXPECT_THAT(cell_.Disagreements(), IsEmpty());
 }
 

@@ -43,9 +43,15 @@ void FakeLaser::Poll() {
     disarms_taken_ = 0;
     outcomes_.clear();
     waiting_.clear();
-    Send(LaserFrame::kLaserIdentity,
-         Encode(link::LaserIdentity{
-             power_up_, lockstep_, 4, {kRateHz}, "test", serial_number}));
+    Send(LaserFrame::kLaserIdentity, Encode(link::LaserIdentity{power_up_,
+                                                                lockstep_,
+                                                                4,
+                                                                {kRateHz},
+                                                                "test",
+                                                                serial_number,
+                                                                false,
+                                                                min_energy_mj,
+                                                                max_energy_mj}));
   }
   if (!line_->up() && (shutters_ != 0 || !decided_.empty())) EnterSafeState();
   SendStatus();
@@ -102,7 +108,7 @@ void FakeLaser::Decide(const link::ArmWindow& window) {
              Encode(link::PulseReport{tick, {TickOutcome::kTooLate}}));
       }
     } else if (!safe_) {
-      decided_[tick] = {window.fire[i], window.gated};
+      decided_[tick] = {window.fire[i], window.gated, window.pulse_energy_mj};
     }
   }
   if (!decided_.empty()) {
@@ -141,14 +147,15 @@ void FakeLaser::PressStop(bool pressed) {
   EnterSafeState();
 }
 
-TickOutcome FakeLaser::OutcomeAt(bool fire, bool gated, bool in_position) const {
-  if (!fire) return TickOutcome::kNotArmed;
-  if (gated && !in_position) return TickOutcome::kNotInPosition;
+TickOutcome FakeLaser::OutcomeAt(const Decision& decision, bool in_position) const {
+  if (!decision.fire) return TickOutcome::kNotArmed;
+  if (decision.gated && !in_position) return TickOutcome::kNotInPosition;
   if (!key_on || !door_closed || stop_pressed_ || stop_latched_ || safe_)
     return TickOutcome::kInterlocked;
   if (!warm()) return TickOutcome::kLampNotReady;
   if (OpenNow() == 0) return TickOutcome::kShutterClosed;
   if (trigger_late) return TickOutcome::kTriggerOutside;
+  if (refuses_energy) return TickOutcome::kEnergyOutside;
   return blind ? TickOutcome::kFiredUnseen : TickOutcome::kFiredSeen;
 }
 
@@ -158,8 +165,8 @@ void FakeLaser::AdvanceTick(bool in_position, const Vec3& at_mm) {
   if (!burns()) lamp_s_ = 0;
   const auto found = decided_.find(tick_);
   if (found == decided_.end()) return;
-  const TickOutcome outcome =
-      OutcomeAt(found->second.fire, found->second.gated, in_position);
+  const TickOutcome outcome = OutcomeAt(found->second, in_position);
+  const double energy_mj = found->second.energy_mj;
   decided_.erase(found);
   outcomes_.emplace_back(tick_, outcome);
   past_[tick_] = outcome;
@@ -167,7 +174,7 @@ void FakeLaser::AdvanceTick(bool in_position, const Vec3& at_mm) {
   ++pulse_count_;
   last_fired_tick_ = tick_;
   newest_pulse_at_ = clock_();
-  cracks_.push_back({power_up_, tick_, at_mm, !blind, OpenNow()});
+  cracks_.push_back({power_up_, tick_, at_mm, !blind, OpenNow(), energy_mj});
 }
 
 link::PastReport FakeLaser::Past(const link::PastRequest& asked) const {
@@ -191,7 +198,10 @@ void FakeLaser::SendReports() {
     link::PulseReport report{outcomes_[i].first, {}};
     while (i < outcomes_.size() && report.outcome.size() < link::kMaxReportTicks &&
            outcomes_[i].first == report.first_tick + report.outcome.size()) {
+      const bool unseen = outcomes_[i].second == TickOutcome::kFiredUnseen;
       report.outcome.push_back(outcomes_[i++].second);
+      report.missed.push_back(unseen ? missed_channels : std::uint8_t{0});
+      report.measured_mj.push_back(measured_mj);
     }
     Send(LaserFrame::kPulseReport, Encode(report));
   }

@@ -27,6 +27,7 @@ struct Crack {
   Vec3 at_mm = Vec3::Zero();
   bool seen = true;
   std::uint8_t channels = 0;  ///< whose shutters were open
+  double energy_mj = 0;       ///< as commanded
 };
 
 class FakeLaser {
@@ -70,10 +71,14 @@ class FakeLaser {
   bool lamp_dead = false;  ///< does not burn, whatever is commanded
   bool shutter_stuck = false;   ///< closed, whatever is commanded
   std::uint8_t stuck_open = 0;  ///< shutters that are open, whatever is commanded
-  std::chrono::nanoseconds shutter_travel{0};  ///< from the command to the movement
-  bool blind = false;                          ///< the photosensor sees no crack
-  bool short_sync = false;                     ///< the lamp sync is not counted
-  bool trigger_late = false;                   ///< the Q-switch takes no trigger
+  std::chrono::nanoseconds shutter_travel{0};     ///< from the command to the movement
+  bool blind = false;                             ///< the photosensor sees no crack
+  std::uint8_t missed_channels = 0;               ///< reported with a pulse that none saw
+  float measured_mj = 0;                          ///< reported with every pulse
+  double min_energy_mj = 0, max_energy_mj = 1e4;  ///< reported at the next handshakes
+  bool refuses_energy = false;                    ///< and makes no pulse, all the same
+  bool short_sync = false;                        ///< the lamp sync is not counted
+  bool trigger_late = false;                      ///< the Q-switch takes no trigger
   bool mute = false;     ///< keeps the line alive and reports nothing
   bool forgets = false;  ///< nothing that was asked about the past is known
   /// Called with each tick that is about to be armed, before it is.
@@ -96,12 +101,12 @@ class FakeLaser {
   }
   void AskShutters(std::uint8_t open_mask);
   void MoveShutters();
-  link::TickOutcome OutcomeAt(bool fire, bool gated, bool in_position) const;
-
   struct Decision {
     bool fire = false;
     bool gated = true;
+    double energy_mj = 0;
   };
+  link::TickOutcome OutcomeAt(const Decision& decision, bool in_position) const;
 
   bool lockstep_;
   link::SteadyClock clock_;

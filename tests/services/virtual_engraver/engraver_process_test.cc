@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 using namespace std::string_literals;
 
 link::ArmWindow AllFrom(std::uint64_t first_tick, std::size_t count, bool gated = false) {
-  return {first_tick, gated, std::vector<bool>(count, true)};
+  return {first_tick, gated, std::vector<bool>(count, true), false, 30};
 }
 
 /// Over pseudo-terminals and over TCP.

@@ -15,6 +15,7 @@ LaserOptions Quick() {
   options.rates_hz = {100, 200};
   options.warm_up_s = 0.045;  // warm at the fifth tick of 10 ms
   options.channels = 4;
+  options.min_energy_mj = 0;  // windows without an energy fire
   return options;
 }
 
@@ -204,9 +205,8 @@ TEST(Laser, AMissedPulseIsFiredButUnseen) {
   Laser laser = ReadyLaser();
   laser.Decide({11, false, {true, true, false}});
   laser.AdvanceTick(false);
-  laser.Seen(false);
+  laser.Missed(0x0f);
   laser.AdvanceTick(false);
-  laser.Seen(true);
   laser.AdvanceTick(false);
   const std::map<std::uint64_t, TickOutcome> expected = {{11, TickOutcome::kFiredUnseen},
                                                          {12, TickOutcome::kFiredSeen},
@@ -290,10 +290,9 @@ TEST(Laser, RemembersWhatCameOfEveryTickOverSessions) {
   Laser laser = ReadyLaser();  // at tick 10
   laser.Decide({11, false, {true, false, true, true}});
   laser.AdvanceTick(false);
-  laser.Seen(true);
   laser.AdvanceTick(false);
   laser.AdvanceTick(false);
-  laser.Seen(false);
+  laser.Missed(0x0f);
   laser.NewSession();  // tick 14 is armed no longer
   laser.AdvanceTick(true);
   laser.Decide(FireAt(15));
@@ -368,7 +367,6 @@ std::pair<TickOutcome, bool> PulseWith(const link::PulseTiming& timing,
   laser.SetShutters(1);
   laser.Decide({11, true, {true}, at_place});
   const bool fired = laser.AdvanceTick(true) != 0;
-  if (fired) laser.Seen(true);
   EXPECT_EQ(laser.Report().pulse_count, fired ? 1u : 0u);
   return {OutcomesOf(laser).at(11), fired};
 }

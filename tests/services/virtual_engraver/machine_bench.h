@@ -92,6 +92,7 @@ class MachineBench : public ::testing::Test {
     options.stage.mechanics.lag_s = 0;
     options.stage.waits_for_motion = options.laser.lockstep = lockstep;
     options.laser.warm_up_s = 0;
+    options.laser.min_energy_mj = 0;  // windows without an energy fire
     return options;
   }
 

@@ -257,5 +257,53 @@ TEST_F(PointRow, InRealTimeTicksFollowTheClock) {
   EXPECT_NEAR(static_cast<double>(machine->laser().tick()), 200, 1);
 }
 
+// The heated volume grows with the energy: an eighth of it makes half the length.
+TEST_F(PointRow, ACrackRecordsItsEnergyAndIsSmallerWithLess) {
+  MachineOptions options = PlainOptions(true);
+  options.block.refractive_index = 1;  // the stage's zero is in the glass
+  options.crack_length_mm = 0.195;
+  Start(options);
+  Connect();
+  OpenShutterAndLamp();
+  const std::vector<bool> ten(10, true);
+  SendLaser(LaserFrame::kArmWindow, Encode(link::ArmWindow{1, false, ten, false, 30}));
+  SendLaser(LaserFrame::kArmWindow, Encode(link::ArmWindow{11, false, ten, false, 3.75}));
+  SendLaser(LaserFrame::kArmWindow, Encode(link::ArmWindow{21, false, ten, false, 30.5}));
+  Pass(200ms);
+  const auto cracks = Cracks();
+  ASSERT_EQ(cracks.size(), 20u) << "no pulse of 30.5 mJ";
+  for (std::size_t i = 0; i < cracks.size(); ++i) {
+    const double commanded_mj = i < 10 ? 30 : 3.75;
+    EXPECT_NEAR(cracks[i].pulse_energy_mj, commanded_mj, 0.02 * commanded_mj) << i;
+    // 2 % of energy are 0.7 % of length; whole um.
+    EXPECT_NEAR(cracks[i].length_mm, i < 10 ? 0.195 : 0.0975, 0.002) << i;
+  }
+}
+
+TEST_F(PointRow, ASensorThatIsBlindOrFiltersTheHeightNamesItsChannel) {
+  MachineOptions options = PlainOptions(true);
+  options.laser.channels = 2;
+  options.block.refractive_index = 1;            // the flash is at the stage's height, 0
+  options.channel_offset_mm[1] = Vec3(5, 5, 5);  // and 5 mm above it in channel 2
+  Start(options);
+  Connect();
+  OpenShutterAndLamp();
+  SendLaser(LaserFrame::kShutterCommand, Encode(link::ShutterCommand{3}));
+  machine->BlindSensor(1, 0b01);
+  SendWindows(std::vector<bool>(2, true), false);
+  Pass(50ms);
+  link::PulseTiming timing;
+  timing.min_flash_height_mm = 0;
+  timing.max_flash_height_mm = 4;
+  SendLaser(LaserFrame::kPulseTiming, Encode(timing));
+  SendLaser(LaserFrame::kArmWindow, Encode(link::ArmWindow{3, false, {true}}));
+  Pass(50ms);
+  EXPECT_EQ(Cracks().size(), 6u) << "what no sensor counts is in the glass all the same";
+  std::vector<std::uint8_t> missed;
+  for (const auto& report : received.reports)
+    missed.insert(missed.end(), report.missed.begin(), report.missed.end());
+  EXPECT_EQ(missed, (std::vector<std::uint8_t>{0b01, 0, 0b10}));
+}
+
 }  // namespace
 }  // namespace intaglio::virtual_engraver

@@ -135,7 +135,8 @@ TEST(Truth, AnEmptyFileIsTheMachineOfTheDefaults) {
   EXPECT_EQ(options.laser.rates_hz, std::vector<double>{100});
   EXPECT_EQ(options.laser.serial_number, "virtual-laser-1");
   EXPECT_EQ(options.block.refractive_index, 1.5);
-  EXPECT_EQ(options.pulse_energy_mj, 30);
+  EXPECT_EQ(options.laser.max_energy_mj, 30);
+  EXPECT_EQ(options.laser.energy_spread_ratio, 0.02);
 }
 
 TEST(Truth, EveryFieldReachesTheMachine) {
@@ -176,7 +177,7 @@ TEST(Truth, EveryFieldReachesTheMachine) {
   EXPECT_EQ(options.laser.warm_up_s, 2);
   EXPECT_EQ(options.laser.channels, 3);
   EXPECT_EQ(options.laser.serial_number, "L");
-  EXPECT_EQ(options.pulse_energy_mj, 12);
+  EXPECT_EQ(options.laser.max_energy_mj, 12);
   EXPECT_EQ(options.block.size_mm, Vec3(10, 20, 30));
   EXPECT_EQ(options.block.origin_mm, Vec3(4, 5, 6));
   EXPECT_EQ(options.block.refractive_index, 1.7);

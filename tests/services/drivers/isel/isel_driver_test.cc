@@ -94,7 +94,7 @@ class Cell {
     std::vector<bool> fire;
     for (std::uint64_t tick = start - 2; tick <= points.rbegin()->first; ++tick)
       fire.push_back(points.count(tick) != 0);
-    ASSERT_TRUE(driver->Arm({start - 2, true, fire}));
+    ASSERT_TRUE(driver->Arm({start - 2, true, fire, false, 10}));
   }
   bool AwaitEnd() {
     return Until([&] { return segments.empty() && driver->state().at_rest; });

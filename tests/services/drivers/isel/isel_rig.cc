@@ -101,6 +101,7 @@ MachineSpec IselProfile() {
   profile.mutable_laser()->add_rates_hz(kIselRateHz);
   profile.mutable_laser()->add_rates_hz(kIselFastRateHz);
   profile.mutable_laser()->set_warm_up_s(0.1);
+  profile.mutable_laser()->set_pulse_energy_mj(10);
   profile.mutable_motion_line()->set_device("the line");
   return profile;
 }

@@ -33,6 +33,7 @@ MachineSpec Profile(const std::filesystem::path& folder, const std::string& seri
     axis->set_max_acceleration_mm_s2(2000);
   }
   for (const double rate_hz : rates_hz) profile.mutable_laser()->add_rates_hz(rate_hz);
+  profile.mutable_laser()->set_pulse_energy_mj(10);
   return profile;
 }
 

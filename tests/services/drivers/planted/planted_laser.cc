@@ -14,7 +14,8 @@ struct FiresWithoutArm : LaserWrapper {
     inner_->Poll(sink, past);
     if (!up() || status().shutters_open == 0 || status().tick < next_tick_) return;
     next_tick_ = status().tick + 10;
-    (void)inner_->Arm({status().tick + 8, false, {true}});
+    (void)inner_->Arm(
+        {status().tick + 8, false, {true}, false, identity().max_energy_mj});
   }
   std::uint64_t next_tick_ = 0;
 };
@@ -63,7 +64,16 @@ struct MovesLateWindows : LaserWrapper {
 struct IgnoresTheGate : LaserWrapper {
   using LaserWrapper::LaserWrapper;
   Status Arm(const link::ArmWindow& window) override {
-    return inner_->Arm({window.first_tick, false, window.fire});
+    return inner_->Arm(
+        {window.first_tick, false, window.fire, false, window.pulse_energy_mj});
+  }
+};
+struct IgnoresTheEnergy : LaserWrapper {
+  using LaserWrapper::LaserWrapper;
+  Status Arm(const link::ArmWindow& window) override {
+    link::ArmWindow full = window;
+    full.pulse_energy_mj = identity().max_energy_mj;
+    return inner_->Arm(full);
   }
 };
 struct ForgetsDisarm : LaserWrapper {
@@ -189,6 +199,7 @@ constexpr std::array kLaserFaults = {
     LaserFault{"ArmsOneMore", kArmed, PlantLaser<ArmsOneMore>},
     LaserFault{"MovesLateWindows", "L2L4_armed_again", PlantLaser<MovesLateWindows>},
     LaserFault{"IgnoresTheGate", "L2_gate", PlantLaser<IgnoresTheGate>},
+    LaserFault{"IgnoresTheEnergy", "L13_energy", PlantLaser<IgnoresTheEnergy>},
     LaserFault{"ForgetsDisarm", kDisarm, PlantLaser<ForgetsDisarm>},
     LaserFault{"BelievesItsDisarm", kDisarm, PlantLaser<BelievesItsDisarm>},
     LaserFault{"ForgetsStop", "L3_stop", PlantLaser<ForgetsStop>},

@@ -123,5 +123,54 @@ TEST(LaserSetting, JobsAskForCalibratedEnergies) {
             "4..30");
 }
 
+TEST(LaserSetting, ALaserAtAnOutputHasOneEnergyUnlessItIsCalibrated) {
+  MachineSpec machine = GoodMachine();
+  EXPECT_EQ(SettableEnergies(machine).min_mj, 0);
+  machine.mutable_laser_line()->set_protocol("motion-output");
+  machine.mutable_motion_line()->set_protocol("virtual-cell");
+  EXPECT_EQ(SettableEnergies(machine).min_mj, 0) << "its line carries the energy";
+  machine.mutable_motion_line()->set_protocol("isel");
+  EXPECT_EQ(SettableEnergies(machine).min_mj, 30);
+  JobSpec job = GoodJob();
+  job.mutable_laser()->set_pulse_energy_mj(3);
+  const auto found = CheckJobOnMachine(job, machine);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].message,
+              HasSubstr("laser.pulse_energy_mj: 3 cannot be set on els-03, whose "
+                        "controller switches the laser and no more: every pulse has 30"));
+  job.mutable_laser()->set_pulse_energy_mj(30);
+  EXPECT_TRUE(CheckJobOnMachine(job, machine).empty());
+  AddEnergy(machine, 0.2, 2), AddEnergy(machine, 1, 30);
+  job.mutable_laser()->set_pulse_energy_mj(3);
+  EXPECT_TRUE(CheckJobOnMachine(job, machine).empty());
+}
+
+// Trochimczuk 2008, table 8: at most 20 J, and E_p f < 1000 W.
+TEST(LaserPump, LimitsEnergyAndRate) {
+  const auto pump = [](MachineSpec& m) { return m.mutable_laser()->mutable_pump(); };
+  EXPECT_EQ(ErrorsOf([&](auto& m) { pump(m)->set_energy_j(20); }), "");
+  EXPECT_EQ(ErrorsOf([&](auto& m) { pump(m)->set_energy_j(20.5); }),
+            "laser.pump.energy_j: 20.5 is above max_energy_j, 20; reduce it\n");
+  MachineSpec machine = GoodMachine();
+  JobSpec job = GoodJob();
+  const double rate_hz = WithDefaults(job, machine).laser().rate_hz();
+  pump(machine)->set_energy_j(999 / rate_hz);
+  EXPECT_TRUE(CheckJobOnMachine(WithDefaults(job, machine), machine).empty());
+  pump(machine)->set_energy_j(1000 / rate_hz);
+  const auto found = CheckJobOnMachine(WithDefaults(job, machine), machine);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].message, HasSubstr("1000 W of pump power"));
+  EXPECT_THAT(found[0].message, HasSubstr("laser.rate_hz"));
+}
+
+TEST(MachineCheck, FlashHeightsAreInOrder) {
+  EXPECT_EQ(ErrorsOf([](auto& m) {
+              m.mutable_laser()->mutable_timing()->set_min_flash_height_mm(5);
+              m.mutable_laser()->mutable_timing()->set_max_flash_height_mm(4);
+            }),
+            "laser.timing.min_flash_height_mm: 5 is above max_flash_height_mm, 4; "
+            "exchange them\n");
+}
+
 }  // namespace
 }  // namespace intaglio

@@ -135,20 +135,55 @@ TEST(Protocols, ValuesOutOfRangeAreRefused) {
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(8)}})));
   EXPECT_FALSE(Taken<PulseReport>(Encode(PulseReport{1, {}})));
   EXPECT_FALSE(
-      Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(10)}})));
+      Taken<PulseReport>(Encode(PulseReport{1, {static_cast<TickOutcome>(11)}})));
+  EXPECT_FALSE(Taken<PulseReport>(
+      Changed(Encode(PulseReport{1, {TickOutcome::kFiredSeen}}), 10, 0x11)))
+      << "a channel of a pulse that was seen missed";
+  const auto measured = [](float mj) {
+    return Taken<PulseReport>(
+        Encode(PulseReport{1, {TickOutcome::kFiredSeen}, {0}, {mj}}));
+  };
+  EXPECT_TRUE(measured(10000));
+  EXPECT_FALSE(measured(10001));
+  EXPECT_FALSE(measured(-1));
+  EXPECT_FALSE(measured(NAN));
   EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(7)}})));
-  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(10)}})));
+  EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {static_cast<TickOutcome>(11)}})));
   EXPECT_TRUE(Taken<PulseTiming>(Encode(PulseTiming{0, 10000, 0, 10000, 1000})));
   EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{-0.1, 120, 2, 10, 0})));
   EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 10001, 2, 10, 0})));
   EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 120, NAN, 10, 0})));
   EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 120, 2, INFINITY, 0})));
   EXPECT_FALSE(Taken<PulseTiming>(Encode(PulseTiming{5, 120, 2, 10, 1001})));
+  const auto heights = [](double min_mm, double max_mm) {
+    return Taken<PulseTiming>(Encode(PulseTiming{5, 120, 2, 10, 0, min_mm, max_mm}));
+  };
+  EXPECT_TRUE(heights(-10000, 10000));
+  EXPECT_FALSE(heights(1, 0));
+  EXPECT_FALSE(heights(-10001, 0));
+  EXPECT_FALSE(heights(NAN, 0));
+  EXPECT_FALSE(heights(0, INFINITY));
+  const auto energy = [](double mj) {
+    return Taken<ArmWindow>(Encode(ArmWindow{1, true, {true}, false, mj}));
+  };
+  EXPECT_TRUE(energy(0)) << "which no laser has in its range";
+  EXPECT_TRUE(energy(10000));
+  EXPECT_FALSE(energy(10001));
+  EXPECT_FALSE(energy(-1));
+  EXPECT_FALSE(energy(NAN));
+  const auto range = [](double min_mj, double max_mj) {
+    return Taken<LaserIdentity>(
+        Encode(LaserIdentity{1, true, 1, {100}, "", "", true, min_mj, max_mj}));
+  };
+  EXPECT_TRUE(range(30, 30));
+  EXPECT_FALSE(range(30, 29));
+  EXPECT_FALSE(range(NAN, 30));
+  EXPECT_FALSE(range(0, INFINITY));
   EXPECT_FALSE(Taken<PastReport>(Encode(PastReport{1, {}})));
   EXPECT_FALSE(Taken<PastReport>(
-      Encode(PastReport{1, std::vector<TickOutcome>(kMaxReportTicks + 1)})));
+      Encode(PastReport{1, std::vector<TickOutcome>(kMaxPastTicks + 1)})));
   EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{1, 0})));
-  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{1, kMaxReportTicks + 1})));
+  EXPECT_FALSE(Taken<PastRequest>(Encode(PastRequest{1, kMaxPastTicks + 1})));
   const Segments one{1, 0, {WireSegment{1, 2, 3, 4, 5, 6, 7, false, false}}};
   EXPECT_TRUE(Taken<Segments>(Encode(one)));
   Segments still = one;
@@ -223,6 +258,13 @@ TEST(Protocols, SerialNumbersArePrintableAndOfAtMost64Characters) {
   CheckSerialNumbers<MotionIdentity>();
 }
 
+// Version 7 had no energies: a window of its length fires nothing.
+TEST(Protocols, AWindowWithoutTheEnergyIsRefused) {
+  Bytes window = Encode(ArmWindow{1, true, {true}, false, 30});
+  window.erase(window.begin() + 11, window.begin() + 19);
+  EXPECT_FALSE(Taken<ArmWindow>(window));
+}
+
 // Version 4 of the frames had none: such a payload is too short now.
 TEST(Protocols, AnIdentityWithoutTheFieldOfThePlaceIsRefused) {
   Bytes laser = Encode(LaserIdentity{1, true, 1, {100}, "old"});
@@ -270,12 +312,23 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
   EXPECT_TRUE(window->gated);
   EXPECT_FALSE(window->at_place);
   EXPECT_EQ(window->fire, (std::vector<bool>{1, 0, 0, 1, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(window->pulse_energy_mj, 12.5);
+  const auto report = Decode<PulseReport>(PayloadOf("PulseReport"));
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->outcome[2], TickOutcome::kFiredUnseen);
+  EXPECT_EQ(report->missed, (std::vector<std::uint8_t>{0, 0, 5, 0}));
+  EXPECT_EQ(report->measured_mj, (std::vector<float>{12.25F, 0, 12.75F, 0}));
+  const auto past = Decode<PastReport>(PayloadOf("PastReport"));
+  ASSERT_TRUE(past);
+  EXPECT_EQ(past->missed, (std::vector<std::uint8_t>{0, 8, 0}));
   const auto identity = Decode<LaserIdentity>(PayloadOf("LaserIdentity"));
   ASSERT_TRUE(identity);
   EXPECT_EQ(identity->rates_hz, (std::vector<double>{50, 100}));
   EXPECT_EQ(identity->model, "virtual");
   EXPECT_EQ(identity->serial_number, "A-03");
   EXPECT_TRUE(identity->fires_at_place);
+  EXPECT_EQ(identity->min_energy_mj, 0.5);
+  EXPECT_EQ(identity->max_energy_mj, 30);
   const auto stage_identity = Decode<MotionIdentity>(PayloadOf("MotionIdentity"));
   ASSERT_TRUE(stage_identity);
   EXPECT_EQ(stage_identity->queue_capacity, 4096u);
@@ -309,7 +362,9 @@ TEST(Protocols, AFileOfGoldenBytesIsReadAsTheMessagesItHolds) {
 TEST(Protocols, TheLongestMessagesFitInAFrame) {
   EXPECT_LE(Encode(ArmWindow{1, true, std::vector<bool>(kMaxArmTicks)}).size(),
             kMaxPayload);
-  EXPECT_LE(Encode(PulseReport{1, std::vector<TickOutcome>(kMaxReportTicks)}).size(),
+  const std::vector fired(kMaxReportTicks, TickOutcome::kFiredSeen);
+  EXPECT_LE(Encode(PulseReport{1, fired}).size(), kMaxPayload);
+  EXPECT_LE(Encode(PastReport{1, std::vector<TickOutcome>(kMaxPastTicks)}).size(),
             kMaxPayload);
   EXPECT_LE(Encode(Segments{1, 1, std::vector<WireSegment>(kMaxSegments)}).size(),
             kMaxPayload);

@@ -48,6 +48,29 @@ TEST_F(MachinePreparationTest, RefusesARateThatTheLaserDoesNotHave) {
                         2 * FakeLaser::kRateHz, FakeLaser::kRateHz));
 }
 
+TEST_F(MachinePreparationTest, RefusesAnEnergyThatTheLaserDoesNotMake) {
+  const auto refusal_of = [&](double min_mj, double max_mj, double asked_mj) {
+    bench_.laser.min_energy_mj = min_mj;
+    bench_.laser.max_energy_mj = max_mj;
+    bench_.PowerCycle();
+    bench_.StepFor(600ms);
+    job_.pulse_energy_mj = asked_mj;
+    return preparation_.Refusal();
+  };
+  const std::string remedy =
+      ": cancel the job, correct laser.pulse_energy_mj of the machine profile, and "
+      "submit the job with an energy that the laser has";
+  EXPECT_EQ(refusal_of(1, 30, 1), "");
+  EXPECT_EQ(refusal_of(1, 30, 30), "");
+  EXPECT_EQ(refusal_of(1, 30, 31),
+            "the laser makes no pulses of 31 mJ but 1..30 mJ" + remedy);
+  EXPECT_EQ(refusal_of(1, 30, 0.5),
+            "the laser makes no pulses of 0.5 mJ but 1..30 mJ" + remedy);
+  EXPECT_EQ(refusal_of(10, 10, 10), "");
+  EXPECT_EQ(refusal_of(10, 10, 2),
+            "the laser makes no pulses of 2 mJ but 10 mJ alone" + remedy);
+}
+
 TEST_F(MachinePreparationTest, SwitchesTheLampOnOnceASession) {
   LightLampFor(200ms);
   EXPECT_TRUE(bench_.laser.lamp_on());

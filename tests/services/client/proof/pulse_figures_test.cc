@@ -1,0 +1,60 @@
+#include "services/client/proof/pulse_figures.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace intaglio::client {
+namespace {
+
+using formats::PointHistory;
+using formats::PointOutcome;
+
+PointHistory Pulse(PointOutcome outcome, float measured_mj, std::uint8_t missed = 0) {
+  PointHistory point;
+  point.outcome = outcome;
+  point.measured_mj = measured_mj;
+  point.missed_channels = missed;
+  return point;
+}
+
+// By hand: 29, 30, 31 and 32.5 have the mean 30.625; their deviations from it are -1.625,
+// -0.625, 0.375, 1.875 with the mean square 1.671875.
+TEST(PulseFigures, MeanSpreadAndTheFurthestOff) {
+  const std::vector<PointHistory> history = {
+      Pulse(PointOutcome::kMade, 29),      Pulse(PointOutcome::kMissed, 30),
+      Pulse(PointOutcome::kMade, 0),       Pulse(PointOutcome::kMade, 31),
+      Pulse(PointOutcome::kSkipped, 100),  Pulse(PointOutcome::kMade, 32.5F),
+      Pulse(PointOutcome::kUncertain, 100)};
+  const PulseEnergyReport report = PulseEnergiesOf(history, 30);
+  EXPECT_EQ(report.commanded_mj(), 30);
+  EXPECT_EQ(report.measured_count(), 4u);
+  EXPECT_NEAR(report.mean_mj(), 30.625, 1e-12);
+  EXPECT_NEAR(report.spread_mj(), 1.2930100541, 1e-9);
+  EXPECT_EQ(report.furthest_mj(), 32.5);
+  EXPECT_EQ(report.furthest_point(), 5u);
+}
+
+TEST(PulseFigures, ALaserThatMeasuresNoneHasNoMean) {
+  const std::vector<PointHistory> history = {Pulse(PointOutcome::kMade, 0)};
+  const PulseEnergyReport report = PulseEnergiesOf(history, 30);
+  EXPECT_EQ(report.commanded_mj(), 30);
+  EXPECT_EQ(report.measured_count(), 0u);
+  EXPECT_EQ(report.mean_mj(), 0);
+}
+
+TEST(PulseFigures, MissesAreCountedByChannel) {
+  const std::vector<PointHistory> history = {
+      Pulse(PointOutcome::kMissed, 30, 0b0101), Pulse(PointOutcome::kMissed, 30, 0b0100),
+      Pulse(PointOutcome::kMissed, 30), Pulse(PointOutcome::kMade, 30, 0b1000)};
+  JobReport report;
+  AddMisses(history, report);
+  ASSERT_EQ(report.missed_by_channel_size(), 2);
+  EXPECT_EQ(report.missed_by_channel(0).channel(), 1u);
+  EXPECT_EQ(report.missed_by_channel(0).count(), 1u);
+  EXPECT_EQ(report.missed_by_channel(1).channel(), 3u);
+  EXPECT_EQ(report.missed_by_channel(1).count(), 2u);
+}
+
+}  // namespace
+}  // namespace intaglio::client
