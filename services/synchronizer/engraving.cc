@@ -364,7 +364,8 @@ void Engraving::SendIdleTicks() {
 void Engraving::Finish() {
   if (!stopping_ && !JournalIsWritten()) return;
   const bool sent = laser_.CanSend() && laser_.OpenShutters(0) &&
-                    (lamp_stays_ || laser_.Lamp(false, job_.plan.rate_hz));
+                    ((stopping_ ? lamp_stays_ : job_.lamp_stays) ||
+                     laser_.Lamp(false, job_.plan.rate_hz));
   if (sent || !laser_.up()) phase_ = Phase::kDone;
 }
 

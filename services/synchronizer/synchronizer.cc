@@ -61,6 +61,7 @@ Synchronizer::Synchronizer(host::ServiceHost& host, const MachineSpec& machine,
       laser_driver_(std::move(laser)),
       laser_(*laser_driver_),
       light_(laser_, LowestRate(machine_)),
+      lamp_hold_(laser_, machine_.laser().lamp_hold_s(), LowestRate(machine_)),
       feed_([this](const intaglio_MotionSegmentBatch& b) { return segments_.Write(b); },
             [this](const std::string& stream) { return credit_.Find(stream); }),
       drive_(host.bus(), cell_, host.instance()) {}
@@ -213,6 +214,7 @@ void Synchronizer::StartEngraving(PreparedJob prepared) {
   }
   // What an earlier process left is compared with the machine as it is now.
   if (taken_up_) chain_.TakeUp({job.earlier.power_up, job.earlier.openings});
+  job.lamp_stays = lamp_hold_.holds_lamps();
   publisher_.BeginJob(job.uid);
   logged_message_.clear();
   progress_alarmed_ = false;
@@ -245,6 +247,7 @@ void Synchronizer::Engrave(std::chrono::nanoseconds now) {
   const PointLedger& ledger = engraving_->ledger();
   if (engraving_->phase() == Engraving::Phase::kDone) {
     publisher_.Flush(now, true);
+    lamp_hold_.Begin(now);
     if (leaves_ && (!ledger.all_ended() || engraving_->asks())) return DropTask();
     if (cancelled_) {
       return EndTask(intaglio_TASK_FAILED, intaglio_ERROR_CANCELLED,
@@ -362,7 +365,11 @@ void Synchronizer::TurnLight() {
       [this](const intaglio_ManualState& state, const bus::SampleOrigin& origin) {
         light_.Take(state, origin.alive, now_);
       });
-  if (engraving_) return light_.Yield();
+  if (engraving_) {
+    lamp_hold_.Yield();
+    return light_.Yield();
+  }
+  lamp_hold_.Turn(leaves_ || stop_.pressed() || stop_came_, now_);
   light_.Turn(!job_ && !leaves_ && !stop_.pressed() && !stop_came_, now_);
 }
 

@@ -16,6 +16,7 @@
 #include "services/synchronizer/cell_drive.h"
 #include "services/synchronizer/engraving.h"
 #include "services/synchronizer/job_planner.h"
+#include "services/synchronizer/lamp_hold.h"
 #include "services/synchronizer/light_by_hand.h"
 #include "services/synchronizer/mounted_parts.h"
 #include "services/synchronizer/path_intake.h"
@@ -37,7 +38,7 @@ class Synchronizer {
   /// No more pulses: disarms, closes the shutters. Turn until stopped(). The job is not
   /// over: the next synchronizer that is given it takes it up from the journal.
   void Stop();
-  bool stopped() const { return !engraving_; }
+  bool stopped() const { return !engraving_ && !(lamp_hold_.holds() && laser_.up()); }
   /// Another synchronizer has the laser: Turn does nothing more.
   bool taken_over() const { return laser_.taken_over(); }
 
@@ -110,6 +111,7 @@ class Synchronizer {
   std::unique_ptr<drivers::LaserController> laser_driver_;
   drivers::LaserController& laser_;
   LightByHand light_;
+  LampHold lamp_hold_;
   MotionFeed feed_;
   CellDrive drive_;
   std::string drive_name_, drive_job_;
