@@ -77,6 +77,18 @@ TEST_F(TeachFocus, ATestPulseIsWeakerThanAJobs) {
   EXPECT_NEAR(cracks[1].length_mm, full_mm * std::cbrt(1.0 / 15), 0.003);
 }
 
+// lamp_hold_s of the profile is 300.
+TEST_F(TeachFocus, TheLampStaysOnAfterAJobUntilAStop) {
+  EXPECT_FALSE(StatusNow().lamp_on());
+  Do({"move", "12", "17", "20", "--speed", "50"});
+  Make({"pulse", "--out", (folder_ / "pulse").string()});
+  EXPECT_FALSE(Eventually([&] { return !StatusNow().lamp_on(); }, 2s));
+  EXPECT_EQ(StatusNow().shutters_open_size(), 0);
+  EXPECT_EQ(Type({"stop", "els-03"}).exit_code, 0);
+  EXPECT_TRUE(Eventually([&] { return !StatusNow().lamp_on(); }, 10s));
+  EXPECT_EQ(Type({"stop", "els-03", "--reset"}).exit_code, 0);
+}
+
 // The zero is 0.5 mm too high. What the series teaches moves the next job's cracks by
 // exactly that, and they are within half a step of where they belong.
 TEST_F(TeachFocus, AFocusSeriesTeachesTheZeroInZ) {

@@ -11,6 +11,7 @@
 
 #include "services/drivers/laser_controller.h"
 #include "services/drivers/profile_check.h"
+#include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/machine/position_tolerance.h"
 #include "services/platform/link/line_session.h"
@@ -125,6 +126,19 @@ std::vector<Error> CompareLaser(const MachineSpec& machine,
     Differs(found, fmt::format("laser.rates_hz[{}]", i),
             fmt::format("{} Hz is no rate of the controller, which reports {}; remove it",
                         rate_hz, fmt::join(reported.rates_hz, " ")));
+  }
+  if (machine.laser().pulse_energy_mj() > reported.max_energy_mj) {
+    Differs(found, "laser.pulse_energy_mj",
+            fmt::format("{} mJ are above the {} mJ that the controller can set; reduce "
+                        "the field",
+                        machine.laser().pulse_energy_mj(), reported.max_energy_mj));
+  }
+  if (const auto all = EnergiesOf(machine.laser());
+      all && all->min_mj < reported.min_energy_mj) {
+    Differs(found, "laser.energy_calibration[0].energy_mj",
+            fmt::format("{} mJ are below the {} mJ that the controller can set; remove "
+                        "the point",
+                        all->min_mj, reported.min_energy_mj));
   }
   if (machine.pulse_trigger() == PULSE_TRIGGER_AT_PLACE && !reported.fires_at_place) {
     Differs(found, "pulse_trigger",

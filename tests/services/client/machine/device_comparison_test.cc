@@ -29,6 +29,8 @@ link::LaserIdentity GoodLaser() {
   laser.channels = 4;
   laser.rates_hz = {1, 2, 5, 10, 25, 50, 100, 200};
   laser.serial_number = "L-1";
+  laser.min_energy_mj = 1;
+  laser.max_energy_mj = 30;
   return laser;
 }
 
@@ -61,10 +63,19 @@ TEST(DeviceComparison, EachDifferenceNamesItsField) {
   link::LaserIdentity laser = GoodLaser();
   laser.channels = 2;
   laser.rates_hz.pop_back();
+  laser.max_energy_mj = 29;
+  for (const double mj : {0.5, 30.0}) {
+    EnergyPoint& point = *machine.mutable_laser()->add_energy_calibration();
+    point.set_energy_mj(mj);
+    point.set_setting_ratio(mj / 30);
+  }
   const std::string of_laser = TextOf(CompareLaser(machine, laser));
   EXPECT_THAT(of_laser, HasSubstr("laser_line.serial_number: \"L-2\" is expected"));
   EXPECT_THAT(of_laser, HasSubstr("laser.channels: 4 are more than the 2"));
   EXPECT_THAT(of_laser, HasSubstr("laser.rates_hz[7]: 200 Hz is no rate"));
+  EXPECT_THAT(of_laser, HasSubstr("laser.pulse_energy_mj: 30 mJ are above the 29 mJ"));
+  EXPECT_THAT(of_laser, HasSubstr("laser.energy_calibration[0].energy_mj: 0.5 mJ are "
+                                  "below the 1 mJ"));
   EXPECT_THAT(of_laser, HasSubstr("pulse_trigger: "));
   link::MotionIdentity stage = GoodStage();
   stage.travel_max_nm[1] = 150'000'000;
