@@ -14,7 +14,7 @@ namespace intaglio::virtual_engraver {
 
 /// Length of a crack along the beam: that of the laser's largest pulse is `full_mm`, and
 /// the volume of the glass that is heated grows with the energy of the pulse. This is the
-/// machine's own; engrave/optics/crack_size.h is what the services assume.
+/// machine's own; engrave/optics/crack_model.h is what the services assume.
 double CrackLengthMm(double full_mm, double energy_ratio);
 
 class Glass {

@@ -1,6 +1,6 @@
 #include "services/job/quality/quality_options.h"
 
-#include "engrave/optics/crack_size.h"
+#include "engrave/optics/crack_model.h"
 #include "services/job/job_defaults.h"
 
 namespace intaglio {
@@ -16,10 +16,10 @@ proof::QualityOptions QualityOptionsOf(const JobSpec& job, const MachineSpec& ma
   // The profile has the cracks of its largest pulse.
   const double full_mj = machine.laser().pulse_energy_mj();
   const double energy_mj = job.laser().pulse_energy_mj();
-  if (options.crack_diameter_mm > 0 && options.crack_length_mm > 0 && full_mj > 0 &&
-      energy_mj > 0) {
-    const optics::CrackSize crack = optics::CrackSizeAt(
-        {options.crack_diameter_mm, options.crack_length_mm}, full_mj, energy_mj);
+  const optics::CrackSize full{options.crack_diameter_mm, options.crack_length_mm};
+  const bool known = full.diameter_mm > 0 && full.length_mm > 0 && energy_mj > 0;
+  if (known && full_mj > optics::SurfaceEnergyMj(full)) {
+    const optics::CrackSize crack = optics::CrackOfEnergy(full, full_mj, energy_mj);
     options.crack_diameter_mm = crack.diameter_mm;
     options.crack_length_mm = crack.length_mm;
   }
