@@ -14,6 +14,7 @@ namespace {
 constexpr double kNothing_mm2 = 1e-6;
 // The search for the largest tool that fits ends here, mm.
 constexpr double kDiameter_mm = 1e-3;
+constexpr std::size_t kPassesFromWall = 16;
 
 Status CheckPocketOption(const char* name, double value, double min, double max) {
   if (value >= min && value <= max) return {};
@@ -75,9 +76,10 @@ class Clearing {
     double offset = radius_ + options_.allowance_mm;
     Region paths = std::move(first);
     while (!paths.loops.empty()) {
-      INTAGLIO_TRY(Append(offset, false, std::move(paths)));
-      paths = INTAGLIO_TRY(Inset(area_, offset + step_));
-      if (step_ > radius_) INTAGLIO_TRY(AppendStrips(offset + radius_, paths));
+      Region next = INTAGLIO_TRY(Farther(paths, step_, offset + step_));
+      INTAGLIO_TRY(Append(offset, false, paths));
+      if (step_ > radius_) INTAGLIO_TRY(AppendStrips(paths, offset + radius_, next));
+      paths = std::move(next);
       offset += step_;
     }
     return std::move(passes_);
@@ -86,8 +88,8 @@ class Clearing {
  private:
   /// What is farther than border_mm from the wall is not yet cut: of its parts those stay
   /// that the next pass does not cut wholly, and their borders are a pass themselves.
-  Status AppendStrips(double border_mm, const Region& next) {
-    const Region open = INTAGLIO_TRY(Inset(area_, border_mm));
+  Status AppendStrips(const Region& paths, double border_mm, const Region& next) {
+    const Region open = INTAGLIO_TRY(Farther(paths, radius_, border_mm));
     if (open.loops.empty()) return {};
     const auto uncut = Uncut(open, next);
     // Where that cannot be decided the whole border is run along: too much, never wrong.
@@ -98,6 +100,16 @@ class Clearing {
       if (Touches(loop, *uncut)) strips.loops.push_back(loop);
     }
     return Append(border_mm, true, std::move(strips));
+  }
+
+  /// What is by_mm farther from the wall than a pass: from the pass, which has few edges
+  /// near each other, but every so often, and where that is refused, from the wall, so
+  /// that roundings do not add up.
+  Result<Region> Farther(const Region& paths, double by_mm, double offset_mm) const {
+    if (passes_.size() % kPassesFromWall != 0) {
+      if (auto inset = Inset(paths, by_mm)) return inset;
+    }
+    return Inset(area_, offset_mm);
   }
 
   /// Of what is open the rest that neither the next pass cuts nor those behind it: they

@@ -3,8 +3,9 @@
 // Pocket clearing: closed paths side by side along the wall of an area, islands in it
 // left standing. Frame: drawing, mm.
 //
-// Pass k runs at r + k s from the wall, r the tool's radius, s the step. All passes are
-// offsets of the wall itself, so errors do not add up. What lies at r + k s .. 2 r + k s
+// Pass k runs at r + k s from the wall, r the tool's radius, s the step. Every sixteenth
+// pass is made from the wall itself, those between from the one before, so roundings stay
+// below 0.01 um. What lies at r + k s .. 2 r + k s
 // from the wall is cut by pass k: on the straight way to the nearest place of the wall
 // lies a point at r + k s, which is on the pass, and no farther than r. With s <= r these
 // ranges join. With s > r a strip at 2 r + k s .. r + (k + 1) s may remain, where pass
