@@ -245,6 +245,26 @@ Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job) {
   return Build(flags, std::move(job), nullptr);
 }
 
+Result<std::optional<JobSpec>> FindCourseJob(const JobFlags& flags) {
+  const auto read = ReadJob(flags, true);
+  if (!read || !read->has_course()) return std::optional<JobSpec>();
+  // No option at all leaves empty messages behind, too. A model, so that it would change.
+  JobSpec changed, unchanged;
+  changed.add_models(), unchanged.add_models();
+  INTAGLIO_TRY(Apply(JobFlags(), unchanged));
+  const Status applied = Apply(flags, changed);
+  if (applied && !flags.machine &&
+      changed.SerializeAsString() == unchanged.SerializeAsString()) {
+    return std::optional<JobSpec>(*read);
+  }
+  return Fail(
+      ErrorCode::kInvalidValue,
+      flags.job_file +
+          ": has a course, which options of a machine, of models and of points do "
+          "not change; write them into its field course, or leave them out",
+      flags.job_file);
+}
+
 Result<JobSpec> ReadPattern(const JobFlags& flags) {
   if (flags.name) {
     return Fail(ErrorCode::kInvalidValue,

@@ -4,6 +4,7 @@
 // given beside a job file replace its values.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,11 @@ Result<JobAndMachine> BuildJobToEngrave(const JobFlags& flags);
 
 /// As BuildJob, for a job that the caller has read: flags, machine, defaults, checks.
 Result<JobAndMachine> CompleteJob(const JobFlags& flags, JobSpec job);
+
+/// The job of a file that has a course (proto/course.proto); none of others, and of a
+/// file that cannot be read, which BuildJob reports. kInvalidValue: options of points
+/// beside it, which would do nothing.
+Result<std::optional<JobSpec>> FindCourseJob(const JobFlags& flags);
 
 /// The job file of a series, unchanged; --name is refused.
 Result<JobSpec> ReadPattern(const JobFlags& flags);

@@ -24,6 +24,7 @@
 #include "services/cli/contour/contour_work.h"
 #include "services/cli/flags/size_limits_flag.h"
 #include "services/cli/job_glass.h"
+#include "services/cli/job_options.h"
 #include "services/cli/offline/offline_steps.h"
 #include "services/cli/offline/path_job.h"
 #include "services/client/exit_codes.h"
@@ -33,7 +34,6 @@
 #include "services/job/course/course_check.h"
 #include "services/job/freeze.h"
 #include "services/job/job_check.h"
-#include "services/job/job_file.h"
 #include "services/job/machine/laser_setting.h"
 #include "services/job/machine/machine_axes.h"
 #include "services/job/models/program_limits.h"
@@ -178,9 +178,9 @@ Status MakeCourseProgram(const PostOptions& options, const JobSpec& job) {
 }
 
 Status MakeProgram(const PostOptions& options) {
-  if (!options.job.job_file.empty()) {
-    const auto job = ReadJobFile(options.job.job_file);
-    if (job && job->has_course()) return MakeCourseProgram(options, *job);
+  if (options.path.empty() && !options.job.job_file.empty()) {
+    const auto job = INTAGLIO_TRY(FindCourseJob(options.job));
+    if (job) return MakeCourseProgram(options, *job);
   }
   // First what takes no time.
   if (!options.program_template.empty()) {

@@ -248,6 +248,13 @@ TEST_F(ContourCommand, AJobOfContoursIsAProgram) {
   EXPECT_THAT(program, HasSubstr("Z -0.2 }"));
   EXPECT_THAT(program, HasSubstr("Z -0.4 }"));
   EXPECT_THAT(program, HasSubstr("Vel=0.008 m/s"));
+  // What would change nothing is refused.
+  for (const char* option : {"--spacing", "--height", "--machine"}) {
+    EXPECT_EQ(Type({"post", job, "--template", Mill("krl-full"), "--out", out, option,
+                    std::string(option) == "--machine" ? "els-03" : "0.2"}),
+              client::kExitWrongInput);
+    EXPECT_THAT(errors_, HasSubstr("has a course, which options of a machine"));
+  }
   // The short form has its speeds on the robot: what is given would be lost.
   EXPECT_EQ(Type({"post", job, "--template", Mill("krl"), "--out", out}),
             client::kExitWrongInput);
