@@ -14,7 +14,7 @@
 //   DIAMETER   of the tool, mm
 // Common settings:
 //   origin-x origin-y   subtracted from every place, mm (Siwiec 2016, ch. 4)
-//   max-bytes           greatest size of a program; a longer one is divided, 200..1e9
+//   max-bytes           maximum size of a program; a longer one is divided, 200..1e9
 
 #include <algorithm>
 #include <array>

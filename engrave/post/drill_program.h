@@ -25,12 +25,12 @@ struct DrillRound {
   std::vector<Vec2> places_mm;
 };
 
-/// The rounds in their order, a tool change between them; each tool gets a program of its
-/// own by a template that has no `tool-change`. The tool's diameter is that of the round,
-/// the depth the last of `cutting`. A program longer than its greatest size is divided
-/// between holes.
+/// The rounds in their order, a tool change between them; each tool gets a separate
+/// program by a template that has no `tool-change`. The tool's diameter is that of the
+/// round, the depth the last of `cutting`. A program longer than its maximum size is
+/// divided between holes.
 ///
-/// kUnsupported: the template does not suit (RequireSuited). kInvalidValue: a greatest
+/// kUnsupported: the template does not suit (RequireSuited). kInvalidValue: a maximum
 /// size that not even one hole fits in.
 Result<ProgramTexts> DrillPrograms(const Template& program,
                                    std::span<const DrillRound> rounds,

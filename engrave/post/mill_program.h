@@ -14,7 +14,7 @@
 // Settings beside the common ones:
 //   tool-radius  of the tool that the template is for, mm, 0..50; for whoever makes the
 //                contours
-//   chord        largest distance of a chord from its arc, mm, 0.0001..1, default 0.001
+//   chord        maximum distance of a chord from its arc, mm, 0.0001..1, default 0.001
 //   axis-x axis-y axis-speed   of a lathe: where its turning axis is, in the places of
 //                the program, and how fast it turns at most, deg/s, 0.01..100000
 
@@ -39,11 +39,11 @@ struct MillOptions {
 };
 
 /// Each path once for each depth, the first paths first. A program longer than its
-/// greatest size is divided between paths, and within one that is longer itself: the tool
+/// maximum size is divided between paths, and within one that is longer itself: the tool
 /// is retracted there, and the next part goes on at the same place.
 ///
 /// kUnsupported: the template does not suit (RequireSuited), or a contour that the
-/// turning axis of a lathe cannot follow, by name. kInvalidValue: a greatest size that
+/// turning axis of a lathe cannot follow, by name. kInvalidValue: a maximum size that
 /// not even one move fits in.
 Result<ProgramTexts> MillPrograms(const Template& program,
                                   std::span<const ToolPath> paths, const Cutting& cutting,

@@ -1,7 +1,7 @@
 // The speed of a turning axis along an arc about c with radius r, u = (p - c) / r and
 // s = c . u: p x t = +-(r + s), |p|^2 = |c|^2 + r^2 + 2 r s, so w / v is a function of s
 // alone. Its derivative has the sign of (|c|^2 - r^2) throughout, but where r + s changes
-// its sign and w is 0: it is greatest at an end of the range of s. Those are the ends of
+// its sign and w is 0: its maximum is at an end of the range of s. Those are the ends of
 // the arc, and the places nearest to and farthest from the axis.
 #include "engrave/post/tool_path.h"
 

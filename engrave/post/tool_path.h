@@ -48,7 +48,7 @@ ToolPath Chorded(const ToolPath& path, double chord_tolerance_mm);
 /// The edges again, e.g. for a length, a picture or a proof.
 contour::Edges EdgesOf(const ToolPath& path);
 
-/// How fast a turning axis in the origin of `edge` has to turn where that is greatest, so
+/// How fast a turning axis in the origin of `edge` has to turn where that is fastest, so
 /// that the tool keeps the speed along it: with the place p and the direction t of unit
 /// length it is speed |p x t| / |p|^2, rad/s (TRANSMIT: w = v / rho where the tool passes
 /// the axis). Infinite on a path through the axis.

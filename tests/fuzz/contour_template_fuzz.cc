@@ -11,7 +11,7 @@ namespace {
 
 using namespace intaglio;
 
-/// A template is refused with its file, or it makes programs within their greatest size.
+/// A template is refused with its file, or it makes programs within their maximum size.
 void TryMill(std::string_view text) {
   const auto program = post::ParseMillTemplate(text, "a.post");
   if (!program) {

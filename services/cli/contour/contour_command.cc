@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engrave/core/try.h"
@@ -67,6 +68,33 @@ Course TypedCourse(const ContourOptions& options) {
   if (options.safe_mm) course.set_safe_height_mm(*options.safe_mm);
   if (options.drill_depth_mm) course.set_drill_depth_mm(*options.drill_depth_mm);
   return course;
+}
+
+bool IsJobFile(const fs::path& file) {
+  const std::string extension = file.extension().string();
+  return extension == ".textproto" || extension == ".txtpb" || extension == ".json";
+}
+
+/// The course of a job file, changed by what is given beside it; else what is given.
+Result<JobSpec> ReadCourseJob(const ContourOptions& options) {
+  JobSpec job;
+  Course typed = TypedCourse(options);
+  if (options.files.size() == 1 && IsJobFile(options.files[0])) {
+    auto read = INTAGLIO_TRY(ReadJobFile(options.files[0]));
+    if (!read.has_course()) {
+      return Fail(
+          ErrorCode::kInvalidValue,
+          options.files[0] +
+              ": has no course; name a board or a drawing, or a job with a course",
+          options.files[0]);
+    }
+    job = std::move(read);
+    typed.clear_files();
+  }
+  job.mutable_course()->MergeFrom(typed);
+  if (const auto errors = CheckCourse(job); !errors.empty())
+    return tl::unexpected(JoinErrors(errors));
+  return job;
 }
 
 /// A tool that is not given is that of the template.
@@ -134,11 +162,8 @@ Status Simulate(const ContourOptions& options, const ContourWork& work,
 }
 
 Status MakeContours(const ContourOptions& options) {
-  Course typed = TypedCourse(options);
-  JobSpec job;
-  *job.mutable_course() = typed;
-  if (const auto errors = CheckCourse(job); !errors.empty())
-    return tl::unexpected(JoinErrors(errors));
+  const JobSpec job = INTAGLIO_TRY(ReadCourseJob(options));
+  Course typed = job.course();
   INTAGLIO_TRY(TakeToolOf(options, typed));
   const Course whole = WithDefaults(typed);
   Warnings warnings;
@@ -237,12 +262,12 @@ void AddProgramOptions(command_line::Command contour, ContourOptions& options) {
       .Need(out);
   contour
       .AddOption("--max-bytes", options.max_bytes,
-                 "greatest size of a program; longer ones are divided")
+                 "maximum size of a program; longer ones are divided")
       .Within(200, 1'000'000'000)
       .Need(out);
   contour
       .AddOption("--axis-speed", options.axis_speed_deg_s,
-                 "deg/s, greatest of a lathe's turning axis; default the template's")
+                 "deg/s, maximum of a lathe's turning axis; default the template's")
       .Within(0.01, 100000.0)
       .Need(out);
 }

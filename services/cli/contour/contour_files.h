@@ -27,7 +27,7 @@ struct CourseFiles {
   std::vector<DrawnCurve> curves;
 };
 
-/// Of `course.files`: drawings by their ending (.dxf, .svg, .hpgl, .plt), projects by
+/// Of `course.files`: drawings by their extension (.dxf, .svg, .hpgl, .plt), projects by
 /// theirs (.xml), Gerber and Excellon files by what they hold. What is read and not made
 /// is added to `warnings`. Errors as of the readers; kUnreadable: none of these.
 Result<CourseFiles> ReadCourseFiles(const Course& course, double size_limits,

@@ -5,7 +5,7 @@
 
 namespace intaglio::cli {
 
-/// Elements and holes as a project, each element a group of its own and nodes shared, as
+/// Elements and holes as a project, each element in a separate group and nodes shared, as
 /// the source keeps them. kUnsupported, with the element's description: an outline, or a
 /// track along an arc, which a project does not have.
 Result<contour::Project> ProjectOf(const CourseFiles& files);

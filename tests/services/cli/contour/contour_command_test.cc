@@ -248,6 +248,17 @@ TEST_F(ContourCommand, AJobOfContoursIsAProgram) {
   EXPECT_THAT(program, HasSubstr("Z -0.2 }"));
   EXPECT_THAT(program, HasSubstr("Z -0.4 }"));
   EXPECT_THAT(program, HasSubstr("Vel=0.008 m/s"));
+  // The figures and the animation of a job, changed by what is given beside it.
+  ASSERT_EQ(Type({"contour", job, "--frames", folder_ / "frames", "--frame-step", "100"}),
+            client::kExitGood)
+      << errors_;
+  EXPECT_THAT(output_, HasSubstr("2 times"));
+  EXPECT_TRUE(fs::exists(folder_ / "frames/frame_00002.png"));
+  ASSERT_EQ(Type({"contour", job, "--repeat", "3"}), client::kExitGood) << errors_;
+  EXPECT_THAT(output_, HasSubstr("3 times"));
+  EXPECT_EQ(Type({"contour", Write("points.textproto", "name: \"a\"\n")}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("points.textproto: has no course"));
   // What would change nothing is refused.
   for (const char* option : {"--spacing", "--height", "--machine"}) {
     EXPECT_EQ(Type({"post", job, "--template", Mill("krl-full"), "--out", out, option,
