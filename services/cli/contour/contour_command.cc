@@ -1,17 +1,22 @@
 #include "services/cli/contour/contour_command.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/descriptor.h>
 
+#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "engrave/core/check.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
+#include "engrave/io/lower_case.h"
 #include "services/cli/complain.h"
 #include "services/cli/contour/contour_files.h"
 #include "services/cli/contour/contour_frames.h"
@@ -47,13 +52,32 @@ struct ContourOptions {
   double size_limits = 1;
 };
 
+constexpr std::string_view kMakePrefix = "COURSE_MAKE_";
+
+/// COURSE_MAKE_OUTLINE is outline.
+std::vector<std::string> MakeNames() {
+  std::vector<std::string> names;
+  for (int i = 0; i < CourseMake_descriptor()->value_count(); ++i) {
+    const std::string name = CourseMake_descriptor()->value(i)->name();
+    names.push_back(io::LowerCase(std::string_view(name).substr(kMakePrefix.size())));
+  }
+  return names;
+}
+
+CourseMake MakeOf(const std::string& name) {
+  std::string value(kMakePrefix);
+  for (const char c : name)
+    value += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  CourseMake make = COURSE_MAKE_ISOLATION;
+  Require(CourseMake_Parse(value, &make), "--make '{}' has passed its check", name);
+  return make;
+}
+
 /// What is given on the command line.
 Course TypedCourse(const ContourOptions& options) {
   Course course;
   for (const std::string& file : options.files) course.add_files(file);
-  course.set_make(options.make == "isolation" ? COURSE_MAKE_ISOLATION
-                  : options.make == "outline" ? COURSE_MAKE_OUTLINE
-                                              : COURSE_MAKE_CURVES);
+  course.set_make(MakeOf(options.make));
   course.set_round_corners(options.corners == "round");
   course.set_nearest_order(options.order == "nearest");
   if (options.tool_mm) course.set_tool_diameter_mm(*options.tool_mm);
@@ -191,7 +215,7 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
       .AddOption("--make", options.make,
                  "isolation: around the copper, so that its nets are cut apart; outline: "
                  "once around everything; curves: along the curves of drawings")
-      .OneOf({"isolation", "outline", "curves"})
+      .OneOf(MakeNames())
       .ShowDefault();
   contour
       .AddOption("--tool", options.tool_mm,

@@ -219,6 +219,24 @@ TEST_F(ContourCommand, OpenCurvesHaveNoOutlineButCanBeFollowed) {
   EXPECT_THAT(errors_, HasSubstr("no fragment uses @POWER@"));
 }
 
+TEST_F(ContourCommand, TheToolIsThatOfTheTemplate) {
+  const std::string mill =
+      Write("own.post",
+            "#tool-radius 0.05\n#extension txt\n#number DIAMETER decimals=3\n"
+            "#fragment start\ntool @DIAMETER@\n#fragment approach\n@X@ @Y@\n"
+            "#fragment line\n@X@ @Y@\n#fragment retract\nup\n");
+  const std::string out = folder_ / "board.txt";
+  ASSERT_EQ(Type({"contour", gerber_, "--template", mill, "--out", out}),
+            client::kExitGood)
+      << errors_;
+  EXPECT_TRUE(test::ContentOf(out).starts_with("tool 0.100\n"));
+  EXPECT_THAT(output_, HasSubstr("2 nets, 0.1 mm around the copper"));
+  // What is typed counts: the gap is too narrow for it.
+  EXPECT_EQ(Type({"contour", gerber_, "--template", mill, "--tool", "0.31"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("gap 0.3 < tool 0.31"));
+}
+
 TEST_F(ContourCommand, ErrorsNameFileAndRemedy) {
   const std::string odd = Write("board.txt", "nothing of the kind\n");
   EXPECT_EQ(Type({"contour", odd}), client::kExitWrongInput);
