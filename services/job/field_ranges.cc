@@ -69,6 +69,7 @@ constexpr std::array kRanges = {
     FieldRange{"Course", "repeat_count", 1, 100},
     FieldRange{"Course", "safe_height_mm", 0.01, 1000},
     FieldRange{"Course", "drill_depth_mm", 0.01, 100},
+    FieldRange{"Course", "lead_mm", 0.01, 1000},
     FieldRange{"AxisLimits", "travel_min_mm", -10000, 10000},
     FieldRange{"AxisLimits", "travel_max_mm", -10000, 10000},
     FieldRange{"AxisLimits", "max_speed_mm_s", 0.1, 5000},

@@ -42,8 +42,10 @@ namespace fs = std::filesystem;
 struct ContourOptions {
   std::vector<std::string> files;
   std::string make = "isolation", order = "improved", corners = "sharp";
-  std::optional<double> tool_mm, overlap, speed_mm_s, travel_mm_s, plunge_mm_s, depth_mm,
-      power, safe_mm, drill_depth_mm, chord_um, axis_speed_deg_s;
+  std::string layer;
+  bool inside = false;
+  std::optional<double> lead_mm, tool_mm, overlap, speed_mm_s, travel_mm_s, plunge_mm_s,
+      depth_mm, power, safe_mm, drill_depth_mm, chord_um, axis_speed_deg_s;
   std::optional<std::uint32_t> passes, repeat, max_bytes;
   std::vector<double> start_mm, origin_mm;
   bool chords = false;
@@ -80,6 +82,9 @@ Course TypedCourse(const ContourOptions& options) {
   course.set_make(MakeOf(options.make));
   course.set_round_corners(options.corners == "round");
   course.set_nearest_order(options.order == "nearest");
+  if (!options.layer.empty()) course.set_layer(options.layer);
+  if (options.inside) course.set_inside(true);
+  if (options.lead_mm) course.set_lead_mm(*options.lead_mm);
   if (options.tool_mm) course.set_tool_diameter_mm(*options.tool_mm);
   if (options.passes) course.set_pass_count(*options.passes);
   if (options.overlap) course.set_overlap_ratio(*options.overlap);
@@ -214,7 +219,8 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
   contour
       .AddOption("--make", options.make,
                  "isolation: around the copper, so that its nets are cut apart; outline: "
-                 "once around everything; curves: along the curves of drawings")
+                 "once around everything; curves: along the curves of drawings; pocket: "
+                 "clear what they enclose; cut: parts out of a sheet")
       .OneOf(MakeNames())
       .ShowDefault();
   contour
@@ -226,6 +232,14 @@ void AddToolOptions(command_line::Command contour, ContourOptions& options) {
       .Within(1, 20);
   contour.AddOption("--overlap", options.overlap, "of passes, by the tool, default 0.5")
       .Within(0.5, 0.95);
+  contour.AddOption("--layer", options.layer,
+                    "of a board of KiCad, e.g. B.Cu; default its first of copper");
+  contour
+      .AddOption("--lead", options.lead_mm,
+                 "of cuts: mm, radius of the arc on which the tool comes and goes")
+      .Within(0.01, 1000.0);
+  contour.AddFlag("--inside", options.inside,
+                  "of cuts: openings into a sheet, and not parts out of it");
   contour
       .AddOption("--corners", options.corners,
                  "of outlines: sharp as published, or round as the tool leaves them")
@@ -303,10 +317,10 @@ void AddContourCommand(command_line::Command app) {
   command_line::Command contour = app.AddCommand(
       "contour", "contours and holes of circuit boards and plates, and their programs");
   contour
-      .AddOption(
-          "FILE", options->files,
-          "Gerber, Excellon, project .xml, or drawings .dxf .svg .hpgl .plt, all in "
-          "one frame")
+      .AddOption("FILE", options->files,
+                 "Gerber, Excellon, .kicad_pcb, project .xml, or drawings .dxf .svg "
+                 ".hpgl .plt, all in "
+                 "one frame")
       .Require();
   AddToolOptions(contour, *options);
   AddMotionOptions(contour, *options);

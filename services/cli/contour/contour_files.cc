@@ -9,6 +9,7 @@
 
 #include "engrave/contour/files/excellon_read.h"
 #include "engrave/contour/files/gerber_read.h"
+#include "engrave/contour/files/kicad_read.h"
 #include "engrave/contour/files/project_file.h"
 #include "engrave/core/try.h"
 #include "engrave/drawing/flatten.h"
@@ -80,13 +81,43 @@ void WarnOfDrillFile(const std::string& file, const contour::DrillFile& drilled,
       FileName(file), drilled.slots.size(), contour::Describe(drilled.slots.front())));
 }
 
-Status AddBoard(const std::string& file, const std::string& text, CourseFiles& files,
-                Warnings& warnings) {
+Result<std::uint32_t> LayerOf(const contour::KicadBoard& board, const std::string& file,
+                              const std::string& name) {
+  if (name.empty()) return 0;
+  const auto found = std::ranges::find(board.layers, name);
+  if (found != board.layers.end())
+    return static_cast<std::uint32_t>(found - board.layers.begin());
+  return Fail(ErrorCode::kInvalidValue,
+              fmt::format("course.layer: {} has no copper layer {:?}; it has {}", file,
+                          name, fmt::join(board.layers, ", ")),
+              name);
+}
+
+Status AddKicadBoard(const std::string& file, const std::string& text,
+                     const std::string& layer, CourseFiles& files, Warnings& warnings) {
+  auto board = INTAGLIO_TRY(contour::ReadKicadBoard(text, file));
+  DrawnNets drawn{file, board.layers, INTAGLIO_TRY(LayerOf(board, file, layer)), {}};
+  std::ranges::move(contour::ElementsOfLayer(board, drawn.layer),
+                    std::back_inserter(files.elements));
+  contour::DrillFile drilled;
+  drilled.slots = std::move(board.slots);
+  drilled.left_out.insert(board.left_out.begin(), board.left_out.end());
+  WarnOfDrillFile(file, drilled, warnings);
+  std::ranges::move(board.holes, std::back_inserter(files.holes));
+  drawn.elements = std::move(board.elements);
+  files.boards.push_back(std::move(drawn));
+  return {};
+}
+
+Status AddBoard(const std::string& file, const std::string& text,
+                const std::string& layer, CourseFiles& files, Warnings& warnings) {
   const std::string_view head = std::string_view(text).substr(0, kHeadBytes);
   const auto has = [&](std::string_view mark) {
     return head.find(mark) != std::string_view::npos;
   };
-  if (io::LowerCase(fs::path(file).extension().string()) == ".xml") {
+  const std::string extension = io::LowerCase(fs::path(file).extension().string());
+  if (extension == ".kicad_pcb") return AddKicadBoard(file, text, layer, files, warnings);
+  if (extension == ".xml") {
     const auto project = INTAGLIO_TRY(contour::ReadProject(text, file));
     contour::Board board = contour::BoardOf(project);
     std::ranges::move(board.elements, std::back_inserter(files.elements));
@@ -107,7 +138,8 @@ Status AddBoard(const std::string& file, const std::string& text, CourseFiles& f
   return Fail(ErrorCode::kUnreadable,
               file +
                   ": is neither a drawing (.dxf, .svg, .hpgl, .plt), a project (.xml), "
-                  "a Gerber file with %FS..*%, nor an Excellon file with M48; export "
+                  "a board of KiCad (.kicad_pcb), a Gerber file with %FS..*%, nor an "
+                  "Excellon file with M48; export "
                   "one of these",
               file);
 }
@@ -140,7 +172,7 @@ Result<CourseFiles> ReadCourseFiles(const Course& course, double size_limits,
       continue;
     }
     const std::string text = INTAGLIO_TRY(io::ReadWholeFile(file, limits.max_file_bytes));
-    INTAGLIO_TRY(AddBoard(file, text, files, warnings));
+    INTAGLIO_TRY(AddBoard(file, text, course.layer(), files, warnings));
   }
   if (files.elements.empty() && files.holes.empty() && files.curves.empty()) {
     return Fail(ErrorCode::kMissing, fmt::format("{}: holds nothing to make",

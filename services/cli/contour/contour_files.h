@@ -11,6 +11,7 @@
 #include "engrave/core/result.h"
 #include "engrave/core/warning.h"
 #include "proto/job.pb.h"
+#include "services/cli/contour/contour_nets.h"
 
 namespace intaglio::cli {
 
@@ -25,11 +26,13 @@ struct CourseFiles {
   std::vector<contour::Element> elements;
   std::vector<contour::Hole> holes;
   std::vector<DrawnCurve> curves;
+  std::vector<DrawnNets> boards;  ///< those whose file has the nets; in `elements`, too
 };
 
 /// Of `course.files`: drawings by their extension (.dxf, .svg, .hpgl, .plt), projects by
-/// theirs (.xml), Gerber and Excellon files by what they hold. What is read and not made
-/// is added to `warnings`. Errors as of the readers; kUnreadable: none of these.
+/// theirs (.xml), boards of KiCad by theirs (.kicad_pcb; course.layer of them), Gerber
+/// and Excellon files by what they hold. What is read and not made is added to
+/// `warnings`. Errors as of the readers; kUnreadable: none of these.
 Result<CourseFiles> ReadCourseFiles(const Course& course, double size_limits,
                                     Warnings& warnings);
 

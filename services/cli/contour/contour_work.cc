@@ -10,6 +10,8 @@
 #include "engrave/contour/isolation.h"
 #include "engrave/contour/union.h"
 #include "engrave/core/try.h"
+#include "services/cli/contour/contour_areas.h"
+#include "services/cli/contour/contour_nets.h"
 #include "services/client/figure_text.h"
 
 namespace intaglio::cli {
@@ -38,7 +40,7 @@ Status KeepCopper(std::span<const contour::Element> elements, contour::Corners c
 
 Result<Contours> ContoursOf(const Course& course,
                             std::span<const contour::Element> elements,
-                            ContourWork& work) {
+                            const std::vector<DrawnNets>& boards, ContourWork& work) {
   Contours contours;
   if (elements.empty()) return contours;
   if (course.make() == COURSE_MAKE_ISOLATION) {
@@ -48,6 +50,10 @@ Result<Contours> ContoursOf(const Course& course,
     INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work));
     work.net_count = made.net_count;
     work.isolated_mm = made.width_mm;
+    for (const DrawnNets& board : boards) {
+      const auto report = INTAGLIO_TRY(ProveNets(board, made, course.tool_diameter_mm()));
+      work.proved_net_count = work.proved_net_count.value_or(0) + report.net_count;
+    }
     int pass = 0;
     for (contour::IsolationPass& row : made.passes)
       contours.Add(std::move(row.contours), pass++);
@@ -108,6 +114,27 @@ void OrderCurves(const Course& course, const std::vector<DrawnCurve>& curves,
   }
 }
 
+/// Pockets and cuts: in the order in which they were made.
+Status TakeAreas(const Course& course, const std::vector<contour::Element>& elements,
+                 const Vec2& start_mm, ContourWork& work) {
+  const AreaPaths made =
+      INTAGLIO_TRY(course.make() == COURSE_MAKE_POCKET ? ClearAreas(course, elements)
+                                                       : CutAreas(course, elements));
+  INTAGLIO_TRY(KeepCopper(elements, contour::Corners::kRound, work));
+  work.left_mm2 = made.left_mm2;
+  Vec2 at_mm = start_mm;
+  for (std::size_t i = 0; i < made.paths.size(); ++i) {
+    const contour::Edges& edges = made.paths[i];
+    work.idle_mm += (edges.front().begin_mm - at_mm).norm();
+    at_mm = edges.back().end_mm;
+    work.paths.push_back(post::PathOf(edges, fmt::format("contour {}", i + 1)));
+    work.passes.push_back(made.passes[i]);
+    work.work_mm += contour::LengthOf(edges);
+  }
+  work.nearest_idle_mm = work.idle_mm;
+  return {};
+}
+
 void PlanHoles(const Course& course, const std::vector<contour::Hole>& holes,
                const Vec2& start_mm, ContourWork& work) {
   const auto tools =
@@ -163,7 +190,12 @@ Result<ContourWork> MakeContourWork(const Course& course, const CourseFiles& fil
   auto outlines = INTAGLIO_TRY(OutlinesOf(files.curves));
   std::ranges::move(outlines, std::back_inserter(elements));
   work.element_count = elements.size();
-  const Contours contours = INTAGLIO_TRY(ContoursOf(course, elements, work));
+  if (course.make() == COURSE_MAKE_POCKET || course.make() == COURSE_MAKE_CUT) {
+    INTAGLIO_TRY(TakeAreas(course, elements, start_mm, work));
+    return work;
+  }
+  const Contours contours =
+      INTAGLIO_TRY(ContoursOf(course, elements, files.boards, work));
   OrderContours(course, contours, start_mm, work);
   return work;
 }
@@ -215,6 +247,16 @@ std::vector<std::string> FiguresOf(const ContourWork& work, const Course& whole)
   if (work.net_count) {
     lines.push_back(fmt::format("isolation     {} nets, {:.3g} mm around the copper",
                                 *work.net_count, work.isolated_mm));
+  }
+  if (work.proved_net_count) {
+    lines.push_back(
+        fmt::format("copper left   {} nets as the file has them, none short or open",
+                    *work.proved_net_count));
+  }
+  if (whole.make() == COURSE_MAKE_POCKET) {
+    lines.push_back(fmt::format(
+        "left over     {:.3g} mm2 in corners and necks narrower than the tool",
+        work.left_mm2));
   }
   const WorkTime time = TimeOf(work, whole);
   lines.push_back(fmt::format("contours      {}, {:.1f} mm at work, {} times",

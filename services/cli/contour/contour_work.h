@@ -23,7 +23,11 @@ struct ContourWork {
   std::vector<contour::Edges> copper;    ///< outlines of what the files hold
   std::size_t element_count = 0, hole_count = 0;
   std::optional<std::size_t> net_count;  ///< of an isolation
-  double isolated_mm = 0;                ///< width that is cut around the copper
+  /// Of boards whose file has the nets: how many the copper that is left has, all of them
+  /// as drawn.
+  std::optional<std::size_t> proved_net_count;
+  double left_mm2 = 0;     ///< of pockets: corners and necks that stay
+  double isolated_mm = 0;  ///< width that is cut around the copper
   double work_mm = 0, idle_mm = 0, drill_idle_mm = 0;
   double nearest_idle_mm = 0;  ///< of the published order, contours
 };

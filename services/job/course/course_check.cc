@@ -27,11 +27,18 @@ void CheckTool(const Course& course, Findings& findings) {
     findings.Wrong("course.depth_mm", course.depth_mm(),
                    "excludes course.power_ratio; a laser has a power and no depth");
   }
-  if (course.make() == COURSE_MAKE_ISOLATION) return;
-  if (course.has_pass_count() || course.has_overlap_ratio()) {
+  const bool isolates = course.make() == COURSE_MAKE_ISOLATION;
+  if (!isolates && course.has_pass_count()) {
     findings.Wrong("course.pass_count", course.pass_count(),
-                   "and course.overlap_ratio are of isolations; remove them, or make an "
-                   "isolation");
+                   "is of isolations; remove it, or make an isolation");
+  }
+  if (!isolates && course.make() != COURSE_MAKE_POCKET && course.has_overlap_ratio()) {
+    findings.Wrong("course.overlap_ratio", course.overlap_ratio(),
+                   "is of isolations and pockets; remove it, or make one of these");
+  }
+  if (course.make() != COURSE_MAKE_CUT && (course.has_lead_mm() || course.inside())) {
+    findings.Wrong("course.lead_mm", course.lead_mm(),
+                   "and course.inside are of cuts; remove them, or make a cut");
   }
 }
 

@@ -18,6 +18,7 @@
 #include "services/client/exit_codes.h"
 #include "services/job/course/course_check.h"
 #include "services/job/job_check.h"
+#include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -36,7 +37,7 @@ constexpr const char* kGerber =
 constexpr const char* kExcellon =
     "M48\nMETRIC,TZ\nT1C0.600\nT2C0.400\n%\nT1\nX0.0Y0.0\nX5.0Y0.0\nT2\nX2.5Y1.0\nM30\n";
 
-class ContourCommand : public ::testing::Test {
+class ContourCommand : public TypedCommand {
  protected:
   std::string Write(const std::string& name, const std::string& text) {
     const fs::path file = folder_ / name;
@@ -45,17 +46,12 @@ class ContourCommand : public ::testing::Test {
   }
 
   int Type(const std::vector<std::string>& words) {
-    command_line::Program program("intaglio", "");
-    AddContourCommand(program.root());
-    AddPostCommand(program.root());
-    const Status parsed = program.Parse(words);
-    EXPECT_TRUE(parsed) << (parsed ? "" : parsed.error().message);
-    ::testing::internal::CaptureStdout();
-    ::testing::internal::CaptureStderr();
-    const int code = program.Run();
-    output_ = ::testing::internal::GetCapturedStdout();
-    errors_ = ::testing::internal::GetCapturedStderr();
-    return code;
+    return TypeTo(
+        [](command_line::Command root) {
+          AddContourCommand(root);
+          AddPostCommand(root);
+        },
+        words);
   }
 
   std::string Mill(const std::string& name) const {
@@ -65,10 +61,8 @@ class ContourCommand : public ::testing::Test {
     return INTAGLIO_SOURCE_DIR "/deploy/post/drill/" + name + ".post";
   }
 
-  fs::path folder_ = test::FreshFolder();
   std::string gerber_ = Write("board.gbr", kGerber);
   std::string excellon_ = Write("board.drl", kExcellon);
-  std::string output_, errors_;
 };
 
 TEST_F(ContourCommand, IsolatesABoardAndDrillsIt) {

@@ -17,6 +17,7 @@
 #include "services/client/exit_codes.h"
 #include "services/job/drive/drive_profile.h"
 #include "services/job/job_file.h"
+#include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -27,7 +28,7 @@ using ::testing::HasSubstr;
 
 constexpr const char* kProfile = INTAGLIO_SOURCE_DIR "/deploy/machines/els-03.textproto";
 
-class CourseCommand : public ::testing::Test {
+class CourseCommand : public TypedCommand {
  protected:
   CourseCommand() {
     // Two rows of lines that meet: a square of 20 mm and a zigzag.
@@ -45,22 +46,11 @@ class CourseCommand : public ::testing::Test {
 
   int Type(std::vector<std::string> words) {
     words.insert(words.begin(), {"course", "plan"});
-    command_line::Program program("intaglio", "");
-    AddCourseCommand(program.root());
-    const Status parsed = program.Parse(words);
-    EXPECT_TRUE(parsed) << (parsed ? "" : parsed.error().message);
-    ::testing::internal::CaptureStdout();
-    ::testing::internal::CaptureStderr();
-    const int code = program.Run();
-    output_ = ::testing::internal::GetCapturedStdout();
-    errors_ = ::testing::internal::GetCapturedStderr();
-    return code;
+    return TypeTo(AddCourseCommand, words);
   }
 
-  fs::path folder_ = test::FreshFolder();
   std::string drawing_ = folder_ / "part.svg", soft_ = folder_ / "soft.textproto";
   std::string csv_ = folder_ / "course.csv", picture_ = folder_ / "course.png";
-  std::string output_, errors_;
 };
 
 /// From the outline of the square; y is that of the page, flipped.

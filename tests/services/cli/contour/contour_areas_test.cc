@@ -1,0 +1,117 @@
+// `intaglio contour` of boards whose nets are known, of pockets and of cuts.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+
+#include "services/cli/contour/contour_command.h"
+#include "services/cli/contour/contour_files.h"
+#include "services/cli/contour/contour_work.h"
+#include "services/client/exit_codes.h"
+#include "services/job/course/course_check.h"
+#include "tests/engrave/contour/files/kicad_text.h"
+#include "tests/services/cli/typed_command.h"
+
+namespace intaglio::cli {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ContourAreas : public TypedCommand {
+ protected:
+  std::string Write(const std::string& name, const std::string& text) {
+    const std::string file = folder_ / name;
+    std::ofstream(file) << text;
+    return file;
+  }
+  int Type(std::vector<std::string> words) {
+    words.insert(words.begin(), "contour");
+    return TypeTo(AddContourCommand, words);
+  }
+  /// Two pads of each of two nets, the one net joined in front, the other behind.
+  static std::string Board(bool joined) {
+    contour::test::KicadText text;
+    text.Outline(0, 0, 20, 10);
+    text.Footprint("R1", 0, 0);
+    text.Pad("1", "circle", 3, 3, 2, 2, "A", 0.8);
+    text.Pad("2", "circle", 17, 3, 2, 2, "A", 0.8);
+    text.Pad("3", "circle", 3, 7, 2, 2, "B", 0.8);
+    text.Pad("4", "circle", 17, 7, 2, 2, "B", 0.8);
+    text.EndFootprint();
+    text.Segment(3, 3, 17, 3, 0.5, "A");
+    if (joined) text.Segment(3, 7, 17, 7, 0.5, "B", "B.Cu");
+    return text.Text();
+  }
+};
+
+TEST_F(ContourAreas, TheCopperLeftOfABoardHasTheNetsOfItsFile) {
+  const std::string board = Write("board.kicad_pcb", Board(true));
+  ASSERT_EQ(Type({board, "--tool", "0.3"}), client::kExitGood) << errors_;
+  EXPECT_THAT(output_, HasSubstr("copper left   2 nets as the file has them"));
+  EXPECT_THAT(output_, HasSubstr("isolation     3 nets")) << "B is two pads in front";
+  EXPECT_THAT(output_, HasSubstr("4 holes with 1 tools"));
+  ASSERT_EQ(Type({board, "--tool", "0.3", "--layer", "B.Cu"}), client::kExitGood)
+      << errors_;
+  EXPECT_THAT(output_, HasSubstr("copper left   2 nets as the file has them"));
+}
+
+TEST_F(ContourAreas, ANetInPartsAndALayerThatIsNoneAreRefusedByName) {
+  const std::string open = Write("open.kicad_pcb", Board(false));
+  EXPECT_EQ(Type({open, "--tool", "0.3"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("has not the nets of the file"));
+  EXPECT_THAT(errors_, HasSubstr("B"));
+  const std::string board = Write("board.kicad_pcb", Board(true));
+  EXPECT_EQ(Type({board, "--layer", "In1.Cu"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("it has F.Cu, B.Cu"));
+}
+
+/// A plate of 30 x 20 mm with a hole of 8 mm square.
+constexpr const char* kPlate =
+    R"(<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">)"
+    R"(<rect x="5" y="5" width="30" height="20"/><rect x="16" y="11" width="8" height="8"/></svg>)";
+
+TEST_F(ContourAreas, APocketIsClearedAndACutGoesAroundIt) {
+  Course course;
+  course.add_files(Write("plate.svg", kPlate));
+  course.set_tool_diameter_mm(2);
+  course.set_make(COURSE_MAKE_POCKET);
+  Warnings warnings;
+  const auto files = ReadCourseFiles(WithDefaults(course), 1, warnings);
+  ASSERT_TRUE(files) << files.error().message;
+  const auto pocket = MakeContourWork(WithDefaults(course), *files, Vec2(0, 0));
+  ASSERT_TRUE(pocket) << pocket.error().message;
+  // Each outer corner keeps a square of the radius less its quarter of a disc; those of
+  // the hole point away from the tool.
+  EXPECT_NEAR(pocket->left_mm2, 4 * (1 - std::numbers::pi / 4), 1e-3);
+  for (const post::ToolPath& path : pocket->paths) {
+    EXPECT_GE(path.begin_mm.x(), 6 - 1e-6);
+    EXPECT_LE(path.begin_mm.x(), 34 + 1e-6);
+  }
+  course.set_make(COURSE_MAKE_CUT);
+  course.set_lead_mm(1);
+  const auto cut = MakeContourWork(WithDefaults(course), *files, Vec2(0, 0));
+  ASSERT_TRUE(cut) << cut.error().message;
+  ASSERT_EQ(cut->paths.size(), 2U) << "the hole, then the plate";
+  // Two quarter arcs of 1 mm each; inside a square with corners, outside with arcs.
+  const double leads_mm = 2 * 2 * std::numbers::pi / 2;
+  const double hole_mm = 4 * 6, plate_mm = 2 * (30 + 20) + 2 * std::numbers::pi;
+  EXPECT_NEAR(cut->work_mm, leads_mm + hole_mm + plate_mm, 1e-3);
+  EXPECT_LT(contour::LengthOf(post::EdgesOf(cut->paths[0])),
+            contour::LengthOf(post::EdgesOf(cut->paths[1])));
+}
+
+TEST_F(ContourAreas, WhatIsOfCutsAloneIsRefusedOfOthers) {
+  const std::string plate = Write("plate.svg", kPlate);
+  EXPECT_EQ(Type({plate, "--make", "pocket", "--inside"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("course.inside are of cuts"));
+  EXPECT_EQ(Type({plate, "--make", "cut", "--overlap", "0.6"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("course.overlap_ratio"));
+  EXPECT_EQ(Type({plate, "--make", "cut", "--inside", "--tool", "9"}),
+            client::kExitWrongInput)
+      << output_;
+}
+
+}  // namespace
+}  // namespace intaglio::cli
