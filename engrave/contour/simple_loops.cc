@@ -84,8 +84,12 @@ bool IsInLoops(const Edges& edges, const Vec2& p) {
     if ((e.begin_mm.y() <= p.y()) != (e.end_mm.y() <= p.y()) && (side > 0) == up)
       inside = !inside;
     if (!e.is_arc()) continue;
-    // Of an arc that turns left the segment lies to the right of the chord.
-    if (e.begin_mm != e.end_mm && (side <= 0) != (e.sweep_rad > 0)) continue;
+    // Of an arc that turns left the segment lies to the right of the chord. A point on
+    // the chord is to the right of it, as for the polygon, which takes a point at the
+    // height of a corner to be above it.
+    const bool above = e.begin_mm.y() == e.end_mm.y() && e.end_mm.x() > e.begin_mm.x();
+    const bool right = side < 0 || (side == 0 && !above);
+    if (e.begin_mm != e.end_mm && right != (e.sweep_rad > 0)) continue;
     if ((p - e.center_mm).squaredNorm() < e.radius_mm * e.radius_mm) inside = !inside;
   }
   return inside;

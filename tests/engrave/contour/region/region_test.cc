@@ -117,6 +117,43 @@ TEST(Region, InsetAndOutsetKeepTheirDistance) {
   EXPECT_GT(inside, 100);
 }
 
+// A half disc on a box: points on their common line, the chord, are inside.
+TEST(Region, PointsOnAChordAreInside) {
+  for (const bool lower : {false, true}) {
+    for (const bool clockwise : {false, true}) {
+      Edge arc = MakeArc({5, 3}, 2, lower ? pi : 0, pi);
+      if (clockwise) arc = Reversed(arc);
+      // The other way would leave the chord's ends 1e-16 off its height.
+      arc.begin_mm.y() = arc.end_mm.y() = 3;
+      const double y = lower ? 4 : 2;
+      const Vec2 far_end(arc.end_mm.x(), y);
+      const Vec2 far_begin(arc.begin_mm.x(), y);
+      const Region region{
+          {{arc, MakeLine(arc.end_mm, far_end), MakeLine(far_end, far_begin),
+            MakeLine(far_begin, arc.begin_mm)}}};
+      for (double x = 3.1; x < 7; x += 0.1)
+        EXPECT_TRUE(IsInside(region, {x, 3})) << x << " " << lower << clockwise;
+    }
+  }
+}
+
+// Elements on one raster: borders coincide, and end on each other's chords.
+TEST(Region, BoardsOnOneRasterAreTakenApart) {
+  int refused = 0;
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    const Region a = Drawn(test::MakeBoard({60, seed, seed % 2 == 0}));
+    const Region b = Drawn(test::MakeBoard({40, seed + 1000, seed % 2 == 0}));
+    const auto rest = Difference(a, b);
+    const auto common = Intersection(b, a);
+    if (!rest || !common) {
+      ++refused;
+      continue;
+    }
+    EXPECT_NEAR(AreaOf(*rest) + AreaOf(*common), AreaOf(a), 1e-5) << seed;
+  }
+  EXPECT_EQ(refused, 0);
+}
+
 TEST(Region, ConnectedPartsHaveTheirHoles) {
   const auto region =
       RegionOfLoops({Box({0, 0}, {10, 10}), Box({1, 1}, {9, 9}), Box({2, 2}, {4, 4}),
