@@ -206,6 +206,26 @@ std::vector<Shape> ShapesOf(const KicadGraphic& graphic) {
   return shapes;
 }
 
+namespace {
+
+Status AppendPrimitives(const SExpression& pad, const KicadPlace& place,
+                        std::vector<Shape>& shapes, std::vector<std::string>& left_out) {
+  const auto primitives = pad.Find("primitives");
+  if (!primitives) return {};
+  for (const SExpression& item : primitives->items()) {
+    if (!item.is_list()) continue;
+    const auto graphic = INTAGLIO_TRY(GraphicOf(item, place));
+    if (!graphic) {
+      left_out.push_back(std::string(item.name()));
+      continue;
+    }
+    for (Shape& shape : ShapesOf(*graphic)) shapes.push_back(std::move(shape));
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<std::vector<Shape>> PadShapes(const SExpression& pad, const KicadPlace& pad_place,
                                      std::vector<std::string>& left_out) {
   const std::string kind = pad.Text(3);
@@ -217,7 +237,6 @@ Result<std::vector<Shape>> PadShapes(const SExpression& pad, const KicadPlace& p
   if (drill && drill->Find("offset"))
     place.at_mm = place.Of(INTAGLIO_TRY(KicadPoint(*drill, "offset")));
   if (pad.Find("chamfer_ratio")) left_out.emplace_back("chamfered corners of a pad");
-  const double turned = place.turned_rad;
   double radius = 0;
   if (kind == "circle") return std::vector<Shape>{Circle{place.at_mm, sides.x()}};
   if (kind == "oval") {
@@ -235,18 +254,8 @@ Result<std::vector<Shape>> PadShapes(const SExpression& pad, const KicadPlace& p
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("pads of the shape '{}' are not read", kind));
   }
-  std::vector<Shape> shapes{RoundBox(place.at_mm, sides, radius, turned)};
-  const auto primitives = pad.Find("primitives");
-  if (kind != "custom" || !primitives) return shapes;
-  for (const SExpression& item : primitives->items()) {
-    if (!item.is_list()) continue;
-    const auto graphic = INTAGLIO_TRY(GraphicOf(item, pad_place));
-    if (!graphic) {
-      left_out.push_back(std::string(item.name()));
-      continue;
-    }
-    for (Shape& shape : ShapesOf(*graphic)) shapes.push_back(std::move(shape));
-  }
+  std::vector<Shape> shapes{RoundBox(place.at_mm, sides, radius, place.turned_rad)};
+  if (kind == "custom") INTAGLIO_TRY(AppendPrimitives(pad, pad_place, shapes, left_out));
   return shapes;
 }
 

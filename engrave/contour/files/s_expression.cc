@@ -23,6 +23,38 @@ std::string Unescaped(std::string_view text) {
   return plain;
 }
 
+struct Token {
+  std::string_view text;
+  std::size_t end = 0;
+};
+
+/// A bracket, a string without its quotes, or an atom; counts lines. Nothing for a string
+/// that does not end.
+std::optional<Token> TokenAt(std::string_view text, std::size_t at, std::uint32_t& line) {
+  std::size_t end = at + 1;
+  if (text[at] == '(') return Token{{}, end};
+  if (text[at] != '"') {
+    while (end < text.size() && !IsBlank(text[end]) && text[end] != '(' &&
+           text[end] != ')')
+      ++end;
+    return Token{text.substr(at, end - at), end};
+  }
+  for (; end < text.size() && text[end] != '"'; ++end) {
+    if (text[end] == '\n') ++line;
+    if (text[end] == '\\') ++end;
+  }
+  if (end >= text.size()) return std::nullopt;
+  return Token{text.substr(at + 1, end - at - 1), end + 1};
+}
+
+tl::unexpected<Error> TooManyExpressions(std::string_view name, std::uint32_t line,
+                                         const SExpressionLimits& limits) {
+  return Fail(ErrorCode::kTooLarge,
+              fmt::format("{}: line {}: more than {} expressions or {} in each other; "
+                          "divide the board",
+                          name, line, limits.max_expressions, limits.max_nesting));
+}
+
 tl::unexpected<Error> WrongBrackets(std::string_view name, std::uint32_t line,
                                     const char* what) {
   return Fail(ErrorCode::kUnreadable,
@@ -94,33 +126,16 @@ Result<SExpressions> SExpressions::Read(std::string_view text, std::string_view 
     }
     if (all.nodes_.size() >= limits.max_expressions ||
         open.size() >= static_cast<std::size_t>(limits.max_nesting))
-      return Fail(
-          ErrorCode::kTooLarge,
-          fmt::format("{}: line {}: more than {} expressions or {} in each other; "
-                      "divide the board",
-                      name, line, limits.max_expressions, limits.max_nesting));
+      return TooManyExpressions(name, line, limits);
     Node node;
     node.line = line;
+    const auto token = TokenAt(text, at, line);
+    if (!token) return WrongBrackets(name, node.line, "an open string");
+    node.text = token->text;
+    node.list = text[at] == '(';
+    node.quoted = text[at] == '"';
+    at = token->end;
     const auto index = static_cast<std::uint32_t>(all.nodes_.size());
-    std::size_t end = at + 1;
-    if (text[at] == '(') {
-      node.list = true;
-    } else if (text[at] == '"') {
-      node.quoted = true;
-      for (; end < text.size() && text[end] != '"'; ++end) {
-        if (text[end] == '\n') ++line;
-        if (text[end] == '\\') ++end;
-      }
-      if (end >= text.size()) return WrongBrackets(name, node.line, "an open string");
-      node.text = text.substr(at + 1, end - at - 1);
-      ++end;
-    } else {
-      while (end < text.size() && !IsBlank(text[end]) && text[end] != '(' &&
-             text[end] != ')')
-        ++end;
-      node.text = text.substr(at, end - at);
-    }
-    at = end;
     if (!open.empty()) {
       auto& [list, last] = open.back();
       (last == kNone ? all.nodes_[list].first : all.nodes_[last].next) = index;
