@@ -5,7 +5,7 @@
 //
 // Pass k runs at r + k s from the wall, r the tool's radius, s the step. Every sixteenth
 // pass is made from the wall itself, those between from the one before, so roundings stay
-// below 0.01 um. What lies at r + k s .. 2 r + k s
+// below 0.02 um. What lies at r + k s .. 2 r + k s
 // from the wall is cut by pass k: on the straight way to the nearest place of the wall
 // lies a point at r + k s, which is on the pass, and no farther than r. With s <= r these
 // ranges join. With s > r a strip at 2 r + k s .. r + (k + 1) s may remain, where pass

@@ -96,6 +96,24 @@ TEST(Pocket, CutsWhatTheToolReachesAndNothingElse) {
   }
 }
 
+// All distances anew, from the wall itself: roundings of 16 passes at most.
+TEST(Pocket, PassesKeepTheirDistanceFromTheWall) {
+  const Region area = Irregular();
+  const auto pocket = ClearPocket(area, {1, 0.1});
+  ASSERT_TRUE(pocket) << pocket.error().message;
+  EXPECT_GT(pocket->passes.size(), 33U);  // twice past those made from the wall
+  for (const PocketPass& pass : pocket->passes) {
+    for (const Edges& path : pass.paths) {
+      for (const Edge& edge : path) {
+        for (const double part : {0.0, 0.3, 0.5, 0.8}) {
+          const Vec2 p = PointAt(edge, part * edge.length_mm);
+          EXPECT_NEAR(DistanceToLoops(area.loops, p), pass.offset_mm, 2e-5);
+        }
+      }
+    }
+  }
+}
+
 // By hand: of a rectangle four corners of (1 - pi / 4) r^2 stay.
 TEST(Pocket, LeavesTheCornersThatAreSharperThanTheTool) {
   for (const double step : {0.3, 0.5, 0.6, 0.8, 0.95}) {
