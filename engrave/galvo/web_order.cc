@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kMarksAhead = 60;
 constexpr int kSpeeds = 25;
+// Strips of 0.84 to 0.016 of the field.
+constexpr int kStrips = 24;
+constexpr double kStripRatio = 0.84;
 constexpr double kMaxGain = 4;  // over the order of arrival; 2.1 is the best known
 
 WebOrder TimedBy(std::span<const WebMark> marks, const WebHead& head,
@@ -40,11 +43,26 @@ std::vector<std::size_t> ByArrival(std::span<const WebMark> marks) {
   return order;
 }
 
+/// Strips across the web, this long: up one, down the next.
+std::vector<std::size_t> ByStrips(std::span<const WebMark> marks,
+                                  std::vector<std::size_t> order, double strip_mm) {
+  const double first_mm = marks[order.front()].centre_mm.x();
+  const auto key = [&](std::size_t i) {
+    const double strip = std::floor((marks[i].centre_mm.x() - first_mm) / strip_mm);
+    const bool down = std::fmod(strip, 2) != 0;
+    const double y_mm = marks[i].centre_mm.y();
+    return std::pair(strip, down ? -y_mm : y_mm);
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  return order;
+}
+
 /// One pass at one speed.
 class AheadOrder {
  public:
   AheadOrder(std::span<const WebMark> marks, const WebHead& head,
-            const std::vector<std::size_t>& arrival, double speed_mm_s)
+             const std::vector<std::size_t>& arrival, double speed_mm_s)
       : marks_(marks), head_(head), speed_mm_s_(speed_mm_s), left_(arrival) {}
 
   /// Nothing when a mark would be missed.
@@ -138,6 +156,12 @@ Result<WebOrder> ArrivalOrder(std::span<const WebMark> marks, const WebHead& hea
 Result<WebOrder> FastestOrder(std::span<const WebMark> marks, const WebHead& head) {
   const std::vector<std::size_t> arrival = ByArrival(marks);
   WebOrder best = INTAGLIO_TRY(WithSpeed(TimedBy(marks, head, arrival), head));
+  const auto take = [&](std::vector<std::size_t> order) {
+    auto found = WithSpeed(TimedBy(marks, head, std::move(order)), head);
+    if (found && found->max_mm_s > best.max_mm_s) best = *std::move(found);
+  };
+  for (int i = 0; i < kStrips; ++i)
+    take(ByStrips(marks, arrival, head.field_mm * std::pow(kStripRatio, i + 1)));
   double low_mm_s = best.max_mm_s, high_mm_s = kMaxGain * best.max_mm_s;
   for (int i = 0; i < kSpeeds; ++i) {
     const double speed_mm_s = std::sqrt(low_mm_s * high_mm_s);
@@ -147,9 +171,8 @@ Result<WebOrder> FastestOrder(std::span<const WebMark> marks, const WebHead& hea
       continue;
     }
     // Its own largest speed is a little above the one that it was found at.
-    auto found = WithSpeed(TimedBy(marks, head, *std::move(order)), head);
     low_mm_s = speed_mm_s;
-    if (found && found->max_mm_s > best.max_mm_s) best = *std::move(found);
+    take(*std::move(order));
   }
   return best;
 }

@@ -29,10 +29,11 @@ struct WebOrder {
 /// In the order of arrival (equal places: as given). Errors as of MaxSpeed.
 Result<WebOrder> ArrivalOrder(std::span<const WebMark> marks, const WebHead& head);
 
-/// By look-ahead: of the marks in the field the one with the shortest jump is next,
-/// unless one of the marks behind it would then leave before it is made. The speed is
-/// raised from that of arrival while such an order is found; never slower than
-/// ArrivalOrder. Errors as of MaxSpeed. O(n) marks times 25 speeds times 60 marks ahead.
+/// The fastest of: arrival; strips across the web, up one and down the next, of 24
+/// lengths; and look-ahead: of the marks in the field the one with the shortest jump is
+/// next, unless one of the marks behind it would then leave before it is made, at speeds
+/// that are raised while such an order is found. Never slower than ArrivalOrder. Errors
+/// as of MaxSpeed. O(n) marks times 25 speeds times 60 marks ahead.
 Result<WebOrder> FastestOrder(std::span<const WebMark> marks, const WebHead& head);
 
 }  // namespace intaglio::galvo

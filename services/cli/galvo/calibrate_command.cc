@@ -230,12 +230,14 @@ void AddGalvoCalibrateCommand(command_line::Command galvo) {
 
 void AddGalvoCommand(command_line::Command app) {
   command_line::Command galvo =
-      app.AddCommand("galvo", "scan heads: correction of the field");
+      app.AddCommand("galvo", "scan heads: correction, marks on a web, outputs");
   galvo.RequireCommand();
   galvo.SetFooter(
       "Example: intaglio galvo calibrate grid.csv --field 100 --bits 5184 --out new.ct5\n"
       "docs/machines/galvo.md explains tables and figures.");
   AddGalvoCalibrateCommand(galvo);
+  AddGalvoPlanCommand(galvo);
+  AddGalvoTicksCommand(galvo);
 }
 
 }  // namespace intaglio::cli

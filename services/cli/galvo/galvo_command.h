@@ -10,5 +10,7 @@ void AddGalvoCommand(command_line::Command app);
 
 /// Each adds its command below `galvo`.
 void AddGalvoCalibrateCommand(command_line::Command galvo);
+void AddGalvoPlanCommand(command_line::Command galvo);
+void AddGalvoTicksCommand(command_line::Command galvo);
 
 }  // namespace intaglio::cli

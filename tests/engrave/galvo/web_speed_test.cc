@@ -58,6 +58,24 @@ TEST(MaxSpeed, AgreesWithASimulationOnRandomContents) {
   }
 }
 
+TEST(MaxSpeed, OfTenMetresIsRunAt98PercentAndNamesItsMissedMarksAt102) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> gap(0.2, 4), time(.001, .006);
+  std::vector<TimedMark> marks;
+  for (double s_mm = 0; s_mm < 10'000; s_mm += gap(random))
+    marks.push_back({s_mm, 1, time(random)});
+  const double speed = MaxSpeed(marks, 20).value();
+  EXPECT_TRUE(AllAreMade(marks, 20, 0.98 * speed));
+  EXPECT_TRUE(MissedMarks(marks, 20, 0.98 * speed).empty());
+  const auto missed = MissedMarks(marks, 20, 1.02 * speed);
+  ASSERT_FALSE(missed.empty());
+  // Without those all others are made.
+  std::vector<TimedMark> others;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (!std::binary_search(missed.begin(), missed.end(), i)) others.push_back(marks[i]);
+  EXPECT_TRUE(AllAreMade(others, 20, 1.02 * speed));
+}
+
 TEST(MaxSpeed, RefusesWhatCannotBeMarked) {
   EXPECT_FALSE(MaxSpeed({}, 20).has_value());
   EXPECT_EQ(
@@ -125,10 +143,8 @@ Gains GainsOf(const Content& content) {
 TEST(FastestOrder, BeatsTheFramesOfTheSourceAsTheReferenceFound) {
   const Gains rows = GainsOf(Rows());
   EXPECT_NEAR(rows.arrival, 1.07, 0.01);
-  // The reference has 1.18, 1.62, 2.15 and 1.70 by look-ahead; the speed of an order is
-  // exact here, and the search goes on from it, which is up to 15 % more.
+  // The reference has 1.18, 1.62, 2.15 and 1.70 by look-ahead; strips give more.
   EXPECT_GE(rows.ahead, 1.18);
-  EXPECT_LT(rows.ahead, 1.3);
   // The reference has one content of each kind; the mean of eight is near it.
   struct Kind {
     double arrival, ahead;
@@ -148,8 +164,7 @@ TEST(FastestOrder, BeatsTheFramesOfTheSourceAsTheReferenceFound) {
       mean.ahead += gains.ahead / kContents;
     }
     EXPECT_NEAR(mean.arrival, kind.arrival, 0.12 * kind.arrival);
-    EXPECT_GT(mean.ahead, 0.95 * kind.ahead);
-    EXPECT_LT(mean.ahead, 1.25 * kind.ahead);
+    EXPECT_GT(mean.ahead, kind.ahead);
     RecordProperty("gain_" + std::to_string(&kind - kinds),
                    std::to_string(mean.arrival) + " " + std::to_string(mean.ahead));
   }

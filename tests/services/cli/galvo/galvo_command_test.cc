@@ -6,8 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <fstream>
 #include <random>
+#include <set>
 
 #include "engrave/galvo/files/ct5_tables.h"
 #include "services/client/exit_codes.h"
@@ -141,6 +143,110 @@ TEST_F(GalvoCommand, CalibrateNamesWhatIsWrongWithItsInput) {
   EXPECT_EQ(Type({"calibrate", grid, "--field", "100", "--table", ctb}),
             client::kExitWrongInput);
   EXPECT_THAT(errors_, HasSubstr("old.ctb: does not have its calibration"));
+}
+
+constexpr const char* kHoles =
+    R"(<svg xmlns="http://www.w3.org/2000/svg" width="16mm" height="16mm" viewBox="0 0 16 16">)"
+    R"(<circle cx="2" cy="2" r="0.5"/><circle cx="7" cy="6" r="0.5"/>)"
+    R"(<circle cx="3" cy="12" r="0.5"/><circle cx="14" cy="14" r="0.5"/></svg>)";
+
+TEST_F(GalvoCommand, PlanFindsTheLargestSpeedAndNamesWhatIsMissedAboveIt) {
+  const std::string drawing = folder_ / "holes.svg", csv = folder_ / "order.csv",
+                    picture = folder_ / "web.png";
+  std::ofstream(drawing) << kHoles;
+  const std::vector<std::string> words = {"plan",         drawing, "--field", "20",
+                                          "--repeats",    "5",     "--pitch", "16",
+                                          "--mark-speed", "1500"};
+  ASSERT_EQ(Type(words), client::kExitGood) << output_ << errors_;
+  EXPECT_THAT(output_, HasSubstr("marks         20 in 76 mm of web"));
+  double fastest = 0, frames = 0, gain = 0;
+  const auto line = output_.find("chosen order");
+  ASSERT_NE(line, std::string::npos) << output_;
+  ASSERT_EQ(
+      std::sscanf(output_.c_str() + line, "chosen order %lf mm/s, %lf", &fastest, &gain),
+      2);
+  ASSERT_EQ(std::sscanf(output_.c_str() + output_.find("frames "), "frames %lf", &frames),
+            1);
+  EXPECT_NEAR(fastest / frames, gain, 0.01);
+  auto slower = words, faster = words;
+  slower.insert(slower.end(), {"--web-speed", fmt::format("{}", 0.99 * fastest), "--csv",
+                               csv, "--picture", picture});
+  faster.insert(faster.end(), {"--web-speed", fmt::format("{}", 1.02 * fastest)});
+  EXPECT_EQ(Type(slower), client::kExitGood) << output_ << errors_;
+  EXPECT_THAT(output_, HasSubstr("all marks are made"));
+  EXPECT_GT(fs::file_size(picture), 5000U);
+  EXPECT_EQ(Type(faster), client::kExitNotGood);
+  EXPECT_THAT(output_, HasSubstr("of 20 marks are missed, first contour"));
+
+  // The order by its own table: every mark once, each in the field while it is made.
+  std::ifstream in(csv);
+  std::string row;
+  std::getline(in, row);
+  EXPECT_EQ(row, "order,contour,x_mm,y_mm,time_ms,missed");
+  std::set<int> contours;
+  double now_s = -1e9;
+  while (std::getline(in, row)) {
+    int order = 0, contour = 0, missed = 0;
+    double x = 0, y = 0, ms = 0;
+    ASSERT_EQ(std::sscanf(row.c_str(), "%d,%d,%lf,%lf,%lf,%d", &order, &contour, &x, &y,
+                          &ms, &missed),
+              6)
+        << row;
+    contours.insert(contour);
+    EXPECT_EQ(missed, 0);
+    EXPECT_GT(ms, 3.14159 / 1.5 + 0.6 - 0.01);
+    // At time t the web has moved x by v t.
+    now_s = std::max(now_s, (-9.5 - x) / (0.99 * fastest)) + ms / 1000;
+    EXPECT_LE(x + 0.99 * fastest * now_s, 9.5 + 1e-3);
+  }
+  EXPECT_EQ(contours.size(), 20U);
+}
+
+TEST_F(GalvoCommand, PlanRefusesWhatTheFieldDoesNotHold) {
+  const std::string drawing = folder_ / "holes.svg";
+  std::ofstream(drawing) << kHoles;
+  EXPECT_EQ(Type({"plan", drawing, "--field", "10"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("the field is 10 mm: divide it"));
+  EXPECT_EQ(Type({"plan", drawing, "--field", "20", "--repeats", "3"}),
+            client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("--repeats: needs --pitch"));
+}
+
+TEST_F(GalvoCommand, TicksAreOutputsOfTheDrawingThroughTheTable) {
+  const std::string drawing = folder_ / "holes.svg", csv = folder_ / "ticks.csv",
+                    vcd = folder_ / "ticks.vcd";
+  std::ofstream(drawing) << kHoles;
+  ASSERT_EQ(Type({"ticks", drawing, "--field", "20", "--mark-speed", "500", "--csv", csv,
+                  "--capture", vcd}),
+            client::kExitGood)
+      << output_ << errors_;
+  EXPECT_THAT(output_, HasSubstr("strokes       4"));
+  EXPECT_THAT(output_, HasSubstr("resolution    0.305 um"));
+  std::ifstream in(csv);
+  std::string row;
+  std::getline(in, row);
+  int lit = 0, rows = 0;
+  // Middles of the holes from the middle of the drawing, y up.
+  const std::vector<Vec2> middles = {{-6, 6}, {-1, 2}, {-5, -4}, {6, -6}};
+  while (std::getline(in, row)) {
+    int tick = 0, x = 0, y = 0, laser = 0;
+    ASSERT_EQ(std::sscanf(row.c_str(), "%d,%d,%d,%d", &tick, &x, &y, &laser), 4) << row;
+    ++rows;
+    if (laser == 0) continue;
+    ++lit;
+    const Vec2 at_mm = 20.0 / 65536 * Vec2(x - 32768, y - 32768);
+    double from_mm = 1e9;
+    for (const Vec2& middle : middles)
+      from_mm = std::min(from_mm, std::abs((at_mm - middle).norm() - 0.5));
+    EXPECT_LT(from_mm, 0.0015);  // half a step of 0.3 um, chords of 1 um
+  }
+  // 4 pi mm at 500 mm/s, each hole rounded up to whole ticks.
+  EXPECT_NEAR(lit, 2513, 6);
+  EXPECT_GT(fs::file_size(vcd), 100U * static_cast<unsigned>(rows));
+  EXPECT_EQ(Type({"ticks", drawing, "--field", "10"}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("lit ticks are outside the field of 10 mm"));
+  EXPECT_EQ(Type({"ticks", drawing}), client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("--field: full scale of the outputs"));
 }
 
 }  // namespace
