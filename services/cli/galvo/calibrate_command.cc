@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <numbers>
@@ -13,6 +14,7 @@
 
 #include "engrave/core/try.h"
 #include "engrave/galvo/files/ct5_tables.h"
+#include "engrave/galvo/grid_match.h"
 #include "engrave/galvo/head_fit.h"
 #include "engrave/io/atomic_file.h"
 #include "engrave/io/csv.h"
@@ -24,6 +26,7 @@
 #include "services/cli/galvo/correction_source.h"
 #include "services/cli/galvo/galvo_command.h"
 #include "services/client/exit_codes.h"
+#include "services/client/machine/measured_marks.h"
 
 namespace intaglio::cli {
 namespace {
@@ -36,8 +39,9 @@ constexpr double kMaxCommandWidth = 1.25;
 struct CalibrateOptions {
   std::string marks, table, out, picture;
   double field_mm = 0, half_angle_deg = 20;
-  int bits = 0;  // 0: that of the table
-  std::optional<double> table_bits;
+  int bits = 0, nodes = 0;  // 0: that of the table
+  std::optional<double> table_bits, pitch_mm;
+  client::MarksFile measured;  // of a grid whose commands are not in the file
 };
 
 Result<double> CoordinateIn(const io::CsvTable& table, const io::CsvRow& row,
@@ -58,7 +62,7 @@ Result<double> CoordinateIn(const io::CsvTable& table, const io::CsvRow& row,
               *text);
 }
 
-Result<std::vector<galvo::GridMark>> ReadMarks(const std::string& file) {
+Result<std::vector<galvo::GridMark>> ReadCommandedMarks(const std::string& file) {
   const auto table = INTAGLIO_TRY(io::ReadCsv(file));
   std::vector<galvo::GridMark> marks;
   for (const io::CsvRow& row : table.rows) {
@@ -70,6 +74,28 @@ Result<std::vector<galvo::GridMark>> ReadMarks(const std::string& file) {
     marks.push_back(mark);
   }
   return marks;
+}
+
+/// Marks whose commands are not known: each is matched to a node of the grid.
+Result<std::vector<galvo::GridMark>> ReadGrid(const CalibrateOptions& options) {
+  if (!options.pitch_mm)
+    return Fail(ErrorCode::kMissing, "--nodes: needs --pitch, of the grid, mm");
+  const std::string kind = std::filesystem::path(options.marks).extension().string();
+  if (kind != ".csv" &&
+      (options.measured.pixel_um <= 0 || options.measured.mark_um <= 0)) {
+    return Fail(ErrorCode::kMissing,
+                "--pixel and --mark-size: are missing; give the side of a pixel on the "
+                "piece (a scan of 1200 dpi has 21.167) and the diameter of a mark, um");
+  }
+  client::MarksFile asked = options.measured;
+  asked.file = options.marks;
+  const auto measured = INTAGLIO_TRY(client::ReadMarks(asked));
+  auto match = galvo::MatchGrid(measured.places_mm, options.nodes, *options.pitch_mm);
+  if (!match) return tl::unexpected(io::AboutFile(match.error(), options.marks));
+  std::cout << fmt::format("grid          {} of {} nodes found, {} other spots\n",
+                           match->marks.size(), options.nodes * options.nodes,
+                           match->left_out_count);
+  return std::move(match->marks);
 }
 
 struct Sizes {
@@ -165,7 +191,8 @@ Status WriteTable(const CalibrateOptions& options, const galvo::HeadFit& fit,
 }
 
 Status Calibrate(const CalibrateOptions& options) {
-  auto marks = INTAGLIO_TRY(ReadMarks(options.marks));
+  auto marks = INTAGLIO_TRY(options.nodes > 0 ? ReadGrid(options)
+                                              : ReadCommandedMarks(options.marks));
   std::optional<CorrectionSource> before;
   if (!options.table.empty())
     before = INTAGLIO_TRY(ReadCorrection(options.table, options.table_bits));
@@ -199,7 +226,8 @@ void AddGalvoCalibrateCommand(command_line::Command galvo) {
       galvo.AddCommand("calibrate", "the correction of a head from a measured grid");
   calibrate
       .AddOption("marks", o->marks,
-                 "CSV: command_x_mm, command_y_mm, measured_x_mm, measured_y_mm")
+                 "CSV: command_x_mm, command_y_mm, measured_x_mm, measured_y_mm; with "
+                 "--nodes a picture, or CSV: x_mm, y_mm")
       .Require();
   calibrate.AddOption("--field", o->field_mm, "width of the square field, mm")
       .Within(1.0, 2000.0)
@@ -209,6 +237,22 @@ void AddGalvoCalibrateCommand(command_line::Command galvo) {
                  "optical angle (twice the mirror's) at the border, degrees")
       .Within(0.1, 45.0)
       .ShowDefault();
+  const auto nodes = calibrate
+                         .AddOption("--nodes", o->nodes,
+                                    "of the grid a side, odd, when its commands are not "
+                                    "in the file")
+                         .Within(5, 65);
+  calibrate.AddOption("--pitch", o->pitch_mm, "of the grid, mm").Positive().Need(nodes);
+  calibrate
+      .AddOption("--pixel", o->measured.pixel_um,
+                 "of a picture: side of a pixel on the piece, um")
+      .Positive()
+      .Need(nodes);
+  calibrate
+      .AddOption("--mark-size", o->measured.mark_um,
+                 "of a picture: diameter of a mark, um")
+      .Positive()
+      .Need(nodes);
   calibrate.AddOption("--table", o->table,
                       "correction in use when the marks were made: .ct5, .ctb, .cor");
   calibrate.AddOption("--table-bits", o->table_bits, "bit/mm of a .ctb file")
@@ -220,6 +264,8 @@ void AddGalvoCalibrateCommand(command_line::Command galvo) {
   calibrate.AddOption("--picture", o->picture, "PNG: what the correction leaves");
   calibrate.SetFooter(
       "Example: intaglio galvo calibrate grid.csv --field 100 --bits 5184 --out new.ct5\n"
+      "         intaglio galvo calibrate scan.png --nodes 9 --pitch 12 --pixel 21.167 "
+      "--mark-size 300 --field 100\n"
       "Exit code: 0 good, 2 wrong input.");
   calibrate.SetAction([o] {
     if (const auto done = Calibrate(*o); !done)

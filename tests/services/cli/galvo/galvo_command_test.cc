@@ -6,12 +6,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cstdio>
 #include <fstream>
 #include <random>
 #include <set>
 
 #include "engrave/galvo/files/ct5_tables.h"
+#include "engrave/render/png_file.h"
 #include "services/client/exit_codes.h"
 #include "tests/engrave/galvo/traced_head.h"
 #include "tests/test_folder.h"
@@ -121,6 +123,50 @@ TEST_F(GalvoCommand, CalibrateEndsBelowTenMicrometresOverAHundredMillimetres) {
   const auto twice = galvo::ReadCt5(test::ContentOf(second), second);
   ASSERT_TRUE(twice.has_value()) << twice.error().message;
   EXPECT_LT(WorstUm(field, &*twice), 10);
+}
+
+TEST_F(GalvoCommand, CalibrateFindsTheMarksOfAScanByThemselves) {
+  const galvo::WrongField field(100, .03, 20);
+  constexpr double kPixelMm = 0.08;
+  render::Canvas scan(1300, 1300);
+  render::FillRect(scan, {0, 0, 1300, 1300}, {render::Color{0.8F, 0.8F, 0.8F}});
+  const Eigen::Rotation2Dd turn(0.03);  // laid on the scanner a little askew
+  for (int j = -4; j <= 4; ++j) {
+    for (int i = -4; i <= 4; ++i) {
+      const Vec2 at_mm = turn * field.Arrive(Vec2(12 * i, 12 * j));
+      // (0.5, 0.5) is the middle of the first pixel.
+      render::DrawDisc(scan, Vec2(650 + at_mm.x() / kPixelMm, 650 - at_mm.y() / kPixelMm),
+                       5, {render::Color{0.1F, 0.1F, 0.1F}});
+    }
+  }
+  const std::string picture = folder_ / "scan.png", out = folder_ / "scan.ct5";
+  ASSERT_TRUE(render::WritePng(picture, scan).has_value());
+  ASSERT_EQ(
+      Type({"calibrate", picture, "--nodes", "9", "--pitch", "12", "--pixel", "80",
+            "--mark-size", "800", "--field", "100", "--bits", "5184", "--out", out}),
+      client::kExitGood)
+      << output_ << errors_;
+  EXPECT_THAT(output_, HasSubstr("grid          81 of 81 nodes found, 0 other spots"));
+  const auto table = galvo::ReadCt5(test::ContentOf(out), out);
+  ASSERT_TRUE(table.has_value()) << table.error().message;
+  // A scan has no place and no turn of its own: those of the head's middle stay.
+  double worst_mm = 0;
+  const Vec2 middle_mm = MarkedAt(field, &*table, {0, 0});
+  const Vec2 right_mm = MarkedAt(field, &*table, {40, 0}) - middle_mm;
+  EXPECT_LT(std::abs(right_mm.y()), 0.02);
+  for (int i = -48; i <= 48; i += 2) {
+    for (int j = -48; j <= 48; j += 2) {
+      const Vec2 at_mm = MarkedAt(field, &*table, Vec2(i, j)) - middle_mm;
+      const Vec2 upright_mm =
+          Eigen::Rotation2Dd(-std::atan2(right_mm.y(), right_mm.x())) * at_mm;
+      worst_mm = std::max(worst_mm, (upright_mm - Vec2(i, j)).norm());
+    }
+  }
+  EXPECT_LT(1000 * worst_mm, 10);
+  EXPECT_EQ(
+      Type({"calibrate", picture, "--nodes", "9", "--pitch", "12", "--field", "100"}),
+      client::kExitWrongInput);
+  EXPECT_THAT(errors_, HasSubstr("--pixel and --mark-size: are missing"));
 }
 
 TEST_F(GalvoCommand, CalibrateNamesWhatIsWrongWithItsInput) {
