@@ -26,7 +26,8 @@ class OutputMaker {
   /// Neither allocates nor throws.
   HeadOutput Make(const MarkTick& tick, const Vec2& displacement_mm);
 
-  /// Ticks with the laser on whose place was beyond the border: marks that are wrong.
+  /// Ticks with the laser on whose place, or the command for it, was beyond the border:
+  /// marks that are wrong.
   std::uint64_t lit_outside_count() const { return lit_outside_count_; }
 
  private:

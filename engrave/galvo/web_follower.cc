@@ -67,8 +67,9 @@ double WebFollower::EdgeInField(std::int64_t count, double edge_mm) {
 }
 
 Vec2 WebFollower::Update(std::int64_t count, double edge_mm) {
+  // Within its count the web is anywhere, now as at the first: on average the same.
   const double measured_mm =
-      (static_cast<double>(count - first_count_) + 0.5) * options_.count_mm;
+      static_cast<double>(count - first_count_) * options_.count_mm;
   place_mm_ += speed_mm_;
   const double by_mm = measured_mm - place_mm_;
   place_mm_ += options_.alpha * by_mm;

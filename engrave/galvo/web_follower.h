@@ -38,7 +38,8 @@ class WebFollower {
   WebFollower(const WebFollowerOptions& options, std::int64_t count, double speed_mm_s);
 
   /// Once a tick: the encoder's count and how far the edge is along +y. The displacement
-  /// since the first count, ahead by the preview. Neither allocates nor throws.
+  /// since the first count, ahead by the preview; its place within the first count is not
+  /// known, half a count either way. Neither allocates nor throws.
   Vec2 Update(std::int64_t count, double edge_mm);
 
   double speed_mm_s() const { return speed_mm_ / options_.period_s; }

@@ -92,7 +92,7 @@ FittedCircle Burn(const Case& c, const Given& given, const Vec2& at_mm, Worst& w
   for (std::size_t k = 0; k < ticks.size(); ++k) {
     const double web_mm = c.web_mm_s * kTick * static_cast<double>(k);
     const auto counted = count(web_mm) - count(-c.web_mm_s * kTick * kWatched);
-    Vec2 by_mm = follower.Update(counted, 0) - Vec2(watched_mm + 0.13 * .023, 0);
+    Vec2 by_mm = follower.Update(counted, 0) - Vec2(watched_mm - 0.37 * .023, 0);
     if (given.raw_encoder)
       by_mm.x() = (static_cast<double>(count(web_mm)) + 0.13) * options.count_mm;
     if (!given.followed) by_mm.setZero();

@@ -63,16 +63,19 @@ void VirtualHead::Output(std::uint16_t x, std::uint16_t y, bool laser, double we
 std::vector<Vec2> VirtualHead::TakeBurnt() { return std::exchange(burnt_, {}); }
 
 FittedCircle FitCircle(const std::vector<Vec2>& places_mm) {
+  // About the first place: squares of metres would cost micrometres.
+  const Vec2 origin_mm = places_mm.front();
   Eigen::MatrixXd left(static_cast<Eigen::Index>(places_mm.size()), 3);
   Eigen::VectorXd right(left.rows());
   for (Eigen::Index i = 0; i < left.rows(); ++i) {
-    const Vec2& p = places_mm[static_cast<std::size_t>(i)];
+    const Vec2 p = places_mm[static_cast<std::size_t>(i)] - origin_mm;
     left.row(i) << 2 * p.x(), 2 * p.y(), 1;
     right[i] = p.squaredNorm();
   }
   const Eigen::Vector3d s =
       (left.transpose() * left).ldlt().solve(left.transpose() * right);
-  FittedCircle circle{s.head<2>(), std::sqrt(s[2] + s.head<2>().squaredNorm()), 0};
+  FittedCircle circle{s.head<2>() + origin_mm,
+                      std::sqrt(s[2] + s.head<2>().squaredNorm()), 0};
   for (const Vec2& p : places_mm)
     circle.shape_mm = std::max(
         circle.shape_mm, std::abs((p - circle.centre_mm).norm() - circle.radius_mm));
