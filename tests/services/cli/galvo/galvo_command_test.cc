@@ -16,6 +16,7 @@
 #include "engrave/render/png_file.h"
 #include "services/client/exit_codes.h"
 #include "tests/engrave/galvo/traced_head.h"
+#include "tests/services/cli/typed_command.h"
 #include "tests/test_folder.h"
 
 namespace intaglio::cli {
@@ -24,24 +25,12 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-class GalvoCommand : public ::testing::Test {
+class GalvoCommand : public TypedCommand {
  protected:
   int Type(std::vector<std::string> words) {
     words.insert(words.begin(), "galvo");
-    command_line::Program program("intaglio", "");
-    AddGalvoCommand(program.root());
-    const auto parsed = program.Parse(words);
-    EXPECT_TRUE(parsed) << (parsed ? "" : parsed.error().message);
-    ::testing::internal::CaptureStdout();
-    ::testing::internal::CaptureStderr();
-    const int code = program.Run();
-    output_ = ::testing::internal::GetCapturedStdout();
-    errors_ = ::testing::internal::GetCapturedStderr();
-    return code;
+    return TypeTo(AddGalvoCommand, words);
   }
-
-  fs::path folder_ = test::FreshFolder();
-  std::string output_, errors_;
 };
 
 constexpr int kBits = 5184;
