@@ -64,6 +64,10 @@ void WriteOwn(YAML::Emitter& out, const Material& material) {
     const std::optional<double>& value = material.*row.value;
     if (value) WriteNumber(out, row.name, *value);
   }
+  if (!material.transmittance.empty()) {
+    out << YAML::Key << "transmittance" << YAML::Value
+        << FormatNumbers(NumbersOf(material.transmittance));
+  }
   out << YAML::EndMap;
 }
 

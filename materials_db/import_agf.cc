@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -84,6 +86,8 @@ class CatalogReader {
       if (InGlass(kind)) ReadCoefficients(rest);
     } else if (kind == "LD") {
       if (InGlass(kind)) ReadRange(rest);
+    } else if (kind == "IT") {
+      if (InGlass(kind)) ReadTransmittance(SplitTokens(rest));
     }
   }
 
@@ -157,8 +161,45 @@ class CatalogReader {
   void ReadMechanics(const Tokens& words) {
     glass_.youngs_modulus_gpa = Value(words, 0, 1);
     glass_.poisson_ratio = Value(words, 1, 1);
+    glass_.knoop_hardness_hk = Value(words, 2, 1);
     glass_.specific_heat_j_kg_k = Value(words, 3, 1000);
     glass_.conductivity_w_m_k = Value(words, 4, 1);
+  }
+
+  /// Wavelength in um, internal transmittance, thickness in mm. Catalogs leave out the
+  /// numbers of wavelengths that were not measured.
+  void ReadTransmittance(const Tokens& words) {
+    if (words.size() < 3) return;
+    std::array<double, 3> numbers{};
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (words[i] == "-" || words[i] == "_") return;
+      const auto number = io::ParseFinite(words[i]);
+      if (!number) {
+        Complain(
+            line_, ErrorCode::kInvalidValue,
+            fmt::format("glass {}: IT must be a wavelength in um, the internal "
+                        "transmittance and a thickness in mm, \"{}\" is not a number",
+                        glass_.name, words[i]),
+            words[i]);
+        return;
+      }
+      numbers[i] = *number;
+    }
+    if (!(numbers[0] > 0 && numbers[1] >= 0 && numbers[2] > 0)) return;  // unknown
+    glass_.transmittance.push_back({numbers[0], numbers[1], numbers[2]});
+  }
+
+  /// By ascending wavelength; of two entries of one wavelength, the longer way, which is
+  /// measured more exactly.
+  void SortTransmittance() {
+    auto& table = glass_.transmittance;
+    std::ranges::stable_sort(table, [](const auto& a, const auto& b) {
+      return a.wavelength_um != b.wavelength_um ? a.wavelength_um < b.wavelength_um
+                                                : a.thickness_mm > b.thickness_mm;
+    });
+    const auto repeated =
+        std::ranges::unique(table, {}, &optics::Transmittance::wavelength_um);
+    table.erase(repeated.begin(), repeated.end());
   }
 
   void ReadCoefficients(std::string_view rest) {
@@ -204,6 +245,7 @@ class CatalogReader {
     if (is_sound_ && !has_range_) ComplainOfGlass(ErrorCode::kMissing, "no LD");
     if (!is_sound_) return;
     FitCoefficients();
+    SortTransmittance();
     glass_.manufacturer = catalog_;
     glass_.source = fmt::format("AGF catalog {}", catalog_);
     if (!comment_.empty()) glass_.source += fmt::format(": {}", comment_);

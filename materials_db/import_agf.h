@@ -8,6 +8,7 @@
 //   CD  coefficients                      LD  wavelength range, um
 //   MD  Young's modulus in GPa, Poisson's ratio, hardness, specific heat in J/(g K),
 //       conductivity in W/(m K), as in SCHOTT's data sheets
+//   IT  wavelength in um, internal transmittance, thickness in mm
 // and nothing else. Values of 0 or less are unknown, as is "-"; coefficients that lack
 // are 0.
 

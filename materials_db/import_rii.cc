@@ -160,6 +160,21 @@ class RecordReader {
       Complain(ErrorCode::kInvalidValue, fmt::format("{} must be a number", row.name),
                TextOf(value).value_or(""));
     }
+    ReadTransmittance();
+  }
+
+  void ReadTransmittance() {
+    const YAML::Node value = Child(own_, "transmittance");
+    if (value.IsNull()) return;
+    const std::string text = TextOf(value).value_or("-");
+    if (auto table = TransmittanceIn(text)) {
+      material_.transmittance = std::move(*table);
+    } else {
+      Complain(ErrorCode::kInvalidValue,
+               "transmittance must be a wavelength in um, a ratio and a thickness in mm "
+               "for each entry",
+               text);
+    }
   }
 
   /// Of values that hold in different ranges of temperature, the one whose range reaches

@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kMaxNameBytes = 80;
 constexpr std::size_t kMaxManufacturerBytes = 200;
 constexpr std::size_t kMaxSourceBytes = 16 * 1024;
+constexpr std::size_t kMaxTransmittances = 1000;
 
 bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
@@ -86,7 +87,43 @@ void CheckIndex(const optics::Dispersion& dispersion, std::vector<Error>& errors
   }
 }
 
-std::optional<double> ThermalStrengthOf(const Material& glass) {
+void CheckTransmittance(const Material& material, std::vector<Error>& errors) {
+  const auto complain = [&](std::size_t i, const std::string& what, double value) {
+    errors.push_back({ErrorCode::kInvalidValue,
+                      fmt::format("transmittance[{}] {}", i, what), FormatNumber(value)});
+  };
+  const auto& table = material.transmittance;
+  if (table.size() > kMaxTransmittances) {
+    errors.push_back(
+        {ErrorCode::kTooLarge,
+         fmt::format("transmittance has {} entries, more than {}; leave some "
+                     "out",
+                     table.size(), kMaxTransmittances),
+         std::to_string(table.size())});
+    return;
+  }
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const optics::Transmittance& entry = table[i];
+    if (!(entry.wavelength_um > 0 && entry.wavelength_um <= 1000)) {
+      complain(i, fmt::format("must be of 0..1000 um, is of {}", entry.wavelength_um),
+               entry.wavelength_um);
+    } else if (i > 0 && !(entry.wavelength_um > table[i - 1].wavelength_um)) {
+      complain(i,
+               fmt::format("of {} um is not behind that of {} um; sort the wavelengths",
+                           entry.wavelength_um, table[i - 1].wavelength_um),
+               entry.wavelength_um);
+    }
+    if (!(entry.ratio >= 0 && entry.ratio <= 1)) {
+      complain(i, fmt::format("must be 0..1, is {}", entry.ratio), entry.ratio);
+    }
+    if (!(entry.thickness_mm > 0 && entry.thickness_mm <= 1000)) {
+      complain(i, fmt::format("must be over 0..1000 mm, is over {}", entry.thickness_mm),
+               entry.thickness_mm);
+    }
+  }
+}
+
+std::optional<double> ThermalStrengthOf(const Material& glass, optics::ThermalLoad load) {
   if (!glass.tensile_strength_mpa || !glass.poisson_ratio || !glass.expansion_per_k ||
       !glass.youngs_modulus_gpa || !(*glass.expansion_per_k > 0)) {
     return std::nullopt;
@@ -94,7 +131,8 @@ std::optional<double> ThermalStrengthOf(const Material& glass) {
   return optics::ThermalStrengthK({.tensile_strength_mpa = *glass.tensile_strength_mpa,
                                    .poisson_ratio = *glass.poisson_ratio,
                                    .expansion_per_k = *glass.expansion_per_k,
-                                   .youngs_modulus_gpa = *glass.youngs_modulus_gpa});
+                                   .youngs_modulus_gpa = *glass.youngs_modulus_gpa},
+                                  load);
 }
 
 }  // namespace
@@ -106,6 +144,7 @@ std::vector<Error> CheckMaterial(const Material& material) {
   CheckText("source", material.source, kMaxSourceBytes, true, errors);
   CheckIndex(material.dispersion, errors);
   CheckProperties(material, errors);
+  CheckTransmittance(material, errors);
   return errors;
 }
 
@@ -132,7 +171,12 @@ Result<OpticalValues> ComputeOptics(const Material& material, double wavelength_
   values.reflectance_ratio = optics::ReflectanceAtNormalIncidence(*index);
   values.stage_per_glass_ratio = optics::StagePerGlassRatio(*index, numerical_aperture);
   values.cone_tangent = optics::ConeTangentInGlass(*index, numerical_aperture);
-  values.thermal_strength_k = ThermalStrengthOf(material);
+  values.thermal_strength_k =
+      ThermalStrengthOf(material, optics::ThermalLoad::kWholeBody);
+  values.local_thermal_strength_k =
+      ThermalStrengthOf(material, optics::ThermalLoad::kLocalHeating);
+  values.absorption_per_mm =
+      optics::AbsorptionPerMm(material.transmittance, wavelength_nm);
   return values;
 }
 

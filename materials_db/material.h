@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engrave/core/result.h"
+#include "engrave/optics/absorption.h"
 #include "engrave/optics/dispersion.h"
 #include "materials_db/property.h"
 
@@ -21,6 +22,8 @@ struct Material : Properties {
   /// Where the values come from, for people; at most 16 KiB, lines end in '\n'.
   std::string source;
   optics::Dispersion dispersion;
+  /// By ascending wavelength, each once; empty: unknown. At most 1000 entries.
+  std::vector<optics::Transmittance> transmittance;
 
   bool operator==(const Material&) const = default;
 };
@@ -40,6 +43,10 @@ struct OpticalValues {
   /// Sudden temperature difference that the whole body withstands; unknown when one of
   /// its values is (strength, Poisson's ratio, expansion > 0, Young's modulus).
   std::optional<double> thermal_strength_k;
+  /// The same where it is heated in a small place, as by a laser: 3 times as much.
+  std::optional<double> local_thermal_strength_k;
+  /// a of exp(-a z); unknown without transmittance about this wavelength.
+  std::optional<double> absorption_per_mm;
 };
 
 /// Fails for a numerical aperture outside (0, 1) and for a wavelength outside the

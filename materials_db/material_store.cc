@@ -22,7 +22,7 @@ std::string Columns() {
       "name, manufacturer, source, dispersion_formula, dispersion_coefficients, "
       "min_wavelength_um, max_wavelength_um";
   for (const PropertyRow& row : PropertyRows()) columns += fmt::format(", {}", row.name);
-  return columns;
+  return columns + ", transmittance";
 }
 
 constexpr int kFirstProperty = 7;
@@ -47,6 +47,7 @@ void Bind(SQLite::Statement& statement, const Material& material) {
     }
     ++index;
   }
+  statement.bind(index, FormatNumbers(NumbersOf(material.transmittance)));
 }
 
 Result<Material> ReadRow(SQLite::Statement& statement) {
@@ -74,6 +75,16 @@ Result<Material> ReadRow(SQLite::Statement& statement) {
     const SQLite::Column column = statement.getColumn(index++);
     if (!column.isNull()) material.*row.value = column.getDouble();
   }
+  const std::string transmittance = statement.getColumn(index).getString();
+  auto table = TransmittanceIn(transmittance);
+  if (!table) {
+    return Fail(ErrorCode::kUnreadable,
+                fmt::format("glass {} of the material base has a damaged transmittance; "
+                            "replace or remove it",
+                            material.name),
+                transmittance);
+  }
+  material.transmittance = std::move(*table);
   return material;
 }
 
@@ -219,7 +230,7 @@ bool MaterialStore::Contains(std::string_view name) const {
 
 void MaterialStore::Write(const Material& material) {
   std::string marks = "?";
-  for (int i = 1; i < kFirstProperty + static_cast<int>(PropertyRows().size()); ++i) {
+  for (int i = 0; i < kFirstProperty + static_cast<int>(PropertyRows().size()); ++i) {
     marks += ", ?";
   }
   SQLite::Statement statement(

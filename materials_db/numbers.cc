@@ -43,6 +43,24 @@ std::string FormatNumbers(const std::vector<double>& numbers) {
   return fmt::format("{}", fmt::join(numbers, " "));
 }
 
+std::vector<double> NumbersOf(std::span<const optics::Transmittance> table) {
+  std::vector<double> numbers;
+  for (const optics::Transmittance& entry : table) {
+    numbers.insert(numbers.end(), {entry.wavelength_um, entry.ratio, entry.thickness_mm});
+  }
+  return numbers;
+}
+
+std::optional<std::vector<optics::Transmittance>> TransmittanceIn(std::string_view text) {
+  const auto numbers = ParseNumbers(text);
+  if (!numbers || numbers->size() % 3 != 0) return std::nullopt;
+  std::vector<optics::Transmittance> table;
+  for (std::size_t i = 0; i < numbers->size(); i += 3) {
+    table.push_back({(*numbers)[i], (*numbers)[i + 1], (*numbers)[i + 2]});
+  }
+  return table;
+}
+
 std::vector<std::string_view> SplitTokens(std::string_view line) {
   return Split(line, IsSpace);
 }

@@ -22,6 +22,12 @@ constexpr std::array kRows = {
                 &Properties::conductivity_w_m_k, 0.05, 3000},
     PropertyRow{"melting_point_c", "melting or softening point", "C",
                 &Properties::melting_point_c, 50, 4000},
+    PropertyRow{"bending_strength_mpa", "bending strength", "MPa",
+                &Properties::bending_strength_mpa, 1, 10000},
+    PropertyRow{"compressive_strength_mpa", "compressive strength", "MPa",
+                &Properties::compressive_strength_mpa, 1, 100000},
+    PropertyRow{"knoop_hardness_hk", "Knoop hardness", "HK",
+                &Properties::knoop_hardness_hk, 1, 10000},
 };
 
 }  // namespace

@@ -21,6 +21,11 @@ struct Properties {
   /// A glass has no sharp melting point: for one it is the softening point, the
   /// temperature of viscosity 10^7.6 dPa s.
   std::optional<double> melting_point_c;
+  /// The strengths of glass depend on its surface more than on its composition.
+  std::optional<double> bending_strength_mpa;
+  std::optional<double> compressive_strength_mpa;
+  /// Knoop hardness, kgf/mm^2 under 0.98 N for 20 s (HK 0.1/20).
+  std::optional<double> knoop_hardness_hk;
 
   bool operator==(const Properties&) const = default;
 };

@@ -36,7 +36,8 @@ constexpr std::array kRows = {
     Row{WarningCode::kBreakage, "breakage", kConsent},
     Row{WarningCode::kOrientation, "orientation", kNote},
     Row{WarningCode::kFallbackFont, "fallback_font", kNote},
-    Row{WarningCode::kTextShrunk, "text_shrunk", kNote}};
+    Row{WarningCode::kTextShrunk, "text_shrunk", kNote},
+    Row{WarningCode::kFocusSpread, "focus_spread", kNote}};
 
 constexpr bool RowsAreInOrder() {
   for (std::size_t i = 0; i < kRows.size(); ++i) {

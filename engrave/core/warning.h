@@ -43,6 +43,7 @@ enum class WarningCode {
   kOrientation,        ///< upside down, on its back or flat, by a forgotten up axis
   kFallbackFont,       ///< characters in the letters of another font
   kTextShrunk,         ///< a text with smaller letters than the job asks for
+  kFocusSpread,        ///< deep points whose focus is longer than a crack
 };
 
 struct Warning {

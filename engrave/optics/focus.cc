@@ -30,6 +30,15 @@ double StagePerGlassRatio(double refractive_index, double numerical_aperture) {
   return std::sqrt((1 - na * na) / (n * n - na * na));
 }
 
+// For the marginal rays to meet at d the stage moves s = d StagePerGlassRatio; paraxial
+// rays meet at n s then, which is less.
+double FocusSpreadMm(double refractive_index, double numerical_aperture,
+                     double depth_mm) {
+  Require(depth_mm >= 0, "depth_mm must not be negative, is {}", depth_mm);
+  const double stage = StagePerGlassRatio(refractive_index, numerical_aperture);
+  return depth_mm * (1 - refractive_index * stage);
+}
+
 double ConeTangentInGlass(double refractive_index, double numerical_aperture) {
   RequireRanges(refractive_index, numerical_aperture);
   const double n = refractive_index;

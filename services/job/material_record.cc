@@ -31,6 +31,12 @@ MaterialRecord RecordOf(const materials_db::Material& material) {
     const std::optional<double>& value = material.*row.value;
     if (value) record.GetReflection()->SetDouble(&record, &FieldOf(row), *value);
   }
+  for (const optics::Transmittance& entry : material.transmittance) {
+    TransmittanceRecord& kept = *record.add_transmittance();
+    kept.set_wavelength_um(entry.wavelength_um);
+    kept.set_ratio(entry.ratio);
+    kept.set_thickness_mm(entry.thickness_mm);
+  }
   return record;
 }
 
@@ -45,6 +51,9 @@ OpticalValuesRecord RecordOf(const materials_db::OpticalValues& values,
   record.set_reflectance_ratio(values.reflectance_ratio);
   if (values.thermal_strength_k)
     record.set_thermal_strength_k(*values.thermal_strength_k);
+  if (values.local_thermal_strength_k)
+    record.set_local_thermal_strength_k(*values.local_thermal_strength_k);
+  if (values.absorption_per_mm) record.set_absorption_per_mm(*values.absorption_per_mm);
   return record;
 }
 

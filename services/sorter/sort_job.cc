@@ -11,6 +11,7 @@
 #include "services/job/options.h"
 #include "services/job/plan/ordering.h"
 #include "services/job/quality/cloud_warnings.h"
+#include "services/job/quality/focus_spread.h"
 #include "services/job/verdict/warnings.h"
 #include "services/platform/host/threads/worker_threads.h"
 
@@ -55,6 +56,7 @@ Result<host::StageResult> SortJob(const FrozenJob& job, PointCloud cloud,
   outcome.set_shutter_change_count(CountChanges(masks));
   const CloudFindings found =
       FindInCloud(job.job(), job.machine(), result.cloud, masks, host::AllCores());
+  AddTo(*outcome.mutable_warnings(), FocusSpreadOf(job, result.cloud.points_mm));
   AddTo(*outcome.mutable_warnings(), found.warnings);
   return result;
 }

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
+
 #include "materials_db/material.h"
 
 namespace intaglio::materials_db {
@@ -27,7 +30,12 @@ constexpr char kCatalog[] =
     "TD 1.860000E-06 1.310000E-08 -1.370000E-11 4.340000E-07 6.270000E-10 1.7E-01 20\r\n"
     "OD 1.0 1.0 0.0 1.0 2.3 2.3\r\n"
     "LD 3.00000E-01 2.50000E+00\r\n"
+    "IT 1.06000E+00 9.99000E-01 1.0E+01\r\n"
     "IT 3.00000E-01 5.00000E-02 2.5E+01\r\n"
+    "IT 5.00000E-01 9.98000E-01 1.0E+01\r\n"
+    "IT 5.00000E-01 9.94000E-01 2.5E+01\r\n"
+    "IT 7.00000E-01 - 2.5E+01\r\n"
+    "IT 2.50000E+00\r\n"
     "NM F2 2 620364.360 1.62004 36.37 0 2 4\r\n"
     "ED 8.200000 -1.0 3.599000 0.000200 0\r\n"
     "CD 1.34533359 0.00997743871 0.209073176 0.0470450767 0.937357162 111.886764\r\n"
@@ -60,6 +68,35 @@ TEST(ImportAgf, ReadsACatalog) {
   EXPECT_NEAR(ComputeOptics(crown, 532, 0.1)->refractive_index, 1.51947, 1e-5);
   EXPECT_NEAR(ComputeOptics(imported.materials[1], 587.5618, 0.1)->refractive_index,
               1.62004, 1e-5);
+}
+
+TEST(ImportAgf, KeepsTheInternalTransmittanceByWavelength) {
+  const Imported imported = ImportAgf(kCatalog, "SCHOTT");
+  ASSERT_THAT(imported.materials, SizeIs(3));
+  const Material& crown = imported.materials[0];
+  // Of the two at 500 nm that of the longer way; what is not measured is left out.
+  EXPECT_THAT(crown.transmittance, ElementsAre(optics::Transmittance{0.3, 0.05, 25},
+                                               optics::Transmittance{0.5, 0.994, 25},
+                                               optics::Transmittance{1.06, 0.999, 10}));
+  const double at_500 = -std::log(0.994) / 25, at_1060 = -std::log(0.999) / 10;
+  EXPECT_NEAR(*ComputeOptics(crown, 532, 0.1)->absorption_per_mm,
+              at_500 + (at_1060 - at_500) * 32 / 560, 1e-15);
+  EXPECT_FALSE(ComputeOptics(crown, 1064, 0.1)->absorption_per_mm);
+  EXPECT_THAT(imported.materials[1].transmittance, IsEmpty());
+  EXPECT_EQ(imported.materials[2].knoop_hardness_hk, 610);
+}
+
+TEST(ImportAgf, RefusesATransmittanceThatIsNoShare) {
+  std::string catalog = kCatalog;
+  catalog.replace(catalog.find("9.98000E-01"), 11, "1.1");
+  EXPECT_THAT(MessagesOf(ImportAgf(catalog, "SCHOTT")), IsEmpty());  // the shorter way
+  catalog.replace(catalog.find("9.94000E-01"), 11, "99.4");
+  EXPECT_THAT(
+      MessagesOf(ImportAgf(catalog, "SCHOTT")),
+      ElementsAre(HasSubstr("glass N-BK7: transmittance[1] must be 0..1, is 99.4")));
+  catalog.replace(catalog.find("99.4"), 4, "much");
+  EXPECT_THAT(MessagesOf(ImportAgf(catalog, "SCHOTT")),
+              ElementsAre(HasSubstr("line 13: glass N-BK7: IT must be")));
 }
 
 TEST(ImportAgf, ReadsMechanicsAndKnowsWhatIsUnknown) {

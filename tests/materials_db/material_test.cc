@@ -118,5 +118,25 @@ TEST(ComputeOptics, RefusesWhatTheLensOrTheGlassCannot) {
   EXPECT_THAT(outside.error(), Field(&Error::message, StartsWith("glass Test-1: ")));
 }
 
+TEST(ComputeOptics, LocalHeatingIsWithstoodThreeTimesAsMuch) {
+  const auto values = ComputeOptics(CompleteGlass(), 532, 0.2);
+  ASSERT_TRUE(values);
+  EXPECT_DOUBLE_EQ(*values->local_thermal_strength_k, 3 * *values->thermal_strength_k);
+}
+
+TEST(CheckMaterial, TheTransmittanceAscendsAndIsAShare) {
+  Material glass = CompleteGlass();
+  std::swap(glass.transmittance[0], glass.transmittance[1]);
+  glass.transmittance[2].ratio = -0.1;
+  glass.transmittance[2].thickness_mm = 0;
+  const std::vector<Error> errors = CheckMaterial(glass);
+  ASSERT_EQ(errors.size(), 3U);
+  EXPECT_EQ(errors[0].message,
+            "transmittance[1] of 0.5 um is not behind that of 0.5461 um; sort the "
+            "wavelengths");
+  EXPECT_EQ(errors[1].message, "transmittance[2] must be 0..1, is -0.1");
+  EXPECT_EQ(errors[2].message, "transmittance[2] must be over 0..1000 mm, is over 0");
+}
+
 }  // namespace
 }  // namespace intaglio::materials_db

@@ -87,5 +87,19 @@ TEST(Migrations, AnotherProgramsDatabaseIsRefusedAndLeftAsItIs) {
   EXPECT_EQ(test::ContentOf(file), before);
 }
 
+TEST(Migrations, GlassesOfBeforeHaveNoTransmittanceAndMayGetOne) {
+  const fs::path file = test::FreshFolder() / "old.db";
+  NewDatabase(file).exec(GoldenSql());
+  auto store = MaterialStore::Open(file);
+  ASSERT_TRUE(store) << store.error().message;
+  Material own = *store->Find("our-crown");
+  EXPECT_TRUE(own.transmittance.empty());
+  EXPECT_FALSE(own.knoop_hardness_hk);
+  own.transmittance = {{0.5, 0.99, 10}, {0.6, 0.995, 25}};
+  own.bending_strength_mpa = 55;
+  ASSERT_TRUE(store->Replace(own));
+  EXPECT_EQ(*store->Find("our-crown"), own);
+}
+
 }  // namespace
 }  // namespace intaglio::materials_db

@@ -24,6 +24,11 @@ inline Material CompleteGlass() {
   glass.specific_heat_j_kg_k = 858.3;
   glass.conductivity_w_m_k = 1.1143;
   glass.melting_point_c = 719.5;
+  glass.bending_strength_mpa = 61.3;
+  glass.compressive_strength_mpa = 903.1;
+  glass.knoop_hardness_hk = 610.7;
+  glass.transmittance = {
+      {0.5, 0.9942, 25.1}, {0.5461, 0.9961, 25.1}, {1.06, 0.9973, 10.3}};
   return glass;
 }
 

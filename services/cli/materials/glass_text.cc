@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -64,6 +66,17 @@ void AddLines(const char* title, std::string_view text, std::vector<Row>& rows) 
   }
 }
 
+std::string TransmittanceText(std::span<const optics::Transmittance> table) {
+  if (table.empty()) return "unknown";
+  return fmt::format("{} wavelengths, {:g}-{:g} nm", table.size(),
+                     table.front().wavelength_um * 1000,
+                     table.back().wavelength_um * 1000);
+}
+
+std::string KelvinText(const std::optional<double>& kelvin) {
+  return kelvin ? fmt::format("{:.0f} K", *kelvin) : "unknown";
+}
+
 std::vector<Row> KeptRows(const Material& material) {
   const optics::Dispersion& dispersion = material.dispersion;
   std::vector<Row> rows = {{"glass", material.name}};
@@ -82,6 +95,7 @@ std::vector<Row> KeptRows(const Material& material) {
                                                    *row.unit == '\0' ? "" : " ", row.unit)
                                      : "unknown"});
   }
+  rows.push_back({"transmittance", TransmittanceText(material.transmittance)});
   AddLines("source", material.source, rows);
   return rows;
 }
@@ -97,6 +111,31 @@ std::vector<std::string> NamesOf(const Material& material,
     if (IsAliasOf(alias, material)) names.push_back(alias.name);
   }
   return names;
+}
+
+/// R + A + T of blocks of usual heights, and what arrives at their lowest points.
+std::string LightAsTable(const OpticalValues& values) {
+  if (!values.absorption_per_mm) {
+    return "Absorption at this wavelength: unknown; the glass has no transmittance "
+           "there\n";
+  }
+  std::vector<Row> rows = {
+      {"BLOCK MM", "REFLECTED", "ABSORBED", "TRANSMITTED", "AT THE BOTTOM"}};
+  for (const double height_mm : {10.0, 25.0, 50.0, 100.0, 170.0}) {
+    const optics::LightShares shares = optics::SharesOfLight(
+        values.reflectance_ratio, *values.absorption_per_mm, height_mm);
+    const double deepest = optics::LightAtDepth(values.reflectance_ratio,
+                                                *values.absorption_per_mm, height_mm);
+    Row row = {fmt::format("{:g}", height_mm)};
+    for (const double share :
+         {shares.reflected, shares.absorbed, shares.transmitted, deepest}) {
+      row.push_back(fmt::format("{:.2f} %", 100 * share));
+    }
+    rows.push_back(std::move(row));
+  }
+  return fmt::format("Absorption: {:.3g} of the light in a millimetre\n",
+                     1 - std::exp(-*values.absorption_per_mm)) +
+         Table(rows);
 }
 
 std::string Json(const google::protobuf::Message& message) {
@@ -158,10 +197,11 @@ std::string OpticsAsTable(const OpticalValues& optics, const PrintedLight& light
                 {"cone's tangent in glass", fmt::format("{:.5f}", optics.cone_tangent)},
                 {"reflected at the top face",
                  fmt::format("{:.2f} %", 100 * optics.reflectance_ratio)},
-                {"thermal strength",
-                 optics.thermal_strength_k
-                     ? fmt::format("{:.0f} K", *optics.thermal_strength_k)
-                     : "unknown"}});
+                {"thermal strength, heated locally",
+                 KelvinText(optics.local_thermal_strength_k)},
+                {"thermal strength, heated as a whole",
+                 KelvinText(optics.thermal_strength_k)}}) +
+         LightAsTable(optics);
 }
 
 std::string GlassAsJson(const Material& material, const PrintedLight& light) {

@@ -1,6 +1,7 @@
 #include "services/cli/materials/materials_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -17,8 +18,12 @@
 #include "materials_db/import_file.h"
 #include "materials_db/material_store.h"
 #include "materials_db/numbers.h"
+#include "services/cli/job_options.h"
 #include "services/cli/materials/glass_text.h"
 #include "services/client/exit_codes.h"
+#include "services/job/job_defaults.h"
+#include "services/job/job_file.h"
+#include "services/job/machine/focus_offset.h"
 
 namespace intaglio::cli {
 namespace {
@@ -36,8 +41,8 @@ struct Flags {
   std::string from;
   std::string as;
   std::string out;
-  double wavelength_nm = 532;
-  double numerical_aperture = 0.1;
+  std::optional<double> wavelength_nm, numerical_aperture, focal_mm;
+  std::string machine = "els-03";
   bool replace = false;
   bool skip_bad = false;
   bool json = false;
@@ -51,19 +56,39 @@ struct Flags {
 
 using Action = Status (*)(const Flags& flags, MaterialStore& store);
 
-PrintedLight LightOf(const Flags& flags) {
-  return {flags.wavelength_nm, flags.numerical_aperture};
+/// Of the machine's laser and of its mounted lens, or of that with --focal; what is given
+/// on the command line comes first.
+Result<PrintedLight> LightOf(const Flags& flags) {
+  if (flags.wavelength_nm && flags.numerical_aperture) {
+    return PrintedLight{*flags.wavelength_nm, *flags.numerical_aperture};
+  }
+  const auto file = INTAGLIO_TRY(FindMachineFile(flags.machine));
+  const auto machine = INTAGLIO_TRY(ReadMachineFile(file.string()));
+  const MachineLens* lens =
+      flags.focal_mm ? FindLens(machine, *flags.focal_mm) : MountedLensOf(machine);
+  if (lens == nullptr) {
+    std::vector<double> lengths_mm;
+    for (const MachineLens& l : machine.lenses())
+      lengths_mm.push_back(l.focal_length_mm());
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("--focal: {} has no lens of {} mm; it has {}", machine.name(),
+                            flags.focal_mm.value_or(0), fmt::join(lengths_mm, " ")),
+                machine.name());
+  }
+  return PrintedLight{flags.wavelength_nm.value_or(machine.laser().wavelength_nm()),
+                      flags.numerical_aperture.value_or(lens->numerical_aperture())};
 }
 
 // ---- What is known -------------------------------------------------------------
 
 Status List(const Flags& flags, MaterialStore& store) {
   const auto materials = INTAGLIO_TRY(store.List());
+  const PrintedLight light = INTAGLIO_TRY(LightOf(flags));
   if (flags.json) {
-    std::cout << GlassesAsJson(materials, LightOf(flags)) << "\n";
+    std::cout << GlassesAsJson(materials, light) << "\n";
   } else {
     const auto aliases = INTAGLIO_TRY(store.Aliases());
-    std::cout << GlassesAsTable(materials, aliases, LightOf(flags));
+    std::cout << GlassesAsTable(materials, aliases, light);
   }
   return {};
 }
@@ -72,14 +97,15 @@ Status List(const Flags& flags, MaterialStore& store) {
 /// wavelength.
 Status Show(const Flags& flags, MaterialStore& store) {
   const auto material = INTAGLIO_TRY(store.Find(flags.name));
-  const auto optics = materials_db::ComputeOptics(material, flags.wavelength_nm,
-                                                  flags.numerical_aperture);
+  const PrintedLight light = INTAGLIO_TRY(LightOf(flags));
+  const auto optics = materials_db::ComputeOptics(material, light.wavelength_nm,
+                                                  light.numerical_aperture);
   if (flags.json) {
-    std::cout << GlassAsJson(material, LightOf(flags)) << "\n";
+    std::cout << GlassAsJson(material, light) << "\n";
   } else {
     const auto aliases = INTAGLIO_TRY(store.Aliases());
     std::cout << GlassAsTable(material, aliases);
-    if (optics) std::cout << "\n" << OpticsAsTable(*optics, LightOf(flags));
+    if (optics) std::cout << "\n" << OpticsAsTable(*optics, light);
   }
   if (!optics) return tl::unexpected(optics.error());
   return {};
@@ -264,7 +290,12 @@ void AddMaterialsCommand(command_line::Command app) {
   };
 
   const auto add_wavelength = [&](command_line::Command command) {
-    command.AddOption("--wavelength", flags->wavelength_nm, "nm").ShowDefault();
+    command.AddOption("--wavelength", flags->wavelength_nm,
+                      "nm, default that of the machine");
+    command
+        .AddOption("--machine", flags->machine,
+                   "machine profile whose laser and lens count: a name, or a file")
+        .ShowDefault();
   };
   const auto add_json = [&](command_line::Command command) {
     command.AddFlag("--json", flags->json, "for programs, as in report.json");
@@ -276,9 +307,10 @@ void AddMaterialsCommand(command_line::Command app) {
   command_line::Command show = add("show", "show one glass and its optical values", Show);
   show.AddOption("NAME", flags->name, "the glass").Require();
   add_wavelength(show);
+  show.AddOption("--focal", flags->focal_mm,
+                 "focal length of the lens, mm, default the machine's mounted lens");
   show.AddOption("--na", flags->numerical_aperture,
-                 "numerical aperture of the lens, in air")
-      .ShowDefault();
+                 "numerical aperture in air, default that of the lens");
   add_json(show);
 
   command_line::Command add_glass = add("add", "add a glass with these values", Add);

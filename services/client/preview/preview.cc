@@ -11,6 +11,7 @@
 #include "engrave/core/channels.h"
 #include "engrave/core/try.h"
 #include "engrave/io/atomic_file.h"
+#include "engrave/optics/absorption.h"
 #include "engrave/proof/cloud_quality.h"
 #include "services/client/preview/preview_page.h"
 #include "services/client/preview/preview_picture.h"
@@ -23,6 +24,7 @@
 #include "services/job/model_kind.h"
 #include "services/job/models/job_cloud.h"
 #include "services/job/quality/cloud_warnings.h"
+#include "services/job/quality/focus_spread.h"
 #include "services/job/verdict/warnings.h"
 
 namespace intaglio::client {
@@ -91,6 +93,21 @@ void AddQuality(const CloudFindings& found, JobPreview& figures) {
   breakage.set_risky_count(found.crack_risk->risky_count);
 }
 
+void AddLight(const FrozenJob& job, double lowest_mm, JobPreview& figures) {
+  const OpticalValuesRecord& values = job.optics();
+  if (!values.has_absorption_per_mm()) return;
+  const double height_mm = job.job().block().size_mm().z();
+  const optics::LightShares shares = optics::SharesOfLight(
+      values.reflectance_ratio(), values.absorption_per_mm(), height_mm);
+  LightPreview& light = *figures.mutable_light();
+  light.set_reflected_ratio(shares.reflected);
+  light.set_absorbed_ratio(shares.absorbed);
+  light.set_transmitted_ratio(shares.transmitted);
+  light.set_deepest_ratio(optics::LightAtDepth(values.reflectance_ratio(),
+                                               values.absorption_per_mm(),
+                                               std::max(0.0, height_mm - lowest_mm)));
+}
+
 const char* VerdictOf(const Warnings& warnings) {
   switch (GreatestWeight(warnings)) {
     case WarningWeight::kConsent:
@@ -111,6 +128,8 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   figures.set_software_version(job.software_version());
   figures.set_made_utc(options.made_utc);
   Warnings warnings = made.warnings;
+  const Warnings spread = FocusSpreadOf(job, made.cloud.points_mm);
+  warnings.insert(warnings.end(), spread.begin(), spread.end());
   warnings.insert(warnings.end(), found.warnings.begin(), found.warnings.end());
   figures.set_verdict(VerdictOf(warnings));
   *figures.mutable_warnings() = RecordsOf(AtLeast(WarningWeight::kNote, warnings));
@@ -125,6 +144,10 @@ JobPreview FiguresOf(const FrozenJob& job, const MadeCloud& made,
   if (job.optics().has_thermal_strength_k()) {
     figures.set_thermal_strength_k(job.optics().thermal_strength_k());
   }
+  if (job.optics().has_local_thermal_strength_k()) {
+    figures.set_local_thermal_strength_k(job.optics().local_thermal_strength_k());
+  }
+  AddLight(job, box.min_mm.z(), figures);
   figures.set_glass(job.material().name());
   figures.set_machine(job.machine().name());
   AddModels(spec, made.cloud, figures);

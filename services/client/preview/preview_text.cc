@@ -46,9 +46,16 @@ std::string BreakageText(const BreakagePreview& breakage) {
 }
 
 std::string GlassText(const JobPreview& figures) {
-  if (!figures.has_thermal_strength_k()) return figures.glass();
-  return fmt::format("{}, withstands a sudden temperature difference of {:.0f} K",
-                     figures.glass(), figures.thermal_strength_k());
+  std::string text = figures.glass();
+  if (figures.has_local_thermal_strength_k()) {
+    text += fmt::format(", withstands a sudden local heating by {:.0f} K",
+                        figures.local_thermal_strength_k());
+  }
+  if (figures.has_light()) {
+    text += fmt::format(", {:.0f} % of the light arrive at the deepest point",
+                        100 * figures.light().deepest_ratio());
+  }
+  return text;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::Field;
 
-constexpr auto kLast = WarningCode::kTextShrunk;
+constexpr auto kLast = WarningCode::kFocusSpread;
 
 TEST(Warning, EveryCodeAndWeightHasAnOwnNameThatIsReadBack) {
   std::set<std::string> names;

@@ -58,5 +58,24 @@ TEST(Focus, OutsideTheRangesItThrows) {
   EXPECT_THROW(ConeTangentInGlass(1.5, std::nan("")), PreconditionError);
 }
 
+TEST(FocusSpread, IsThatOfTwoTracedRays) {
+  for (const double n : {1.46, 1.52, 1.8}) {
+    for (const double na : {0.05, 0.124, 0.2, 0.6}) {
+      const double depth_mm = 40;
+      // Snell's law for the marginal ray, from where it meets the face to the axis; and
+      // for one near the axis that aims at the same place in air.
+      const double in_air = std::asin(na), in_glass = std::asin(na / n);
+      const double height_mm = depth_mm * std::tan(in_glass);
+      const double aim_mm = height_mm / std::tan(in_air);
+      const double small = 1e-5;
+      const double near_mm =
+          aim_mm * std::tan(small) / std::tan(std::asin(std::sin(small) / n));
+      EXPECT_NEAR(FocusSpreadMm(n, na, depth_mm), depth_mm - near_mm, 1e-7);
+    }
+  }
+  EXPECT_EQ(FocusSpreadMm(1.5, 0.2, 0), 0);
+  EXPECT_THROW(FocusSpreadMm(1.5, 0.2, -1), PreconditionError);
+}
+
 }  // namespace
 }  // namespace intaglio::optics
