@@ -41,8 +41,7 @@ std::uint64_t StagesFor(double duration_w) {
   return stages;
 }
 
-Course CourseOver(std::uint64_t ticks, double rate_hz, const AxisLimits& unit) {
-  const double w_per_s = unit.max_acceleration_mm_s2 / unit.max_speed_mm_s;
+Course CourseOver(std::uint64_t ticks, double rate_hz, double w_per_s) {
   const double duration_w = w_per_s * static_cast<double>(ticks) / rate_hz;
   const std::uint64_t stages =
       std::max(StagesFor(duration_w), ticks > kMaxSegmentTicks ? kMaxStages : 0);
@@ -73,19 +72,19 @@ bool Fits(const Course& course, double rate_hz, const AxisLimits& unit) {
 
 /// The fewest ticks that keep the limits: from the minimum time of all courses upwards by
 /// doubling, then by bisection.
-Course ShortestCourse(double rate_hz, const AxisLimits& unit) {
+Course ShortestCourse(double rate_hz, const AxisLimits& unit, double w_per_s) {
   std::uint64_t tried = WholeTicks(StopAndGoSeconds(1.0, unit), rate_hz);
   std::uint64_t below = tried - 1;
   Course course;
   while (true) {
     Require(tried <= kMaxStepTicks, "a step takes over {} ticks", kMaxStepTicks);
-    course = CourseOver(tried, rate_hz, unit);
+    course = CourseOver(tried, rate_hz, w_per_s);
     if (Fits(course, rate_hz, unit)) break;
     below = tried;
     tried = 2 * below;
   }
   while (course.ticks - below > 1) {
-    Course shorter = CourseOver(below + (course.ticks - below) / 2, rate_hz, unit);
+    Course shorter = CourseOver(below + (course.ticks - below) / 2, rate_hz, w_per_s);
     if (Fits(shorter, rate_hz, unit)) {
       course = std::move(shorter);
     } else {
@@ -100,7 +99,10 @@ Course ShortestCourse(double rate_hz, const AxisLimits& unit) {
 std::uint64_t LqProgram::Append(const Vec3& from_mm, const Vec3& to_mm,
                                 std::vector<Segment>& out) const {
   const Vec3 step_mm = to_mm - from_mm;
-  const Course course = ShortestCourse(rate_hz_, UnitStepLimits(step_mm, limits_));
+  const AxisLimits unit = UnitStepLimits(step_mm, limits_);
+  const double w_per_s =
+      rate_per_s_.value_or(unit.max_acceleration_mm_s2 / unit.max_speed_mm_s);
+  const Course course = ShortestCourse(rate_hz_, unit, w_per_s);
   const double stage_s = course.StageSeconds(rate_hz_);
   const std::uint64_t stage_subticks =
       course.ticks * kSubticksPerTick / course.states.size();

@@ -5,7 +5,8 @@
 //   integral of u^2 + w^2 v^2,   x' = v, v' = u,   w = a_max / v_max of the step
 // by the recursion of lq.h, 8 to 512 stages of constant acceleration, which a segment is
 // exactly. All axes share the course, so the way is straight. The source gives no
-// weights; w comes from the limits, and the time is the fewest ticks that keep them.
+// weights: w is that of a plant and weights (program_options.h), else the ratio of the
+// limits, and the time is the fewest ticks that keep them.
 //
 // What is true of this program:
 // - With no weight of the speed the optimum is the cubic curve with zero end speeds,
@@ -19,6 +20,8 @@
 // - This case has a closed form, v ~ cosh(w T / 2) - cosh(w (T / 2 - t)), which the tests
 //   compare with; the recursion takes any stage.
 
+#include <optional>
+
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/step_program.h"
 
@@ -26,13 +29,16 @@ namespace intaglio::motion {
 
 class LqProgram : public StepProgram {
  public:
-  LqProgram(const Limits& limits, double rate_hz) : limits_(limits), rate_hz_(rate_hz) {}
+  /// rate_per_s: w >= 0; absent: of the limits.
+  LqProgram(const Limits& limits, double rate_hz, std::optional<double> rate_per_s = {})
+      : limits_(limits), rate_hz_(rate_hz), rate_per_s_(rate_per_s) {}
   std::uint64_t Append(const Vec3& from_mm, const Vec3& to_mm,
                        std::vector<Segment>& out) const override;
 
  private:
   Limits limits_;
   double rate_hz_;
+  std::optional<double> rate_per_s_;
 };
 
 }  // namespace intaglio::motion

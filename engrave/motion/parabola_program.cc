@@ -20,6 +20,8 @@ namespace {
 
 constexpr double kHeightRatio = 0.1;
 constexpr double kMaxHeightMm = 1.0;
+/// A leap that is higher than half of its step goes up and down more than forward.
+constexpr double kMaxHeightRatio = 0.5;
 
 /// Minimum duration of an arc of the speed's law: below it the last bit of a coordinate
 /// shows as acceleration.
@@ -207,14 +209,17 @@ double RoomAlong(const Vec3& direction, const Vec3& place_mm, const Box3& travel
 
 }  // namespace
 
-Vec3 ArchOfStep(const Vec3& from_mm, const Vec3& to_mm, const Box3& travel_mm) {
+Vec3 ArchOfStep(const Vec3& from_mm, const Vec3& to_mm, const Box3& travel_mm,
+                std::optional<double> height_mm_asked) {
   const double distance_mm = (to_mm - from_mm).norm();
   const Vec3 along = (to_mm - from_mm) / distance_mm;
   const double kUpright = 0.1;
   Vec3 across = Vec3::UnitZ() - along.z() * along;
   if (across.norm() < kUpright) across = Vec3::UnitX() - along.x() * along;
   across.normalize();
-  const double height_mm = std::min(kHeightRatio * distance_mm, kMaxHeightMm);
+  const double height_mm = height_mm_asked
+                               ? std::min(*height_mm_asked, kMaxHeightRatio * distance_mm)
+                               : std::min(kHeightRatio * distance_mm, kMaxHeightMm);
   // The arc lies within its ends, each moved by the arch.
   const auto room_mm = [&](const Vec3& direction) {
     const double room = std::min(RoomAlong(direction, from_mm, travel_mm),
@@ -228,7 +233,8 @@ Vec3 ArchOfStep(const Vec3& from_mm, const Vec3& to_mm, const Box3& travel_mm) {
 
 std::uint64_t ParabolaProgram::Append(const Vec3& from_mm, const Vec3& to_mm,
                                       std::vector<Segment>& out) const {
-  const Arc arc(from_mm, to_mm, ArchOfStep(from_mm, to_mm, limits_.travel_mm));
+  const Arc arc(from_mm, to_mm,
+                ArchOfStep(from_mm, to_mm, limits_.travel_mm, height_mm_));
   const TimeOptimalChoice choice = ChoiceAlong(arc, limits_);
   const double ramp_ratio =
       choice.speed_mm_s / choice.acceleration_mm_s2 / choice.seconds;

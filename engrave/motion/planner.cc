@@ -10,7 +10,8 @@ namespace {
 class Stopping : public Planner {
  public:
   Stopping(const PlanOptions& options, const Vec3& start_mm)
-      : planner_(options.limits, options.rate_hz, options.profile, start_mm) {}
+      : planner_(options.limits, options.rate_hz, options.profile, start_mm,
+                 options.program) {}
 
   void Append(const Vec3& target_mm, std::int32_t point, bool pulse,
               std::vector<Segment>& out) override {

@@ -9,6 +9,7 @@
 #include "engrave/drive/drive.h"
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/axis/profile.h"
+#include "engrave/motion/axis/program_options.h"
 #include "engrave/motion/point_shift.h"
 #include "engrave/motion/segment.h"
 
@@ -21,6 +22,7 @@ struct PlanOptions {
   /// (stop_and_go.h).
   bool continuous = false;
   Profile profile = Profile::kMix;
+  ProgramOptions program = {};  ///< of `profile`
   /// Of each axis; regarded where the stage does not stop. Null: it follows exactly.
   std::shared_ptr<const drive::Drive> drive = {};
   /// How far a point may be moved where that saves ticks, >= 0; regarded where the stage

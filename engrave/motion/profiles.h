@@ -12,6 +12,7 @@
 
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/axis/profile.h"
+#include "engrave/motion/axis/program_options.h"
 #include "engrave/motion/step_program.h"
 
 namespace intaglio::motion {
@@ -20,7 +21,8 @@ struct ProfileEntry {
   Profile profile;
   std::string_view name;  ///< lower case, hyphenated
   /// rate_hz > 0; the limits are usable.
-  std::unique_ptr<StepProgram> (*make)(const Limits& limits, double rate_hz);
+  std::unique_ptr<StepProgram> (*make)(const Limits& limits, double rate_hz,
+                                       const ProgramOptions& options);
 };
 
 /// All of them, in the order of Profile; the tests of the programs run over them.
@@ -31,6 +33,7 @@ std::optional<Profile> ProfileByName(std::string_view name);
 
 /// Throws PreconditionError unless the limits and the rate are positive and finite.
 std::unique_ptr<StepProgram> MakeStepProgram(Profile profile, const Limits& limits,
-                                             double rate_hz);
+                                             double rate_hz,
+                                             const ProgramOptions& options = {});
 
 }  // namespace intaglio::motion

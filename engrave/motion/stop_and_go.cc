@@ -6,8 +6,9 @@
 namespace intaglio::motion {
 
 StopAndGoPlanner::StopAndGoPlanner(const Limits& limits, double rate_hz, Profile profile,
-                                   const Vec3& start_mm)
-    : program_(MakeStepProgram(profile, limits, rate_hz)), position_mm_(start_mm) {}
+                                   const Vec3& start_mm, const ProgramOptions& options)
+    : program_(MakeStepProgram(profile, limits, rate_hz, options)),
+      position_mm_(start_mm) {}
 
 void StopAndGoPlanner::Append(const Vec3& target_mm, std::int32_t point, bool pulse,
                               std::vector<Segment>& out) {

@@ -11,6 +11,7 @@
 #include "engrave/core/geometry.h"
 #include "engrave/motion/axis/limits.h"
 #include "engrave/motion/axis/profile.h"
+#include "engrave/motion/axis/program_options.h"
 #include "engrave/motion/segment.h"
 #include "engrave/motion/step_program.h"
 
@@ -21,8 +22,9 @@ namespace intaglio::motion {
 class StopAndGoPlanner {
  public:
   /// Starts at rest at `start_mm`. rate_hz > 0: the lamp's rate, 1 .. 4000.
+  /// `options`: what the profile leaves open.
   StopAndGoPlanner(const Limits& limits, double rate_hz, Profile profile,
-                   const Vec3& start_mm);
+                   const Vec3& start_mm, const ProgramOptions& options = {});
 
   /// Adds the segments of the step to `target_mm`. Only the last one carries `point` and
   /// `pulse`. A step of no length takes one tick, as the next pulse cannot come sooner.

@@ -2,8 +2,9 @@
 
 // The published plant of the parabola and the forces that drive it along, Trochimczuk
 // 2008 ch. 6.2.3-6.2.6 (37)-(78). Motion controllers take positions and velocities, not
-// forces, so only tests use these: a plant under the forces passes the states that
-// Parabola computes. It shares no code with Parabola. mm, s, N, kg.
+// forces, so no planner uses these: they are for the design of a drive, and the tests
+// show that a plant under the forces passes the states that Parabola computes, with which
+// they share no code. mm, s, N, kg.
 
 #include <Eigen/Dense>
 #include <cmath>

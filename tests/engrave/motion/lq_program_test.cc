@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engrave/core/check.h"
 #include "engrave/motion/axis/profile.h"
+#include "engrave/motion/axis/program_options.h"
 #include "engrave/motion/verify.h"
 
 namespace intaglio::motion {
@@ -122,6 +124,40 @@ TEST(LqProgram, IsStraightAndItsEndNeedsNoMending) {
           acceleration(step.segments[count - 2].end(), step.segments.back());
       EXPECT_LT((first - last).norm(), 1e-6 * first.norm());
     }
+  }
+}
+
+TEST(LqProgram, APlantsRateIsThatOfItsClosedForm) {
+  // w^2 = (q / r) beta^2 + alpha^2 in SI and mm: beta 1000 / 2, alpha -10 / 2.
+  EXPECT_NEAR(LqRatePerS({2, 10, 0, 1}), 5, 1e-12);
+  EXPECT_NEAR(LqRatePerS({2, 0, 9e-4, 4}), 7.5, 1e-12);
+  EXPECT_NEAR(LqRatePerS({2, 10, 9e-4, 4}), std::hypot(5, 7.5), 1e-12);
+  EXPECT_THROW(LqRatePerS({0, 10, 1, 1}), PreconditionError);
+  EXPECT_THROW(LqRatePerS({1, -1, 1, 1}), PreconditionError);
+
+  const double w_per_s = LqRatePerS({1, 200, 0, 1});
+  std::vector<Segment> segments;
+  const auto ticks =
+      LqProgram({}, kLqRateHz, w_per_s).Append(Vec3::Zero(), Vec3(20, 0, 0), segments);
+  const double duration = static_cast<double>(ticks) / kLqRateHz;
+  double t = 0;
+  for (const Segment& segment : segments) {
+    t += DurationSeconds(segment.duration_subticks, kLqRateHz);
+    // Of 2 stages in 1 / w, as above.
+    EXPECT_NEAR(segment.end_position_mm.x() / 20, ClosedForm(t, duration, w_per_s), 0.01);
+  }
+}
+
+TEST(LqProgram, WithoutWeightAndFrictionIsTheCubic) {
+  std::vector<Segment> segments;
+  LqProgram({}, kLqRateHz, LqRatePerS({})).Append(Vec3::Zero(), Vec3(9, 0, 0), segments);
+  double total = 0;
+  for (const Segment& s : segments) total += s.duration_subticks;
+  double u = 0;
+  for (const Segment& segment : segments) {
+    u += segment.duration_subticks / total;
+    // Held accelerations: of 8 stages 1 / 64 of the way at most.
+    EXPECT_NEAR(segment.end_position_mm.x(), 9 * u * u * (3 - 2 * u), 9.0 / 64);
   }
 }
 

@@ -149,5 +149,27 @@ TEST(ParabolaProgram, KeepsTheLengthsOfTheVectors) {
   EXPECT_GT(report.peak_speed_mm_s, 50);
 }
 
+TEST(ParabolaProgram, RisesAsHighAsItIsAskedTo) {
+  const Box3 travel{Vec3::Constant(-100), Vec3::Constant(100)};
+  const Vec3 to_mm(10, 0, 0);
+  EXPECT_NEAR(ArchOfStep(Vec3::Zero(), to_mm, travel).z(), 1, 1e-12);
+  EXPECT_NEAR(ArchOfStep(Vec3::Zero(), to_mm, travel, 0.3).z(), 0.3, 1e-12);
+  EXPECT_NEAR(ArchOfStep(Vec3::Zero(), to_mm, travel, 2.5).z(), 2.5, 1e-12);
+  EXPECT_NEAR(ArchOfStep(Vec3::Zero(), to_mm, travel, 8).z(), 5, 1e-12) << "half of it";
+  EXPECT_EQ(ArchOfStep(Vec3::Zero(), to_mm, travel, 0), Vec3(Vec3::Zero()));
+  for (const double height_mm : {0.0, 0.3, 2.5}) {
+    std::vector<Segment> segments;
+    Limits limits;
+    limits.travel_mm = travel;
+    ParabolaProgram(limits, 100, height_mm).Append(Vec3::Zero(), to_mm, segments);
+    double highest_mm = 0;
+    for (const Segment& s : segments)
+      highest_mm = std::max(highest_mm, s.end_position_mm.z());
+    // The apex lies on a knot or between two.
+    EXPECT_LE(highest_mm, height_mm + kMaxDeviationMm);
+    EXPECT_GE(highest_mm, 0.8 * height_mm - kMaxDeviationMm);
+  }
+}
+
 }  // namespace
 }  // namespace intaglio::motion
