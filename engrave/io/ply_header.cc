@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <limits>
@@ -132,6 +133,13 @@ std::size_t SizeOf(PlyType type) {
 bool HoldsFaces(const PlyElement& element) {
   return element.name == "face" || element.name == "tristrips" ||
          element.name == "range_grid";
+}
+
+bool HoldsLists(const PlyElement& element) {
+  return std::ranges::any_of(element.properties, [](const PlyProperty& property) {
+    return property.is_list && property.type != PlyType::kFloat &&
+           property.type != PlyType::kDouble;
+  });
 }
 
 Result<PlyHeader> ParsePlyHeader(std::string_view bytes) {

@@ -53,4 +53,7 @@ Result<PlyHeader> ParsePlyHeader(std::string_view bytes);
 /// Whether the rows of that element are faces: polygons, triangle strips or a grid.
 bool HoldsFaces(const PlyElement& element);
 
+/// Whether it has a list of whole numbers, as faces of any name have.
+bool HoldsLists(const PlyElement& element);
+
 }  // namespace intaglio::io

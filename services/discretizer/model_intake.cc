@@ -18,7 +18,10 @@ ModelIntake::ModelIntake(bus::Bus& bus, const std::string& instance,
 Status ModelIntake::Open(const std::string& job_uid, std::uint32_t attempt,
                          host::TaskPart part, std::size_t model_count) {
   Close();
-  if (model_count == 0) return Fail(ErrorCode::kMissing, "models: the job has none");
+  if (model_count == 0) {  // all points are in the job itself
+    complete_ = true;
+    return {};
+  }
   job_uid_ = job_uid;
   attempt_ = attempt;
   part_ = part;

@@ -21,7 +21,8 @@ class ModelIntake {
  public:
   ModelIntake(bus::Bus& bus, const std::string& instance, const ReadLimits& limits);
 
-  /// Gives the sender its credit for these many models; forgets an earlier stream.
+  /// Gives the sender its credit for these many models; forgets an earlier stream. 0: all
+  /// is whole at once.
   Status Open(const std::string& job_uid, std::uint32_t attempt, host::TaskPart part,
               std::size_t model_count);
   /// Takes what has come and drops what is not of the open stream, also when none is

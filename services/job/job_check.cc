@@ -16,7 +16,9 @@
 #include "services/job/field_ranges.h"
 #include "services/job/findings.h"
 #include "services/job/job_defaults.h"
+#include "services/job/layers_check.h"
 #include "services/job/machine/laser_setting.h"
+#include "services/job/machine/lens_check.h"
 #include "services/job/machine/reach_check.h"
 #include "services/job/methods/method_table.h"
 #include "services/job/model_kind.h"
@@ -69,7 +71,23 @@ void CheckKindAndMethod(const Model& model, const std::string& path, Findings& f
                  "cannot be made by this method; remove the method for the default one");
 }
 
+void CheckOwnPointsAndLayers(const Model& model, const std::string& path,
+                             Findings& findings) {
+  if (model.points_mm_size() > 0 && (model.has_text() || !model.file().empty())) {
+    findings.Wrong(path + ".points_mm", model.points_mm_size(),
+                   "points are given beside {}; make two models",
+                   model.has_text() ? "a text" : "a file");
+  }
+  const auto kind = KindOf(model);
+  if (model.layers_size() > 0 && kind && *kind != ModelKind::kDrawing) {
+    findings.Wrong(path + ".layers", model.layers(0),
+                   "is a layer of a drawing, and the model is {}; remove it",
+                   NameOf(*kind));
+  }
+}
+
 void CheckModel(const Model& model, const std::string& path, Findings& findings) {
+  CheckOwnPointsAndLayers(model, path, findings);
   CheckKindAndMethod(model, path, findings);
   if (model.has_text() && !model.file().empty()) {
     findings.Wrong(path + ".file", model.file(),
@@ -130,6 +148,15 @@ void CheckRoom(const JobSpec& job, Findings& findings) {
   }
 }
 
+void CheckOrdering(const Ordering& ordering, Findings& findings) {
+  const PublishedKdzOrder& published = ordering.published_kdz();
+  if (!published.has_angle_deg()) return;
+  if (published.has_up_ratio() || published.has_down_ratio()) {
+    findings.Wrong("ordering.published_kdz.angle_deg", published.angle_deg(),
+                   "excludes up_ratio and down_ratio, which follow from it; remove them");
+  }
+}
+
 void CheckMethods(const JobSpec& job, Findings& findings) {
   for (int i = 0; i < job.models_size(); ++i) {
     const Method* method = MethodOf(job.models(i));
@@ -138,27 +165,6 @@ void CheckMethods(const JobSpec& job, Findings& findings) {
       findings.Wrong(fmt::format("models[{}].{}.{}", i, method->name(), fault.field),
                      fault.value, "{}", fault.what);
     }
-  }
-}
-
-double LayerDistanceOf(const Method& method, const Model& model) {
-  const auto& message = MessageOf(method, model);
-  const auto* field = method.message().FindFieldByName(std::string(method.layer_field));
-  return message.GetReflection()->GetDouble(message, field);
-}
-
-// Sort by layers, Trochimczuk 2008 annex E: not thinner than the layers of the sections.
-void CheckLayers(const JobSpec& job, Findings& findings) {
-  if (!job.ordering().has_layers()) return;
-  const double thickness_mm = job.ordering().layers().layer_thickness_mm();
-  for (const Model& model : job.models()) {
-    const Method* method = MethodOf(model);
-    if (method == nullptr || method->layer_field.empty()) continue;
-    const double distance_mm = LayerDistanceOf(*method, model);
-    if (thickness_mm >= distance_mm) continue;
-    return findings.Wrong("ordering.layers.layer_thickness_mm", thickness_mm,
-                          "is less than the layer distance of the {}, {}", method->name(),
-                          distance_mm);
   }
 }
 
@@ -287,15 +293,6 @@ void CheckLaser(const LaserOptions& laser, const MachineSpec& machine,
   }
 }
 
-void CheckLens(const Lens& lens, const MachineSpec& machine, Findings& findings) {
-  if (FindLens(machine, lens.focal_length_mm()) != nullptr) return;
-  std::vector<double> lengths_mm;
-  for (const MachineLens& l : machine.lenses()) lengths_mm.push_back(l.focal_length_mm());
-  findings.Wrong("lens.focal_length_mm", lens.focal_length_mm(),
-                 "is not a lens of {}; it has {}", machine.name(),
-                 fmt::join(lengths_mm, " "));
-}
-
 void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
                  const MachineSpec& machine, Findings& findings) {
   // Numbers pass the readers of files.
@@ -313,6 +310,15 @@ void CheckMotion(const MotionOptions& motion, double min_spacing_mm,
     findings.Wrong("motion.max_acceleration_mm_s2", motion.max_acceleration_mm_s2(),
                    "is above the acceleration of {}, {}", machine.name(),
                    largest.max_acceleration_mm_s2());
+  }
+  if (motion.has_parabola_height_mm() && motion.profile() != MOTION_PROFILE_PARABOLA) {
+    findings.Wrong("motion.parabola_height_mm", motion.parabola_height_mm(),
+                   "is of the profile MOTION_PROFILE_PARABOLA alone; remove it");
+  }
+  if (motion.has_lq() && motion.profile() != MOTION_PROFILE_LQ) {
+    findings.Wrong("motion.lq", motion.lq().moving_mass_kg(),
+                   "kg and the other fields are of the profile MOTION_PROFILE_LQ alone; "
+                   "remove them");
   }
   // Further off, a crack could no longer be distinguished from its neighbours'.
   const double max_um = 1000 * min_spacing_mm / 4;
@@ -356,9 +362,11 @@ std::vector<Finding> CheckJobOnMachine(const JobSpec& job, const MachineSpec& ma
     CheckRoom(whole, findings);
     CheckReach(whole, machine, stage_per_glass_ratio, findings);
   }
-  CheckLens(whole.lens(), machine, findings);
+  CheckLens(whole, machine, findings);
+  CheckDividedBlock(whole, machine, findings);
   CheckLayers(whole, findings);
   CheckMethods(whole, findings);
+  CheckOrdering(job.ordering(), findings);
   CheckMotion(whole.motion(), whole.discretization().min_spacing_mm(), machine, findings);
   CheckLaser(whole.laser(), machine, findings);
   CheckChannels(whole, findings);

@@ -31,7 +31,9 @@ Vector3 MakeVector(double x, double y, double z) {
 
 std::string NameOf(const Model& model) {
   return model.has_text() ? NumberedText(model.text().text(), 1)
-                          : std::filesystem::path(model.file()).filename().string();
+         : model.file().empty() && model.points_mm_size() > 0
+             ? "points"
+             : std::filesystem::path(model.file()).filename().string();
 }
 
 /// A picture has no size of its own, and a cloud has its place already.
@@ -143,6 +145,7 @@ void FillOrdering(Ordering& ordering, double spacing_mm) {
   }
   if (ordering.has_published_kdz()) {
     PublishedKdzOrder& published = *ordering.mutable_published_kdz();
+    if (published.has_angle_deg()) return;
     if (!published.has_up_ratio()) published.set_up_ratio(1);
     if (!published.has_down_ratio()) published.set_down_ratio(1);
   }
@@ -155,6 +158,12 @@ void FillMotion(MotionOptions& motion, const MachineSpec& machine) {
     motion.set_max_acceleration_mm_s2(limits.acceleration_mm_s2);
   }
   if (!motion.has_tolerance_um()) motion.set_tolerance_um(0);
+  if (!motion.has_lq()) return;
+  LqWeights& lq = *motion.mutable_lq();
+  if (!lq.has_moving_mass_kg()) lq.set_moving_mass_kg(1);
+  if (!lq.has_friction_n_s_m()) lq.set_friction_n_s_m(0);
+  if (!lq.has_speed_weight()) lq.set_speed_weight(0);
+  if (!lq.has_force_weight()) lq.set_force_weight(1);
 }
 
 void FillLaser(LaserOptions& laser, const LaserHead& head) {

@@ -60,7 +60,7 @@ void VisitModel(Model& model, const std::string& path, const Visit& visit) {
       visit(*text.mutable_fallback_fonts(i),
             fmt::format("{}.text.fallback_fonts[{}]", path, i));
     }
-  } else {
+  } else if (!model.file().empty() || model.points_mm_size() == 0) {
     visit(*model.mutable_file(), path + ".file");
   }
   VisitMethod(model, path + ".", visit);
@@ -86,6 +86,7 @@ const char* NameOf(ModelKind kind) {
 
 Result<ModelKind> KindOf(const Model& model) {
   if (model.has_text()) return ModelKind::kText;
+  if (model.file().empty() && model.points_mm_size() > 0) return ModelKind::kCloud;
   std::string ending = std::filesystem::path(model.file()).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

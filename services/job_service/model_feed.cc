@@ -34,6 +34,7 @@ ModelFeed::~ModelFeed() {
 }
 
 void ModelFeed::Start(const TaskId& task, std::vector<std::string> files) {
+  if (files.empty()) return;  // the discretizer waits for none
   const std::lock_guard lock(mutex_);
   Stream& stream = added_.emplace_back();
   stream.task = task;

@@ -117,8 +117,9 @@ class CurvePoints {
     return cuts;
   }
 
-  /// Equal arc length from cut to cut. Each run has a point at its beginning. If an open
-  /// line keeps no end points, its points begin and end half a distance inside.
+  /// Equal arc length from cut to cut. Each run has a point at its beginning, or, of a
+  /// closed line, the phase's share of its step behind that. If an open line keeps no end
+  /// points, its points begin and end half a distance inside.
   void AddRuns(const PointList& line, const std::vector<std::size_t>& cuts, bool closed,
                PointList& points) const {
     std::vector<double> arc_mm(line.size(), 0);
@@ -131,7 +132,7 @@ class CurvePoints {
       const double begin_mm = arc_mm[cuts[i]];
       ContourSteps steps = StepsOfRun(arc_mm[cuts[i + 1]] - begin_mm,
                                       short_ends && i == 0, short_ends && last);
-      steps.first_mm += begin_mm;
+      steps.first_mm += begin_mm + (closed ? spacing_.phase_ratio * steps.step_mm : 0);
       steps.end_point = last && !closed && !short_ends;
       AddSteps({line, arc_mm}, steps, cuts[i], cuts[i + 1], points);
     }

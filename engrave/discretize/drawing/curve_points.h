@@ -25,7 +25,9 @@ struct CurveOptions {
   /// From each layer to the next, glass frame, not zero; its length does not matter.
   /// Default upwards; a placed drawing's normal is linear * z.
   Vec3 layer_direction = Vec3::UnitZ();
-  /// 0 .. 1 of the distance, by which each next layer of a closed curve starts later.
+  /// 0 .. 1 of the distance, by which each next layer of a closed curve starts later. One
+  /// with corners has points on them in the layers without a shift, and in the others by
+  /// this much behind each.
   double twist_phase_ratio = 0;
   /// Points on the very ends of open curves; else half a distance from them.
   bool insert_end_points = true;

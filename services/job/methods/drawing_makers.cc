@@ -1,5 +1,6 @@
 // How the methods of drawings and texts make points: as mesh_makers.cc.
 
+#include "services/job/methods/method_table.h"
 #include "services/job/methods/point_maker.h"
 
 namespace intaglio {
@@ -13,7 +14,10 @@ MadePoints MakeFromCurves(const MethodInput& input,
   options.distance_mm = asked.distance_mm();
   options.layer_count = static_cast<int>(asked.layer_count());
   options.layer_distance_mm = asked.layer_distance_mm();
-  options.layer_direction = placed.normal;
+  options.layer_direction =
+      MethodOf(input.model)
+          ->layer_axis(input.model, mesh::RotationOf(input.placement.rotation_rad))
+          .value_or(placed.normal);
   options.twist_phase_ratio = asked.twist_phase_ratio();
   options.insert_end_points = asked.insert_end_points();
   if (asked.fill()) options.fill = inside;

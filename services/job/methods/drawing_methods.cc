@@ -1,9 +1,26 @@
 // The methods that make points of drawings and texts: as mesh_methods.cc.
 
+#include <numbers>
+
+#include "engrave/mesh/placement.h"
 #include "services/job/methods/method_table.h"
 
 namespace intaglio {
 namespace {
+
+std::optional<Vec3> LayerAxisOf(const Model& model, const Mat3& rotation) {
+  const CurvesMethod& curves = model.curves();
+  if (!curves.has_layer_axis()) return std::nullopt;
+  const Vec3 base = curves.layer_axis() == AXIS_X   ? Vec3::UnitX()
+                    : curves.layer_axis() == AXIS_Y ? Vec3::UnitY()
+                                                    : Vec3::UnitZ();
+  const Vector3& turn_deg = curves.layer_rotate_deg();
+  const Vec3 turned = mesh::RotationOf(Vec3(turn_deg.x(), turn_deg.y(), turn_deg.z()) *
+                                       (std::numbers::pi / 180)) *
+                      base;
+  return curves.layer_system() == COORDINATE_SYSTEM_OBJECT ? Vec3(rotation * turned)
+                                                           : turned;
+}
 
 Method Curves() {
   return {
@@ -25,7 +42,22 @@ Method Curves() {
             Number(true),
             "--end-points",
             "points at the ends of open curves"},
-           {"fill", {}, {}, "--fill", "the area inside closed curves gets points, too"}},
+           {"fill", {}, {}, "--fill", "the area inside closed curves gets points, too"},
+           {"layer_axis",
+            {},
+            {},
+            "--axis",
+            "direction from layer to layer; default: the normal of the drawing"},
+           {"layer_rotate_deg", NumberRange{-180, 180}, Number(0), "--axis-rotate",
+            "turns the axis about x, y, z"},
+           {"layer_system",
+            {},
+            {},
+            "--axis-system",
+            "whose axes; _OBJECT: they turn with the drawing"}},
+      .layer_field = "layer_distance_mm",
+      .layer_count_field = "layer_count",
+      .layer_axis = LayerAxisOf,
   };
 }
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engrave/core/geometry.h"
 #include "proto/job.pb.h"
 
 namespace intaglio {
@@ -76,6 +77,12 @@ struct Method {
   /// The field with the distance of its layers, when an order by layers must not be
   /// thinner than that; else empty.
   std::string_view layer_field = {};
+  /// The field with the number of its layers, where one layer has no distance; else
+  /// empty.
+  std::string_view layer_count_field = {};
+  /// From layer to layer where the model gives an axis, length 1, glass frame; nothing:
+  /// the normal of its sheet. `rotation`: of its placement. nullptr: none can be given.
+  std::optional<Vec3> (*layer_axis)(const Model& model, const Mat3& rotation) = nullptr;
   /// nullptr: nothing can contradict. `job` with its defaults filled in.
   std::vector<MethodFault> (*faults)(const JobSpec& job, const Model& model) = nullptr;
 

@@ -74,6 +74,8 @@ Method Halftone() {
                   "--point-count",
                   "approximate number of points; without it as bright as possible"},
                  kCurve},
+      .layer_field = "layer_distance_mm",
+      .layer_count_field = "layer_count",
       .faults = [](const JobSpec& job,
                    const Model& model) { return ToneFaults(job, model.halftone()); },
   };
@@ -105,6 +107,8 @@ Method Relief() {
            kLayerDistance,
            {"smoothing_mm", NumberRange{0, 10}, Number(0), "--smoothing",
             "mean over squares of this side; smooths the steps of maps with 256 depths"}},
+      .layer_field = "layer_distance_mm",
+      .layer_count_field = "layer_count",
       .faults = [](const JobSpec& job,
                    const Model& model) { return ToneFaults(job, model.relief()); },
   };

@@ -1,11 +1,13 @@
 #include "services/job/models/flat_models.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <set>
 #include <variant>
 
 #include "engrave/core/try.h"
@@ -37,6 +39,33 @@ Result<drawing::Drawing> ReadByEnding(const std::string& name, std::string_view 
   if (ending == ".dxf") return drawing::ReadDxf(file, options, name);
   if (ending == ".svg") return drawing::ReadSvg(file, options, name);
   return drawing::ReadHpgl(file, options, name);
+}
+
+/// The curves of the model's layers; of a model without layers all.
+Status KeepLayers(const Model& model, const std::vector<std::string>& names,
+                  drawing::FlatDrawing& flat) {
+  if (model.layers().empty()) return {};
+  std::set<std::uint32_t> kept;
+  std::set<std::string> present;
+  for (const drawing::FlatCurve& curve : flat.curves) {
+    const std::string& name = names.at(curve.layer);
+    present.insert(name);
+    if (std::ranges::find(model.layers(), name) != model.layers().end()) {
+      kept.insert(curve.layer);
+    }
+  }
+  for (const std::string& layer : model.layers()) {
+    if (present.contains(layer)) continue;
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("layers: the drawing has no curves on a layer \"{}\"; its "
+                            "layers are \"{}\"",
+                            layer, fmt::join(present, "\", \"")),
+                layer);
+  }
+  std::erase_if(flat.curves, [&](const drawing::FlatCurve& curve) {
+    return !kept.contains(curve.layer);
+  });
+  return {};
 }
 
 // What a person sees in the file and misses in the glass.
@@ -85,11 +114,12 @@ MadePoints MakeDrawing(const Method& method, const MethodInput& input,
                        SizeCheck size_check, Warnings& warnings) {
   const std::string& name = input.model.file();
   const auto drawing = INTAGLIO_TRY(ReadDrawing(name, file, limits.drawings, warnings));
-  const auto placed = INTAGLIO_TRY(
+  auto placed = INTAGLIO_TRY(
       discretize::PlaceDrawing(drawing, input.placement, input.block_size_mm));
   if (size_check == SizeCheck::kDone) {
     INTAGLIO_TRY(CheckSize(input, BoundsOf(placed).size_mm(), warnings));
   }
+  INTAGLIO_TRY(KeepLayers(input.model, drawing.names, placed.flat));
   return std::get<DrawingMaker>(MakerOf(method).make)(input, placed,
                                                       discretize::CurveFill::kEvenOdd);
 }

@@ -1,6 +1,7 @@
 #include "services/job/models/model_sources.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <google/protobuf/descriptor.h>
 
 #include <algorithm>
@@ -57,16 +58,51 @@ std::string_view TextOf(const FileBytes& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// A PLY without faces is a cloud. Of a damaged header the reader of meshes reports what
-/// is wrong.
-bool HoldsPointsOnly(const Model& model, const FileBytes& file) {
+/// By hand in the job; there is no file then.
+bool HasOwnPoints(const Model& model) {
+  return !model.has_text() && model.file().empty() && model.points_mm_size() > 0;
+}
+
+/// "vertex, edge".
+std::string ElementsOf(const io::PlyHeader& header) {
+  std::vector<std::string> names;
+  for (const io::PlyElement& element : header.elements) names.push_back(element.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// A PLY without faces is a cloud, and what it was taken for becomes a note. Of a damaged
+/// header the reader of meshes reports what is wrong. kUnsupported: lists of numbers that
+/// may be faces and are not understood.
+Result<bool> HoldsPointsOnly(const Model& model, const FileBytes& file,
+                             Warnings& warnings) {
   const std::string ending = ExtensionOf(model.file());
   if (ending != ".ply" && ending != ".PLY") return false;
   const auto header = io::ParsePlyHeader(TextOf(file));
-  return header && std::none_of(header->elements.begin(), header->elements.end(),
-                                [](const io::PlyElement& element) {
-                                  return io::HoldsFaces(element) && element.count > 0;
-                                });
+  if (!header) return false;
+  const auto note = [&](const std::string& what) {
+    const std::string name = std::filesystem::path(model.file()).filename().string();
+    warnings.push_back(MakeWarning(WarningCode::kChosen, name + ": " + what));
+  };
+  for (const io::PlyElement& element : header->elements) {
+    if (!io::HoldsFaces(element) || element.count == 0) continue;
+    note(fmt::format("read as a mesh, because its header has {} of element {}",
+                     element.count, element.name));
+    return false;
+  }
+  for (const io::PlyElement& element : header->elements) {
+    if (!io::HoldsLists(element) || element.count == 0) continue;
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("its element {} has lists, which may be faces and are not "
+                            "understood; export the faces as element face with a list "
+                            "vertex_indices, or remove the element for a cloud of points",
+                            element.name),
+                element.name);
+  }
+  note(
+      fmt::format("read as a cloud of points, because its header has no faces (element "
+                  "face, tristrips or range_grid), but {}",
+                  ElementsOf(*header)));
+  return true;
 }
 
 enum class Purpose {
@@ -96,7 +132,7 @@ class Maker {
 
  private:
   Result<Source> MakeOne(const Model& model) {
-    const FileBytes file = files_.Take();
+    const FileBytes file = HasOwnPoints(model) ? FileBytes() : files_.Take();
     const auto kind = INTAGLIO_TRY(KindOf(model));
     const Method* method = MethodOf(model);
     Require(Suits(model.method_case(), kind),
@@ -113,8 +149,9 @@ class Maker {
     }
     switch (kind) {
       case ModelKind::kMesh:
-        return HoldsPointsOnly(model, file) ? OfCloud(input, file)
-                                            : OfMesh(*method, input, file);
+        return INTAGLIO_TRY(HoldsPointsOnly(model, file, made_.warnings))
+                   ? OfCloud(input, file)
+                   : OfMesh(*method, input, file);
       case ModelKind::kCloud:
         return OfCloud(input, file);
       case ModelKind::kDrawing:
@@ -193,12 +230,18 @@ class Maker {
   }
 
   Result<Source> OfCloud(const MethodInput& input, const FileBytes& file) const {
-    const auto table = INTAGLIO_TRY(formats::ParsePoints(
-        TextOf(file), ExtensionOf(input.model.file()), limits_.points));
+    PointList points_mm;
+    if (HasOwnPoints(input.model)) {
+      for (const Vector3& p : input.model.points_mm()) points_mm.push_back(Vec3Of(p));
+    } else {
+      auto table = INTAGLIO_TRY(formats::ParsePoints(
+          TextOf(file), ExtensionOf(input.model.file()), limits_.points));
+      points_mm = std::move(table.points_mm);
+    }
     const auto glass_from_model = INTAGLIO_TRY(
-        mesh::GlassFromModelOf(table.points_mm, input.placement, input.block_size_mm));
+        mesh::GlassFromModelOf(points_mm, input.placement, input.block_size_mm));
     discretize::SpacedCloud points;
-    for (const Vec3& p : table.points_mm) points.Add(glass_from_model.Apply(p), 0);
+    for (const Vec3& p : points_mm) points.Add(glass_from_model.Apply(p), 0);
     return discretize::MakeFixedPoints(std::move(points));
   }
 

@@ -122,8 +122,12 @@ TEST_F(ModelIntakeTest, DropsWhatIsSentToOthers) {
   EXPECT_EQ(intake.TakeFiles().at(0), FileBytes{std::byte{1}});
 }
 
-TEST_F(ModelIntakeTest, RefusesAJobWithoutModels) {
-  EXPECT_FALSE(intake.Open(job_uid, 1, {}, 0));
+TEST_F(ModelIntakeTest, AJobWhosePointsAreItsOwnNeedsNoFile) {
+  ASSERT_TRUE(intake.Open(job_uid, 1, part, 0));
+  const auto taken = intake.Poll();
+  ASSERT_TRUE(taken);
+  EXPECT_TRUE(*taken);
+  EXPECT_TRUE(intake.TakeFiles().empty());
 }
 
 }  // namespace

@@ -93,8 +93,9 @@ std::unique_ptr<pb::Message> MessageWith(const FieldRange& range, double value) 
   const auto* field = type->FindFieldByName(std::string(range.field));
   const pb::Reflection& reflection = *message->GetReflection();
   if (field->message_type() != nullptr) {
-    auto* vector =
-        dynamic_cast<Vector3*>(reflection.MutableMessage(message.get(), field));
+    auto* vector = dynamic_cast<Vector3*>(
+        field->is_repeated() ? reflection.AddMessage(message.get(), field)
+                             : reflection.MutableMessage(message.get(), field));
     vector->set_x(value), vector->set_y(value), vector->set_z(value);
   } else if (field->type() == pb::FieldDescriptor::TYPE_UINT32) {
     const auto whole = static_cast<std::uint32_t>(value);

@@ -125,6 +125,32 @@ TEST(CurvePoints, LayersAndTwist) {
   }
 }
 
+TEST(CurvePoints, TwistShiftsTheLayersOfCurvesWithCorners) {
+  CurveOptions options;
+  options.layer_count = 3;
+  options.layer_distance_mm = 2;
+  options.twist_phase_ratio = 0.5;
+  const PointList points = PointsOf({{Square(10)}}, options);
+  PointList layer[3];
+  for (const Vec3& p : points) layer[std::lround(p.z() / 2)].push_back(p);
+  ASSERT_EQ(layer[0].size(), 36U);  // 10 / 1.004 = 9.96: 9 steps a side
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(layer[i].size(), 36U);
+  // The second layer lies half a step behind the first, the third a whole one: as it.
+  const double step_mm = 10.0 / 9;
+  for (const Vec3& corner : Square(10).points_mm) {
+    EXPECT_TRUE(Has(layer[0], corner));
+    EXPECT_NEAR(NearestTo(corner + Vec3(0, 0, 2), layer[1]), step_mm / 2, 1e-12);
+    EXPECT_TRUE(Has(layer[2], corner + Vec3(0, 0, 4)));
+  }
+  for (const Vec3& p : layer[1]) {
+    const double along = std::fmod(p.x() + p.y(), step_mm) / step_mm;  // on two sides
+    if (p.x() > 1e-9 && p.y() > 1e-9 && p.x() < 10 - 1e-9) continue;
+    if (p.y() < 1e-9 || p.x() > 10 - 1e-9) {
+      EXPECT_NEAR(along, 0.5, 1e-9) << p.transpose();
+    }
+  }
+}
+
 /// Every place inside (by the oracle) is near a point, and points keep the distance.
 template <typename IsInside>
 void ExpectEvenFill(const PointList& points, double distance_mm,

@@ -74,7 +74,7 @@ std::string DefaultOf(const MethodField& row, const Member& field) {
     case FieldDefault::Of::kNothing:
       break;
   }
-  if (field.enum_type() != nullptr) return "the first";
+  if (field.enum_type() != nullptr && !field.has_optional_keyword()) return "the first";
   return is_bool ? "false" : "none";
 }
 

@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "services/job/job_check.h"
 #include "services/job/job_defaults.h"
 #include "tests/services/job/test_job.h"
 
@@ -67,6 +69,44 @@ TEST(ModelSources, CopiesLieInAGridAboutTheMiddle) {
   EXPECT_NEAR(box.size_mm().x(), 1 + 2 * 4, 1e-12);
   EXPECT_NEAR(box.size_mm().y(), 5, 1e-12);
   EXPECT_TRUE(box.center_mm().isApprox(Vec3(25, 25, 15), 1e-12));
+}
+
+TEST(ModelSources, WhatAPlyWasTakenForIsANote) {
+  OneModel one;
+  one.model.set_file("/shop/scan.ply");
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\n"
+      "property double y\nproperty double z\n";
+  const std::string points = "end_header\n0 0 0\n3 0 0\n0 3 0\n";
+  const auto warnings_of = [&](const std::string& file) {
+    std::vector<FileBytes> bytes{BytesOf(file)};
+    auto sources =
+        MakeSources(WithDefaults(one.job, GoodMachine()), std::move(bytes), {}, {});
+    EXPECT_TRUE(sources.has_value()) << sources.error().message;
+    return sources ? sources->warnings : Warnings();
+  };
+  const Warnings cloud = warnings_of(head + points);
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_EQ(cloud[0].code, WarningCode::kChosen);
+  EXPECT_EQ(cloud[0].weight, WarningWeight::kNote);
+  EXPECT_EQ(
+      cloud[0].text,
+      "scan.ply: read as a cloud of points, because its header has no faces (element "
+      "face, tristrips or range_grid), but vertex");
+  const Warnings mesh =
+      warnings_of(head + "element face 1\nproperty list uchar int vertex_indices\n" +
+                  points + "3 0 1 2\n");
+  ASSERT_FALSE(mesh.empty());
+  EXPECT_EQ(mesh[0].text,
+            "scan.ply: read as a mesh, because its header has 1 of element face");
+  // Faces of a name that is not known are no reason to drop them.
+  const std::string unknown = head +
+                              "element polygon 1\nproperty list uchar int corners\n" +
+                              points + "3 0 1 2\n";
+  const auto refused = one.Make({unknown});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(refused.error().message, HasSubstr("its element polygon has lists"));
 }
 
 TEST(ModelSources, APlyWithoutFacesIsACloud) {
@@ -213,6 +253,52 @@ TEST(ModelSources, AReliefHasItsLayersAboveOneAnother) {
   EXPECT_NEAR(
       static_cast<double>(three->cloud.size()) / static_cast<double>(one->cloud.size()),
       3, 0.1);
+}
+
+TEST(ModelSources, PointsByHandAreACloudWithoutAFile) {
+  OneModel one;
+  for (const Vec3& p : {Vec3(4, 5, 3), Vec3(7, 8, 6)}) {
+    Vector3& point = *one.model.add_points_mm();
+    point.set_x(p.x()), point.set_y(p.y()), point.set_z(p.z());
+  }
+  one.model.mutable_placement()->mutable_move_mm()->set_z(10);
+  const auto made = one.Make({});
+  ASSERT_TRUE(made.has_value()) << made.error().message;
+  EXPECT_EQ(made->cloud.points_mm, (PointList{{4, 5, 13}, {7, 8, 16}}));
+  one.model.set_file("three.xyz");
+  const auto found = CheckJob(one.job);
+  EXPECT_TRUE(std::ranges::any_of(found, [](const Finding& f) {
+    return f.message ==
+           "models[0].points_mm: 2 points are given beside a file; make two models";
+  }));
+}
+
+TEST(ModelSources, AModelOfALayerLiesInItsPlaceOfTheWholeDrawing) {
+  // An outline of 20 x 10 mm in one group, a line of 4 mm in its corner in another.
+  constexpr std::string_view kPlan =
+      "<svg xmlns='http://www.w3.org/2000/svg' width='20mm' height='10mm' "
+      "viewBox='0 0 20 10'><g id='outline'><rect width='20' height='10'/></g>"
+      "<g id='mark'><path d='M1 1H5'/></g></svg>";
+  OneModel one;
+  one.model.set_file("plan.svg");
+  one.model.add_layers("mark");
+  one.model.mutable_placement()->set_up(UP_AXIS_Z);
+  one.model.mutable_curves()->set_distance_mm(1);
+  const auto mark = one.Make({kPlan});
+  ASSERT_TRUE(mark.has_value()) << mark.error().message;
+  Box3 box;
+  for (const Vec3& p : mark->cloud.points_mm) box.Extend(p);
+  // The block is 50 x 50 x 30 mm; the drawing's centre, (10, 5), lies in its middle.
+  EXPECT_TRUE(box.min_mm.isApprox(Vec3(25 + 1 - 10, 25 + 9 - 5, 15), 1e-6))
+      << box.min_mm.transpose();
+  EXPECT_TRUE(box.max_mm.isApprox(Vec3(25 + 5 - 10, 25 + 9 - 5, 15), 1e-6));
+
+  one.model.add_layers("Mark");
+  const auto unknown = one.Make({kPlan});
+  ASSERT_FALSE(unknown.has_value());
+  EXPECT_THAT(unknown.error().message,
+              HasSubstr("no curves on a layer \"Mark\"; its layers are \"mark\", "
+                        "\"outline\""));
 }
 
 }  // namespace

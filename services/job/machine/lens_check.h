@@ -1,0 +1,20 @@
+#pragma once
+
+// What the lens and the arrangement of several pieces allow of a block. `job` with its
+// defaults filled in.
+
+#include "proto/job.pb.h"
+#include "proto/machine.pb.h"
+#include "services/job/findings.h"
+
+namespace intaglio {
+
+/// The lens is one of the machine's, and the block fits under it.
+void CheckLens(const JobSpec& job, const MachineSpec& machine, Findings& findings);
+
+/// Several pieces at once are next to each other on the table (Trochimczuk 2008 table 10:
+/// four of at most 100 mm): MachineSpec.max_divided_block_mm.
+void CheckDividedBlock(const JobSpec& job, const MachineSpec& machine,
+                       Findings& findings);
+
+}  // namespace intaglio
